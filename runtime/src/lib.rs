@@ -1,0 +1,3 @@
+//! Evaluates baked Sinew models.
+#![no_std]
+#![forbid(unsafe_code)]

@@ -1,0 +1,1 @@
+//! Tolerances and comparators shared by the conformance tests.
