@@ -1,0 +1,204 @@
+//! Stage 1: from a pose to the deformation gradients of the keys (METHOD §1.1, §1.4, §1.5).
+
+use super::{Envelope, Key};
+use crate::Matrix3x4;
+use crate::error::{Argument, EvalError};
+use crate::linear::{Columns, IDENTITY, columns, dot, transform, transform_transposed};
+use crate::numeric::{quadrant_angle, sin_versine, sqrt};
+
+/// Computes the joints' maps relative to the root, their rotations, and the predicted gradients.
+///
+/// - `pose`: J skinning matrices, rest to posed, in model space.
+/// - `out_relative`: 4 J columns, `[4 j + c]` column c of `B_r^-1 B_j`, with `B_r` taken as rigid;
+///   the root's is exactly `[I | 0]`. The stack q of METHOD §1.7.3.
+/// - `out_rotations`: J rotation vectors theta_j in radians, each relative to its parent; 0 for
+///   the root. A matrix that is not a rotation gives that of the nearest quaternion.
+/// - `out_gradients`: 3 P columns, `[3 l + c]` column c of `D_l`, root motion removed. The stack d.
+///
+/// # Errors
+/// - [`EvalError::Length`]: an argument has another length.
+/// - [`EvalError::NonFinite`]: a joint's matrix is not finite.
+pub fn evaluate(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    out_relative: &mut [[f32; 3]],
+    out_rotations: &mut [[f32; 3]],
+    out_gradients: &mut [[f32; 3]],
+) -> Result<(), EvalError> {
+    let (joint_len, proxy_len) = (envelope.joint_len(), envelope.proxy_len());
+    Argument::Pose.check_len(joint_len, pose.len())?;
+    Argument::Relative.check_len(4 * joint_len, out_relative.len())?;
+    Argument::Rotations.check_len(joint_len, out_rotations.len())?;
+    Argument::Gradients.check_len(3 * proxy_len, out_gradients.len())?;
+    if let Some(joint) = pose.iter().position(|m| !m.as_flattened().iter().all(|x| x.is_finite())) {
+        return Err(EvalError::NonFinite { joint });
+    }
+
+    let (relative, _) = out_relative.as_chunks_mut::<4>();
+    remove_root_motion(pose, envelope.root(), relative);
+    for (joint, out) in out_rotations.iter_mut().enumerate() {
+        *out = match envelope.parent(joint) {
+            None => [0.0; 3],
+            Some(parent) => {
+                let parent = rotation(relative, parent);
+                log(&rotation(relative, joint).map(|c| transform_transposed(&parent, c)))
+            }
+        };
+    }
+    for (proxy, out) in out_gradients.as_chunks_mut().0.iter_mut().enumerate() {
+        if let Some(key) = envelope.key(proxy) {
+            *out = gradient(envelope, &key, relative, out_rotations);
+        }
+    }
+    Ok(())
+}
+
+fn remove_root_motion(pose: &[Matrix3x4], root: usize, out_relative: &mut [[[f32; 3]; 4]]) {
+    let Some([x, y, z, origin]) = pose.get(root).map(columns) else { return };
+    let rotation = [x, y, z];
+    for (joint, (out, map)) in out_relative.iter_mut().zip(pose).enumerate() {
+        if joint == root {
+            let [x, y, z] = IDENTITY;
+            *out = [x, y, z, [0.0; 3]];
+            continue;
+        }
+        let [x, y, z, t] = columns(map);
+        let t = [t[0] - origin[0], t[1] - origin[1], t[2] - origin[2]];
+        *out = [x, y, z, t].map(|column| transform_transposed(&rotation, column));
+    }
+}
+
+/// Evaluates `D = Q_p exp(A theta_b) [exp(A' theta_c)] S`.
+fn gradient(
+    envelope: &Envelope<'_>,
+    key: &Key,
+    relative: &[[[f32; 3]; 4]],
+    rotations: &[[f32; 3]],
+) -> Columns {
+    let theta = |joint: usize| rotations.get(joint).copied().unwrap_or_default();
+    let parent = envelope.parent(key.joint);
+    let theta_p = parent.map_or([0.0; 3], theta);
+    let mut out = scale_shear(&key.shear, theta(key.joint), theta_p);
+    if let Some((joint, twist)) = &key.residual {
+        let turn = exp(twist.map(|row| dot(row, theta(*joint))));
+        out = out.map(|column| transform(&turn, column));
+    }
+    let turn = exp(key.twist.map(|row| dot(row, theta(key.joint))));
+    out = out.map(|column| transform(&turn, column));
+    if let Some(parent) = parent {
+        let turn = rotation(relative, parent);
+        out = out.map(|column| transform(&turn, column));
+    }
+    out
+}
+
+/// Returns the linear part of a joint's relative map.
+fn rotation(relative: &[[[f32; 3]; 4]], joint: usize) -> Columns {
+    relative.get(joint).map_or(IDENTITY, |[x, y, z, _]| [*x, *y, *z])
+}
+
+/// Returns S = I + sym(H [theta_b; theta_p]).
+fn scale_shear(shear: &[[f32; 6]; 6], b: [f32; 3], p: [f32; 3]) -> Columns {
+    let [xx, xy, xz, yy, yz, zz] =
+        shear.map(|[h0, h1, h2, h3, h4, h5]| dot([h0, h1, h2], b) + dot([h3, h4, h5], p));
+    [[1.0 + xx, xy, xz], [xy, 1.0 + yy, yz], [xz, yz, 1.0 + zz]]
+}
+
+/// Returns the rotation vector of a rotation matrix, of an angle in [0, pi].
+///
+/// The quaternion is found from the largest of its four components (Shepperd 1978) and used up to
+/// its length, which the angle's ratio does not need.
+fn log(m: &Columns) -> [f32; 3] {
+    let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = *m;
+    let (mut v, mut w) = if xx + yy + zz >= 0.0 {
+        ([zy - yz, xz - zx, yx - xy], 1.0 + (xx + yy + zz))
+    } else if xx >= yy && xx >= zz {
+        ([1.0 + (xx - yy - zz), xy + yx, xz + zx], zy - yz)
+    } else if yy >= zz {
+        ([xy + yx, 1.0 + (yy - xx - zz), yz + zy], xz - zx)
+    } else {
+        ([xz + zx, yz + zy, 1.0 + (zz - xx - yy)], yx - xy)
+    };
+    if w < 0.0 {
+        (v, w) = (v.map(|x| -x), -w);
+    }
+    let length = sqrt(dot(v, v));
+    // A length that underflows belongs to a rotation of nothing.
+    if length < 1.0e-18 {
+        return [0.0; 3];
+    }
+    let scale = 2.0 * quadrant_angle(length, w) / length;
+    v.map(|x| x * scale)
+}
+
+/// Returns the rotation of a rotation vector: Rodrigues' formula, with the versine.
+fn exp(v: [f32; 3]) -> Columns {
+    let [x, y, z] = v;
+    let square = dot(v, v);
+    // sin(a)/a and versin(a)/a^2 differ from their limits by less than rounding.
+    let (a, b) = if square < 1.0e-8 {
+        (1.0, 0.5)
+    } else {
+        let angle = sqrt(square);
+        let (sine, versine) = sin_versine(angle);
+        (sine / angle, versine / square)
+    };
+    [
+        [1.0 - b * (y * y + z * z), b * (x * y) + a * z, b * (x * z) - a * y],
+        [b * (x * y) - a * z, 1.0 - b * (x * x + z * z), b * (y * z) + a * x],
+        [b * (x * z) + a * y, b * (y * z) - a * x, 1.0 - b * (x * x + y * y)],
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Directions and angles that reach every branch of the logarithm.
+    fn vectors() -> impl Iterator<Item = [f32; 3]> {
+        let axis = |i: u32| [i % 7, i / 7 % 7, i / 49].map(|x| x as f32 - 3.0);
+        let axes = (0..343).map(axis).filter(|a| dot(*a, *a) > 0.0);
+        let angles = [1e-12, 1e-6, 1e-3, 0.1, 1.0, 2.0, 3.0, 3.14];
+        axes.flat_map(move |a| angles.map(|angle| a.map(|x| x * angle / sqrt(dot(a, a)))))
+    }
+
+    fn error(a: [f32; 3], b: [f32; 3]) -> f32 {
+        let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+        sqrt(dot(d, d))
+    }
+
+    #[test]
+    fn log_undoes_exp() {
+        for v in vectors() {
+            let length = sqrt(dot(v, v));
+            // A few roundings of the matrix's entries, which are about 1; exact direction near 0.
+            assert!(error(log(&exp(v)), v) <= 2e-6 * length.min(1.0), "{v:?}");
+        }
+        assert!(error(log(&exp([0.1, 0.0, 0.0])), [0.1, 0.0, 1e-5]) > 1e-6, "the measure sees");
+    }
+
+    #[test]
+    fn exp_is_a_rotation() {
+        for v in vectors() {
+            let m = exp(v);
+            let gram = m.map(|c| transform_transposed(&m, c));
+            for (column, unit) in gram.iter().zip(&IDENTITY) {
+                assert!(error(*column, *unit) < 1e-6, "{v:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn half_turns_and_nothing() {
+        assert_eq!(log(&IDENTITY), [0.0; 3]);
+        assert_eq!(exp([0.0; 3]), IDENTITY);
+        let half = [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!(log(&half).map(f32::abs), [0.0, 0.0, core::f32::consts::PI]);
+    }
+
+    #[test]
+    fn log_of_a_scaled_rotation_keeps_its_axis() {
+        let scaled = exp([0.0, 0.5, 0.0]).map(|c| c.map(|x| x * 1.0001));
+        assert!(error(log(&scaled), [0.0, 0.5, 0.0]) < 1e-4);
+    }
+}

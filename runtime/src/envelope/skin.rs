@@ -1,0 +1,200 @@
+//! Stage 3: from the palette to positions, normals and tangents (METHOD §1.8).
+
+use super::Envelope;
+use crate::Matrix3x4;
+use crate::error::{Argument, EvalError};
+use crate::linear::{Le, dot};
+use crate::numeric::sqrt;
+use core::ops::Range;
+use glam::{Mat4, Vec4, Vec4Swizzles};
+
+/// One of the two output buffers of a [`SkinJob`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Buffer {
+    /// `out_a`.
+    A,
+    /// `out_b`.
+    B,
+}
+
+/// Where an attribute is written: the i-th vertex *of the range* at `offset + i * stride`, in floats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Attribute {
+    /// The buffer.
+    pub buffer: Buffer,
+    /// Where the range's first vertex goes, in floats.
+    pub offset: usize,
+    /// Floats from one vertex to the next; at least the attribute's own, 3 or 4.
+    pub stride: usize,
+}
+
+/// Skins a range of vertices.
+///
+/// Each vertex blends its K maps in the file's order, `sum w_k T_k`, and then moves by columns,
+/// `((m_0 x + m_1 y) + m_2 z) + m_3`. Floats between attributes are left alone; where attributes
+/// overlap, the later field of this job wins.
+#[derive(Debug)]
+pub struct SkinJob<'a> {
+    /// The model.
+    pub envelope: Envelope<'a>,
+    /// [`Envelope::palette_len`] maps, rest to posed.
+    pub palette: &'a [Matrix3x4],
+    /// The vertices, within `0..vertex_len`. Ranges of one skin can run at the same time.
+    pub vertices: Range<usize>,
+    /// Where to put positions: 3 floats, model space.
+    pub positions: Option<Attribute>,
+    /// Where to put normals: 3 floats of length 1, by the cofactors of the blended 3x3. Where the
+    /// map leaves a normal no direction, the rest normal.
+    pub normals: Option<Attribute>,
+    /// Where to put tangents: 3 floats of length 1, by the blended 3x3 (the rest tangent where it
+    /// leaves no direction), then the rest pose's handedness.
+    pub tangents: Option<Attribute>,
+    /// Buffer A; as long as its attributes need. Empty if none is in it.
+    pub out_a: &'a mut [f32],
+    /// Buffer B; as long as its attributes need. Empty if none is in it.
+    pub out_b: &'a mut [f32],
+}
+
+impl SkinJob<'_> {
+    /// Runs the job.
+    ///
+    /// # Errors
+    /// - [`EvalError::Length`]: `palette` has another length.
+    /// - [`EvalError::VertexRange`]: `vertices` is not inside the mesh.
+    /// - [`EvalError::NoTangents`]: tangents are asked for and the model has none.
+    /// - [`EvalError::Stride`]: a stride is shorter than its attribute.
+    /// - [`EvalError::TooShort`]: a buffer is too short for an attribute.
+    pub fn run(self) -> Result<(), EvalError> {
+        self.check()?;
+        // The compiler unrolls the usual four influences.
+        match self.envelope.influence_len() {
+            4 => self.skin(4),
+            k => self.skin(k),
+        }
+        Ok(())
+    }
+
+    fn check(&self) -> Result<(), EvalError> {
+        let vertex_len = self.envelope.vertex_len();
+        let Range { start, end } = self.vertices;
+        Argument::Palette.check_len(self.envelope.palette_len(), self.palette.len())?;
+        if start > end || end > vertex_len {
+            return Err(EvalError::VertexRange { start, end, vertex_len });
+        }
+        if self.tangents.is_some() && !self.envelope.has_tangents() {
+            return Err(EvalError::NoTangents);
+        }
+        let attributes = [(self.positions, 3), (self.normals, 3), (self.tangents, 4)];
+        for (attribute, len) in attributes {
+            let Some(attribute) = attribute else { continue };
+            let (argument, found) = match attribute.buffer {
+                Buffer::A => (Argument::OutA, self.out_a.len()),
+                Buffer::B => (Argument::OutB, self.out_b.len()),
+            };
+            attribute.check(end - start, len, argument, found)?;
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn skin(self, k: usize) {
+        let Self { envelope, palette, vertices, positions, normals, tangents, out_a, out_b } = self;
+        let mut write = |attribute: Attribute, i: usize, value: &[f32]| {
+            let out = match attribute.buffer {
+                Buffer::A => &mut *out_a,
+                Buffer::B => &mut *out_b,
+            };
+            let at = attribute.offset + i * attribute.stride;
+            if let Some(out) = out.get_mut(at..at + value.len()) {
+                out.copy_from_slice(value);
+            }
+        };
+        let influences = vertices.start * k..vertices.end * k;
+        let indices = envelope.indices.get(influences.clone()).unwrap_or_default();
+        let weights = envelope.weights.get(influences).unwrap_or_default();
+        // K of a loaded model is at least one; chunks of zero would panic.
+        let influences = indices.chunks_exact(k.max(1)).zip(weights.chunks_exact(k.max(1)));
+        for (i, (vertex, (indices, weights))) in vertices.zip(influences).enumerate() {
+            let map = blend(palette, indices, weights);
+            if let (Some(attribute), Some(rest)) = (positions, envelope.rest_position(vertex)) {
+                let moved = along(&map, rest) + map.w_axis;
+                write(attribute, i, &moved.truncate().to_array());
+            }
+            if let (Some(attribute), Some(rest)) = (normals, envelope.rest_normal(vertex)) {
+                write(attribute, i, &unit(along(&cofactors(&map), rest), rest));
+            }
+            if let (Some(attribute), Some([x, y, z, hand])) =
+                (tangents, envelope.rest_tangent(vertex))
+            {
+                let [x, y, z] = unit(along(&map, [x, y, z]), [x, y, z]);
+                write(attribute, i, &[x, y, z, hand]);
+            }
+        }
+    }
+}
+
+impl Attribute {
+    fn check(
+        &self,
+        vertex_len: usize,
+        len: usize,
+        argument: Argument,
+        found: usize,
+    ) -> Result<(), EvalError> {
+        if self.stride < len {
+            return Err(EvalError::Stride { least: len, found: self.stride });
+        }
+        let Some(last) = vertex_len.checked_sub(1) else { return Ok(()) };
+        let least = last
+            .checked_mul(self.stride)
+            .and_then(|at| at.checked_add(self.offset)?.checked_add(len))
+            .unwrap_or(usize::MAX);
+        argument.check_least(least, found)
+    }
+}
+
+/// Blends the maps of a vertex, first to last, and returns the columns of the sum.
+#[inline(always)]
+fn blend(palette: &[Matrix3x4], indices: &[[u8; 2]], weights: &[Le]) -> Mat4 {
+    let mut rows = [Vec4::ZERO; 3];
+    for (index, weight) in indices.iter().zip(weights) {
+        let weight = f32::from_le_bytes(*weight);
+        if let Some(map) = palette.get(usize::from(u16::from_le_bytes(*index))) {
+            for (row, map) in rows.iter_mut().zip(map) {
+                *row += Vec4::from_array(*map) * weight;
+            }
+        }
+    }
+    let [x, y, z] = rows;
+    Mat4::from_cols(x, y, z, Vec4::ZERO).transpose()
+}
+
+/// Returns the linear part of a map times a vector, column by column.
+#[inline(always)]
+fn along(m: &Mat4, [x, y, z]: [f32; 3]) -> Vec4 {
+    m.x_axis * x + m.y_axis * y + m.z_axis * z
+}
+
+/// Returns the cofactors of a map's 3x3: cross products of its columns.
+#[inline(always)]
+fn cofactors(m: &Mat4) -> Mat4 {
+    let Mat4 { x_axis: x, y_axis: y, z_axis: z, .. } = *m;
+    Mat4::from_cols(cross(y, z), cross(z, x), cross(x, y), Vec4::ZERO)
+}
+
+#[inline(always)]
+fn cross(a: Vec4, b: Vec4) -> Vec4 {
+    (a * b.yzxw() - a.yzxw() * b).yzxw()
+}
+
+/// Returns a vector's direction, or the rest pose's where it has none.
+#[inline(always)]
+fn unit(v: Vec4, rest: [f32; 3]) -> [f32; 3] {
+    let v = v.truncate().to_array();
+    let square = dot(v, v);
+    if !square.is_normal() {
+        return rest;
+    }
+    let scale = 1.0 / sqrt(square);
+    v.map(|x| x * scale)
+}

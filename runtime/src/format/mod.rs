@@ -1,0 +1,102 @@
+//! The file: its layout, defined here once for reader and writer, and its checks.
+//!
+//! `FORMAT.md` is the byte-level contract. A file is one postcard message, [`File`].
+
+mod manifest;
+mod validate;
+
+pub use manifest::{
+    Certificate, EnvelopeCounts, KEY_WORDS, NO_JOINT, PartKind, PartRow, Predictor, SectionKind,
+    SectionRow,
+};
+pub(crate) use validate::read;
+
+use serde::{Deserialize, Serialize};
+
+/// First bytes of every file.
+pub const MAGIC: [u8; 4] = *b"SNEW";
+/// The version that this crate reads and that the trainer writes.
+pub const VERSION: u8 = 1;
+/// Feature bits that a reader must know; version 1 has none.
+pub const FEATURES: u32 = 0;
+/// Powers of two that sections may be aligned to: 16 bytes to 4096.
+pub const ALIGNMENT_LOG2: core::ops::RangeInclusive<u8> = 4..=12;
+/// Most rows of the part table.
+pub const PARTS_MAX: usize = 8;
+/// Most rows of the section table.
+pub const SECTIONS_MAX: usize = 32;
+/// Where the checksum stands in the file.
+pub const CHECKSUM_OFFSET: usize = 10;
+
+/// Largest magnitude of any float in a file. Beyond it products of a hostile file would overflow.
+pub const MAGNITUDE_MAX: f32 = 1.0e9;
+/// Largest Frobenius norm of a twist matrix; angles stay accurate to 4e-4 even there.
+pub const TWIST_MAX: f32 = 1024.0;
+/// How far the weights of a vertex may sum from one: rounding of 32 influences is below 4e-6.
+pub const WEIGHT_SUM_TOLERANCE: f32 = 1.0e-5;
+
+/// The whole file as one postcard message.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct File<'a> {
+    /// [`MAGIC`].
+    pub magic: [u8; 4],
+    /// [`VERSION`].
+    pub version: u8,
+    /// Sections and the blob start at multiples of two to this power.
+    pub alignment_log2: u8,
+    /// Required features, little-endian.
+    pub features: [u8; 4],
+    /// [`checksum`] of the file, little-endian.
+    pub checksum: [u8; 4],
+    /// Rows of [`PartRow::BYTES`].
+    pub parts: &'a [u8],
+    /// Rows of [`SectionRow::BYTES`], by ascending offset.
+    pub sections: &'a [u8],
+    /// Zeros that bring the blob to its alignment.
+    pub padding: &'a [u8],
+    /// Every section.
+    pub blob: &'a [u8],
+}
+
+/// Computes the CRC-32 (ISO-HDLC) of a file with its own checksum field taken as zero.
+pub fn checksum(file: &[u8]) -> u32 {
+    // One table of 1 KiB: a table of 16 would be faster and not fit small flash.
+    static CRC: crc::Crc<u32, crc::Table<1>> =
+        crc::Crc::<u32, crc::Table<1>>::new(&crc::CRC_32_ISO_HDLC);
+    let mut digest = CRC.digest();
+    let (head, rest) = file.split_at_checked(CHECKSUM_OFFSET).unwrap_or((file, &[]));
+    digest.update(head);
+    if let Some((_, rest)) = rest.split_at_checked(4) {
+        digest.update(&[0; 4]);
+        digest.update(rest);
+    }
+    digest.finalize()
+}
+
+/// The decoded head of a file whose tables have been checked.
+#[derive(Clone, Copy)]
+pub(crate) struct Manifest<'a> {
+    pub(crate) parts: &'a [[u8; PartRow::BYTES]],
+    pub(crate) sections: &'a [[u8; SectionRow::BYTES]],
+    pub(crate) blob: &'a [u8],
+}
+
+impl<'a> Manifest<'a> {
+    /// Lists the section table.
+    pub(crate) fn rows(&self) -> impl ExactSizeIterator<Item = SectionRow> + use<'a> {
+        self.sections.iter().map(SectionRow::from_bytes)
+    }
+
+    /// Returns the content of a section; rows of a checked manifest always have theirs.
+    pub(crate) fn bytes(&self, row: SectionRow) -> &'a [u8] {
+        let (offset, len) = (row.offset as usize, row.bytes as usize);
+        self.blob.get(offset..).and_then(|tail| tail.get(..len)).unwrap_or_default()
+    }
+
+    /// Finds a part's section of one kind.
+    pub(crate) fn find(&self, part: usize, kind: SectionKind) -> Option<&'a [u8]> {
+        self.rows()
+            .find(|row| usize::from(row.part) == part && row.kind == kind.number())
+            .map(|row| self.bytes(row))
+    }
+}

@@ -1,0 +1,282 @@
+//! Every check of a file, once, in the order of [`FormatError`]'s variants.
+//!
+//! The checks of one step read nothing that an earlier step has not checked. All of them together
+//! read each byte a bounded number of times and allocate nothing.
+
+use super::manifest::REQUIRED;
+use super::{
+    ALIGNMENT_LOG2, EnvelopeCounts, FEATURES, File, MAGIC, MAGNITUDE_MAX, Manifest, PARTS_MAX,
+    PartKind, PartRow, Predictor, SECTIONS_MAX, SectionKind, SectionRow, TWIST_MAX, VERSION,
+    WEIGHT_SUM_TOLERANCE, checksum,
+};
+use crate::envelope::Envelope;
+use crate::error::FormatError;
+use crate::limits::{Limits, Quantity};
+use crate::linear::Le;
+
+/// Reads and checks a whole file.
+///
+/// # Errors
+/// Every variant of [`FormatError`].
+pub(crate) fn read<'a>(bytes: &'a [u8], limits: &Limits) -> Result<Manifest<'a>, FormatError> {
+    let manifest = check_tables(check_message(bytes, limits)?)?;
+    for (part, row) in manifest.parts.iter().map(PartRow::from_bytes).enumerate() {
+        if row.kind == PartKind::Envelope.number() {
+            check_envelope_row(&row, limits)?;
+            check_envelope(&Envelope::view(&manifest, part, row)?)?;
+        }
+    }
+    Ok(manifest)
+}
+
+/// Checks what stands before the tables: size, magic, version, checksum, features, alignment.
+fn check_message<'a>(bytes: &'a [u8], limits: &Limits) -> Result<File<'a>, FormatError> {
+    check_limit(Quantity::FileBytes, limits.file_bytes, bytes.len())?;
+    let (&magic, rest) = bytes.split_first_chunk().ok_or(FormatError::Malformed)?;
+    if magic != MAGIC {
+        return Err(FormatError::Magic { found: magic });
+    }
+    let version = *rest.first().ok_or(FormatError::Malformed)?;
+    if version != VERSION {
+        return Err(FormatError::Version { expected: VERSION, found: version });
+    }
+    let (file, rest) =
+        postcard::take_from_bytes::<File<'a>>(bytes).map_err(|_| FormatError::Malformed)?;
+    let (expected, found) = (u32::from_le_bytes(file.checksum), checksum(bytes));
+    if expected != found {
+        return Err(FormatError::Checksum { expected, found });
+    }
+    if !rest.is_empty() {
+        return Err(FormatError::TrailingBytes { found: rest.len() });
+    }
+    let unknown = u32::from_le_bytes(file.features) & !FEATURES;
+    if unknown != 0 {
+        return Err(FormatError::Features { unknown });
+    }
+    let log2 = file.alignment_log2;
+    let blob_start = bytes.len() - file.blob.len();
+    if !ALIGNMENT_LOG2.contains(&log2) || blob_start & ((1 << log2) - 1) != 0 {
+        return Err(FormatError::Alignment { log2 });
+    }
+    if file.padding.iter().any(|&byte| byte != 0) {
+        return Err(FormatError::Padding);
+    }
+    Ok(file)
+}
+
+/// Checks the two tables, so that every row has a part and a place of its own in the blob.
+fn check_tables<'a>(file: File<'a>) -> Result<Manifest<'a>, FormatError> {
+    let (parts, rest) = file.parts.as_chunks();
+    if !rest.is_empty() || parts.is_empty() || parts.len() > PARTS_MAX {
+        return Err(FormatError::PartTable { bytes: file.parts.len() });
+    }
+    let (sections, rest) = file.sections.as_chunks();
+    if !rest.is_empty() || sections.len() > SECTIONS_MAX {
+        return Err(FormatError::SectionTable { bytes: file.sections.len() });
+    }
+    let manifest = Manifest { parts, sections, blob: file.blob };
+    for row in parts.iter().map(PartRow::from_bytes) {
+        check_flags(row.flags)?;
+        // Parts that version 1 names and does not yet hold are unknown to this reader.
+        if row.kind != PartKind::Envelope.number() && row.required() {
+            return Err(FormatError::UnknownPart { kind: row.kind });
+        }
+    }
+    let mut end = 0;
+    for (index, row) in manifest.rows().enumerate() {
+        check_section_row(&manifest, index, row)?;
+        if row.offset as usize & ((1 << file.alignment_log2) - 1) != 0 {
+            return Err(FormatError::SectionAlignment { row: index });
+        }
+        if u64::from(row.offset) < end {
+            return Err(FormatError::SectionOverlap { row: index });
+        }
+        end = u64::from(row.offset) + u64::from(row.bytes);
+        if end > file.blob.len() as u64 {
+            return Err(FormatError::SectionBounds { row: index });
+        }
+    }
+    for (index, row) in manifest.rows().enumerate() {
+        if manifest.rows().take(index).any(|r| (r.part, r.kind) == (row.part, row.kind)) {
+            return Err(FormatError::DuplicateSection { row: index });
+        }
+    }
+    Ok(manifest)
+}
+
+fn check_section_row(
+    manifest: &Manifest<'_>,
+    index: usize,
+    row: SectionRow,
+) -> Result<(), FormatError> {
+    check_flags(u16::from(row.flags))?;
+    let part = manifest.parts.get(usize::from(row.part)).map(PartRow::from_bytes);
+    let Some(part) = part else {
+        return Err(FormatError::SectionPart { row: index, found: row.part });
+    };
+    let known = part.kind == PartKind::Envelope.number();
+    if known && row.required() && SectionKind::from_number(row.kind).is_none() {
+        return Err(FormatError::UnknownSection { kind: row.kind });
+    }
+    Ok(())
+}
+
+fn check_flags(found: u16) -> Result<(), FormatError> {
+    if found & !REQUIRED == 0 { Ok(()) } else { Err(FormatError::Flags { found }) }
+}
+
+/// Checks an envelope's row: predictor, counts within limits, certificate.
+fn check_envelope_row(row: &PartRow, limits: &Limits) -> Result<(), FormatError> {
+    if row.predictor != Predictor::Rotational.number() {
+        return Err(FormatError::Predictor { found: row.predictor });
+    }
+    let EnvelopeCounts { vertex_len, joint_len, proxy_len, influence_len, .. } =
+        row.envelope_counts();
+    // Indices are u16, and the greatest stands for none.
+    let indexed = u32::from(u16::MAX);
+    for (quantity, most, found) in [
+        (Quantity::Vertices, limits.vertices, vertex_len),
+        (Quantity::Joints, limits.joints.min(indexed), joint_len),
+        (Quantity::Proxies, limits.proxies.min(indexed), proxy_len),
+        (Quantity::Influences, limits.influences, influence_len),
+    ] {
+        check_limit(quantity, most, found as usize)?;
+        if found == 0 && quantity != Quantity::Vertices {
+            return Err(FormatError::Empty { quantity });
+        }
+    }
+    check_floats(None, row.figures.map(f32::to_le_bytes).iter())
+}
+
+fn check_limit(quantity: Quantity, most: u32, found: usize) -> Result<(), FormatError> {
+    let found = u32::try_from(found).unwrap_or(u32::MAX);
+    if found > most { Err(FormatError::Limit { quantity, most, found }) } else { Ok(()) }
+}
+
+/// Checks the content of an envelope whose sections all have their length.
+fn check_envelope(envelope: &Envelope<'_>) -> Result<(), FormatError> {
+    check_names(envelope)?;
+    check_hierarchy(envelope)?;
+    let e = envelope;
+    let tangents = e.tangents.unwrap_or_default().as_flattened();
+    let keys = e.keys.iter().flat_map(|key| key.iter().skip(1));
+    check_floats(Some(SectionKind::InverseBinds), e.inverse_binds.as_flattened().iter())?;
+    check_floats(Some(SectionKind::RestPositions), e.positions.as_flattened().iter())?;
+    check_floats(Some(SectionKind::RestNormals), e.normals.as_flattened().iter())?;
+    check_floats(Some(SectionKind::RestTangents), tangents.iter())?;
+    check_floats(Some(SectionKind::Keys), keys)?;
+    check_floats(Some(SectionKind::C1), e.c1.as_flattened().iter())?;
+    check_floats(Some(SectionKind::C2), e.c2.as_flattened().iter())?;
+    check_floats(Some(SectionKind::RestBoxes), e.boxes.as_flattened().iter())?;
+    check_not_negative(SectionKind::PoseRanges, e.pose_ranges)?;
+    check_not_negative(SectionKind::InfluenceWeights, e.weights)?;
+    check_keys(e)?;
+    check_influences(e)
+}
+
+fn check_floats<'a>(
+    section: Option<SectionKind>,
+    floats: impl Iterator<Item = &'a Le>,
+) -> Result<(), FormatError> {
+    check_range(section, floats, -MAGNITUDE_MAX)
+}
+
+fn check_not_negative(section: SectionKind, floats: &[Le]) -> Result<(), FormatError> {
+    check_range(Some(section), floats.iter(), 0.0)
+}
+
+/// Checks floats against a range, which no NaN is in.
+fn check_range<'a>(
+    section: Option<SectionKind>,
+    mut floats: impl Iterator<Item = &'a Le>,
+    least: f32,
+) -> Result<(), FormatError> {
+    floats
+        .position(|le| !(least..=MAGNITUDE_MAX).contains(&f32::from_le_bytes(*le)))
+        .map_or(Ok(()), |index| Err(FormatError::Float { section, index }))
+}
+
+/// Checks that names follow each other from first byte to last, each UTF-8.
+fn check_names(envelope: &Envelope<'_>) -> Result<(), FormatError> {
+    let names = envelope.names;
+    let last = names.ends.len() - 1;
+    let mut start = 0;
+    for (index, end) in names.ends.iter().map(|le| u32::from_le_bytes(*le) as usize).enumerate() {
+        let whole = index != last || end == names.text.len();
+        let text = names.text.get(start..end).filter(|_| whole);
+        if text.is_none_or(|text| core::str::from_utf8(text).is_err()) {
+            return Err(FormatError::Name { index });
+        }
+        start = end;
+    }
+    Ok(())
+}
+
+/// Checks that the root alone has no parent, and that the evaluation order is a permutation in
+/// which parents come first. The stored inverse makes this linear without scratch.
+fn check_hierarchy(envelope: &Envelope<'_>) -> Result<(), FormatError> {
+    let joint_len = envelope.joint_len();
+    let rank =
+        |joint: usize| envelope.ranks.get(joint).map(|le| usize::from(u16::from_le_bytes(*le)));
+    for (position, joint) in envelope.evaluation_order().enumerate() {
+        if rank(joint) != Some(position) {
+            return Err(FormatError::Hierarchy { joint: joint.min(joint_len) });
+        }
+    }
+    for joint in 0..joint_len {
+        let fits = match envelope.parent(joint) {
+            None => joint == envelope.root(),
+            Some(parent) => parent < joint_len && rank(parent) < rank(joint),
+        };
+        if !fits {
+            return Err(FormatError::Hierarchy { joint });
+        }
+    }
+    Ok(())
+}
+
+fn check_keys(envelope: &Envelope<'_>) -> Result<(), FormatError> {
+    let below = envelope.joint_len();
+    for index in 0..envelope.proxy_len() {
+        let Some(key) = envelope.key(index) else { continue };
+        let residual = key.residual.map(|(joint, _)| joint);
+        for found in [Some(key.joint), residual].into_iter().flatten() {
+            if found >= below {
+                return Err(FormatError::Index { section: SectionKind::Keys, index, below, found });
+            }
+        }
+        let norm = |m: &[[f32; 3]; 3]| m.as_flattened().iter().map(|x| x * x).sum::<f32>();
+        let residual = key.residual.map_or(0.0, |(_, twist)| norm(&twist));
+        if norm(&key.twist).max(residual) > TWIST_MAX * TWIST_MAX {
+            return Err(FormatError::Twist { key: index });
+        }
+    }
+    Ok(())
+}
+
+/// Checks that influences point into the palette, sum to one, and stay in their proxies' boxes.
+fn check_influences(envelope: &Envelope<'_>) -> Result<(), FormatError> {
+    let section = SectionKind::InfluenceIndices;
+    let below = envelope.palette_len();
+    for vertex in 0..envelope.vertex_len() {
+        let mut sum = 0.0;
+        for (k, (found, weight)) in envelope.influences(vertex).enumerate() {
+            if found >= below {
+                let index = vertex * envelope.influence_len() + k;
+                return Err(FormatError::Index { section, index, below, found });
+            }
+            sum += weight;
+            let inside = match (envelope.rest_box(found), envelope.rest_position(vertex)) {
+                (Some(rest_box), Some(position)) => rest_box.contains(position),
+                _ => false,
+            };
+            if weight > 0.0 && !inside {
+                return Err(FormatError::RestBox { proxy: found, vertex });
+            }
+        }
+        if (sum - 1.0).abs() > WEIGHT_SUM_TOLERANCE {
+            return Err(FormatError::Weights { vertex });
+        }
+    }
+    Ok(())
+}

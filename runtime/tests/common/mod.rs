@@ -1,0 +1,321 @@
+//! A builder of model files, sound and hostile, and seeded numbers for the tests.
+#![allow(dead_code, unreachable_pub, missing_docs, reason = "each test uses a part of it")]
+
+use sinew_runtime::format::{
+    CHECKSUM_OFFSET, Certificate, EnvelopeCounts, File, MAGIC, NO_JOINT, PartRow, SectionKind,
+    SectionRow, VERSION, checksum,
+};
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, model_space_pose};
+
+/// Every field of a file, each free to be wrong.
+#[derive(Clone)]
+pub struct Builder {
+    pub magic: [u8; 4],
+    pub version: u8,
+    pub alignment_log2: u8,
+    pub features: u32,
+    pub parts: Vec<PartRow>,
+    pub sections: Vec<Content>,
+    /// Changes the section table just before it is written.
+    pub edit_rows: fn(&mut Vec<SectionRow>),
+}
+
+#[derive(Clone)]
+pub struct Content {
+    pub kind: u16,
+    pub part: u8,
+    pub flags: u8,
+    pub bytes: Vec<u8>,
+}
+
+/// Shape of a sample model: joints 0 -> 2 -> 1 (root), then a chain below joint 0.
+#[derive(Clone, Copy)]
+pub struct Shape {
+    pub vertices: usize,
+    pub joints: usize,
+    pub proxies: usize,
+    pub influences: usize,
+    pub tangents: bool,
+}
+
+pub const SMALL: Shape =
+    Shape { vertices: 7, joints: 4, proxies: 3, influences: 2, tangents: true };
+
+impl Builder {
+    /// Makes a model whose rest pose is exact: every coefficient is a multiple of 1/64, and the
+    /// rows of c1 and c2 together give [I | 0] for d = I, q = rest.
+    pub fn sample(shape: Shape) -> Self {
+        let Shape { vertices: v, joints: j, proxies: p, influences: k, tangents } = shape;
+        let mut rng = Rng(7);
+        let dyadic = |rng: &mut Rng, scale: f32| (rng.unit() * scale * 64.0).round() / 64.0;
+        let root = 1.min(j - 1);
+        let order = sample_order(j);
+        let mut parents = vec![NO_JOINT; j];
+        let mut ranks = vec![0; j];
+        for (rank, &joint) in order.iter().enumerate() {
+            ranks[joint] = rank as u16;
+            if rank > 0 {
+                parents[joint] = order[rank - 1] as u16;
+            }
+        }
+        let order = order.iter().map(|&joint| joint as u16).collect::<Vec<_>>();
+        let inverse_binds = (0..j).flat_map(|joint| {
+            let x = -(ranks[joint] as f32);
+            [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
+        });
+        let inverse_binds = inverse_binds.flatten().collect::<Vec<_>>();
+        let positions = (0..3 * v).map(|_| dyadic(&mut rng, 2.0)).collect::<Vec<_>>();
+        let normals = (0..v).flat_map(|_| rng.direction()).collect::<Vec<_>>();
+        let tangent = |rng: &mut Rng| {
+            let [x, y, z] = rng.direction();
+            [x, y, z, if rng.unit() < 0.0 { -1.0 } else { 1.0 }]
+        };
+        let tangent_values = (0..v).flat_map(|_| tangent(&mut rng)).collect::<Vec<_>>();
+        let mut indices = Vec::new();
+        let mut weights = Vec::new();
+        for vertex in 0..v {
+            let mut left = 1.0;
+            for slot in 0..k {
+                indices.push(((vertex + slot) % p) as u16);
+                let weight = if slot + 1 == k { left } else { left * 0.75 };
+                weights.push(weight);
+                left -= weight;
+            }
+        }
+        let mut boxes = vec![[1.0, 1.0, 1.0, -1.0, -1.0, -1.0f32]; p];
+        for (at, &index) in indices.iter().enumerate() {
+            let rest_box = &mut boxes[usize::from(index)];
+            let x = &positions[at / k * 3..][..3];
+            let empty = rest_box[0] > rest_box[3];
+            for c in 0..3 {
+                rest_box[c] = if empty { x[c] } else { rest_box[c].min(x[c]) };
+                rest_box[3 + c] = if empty { x[c] } else { rest_box[3 + c].max(x[c]) };
+            }
+        }
+        let mut keys = Vec::new();
+        for proxy in 0..p {
+            let residual = if proxy % 2 == 0 { NO_JOINT } else { (proxy % j) as u16 };
+            keys.extend(halves(&[((proxy + 2) % j) as u16, residual]));
+            let matrices = (0..54).map(|at| {
+                if at % 18 == 0 { 0.5 } else { dyadic(&mut rng, if at < 18 { 0.5 } else { 0.1 }) }
+            });
+            keys.extend(floats(&matrices.collect::<Vec<_>>()));
+        }
+        let mut c1 = vec![vec![0.0; 3 * p]; 4 * p];
+        let mut c2 = vec![vec![0.0; 4 * j]; 4 * p];
+        for (row, (c1, c2)) in c1.iter_mut().zip(&mut c2).enumerate() {
+            for x in c1.iter_mut().chain(c2.iter_mut()) {
+                *x = dyadic(&mut rng, 0.25);
+            }
+            for c in 0..3 {
+                let rest = c1.iter().skip(c).step_by(3).chain(c2.iter().skip(c).step_by(4));
+                let excess = rest.sum::<f32>() - if row % 4 == c { 1.0 } else { 0.0 };
+                c2[4 * root + c] -= excess;
+            }
+        }
+        let ranges = vec![1.5; j];
+        let names = (0..j).map(|joint| format!("joint {joint}")).collect::<Vec<_>>();
+        let mut sections = vec![
+            (SectionKind::Names, names_bytes("arm", &names)),
+            (SectionKind::Hierarchy, halves(&[parents, order, ranks].concat())),
+            (SectionKind::InverseBinds, floats(&inverse_binds)),
+            (SectionKind::RestPositions, floats(&positions)),
+            (SectionKind::RestNormals, floats(&normals)),
+            (SectionKind::RestTangents, floats(&tangent_values)),
+            (SectionKind::InfluenceIndices, halves(&indices)),
+            (SectionKind::InfluenceWeights, floats(&weights)),
+            (SectionKind::Keys, keys),
+            (SectionKind::C1, blocks(&c1)),
+            (SectionKind::C2, blocks(&c2)),
+            (SectionKind::RestBoxes, floats(boxes.as_flattened())),
+            (SectionKind::PoseRanges, floats(&ranges)),
+        ];
+        sections.retain(|(kind, _)| tangents || *kind != SectionKind::RestTangents);
+        let counts = EnvelopeCounts {
+            vertex_len: v as u32,
+            joint_len: j as u32,
+            proxy_len: p as u32,
+            influence_len: k as u32,
+            root: root as u32,
+        };
+        let certificate = Certificate {
+            diagonal: 3.0,
+            training_rms: 0.01,
+            cross_validated_rms: 0.02,
+            lbs_training_rms: 0.04,
+        };
+        Self {
+            magic: MAGIC,
+            version: VERSION,
+            alignment_log2: 4,
+            features: 0,
+            parts: vec![PartRow::envelope(counts, certificate)],
+            sections: sections
+                .into_iter()
+                .map(|(kind, bytes)| Content { kind: kind.number(), part: 0, flags: 1, bytes })
+                .collect(),
+            edit_rows: |_| {},
+        }
+    }
+
+    /// Returns a section's content, to be changed.
+    pub fn section(&mut self, kind: SectionKind) -> &mut Vec<u8> {
+        let found = self.sections.iter_mut().find(|content| content.kind == kind.number());
+        &mut found.unwrap().bytes
+    }
+
+    /// Replaces a float of a section.
+    pub fn set_float(&mut self, kind: SectionKind, index: usize, value: f32) {
+        self.section(kind)[4 * index..][..4].copy_from_slice(&value.to_le_bytes());
+    }
+
+    /// Replaces a u16 of a section.
+    pub fn set_half(&mut self, kind: SectionKind, index: usize, value: u16) {
+        self.section(kind)[2 * index..][..2].copy_from_slice(&value.to_le_bytes());
+    }
+
+    /// Writes the file and seals it.
+    pub fn bytes(&self) -> Vec<u8> {
+        self.bytes_with(|_| {})
+    }
+
+    /// Writes the file, its head changed by `edit` after everything else is laid out, and seals it.
+    pub fn bytes_with(&self, edit: impl FnOnce(&mut File<'_>)) -> Vec<u8> {
+        let align = 1usize << self.alignment_log2.min(16);
+        let (mut blob, mut rows) = (Vec::new(), Vec::new());
+        for Content { kind, part, flags, bytes } in &self.sections {
+            blob.resize(blob.len().next_multiple_of(align), 0);
+            let (offset, len) = (blob.len() as u32, bytes.len() as u32);
+            rows.push(SectionRow { kind: *kind, part: *part, flags: *flags, offset, bytes: len });
+            blob.extend(bytes);
+        }
+        (self.edit_rows)(&mut rows);
+        let parts = self.parts.iter().flat_map(PartRow::to_bytes).collect::<Vec<_>>();
+        let sections = rows.iter().flat_map(SectionRow::to_bytes).collect::<Vec<_>>();
+        let zeros = vec![0; align + 128];
+        let file = File {
+            magic: self.magic,
+            version: self.version,
+            alignment_log2: self.alignment_log2,
+            features: self.features.to_le_bytes(),
+            checksum: [0; 4],
+            parts: &parts,
+            sections: &sections,
+            padding: &[],
+            blob: &blob,
+        };
+        let serialize = |file: &File<'_>| postcard::to_extend(file, Vec::new()).unwrap();
+        let padded = (0..zeros.len()).map(|len| File { padding: &zeros[..len], ..file });
+        let mut file = padded
+            .into_iter()
+            .find(|file| (serialize(file).len() - blob.len()).is_multiple_of(align))
+            .unwrap();
+        edit(&mut file);
+        let mut bytes = serialize(&file);
+        seal(&mut bytes);
+        bytes
+    }
+}
+
+/// Joints in evaluation order: the root is 1, its child 2, then 0, then the rest in order.
+fn sample_order(joint_len: usize) -> Vec<usize> {
+    match joint_len {
+        1 => vec![0],
+        2 => vec![1, 0],
+        _ => [1, 2, 0].into_iter().chain(3..joint_len).collect(),
+    }
+}
+
+/// Repairs the checksum of a file.
+pub fn seal(bytes: &mut [u8]) {
+    let sum = checksum(bytes).to_le_bytes();
+    if let Some(field) = bytes.get_mut(CHECKSUM_OFFSET..CHECKSUM_OFFSET + 4) {
+        field.copy_from_slice(&sum);
+    }
+}
+
+pub fn floats(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+pub fn halves(values: &[u16]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+fn names_bytes(part: &str, joints: &[String]) -> Vec<u8> {
+    let (mut ends, mut text) = (Vec::new(), String::new());
+    for name in std::iter::once(part).chain(joints.iter().map(String::as_str)) {
+        text += name;
+        ends.extend((text.len() as u32).to_le_bytes());
+    }
+    [ends, text.into_bytes()].concat()
+}
+
+fn blocks(matrix: &[Vec<f32>]) -> Vec<u8> {
+    let mut out = Vec::new();
+    for block in matrix.chunks(8) {
+        for column in 0..block[0].len() {
+            for row in 0..8 {
+                out.extend(block.get(row).map_or(0.0, |row| row[column]).to_le_bytes());
+            }
+        }
+    }
+    out
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere.
+pub struct Rng(pub u64);
+
+impl Rng {
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform in [-1, 1), a multiple of 2^-23.
+    pub fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    pub fn direction(&mut self) -> [f32; 3] {
+        let v = [self.unit(), self.unit(), self.unit() + 1.5];
+        let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+        v.map(|x| x / length)
+    }
+
+    /// A local transform with a rotation of up to `turn` times pi, about.
+    pub fn local(&mut self, turn: f32) -> LocalTransform {
+        let mut unit = || self.unit() * turn;
+        let rotation = [unit(), unit(), unit(), 0.5];
+        LocalTransform { rotation, translation: [1.0, unit() * 0.125, unit() * 0.125] }
+    }
+}
+
+/// Makes the J skinning matrices of a random pose.
+pub fn random_pose(envelope: &Envelope<'_>, rng: &mut Rng, turn: f32) -> Vec<Matrix3x4> {
+    let local = (0..envelope.joint_len()).map(|_| rng.local(turn)).collect::<Vec<_>>();
+    let mut pose = vec![IDENTITY; envelope.joint_len()];
+    model_space_pose(envelope, &local, &mut pose).unwrap();
+    pose
+}
+
+pub const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// Computes the palette in scratch of exactly the stated length.
+pub fn palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
+    let mut workspace = vec![f32::NAN; envelope.workspace_len()];
+    let mut out = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
+    envelope.palette(pose, &mut workspace, &mut out).unwrap();
+    out
+}
+
+/// Returns the largest difference; panics on NaN, on nothing to compare, on unequal lengths.
+pub fn max_difference(a: &[f32], b: &[f32]) -> f32 {
+    assert_eq!(a.len(), b.len(), "lengths");
+    assert!(!a.is_empty(), "nothing to compare");
+    assert!(a.iter().chain(b).all(|x| x.is_finite()), "not finite");
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
