@@ -1,5 +1,18 @@
 //! Example poses of one character: what every importer produces and every fit reads.
 
+mod error;
+mod hash;
+mod hold_out;
+pub mod npz;
+mod origins;
+mod surface;
+#[cfg(test)]
+mod testing;
+mod validate;
+
+pub use error::{Element, ExamplesError, LoadError, Warning};
+pub use hash::hash_file;
+
 /// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.
 pub type Matrix3x4 = [[f64; 4]; 3];
 
@@ -42,4 +55,67 @@ pub struct Examples {
     pub transforms: Vec<Matrix3x4>,
     /// Use of each frame, N.
     pub split: Vec<Split>,
+}
+
+/// What an importer returns: the examples, and what the user should know about them.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// The examples, valid.
+    pub examples: Examples,
+    /// What was repaired, ignored, or will be left out by a fit.
+    pub warnings: Vec<Warning>,
+}
+
+impl Examples {
+    /// Counts the vertices, V.
+    pub fn vertex_len(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// Counts the frames, N.
+    pub fn frame_len(&self) -> usize {
+        self.split.len()
+    }
+
+    /// Counts the joints, J.
+    pub fn joint_len(&self) -> usize {
+        self.skeleton.names.len()
+    }
+
+    /// Measures the diagonal of the rest pose's bounding box, to which every error is related.
+    pub fn diagonal(&self) -> f64 {
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        for position in &self.rest {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(position[axis]);
+                high[axis] = high[axis].max(position[axis]);
+            }
+        }
+        let extent = [0, 1, 2].map(|axis| (high[axis] - low[axis]).max(0.0));
+        extent.iter().map(|length| length * length).sum::<f64>().sqrt()
+    }
+
+    /// Gives the V posed positions of frame `index`.
+    ///
+    /// # Panics
+    /// If `index` is not a frame.
+    pub fn frame(&self, index: usize) -> &[[f64; 3]] {
+        let vertex_len = self.vertex_len();
+        &self.vertices[index * vertex_len..][..vertex_len]
+    }
+
+    /// Gives the J maps from the rest pose to the pose of frame `index`.
+    ///
+    /// # Panics
+    /// If `index` is not a frame.
+    pub fn pose(&self, index: usize) -> &[Matrix3x4] {
+        let joint_len = self.joint_len();
+        &self.transforms[index * joint_len..][..joint_len]
+    }
+
+    /// Lists the frames put to one use, in order.
+    pub fn frames_of(&self, split: Split) -> Vec<usize> {
+        (0..self.frame_len()).filter(|&frame| self.split[frame] == split).collect()
+    }
 }

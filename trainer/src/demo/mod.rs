@@ -1,0 +1,82 @@
+//! The demo character: a procedural arm with shoulder and half a chest, posed by a flesh that no
+//! linear blend can follow. It needs no file, and the same options give the same bits everywhere.
+//!
+//! The skin is a loft of sections along the arm ([`shape`]); the joints move through smooth random
+//! clips ([`motion`]); every point of the skin then follows each joint by a share of its rotation
+//! that varies smoothly over the skin, after its muscles have swollen it ([`flesh`]). Lengths are
+//! metres, y is up, z is forward, the arm is the left one and points along x.
+
+mod flesh;
+mod motion;
+mod rotation;
+mod shape;
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use crate::examples::{Examples, Matrix3x4, Skeleton, Split};
+use flesh::Flesh;
+use motion::{Clip, Pose};
+use shape::Skin;
+
+/// What to generate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DemoOptions {
+    /// About how many vertices; the shape does not depend on it. At least 200 are made.
+    pub vertices: usize,
+    /// Training frames.
+    pub poses: usize,
+    /// Held-out frames, from clips of their own.
+    pub held_out: usize,
+    /// Seed of the poses.
+    pub seed: u64,
+}
+
+impl Default for DemoOptions {
+    fn default() -> Self {
+        Self { vertices: 2000, poses: 120, held_out: 40, seed: 1 }
+    }
+}
+
+/// Generates the demo character's examples.
+///
+/// Training and held-out frames are smooth clips of up to twenty frames over the same ranges of
+/// motion, held-out clips spread among the training clips.
+pub fn demo(options: &DemoOptions) -> Examples {
+    let skin = Skin::new(options.vertices);
+    let flesh: Vec<Flesh> = skin.points.iter().map(Flesh::new).collect();
+    let clips = motion::clips(options.poses, options.held_out, options.seed);
+    let frames: Vec<(Split, Pose)> = clips.iter().flat_map(Clip::frames).collect();
+
+    let rest: Vec<[f64; 3]> = skin.points.iter().map(|point| point.position.into()).collect();
+    let mut vertices = vec![[0.0; 3]; frames.len() * rest.len()];
+    vertices.par_chunks_mut(rest.len()).zip(&frames).for_each(|(positions, (_, pose))| {
+        for (position, flesh) in positions.iter_mut().zip(&flesh) {
+            *position = flesh.posed(pose).into();
+        }
+    });
+    Examples {
+        rest,
+        triangles: skin.triangles,
+        uv: Some(skin.uv),
+        skeleton: skeleton(),
+        vertices,
+        transforms: frames.iter().flat_map(|(_, pose)| pose.maps()).collect(),
+        split: frames.iter().map(|(split, _)| *split).collect(),
+    }
+}
+
+/// Names the joints, parents before children.
+fn skeleton() -> Skeleton {
+    let frame = |[x, y, z]: [f64; 3]| -> Matrix3x4 {
+        [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]
+    };
+    Skeleton {
+        names: shape::JOINTS.iter().map(|&name| name.to_owned()).collect(),
+        parents: (0..shape::JOINTS.len()).map(|joint| joint.checked_sub(1)).collect(),
+        rest: shape::origins().iter().map(|&origin: &Vector3<f64>| frame(origin.into())).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

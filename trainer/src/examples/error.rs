@@ -1,0 +1,292 @@
+//! What can be wrong with example poses, and what is only worth saying.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// A file of examples that could not be used.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {error}", file.display())]
+pub struct LoadError {
+    /// The file at fault.
+    pub file: PathBuf,
+    /// What is wrong with it.
+    #[source]
+    pub error: ExamplesError,
+}
+
+/// A fault in examples, with its place.
+#[derive(Debug, thiserror::Error)]
+pub enum ExamplesError {
+    /// The file cannot be opened, read or written.
+    #[error("cannot be read or written: {0}")]
+    Io(#[from] std::io::Error),
+    /// The archive is truncated or is no npz at all.
+    #[error("is not a whole npz archive: {reason}")]
+    Archive {
+        /// What the archive's reader says.
+        reason: String,
+    },
+    /// An array inside the archive is damaged or is no npy data.
+    #[error("array {array} is damaged: {reason}")]
+    DamagedArray {
+        /// The array.
+        array: String,
+        /// What the array's reader says.
+        reason: String,
+    },
+    /// The description beside the arrays is not the JSON expected.
+    #[error("is not a description of examples: {reason}")]
+    Json {
+        /// What the parser says, with line and column.
+        reason: String,
+    },
+    /// Something that every set of examples has is absent.
+    #[error("array {array} is missing")]
+    MissingArray {
+        /// The array, or the arrays of which one must be present.
+        array: &'static str,
+    },
+    /// An array holds another kind of number.
+    #[error("array {array} must hold {expected}, found dtype {found}")]
+    WrongType {
+        /// The array.
+        array: String,
+        /// The kind of number expected.
+        expected: &'static str,
+        /// The dtype found.
+        found: String,
+    },
+    /// An array has another shape.
+    #[error("array {array} must have shape {expected}, found {found:?}")]
+    WrongShape {
+        /// The array.
+        array: String,
+        /// The shape expected; letters stand for any count.
+        expected: String,
+        /// The shape found.
+        found: Vec<u64>,
+    },
+    /// Two arrays disagree about a count.
+    #[error("{first} has {first_len} {what}, {second} has {second_len}")]
+    Mismatch {
+        /// What is counted.
+        what: &'static str,
+        /// One array.
+        first: &'static str,
+        /// Its count.
+        first_len: usize,
+        /// The other array.
+        second: &'static str,
+        /// Its count.
+        second_len: usize,
+    },
+    /// An array that may not be empty is.
+    #[error("array {array} is empty")]
+    Empty {
+        /// The array.
+        array: &'static str,
+    },
+    /// A number is NaN or infinite.
+    #[error("array {array} is not finite at {}{element}", in_frame(*frame))]
+    NotFinite {
+        /// The array.
+        array: &'static str,
+        /// The frame, for arrays that have one.
+        frame: Option<usize>,
+        /// The vertex or joint.
+        element: Element,
+    },
+    /// A face names a vertex that does not exist.
+    #[error("{array} {face} names vertex {vertex} of {vertex_len}")]
+    VertexOutOfRange {
+        /// The array of faces.
+        array: &'static str,
+        /// The face.
+        face: usize,
+        /// The number it holds.
+        vertex: i64,
+        /// How many vertices there are.
+        vertex_len: usize,
+    },
+    /// No triangle of the rest mesh has an area.
+    #[error("none of the {triangle_len} rest triangles has an area")]
+    NoArea {
+        /// How many triangles there are.
+        triangle_len: usize,
+    },
+    /// A joint's parent does not exist.
+    #[error("joint {joint} has parent {parent}, which does not exist")]
+    MissingParent {
+        /// The joint.
+        joint: String,
+        /// Its parent as the file has it.
+        parent: String,
+    },
+    /// Following parents from a joint leads back to it.
+    #[error("joints are their own ancestors: {}", joints.join(" -> "))]
+    JointCycle {
+        /// The joints of the cycle, child before parent, the first repeated at the end.
+        joints: Vec<String>,
+    },
+    /// Two joints have one name.
+    #[error("joints {first} and {second} are both called {name}")]
+    DuplicateJoint {
+        /// The name.
+        name: String,
+        /// One joint.
+        first: usize,
+        /// The other joint.
+        second: usize,
+    },
+    /// A rest position is given for a joint that does not exist.
+    #[error("joint_rest_positions names joint {name}, which does not exist")]
+    UnknownJoint {
+        /// The name.
+        name: String,
+    },
+    /// A joint's matrix is a reflection, is collapsed, is not affine, or scales or shears too much.
+    #[error(
+        "array {array} is not rigid at {}joint {joint}: off by {deviation:.3e}, at most {} can be repaired",
+        in_frame(*frame), super::validate::REPAIRABLE
+    )]
+    NonRigidJoint {
+        /// The array.
+        array: &'static str,
+        /// The frame, for arrays that have one.
+        frame: Option<usize>,
+        /// The joint.
+        joint: String,
+        /// Largest distance of a signed singular value from 1, or of the last row from 0 0 0 1.
+        deviation: f64,
+    },
+    /// A frame's split is none of the known codes.
+    #[error("array split has code {code} at frame {frame}, expected 0, 1 or 2")]
+    UnknownSplit {
+        /// The frame.
+        frame: usize,
+        /// The code.
+        code: i64,
+    },
+    /// There are not enough frames for what is asked.
+    #[error("{found} frames are too few, {needed} are needed")]
+    TooFewPoses {
+        /// Frames there are.
+        found: usize,
+        /// Frames needed.
+        needed: usize,
+    },
+    /// A share of frames to hold out is not between 0 and 1.
+    #[error("the share of held-out frames must lie between 0 and 1, found {share}")]
+    BadShare {
+        /// The share.
+        share: f64,
+    },
+}
+
+/// The part of an example that an error points at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// A vertex by number.
+    Vertex(usize),
+    /// A joint by name.
+    Joint(String),
+}
+
+/// Something that does not stop a fit but that the user should know.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// A joint's maps are not quite rigid; a fit uses the rotation nearest to each.
+    NonRigidJoint {
+        /// The array.
+        array: &'static str,
+        /// The joint.
+        joint: String,
+        /// How many of its matrices are off.
+        matrix_len: usize,
+        /// The frame of the worst, for arrays that have one.
+        worst_frame: Option<usize>,
+        /// How far the worst is off.
+        deviation: f64,
+    },
+    /// Triangles that name a vertex twice; they carry no equation.
+    RepeatedVertex {
+        /// The triangles.
+        triangles: Vec<usize>,
+    },
+    /// Triangles without area in the rest pose; they carry no equation.
+    ZeroArea {
+        /// The triangles.
+        triangles: Vec<usize>,
+    },
+    /// Texture coordinates are not one per vertex and are ignored, so there are no tangents.
+    UvIgnored {
+        /// Texture coordinates found.
+        uv_len: usize,
+        /// Vertices.
+        vertex_len: usize,
+    },
+    /// Several joints have no parent: the first is the reference, the others become its children.
+    SeveralRoots {
+        /// The roots, the reference first.
+        joints: Vec<String>,
+    },
+}
+
+/// How many triangles a message lists before it only counts.
+const LISTED: usize = 8;
+
+impl fmt::Display for Element {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Element::Vertex(vertex) => write!(f, "vertex {vertex}"),
+            Element::Joint(joint) => write!(f, "joint {joint}"),
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Warning::NonRigidJoint { array, joint, matrix_len, worst_frame, deviation } => {
+                let place = in_frame(*worst_frame);
+                write!(
+                    f,
+                    "array {array} is not quite rigid at {place}joint {joint}: off by \
+                     {deviation:.1e} at worst, {matrix_len} matrices in all"
+                )
+            }
+            Warning::RepeatedVertex { triangles } => {
+                write!(
+                    f,
+                    "{} triangles name a vertex twice: {}",
+                    triangles.len(),
+                    Listed(triangles)
+                )
+            }
+            Warning::ZeroArea { triangles } => {
+                write!(f, "{} rest triangles have no area: {}", triangles.len(), Listed(triangles))
+            }
+            Warning::UvIgnored { uv_len, vertex_len } => {
+                write!(f, "uv is ignored: {uv_len} coordinates for {vertex_len} vertices")
+            }
+            Warning::SeveralRoots { joints } => {
+                write!(f, "{} joints have no parent: {}", joints.len(), joints.join(", "))
+            }
+        }
+    }
+}
+
+struct Listed<'a>(&'a [usize]);
+
+impl fmt::Display for Listed<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (place, number) in self.0.iter().take(LISTED).enumerate() {
+            write!(f, "{}{number}", if place == 0 { "" } else { ", " })?;
+        }
+        if self.0.len() > LISTED { f.write_str(", ...") } else { Ok(()) }
+    }
+}
+
+fn in_frame(frame: Option<usize>) -> String {
+    frame.map(|frame| format!("frame {frame}, ")).unwrap_or_default()
+}

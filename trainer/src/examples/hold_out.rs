@@ -1,0 +1,87 @@
+//! Setting frames aside for sets that come without a split.
+
+use super::{Examples, ExamplesError, Split};
+
+/// Runs of consecutive frames of which each gives its end. Neighbours in an animation are almost
+/// the same pose, so frames are held out in blocks; a few blocks sample the whole animation.
+const RUNS: usize = 5;
+
+impl Examples {
+    /// Holds out about `share` of the frames in contiguous blocks.
+    ///
+    /// The training and held-out frames together are cut into five equal runs (fewer if there are
+    /// not two frames for each); the last `share` of every run is held out, at least one frame, and
+    /// the rest trains. 25 % of 400 frames is thus every fourth block of 20. Extreme frames stay
+    /// extreme. The former split is replaced.
+    ///
+    /// # Errors
+    /// - [`ExamplesError::BadShare`] unless `0 < share < 1`.
+    /// - [`ExamplesError::TooFewPoses`] with fewer than two frames to divide.
+    pub fn hold_out(&mut self, share: f64) -> Result<(), ExamplesError> {
+        if !(share > 0.0 && share < 1.0) {
+            return Err(ExamplesError::BadShare { share });
+        }
+        let frames: Vec<usize> =
+            (0..self.frame_len()).filter(|&frame| self.split[frame] != Split::Extreme).collect();
+        if frames.len() < 2 {
+            return Err(ExamplesError::TooFewPoses { found: frames.len(), needed: 2 });
+        }
+        let runs = RUNS.min(frames.len() / 2);
+        for run in 0..runs {
+            let frames = &frames[run * frames.len() / runs..(run + 1) * frames.len() / runs];
+            let held_out = (share * frames.len() as f64).round() as usize;
+            let train_len = frames.len() - held_out.clamp(1, frames.len() - 1);
+            for (place, &frame) in frames.iter().enumerate() {
+                self.split[frame] = if place < train_len { Split::Train } else { Split::HeldOut };
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::triangle;
+    use super::*;
+
+    #[test]
+    fn a_quarter_of_400_frames_is_every_fourth_block_of_20() {
+        let mut examples = triangle(400);
+        examples.hold_out(0.25).unwrap();
+        for (frame, split) in examples.split.iter().enumerate() {
+            let expected = if frame / 20 % 4 == 3 { Split::HeldOut } else { Split::Train };
+            assert_eq!(*split, expected, "frame {frame}");
+        }
+    }
+
+    #[test]
+    fn extreme_frames_stay_and_do_not_count() {
+        let mut examples = triangle(30);
+        examples.split[..10].fill(Split::Extreme);
+        examples.hold_out(0.5).unwrap();
+        assert_eq!(examples.frames_of(Split::Extreme), Vec::from_iter(0..10));
+        assert_eq!(examples.frames_of(Split::HeldOut).len(), 10);
+    }
+
+    #[test]
+    fn every_share_leaves_frames_on_both_sides() {
+        for frame_len in 2..40 {
+            for share in [0.001, 0.2, 0.5, 0.999] {
+                let mut examples = triangle(frame_len);
+                examples.hold_out(share).unwrap();
+                assert!(!examples.frames_of(Split::Train).is_empty());
+                assert!(!examples.frames_of(Split::HeldOut).is_empty());
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_what_cannot_be_divided() {
+        use ExamplesError::{BadShare, TooFewPoses};
+        for share in [0.0, 1.0, -1.0, f64::NAN] {
+            assert!(matches!(triangle(9).hold_out(share), Err(BadShare { .. })));
+        }
+        let refused = triangle(1).hold_out(0.5);
+        assert!(matches!(refused, Err(TooFewPoses { found: 1, needed: 2 })));
+    }
+}

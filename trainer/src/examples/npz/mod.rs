@@ -1,0 +1,241 @@
+//! Examples as NumPy arrays: `X.npz`, with `X.json` beside it for names and parents.
+//!
+//! | array | shape | |
+//! |---|---|---|
+//! | `rest` | V, 3 | rest positions |
+//! | `quads`, `tris` | F, 4 and F, 3 | faces, one of the two at least; quads come first and are split into corners 0 1 2 and 0 2 3 |
+//! | `vertices` | N, V, 3 | posed positions |
+//! | `bone_transforms` | N, J, 4, 4 | rest to posed, for column vectors |
+//! | `bone_names`, `bone_parents` | J | unless the JSON has them; parent -1 is a root |
+//! | `split` | N | optional: 0 train, 1 held out, 2 extreme; all train without it |
+//! | `joint_world_rest` | J, 4, 4 | optional: rest frames of the joints |
+//! | `uv` | V, 2 | optional |
+//!
+//! The JSON may hold `bone_names`, `bone_parents` (numbers or names), and `joint_rest_positions`
+//! (name to x y z), which serves where there is no `joint_world_rest`. It is read first; anything
+//! else in either file is left alone. Numbers may be of any width and order.
+
+mod arrays;
+mod save;
+mod sidecar;
+
+use std::path::Path;
+
+pub use save::save_npz;
+
+use self::arrays::{Archive, Rows};
+use self::sidecar::{Parent, Sidecar};
+use super::validate::{REPAIRABLE, same};
+use super::{
+    Examples, ExamplesError, LoadError, Loaded, Matrix3x4, Skeleton, Split, Warning, origins,
+};
+
+/// Reads examples from `path` and the JSON of the same name beside it, if there is one.
+///
+/// Of several roots the first is the reference and the others become its children. A joint whose
+/// rest origin neither file gives gets the point that it and its parent move together best.
+///
+/// # Errors
+/// A [`LoadError`] that names the file at fault: it cannot be read, lacks an array, holds one of
+/// another type or shape, or fails [`Examples::validate`].
+pub fn load(path: &Path) -> Result<Loaded, LoadError> {
+    let beside = path.with_extension("json");
+    let sidecar =
+        Sidecar::read(&beside).map_err(|error| LoadError { file: beside.clone(), error })?;
+    let blame = |error| LoadError { file: path.to_owned(), error };
+    Archive::open(path).and_then(|archive| read(archive, &sidecar)).map_err(blame)
+}
+
+fn read(mut archive: Archive, sidecar: &Sidecar) -> Result<Loaded, ExamplesError> {
+    let rest = archive.required::<f64, 3>("rest", &[3])?.data;
+    let triangles = read_triangles(&mut archive, rest.len())?;
+
+    let Rows { lead, data: vertices } = archive.required::<f64, 3>("vertices", &[0, 3])?;
+    let (frame_len, posed_len) = (lead[0], lead[1]);
+    same("vertices", "rest", rest.len(), "vertices", posed_len)?;
+    let Rows { lead, data: matrices } =
+        archive.required::<f64, 16>("bone_transforms", &[0, 4, 4])?;
+    same("frames", "vertices", frame_len, "bone_transforms", lead[0])?;
+    let joint_len = lead[1];
+
+    let mut warnings = Vec::new();
+    let names = read_names(&mut archive, sidecar)?;
+    same("joints", "bone_names", names.len(), "bone_transforms", joint_len)?;
+    let parents = read_parents(&mut archive, sidecar, &names, &mut warnings)?;
+    let transforms = affine("bone_transforms", &matrices, true, &names)?;
+    drop(matrices);
+    let frames = archive.rows::<f64, 16>("joint_world_rest", &[4, 4])?;
+    if let Some(frames) = &frames {
+        same("joints", "bone_names", joint_len, "joint_world_rest", frames.data.len())?;
+    }
+    let split = match archive.rows::<i64, 1>("split", &[])? {
+        None => vec![Split::Train; frame_len],
+        Some(codes) => {
+            same("frames", "vertices", frame_len, "split", codes.data.len())?;
+            let codes = codes.data.iter().enumerate();
+            codes.map(|(frame, &[code])| split(frame, code)).collect::<Result<_, _>>()?
+        }
+    };
+    let uv = archive.rows::<f64, 2>("uv", &[2])?.map(|uv| uv.data);
+    let (uv_len, vertex_len) = (uv.as_ref().map_or(0, Vec::len), rest.len());
+    let uv = uv.filter(|_| uv_len == vertex_len);
+    if uv.is_none() && uv_len != 0 {
+        warnings.push(Warning::UvIgnored { uv_len, vertex_len });
+    }
+
+    let identity = translation([0.0; 3]);
+    let rest_frames = match &frames {
+        Some(frames) => affine("joint_world_rest", &frames.data, false, &names)?,
+        None => vec![identity; joint_len],
+    };
+    let skeleton = Skeleton { names, parents, rest: rest_frames };
+    let mut examples = Examples { rest, triangles, uv, skeleton, vertices, transforms, split };
+    if frames.is_none() {
+        place(&mut examples.skeleton, sidecar)?;
+    }
+    warnings.extend(examples.validate()?);
+    if frames.is_none() {
+        for joint in 0..joint_len {
+            if !sidecar.joint_rest_positions.contains_key(&examples.skeleton.names[joint]) {
+                let origin = origins::rest_origin(&examples, joint);
+                examples.skeleton.rest[joint] = translation(origin);
+            }
+        }
+    }
+    Ok(Loaded { examples, warnings })
+}
+
+fn read_triangles(
+    archive: &mut Archive,
+    vertex_len: usize,
+) -> Result<Vec<[usize; 3]>, ExamplesError> {
+    let quads = archive.rows::<i64, 4>("quads", &[4])?;
+    let tris = archive.rows::<i64, 3>("tris", &[3])?;
+    if quads.is_none() && tris.is_none() {
+        return Err(ExamplesError::MissingArray { array: "quads or tris" });
+    }
+    let mut triangles = Vec::new();
+    for (face, quad) in quads.iter().flat_map(|quads| &quads.data).enumerate() {
+        let [a, b, c, d] = corners("quads", face, quad, vertex_len)?;
+        triangles.extend([[a, b, c], [a, c, d]]);
+    }
+    for (face, triangle) in tris.iter().flat_map(|tris| &tris.data).enumerate() {
+        triangles.push(corners("tris", face, triangle, vertex_len)?);
+    }
+    Ok(triangles)
+}
+
+fn corners<const K: usize>(
+    array: &'static str,
+    face: usize,
+    corners: &[i64; K],
+    vertex_len: usize,
+) -> Result<[usize; K], ExamplesError> {
+    let mut checked = [0; K];
+    for (corner, &vertex) in checked.iter_mut().zip(corners) {
+        match usize::try_from(vertex) {
+            Ok(inside) if inside < vertex_len => *corner = inside,
+            _ => return Err(ExamplesError::VertexOutOfRange { array, face, vertex, vertex_len }),
+        }
+    }
+    Ok(checked)
+}
+
+fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, ExamplesError> {
+    match &sidecar.bone_names {
+        Some(names) => Ok(names.clone()),
+        None => {
+            archive.texts("bone_names")?.ok_or(ExamplesError::MissingArray { array: "bone_names" })
+        }
+    }
+}
+
+/// Reads one parent a joint, and hangs every root but the first under the first.
+fn read_parents(
+    archive: &mut Archive,
+    sidecar: &Sidecar,
+    names: &[String],
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<Option<usize>>, ExamplesError> {
+    let parents = match &sidecar.bone_parents {
+        Some(parents) => parents.clone(),
+        None => {
+            let numbers = archive.required::<i64, 1>("bone_parents", &[])?.data;
+            numbers.into_iter().map(|[number]| Some(Parent::Number(number))).collect()
+        }
+    };
+    same("joints", "bone_names", names.len(), "bone_parents", parents.len())?;
+    let mut found = Vec::with_capacity(names.len());
+    for (joint, parent) in names.iter().zip(parents) {
+        let missing = |parent| ExamplesError::MissingParent { joint: joint.clone(), parent };
+        found.push(match parent {
+            None | Some(Parent::Number(-1)) => None,
+            Some(Parent::Number(number)) => match usize::try_from(number) {
+                Ok(inside) if inside < names.len() => Some(inside),
+                _ => return Err(missing(number.to_string())),
+            },
+            Some(Parent::Name(name)) => match names.iter().position(|other| *other == name) {
+                Some(number) => Some(number),
+                None => return Err(missing(name)),
+            },
+        });
+    }
+    let roots: Vec<usize> = (0..found.len()).filter(|&joint| found[joint].is_none()).collect();
+    if roots.len() > 1 {
+        let joints = roots.iter().map(|&root| names[root].clone()).collect();
+        warnings.push(Warning::SeveralRoots { joints });
+    }
+    for &root in roots.iter().skip(1) {
+        found[root] = Some(roots[0]);
+    }
+    Ok(found)
+}
+
+/// Drops the last row of 4 x 4 matrices, which must be 0 0 0 1.
+fn affine(
+    array: &'static str,
+    matrices: &[[f64; 16]],
+    posed: bool,
+    names: &[String],
+) -> Result<Vec<Matrix3x4>, ExamplesError> {
+    let mut maps = Vec::with_capacity(matrices.len());
+    for (number, matrix) in matrices.iter().enumerate() {
+        let row = |row: usize| [0, 1, 2, 3].map(|column| matrix[4 * row + column]);
+        let last = row(3).into_iter().zip([0.0, 0.0, 0.0, 1.0]);
+        let deviation = last.map(|(found, wanted)| (found - wanted).abs()).fold(0.0, f64::max);
+        if deviation > REPAIRABLE {
+            let frame = posed.then_some(number / names.len());
+            let joint = names[number % names.len()].clone();
+            return Err(ExamplesError::NonRigidJoint { array, frame, joint, deviation });
+        }
+        maps.push([row(0), row(1), row(2)]);
+    }
+    Ok(maps)
+}
+
+/// Puts the joints whose rest position is described where it says.
+fn place(skeleton: &mut Skeleton, sidecar: &Sidecar) -> Result<(), ExamplesError> {
+    for (name, &position) in &sidecar.joint_rest_positions {
+        match skeleton.names.iter().position(|joint| joint == name) {
+            Some(joint) => skeleton.rest[joint] = translation(position),
+            None => return Err(ExamplesError::UnknownJoint { name: name.clone() }),
+        }
+    }
+    Ok(())
+}
+
+fn split(frame: usize, code: i64) -> Result<Split, ExamplesError> {
+    match code {
+        0 => Ok(Split::Train),
+        1 => Ok(Split::HeldOut),
+        2 => Ok(Split::Extreme),
+        _ => Err(ExamplesError::UnknownSplit { frame, code }),
+    }
+}
+
+fn translation([x, y, z]: [f64; 3]) -> Matrix3x4 {
+    [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,120 @@
+//! Writing examples as NumPy arrays.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use npyz::npz::NpzWriter;
+use npyz::{AutoSerialize, DType, WriterBuilder};
+use zip::write::FileOptions;
+
+use super::sidecar::{Parent, Sidecar};
+use super::{Examples, ExamplesError, LoadError, Matrix3x4, Split};
+
+/// Writes examples to `path`, whole in double precision, and names and parents also to the JSON of
+/// the same name. Each file is written beside its place and moved there when complete, the JSON
+/// first. The same examples give the same bytes.
+///
+/// # Errors
+/// A [`LoadError`] with the file that could not be written.
+pub fn save_npz(path: &Path, examples: &Examples) -> Result<(), LoadError> {
+    let skeleton = &examples.skeleton;
+    let number = |parent: &Option<usize>| Some(Parent::Number(parent_number(*parent)));
+    let sidecar = Sidecar {
+        bone_names: Some(skeleton.names.clone()),
+        bone_parents: Some(skeleton.parents.iter().map(number).collect()),
+        ..Sidecar::default()
+    };
+    replace(&path.with_extension("json"), |file| {
+        let mut file = BufWriter::new(file);
+        serde_json::to_writer_pretty(&mut file, &sidecar)?;
+        file.write_all(b"\n")?;
+        file.flush()
+    })?;
+    replace(path, |file| write(file, examples))
+}
+
+fn write(file: &mut File, examples: &Examples) -> io::Result<()> {
+    let [v, n, j, t] = [
+        examples.vertex_len(),
+        examples.frame_len(),
+        examples.joint_len(),
+        examples.triangles.len(),
+    ]
+    .map(|len| len as u64);
+    let mut npz = NpzWriter::new(BufWriter::new(file));
+    let skeleton = &examples.skeleton;
+    array(&mut npz, "rest", &[v, 3], examples.rest.as_flattened().iter().copied())?;
+    let corners = examples.triangles.as_flattened().iter().map(|&vertex| vertex as i64);
+    array(&mut npz, "tris", &[t, 3], corners)?;
+    if let Some(uv) = &examples.uv {
+        array(&mut npz, "uv", &[v, 2], uv.as_flattened().iter().copied())?;
+    }
+    let parents = skeleton.parents.iter().map(|&parent| parent_number(parent));
+    array(&mut npz, "bone_parents", &[j], parents)?;
+    names(&mut npz, &skeleton.names)?;
+    array(&mut npz, "joint_world_rest", &[j, 4, 4], square(&skeleton.rest))?;
+    array(&mut npz, "split", &[n], examples.split.iter().map(|&split| code(split)))?;
+    array(&mut npz, "bone_transforms", &[n, j, 4, 4], square(&examples.transforms))?;
+    array(&mut npz, "vertices", &[n, v, 3], examples.vertices.as_flattened().iter().copied())?;
+    npz.zip_writer().finish()?.flush()
+}
+
+fn array<T: AutoSerialize>(
+    npz: &mut NpzWriter<BufWriter<&mut File>>,
+    name: &str,
+    shape: &[u64],
+    numbers: impl Iterator<Item = T>,
+) -> io::Result<()> {
+    let mut array = npz.array::<T>(name, options())?.default_dtype().shape(shape).begin_nd()?;
+    array.extend(numbers)?;
+    array.finish()
+}
+
+fn names(npz: &mut NpzWriter<BufWriter<&mut File>>, names: &[String]) -> io::Result<()> {
+    let longest = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(1);
+    let invalid = |_| io::Error::from(io::ErrorKind::InvalidInput);
+    let dtype = DType::Plain(format!("<U{longest}").parse().map_err(invalid)?);
+    let shape = [names.len() as u64];
+    let mut array =
+        npz.array::<str>("bone_names", options())?.dtype(dtype).shape(&shape).begin_nd()?;
+    for name in names {
+        array.push(name)?;
+    }
+    array.finish()
+}
+
+/// Compressed, able to pass 4 GB, and without the time of day, which would make every file differ.
+fn options() -> FileOptions {
+    FileOptions::default().last_modified_time(zip::DateTime::default()).large_file(true)
+}
+
+fn square(maps: &[Matrix3x4]) -> impl Iterator<Item = f64> {
+    maps.iter().flat_map(|map| map.iter().copied().chain([[0.0, 0.0, 0.0, 1.0]])).flatten()
+}
+
+fn parent_number(parent: Option<usize>) -> i64 {
+    parent.map_or(-1, |parent| parent as i64)
+}
+
+fn code(split: Split) -> u8 {
+    match split {
+        Split::Train => 0,
+        Split::HeldOut => 1,
+        Split::Extreme => 2,
+    }
+}
+
+fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), LoadError> {
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".part");
+    let beside = PathBuf::from(beside);
+    let written = File::create(&beside)
+        .and_then(|mut file| write(&mut file).and_then(|()| file.sync_all()))
+        .and_then(|()| std::fs::rename(&beside, path));
+    if written.is_err() {
+        // The first error is the one worth telling.
+        let _ = std::fs::remove_file(&beside);
+    }
+    written.map_err(|error| LoadError { file: path.to_owned(), error: ExamplesError::Io(error) })
+}

@@ -1,0 +1,24 @@
+//! A least set of examples for the tests of this folder.
+
+use super::{Examples, Matrix3x4, Skeleton, Split};
+
+pub(super) const IDENTITY: Matrix3x4 =
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// Makes one triangle on two joints, `root` and `tip`, at rest in every frame.
+pub(super) fn triangle(frame_len: usize) -> Examples {
+    let rest = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    Examples {
+        vertices: rest.repeat(frame_len),
+        rest,
+        triangles: vec![[0, 1, 2]],
+        uv: None,
+        skeleton: Skeleton {
+            names: vec!["root".into(), "tip".into()],
+            parents: vec![None, Some(0)],
+            rest: vec![IDENTITY; 2],
+        },
+        transforms: vec![IDENTITY; 2 * frame_len],
+        split: vec![Split::Train; frame_len],
+    }
+}

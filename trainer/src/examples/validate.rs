@@ -1,0 +1,239 @@
+//! The checks that every importer ends with: after `Ok`, a fit need not look again.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::{Element, Examples, ExamplesError, Matrix3x4, Split, Warning};
+
+/// A map this near to rigid is rigid (METHOD §1.1): it is what single precision leaves.
+const RIGID: f64 = 1e-4;
+
+/// A map this near to rigid is used through its nearest rotation; beyond, the data is wrong.
+pub(super) const REPAIRABLE: f64 = 1e-2;
+
+/// A triangle whose height is below this share of its longest side has no area: in single precision
+/// its normal would be noise.
+const LEAST_HEIGHT: f64 = 1e-7;
+
+impl Examples {
+    /// Checks counts, joints, finiteness, faces and rigidity, in that order.
+    ///
+    /// A map within 1e-4 of rigid passes; within 1e-2 it is warned of and a fit uses the rotation
+    /// nearest to it; beyond that it is an error.
+    ///
+    /// # Errors
+    /// - [`ExamplesError::Mismatch`], [`ExamplesError::Empty`] and [`ExamplesError::TooFewPoses`]
+    ///   for counts that disagree or are zero, and without a training frame.
+    /// - [`ExamplesError::DuplicateJoint`], [`ExamplesError::MissingParent`] and
+    ///   [`ExamplesError::JointCycle`] for a skeleton that is no tree.
+    /// - [`ExamplesError::NotFinite`] for NaN and infinity, in any frame.
+    /// - [`ExamplesError::VertexOutOfRange`] and [`ExamplesError::NoArea`] for faces.
+    /// - [`ExamplesError::NonRigidJoint`] for a map that is no rigid motion.
+    pub fn validate(&self) -> Result<Vec<Warning>, ExamplesError> {
+        self.check_counts()?;
+        self.check_joints()?;
+        self.check_finite()?;
+        let mut warnings = self.check_faces()?;
+        self.check_rigid("joint_world_rest", &self.skeleton.rest, None, &mut warnings)?;
+        let frames = Some(self.frame_len());
+        self.check_rigid("bone_transforms", &self.transforms, frames, &mut warnings)?;
+        Ok(warnings)
+    }
+
+    /// Lists the triangles that have no area in the rest pose and so carry no equation.
+    pub fn degenerate_triangles(&self) -> Vec<usize> {
+        (0..self.triangles.len()).filter(|&triangle| !self.has_area(triangle)).collect()
+    }
+
+    fn check_counts(&self) -> Result<(), ExamplesError> {
+        for (array, len) in [
+            ("rest", self.vertex_len()),
+            ("triangles", self.triangles.len()),
+            ("bone_names", self.joint_len()),
+            ("vertices", self.frame_len()),
+        ] {
+            if len == 0 {
+                return Err(ExamplesError::Empty { array });
+            }
+        }
+        let (vertices, joints) = (self.vertex_len(), self.joint_len());
+        same("joints", "bone_names", joints, "bone_parents", self.skeleton.parents.len())?;
+        same("joints", "bone_names", joints, "joint_world_rest", self.skeleton.rest.len())?;
+        let expected = self.frame_len() * vertices;
+        same("positions", "split and rest", expected, "vertices", self.vertices.len())?;
+        let expected = self.frame_len() * joints;
+        same("maps", "split and bone_names", expected, "bone_transforms", self.transforms.len())?;
+        if let Some(uv) = &self.uv {
+            same("vertices", "rest", vertices, "uv", uv.len())?;
+        }
+        if !self.split.contains(&Split::Train) {
+            return Err(ExamplesError::TooFewPoses { found: 0, needed: 1 });
+        }
+        Ok(())
+    }
+
+    fn check_joints(&self) -> Result<(), ExamplesError> {
+        let names = &self.skeleton.names;
+        for (second, name) in names.iter().enumerate() {
+            if let Some(first) = names[..second].iter().position(|other| other == name) {
+                return Err(ExamplesError::DuplicateJoint { name: name.clone(), first, second });
+            }
+        }
+        let parents = &self.skeleton.parents;
+        for (joint, parent) in parents.iter().enumerate() {
+            if parent.is_some_and(|parent| parent >= parents.len()) {
+                let parent = parent.map(|parent| parent.to_string()).unwrap_or_default();
+                return Err(ExamplesError::MissingParent { joint: names[joint].clone(), parent });
+            }
+        }
+        for start in 0..parents.len() {
+            let mut chain = vec![start];
+            let mut joint = start;
+            while let Some(parent) = parents[joint] {
+                if let Some(begin) = chain.iter().position(|&seen| seen == parent) {
+                    chain.drain(..begin);
+                    chain.push(parent);
+                    let joints = chain.iter().map(|&joint| names[joint].clone()).collect();
+                    return Err(ExamplesError::JointCycle { joints });
+                }
+                chain.push(parent);
+                joint = parent;
+            }
+        }
+        let mut roots = (0..parents.len()).filter(|&joint| parents[joint].is_none());
+        if let (Some(_), Some(second)) = (roots.next(), roots.next()) {
+            let (joint, parent) = (names[second].clone(), "none".to_owned());
+            return Err(ExamplesError::MissingParent { joint, parent });
+        }
+        Ok(())
+    }
+
+    fn check_finite(&self) -> Result<(), ExamplesError> {
+        let vertex = |number: usize| Element::Vertex(number);
+        let joint = |number: usize| Element::Joint(self.skeleton.names[number].clone());
+        finite("rest", self.rest.iter().map(<[_; 3]>::as_slice), None, vertex)?;
+        if let Some(uv) = &self.uv {
+            finite("uv", uv.iter().map(<[_; 2]>::as_slice), None, vertex)?;
+        }
+        let count = Some(self.vertex_len());
+        finite("vertices", self.vertices.iter().map(<[_; 3]>::as_slice), count, vertex)?;
+        let maps = |maps: &'static str, of: &[Matrix3x4], count| {
+            finite(maps, of.iter().map(|map| map.as_flattened()), count, joint)
+        };
+        maps("joint_world_rest", &self.skeleton.rest, None)?;
+        maps("bone_transforms", &self.transforms, Some(self.joint_len()))
+    }
+
+    fn check_faces(&self) -> Result<Vec<Warning>, ExamplesError> {
+        let vertex_len = self.vertex_len();
+        for (face, triangle) in self.triangles.iter().enumerate() {
+            if let Some(&vertex) = triangle.iter().find(|&&vertex| vertex >= vertex_len) {
+                let vertex = vertex.try_into().unwrap_or(i64::MAX);
+                return Err(ExamplesError::VertexOutOfRange {
+                    array: "triangle",
+                    face,
+                    vertex,
+                    vertex_len,
+                });
+            }
+        }
+        let (repeated, flat): (Vec<_>, Vec<_>) =
+            self.degenerate_triangles().into_iter().partition(|&triangle| {
+                let [a, b, c] = self.triangles[triangle];
+                a == b || b == c || c == a
+            });
+        if repeated.len() + flat.len() == self.triangles.len() {
+            return Err(ExamplesError::NoArea { triangle_len: self.triangles.len() });
+        }
+        let mut warnings = Vec::new();
+        if !repeated.is_empty() {
+            warnings.push(Warning::RepeatedVertex { triangles: repeated });
+        }
+        if !flat.is_empty() {
+            warnings.push(Warning::ZeroArea { triangles: flat });
+        }
+        Ok(warnings)
+    }
+
+    fn has_area(&self, triangle: usize) -> bool {
+        let [a, b, c] = self.triangles[triangle].map(|vertex| Vector3::from(self.rest[vertex]));
+        let longest =
+            [b - a, c - b, a - c].map(|side| side.norm_squared()).into_iter().fold(0.0, f64::max);
+        (b - a).cross(&(c - a)).norm() > LEAST_HEIGHT * longest
+    }
+
+    /// Checks J maps, or N x J where `frame_len` is given.
+    fn check_rigid(
+        &self,
+        array: &'static str,
+        maps: &[Matrix3x4],
+        frame_len: Option<usize>,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(), ExamplesError> {
+        let names = &self.skeleton.names;
+        for (joint, name) in names.iter().enumerate() {
+            let mut worst = (0, 0.0);
+            let mut matrix_len = 0;
+            for frame in 0..frame_len.unwrap_or(1) {
+                let deviation = deviation(&maps[frame * names.len() + joint]);
+                if deviation > worst.1 {
+                    worst = (frame, deviation);
+                }
+                matrix_len += usize::from(deviation > RIGID);
+            }
+            let (frame, deviation) = (frame_len.map(|_| worst.0), worst.1);
+            let joint = name.clone();
+            if deviation > REPAIRABLE {
+                return Err(ExamplesError::NonRigidJoint { array, frame, joint, deviation });
+            }
+            if matrix_len > 0 {
+                let worst_frame = frame;
+                warnings.push(Warning::NonRigidJoint {
+                    array,
+                    joint,
+                    matrix_len,
+                    worst_frame,
+                    deviation,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Measures how far a map's linear part is from the nearest rotation: the largest |σ - 1| over the
+/// singular values, the smallest of which carries the sign of the determinant.
+fn deviation(map: &Matrix3x4) -> f64 {
+    let linear = Matrix3::from_fn(|row, column| map[row][column]);
+    let mut sigma = linear.singular_values();
+    sigma[2] *= linear.determinant().signum();
+    sigma.iter().map(|sigma| (sigma - 1.0).abs()).fold(0.0, f64::max)
+}
+
+pub(super) fn same(
+    what: &'static str,
+    first: &'static str,
+    first_len: usize,
+    second: &'static str,
+    second_len: usize,
+) -> Result<(), ExamplesError> {
+    if first_len == second_len {
+        return Ok(());
+    }
+    Err(ExamplesError::Mismatch { what, first, first_len, second, second_len })
+}
+
+fn finite<'a>(
+    array: &'static str,
+    mut rows: impl Iterator<Item = &'a [f64]>,
+    per_frame: Option<usize>,
+    element: impl Fn(usize) -> Element,
+) -> Result<(), ExamplesError> {
+    match rows.position(|row| row.iter().any(|number| !number.is_finite())) {
+        None => Ok(()),
+        Some(row) => Err(ExamplesError::NotFinite {
+            array,
+            frame: per_frame.map(|len| row / len),
+            element: element(per_frame.map_or(row, |len| row % len)),
+        }),
+    }
+}
