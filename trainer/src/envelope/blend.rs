@@ -1,0 +1,261 @@
+//! Blends of maps: the least-squares problem that LBS weights, proxies and keys share.
+//!
+//! An item (a vertex, a triangle) has one or more rows h of width m with a target trajectory y in
+//! R^r each; l maps `M_l` (r x m) are blended with weights w: `y ≈ Σ_l w_l M_l h`, w ≥ 0, Σw = 1,
+//! at most K of them not zero. Weights and maps are fitted in turn (METHOD §1.2, §1.7).
+
+use super::simplex::{self, Gram, MAX_COLUMNS};
+use faer::linalg::matmul::matmul;
+use faer::prelude::*;
+use faer::{Accum, Mat, MatMut, Par, Side};
+use rayon::prelude::*;
+
+/// Most maps that a weight fit of one item looks at, nearest in error first.
+pub const CANDIDATES: usize = 12;
+/// Partial sums that a fit of maps is split into, so that threads do not change the order.
+const CHUNKS: usize = 16;
+
+/// Items to be blended.
+pub struct Items<'a> {
+    /// m.
+    pub width: usize,
+    /// Rows per item.
+    pub rows: usize,
+    /// Rows h, items x rows x m.
+    pub h: Vec<f64>,
+    /// Targets, r x (items·rows).
+    pub y: &'a Mat<f64>,
+}
+
+impl Items<'_> {
+    /// Returns the number of items.
+    pub fn len(&self) -> usize {
+        self.y.ncols() / self.rows
+    }
+
+    /// Returns whether there is no item.
+    pub fn is_empty(&self) -> bool {
+        self.y.ncols() == 0
+    }
+
+    fn row(&self, row: usize) -> &[f64] {
+        &self.h[row * self.width..(row + 1) * self.width]
+    }
+}
+
+/// Maps side by side: r x (l·m).
+pub struct Maps {
+    /// m.
+    pub width: usize,
+    /// Columns l·m..l·m+m are map l.
+    pub columns: Mat<f64>,
+}
+
+impl Maps {
+    /// Returns the number of maps.
+    pub fn len(&self) -> usize {
+        self.columns.ncols() / self.width
+    }
+
+    /// Returns whether there is no map.
+    pub fn is_empty(&self) -> bool {
+        self.columns.ncols() == 0
+    }
+}
+
+/// At most K weights an item.
+#[derive(Clone, Debug)]
+pub struct Weights {
+    most: usize,
+    entries: Vec<(u32, f64)>,
+}
+
+impl Weights {
+    /// Returns K.
+    pub fn most(&self) -> usize {
+        self.most
+    }
+
+    /// Returns the number of items.
+    pub fn len(&self) -> usize {
+        self.entries.len() / self.most
+    }
+
+    /// Returns whether there is no item.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// Returns the maps and weights of an item that are not zero, strongest first.
+    pub fn of(&self, item: usize) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
+        let entries = &self.entries[item * self.most..(item + 1) * self.most];
+        entries.iter().take_while(|e| e.1 > 0.0).map(|&(map, weight)| (map as usize, weight))
+    }
+
+    /// Builds weights from lists of (map, weight), each at most `most` long, strongest first.
+    pub fn from_lists(most: usize, lists: impl Iterator<Item = Vec<(usize, f64)>>) -> Self {
+        let mut entries = Vec::new();
+        for list in lists {
+            let end = entries.len() + most;
+            entries.extend(list.into_iter().map(|(map, weight)| (map as u32, weight)).take(most));
+            entries.resize(end, (0, 0.0));
+        }
+        Self { most, entries }
+    }
+}
+
+/// Fits the weights of every item to given maps; returns them and the items' squared errors.
+pub fn fit_weights(items: &Items<'_>, maps: &Maps, most: usize) -> (Weights, Vec<f64>) {
+    let products = {
+        let mut all = Mat::<f64>::zeros(maps.columns.ncols(), maps.columns.ncols());
+        matmul(all.as_mut(), Accum::Replace, maps.columns.transpose(), &maps.columns, 1.0, Par::Seq);
+        all
+    };
+    let block = 256;
+    let blocks: Vec<Vec<(Vec<(usize, f64)>, f64)>> = (0..items.len().div_ceil(block))
+        .into_par_iter()
+        .map(|b| {
+            let range = b * block..((b + 1) * block).min(items.len());
+            let y = items.y.subcols(range.start * items.rows, range.len() * items.rows);
+            let mut onto = Mat::<f64>::zeros(maps.columns.ncols(), y.ncols());
+            matmul(onto.as_mut(), Accum::Replace, maps.columns.transpose(), y, 1.0, Par::Seq);
+            range.clone().map(|i| fit_item(items, i, &products, &onto, range.start, most)).collect()
+        })
+        .collect();
+    let errors = blocks.iter().flatten().map(|item| item.1).collect();
+    (Weights::from_lists(most, blocks.into_iter().flatten().map(|item| item.0)), errors)
+}
+
+fn fit_item(
+    items: &Items<'_>,
+    item: usize,
+    products: &Mat<f64>,
+    onto: &Mat<f64>,
+    block_start: usize,
+    most: usize,
+) -> (Vec<(usize, f64)>, f64) {
+    let m = items.width;
+    let maps = products.ncols() / m;
+    let rows = item * items.rows..(item + 1) * items.rows;
+    let own: f64 = rows.clone().map(|row| norm2(items.y.col_as_slice(row))).sum();
+    let product = |a: usize, b: usize| -> f64 {
+        let mut sum = 0.0;
+        for row in rows.clone() {
+            let h = items.row(row);
+            for j in 0..m {
+                let column = &products.col_as_slice(b * m + j)[a * m..(a + 1) * m];
+                let inner: f64 = column.iter().zip(h).map(|(p, x)| p * x).sum();
+                sum += inner * h[j];
+            }
+        }
+        sum
+    };
+    let toward = |a: usize| -> f64 {
+        let mut sum = 0.0;
+        for row in rows.clone() {
+            let column = onto.col_as_slice(row - block_start * items.rows);
+            sum += column[a * m..].iter().zip(items.row(row)).map(|(p, x)| p * x).sum::<f64>();
+        }
+        sum
+    };
+    let mut candidates: Vec<(f64, f64, usize)> = (0..maps)
+        .map(|l| {
+            let c = toward(l);
+            (product(l, l) - 2.0 * c + own, c, l)
+        })
+        .collect();
+    if candidates.len() > CANDIDATES {
+        candidates.select_nth_unstable_by(CANDIDATES, |a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
+        candidates.truncate(CANDIDATES);
+    }
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
+
+    let mut gram = Gram { len: candidates.len(), value: [[0.0; MAX_COLUMNS]; MAX_COLUMNS] };
+    for (i, &(error, toward_a, a)) in candidates.iter().enumerate() {
+        gram.value[i][i] = error.max(0.0);
+        for (j, &(_, toward_b, b)) in candidates.iter().enumerate().take(i) {
+            let value = product(a, b) - toward_a - toward_b + own;
+            gram.value[i][j] = value;
+            gram.value[j][i] = value;
+        }
+    }
+    let weights = simplex::solve_sparse(&gram, most);
+    let mut list: Vec<(usize, f64)> = (0..gram.len)
+        .filter(|&i| weights[i] > 0.0)
+        .map(|i| (candidates[i].2, weights[i]))
+        .collect();
+    list.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    (list, gram.error(&weights))
+}
+
+/// Fits the maps to given weights; a map moves from `previous` only as far as the items ask.
+///
+/// The proximal term, `PROXIMAL` of the mean diagonal, decides what no item sees (a map without
+/// items, the direction out of a flat patch) and keeps the system positive definite.
+pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps) -> Maps {
+    const PROXIMAL: f64 = 1e-7;
+    let m = items.width;
+    let (size, rank) = (previous.columns.ncols(), items.y.nrows());
+    let chunk = items.len().div_ceil(CHUNKS).max(1);
+    let parts: Vec<(Mat<f64>, Mat<f64>)> = (0..items.len().div_ceil(chunk))
+        .into_par_iter()
+        .map(|c| {
+            let mut normal = Mat::zeros(size, size);
+            let mut right = Mat::zeros(rank, size);
+            for item in c * chunk..((c + 1) * chunk).min(items.len()) {
+                for row in item * items.rows..(item + 1) * items.rows {
+                    accumulate(items, row, weights.of(item), m, normal.as_mut(), right.as_mut());
+                }
+            }
+            (normal, right)
+        })
+        .collect();
+    let mut normal = Mat::<f64>::zeros(size, size);
+    let mut right = Mat::<f64>::zeros(rank, size);
+    for (n, r) in &parts {
+        normal += n;
+        right += r;
+    }
+    let mean = (0..size).map(|i| normal[(i, i)]).sum::<f64>() / size.max(1) as f64;
+    let proximal = PROXIMAL * mean + f64::MIN_POSITIVE;
+    for i in 0..size {
+        normal[(i, i)] += proximal;
+    }
+    right += faer::Scale(proximal) * &previous.columns;
+    let columns = match normal.llt(Side::Lower) {
+        Ok(factor) => factor.solve(right.transpose()).transpose().to_owned(),
+        // Only rounding could make it indefinite; the maps then stay as they are.
+        Err(_) => previous.columns.clone(),
+    };
+    Maps { width: m, columns }
+}
+
+fn accumulate(
+    items: &Items<'_>,
+    row: usize,
+    weights: impl Iterator<Item = (usize, f64)> + Clone,
+    m: usize,
+    mut normal: MatMut<'_, f64>,
+    mut right: MatMut<'_, f64>,
+) {
+    let h = items.row(row);
+    let y = items.y.col_as_slice(row);
+    for (a, wa) in weights.clone() {
+        for (j, hj) in h.iter().enumerate() {
+            let phi = wa * hj;
+            for (b, wb) in weights.clone() {
+                for (i, hi) in h.iter().enumerate() {
+                    normal[(b * m + i, a * m + j)] += phi * wb * hi;
+                }
+            }
+            let mut column = right.as_mut().col_mut(a * m + j);
+            for (k, value) in y.iter().enumerate() {
+                column[k] += phi * value;
+            }
+        }
+    }
+}
+
+fn norm2(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum()
+}

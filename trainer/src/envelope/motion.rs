@@ -1,0 +1,168 @@
+//! Poses and surface trajectories with the reference root's motion removed (METHOD §1.1).
+
+use super::{columns, so3};
+use crate::examples::Examples;
+use faer::Mat;
+use nalgebra::{Matrix3, Matrix3x4, Vector3};
+use std::ops::Range;
+
+/// Largest deviation of a joint's linear part from a rotation that is taken as rounding.
+pub const RIGID_TOLERANCE: f64 = 1e-4;
+
+/// The joints of n poses of J joints, relative to the reference root.
+#[derive(Clone, Debug)]
+pub struct Poses {
+    joint_len: usize,
+    root: usize,
+    maps: Vec<Matrix3x4<f64>>,
+    angles: Vec<Vector3<f64>>,
+    parent_rotations: Vec<Matrix3<f64>>,
+    roots: Vec<Matrix3x4<f64>>,
+}
+
+impl Poses {
+    /// Reads the given frames of the examples.
+    pub fn new(examples: &Examples, frames: &[usize]) -> Self {
+        let joint_len = examples.joint_len();
+        let parents = &examples.skeleton.parents;
+        let root = parents.iter().position(Option::is_none).unwrap_or(0);
+        let mut poses = Self {
+            joint_len,
+            root,
+            maps: Vec::with_capacity(frames.len() * joint_len),
+            angles: Vec::with_capacity(frames.len() * joint_len),
+            parent_rotations: Vec::with_capacity(frames.len() * joint_len),
+            roots: Vec::with_capacity(frames.len()),
+        };
+        for &frame in frames {
+            let pose: Vec<_> = examples.pose(frame).iter().map(to_nalgebra).collect();
+            let inverse = rigid_inverse(&pose[root]);
+            let maps: Vec<_> = pose.iter().map(|b| compose(&inverse, b)).collect();
+            let rotations: Vec<_> = maps.iter().map(nearest_rotation).collect();
+            for (joint, parent) in parents.iter().enumerate() {
+                let frame_of_parent = parent.map_or(Matrix3::identity(), |p| rotations[p]);
+                let relative = frame_of_parent.transpose() * rotations[joint];
+                poses.angles.push(parent.map_or(Vector3::zeros(), |_| so3::log(&relative)));
+                poses.parent_rotations.push(frame_of_parent);
+            }
+            poses.maps.extend(maps);
+            poses.roots.push(pose[root]);
+        }
+        poses
+    }
+
+    /// Returns n.
+    pub fn len(&self) -> usize {
+        self.roots.len()
+    }
+
+    /// Returns whether there is no pose.
+    pub fn is_empty(&self) -> bool {
+        self.roots.is_empty()
+    }
+
+    /// Returns J.
+    pub fn joint_len(&self) -> usize {
+        self.joint_len
+    }
+
+    /// Returns r, the reference root.
+    pub fn root(&self) -> usize {
+        self.root
+    }
+
+    /// Returns `B_r⁻¹ B_j` of a pose.
+    pub fn map(&self, pose: usize, joint: usize) -> &Matrix3x4<f64> {
+        &self.maps[pose * self.joint_len + joint]
+    }
+
+    /// Returns θ_j of a pose: the joint's rotation relative to its parent's, as axis times angle.
+    pub fn angle(&self, pose: usize, joint: usize) -> &Vector3<f64> {
+        &self.angles[pose * self.joint_len + joint]
+    }
+
+    /// Returns Q_p of a pose: the rotation of the joint's parent, I for the root.
+    pub fn parent_rotation(&self, pose: usize, joint: usize) -> &Matrix3<f64> {
+        &self.parent_rotations[pose * self.joint_len + joint]
+    }
+
+    /// Returns the largest |θ_j| over the poses, J values in radians.
+    pub fn angle_ranges(&self) -> Vec<f64> {
+        (0..self.joint_len)
+            .map(|j| (0..self.len()).map(|i| self.angle(i, j).norm()).fold(0.0, f64::max))
+            .collect()
+    }
+
+    /// Stacks the joints as maps of trajectories: 3n x 4J, columns 4j..4j+4 are joint j.
+    pub fn stacked(&self) -> Mat<f64> {
+        Mat::from_fn(3 * self.len(), 4 * self.joint_len, |row, column| {
+            self.map(row / 3, column / 4)[(row % 3, column % 4)]
+        })
+    }
+
+    /// Returns the poses outside a range.
+    pub fn without(&self, range: Range<usize>) -> Self {
+        fn outside<T: Copy>(all: &[T], width: usize, range: &Range<usize>) -> Vec<T> {
+            [&all[..range.start * width], &all[range.end * width..]].concat()
+        }
+        let joints = self.joint_len;
+        Self {
+            joint_len: joints,
+            root: self.root,
+            maps: outside(&self.maps, joints, &range),
+            angles: outside(&self.angles, joints, &range),
+            parent_rotations: outside(&self.parent_rotations, joints, &range),
+            roots: outside(&self.roots, 1, &range),
+        }
+    }
+}
+
+/// Gathers the vertices' trajectories relative to the root: 3n x V, column v is
+/// `[x y z]` of vertex v over the frames.
+pub fn trajectories(examples: &Examples, frames: &[usize], poses: &Poses) -> Mat<f64> {
+    let mut all = Mat::zeros(3 * frames.len(), examples.vertex_len());
+    let inverses: Vec<_> = poses.roots.iter().map(rigid_inverse).collect();
+    columns::fill(&mut all, |v, column| {
+        for (i, &frame) in frames.iter().enumerate() {
+            let y = transform(&inverses[i], &examples.frame(frame)[v]);
+            column[3 * i..3 * i + 3].copy_from_slice(y.as_slice());
+        }
+    });
+    all
+}
+
+/// Converts an array to a matrix.
+pub fn to_nalgebra(m: &crate::examples::Matrix3x4) -> Matrix3x4<f64> {
+    Matrix3x4::from_fn(|r, c| m[r][c])
+}
+
+/// Applies a map to a point.
+pub fn transform(m: &Matrix3x4<f64>, x: &[f64; 3]) -> Vector3<f64> {
+    m * nalgebra::Vector4::new(x[0], x[1], x[2], 1.0)
+}
+
+/// Composes two maps: `a` after `b`.
+pub fn compose(a: &Matrix3x4<f64>, b: &Matrix3x4<f64>) -> Matrix3x4<f64> {
+    let mut out = a.fixed_columns::<3>(0) * b;
+    let moved = out.column(3) + a.column(3);
+    out.set_column(3, &moved);
+    out
+}
+
+/// Inverts a rigid map.
+pub fn rigid_inverse(m: &Matrix3x4<f64>) -> Matrix3x4<f64> {
+    let transposed = nearest_rotation(m).transpose();
+    let mut out = Matrix3x4::zeros();
+    out.fixed_columns_mut::<3>(0).copy_from(&transposed);
+    out.set_column(3, &(-transposed * m.column(3)));
+    out
+}
+
+fn nearest_rotation(m: &Matrix3x4<f64>) -> Matrix3<f64> {
+    let q: Matrix3<f64> = m.fixed_columns::<3>(0).into();
+    let deviation = (q.transpose() * q - Matrix3::identity()).amax();
+    if deviation <= RIGID_TOLERANCE {
+        return q;
+    }
+    so3::polar(&q).map_or(Matrix3::identity(), |(rotation, _)| rotation)
+}

@@ -1,0 +1,102 @@
+//! A short orthonormal basis of the surface's trajectories.
+//!
+//! Proxies, keys and their weights are linear in the trajectories, so all of their fits can be made
+//! in coordinates on a basis of what the trajectories span: the same result to the basis's residual,
+//! and the cost no longer depends on the number of poses. The basis comes from randomised subspace
+//! iteration (Halko, Martinsson, Tropp 2011, algorithm 4.4), which reads the trajectories a few
+//! times and needs memory linear in V and in N.
+
+use crate::envelope::columns;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par, Side};
+use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
+
+/// Most dimensions of a basis.
+const MAX_RANK: usize = 160;
+/// Residual, relative to the diagonal, below which further dimensions are dropped.
+const RESIDUAL: f64 = 1e-5;
+const CHUNKS: usize = 16;
+
+/// Orthonormal trajectories and the vertices' coordinates on them.
+pub struct Basis {
+    /// Basis trajectories, 3n x r, the strongest first.
+    pub vectors: Mat<f64>,
+    /// Coordinates of each vertex, r x V.
+    pub coordinates: Mat<f64>,
+    /// RMS length of what the basis leaves out, in units of the input.
+    pub residual: f64,
+}
+
+/// Builds the basis of trajectories (3n x V) of a character of the given diagonal.
+pub fn basis(trajectories: &Mat<f64>, diagonal: f64) -> Basis {
+    let (height, vertices) = (trajectories.nrows(), trajectories.ncols());
+    let sketch = height.min(MAX_RANK + 16);
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(0);
+    let signs =
+        Mat::from_fn(vertices, sketch, |_, _| if random.random::<bool>() { 1.0 } else { -1.0 });
+    let mut range = sum_over_chunks(height, sketch, vertices, |start, len, out| {
+        let part = trajectories.subcols(start, len);
+        matmul(out.as_mut(), Accum::Add, part, signs.subrows(start, len), 1.0, Par::Seq);
+    });
+    for _ in 0..2 {
+        let q = range.qr().compute_thin_Q();
+        range = sum_over_chunks(height, sketch, vertices, |start, len, out| {
+            let part = trajectories.subcols(start, len);
+            let onto = part.transpose() * &q;
+            matmul(out.as_mut(), Accum::Add, part, &onto, 1.0, Par::Seq);
+        });
+    }
+    let q = range.qr().compute_thin_Q();
+    let gram = sum_over_chunks(sketch, sketch, vertices, |start, len, out| {
+        let onto = q.transpose() * trajectories.subcols(start, len);
+        matmul(out.as_mut(), Accum::Add, &onto, onto.transpose(), 1.0, Par::Seq);
+    });
+    let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else {
+        // The Gram matrix of finite trajectories has a decomposition; q itself is a basis too.
+        let coordinates = q.transpose() * trajectories;
+        return Basis { vectors: q, coordinates, residual: 0.0 };
+    };
+    let energy = |i: usize| eigen.S().column_vector()[sketch - 1 - i].max(0.0);
+    let total: f64 = trajectories.col_iter().map(|column| column.squared_norm_l2()).sum();
+    let frames = (height / 3).max(1) as f64;
+    let rms = |left: f64| (left.max(0.0) / (frames * vertices.max(1) as f64)).sqrt();
+    let (mut rank, mut left) = (0, total);
+    while rank < sketch.min(MAX_RANK) && rms(left) > RESIDUAL * diagonal {
+        left -= energy(rank);
+        rank += 1;
+    }
+    let strongest = eigen.U().reverse_cols().subcols(0, rank);
+    let vectors = &q * strongest;
+    let mut coordinates = Mat::zeros(rank, vertices);
+    columns::fill(&mut coordinates, |vertex, out| {
+        for (value, direction) in out.iter_mut().zip(vectors.col_iter()) {
+            *value = direction.transpose() * trajectories.col(vertex);
+        }
+    });
+    Basis { vectors, coordinates, residual: rms(left) }
+}
+
+/// Sums over fixed chunks of columns in a fixed order, whatever the number of threads.
+fn sum_over_chunks(
+    rows: usize,
+    columns: usize,
+    items: usize,
+    add: impl Fn(usize, usize, &mut Mat<f64>) + Sync,
+) -> Mat<f64> {
+    let chunk = items.div_ceil(CHUNKS).max(1);
+    let parts: Vec<Mat<f64>> = (0..items.div_ceil(chunk))
+        .into_par_iter()
+        .map(|c| {
+            let mut part = Mat::zeros(rows, columns);
+            let start = c * chunk;
+            add(start, chunk.min(items - start), &mut part);
+            part
+        })
+        .collect();
+    let mut sum = Mat::zeros(rows, columns);
+    for part in &parts {
+        sum += part;
+    }
+    sum
+}

@@ -1,0 +1,106 @@
+//! Keys: P gradient sequences whose blends move every triangle's edges (METHOD §1.7.2, S3 §3.2).
+
+use super::super::blend::{Items, Maps, Weights, fit_maps, fit_weights};
+use super::proxies::Proxies;
+use super::surface::Surface;
+use crate::progress::Progress;
+use faer::Mat;
+use nalgebra::Matrix3;
+
+/// Weight of n̂ as a third edge, which decides D_l on flat support.
+const NORMAL_WEIGHT: f64 = 0.1;
+/// Name of the step.
+pub const STEP: &str = "keys";
+/// Most rounds of weights and gradients.
+const ROUNDS: usize = 6;
+/// Gain of a round, relative to the error, below which the alternation stops.
+const GAIN: f64 = 5e-3;
+
+/// Fitted keys.
+pub struct Keys {
+    /// Weights β of each triangle, at most K.
+    pub weights: Weights,
+    /// Gradients D_l on the trajectory basis, r x 3P.
+    gradients: Maps,
+    /// RMS error of the edges over triangles and training frames, in units of the input.
+    pub rms: f64,
+}
+
+/// Fits keys to the edges of a surface of n frames, starting from the proxies' linear parts.
+pub fn fit(
+    surface: &Surface<'_>,
+    proxies: &Proxies,
+    frames: usize,
+    influences: usize,
+    progress: &dyn Progress,
+) -> Keys {
+    progress.step(STEP, ROUNDS);
+    let y = edge_targets(surface);
+    let items = Items { width: 3, rows: 3, h: edge_rows(surface), y: &y };
+    let columns = Mat::from_fn(surface.vertices.nrows(), 3 * proxies.len(), |k, column| {
+        proxies.maps.columns[(k, 4 * (column / 3) + column % 3)]
+    });
+    let mut gradients = Maps { width: 3, columns };
+    let rms = |errors: &[f64]| {
+        (errors.iter().sum::<f64>() / (2 * errors.len() * frames).max(1) as f64).sqrt()
+    };
+    let (mut weights, errors) = fit_weights(&items, &gradients, influences);
+    let mut error = rms(&errors);
+    for _ in 0..ROUNDS {
+        progress.advance(1);
+        gradients = fit_maps(&items, &weights, &gradients);
+        let (next, errors) = fit_weights(&items, &gradients, influences);
+        let last = error;
+        (weights, error) = (next, rms(&errors));
+        if last - error < GAIN * last {
+            break;
+        }
+    }
+    Keys { weights, gradients, rms: error }
+}
+
+impl Keys {
+    /// Returns P.
+    pub fn len(&self) -> usize {
+        self.gradients.len()
+    }
+
+    /// Returns whether there is no key.
+    pub fn is_empty(&self) -> bool {
+        self.gradients.is_empty()
+    }
+
+    /// Returns the gradients of a key over the frames, given the basis trajectories (3n x r).
+    pub fn sequence(&self, key: usize, basis: &Mat<f64>) -> Vec<Matrix3<f64>> {
+        let stacked = basis * self.gradients.columns.subcols(3 * key, 3);
+        (0..stacked.nrows() / 3)
+            .map(|frame| Matrix3::from_fn(|r, c| stacked[(3 * frame + r, c)]))
+            .collect()
+    }
+}
+
+/// Three rows a triangle: its two edges and its normal at a small weight.
+fn edge_rows(surface: &Surface<'_>) -> Vec<f64> {
+    let mut h = Vec::with_capacity(9 * surface.triangles.len());
+    for triangle in 0..surface.triangles.len() {
+        for edge in surface.rest_edges(triangle) {
+            h.extend_from_slice(edge.as_slice());
+        }
+        h.extend((surface.rest_normals[triangle] * NORMAL_WEIGHT).iter());
+    }
+    h
+}
+
+/// What the rows of [`edge_rows`] become, r x 3T.
+fn edge_targets(surface: &Surface<'_>) -> Mat<f64> {
+    let mut y = Mat::zeros(surface.vertices.nrows(), 3 * surface.triangles.len());
+    for (triangle, &[a, b, c]) in surface.triangles.iter().enumerate() {
+        let first = surface.vertices.col(a);
+        for (edge, corner) in [b, c].into_iter().enumerate() {
+            y.col_mut(3 * triangle + edge).copy_from(surface.vertices.col(corner) - first);
+        }
+        let normal = faer::Scale(NORMAL_WEIGHT) * surface.normals.col(triangle);
+        y.col_mut(3 * triangle + 2).copy_from(normal);
+    }
+    y
+}

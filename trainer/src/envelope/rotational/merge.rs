@@ -1,0 +1,263 @@
+//! Greedy merging of triangles into patches that one affine map moves well (METHOD §1.7.1,
+//! S3 §3.1).
+//!
+//! Every triangle starts as a group with its exact map. The cheapest move of a group A into a
+//! neighbour B, by `E_{A→B} = Σ_{a∈A} |y_a - T_B x̂_a|²`, is made again and again, and B's map is
+//! refitted. A group is known by the sums of its points' outer products, so a merge adds them.
+
+use super::surface::Surface;
+use nalgebra::Matrix4;
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+
+/// Coordinates that the merging looks at; the strongest come first and carry the motion.
+const MERGE_RANK: usize = 40;
+
+/// The order of merges; cutting it after `T - P` of them leaves P groups.
+pub struct MergeTree {
+    triangles: usize,
+    merges: Vec<(u32, u32)>,
+}
+
+impl MergeTree {
+    /// Merges all triangles of a surface; `advance` is called once a merge.
+    pub fn build(surface: &Surface<'_>, mut advance: impl FnMut()) -> Self {
+        let count = surface.triangles.len();
+        let mut groups = Groups::new(surface);
+        let mut queue = BinaryHeap::new();
+        for a in 0..count as u32 {
+            groups.queue_moves_of(a, &mut queue);
+        }
+        let mut merges = Vec::with_capacity(count);
+        while merges.len() + 1 < count {
+            let Some(best) = queue.pop() else {
+                // What is left are parts without a common vertex: let near ones meet.
+                groups.join_components();
+                for a in groups.alive() {
+                    groups.queue_moves_of(a, &mut queue);
+                }
+                continue;
+            };
+            if !groups.adjacent(best.from, best.into) {
+                continue;
+            }
+            let error = groups.move_error(best.from, best.into);
+            // B's map has changed since the move was queued: put it back where it now belongs.
+            if error > best.error * 1.01 && queue.peek().is_some_and(|next| error > next.error) {
+                queue.push(Move { error, ..best });
+                continue;
+            }
+            for neighbour in groups.merge(best.from, best.into) {
+                for (from, into) in [(neighbour, best.into), (best.into, neighbour)] {
+                    queue.push(Move { error: groups.move_error(from, into), from, into });
+                }
+            }
+            merges.push((best.from, best.into));
+            advance();
+        }
+        Self { triangles: count, merges }
+    }
+
+    /// Returns the group of each triangle, numbered from 0, when `count` groups are left.
+    pub fn cut(&self, count: usize) -> Vec<usize> {
+        let mut into: Vec<u32> = (0..self.triangles as u32).collect();
+        for &(a, b) in &self.merges[..self.triangles.saturating_sub(count).min(self.merges.len())] {
+            into[a as usize] = b;
+        }
+        let mut number = BTreeMap::new();
+        (0..self.triangles)
+            .map(|triangle| {
+                let mut group = triangle as u32;
+                while into[group as usize] != group {
+                    group = into[group as usize];
+                }
+                let next = number.len();
+                *number.entry(group).or_insert(next)
+            })
+            .collect()
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Move {
+    error: f64,
+    from: u32,
+    into: u32,
+}
+
+impl Ord for Move {
+    fn cmp(&self, other: &Self) -> Ordering {
+        // The heap yields its greatest: the least error first, ties to the lower numbers.
+        let key = |m: &Self| (m.from, m.into);
+        other.error.total_cmp(&self.error).then_with(|| key(other).cmp(&key(self)))
+    }
+}
+impl PartialOrd for Move {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl PartialEq for Move {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+impl Eq for Move {}
+
+struct Groups {
+    rank: usize,
+    points: Vec<Matrix4<f64>>,
+    /// Σ h yᵀ a group: four rows of `rank`.
+    targets: Vec<Vec<f64>>,
+    energy: Vec<f64>,
+    maps: Vec<Vec<f64>>,
+    neighbours: Vec<BTreeSet<u32>>,
+    centre: Vec<[f64; 3]>,
+}
+
+impl Groups {
+    fn new(surface: &Surface<'_>) -> Self {
+        let rank = surface.vertices.nrows().min(MERGE_RANK);
+        let count = surface.triangles.len();
+        let mut groups = Self {
+            rank,
+            points: vec![Matrix4::zeros(); count],
+            targets: vec![vec![0.0; 4 * rank]; count],
+            energy: vec![0.0; count],
+            maps: vec![Vec::new(); count],
+            neighbours: surface.neighbours(),
+            centre: Vec::with_capacity(count),
+        };
+        for (triangle, corners) in surface.triangles.iter().enumerate() {
+            for &corner in corners {
+                let y = &surface.vertices.col_as_slice(corner)[..rank];
+                groups.add_point(triangle, &surface.rest[corner], y);
+            }
+            // A fourth point off the plane keeps a flat group's map regular.
+            let base = surface.rest[corners[0]];
+            let normal = surface.rest_normals[triangle];
+            let tip = std::array::from_fn(|axis| base[axis] + normal[axis]);
+            let moved: Vec<f64> = (0..rank)
+                .map(|k| surface.vertices[(k, corners[0])] + surface.normals[(k, triangle)])
+                .collect();
+            groups.add_point(triangle, &tip, &moved);
+            groups.centre.push(base);
+            groups.refit(triangle);
+        }
+        groups
+    }
+
+    fn add_point(&mut self, group: usize, x: &[f64; 3], y: &[f64]) {
+        let h = nalgebra::Vector4::new(x[0], x[1], x[2], 1.0);
+        self.points[group] += h * h.transpose();
+        for (row, target) in self.targets[group].chunks_exact_mut(self.rank).enumerate() {
+            for (sum, value) in target.iter_mut().zip(y) {
+                *sum += h[row] * value;
+            }
+        }
+        self.energy[group] += y.iter().map(|v| v * v).sum::<f64>();
+    }
+
+    fn refit(&mut self, group: usize) {
+        let gram = self.points[group];
+        let ridge = 1e-12 * gram.trace() + f64::MIN_POSITIVE;
+        let inverse = (gram + Matrix4::identity() * ridge).try_inverse().unwrap_or_default();
+        let targets = &self.targets[group];
+        let mut map = vec![0.0; 4 * self.rank];
+        for row in 0..4 {
+            let out = &mut map[row * self.rank..(row + 1) * self.rank];
+            for column in 0..4 {
+                let factor = inverse[(row, column)];
+                for (o, t) in out.iter_mut().zip(&targets[column * self.rank..]) {
+                    *o += factor * t;
+                }
+            }
+        }
+        self.maps[group] = map;
+    }
+
+    /// Σ over A's points of |y - T_B x|².
+    fn move_error(&self, a: u32, b: u32) -> f64 {
+        let (a, map) = (a as usize, &self.maps[b as usize]);
+        let row = |r: usize| r * self.rank..(r + 1) * self.rank;
+        let mut error = self.energy[a];
+        for r in 0..4 {
+            let own = &map[row(r)];
+            error -= 2.0 * dot(own, &self.targets[a][row(r)]);
+            for c in 0..=r {
+                let twice = if c == r { 1.0 } else { 2.0 };
+                error += twice * self.points[a][(r, c)] * dot(own, &map[row(c)]);
+            }
+        }
+        error.max(0.0)
+    }
+
+    fn queue_moves_of(&self, a: u32, queue: &mut BinaryHeap<Move>) {
+        for &b in &self.neighbours[a as usize] {
+            queue.push(Move { error: self.move_error(a, b), from: a, into: b });
+        }
+    }
+
+    fn adjacent(&self, a: u32, b: u32) -> bool {
+        self.neighbours[a as usize].contains(&b)
+    }
+
+    /// Moves A into B; returns B's new neighbours.
+    fn merge(&mut self, a: u32, b: u32) -> Vec<u32> {
+        let (from, into) = (a as usize, b as usize);
+        let points = std::mem::take(&mut self.points[from]);
+        let targets = std::mem::take(&mut self.targets[from]);
+        self.points[into] += points;
+        for (sum, value) in self.targets[into].iter_mut().zip(&targets) {
+            *sum += value;
+        }
+        self.energy[into] += self.energy[from];
+        self.maps[from] = Vec::new();
+        self.refit(into);
+        let mut fresh = Vec::new();
+        for neighbour in std::mem::take(&mut self.neighbours[from]) {
+            self.neighbours[neighbour as usize].remove(&a);
+            if neighbour != b && self.neighbours[into].insert(neighbour) {
+                self.neighbours[neighbour as usize].insert(b);
+                fresh.push(neighbour);
+            }
+        }
+        fresh
+    }
+
+    fn alive(&self) -> Vec<u32> {
+        (0..self.maps.len() as u32).filter(|&g| !self.maps[g as usize].is_empty()).collect()
+    }
+
+    /// Makes each remaining group a neighbour of the nearest other ones.
+    fn join_components(&mut self) {
+        const NEAREST: usize = 8;
+        let alive = self.alive();
+        for &a in &alive {
+            let distance = |b: u32| -> f64 {
+                let (p, q) = (self.centre[a as usize], self.centre[b as usize]);
+                (0..3).map(|k| (p[k] - q[k]).powi(2)).sum()
+            };
+            let mut others: Vec<(f64, u32)> =
+                alive.iter().filter(|&&b| b != a).map(|&b| (distance(b), b)).collect();
+            others.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+            for &(_, b) in others.iter().take(NEAREST) {
+                self.neighbours[a as usize].insert(b);
+                self.neighbours[b as usize].insert(a);
+            }
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 4];
+    let (x, x_rest) = a.as_chunks::<4>();
+    let (y, y_rest) = b.as_chunks::<4>();
+    for (p, q) in x.iter().zip(y) {
+        for k in 0..4 {
+            lanes[k] += p[k] * q[k];
+        }
+    }
+    let tail: f64 = x_rest.iter().zip(y_rest).map(|(p, q)| p * q).sum();
+    lanes.iter().sum::<f64>() + tail
+}

@@ -1,0 +1,243 @@
+//! Enveloping as published (S3): key gradients by rotational regression, vertices by a reduced
+//! Poisson reconstruction, refined on the training meshes.
+
+pub mod basis;
+pub mod choose;
+pub mod gradient;
+pub mod keys;
+pub mod merge;
+pub mod poisson;
+pub mod predictor;
+pub mod proxies;
+pub mod reduce;
+pub mod refine;
+pub mod rotation;
+pub mod scale_shear;
+pub mod surface;
+pub mod validation;
+
+use super::blend::Weights;
+use super::motion::{Poses, trajectories};
+use super::{FitError, weights};
+use crate::bake::{EnvelopeParts, Key};
+use crate::examples::{Examples, Split};
+use crate::progress::Progress;
+use choose::{Candidates, Choice, Trial};
+use faer::Mat;
+use nalgebra::Matrix3;
+use predictor::{GradientPredictor, predict_stacked};
+use proxies::ProxyCount;
+use rayon::prelude::*;
+use reduce::{Reduced, Reduction};
+use refine::{Projection, Regression};
+use serde::Serialize;
+use sinew_runtime::format::Certificate;
+use surface::Surface;
+use validation::{Targets, Validation};
+
+/// Fewest training poses: one row of H has six unknowns.
+pub const MIN_POSES: usize = 6;
+
+/// Names of a fit's steps, in order.
+pub const STEPS: [&str; 9] = [
+    "LBS weights",
+    "trajectory basis",
+    "merging triangles",
+    proxies::STEP,
+    keys::STEP,
+    "cross-validation",
+    "near-rigid vertices",
+    "refinement",
+    "key predictors",
+];
+
+/// What a fit is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Options {
+    /// P, or the error that decides it.
+    pub proxies: ProxyCount,
+    /// K, the most proxies a vertex follows.
+    pub influences: usize,
+    /// Whether c1 and c2 may be refined on the training meshes; S3 as published does not.
+    pub refine: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { proxies: ProxyCount::Fixed(40), influences: 4, refine: true }
+    }
+}
+
+/// A fitted envelope of P proxies, in f64.
+pub struct Rotational {
+    /// α of each vertex on the proxies.
+    pub weights: Weights,
+    /// The key predictors, P.
+    pub keys: Vec<GradientPredictor>,
+    /// c1 and c2.
+    pub reduced: Reduced,
+    /// How it was fitted.
+    pub report: Report,
+}
+
+/// What a fit did and measured; lengths in units of the input.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Dimensions of the trajectory basis.
+    pub basis_rank: usize,
+    /// RMS of what the basis leaves out.
+    pub basis_residual: f64,
+    /// RMS of 4-influence LBS on the training frames.
+    pub lbs_rms: f64,
+    /// RMS of the proxies' true maps on the training frames.
+    pub proxy_rms: f64,
+    /// RMS of the edges under the keys' true gradients on the training frames.
+    pub key_rms: f64,
+    /// RMS of the predicted envelope on the training frames.
+    pub training_rms: f64,
+    /// The contiguous folds of the training frames, as ranges.
+    pub folds: Vec<std::ops::Range<usize>>,
+    /// Every candidate of F, γ, μ and the refinement, and its cross-validated RMS.
+    pub trials: Vec<Trial>,
+    /// The candidate taken.
+    pub choice: Choice,
+    /// Its cross-validated RMS.
+    pub validated_rms: f64,
+    /// Condition number of the reduced system.
+    pub condition: f64,
+    /// Largest distance of a vertex of F from its LBS position on the training frames.
+    pub near_rigid_deviation: f64,
+    /// Largest |θ_j| in the training poses, J values in radians.
+    pub angle_ranges: Vec<f64>,
+}
+
+/// Fits an envelope to the training frames of the examples; no other frame is read.
+///
+/// # Errors
+/// [`FitError::TooFewPoses`], [`FitError::NoTriangles`], [`FitError::Singular`].
+pub fn fit(
+    examples: &Examples,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Rotational, FitError> {
+    let frames = examples.frames_of(Split::Train);
+    if frames.len() < MIN_POSES {
+        return Err(FitError::TooFewPoses { found: frames.len(), needed: MIN_POSES });
+    }
+    let (rest, diagonal) = (&examples.rest, examples.diagonal());
+    let parents = &examples.skeleton.parents;
+    let poses = Poses::new(examples, &frames);
+    let moved = trajectories(examples, &frames, &poses);
+
+    progress.step("LBS weights", 1);
+    let (joints, lbs_errors) = weights::fit(rest, &moved, &poses, weights::BASELINE_INFLUENCES);
+    progress.step("trajectory basis", 1);
+    let basis = basis::basis(&moved, diagonal);
+    let (basis_rank, basis_residual) = (basis.vectors.ncols(), basis.residual);
+    let (surface, basis) = Surface::new(rest, &examples.triangles, &moved, basis);
+    if surface.triangles.is_empty() {
+        return Err(FitError::NoTriangles);
+    }
+
+    progress.step("merging triangles", surface.triangles.len());
+    let tree = merge::MergeTree::build(&surface, || progress.advance(1));
+    let (n, k) = (frames.len(), options.influences);
+    let proxies = proxies::fit(&surface, &tree, n, options.proxies, k, progress);
+    let keys = keys::fit(&surface, &proxies, n, k, progress);
+    let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis)).collect();
+
+    let targets = Targets { rest, weights: &proxies.weights, trajectories: &moved };
+    let validation = Validation::new(&targets, &poses, parents, &sequences, progress);
+    let projection = Projection::new(&targets, proxies.len());
+    let candidates = Candidates {
+        reduction: Reduction {
+            rest,
+            diagonal,
+            triangles: &surface.triangles,
+            proxies: &proxies.weights,
+            keys: &keys.weights,
+            joints: &joints,
+            proxy_len: proxies.len(),
+            joint_len: examples.joint_len(),
+            fixed: &[],
+            anchors: None,
+        },
+        lbs_errors: &lbs_errors,
+        validation: &validation,
+        projection: options.refine.then_some(&projection),
+    };
+    let (choice, trials) = candidates.choose(progress)?;
+
+    progress.step("key predictors", keys.len());
+    let predictors: Vec<_> =
+        sequences.par_iter().map(|d| GradientPredictor::fit(&poses, parents, d)).collect();
+    let predicted = predict_stacked(&predictors, &poses);
+    let mut reduced = candidates.reduce(&choice).ok_or(FitError::Singular)?;
+    let fixed = candidates.near_rigid(&choice);
+    let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
+    if let Some(strength) = choice.refinement {
+        let residual = projection.residual(&reduced.palette(&predicted, &poses));
+        let regression = Regression::new(&predicted, &poses, &residual, &(0..0), diagonal);
+        reduced = regression.refine(&reduced, strength);
+    }
+
+    let maps = reduced.palette(&predicted, &poses);
+    let validated = trials.iter().find(|trial| trial.choice == choice).and_then(|t| t.rms);
+    let report = Report {
+        basis_rank,
+        basis_residual,
+        lbs_rms: Targets { weights: &joints, ..targets }.rms(&poses.stacked()),
+        proxy_rms: proxies.rms,
+        key_rms: keys.rms,
+        training_rms: targets.rms(&maps),
+        folds: validation::folds(frames.len()),
+        validated_rms: validated.ok_or(FitError::Singular)?,
+        trials,
+        choice,
+        condition: system.equations().condition(),
+        near_rigid_deviation: validation::largest_distance(
+            rest,
+            (&proxies.weights, &maps),
+            (&joints, &poses.stacked()),
+            &fixed,
+        ),
+        angle_ranges: poses.angle_ranges(),
+    };
+    Ok(Rotational { report, weights: proxies.weights, keys: predictors, reduced })
+}
+
+impl Rotational {
+    /// Gathers what a file holds of the envelope.
+    pub fn parts(&self, examples: &Examples) -> EnvelopeParts {
+        let skeleton = &examples.skeleton;
+        let rows = |m: &Matrix3<f64>| [0, 1, 2].map(|r| [m[(r, 0)], m[(r, 1)], m[(r, 2)]]);
+        let key = |key: &GradientPredictor| Key {
+            joint: key.rotation.joint,
+            twist: rows(&key.rotation.twist),
+            residual: key.rotation.residual.map(|(joint, twist)| (joint, rows(&twist))),
+            shear: std::array::from_fn(|r| std::array::from_fn(|c| key.shear[(r, c)])),
+        };
+        let row_major = |m: &Mat<f64>| m.row_iter().flat_map(|row| row.iter()).copied().collect();
+        EnvelopeParts {
+            name: "skin".to_owned(),
+            joint_names: skeleton.names.clone(),
+            parents: skeleton.parents.clone(),
+            root: skeleton.parents.iter().position(Option::is_none).unwrap_or(0),
+            rest_frames: skeleton.rest.clone(),
+            rest_positions: examples.rest.clone(),
+            rest_normals: examples.rest_normals(),
+            rest_tangents: examples.rest_tangents(),
+            influences: (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect(),
+            keys: self.keys.iter().map(key).collect(),
+            c1: row_major(&self.reduced.c1),
+            c2: row_major(&self.reduced.c2),
+            pose_ranges: self.report.angle_ranges.clone(),
+            certificate: Certificate {
+                diagonal: examples.diagonal() as f32,
+                training_rms: self.report.training_rms as f32,
+                cross_validated_rms: self.report.validated_rms as f32,
+                lbs_training_rms: self.report.lbs_rms as f32,
+            },
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! The gradient predictor of one sequence: rotation times scale and shear (METHOD §1.5).
+
+use super::super::motion::Poses;
+use super::gradient::polar_sequence;
+use super::rotation::{RotationPredictor, Solver};
+use super::scale_shear::{self, ShearMatrix};
+use faer::Mat;
+use nalgebra::Matrix3;
+
+/// `D(q) = Q_p exp(u W θ_b) [exp(u' W' θ_c)] S(q)`.
+#[derive(Clone, Debug)]
+pub struct GradientPredictor {
+    /// The rotation's part.
+    pub rotation: RotationPredictor,
+    /// b's parent.
+    pub parent: Option<usize>,
+    /// The scale and shear's part.
+    pub shear: ShearMatrix,
+}
+
+impl GradientPredictor {
+    /// Fits a predictor to a sequence of gradients relative to the root, one per pose.
+    pub fn fit(poses: &Poses, parents: &[Option<usize>], gradients: &[Matrix3<f64>]) -> Self {
+        let (rotations, stretches): (Vec<_>, Vec<_>) =
+            polar_sequence(gradients).into_iter().unzip();
+        let rotation = RotationPredictor::fit(poses, &rotations, Solver::ClosedForm);
+        let parent = parents[rotation.joint];
+        let shear = scale_shear::fit(poses, rotation.joint, parent, stretches.into_iter());
+        Self { rotation, parent, shear }
+    }
+
+    /// Predicts the gradient of a pose, relative to the root.
+    pub fn predict(&self, poses: &Poses, pose: usize) -> Matrix3<f64> {
+        let joint = self.rotation.joint;
+        let stretch = scale_shear::predict(&self.shear, poses, pose, joint, self.parent);
+        self.rotation.predict(poses, pose) * stretch
+    }
+}
+
+/// Predicts the gradients of P keys in n poses: 3n x 3P, columns 3l..3l+3 are key l.
+pub fn predict_stacked(predictors: &[GradientPredictor], poses: &Poses) -> Mat<f64> {
+    let mut out = Mat::zeros(3 * poses.len(), 3 * predictors.len());
+    for (l, predictor) in predictors.iter().enumerate() {
+        for pose in 0..poses.len() {
+            let d = predictor.predict(poses, pose);
+            for c in 0..3 {
+                let column = &mut out.col_as_slice_mut(3 * l + c)[3 * pose..3 * pose + 3];
+                column.copy_from_slice(d.column(c).as_slice());
+            }
+        }
+    }
+    out
+}

@@ -1,0 +1,55 @@
+//! Scale and shear regression: `vec(S) - vec(I) = H [θ_b1; θ_b2]`, without bias, so that the rest
+//! pose gives S = I (METHOD §1.5, S3 §1.3).
+
+use super::super::motion::Poses;
+use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector6};
+
+/// Ridge on H, in squared radians per example.
+const RIDGE: f64 = 1e-3;
+
+/// H: rows are the entries xx, xy, xz, yy, yz, zz of S, columns θ_b1 and θ_b2.
+pub type ShearMatrix = Matrix6<f64>;
+
+/// Fits H to the stretches of one sequence; `parent` is b2, none for the root.
+pub fn fit(
+    poses: &Poses,
+    joint: usize,
+    parent: Option<usize>,
+    stretches: impl Iterator<Item = Matrix3<f64>>,
+) -> ShearMatrix {
+    let mut gram = Matrix6::zeros();
+    let mut right = Matrix6::zeros();
+    for (pose, stretch) in stretches.enumerate() {
+        let x = features(poses, pose, joint, parent);
+        gram += x * x.transpose();
+        right += to_vector(&(stretch - Matrix3::identity())) * x.transpose();
+    }
+    // The Gram matrix is symmetric with eigenvalues of zero or more, and the ridge lifts them.
+    let eigen = SymmetricEigen::new(gram);
+    let ridge = RIDGE * poses.len().max(1) as f64;
+    let inverse = eigen.eigenvalues.map(|value| 1.0 / (value.max(0.0) + ridge));
+    let q = eigen.eigenvectors;
+    right * q * Matrix6::from_diagonal(&inverse) * q.transpose()
+}
+
+/// Predicts S for a pose.
+pub fn predict(
+    h: &ShearMatrix,
+    poses: &Poses,
+    pose: usize,
+    joint: usize,
+    parent: Option<usize>,
+) -> Matrix3<f64> {
+    let v = h * features(poses, pose, joint, parent);
+    Matrix3::new(v[0], v[1], v[2], v[1], v[3], v[4], v[2], v[4], v[5]) + Matrix3::identity()
+}
+
+fn features(poses: &Poses, pose: usize, joint: usize, parent: Option<usize>) -> Vector6<f64> {
+    let own = poses.angle(pose, joint);
+    let above = parent.map_or_else(nalgebra::Vector3::zeros, |p| *poses.angle(pose, p));
+    Vector6::new(own.x, own.y, own.z, above.x, above.y, above.z)
+}
+
+fn to_vector(s: &Matrix3<f64>) -> Vector6<f64> {
+    Vector6::new(s.m11, s.m12, s.m13, s.m22, s.m23, s.m33)
+}

@@ -1,0 +1,180 @@
+//! Cross-validation inside the training split, by contiguous folds: neighbours in an animation are
+//! almost the same pose, so single frames left out would prove nothing (METHOD §1.1).
+
+use super::super::blend::Weights;
+use super::super::motion::Poses;
+use super::predictor::{self, GradientPredictor};
+use super::reduce::{Reduced, homogeneous};
+use super::refine::{Projection, Regression};
+use crate::progress::Progress;
+use faer::Mat;
+use nalgebra::Matrix3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Folds of the training poses.
+const FOLDS: usize = 10;
+
+/// The training meshes, as the palette's vertices.
+#[derive(Clone, Copy)]
+pub struct Targets<'a> {
+    /// V rest positions.
+    pub rest: &'a [[f64; 3]],
+    /// Their weights on the palette.
+    pub weights: &'a Weights,
+    /// Their trajectories, 3n x V.
+    pub trajectories: &'a Mat<f64>,
+}
+
+/// Key gradients of every training pose, predicted without each fold in turn.
+pub struct Validation<'a> {
+    targets: &'a Targets<'a>,
+    poses: &'a Poses,
+    folds: Vec<Fold>,
+}
+
+struct Fold {
+    range: Range<usize>,
+    /// Predictions of all poses by predictors fitted without the fold, 3n x 3P.
+    predicted: Mat<f64>,
+}
+
+impl<'a> Validation<'a> {
+    /// Fits the predictors of P key sequences once a fold.
+    pub fn new(
+        targets: &'a Targets<'a>,
+        poses: &'a Poses,
+        parents: &[Option<usize>],
+        sequences: &[Vec<Matrix3<f64>>],
+        progress: &dyn Progress,
+    ) -> Self {
+        let ranges = folds(poses.len());
+        progress.step("cross-validation", ranges.len() * sequences.len());
+        let folds = ranges
+            .into_iter()
+            .map(|range| {
+                let train = poses.without(range.clone());
+                let predictors: Vec<_> = sequences
+                    .par_iter()
+                    .map(|sequence| {
+                        let (before, rest) = sequence.split_at(range.start);
+                        let kept = [before, &rest[range.len()..]].concat();
+                        progress.advance(1);
+                        GradientPredictor::fit(&train, parents, &kept)
+                    })
+                    .collect();
+                Fold { predicted: predictor::predict_stacked(&predictors, poses), range }
+            })
+            .collect();
+        Self { targets, poses, folds }
+    }
+
+    /// RMS error of the poses, each predicted without its fold.
+    pub fn score(&self, reduced: &Reduced) -> f64 {
+        let maps = self.folds.par_iter().map(|fold| reduced.palette(&fold.predicted, self.poses));
+        self.score_maps(&maps.collect::<Vec<_>>())
+    }
+
+    /// RMS error of the poses after refinement at each strength, each pose refined and predicted
+    /// without its fold.
+    pub fn score_refined(
+        &self,
+        reduced: &Reduced,
+        projection: &Projection,
+        strengths: &[f64],
+        diagonal: f64,
+    ) -> Vec<f64> {
+        let regressions: Vec<Regression> = self
+            .folds
+            .par_iter()
+            .map(|fold| {
+                let maps = reduced.palette(&fold.predicted, self.poses);
+                let residual = projection.residual(&maps);
+                let poses = self.poses;
+                Regression::new(&fold.predicted, poses, &residual, &fold.range, diagonal)
+            })
+            .collect();
+        strengths
+            .iter()
+            .map(|&strength| {
+                let maps: Vec<_> = self
+                    .folds
+                    .par_iter()
+                    .zip(&regressions)
+                    .map(|(fold, regression)| {
+                        regression.refine(reduced, strength).palette(&fold.predicted, self.poses)
+                    })
+                    .collect();
+                self.score_maps(&maps)
+            })
+            .collect()
+    }
+
+    /// Joins the folds' own rows of the palettes of all folds.
+    fn score_maps(&self, maps: &[Mat<f64>]) -> f64 {
+        let mut joined = Mat::zeros(3 * self.poses.len(), maps[0].ncols());
+        for (fold, maps) in self.folds.iter().zip(maps) {
+            let (start, len) = (3 * fold.range.start, 3 * fold.range.len());
+            joined.subrows_mut(start, len).copy_from(maps.subrows(start, len));
+        }
+        self.targets.rms(&joined)
+    }
+}
+
+impl Targets<'_> {
+    /// RMS error over vertices and poses under maps, 3n x 4P.
+    pub fn rms(&self, maps: &Mat<f64>) -> f64 {
+        let errors: Vec<f64> = (0..self.rest.len())
+            .into_par_iter()
+            .map(|vertex| {
+                let blended = skin(&self.rest[vertex], self.weights, vertex, maps);
+                let truth = self.trajectories.col_as_slice(vertex);
+                blended.iter().zip(truth).map(|(a, b)| (a - b).powi(2)).sum()
+            })
+            .collect();
+        (errors.iter().sum::<f64>() / (self.rest.len() * maps.nrows() / 3).max(1) as f64).sqrt()
+    }
+}
+
+/// Splits n poses into contiguous folds of nearly equal length.
+pub fn folds(n: usize) -> Vec<Range<usize>> {
+    let count = FOLDS.min(n);
+    (0..count).map(|f| f * n / count..(f + 1) * n / count).collect()
+}
+
+/// Largest distance between two skinnings of the marked vertices over the poses.
+pub fn largest_distance(
+    rest: &[[f64; 3]],
+    (a, a_maps): (&Weights, &Mat<f64>),
+    (b, b_maps): (&Weights, &Mat<f64>),
+    marked: &[bool],
+) -> f64 {
+    let distances: Vec<f64> = (0..rest.len())
+        .into_par_iter()
+        .filter(|&vertex| marked[vertex])
+        .map(|vertex| {
+            let one = skin(&rest[vertex], a, vertex, a_maps);
+            let other = skin(&rest[vertex], b, vertex, b_maps);
+            let squared = |i: usize| -> f64 {
+                (i..i + 3).map(|k| (one[k] - other[k]) * (one[k] - other[k])).sum()
+            };
+            (0..one.len()).step_by(3).map(squared).fold(0.0, f64::max)
+        })
+        .collect();
+    distances.into_iter().fold(0.0, f64::max).sqrt()
+}
+
+/// The trajectory of one vertex under maps, 3n long.
+fn skin(rest: &[f64; 3], weights: &Weights, vertex: usize, maps: &Mat<f64>) -> Vec<f64> {
+    let h = homogeneous(rest);
+    let mut out = vec![0.0; maps.nrows()];
+    for (l, weight) in weights.of(vertex) {
+        for (c, x) in h.iter().enumerate() {
+            let factor = weight * x;
+            for (o, m) in out.iter_mut().zip(maps.col_as_slice(4 * l + c)) {
+                *o += factor * m;
+            }
+        }
+    }
+    out
+}
