@@ -1,4 +1,5 @@
 //! Closed forms, an f64 reference of the palette, output layouts, and calls that are refused.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod common;
 

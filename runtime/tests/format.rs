@@ -1,4 +1,5 @@
 //! Files that must load, files that must not, and FORMAT.md against the code.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod common;
 

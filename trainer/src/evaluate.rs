@@ -271,7 +271,8 @@ impl Distances {
     ) -> Self {
         let truth = examples.frame(frame);
         let normals = examples.posed_normals(frame);
-        let mut all = Self { positions: Vec::with_capacity(truth.len()), squared_angles: 0.0, angles: 0 };
+        let mut all =
+            Self { positions: Vec::with_capacity(truth.len()), squared_angles: 0.0, angles: 0 };
         for vertex in 0..truth.len() {
             let (position, normal) = skinned(vertex);
             all.positions.push((position - Vector3::from(truth[vertex])).norm());

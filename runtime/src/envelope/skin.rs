@@ -3,7 +3,7 @@
 use super::Envelope;
 use crate::Matrix3x4;
 use crate::error::{Argument, EvalError};
-use crate::linear::{Le, dot};
+use crate::linear::{Le, dot, floats};
 use crate::numeric::sqrt;
 use core::ops::Range;
 use glam::{Mat4, Vec4, Vec4Swizzles};
@@ -66,10 +66,19 @@ impl SkinJob<'_> {
     /// - [`EvalError::TooShort`]: a buffer is too short for an attribute.
     pub fn run(self) -> Result<(), EvalError> {
         self.check()?;
-        // The compiler unrolls the usual four influences.
-        match self.envelope.influence_len() {
-            4 => self.skin(4),
-            k => self.skin(k),
+        let Self { envelope, palette, ref vertices, .. } = self;
+        let k = envelope.influence_len();
+        let influences = vertices.start * k..vertices.end * k;
+        let indices = envelope.indices.get(influences.clone()).unwrap_or_default();
+        let weights = envelope.weights.get(influences).unwrap_or_default();
+        if k == 4 {
+            // The usual number: arrays of it are unrolled.
+            let influences = indices.as_chunks::<4>().0.iter().zip(weights.as_chunks::<4>().0);
+            self.skin(influences.map_while(|(indices, weights)| blend(palette, indices, weights)));
+        } else {
+            // K of a loaded model is at least one; chunks of zero would panic.
+            let influences = indices.chunks_exact(k.max(1)).zip(weights.chunks_exact(k.max(1)));
+            self.skin(influences.map_while(|(indices, weights)| blend(palette, indices, weights)));
         }
         Ok(())
     }
@@ -96,39 +105,50 @@ impl SkinJob<'_> {
         Ok(())
     }
 
+    /// Moves the range's vertices by their blended maps.
     #[inline(always)]
-    fn skin(self, k: usize) {
-        let Self { envelope, palette, vertices, positions, normals, tangents, out_a, out_b } = self;
-        let mut write = |attribute: Attribute, i: usize, value: &[f32]| {
-            let out = match attribute.buffer {
-                Buffer::A => &mut *out_a,
-                Buffer::B => &mut *out_b,
-            };
-            let at = attribute.offset + i * attribute.stride;
-            if let Some(out) = out.get_mut(at..at + value.len()) {
-                out.copy_from_slice(value);
+    fn skin(self, maps: impl Iterator<Item = Mat4>) {
+        let Self { envelope, vertices, positions, normals, tangents, out_a, out_b, .. } = self;
+        let mut out = Outputs { a: out_a, b: out_b };
+        let rest = envelope.positions.get(vertices.clone()).unwrap_or_default();
+        if let (Some(attribute), None, None) = (positions, normals, tangents) {
+            // Positions alone get a loop of their own, which fits the registers.
+            for (i, (rest, map)) in rest.iter().zip(maps).enumerate() {
+                out.put(attribute, i, (along(&map, floats(rest)) + map.w_axis).truncate().to_array());
             }
-        };
-        let influences = vertices.start * k..vertices.end * k;
-        let indices = envelope.indices.get(influences.clone()).unwrap_or_default();
-        let weights = envelope.weights.get(influences).unwrap_or_default();
-        // K of a loaded model is at least one; chunks of zero would panic.
-        let influences = indices.chunks_exact(k.max(1)).zip(weights.chunks_exact(k.max(1)));
-        for (i, (vertex, (indices, weights))) in vertices.zip(influences).enumerate() {
-            let map = blend(palette, indices, weights);
+            return;
+        }
+        for (i, (vertex, map)) in vertices.zip(maps).enumerate() {
             if let (Some(attribute), Some(rest)) = (positions, envelope.rest_position(vertex)) {
-                let moved = along(&map, rest) + map.w_axis;
-                write(attribute, i, &moved.truncate().to_array());
+                out.put(attribute, i, (along(&map, rest) + map.w_axis).truncate().to_array());
             }
             if let (Some(attribute), Some(rest)) = (normals, envelope.rest_normal(vertex)) {
-                write(attribute, i, &unit(along(&cofactors(&map), rest), rest));
+                out.put(attribute, i, unit(along(&cofactors(&map), rest), rest));
             }
-            if let (Some(attribute), Some([x, y, z, hand])) =
-                (tangents, envelope.rest_tangent(vertex))
-            {
+            if let (Some(attribute), Some(rest)) = (tangents, envelope.rest_tangent(vertex)) {
+                let [x, y, z, hand] = rest;
                 let [x, y, z] = unit(along(&map, [x, y, z]), [x, y, z]);
-                write(attribute, i, &[x, y, z, hand]);
+                out.put(attribute, i, [x, y, z, hand]);
             }
+        }
+    }
+}
+
+struct Outputs<'a> {
+    a: &'a mut [f32],
+    b: &'a mut [f32],
+}
+
+impl Outputs<'_> {
+    #[inline(always)]
+    fn put<const N: usize>(&mut self, attribute: Attribute, i: usize, value: [f32; N]) {
+        let out = match attribute.buffer {
+            Buffer::A => &mut *self.a,
+            Buffer::B => &mut *self.b,
+        };
+        let at = attribute.offset + i * attribute.stride;
+        if let Some(out) = out.get_mut(at..).and_then(<[f32]>::first_chunk_mut) {
+            *out = value;
         }
     }
 }
@@ -153,20 +173,20 @@ impl Attribute {
     }
 }
 
-/// Blends the maps of a vertex, first to last, and returns the columns of the sum.
+/// Blends the maps of a vertex, first to last, and returns the columns of the sum. `None` stands
+/// for an index beyond the palette, which a loaded model does not have.
 #[inline(always)]
-fn blend(palette: &[Matrix3x4], indices: &[[u8; 2]], weights: &[Le]) -> Mat4 {
+fn blend(palette: &[Matrix3x4], indices: &[[u8; 2]], weights: &[Le]) -> Option<Mat4> {
     let mut rows = [Vec4::ZERO; 3];
     for (index, weight) in indices.iter().zip(weights) {
+        let map = palette.get(usize::from(u16::from_le_bytes(*index)))?;
         let weight = f32::from_le_bytes(*weight);
-        if let Some(map) = palette.get(usize::from(u16::from_le_bytes(*index))) {
-            for (row, map) in rows.iter_mut().zip(map) {
-                *row += Vec4::from_array(*map) * weight;
-            }
+        for (row, map) in rows.iter_mut().zip(map) {
+            *row += Vec4::from_array(*map) * weight;
         }
     }
     let [x, y, z] = rows;
-    Mat4::from_cols(x, y, z, Vec4::ZERO).transpose()
+    Some(Mat4::from_cols(x, y, z, Vec4::ZERO).transpose())
 }
 
 /// Returns the linear part of a map times a vector, column by column.

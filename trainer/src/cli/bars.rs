@@ -11,11 +11,8 @@ pub(super) struct Bars(ProgressBar);
 impl Bars {
     /// Shows bars on standard error, unless quiet or where it is no terminal.
     pub(super) fn new(output: Output) -> Self {
-        let target = if output.quiet {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr()
-        };
+        let target =
+            if output.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(0), target);
         let template = "{prefix:>6} {msg:<20} {bar:30} {percent:>3} %  {eta} left";
         if let Ok(style) = ProgressStyle::with_template(template) {

@@ -16,8 +16,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let bytes = input::read_model(&arguments.model)?;
-    let model =
-        Model::from_bytes(&bytes).with_context(|| arguments.model.display().to_string())?;
+    let model = Model::from_bytes(&bytes).with_context(|| arguments.model.display().to_string())?;
     if output.json {
         return print_json(&as_json(&model, bytes.len()));
     }

@@ -20,7 +20,8 @@ pub(super) fn print_report(report: &Report, diagonal: f64, proxies: usize) {
     let choice = &report.choice;
     let (gamma, mu) = (choice.anchors.near_rigid, choice.anchors.patch);
     let share = 100.0 * choice.near_rigid_fraction;
-    let refinement = choice.refinement.map_or("none".to_owned(), |ridge| format!("ridge {ridge:e}"));
+    let refinement =
+        choice.refinement.map_or("none".to_owned(), |ridge| format!("ridge {ridge:e}"));
     println!("chosen: {share:.0} % near-rigid, anchors {gamma} and {mu}, refinement {refinement}");
     println!(
         "training error, % of the diagonal: LBS {:.4}, {proxies} proxies at best {:.4}, \
@@ -37,7 +38,10 @@ pub(super) fn print_evaluation(evaluation: &Evaluation) {
     let Evaluation { split, frames, vertices, diagonal, model_bytes, predictor, proxies, .. } =
         evaluation;
     println!("{frames} {split} frames of {vertices} vertices, diagonal {diagonal:.4}");
-    println!("{:<24}{:>10}{:>10}{:>10}{:>12}", "error, % of diagonal", "RMS", "p99", "max", "normals");
+    println!(
+        "{:<24}{:>10}{:>10}{:>10}{:>12}",
+        "error, % of diagonal", "RMS", "p99", "max", "normals"
+    );
     let row = |name: &str, e: &Errors| {
         println!(
             "{name:<24}{:>10.4}{:>10.4}{:>10.4}{:>10.2} °",

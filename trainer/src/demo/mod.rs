@@ -1,9 +1,9 @@
 //! The demo character: a procedural arm with shoulder and half a chest, posed by a flesh that no
 //! linear blend can follow. It needs no file, and the same options give the same bits everywhere.
 //!
-//! The skin is a loft of sections along the arm ([`shape`]); the joints move through smooth random
-//! clips ([`motion`]); every point of the skin then follows each joint by a share of its rotation
-//! that varies smoothly over the skin, after its muscles have swollen it ([`flesh`]). Lengths are
+//! The skin is a loft of sections along the arm (`shape`); the joints move through smooth random
+//! clips (`motion`); every point of the skin then follows each joint by a share of its rotation
+//! that varies smoothly over the skin, after its muscles have swollen it (`flesh`). Lengths are
 //! metres, y is up, z is forward, the arm is the left one and points along x.
 
 mod flesh;
@@ -11,7 +11,6 @@ mod motion;
 mod rotation;
 mod shape;
 
-use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::examples::{Examples, Matrix3x4, Skeleton, Split};
@@ -40,8 +39,9 @@ impl Default for DemoOptions {
 
 /// Generates the demo character's examples.
 ///
-/// Training and held-out frames are smooth clips of up to twenty frames over the same ranges of
-/// motion, held-out clips spread among the training clips.
+/// Training and held-out frames are smooth clips of up to ten frames over the same ranges of motion,
+/// held-out clips spread among the training clips. With no training frames the result is empty of
+/// what a fit needs, and [`Examples::validate`] says so.
 pub fn demo(options: &DemoOptions) -> Examples {
     let skin = Skin::new(options.vertices);
     let flesh: Vec<Flesh> = skin.points.iter().map(Flesh::new).collect();
@@ -74,7 +74,7 @@ fn skeleton() -> Skeleton {
     Skeleton {
         names: shape::JOINTS.iter().map(|&name| name.to_owned()).collect(),
         parents: (0..shape::JOINTS.len()).map(|joint| joint.checked_sub(1)).collect(),
-        rest: shape::origins().iter().map(|&origin: &Vector3<f64>| frame(origin.into())).collect(),
+        rest: shape::origins().iter().map(|&origin| frame(origin.into())).collect(),
     }
 }
 

@@ -12,7 +12,8 @@ pub(super) const JOINTS: [&str; 7] =
 pub(super) const ELBOW: f64 = 0.26;
 pub(super) const WRIST: f64 = 0.485;
 const TIP: f64 = 0.662;
-const SHOULDER: Vector3<f64> = Vector3::new(0.175, 1.41, 0.0);
+pub(super) const SHOULDER: Vector3<f64> = Vector3::new(SHOULDER_AT[0], SHOULDER_AT[1], 0.0);
+const SHOULDER_AT: [f64; 2] = [0.175, 1.41];
 /// Slope of the arm below the horizontal: cosine and sine of 15 degrees.
 const SLOPE: (f64, f64) = (0.965_925_826_289_068_3, 0.258_819_045_102_520_8);
 
@@ -162,7 +163,7 @@ const fn chest(along: f64, centre: [f64; 2], turned: f64, extent: [f64; 4]) -> S
 
 /// A section centred on the arm's axis.
 const fn limb(along: f64, extent: [f64; 4]) -> Section {
-    let centre = [0.175 + SLOPE.0 * along, 1.41 - SLOPE.1 * along];
+    let centre = [SHOULDER_AT[0] + SLOPE.0 * along, SHOULDER_AT[1] - SLOPE.1 * along];
     Section { along, centre, turned: 1.0, extent }
 }
 

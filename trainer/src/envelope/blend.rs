@@ -108,11 +108,18 @@ impl Weights {
 pub fn fit_weights(items: &Items<'_>, maps: &Maps, most: usize) -> (Weights, Vec<f64>) {
     let products = {
         let mut all = Mat::<f64>::zeros(maps.columns.ncols(), maps.columns.ncols());
-        matmul(all.as_mut(), Accum::Replace, maps.columns.transpose(), &maps.columns, 1.0, Par::Seq);
+        matmul(
+            all.as_mut(),
+            Accum::Replace,
+            maps.columns.transpose(),
+            &maps.columns,
+            1.0,
+            Par::Seq,
+        );
         all
     };
     let block = 256;
-    let blocks: Vec<Vec<(Vec<(usize, f64)>, f64)>> = (0..items.len().div_ceil(block))
+    let blocks: Vec<Vec<FittedItem>> = (0..items.len().div_ceil(block))
         .into_par_iter()
         .map(|b| {
             let range = b * block..((b + 1) * block).min(items.len());
@@ -126,6 +133,9 @@ pub fn fit_weights(items: &Items<'_>, maps: &Maps, most: usize) -> (Weights, Vec
     (Weights::from_lists(most, blocks.into_iter().flatten().map(|item| item.0)), errors)
 }
 
+/// An item's maps and weights, strongest first, and its squared error.
+type FittedItem = (Vec<(usize, f64)>, f64);
+
 fn fit_item(
     items: &Items<'_>,
     item: usize,
@@ -133,7 +143,7 @@ fn fit_item(
     onto: &Mat<f64>,
     block_start: usize,
     most: usize,
-) -> (Vec<(usize, f64)>, f64) {
+) -> FittedItem {
     let m = items.width;
     let maps = products.ncols() / m;
     let rows = item * items.rows..(item + 1) * items.rows;
@@ -165,7 +175,8 @@ fn fit_item(
         })
         .collect();
     if candidates.len() > CANDIDATES {
-        candidates.select_nth_unstable_by(CANDIDATES, |a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
+        candidates
+            .select_nth_unstable_by(CANDIDATES, |a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
         candidates.truncate(CANDIDATES);
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));

@@ -43,7 +43,8 @@ impl Gram {
 pub fn solve(gram: &Gram) -> [f64; MAX_COLUMNS] {
     let n = gram.len;
     let mut weights = [0.0; MAX_COLUMNS];
-    let Some(nearest) = (0..n).min_by(|&a, &b| gram.value[a][a].total_cmp(&gram.value[b][b])) else {
+    let Some(nearest) = (0..n).min_by(|&a, &b| gram.value[a][a].total_cmp(&gram.value[b][b]))
+    else {
         return weights;
     };
     weights[nearest] = 1.0;

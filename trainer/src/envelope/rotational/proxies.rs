@@ -154,9 +154,7 @@ fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
         let inverse =
             (gram + nalgebra::Matrix4::identity() * ridge).try_inverse().unwrap_or_default();
         let inverse = Mat::from_fn(4, 4, |r, c| inverse[(r, c)]);
-        columns
-            .subcols_mut(4 * group, 4)
-            .copy_from(targets.subcols(4 * group, 4) * inverse);
+        columns.subcols_mut(4 * group, 4).copy_from(targets.subcols(4 * group, 4) * inverse);
     }
     Maps { width: 4, columns }
 }

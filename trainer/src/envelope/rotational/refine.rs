@@ -6,8 +6,8 @@
 //! evaluation keeps its form and its cost. It acts on `d - I` and `q - rest`, and the root's block
 //! of c2, which multiplies a constant, takes up what that subtracts: the rest pose stays exact.
 
-use super::reduce::{Reduced, homogeneous};
 use super::super::motion::Poses;
+use super::reduce::{Reduced, homogeneous};
 use super::validation::Targets;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};

@@ -79,8 +79,7 @@ pub fn has_area(corners: [&[f64; 3]; 3]) -> bool {
 fn posed_normals(corners: [&[f64]; 3]) -> faer::Col<f64> {
     let mut all = faer::Col::zeros(corners[0].len());
     for frame in 0..corners[0].len() / 3 {
-        let [a, b, c] =
-            corners.map(|y| [y[3 * frame], y[3 * frame + 1], y[3 * frame + 2]]);
+        let [a, b, c] = corners.map(|y| [y[3 * frame], y[3 * frame + 1], y[3 * frame + 2]]);
         let normal = edge_frame([&a, &b, &c]).column(2).into_owned();
         for axis in 0..3 {
             all[3 * frame + axis] = normal[axis];

@@ -1,0 +1,230 @@
+//! Prints the figures of the README: errors on the data sets, training times, memory, scaling.
+//!
+//! `cargo bench -p sinew-trainer --bench figures [-- SECTION ...]`, where a section is `lbs`,
+//! `proxies`, `errors`, `time` or `scaling`. Sets that are not in `../shared/data` are named and
+//! left out.
+
+use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::motion::{Poses, trajectories};
+use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
+use sinew_trainer::envelope::rotational::surface::Surface;
+use sinew_trainer::envelope::rotational::validation::Targets;
+use sinew_trainer::envelope::rotational::{Options, basis, merge};
+use sinew_trainer::envelope::{train, weights};
+use sinew_trainer::evaluate::{Frames, evaluate};
+use sinew_trainer::examples::{Examples, Split, npz};
+use sinew_trainer::progress::Silent;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+const SETS: [(&str, &str); 3] = [
+    ("mpfb-arm", "mpfb-arm/mpfb_arm.npz"),
+    ("dem-bones", "dem-bones/bone.npz"),
+    ("mpfb-body", "mpfb-body/mpfb_body.npz"),
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    let sections: [(&str, fn() -> Result<(), Box<dyn Error>>); 5] = [
+        ("lbs", lbs),
+        ("proxies", proxies_alone),
+        ("errors", errors),
+        ("time", time),
+        ("scaling", scaling),
+    ];
+    for (name, print) in sections {
+        if wanted.is_empty() || wanted.iter().any(|w| w == name) {
+            println!("== {name}");
+            print()?;
+        }
+    }
+    Ok(())
+}
+
+/// LBS fitted by non-negative least squares, K = 4, and with dense weights on all frames.
+fn lbs() -> Result<(), Box<dyn Error>> {
+    for (name, examples) in sets()? {
+        let training = examples.frames_of(Split::Train);
+        let percent = |rms: f64| 100.0 * rms / examples.diagonal();
+        let poses = Poses::new(&examples, &training);
+        let moved = trajectories(&examples, &training, &poses);
+        let (fitted, _) = weights::fit(&examples.rest, &moved, &poses, 4);
+        let held_out = examples.frames_of(Split::HeldOut);
+        let poses = Poses::new(&examples, &held_out);
+        let moved = trajectories(&examples, &held_out, &poses);
+        let targets = Targets { rest: &examples.rest, weights: &fitted, trajectories: &moved };
+        println!("{name}: K = 4, held out {:.4} %", percent(targets.rms(&poses.stacked())));
+        if name == "dem-bones" {
+            let all: Vec<usize> = (0..examples.frame_len()).collect();
+            let poses = Poses::new(&examples, &all);
+            let moved = trajectories(&examples, &all, &poses);
+            let (dense, _) = weights::fit(&examples.rest, &moved, &poses, examples.joint_len());
+            let targets = Targets { rest: &examples.rest, weights: &dense, trajectories: &moved };
+            println!("{name}: dense, all frames, RMSE {:.7}", targets.rms(&poses.stacked()));
+        }
+    }
+    Ok(())
+}
+
+/// The proxies' own error on the training frames of dem-bones, no prediction.
+fn proxies_alone() -> Result<(), Box<dyn Error>> {
+    for (name, examples) in sets()?.into_iter().filter(|set| set.0 == "dem-bones") {
+        let training = examples.frames_of(Split::Train);
+        let poses = Poses::new(&examples, &training);
+        let moved = trajectories(&examples, &training, &poses);
+        let basis = basis::basis(&moved, examples.diagonal());
+        let (surface, _) = Surface::new(&examples.rest, &examples.triangles, &moved, basis);
+        let tree = merge::MergeTree::build(&surface, || ());
+        for count in [10, 20, 30] {
+            let count = ProxyCount::Fixed(count);
+            let fitted = proxies::fit(&surface, &tree, training.len(), count, 4, &Silent);
+            println!("{name}: P = {}, RMSE {:.5}", fitted.len(), fitted.rms);
+        }
+    }
+    Ok(())
+}
+
+/// Errors of the baked models by the f32 runtime.
+fn errors() -> Result<(), Box<dyn Error>> {
+    println!(
+        "{:<12}{:>4}  {:<10}{:>9}{:>9}{:>11}{:>9}{:>9}{:>9}",
+        "set", "P", "split", "LBS %", "model %", "published %", "p99 %", "max %", "bytes"
+    );
+    let mut sets = sets()?;
+    sets.push(("demo", demo(&DemoOptions::default())));
+    for (name, examples) in sets {
+        let count = if examples.vertex_len() > 5_000 { 60 } else { 40 };
+        let options = Options { proxies: ProxyCount::Fixed(count), ..Options::default() };
+        let refined = train(&examples, &options, &Silent)?.model;
+        let published = train(&examples, &Options { refine: false, ..options }, &Silent)?.model;
+        for split in [Split::HeldOut, Split::Extreme] {
+            if examples.frames_of(split).is_empty() {
+                continue;
+            }
+            let of = evaluate(&refined, &examples, Frames::Of(split))?;
+            let plain = evaluate(&published, &examples, Frames::Of(split))?;
+            println!(
+                "{name:<12}{count:>4}  {:<10}{:>9.4}{:>9.4}{:>11.4}{:>9.4}{:>9.4}{:>9}",
+                of.split,
+                of.lbs.rms_percent,
+                of.errors.rms_percent,
+                plain.errors.rms_percent,
+                of.errors.p99_percent,
+                of.errors.max_percent,
+                of.model_bytes
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Training as a whole process: load, fit, bake, write.
+fn time() -> Result<(), Box<dyn Error>> {
+    for (name, file) in SETS {
+        let Some(path) = found(file) else { continue };
+        let proxies = if name == "mpfb-body" { "60" } else { "40" };
+        let model =
+            std::env::temp_dir().join(format!("sinew-figures-{}.sinew", std::process::id()));
+        let train =
+            ["train", &path.to_string_lossy(), "-o", &model.to_string_lossy()].map(str::to_owned);
+        let run = measure(&[&train[..], &["--proxies".into(), proxies.into()]].concat())?;
+        std::fs::remove_file(&model)?;
+        println!("{name}, P = {proxies}: {:.2} s, {} MB", run.seconds, run.peak >> 20);
+    }
+    Ok(())
+}
+
+/// The demo arm in several sizes: time and peak memory against the vertex array in f64.
+fn scaling() -> Result<(), Box<dyn Error>> {
+    println!("{:>9}{:>7}{:>9}{:>9}{:>16}", "vertices", "poses", "s", "MB", "x vertex array");
+    let mut times = Vec::new();
+    for (vertices, poses) in
+        [(5_000, 100), (20_000, 100), (80_000, 100), (20_000, 50), (20_000, 200)]
+    {
+        let held_out = 1;
+        let arguments = [
+            "demo",
+            "--vertices",
+            &vertices.to_string(),
+            "--poses",
+            &poses.to_string(),
+            "--held-out",
+            &held_out.to_string(),
+            "--proxies",
+            "60",
+        ]
+        .map(str::to_owned);
+        let run = measure(&arguments)?;
+        let array = (vertices * (poses + held_out) * 24) as f64;
+        println!(
+            "{vertices:>9}{poses:>7}{:>9.2}{:>9}{:>16.2}",
+            run.seconds,
+            run.peak >> 20,
+            run.peak as f64 / array
+        );
+        if poses == 100 {
+            times.push((vertices as f64, run.seconds));
+        }
+    }
+    if let (Some(first), Some(last)) = (times.first(), times.last()) {
+        let exponent = (last.1 / first.1).ln() / (last.0 / first.0).ln();
+        println!("time grows as V^{exponent:.2} from {} to {} vertices", first.0, last.0);
+    }
+    Ok(())
+}
+
+struct Run {
+    seconds: f64,
+    /// Peak resident bytes.
+    peak: usize,
+}
+
+/// Runs `sinew` quietly and watches its peak memory.
+fn measure(arguments: &[String]) -> Result<Run, Box<dyn Error>> {
+    let start = Instant::now();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_sinew"))
+        .args(arguments)
+        .arg("--quiet")
+        .stdout(Stdio::null())
+        .spawn()?;
+    let status = PathBuf::from(format!("/proc/{}/status", child.id()));
+    let mut peak = 0;
+    loop {
+        // The kernel keeps the high-water mark, so the last reading before the end is the peak.
+        peak = peak.max(high_water_mark(&status));
+        if let Some(exit) = child.try_wait()? {
+            let seconds = start.elapsed().as_secs_f64();
+            return if exit.success() {
+                Ok(Run { seconds, peak })
+            } else {
+                Err("sinew failed".into())
+            };
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn high_water_mark(status: &Path) -> usize {
+    let text = std::fs::read_to_string(status).unwrap_or_default();
+    let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kilobytes = line.and_then(|rest| rest.split_whitespace().next()?.parse::<usize>().ok());
+    kilobytes.unwrap_or(0) * 1024
+}
+
+fn sets() -> Result<Vec<(&'static str, Examples)>, Box<dyn Error>> {
+    let mut all = Vec::new();
+    for (name, file) in SETS {
+        match found(file) {
+            Some(path) => all.push((name, npz::load(&path)?.examples)),
+            None => println!("{name}: not found in ../shared/data"),
+        }
+    }
+    Ok(all)
+}
+
+fn found(file: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(file);
+    path.exists().then_some(path)
+}
