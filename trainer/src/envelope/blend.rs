@@ -270,3 +270,67 @@ fn accumulate(
 fn norm2(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    /// Items that known maps and known weights move exactly.
+    fn exact(count: usize, rank: usize) -> (Vec<f64>, Mat<f64>, Maps, Vec<[f64; 3]>) {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let columns = Mat::from_fn(rank, 3 * 4, |_, _| random.random_range(-1.0..1.0));
+        let mut h = Vec::new();
+        let mut y = Mat::zeros(rank, count);
+        let mut weights = Vec::new();
+        for item in 0..count {
+            let x: [f64; 4] =
+                std::array::from_fn(|k| if k == 3 { 1.0 } else { random.random_range(-1.0..1.0) });
+            let a: f64 = random.random_range(0.0..1.0);
+            let b: f64 = random.random_range(0.0..1.0 - a);
+            let w = [a, b, 1.0 - a - b];
+            for row in 0..rank {
+                y[(row, item)] = (0..12).map(|k| w[k / 4] * x[k % 4] * columns[(row, k)]).sum();
+            }
+            h.extend(x);
+            weights.push(w);
+        }
+        (h, y, Maps { width: 4, columns }, weights)
+    }
+
+    #[test]
+    fn true_maps_give_back_the_true_weights() {
+        let (h, y, maps, truth) = exact(300, 30);
+        let items = Items { width: 4, rows: 1, h, y: &y };
+        let (weights, errors) = fit_weights(&items, &maps, 3);
+        assert!(errors.iter().all(|&e| e < 1e-9));
+        for (item, expected) in truth.iter().enumerate() {
+            let found: Vec<_> = weights.of(item).collect();
+            assert!(found.is_sorted_by(|a, b| a.1 >= b.1), "strongest first");
+            for (map, weight) in found {
+                assert!((weight - expected[map]).abs() < 1e-6, "item {item}");
+            }
+        }
+    }
+
+    #[test]
+    fn true_weights_give_back_the_true_maps() {
+        let (h, y, maps, truth) = exact(300, 30);
+        let items = Items { width: 4, rows: 1, h, y: &y };
+        let lists = truth.iter().map(|w| w.iter().copied().enumerate().collect());
+        let start = Maps { width: 4, columns: Mat::zeros(30, 12) };
+        let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start);
+        assert!((fitted.columns - maps.columns).norm_max() < 1e-4);
+    }
+
+    #[test]
+    fn a_map_that_no_item_uses_stays_where_it_was() {
+        let (h, y, maps, truth) = exact(50, 30);
+        let items = Items { width: 4, rows: 1, h, y: &y };
+        let lists = truth.iter().map(|_| vec![(0, 1.0)]);
+        let fitted = fit_maps(&items, &Weights::from_lists(1, lists), &maps);
+        let moved = fitted.columns.subcols(4, 8) - maps.columns.subcols(4, 8);
+        assert!(moved.norm_max() < 1e-12);
+        assert!((fitted.columns.subcols(0, 4) - maps.columns.subcols(0, 4)).norm_max() > 1e-3);
+    }
+}

@@ -3,6 +3,7 @@
 pub mod blend;
 mod columns;
 pub mod motion;
+pub mod oracle;
 pub mod rotational;
 pub mod simplex;
 pub mod so3;

@@ -166,3 +166,58 @@ fn nearest_rotation(m: &Matrix3x4<f64>) -> Matrix3<f64> {
     }
     so3::polar(&q).map_or(Matrix3::identity(), |(rotation, _)| rotation)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{DemoOptions, demo};
+
+    #[test]
+    fn a_global_motion_of_each_frame_changes_nothing() {
+        let options = DemoOptions { vertices: 200, poses: 6, held_out: 0, seed: 3 };
+        let still = demo(&options);
+        let mut moved = still.clone();
+        for frame in 0..moved.frame_len() {
+            let angle = 0.7 * frame as f64;
+            let turn = so3::exp(&Vector3::new(0.3, angle, -0.5));
+            let mut global = Matrix3x4::zeros();
+            global.fixed_columns_mut::<3>(0).copy_from(&turn);
+            global.set_column(3, &Vector3::new(angle, 2.0, -1.0));
+            for v in 0..moved.vertex_len() {
+                let at = frame * moved.vertex_len() + v;
+                moved.vertices[at] = transform(&global, &moved.vertices[at]).into();
+            }
+            for j in 0..moved.joint_len() {
+                let at = frame * moved.joint_len() + j;
+                let joint = compose(&global, &to_nalgebra(&moved.transforms[at]));
+                moved.transforms[at] = [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| joint[(r, c)]));
+            }
+        }
+        let frames: Vec<usize> = (0..still.frame_len()).collect();
+        let (a, b) = (Poses::new(&still, &frames), Poses::new(&moved, &frames));
+        let difference = a.stacked() - b.stacked();
+        assert!(difference.norm_max() < 1e-12);
+        let difference = trajectories(&still, &frames, &a) - trajectories(&moved, &frames, &b);
+        assert!(difference.norm_max() < 1e-12);
+        for joint in 0..a.joint_len() {
+            assert!((a.angle(5, joint) - b.angle(5, joint)).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_sheared_joint_turns_by_its_polar_rotation() {
+        let mut examples = demo(&DemoOptions { vertices: 200, poses: 6, held_out: 0, seed: 3 });
+        let clean = Poses::new(&examples, &[2]);
+        let joint = (0..examples.joint_len()).find(|&j| clean.angle(0, j).norm() > 0.1).unwrap();
+        let at = 2 * examples.joint_len() + joint;
+        let q: Matrix3<f64> = to_nalgebra(&examples.transforms[at]).fixed_columns::<3>(0).into();
+        let stretched = q * Matrix3::from_diagonal(&Vector3::new(1.005, 1.0, 0.995));
+        for r in 0..3 {
+            for c in 0..3 {
+                examples.transforms[at][r][c] = stretched[(r, c)];
+            }
+        }
+        let poses = Poses::new(&examples, &[2]);
+        assert!((poses.angle(0, joint) - clean.angle(0, joint)).norm() < 1e-12);
+    }
+}

@@ -100,3 +100,35 @@ fn sum_over_chunks(
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::motion::{Poses, trajectories};
+
+    #[test]
+    fn coordinates_give_back_the_trajectories_to_the_stated_residual() {
+        let examples = demo(&DemoOptions { vertices: 400, poses: 60, held_out: 0, seed: 1 });
+        let frames: Vec<usize> = (0..examples.frame_len()).collect();
+        let moved = trajectories(&examples, &frames, &Poses::new(&examples, &frames));
+        let basis = basis(&moved, examples.diagonal());
+        let rank = basis.vectors.ncols();
+        let gram = basis.vectors.transpose() * &basis.vectors;
+        assert!((gram - Mat::<f64>::identity(rank, rank)).norm_max() < 1e-12);
+        let left = &moved - &basis.vectors * &basis.coordinates;
+        let rms = left.norm_l2() / ((frames.len() * examples.vertex_len()) as f64).sqrt();
+        assert!((rms - basis.residual).abs() < 1e-3 * basis.residual + 1e-9, "{rms}");
+        assert!(rms < 2.0 * RESIDUAL * examples.diagonal() && rank < moved.nrows());
+    }
+
+    #[test]
+    fn few_dimensions_are_found_exactly() {
+        let moved = Mat::from_fn(30, 50, |i, j| {
+            (i as f64).sin() * j as f64 + (i as f64).cos() * (j as f64).sqrt()
+        });
+        let basis = basis(&moved, 1.0);
+        assert_eq!(basis.vectors.ncols(), 2);
+        assert!((moved - &basis.vectors * &basis.coordinates).norm_max() < 1e-9);
+    }
+}

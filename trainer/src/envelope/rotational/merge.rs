@@ -261,3 +261,58 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     let tail: f64 = x_rest.iter().zip(y_rest).map(|(p, q)| p * q).sum();
     lanes.iter().sum::<f64>() + tail
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envelope::rotational::basis::basis;
+    use faer::Mat;
+
+    /// A strip of quads along x whose right half turns about the middle, over a few frames.
+    fn strip() -> (Vec<[f64; 3]>, Vec<[usize; 3]>, Mat<f64>) {
+        let rest: Vec<[f64; 3]> = (0..18)
+            .map(|i| [f64::from(i / 2), f64::from(i % 2), 0.05 * f64::from(i % 3)])
+            .collect();
+        let triangles = (0..8)
+            .flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]])
+            .collect();
+        let moved = Mat::from_fn(3 * 5, rest.len(), |row, vertex| {
+            let [x, y, z] = rest[vertex];
+            let angle = 0.3 * (row / 3) as f64;
+            let beyond = (x - 4.0).max(0.0);
+            [x - beyond + beyond * angle.cos(), y, z + beyond * angle.sin()][row % 3]
+        });
+        (rest, triangles, moved)
+    }
+
+    #[test]
+    fn two_halves_that_turn_against_each_other_become_two_groups() {
+        let (rest, triangles, moved) = strip();
+        let (surface, _) = Surface::new(&rest, &triangles, &moved, basis(&moved, 8.0));
+        let groups = MergeTree::build(&surface, || ()).cut(2);
+        let left = groups[0];
+        for (triangle, group) in groups.iter().enumerate() {
+            assert_eq!(*group == left, triangle < 8, "triangle {triangle} of {groups:?}");
+        }
+    }
+
+    #[test]
+    fn a_cut_leaves_as_many_groups_as_asked_for() {
+        let (rest, triangles, moved) = strip();
+        let (surface, _) = Surface::new(&rest, &triangles, &moved, basis(&moved, 8.0));
+        let tree = MergeTree::build(&surface, || ());
+        for count in 1..=triangles.len() {
+            let groups: BTreeSet<usize> = tree.cut(count).into_iter().collect();
+            assert_eq!(groups, (0..count).collect());
+        }
+    }
+
+    #[test]
+    fn parts_without_a_common_edge_still_meet() {
+        let (rest, triangles, moved) = strip();
+        let apart = [triangles[0], triangles[5], triangles[10], triangles[15]];
+        let (surface, _) = Surface::new(&rest, &apart, &moved, basis(&moved, 8.0));
+        let groups = MergeTree::build(&surface, || ()).cut(1);
+        assert_eq!(groups, vec![0; 4]);
+    }
+}

@@ -131,3 +131,48 @@ fn floating(triangles: &[[usize; 3]], fixed: &[bool]) -> Option<usize> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::rotational::gradient::gradient;
+
+    #[test]
+    fn true_gradients_and_one_fixed_vertex_a_part_give_back_the_posed_mesh() {
+        let examples = demo(&DemoOptions { vertices: 400, poses: 4, held_out: 0, seed: 9 });
+        let (rest, triangles) = (&examples.rest, &examples.triangles);
+        let mut fixed = vec![false; rest.len()];
+        while let Err(PoissonError::Floating { vertex }) = Poisson::new(rest, triangles, &fixed) {
+            fixed[vertex] = true;
+        }
+        let system = Poisson::new(rest, triangles, &fixed).unwrap();
+        for frame in 0..4 {
+            let posed = examples.frame(frame);
+            let gradients: Vec<_> = triangles
+                .iter()
+                .map(|t| gradient(t.map(|v| &rest[v]), t.map(|v| &posed[v])).unwrap())
+                .collect();
+            let known: Vec<_> = posed
+                .iter()
+                .zip(&fixed)
+                .map(|(y, &f)| if f { Vector3::from(*y) } else { Vector3::repeat(1e9) })
+                .collect();
+            let found = system.reconstruct(&gradients, &known);
+            for (y, expected) in found.iter().zip(posed) {
+                assert!((y - Vector3::from(*expected)).norm() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn a_part_without_a_fixed_vertex_is_named() {
+        let rest: Vec<[f64; 3]> = (0..6).map(|i| [f64::from(i), f64::from(i * i), 0.0]).collect();
+        let found = Poisson::new(
+            &rest,
+            &[[0, 1, 2], [3, 4, 5]],
+            &[true, false, false, false, false, false],
+        );
+        assert_eq!(found.err(), Some(PoissonError::Floating { vertex: 3 }));
+    }
+}

@@ -51,3 +51,41 @@ pub fn predict_stacked(predictors: &[GradientPredictor], poses: &Poses) -> Mat<f
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::so3;
+
+    #[test]
+    fn the_joint_and_the_residual_joint_of_a_made_sequence_are_found() {
+        let examples = demo(&DemoOptions { vertices: 200, poses: 80, held_out: 0, seed: 4 });
+        let frames: Vec<usize> = (0..examples.frame_len()).collect();
+        let poses = Poses::new(&examples, &frames);
+        let ranges = poses.angle_ranges();
+        let mut moving: Vec<usize> = (0..poses.joint_len()).filter(|&j| ranges[j] > 0.3).collect();
+        let (joint, residual) = (moving.remove(0), moving.remove(0));
+        let sequence: Vec<_> = (0..poses.len())
+            .map(|i| {
+                poses.parent_rotation(i, joint)
+                    * so3::exp(&(poses.angle(i, joint) * 0.6))
+                    * so3::exp(&(poses.angle(i, residual) * 0.3))
+            })
+            .collect();
+        let fitted = GradientPredictor::fit(&poses, &examples.skeleton.parents, &sequence);
+        let rms = |predicted: &dyn Fn(usize) -> Matrix3<f64>| {
+            let sum: f64 =
+                (0..poses.len()).map(|i| (predicted(i) - sequence[i]).norm_squared()).sum();
+            (sum / poses.len() as f64).sqrt()
+        };
+        let error = rms(&|i| fitted.predict(&poses, i));
+        let one_joint = RotationPredictor { residual: None, ..fitted.rotation.clone() };
+        let alone = rms(&|i| one_joint.predict(&poses, i));
+        assert!(error < 0.5 * alone, "{error} against {alone}");
+        let used = [Some(fitted.rotation.joint), fitted.rotation.residual.map(|(j, _)| j)];
+        assert!(used.contains(&Some(joint)) && used.contains(&Some(residual)), "{used:?}");
+        let stacked = predict_stacked(std::slice::from_ref(&fitted), &poses);
+        assert_eq!(stacked[(3 * 7 + 1, 2)], fitted.predict(&poses, 7)[(1, 2)]);
+    }
+}

@@ -158,3 +158,38 @@ fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
     }
     Maps { width: 4, columns }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::basis::basis;
+    use super::*;
+    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::motion::{Poses, trajectories};
+    use crate::progress::Silent;
+
+    #[test]
+    fn the_fewest_proxies_within_an_error_are_found() {
+        let examples = demo(&DemoOptions { vertices: 300, poses: 30, held_out: 0, seed: 1 });
+        let frames: Vec<usize> = (0..examples.frame_len()).collect();
+        let moved = trajectories(&examples, &frames, &Poses::new(&examples, &frames));
+        let basis = basis(&moved, examples.diagonal());
+        let (surface, vectors) = Surface::new(&examples.rest, &examples.triangles, &moved, basis);
+        let tree = MergeTree::build(&surface, || ());
+        let fit_to = |count| fit(&surface, &tree, frames.len(), count, 4, &Silent);
+        let limit = 0.001 * examples.diagonal();
+        let found = fit_to(ProxyCount::MaxError(limit));
+        assert!(found.rms <= limit, "{} proxies leave {}", found.len(), found.rms);
+        let fewer = fit_to(ProxyCount::Fixed(found.len() - 1));
+        assert!(fewer.rms > limit, "{} proxies would do", fewer.len());
+
+        // The error in coordinates is the error of the skinned vertices.
+        let maps = &vectors * &found.maps.columns;
+        let weights = &found.weights;
+        let targets = super::super::validation::Targets {
+            rest: &examples.rest,
+            weights,
+            trajectories: &moved,
+        };
+        assert!((targets.rms(&maps) - found.rms).abs() < 1e-3 * found.rms);
+    }
+}

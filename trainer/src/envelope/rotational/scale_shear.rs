@@ -53,3 +53,33 @@ fn features(poses: &Poses, pose: usize, joint: usize, parent: Option<usize>) -> 
 fn to_vector(s: &Matrix3<f64>) -> Vector6<f64> {
     Vector6::new(s.m11, s.m12, s.m13, s.m22, s.m23, s.m33)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{DemoOptions, demo};
+    use nalgebra::Vector3;
+
+    #[test]
+    fn a_stretch_linear_in_two_joints_is_recovered_and_rest_gives_none() {
+        let examples = demo(&DemoOptions { vertices: 200, poses: 60, held_out: 0, seed: 2 });
+        let frames: Vec<usize> = (0..examples.frame_len()).collect();
+        let poses = Poses::new(&examples, &frames);
+        let parents = &examples.skeleton.parents;
+        let spread = |j: usize| poses.angle_ranges()[j];
+        let joint = (0..poses.joint_len())
+            .find(|&j| spread(j) > 0.5 && parents[j].is_some_and(|p| spread(p) > 0.2))
+            .unwrap();
+        let truth = |pose: usize| {
+            let bend: Vector3<f64> = *poses.angle(pose, joint);
+            let above = *poses.angle(pose, parents[joint].unwrap());
+            Matrix3::identity() + Matrix3::from_diagonal(&Vector3::new(bend.x, above.y, 0.0)) * 0.1
+        };
+        let h = fit(&poses, joint, parents[joint], (0..poses.len()).map(truth));
+        for pose in 0..poses.len() {
+            let found = predict(&h, &poses, pose, joint, parents[joint]);
+            assert!((found - truth(pose)).amax() < 5e-3, "pose {pose}");
+        }
+        assert_eq!(h * Vector6::zeros(), Vector6::zeros());
+    }
+}

@@ -178,3 +178,22 @@ fn skin(rest: &[f64; 3], weights: &Weights, vertex: usize, maps: &Mat<f64>) -> V
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folds_are_contiguous_cover_all_and_differ_by_one_at_most() {
+        for n in 1..50 {
+            let folds = folds(n);
+            assert_eq!(folds.len(), n.min(FOLDS));
+            assert_eq!(
+                folds.iter().cloned().flatten().collect::<Vec<_>>(),
+                (0..n).collect::<Vec<_>>()
+            );
+            let lengths = folds.iter().map(|f| f.len());
+            assert!(lengths.clone().max().unwrap() - lengths.min().unwrap() <= 1);
+        }
+    }
+}
