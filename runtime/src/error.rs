@@ -4,7 +4,7 @@ use crate::format::SectionKind;
 use crate::limits::Quantity;
 use core::fmt;
 
-/// Why a file was refused. Variants stand in the order in which they are checked.
+/// Why a file was refused; FORMAT.md lists the checks in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FormatError {
     /// More of something than the caller's [`crate::Limits`] or the format itself allow.

@@ -30,7 +30,7 @@ impl<'a> Model<'a> {
         Self::from_bytes_with(bytes, &Limits::DEFAULT)
     }
 
-    /// Loads a model in place and checks all of it, in the order of [`FormatError`]'s variants and
+    /// Loads a model in place and checks all of it, in the order that FORMAT.md lists and
     /// in time bounded by the file's length. Never panics, for any input.
     ///
     /// `bytes` needs no alignment.

@@ -250,39 +250,43 @@ fn skin_agrees_with_f64() {
 
 #[test]
 fn ranges_strides_and_buffers_change_places_only() {
-    with_envelope(SMALL, |envelope| {
-        let maps = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
-        let v = envelope.vertex_len();
-        let whole = skin(envelope, &maps);
-        // Interleaved in A: position, a gap, normal; tangents in B. Two jobs, as a job system would.
-        let (mut a, mut b) = (vec![-7.0; 1 + 8 * v], vec![-7.0; 4 * v]);
-        for vertices in [0..3, 3..v] {
-            SkinJob {
-                envelope,
-                palette: &maps,
-                vertices: vertices.clone(),
-                positions: attribute(Buffer::A, 1, 8),
-                normals: attribute(Buffer::A, 5, 8),
-                tangents: attribute(Buffer::B, 0, 4),
-                out_a: &mut a[8 * vertices.start..][..1 + 8 * vertices.len()],
-                out_b: &mut b[4 * vertices.start..4 * vertices.end],
-            }
-            .run()
-            .unwrap();
-        }
-        assert_eq!(a[0], -7.0);
-        for vertex in 0..v {
-            let a = &a[1 + 8 * vertex..][..8];
-            assert_eq!(a[..3], whole[3 * vertex..][..3]);
-            assert_eq!(a[3], -7.0);
-            assert_eq!(a[4..7], whole[3 * (v + vertex)..][..3]);
-        }
-        assert_eq!(b, whole[6 * v..]);
+    for influences in [2, 4] {
+        with_envelope(Shape { influences, ..SMALL }, ranges_strides_and_buffers);
+    }
+}
 
-        let mut positions = vec![[0.0; 3]; v];
-        envelope.skin_positions(&maps, &mut positions).unwrap();
-        assert_eq!(positions.as_flattened(), &whole[..3 * v]);
-    });
+fn ranges_strides_and_buffers(envelope: Envelope<'_>) {
+    let maps = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
+    let v = envelope.vertex_len();
+    let whole = skin(envelope, &maps);
+    // Interleaved in A: position, a gap, normal; tangents in B. Two jobs, as a job system would.
+    let (mut a, mut b) = (vec![-7.0; 1 + 8 * v], vec![-7.0; 4 * v]);
+    for vertices in [0..3, 3..v] {
+        SkinJob {
+            envelope,
+            palette: &maps,
+            vertices: vertices.clone(),
+            positions: attribute(Buffer::A, 1, 8),
+            normals: attribute(Buffer::A, 5, 8),
+            tangents: attribute(Buffer::B, 0, 4),
+            out_a: &mut a[8 * vertices.start..][..1 + 8 * vertices.len()],
+            out_b: &mut b[4 * vertices.start..4 * vertices.end],
+        }
+        .run()
+        .unwrap();
+    }
+    assert_eq!(a[0], -7.0);
+    for vertex in 0..v {
+        let a = &a[1 + 8 * vertex..][..8];
+        assert_eq!(a[..3], whole[3 * vertex..][..3]);
+        assert_eq!(a[3], -7.0);
+        assert_eq!(a[4..7], whole[3 * (v + vertex)..][..3]);
+    }
+    assert_eq!(b, whole[6 * v..]);
+
+    let mut positions = vec![[0.0; 3]; v];
+    envelope.skin_positions(&maps, &mut positions).unwrap();
+    assert_eq!(positions.as_flattened(), &whole[..3 * v]);
 }
 
 #[test]

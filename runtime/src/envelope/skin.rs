@@ -110,17 +110,17 @@ impl SkinJob<'_> {
     fn skin(self, maps: impl Iterator<Item = Mat4>) {
         let Self { envelope, vertices, positions, normals, tangents, out_a, out_b, .. } = self;
         let mut out = Outputs { a: out_a, b: out_b };
-        let rest = envelope.positions.get(vertices.clone()).unwrap_or_default();
         if let (Some(attribute), None, None) = (positions, normals, tangents) {
             // Positions alone get a loop of their own, which fits the registers.
+            let rest = envelope.positions.get(vertices).unwrap_or_default();
             for (i, (rest, map)) in rest.iter().zip(maps).enumerate() {
-                out.put(attribute, i, (along(&map, floats(rest)) + map.w_axis).truncate().to_array());
+                out.put(attribute, i, moved(&map, floats(rest)));
             }
             return;
         }
         for (i, (vertex, map)) in vertices.zip(maps).enumerate() {
             if let (Some(attribute), Some(rest)) = (positions, envelope.rest_position(vertex)) {
-                out.put(attribute, i, (along(&map, rest) + map.w_axis).truncate().to_array());
+                out.put(attribute, i, moved(&map, rest));
             }
             if let (Some(attribute), Some(rest)) = (normals, envelope.rest_normal(vertex)) {
                 out.put(attribute, i, unit(along(&cofactors(&map), rest), rest));
@@ -187,6 +187,11 @@ fn blend(palette: &[Matrix3x4], indices: &[[u8; 2]], weights: &[Le]) -> Option<M
     }
     let [x, y, z] = rows;
     Some(Mat4::from_cols(x, y, z, Vec4::ZERO).transpose())
+}
+
+#[inline(always)]
+fn moved(m: &Mat4, rest: [f32; 3]) -> [f32; 3] {
+    (along(m, rest) + m.w_axis).truncate().to_array()
 }
 
 /// Returns the linear part of a map times a vector, column by column.

@@ -1,4 +1,4 @@
-//! Every check of a file, once, in the order of [`FormatError`]'s variants.
+//! Every check of a file, once, in the order that FORMAT.md lists.
 //!
 //! The checks of one step read nothing that an earlier step has not checked. All of them together
 //! read each byte a bounded number of times and allocate nothing.
