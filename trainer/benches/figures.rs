@@ -25,9 +25,11 @@ const SETS: [(&str, &str); 3] = [
     ("mpfb-body", "mpfb-body/mpfb_body.npz"),
 ];
 
+type Section = fn() -> Result<(), Box<dyn Error>>;
+
 fn main() -> Result<(), Box<dyn Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let sections: [(&str, fn() -> Result<(), Box<dyn Error>>); 5] = [
+    let sections: [(&str, Section); 5] = [
         ("lbs", lbs),
         ("proxies", proxies_alone),
         ("errors", errors),
@@ -75,7 +77,7 @@ fn proxies_alone() -> Result<(), Box<dyn Error>> {
         let poses = Poses::new(&examples, &training);
         let moved = trajectories(&examples, &training, &poses);
         let basis = basis::basis(&moved, examples.diagonal());
-        let (surface, _) = Surface::new(&examples.rest, &examples.triangles, &moved, basis);
+        let (surface, _) = Surface::new(&examples.rest, examples.solid_triangles(), &moved, basis);
         let tree = merge::MergeTree::build(&surface, || ());
         for count in [10, 20, 30] {
             let count = ProxyCount::Fixed(count);

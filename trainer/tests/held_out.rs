@@ -1,5 +1,7 @@
 //! What the training must not depend on: held-out frames, and the number of threads.
 
+#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
+
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::Options;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;

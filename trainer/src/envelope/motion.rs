@@ -1,13 +1,10 @@
 //! Poses and surface trajectories with the reference root's motion removed (METHOD §1.1).
 
 use super::{columns, so3};
-use crate::examples::Examples;
+use crate::examples::{Examples, RIGID};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use std::ops::Range;
-
-/// Largest deviation of a joint's linear part from a rotation that is taken as rounding.
-pub const RIGID_TOLERANCE: f64 = 1e-4;
 
 /// The joints of n poses of J joints, relative to the reference root.
 #[derive(Clone, Debug)]
@@ -161,7 +158,7 @@ pub fn rigid_inverse(m: &Matrix3x4<f64>) -> Matrix3x4<f64> {
 fn nearest_rotation(m: &Matrix3x4<f64>) -> Matrix3<f64> {
     let q: Matrix3<f64> = m.fixed_columns::<3>(0).into();
     let deviation = (q.transpose() * q - Matrix3::identity()).amax();
-    if deviation <= RIGID_TOLERANCE {
+    if deviation <= RIGID {
         return q;
     }
     so3::polar(&q).map_or(Matrix3::identity(), |(rotation, _)| rotation)

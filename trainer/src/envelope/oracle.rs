@@ -165,9 +165,8 @@ impl Oracle {
     /// Skins a vertex by P maps (METHOD §1.8).
     pub fn skin(&self, vertex: &Vertex, palette: &[Matrix3x4<f64>]) -> Skinned {
         let map = vertex.blend(palette);
-        let towards = |m: &Matrix3<f64>, rest: &Vector3<f64>| {
-            (m * rest).try_normalize(0.0).unwrap_or(*rest)
-        };
+        let towards =
+            |m: &Matrix3<f64>, rest: &Vector3<f64>| (m * rest).try_normalize(0.0).unwrap_or(*rest);
         let turn = linear(&map);
         Skinned {
             position: map * vertex.position,
@@ -199,7 +198,8 @@ impl Factors {
 
 impl Vertex {
     fn new(envelope: &Envelope<'_>, vertex: usize) -> Self {
-        let widened = |v: Option<[f32; 3]>| Vector3::from(v.unwrap_or([f32::NAN; 3])).map(f64::from);
+        let widened =
+            |v: Option<[f32; 3]>| Vector3::from(v.unwrap_or([f32::NAN; 3])).map(f64::from);
         let tangent = |[x, y, z, hand]: [f32; 4]| (widened(Some([x, y, z])), f64::from(hand));
         Self {
             position: widened(envelope.rest_position(vertex)).push(1.0),
@@ -238,8 +238,8 @@ pub fn cofactors(m: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::from_fn(|r, c| if (r + c) % 2 == 0 { minor(r, c) } else { -minor(r, c) })
 }
 
-/// Stacks transposed blocks.
-fn stack<const C: usize>(
+/// Stacks transposed blocks: row C l + c, column r is entry r, c of block l.
+pub fn stack<const C: usize>(
     blocks: &[nalgebra::SMatrix<f64, 3, C>],
 ) -> nalgebra::OMatrix<f64, nalgebra::Dyn, nalgebra::U3> {
     nalgebra::OMatrix::<f64, nalgebra::Dyn, nalgebra::U3>::from_fn(C * blocks.len(), |row, r| {

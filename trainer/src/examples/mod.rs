@@ -12,6 +12,7 @@ mod validate;
 
 pub use error::{Element, ExamplesError, LoadError, Warning};
 pub use hash::hash_file;
+pub use validate::RIGID;
 
 /// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.
 pub type Matrix3x4 = [[f64; 4]; 3];

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::{Element, Examples, ExamplesError, Matrix3x4, Split, Warning};
 
 /// A map this near to rigid is rigid (METHOD §1.1): it is what single precision leaves.
-const RIGID: f64 = 1e-4;
+pub const RIGID: f64 = 1e-4;
 
 /// A map this near to rigid is used through its nearest rotation; beyond, the data is wrong.
 pub(super) const REPAIRABLE: f64 = 1e-2;
@@ -18,7 +18,8 @@ impl Examples {
     /// Checks counts, joints, finiteness, faces and rigidity, in that order.
     ///
     /// A map within 1e-4 of rigid passes; within 1e-2 it is warned of and a fit uses the rotation
-    /// nearest to it; beyond that it is an error.
+    /// nearest to it; beyond that it is an error in a training frame. In other frames, which no fit
+    /// reads, it stays a warning.
     ///
     /// # Errors
     /// - [`ExamplesError::Mismatch`], [`ExamplesError::Empty`] and [`ExamplesError::TooFewPoses`]
@@ -33,10 +34,43 @@ impl Examples {
         self.check_joints()?;
         self.check_finite()?;
         let mut warnings = self.check_faces()?;
-        self.check_rigid("joint_world_rest", &self.skeleton.rest, None, &mut warnings)?;
-        let frames = Some(self.frame_len());
-        self.check_rigid("bone_transforms", &self.transforms, frames, &mut warnings)?;
+        for (map, name) in self.skeleton.rest.iter().zip(&self.skeleton.names) {
+            let (array, frame, joint, deviation) =
+                ("joint_world_rest", None, name.clone(), deviation(map));
+            if deviation > REPAIRABLE {
+                return Err(ExamplesError::NonRigidJoint { array, frame, joint, deviation });
+            }
+        }
+        self.check_rigid_in(&self.frames_of(Split::Train))?;
+        self.report_rigidity("joint_world_rest", &self.skeleton.rest, false, &mut warnings);
+        self.report_rigidity("bone_transforms", &self.transforms, true, &mut warnings);
         Ok(warnings)
+    }
+
+    /// Checks that the joints of some frames are within 1e-2 of rigid; [`Examples::validate`] asks it
+    /// of the training frames.
+    ///
+    /// # Errors
+    /// [`ExamplesError::NonRigidJoint`]
+    pub fn check_rigid_in(&self, frames: &[usize]) -> Result<(), ExamplesError> {
+        for &frame in frames {
+            for (map, joint) in self.pose(frame).iter().zip(&self.skeleton.names) {
+                let deviation = deviation(map);
+                if deviation > REPAIRABLE {
+                    let (array, frame, joint) = ("bone_transforms", Some(frame), joint.clone());
+                    return Err(ExamplesError::NonRigidJoint { array, frame, joint, deviation });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the triangles that have an area in the rest pose: those that carry an equation.
+    pub fn solid_triangles(&self) -> Vec<[usize; 3]> {
+        (0..self.triangles.len())
+            .filter(|&triangle| self.has_area(triangle))
+            .map(|triangle| self.triangles[triangle])
+            .collect()
     }
 
     /// Lists the triangles that have no area in the rest pose and so carry no equation.
@@ -161,42 +195,29 @@ impl Examples {
         (b - a).cross(&(c - a)).norm() > LEAST_HEIGHT * longest
     }
 
-    /// Checks J maps, or N x J where `frame_len` is given.
-    fn check_rigid(
+    /// Warns of each joint whose maps, one or one a frame, are not quite rigid.
+    fn report_rigidity(
         &self,
         array: &'static str,
         maps: &[Matrix3x4],
-        frame_len: Option<usize>,
+        posed: bool,
         warnings: &mut Vec<Warning>,
-    ) -> Result<(), ExamplesError> {
-        let names = &self.skeleton.names;
-        for (joint, name) in names.iter().enumerate() {
-            let mut worst = (0, 0.0);
-            let mut matrix_len = 0;
-            for frame in 0..frame_len.unwrap_or(1) {
-                let deviation = deviation(&maps[frame * names.len() + joint]);
-                if deviation > worst.1 {
-                    worst = (frame, deviation);
-                }
-                matrix_len += usize::from(deviation > RIGID);
-            }
-            let (frame, deviation) = (frame_len.map(|_| worst.0), worst.1);
-            let joint = name.clone();
-            if deviation > REPAIRABLE {
-                return Err(ExamplesError::NonRigidJoint { array, frame, joint, deviation });
-            }
-            if matrix_len > 0 {
-                let worst_frame = frame;
-                warnings.push(Warning::NonRigidJoint {
-                    array,
-                    joint,
-                    matrix_len,
-                    worst_frame,
-                    deviation,
-                });
-            }
+    ) {
+        for (number, joint) in self.skeleton.names.iter().enumerate() {
+            let deviations =
+                maps.chunks_exact(self.joint_len()).map(|maps| deviation(&maps[number]));
+            let off = deviations.enumerate().filter(|&(_, deviation)| deviation > RIGID);
+            let Some((worst, deviation)) = off.clone().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+                continue;
+            };
+            warnings.push(Warning::NonRigidJoint {
+                array,
+                joint: joint.clone(),
+                matrix_len: off.count(),
+                worst_frame: posed.then_some(worst),
+                deviation,
+            });
         }
-        Ok(())
     }
 }
 

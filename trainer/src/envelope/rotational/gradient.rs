@@ -65,8 +65,8 @@ mod tests {
     fn an_affine_map_is_found_on_the_edges() {
         let m = Matrix3::new(1.0, 0.3, 0.0, -0.2, 0.8, 0.1, 0.0, 0.5, 1.4);
         let d = gradient(REST.each_ref(), moved(&m).each_ref()).unwrap();
-        for corner in 1..3 {
-            let edge = Vector3::from(REST[corner]) - Vector3::from(REST[0]);
+        for corner in &REST[1..] {
+            let edge = Vector3::from(*corner) - Vector3::from(REST[0]);
             assert!((d * edge - m * edge).norm() < 1e-12);
         }
     }

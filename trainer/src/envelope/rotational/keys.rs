@@ -126,7 +126,8 @@ mod tests {
             (affine((row / 3) as f64) * x)[row % 3] + row as f64
         });
         let basis = basis(&moved, examples.diagonal());
-        let (surface, vectors) = Surface::new(&examples.rest, &examples.triangles, &moved, basis);
+        let (surface, vectors) =
+            Surface::new(&examples.rest, examples.solid_triangles(), &moved, basis);
         let tree = MergeTree::build(&surface, || ());
         let proxies = proxies::fit(&surface, &tree, 4, ProxyCount::Fixed(1), 4, &Silent);
         let keys = fit(&surface, &proxies, 4, 4, &Silent);
@@ -144,7 +145,7 @@ mod tests {
         let frames: Vec<usize> = (0..examples.frame_len()).collect();
         let moved = trajectories(&examples, &frames, &Poses::new(&examples, &frames));
         let basis = basis(&moved, examples.diagonal());
-        let (surface, _) = Surface::new(&examples.rest, &examples.triangles, &moved, basis);
+        let (surface, _) = Surface::new(&examples.rest, examples.solid_triangles(), &moved, basis);
         let tree = MergeTree::build(&surface, || ());
         let with = |count| {
             let proxies = proxies::fit(&surface, &tree, 30, ProxyCount::Fixed(count), 4, &Silent);

@@ -134,7 +134,7 @@ pub fn fit(
     progress.step("trajectory basis", 1);
     let basis = basis::basis(&moved, diagonal);
     let (basis_rank, basis_residual) = (basis.vectors.ncols(), basis.residual);
-    let (surface, basis) = Surface::new(rest, &examples.triangles, &moved, basis);
+    let (surface, basis) = Surface::new(rest, examples.solid_triangles(), &moved, basis);
     if surface.triangles.is_empty() {
         return Err(FitError::NoTriangles);
     }

@@ -173,7 +173,8 @@ mod tests {
         let frames: Vec<usize> = (0..examples.frame_len()).collect();
         let moved = trajectories(&examples, &frames, &Poses::new(&examples, &frames));
         let basis = basis(&moved, examples.diagonal());
-        let (surface, vectors) = Surface::new(&examples.rest, &examples.triangles, &moved, basis);
+        let (surface, vectors) =
+            Surface::new(&examples.rest, examples.solid_triangles(), &moved, basis);
         let tree = MergeTree::build(&surface, || ());
         let fit_to = |count| fit(&surface, &tree, frames.len(), count, 4, &Silent);
         let limit = 0.001 * examples.diagonal();

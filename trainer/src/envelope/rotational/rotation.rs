@@ -22,6 +22,10 @@ const MIRROR_GAIN: f64 = 1e-6;
 /// Error, relative to one joint's, below which a second joint is kept.
 const RESIDUAL_GAIN: f64 = 0.98;
 
+/// Largest |u|: a joint that hardly moved in training explains noise with any u, which would spin
+/// the surface once it moves.
+const MAX_SCALE: f64 = 4.0;
+
 /// One axis and one scale: the matrix u W.
 #[derive(Clone, Copy, Debug)]
 pub struct Twist {
@@ -159,6 +163,7 @@ impl Moments {
     fn scale(&self, w: Matrix3<f64>, side: f64) -> Twist {
         let trace = (w.transpose() * self.m).trace();
         let u = if trace * side > 0.0 { trace / self.theta } else { 0.0 };
+        let u = u.clamp(-MAX_SCALE, MAX_SCALE);
         Twist { u, w, error: (self.rho - 2.0 * u * trace + u * u * self.theta).max(0.0) }
     }
 }

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Surface<'a> {
     /// V rest positions.
     pub rest: &'a [[f64; 3]],
-    /// Triangles that have an area, T; the others carry no equation.
+    /// Triangles, T, each of some area.
     pub triangles: Vec<[usize; 3]>,
     /// Coordinates of the vertices, r x V.
     pub vertices: Mat<f64>,
@@ -26,12 +26,10 @@ impl<'a> Surface<'a> {
     /// (3n x r) beside it.
     pub fn new(
         rest: &'a [[f64; 3]],
-        triangles: &[[usize; 3]],
+        triangles: Vec<[usize; 3]>,
         trajectories: &Mat<f64>,
         basis: Basis,
     ) -> (Self, Mat<f64>) {
-        let triangles: Vec<_> =
-            triangles.iter().copied().filter(|t| has_area(t.map(|v| &rest[v]))).collect();
         let rest_normals: Vec<_> =
             triangles.iter().map(|t| edge_frame(t.map(|v| &rest[v])).column(2).into()).collect();
         let mut normals = Mat::zeros(basis.vectors.ncols(), triangles.len());
@@ -67,13 +65,6 @@ impl<'a> Surface<'a> {
         }
         neighbours
     }
-}
-
-/// Returns whether a triangle has an area: its height is above rounding of its edges.
-pub fn has_area(corners: [&[f64; 3]; 3]) -> bool {
-    let [a, b, c] = corners.map(|p| Vector3::from(*p));
-    let (e1, e2) = (b - a, c - a);
-    e1.cross(&e2).norm() > 1e-9 * e1.norm_squared().max(e2.norm_squared())
 }
 
 fn posed_normals(corners: [&[f64]; 3]) -> faer::Col<f64> {

@@ -62,8 +62,6 @@ fn read(mut archive: Archive, sidecar: &Sidecar) -> Result<Loaded, ExamplesError
     let names = read_names(&mut archive, sidecar)?;
     same("joints", "bone_names", names.len(), "bone_transforms", joint_len)?;
     let parents = read_parents(&mut archive, sidecar, &names, &mut warnings)?;
-    let transforms = affine("bone_transforms", &matrices, true, &names)?;
-    drop(matrices);
     let frames = archive.rows::<f64, 16>("joint_world_rest", &[4, 4])?;
     if let Some(frames) = &frames {
         same("joints", "bone_names", joint_len, "joint_world_rest", frames.data.len())?;
@@ -76,6 +74,8 @@ fn read(mut archive: Archive, sidecar: &Sidecar) -> Result<Loaded, ExamplesError
             codes.map(|(frame, &[code])| split(frame, code)).collect::<Result<_, _>>()?
         }
     };
+    let transforms = affine("bone_transforms", &matrices, Some(&split), &names)?;
+    drop(matrices);
     let uv = archive.rows::<f64, 2>("uv", &[2])?.map(|uv| uv.data);
     let (uv_len, vertex_len) = (uv.as_ref().map_or(0, Vec::len), rest.len());
     let uv = uv.filter(|_| uv_len == vertex_len);
@@ -85,7 +85,7 @@ fn read(mut archive: Archive, sidecar: &Sidecar) -> Result<Loaded, ExamplesError
 
     let identity = translation([0.0; 3]);
     let rest_frames = match &frames {
-        Some(frames) => affine("joint_world_rest", &frames.data, false, &names)?,
+        Some(frames) => affine("joint_world_rest", &frames.data, None, &names)?,
         None => vec![identity; joint_len],
     };
     let skeleton = Skeleton { names, parents, rest: rest_frames };
@@ -191,11 +191,11 @@ fn read_parents(
     Ok(found)
 }
 
-/// Drops the last row of 4 x 4 matrices, which must be 0 0 0 1.
+/// Drops the last row of 4 x 4 matrices, which must be 0 0 0 1 in the training frames.
 fn affine(
     array: &'static str,
     matrices: &[[f64; 16]],
-    posed: bool,
+    frames: Option<&[Split]>,
     names: &[String],
 ) -> Result<Vec<Matrix3x4>, ExamplesError> {
     let mut maps = Vec::with_capacity(matrices.len());
@@ -203,8 +203,9 @@ fn affine(
         let row = |row: usize| [0, 1, 2, 3].map(|column| matrix[4 * row + column]);
         let last = row(3).into_iter().zip([0.0, 0.0, 0.0, 1.0]);
         let deviation = last.map(|(found, wanted)| (found - wanted).abs()).fold(0.0, f64::max);
-        if deviation > REPAIRABLE {
-            let frame = posed.then_some(number / names.len());
+        let frame = frames.map(|_| number / names.len());
+        let read = frames.is_none_or(|split| split[number / names.len()] == Split::Train);
+        if deviation > REPAIRABLE && read {
             let joint = names[number % names.len()].clone();
             return Err(ExamplesError::NonRigidJoint { array, frame, joint, deviation });
         }

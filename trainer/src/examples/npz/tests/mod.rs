@@ -214,6 +214,15 @@ fn noise_in_held_out_frames_loads() {
         *number = 1e30 * (place as f64).sin();
     }
     assert_eq!(set.load("noise").unwrap().warnings, []);
+    let maps = &mut set.reals.get_mut("bone_transforms").unwrap().1;
+    for (place, number) in maps[64..].iter_mut().enumerate() {
+        *number = 1e30 * (place as f64).sin();
+    }
+    let loaded = set.load("noise").unwrap();
+    assert!(matches!(loaded.warnings[..], [Warning::NonRigidJoint { matrix_len: 2, .. }, _]));
+    let fault = loaded.examples.check_rigid_in(&[0, 3]).unwrap_err();
+    assert!(matches!(fault, ExamplesError::NonRigidJoint { frame: Some(3), .. }), "{fault}");
+    assert!(loaded.examples.check_rigid_in(&[0, 1]).is_ok());
 }
 
 #[test]
