@@ -1,11 +1,12 @@
 //! Prints the figures of the README: errors on the data sets, training times, memory, scaling.
 //!
 //! `cargo bench -p sinew-trainer --bench figures [-- SECTION ...]`, where a section is `lbs`,
-//! `proxies`, `errors`, `time` or `scaling`. Sets that are not in `../shared/data` are named and
+//! `proxies`, `full`, `errors`, `time` or `scaling`. Sets that are not in `../shared/data` are named and
 //! left out.
 
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::motion::{Poses, trajectories};
+use sinew_trainer::envelope::rotational::full::Full;
 use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
 use sinew_trainer::envelope::rotational::surface::Surface;
 use sinew_trainer::envelope::rotational::validation::Targets;
@@ -29,9 +30,10 @@ type Section = fn() -> Result<(), Box<dyn Error>>;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let sections: [(&str, Section); 5] = [
+    let sections: [(&str, Section); 6] = [
         ("lbs", lbs),
         ("proxies", proxies_alone),
+        ("full", full),
         ("errors", errors),
         ("time", time),
         ("scaling", scaling),
@@ -83,6 +85,25 @@ fn proxies_alone() -> Result<(), Box<dyn Error>> {
             let count = ProxyCount::Fixed(count);
             let fitted = proxies::fit(&surface, &tree, training.len(), count, 4, &Silent);
             println!("{name}: P = {}, RMSE {:.5}", fitted.len(), fitted.rms);
+        }
+    }
+    Ok(())
+}
+
+/// The published method without reduction: a predictor a triangle, all vertices reconstructed.
+fn full() -> Result<(), Box<dyn Error>> {
+    for (name, examples) in sets()?.into_iter().filter(|set| set.0 != "mpfb-body") {
+        for fraction in [0.05, 0.25, 0.5, 0.75] {
+            let full = Full::fit(&examples, fraction)?;
+            let held_out = examples.frames_of(Split::HeldOut);
+            let squared: f64 = held_out
+                .iter()
+                .flat_map(|&frame| full.reconstruct(frame).into_iter().zip(examples.frame(frame)))
+                .map(|(y, truth)| (0..3).map(|k| (y[k] - truth[k]).powi(2)).sum::<f64>())
+                .sum();
+            let rms = (squared / (held_out.len() * examples.vertex_len()) as f64).sqrt();
+            let percent = 100.0 * rms / examples.diagonal();
+            println!("{name}: {:.0} % near-rigid, held out {percent:.4} %", 100.0 * fraction);
         }
     }
     Ok(())

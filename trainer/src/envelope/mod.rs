@@ -64,6 +64,9 @@ pub enum FitError {
     /// No triangle has an area.
     #[error("no triangle of the rest mesh has an area")]
     NoTriangles,
+    /// The full reconstruction could not be set up.
+    #[error(transparent)]
+    Poisson(#[from] rotational::poisson::PoissonError),
     /// No candidate gives a regular system.
     #[error("the reduced reconstruction is singular for every choice of near-rigid vertices")]
     Singular,

@@ -80,22 +80,9 @@ impl Candidates<'_> {
         Ok((Choice { refinement, ..choice }, trials))
     }
 
-    /// Returns F of a choice as V flags.
-    pub fn near_rigid(&self, choice: &Choice) -> Vec<bool> {
-        let errors = self.lbs_errors;
-        let mut order: Vec<usize> = (0..errors.len()).collect();
-        order.sort_by(|&a, &b| errors[a].total_cmp(&errors[b]).then(a.cmp(&b)));
-        let mut fixed = vec![false; errors.len()];
-        let count = (choice.near_rigid_fraction * errors.len() as f64).round() as usize;
-        for &vertex in order.iter().take(count) {
-            fixed[vertex] = true;
-        }
-        fixed
-    }
-
     /// Reduces the reconstruction with the anchors of a choice, without refinement.
     pub fn reduce(&self, choice: &Choice) -> Option<Reduced> {
-        let fixed = self.near_rigid(choice);
+        let fixed = near_rigid(self.lbs_errors, choice.near_rigid_fraction);
         Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..self.reduction }.run()
     }
 
@@ -125,6 +112,18 @@ impl Candidates<'_> {
         }
         Ok(chosen)
     }
+}
+
+/// Marks F: the given fraction of V vertices, those with the least LBS error.
+pub fn near_rigid(lbs_errors: &[f64], fraction: f64) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..lbs_errors.len()).collect();
+    order.sort_by(|&a, &b| lbs_errors[a].total_cmp(&lbs_errors[b]).then(a.cmp(&b)));
+    let mut fixed = vec![false; lbs_errors.len()];
+    let count = (fraction * lbs_errors.len() as f64).round() as usize;
+    for &vertex in order.iter().take(count) {
+        fixed[vertex] = true;
+    }
+    fixed
 }
 
 struct Search<'a> {

@@ -3,6 +3,7 @@
 
 pub mod basis;
 pub mod choose;
+pub mod full;
 pub mod gradient;
 pub mod keys;
 pub mod merge;
@@ -173,7 +174,7 @@ pub fn fit(
         sequences.par_iter().map(|d| GradientPredictor::fit(&poses, parents, d)).collect();
     let predicted = predict_stacked(&predictors, &poses);
     let mut reduced = candidates.reduce(&choice).ok_or(FitError::Singular)?;
-    let fixed = candidates.near_rigid(&choice);
+    let fixed = choose::near_rigid(&lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
     if let Some(strength) = choice.refinement {
         let residual = projection.residual(&reduced.palette(&predicted, &poses));

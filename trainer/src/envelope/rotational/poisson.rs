@@ -25,23 +25,23 @@ pub enum PoissonError {
 }
 
 /// The factored system of one mesh and one set F.
-pub struct Poisson<'a> {
-    rest: &'a [[f64; 3]],
-    triangles: &'a [[usize; 3]],
+pub struct Poisson {
+    rest: Vec<[f64; 3]>,
+    triangles: Vec<[usize; 3]>,
     /// Number among the free vertices, none for F.
     unknown: Vec<Option<usize>>,
     factor: Llt<usize, f64>,
 }
 
-impl<'a> Poisson<'a> {
+impl Poisson {
     /// Factors the system; vertices in no triangle must belong to F.
     ///
     /// # Errors
     /// [`PoissonError::Floating`] where a connected part has no vertex in F, and
     /// [`PoissonError::Factorisation`].
     pub fn new(
-        rest: &'a [[f64; 3]],
-        triangles: &'a [[usize; 3]],
+        rest: &[[f64; 3]],
+        triangles: &[[usize; 3]],
         fixed: &[bool],
     ) -> Result<Self, PoissonError> {
         let mut count = 0;
@@ -73,7 +73,7 @@ impl<'a> Poisson<'a> {
             .ok()
             .and_then(|matrix| matrix.sp_cholesky(Side::Lower).ok())
             .ok_or(PoissonError::Factorisation { unknowns: count })?;
-        Ok(Self { rest, triangles, unknown, factor })
+        Ok(Self { rest: rest.to_vec(), triangles: triangles.to_vec(), unknown, factor })
     }
 
     /// Reconstructs V positions from T gradients and the positions of F (others are ignored).
@@ -84,7 +84,7 @@ impl<'a> Poisson<'a> {
     ) -> Vec<Vector3<f64>> {
         let free = self.unknown.iter().flatten().count();
         let mut right = Mat::<f64>::zeros(free, 3);
-        for (edge, [first, last]) in edges(self.triangles).enumerate() {
+        for (edge, [first, last]) in edges(&self.triangles).enumerate() {
             let rest = Vector3::from(self.rest[last]) - Vector3::from(self.rest[first]);
             let posed = gradients[edge / 2] * rest;
             for (end, other, sign) in [(last, first, 1.0), (first, last, -1.0)] {
