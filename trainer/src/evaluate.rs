@@ -3,7 +3,7 @@
 
 use crate::envelope::motion::{Poses, trajectories};
 use crate::envelope::weights::{self, BASELINE_INFLUENCES};
-use crate::examples::{Examples, Split};
+use crate::examples::{Examples, ExamplesError, Split};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -45,6 +45,9 @@ pub enum EvaluateError {
         /// Which were asked for.
         split: &'static str,
     },
+    /// A frame has a joint that is not rigid.
+    #[error(transparent)]
+    Examples(#[from] ExamplesError),
     /// A frame was refused.
     #[error("frame {frame}: {error}")]
     Frame {
@@ -151,7 +154,8 @@ pub fn open<'a>(model: &'a [u8], examples: &Examples) -> Result<Envelope<'a>, Ev
 /// Measures a model on frames of the examples.
 ///
 /// # Errors
-/// Those of [`open`], [`EvaluateError::NoFrames`] and [`EvaluateError::Frame`].
+/// Those of [`open`], [`EvaluateError::NoFrames`], [`EvaluateError::Examples`] and
+/// [`EvaluateError::Frame`].
 pub fn evaluate(
     model: &[u8],
     examples: &Examples,
@@ -162,6 +166,7 @@ pub fn evaluate(
     if chosen.is_empty() {
         return Err(EvaluateError::NoFrames { split: frames.name() });
     }
+    examples.check_rigid_in(&chosen)?;
     let diagonal = examples.diagonal();
     let measured = chosen
         .par_iter()

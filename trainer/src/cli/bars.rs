@@ -1,11 +1,20 @@
-//! Progress bars: the step, how far it is, and the time left.
+//! Progress: the step, how far it is, and the time left.
 
 use super::Output;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use sinew_trainer::envelope::rotational::STEPS;
 use sinew_trainer::progress::Progress;
+use std::fmt::Write;
+use std::time::Duration;
 
-/// One bar, for the step at hand.
+/// A step whose items are counted.
+const COUNTED: &str = "{msg:<25} {bar:30} {percent:>3} %  {left}";
+/// A step of which only the beginning and the end are known.
+const BUSY: &str = "{msg:<25} {spinner} {elapsed}";
+/// How often the line is drawn again, so that it is seen to live between two items.
+const TICK: Duration = Duration::from_millis(200);
+
+/// One bar, for the step at hand; it vanishes when dropped.
 pub(super) struct Bars(ProgressBar);
 
 impl Bars {
@@ -13,23 +22,39 @@ impl Bars {
     pub(super) fn new(output: Output) -> Self {
         let target =
             if output.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(0), target);
-        let template = "{prefix:>6} {msg:<20} {bar:30} {percent:>3} %  {eta} left";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
+        Self(ProgressBar::with_draw_target(None, target))
+    }
+
+    /// Shows that one thing is being done.
+    pub(super) fn busy(output: Output, what: &'static str) -> Self {
+        let bars = Self::new(output);
+        bars.begin(what.to_owned(), 1);
+        bars
+    }
+
+    fn begin(&self, message: String, items: usize) {
+        self.0.disable_steady_tick();
+        if let Ok(style) = ProgressStyle::with_template(if items > 1 { COUNTED } else { BUSY }) {
+            self.0.set_style(style.with_key("left", left));
         }
-        Self(bar)
+        self.0.set_message(message);
+        self.0.set_length(items as u64);
+        self.0.reset();
+        self.0.enable_steady_tick(TICK);
+    }
+}
+
+/// Writes the time left, once one item has told how long an item takes.
+fn left(state: &ProgressState, out: &mut dyn Write) {
+    if (1..state.len().unwrap_or(0)).contains(&state.pos()) {
+        let _ = write!(out, "{:#} left", indicatif::HumanDuration(state.eta()));
     }
 }
 
 impl Progress for Bars {
     fn step(&self, name: &'static str, items: usize) {
         let number = STEPS.iter().position(|&step| step == name).map_or(0, |index| index + 1);
-        self.0.set_prefix(format!("{number}/{}", STEPS.len()));
-        self.0.set_message(name);
-        self.0.set_position(0);
-        self.0.set_length(items as u64);
-        self.0.reset_eta();
+        self.begin(format!("{number}/{} {name}", STEPS.len()), items);
     }
 
     fn advance(&self, items: usize) {

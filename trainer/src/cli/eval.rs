@@ -1,12 +1,13 @@
 //! `sinew eval`: the f32 runtime on the file's bytes against examples.
 
-use super::{Output, input, print_json, table};
+use super::bars::Bars;
+use super::files::{self, Target};
+use super::{Output, input, table};
 use anyhow::Context;
 use clap::ValueEnum;
-use sinew_trainer::bake::write_atomically;
-use sinew_trainer::evaluate::{Frames, evaluate, open, skin};
+use sinew_trainer::evaluate::{EvaluateError, Frames, evaluate, open, skin};
 use sinew_trainer::examples::{Examples, Split};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Runs MODEL on the poses of EXAMPLES and measures its distance from their meshes.
 ///
@@ -17,7 +18,7 @@ pub(super) struct Arguments {
     /// A model that `sinew train` wrote
     model: PathBuf,
     #[command(flatten)]
-    input: input::Arguments,
+    input: input::ExampleArguments,
     /// Which frames
     #[arg(long, value_enum, default_value_t = SplitName::HeldOut)]
     split: SplitName,
@@ -28,9 +29,13 @@ pub(super) struct Arguments {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum SplitName {
+    /// Those that the fit reads
     Train,
+    /// Those that the fit never reads
     HeldOut,
+    /// Those beyond the range of motion of the training frames
     Extreme,
+    /// All three
     All,
 }
 
@@ -46,27 +51,50 @@ impl SplitName {
 }
 
 pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let [examples, description] = arguments.input.files();
+    let inputs = [arguments.model.as_path(), &examples, &description];
+    let vertices = arguments.write_vertices.as_ref().map(|file| Target::new(file, &inputs));
+    let vertices = vertices.transpose()?;
     let model = input::read_model(&arguments.model)?;
-    let examples = arguments.input.load(output)?;
+    let examples = arguments.input.load(output)?.examples;
     let frames = arguments.split.frames();
-    let evaluation = evaluate(&model, &examples, frames)
-        .with_context(|| arguments.model.display().to_string())?;
-    if let Some(path) = &arguments.write_vertices {
-        write_vertices(path, &model, &examples, frames)?;
+    let measuring = Bars::busy(output, "measuring");
+    let evaluation =
+        evaluate(&model, &examples, frames).map_err(|error| blame(error, arguments, &examples))?;
+    if let Some(target) = &vertices {
+        let bytes = skinned(&model, &examples, frames).context("cannot skin")?;
+        files::write(&[(target, &bytes)])?;
     }
-    if output.json {
-        return print_json(&evaluation);
-    }
-    table::print_evaluation(&evaluation);
-    Ok(())
+    drop(measuring);
+    output.print(&evaluation, &table::evaluation(&evaluation))
 }
 
-fn write_vertices(
-    path: &Path,
-    model: &[u8],
-    examples: &Examples,
-    frames: Frames,
-) -> anyhow::Result<()> {
+/// Names the file that an error is about.
+fn blame(error: EvaluateError, arguments: &Arguments, examples: &Examples) -> anyhow::Error {
+    let source = arguments.input.examples.display();
+    let at_fault = match &error {
+        EvaluateError::NoFrames { .. } => {
+            let hint = if arguments.input.hold_out.is_none()
+                && arguments.split.frames() == Frames::Of(Split::HeldOut)
+            {
+                "; see --split and --hold-out"
+            } else {
+                ""
+            };
+            return anyhow::anyhow!(
+                "{source}: {error}: {}{hint}",
+                input::describe_frames(examples)
+            );
+        }
+        EvaluateError::Frame { .. } | EvaluateError::Examples(_) => source,
+        _ => arguments.model.display(),
+    };
+    let at_fault = at_fault.to_string();
+    anyhow::Error::new(error).context(at_fault)
+}
+
+/// Skins frames into the bytes of an npy file.
+fn skinned(model: &[u8], examples: &Examples, frames: Frames) -> anyhow::Result<Vec<u8>> {
     use npyz::WriterBuilder;
     let envelope = open(model, examples)?;
     let chosen = frames.of(examples);
@@ -78,5 +106,5 @@ fn write_vertices(
         writer.extend(skin(&envelope, examples, frame)?.positions().iter().copied())?;
     }
     writer.finish()?;
-    write_atomically(path, &bytes).with_context(|| format!("cannot write {}", path.display()))
+    Ok(bytes)
 }

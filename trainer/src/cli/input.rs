@@ -1,46 +1,58 @@
-//! Examples as the command line names them.
+//! Examples and models as the command line names them.
 
 use super::Output;
-use anyhow::Context;
-use sinew_trainer::examples::{Examples, Split, hash_file, npz};
+use super::bars::Bars;
+use anyhow::{Context, bail};
+use sinew_trainer::examples::{Examples, ExamplesError, Split, hash_file, npz};
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.
 #[derive(clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct ExampleArguments {
     /// Example poses: a .npz file, with names and parents in it or in a .json beside it
-    examples: PathBuf,
-    /// Hold out this share of the frames, in contiguous blocks, instead of the file's own split
-    #[arg(long, value_name = "SHARE")]
-    hold_out: Option<f64>,
+    pub(super) examples: PathBuf,
+    /// Hold out this share of the frames (0.25 is a quarter), in contiguous blocks, instead of the
+    /// file's own split; give `train` and `eval` the same share
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
+    pub(super) hold_out: Option<f64>,
 }
 
-/// A file that was read, for the record.
+/// Examples as they were read.
+pub(super) struct Input {
+    pub(super) examples: Examples,
+    /// What was told about them.
+    pub(super) warnings: Vec<String>,
+}
+
+/// A file that is read, for the record.
 #[derive(serde::Serialize)]
 pub(super) struct InputFile {
     file: String,
     sha256: String,
 }
 
-impl Arguments {
+impl ExampleArguments {
     /// Loads the examples and tells on standard error what should be known about them.
-    pub(super) fn load(&self, output: Output) -> anyhow::Result<Examples> {
+    pub(super) fn load(&self, output: Output) -> anyhow::Result<Input> {
+        self.check()?;
+        let reading = Bars::busy(output, "reading examples");
         let loaded = npz::load(&self.examples)?;
+        drop(reading);
         let mut examples = loaded.examples;
-        if !output.quiet {
-            for warning in &loaded.warnings {
-                eprintln!("warning: {}: {warning}", self.examples.display());
-            }
+        let warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
+        for warning in &warnings {
+            output.warn(self.examples.display(), warning);
         }
         if let Some(share) = self.hold_out {
-            examples.hold_out(share)?;
+            examples.hold_out(share).with_context(|| self.examples.display().to_string())?;
         }
-        Ok(examples)
+        Ok(Input { examples, warnings })
     }
 
     /// Hashes every file that a load reads.
     pub(super) fn hashes(&self) -> anyhow::Result<Vec<InputFile>> {
-        [self.examples.clone(), self.examples.with_extension("json")]
+        self.check()?;
+        self.files()
             .iter()
             .filter(|file| file.exists())
             .map(|file| {
@@ -50,16 +62,50 @@ impl Arguments {
             })
             .collect()
     }
+
+    /// Names every file that a load reads, where it is there.
+    pub(super) fn files(&self) -> [PathBuf; 2] {
+        [self.examples.clone(), self.examples.with_extension("json")]
+    }
+
+    /// Refuses what is easily given by mistake.
+    fn check(&self) -> anyhow::Result<()> {
+        let path = self.examples.display();
+        if self.examples.is_dir() {
+            bail!("{path}: is a folder, expected a .npz file");
+        }
+        if self.examples.extension().is_some_and(|extension| extension == "json") {
+            bail!("{path}: describes examples, expected the .npz file beside it");
+        }
+        Ok(())
+    }
+}
+
+/// Parses a share of the frames.
+fn share(text: &str) -> Result<f64, String> {
+    let share: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
+    if share > 0.0 && share < 1.0 {
+        return Ok(share);
+    }
+    Err(ExamplesError::BadShare { share }.to_string())
 }
 
 /// Describes the examples in a line.
 pub(super) fn describe(examples: &Examples) -> String {
-    let count = |split| examples.frames_of(split).len();
     format!(
-        "{} vertices, {} triangles, {} joints; {} training, {} held-out, {} extreme frames",
+        "{} vertices, {} triangles, {} joints; {}",
         examples.vertex_len(),
         examples.triangles.len(),
         examples.joint_len(),
+        describe_frames(examples)
+    )
+}
+
+/// Counts the frames by use.
+pub(super) fn describe_frames(examples: &Examples) -> String {
+    let count = |split| examples.frames_of(split).len();
+    format!(
+        "{} training, {} held-out, {} extreme frames",
         count(Split::Train),
         count(Split::HeldOut),
         count(Split::Extreme),
@@ -68,5 +114,11 @@ pub(super) fn describe(examples: &Examples) -> String {
 
 /// Reads a model file.
 pub(super) fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
-    std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))
+    let cannot_read = || format!("cannot read {}", path.display());
+    let kind = std::fs::metadata(path).with_context(cannot_read)?;
+    if !kind.is_file() {
+        // A device may never end.
+        bail!("{}: it is {}", cannot_read(), if kind.is_dir() { "a folder" } else { "no file" });
+    }
+    std::fs::read(path).with_context(cannot_read)
 }

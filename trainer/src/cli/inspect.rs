@@ -1,6 +1,6 @@
 //! `sinew inspect`: what a model file holds.
 
-use super::{Output, input, print_json};
+use super::{Output, input, printable, table};
 use anyhow::Context;
 use serde_json::{Value, json};
 use sinew_runtime::format::{PartKind, SectionKind};
@@ -17,52 +17,54 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let bytes = input::read_model(&arguments.model)?;
     let model = Model::from_bytes(&bytes).with_context(|| arguments.model.display().to_string())?;
-    if output.json {
-        return print_json(&as_json(&model, bytes.len()));
-    }
-    println!("{}: {} bytes", arguments.model.display(), bytes.len());
+    let mut text = format!("{}: {} bytes\n", arguments.model.display(), bytes.len());
     if let Some(envelope) = model.envelope() {
-        print_envelope(&envelope);
+        text += &describe(&envelope);
     }
-    println!("{:<24}{:<12}{:>12}", "section", "part", "bytes");
+    text += &format!("{:<24}{:<12}{:>12}\n", "section", "part", "bytes");
     for section in model.sections() {
         let (kind, part) = names(&model, section.row.kind, section.row.part);
-        println!("{kind:<24}{part:<12}{:>12}", section.bytes.len());
+        text += &format!("{kind:<24}{part:<12}{:>12}\n", section.bytes.len());
     }
-    Ok(())
+    text += &format!("{:<36}{:>12}\n", "head, tables and padding", around(&model, bytes.len()));
+    output.print(&as_json(&model, bytes.len()), &text)
 }
 
-fn print_envelope(envelope: &Envelope<'_>) {
-    println!(
-        "envelope \"{}\": {} vertices, {} joints, {} proxies, {} influences a vertex, {} bytes of \
-         workspace",
-        envelope.name(),
+/// Counts the bytes that belong to no section.
+fn around(model: &Model<'_>, bytes: usize) -> usize {
+    bytes.saturating_sub(model.sections().map(|section| section.bytes.len()).sum())
+}
+
+fn describe(envelope: &Envelope<'_>) -> String {
+    let mut out = format!(
+        "envelope \"{}\": {} vertices, {} joints, {}, {} influences a vertex, {} bytes of \
+         workspace\n",
+        printable(envelope.name()),
         envelope.vertex_len(),
         envelope.joint_len(),
-        envelope.proxy_len(),
+        table::count(envelope.proxy_len()),
         envelope.influence_len(),
         4 * envelope.workspace_len(),
     );
     let certificate = envelope.certificate();
-    let percent = |rms: f32| 100.0 * rms / certificate.diagonal;
-    println!(
-        "certificate, RMS in % of the diagonal {}: training {:.4}, cross-validated {:.4}, LBS on \
-         the training frames {:.4}",
-        certificate.diagonal,
-        percent(certificate.training_rms),
-        percent(certificate.cross_validated_rms),
-        percent(certificate.lbs_training_rms),
-    );
-    println!("{:<24}{:<24}{:>12}", "joint", "parent", "trained to");
-    for joint in 0..envelope.joint_len() {
-        let parent = envelope.parent(joint).and_then(|p| envelope.joint_name(p));
-        println!(
-            "{:<24}{:<24}{:>10.1} °",
-            envelope.joint_name(joint).unwrap_or_default(),
-            parent.unwrap_or("-"),
-            envelope.pose_range(joint).unwrap_or_default().to_degrees(),
-        );
+    out += &format!("certificate: RMS error, % of the diagonal {:.4}\n", certificate.diagonal);
+    for (name, rms) in [
+        ("training frames", certificate.training_rms),
+        ("cross-validated", certificate.cross_validated_rms),
+        ("LBS, training frames", certificate.lbs_training_rms),
+    ] {
+        out += &format!("{name:<24}{:.4}\n", 100.0 * rms / certificate.diagonal);
     }
+    let joint_name = |joint| printable(envelope.joint_name(joint).unwrap_or_default());
+    let longest = (0..envelope.joint_len()).map(|joint| joint_name(joint).chars().count()).max();
+    let width = longest.unwrap_or(0).max(22) + 2;
+    out += &format!("{:<width$}{:<width$}{:>12}\n", "joint", "parent", "trained to");
+    for joint in 0..envelope.joint_len() {
+        let parent = envelope.parent(joint).map_or("-".to_owned(), joint_name);
+        let range = envelope.pose_range(joint).unwrap_or_default().to_degrees();
+        out += &format!("{:<width$}{parent:<width$}{range:>10.1} °\n", joint_name(joint));
+    }
+    out
 }
 
 fn as_json(model: &Model<'_>, bytes: usize) -> Value {
@@ -99,7 +101,12 @@ fn as_json(model: &Model<'_>, bytes: usize) -> Value {
             },
         })
     });
-    json!({ "bytes": bytes, "envelope": envelope, "sections": sections })
+    json!({
+        "bytes": bytes,
+        "envelope": envelope,
+        "sections": sections,
+        "other_bytes": around(model, bytes),
+    })
 }
 
 fn names(model: &Model<'_>, kind: u16, part: u8) -> (String, String) {

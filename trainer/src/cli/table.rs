@@ -3,53 +3,66 @@
 use sinew_trainer::envelope::rotational::Report;
 use sinew_trainer::evaluate::{Errors, Evaluation};
 
-/// Prints how a model was fitted: the curve over the near-rigid fraction, and what was chosen.
-pub(super) fn print_report(report: &Report, diagonal: f64, proxies: usize) {
+/// Describes how a model was fitted: the curve over the near-rigid fraction, and what was chosen.
+pub(super) fn report(report: &Report, diagonal: f64, proxies: usize) -> String {
     let percent = |rms: f64| 100.0 * rms / diagonal;
-    println!("near-rigid vertices   cross-validated error, % of the diagonal");
+    let mut out = "near-rigid vertices   cross-validated error, % of the diagonal\n".to_owned();
     let first = report.trials.first().map(|trial| trial.choice.anchors);
     for trial in &report.trials {
         if Some(trial.choice.anchors) == first && trial.choice.refinement.is_none() {
             let share = 100.0 * trial.choice.near_rigid_fraction;
-            match trial.rms {
-                Some(rms) => println!("{share:>17.0} %   {:.4}", percent(rms)),
-                None => println!("{share:>17.0} %   singular"),
-            }
+            let score =
+                trial.rms.map_or("singular".to_owned(), |rms| format!("{:.4}", percent(rms)));
+            out += &format!("{share:>17.0} %   {score}\n");
         }
     }
     let choice = &report.choice;
-    let (gamma, mu) = (choice.anchors.near_rigid, choice.anchors.patch);
+    let (near_rigid, patch) = (choice.anchors.near_rigid, choice.anchors.patch);
     let share = 100.0 * choice.near_rigid_fraction;
     let refinement =
-        choice.refinement.map_or("none".to_owned(), |ridge| format!("ridge {ridge:e}"));
-    println!("chosen: {share:.0} % near-rigid, anchors {gamma} and {mu}, refinement {refinement}");
-    println!(
-        "training error, % of the diagonal: LBS {:.4}, {proxies} proxies at best {:.4}, \
-         predicted {:.4}, cross-validated {:.4}",
-        percent(report.lbs_rms),
-        percent(report.proxy_rms),
-        percent(report.training_rms),
-        percent(report.validated_rms),
+        choice.refinement.map_or("no refinement".to_owned(), |r| format!("refinement ridge {r:e}"));
+    out += &format!(
+        "chosen: {share:.0} % near-rigid, anchor of the near-rigid {near_rigid}, of the patches \
+         {patch:e}, {refinement}\n"
     );
+    out += "training frames                   error, % of the diagonal\n";
+    for (name, rms) in [
+        ("LBS, 4 influences".to_owned(), report.lbs_rms),
+        (format!("{} fitted to each frame", count(proxies)), report.proxy_rms),
+        ("predicted from the pose".to_owned(), report.training_rms),
+        ("predicted, cross-validated".to_owned(), report.validated_rms),
+    ] {
+        out += &format!("{name:<34}{:.4}\n", percent(rms));
+    }
+    out
 }
 
-/// Prints a measurement beside LBS.
-pub(super) fn print_evaluation(evaluation: &Evaluation) {
+/// Describes a measurement, with LBS beside it.
+pub(super) fn evaluation(evaluation: &Evaluation) -> String {
     let Evaluation { split, frames, vertices, diagonal, model_bytes, predictor, proxies, .. } =
         evaluation;
-    println!("{frames} {split} frames of {vertices} vertices, diagonal {diagonal:.4}");
-    println!(
-        "{:<24}{:>10}{:>10}{:>10}{:>12}",
-        "error, % of diagonal", "RMS", "p99", "max", "normals"
-    );
-    let row = |name: &str, e: &Errors| {
-        println!(
-            "{name:<24}{:>10.4}{:>10.4}{:>10.4}{:>10.2} °",
-            e.rms_percent, e.p99_percent, e.max_percent, e.normal_rms_degrees
+    let of = if *split == "all" { String::new() } else { format!("{split} ") };
+    let mut out = format!("{frames} {of}frames of {vertices} vertices, diagonal {diagonal:.4}\n");
+    let header = ["error, % of the diagonal", "RMS", "p99", "max", "normals"];
+    let [name, rms, p99, max, normals] = header;
+    out += &format!("{name:<26}{rms:>10}{p99:>10}{max:>10}{normals:>12}\n");
+    let predictor = format!("{predictor}, {}", count(*proxies));
+    for (name, e) in [("LBS, 4 influences", &evaluation.lbs), (&predictor, &evaluation.errors)] {
+        let Errors { rms_percent, p99_percent, max_percent, normal_rms_degrees, .. } = e;
+        out += &format!(
+            "{name:<26}{rms_percent:>10.4}{p99_percent:>10.4}{max_percent:>10.4}\
+             {normal_rms_degrees:>10.2} °\n"
         );
-    };
-    row("LBS, 4 influences", &evaluation.lbs);
-    row(&format!("{predictor}, {proxies} proxies"), &evaluation.errors);
-    let share = evaluation.errors.rms / evaluation.lbs.rms;
-    println!("the model leaves {:.1} % of LBS's error, in {model_bytes} bytes", 100.0 * share);
+    }
+    let share = 100.0 * evaluation.errors.rms / evaluation.lbs.rms;
+    out += &format!("the model: {model_bytes} bytes");
+    if share.is_finite() {
+        out += &format!(", {share:.1} % of LBS's RMS error");
+    }
+    out + "\n"
+}
+
+/// Counts proxies.
+pub(super) fn count(proxies: usize) -> String {
+    if proxies == 1 { "1 proxy".to_owned() } else { format!("{proxies} proxies") }
 }

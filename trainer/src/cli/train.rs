@@ -1,14 +1,18 @@
 //! `sinew train`: examples in, baked model out.
 
 use super::bars::Bars;
-use super::{Output, input, print_json, table};
+use super::files::{self, Target};
+use super::{Output, input, table};
 use anyhow::{Context, bail};
 use clap::ValueEnum;
+use clap::builder::RangedU64ValueParser;
 use serde_json::json;
-use sinew_trainer::bake::write_atomically;
+use sinew_runtime::Limits;
+use sinew_trainer::envelope::blend::CANDIDATES;
 use sinew_trainer::envelope::rotational::Options;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
-use sinew_trainer::envelope::train;
+use sinew_trainer::envelope::{Trained, train};
+use sinew_trainer::examples::{Examples, Split};
 use std::path::PathBuf;
 
 /// Fits an envelope to the training frames of EXAMPLES and bakes it into MODEL.
@@ -18,7 +22,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
-    input: input::Arguments,
+    input: input::ExampleArguments,
     /// Where to write the model
     #[arg(long, short = 'o', value_name = "MODEL")]
     output: PathBuf,
@@ -36,14 +40,16 @@ pub(super) struct FitArguments {
     #[arg(long, value_enum, default_value_t = Predictor::Rotational)]
     predictor: Predictor,
     /// Number of proxies [default: 40]
-    #[arg(long, value_name = "P", conflicts_with = "max_error")]
+    #[arg(long, value_name = "P", value_parser = proxies(), allow_negative_numbers = true)]
+    #[arg(conflicts_with = "max_error")]
     proxies: Option<usize>,
-    /// The fewest proxies whose own error on the training frames is at most this, in % of the
-    /// rest diagonal
-    #[arg(long, value_name = "PERCENT")]
+    /// Take the fewest proxies that come this near to the training frames, RMS in % of the rest
+    /// diagonal, when fitted to each frame; the prediction from the pose adds to that
+    #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
     max_error: Option<f64>,
     /// Most proxies a vertex follows
-    #[arg(long, value_name = "K", default_value_t = 4)]
+    #[arg(long, value_name = "K", value_parser = influences(), allow_negative_numbers = true)]
+    #[arg(default_value_t = Options::default().influences)]
     influences: usize,
     /// Keep the reconstruction as published: do not refine it on the training meshes
     #[arg(long)]
@@ -56,43 +62,79 @@ enum Predictor {
     Rotational,
 }
 
+/// Accepts what the runtime loads by default.
+fn proxies() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(1..=u64::from(Limits::DEFAULT.proxies))
+}
+
+fn influences() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(1..=CANDIDATES as u64)
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(percent) if percent > 0.0 && f64::is_finite(percent) => Ok(percent),
+        _ => Err("expected a number of more than 0 %".to_owned()),
+    }
+}
+
 impl FitArguments {
-    /// Checks the numbers against a character of the given diagonal.
-    pub(super) fn options(&self, diagonal: f64) -> anyhow::Result<Options> {
+    /// Fits an envelope to examples that came from `source`.
+    pub(super) fn train(
+        &self,
+        examples: &Examples,
+        source: &str,
+        output: Output,
+    ) -> anyhow::Result<(Options, Trained)> {
         let Predictor::Rotational = self.predictor;
-        let most = u16::MAX as usize;
-        if self.influences == 0 || self.influences > sinew_trainer::envelope::blend::CANDIDATES {
-            bail!(
-                "--influences: expected 1 to {}, found {}",
-                sinew_trainer::envelope::blend::CANDIDATES,
-                self.influences
-            );
-        }
-        let proxies = match (self.max_error, self.proxies.unwrap_or(40)) {
-            (Some(percent), _) if percent > 0.0 && percent.is_finite() => {
-                ProxyCount::MaxError(percent / 100.0 * diagonal)
+        let (diagonal, triangles) = (examples.diagonal(), examples.triangles.len());
+        let default = Options::default();
+        let proxies = match (self.max_error, self.proxies) {
+            (Some(percent), _) => ProxyCount::MaxError(percent / 100.0 * diagonal),
+            (None, Some(count)) if count > triangles => {
+                bail!("--proxies: {source} has {triangles} triangles, {count} proxies are too many")
             }
-            (Some(percent), _) => bail!("--max-error: expected more than 0 %, found {percent}"),
-            (None, count @ 1..) if count <= most => ProxyCount::Fixed(count),
-            (None, count) => bail!("--proxies: expected 1 to {most}, found {count}"),
+            (None, Some(count)) => ProxyCount::Fixed(count),
+            (None, None) => default.proxies,
         };
-        Ok(Options { proxies, influences: self.influences, refine: !self.published })
+        let options = Options { proxies, influences: self.influences, refine: !self.published };
+        let trained =
+            train(examples, &options, &Bars::new(output)).with_context(|| source.to_owned())?;
+        if let Some(limit) = self.max_error {
+            let reached = 100.0 * trained.report.proxy_rms / diagonal;
+            if reached > limit {
+                let count = table::count(trained.proxies);
+                bail!("--max-error: {limit} % is out of reach, {count} come to {reached:.3e} %");
+            }
+        }
+        Ok((options, trained))
     }
 }
 
 pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let examples = arguments.input.load(output)?;
+    let inputs = arguments.input.files();
+    let inputs = inputs.each_ref().map(|file| file.as_path());
+    let model = Target::new(&arguments.output, &inputs)?;
+    let record_file = arguments.record.as_ref().map(|file| Target::new(file, &inputs));
+    let record_file = record_file.transpose()?;
+    if record_file.as_ref().is_some_and(|file| file.is(&model)) {
+        bail!("cannot write {}: model and record are one file", arguments.output.display());
+    }
+    let hashes = arguments.input.hashes()?;
+    let input::Input { examples, warnings } = arguments.input.load(output)?;
     let diagonal = examples.diagonal();
-    let options = arguments.fit.options(diagonal)?;
-    let trained = train(&examples, &options, &Bars::new(output))?;
-    let model = &arguments.output;
-    let inputs = arguments.input.hashes()?;
+    let source = arguments.input.examples.display().to_string();
+    let (options, trained) = arguments.fit.train(&examples, &source, output)?;
     let record = json!({
         "sinew": env!("CARGO_PKG_VERSION"),
-        "inputs": inputs,
+        "inputs": hashes,
+        "warnings": warnings,
         "vertices": examples.vertex_len(),
         "joints": examples.joint_len(),
-        "training_frames": examples.frames_of(sinew_trainer::examples::Split::Train),
+        "hold_out": arguments.input.hold_out,
+        "training_frames": examples.frames_of(Split::Train),
+        "held_out_frames": examples.frames_of(Split::HeldOut),
+        "extreme_frames": examples.frames_of(Split::Extreme),
         "diagonal": diagonal,
         "predictor": "rotational",
         "options": options,
@@ -100,17 +142,18 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
         "report": trained.report,
         "model_bytes": trained.model.len(),
     });
-    write_atomically(model, &trained.model)
-        .with_context(|| format!("cannot write {}", model.display()))?;
-    if let Some(path) = &arguments.record {
-        write_atomically(path, &serde_json::to_vec_pretty(&record)?)
-            .with_context(|| format!("cannot write {}", path.display()))?;
-    }
-    if output.json {
-        return print_json(&record);
-    }
-    println!("{}", input::describe(&examples));
-    table::print_report(&trained.report, diagonal, trained.proxies);
-    println!("wrote {} ({} bytes)", model.display(), trained.model.len());
-    Ok(())
+    // The model last, so that none ever stands without its record.
+    let record_bytes = serde_json::to_vec_pretty(&record)?;
+    let record_file = record_file.as_ref().map(|file| (file, record_bytes.as_slice()));
+    let files: Vec<_> =
+        record_file.into_iter().chain([(&model, trained.model.as_slice())]).collect();
+    files::write(&files)?;
+    let text = format!(
+        "{}\n{}wrote {} ({} bytes)",
+        input::describe(&examples),
+        table::report(&trained.report, diagonal, trained.proxies),
+        arguments.output.display(),
+        trained.model.len()
+    );
+    output.print(&record, &text)
 }

@@ -12,8 +12,10 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Folds of the training poses.
+/// Folds of the training poses, fewer where they would be short.
 const FOLDS: usize = 10;
+/// Poses of a fold, so that it holds more than neighbours of what is left.
+const FOLD_LEN: usize = 4;
 
 /// The training meshes, as the palette's vertices.
 #[derive(Clone, Copy)]
@@ -136,9 +138,9 @@ impl Targets<'_> {
     }
 }
 
-/// Splits n poses into contiguous folds of nearly equal length.
+/// Splits n poses into contiguous folds of nearly equal length, two at least.
 pub fn folds(n: usize) -> Vec<Range<usize>> {
-    let count = FOLDS.min(n);
+    let count = (n / FOLD_LEN).clamp(2, FOLDS);
     (0..count).map(|f| f * n / count..(f + 1) * n / count).collect()
 }
 
@@ -185,9 +187,9 @@ mod tests {
 
     #[test]
     fn folds_are_contiguous_cover_all_and_differ_by_one_at_most() {
-        for n in 1..50 {
+        for n in 2..60 {
             let folds = folds(n);
-            assert_eq!(folds.len(), n.min(FOLDS));
+            assert_eq!(folds.len(), if n < 12 { 2 } else { (n / 4).min(10) });
             assert_eq!(
                 folds.iter().cloned().flatten().collect::<Vec<_>>(),
                 (0..n).collect::<Vec<_>>()

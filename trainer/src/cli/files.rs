@@ -1,0 +1,105 @@
+//! Files that a command writes: tried before the work begins, moved into place when all are whole.
+
+use anyhow::{Context, bail};
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// A place for a file, where a file can be written.
+pub(super) struct Target {
+    named: PathBuf,
+    place: PathBuf,
+}
+
+impl Target {
+    /// Tries a place, so that hours of work do not end in a result that cannot be written.
+    ///
+    /// # Errors
+    /// If the place is one of `taken`, is no regular file, or its folder is not there or cannot be
+    /// written to.
+    pub(super) fn new(path: &Path, taken: &[&Path]) -> anyhow::Result<Self> {
+        let named = path.to_owned();
+        let folder_like = path.as_os_str().as_encoded_bytes().ends_with(b"/");
+        let (Some(name), Some(folder), false) = (path.file_name(), path.parent(), folder_like)
+        else {
+            bail!("{}: it is a folder", cannot_write(path));
+        };
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        if !folder.is_dir() {
+            bail!("{}: there is no folder {}", cannot_write(path), folder.display());
+        }
+        let place = path.canonicalize().or_else(|_| folder.canonicalize().map(|f| f.join(name)));
+        let place = place.with_context(|| cannot_write(path))?;
+        match fs::metadata(&place) {
+            Ok(there) if there.is_dir() => bail!("{}: it is a folder", cannot_write(path)),
+            Ok(there) if !there.is_file() => bail!("{}: it is no file", cannot_write(path)),
+            _ => {}
+        }
+        if taken.iter().any(|other| other.canonicalize().is_ok_and(|other| other == place)) {
+            bail!("{}: it is an input", cannot_write(path));
+        }
+        let target = Self { named, place };
+        target.part(&[])?;
+        Ok(target)
+    }
+
+    /// Tells whether two targets are one file.
+    pub(super) fn is(&self, other: &Target) -> bool {
+        self.place == other.place
+    }
+
+    /// Writes bytes beside the place.
+    fn part(&self, bytes: &[u8]) -> anyhow::Result<Part<'_>> {
+        let mut path = self.place.as_os_str().to_owned();
+        path.push(format!(".{}.tmp", std::process::id()));
+        let path = PathBuf::from(path);
+        let written = File::create_new(&path).and_then(|mut file| {
+            let part = Part { target: self, path, moved: false };
+            file.write_all(bytes).and_then(|()| file.sync_all()).map(|()| part)
+        });
+        written.with_context(|| cannot_write(&self.named))
+    }
+}
+
+/// Writes files whole, the last named last: all are written beside their places before the first
+/// is moved, so that what fails leaves every place as it was.
+///
+/// # Errors
+/// Names the file that could not be written.
+pub(super) fn write(files: &[(&Target, &[u8])]) -> anyhow::Result<()> {
+    let parts: Vec<Part> =
+        files.iter().map(|(target, bytes)| target.part(bytes)).collect::<Result<_, _>>()?;
+    for part in parts {
+        let named = &part.target.named;
+        part.finish().with_context(|| cannot_write(named))?;
+    }
+    Ok(())
+}
+
+fn cannot_write(path: &Path) -> String {
+    format!("cannot write {}", path.display())
+}
+
+/// A file beside its place, removed unless it is moved there.
+struct Part<'a> {
+    target: &'a Target,
+    path: PathBuf,
+    moved: bool,
+}
+
+impl Part<'_> {
+    fn finish(mut self) -> io::Result<()> {
+        fs::rename(&self.path, &self.target.place)?;
+        self.moved = true;
+        Ok(())
+    }
+}
+
+impl Drop for Part<'_> {
+    fn drop(&mut self) {
+        if !self.moved {
+            // The error that led here is the one to report.
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}

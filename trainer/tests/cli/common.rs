@@ -1,0 +1,204 @@
+//! Folders, examples and runs of the `sinew` binary for its tests.
+
+use npyz::npz::{NpzArchive, NpzWriter};
+use npyz::{NpyFile, WriterBuilder};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// Frames of the demo that every test works on.
+pub(crate) const TRAINING: usize = 40;
+/// Its held-out frames.
+pub(crate) const HELD_OUT: usize = 12;
+/// Proxies of its model.
+pub(crate) const PROXIES: usize = 4;
+
+/// A folder of its own for one test, removed at its end.
+pub(crate) struct Folder(PathBuf);
+
+impl Folder {
+    pub(crate) fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("sinew-cli-{}-{test}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    /// A folder with the demo's `demo.npz`, `demo.json` and `demo.sinew`.
+    pub(crate) fn with_demo(test: &str) -> Self {
+        let folder = Self::new(test);
+        for (name, bytes) in demo() {
+            fs::write(folder.path(name), bytes).unwrap();
+        }
+        folder
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap()
+    }
+
+    pub(crate) fn json(&self, name: &str) -> Value {
+        serde_json::from_slice(&self.read(name)).unwrap()
+    }
+
+    /// Names what is in the folder, in order.
+    pub(crate) fn list(&self) -> Vec<String> {
+        let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name();
+        let mut names: Vec<String> = fs::read_dir(&self.0)
+            .unwrap()
+            .map(|entry| name(entry).to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// Runs `sinew` in the folder, with arguments parted by spaces.
+    pub(crate) fn sinew(&self, arguments: &str) -> Run {
+        self.run(self.command(arguments))
+    }
+
+    pub(crate) fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sinew"));
+        command.args(arguments.split_whitespace()).current_dir(&self.0);
+        command
+    }
+
+    pub(crate) fn run(&self, mut command: Command) -> Run {
+        let output = command.output().unwrap();
+        Run {
+            code: output.status.code(),
+            out: String::from_utf8(output.stdout).unwrap(),
+            err: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// What a run said.
+#[derive(Debug)]
+pub(crate) struct Run {
+    pub(crate) code: Option<i32>,
+    pub(crate) out: String,
+    pub(crate) err: String,
+}
+
+impl Run {
+    /// Insists on success and on silence on standard error.
+    #[track_caller]
+    pub(crate) fn done(self) -> Self {
+        assert_eq!((self.code, self.err.as_str()), (Some(0), ""), "{}", self.out);
+        self
+    }
+
+    #[track_caller]
+    pub(crate) fn json(self) -> Value {
+        serde_json::from_str(&self.done().out).unwrap()
+    }
+
+    /// Insists on exit status 1, no result, and one line, which it gives without its beginning.
+    #[track_caller]
+    pub(crate) fn failed(self) -> String {
+        assert_eq!((self.code, self.out.as_str()), (Some(1), ""), "{}", self.err);
+        let line = self.err.strip_prefix("sinew: ").and_then(|line| line.strip_suffix('\n'));
+        let line = line.unwrap_or_else(|| panic!("{}", self.err));
+        assert!(!line.contains('\n') && !line.ends_with('.'), "{line}");
+        line.to_owned()
+    }
+}
+
+/// The files of a small demo, made once.
+fn demo() -> &'static [(&'static str, Vec<u8>)] {
+    static DEMO: OnceLock<Vec<(&str, Vec<u8>)>> = OnceLock::new();
+    DEMO.get_or_init(|| {
+        let folder = Folder::new("demo");
+        let sizes = format!("--poses {TRAINING} --held-out {HELD_OUT} --proxies {PROXIES}");
+        folder.sinew(&format!("demo --vertices 300 {sizes} -o .")).done();
+        ["demo.npz", "demo.json", "demo.sinew"].map(|name| (name, folder.read(name))).into()
+    })
+}
+
+/// The demo's examples as arrays, to be read and to be spoiled.
+pub(crate) struct Set {
+    pub(crate) reals: BTreeMap<&'static str, (Vec<u64>, Vec<f64>)>,
+    pub(crate) wholes: BTreeMap<&'static str, (Vec<u64>, Vec<i64>)>,
+    pub(crate) json: Value,
+}
+
+impl Set {
+    /// Reads the demo's arrays.
+    pub(crate) fn demo() -> Self {
+        let bytes = &demo()[0].1;
+        let mut npz = NpzArchive::new(std::io::Cursor::new(bytes)).unwrap();
+        let mut reals = BTreeMap::new();
+        for name in ["rest", "vertices", "bone_transforms", "joint_world_rest"] {
+            let array = npz.by_name(name).unwrap().unwrap();
+            reals.insert(name, (array.shape().to_vec(), array.into_vec().unwrap()));
+        }
+        let tris = npz.by_name("tris").unwrap().unwrap();
+        let tris = (tris.shape().to_vec(), tris.into_vec().unwrap());
+        let split: Vec<u8> = npz.by_name("split").unwrap().unwrap().into_vec().unwrap();
+        let split = (vec![split.len() as u64], split.into_iter().map(i64::from).collect());
+        let json = serde_json::from_slice(&demo()[1].1).unwrap();
+        Self { reals, wholes: BTreeMap::from([("tris", tris), ("split", split)]), json }
+    }
+
+    pub(crate) fn vertex_len(&self) -> usize {
+        self.reals["rest"].0[0] as usize
+    }
+
+    pub(crate) fn joint_len(&self) -> usize {
+        self.reals["bone_transforms"].0[1] as usize
+    }
+
+    /// Lists the frames of a split's code.
+    pub(crate) fn frames(&self, code: i64) -> Vec<usize> {
+        let split = &self.wholes["split"].1;
+        (0..split.len()).filter(|&frame| split[frame] == code).collect()
+    }
+
+    /// Keeps the first `len` items of an array of numbers.
+    pub(crate) fn cut(&mut self, array: &str, len: u64) {
+        let (shape, numbers) = self.reals.get_mut(array).unwrap();
+        numbers.truncate(numbers.len() / shape[0] as usize * len as usize);
+        shape[0] = len;
+    }
+
+    /// Writes `X.npz` and, unless it is null, `X.json`.
+    pub(crate) fn write(&self, npz: &Path) {
+        let mut file = NpzWriter::create(npz).unwrap();
+        for (name, (shape, numbers)) in &self.reals {
+            let array = file.array::<f64>(name, Default::default()).unwrap();
+            let mut array = array.default_dtype().shape(shape).begin_nd().unwrap();
+            array.extend(numbers.iter().copied()).unwrap();
+            array.finish().unwrap();
+        }
+        for (name, (shape, numbers)) in &self.wholes {
+            let array = file.array::<i64>(name, Default::default()).unwrap();
+            let mut array = array.default_dtype().shape(shape).begin_nd().unwrap();
+            array.extend(numbers.iter().copied()).unwrap();
+            array.finish().unwrap();
+        }
+        file.zip_writer().finish().unwrap();
+        if self.json != json!(null) {
+            fs::write(npz.with_extension("json"), self.json.to_string()).unwrap();
+        }
+    }
+}
+
+/// Reads an npy file of f32: shape and numbers.
+pub(crate) fn read_npy(bytes: &[u8]) -> (Vec<u64>, Vec<f32>) {
+    let file = NpyFile::new(bytes).unwrap();
+    assert_eq!(file.dtype().descr(), "'<f4'");
+    (file.shape().to_vec(), file.into_vec().unwrap())
+}

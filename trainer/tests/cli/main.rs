@@ -1,0 +1,299 @@
+//! The command line's contract, on the binary itself.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
+
+mod common;
+mod outputs;
+mod refusals;
+
+use common::{Folder, HELD_OUT, PROXIES, Set, TRAINING, read_npy};
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+
+const TRAIN: &str = "train demo.npz -o new.sinew --proxies 2";
+
+const ERRORS: [&str; 5] =
+    ["rms", "rms_percent", "p99_percent", "max_percent", "normal_rms_degrees"];
+
+#[track_caller]
+fn keys(value: &Value) -> Vec<&str> {
+    let mut keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
+    keys.sort_unstable();
+    keys
+}
+
+#[track_caller]
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+}
+
+#[test]
+fn eval_prints_one_object_with_the_keys_promised() {
+    let folder = Folder::with_demo("eval-json");
+    let set = Set::demo();
+    let found = folder.sinew("eval demo.sinew demo.npz --json").json();
+    let mut promised = ["split", "frames", "vertices", "diagonal", "model_bytes", "predictor"]
+        .into_iter()
+        .chain(["proxies", "lbs"])
+        .chain(ERRORS)
+        .collect::<Vec<_>>();
+    promised.sort_unstable();
+    assert_eq!(keys(&found), promised);
+    assert_eq!(found["split"], "held-out");
+    assert_eq!(found["frames"], HELD_OUT);
+    assert_eq!(found["vertices"], set.vertex_len());
+    assert_eq!(found["model_bytes"], folder.read("demo.sinew").len());
+    assert_eq!(found["predictor"], "rotational");
+    assert_eq!(found["proxies"], PROXIES);
+    let rest = &set.reals["rest"].1;
+    let extent = |axis: usize| {
+        let along = rest.iter().skip(axis).step_by(3).copied();
+        along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
+    };
+    let diagonal = (0..3).map(|axis| extent(axis).powi(2)).sum::<f64>().sqrt();
+    assert!(close(number(&found["diagonal"]), diagonal));
+    let mut names = ERRORS;
+    names.sort_unstable();
+    assert_eq!(keys(&found["lbs"]), names);
+    for errors in [&found, &found["lbs"]] {
+        let [rms, rms_percent, p99, max, angle] = ERRORS.map(|key| number(&errors[key]));
+        assert!(close(rms_percent, 100.0 * rms / diagonal));
+        assert!(0.0 < rms_percent && rms_percent < p99 && p99 < max && max < 100.0);
+        assert!(0.0 < angle && angle < 180.0);
+    }
+    assert_ne!(found["rms"], found["lbs"]["rms"]);
+}
+
+#[test]
+fn eval_measures_the_split_that_is_asked_for() {
+    let folder = Folder::with_demo("eval-splits");
+    let mut set = Set::demo();
+    for frame in set.frames(1).into_iter().take(5) {
+        set.wholes.get_mut("split").unwrap().1[frame] = 2;
+    }
+    set.write(&folder.path("three.npz"));
+    let mut squares = 0.0;
+    for (split, frames) in [("train", TRAINING), ("held-out", HELD_OUT - 5), ("extreme", 5)] {
+        let found =
+            folder.sinew(&format!("eval demo.sinew three.npz --json --split {split}")).json();
+        assert_eq!((&found["split"], &found["frames"]), (&json!(split), &json!(frames)));
+        squares += number(&found["rms"]).powi(2) * frames as f64;
+    }
+    let found = folder.sinew("eval demo.sinew three.npz --json --split all").json();
+    assert_eq!((&found["split"], &found["frames"]), (&json!("all"), &json!(TRAINING + HELD_OUT)));
+    assert!(close(number(&found["rms"]).powi(2) * (TRAINING + HELD_OUT) as f64, squares));
+}
+
+#[test]
+fn written_vertices_have_the_error_that_eval_prints() {
+    let folder = Folder::with_demo("vertices");
+    let set = Set::demo();
+    let (v, truth) = (set.vertex_len(), &set.reals["vertices"].1);
+    for (split, frames) in
+        [("held-out", set.frames(1)), ("all", (0..TRAINING + HELD_OUT).collect())]
+    {
+        let command = format!("eval demo.sinew demo.npz --json --split {split}");
+        let found = folder.sinew(&format!("{command} --write-vertices out.npy")).json();
+        let (shape, numbers) = read_npy(&folder.read("out.npy"));
+        assert_eq!(shape, [frames.len() as u64, v as u64, 3]);
+        let squares: f64 = frames
+            .iter()
+            .zip(numbers.chunks_exact(3 * v))
+            .flat_map(|(frame, found)| found.iter().zip(&truth[3 * v * frame..]))
+            .map(|(&found, truth)| (f64::from(found) - truth).powi(2))
+            .sum();
+        let rms = (squares / (frames.len() * v) as f64).sqrt();
+        assert!(close(rms, number(&found["rms"])), "{split}: {rms}");
+    }
+    assert_eq!(folder.list(), ["demo.json", "demo.npz", "demo.sinew", "out.npy"]);
+}
+
+#[test]
+fn the_record_holds_hashes_folds_candidates_and_the_choice() {
+    let folder = Folder::with_demo("record");
+    let set = Set::demo();
+    let printed = folder.sinew(&format!("{TRAIN} --record record.json --json")).json();
+    let record = folder.json("record.json");
+    assert_eq!(printed, record);
+
+    let hash = |name: &str| -> String {
+        Sha256::digest(folder.read(name)).iter().map(|byte| format!("{byte:02x}")).collect()
+    };
+    let input = |name: &str| json!({ "file": name, "sha256": hash(name) });
+    assert_eq!(record["inputs"], json!([input("demo.npz"), input("demo.json")]));
+    assert_eq!(record["training_frames"], json!(set.frames(0)));
+    assert_eq!(record["held_out_frames"], json!(set.frames(1)));
+    assert_eq!(record["extreme_frames"], json!([]));
+    assert_eq!(record["vertices"], set.vertex_len());
+    assert_eq!(record["joints"], set.joint_len());
+    assert_eq!(record["predictor"], "rotational");
+    assert_eq!(record["proxies"], 2);
+    let asked = json!({ "proxies": { "fixed": 2 }, "influences": 4, "refine": true });
+    assert_eq!(record["options"], asked);
+    assert_eq!(record["model_bytes"], folder.read("new.sinew").len());
+
+    let report = &record["report"];
+    let mut next = 0;
+    for fold in report["folds"].as_array().unwrap() {
+        assert_eq!(fold["start"], next);
+        next = fold["end"].as_u64().unwrap();
+    }
+    assert_eq!(next, TRAINING as u64);
+    let trials = report["trials"].as_array().unwrap();
+    let chosen: Vec<_> =
+        trials.iter().filter(|trial| trial["choice"] == report["choice"]).collect();
+    assert_eq!(chosen.len(), 1);
+    assert_eq!(chosen[0]["rms"], report["validated_rms"]);
+    let best = trials.iter().filter_map(|trial| trial["rms"].as_f64()).fold(f64::MAX, f64::min);
+    assert!(number(&report["validated_rms"]) <= 1.02 * best);
+}
+
+#[test]
+fn inspect_accounts_for_every_byte_and_repeats_the_record() {
+    let folder = Folder::with_demo("inspect");
+    let record = folder.sinew(&format!("{TRAIN} --json")).json();
+    let found = folder.sinew("inspect new.sinew --json").json();
+    let sections = found["sections"].as_array().unwrap();
+    let bytes = |value: &Value| value.as_u64().unwrap();
+    let sum: u64 = sections.iter().map(|section| bytes(&section["bytes"])).sum();
+    assert_eq!(sum + bytes(&found["other_bytes"]), folder.read("new.sinew").len() as u64);
+    assert_eq!(found["bytes"], record["model_bytes"]);
+    let envelope = &found["envelope"];
+    assert_eq!((&envelope["proxies"], &envelope["vertices"]), (&json!(2), &record["vertices"]));
+    for (in_file, in_record) in [
+        ("diagonal", &record["diagonal"]),
+        ("training_rms", &record["report"]["training_rms"]),
+        ("cross_validated_rms", &record["report"]["validated_rms"]),
+        ("lbs_training_rms", &record["report"]["lbs_rms"]),
+    ] {
+        let found = number(&envelope["certificate"][in_file]) as f32;
+        assert_eq!(found, number(in_record) as f32, "{in_file}");
+    }
+    let text = folder.sinew("inspect new.sinew").done().out;
+    for section in sections {
+        let kind = section["kind"].as_str().unwrap();
+        let row = text.lines().find(|line| line.starts_with(kind)).unwrap();
+        assert!(row.ends_with(&format!(" {}", section["bytes"])), "{row}");
+    }
+    let joint = envelope["joints"][1]["name"].as_str().unwrap();
+    assert!(text.contains("certificate") && text.contains(joint), "{text}");
+}
+
+#[test]
+fn hold_out_takes_blocks_and_replaces_the_split() {
+    let folder = Folder::with_demo("hold-out");
+    let record = folder.sinew(&format!("{TRAIN} --hold-out 0.25 --json")).json();
+    let frames = |key: &str| -> Vec<u64> {
+        record[key].as_array().unwrap().iter().map(|frame| frame.as_u64().unwrap()).collect()
+    };
+    let (train, held_out) = (frames("training_frames"), frames("held_out_frames"));
+    let mut all = [train, held_out.clone()].concat();
+    all.sort_unstable();
+    assert_eq!(all, Vec::from_iter(0..(TRAINING + HELD_OUT) as u64));
+    let blocks = 1 + held_out.windows(2).filter(|pair| pair[1] != pair[0] + 1).count();
+    assert_eq!(blocks, 5);
+    assert!((11..=15).contains(&held_out.len()), "{held_out:?}");
+    assert_eq!(record["hold_out"], 0.25);
+    let found = folder.sinew("eval new.sinew demo.npz --hold-out 0.25 --json").json();
+    assert_eq!(found["frames"], held_out.len());
+}
+
+#[test]
+fn max_error_takes_the_fewest_proxies_that_meet_it() {
+    let folder = Folder::with_demo("max-error");
+    let share = |record: &Value| {
+        100.0 * number(&record["report"]["proxy_rms"]) / number(&record["diagonal"])
+    };
+    let met = folder.sinew("train demo.npz -o new.sinew --max-error 2 --json").json();
+    assert!(share(&met) <= 2.0);
+    let fewer = met["proxies"].as_u64().unwrap() - 1;
+    let missed = format!("train demo.npz -o fewer.sinew --proxies {fewer} --json");
+    assert!(share(&folder.sinew(&missed).json()) > 2.0);
+
+    let mut set = Set::demo();
+    let (shape, corners) = set.wholes.get_mut("tris").unwrap();
+    shape[0] = 8;
+    corners.truncate(24);
+    set.write(&folder.path("few.npz"));
+    let line = folder.sinew("train few.npz -o none.sinew --max-error 1e-9").failed();
+    assert!(line.starts_with("--max-error: 0.000000001 % is out of reach, 8 proxies"), "{line}");
+    assert!(!folder.path("none.sinew").exists());
+}
+
+#[test]
+fn training_gives_the_same_bytes_for_any_number_of_threads() {
+    let folder = Folder::with_demo("threads");
+    let run = |threads: &str| {
+        let mut command = folder.command(&format!("{TRAIN} --record record.json"));
+        command.env("RAYON_NUM_THREADS", threads);
+        folder.run(command).done();
+        (folder.read("new.sinew"), folder.read("record.json"))
+    };
+    assert!(run("1") == run("3"));
+    assert!(run("1").0 != folder.read("demo.sinew"));
+}
+
+#[test]
+fn warnings_go_to_standard_error_unless_quiet() {
+    let folder = Folder::with_demo("quiet");
+    let mut set = Set::demo();
+    set.json["bone_parents"][3] = json!(-1);
+    set.write(&folder.path("roots.npz"));
+    let warning = "sinew: warning: roots.npz: 2 joints have no parent: chest, upper_arm_twist\n";
+    for command in [
+        "train roots.npz -o new.sinew --proxies 2",
+        "eval demo.sinew roots.npz",
+        "eval demo.sinew roots.npz --json",
+    ] {
+        let loud = folder.sinew(command);
+        assert_eq!((loud.code, loud.err.as_str()), (Some(0), warning));
+        let quiet = folder.sinew(&format!("{command} --quiet")).done();
+        assert!(!quiet.out.is_empty() && quiet.out == loud.out);
+    }
+    let failed = folder.sinew("train none.npz -o new.sinew --quiet").failed();
+    assert!(failed.starts_with("none.npz: "), "{failed}");
+}
+
+#[test]
+fn the_demo_trains_and_measures_as_the_other_commands_do() {
+    let folder = Folder::with_demo("demo-same");
+    let sizes = format!("--poses {TRAINING} --held-out {HELD_OUT} --proxies {PROXIES}");
+    let found = folder.sinew(&format!("demo --vertices 300 {sizes} --json")).json();
+    let trained =
+        folder.sinew(&format!("train demo.npz -o new.sinew --proxies {PROXIES} --json")).json();
+    assert_eq!(found["report"], trained["report"]);
+    assert_eq!(folder.read("new.sinew"), folder.read("demo.sinew"));
+    assert_eq!(found["evaluation"], folder.sinew("eval new.sinew demo.npz --json").json());
+    let text = folder.sinew("eval new.sinew demo.npz").done().out;
+    assert!(text.contains("LBS, 4 influences") && text.contains("rotational, 4 proxies"), "{text}");
+}
+
+#[test]
+fn triangles_without_area_are_told_by_number() {
+    let folder = Folder::with_demo("zero-area");
+    let mut set = Set::demo();
+    let corners = &mut set.wholes.get_mut("tris").unwrap().1;
+    corners[3 * 17 + 1] = corners[3 * 17];
+    set.write(&folder.path("bad.npz"));
+    let run = folder.sinew("train bad.npz -o new.sinew --proxies 2");
+    assert_eq!(run.code, Some(0));
+    assert_eq!(run.err, "sinew: warning: bad.npz: 1 triangles name a vertex twice: 17\n");
+}
+
+#[test]
+fn names_from_a_file_cannot_steer_the_terminal() {
+    let folder = Folder::with_demo("names");
+    let mut set = Set::demo();
+    set.json["bone_names"][1] = json!("a\n\u{1b}[2Jb");
+    set.write(&folder.path("named.npz"));
+    folder.sinew("train named.npz -o new.sinew --proxies 2").done();
+    let text = folder.sinew("inspect new.sinew").done().out;
+    assert!(text.contains("\na\\n\\u{1b}[2Jb "), "{text}");
+    let line = folder.sinew("eval new.sinew demo.npz").failed();
+    let expected = "new.sinew: joint 1 is called a\\n\\u{1b}[2Jb in the model, clavicle in the \
+                    examples";
+    assert_eq!(line, expected);
+}

@@ -1,0 +1,204 @@
+//! Bad input and bad usage: told in a line that names the place, and nothing is written.
+
+use super::common::{Folder, Set};
+use serde_json::json;
+use std::fs;
+
+/// Spoils the demo's examples, trains on them, and expects to hear where the fault is.
+#[track_caller]
+fn refused(test: &str, spoil: impl FnOnce(&mut Set), expected: &str) {
+    let folder = Folder::with_demo(test);
+    let mut set = Set::demo();
+    spoil(&mut set);
+    set.write(&folder.path("bad.npz"));
+    let before = folder.list();
+    let command = "train bad.npz --proxies 2 --record record.json -o";
+    assert_eq!(folder.sinew(&format!("{command} new.sinew")).failed(), expected);
+    let model = folder.read("demo.sinew");
+    assert_eq!(folder.sinew(&format!("{command} demo.sinew")).failed(), expected);
+    assert!(folder.read("demo.sinew") == model, "the model that was there is kept");
+    assert_eq!(folder.list(), before, "nothing new, whole or in part");
+}
+
+fn real(set: &mut Set, array: &str, place: usize, number: f64) {
+    set.reals.get_mut(array).unwrap().1[place] = number;
+}
+
+#[test]
+fn examples_that_are_not_finite_are_refused_by_array_frame_and_place() {
+    let posed = |number| {
+        move |set: &mut Set| {
+            let place = 3 * (7 * set.vertex_len() + 11) + 1;
+            real(set, "vertices", place, number);
+        }
+    };
+    let expected = "bad.npz: array vertices is not finite at frame 7, vertex 11";
+    refused("nan", posed(f64::NAN), expected);
+    refused("infinite", posed(f64::NEG_INFINITY), expected);
+    let expected = "bad.npz: array rest is not finite at vertex 4";
+    refused("nan-rest", |set| real(set, "rest", 3 * 4, f64::NAN), expected);
+    let joint = |set: &mut Set| {
+        let place = 16 * (9 * set.joint_len() + 1) + 3;
+        real(set, "bone_transforms", place, f64::INFINITY);
+    };
+    let expected = "bad.npz: array bone_transforms is not finite at frame 9, joint clavicle";
+    refused("infinite-joint", joint, expected);
+}
+
+#[test]
+fn counts_that_disagree_are_refused_by_array() {
+    let expected = "bad.npz: vertices has 52 frames, bone_transforms has 51";
+    refused("frames", |set| set.cut("bone_transforms", 51), expected);
+    let v = Set::demo().vertex_len();
+    let expected = format!("bad.npz: rest has {} vertices, vertices has {v}", v - 1);
+    // A face that lost its vertex would be found first.
+    let fewer = |set: &mut Set| {
+        set.cut("rest", v as u64 - 1);
+        let (shape, corners) = set.wholes.get_mut("tris").unwrap();
+        (shape[0], *corners) = (1, vec![0, 1, 2]);
+    };
+    refused("vertices", fewer, &expected);
+}
+
+#[test]
+fn joints_that_form_no_tree_are_refused_by_name() {
+    let expected = "bad.npz: joints are their own ancestors: clavicle -> upper_arm -> clavicle";
+    refused("cycle", |set| set.json["bone_parents"][1] = json!(2), expected);
+    let expected = "bad.npz: joint clavicle has parent 7, which does not exist";
+    refused("parent", |set| set.json["bone_parents"][1] = json!(7), expected);
+    let expected = "bad.npz: joint clavicle has parent tail, which does not exist";
+    refused("parent-name", |set| set.json["bone_parents"][1] = json!("tail"), expected);
+    let expected = "bad.npz: array bone_parents is missing";
+    let parentless = |set: &mut Set| {
+        set.json.as_object_mut().unwrap().remove("bone_parents");
+    };
+    refused("parentless", parentless, expected);
+}
+
+#[test]
+fn matrices_that_are_not_rigid_are_refused_by_frame_and_joint() {
+    let scaled = |set: &mut Set| {
+        let place = 16 * (5 * set.joint_len() + 6);
+        for axis in [0, 1, 2] {
+            set.reals.get_mut("bone_transforms").unwrap().1[place + axis] *= 2.0;
+        }
+    };
+    let expected = "bad.npz: array bone_transforms is not rigid at frame 5, joint hand: off by \
+                    1.000e0, at most 0.01 can be repaired";
+    refused("rigid", scaled, expected);
+}
+
+#[test]
+fn too_few_poses_and_meshes_without_area_are_refused() {
+    let few = |set: &mut Set| {
+        for code in set.wholes.get_mut("split").unwrap().1.iter_mut().skip(5) {
+            *code = 1;
+        }
+    };
+    refused("few", few, "bad.npz: the fit needs 6 training poses, found 5");
+    let flat = |set: &mut Set| set.reals.get_mut("rest").unwrap().1.fill(1.0);
+    let triangles = Set::demo().wholes["tris"].0[0];
+    refused("flat", flat, &format!("bad.npz: none of the {triangles} rest triangles has an area"));
+}
+
+#[test]
+fn files_given_by_mistake_are_refused_by_name() {
+    let folder = Folder::with_demo("mistakes");
+    fs::write(folder.path("text.npz"), "no archive").unwrap();
+    fs::create_dir(folder.path("inner")).unwrap();
+    let before = folder.list();
+    for (examples, expected) in [
+        ("none.npz", "none.npz: cannot be read or written: "),
+        ("text.npz", "text.npz: is not a whole npz archive: "),
+        ("demo.json", "demo.json: describes examples, expected the .npz file beside it"),
+        ("demo.sinew", "demo.sinew: is not a whole npz archive: "),
+        ("inner", "inner: is a folder, expected a .npz file"),
+    ] {
+        let train = folder.sinew(&format!("train {examples} -o new.sinew")).failed();
+        let eval = folder.sinew(&format!("eval demo.sinew {examples}")).failed();
+        assert!(train.starts_with(expected) && eval == train, "{train}\n{eval}");
+        assert_eq!(train.matches(examples).count(), 1, "{train}");
+    }
+    for (model, expected) in [
+        ("none.sinew", "cannot read none.sinew: "),
+        ("inner", "cannot read inner: it is a folder"),
+        ("text.npz", "text.npz: "),
+        ("demo.npz", "demo.npz: "),
+    ] {
+        let inspect = folder.sinew(&format!("inspect {model}")).failed();
+        let eval = folder.sinew(&format!("eval {model} demo.npz")).failed();
+        assert!(inspect.starts_with(expected) && eval.starts_with(expected), "{inspect}\n{eval}");
+    }
+    assert_eq!(folder.list(), before);
+}
+
+#[test]
+fn models_that_are_damaged_or_of_another_character_are_refused() {
+    let folder = Folder::with_demo("models");
+    let model = folder.read("demo.sinew");
+    let lengths = (0..model.len()).step_by(model.len() / 12).chain([1, 5, 40, model.len() - 1]);
+    let damaged = |place: usize| {
+        let mut bytes = model.clone();
+        bytes[place] ^= 0x40;
+        bytes
+    };
+    let bad = lengths
+        .map(|len| model[..len].to_vec())
+        .chain((0..model.len()).step_by(model.len() / 12).map(damaged))
+        .chain([[model.as_slice(), &[0]].concat()]);
+    for bytes in bad {
+        fs::write(folder.path("bad.sinew"), bytes).unwrap();
+        let line = folder.sinew("inspect bad.sinew").failed();
+        assert!(line.starts_with("bad.sinew: "), "{line}");
+        let line = folder.sinew("eval bad.sinew demo.npz --write-vertices out.npy").failed();
+        assert!(line.starts_with("bad.sinew: the model is refused: "), "{line}");
+    }
+    let mut other = Set::demo();
+    other.json["bone_names"][6] = json!("paw");
+    other.write(&folder.path("other.npz"));
+    let line = folder.sinew("eval demo.sinew other.npz --write-vertices out.npy").failed();
+    assert_eq!(line, "demo.sinew: joint 6 is called hand in the model, paw in the examples");
+    let line = folder.sinew("eval demo.sinew demo.npz --split extreme").failed();
+    let expected = "demo.npz: the examples have no extreme frame: 40 training, 12 held-out, 0 \
+                    extreme frames";
+    assert_eq!(line, expected);
+    assert!(!folder.path("out.npy").exists());
+}
+
+#[test]
+fn arguments_out_of_range_are_bad_usage() {
+    let folder = Folder::with_demo("usage");
+    let before = folder.list();
+    for arguments in [
+        "--proxies 0",
+        "--proxies -1",
+        "--proxies 100000",
+        "--max-error 0",
+        "--max-error -1",
+        "--max-error nan",
+        "--proxies 2 --max-error 1",
+        "--influences 0",
+        "--influences 13",
+        "--hold-out 0",
+        "--hold-out 1",
+        "--hold-out -0.5",
+        "--hold-out nan",
+        "--predictor magic",
+    ] {
+        let run = folder.sinew(&format!("train demo.npz -o new.sinew {arguments}"));
+        assert_eq!((run.code, run.out.as_str()), (Some(2), ""), "{arguments}: {}", run.err);
+        let option = arguments.split(' ').next().unwrap();
+        assert!(run.err.starts_with("error: ") && run.err.contains(option), "{}", run.err);
+    }
+    for arguments in ["--poses 0", "--held-out 0", "--vertices 0", "--vertices many"] {
+        assert_eq!(folder.sinew(&format!("demo {arguments}")).code, Some(2), "{arguments}");
+    }
+    let line = folder.sinew("train demo.npz -o new.sinew --proxies 1000").failed();
+    let triangles = Set::demo().wholes["tris"].0[0];
+    let expected =
+        format!("--proxies: demo.npz has {triangles} triangles, 1000 proxies are too many");
+    assert_eq!(line, expected);
+    let line = folder.sinew("demo --vertices 90000000").failed();
+    assert!(line.contains("expected at most"), "{line}");
+    assert_eq!(folder.list(), before);
+}
