@@ -9,6 +9,7 @@ use sinew_trainer::envelope::motion::{Poses, trajectories};
 use sinew_trainer::envelope::rotational::full::Full;
 use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
 use sinew_trainer::envelope::rotational::surface::Surface;
+use sinew_trainer::envelope::rotational::training::Training;
 use sinew_trainer::envelope::rotational::validation::Targets;
 use sinew_trainer::envelope::rotational::{Options, basis, merge};
 use sinew_trainer::envelope::{train, weights};
@@ -75,16 +76,14 @@ fn lbs() -> Result<(), Box<dyn Error>> {
 /// The proxies' own error on the training frames of dem-bones, no prediction.
 fn proxies_alone() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets()?.into_iter().filter(|set| set.0 == "dem-bones") {
-        let training = examples.frames_of(Split::Train);
-        let poses = Poses::new(&examples, &training);
-        let moved = trajectories(&examples, &training, &poses);
-        let basis = basis::basis(&moved, examples.diagonal());
-        let (surface, _) = Surface::new(&examples.rest, examples.solid_triangles(), &moved, basis);
+        let Training { unit, rest, triangles, poses, trajectories } = Training::new(&examples)?;
+        let basis = basis::basis(&trajectories);
+        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = merge::MergeTree::build(&surface, || ());
         for count in [10, 20, 30] {
             let count = ProxyCount::Fixed(count);
-            let fitted = proxies::fit(&surface, &tree, training.len(), count, 4, &Silent);
-            println!("{name}: P = {}, RMSE {:.5}", fitted.len(), fitted.rms);
+            let fitted = proxies::fit(&surface, &tree, poses.len(), count, 4, &Silent)?;
+            println!("{name}: P = {}, RMSE {:.5}", fitted.len(), unit * fitted.rms);
         }
     }
     Ok(())

@@ -7,9 +7,6 @@ use sinew_runtime::format::{
     SectionKind, SectionRow, VERSION, checksum,
 };
 use sinew_runtime::{FormatError, Model};
-use std::fs;
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
 
 /// Everything that an envelope part holds, in f64 and in the examples' order.
 #[derive(Clone, Debug)]
@@ -155,24 +152,6 @@ pub fn bake_aligned(parts: &EnvelopeParts, alignment: Alignment) -> Result<Vec<u
     let bytes = assemble(&PartRow::envelope(counts, parts.certificate), &sections, alignment)?;
     Model::from_bytes(&bytes).map_err(BakeError::Refused)?;
     Ok(bytes)
-}
-
-/// Writes a file so that whoever opens `path` sees the old content or the new, never a part of it.
-///
-/// # Errors
-/// Any error of the file system; the old content is then still there.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(".tmp");
-    let beside = PathBuf::from(beside);
-    let written = fs::File::create(&beside)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&beside, path));
-    if written.is_err() {
-        // The first error is the one to report.
-        let _ = fs::remove_file(&beside);
-    }
-    written
 }
 
 /// Checks the arrays against each other and counts them.

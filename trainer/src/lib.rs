@@ -10,4 +10,5 @@ pub mod demo;
 pub mod envelope;
 pub mod evaluate;
 pub mod examples;
+pub mod files;
 pub mod progress;

@@ -5,6 +5,7 @@
 use sinew_trainer::envelope::motion::{Poses, trajectories};
 use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
 use sinew_trainer::envelope::rotational::surface::Surface;
+use sinew_trainer::envelope::rotational::training::Training;
 use sinew_trainer::envelope::rotational::validation::Targets;
 use sinew_trainer::envelope::rotational::{Options, basis, merge};
 use sinew_trainer::envelope::{train, weights};
@@ -66,16 +67,15 @@ fn dense_lbs_weights_reach_the_error_that_dem_bones_prints() {
 #[test]
 fn proxies_alone_on_dem_bones() {
     let Some(examples) = set("dem-bones/bone.npz") else { return };
-    let training = examples.frames_of(Split::Train);
-    let poses = Poses::new(&examples, &training);
-    let moved = trajectories(&examples, &training, &poses);
-    let basis = basis::basis(&moved, examples.diagonal());
-    let (surface, _) = Surface::new(&examples.rest, examples.solid_triangles(), &moved, basis);
+    let Training { unit, rest, triangles, poses, trajectories } = Training::new(&examples).unwrap();
+    let basis = basis::basis(&trajectories);
+    let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
     let tree = merge::MergeTree::build(&surface, || ());
     for (count, most) in [(10, 0.0020), (20, 0.0013), (30, 0.0009)] {
         let fitted =
-            proxies::fit(&surface, &tree, training.len(), ProxyCount::Fixed(count), 4, &Silent);
-        assert!(fitted.rms <= most, "P = {count}: {}", fitted.rms);
+            proxies::fit(&surface, &tree, poses.len(), ProxyCount::Fixed(count), 4, &Silent)
+                .unwrap();
+        assert!(unit * fitted.rms <= most, "P = {count}: {}", unit * fitted.rms);
     }
 }
 

@@ -5,9 +5,8 @@
 
 use sinew_runtime::Model;
 use sinew_runtime::format::Certificate;
-use sinew_trainer::bake::{
-    Alignment, BakeError, EnvelopeParts, Key, bake, bake_aligned, write_atomically,
-};
+use sinew_trainer::bake::{Alignment, BakeError, EnvelopeParts, Key, bake, bake_aligned};
+use sinew_trainer::files;
 use std::path::PathBuf;
 
 /// Multiples of 1/64 in [-1, 1), so that rounding to f32 is no part of what is compared.
@@ -184,14 +183,14 @@ fn files_are_replaced_whole_or_not_at_all() {
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("model.snw");
     for content in [b"old".as_slice(), b"new and longer"] {
-        write_atomically(&path, content).unwrap();
+        files::write(&path, content).unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), content);
     }
     // A folder stands where the file should go: the rename fails and leaves nothing beside it.
     let taken = folder.join("taken");
     std::fs::create_dir_all(taken.join("full")).unwrap();
-    assert!(write_atomically(&taken, b"x").is_err());
-    assert!(write_atomically(&folder.join("missing/model.snw"), b"x").is_err());
+    assert!(files::write(&taken, b"x").is_err());
+    assert!(files::write(&folder.join("missing/model.snw"), b"x").is_err());
     let mut left = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
     assert!(left.all(|name| name == "model.snw" || name == "taken"));
     std::fs::remove_dir_all(&folder).unwrap();

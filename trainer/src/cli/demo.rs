@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let mut text = format!(
         "a procedural arm: {}\n{}{}",
         input::describe(&examples),
-        table::report(&trained.report, examples.diagonal(), trained.proxies),
+        table::report(&trained.report, trained.proxies),
         table::evaluation(&evaluation)
     );
     if let (Some(folder), Some(model)) = (folder, &model) {

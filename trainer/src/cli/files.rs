@@ -1,8 +1,9 @@
 //! Files that a command writes: tried before the work begins, moved into place when all are whole.
 
 use anyhow::{Context, bail};
-use std::fs::{self, File};
-use std::io::{self, Write};
+use sinew_trainer::files::Part;
+use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// A place for a file, where a file can be written.
@@ -49,14 +50,9 @@ impl Target {
     }
 
     /// Writes bytes beside the place.
-    fn part(&self, bytes: &[u8]) -> anyhow::Result<Part<'_>> {
-        let mut path = self.place.as_os_str().to_owned();
-        path.push(format!(".{}.tmp", std::process::id()));
-        let path = PathBuf::from(path);
-        let written = File::create_new(&path).and_then(|mut file| {
-            let part = Part { target: self, path, moved: false };
-            file.write_all(bytes).and_then(|()| file.sync_all()).map(|()| part)
-        });
+    fn part(&self, bytes: &[u8]) -> anyhow::Result<Part> {
+        let written = Part::create(&self.place)
+            .and_then(|mut part| part.file().write_all(bytes).map(|()| part));
         written.with_context(|| cannot_write(&self.named))
     }
 }
@@ -67,39 +63,14 @@ impl Target {
 /// # Errors
 /// Names the file that could not be written.
 pub(super) fn write(files: &[(&Target, &[u8])]) -> anyhow::Result<()> {
-    let parts: Vec<Part> =
-        files.iter().map(|(target, bytes)| target.part(bytes)).collect::<Result<_, _>>()?;
-    for part in parts {
-        let named = &part.target.named;
-        part.finish().with_context(|| cannot_write(named))?;
+    let parts = files.iter().map(|(target, bytes)| target.part(bytes));
+    let parts = parts.collect::<anyhow::Result<Vec<_>>>()?;
+    for (part, (target, _)) in parts.into_iter().zip(files) {
+        part.finish().with_context(|| cannot_write(&target.named))?;
     }
     Ok(())
 }
 
 fn cannot_write(path: &Path) -> String {
     format!("cannot write {}", path.display())
-}
-
-/// A file beside its place, removed unless it is moved there.
-struct Part<'a> {
-    target: &'a Target,
-    path: PathBuf,
-    moved: bool,
-}
-
-impl Part<'_> {
-    fn finish(mut self) -> io::Result<()> {
-        fs::rename(&self.path, &self.target.place)?;
-        self.moved = true;
-        Ok(())
-    }
-}
-
-impl Drop for Part<'_> {
-    fn drop(&mut self) {
-        if !self.moved {
-            // The error that led here is the one to report.
-            let _ = fs::remove_file(&self.path);
-        }
-    }
 }

@@ -4,15 +4,14 @@ use sinew_trainer::envelope::rotational::Report;
 use sinew_trainer::evaluate::{Errors, Evaluation};
 
 /// Describes how a model was fitted: the curve over the near-rigid fraction, and what was chosen.
-pub(super) fn report(report: &Report, diagonal: f64, proxies: usize) -> String {
-    let percent = |rms: f64| 100.0 * rms / diagonal;
+pub(super) fn report(report: &Report, proxies: usize) -> String {
     let mut out = "near-rigid vertices   cross-validated error, % of the diagonal\n".to_owned();
     let first = report.trials.first().map(|trial| trial.choice.anchors);
     for trial in &report.trials {
         if Some(trial.choice.anchors) == first && trial.choice.refinement.is_none() {
             let share = 100.0 * trial.choice.near_rigid_fraction;
             let score =
-                trial.rms.map_or("singular".to_owned(), |rms| format!("{:.4}", percent(rms)));
+                trial.rms.map_or("singular".to_owned(), |rms| format!("{:.4}", 100.0 * rms));
             out += &format!("{share:>17.0} %   {score}\n");
         }
     }
@@ -32,7 +31,7 @@ pub(super) fn report(report: &Report, diagonal: f64, proxies: usize) -> String {
         ("predicted from the pose".to_owned(), report.training_rms),
         ("predicted, cross-validated".to_owned(), report.validated_rms),
     ] {
-        out += &format!("{name:<34}{:.4}\n", percent(rms));
+        out += &format!("{name:<34}{:.4}\n", 100.0 * rms);
     }
     out
 }

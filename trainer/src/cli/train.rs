@@ -87,10 +87,10 @@ impl FitArguments {
         output: Output,
     ) -> anyhow::Result<(Options, Trained)> {
         let Predictor::Rotational = self.predictor;
-        let (diagonal, triangles) = (examples.diagonal(), examples.triangles.len());
+        let triangles = examples.triangles.len();
         let default = Options::default();
         let proxies = match (self.max_error, self.proxies) {
-            (Some(percent), _) => ProxyCount::MaxError(percent / 100.0 * diagonal),
+            (Some(percent), _) => ProxyCount::MaxError(percent / 100.0),
             (None, Some(count)) if count > triangles => {
                 bail!("--proxies: {source} has {triangles} triangles, {count} proxies are too many")
             }
@@ -100,12 +100,16 @@ impl FitArguments {
         let options = Options { proxies, influences: self.influences, refine: !self.published };
         let trained =
             train(examples, &options, &Bars::new(output)).with_context(|| source.to_owned())?;
-        if let Some(limit) = self.max_error {
-            let reached = 100.0 * trained.report.proxy_rms / diagonal;
-            if reached > limit {
-                let count = table::count(trained.proxies);
-                bail!("--max-error: {limit} % is out of reach, {count} come to {reached:.3e} %");
-            }
+        for joint in trained.report.joints_near_the_seam() {
+            let degrees = trained.report.angle_ranges[joint].to_degrees();
+            let name = &examples.skeleton.names[joint];
+            output.warn(
+                source,
+                format_args!(
+                    "joint {name} turns by up to {degrees:.0}° against its parent: near 180° its \
+                     rotation vector jumps, and what follows it there is not to be trusted"
+                ),
+            );
         }
         Ok((options, trained))
     }
@@ -122,7 +126,6 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     }
     let hashes = arguments.input.hashes()?;
     let input::Input { examples, warnings } = arguments.input.load(output)?;
-    let diagonal = examples.diagonal();
     let source = arguments.input.examples.display().to_string();
     let (options, trained) = arguments.fit.train(&examples, &source, output)?;
     let record = json!({
@@ -135,7 +138,7 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
         "training_frames": examples.frames_of(Split::Train),
         "held_out_frames": examples.frames_of(Split::HeldOut),
         "extreme_frames": examples.frames_of(Split::Extreme),
-        "diagonal": diagonal,
+        "diagonal": examples.diagonal(),
         "predictor": "rotational",
         "options": options,
         "proxies": trained.proxies,
@@ -151,7 +154,7 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let text = format!(
         "{}\n{}wrote {} ({} bytes)",
         input::describe(&examples),
-        table::report(&trained.report, diagonal, trained.proxies),
+        table::report(&trained.report, trained.proxies),
         arguments.output.display(),
         trained.model.len()
     );

@@ -64,6 +64,21 @@ pub enum FitError {
     /// No triangle has an area.
     #[error("no triangle of the rest mesh has an area")]
     NoTriangles,
+    /// No number of proxies comes as near as was asked.
+    #[error(
+        "{} % is out of reach: {proxies} proxies, the most there can be, come to {:.4} % of the \
+         diagonal",
+        100.0 * limit,
+        100.0 * reached
+    )]
+    MaxError {
+        /// RMS asked for, as a share of the diagonal.
+        limit: f64,
+        /// RMS reached.
+        reached: f64,
+        /// With so many.
+        proxies: usize,
+    },
     /// The full reconstruction could not be set up.
     #[error(transparent)]
     Poisson(#[from] rotational::poisson::PoissonError),

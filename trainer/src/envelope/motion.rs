@@ -90,6 +90,14 @@ impl Poses {
             .collect()
     }
 
+    /// Returns the poses with lengths measured in a unit.
+    pub fn in_units_of(mut self, unit: f64) -> Self {
+        for map in self.maps.iter_mut().chain(&mut self.roots) {
+            map.column_mut(3).unscale_mut(unit);
+        }
+        self
+    }
+
     /// Stacks the joints as maps of trajectories: 3n x 4J, columns 4j..4j+4 are joint j.
     pub fn stacked(&self) -> Mat<f64> {
         Mat::from_fn(3 * self.len(), 4 * self.joint_len, |row, column| {

@@ -50,6 +50,9 @@ pub fn solve(gram: &Gram) -> [f64; MAX_COLUMNS] {
     weights[nearest] = 1.0;
     let mut active = vec![nearest];
     let scale: f64 = (0..n).map(|j| gram.value[j][j]).fold(0.0, f64::max);
+    if !scale.is_normal() {
+        return weights;
+    }
     // Each round lowers the error strictly, so no active set comes back; the cap guards rounding.
     for _ in 0..4 * n {
         let error = gram.error(&weights);

@@ -10,16 +10,18 @@ pub struct LoadError {
     /// The file at fault.
     pub file: PathBuf,
     /// What is wrong with it.
-    #[source]
     pub error: ExamplesError,
 }
 
 /// A fault in examples, with its place.
 #[derive(Debug, thiserror::Error)]
 pub enum ExamplesError {
-    /// The file cannot be opened, read or written.
-    #[error("cannot be read or written: {0}")]
-    Io(#[from] std::io::Error),
+    /// The file cannot be opened or read.
+    #[error("cannot be read: {0}")]
+    Read(std::io::Error),
+    /// The file cannot be written.
+    #[error("cannot be written: {0}")]
+    Write(std::io::Error),
     /// The archive is truncated or is no npz at all.
     #[error("is not a whole npz archive: {reason}")]
     Archive {
@@ -89,6 +91,20 @@ pub enum ExamplesError {
     /// A number is NaN or infinite.
     #[error("array {array} is not finite at {}{element}", in_frame(*frame))]
     NotFinite {
+        /// The array.
+        array: &'static str,
+        /// The frame, for arrays that have one.
+        frame: Option<usize>,
+        /// The vertex or joint.
+        element: Element,
+    },
+    /// A number is larger than a model can hold.
+    #[error(
+        "array {array} exceeds {:e}, the most a model can hold, at {}{element}",
+        sinew_runtime::format::MAGNITUDE_MAX,
+        in_frame(*frame)
+    )]
+    TooLarge {
         /// The array.
         array: &'static str,
         /// The frame, for arrays that have one.
@@ -251,26 +267,36 @@ impl fmt::Display for Warning {
                 let place = in_frame(*worst_frame);
                 write!(
                     f,
-                    "array {array} is not quite rigid at {place}joint {joint}: off by \
-                     {deviation:.1e} at worst, {matrix_len} matrices in all"
+                    "array {array} is not rigid at {place}joint {joint}: off by {deviation:.1e} at \
+                     worst, matrices off in all: {matrix_len}"
                 )
             }
             Warning::RepeatedVertex { triangles } => {
                 write!(
                     f,
-                    "{} triangles name a vertex twice: {}",
-                    triangles.len(),
+                    "triangles that name a vertex twice are left out of the fit: {}",
                     Listed(triangles)
                 )
             }
             Warning::ZeroArea { triangles } => {
-                write!(f, "{} rest triangles have no area: {}", triangles.len(), Listed(triangles))
+                write!(
+                    f,
+                    "triangles without area at rest are left out of the fit: {}",
+                    Listed(triangles)
+                )
             }
             Warning::UvIgnored { uv_len, vertex_len } => {
                 write!(f, "uv is ignored: {uv_len} coordinates for {vertex_len} vertices")
             }
             Warning::SeveralRoots { joints } => {
-                write!(f, "{} joints have no parent: {}", joints.len(), joints.join(", "))
+                let (reference, others) =
+                    joints.split_first().map_or(("", &[][..]), |(a, b)| (a, b));
+                write!(
+                    f,
+                    "{} joints have no parent: {reference} is the root, {} now hang under it",
+                    joints.len(),
+                    others.join(", ")
+                )
             }
         }
     }

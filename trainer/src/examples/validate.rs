@@ -1,6 +1,7 @@
 //! The checks that every importer ends with: after `Ok`, a fit need not look again.
 
 use nalgebra::{Matrix3, Vector3};
+use sinew_runtime::format::MAGNITUDE_MAX;
 
 use super::{Element, Examples, ExamplesError, Matrix3x4, Split, Warning};
 
@@ -26,13 +27,14 @@ impl Examples {
     ///   for counts that disagree or are zero, and without a training frame.
     /// - [`ExamplesError::DuplicateJoint`], [`ExamplesError::MissingParent`] and
     ///   [`ExamplesError::JointCycle`] for a skeleton that is no tree.
-    /// - [`ExamplesError::NotFinite`] for NaN and infinity, in any frame.
+    /// - [`ExamplesError::NotFinite`] for NaN and infinity, in any frame, and
+    ///   [`ExamplesError::TooLarge`] for what a model cannot hold.
     /// - [`ExamplesError::VertexOutOfRange`] and [`ExamplesError::NoArea`] for faces.
     /// - [`ExamplesError::NonRigidJoint`] for a map that is no rigid motion.
     pub fn validate(&self) -> Result<Vec<Warning>, ExamplesError> {
         self.check_counts()?;
         self.check_joints()?;
-        self.check_finite()?;
+        self.check_numbers()?;
         let mut warnings = self.check_faces()?;
         for (map, name) in self.skeleton.rest.iter().zip(&self.skeleton.names) {
             let (array, frame, joint, deviation) =
@@ -141,20 +143,24 @@ impl Examples {
         Ok(())
     }
 
-    fn check_finite(&self) -> Result<(), ExamplesError> {
+    /// Checks every number: finite in any frame, and of a magnitude that a model can hold in the
+    /// rest pose and the training frames.
+    fn check_numbers(&self) -> Result<(), ExamplesError> {
         let vertex = |number: usize| Element::Vertex(number);
         let joint = |number: usize| Element::Joint(self.skeleton.names[number].clone());
-        finite("rest", self.rest.iter().map(<[_; 3]>::as_slice), None, vertex)?;
+        let trained = |frame: usize| self.split[frame] == Split::Train;
+        let rest = |_| true;
+        numbers("rest", self.rest.iter().map(<[_; 3]>::as_slice), None, vertex, rest)?;
         if let Some(uv) = &self.uv {
-            finite("uv", uv.iter().map(<[_; 2]>::as_slice), None, vertex)?;
+            numbers("uv", uv.iter().map(<[_; 2]>::as_slice), None, vertex, rest)?;
         }
         let count = Some(self.vertex_len());
-        finite("vertices", self.vertices.iter().map(<[_; 3]>::as_slice), count, vertex)?;
-        let maps = |maps: &'static str, of: &[Matrix3x4], count| {
-            finite(maps, of.iter().map(|map| map.as_flattened()), count, joint)
-        };
-        maps("joint_world_rest", &self.skeleton.rest, None)?;
-        maps("bone_transforms", &self.transforms, Some(self.joint_len()))
+        let vertices = self.vertices.iter().map(<[_; 3]>::as_slice);
+        numbers("vertices", vertices, count, vertex, trained)?;
+        let frames = self.skeleton.rest.iter().map(|map| map.as_flattened());
+        numbers("joint_world_rest", frames, None, joint, rest)?;
+        let maps = self.transforms.iter().map(|map| map.as_flattened());
+        numbers("bone_transforms", maps, Some(self.joint_len()), joint, trained)
     }
 
     fn check_faces(&self) -> Result<Vec<Warning>, ExamplesError> {
@@ -243,18 +249,23 @@ pub(super) fn same(
     Err(ExamplesError::Mismatch { what, first, first_len, second, second_len })
 }
 
-fn finite<'a>(
+fn numbers<'a>(
     array: &'static str,
-    mut rows: impl Iterator<Item = &'a [f64]>,
+    rows: impl Iterator<Item = &'a [f64]>,
     per_frame: Option<usize>,
     element: impl Fn(usize) -> Element,
+    bounded: impl Fn(usize) -> bool,
 ) -> Result<(), ExamplesError> {
-    match rows.position(|row| row.iter().any(|number| !number.is_finite())) {
-        None => Ok(()),
-        Some(row) => Err(ExamplesError::NotFinite {
-            array,
-            frame: per_frame.map(|len| row / len),
-            element: element(per_frame.map_or(row, |len| row % len)),
-        }),
+    for (number, row) in rows.enumerate() {
+        let frame = per_frame.map(|len| number / len);
+        let place = || element(per_frame.map_or(number, |len| number % len));
+        if !row.iter().all(|x| x.is_finite()) {
+            return Err(ExamplesError::NotFinite { array, frame, element: place() });
+        }
+        let within = |x: &f64| x.abs() <= f64::from(MAGNITUDE_MAX);
+        if !row.iter().all(within) && frame.is_none_or(&bounded) {
+            return Err(ExamplesError::TooLarge { array, frame, element: place() });
+        }
     }
+    Ok(())
 }

@@ -108,7 +108,7 @@ fn files_given_by_mistake_are_refused_by_name() {
     fs::create_dir(folder.path("inner")).unwrap();
     let before = folder.list();
     for (examples, expected) in [
-        ("none.npz", "none.npz: cannot be read or written: "),
+        ("none.npz", "none.npz: cannot be read: "),
         ("text.npz", "text.npz: is not a whole npz archive: "),
         ("demo.json", "demo.json: describes examples, expected the .npz file beside it"),
         ("demo.sinew", "demo.sinew: is not a whole npz archive: "),

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 /// Most dimensions of a basis.
 const MAX_RANK: usize = 160;
-/// Residual, relative to the diagonal, below which further dimensions are dropped.
+/// RMS residual, in units of the diagonal, below which further dimensions are dropped.
 const RESIDUAL: f64 = 1e-5;
 const CHUNKS: usize = 16;
 
@@ -24,12 +24,12 @@ pub struct Basis {
     pub vectors: Mat<f64>,
     /// Coordinates of each vertex, r x V.
     pub coordinates: Mat<f64>,
-    /// RMS length of what the basis leaves out, in units of the input.
+    /// RMS length of what the basis leaves out.
     pub residual: f64,
 }
 
-/// Builds the basis of trajectories (3n x V) of a character of the given diagonal.
-pub fn basis(trajectories: &Mat<f64>, diagonal: f64) -> Basis {
+/// Builds the basis of trajectories (3n x V), in units of the diagonal.
+pub fn basis(trajectories: &Mat<f64>) -> Basis {
     let (height, vertices) = (trajectories.nrows(), trajectories.ncols());
     let sketch = height.min(MAX_RANK + 16);
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(0);
@@ -61,8 +61,8 @@ pub fn basis(trajectories: &Mat<f64>, diagonal: f64) -> Basis {
     let total: f64 = trajectories.col_iter().map(|column| column.squared_norm_l2()).sum();
     let frames = (height / 3).max(1) as f64;
     let rms = |left: f64| (left.max(0.0) / (frames * vertices.max(1) as f64)).sqrt();
-    let (mut rank, mut left) = (0, total);
-    while rank < sketch.min(MAX_RANK) && rms(left) > RESIDUAL * diagonal {
+    let (mut rank, mut left) = (1, total - energy(0));
+    while rank < sketch.min(MAX_RANK) && rms(left) > RESIDUAL {
         left -= energy(rank);
         rank += 1;
     }
@@ -105,21 +105,20 @@ fn sum_over_chunks(
 mod tests {
     use super::*;
     use crate::demo::{DemoOptions, demo};
-    use crate::envelope::motion::{Poses, trajectories};
+    use crate::envelope::rotational::training::Training;
 
     #[test]
     fn coordinates_give_back_the_trajectories_to_the_stated_residual() {
         let examples = demo(&DemoOptions { vertices: 400, poses: 60, held_out: 0, seed: 1 });
-        let frames: Vec<usize> = (0..examples.frame_len()).collect();
-        let moved = trajectories(&examples, &frames, &Poses::new(&examples, &frames));
-        let basis = basis(&moved, examples.diagonal());
+        let moved = Training::new(&examples).unwrap().trajectories;
+        let basis = basis(&moved);
         let rank = basis.vectors.ncols();
         let gram = basis.vectors.transpose() * &basis.vectors;
         assert!((gram - Mat::<f64>::identity(rank, rank)).norm_max() < 1e-12);
         let left = &moved - &basis.vectors * &basis.coordinates;
-        let rms = left.norm_l2() / ((frames.len() * examples.vertex_len()) as f64).sqrt();
+        let rms = left.norm_l2() / ((60 * examples.vertex_len()) as f64).sqrt();
         assert!((rms - basis.residual).abs() < 1e-3 * basis.residual + 1e-9, "{rms}");
-        assert!(rms < 2.0 * RESIDUAL * examples.diagonal() && rank < moved.nrows());
+        assert!(rms < 2.0 * RESIDUAL && rank < moved.nrows());
     }
 
     #[test]
@@ -127,7 +126,7 @@ mod tests {
         let moved = Mat::from_fn(30, 50, |i, j| {
             (i as f64).sin() * j as f64 + (i as f64).cos() * (j as f64).sqrt()
         });
-        let basis = basis(&moved, 1.0);
+        let basis = basis(&moved);
         assert_eq!(basis.vectors.ncols(), 2);
         assert!((moved - &basis.vectors * &basis.coordinates).norm_max() < 1e-9);
     }

@@ -38,7 +38,7 @@ pub struct Choice {
 pub struct Trial {
     /// The candidate.
     pub choice: Choice,
-    /// Cross-validated RMS error, in units of the input; none where the system is singular.
+    /// Cross-validated RMS error over the diagonal; none where the system is singular.
     pub rms: Option<f64>,
 }
 
@@ -95,8 +95,7 @@ impl Candidates<'_> {
         let Some(projection) = self.projection else { return Ok(None) };
         progress.step("refinement", 1);
         let reduced = self.reduce(choice).ok_or(FitError::Singular)?;
-        let diagonal = self.reduction.diagonal;
-        let scores = self.validation.score_refined(&reduced, projection, &REFINEMENT, diagonal);
+        let scores = self.validation.score_refined(&reduced, projection, &REFINEMENT);
         progress.advance(1);
         let unrefined = self.validation.score(&reduced);
         let best = scores.iter().copied().fold(unrefined, f64::min);

@@ -288,7 +288,7 @@ mod tests {
     #[test]
     fn two_halves_that_turn_against_each_other_become_two_groups() {
         let (rest, triangles, moved) = strip();
-        let (surface, _) = Surface::new(&rest, triangles.clone(), &moved, basis(&moved, 8.0));
+        let (surface, _) = Surface::new(&rest, triangles.clone(), &moved, basis(&moved));
         let groups = MergeTree::build(&surface, || ()).cut(2);
         let left = groups[0];
         for (triangle, group) in groups.iter().enumerate() {
@@ -299,7 +299,7 @@ mod tests {
     #[test]
     fn a_cut_leaves_as_many_groups_as_asked_for() {
         let (rest, triangles, moved) = strip();
-        let (surface, _) = Surface::new(&rest, triangles.clone(), &moved, basis(&moved, 8.0));
+        let (surface, _) = Surface::new(&rest, triangles.clone(), &moved, basis(&moved));
         let tree = MergeTree::build(&surface, || ());
         for count in 1..=triangles.len() {
             let groups: BTreeSet<usize> = tree.cut(count).into_iter().collect();
@@ -311,7 +311,7 @@ mod tests {
     fn parts_without_a_common_edge_still_meet() {
         let (rest, triangles, moved) = strip();
         let apart = [triangles[0], triangles[5], triangles[10], triangles[15]];
-        let (surface, _) = Surface::new(&rest, apart.to_vec(), &moved, basis(&moved, 8.0));
+        let (surface, _) = Surface::new(&rest, apart.to_vec(), &moved, basis(&moved));
         let groups = MergeTree::build(&surface, || ()).cut(1);
         assert_eq!(groups, vec![0; 4]);
     }

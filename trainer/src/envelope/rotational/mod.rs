@@ -15,29 +15,27 @@ pub mod refine;
 pub mod rotation;
 pub mod scale_shear;
 pub mod surface;
+pub mod training;
 pub mod validation;
 
 use super::blend::Weights;
-use super::motion::{Poses, trajectories};
 use super::{FitError, weights};
 use crate::bake::{EnvelopeParts, Key};
-use crate::examples::{Examples, Split};
+use crate::examples::Examples;
 use crate::progress::Progress;
 use choose::{Candidates, Choice, Trial};
 use faer::Mat;
 use nalgebra::Matrix3;
 use predictor::{GradientPredictor, predict_stacked};
-use proxies::ProxyCount;
+use proxies::{CountTrial, ProxyCount};
 use rayon::prelude::*;
 use reduce::{Reduced, Reduction};
 use refine::{Projection, Regression};
 use serde::Serialize;
 use sinew_runtime::format::Certificate;
 use surface::Surface;
+use training::Training;
 use validation::{Targets, Validation};
-
-/// Fewest training poses: one row of H has six unknowns.
-pub const MIN_POSES: usize = 6;
 
 /// Names of a fit's steps, in order.
 pub const STEPS: [&str; 9] = [
@@ -81,28 +79,32 @@ pub struct Rotational {
     pub report: Report,
 }
 
-/// What a fit did and measured; lengths in units of the input.
+/// What a fit did and measured; errors are RMS, as shares of the rest diagonal.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// Dimensions of the trajectory basis.
     pub basis_rank: usize,
-    /// RMS of what the basis leaves out.
+    /// What the basis leaves out.
     pub basis_residual: f64,
-    /// RMS of 4-influence LBS on the training frames.
+    /// 4-influence LBS on the training frames.
     pub lbs_rms: f64,
-    /// RMS of the proxies' true maps on the training frames.
+    /// Every number of proxies that was tried.
+    pub proxy_counts: Vec<CountTrial>,
+    /// The proxies' true maps on the training frames.
     pub proxy_rms: f64,
-    /// RMS of the edges under the keys' true gradients on the training frames.
+    /// The edges under the keys' true gradients on the training frames.
     pub key_rms: f64,
-    /// RMS of the predicted envelope on the training frames.
+    /// The joints that each key follows, and how every other joint would have done.
+    pub keys: Vec<KeyChoice>,
+    /// The predicted envelope on the training frames.
     pub training_rms: f64,
-    /// The contiguous folds of the training frames, as ranges.
+    /// The contiguous folds, as ranges of the training frames.
     pub folds: Vec<std::ops::Range<usize>>,
-    /// Every candidate of F, γ, μ and the refinement, and its cross-validated RMS.
+    /// Every candidate of F, γ, μ and the refinement, and its cross-validated error.
     pub trials: Vec<Trial>,
     /// The candidate taken.
     pub choice: Choice,
-    /// Its cross-validated RMS.
+    /// Its cross-validated error.
     pub validated_rms: f64,
     /// Condition number of the reduced system.
     pub condition: f64,
@@ -112,48 +114,75 @@ pub struct Report {
     pub angle_ranges: Vec<f64>,
 }
 
+/// Which joints a key follows.
+#[derive(Clone, Debug, Serialize)]
+pub struct KeyChoice {
+    /// b.
+    pub joint: usize,
+    /// c.
+    pub residual_joint: Option<usize>,
+    /// Σ|R - R_pred|² of each joint as b, J.
+    pub errors: Vec<f64>,
+    /// Σ|R - R_pred|² of each joint as c, J; b's own is that without c.
+    pub residual_errors: Vec<f64>,
+}
+
+impl KeyChoice {
+    fn new(predictor: &GradientPredictor) -> Self {
+        let rotation = &predictor.rotation;
+        Self {
+            joint: rotation.joint,
+            residual_joint: rotation.residual.map(|(joint, _)| joint),
+            errors: rotation.errors.clone(),
+            residual_errors: rotation.residual_errors.clone(),
+        }
+    }
+}
+
+/// |θ| beyond which a joint comes near the seam of its rotation vector at π.
+const SEAM: f64 = 0.9 * std::f64::consts::PI;
+
+impl Report {
+    /// Lists the joints that turn so far from their parent in training that the regression on
+    /// their rotation vector, which jumps at a half turn, cannot be trusted there (METHOD §1.4).
+    pub fn joints_near_the_seam(&self) -> impl Iterator<Item = usize> + '_ {
+        self.angle_ranges.iter().enumerate().filter(|(_, range)| **range > SEAM).map(|(j, _)| j)
+    }
+}
+
 /// Fits an envelope to the training frames of the examples; no other frame is read.
 ///
 /// # Errors
-/// [`FitError::TooFewPoses`], [`FitError::NoTriangles`], [`FitError::Singular`].
+/// [`FitError::TooFewPoses`], [`FitError::NoTriangles`], [`FitError::MaxError`],
+/// [`FitError::Singular`].
 pub fn fit(
     examples: &Examples,
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Rotational, FitError> {
-    let frames = examples.frames_of(Split::Train);
-    if frames.len() < MIN_POSES {
-        return Err(FitError::TooFewPoses { found: frames.len(), needed: MIN_POSES });
-    }
-    let (rest, diagonal) = (&examples.rest, examples.diagonal());
-    let parents = &examples.skeleton.parents;
-    let poses = Poses::new(examples, &frames);
-    let moved = trajectories(examples, &frames, &poses);
+    let Training { unit, rest, triangles, poses, trajectories: moved } = Training::new(examples)?;
+    let rest = &rest;
 
     progress.step("LBS weights", 1);
     let (joints, lbs_errors) = weights::fit(rest, &moved, &poses, weights::BASELINE_INFLUENCES);
     progress.step("trajectory basis", 1);
-    let basis = basis::basis(&moved, diagonal);
+    let basis = basis::basis(&moved);
     let (basis_rank, basis_residual) = (basis.vectors.ncols(), basis.residual);
-    let (surface, basis) = Surface::new(rest, examples.solid_triangles(), &moved, basis);
-    if surface.triangles.is_empty() {
-        return Err(FitError::NoTriangles);
-    }
-
+    let (surface, basis) = Surface::new(rest, triangles, &moved, basis);
     progress.step("merging triangles", surface.triangles.len());
     let tree = merge::MergeTree::build(&surface, || progress.advance(1));
-    let (n, k) = (frames.len(), options.influences);
-    let proxies = proxies::fit(&surface, &tree, n, options.proxies, k, progress);
+    let (n, k) = (poses.len(), options.influences);
+    let proxies = proxies::fit(&surface, &tree, n, options.proxies, k, progress)?;
     let keys = keys::fit(&surface, &proxies, n, k, progress);
     let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis)).collect();
 
+    let parents = &examples.skeleton.parents;
     let targets = Targets { rest, weights: &proxies.weights, trajectories: &moved };
     let validation = Validation::new(&targets, &poses, parents, &sequences, progress);
     let projection = Projection::new(&targets, proxies.len());
     let candidates = Candidates {
         reduction: Reduction {
             rest,
-            diagonal,
             triangles: &surface.triangles,
             proxies: &proxies.weights,
             keys: &keys.weights,
@@ -169,29 +198,32 @@ pub fn fit(
     };
     let (choice, trials) = candidates.choose(progress)?;
 
-    progress.step("key predictors", keys.len());
+    progress.step("key predictors", 1);
     let predictors: Vec<_> =
         sequences.par_iter().map(|d| GradientPredictor::fit(&poses, parents, d)).collect();
     let predicted = predict_stacked(&predictors, &poses);
-    let mut reduced = candidates.reduce(&choice).ok_or(FitError::Singular)?;
     let fixed = choose::near_rigid(&lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
+    let mut reduced = system.run().ok_or(FitError::Singular)?;
     if let Some(strength) = choice.refinement {
         let residual = projection.residual(&reduced.palette(&predicted, &poses));
-        let regression = Regression::new(&predicted, &poses, &residual, &(0..0), diagonal);
+        let regression = Regression::new(&predicted, &poses, &residual, &(0..0));
         reduced = regression.refine(&reduced, strength);
     }
 
     let maps = reduced.palette(&predicted, &poses);
     let validated = trials.iter().find(|trial| trial.choice == choice).and_then(|t| t.rms);
+    let lbs = (&joints, &poses.stacked());
     let report = Report {
         basis_rank,
         basis_residual,
-        lbs_rms: Targets { weights: &joints, ..targets }.rms(&poses.stacked()),
+        lbs_rms: Targets { weights: &joints, ..targets }.rms(lbs.1),
+        proxy_counts: proxies.trials,
         proxy_rms: proxies.rms,
         key_rms: keys.rms,
+        keys: predictors.iter().map(KeyChoice::new).collect(),
         training_rms: targets.rms(&maps),
-        folds: validation::folds(frames.len()),
+        folds: validation::folds(poses.len()),
         validated_rms: validated.ok_or(FitError::Singular)?,
         trials,
         choice,
@@ -199,18 +231,19 @@ pub fn fit(
         near_rigid_deviation: validation::largest_distance(
             rest,
             (&proxies.weights, &maps),
-            (&joints, &poses.stacked()),
+            lbs,
             &fixed,
         ),
         angle_ranges: poses.angle_ranges(),
     };
+    let reduced = reduced.from_units_of(unit);
     Ok(Rotational { report, weights: proxies.weights, keys: predictors, reduced })
 }
 
 impl Rotational {
     /// Gathers what a file holds of the envelope.
     pub fn parts(&self, examples: &Examples) -> EnvelopeParts {
-        let skeleton = &examples.skeleton;
+        let (skeleton, diagonal) = (&examples.skeleton, examples.diagonal());
         let rows = |m: &Matrix3<f64>| [0, 1, 2].map(|r| [m[(r, 0)], m[(r, 1)], m[(r, 2)]]);
         let key = |key: &GradientPredictor| Key {
             joint: key.rotation.joint,
@@ -234,10 +267,10 @@ impl Rotational {
             c2: row_major(&self.reduced.c2),
             pose_ranges: self.report.angle_ranges.clone(),
             certificate: Certificate {
-                diagonal: examples.diagonal() as f32,
-                training_rms: self.report.training_rms as f32,
-                cross_validated_rms: self.report.validated_rms as f32,
-                lbs_training_rms: self.report.lbs_rms as f32,
+                diagonal: diagonal as f32,
+                training_rms: (diagonal * self.report.training_rms) as f32,
+                cross_validated_rms: (diagonal * self.report.validated_rms) as f32,
+                lbs_training_rms: (diagonal * self.report.lbs_rms) as f32,
             },
         }
     }

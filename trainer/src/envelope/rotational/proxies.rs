@@ -1,11 +1,13 @@
 //! Proxies: P affine maps a pose and the vertices' weights on them (METHOD §1.7.1, S3 §3.1).
 
+use super::super::FitError;
 use super::super::blend::{Items, Maps, Weights, fit_maps, fit_weights};
 use super::merge::MergeTree;
 use super::surface::Surface;
 use crate::progress::Progress;
 use faer::Mat;
 use serde::Serialize;
+use sinew_runtime::Limits;
 
 /// Name of the step.
 pub const STEP: &str = "proxies";
@@ -20,8 +22,17 @@ const GAIN: f64 = 2e-3;
 pub enum ProxyCount {
     /// Exactly so many.
     Fixed(usize),
-    /// The fewest whose RMS error on the training frames is at most this, in units of the input.
+    /// The fewest whose RMS error on the training frames is at most this share of the diagonal.
     MaxError(f64),
+}
+
+/// A number of proxies that was tried, and the error it leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CountTrial {
+    /// P.
+    pub proxies: usize,
+    /// RMS error over vertices and training frames, as a share of the diagonal.
+    pub rms: f64,
 }
 
 /// Fitted proxies.
@@ -30,8 +41,10 @@ pub struct Proxies {
     pub weights: Weights,
     /// Maps T_l on the trajectory basis, r x 4P.
     pub maps: Maps,
-    /// RMS error over vertices and training frames, in units of the input.
+    /// RMS error over vertices and training frames.
     pub rms: f64,
+    /// Every P that was tried.
+    pub trials: Vec<CountTrial>,
 }
 
 impl Proxies {
@@ -47,6 +60,9 @@ impl Proxies {
 }
 
 /// Fits proxies to a surface of n frames.
+///
+/// # Errors
+/// [`FitError::MaxError`] where no number of proxies that a file can hold comes near enough.
 pub fn fit(
     surface: &Surface<'_>,
     tree: &MergeTree,
@@ -54,24 +70,35 @@ pub fn fit(
     count: ProxyCount,
     influences: usize,
     progress: &dyn Progress,
-) -> Proxies {
+) -> Result<Proxies, FitError> {
     let items = vertex_items(surface);
-    let most = surface.triangles.len();
-    let at = |p: usize| {
+    let most = surface.triangles.len().min(Limits::DEFAULT.proxies as usize);
+    let mut trials = Vec::new();
+    let mut at = |proxies: usize| {
         progress.step(STEP, ROUNDS);
-        fit_at(surface, tree, &items, frames, p, influences, progress)
+        let fitted = fit_at(surface, tree, &items, frames, proxies, influences, progress);
+        trials.push(CountTrial { proxies, rms: fitted.rms });
+        fitted
     };
-    match count {
+    let found = match count {
         ProxyCount::Fixed(p) => at(p.clamp(1, most)),
-        ProxyCount::MaxError(limit) => fewest(at, most, limit),
-    }
+        ProxyCount::MaxError(limit) => fewest(&mut at, most, limit)?,
+    };
+    Ok(Proxies { trials, ..found })
 }
 
 /// Doubles P until the error is met, then halves the bracket.
-fn fewest(at: impl Fn(usize) -> Proxies, most: usize, limit: f64) -> Proxies {
+fn fewest(
+    at: &mut impl FnMut(usize) -> Proxies,
+    most: usize,
+    limit: f64,
+) -> Result<Proxies, FitError> {
     let (mut below, mut p) = (0, 4.min(most));
     let mut found = at(p);
-    while found.rms > limit && p < most {
+    while found.rms > limit {
+        if p == most {
+            return Err(FitError::MaxError { limit, reached: found.rms, proxies: p });
+        }
         below = p;
         p = (2 * p).min(most);
         found = at(p);
@@ -85,7 +112,7 @@ fn fewest(at: impl Fn(usize) -> Proxies, most: usize, limit: f64) -> Proxies {
             below = middle;
         }
     }
-    found
+    Ok(found)
 }
 
 fn fit_at(
@@ -113,7 +140,7 @@ fn fit_at(
             break;
         }
     }
-    Proxies { weights, maps, rms: error }
+    Proxies { weights, maps, rms: error, trials: Vec::new() }
 }
 
 /// One row `[x̂ 1]` a vertex.
@@ -162,35 +189,42 @@ fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
 #[cfg(test)]
 mod tests {
     use super::super::basis::basis;
+    use super::super::training::Training;
+    use super::super::validation::Targets;
     use super::*;
     use crate::demo::{DemoOptions, demo};
-    use crate::envelope::motion::{Poses, trajectories};
     use crate::progress::Silent;
 
     #[test]
     fn the_fewest_proxies_within_an_error_are_found() {
         let examples = demo(&DemoOptions { vertices: 300, poses: 30, held_out: 0, seed: 1 });
-        let frames: Vec<usize> = (0..examples.frame_len()).collect();
-        let moved = trajectories(&examples, &frames, &Poses::new(&examples, &frames));
-        let basis = basis(&moved, examples.diagonal());
-        let (surface, vectors) =
-            Surface::new(&examples.rest, examples.solid_triangles(), &moved, basis);
+        let Training { rest, triangles, trajectories, .. } = Training::new(&examples).unwrap();
+        let basis = basis(&trajectories);
+        let (surface, vectors) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = MergeTree::build(&surface, || ());
-        let fit_to = |count| fit(&surface, &tree, frames.len(), count, 4, &Silent);
-        let limit = 0.001 * examples.diagonal();
-        let found = fit_to(ProxyCount::MaxError(limit));
-        assert!(found.rms <= limit, "{} proxies leave {}", found.len(), found.rms);
-        let fewer = fit_to(ProxyCount::Fixed(found.len() - 1));
-        assert!(fewer.rms > limit, "{} proxies would do", fewer.len());
+        let fit_to = |count| fit(&surface, &tree, 30, count, 4, &Silent);
+        let found = fit_to(ProxyCount::MaxError(0.001)).unwrap();
+        assert!(found.rms <= 0.001, "{} proxies leave {}", found.len(), found.rms);
+        let fewer = fit_to(ProxyCount::Fixed(found.len() - 1)).unwrap();
+        assert!(fewer.rms > 0.001, "{} proxies would do", fewer.len());
+        assert!(found.trials.len() > 2);
 
         // The error in coordinates is the error of the skinned vertices.
         let maps = &vectors * &found.maps.columns;
-        let weights = &found.weights;
-        let targets = super::super::validation::Targets {
-            rest: &examples.rest,
-            weights,
-            trajectories: &moved,
-        };
+        let targets = Targets { rest: &rest, weights: &found.weights, trajectories: &trajectories };
         assert!((targets.rms(&maps) - found.rms).abs() < 1e-3 * found.rms);
+    }
+
+    #[test]
+    fn an_error_out_of_reach_says_what_was_reached() {
+        let examples = demo(&DemoOptions { vertices: 100, poses: 10, held_out: 0, seed: 1 });
+        let Training { rest, triangles, trajectories, .. } = Training::new(&examples).unwrap();
+        let most = triangles.len();
+        let basis = basis(&trajectories);
+        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
+        let tree = MergeTree::build(&surface, || ());
+        let asked = fit(&surface, &tree, 10, ProxyCount::MaxError(1e-30), 4, &Silent);
+        let Some(FitError::MaxError { proxies, reached, .. }) = asked.err() else { panic!() };
+        assert!(proxies == most && reached > 0.0 && reached < 0.01);
     }
 }

@@ -13,10 +13,8 @@ use serde::Serialize;
 /// What is reduced.
 #[derive(Clone, Copy)]
 pub struct Reduction<'a> {
-    /// V rest positions.
+    /// V rest positions, in units of the diagonal.
     pub rest: &'a [[f64; 3]],
-    /// Diagonal of the rest pose, the unit of the anchors.
-    pub diagonal: f64,
     /// T triangles; which vertex is first matters.
     pub triangles: &'a [[usize; 3]],
     /// α: the vertices' weights on the P proxies.
@@ -38,7 +36,7 @@ pub struct Reduction<'a> {
 /// Strength of the two anchors, both without unit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Anchors {
-    /// γ: pulls each vertex of F to its LBS position; relative to (mean edge / diagonal)².
+    /// γ: pulls each vertex of F to its LBS position; relative to the mean squared edge.
     pub near_rigid: f64,
     /// μ: pulls each proxy to its patch's LBS map; relative to the proxy's share of the edges.
     pub patch: f64,
@@ -129,7 +127,7 @@ impl Reduction<'_> {
 
     /// γ Σ_{a∈F} |φ_aᵀt - ψ_aᵀq|².
     fn add_near_rigid_anchor(&self, e: &mut NormalEquations, strength: f64) {
-        let gamma = strength * self.mean_squared_edge() / self.diagonal.powi(2);
+        let gamma = strength * self.mean_squared_edge();
         for vertex in (0..self.rest.len()).filter(|&v| self.fixed[v]) {
             for (row, phi) in self.phi(vertex) {
                 for (column, other) in self.phi(vertex) {
@@ -170,7 +168,7 @@ impl Reduction<'_> {
             let weight = mass[l].max(f64::MIN_POSITIVE);
             let centroid = moment[l] / weight;
             let spread = (square[l] / weight - centroid.norm_squared()).max(0.0);
-            let radius = spread.sqrt().max(1e-3 * self.diagonal);
+            let radius = spread.sqrt().max(1e-3);
             let points = tetrahedron_moment(&centroid, radius);
             let own = stiffness(e, l).max(1e-3 * mean) + f64::MIN_POSITIVE;
             let block = points * (strength * own / (points.fixed_view::<3, 3>(0, 0).trace()));
@@ -204,6 +202,21 @@ impl Reduction<'_> {
 }
 
 impl Reduced {
+    /// Restates c1 and c2, fitted with lengths in a unit, for lengths in units of the input.
+    pub fn from_units_of(mut self, unit: f64) -> Self {
+        let is_translation = |index: usize| index % 4 == 3;
+        for row in 0..self.c2.nrows() {
+            let scale = if is_translation(row) { unit } else { 1.0 };
+            for column in 0..self.c1.ncols() {
+                self.c1[(row, column)] *= scale;
+            }
+            for column in 0..self.c2.ncols() {
+                self.c2[(row, column)] *= scale / if is_translation(column) { unit } else { 1.0 };
+            }
+        }
+        self
+    }
+
     /// Evaluates `t = c1 d + c2 q` of n poses: gradients 3n x 3P (columns 3l..3l+3 are key l) to
     /// maps 3n x 4P (columns 4l..4l+4 are proxy l).
     pub fn palette(&self, gradients: &Mat<f64>, poses: &Poses) -> Mat<f64> {

@@ -65,7 +65,6 @@ pub struct Regression {
     rows: usize,
     keys: usize,
     root: usize,
-    diagonal: f64,
 }
 
 impl Regression {
@@ -75,16 +74,15 @@ impl Regression {
         poses: &Poses,
         residual: &Mat<f64>,
         left_out: &Range<usize>,
-        diagonal: f64,
     ) -> Self {
-        let all = features(gradients, poses, diagonal);
+        let all = features(gradients, poses);
         let (mut gram, mut right) = (all.transpose() * &all, all.transpose() * residual);
         let (start, len) = (3 * left_out.start, 3 * left_out.len());
         let (x, r) = (all.subrows(start, len), residual.subrows(start, len));
         gram -= x.transpose() * x;
         right -= x.transpose() * r;
         let rows = all.nrows() - len;
-        Self { gram, right, rows, keys: gradients.ncols(), root: poses.root(), diagonal }
+        Self { gram, right, rows, keys: gradients.ncols(), root: poses.root() }
     }
 
     /// Adds Δ at a ridge of `strength` an equation to c1 and c2.
@@ -101,8 +99,7 @@ impl Regression {
                     column % 3
                 } else {
                     let column = column - self.keys;
-                    let unit = if column % 4 == 3 { self.diagonal } else { 1.0 };
-                    refined.c2[(row, column)] += value / unit;
+                    refined.c2[(row, column)] += value;
                     column % 4
                 };
                 if axis < 3 {
@@ -114,14 +111,13 @@ impl Regression {
     }
 }
 
-/// Deviations from rest `[d - I, q - rest]`, 3n x (3P + 4J), translations over the diagonal.
-fn features(gradients: &Mat<f64>, poses: &Poses, diagonal: f64) -> Mat<f64> {
+/// Deviations from rest `[d - I, q - rest]`, 3n x (3P + 4J).
+fn features(gradients: &Mat<f64>, poses: &Poses) -> Mat<f64> {
     let (keys, joints) = (gradients.ncols(), poses.stacked());
     Mat::from_fn(gradients.nrows(), keys + joints.ncols(), |row, column| {
         let identity = |axis: usize| f64::from(u8::from(row % 3 == axis));
         match column.checked_sub(keys) {
             None => gradients[(row, column)] - identity(column % 3),
-            Some(column) if column % 4 == 3 => joints[(row, column)] / diagonal,
             Some(column) => joints[(row, column)] - identity(column % 4),
         }
     })

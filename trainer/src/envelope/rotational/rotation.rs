@@ -46,35 +46,43 @@ pub struct RotationPredictor {
     pub twist: Matrix3<f64>,
     /// c and u' W'.
     pub residual: Option<(usize, Matrix3<f64>)>,
+    /// Σ|R - R_pred|² of each joint as b, J.
+    pub errors: Vec<f64>,
+    /// Σ|R - R_pred|² of each joint as c, J; b's own is that without c.
+    pub residual_errors: Vec<f64>,
 }
 
 impl RotationPredictor {
     /// Fits the joint, its twist and, where it helps, a residual joint to rotations relative to
     /// the root, one per pose; every joint is tried.
     pub fn fit(poses: &Poses, rotations: &[Matrix3<f64>], solver: Solver) -> Self {
-        let bases = |joint: usize| (0..poses.len()).map(move |i| *poses.parent_rotation(i, joint));
-        let (mut best, mut error) = (None, f64::INFINITY);
-        for joint in 0..poses.joint_len() {
-            let candidate = candidate(poses, joint, bases(joint), rotations, solver);
-            if candidate.1 < error {
-                error = candidate.1;
-                best = Some((joint, candidate.0));
-            }
-        }
-        let (joint, twist) = best.unwrap_or((0, Matrix3::zeros()));
-        let one = Self { joint, twist, residual: None };
-        let predicted: Vec<_> = (0..poses.len()).map(|i| one.predict(poses, i)).collect();
-        let mut limit = RESIDUAL_GAIN * error;
-        let mut residual = None;
-        for other in (0..poses.joint_len()).filter(|&c| c != joint) {
+        let joints = 0..poses.joint_len();
+        let (twists, errors): (Vec<_>, Vec<_>) = joints
+            .clone()
+            .map(|b| {
+                let bases = (0..poses.len()).map(|i| *poses.parent_rotation(i, b));
+                candidate(poses, b, bases, rotations, solver)
+            })
+            .unzip();
+        let joint = least(&errors);
+        let mut fitted = Self {
+            joint,
+            twist: twists.get(joint).copied().unwrap_or_default(),
+            residual: None,
+            residual_errors: vec![errors.get(joint).copied().unwrap_or_default(); errors.len()],
+            errors,
+        };
+        let predicted: Vec<_> = (0..poses.len()).map(|i| fitted.predict(poses, i)).collect();
+        let mut twists = vec![Matrix3::zeros(); poses.joint_len()];
+        for c in joints.filter(|&c| c != joint) {
             let start = predicted.iter().copied();
-            let candidate = candidate(poses, other, start, rotations, solver);
-            if candidate.1 < limit {
-                limit = candidate.1;
-                residual = Some((other, candidate.0));
-            }
+            (twists[c], fitted.residual_errors[c]) = candidate(poses, c, start, rotations, solver);
         }
-        Self { residual, ..one }
+        let c = least(&fitted.residual_errors);
+        if c != joint && fitted.residual_errors[c] < RESIDUAL_GAIN * fitted.errors[joint] {
+            fitted.residual = Some((c, twists[c]));
+        }
+        fitted
     }
 
     /// Predicts the rotation of a pose, relative to the root.
@@ -86,6 +94,11 @@ impl RotationPredictor {
             None => rotation,
         }
     }
+}
+
+fn least(errors: &[f64]) -> usize {
+    let order = errors.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+    order.map_or(0, |(index, _)| index)
 }
 
 /// Fits one joint on top of given base rotations; returns u W and Σ|R - R_pred|².

@@ -84,7 +84,6 @@ impl<'a> Validation<'a> {
         reduced: &Reduced,
         projection: &Projection,
         strengths: &[f64],
-        diagonal: f64,
     ) -> Vec<f64> {
         let regressions: Vec<Regression> = self
             .folds
@@ -93,7 +92,7 @@ impl<'a> Validation<'a> {
                 let maps = reduced.palette(&fold.predicted, self.poses);
                 let residual = projection.residual(&maps);
                 let poses = self.poses;
-                Regression::new(&fold.predicted, poses, &residual, &fold.range, diagonal)
+                Regression::new(&fold.predicted, poses, &residual, &fold.range)
             })
             .collect();
         strengths

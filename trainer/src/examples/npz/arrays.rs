@@ -34,7 +34,7 @@ pub(super) trait Number: Copy + Default {
 impl Archive {
     /// Opens an archive and reads its directory.
     pub(super) fn open(path: &Path) -> Result<Self, ExamplesError> {
-        let file = File::open(path)?;
+        let file = File::open(path).map_err(ExamplesError::Read)?;
         let npz = NpzArchive::new(BufReader::new(file))
             .map_err(|error| ExamplesError::Archive { reason: error.to_string() })?;
         Ok(Self { npz })

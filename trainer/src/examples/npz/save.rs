@@ -2,11 +2,13 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use npyz::npz::NpzWriter;
 use npyz::{AutoSerialize, DType, WriterBuilder};
 use zip::write::FileOptions;
+
+use crate::files::Part;
 
 use super::sidecar::{Parent, Sidecar};
 use super::{Examples, ExamplesError, LoadError, Matrix3x4, Split};
@@ -106,15 +108,7 @@ fn code(split: Split) -> u8 {
 }
 
 fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), LoadError> {
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(".part");
-    let beside = PathBuf::from(beside);
-    let written = File::create(&beside)
-        .and_then(|mut file| write(&mut file).and_then(|()| file.sync_all()))
-        .and_then(|()| std::fs::rename(&beside, path));
-    if written.is_err() {
-        // The first error is the one worth telling.
-        let _ = std::fs::remove_file(&beside);
-    }
-    written.map_err(|error| LoadError { file: path.to_owned(), error: ExamplesError::Io(error) })
+    Part::create(path)
+        .and_then(|mut part| write(part.file()).and_then(|()| part.finish()))
+        .map_err(|error| LoadError { file: path.to_owned(), error: ExamplesError::Write(error) })
 }

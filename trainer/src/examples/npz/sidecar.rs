@@ -39,7 +39,7 @@ impl Sidecar {
         let text = match std::fs::read(path) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Self::default()),
-            Err(error) => return Err(error.into()),
+            Err(error) => return Err(ExamplesError::Read(error)),
         };
         serde_json::from_slice(&text)
             .map_err(|error| ExamplesError::Json { reason: error.to_string() })

@@ -27,6 +27,18 @@ fn not_finite_names_array_frame_and_vertex_or_joint() {
 }
 
 #[test]
+fn what_single_precision_cannot_hold_names_array_frame_and_vertex_or_joint() {
+    let fault = Set::good().real("rest", 4, 1e30).fault("large-rest");
+    assert!(matches!(fault, ExamplesError::TooLarge { array: "rest", frame: None, .. }), "{fault}");
+    let fault = Set::good().real("vertices", 15 + 7, -1e10).fault("large-vertex");
+    let ExamplesError::TooLarge { frame: Some(1), element: Element::Vertex(2), .. } = fault else {
+        panic!("{fault}")
+    };
+    let fault = Set::good().real("bone_transforms", 32 + 16 + 3, 1e300).fault("large-joint");
+    assert!(fault.to_string().contains("joint tip"), "{fault}");
+}
+
+#[test]
 fn counts_that_disagree_name_both_arrays() {
     let shortened = |array: &'static str, shape: &[u64], test| {
         let mut set = Set::good();
@@ -155,7 +167,10 @@ fn triangles_without_area_are_listed_unless_all_are() {
     assert_eq!(loaded.warnings, [Warning::RepeatedVertex { triangles: vec![1] }]);
     let loaded = Set::good().real("rest", 9, 2.0).real("rest", 10, 2.0).load("flat").unwrap();
     assert_eq!(loaded.warnings, [Warning::ZeroArea { triangles: vec![1] }]);
-    assert_eq!(loaded.warnings[0].to_string(), "1 rest triangles have no area: 1");
+    assert_eq!(
+        loaded.warnings[0].to_string(),
+        "triangles without area at rest are left out of the fit: 1"
+    );
     assert_eq!(loaded.examples.degenerate_triangles(), [1]);
     let mut set = Set::good();
     set.reals.insert("rest", (vec![5, 3], vec![1.0; 15]));
@@ -211,7 +226,7 @@ fn damaged_files_are_refused_and_named() {
 
     std::fs::remove_file(&path).unwrap();
     std::fs::remove_file(&json).unwrap();
-    assert!(matches!(load(&path).unwrap_err().error, ExamplesError::Io(_)));
+    assert!(matches!(load(&path).unwrap_err().error, ExamplesError::Read(_)));
 }
 
 #[test]

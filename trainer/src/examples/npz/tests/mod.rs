@@ -152,7 +152,7 @@ fn what_is_saved_loads_the_same_with_and_without_the_json() {
 #[test]
 fn saving_where_nothing_can_be_written_names_the_file() {
     let error = save_npz(Path::new("no such folder/x.npz"), &triangle(1)).unwrap_err();
-    assert!(matches!(error.error, ExamplesError::Io(_)) && error.file.ends_with("x.json"));
+    assert!(matches!(error.error, ExamplesError::Write(_)) && error.file.ends_with("x.json"));
 }
 
 #[test]
