@@ -12,6 +12,8 @@ use rayon::prelude::*;
 
 /// Most maps that a weight fit of one item looks at, nearest in error first.
 pub const CANDIDATES: usize = 12;
+/// Error of a Gram matrix's entries, relative to the squared length of the target.
+const ROUNDING: f64 = 1e-14;
 /// Partial sums that a fit of maps is split into, so that threads do not change the order.
 const CHUNKS: usize = 16;
 
@@ -181,7 +183,11 @@ fn fit_item(
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
 
-    let mut gram = Gram { len: candidates.len(), value: [[0.0; MAX_COLUMNS]; MAX_COLUMNS] };
+    let mut gram = Gram {
+        len: candidates.len(),
+        noise: ROUNDING * own,
+        value: [[0.0; MAX_COLUMNS]; MAX_COLUMNS],
+    };
     for (i, &(error, toward_a, a)) in candidates.iter().enumerate() {
         gram.value[i][i] = error.max(0.0);
         for (j, &(_, toward_b, b)) in candidates.iter().enumerate().take(i) {

@@ -11,6 +11,8 @@ pub const MAX_COLUMNS: usize = 16;
 pub struct Gram {
     /// Number of columns in use.
     pub len: usize,
+    /// How far rounding may have moved the values; differences below it are none.
+    pub noise: f64,
     /// `(p_i - y)·(p_j - y)`.
     pub value: [[f64; MAX_COLUMNS]; MAX_COLUMNS],
 }
@@ -24,7 +26,7 @@ impl Gram {
                 value[i][j] = self.value[a][b];
             }
         }
-        Self { len: columns.len(), value }
+        Self { len: columns.len(), noise: self.noise, value }
     }
 
     /// Returns the squared error of weights.
@@ -50,9 +52,7 @@ pub fn solve(gram: &Gram) -> [f64; MAX_COLUMNS] {
     weights[nearest] = 1.0;
     let mut active = vec![nearest];
     let scale: f64 = (0..n).map(|j| gram.value[j][j]).fold(0.0, f64::max);
-    if !scale.is_normal() {
-        return weights;
-    }
+    let noise = gram.noise + 1e-12 * scale;
     // Each round lowers the error strictly, so no active set comes back; the cap guards rounding.
     for _ in 0..4 * n {
         let error = gram.error(&weights);
@@ -61,7 +61,7 @@ pub fn solve(gram: &Gram) -> [f64; MAX_COLUMNS] {
             .map(|j| (gram.apply(&weights, j), j))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         match entering {
-            Some((slope, j)) if slope < error - 1e-12 * scale => active.push(j),
+            Some((slope, j)) if slope < error - noise => active.push(j),
             _ => break,
         }
         while let Some(target) = affine_minimum(gram, &active) {
@@ -107,7 +107,8 @@ pub fn solve_sparse(gram: &Gram, most: usize) -> [f64; MAX_COLUMNS] {
     weights
 }
 
-/// Minimises over the affine hull of the active columns; `None` once at most one is left.
+/// Minimises over the affine hull of the active columns; `None` once at most one is left, or where
+/// they do not differ.
 fn affine_minimum(gram: &Gram, active: &[usize]) -> Option<Vec<f64>> {
     let n = active.len();
     if n <= 1 {
@@ -117,7 +118,7 @@ fn affine_minimum(gram: &Gram, active: &[usize]) -> Option<Vec<f64>> {
     let trace: f64 = (0..n).map(|i| a.value[i][i]).sum();
     for i in 0..n {
         // Columns that coincide leave the weights free between them: share them evenly.
-        a.value[i][i] += 1e-12 * trace + f64::MIN_POSITIVE;
+        a.value[i][i] += gram.noise + 1e-12 * trace;
     }
     let mut x = vec![1.0; n];
     for k in 0..n {
@@ -127,7 +128,7 @@ fn affine_minimum(gram: &Gram, active: &[usize]) -> Option<Vec<f64>> {
                 a.value[i][k] -= a.value[i][j] * factor;
             }
         }
-        let pivot = a.value[k][k].max(1e-14 * trace + f64::MIN_POSITIVE).sqrt();
+        let pivot = a.value[k][k].max(gram.noise + 1e-14 * trace).sqrt();
         for i in k..n {
             a.value[i][k] /= pivot;
         }
@@ -146,6 +147,9 @@ fn affine_minimum(gram: &Gram, active: &[usize]) -> Option<Vec<f64>> {
         x[k] /= a.value[k][k];
     }
     let sum: f64 = x.iter().sum();
+    if !sum.is_normal() {
+        return None;
+    }
     Some(x.into_iter().map(|v| v / sum).collect())
 }
 
@@ -162,7 +166,7 @@ mod tests {
                 value[i][j] = (0..3).map(|k| d[i][k] * d[j][k]).sum();
             }
         }
-        Gram { len: d.len(), value }
+        Gram { len: d.len(), noise: 0.0, value }
     }
 
     #[test]
@@ -213,8 +217,17 @@ mod tests {
     }
 
     #[test]
-    fn coinciding_columns_are_no_trouble() {
-        let w = solve(&gram(&[[1.0, 0.0, 0.0]; 3], [0.0; 3]));
-        assert!((w.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    fn coinciding_columns_and_nothing_but_rounding_are_no_trouble() {
+        let mut noise = gram(&[[0.0; 3]; 12], [0.0; 3]);
+        for i in 0..12 {
+            for j in 0..12 {
+                noise.value[i][j] = 1e-17 * ((5 * i * j + 3 * (i + j)) as f64).sin();
+            }
+        }
+        noise.noise = 1e-15;
+        for g in [gram(&[[1.0, 0.0, 0.0]; 3], [0.0; 3]), gram(&[[0.0; 3]; 3], [0.0; 3]), noise] {
+            let w = solve(&g);
+            assert!((w.iter().sum::<f64>() - 1.0).abs() < 1e-12 && w.iter().all(|&x| x >= 0.0));
+        }
     }
 }

@@ -1,0 +1,136 @@
+//! Comparators: each fails on a NaN, on nothing to compare, and on lengths that differ.
+
+/// How a comparison failed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mismatch {
+    /// There is nothing to compare.
+    Empty,
+    /// The lists do not have the same number of values.
+    Length {
+        /// Values expected.
+        expected: usize,
+        /// Values found.
+        found: usize,
+    },
+    /// A value is farther from the expected one than its tolerance, or any of the three is a NaN.
+    Beyond {
+        /// The value's place in its list.
+        index: usize,
+        /// The value expected.
+        expected: f64,
+        /// The value found.
+        found: f32,
+        /// How far it may be.
+        tolerance: f64,
+    },
+    /// A value is a NaN or has other bits than the expected one.
+    Bits {
+        /// The value's place in its list.
+        index: usize,
+        /// The value expected.
+        expected: f32,
+        /// The value found.
+        found: f32,
+    },
+}
+
+/// Makes an output that a backend must write: any value that it leaves alone fails a comparison.
+pub fn poisoned<const N: usize>(len: usize) -> Vec<[f32; N]> {
+    vec![[f32::NAN; N]; len]
+}
+
+/// Compares values with those expected, each to a tolerance of its own; returns the largest ratio
+/// of an error to its tolerance.
+///
+/// # Errors
+/// The first [`Mismatch`].
+pub fn within(found: &[f32], expected: &[f64], tolerances: &[f64]) -> Result<f64, Mismatch> {
+    check_lens(expected.len(), found.len())?;
+    check_lens(expected.len(), tolerances.len())?;
+    let mut worst = 0.0_f64;
+    let pairs = found.iter().zip(expected).zip(tolerances);
+    for (index, ((&found, &expected), &tolerance)) in pairs.enumerate() {
+        let error = (f64::from(found) - expected).abs();
+        // Written so that a NaN anywhere fails.
+        let holds = error <= tolerance && expected.is_finite();
+        if !holds {
+            return Err(Mismatch::Beyond { index, expected, found, tolerance });
+        }
+        if error > 0.0 {
+            worst = worst.max(error / tolerance);
+        }
+    }
+    Ok(worst)
+}
+
+/// Compares values bit by bit.
+///
+/// # Errors
+/// The first [`Mismatch`].
+pub fn same_bits(found: &[f32], expected: &[f32]) -> Result<(), Mismatch> {
+    check_lens(expected.len(), found.len())?;
+    for (index, (&found, &expected)) in found.iter().zip(expected).enumerate() {
+        if found.is_nan() || found.to_bits() != expected.to_bits() {
+            return Err(Mismatch::Bits { index, expected, found });
+        }
+    }
+    Ok(())
+}
+
+fn check_lens(expected: usize, found: usize) -> Result<(), Mismatch> {
+    if expected != found {
+        return Err(Mismatch::Length { expected, found });
+    }
+    if expected == 0 { Err(Mismatch::Empty) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NAN: f64 = f64::NAN;
+
+    #[test]
+    fn the_largest_ratio_is_returned() {
+        assert_eq!(within(&[1.0, 2.5], &[1.0, 2.0], &[0.0, 1.0]), Ok(0.5));
+    }
+
+    #[test]
+    fn a_value_beyond_its_tolerance_fails() {
+        let beyond = Mismatch::Beyond { index: 1, expected: 2.0, found: 2.5, tolerance: 0.49 };
+        assert_eq!(within(&[1.0, 2.5], &[1.0, 2.0], &[9.0, 0.49]), Err(beyond));
+        assert!(within(&[1.0], &[1.0 + 1e-15], &[0.0]).is_err());
+    }
+
+    #[test]
+    fn a_nan_anywhere_fails() {
+        assert!(within(&[f32::NAN], &[1.0], &[f64::INFINITY]).is_err());
+        assert!(within(&[1.0], &[NAN], &[f64::INFINITY]).is_err());
+        assert!(within(&[1.0], &[1.0], &[NAN]).is_err());
+        assert!(within(&[1.0], &[1.0], &[-1.0]).is_err());
+        assert!(within(&[f32::INFINITY], &[f64::INFINITY], &[1.0]).is_err());
+        assert!(same_bits(&[f32::NAN], &[f32::NAN]).is_err());
+        assert!(same_bits(poisoned::<3>(2).as_flattened(), &[0.0; 6]).is_err());
+    }
+
+    #[test]
+    fn nothing_to_compare_fails() {
+        assert_eq!(within(&[], &[], &[]), Err(Mismatch::Empty));
+        assert_eq!(same_bits(&[], &[]), Err(Mismatch::Empty));
+    }
+
+    #[test]
+    fn lengths_that_differ_fail() {
+        let length = |expected, found| Mismatch::Length { expected, found };
+        assert_eq!(within(&[1.0], &[1.0, 1.0], &[1.0, 1.0]), Err(length(2, 1)));
+        assert_eq!(within(&[1.0, 1.0], &[1.0, 1.0], &[1.0]), Err(length(2, 1)));
+        assert_eq!(same_bits(&[1.0], &[]), Err(length(0, 1)));
+    }
+
+    #[test]
+    fn one_bit_fails() {
+        assert_eq!(same_bits(&[1.0, -0.0], &[1.0, -0.0]), Ok(()));
+        assert!(same_bits(&[1.0], &[f32::from_bits(1.0_f32.to_bits() + 1)]).is_err());
+        assert!(same_bits(&[0.0], &[-0.0]).is_err());
+    }
+}

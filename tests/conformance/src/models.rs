@@ -1,0 +1,161 @@
+//! Models to run on: random ones of every shape, the demo character, and a real arm.
+
+use nalgebra::{UnitQuaternion, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sinew_runtime::format::Certificate;
+use sinew_trainer::bake::{EnvelopeParts, Key, bake};
+use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::rotational::Options;
+use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::train;
+use sinew_trainer::examples::{Examples, npz};
+use sinew_trainer::progress::Silent;
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// Counts of a random model.
+#[derive(Clone, Copy, Debug)]
+pub struct Shape {
+    /// V.
+    pub vertices: usize,
+    /// J.
+    pub joints: usize,
+    /// P; an odd number leaves half of the last block of rows unused.
+    pub proxies: usize,
+    /// K.
+    pub influences: usize,
+    /// Whether it has tangents.
+    pub tangents: bool,
+}
+
+/// Odd, one and zero of everything that may be.
+pub const SHAPES: [Shape; 5] = [
+    Shape { vertices: 37, joints: 6, proxies: 5, influences: 4, tangents: true },
+    Shape { vertices: 61, joints: 3, proxies: 8, influences: 3, tangents: false },
+    Shape { vertices: 1, joints: 1, proxies: 1, influences: 1, tangents: true },
+    Shape { vertices: 2, joints: 2, proxies: 3, influences: 7, tangents: true },
+    Shape { vertices: 0, joints: 2, proxies: 1, influences: 2, tangents: true },
+];
+
+/// Bakes a model of random keys, coefficients and weights in which rest is rest: the root's blocks
+/// of c2 take up what the others add to it.
+///
+/// # Panics
+/// If the bake refuses it.
+pub fn random(shape: Shape) -> Vec<u8> {
+    let Shape { vertices, joints, proxies, influences, tangents } = shape;
+    let mut random = ChaCha8Rng::seed_from_u64(vertices as u64);
+    let mut within = |size: f64| random.random_range(-size..=size);
+    let root = joints / 2;
+    // A chain up and a chain down from the root.
+    let parent = |joint: usize| match joint.cmp(&root) {
+        std::cmp::Ordering::Less => Some(joint + 1),
+        std::cmp::Ordering::Equal => None,
+        std::cmp::Ordering::Greater => Some(joint - 1),
+    };
+    let c1: Vec<_> = (0..12 * proxies * proxies).map(|_| within(0.5)).collect();
+    let mut c2: Vec<_> = (0..16 * proxies * joints).map(|_| within(0.5)).collect();
+    for row in 0..4 * proxies {
+        let (d, q) = (&c1[3 * proxies * row..][..3 * proxies], 4 * joints * row);
+        for axis in 0..3 {
+            let own = c2[q..q + 4 * joints].iter().skip(axis).step_by(4).sum::<f64>();
+            let sum = own + d.iter().skip(axis).step_by(3).sum::<f64>();
+            c2[q + 4 * root + axis] += f64::from(u8::from(row % 4 == axis)) - sum;
+        }
+    }
+    let mut matrix = |size: f64| [(); 3].map(|()| [(); 3].map(|()| within(size)));
+    let keys = (0..proxies).map(|l| Key {
+        joint: (l + 1) % joints,
+        twist: matrix(1.0),
+        residual: (l % 2 == 0).then(|| (l % joints, matrix(0.5))),
+        shear: [(); 6].map(|()| [(); 6].map(|()| matrix(0.2)[0][0])),
+    });
+    let keys = keys.collect();
+    let turned = |x: f64| UnitQuaternion::from_euler_angles(x, 2.0 * x, 3.0 * x);
+    let at = |v: usize| v as f64 + 0.5;
+    let unit = |v: usize| (turned(at(v)) * Vector3::z()).into();
+    let tangent = |v: usize| {
+        let [x, y, z] = (turned(at(v)) * Vector3::x()).into();
+        [x, y, z, if v.is_multiple_of(3) { -1.0 } else { 1.0 }]
+    };
+    let weights = |v: usize| {
+        // The last vertex follows one proxy alone.
+        let len = if v + 1 == vertices { 1 } else { influences };
+        (0..len).map(|k| ((v + k) % proxies, 1.0 / (k + 1) as f64)).collect()
+    };
+    let frame = |joint: usize| {
+        let m = turned(joint as f64).to_rotation_matrix();
+        [0, 1, 2].map(|r| [m[(r, 0)], m[(r, 1)], m[(r, 2)], 0.7 * (joint + r) as f64])
+    };
+    let parts = EnvelopeParts {
+        name: "random".to_owned(),
+        joint_names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
+        parents: (0..joints).map(parent).collect(),
+        root,
+        rest_frames: (0..joints).map(frame).collect(),
+        rest_positions: (0..vertices).map(|_| matrix(2.0)[0]).collect(),
+        rest_normals: (0..vertices).map(unit).collect(),
+        rest_tangents: tangents.then(|| (0..vertices).map(tangent).collect()),
+        influences: (0..vertices).map(weights).collect(),
+        keys,
+        c1,
+        c2,
+        pose_ranges: vec![1.5; joints],
+        certificate: Certificate {
+            diagonal: 4.0,
+            training_rms: 0.0,
+            cross_validated_rms: 0.0,
+            lbs_training_rms: 0.0,
+        },
+    };
+    bake(&parts).expect("a random model can be baked")
+}
+
+/// Examples of the demo character, small.
+pub fn demo_examples(vertices: usize) -> Examples {
+    demo(&DemoOptions { vertices, poses: 60, held_out: 0, seed: 1 })
+}
+
+/// The demo character of about 300 vertices, trained with 13 proxies: once in a process.
+///
+/// # Panics
+/// If the training fails.
+pub fn trained() -> &'static [u8] {
+    static MODEL: OnceLock<Vec<u8>> = OnceLock::new();
+    MODEL.get_or_init(|| fit(&demo_examples(300)))
+}
+
+/// A real arm, trained likewise; `None` where the data is not beside the repository.
+///
+/// # Panics
+/// If the training fails, or if `CI` is set and there is no data.
+pub fn arm() -> Option<&'static [u8]> {
+    static MODEL: OnceLock<Option<Vec<u8>>> = OnceLock::new();
+    let model = MODEL.get_or_init(|| {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+        if !data.is_dir() {
+            assert!(std::env::var_os("CI").is_none(), "CI is set, but there is no {data:?}");
+            eprintln!("not run on the real arm: there is no {}", data.display());
+            return None;
+        }
+        let mut examples = npz::load(&data.join("mpfb-arm/mpfb_arm.npz"))
+            .expect("the real arm can be loaded")
+            .examples;
+        keep_frames(&mut examples, 60);
+        Some(fit(&examples))
+    });
+    model.as_deref()
+}
+
+fn fit(examples: &Examples) -> Vec<u8> {
+    let options = Options { proxies: ProxyCount::Fixed(13), ..Options::default() };
+    train(examples, &options, &Silent).expect("the training succeeds").model
+}
+
+/// Keeps the first frames.
+fn keep_frames(examples: &mut Examples, count: usize) {
+    examples.vertices.truncate(count * examples.vertex_len());
+    examples.transforms.truncate(count * examples.joint_len());
+    examples.split.truncate(count);
+}

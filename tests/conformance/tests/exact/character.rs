@@ -1,0 +1,120 @@
+//! A small character with everything that a reduction is made of.
+
+use conformance::poses::rigid_motion;
+use nalgebra::{Matrix3, Matrix3x4, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use sinew_trainer::envelope::blend::Weights;
+use sinew_trainer::envelope::motion::{to_nalgebra, transform};
+use sinew_trainer::envelope::oracle::after;
+use sinew_trainer::envelope::rotational::basis::basis;
+use sinew_trainer::envelope::rotational::keys;
+use sinew_trainer::envelope::rotational::merge::MergeTree;
+use sinew_trainer::envelope::rotational::predictor::GradientPredictor;
+use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
+use sinew_trainer::envelope::rotational::reduce::{Anchors, Reduction};
+use sinew_trainer::envelope::rotational::surface::Surface;
+use sinew_trainer::envelope::rotational::training::Training;
+use sinew_trainer::envelope::weights;
+use sinew_trainer::examples::Examples;
+use sinew_trainer::progress::Silent;
+
+const PROXIES: usize = 9;
+const INFLUENCES: usize = 4;
+
+/// Lengths are in units of the rest diagonal.
+pub(crate) struct Character {
+    pub(crate) joint_len: usize,
+    /// The rest mesh and the training frames.
+    pub(crate) training: Training,
+    /// α.
+    pub(crate) proxies: Weights,
+    /// β.
+    pub(crate) keys: Weights,
+    /// w.
+    pub(crate) joints: Weights,
+    /// The quarter of the vertices with the least LBS error.
+    pub(crate) fixed: Vec<bool>,
+    /// D_l of every pose, P.
+    pub(crate) sequences: Vec<Vec<Matrix3<f64>>>,
+}
+
+impl Character {
+    pub(crate) fn fit(examples: &Examples) -> Self {
+        let training = Training::new(examples).expect("there are poses and triangles");
+        let Training { rest, triangles, poses, trajectories, .. } = &training;
+        let (joints, errors) = weights::fit(rest, trajectories, poses, INFLUENCES);
+        let (surface, basis) =
+            Surface::new(rest, triangles.clone(), trajectories, basis(trajectories));
+        let tree = MergeTree::build(&surface, || ());
+        let (n, count) = (poses.len(), ProxyCount::Fixed(PROXIES));
+        let proxies = proxies::fit(&surface, &tree, n, count, INFLUENCES, &Silent);
+        let proxies = proxies.expect("a fixed number can be fitted");
+        let keys = keys::fit(&surface, &proxies, n, INFLUENCES, &Silent);
+        let mut sorted = errors.clone();
+        sorted.sort_by(f64::total_cmp);
+        let threshold = sorted[sorted.len() / 4];
+        Self {
+            joint_len: examples.joint_len(),
+            sequences: (0..keys.len()).map(|l| keys.sequence(l, &basis)).collect(),
+            fixed: errors.iter().map(|&error| error < threshold).collect(),
+            proxies: proxies.weights,
+            keys: keys.weights,
+            joints,
+            training,
+        }
+    }
+
+    pub(crate) fn proxy_len(&self) -> usize {
+        self.sequences.len()
+    }
+
+    pub(crate) fn reduction(&self, anchors: Anchors) -> Reduction<'_> {
+        Reduction {
+            rest: &self.training.rest,
+            triangles: &self.training.triangles,
+            proxies: &self.proxies,
+            keys: &self.keys,
+            joints: &self.joints,
+            proxy_len: self.proxy_len(),
+            joint_len: self.joint_len,
+            fixed: &self.fixed,
+            anchors: Some(anchors),
+        }
+    }
+
+    /// Fits a predictor to every key.
+    pub(crate) fn predictors(&self, examples: &Examples) -> Vec<GradientPredictor> {
+        let parents = &examples.skeleton.parents;
+        let fit = |d: &Vec<_>| GradientPredictor::fit(&self.training.poses, parents, d);
+        self.sequences.iter().map(fit).collect()
+    }
+
+    /// Moves every vertex by its blended maps.
+    pub(crate) fn skin(&self, maps: &[Matrix3x4<f64>]) -> Vec<Vector3<f64>> {
+        let position = |v: usize| {
+            let blended: Matrix3x4<f64> =
+                self.proxies.of(v).map(|(l, weight)| maps[l] * weight).sum();
+            transform(&blended, &self.training.rest[v])
+        };
+        (0..self.training.rest.len()).map(position).collect()
+    }
+}
+
+/// Carries every frame off by a rigid motion of its own, joints and mesh alike.
+pub(crate) fn moved_examples(examples: &Examples) -> (Examples, Vec<Matrix3x4<f64>>) {
+    let mut random = ChaCha8Rng::seed_from_u64(4);
+    let near = examples.diagonal() / 50.0;
+    let motions: Vec<_> =
+        (0..examples.frame_len()).map(|_| rigid_motion(near, &mut random)).collect();
+    let mut moved = examples.clone();
+    let (vertex_len, joint_len) = (examples.vertex_len(), examples.joint_len());
+    for (at, vertex) in moved.vertices.iter_mut().enumerate() {
+        *vertex = transform(&motions[at / vertex_len], vertex).into();
+    }
+    for (at, map) in moved.transforms.iter_mut().enumerate() {
+        let product = after(&motions[at / joint_len], &to_nalgebra(map));
+        *map = [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| product[(r, c)]));
+    }
+    (moved, motions)
+}

@@ -1,0 +1,40 @@
+//! Stage 2: on the stacks that stage 1 gave.
+
+use crate::Subject;
+use crate::gradients::columns;
+use conformance::backend::{Backend, Gradients, poisoned_palette};
+use conformance::compare::{Mismatch, within};
+use conformance::poses::widened;
+use conformance::tolerance::{self, Inexact, Map, UNDERFLOW};
+use sinew_runtime::Matrix3x4;
+
+/// Largest ratio of the maps' entries.
+pub(crate) fn body(backend: &impl Backend, subject: &Subject<'_>) -> Result<[f64; 1], Mismatch> {
+    let Subject { envelope, oracle, poses, .. } = subject;
+    let mut worst = 0.0_f64;
+    for pose in poses {
+        let mut input = Gradients::poisoned(envelope);
+        let run = backend.gradients(envelope, &pose.maps, &mut input);
+        run.expect("the pose is finite and the lengths are right");
+        let root = pose.maps[envelope.root()];
+        let mut found = poisoned_palette(envelope);
+        let run = backend.palette(envelope, &root, &input, &mut found);
+        run.expect("the lengths are right");
+
+        let relative = Inexact::exact(columns::<4>(&input.relative));
+        let gradients = Inexact::exact(columns::<3>(&input.gradients));
+        let root = Inexact::exact(vec![widened(&root)]);
+        let expected = tolerance::palette(oracle, &root, &relative, &gradients);
+        worst = worst.max(maps_within(&found, &expected)?);
+    }
+    Ok([worst])
+}
+
+/// Compares maps with those expected.
+pub(crate) fn maps_within(found: &[Matrix3x4], expected: &Inexact<Map>) -> Result<f64, Mismatch> {
+    let flat = |list: &[Map]| -> Vec<f64> {
+        list.iter().flat_map(|m| m.transpose().iter().copied().collect::<Vec<_>>()).collect()
+    };
+    let tolerances: Vec<_> = flat(&expected.error).iter().map(|e| e + UNDERFLOW).collect();
+    within(found.as_flattened().as_flattened(), &flat(&expected.value), &tolerances)
+}

@@ -1,0 +1,81 @@
+//! Characters that a fit must take in its stride: other units, no motion, few triangles, parts.
+
+#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
+
+use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::rotational::Options;
+use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::train;
+use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
+use sinew_trainer::examples::{Examples, Split};
+use sinew_trainer::progress::Silent;
+
+fn arm() -> Examples {
+    demo(&DemoOptions { vertices: 300, poses: 40, held_out: 10, seed: 5 })
+}
+
+fn measured(examples: &Examples, proxies: usize, split: Split) -> Evaluation {
+    let options = Options { proxies: ProxyCount::Fixed(proxies), ..Options::default() };
+    let model = train(examples, &options, &Silent).unwrap().model;
+    evaluate(&model, examples, Frames::Of(split)).unwrap()
+}
+
+fn scaled(mut examples: Examples, scale: f64) -> Examples {
+    let scale_points = |points: &mut [[f64; 3]]| {
+        points.iter_mut().flatten().for_each(|x| *x *= scale);
+    };
+    scale_points(&mut examples.rest);
+    scale_points(&mut examples.vertices);
+    for map in examples.transforms.iter_mut().chain(&mut examples.skeleton.rest) {
+        map.iter_mut().for_each(|row| row[3] *= scale);
+    }
+    examples
+}
+
+#[test]
+fn the_unit_of_length_does_not_matter() {
+    let reference = measured(&arm(), 12, Split::HeldOut).errors;
+    for scale in [1e-4, 1e4] {
+        let found = measured(&scaled(arm(), scale), 12, Split::HeldOut).errors;
+        let ratio = found.rms_percent / reference.rms_percent;
+        assert!((ratio - 1.0).abs() < 1e-2, "scaled by {scale}: {ratio}");
+    }
+}
+
+#[test]
+fn a_character_that_never_moves_stays_where_it_is() {
+    let mut examples = arm();
+    for frame in 0..examples.frame_len() {
+        let (v, j) = (examples.vertex_len(), examples.joint_len());
+        examples.vertices[frame * v..][..v].copy_from_slice(&examples.rest);
+        let identity = [[1.0, 0., 0., 0.], [0., 1.0, 0., 0.], [0., 0., 1.0, 0.]];
+        examples.transforms[frame * j..][..j].fill(identity);
+    }
+    assert!(measured(&examples, 4, Split::Train).errors.max_percent < 1e-4);
+}
+
+#[test]
+fn one_proxy_and_as_many_as_triangles_both_train() {
+    let mut examples = arm();
+    let one = measured(&examples, 1, Split::HeldOut);
+    assert!(one.errors.rms.is_finite() && one.proxies == 1);
+    examples.triangles.truncate(30);
+    let all = measured(&examples, 30, Split::Train);
+    assert!(all.errors.rms.is_finite() && all.proxies == 30);
+}
+
+#[test]
+fn parts_that_share_no_vertex_train_together() {
+    let mut examples = arm();
+    // Every other triangle goes, which leaves many small parts and vertices in no triangle.
+    examples.triangles = examples
+        .triangles
+        .iter()
+        .copied()
+        .enumerate()
+        .filter(|(k, _)| k % 7 == 0)
+        .map(|p| p.1)
+        .collect();
+    let found = measured(&examples, 12, Split::HeldOut);
+    assert!(found.errors.rms_percent < found.lbs.rms_percent, "{found:?}");
+}
