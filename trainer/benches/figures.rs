@@ -76,13 +76,13 @@ fn lbs() -> Result<(), Box<dyn Error>> {
 /// The proxies' own error on the training frames of dem-bones, no prediction.
 fn proxies_alone() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets()?.into_iter().filter(|set| set.0 == "dem-bones") {
-        let Training { unit, rest, triangles, poses, trajectories } = Training::new(&examples)?;
+        let Training { unit, rest, triangles, trajectories, .. } = Training::new(&examples)?;
         let basis = basis::basis(&trajectories);
         let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = merge::MergeTree::build(&surface, || ());
         for count in [10, 20, 30] {
             let count = ProxyCount::Fixed(count);
-            let fitted = proxies::fit(&surface, &tree, poses.len(), count, 4, &Silent)?;
+            let fitted = proxies::fit(&surface, &tree, count, 4, &Silent)?;
             println!("{name}: P = {}, RMSE {:.5}", fitted.len(), unit * fitted.rms);
         }
     }

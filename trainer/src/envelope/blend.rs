@@ -5,6 +5,7 @@
 //! at most K of them not zero. Weights and maps are fitted in turn (METHOD §1.2, §1.7).
 
 use super::simplex::{self, Gram, MAX_COLUMNS};
+use crate::progress::Progress;
 use faer::linalg::matmul::matmul;
 use faer::prelude::*;
 use faer::{Accum, Mat, MatMut, Par, Side};
@@ -103,6 +104,51 @@ impl Weights {
             entries.resize(end, (0, 0.0));
         }
         Self { most, entries }
+    }
+}
+
+/// Weights and maps fitted in turn.
+#[derive(Clone, Copy)]
+pub struct Alternation {
+    /// Most rounds.
+    pub rounds: usize,
+    /// Gain of a round, relative to the RMS error, below which it is the last.
+    pub gain: f64,
+}
+
+/// What an alternation comes to.
+pub struct Blend {
+    /// Weights of the items.
+    pub weights: Weights,
+    /// The maps.
+    pub maps: Maps,
+    /// Squared error, summed over the items.
+    pub error: f64,
+}
+
+impl Alternation {
+    /// Fits blends of at most `most` maps an item, starting from given maps.
+    pub fn run(
+        &self,
+        items: &Items<'_>,
+        maps: Maps,
+        most: usize,
+        progress: &dyn Progress,
+    ) -> Blend {
+        let sum = |errors: Vec<f64>| errors.iter().sum();
+        let (weights, errors) = fit_weights(items, &maps, most);
+        let mut blend = Blend { weights, maps, error: sum(errors) };
+        for _ in 0..self.rounds {
+            progress.advance(1);
+            let maps = fit_maps(items, &blend.weights, &blend.maps);
+            let (weights, errors) = fit_weights(items, &maps, most);
+            let last = blend.error;
+            blend = Blend { weights, maps, error: sum(errors) };
+            if last.sqrt() - blend.error.sqrt() < self.gain * last.sqrt() {
+                break;
+            }
+        }
+        blend
     }
 }
 

@@ -1,6 +1,6 @@
 //! Keys: P gradient sequences whose blends move every triangle's edges (METHOD §1.7.2, S3 §3.2).
 
-use super::super::blend::{Items, Maps, Weights, fit_maps, fit_weights};
+use super::super::blend::{Alternation, Blend, Items, Maps, Weights};
 use super::proxies::Proxies;
 use super::surface::Surface;
 use crate::progress::Progress;
@@ -11,10 +11,7 @@ use nalgebra::Matrix3;
 const NORMAL_WEIGHT: f64 = 0.1;
 /// Name of the step.
 pub const STEP: &str = "keys";
-/// Most rounds of weights and gradients.
-const ROUNDS: usize = 6;
-/// Gain of a round, relative to the error, below which the alternation stops.
-const GAIN: f64 = 5e-3;
+const ALTERNATION: Alternation = Alternation { rounds: 6, gain: 5e-3 };
 
 /// Fitted keys.
 pub struct Keys {
@@ -22,41 +19,27 @@ pub struct Keys {
     pub weights: Weights,
     /// Gradients D_l on the trajectory basis, r x 3P.
     gradients: Maps,
-    /// RMS error of the edges over triangles and training frames, in units of the input.
+    /// RMS error of the edges over triangles and training frames.
     pub rms: f64,
 }
 
-/// Fits keys to the edges of a surface of n frames, starting from the proxies' linear parts.
+/// Fits keys to the edges of a surface, starting from the proxies' linear parts.
 pub fn fit(
     surface: &Surface<'_>,
     proxies: &Proxies,
-    frames: usize,
     influences: usize,
     progress: &dyn Progress,
 ) -> Keys {
-    progress.step(STEP, ROUNDS);
+    progress.step(STEP, ALTERNATION.rounds);
     let y = edge_targets(surface);
     let items = Items { width: 3, rows: 3, h: edge_rows(surface), y: &y };
     let columns = Mat::from_fn(surface.vertices.nrows(), 3 * proxies.len(), |k, column| {
         proxies.maps.columns[(k, 4 * (column / 3) + column % 3)]
     });
-    let mut gradients = Maps { width: 3, columns };
-    let rms = |errors: &[f64]| {
-        (errors.iter().sum::<f64>() / (2 * errors.len() * frames).max(1) as f64).sqrt()
-    };
-    let (mut weights, errors) = fit_weights(&items, &gradients, influences);
-    let mut error = rms(&errors);
-    for _ in 0..ROUNDS {
-        progress.advance(1);
-        gradients = fit_maps(&items, &weights, &gradients);
-        let (next, errors) = fit_weights(&items, &gradients, influences);
-        let last = error;
-        (weights, error) = (next, rms(&errors));
-        if last - error < GAIN * last {
-            break;
-        }
-    }
-    Keys { weights, gradients, rms: error }
+    let start = Maps { width: 3, columns };
+    let Blend { weights, maps, error } = ALTERNATION.run(&items, start, influences, progress);
+    let edges = (2 * surface.triangles.len() * surface.frames).max(1) as f64;
+    Keys { weights, gradients: maps, rms: (error / edges).sqrt() }
 }
 
 impl Keys {
@@ -127,8 +110,8 @@ mod tests {
         });
         let (surface, vectors) = Surface::new(&rest, triangles, &moved, basis(&moved));
         let tree = MergeTree::build(&surface, || ());
-        let proxies = proxies::fit(&surface, &tree, 4, ProxyCount::Fixed(1), 4, &Silent).unwrap();
-        let keys = fit(&surface, &proxies, 4, 4, &Silent);
+        let proxies = proxies::fit(&surface, &tree, ProxyCount::Fixed(1), 4, &Silent).unwrap();
+        let keys = fit(&surface, &proxies, 4, &Silent);
         for (frame, found) in keys.sequence(0, &vectors).iter().enumerate() {
             // The third edge n̂ is not affine, so it pulls, by its small weight.
             assert!((found - affine(frame as f64)).amax() < 0.02, "{found}");
@@ -145,8 +128,8 @@ mod tests {
         let tree = MergeTree::build(&surface, || ());
         let with = |count| {
             let count = ProxyCount::Fixed(count);
-            let proxies = proxies::fit(&surface, &tree, 30, count, 4, &Silent).unwrap();
-            fit(&surface, &proxies, 30, 4, &Silent).rms
+            let proxies = proxies::fit(&surface, &tree, count, 4, &Silent).unwrap();
+            fit(&surface, &proxies, 4, &Silent).rms
         };
         assert!(with(20) < 0.5 * with(5));
     }

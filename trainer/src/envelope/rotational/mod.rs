@@ -171,9 +171,9 @@ pub fn fit(
     let (surface, basis) = Surface::new(rest, triangles, &moved, basis);
     progress.step("merging triangles", surface.triangles.len());
     let tree = merge::MergeTree::build(&surface, || progress.advance(1));
-    let (n, k) = (poses.len(), options.influences);
-    let proxies = proxies::fit(&surface, &tree, n, options.proxies, k, progress)?;
-    let keys = keys::fit(&surface, &proxies, n, k, progress);
+    let influences = options.influences;
+    let proxies = proxies::fit(&surface, &tree, options.proxies, influences, progress)?;
+    let keys = keys::fit(&surface, &proxies, influences, progress);
     let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis)).collect();
 
     let parents = &examples.skeleton.parents;

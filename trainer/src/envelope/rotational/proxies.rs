@@ -1,7 +1,7 @@
 //! Proxies: P affine maps a pose and the vertices' weights on them (METHOD §1.7.1, S3 §3.1).
 
 use super::super::FitError;
-use super::super::blend::{Items, Maps, Weights, fit_maps, fit_weights};
+use super::super::blend::{Alternation, Blend, Items, Maps, Weights};
 use super::merge::MergeTree;
 use super::surface::Surface;
 use crate::progress::Progress;
@@ -11,10 +11,7 @@ use sinew_runtime::Limits;
 
 /// Name of the step.
 pub const STEP: &str = "proxies";
-/// Most rounds of weights and maps.
-const ROUNDS: usize = 12;
-/// Gain of a round, relative to the error, below which the alternation stops.
-const GAIN: f64 = 2e-3;
+const ALTERNATION: Alternation = Alternation { rounds: 12, gain: 2e-3 };
 
 /// How many proxies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -59,27 +56,31 @@ impl Proxies {
     }
 }
 
-/// Fits proxies to a surface of n frames.
+/// Fits proxies to a surface, starting from the groups of its triangles.
 ///
 /// # Errors
 /// [`FitError::MaxError`] where no number of proxies that a file can hold comes near enough.
 pub fn fit(
     surface: &Surface<'_>,
     tree: &MergeTree,
-    frames: usize,
     count: ProxyCount,
     influences: usize,
     progress: &dyn Progress,
 ) -> Result<Proxies, FitError> {
-    let items = vertex_items(surface);
-    let most = surface.triangles.len().min(Limits::DEFAULT.proxies as usize);
+    // One row `[x̂ 1]` a vertex.
+    let h = surface.rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
+    let items = Items { width: 4, rows: 1, h, y: &surface.vertices };
+    let equations = (surface.rest.len() * surface.frames).max(1) as f64;
     let mut trials = Vec::new();
     let mut at = |proxies: usize| {
-        progress.step(STEP, ROUNDS);
-        let fitted = fit_at(surface, tree, &items, frames, proxies, influences, progress);
-        trials.push(CountTrial { proxies, rms: fitted.rms });
-        fitted
+        progress.step(STEP, ALTERNATION.rounds);
+        let start = group_maps(surface, &tree.cut(proxies));
+        let Blend { weights, maps, error } = ALTERNATION.run(&items, start, influences, progress);
+        let rms = (error / equations).sqrt();
+        trials.push(CountTrial { proxies, rms });
+        Proxies { weights, maps, rms, trials: Vec::new() }
     };
+    let most = surface.triangles.len().min(Limits::DEFAULT.proxies as usize);
     let found = match count {
         ProxyCount::Fixed(p) => at(p.clamp(1, most)),
         ProxyCount::MaxError(limit) => fewest(&mut at, most, limit)?,
@@ -113,40 +114,6 @@ fn fewest(
         }
     }
     Ok(found)
-}
-
-fn fit_at(
-    surface: &Surface<'_>,
-    tree: &MergeTree,
-    items: &Items<'_>,
-    frames: usize,
-    count: usize,
-    influences: usize,
-    progress: &dyn Progress,
-) -> Proxies {
-    let mut maps = group_maps(surface, &tree.cut(count));
-    let rms = |errors: &[f64]| {
-        (errors.iter().sum::<f64>() / (errors.len() * frames).max(1) as f64).sqrt()
-    };
-    let (mut weights, errors) = fit_weights(items, &maps, influences);
-    let mut error = rms(&errors);
-    for _ in 0..ROUNDS {
-        progress.advance(1);
-        maps = fit_maps(items, &weights, &maps);
-        let (next, errors) = fit_weights(items, &maps, influences);
-        let last = error;
-        (weights, error) = (next, rms(&errors));
-        if last - error < GAIN * last {
-            break;
-        }
-    }
-    Proxies { weights, maps, rms: error, trials: Vec::new() }
-}
-
-/// One row `[x̂ 1]` a vertex.
-fn vertex_items<'a>(surface: &'a Surface<'_>) -> Items<'a> {
-    let h = surface.rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
-    Items { width: 4, rows: 1, h, y: &surface.vertices }
 }
 
 /// The affine map of each group of triangles, through its corners and points along its normals.
@@ -202,7 +169,7 @@ mod tests {
         let basis = basis(&trajectories);
         let (surface, vectors) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = MergeTree::build(&surface, || ());
-        let fit_to = |count| fit(&surface, &tree, 30, count, 4, &Silent);
+        let fit_to = |count| fit(&surface, &tree, count, 4, &Silent);
         let found = fit_to(ProxyCount::MaxError(0.001)).unwrap();
         assert!(found.rms <= 0.001, "{} proxies leave {}", found.len(), found.rms);
         let fewer = fit_to(ProxyCount::Fixed(found.len() - 1)).unwrap();
@@ -223,7 +190,7 @@ mod tests {
         let basis = basis(&trajectories);
         let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = MergeTree::build(&surface, || ());
-        let asked = fit(&surface, &tree, 10, ProxyCount::MaxError(1e-30), 4, &Silent);
+        let asked = fit(&surface, &tree, ProxyCount::MaxError(1e-30), 4, &Silent);
         let Some(FitError::MaxError { proxies, reached, .. }) = asked.err() else { panic!() };
         assert!(proxies == most && reached > 0.0 && reached < 0.01);
     }

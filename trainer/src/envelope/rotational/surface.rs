@@ -9,6 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Rest mesh, and the coordinates of its vertices' and normals' trajectories.
 pub struct Surface<'a> {
+    /// n, the frames of the trajectories.
+    pub frames: usize,
     /// V rest positions.
     pub rest: &'a [[f64; 3]],
     /// Triangles, T, each of some area.
@@ -40,7 +42,17 @@ impl<'a> Surface<'a> {
             }
         });
         let vertices = basis.coordinates;
-        (Self { rest, triangles, vertices, rest_normals, normals }, basis.vectors)
+        (
+            Self {
+                frames: trajectories.nrows() / 3,
+                rest,
+                triangles,
+                vertices,
+                rest_normals,
+                normals,
+            },
+            basis.vectors,
+        )
     }
 
     /// Returns the rest edges v̂_k2 and v̂_k3 of a triangle.
