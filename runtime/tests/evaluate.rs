@@ -1,48 +1,14 @@
-//! Closed forms, an f64 reference of the palette, output layouts, and calls that are refused.
+//! Closed forms, an f64 reference of the palette, and output layouts.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod common;
 
-use common::{Builder, IDENTITY, Rng, SMALL, Shape, max_difference, palette, random_pose};
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob, gradients};
-use sinew_runtime::{
-    Argument, Envelope, EvalError, LocalTransform, Matrix3x4, Model, Workspace, model_space_pose,
+use common::{
+    IDENTITY, Rng, SMALL, Shape, attribute, max_difference, palette, random_pose, rest, skin,
+    with_envelope,
 };
-
-fn with_envelope(shape: Shape, test: impl FnOnce(Envelope<'_>)) {
-    let bytes = Builder::sample(shape).bytes();
-    test(Model::from_bytes(&bytes).unwrap().envelope().unwrap());
-}
-
-fn attribute(buffer: Buffer, offset: usize, stride: usize) -> Option<Attribute> {
-    Some(Attribute { buffer, offset, stride })
-}
-
-/// Positions, normals (3 each) and tangents (4) of every vertex, each in a run of its own.
-fn skin(envelope: Envelope<'_>, palette: &[Matrix3x4]) -> Vec<f32> {
-    let v = envelope.vertex_len();
-    let mut out = vec![f32::NAN; 10 * v];
-    SkinJob {
-        envelope,
-        palette,
-        vertices: 0..v,
-        positions: attribute(Buffer::A, 0, 3),
-        normals: attribute(Buffer::A, 3 * v, 3),
-        tangents: attribute(Buffer::A, 6 * v, 4),
-        out_a: &mut out,
-        out_b: &mut [],
-    }
-    .run()
-    .unwrap();
-    out
-}
-
-fn rest(envelope: Envelope<'_>) -> Vec<f32> {
-    let v = 0..envelope.vertex_len();
-    let positions = v.clone().flat_map(|v| envelope.rest_position(v).unwrap());
-    let normals = v.clone().flat_map(|v| envelope.rest_normal(v).unwrap());
-    positions.chain(normals).chain(v.flat_map(|v| envelope.rest_tangent(v).unwrap())).collect()
-}
+use sinew_runtime::envelope::{Buffer, SkinJob};
+use sinew_runtime::{Envelope, EvalError, LocalTransform, Matrix3x4, Workspace, model_space_pose};
 
 #[test]
 fn rest_pose_gives_rest_mesh() {
@@ -354,111 +320,6 @@ fn degenerate_maps_give_finite_results() {
             }
         }
     });
-}
-
-#[test]
-fn a_refused_palette_writes_nothing() {
-    with_envelope(SMALL, |envelope| {
-        let (j, p) = (envelope.joint_len(), envelope.palette_len());
-        let pose = vec![IDENTITY; j];
-        let least = envelope.workspace_len();
-        let refused = |pose: &[Matrix3x4], workspace_len: usize, out_len: usize| {
-            let mut workspace = vec![-7.0; workspace_len];
-            let mut out = vec![[[-7.0; 4]; 3]; out_len];
-            let error = envelope.palette(pose, &mut workspace, &mut out).unwrap_err();
-            assert_eq!(workspace, vec![-7.0; workspace_len]);
-            assert_eq!(out, vec![[[-7.0; 4]; 3]; out_len]);
-            error
-        };
-        let length = |argument, expected, found| EvalError::Length { argument, expected, found };
-        assert_eq!(refused(&pose[1..], least, p), length(Argument::Pose, j, j - 1));
-        assert_eq!(refused(&pose, least, p + 1), length(Argument::Palette, p, p + 1));
-        assert_eq!(
-            refused(&pose, least - 1, p),
-            EvalError::TooShort { argument: Argument::Workspace, least, found: least - 1 }
-        );
-        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            for joint in 0..j {
-                for entry in 0..12 {
-                    let mut pose = pose.clone();
-                    pose[joint].as_flattened_mut()[entry] = value;
-                    assert_eq!(refused(&pose, least, p), EvalError::NonFinite { joint });
-                }
-            }
-        }
-        let mut short = vec![[-7.0; 3]; 4 * j - 1];
-        let error = gradients::evaluate(
-            &envelope,
-            &pose,
-            &mut short,
-            &mut vec![[0.0; 3]; j],
-            &mut vec![[0.0; 3]; 3 * p],
-        );
-        assert_eq!(error, Err(length(Argument::Relative, 4 * j, 4 * j - 1)));
-    });
-}
-
-#[test]
-fn a_refused_skin_job_writes_nothing() {
-    let refuse = |shape: Shape, edit: &dyn Fn(&mut SkinJob<'_>)| {
-        let mut error = None;
-        with_envelope(shape, |envelope| {
-            let v = envelope.vertex_len();
-            let maps = vec![IDENTITY; envelope.palette_len()];
-            let (mut a, mut b) = (vec![-7.0; 6 * v], vec![-7.0; 4 * v]);
-            let mut job = SkinJob {
-                envelope,
-                palette: &maps,
-                vertices: 0..v,
-                positions: attribute(Buffer::A, 0, 6),
-                normals: attribute(Buffer::A, 3, 6),
-                tangents: envelope.has_tangents().then_some(Attribute {
-                    buffer: Buffer::B,
-                    offset: 0,
-                    stride: 4,
-                }),
-                out_a: &mut a,
-                out_b: &mut b,
-            };
-            edit(&mut job);
-            error = job.run().err();
-            assert!(error.is_none() || a.iter().chain(&b).all(|&x| x == -7.0));
-        });
-        error
-    };
-    let v = SMALL.vertices;
-    assert_eq!(refuse(SMALL, &|_| {}), None);
-    assert_eq!(
-        refuse(SMALL, &|job| job.palette = &job.palette[1..]),
-        Some(EvalError::Length { argument: Argument::Palette, expected: 3, found: 2 })
-    );
-    for (start, end) in [(0, v + 1), (v + 1, v + 1), (usize::MAX, 0), (2, 1)] {
-        assert_eq!(
-            refuse(SMALL, &|job| job.vertices = start..end),
-            Some(EvalError::VertexRange { start, end, vertex_len: v })
-        );
-    }
-    assert_eq!(
-        refuse(SMALL, &|job| job.positions = attribute(Buffer::A, 0, 2)),
-        Some(EvalError::Stride { least: 3, found: 2 })
-    );
-    assert_eq!(
-        refuse(SMALL, &|job| job.tangents = attribute(Buffer::B, 0, 3)),
-        Some(EvalError::Stride { least: 4, found: 3 })
-    );
-    assert_eq!(
-        refuse(SMALL, &|job| job.normals = attribute(Buffer::A, 4, 6)),
-        Some(EvalError::TooShort { argument: Argument::OutA, least: 6 * v + 1, found: 6 * v })
-    );
-    assert_eq!(
-        refuse(SMALL, &|job| job.tangents = attribute(Buffer::B, usize::MAX - 2, 4)),
-        Some(EvalError::TooShort { argument: Argument::OutB, least: usize::MAX, found: 4 * v })
-    );
-    let none = Shape { tangents: false, ..SMALL };
-    assert_eq!(
-        refuse(none, &|job| job.tangents = attribute(Buffer::B, 0, 4)),
-        Some(EvalError::NoTangents)
-    );
 }
 
 #[test]

@@ -7,11 +7,12 @@
     reason = "each test uses a part of it"
 )]
 
+use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
 use sinew_runtime::format::{
     CHECKSUM_OFFSET, Certificate, EnvelopeCounts, File, MAGIC, NO_JOINT, PartRow, SectionKind,
     SectionRow, VERSION, checksum,
 };
-use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, model_space_pose};
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, model_space_pose};
 
 /// Every field of a file, each free to be wrong.
 #[derive(Clone)]
@@ -325,4 +326,39 @@ pub fn max_difference(a: &[f32], b: &[f32]) -> f32 {
     assert!(!a.is_empty(), "nothing to compare");
     assert!(a.iter().chain(b).all(|x| x.is_finite()), "not finite");
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+pub fn with_envelope(shape: Shape, test: impl FnOnce(Envelope<'_>)) {
+    let bytes = Builder::sample(shape).bytes();
+    test(Model::from_bytes(&bytes).unwrap().envelope().unwrap());
+}
+
+pub fn attribute(buffer: Buffer, offset: usize, stride: usize) -> Option<Attribute> {
+    Some(Attribute { buffer, offset, stride })
+}
+
+/// Positions, normals (3 each) and tangents (4) of every vertex, each in a run of its own.
+pub fn skin(envelope: Envelope<'_>, palette: &[Matrix3x4]) -> Vec<f32> {
+    let v = envelope.vertex_len();
+    let mut out = vec![f32::NAN; 10 * v];
+    SkinJob {
+        envelope,
+        palette,
+        vertices: 0..v,
+        positions: attribute(Buffer::A, 0, 3),
+        normals: attribute(Buffer::A, 3 * v, 3),
+        tangents: attribute(Buffer::A, 6 * v, 4),
+        out_a: &mut out,
+        out_b: &mut [],
+    }
+    .run()
+    .unwrap();
+    out
+}
+
+pub fn rest(envelope: Envelope<'_>) -> Vec<f32> {
+    let v = 0..envelope.vertex_len();
+    let positions = v.clone().flat_map(|v| envelope.rest_position(v).unwrap());
+    let normals = v.clone().flat_map(|v| envelope.rest_normal(v).unwrap());
+    positions.chain(normals).chain(v.flat_map(|v| envelope.rest_tangent(v).unwrap())).collect()
 }
