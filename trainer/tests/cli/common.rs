@@ -1,13 +1,15 @@
 //! Folders, examples and runs of the `sinew` binary for its tests.
 
-use npyz::npz::{NpzArchive, NpzWriter};
-use npyz::{NpyFile, WriterBuilder};
+use npyz::{AutoSerialize, Deserialize, NpyFile, WriteOptions, WriterBuilder};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
+use zip::write::SimpleFileOptions;
+use zip::{ZipArchive, ZipWriter};
 
 /// Frames of the demo that every test works on.
 pub(crate) const TRAINING: usize = 40;
@@ -138,19 +140,16 @@ pub(crate) struct Set {
 impl Set {
     /// Reads the demo's arrays.
     pub(crate) fn demo() -> Self {
-        let bytes = &demo()[0].1;
-        let mut npz = NpzArchive::new(std::io::Cursor::new(bytes)).unwrap();
-        let mut reals = BTreeMap::new();
-        for name in ["rest", "vertices", "bone_transforms", "joint_world_rest"] {
-            let array = npz.by_name(name).unwrap().unwrap();
-            reals.insert(name, (array.shape().to_vec(), array.into_vec().unwrap()));
-        }
-        let tris = npz.by_name("tris").unwrap().unwrap();
-        let tris = (tris.shape().to_vec(), tris.into_vec().unwrap());
-        let split: Vec<u8> = npz.by_name("split").unwrap().unwrap().into_vec().unwrap();
-        let split = (vec![split.len() as u64], split.into_iter().map(i64::from).collect());
+        let names = ["rest", "vertices", "bone_transforms", "joint_world_rest"];
+        let reals = names.map(|name| (name, demo_array(name))).into();
+        let (shape, split) = demo_array::<u8>("split");
+        let split = (shape, split.into_iter().map(i64::from).collect());
         let json = serde_json::from_slice(&demo()[1].1).unwrap();
-        Self { reals, wholes: BTreeMap::from([("tris", tris), ("split", split)]), json }
+        Self {
+            reals,
+            wholes: BTreeMap::from([("tris", demo_array("tris")), ("split", split)]),
+            json,
+        }
     }
 
     pub(crate) fn vertex_len(&self) -> usize {
@@ -176,24 +175,38 @@ impl Set {
 
     /// Writes `X.npz` and, unless it is null, `X.json`.
     pub(crate) fn write(&self, npz: &Path) {
-        let mut file = NpzWriter::create(npz).unwrap();
+        let mut zip = ZipWriter::new(fs::File::create(npz).unwrap());
         for (name, (shape, numbers)) in &self.reals {
-            let array = file.array::<f64>(name, Default::default()).unwrap();
-            let mut array = array.default_dtype().shape(shape).begin_nd().unwrap();
-            array.extend(numbers.iter().copied()).unwrap();
-            array.finish().unwrap();
+            write_array(&mut zip, name, shape, numbers);
         }
         for (name, (shape, numbers)) in &self.wholes {
-            let array = file.array::<i64>(name, Default::default()).unwrap();
-            let mut array = array.default_dtype().shape(shape).begin_nd().unwrap();
-            array.extend(numbers.iter().copied()).unwrap();
-            array.finish().unwrap();
+            write_array(&mut zip, name, shape, numbers);
         }
-        file.zip_writer().finish().unwrap();
+        zip.finish().unwrap();
         if self.json != json!(null) {
             fs::write(npz.with_extension("json"), self.json.to_string()).unwrap();
         }
     }
+}
+
+/// Reads an array of the demo: shape and numbers.
+fn demo_array<T: Deserialize>(name: &str) -> (Vec<u64>, Vec<T>) {
+    let mut zip = ZipArchive::new(Cursor::new(&demo()[0].1)).unwrap();
+    let array = NpyFile::new(zip.by_name(&format!("{name}.npy")).unwrap()).unwrap();
+    (array.shape().to_vec(), array.into_vec().unwrap())
+}
+
+fn write_array<T: AutoSerialize + Copy>(
+    zip: &mut ZipWriter<fs::File>,
+    name: &str,
+    shape: &[u64],
+    numbers: &[T],
+) {
+    zip.start_file(format!("{name}.npy"), SimpleFileOptions::DEFAULT).unwrap();
+    let options = WriteOptions::new().default_dtype().shape(shape);
+    let mut array = options.writer(zip).begin_nd().unwrap();
+    array.extend(numbers.iter().copied()).unwrap();
+    array.finish().unwrap();
 }
 
 /// Reads an npy file of f32: shape and numbers.

@@ -4,14 +4,15 @@ use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read};
 use std::path::Path;
 
-use npyz::npz::{NpzArchive, file_name_from_array_name};
+use npyz::npz::file_name_from_array_name;
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
+use zip::ZipArchive;
 
 use super::ExamplesError;
 
 /// An open npz archive.
 pub(super) struct Archive {
-    npz: NpzArchive<BufReader<File>>,
+    zip: ZipArchive<BufReader<File>>,
 }
 
 /// An array as rows of K numbers in C order.
@@ -35,9 +36,9 @@ impl Archive {
     /// Opens an archive and reads its directory.
     pub(super) fn open(path: &Path) -> Result<Self, ExamplesError> {
         let file = File::open(path).map_err(ExamplesError::Read)?;
-        let npz = NpzArchive::new(BufReader::new(file))
+        let zip = ZipArchive::new(BufReader::new(file))
             .map_err(|error| ExamplesError::Archive { reason: error.to_string() })?;
-        Ok(Self { npz })
+        Ok(Self { zip })
     }
 
     /// Reads an array as [`Archive::rows`] does, and insists on it.
@@ -56,7 +57,7 @@ impl Archive {
         array: &str,
         tail: &[u64],
     ) -> Result<Option<Rows<T, K>>, ExamplesError> {
-        let Some((header, file)) = self.find(array)? else { return Ok(None) };
+        let Some((header, mut file)) = self.find(array)? else { return Ok(None) };
         let shape = header.shape();
         let fits = shape.len() == tail.len() + 1
             && shape[1..].iter().zip(tail).all(|(&found, &wanted)| wanted == 0 || found == wanted);
@@ -85,25 +86,27 @@ impl Archive {
             expected: T::EXPECTED,
             found: header.dtype().descr(),
         };
-        T::each(NpyFile::with_header(header, file), |number| flat[places.take()] = number)
+        T::each(NpyFile::with_header(header, &mut file), |number| flat[places.take()] = number)
             .ok_or(wrong)?
+            .and_then(|()| finish(file))
             .map_err(|error| damaged(error.to_string()))?;
         Ok(Some(Rows { lead, data }))
     }
 
     /// Reads a list of texts. `None` if there is no such array.
     pub(super) fn texts(&mut self, array: &str) -> Result<Option<Vec<String>>, ExamplesError> {
-        let Some((header, file)) = self.find(array)? else { return Ok(None) };
+        let Some((header, mut file)) = self.find(array)? else { return Ok(None) };
         if header.shape().len() != 1 {
             let (array, expected) = (array.to_owned(), "[n]".to_owned());
             let found = header.shape().to_vec();
             return Err(ExamplesError::WrongShape { array, expected, found });
         }
         let found = header.dtype().descr();
-        let texts = NpyFile::with_header(header, file).data::<String>().map_err(|_| {
+        let texts = NpyFile::with_header(header, &mut file).data::<String>().map_err(|_| {
             ExamplesError::WrongType { array: array.to_owned(), expected: "text", found }
         })?;
-        texts.collect::<Result<_, _>>().map(Some).map_err(|error| ExamplesError::DamagedArray {
+        let texts = texts.collect::<io::Result<_>>().and_then(|texts| finish(file).map(|()| texts));
+        texts.map(Some).map_err(|error| ExamplesError::DamagedArray {
             array: array.to_owned(),
             reason: error.to_string(),
         })
@@ -113,12 +116,10 @@ impl Archive {
     fn find(&mut self, array: &str) -> Result<Option<(NpyHeader, impl Read + '_)>, ExamplesError> {
         let damaged =
             |reason: String| ExamplesError::DamagedArray { array: array.to_owned(), reason };
-        let name = file_name_from_array_name(array);
-        if !self.npz.zip_archive().file_names().any(|file| file == name) {
+        let Some(index) = self.zip.index_for_name(&file_name_from_array_name(array)) else {
             return Ok(None);
-        }
-        let mut file =
-            self.npz.zip_archive().by_name(&name).map_err(|error| damaged(error.to_string()))?;
+        };
+        let mut file = self.zip.by_index(index).map_err(|error| damaged(error.to_string()))?;
         let present = file.size();
         let header = NpyHeader::from_reader(&mut file).map_err(|error| {
             damaged(match error.kind() {
@@ -137,6 +138,11 @@ impl Archive {
             ))),
         }
     }
+}
+
+/// Reads on to the end of an array's file, where zip compares its checksum.
+fn finish(mut file: impl Read) -> io::Result<()> {
+    io::copy(&mut file, &mut io::sink()).map(drop)
 }
 
 impl Number for f64 {

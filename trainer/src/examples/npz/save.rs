@@ -1,12 +1,13 @@
 //! Writing examples as NumPy arrays.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
 
-use npyz::npz::NpzWriter;
-use npyz::{AutoSerialize, DType, WriterBuilder};
-use zip::write::FileOptions;
+use npyz::npz::file_name_from_array_name;
+use npyz::{AutoSerialize, DType, WriteOptions, WriterBuilder};
+use zip::write::SimpleFileOptions;
+use zip::{System, ZipWriter};
 
 use crate::files::Part;
 
@@ -44,52 +45,52 @@ fn write(file: &mut File, examples: &Examples) -> io::Result<()> {
         examples.triangles.len(),
     ]
     .map(|len| len as u64);
-    let mut npz = NpzWriter::new(BufWriter::new(file));
+    let mut zip = ZipWriter::new(BufWriter::new(file));
     let skeleton = &examples.skeleton;
-    array(&mut npz, "rest", &[v, 3], examples.rest.as_flattened().iter().copied())?;
+    array(&mut zip, "rest", &[v, 3], examples.rest.as_flattened().iter().copied())?;
     let corners = examples.triangles.as_flattened().iter().map(|&vertex| vertex as i64);
-    array(&mut npz, "tris", &[t, 3], corners)?;
+    array(&mut zip, "tris", &[t, 3], corners)?;
     if let Some(uv) = &examples.uv {
-        array(&mut npz, "uv", &[v, 2], uv.as_flattened().iter().copied())?;
+        array(&mut zip, "uv", &[v, 2], uv.as_flattened().iter().copied())?;
     }
     let parents = skeleton.parents.iter().map(|&parent| parent_number(parent));
-    array(&mut npz, "bone_parents", &[j], parents)?;
-    names(&mut npz, &skeleton.names)?;
-    array(&mut npz, "joint_world_rest", &[j, 4, 4], square(&skeleton.rest))?;
-    array(&mut npz, "split", &[n], examples.split.iter().map(|&split| code(split)))?;
-    array(&mut npz, "bone_transforms", &[n, j, 4, 4], square(&examples.transforms))?;
-    array(&mut npz, "vertices", &[n, v, 3], examples.vertices.as_flattened().iter().copied())?;
-    npz.zip_writer().finish()?.flush()
+    array(&mut zip, "bone_parents", &[j], parents)?;
+    names(&mut zip, &skeleton.names)?;
+    array(&mut zip, "joint_world_rest", &[j, 4, 4], square(&skeleton.rest))?;
+    array(&mut zip, "split", &[n], examples.split.iter().map(|&split| code(split)))?;
+    array(&mut zip, "bone_transforms", &[n, j, 4, 4], square(&examples.transforms))?;
+    array(&mut zip, "vertices", &[n, v, 3], examples.vertices.as_flattened().iter().copied())?;
+    zip.finish()?.flush()
 }
 
-fn array<T: AutoSerialize>(
-    npz: &mut NpzWriter<BufWriter<&mut File>>,
+/// Writes an array of numbers in C order, as many as fill `shape`.
+pub(super) fn array<T: AutoSerialize>(
+    zip: &mut ZipWriter<impl Write + Seek>,
     name: &str,
     shape: &[u64],
     numbers: impl Iterator<Item = T>,
 ) -> io::Result<()> {
-    let mut array = npz.array::<T>(name, options())?.default_dtype().shape(shape).begin_nd()?;
+    zip.start_file(file_name_from_array_name(name), OPTIONS)?;
+    let mut array = WriteOptions::new().default_dtype().shape(shape).writer(zip).begin_nd()?;
     array.extend(numbers)?;
     array.finish()
 }
 
-fn names(npz: &mut NpzWriter<BufWriter<&mut File>>, names: &[String]) -> io::Result<()> {
+fn names(zip: &mut ZipWriter<impl Write + Seek>, names: &[String]) -> io::Result<()> {
     let longest = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(1);
     let invalid = |_| io::Error::from(io::ErrorKind::InvalidInput);
     let dtype = DType::Plain(format!("<U{longest}").parse().map_err(invalid)?);
     let shape = [names.len() as u64];
-    let mut array =
-        npz.array::<str>("bone_names", options())?.dtype(dtype).shape(&shape).begin_nd()?;
+    zip.start_file(file_name_from_array_name("bone_names"), OPTIONS)?;
+    let mut array = WriteOptions::<str>::new().dtype(dtype).shape(&shape).writer(zip).begin_nd()?;
     for name in names {
         array.push(name)?;
     }
     array.finish()
 }
 
-/// Compressed, able to pass 4 GB, and without the time of day, which would make every file differ.
-fn options() -> FileOptions {
-    FileOptions::default().last_modified_time(zip::DateTime::default()).large_file(true)
-}
+/// Compressed, able to pass 4 GB, and the same everywhere: dated 1980, and from one system.
+const OPTIONS: SimpleFileOptions = SimpleFileOptions::DEFAULT.large_file(true).system(System::Unix);
 
 fn square(maps: &[Matrix3x4]) -> impl Iterator<Item = f64> {
     maps.iter().flat_map(|map| map.iter().copied().chain([[0.0, 0.0, 0.0, 1.0]])).flatten()

@@ -211,9 +211,9 @@ fn damaged_files_are_refused_and_named() {
         let fault = load(&path).unwrap_err().error;
         assert!(matches!(fault, ExamplesError::Archive { .. }), "{len}: {fault}");
     }
-    // Bytes of the data of one array, whose checksum then disagrees.
+    // Bytes of the compressed data of one array.
     let mut broken = whole.clone();
-    broken[60..90].fill(0x55);
+    broken[70..100].fill(0x55);
     std::fs::write(&path, &broken).unwrap();
     let fault = load(&path).unwrap_err().error;
     assert!(matches!(fault, ExamplesError::DamagedArray { .. }), "{fault}");
@@ -230,13 +230,31 @@ fn damaged_files_are_refused_and_named() {
 }
 
 #[test]
+fn a_number_that_fails_its_checksum_is_refused() {
+    let folder = Folder::new("checksum");
+    let path = Set::good().write(&folder);
+    store(&folder);
+    let mut zip = ZipArchive::new(File::open(&path).unwrap()).unwrap();
+    let file = zip.by_name("rest.npy").unwrap();
+    let last = (file.data_start().unwrap() + file.size() - 1) as usize;
+    drop(file);
+    let mut broken = std::fs::read(&path).unwrap();
+    assert_eq!(broken[last], 0, "of the last coordinate, 0.0");
+    broken[last] = 0x3f;
+    std::fs::write(&path, &broken).unwrap();
+    let fault = load(&path).unwrap_err().error;
+    let ExamplesError::DamagedArray { array, .. } = &fault else { panic!("{fault}") };
+    assert_eq!(array, "rest");
+}
+
+#[test]
 fn a_shape_beyond_the_bytes_is_refused() {
     let folder = Folder::new("huge");
-    let mut npz = NpzWriter::create(folder.npz()).unwrap();
-    let array = npz.array::<f64>("rest", Default::default()).unwrap();
-    array.default_dtype().shape(&[1 << 40, 3]).write_header_only().unwrap();
-    npz.zip_writer().finish().unwrap();
-    drop(npz);
+    let mut zip = folder.create();
+    zip.start_file("rest.npy", SimpleFileOptions::DEFAULT).unwrap();
+    let options = WriteOptions::<f64>::new().default_dtype().shape(&[1 << 40, 3]);
+    options.writer(&mut zip).write_header_only().unwrap();
+    zip.finish().unwrap();
     let fault = load(&folder.npz()).unwrap_err().error;
     assert!(fault.to_string().contains("asks for more than its 128 bytes"), "{fault}");
 }

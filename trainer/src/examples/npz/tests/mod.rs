@@ -1,11 +1,14 @@
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::path::PathBuf;
 
-use npyz::WriterBuilder;
-use npyz::npz::NpzWriter;
+use npyz::{DType, Order, WriteOptions, WriterBuilder};
 use serde_json::json;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::super::testing::{IDENTITY, triangle};
+use super::save::array;
 use super::*;
 
 mod faults;
@@ -30,6 +33,10 @@ impl Folder {
 
     fn npz(&self) -> PathBuf {
         self.0.join("set.npz")
+    }
+
+    fn create(&self) -> ZipWriter<File> {
+        ZipWriter::new(File::create(self.npz()).unwrap())
     }
 }
 
@@ -75,21 +82,14 @@ impl Set {
     }
 
     fn write(&self, folder: &Folder) -> PathBuf {
-        let mut npz = NpzWriter::create(folder.npz()).unwrap();
+        let mut zip = folder.create();
         for (name, (shape, numbers)) in &self.reals {
-            let array = npz.array::<f64>(name, Default::default()).unwrap();
-            let mut array = array.default_dtype().shape(shape).begin_nd().unwrap();
-            array.extend(numbers.iter().copied()).unwrap();
-            array.finish().unwrap();
+            array(&mut zip, name, shape, numbers.iter().copied()).unwrap();
         }
         for (name, (shape, numbers)) in &self.wholes {
-            let array = npz.array::<i64>(name, Default::default()).unwrap();
-            let mut array = array.default_dtype().shape(shape).begin_nd().unwrap();
-            array.extend(numbers.iter().copied()).unwrap();
-            array.finish().unwrap();
+            array(&mut zip, name, shape, numbers.iter().copied()).unwrap();
         }
-        npz.zip_writer().finish().unwrap();
-        drop(npz);
+        zip.finish().unwrap();
         std::fs::write(folder.npz().with_extension("json"), &self.json).unwrap();
         folder.npz()
     }
@@ -158,34 +158,52 @@ fn saving_where_nothing_can_be_written_names_the_file() {
 #[test]
 fn numbers_of_any_width_and_order_are_read() {
     let folder = Folder::new("widths");
-    let mut npz = NpzWriter::create(folder.npz()).unwrap();
+    let mut zip = folder.create();
     let rest = [0.5f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-    let array = npz.array::<f32>("rest", Default::default()).unwrap();
-    let array = array.dtype(npyz::DType::Plain(">f4".parse().unwrap())).order(npyz::Order::Fortran);
-    let mut array = array.shape(&[3, 3]).begin_nd().unwrap();
-    array.extend([0, 3, 6, 1, 4, 7, 2, 5, 8].map(|place| rest[place])).unwrap();
-    array.finish().unwrap();
-    let array = npz.array::<i16>("vertices", Default::default()).unwrap();
-    let mut array = array.default_dtype().shape(&[1, 3, 3]).begin_nd().unwrap();
-    array.extend([1, 2, 3, 4, 5, 6, 7, 8, 9]).unwrap();
-    array.finish().unwrap();
-    let array = npz.array::<u8>("tris", Default::default()).unwrap();
-    let mut array = array.default_dtype().shape(&[1, 3]).begin_nd().unwrap();
-    array.extend([0, 1, 2]).unwrap();
-    array.finish().unwrap();
-    let array = npz.array::<f64>("bone_transforms", Default::default()).unwrap();
-    let array = array.default_dtype().order(npyz::Order::Fortran).shape(&[1, 1, 4, 4]);
-    let mut array = array.begin_nd().unwrap();
-    array.extend([1.0, 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 7., 8., 9., 1.]).unwrap();
-    array.finish().unwrap();
-    npz.zip_writer().finish().unwrap();
-    drop(npz);
+    zip.start_file("rest.npy", SimpleFileOptions::DEFAULT).unwrap();
+    let big_endian = DType::Plain(">f4".parse().unwrap());
+    let options = WriteOptions::new().dtype(big_endian).order(Order::Fortran).shape(&[3, 3]);
+    let mut numbers = options.writer(&mut zip).begin_nd().unwrap();
+    numbers.extend([0, 3, 6, 1, 4, 7, 2, 5, 8].map(|place| rest[place])).unwrap();
+    numbers.finish().unwrap();
+    array(&mut zip, "vertices", &[1, 3, 3], 1..=9i16).unwrap();
+    array(&mut zip, "tris", &[1, 3], 0..=2u8).unwrap();
+    zip.start_file("bone_transforms.npy", SimpleFileOptions::DEFAULT).unwrap();
+    let options = WriteOptions::new().default_dtype().order(Order::Fortran).shape(&[1, 1, 4, 4]);
+    let mut numbers = options.writer(&mut zip).begin_nd().unwrap();
+    numbers.extend([1.0, 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 7., 8., 9., 1.]).unwrap();
+    numbers.finish().unwrap();
+    zip.finish().unwrap();
     let json = json!({"bone_names": ["root"], "bone_parents": [null]}).to_string();
     std::fs::write(folder.npz().with_extension("json"), json).unwrap();
     let examples = load(&folder.npz()).unwrap().examples;
     assert_eq!(examples.rest.as_flattened(), rest.map(f64::from));
     assert_eq!(examples.vertices[2], [7.0, 8.0, 9.0]);
     assert_eq!(examples.pose(0)[0].map(|row| row[3]), [7.0, 8.0, 9.0]);
+}
+
+/// Rewrites the archive as `numpy.savez` does: not compressed, with sizes of 64 bits.
+fn store(folder: &Folder) {
+    let bytes = std::fs::read(folder.npz()).unwrap();
+    let mut compressed = ZipArchive::new(std::io::Cursor::new(bytes)).unwrap();
+    let options = SimpleFileOptions::DEFAULT.compression_method(CompressionMethod::Stored);
+    let mut stored = folder.create();
+    for index in 0..compressed.len() {
+        let mut file = compressed.by_index(index).unwrap();
+        assert_eq!(file.compression(), CompressionMethod::Deflated);
+        stored.start_file(file.name().unwrap(), options.large_file(true)).unwrap();
+        std::io::copy(&mut file, &mut stored).unwrap();
+    }
+    stored.finish().unwrap();
+}
+
+#[test]
+fn what_is_not_compressed_loads_the_same() {
+    let folder = Folder::new("stored");
+    let compressed = load(&Set::good().write(&folder)).unwrap();
+    store(&folder);
+    let stored = load(&folder.npz()).unwrap();
+    assert_eq!(format!("{stored:?}"), format!("{compressed:?}"));
 }
 
 #[test]
