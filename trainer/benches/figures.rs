@@ -1,10 +1,12 @@
 //! Prints the figures of the README: errors on the data sets, training times, memory, scaling.
 //!
 //! `cargo bench -p sinew-trainer --bench figures [-- SECTION ...]`, where a section is `lbs`,
-//! `proxies`, `full`, `errors`, `time` or `scaling`. Sets that are not in `../shared/data` are named and
+//! `proxies`, `full`, `helpers`, `errors`, `time` or `scaling`. Sets that are not in `../shared/data` are named and
 //! left out.
 
 use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::helpers::correction::{Correction, Joints};
+use sinew_trainer::envelope::helpers::fit;
 use sinew_trainer::envelope::motion::{Poses, trajectories};
 use sinew_trainer::envelope::rotational::full::Full;
 use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
@@ -31,10 +33,11 @@ type Section = fn() -> Result<(), Box<dyn Error>>;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let sections: [(&str, Section); 6] = [
+    let sections: [(&str, Section); 7] = [
         ("lbs", lbs),
         ("proxies", proxies_alone),
         ("full", full),
+        ("helpers", helpers),
         ("errors", errors),
         ("time", time),
         ("scaling", scaling),
@@ -103,6 +106,42 @@ fn full() -> Result<(), Box<dyn Error>> {
             let rms = (squared / (held_out.len() * examples.vertex_len()) as f64).sqrt();
             let percent = 100.0 * rms / examples.diagonal();
             println!("{name}: {:.0} % near-rigid, held out {percent:.4} %", 100.0 * fraction);
+        }
+    }
+    Ok(())
+}
+
+/// Joints and helpers driven by local kernel maps, in f64: the fit alone, not yet baked.
+fn helpers() -> Result<(), Box<dyn Error>> {
+    let mut sets = sets()?;
+    sets.push(("demo", demo(&DemoOptions::default())));
+    for (name, examples) in sets {
+        let (count, influences) = if examples.vertex_len() > 5_000 { (60, 4) } else { (40, 4) };
+        let training = Training::new(&examples)?;
+        let (rest, unit) = (&training.rest, training.unit);
+        let (lbs, errors) = weights::fit(rest, &training.trajectories, &training.poses, 4);
+        let Some(fitted) = fit::fit(&training, (&lbs, &errors), count, influences) else {
+            println!("{name}: LBS errs nowhere");
+            continue;
+        };
+        let origins = examples.skeleton.origins(unit);
+        for hops in [2, 3] {
+            let joints = Joints { parents: &examples.skeleton.parents, origins: &origins };
+            let correction = Correction::fit(&fitted, &training.poses, joints, hops);
+            for split in [Split::HeldOut, Split::Extreme] {
+                let frames = examples.frames_of(split);
+                if frames.is_empty() {
+                    continue;
+                }
+                let poses = Poses::new(&examples, &frames);
+                let mut moved = trajectories(&examples, &frames, &poses);
+                moved *= faer::Scale(1.0 / unit);
+                let poses = poses.in_units_of(unit);
+                let targets = Targets { rest, weights: &fitted.weights, trajectories: &moved };
+                let palette = faer::concat![[poses.stacked(), correction.predict(&poses)]];
+                let percent = 100.0 * targets.rms(&palette);
+                println!("{name}: {count} helpers, {hops} hops, {split:?} {percent:.4} %");
+            }
         }
     }
     Ok(())

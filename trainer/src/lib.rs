@@ -11,4 +11,5 @@ pub mod envelope;
 pub mod evaluate;
 pub mod examples;
 pub mod files;
+pub mod kernel;
 pub mod progress;

@@ -107,6 +107,9 @@ impl Weights {
     }
 }
 
+/// Pull of an alternation's maps to where they were.
+const PROXIMAL: f64 = 1e-7;
+
 /// Weights and maps fitted in turn.
 #[derive(Clone, Copy)]
 pub struct Alternation {
@@ -136,12 +139,12 @@ impl Alternation {
         progress: &dyn Progress,
     ) -> Blend {
         let sum = |errors: Vec<f64>| errors.iter().sum();
-        let (weights, errors) = fit_weights(items, &maps, most);
+        let (weights, errors) = fit_weights(items, &maps, most, None);
         let mut blend = Blend { weights, maps, error: sum(errors) };
         for _ in 0..self.rounds {
             progress.advance(1);
-            let maps = fit_maps(items, &blend.weights, &blend.maps);
-            let (weights, errors) = fit_weights(items, &maps, most);
+            let maps = fit_maps(items, &blend.weights, &blend.maps, PROXIMAL);
+            let (weights, errors) = fit_weights(items, &maps, most, None);
             let last = blend.error;
             blend = Blend { weights, maps, error: sum(errors) };
             if last.sqrt() - blend.error.sqrt() < self.gain * last.sqrt() {
@@ -153,7 +156,12 @@ impl Alternation {
 }
 
 /// Fits the weights of every item to given maps; returns them and the items' squared errors.
-pub fn fit_weights(items: &Items<'_>, maps: &Maps, most: usize) -> (Weights, Vec<f64>) {
+pub fn fit_weights(
+    items: &Items<'_>,
+    maps: &Maps,
+    most: usize,
+    kept: Option<&Weights>,
+) -> (Weights, Vec<f64>) {
     let products = {
         let mut all = Mat::<f64>::zeros(maps.columns.ncols(), maps.columns.ncols());
         matmul(
@@ -174,7 +182,10 @@ pub fn fit_weights(items: &Items<'_>, maps: &Maps, most: usize) -> (Weights, Vec
             let y = items.y.subcols(range.start * items.rows, range.len() * items.rows);
             let mut onto = Mat::<f64>::zeros(maps.columns.ncols(), y.ncols());
             matmul(onto.as_mut(), Accum::Replace, maps.columns.transpose(), y, 1.0, Par::Seq);
-            range.clone().map(|i| fit_item(items, i, &products, &onto, range.start, most)).collect()
+            range
+                .clone()
+                .map(|i| fit_item(items, i, &products, &onto, range.start, most, kept))
+                .collect()
         })
         .collect();
     let errors = blocks.iter().flatten().map(|item| item.1).collect();
@@ -191,6 +202,7 @@ fn fit_item(
     onto: &Mat<f64>,
     block_start: usize,
     most: usize,
+    kept: Option<&Weights>,
 ) -> FittedItem {
     let m = items.width;
     let maps = products.ncols() / m;
@@ -227,6 +239,12 @@ fn fit_item(
             .select_nth_unstable_by(CANDIDATES, |a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
         candidates.truncate(CANDIDATES);
     }
+    for (map, _) in kept.into_iter().flat_map(|kept| kept.of(item)) {
+        if candidates.len() < MAX_COLUMNS && candidates.iter().all(|c| c.2 != map) {
+            let c = toward(map);
+            candidates.push((product(map, map) - 2.0 * c + own, c, map));
+        }
+    }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
 
     let mut gram = Gram {
@@ -255,8 +273,7 @@ fn fit_item(
 ///
 /// The proximal term, `PROXIMAL` of the mean diagonal, decides what no item sees (a map without
 /// items, the direction out of a flat patch) and keeps the system positive definite.
-pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps) -> Maps {
-    const PROXIMAL: f64 = 1e-7;
+pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps, pull: f64) -> Maps {
     let m = items.width;
     let (size, rank) = (previous.columns.ncols(), items.y.nrows());
     let chunk = items.len().div_ceil(CHUNKS).max(1);
@@ -280,7 +297,7 @@ pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps) -> Maps {
         right += r;
     }
     let mean = (0..size).map(|i| normal[(i, i)]).sum::<f64>() / size.max(1) as f64;
-    let proximal = PROXIMAL * mean + f64::MIN_POSITIVE;
+    let proximal = pull * mean + f64::MIN_POSITIVE;
     for i in 0..size {
         normal[(i, i)] += proximal;
     }
@@ -354,7 +371,7 @@ mod tests {
     fn true_maps_give_back_the_true_weights() {
         let (h, y, maps, truth) = exact(300, 30);
         let items = Items { width: 4, rows: 1, h, y: &y };
-        let (weights, errors) = fit_weights(&items, &maps, 3);
+        let (weights, errors) = fit_weights(&items, &maps, 3, None);
         assert!(errors.iter().all(|&e| e < 1e-9));
         for (item, expected) in truth.iter().enumerate() {
             let found: Vec<_> = weights.of(item).collect();
@@ -371,7 +388,7 @@ mod tests {
         let items = Items { width: 4, rows: 1, h, y: &y };
         let lists = truth.iter().map(|w| w.iter().copied().enumerate().collect());
         let start = Maps { width: 4, columns: Mat::zeros(30, 12) };
-        let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start);
+        let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start, 1e-7);
         assert!((fitted.columns - maps.columns).norm_max() < 1e-4);
     }
 
@@ -380,7 +397,7 @@ mod tests {
         let (h, y, maps, truth) = exact(50, 30);
         let items = Items { width: 4, rows: 1, h, y: &y };
         let lists = truth.iter().map(|_| vec![(0, 1.0)]);
-        let fitted = fit_maps(&items, &Weights::from_lists(1, lists), &maps);
+        let fitted = fit_maps(&items, &Weights::from_lists(1, lists), &maps, 1e-7);
         let moved = fitted.columns.subcols(4, 8) - maps.columns.subcols(4, 8);
         assert!(moved.norm_max() < 1e-12);
         assert!((fitted.columns.subcols(0, 4) - maps.columns.subcols(0, 4)).norm_max() > 1e-3);

@@ -2,6 +2,7 @@
 
 pub mod blend;
 mod columns;
+pub mod helpers;
 pub mod motion;
 pub mod oracle;
 pub mod rotational;

@@ -20,7 +20,7 @@ pub fn fit(
 ) -> (Weights, Vec<f64>) {
     let h = rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
     let items = Items { width: 4, rows: 1, h, y: trajectories };
-    fit_weights(&items, &Maps { width: 4, columns: poses.stacked() }, most)
+    fit_weights(&items, &Maps { width: 4, columns: poses.stacked() }, most, None)
 }
 
 /// Skins one vertex by LBS: its position and the normal that the blended map's cofactors give.

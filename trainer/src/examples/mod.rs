@@ -39,6 +39,14 @@ pub struct Skeleton {
     pub rest: Vec<Matrix3x4>,
 }
 
+impl Skeleton {
+    /// Gives the joints' rest origins with lengths measured in a unit.
+    pub fn origins(&self, unit: f64) -> Vec<nalgebra::Vector3<f64>> {
+        let origin = |m: &Matrix3x4| nalgebra::Vector3::new(m[0][3], m[1][3], m[2][3]) / unit;
+        self.rest.iter().map(origin).collect()
+    }
+}
+
 /// N poses of one mesh of V vertices and T triangles on J joints, in the units of the input.
 #[derive(Clone, Debug)]
 pub struct Examples {

@@ -1,0 +1,232 @@
+//! The fit of helpers to the training frames (METHOD §1.9).
+
+use super::super::blend::{Items, Maps, Weights, fit_maps, fit_weights};
+use super::super::motion::{Poses, compose, rigid_inverse};
+use super::super::rotational::basis::basis;
+use super::super::rotational::training::Training;
+use super::cluster::cluster;
+use faer::Mat;
+use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3, Vector4};
+
+/// Error of LBS, in units of the diagonal, from which a vertex counts for the helpers' groups.
+const ERRS: f64 = 4e-4;
+/// Weight of a residual against a position when vertices are grouped.
+const RESIDUAL_SHARE: f64 = 8.0;
+/// Pull of a helper to its dominant joint's map, relative to the mean diagonal: without it a weakly
+/// supported helper is noise that no map can predict.
+const PULL: f64 = 1e-5;
+/// Rounds of weights and maps.
+const ROUNDS: usize = 12;
+
+/// Joints and helpers fitted to the training frames.
+pub struct Helpers {
+    /// Weights on the palette: joint j is j, helper l is J + l.
+    pub weights: Weights,
+    /// Dominant joint of each helper, P.
+    pub dominant: Vec<usize>,
+    /// The helpers' true maps on the training frames, 3n x 4P.
+    pub maps: Mat<f64>,
+}
+
+/// Fits `count` helpers on top of LBS weights.
+///
+/// Returns `None` where LBS errs nowhere.
+pub fn fit(
+    training: &Training,
+    lbs: (&Weights, &[f64]),
+    count: usize,
+    influences: usize,
+) -> Option<Helpers> {
+    let (joints, errors) = lbs;
+    let poses = &training.poses;
+    let threshold = ERRS * ERRS * poses.len() as f64;
+    let active: Vec<usize> = (0..errors.len()).filter(|&v| errors[v] > threshold).collect();
+    if active.is_empty() {
+        return None;
+    }
+    let groups = groups(training, joints, &active, count);
+
+    let stacked = poses.stacked();
+    let mut dominant = Vec::with_capacity(groups.len());
+    let mut maps = Mat::zeros(stacked.nrows(), 4 * groups.len());
+    let mut bases = maps.clone();
+    for (l, members) in groups.iter().enumerate() {
+        let mut votes = vec![0usize; poses.joint_len()];
+        members.iter().for_each(|&v| votes[strongest(joints, v)] += 1);
+        let joint = (0..votes.len()).rev().max_by_key(|&j| votes[j]).unwrap_or(0);
+        dominant.push(joint);
+        bases.subcols_mut(4 * l, 4).copy_from(stacked.subcols(4 * joint, 4));
+        for (i, map) in group_maps(training, members, joint).into_iter().enumerate() {
+            set_map(&mut maps, i, l, &map);
+        }
+    }
+
+    let h = training.rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
+    let items = Items { width: 4, rows: 1, h, y: &training.trajectories };
+    let mut weights = joints.clone();
+    for _ in 0..ROUNDS {
+        let palette = Maps { width: 4, columns: faer::concat![[&stacked, &maps]] };
+        weights = fit_weights(&items, &palette, influences, Some(joints)).0;
+        let (on_joints, on_helpers) = split(&weights, poses.joint_len());
+        let mut left = training.trajectories.clone();
+        for (v, x) in training.rest.iter().enumerate() {
+            let column = left.col_as_slice_mut(v);
+            for (j, w) in on_joints.of(v) {
+                for (c, x) in [x[0], x[1], x[2], 1.0].into_iter().enumerate() {
+                    let map = stacked.col_as_slice(4 * j + c);
+                    column.iter_mut().zip(map).for_each(|(y, m)| *y -= w * x * m);
+                }
+            }
+        }
+        let items = Items { width: 4, rows: 1, h: items.h.clone(), y: &left };
+        let bases = Maps { width: 4, columns: bases.clone() };
+        maps = fit_maps(&items, &on_helpers, &bases, PULL).columns;
+    }
+    Some(Helpers { weights, dominant, maps })
+}
+
+/// Groups the vertices where LBS errs by how they err and where they lie.
+fn groups(
+    training: &Training,
+    joints: &Weights,
+    active: &[usize],
+    count: usize,
+) -> Vec<Vec<usize>> {
+    let poses = &training.poses;
+    let scale = RESIDUAL_SHARE / (poses.len() as f64).sqrt();
+    let mut features = Mat::zeros(3 * poses.len() + 3, active.len());
+    for (k, &v) in active.iter().enumerate() {
+        let h = Vector4::new(training.rest[v][0], training.rest[v][1], training.rest[v][2], 1.0);
+        let column = features.col_as_slice_mut(k);
+        for i in 0..poses.len() {
+            let skinned: Vector3<f64> = joints.of(v).map(|(j, w)| poses.map(i, j) * h * w).sum();
+            let truth = &training.trajectories.col_as_slice(v)[3 * i..3 * i + 3];
+            let turn: Matrix3<f64> =
+                poses.map(i, strongest(joints, v)).fixed_columns::<3>(0).into();
+            let residual = turn.transpose() * (Vector3::from_column_slice(truth) - skinned) * scale;
+            column[3 * i..3 * i + 3].copy_from_slice(residual.as_slice());
+        }
+        column[3 * poses.len()..].copy_from_slice(&training.rest[v]);
+    }
+    let group = cluster(&basis(&features).coordinates, count);
+    let mut members = vec![Vec::new(); group.iter().max().map_or(0, |g| g + 1)];
+    for (k, &g) in group.iter().enumerate() {
+        members[g].push(active[k]);
+    }
+    members.retain(|m| !m.is_empty());
+    members
+}
+
+fn strongest(joints: &Weights, vertex: usize) -> usize {
+    joints.of(vertex).next().map_or(0, |(joint, _)| joint)
+}
+
+/// The affine map of some vertices in each pose, with a ridge toward their joint's map.
+fn group_maps(training: &Training, members: &[usize], joint: usize) -> Vec<Matrix3x4<f64>> {
+    const RIDGE: f64 = 1e-2;
+    let h = |v: usize| {
+        let x = training.rest[v];
+        Vector4::new(x[0], x[1], x[2], 1.0)
+    };
+    let gram: Matrix4<f64> = members.iter().map(|&v| h(v) * h(v).transpose()).sum();
+    let ridged = gram + Matrix4::from_diagonal(&gram.diagonal()) * RIDGE;
+    let inverse = ridged.try_inverse().unwrap_or_default();
+    (0..training.poses.len())
+        .map(|i| {
+            let base = training.poses.map(i, joint);
+            let mut right = Matrix3x4::zeros();
+            for &v in members {
+                let truth = &training.trajectories.col_as_slice(v)[3 * i..3 * i + 3];
+                right += (Vector3::from_column_slice(truth) - base * h(v)) * h(v).transpose();
+            }
+            base + right * inverse
+        })
+        .collect()
+}
+
+/// Splits weights on joints and helpers.
+fn split(weights: &Weights, joint_len: usize) -> (Weights, Weights) {
+    let part = |keep: &dyn Fn(usize) -> Option<usize>| {
+        let lists = (0..weights.len())
+            .map(|v| weights.of(v).filter_map(|(map, w)| keep(map).map(|map| (map, w))).collect());
+        Weights::from_lists(weights.most(), lists)
+    };
+    (part(&|map| (map < joint_len).then_some(map)), part(&|map| map.checked_sub(joint_len)))
+}
+
+/// The map of a helper in a pose of stacked maps.
+pub fn map_of(maps: &Mat<f64>, pose: usize, helper: usize) -> Matrix3x4<f64> {
+    Matrix3x4::from_fn(|r, c| maps[(3 * pose + r, 4 * helper + c)])
+}
+
+/// Writes the map of a helper in a pose of stacked maps.
+pub fn set_map(maps: &mut Mat<f64>, pose: usize, helper: usize, map: &Matrix3x4<f64>) {
+    for c in 0..4 {
+        for r in 0..3 {
+            maps[(3 * pose + r, 4 * helper + c)] = map[(r, c)];
+        }
+    }
+}
+
+/// What a helper's map adds to its dominant joint's, in that joint's frame: `B⁻¹ T - [I 0]`.
+pub fn in_joint_frame(
+    poses: &Poses,
+    pose: usize,
+    joint: usize,
+    map: &Matrix3x4<f64>,
+) -> Matrix3x4<f64> {
+    let mut local = compose(&rigid_inverse(poses.map(pose, joint)), map);
+    (0..3).for_each(|k| local[(k, k)] -= 1.0);
+    local
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::rotational::validation::Targets;
+    use crate::envelope::weights;
+
+    fn arm() -> Training {
+        let options = DemoOptions { vertices: 300, poses: 40, held_out: 0, seed: 1 };
+        Training::new(&demo(&options)).unwrap()
+    }
+
+    #[test]
+    fn helpers_take_up_what_lbs_leaves() {
+        let training = arm();
+        let (rest, poses) = (&training.rest, &training.poses);
+        let (lbs, errors) = weights::fit(rest, &training.trajectories, poses, 4);
+        let found = fit(&training, (&lbs, &errors), 20, 4).unwrap();
+        let of = |weights| Targets { rest, weights, trajectories: &training.trajectories };
+        let stacked = poses.stacked();
+        let with = of(&found.weights).rms(&faer::concat![[&stacked, &found.maps]]);
+        let without = of(&lbs).rms(&stacked);
+        assert!(with < 0.1 * without, "{with} against {without}");
+        assert!((0..rest.len()).all(|v| found.weights.of(v).count() <= 4));
+        let local = in_joint_frame(poses, 3, found.dominant[0], &map_of(&found.maps, 3, 0));
+        assert!(local.amax() < 1.0, "a helper stays near its joint: {local}");
+    }
+
+    #[test]
+    fn a_skin_that_is_lbs_needs_no_helper() {
+        let mut training = arm();
+        let (rest, poses) = (&training.rest, &training.poses);
+        let (lbs, _) = weights::fit(rest, &training.trajectories, poses, 4);
+        let stacked = poses.stacked();
+        let mut skinned = Mat::zeros(stacked.nrows(), rest.len());
+        for (v, x) in rest.iter().enumerate() {
+            for (j, w) in lbs.of(v) {
+                for (c, x) in [x[0], x[1], x[2], 1.0].into_iter().enumerate() {
+                    for i in 0..stacked.nrows() {
+                        skinned[(i, v)] += w * x * stacked[(i, 4 * j + c)];
+                    }
+                }
+            }
+        }
+        training.trajectories = skinned;
+        let (rest, poses) = (&training.rest, &training.poses);
+        let (lbs, errors) = weights::fit(rest, &training.trajectories, poses, 4);
+        assert!(fit(&training, (&lbs, &errors), 20, 4).is_none());
+    }
+}
