@@ -4,6 +4,7 @@
 //! `proxies`, `full`, `helpers`, `errors`, `time` or `scaling`. Sets that are not in `../shared/data` are named and
 //! left out.
 
+use faer::Mat;
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::helpers::correction::{Correction, Joints};
 use sinew_trainer::envelope::helpers::fit;
@@ -84,8 +85,8 @@ fn proxies_alone() -> Result<(), Box<dyn Error>> {
         let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = merge::MergeTree::build(&surface, || ());
         for count in [10, 20, 30] {
-            let count = ProxyCount::Fixed(count);
-            let fitted = proxies::fit(&surface, &tree, count, 4, &Silent)?;
+            let options = Options { proxies: ProxyCount::Fixed(count), ..Options::default() };
+            let fitted = proxies::fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent)?;
             println!("{name}: P = {}, RMSE {:.5}", fitted.len(), unit * fitted.rms);
         }
     }
@@ -118,13 +119,13 @@ fn helpers() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets {
         let (count, influences) = if examples.vertex_len() > 5_000 { (60, 4) } else { (40, 4) };
         let training = Training::new(&examples)?;
-        let (rest, unit) = (&training.rest, training.unit);
+        let rest = &training.rest;
         let (lbs, errors) = weights::fit(rest, &training.trajectories, &training.poses, 4);
         let Some(fitted) = fit::fit(&training, (&lbs, &errors), count, influences) else {
             println!("{name}: LBS errs nowhere");
             continue;
         };
-        let origins = examples.skeleton.origins(unit);
+        let origins = training.origins(&examples);
         for hops in [2, 3] {
             let joints = Joints { parents: &examples.skeleton.parents, origins: &origins };
             let correction = Correction::fit(&fitted, &training.poses, joints, hops);
@@ -133,10 +134,7 @@ fn helpers() -> Result<(), Box<dyn Error>> {
                 if frames.is_empty() {
                     continue;
                 }
-                let poses = Poses::new(&examples, &frames);
-                let mut moved = trajectories(&examples, &frames, &poses);
-                moved *= faer::Scale(1.0 / unit);
-                let poses = poses.in_units_of(unit);
+                let (poses, moved) = training.view(&examples, &frames);
                 let targets = Targets { rest, weights: &fitted.weights, trajectories: &moved };
                 let palette = faer::concat![[poses.stacked(), correction.predict(&poses)]];
                 let percent = 100.0 * targets.rms(&palette);

@@ -55,6 +55,45 @@ fn a_character_that_never_moves_stays_where_it_is() {
 }
 
 #[test]
+fn the_place_of_the_character_does_not_matter() {
+    let near = arm();
+    let reference = measured(&near, 12, Split::HeldOut).errors;
+    let mut far = near.clone();
+    let shift = [20.0, -10.0, 15.0];
+    for position in far.rest.iter_mut().chain(&mut far.vertices) {
+        (0..3).for_each(|axis| position[axis] += shift[axis]);
+    }
+    for map in far.transforms.iter_mut().chain(&mut far.skeleton.rest) {
+        let turned = map.map(|row| row[0] * shift[0] + row[1] * shift[1] + row[2] * shift[2]);
+        (0..3).for_each(|axis| map[axis][3] += shift[axis] - turned[axis]);
+    }
+    let found = measured(&far, 12, Split::HeldOut).errors;
+    // What is left is the rounding of f32, which grows with the distance.
+    assert!(found.rms_percent < 1.1 * reference.rms_percent + 2e-3, "{found:?} {reference:?}");
+}
+
+#[test]
+fn a_skin_that_is_lbs_is_reproduced() {
+    let mut examples = arm();
+    let (v, j) = (examples.vertex_len(), examples.joint_len());
+    for frame in 0..examples.frame_len() {
+        for vertex in 0..v {
+            let [x, y, z] = examples.rest[vertex];
+            let (a, b) = (vertex % j, (vertex / 7) % j);
+            let moved = |joint: usize| {
+                examples.transforms[frame * j + joint]
+                    .map(|m| m[0] * x + m[1] * y + m[2] * z + m[3])
+            };
+            let (a, b) = (moved(a), moved(b));
+            examples.vertices[frame * v + vertex] =
+                [0, 1, 2].map(|axis| 0.7 * a[axis] + 0.3 * b[axis]);
+        }
+    }
+    let found = measured(&examples, 12, Split::HeldOut);
+    assert!(found.errors.rms_percent < 0.02, "{found:?}");
+}
+
+#[test]
 fn one_proxy_and_as_many_as_triangles_both_train() {
     let mut examples = arm();
     let one = measured(&examples, 1, Split::HeldOut);

@@ -72,7 +72,9 @@ fn proxies_alone_on_dem_bones() {
     let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
     let tree = merge::MergeTree::build(&surface, || ());
     for (count, most) in [(10, 0.0020), (20, 0.0013), (30, 0.0009)] {
-        let fitted = proxies::fit(&surface, &tree, ProxyCount::Fixed(count), 4, &Silent).unwrap();
+        let options = Options { proxies: ProxyCount::Fixed(count), ..Options::default() };
+        let none = faer::Mat::zeros(0, 0);
+        let fitted = proxies::fit(&surface, &tree, &none, &options, &Silent).unwrap();
         assert!(unit * fitted.rms <= most, "P = {count}: {}", unit * fitted.rms);
     }
 }

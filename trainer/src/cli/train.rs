@@ -39,7 +39,7 @@ pub(super) struct FitArguments {
     /// What predicts the proxies from the pose
     #[arg(long, value_enum, default_value_t = Predictor::Rotational)]
     predictor: Predictor,
-    /// Number of proxies [default: 40]
+    /// Number of proxies [default: 40, or the number of joints where that is greater]
     #[arg(long, value_name = "P", value_parser = proxies(), allow_negative_numbers = true)]
     #[arg(conflicts_with = "max_error")]
     proxies: Option<usize>,
@@ -88,14 +88,16 @@ impl FitArguments {
     ) -> anyhow::Result<(Options, Trained)> {
         let Predictor::Rotational = self.predictor;
         let triangles = examples.triangles.len();
-        let default = Options::default();
         let proxies = match (self.max_error, self.proxies) {
             (Some(percent), _) => ProxyCount::MaxError(percent / 100.0),
             (None, Some(count)) if count > triangles => {
                 bail!("--proxies: {source} has {triangles} triangles, {count} proxies are too many")
             }
             (None, Some(count)) => ProxyCount::Fixed(count),
-            (None, None) => default.proxies,
+            // No fewer than the skeleton has, so that the palette is never poorer than LBS's.
+            (None, None) => ProxyCount::Fixed(
+                examples.joint_len().max(40).min(triangles).min(Limits::DEFAULT.proxies as usize),
+            ),
         };
         let options = Options { proxies, influences: self.influences, refine: !self.published };
         let trained =

@@ -90,6 +90,16 @@ impl Poses {
             .collect()
     }
 
+    /// Returns the poses with positions measured from a centre.
+    pub fn about(mut self, centre: [f64; 3]) -> Self {
+        let centre = Vector3::from(centre);
+        for map in self.maps.iter_mut().chain(&mut self.roots) {
+            let moved = map.fixed_columns::<3>(0) * centre + map.column(3) - centre;
+            map.set_column(3, &moved);
+        }
+        self
+    }
+
     /// Returns the poses with lengths measured in a unit.
     pub fn in_units_of(mut self, unit: f64) -> Self {
         for map in self.maps.iter_mut().chain(&mut self.roots) {

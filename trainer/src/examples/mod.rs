@@ -39,14 +39,6 @@ pub struct Skeleton {
     pub rest: Vec<Matrix3x4>,
 }
 
-impl Skeleton {
-    /// Gives the joints' rest origins with lengths measured in a unit.
-    pub fn origins(&self, unit: f64) -> Vec<nalgebra::Vector3<f64>> {
-        let origin = |m: &Matrix3x4| nalgebra::Vector3::new(m[0][3], m[1][3], m[2][3]) / unit;
-        self.rest.iter().map(origin).collect()
-    }
-}
-
 /// N poses of one mesh of V vertices and T triangles on J joints, in the units of the input.
 #[derive(Clone, Debug)]
 pub struct Examples {
@@ -103,6 +95,17 @@ impl Examples {
         }
         let extent = [0, 1, 2].map(|axis| (high[axis] - low[axis]).max(0.0));
         extent.iter().map(|length| length * length).sum::<f64>().sqrt()
+    }
+
+    /// Gives the mean of the rest positions.
+    pub fn centroid(&self) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for position in &self.rest {
+            for axis in 0..3 {
+                sum[axis] += position[axis];
+            }
+        }
+        sum.map(|sum| sum / self.vertex_len().max(1) as f64)
     }
 
     /// Gives the V posed positions of frame `index`.

@@ -1,12 +1,14 @@
 //! A small character with everything that a reduction is made of.
 
 use conformance::poses::rigid_motion;
+use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use sinew_trainer::envelope::blend::Weights;
 use sinew_trainer::envelope::motion::{to_nalgebra, transform};
 use sinew_trainer::envelope::oracle::after;
+use sinew_trainer::envelope::rotational::Options;
 use sinew_trainer::envelope::rotational::basis::basis;
 use sinew_trainer::envelope::rotational::keys;
 use sinew_trainer::envelope::rotational::merge::MergeTree;
@@ -47,10 +49,11 @@ impl Character {
         let (surface, basis) =
             Surface::new(rest, triangles.clone(), trajectories, basis(trajectories));
         let tree = MergeTree::build(&surface, || ());
-        let (n, count) = (poses.len(), ProxyCount::Fixed(PROXIES));
-        let proxies = proxies::fit(&surface, &tree, n, count, INFLUENCES, &Silent);
+        let count = ProxyCount::Fixed(PROXIES);
+        let options = Options { proxies: count, influences: INFLUENCES, refine: false };
+        let proxies = proxies::fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent);
         let proxies = proxies.expect("a fixed number can be fitted");
-        let keys = keys::fit(&surface, &proxies, n, INFLUENCES, &Silent);
+        let keys = keys::fit(&surface, &proxies, INFLUENCES, &Silent);
         let mut sorted = errors.clone();
         sorted.sort_by(f64::total_cmp);
         let threshold = sorted[sorted.len() / 4];

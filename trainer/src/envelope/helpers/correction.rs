@@ -21,7 +21,7 @@ const STILL: f64 = 3e-4;
 pub struct Joints<'a> {
     /// Parent of each joint.
     pub parents: &'a [Option<usize>],
-    /// Rest origin of each joint, in units of the diagonal.
+    /// Rest origin of each joint, as the training sees it.
     pub origins: &'a [Vector3<f64>],
 }
 
@@ -165,7 +165,6 @@ mod tests {
     use super::super::fit;
     use super::*;
     use crate::demo::{DemoOptions, demo};
-    use crate::envelope::motion::trajectories;
     use crate::envelope::rotational::training::Training;
     use crate::envelope::rotational::validation::Targets;
     use crate::envelope::weights;
@@ -186,15 +185,12 @@ mod tests {
         let (rest, poses) = (&training.rest, &training.poses);
         let (lbs, errors) = weights::fit(rest, &training.trajectories, poses, 4);
         let helpers = fit::fit(&training, (&lbs, &errors), 20, 4).unwrap();
-        let origins: Vec<_> = examples.skeleton.origins(training.unit);
+        let origins = training.origins(&examples);
         let joints = Joints { parents: &examples.skeleton.parents, origins: &origins };
         let correction = Correction::fit(&helpers, poses, joints, 2);
 
         let frames = examples.frames_of(Split::HeldOut);
-        let poses = Poses::new(&examples, &frames);
-        let mut moved = trajectories(&examples, &frames, &poses);
-        moved *= faer::Scale(1.0 / training.unit);
-        let poses = poses.in_units_of(training.unit);
+        let (poses, moved) = training.view(&examples, &frames);
         let stacked = poses.stacked();
         let of = |weights| Targets { rest, weights, trajectories: &moved };
         let palette = faer::concat![[&stacked, &correction.predict(&poses)]];

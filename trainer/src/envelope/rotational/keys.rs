@@ -90,6 +90,7 @@ fn edge_targets(surface: &Surface<'_>) -> Mat<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Options;
     use super::super::basis::basis;
     use super::super::merge::MergeTree;
     use super::super::proxies::{self, ProxyCount};
@@ -110,7 +111,9 @@ mod tests {
         });
         let (surface, vectors) = Surface::new(&rest, triangles, &moved, basis(&moved));
         let tree = MergeTree::build(&surface, || ());
-        let proxies = proxies::fit(&surface, &tree, ProxyCount::Fixed(1), 4, &Silent).unwrap();
+        let options = Options { proxies: ProxyCount::Fixed(1), ..Options::default() };
+        let joints = Mat::zeros(0, 0);
+        let proxies = proxies::fit(&surface, &tree, &joints, &options, &Silent).unwrap();
         let keys = fit(&surface, &proxies, 4, &Silent);
         for (frame, found) in keys.sequence(0, &vectors).iter().enumerate() {
             // The third edge n̂ is not affine, so it pulls, by its small weight.
@@ -127,8 +130,9 @@ mod tests {
         let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = MergeTree::build(&surface, || ());
         let with = |count| {
-            let count = ProxyCount::Fixed(count);
-            let proxies = proxies::fit(&surface, &tree, count, 4, &Silent).unwrap();
+            let options = Options { proxies: ProxyCount::Fixed(count), ..Options::default() };
+            let joints = Mat::zeros(0, 0);
+            let proxies = proxies::fit(&surface, &tree, &joints, &options, &Silent).unwrap();
             fit(&surface, &proxies, 4, &Silent).rms
         };
         assert!(with(20) < 0.5 * with(5));

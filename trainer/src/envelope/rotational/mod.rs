@@ -19,6 +19,7 @@ pub mod training;
 pub mod validation;
 
 use super::blend::Weights;
+use super::motion::Poses;
 use super::{FitError, weights};
 use crate::bake::{EnvelopeParts, Key};
 use crate::examples::Examples;
@@ -160,7 +161,8 @@ pub fn fit(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Rotational, FitError> {
-    let Training { unit, rest, triangles, poses, trajectories: moved } = Training::new(examples)?;
+    let Training { unit, centre, rest, triangles, poses, trajectories: moved } =
+        Training::new(examples)?;
     let rest = &rest;
 
     progress.step("LBS weights", 1);
@@ -171,9 +173,9 @@ pub fn fit(
     let (surface, basis) = Surface::new(rest, triangles, &moved, basis);
     progress.step("merging triangles", surface.triangles.len());
     let tree = merge::MergeTree::build(&surface, || progress.advance(1));
-    let influences = options.influences;
-    let proxies = proxies::fit(&surface, &tree, options.proxies, influences, progress)?;
-    let keys = keys::fit(&surface, &proxies, influences, progress);
+    let followed = basis.transpose() * joint_maps(&joints, &poses);
+    let proxies = proxies::fit(&surface, &tree, &followed, options, progress)?;
+    let keys = keys::fit(&surface, &proxies, options.influences, progress);
     let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis)).collect();
 
     let parents = &examples.skeleton.parents;
@@ -236,8 +238,19 @@ pub fn fit(
         ),
         angle_ranges: poses.angle_ranges(),
     };
-    let reduced = reduced.from_units_of(unit);
+    let reduced = reduced.from_units_of(unit).from_centre(centre, poses.root());
     Ok(Rotational { report, weights: proxies.weights, keys: predictors, reduced })
+}
+
+/// Stacks the maps of the joints that some vertex follows: 3n x 4 per joint.
+fn joint_maps(joints: &Weights, poses: &Poses) -> Mat<f64> {
+    let mut used = vec![false; poses.joint_len()];
+    (0..joints.len()).flat_map(|v| joints.of(v)).for_each(|(joint, _)| used[joint] = true);
+    let followed: Vec<usize> = (0..used.len()).filter(|&joint| used[joint]).collect();
+    let stacked = poses.stacked();
+    Mat::from_fn(stacked.nrows(), 4 * followed.len(), |row, column| {
+        stacked[(row, 4 * followed[column / 4] + column % 4)]
+    })
 }
 
 impl Rotational {

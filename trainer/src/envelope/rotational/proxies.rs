@@ -2,6 +2,7 @@
 
 use super::super::FitError;
 use super::super::blend::{Alternation, Blend, Items, Maps, Weights};
+use super::Options;
 use super::merge::MergeTree;
 use super::surface::Surface;
 use crate::progress::Progress;
@@ -56,17 +57,19 @@ impl Proxies {
     }
 }
 
-/// Fits proxies to a surface, starting from the groups of its triangles.
+/// Fits proxies to a surface, starting from the groups of its triangles or from `joints`, maps on
+/// the basis (r x 4J) in place of as many groups: from whichever comes nearer.
 ///
 /// # Errors
 /// [`FitError::MaxError`] where no number of proxies that a file can hold comes near enough.
 pub fn fit(
     surface: &Surface<'_>,
     tree: &MergeTree,
-    count: ProxyCount,
-    influences: usize,
+    joints: &Mat<f64>,
+    options: &Options,
     progress: &dyn Progress,
 ) -> Result<Proxies, FitError> {
+    let influences = options.influences;
     // One row `[x̂ 1]` a vertex.
     let h = surface.rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
     let items = Items { width: 4, rows: 1, h, y: &surface.vertices };
@@ -75,13 +78,28 @@ pub fn fit(
     let mut at = |proxies: usize| {
         progress.step(STEP, ALTERNATION.rounds);
         let start = group_maps(surface, &tree.cut(proxies));
-        let Blend { weights, maps, error } = ALTERNATION.run(&items, start, influences, progress);
+        let mut best = ALTERNATION.run(&items, start, influences, progress);
+        // A skin that follows its joints is a start of its own, which merging need not find.
+        if joints.ncols() > 0 && joints.ncols() <= 4 * proxies {
+            let mut columns = Mat::zeros(joints.nrows(), 4 * proxies);
+            let (mut own, mut more) = columns.as_mut().split_at_col_mut(joints.ncols());
+            own.copy_from(joints);
+            if more.ncols() > 0 {
+                more.copy_from(group_maps(surface, &tree.cut(more.ncols() / 4)).columns);
+            }
+            let start = Maps { width: 4, columns };
+            let other = ALTERNATION.run(&items, start, influences, progress);
+            if other.error < best.error {
+                best = other;
+            }
+        }
+        let Blend { weights, maps, error } = best;
         let rms = (error / equations).sqrt();
         trials.push(CountTrial { proxies, rms });
         Proxies { weights, maps, rms, trials: Vec::new() }
     };
     let most = surface.triangles.len().min(Limits::DEFAULT.proxies as usize);
-    let found = match count {
+    let found = match options.proxies {
         ProxyCount::Fixed(p) => at(p.clamp(1, most)),
         ProxyCount::MaxError(limit) => fewest(&mut at, most, limit)?,
     };
@@ -169,7 +187,10 @@ mod tests {
         let basis = basis(&trajectories);
         let (surface, vectors) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = MergeTree::build(&surface, || ());
-        let fit_to = |count| fit(&surface, &tree, count, 4, &Silent);
+        let fit_to = |proxies| {
+            let options = Options { proxies, ..Options::default() };
+            fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent)
+        };
         let found = fit_to(ProxyCount::MaxError(0.001)).unwrap();
         assert!(found.rms <= 0.001, "{} proxies leave {}", found.len(), found.rms);
         let fewer = fit_to(ProxyCount::Fixed(found.len() - 1)).unwrap();
@@ -190,7 +211,8 @@ mod tests {
         let basis = basis(&trajectories);
         let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = MergeTree::build(&surface, || ());
-        let asked = fit(&surface, &tree, ProxyCount::MaxError(1e-30), 4, &Silent);
+        let options = Options { proxies: ProxyCount::MaxError(1e-30), ..Options::default() };
+        let asked = fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent);
         let Some(FitError::MaxError { proxies, reached, .. }) = asked.err() else { panic!() };
         assert!(proxies == most && reached > 0.0 && reached < 0.01);
     }

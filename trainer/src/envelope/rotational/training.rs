@@ -4,15 +4,19 @@ use super::super::FitError;
 use super::super::motion::{Poses, trajectories};
 use crate::examples::{Examples, Split};
 use faer::Mat;
+use nalgebra::Vector3;
 
 /// Fewest training poses: one row of H has six unknowns.
 pub const MIN_POSES: usize = 6;
 
-/// The training frames with the root's motion removed and all lengths in units of the rest
-/// diagonal, so that no constant of the fit depends on the units of the input.
+/// The training frames with the root's motion removed, about the centre of the rest mesh and with
+/// all lengths in units of the rest diagonal, so that no constant and no rounding of the fit depends
+/// on the units of the input or on where it stands.
 pub struct Training {
     /// The rest diagonal, in units of the input.
     pub unit: f64,
+    /// The centroid of the rest mesh, in units of the input.
+    pub centre: [f64; 3],
     /// V rest positions.
     pub rest: Vec<[f64; 3]>,
     /// The triangles that have an area.
@@ -37,16 +41,38 @@ impl Training {
         if triangles.is_empty() {
             return Err(FitError::NoTriangles);
         }
-        let unit = examples.diagonal();
-        let poses = Poses::new(examples, &frames);
-        let mut trajectories = trajectories(examples, &frames, &poses);
-        trajectories *= faer::Scale(1.0 / unit);
-        Ok(Self {
-            unit,
-            rest: examples.rest.iter().map(|x| x.map(|x| x / unit)).collect(),
+        let mut training = Self {
+            unit: examples.diagonal(),
+            centre: examples.centroid(),
+            rest: Vec::new(),
             triangles,
-            poses: poses.in_units_of(unit),
-            trajectories,
-        })
+            poses: Poses::new(examples, &[]),
+            trajectories: Mat::zeros(0, 0),
+        };
+        training.rest = examples.rest.iter().map(|x| training.local(x)).collect();
+        (training.poses, training.trajectories) = training.view(examples, &frames);
+        Ok(training)
+    }
+
+    /// Gives other frames of the examples as these are seen: poses, and trajectories 3n x V.
+    pub fn view(&self, examples: &Examples, frames: &[usize]) -> (Poses, Mat<f64>) {
+        let poses = Poses::new(examples, frames);
+        let mut trajectories = trajectories(examples, frames, &poses);
+        for vertex in 0..trajectories.ncols() {
+            for y in trajectories.col_as_slice_mut(vertex).as_chunks_mut::<3>().0 {
+                *y = self.local(y);
+            }
+        }
+        (poses.about(self.centre).in_units_of(self.unit), trajectories)
+    }
+
+    /// Gives the joints' rest origins.
+    pub fn origins(&self, examples: &Examples) -> Vec<Vector3<f64>> {
+        let rest = examples.skeleton.rest.iter();
+        rest.map(|m| self.local(&[m[0][3], m[1][3], m[2][3]]).into()).collect()
+    }
+
+    fn local(&self, x: &[f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|axis| (x[axis] - self.centre[axis]) / self.unit)
     }
 }
