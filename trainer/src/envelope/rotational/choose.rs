@@ -8,8 +8,8 @@ use super::validation::Validation;
 use crate::progress::Progress;
 use serde::Serialize;
 
-/// Candidate fractions of F.
-const FRACTIONS: [f64; 10] = [0.05, 0.1, 0.15, 0.25, 0.35, 0.5, 0.65, 0.75, 0.85, 0.95];
+/// Candidate fractions of F; at 1 the proxies follow LBS wherever it leads.
+const FRACTIONS: [f64; 11] = [0.05, 0.1, 0.15, 0.25, 0.35, 0.5, 0.65, 0.75, 0.85, 0.95, 1.0];
 /// Candidate γ, tried at the best fraction.
 const NEAR_RIGID: [f64; 6] = [0.1, 1.0, 10.0, 100.0, 1e3, 1e4];
 /// Candidate μ, tried at the best γ.
