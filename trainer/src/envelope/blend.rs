@@ -30,7 +30,13 @@ pub struct Items<'a> {
     pub y: &'a Mat<f64>,
 }
 
-impl Items<'_> {
+impl<'a> Items<'a> {
+    /// One row `[x̂ 1]` a vertex, with their trajectories r x V.
+    pub fn vertices(rest: &[[f64; 3]], y: &'a Mat<f64>) -> Self {
+        let h = rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
+        Self { width: 4, rows: 1, h, y }
+    }
+
     /// Returns the number of items.
     pub fn len(&self) -> usize {
         self.y.ncols() / self.rows

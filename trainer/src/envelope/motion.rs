@@ -22,7 +22,7 @@ impl Poses {
     pub fn new(examples: &Examples, frames: &[usize]) -> Self {
         let joint_len = examples.joint_len();
         let parents = &examples.skeleton.parents;
-        let root = parents.iter().position(Option::is_none).unwrap_or(0);
+        let root = examples.skeleton.root();
         let mut poses = Self {
             joint_len,
             root,

@@ -18,8 +18,7 @@ pub fn fit(
     poses: &Poses,
     most: usize,
 ) -> (Weights, Vec<f64>) {
-    let h = rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
-    let items = Items { width: 4, rows: 1, h, y: trajectories };
+    let items = Items::vertices(rest, trajectories);
     fit_weights(&items, &Maps { width: 4, columns: poses.stacked() }, most, None)
 }
 

@@ -39,6 +39,13 @@ pub struct Skeleton {
     pub rest: Vec<Matrix3x4>,
 }
 
+impl Skeleton {
+    /// Gives the reference root, the first joint without a parent.
+    pub fn root(&self) -> usize {
+        self.parents.iter().position(Option::is_none).unwrap_or(0)
+    }
+}
+
 /// N poses of one mesh of V vertices and T triangles on J joints, in the units of the input.
 #[derive(Clone, Debug)]
 pub struct Examples {

@@ -3,10 +3,11 @@
 use super::super::blend::{Items, Maps, Weights, fit_maps, fit_weights};
 use super::super::motion::{Poses, compose, rigid_inverse};
 use super::super::rotational::basis::basis;
+use super::super::rotational::reduce::homogeneous;
 use super::super::rotational::training::Training;
 use super::cluster::cluster;
 use faer::Mat;
-use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3, Vector4};
+use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3};
 
 /// Error of LBS, in units of the diagonal, from which a vertex counts for the helpers' groups.
 const ERRS: f64 = 4e-4;
@@ -61,8 +62,7 @@ pub fn fit(
         }
     }
 
-    let h = training.rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
-    let items = Items { width: 4, rows: 1, h, y: &training.trajectories };
+    let items = Items::vertices(&training.rest, &training.trajectories);
     let mut weights = joints.clone();
     for _ in 0..ROUNDS {
         let palette = Maps { width: 4, columns: faer::concat![[&stacked, &maps]] };
@@ -78,7 +78,7 @@ pub fn fit(
                 }
             }
         }
-        let items = Items { width: 4, rows: 1, h: items.h.clone(), y: &left };
+        let items = Items::vertices(&training.rest, &left);
         let bases = Maps { width: 4, columns: bases.clone() };
         maps = fit_maps(&items, &on_helpers, &bases, PULL).columns;
     }
@@ -96,7 +96,7 @@ fn groups(
     let scale = RESIDUAL_SHARE / (poses.len() as f64).sqrt();
     let mut features = Mat::zeros(3 * poses.len() + 3, active.len());
     for (k, &v) in active.iter().enumerate() {
-        let h = Vector4::new(training.rest[v][0], training.rest[v][1], training.rest[v][2], 1.0);
+        let h = homogeneous(&training.rest[v]);
         let column = features.col_as_slice_mut(k);
         for i in 0..poses.len() {
             let skinned: Vector3<f64> = joints.of(v).map(|(j, w)| poses.map(i, j) * h * w).sum();
@@ -124,10 +124,7 @@ fn strongest(joints: &Weights, vertex: usize) -> usize {
 /// The affine map of some vertices in each pose, with a ridge toward their joint's map.
 fn group_maps(training: &Training, members: &[usize], joint: usize) -> Vec<Matrix3x4<f64>> {
     const RIDGE: f64 = 1e-2;
-    let h = |v: usize| {
-        let x = training.rest[v];
-        Vector4::new(x[0], x[1], x[2], 1.0)
-    };
+    let h = |v: usize| homogeneous(&training.rest[v]);
     let gram: Matrix4<f64> = members.iter().map(|&v| h(v) * h(v).transpose()).sum();
     let ridged = gram + Matrix4::from_diagonal(&gram.diagonal()) * RIDGE;
     let inverse = ridged.try_inverse().unwrap_or_default();

@@ -42,6 +42,15 @@ pub struct Trial {
     pub rms: Option<f64>,
 }
 
+/// The candidate taken.
+#[derive(Clone, Copy, Debug)]
+pub struct Chosen {
+    /// The candidate.
+    pub choice: Choice,
+    /// Its cross-validated RMS error over the diagonal.
+    pub rms: f64,
+}
+
 /// What is chosen from.
 pub struct Candidates<'a> {
     /// What is reduced; F and the anchors are replaced.
@@ -60,24 +69,24 @@ impl Candidates<'_> {
     ///
     /// # Errors
     /// [`FitError::Singular`] where no candidate is regular.
-    pub fn choose(&self, progress: &dyn Progress) -> Result<(Choice, Vec<Trial>), FitError> {
+    pub fn choose(&self, progress: &dyn Progress) -> Result<(Chosen, Vec<Trial>), FitError> {
         progress.step("near-rigid vertices", FRACTIONS.len() + NEAR_RIGID.len() + PATCH.len());
         let mut search = Search { candidates: self, trials: Vec::new(), best: None, progress };
         for near_rigid_fraction in FRACTIONS {
             search.attempt(Choice { near_rigid_fraction, anchors: START, refinement: None });
         }
         for near_rigid in NEAR_RIGID {
-            let best = search.best()?;
+            let best = search.best()?.choice;
             search.attempt(Choice { anchors: Anchors { near_rigid, ..best.anchors }, ..best });
         }
         for patch in PATCH {
-            let best = search.best()?;
+            let best = search.best()?.choice;
             search.attempt(Choice { anchors: Anchors { patch, ..best.anchors }, ..best });
         }
-        let choice = search.best()?;
+        let unrefined = search.best()?;
         let mut trials = search.trials;
-        let refinement = self.refinement(&choice, &mut trials, progress)?;
-        Ok((Choice { refinement, ..choice }, trials))
+        let chosen = self.refine(unrefined, &mut trials, progress)?;
+        Ok((chosen, trials))
     }
 
     /// Reduces the reconstruction with the anchors of a choice, without refinement.
@@ -86,30 +95,30 @@ impl Candidates<'_> {
         Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..self.reduction }.run()
     }
 
-    fn refinement(
+    /// Tries the refinement of a choice, and takes the stiffest ridge that is good enough.
+    fn refine(
         &self,
-        choice: &Choice,
+        unrefined: Chosen,
         trials: &mut Vec<Trial>,
         progress: &dyn Progress,
-    ) -> Result<Option<f64>, FitError> {
-        let Some(projection) = self.projection else { return Ok(None) };
+    ) -> Result<Chosen, FitError> {
+        let Some(projection) = self.projection else { return Ok(unrefined) };
         progress.step("refinement", 1);
-        let reduced = self.reduce(choice).ok_or(FitError::Singular)?;
+        let reduced = self.reduce(&unrefined.choice).ok_or(FitError::Singular)?;
         let scores = self.validation.score_refined(&reduced, projection, &REFINEMENT);
         progress.advance(1);
-        let unrefined = self.validation.score(&reduced);
-        let best = scores.iter().copied().fold(unrefined, f64::min);
-        let mut chosen = None;
-        let mut open = unrefined > STIFFER * best;
-        for (&strength, &rms) in REFINEMENT.iter().zip(&scores) {
-            let refined = Choice { refinement: Some(strength), ..*choice };
-            trials.push(Trial { choice: refined, rms: Some(rms) });
-            if open && rms <= STIFFER * best {
-                chosen = Some(strength);
-                open = false;
-            }
-        }
-        Ok(chosen)
+        let refined: Vec<_> = REFINEMENT
+            .iter()
+            .zip(scores)
+            .map(|(&strength, rms)| {
+                let choice = Choice { refinement: Some(strength), ..unrefined.choice };
+                Chosen { choice, rms }
+            })
+            .collect();
+        trials.extend(refined.iter().map(|c| Trial { choice: c.choice, rms: Some(c.rms) }));
+        let best = refined.iter().map(|c| c.rms).fold(unrefined.rms, f64::min);
+        let mut stiffest_first = std::iter::once(unrefined).chain(refined);
+        Ok(stiffest_first.find(|c| c.rms <= STIFFER * best).unwrap_or(unrefined))
     }
 }
 
@@ -128,7 +137,7 @@ pub fn near_rigid(lbs_errors: &[f64], fraction: f64) -> Vec<bool> {
 struct Search<'a> {
     candidates: &'a Candidates<'a>,
     trials: Vec<Trial>,
-    best: Option<(f64, Choice)>,
+    best: Option<Chosen>,
     progress: &'a dyn Progress,
 }
 
@@ -141,12 +150,12 @@ impl Search<'_> {
         let reduced = self.candidates.reduce(&choice);
         let rms = reduced.map(|reduced| self.candidates.validation.score(&reduced));
         self.trials.push(Trial { choice, rms });
-        if let Some(rms) = rms.filter(|rms| self.best.is_none_or(|(best, _)| *rms < best)) {
-            self.best = Some((rms, choice));
+        if let Some(rms) = rms.filter(|rms| self.best.is_none_or(|best| *rms < best.rms)) {
+            self.best = Some(Chosen { choice, rms });
         }
     }
 
-    fn best(&self) -> Result<Choice, FitError> {
-        self.best.map(|(_, choice)| choice).ok_or(FitError::Singular)
+    fn best(&self) -> Result<Chosen, FitError> {
+        self.best.ok_or(FitError::Singular)
     }
 }

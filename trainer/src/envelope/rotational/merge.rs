@@ -5,6 +5,7 @@
 //! neighbour B, by `E_{A→B} = Σ_{a∈A} |y_a - T_B x̂_a|²`, is made again and again, and B's map is
 //! refitted. A group is known by the sums of its points' outer products, so a merge adds them.
 
+use super::reduce::homogeneous;
 use super::surface::Surface;
 use nalgebra::Matrix4;
 use std::cmp::Ordering;
@@ -148,7 +149,7 @@ impl Groups {
     }
 
     fn add_point(&mut self, group: usize, x: &[f64; 3], y: &[f64]) {
-        let h = nalgebra::Vector4::new(x[0], x[1], x[2], 1.0);
+        let h = homogeneous(x);
         self.points[group] += h * h.transpose();
         for (row, target) in self.targets[group].chunks_exact_mut(self.rank).enumerate() {
             for (sum, value) in target.iter_mut().zip(y) {
@@ -159,9 +160,7 @@ impl Groups {
     }
 
     fn refit(&mut self, group: usize) {
-        let gram = self.points[group];
-        let ridge = 1e-12 * gram.trace() + f64::MIN_POSITIVE;
-        let inverse = (gram + Matrix4::identity() * ridge).try_inverse().unwrap_or_default();
+        let inverse = regular_inverse(&self.points[group]);
         let targets = &self.targets[group];
         let mut map = vec![0.0; 4 * self.rank];
         for row in 0..4 {
@@ -247,6 +246,12 @@ impl Groups {
             }
         }
     }
+}
+
+/// Inverts a group's Σ h hᵀ, with a ridge at the size of rounding.
+pub(super) fn regular_inverse(gram: &Matrix4<f64>) -> Matrix4<f64> {
+    let ridge = 1e-12 * gram.trace() + f64::MIN_POSITIVE;
+    (gram + Matrix4::identity() * ridge).try_inverse().unwrap_or_default()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -198,7 +198,8 @@ pub fn fit(
         validation: &validation,
         projection: options.refine.then_some(&projection),
     };
-    let (choice, trials) = candidates.choose(progress)?;
+    let (chosen, trials) = candidates.choose(progress)?;
+    let choice = chosen.choice;
 
     progress.step("key predictors", 1);
     let predictors: Vec<_> =
@@ -214,7 +215,6 @@ pub fn fit(
     }
 
     let maps = reduced.palette(&predicted, &poses);
-    let validated = trials.iter().find(|trial| trial.choice == choice).and_then(|t| t.rms);
     let lbs = (&joints, &poses.stacked());
     let report = Report {
         basis_rank,
@@ -226,7 +226,7 @@ pub fn fit(
         keys: predictors.iter().map(KeyChoice::new).collect(),
         training_rms: targets.rms(&maps),
         folds: validation::folds(poses.len()),
-        validated_rms: validated.ok_or(FitError::Singular)?,
+        validated_rms: chosen.rms,
         trials,
         choice,
         condition: system.equations().condition(),
@@ -269,7 +269,7 @@ impl Rotational {
             name: "skin".to_owned(),
             joint_names: skeleton.names.clone(),
             parents: skeleton.parents.clone(),
-            root: skeleton.parents.iter().position(Option::is_none).unwrap_or(0),
+            root: skeleton.root(),
             rest_frames: skeleton.rest.clone(),
             rest_positions: examples.rest.clone(),
             rest_normals: examples.rest_normals(),

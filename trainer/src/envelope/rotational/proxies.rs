@@ -3,7 +3,8 @@
 use super::super::FitError;
 use super::super::blend::{Alternation, Blend, Items, Maps, Weights};
 use super::Options;
-use super::merge::MergeTree;
+use super::merge::{MergeTree, regular_inverse};
+use super::reduce::homogeneous;
 use super::surface::Surface;
 use crate::progress::Progress;
 use faer::Mat;
@@ -70,9 +71,7 @@ pub fn fit(
     progress: &dyn Progress,
 ) -> Result<Proxies, FitError> {
     let influences = options.influences;
-    // One row `[x̂ 1]` a vertex.
-    let h = surface.rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
-    let items = Items { width: 4, rows: 1, h, y: &surface.vertices };
+    let items = Items::vertices(surface.rest, &surface.vertices);
     let equations = (surface.rest.len() * surface.frames).max(1) as f64;
     let mut trials = Vec::new();
     let mut at = |proxies: usize| {
@@ -143,7 +142,7 @@ fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
     for (triangle, &group) in group_of.iter().enumerate() {
         let corners = surface.triangles[triangle];
         let mut add = |x: [f64; 3], normal: bool, vertex: usize| {
-            let h = nalgebra::Vector4::new(x[0], x[1], x[2], 1.0);
+            let h = homogeneous(&x);
             points[group] += h * h.transpose();
             for (column, factor) in h.iter().enumerate() {
                 let mut target = targets.col_mut(4 * group + column);
@@ -162,9 +161,7 @@ fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
     }
     let mut columns = Mat::zeros(rank, 4 * count);
     for (group, gram) in points.iter().enumerate() {
-        let ridge = 1e-12 * gram.trace() + f64::MIN_POSITIVE;
-        let inverse =
-            (gram + nalgebra::Matrix4::identity() * ridge).try_inverse().unwrap_or_default();
+        let inverse = regular_inverse(gram);
         let inverse = Mat::from_fn(4, 4, |r, c| inverse[(r, c)]);
         columns.subcols_mut(4 * group, 4).copy_from(targets.subcols(4 * group, 4) * inverse);
     }
