@@ -1,6 +1,6 @@
 //! What can go wrong: bad bytes ([`FormatError`]) and bad calls ([`EvalError`]).
 
-use crate::format::SectionKind;
+use crate::format::{Predictor, SectionKind};
 use crate::limits::Quantity;
 use core::fmt;
 
@@ -64,7 +64,7 @@ pub enum FormatError {
         /// Its length in bytes.
         bytes: usize,
     },
-    /// A row states flags that version 1 does not have.
+    /// A row states flags that this version does not have.
     Flags {
         /// The flags found.
         found: u16,
@@ -121,7 +121,12 @@ pub enum FormatError {
         /// The section.
         section: SectionKind,
     },
-    /// A section's length does not follow from the part's counts.
+    /// A section that the part's predictor does not have.
+    UnexpectedSection {
+        /// The section.
+        section: SectionKind,
+    },
+    /// A section's length does not follow from the part's counts, or from its groups.
     SectionLength {
         /// The section.
         section: SectionKind,
@@ -140,12 +145,12 @@ pub enum FormatError {
         /// The joint.
         joint: usize,
     },
-    /// A float that is not finite, or larger than [`crate::format::MAGNITUDE_MAX`]; a negative
-    /// weight or pose range.
+    /// A float that is not finite, or larger than [`crate::format::MAGNITUDE_MAX`], or in a
+    /// correction than [`crate::format::CORRECTION_MAX`]; a negative weight or pose range.
     Float {
         /// Its section; `None` for the certificate.
         section: Option<SectionKind>,
-        /// Its index, in floats from the section's start (from the first matrix in a key).
+        /// Its index, in floats or words from the section's start (from the first matrix in a key).
         index: usize,
     },
     /// An index beyond what it points into.
@@ -169,10 +174,55 @@ pub enum FormatError {
         /// The key.
         key: usize,
     },
-    /// A vertex lies outside the rest box of a proxy that moves it.
+    /// A kernel that this reader does not know.
+    Kernel {
+        /// The group.
+        group: usize,
+        /// Its number.
+        found: u8,
+    },
+    /// A byte of a group that must be zero is not.
+    Reserved {
+        /// The group.
+        group: usize,
+    },
+    /// A group without proxies, or with centres and neither inputs nor rank.
+    EmptyGroup {
+        /// The group.
+        group: usize,
+    },
+    /// A group's fade does not start and then end within 0 and [`crate::format::CORRECTION_MAX`].
+    Fade {
+        /// The group.
+        group: usize,
+    },
+    /// A group does not start where the one before it ends.
+    GroupOffset {
+        /// The group.
+        group: usize,
+        /// The word it should start at; `u32::MAX` also stands for more.
+        expected: u32,
+        /// The word it starts at.
+        found: u32,
+    },
+    /// The groups' proxies are not those of the part.
+    GroupProxies {
+        /// Proxies of the part.
+        expected: u32,
+        /// Proxies of all groups; `u32::MAX` also stands for more.
+        found: u32,
+    },
+    /// The part states another length of scratch than its groups need.
+    Scratch {
+        /// Floats that they need; `u32::MAX` also stands for more.
+        expected: u32,
+        /// Floats that it states.
+        found: u32,
+    },
+    /// A vertex lies outside the rest box of a map that moves it.
     RestBox {
-        /// The proxy.
-        proxy: usize,
+        /// The map's index in the palette.
+        index: usize,
         /// The vertex.
         vertex: usize,
     },
@@ -227,6 +277,11 @@ pub enum EvalError {
     },
     /// Tangents were asked of a model that has none.
     NoTangents,
+    /// The stage is not part of the model's predictor.
+    Predictor {
+        /// The model's predictor.
+        found: Predictor,
+    },
 }
 
 /// The argument that an [`EvalError`] is about.
@@ -244,6 +299,10 @@ pub enum Argument {
     Rotations,
     /// Columns of the predicted gradients.
     Gradients,
+    /// Pose features, in matrices.
+    Features,
+    /// Scratch of the correction, in floats.
+    Scratch,
     /// Output buffer A, in floats.
     OutA,
     /// Output buffer B, in floats.
@@ -275,6 +334,8 @@ impl Argument {
             Self::Relative => "relative maps",
             Self::Rotations => "rotations",
             Self::Gradients => "gradients",
+            Self::Features => "features",
+            Self::Scratch => "scratch",
             Self::OutA => "output a",
             Self::OutB => "output b",
         }
@@ -321,6 +382,9 @@ impl fmt::Display for FormatError {
                 write!(f, "{}: expected at least 1, found 0", quantity.name())
             }
             Self::MissingSection { section } => write!(f, "section {} is missing", section.name()),
+            Self::UnexpectedSection { section } => {
+                write!(f, "section {} is not of this predictor", section.name())
+            }
             Self::SectionLength { section, expected, found } => {
                 write!(f, "section {}: expected {expected} bytes, found {found}", section.name())
             }
@@ -340,8 +404,23 @@ impl fmt::Display for FormatError {
                 write!(f, "the weights of vertex {vertex} do not sum to one")
             }
             Self::Twist { key } => write!(f, "a twist matrix of key {key} is too large"),
-            Self::RestBox { proxy, vertex } => {
-                write!(f, "vertex {vertex} lies outside the rest box of proxy {proxy}")
+            Self::Kernel { group, found } => write!(f, "group {group}: unknown kernel {found}"),
+            Self::Reserved { group } => write!(f, "group {group}: a reserved byte is not zero"),
+            Self::EmptyGroup { group } => {
+                write!(f, "group {group} lacks proxies, or has centres but no inputs or no rank")
+            }
+            Self::Fade { group } => write!(f, "group {group}: the fade does not start and end"),
+            Self::GroupOffset { group, expected, found } => {
+                write!(f, "group {group}: expected at word {expected}, found at {found}")
+            }
+            Self::GroupProxies { expected, found } => {
+                write!(f, "proxies of all groups: expected {expected}, found {found}")
+            }
+            Self::Scratch { expected, found } => {
+                write!(f, "scratch: expected {expected} floats, found {found}")
+            }
+            Self::RestBox { index, vertex } => {
+                write!(f, "vertex {vertex} lies outside the rest box of map {index}")
             }
         }
     }
@@ -369,6 +448,9 @@ impl fmt::Display for EvalError {
                 write!(f, "stride: expected at least {least} floats, found {found}")
             }
             Self::NoTangents => f.write_str("the model has no tangents"),
+            Self::Predictor { found } => {
+                write!(f, "predictor {} has no such stage", found.name())
+            }
         }
     }
 }

@@ -11,11 +11,12 @@
 pub mod envelope;
 mod error;
 pub mod format;
+pub mod kernel;
 mod limits;
 mod linear;
 mod model;
 mod numeric;
-mod pose;
+pub mod pose;
 mod workspace;
 
 pub use envelope::Envelope;

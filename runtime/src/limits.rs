@@ -2,7 +2,8 @@
 
 /// The most of everything that a file may hold; a file beyond it is refused before it costs anything.
 ///
-/// All work, in loading and in evaluating, grows with these counts and with nothing else.
+/// All work, in loading and in evaluating, grows with these counts and with nothing else: each
+/// byte of a kernel map costs one multiplication.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes of the file.
@@ -34,7 +35,7 @@ impl Default for Limits {
     }
 }
 
-/// What a [`Limits`] bounds.
+/// What a [`Limits`] or the format bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Bytes of the file.
@@ -47,6 +48,8 @@ pub enum Quantity {
     Proxies,
     /// Influences of a vertex.
     Influences,
+    /// Groups of a part: each owns a proxy, so that their number needs no limit of its own.
+    Groups,
 }
 
 impl Quantity {
@@ -57,6 +60,7 @@ impl Quantity {
             Self::Joints => "joints",
             Self::Proxies => "proxies",
             Self::Influences => "influences",
+            Self::Groups => "groups",
         }
     }
 }

@@ -69,3 +69,84 @@ pub(crate) fn add_block_product(sums: &mut [[f32; 8]; 3], block: &[[Le; 8]], inp
     }
     *sums = local;
 }
+
+/// Computes the product of a matrix in blocks of 8 rows with a vector in two parts.
+///
+/// `matrix` holds 8 coefficients a column, block after block; `out[b]` is what block b gives.
+#[inline]
+pub(crate) fn block_product(matrix: &[[Le; 8]], parts: [&[f32]; 2], out: &mut [[f32; 8]]) {
+    let [first, second] = parts;
+    for_pairs(matrix, first.len() + second.len(), out, |[a, b]| {
+        let cut = first.len().min(a.len()).min(b.len());
+        let ((a0, a1), (b0, b1)) = (a.split_at(cut), b.split_at(cut));
+        let mut sums = [[0.0; 8]; 2];
+        add_products(&mut sums, [a0, b0], first);
+        add_products(&mut sums, [a1, b1], second);
+        sums
+    });
+}
+
+#[inline(always)]
+fn add_products(sums: &mut [[f32; 8]; 2], [a, b]: [&[[Le; 8]]; 2], input: &[f32]) {
+    let [mut sums_a, mut sums_b] = *sums;
+    for ((a, b), x) in a.iter().zip(b).zip(input) {
+        for (sum, coefficient) in sums_a.iter_mut().zip(floats(a)) {
+            *sum += coefficient * x;
+        }
+        for (sum, coefficient) in sums_b.iter_mut().zip(floats(b)) {
+            *sum += coefficient * x;
+        }
+    }
+    *sums = [sums_a, sums_b];
+}
+
+/// Computes the squared distances of a point from points in blocks of 8, coordinate by coordinate.
+#[inline]
+pub(crate) fn block_squared_distances(points: &[[Le; 8]], from: &[f32], out: &mut [[f32; 8]]) {
+    for_pairs(points, from.len(), out, |[a, b]| {
+        let [mut sums_a, mut sums_b] = [[0.0; 8]; 2];
+        for ((a, b), x) in a.iter().zip(b).zip(from) {
+            for (sum, t) in sums_a.iter_mut().zip(floats(a)) {
+                *sum += (x - t) * (x - t);
+            }
+            for (sum, t) in sums_b.iter_mut().zip(floats(b)) {
+                *sum += (x - t) * (x - t);
+            }
+        }
+        [sums_a, sums_b]
+    });
+}
+
+/// Evaluates blocks of some columns two at a time, because one alone would wait for its own sums;
+/// a last block without another goes with itself.
+#[inline(always)]
+fn for_pairs(
+    blocks: &[[Le; 8]],
+    column_len: usize,
+    out: &mut [[f32; 8]],
+    pair: impl Fn([&[[Le; 8]]; 2]) -> [[f32; 8]; 2],
+) {
+    // Chunks of zero would panic.
+    let mut blocks = blocks.chunks_exact(column_len.max(1));
+    for out in out.chunks_mut(2) {
+        let Some(a) = blocks.next() else { return };
+        let b = blocks.next().unwrap_or(a);
+        for (out, value) in out.iter_mut().zip(pair([a, b])) {
+            *out = value;
+        }
+    }
+}
+
+/// Reads an entry of a matrix that lies in blocks of 8 rows, each column-major.
+pub(crate) fn block_entry(
+    blocks: &[[Le; 8]],
+    (row_len, column_len): (usize, usize),
+    row: usize,
+    column: usize,
+) -> Option<f32> {
+    if row >= row_len || column >= column_len {
+        return None;
+    }
+    let le = blocks.get(row / 8 * column_len + column)?.get(row % 8)?;
+    Some(f32::from_le_bytes(*le))
+}

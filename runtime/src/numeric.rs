@@ -42,6 +42,40 @@ pub(crate) fn quadrant_angle(y: f32, x: f32) -> f32 {
     }
 }
 
+/// Where [`exp_negative`] stops falling, above the least normal number.
+pub(crate) const EXP_MAX: f32 = 87.0;
+
+/// Returns `e^-a` of `a >= 0`: 1 at 0, and from [`EXP_MAX`] on 1.6e-38, also where `a` is not a
+/// number.
+///
+/// Error: 1 ULP. Without branches and in integer steps that GLSL and WGSL have; lanes vectorise.
+#[inline(always)]
+pub(crate) fn exp_negative(a: f32) -> f32 {
+    // 1.5 * 2^23: its last place is 1, so that adding it rounds to a whole number.
+    const ROUND: f32 = 12_582_912.0;
+    // ln 2 in two parts; a multiple below 2^7 of the first is exact.
+    const LN_2_0: f32 = 0.693_359_4;
+    const LN_2_1: f32 = -2.121_944_4e-4;
+    let a = if a < EXP_MAX { a } else { EXP_MAX };
+    let rounded = ROUND - a * core::f32::consts::LOG2_E;
+    let k = rounded - ROUND;
+    let r = (-a - k * LN_2_0) - k * LN_2_1;
+    let tail = 0.041_668_266 + r * (8.368_684e-3 + r * 1.382_094_7e-3);
+    let power = 1.0 + (r + r * r * (0.499_999_94 + r * (0.166_665_21 + r * tail)));
+    // k lies in the last bits; all that is not its exponent is shifted out.
+    power * f32::from_bits((rounded.to_bits() << 23).wrapping_add(1.0f32.to_bits()))
+}
+
+/// Returns `u³ (10 - 15 u + 6 u²)` of `0 <= u <= 1`, in [0, 1]: 0 at 0, 1 at 1, flat at both.
+///
+/// Written in v = 1 - u, where no term is negative. Error: 4e-7 of the value.
+#[inline(always)]
+pub(crate) fn smoothstep(u: f32) -> f32 {
+    let v = 1.0 - u;
+    let step = u * u * u * (1.0 + v * (3.0 + v * 6.0));
+    if step < 1.0 { step } else { 1.0 }
+}
+
 /// Returns the arc tangent of `0 <= z <= 1`.
 fn atan_unit(z: f32) -> f32 {
     let x = z * z;
@@ -107,6 +141,43 @@ mod tests {
         assert_eq!(quadrant_angle(0.0, 0.0), 0.0);
         assert_eq!(quadrant_angle(1.0, 0.0), FRAC_PI_2);
         assert_eq!(quadrant_angle(0.0, 1.0), 0.0);
+    }
+
+    #[test]
+    fn exponentials_to_their_last_places() {
+        let mut worst = 0.0f64;
+        for a in dense(1e-9, EXP_MAX, 61) {
+            worst = worst.max(ulps_down_to_the_least(exp_negative(a), (-f64::from(a)).exp()));
+        }
+        assert!(worst <= 1.0 && worst > 0.4, "{worst}");
+        assert_eq!([0.0, -0.0, f32::MIN_POSITIVE].map(exp_negative), [1.0; 3]);
+    }
+
+    /// As [`ulps`], also of numbers below 1e-30.
+    fn ulps_down_to_the_least(found: f32, exact: f64) -> f64 {
+        let near = exact as f32;
+        assert!(found.is_normal() && near.is_normal());
+        (f64::from(found) - exact).abs() / f64::from(near.next_up() - near)
+    }
+
+    #[test]
+    fn exponentials_stop_at_a_normal_number() {
+        let least = exp_negative(EXP_MAX);
+        assert!(least.is_normal() && least < 2e-38);
+        let beyond = [EXP_MAX + 0.01, 88.0, 1e9, f32::MAX, f32::INFINITY, f32::NAN];
+        assert!(beyond.iter().all(|&a| exp_negative(a) == least));
+    }
+
+    #[test]
+    fn the_step_is_exact_at_its_ends_and_never_leaves_them() {
+        assert_eq!([0.0, 0.5, 1.0].map(smoothstep), [0.0, 0.5, 1.0]);
+        for u in dense(1e-12, 1.0, 31) {
+            let x = f64::from(u);
+            let exact = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
+            let step = smoothstep(u);
+            assert!((0.0..=1.0).contains(&step));
+            assert!((f64::from(step) / exact - 1.0).abs() <= 4e-7, "{u}");
+        }
     }
 
     #[test]

@@ -5,9 +5,10 @@ mod common;
 
 use common::{
     IDENTITY, Rng, SMALL, Shape, attribute, max_difference, palette, random_pose, rest, skin,
-    with_envelope,
+    with_envelope, with_predictor,
 };
-use sinew_runtime::envelope::{Buffer, SkinJob};
+use sinew_runtime::envelope::{Buffer, SkinJob, workspace_len};
+use sinew_runtime::format::Predictor;
 use sinew_runtime::{Envelope, EvalError, LocalTransform, Matrix3x4, Workspace, model_space_pose};
 
 #[test]
@@ -355,13 +356,37 @@ fn local_transforms_give_the_rest_pose_back() {
 
 #[test]
 fn a_workspace_on_the_stack_serves() {
-    const LEN: usize = sinew_runtime::envelope::workspace_len(4, 3);
+    const LEN: usize = workspace_len(4, 3, 0);
     with_envelope(SMALL, |envelope| {
         assert_eq!(envelope.workspace_len(), LEN);
         let pose = vec![IDENTITY; envelope.joint_len()];
         let mut out = vec![IDENTITY; envelope.palette_len()];
         envelope.palette(&pose, &mut Workspace::<LEN>::new(), &mut out).unwrap();
     });
+}
+
+#[test]
+fn base_and_correction_share_a_workspace() {
+    // The greater of 12 J + 3 J + 9 P and of 12 J and the scratch.
+    assert_eq!(workspace_len(4, 3, 0), 87);
+    assert_eq!(workspace_len(4, 3, 39), 87);
+    assert_eq!(workspace_len(4, 3, 40), 88);
+    for predictor in Predictor::ALL {
+        with_predictor(predictor, SMALL, |envelope| {
+            let scratch = if predictor.corrects() { 56 } else { 0 };
+            assert_eq!(envelope.scratch_len(), scratch);
+            assert_eq!(envelope.workspace_len(), workspace_len(4, 3, scratch));
+            // What it holds before does not matter.
+            let pose = random_pose(&envelope, &mut Rng(9), 0.2);
+            let palettes = [0.0, f32::NAN, -3.0].map(|content| {
+                let mut workspace = vec![content; envelope.workspace_len()];
+                let mut out = vec![[[content; 4]; 3]; envelope.palette_len()];
+                envelope.palette(&pose, &mut workspace, &mut out).unwrap();
+                out
+            });
+            assert!(palettes[0] == palettes[1] && palettes[1] == palettes[2]);
+        });
+    }
 }
 
 #[test]

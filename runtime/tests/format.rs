@@ -1,11 +1,11 @@
-//! Files that must load, files that must not, and FORMAT.md against the code.
+//! Files that must load and files that must not.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod common;
 
-use common::{Builder, Content, IDENTITY, Rng, SMALL, Shape, palette, seal};
+use common::{Builder, Content, Rng, SMALL, Shape, exercise, seal};
 use sinew_runtime::format::{
-    CHECKSUM_OFFSET, EnvelopeCounts, MAGIC, PartKind, PartRow, SectionKind, SectionRow,
+    CHECKSUM_OFFSET, EnvelopeCounts, MAGIC, PartRow, Predictor, Presence, SectionKind, SectionRow,
 };
 use sinew_runtime::{FormatError, Limits, Model, Quantity};
 
@@ -18,22 +18,6 @@ fn edited(edit: impl FnOnce(&mut Builder)) -> Result<(), FormatError> {
     let mut builder = Builder::sample(SMALL);
     edit(&mut builder);
     Model::from_bytes(&builder.bytes()).map(|_| ())
-}
-
-/// Evaluates everything that a model offers: none of it may panic.
-fn exercise(bytes: &[u8]) -> Option<()> {
-    let model = Model::from_bytes(bytes).ok()?;
-    assert!(model.sections().all(|section| section.bytes.len() == section.row.bytes as usize));
-    let envelope = model.envelope()?;
-    let maps = palette(&envelope, &vec![IDENTITY; envelope.joint_len()]);
-    let mut out = vec![[0.0; 3]; envelope.vertex_len()];
-    envelope.skin_positions(&maps, &mut out).unwrap();
-    assert!(out.as_flattened().iter().all(|x| x.is_finite()));
-    assert!(envelope.bounds(&maps).is_ok());
-    assert!((0..envelope.joint_len()).all(|j| envelope.joint_name(j).is_some()));
-    assert!((0..envelope.proxy_len()).all(|l| envelope.key(l).is_some()));
-    assert!((0..envelope.vertex_len()).all(|v| envelope.influences(v).all(|i| i.0 < maps.len())));
-    Some(())
 }
 
 #[test]
@@ -146,8 +130,10 @@ fn random_damage_is_harmless() {
 fn each_field_of_the_head_is_checked() {
     let found = *b"SNEX";
     assert_eq!(edited(|b| b.magic = found), Err(FormatError::Magic { found }));
-    let version = FormatError::Version { expected: 1, found: 2 };
-    assert_eq!(edited(|b| b.version = 2), Err(version));
+    for found in [0, 1, 3] {
+        let version = FormatError::Version { expected: 2, found };
+        assert_eq!(edited(|b| b.version = found), Err(version));
+    }
     let features = FormatError::Features { unknown: 0x8000_0001 };
     assert_eq!(edited(|b| b.features = 0x8000_0001), Err(features));
     for log2 in [0, 3, 13, 63, 255] {
@@ -232,12 +218,27 @@ fn each_field_of_the_tables_is_checked() {
 
 #[test]
 fn each_section_is_required_and_has_its_length() {
-    for section in SectionKind::ALL {
-        let without = edited(|b| b.sections.retain(|content| content.kind != section.number()));
+    for (predictor, section) in
+        Predictor::ALL.into_iter().flat_map(|p| SectionKind::ALL.map(|section| (p, section)))
+    {
+        let edited = |edit: &dyn Fn(&mut Builder)| {
+            let mut builder = Builder::of(predictor, SMALL);
+            edit(&mut builder);
+            Model::from_bytes(&builder.bytes()).map(|_| ())
+        };
+        if section.presence(predictor) == Presence::Absent {
+            let bytes = vec![0; 4];
+            let extra = Content { kind: section.number(), part: 0, flags: 0, bytes };
+            let unexpected = FormatError::UnexpectedSection { section };
+            assert_eq!(edited(&|b| b.sections.push(extra.clone())), Err(unexpected));
+            continue;
+        }
+        let without = edited(&|b| b.sections.retain(|content| content.kind != section.number()));
+        let optional = section.presence(predictor) == Presence::Optional;
         let missing = FormatError::MissingSection { section };
-        assert_eq!(without, if section.optional() { Ok(()) } else { Err(missing) });
+        assert_eq!(without, if optional { Ok(()) } else { Err(missing) });
         for change in [-1, 1] {
-            let refused = edited(|b| {
+            let refused = edited(&|b| {
                 let len = b.section(section).len().wrapping_add_signed(change);
                 b.section(section).resize(len, 0);
             });
@@ -245,8 +246,13 @@ fn each_section_is_required_and_has_its_length() {
                 (SectionKind::Names, Err(FormatError::Name { index: 4 })) => {}
                 (_, Err(FormatError::SectionLength { section: found, expected, .. })) => {
                     assert_eq!(found, section);
-                    let counts = Builder::sample(SMALL).parts[0].envelope_counts();
-                    assert_eq!(Some(expected), section.bytes(&counts));
+                    let mut builder = Builder::of(predictor, SMALL);
+                    let counts = builder.parts[0].envelope_counts();
+                    let stated = match section {
+                        SectionKind::Corrections => Some(builder.section(section).len() as u64),
+                        _ => section.bytes(predictor, &counts),
+                    };
+                    assert_eq!(Some(expected), stated);
                 }
                 (_, refused) => panic!("{section:?}: {refused:?}"),
             }
@@ -258,8 +264,10 @@ fn each_section_is_required_and_has_its_length() {
         proxy_len: u32::MAX,
         influence_len: u32::MAX,
         root: 0,
+        group_len: u32::MAX,
+        scratch_len: u32::MAX,
     };
-    assert_eq!(SectionKind::C2.bytes(&huge), None);
+    assert_eq!(SectionKind::C2.bytes(Predictor::Hybrid, &huge), None);
 }
 
 #[test]
@@ -323,7 +331,7 @@ fn each_float_is_checked() {
         let refused = edited(|b| b.set_float(section, 1, -0.25));
         assert_eq!(refused, Err(FormatError::Float { section: Some(section), index: 1 }));
     }
-    for index in 0..4 {
+    for index in 0..5 {
         let refused = edited(|b| b.parts[0].figures[index] = f32::NAN);
         assert_eq!(refused, Err(FormatError::Float { section: None, index }));
     }
@@ -348,7 +356,9 @@ fn each_index_is_checked() {
         Err(FormatError::Index { section, index: 0, below: 4, found: 65_535 }),
         "a key must have a joint"
     );
-    assert_eq!(edited(|b| b.parts[0].predictor = 2), Err(FormatError::Predictor { found: 2 }));
+    for found in [0, 4, 255] {
+        assert_eq!(edited(|b| b.parts[0].predictor = found), Err(FormatError::Predictor { found }));
+    }
 }
 
 #[test]
@@ -390,107 +400,11 @@ fn names_weights_twists_and_boxes_are_checked() {
         assert_eq!(twist(1025.0), Err(FormatError::Twist { key: 1 }));
     }
     let shrunk = edited(|b| b.set_float(SectionKind::RestBoxes, 3, -2.5));
-    assert_eq!(shrunk, Err(FormatError::RestBox { proxy: 0, vertex: 0 }));
+    assert_eq!(shrunk, Err(FormatError::RestBox { index: 0, vertex: 0 }));
 }
 
 #[test]
 fn errors_say_what_is_wrong_in_a_phrase() {
     let refused = edited(|b| b.set_half(SectionKind::InfluenceIndices, 5, 3)).unwrap_err();
     assert_eq!(refused.to_string(), "index 5 of influence_indices: expected less than 3, found 3");
-}
-
-/// Cells of the rows of the table under a heading.
-fn table<'a>(document: &'a str, heading: &str) -> Vec<Vec<&'a str>> {
-    let section = document.split("\n## ").find(|section| section.starts_with(heading)).unwrap();
-    let rows = section.lines().filter(|line| line.starts_with('|')).skip(2);
-    rows.map(|row| row.trim_matches('|').split('|').map(str::trim).collect()).collect()
-}
-
-/// Value of a product such as "96 B P", or of a bound such as "≥ 4 J + 4".
-fn evaluate(formula: &str, counts: &EnvelopeCounts) -> u64 {
-    let factor = |word: &str| match word {
-        "V" => u64::from(counts.vertex_len),
-        "J" => u64::from(counts.joint_len),
-        "P" => u64::from(counts.proxy_len),
-        "K" => u64::from(counts.influence_len),
-        "B" => u64::from(counts.proxy_len.div_ceil(2)),
-        number => number.parse().unwrap(),
-    };
-    let terms = formula.trim_start_matches('≥').split('+');
-    terms.map(|term| term.split_whitespace().map(factor).product::<u64>()).sum()
-}
-
-const FORMAT: &str = include_str!("../FORMAT.md");
-
-#[test]
-fn the_document_lists_the_sections_of_the_code() {
-    let rows = table(FORMAT, "Sections of an envelope");
-    assert_eq!(rows.len(), SectionKind::ALL.len());
-    for (row, kind) in rows.iter().zip(SectionKind::ALL) {
-        assert_eq!(row[0], kind.number().to_string());
-        assert_eq!(row[1], kind.name());
-        assert_eq!(row[3] == "no", kind.optional(), "{}", row[1]);
-        for [v, j, p, k] in [[7, 4, 3, 2], [1, 1, 1, 1], [900, 33, 40, 4]] {
-            let (vertex_len, joint_len, proxy_len, influence_len) = (v, j, p, k);
-            let counts =
-                EnvelopeCounts { vertex_len, joint_len, proxy_len, influence_len, root: 0 };
-            assert_eq!(Some(evaluate(row[2], &counts)), kind.bytes(&counts), "{}", row[1]);
-        }
-    }
-}
-
-#[test]
-fn the_document_lays_rows_out_as_the_code() {
-    // Every byte of a row is its own offset, so that a field's value tells where it was read.
-    fn number(field: &[u8]) -> u64 {
-        field.iter().rev().fold(0, |sum, &byte| sum << 8 | u64::from(byte))
-    }
-    let field = |heading: &str, name: &str| {
-        let rows = table(FORMAT, heading);
-        let row = rows.iter().find(|row| row[2] == name).unwrap().clone();
-        (row[0].parse::<usize>().unwrap(), row[1].parse::<usize>().unwrap())
-    };
-    let bytes: [u8; PartRow::BYTES] = std::array::from_fn(|i| i as u8);
-    let row = PartRow::from_bytes(&bytes);
-    assert_eq!(row.to_bytes(), bytes);
-    let at = |heading, name| {
-        let (offset, len) = field(heading, name);
-        number(&bytes[offset..offset + len.min(4)])
-    };
-    assert_eq!(at("Part row", "kind"), u64::from(row.kind));
-    assert_eq!(at("Part row", "predictor"), u64::from(row.predictor));
-    assert_eq!(at("Part row", "flags"), u64::from(row.flags));
-    assert_eq!(at("Part row", "counts"), u64::from(row.counts[0]));
-    assert_eq!(at("Part row", "figures"), u64::from(row.figures[0].to_bits()));
-    let row = SectionRow::from_bytes(bytes.first_chunk().unwrap());
-    assert_eq!(row.to_bytes(), bytes[..SectionRow::BYTES]);
-    assert_eq!(at("Section row", "kind"), u64::from(row.kind));
-    assert_eq!(at("Section row", "part"), u64::from(row.part));
-    assert_eq!(at("Section row", "flags"), u64::from(row.flags));
-    assert_eq!(at("Section row", "offset"), u64::from(row.offset));
-    assert_eq!(at("Section row", "bytes"), u64::from(row.bytes));
-    for (heading, len) in [("Part row", PartRow::BYTES), ("Section row", SectionRow::BYTES)] {
-        let rows = table(FORMAT, heading);
-        let sum = rows.iter().map(|row| row[1].parse::<usize>().unwrap()).sum::<usize>();
-        assert_eq!(sum, len);
-    }
-    assert_eq!(field("Message", "magic"), (0, MAGIC.len()));
-    assert_eq!(field("Message", "checksum"), (CHECKSUM_OFFSET, 4));
-    let file = Builder { features: 0x0403_0201, ..Builder::sample(SMALL) }.bytes();
-    let (features, len) = field("Message", "features");
-    assert_eq!(file[features..features + len], [1, 2, 3, 4]);
-    assert_eq!(file[field("Message", "version").0], 1);
-    assert_eq!(file[field("Message", "alignment_log2").0], 4);
-    let kinds = table(FORMAT, "Part row")[0][3];
-    for kind in PartKind::ALL {
-        assert!(kinds.contains(&format!("{} {}", kind.number(), kind.name())));
-        assert_eq!(PartKind::from_number(kind.number()), Some(kind));
-    }
-}
-
-#[test]
-#[should_panic(expected = "assertion")]
-fn the_document_check_can_fail() {
-    let counts = Builder::sample(SMALL).parts[0].envelope_counts();
-    assert_eq!(Some(evaluate("220 V", &counts)), SectionKind::Keys.bytes(&counts));
 }

@@ -244,7 +244,7 @@ pub fn skin(
     let attribute = |buffer| Some(Attribute { buffer, offset: 0, stride: 3 });
     envelope
         .palette(&pose, &mut workspace, &mut palette)
-        .and_then(|()| {
+        .and_then(|_| {
             SkinJob {
                 envelope: *envelope,
                 palette: &palette,

@@ -5,6 +5,7 @@ use crate::Matrix3x4;
 use crate::error::{Argument, EvalError};
 use crate::linear::{Columns, IDENTITY, columns, dot, transform, transform_transposed};
 use crate::numeric::{quadrant_angle, sin_versine, sqrt};
+use crate::pose;
 
 /// Computes the joints' maps relative to the root, their rotations, and the predicted gradients.
 ///
@@ -16,6 +17,7 @@ use crate::numeric::{quadrant_angle, sin_versine, sqrt};
 /// - `out_gradients`: 3 P columns, `[3 l + c]` column c of `D_l`, root motion removed. The stack d.
 ///
 /// # Errors
+/// - [`EvalError::Predictor`]: the model is of the kernel predictor and has no keys.
 /// - [`EvalError::Length`]: an argument has another length.
 /// - [`EvalError::NonFinite`]: a joint's matrix is not finite.
 pub fn evaluate(
@@ -25,14 +27,12 @@ pub fn evaluate(
     out_rotations: &mut [[f32; 3]],
     out_gradients: &mut [[f32; 3]],
 ) -> Result<(), EvalError> {
+    envelope.check_stage(envelope.predictor().reconstructs())?;
+    pose::check(envelope, pose)?;
     let (joint_len, proxy_len) = (envelope.joint_len(), envelope.proxy_len());
-    Argument::Pose.check_len(joint_len, pose.len())?;
     Argument::Relative.check_len(4 * joint_len, out_relative.len())?;
     Argument::Rotations.check_len(joint_len, out_rotations.len())?;
     Argument::Gradients.check_len(3 * proxy_len, out_gradients.len())?;
-    if let Some(joint) = pose.iter().position(|m| !m.as_flattened().iter().all(|x| x.is_finite())) {
-        return Err(EvalError::NonFinite { joint });
-    }
 
     let (relative, _) = out_relative.as_chunks_mut::<4>();
     remove_root_motion(pose, envelope.root(), relative);

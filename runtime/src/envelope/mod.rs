@@ -1,21 +1,34 @@
 //! Enveloping: from a pose to a palette of maps, and from the palette to the skin (METHOD §1.8).
 //!
-//! Three stages, each callable alone: [`gradients`], [`palette`], [`skin`]. The methods of
-//! [`Envelope`] compose them.
+//! Stages, each callable alone; the methods of [`Envelope`] compose those of its predictor:
+//!
+//! | predictor | base of the palette | correction | confidence |
+//! |---|---|---|---|
+//! | rotational | [`gradients`], [`palette`] | none | [`confidence`] |
+//! | kernel | [`joints`] | [`crate::pose::features`], [`correction`] | of the correction |
+//! | hybrid | [`gradients`], [`palette`] | [`crate::pose::features`], [`correction`] | of the correction |
+//!
+//! [`skin`] takes the palette of any of them.
 
 mod bounds;
+pub mod confidence;
+pub mod correction;
 pub mod gradients;
+mod group;
+pub mod joints;
 pub mod palette;
 pub mod skin;
 mod view;
 
 pub use bounds::Bounds;
+pub use group::Group;
 pub use skin::{Attribute, Buffer, SkinJob};
 
 use crate::Matrix3x4;
 use crate::error::{Argument, EvalError};
-use crate::format::{Certificate, EnvelopeCounts, KEY_WORDS, NO_JOINT};
-use crate::linear::{Le, floats};
+use crate::format::{Certificate, EnvelopeCounts, GroupRow, KEY_WORDS, NO_JOINT, Predictor};
+use crate::linear::{Le, block_entry, floats};
+use crate::pose::features;
 use core::fmt;
 
 /// A skin that follows J joints by P proxies, borrowed from a loaded model.
@@ -23,6 +36,7 @@ use core::fmt;
 /// Accessors by number return `None` beyond their range.
 #[derive(Clone, Copy)]
 pub struct Envelope<'a> {
+    pub(crate) predictor: Predictor,
     pub(crate) counts: EnvelopeCounts,
     pub(crate) certificate: Certificate,
     pub(crate) names: Names<'a>,
@@ -40,6 +54,9 @@ pub struct Envelope<'a> {
     pub(crate) c2: &'a [[Le; 8]],
     pub(crate) boxes: &'a [[Le; 6]],
     pub(crate) pose_ranges: &'a [Le],
+    pub(crate) origins: &'a [[Le; 3]],
+    pub(crate) groups: &'a [[u8; GroupRow::BYTES]],
+    pub(crate) corrections: &'a [u8],
 }
 
 /// The end of each name in the text that follows: the part's, then each joint's.
@@ -62,13 +79,21 @@ pub struct Key {
     pub shear: [[f32; 6]; 6],
 }
 
-/// Returns the floats of scratch that [`Envelope::palette`] needs: 12 J + 3 J + 9 P.
-pub const fn workspace_len(joint_len: usize, proxy_len: usize) -> usize {
-    15 * joint_len + 9 * proxy_len
+/// Returns the floats of scratch that [`Envelope::palette`] needs: the greater of 12 J + 3 J + 9 P
+/// for the base, and, with a correction, 12 J and [`Envelope::scratch_len`] for it.
+pub const fn workspace_len(joint_len: usize, proxy_len: usize, scratch_len: usize) -> usize {
+    let base = 15 * joint_len + 9 * proxy_len;
+    let correction = if scratch_len > 0 { 12 * joint_len + scratch_len } else { 0 };
+    if base > correction { base } else { correction }
 }
 
 impl<'a> Envelope<'a> {
-    /// Computes the palette of a pose.
+    /// Computes the palette of a pose, and returns the confidence in it, in [0, 1]: 1 within what
+    /// was seen in training, 0 far from it.
+    ///
+    /// Where a kernel map is not confident it fades, and its proxies tend to their base. A
+    /// rotational model has nothing to fade: its confidence tells only how far joints turn beyond
+    /// their trained ranges. A model without any kernel map is certain.
     ///
     /// - `pose`: J skinning matrices, rest to posed, in model space; rigid to 1e-4.
     /// - `workspace`: at least [`Envelope::workspace_len`] floats, of any content.
@@ -84,17 +109,33 @@ impl<'a> Envelope<'a> {
         pose: &[Matrix3x4],
         workspace: &mut [f32],
         out_palette: &mut [Matrix3x4],
-    ) -> Result<(), EvalError> {
+    ) -> Result<f32, EvalError> {
         Argument::Pose.check_len(self.joint_len(), pose.len())?;
         Argument::Palette.check_len(self.palette_len(), out_palette.len())?;
         Argument::Workspace.check_least(self.workspace_len(), workspace.len())?;
-        let (columns, _) = workspace.as_chunks_mut::<3>();
-        let (relative, columns) = split(columns, 4 * self.joint_len());
-        let (rotations, columns) = split(columns, self.joint_len());
-        let (gradients, _) = split(columns, 3 * self.proxy_len());
-        gradients::evaluate(self, pose, relative, rotations, gradients)?;
-        let root = pose.get(self.root()).unwrap_or(&[[0.0; 4]; 3]);
-        palette::evaluate(self, root, relative, gradients, out_palette)
+        let mut confidence = 1.0;
+        if self.predictor.reconstructs() {
+            let (columns, _) = workspace.as_chunks_mut::<3>();
+            let (relative, columns) = split(columns, 4 * self.joint_len());
+            let (rotations, columns) = split(columns, self.joint_len());
+            let (gradients, _) = split(columns, 3 * self.proxy_len());
+            gradients::evaluate(self, pose, relative, rotations, gradients)?;
+            let root = pose.get(self.root()).unwrap_or(&[[0.0; 4]; 3]);
+            palette::evaluate(self, root, relative, gradients, out_palette)?;
+            if !self.predictor.corrects() {
+                confidence = confidence::evaluate(self, rotations)?;
+            }
+        } else {
+            joints::evaluate(self, pose, out_palette)?;
+        }
+        if self.group_len() > 0 {
+            // What the base needed of the workspace is free again.
+            let (features, scratch) = split(workspace, 12 * self.joint_len());
+            let features = features.as_chunks_mut::<4>().0.as_chunks_mut::<3>().0;
+            features::evaluate(self, pose, features)?;
+            confidence = correction::evaluate(self, pose, features, scratch, out_palette)?;
+        }
+        Ok(confidence)
     }
 
     /// Skins every vertex's position.
@@ -140,14 +181,29 @@ impl<'a> Envelope<'a> {
         self.counts.joint_len as usize
     }
 
-    /// Returns P, the number of proxies.
+    /// Returns P, the number of proxies: for the kernel predictor, of helpers beside the joints.
     pub fn proxy_len(&self) -> usize {
         self.counts.proxy_len as usize
     }
 
-    /// Returns the number of maps in the palette: P for the rotational predictor.
+    /// Returns the number of maps in the palette: P, or J + P for the kernel predictor.
     pub fn palette_len(&self) -> usize {
-        self.proxy_len()
+        self.counts.palette_len(self.predictor)
+    }
+
+    /// Returns how the palette is predicted.
+    pub fn predictor(&self) -> Predictor {
+        self.predictor
+    }
+
+    /// Returns G, the number of groups of proxies that share a kernel map.
+    pub fn group_len(&self) -> usize {
+        self.counts.group_len as usize
+    }
+
+    /// Returns the floats of scratch that [`correction::evaluate`] needs; 0 without groups.
+    pub fn scratch_len(&self) -> usize {
+        self.counts.scratch_len as usize
     }
 
     /// Returns K, the number of influences of a vertex.
@@ -157,7 +213,7 @@ impl<'a> Envelope<'a> {
 
     /// Returns the floats of scratch that [`Envelope::palette`] needs.
     pub fn workspace_len(&self) -> usize {
-        workspace_len(self.joint_len(), self.proxy_len())
+        workspace_len(self.joint_len(), self.proxy_len(), self.scratch_len())
     }
 
     /// Returns the reference root: the joint without a parent.
@@ -188,6 +244,11 @@ impl<'a> Envelope<'a> {
     /// Returns a joint's inverse bind matrix: model space to the joint's rest frame.
     pub fn inverse_bind(&self, joint: usize) -> Option<Matrix3x4> {
         self.inverse_binds.get(joint).map(|m| rows(&floats(m)))
+    }
+
+    /// Returns a joint's origin in the rest pose, in model space; a rotational model holds none.
+    pub fn origin(&self, joint: usize) -> Option<[f32; 3]> {
+        self.origins.get(joint).map(floats)
     }
 
     /// Returns the largest |theta| of a joint in training, in radians.
@@ -229,13 +290,14 @@ impl<'a> Envelope<'a> {
         })
     }
 
-    /// Returns the box of the rest positions that a proxy moves; `None` if it moves none.
-    pub fn rest_box(&self, proxy: usize) -> Option<Bounds> {
-        let [x0, y0, z0, x1, y1, z1] = floats(self.boxes.get(proxy)?);
+    /// Returns the box of the rest positions that a map of the palette moves; `None` if it moves
+    /// none.
+    pub fn rest_box(&self, index: usize) -> Option<Bounds> {
+        let [x0, y0, z0, x1, y1, z1] = floats(self.boxes.get(index)?);
         (x0 <= x1).then_some(Bounds { min: [x0, y0, z0], max: [x1, y1, z1] })
     }
 
-    /// Returns the key predictor of a proxy.
+    /// Returns the key predictor of a proxy; a kernel model has none.
     pub fn key(&self, proxy: usize) -> Option<Key> {
         let (joints, matrices) = self.keys.get(proxy)?.split_first()?;
         let [b0, b1, c0, c1] = *joints;
@@ -253,13 +315,18 @@ impl<'a> Envelope<'a> {
     /// Returns a coefficient of c1 (4 P x 3 P).
     pub fn c1(&self, row: usize, column: usize) -> Option<f32> {
         let shape = (4 * self.proxy_len(), 3 * self.proxy_len());
-        coefficient(self.c1, shape, row, column)
+        block_entry(self.c1, shape, row, column)
     }
 
     /// Returns a coefficient of c2 (4 P x 4 J).
     pub fn c2(&self, row: usize, column: usize) -> Option<f32> {
         let shape = (4 * self.proxy_len(), 4 * self.joint_len());
-        coefficient(self.c2, shape, row, column)
+        block_entry(self.c2, shape, row, column)
+    }
+
+    /// Checks that a stage is part of the predictor.
+    pub(crate) fn check_stage(&self, is_part: bool) -> Result<(), EvalError> {
+        if is_part { Ok(()) } else { Err(EvalError::Predictor { found: self.predictor }) }
     }
 }
 
@@ -278,20 +345,6 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Reads a coefficient from blocks of 8 rows, each column-major.
-fn coefficient(
-    blocks: &[[Le; 8]],
-    (row_len, column_len): (usize, usize),
-    row: usize,
-    column: usize,
-) -> Option<f32> {
-    if row >= row_len || column >= column_len {
-        return None;
-    }
-    let le = blocks.get(row / 8 * column_len + column)?.get(row % 8)?;
-    Some(f32::from_le_bytes(*le))
-}
-
 fn joint_index(le: &[u8; 2]) -> Option<usize> {
     let index = u16::from_le_bytes(*le);
     (index != NO_JOINT).then_some(usize::from(index))
@@ -308,6 +361,6 @@ fn rows<const N: usize, const C: usize, const R: usize>(flat: &[f32; N]) -> [[f3
 }
 
 /// Splits scratch whose length has been checked.
-fn split(columns: &mut [[f32; 3]], len: usize) -> (&mut [[f32; 3]], &mut [[f32; 3]]) {
-    columns.split_at_mut(len.min(columns.len()))
+fn split<T>(scratch: &mut [T], len: usize) -> (&mut [T], &mut [T]) {
+    scratch.split_at_mut(len.min(scratch.len()))
 }

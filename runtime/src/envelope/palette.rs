@@ -13,6 +13,7 @@ use crate::linear::{add_block_product, compose};
 /// - `out_palette`: P maps, rest to posed, in model space; `T_l[r][c]` is row 4 l + c of t.
 ///
 /// # Errors
+/// - [`EvalError::Predictor`]: the model is of the kernel predictor and has no c1 and c2.
 /// - [`EvalError::Length`]: an argument has another length.
 pub fn evaluate(
     envelope: &Envelope<'_>,
@@ -21,6 +22,7 @@ pub fn evaluate(
     gradients: &[[f32; 3]],
     out_palette: &mut [Matrix3x4],
 ) -> Result<(), EvalError> {
+    envelope.check_stage(envelope.predictor().reconstructs())?;
     let (d_len, q_len) = (3 * envelope.proxy_len(), 4 * envelope.joint_len());
     Argument::Relative.check_len(q_len, relative.len())?;
     Argument::Gradients.check_len(d_len, gradients.len())?;

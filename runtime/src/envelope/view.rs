@@ -2,12 +2,14 @@
 
 use super::{Envelope, Names};
 use crate::error::FormatError;
-use crate::format::{Manifest, PartRow, SectionKind};
+use crate::format::{Manifest, PartRow, Predictor, Presence, SectionKind};
 
 impl<'a> Envelope<'a> {
     /// Finds the sections of a part and cuts them into arrays; reads none of their content.
     ///
     /// # Errors
+    /// - [`FormatError::Predictor`]
+    /// - [`FormatError::UnexpectedSection`]
     /// - [`FormatError::MissingSection`]
     /// - [`FormatError::SectionLength`]
     pub(crate) fn view(
@@ -15,16 +17,19 @@ impl<'a> Envelope<'a> {
         part: usize,
         row: PartRow,
     ) -> Result<Self, FormatError> {
+        let predictor = Predictor::from_number(row.predictor)
+            .ok_or(FormatError::Predictor { found: row.predictor })?;
         let counts = row.envelope_counts();
         let find = |section: SectionKind| {
-            let Some(bytes) = manifest.find(part, section) else {
-                return if section.optional() {
-                    Ok(None)
-                } else {
-                    Err(FormatError::MissingSection { section })
-                };
-            };
-            section.check_len(&counts, bytes.len()).map(|()| Some(bytes))
+            let found = manifest.find(part, section);
+            match (section.presence(predictor), found) {
+                (Presence::Required, None) => Err(FormatError::MissingSection { section }),
+                (Presence::Absent, Some(_)) => Err(FormatError::UnexpectedSection { section }),
+                (_, None) => Ok(None),
+                (_, Some(bytes)) => {
+                    section.check_len(predictor, &counts, bytes.len()).map(|()| Some(bytes))
+                }
+            }
         };
         let bytes = |section| find(section).map(Option::unwrap_or_default);
         let words = |section| bytes(section).map(|bytes| bytes.as_chunks::<4>().0);
@@ -37,6 +42,7 @@ impl<'a> Envelope<'a> {
         let (parents, order_ranks) = hierarchy.split_at_checked(joint_len).unwrap_or_default();
         let (order, ranks) = order_ranks.split_at_checked(joint_len).unwrap_or_default();
         Ok(Self {
+            predictor,
             counts,
             certificate: row.certificate(),
             names: Names { ends: ends.as_chunks().0, text },
@@ -55,6 +61,9 @@ impl<'a> Envelope<'a> {
             c2: words(SectionKind::C2)?.as_chunks().0,
             boxes: words(SectionKind::RestBoxes)?.as_chunks().0,
             pose_ranges: words(SectionKind::PoseRanges)?,
+            origins: words(SectionKind::Origins)?.as_chunks().0,
+            groups: bytes(SectionKind::Groups)?.as_chunks().0,
+            corrections: bytes(SectionKind::Corrections)?,
         })
     }
 }

@@ -1,5 +1,6 @@
 //! Rows of the two tables, and the sections of an envelope with their sizes.
 
+use super::GroupRow;
 use crate::error::FormatError;
 
 /// Stands for no joint: the parent of the root, the residual joint of a key that has none.
@@ -46,18 +47,49 @@ impl PartKind {
     }
 }
 
-/// How an envelope predicts its palette. 2 (kernel) and 3 (hybrid) are reserved.
+/// How an envelope predicts its palette (METHOD §1.9).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Predictor {
     /// Rotational regression and reconstruction (S3): the palette is the P proxies alone.
     Rotational = 1,
+    /// The J joints, and P helpers that a kernel map moves against their dominant joints.
+    Kernel = 2,
+    /// The P proxies of the reconstruction, and a kernel map for what it leaves over.
+    Hybrid = 3,
 }
 
 impl Predictor {
-    /// Returns its tag in the file.
+    /// Every predictor.
+    pub const ALL: [Self; 3] = [Self::Rotational, Self::Kernel, Self::Hybrid];
+
+    /// Returns its number in the file.
     pub const fn number(self) -> u8 {
         self as u8
+    }
+
+    /// Returns its name, the same as on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rotational => "rotational",
+            Self::Kernel => "kernel",
+            Self::Hybrid => "hybrid",
+        }
+    }
+
+    /// Returns the predictor of this number.
+    pub fn from_number(number: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|predictor| predictor.number() == number)
+    }
+
+    /// Whether the proxies' base is the reconstruction `c1 d + c2 q`.
+    pub const fn reconstructs(self) -> bool {
+        matches!(self, Self::Rotational | Self::Hybrid)
+    }
+
+    /// Whether kernel maps correct the proxies.
+    pub const fn corrects(self) -> bool {
+        matches!(self, Self::Kernel | Self::Hybrid)
     }
 }
 
@@ -72,6 +104,8 @@ pub struct Certificate {
     pub cross_validated_rms: f32,
     /// The same, of linear blend skinning.
     pub lbs_training_rms: f32,
+    /// The farthest that single precision may move a vertex through the correction; 0 without one.
+    pub correction_error: f32,
 }
 
 /// Counts of an envelope, from which every section's length follows.
@@ -87,6 +121,18 @@ pub struct EnvelopeCounts {
     pub influence_len: u32,
     /// The reference root joint.
     pub root: u32,
+    /// Groups, G.
+    pub group_len: u32,
+    /// Floats of scratch that the correction needs beside the features.
+    pub scratch_len: u32,
+}
+
+impl EnvelopeCounts {
+    /// Returns the number of maps in the palette: P, or J + P for the kernel predictor.
+    pub const fn palette_len(&self, predictor: Predictor) -> usize {
+        let joints = if predictor.reconstructs() { 0 } else { self.joint_len as usize };
+        joints.saturating_add(self.proxy_len as usize)
+    }
 }
 
 /// A row of the part table.
@@ -98,40 +144,72 @@ pub struct PartRow {
     pub predictor: u8,
     /// Bit 0: a reader that does not know the kind must refuse the file.
     pub flags: u16,
-    /// Counts: V, J, P, K, root, 0 for an envelope.
-    pub counts: [u32; 6],
+    /// Counts: V, J, P, K, root, G, scratch of an envelope.
+    pub counts: [u32; 7],
     /// Figures: the certificate of an envelope.
-    pub figures: [f32; 4],
+    pub figures: [f32; 5],
 }
 
 impl PartRow {
     /// Bytes of a row.
-    pub const BYTES: usize = 44;
+    pub const BYTES: usize = 52;
 
     /// Makes the row of an envelope.
-    pub fn envelope(counts: EnvelopeCounts, certificate: Certificate) -> Self {
-        let EnvelopeCounts { vertex_len, joint_len, proxy_len, influence_len, root } = counts;
-        let Certificate { diagonal, training_rms, cross_validated_rms, lbs_training_rms } =
-            certificate;
+    pub fn envelope(
+        predictor: Predictor,
+        counts: EnvelopeCounts,
+        certificate: Certificate,
+    ) -> Self {
+        let (n, c) = (counts, certificate);
         Self {
             kind: PartKind::Envelope.number(),
-            predictor: Predictor::Rotational.number(),
+            predictor: predictor.number(),
             flags: REQUIRED,
-            counts: [vertex_len, joint_len, proxy_len, influence_len, root, 0],
-            figures: [diagonal, training_rms, cross_validated_rms, lbs_training_rms],
+            counts: [
+                n.vertex_len,
+                n.joint_len,
+                n.proxy_len,
+                n.influence_len,
+                n.root,
+                n.group_len,
+                n.scratch_len,
+            ],
+            figures: [
+                c.diagonal,
+                c.training_rms,
+                c.cross_validated_rms,
+                c.lbs_training_rms,
+                c.correction_error,
+            ],
         }
     }
 
     /// Reads the counts of an envelope.
     pub fn envelope_counts(&self) -> EnvelopeCounts {
-        let [vertex_len, joint_len, proxy_len, influence_len, root, _] = self.counts;
-        EnvelopeCounts { vertex_len, joint_len, proxy_len, influence_len, root }
+        let [vertex_len, joint_len, proxy_len, influence_len, root, group_len, scratch_len] =
+            self.counts;
+        EnvelopeCounts {
+            vertex_len,
+            joint_len,
+            proxy_len,
+            influence_len,
+            root,
+            group_len,
+            scratch_len,
+        }
     }
 
     /// Reads the certificate of an envelope.
     pub fn certificate(&self) -> Certificate {
-        let [diagonal, training_rms, cross_validated_rms, lbs_training_rms] = self.figures;
-        Certificate { diagonal, training_rms, cross_validated_rms, lbs_training_rms }
+        let [diagonal, training_rms, cross_validated_rms, lbs_training_rms, correction_error] =
+            self.figures;
+        Certificate {
+            diagonal,
+            training_rms,
+            cross_validated_rms,
+            lbs_training_rms,
+            correction_error,
+        }
     }
 
     /// Whether a reader that does not know this part must refuse the file.
@@ -163,8 +241,8 @@ impl PartRow {
             kind,
             predictor,
             flags: u16::from_le_bytes([low, high]),
-            counts: [(); 6].map(|()| u32::from_le_bytes(word())),
-            figures: [(); 4].map(|()| f32::from_le_bytes(word())),
+            counts: [(); 7].map(|()| u32::from_le_bytes(word())),
+            figures: [(); 5].map(|()| f32::from_le_bytes(word())),
         }
     }
 }
@@ -243,15 +321,32 @@ pub enum SectionKind {
     C1 = 10,
     /// Joints to palette.
     C2 = 11,
-    /// Rest box of what each proxy moves.
+    /// Rest box of what each map of the palette moves.
     RestBoxes = 12,
     /// Largest rotation of each joint in training.
     PoseRanges = 13,
+    /// Origin of each joint in the rest pose.
+    Origins = 14,
+    /// Groups of proxies that share a kernel map.
+    Groups = 15,
+    /// Numbers of the kernel maps, group by group.
+    Corrections = 16,
+}
+
+/// Whether an envelope of some predictor has a section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Presence {
+    /// It must.
+    Required,
+    /// It may.
+    Optional,
+    /// It must not.
+    Absent,
 }
 
 impl SectionKind {
     /// Every kind, in the order in which the trainer writes them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 16] = [
         Self::Names,
         Self::Hierarchy,
         Self::InverseBinds,
@@ -265,6 +360,9 @@ impl SectionKind {
         Self::C2,
         Self::RestBoxes,
         Self::PoseRanges,
+        Self::Origins,
+        Self::Groups,
+        Self::Corrections,
     ];
 
     /// Returns its number in the file.
@@ -293,19 +391,30 @@ impl SectionKind {
             Self::C2 => "c2",
             Self::RestBoxes => "rest_boxes",
             Self::PoseRanges => "pose_ranges",
+            Self::Origins => "origins",
+            Self::Groups => "groups",
+            Self::Corrections => "corrections",
         }
     }
 
-    /// Whether an envelope may lack it.
-    pub const fn optional(self) -> bool {
-        matches!(self, Self::RestTangents)
+    /// Tells whether an envelope of a predictor has it.
+    pub const fn presence(self, predictor: Predictor) -> Presence {
+        let has = match self {
+            Self::RestTangents => return Presence::Optional,
+            Self::Keys | Self::C1 | Self::C2 => predictor.reconstructs(),
+            Self::Origins | Self::Groups | Self::Corrections => predictor.corrects(),
+            _ => true,
+        };
+        if has { Presence::Required } else { Presence::Absent }
     }
 
-    /// Computes its length in bytes; `None` if the product overflows. The names' own length is
-    /// stated by their table, so theirs is the least length.
-    pub fn bytes(self, counts: &EnvelopeCounts) -> Option<u64> {
-        let EnvelopeCounts { vertex_len, joint_len, proxy_len, influence_len, .. } = *counts;
-        let [v, j, p, k] = [vertex_len, joint_len, proxy_len, influence_len].map(u64::from);
+    /// Computes its length in bytes; `None` if the product overflows. The least length, where the
+    /// content states its own: of names by their table, of corrections by the groups.
+    pub fn bytes(self, predictor: Predictor, counts: &EnvelopeCounts) -> Option<u64> {
+        let EnvelopeCounts { vertex_len, joint_len, proxy_len, influence_len, group_len, .. } =
+            *counts;
+        let [v, j, p, k, g] =
+            [vertex_len, joint_len, proxy_len, influence_len, group_len].map(u64::from);
         let blocks = p.div_ceil(2);
         let factors = match self {
             Self::Names => [4, j + 1, 1],
@@ -318,8 +427,11 @@ impl SectionKind {
             Self::Keys => [4 * KEY_WORDS as u64, p, 1],
             Self::C1 => [32 * 3, blocks, p],
             Self::C2 => [32 * 4, blocks, j],
-            Self::RestBoxes => [24, p, 1],
+            Self::RestBoxes => [24, counts.palette_len(predictor) as u64, 1],
             Self::PoseRanges => [4, j, 1],
+            Self::Origins => [12, j, 1],
+            Self::Groups => [GroupRow::BYTES as u64, g, 1],
+            Self::Corrections => [0, 1, 1],
         };
         factors.into_iter().try_fold(1u64, u64::checked_mul)
     }
@@ -327,12 +439,13 @@ impl SectionKind {
     /// Checks a length against the counts.
     pub(crate) fn check_len(
         self,
+        predictor: Predictor,
         counts: &EnvelopeCounts,
         found: usize,
     ) -> Result<(), FormatError> {
-        let expected = self.bytes(counts).unwrap_or(u64::MAX);
+        let expected = self.bytes(predictor, counts).unwrap_or(u64::MAX);
         let fits = match self {
-            Self::Names => found as u64 >= expected,
+            Self::Names | Self::Corrections => found as u64 >= expected,
             _ => found as u64 == expected,
         };
         if fits {

@@ -2,12 +2,14 @@
 //!
 //! `FORMAT.md` is the byte-level contract. A file is one postcard message, [`File`].
 
+mod group;
 mod manifest;
 mod validate;
 
+pub use group::GroupRow;
 pub use manifest::{
-    Certificate, EnvelopeCounts, KEY_WORDS, NO_JOINT, PartKind, PartRow, Predictor, SectionKind,
-    SectionRow,
+    Certificate, EnvelopeCounts, KEY_WORDS, NO_JOINT, PartKind, PartRow, Predictor, Presence,
+    SectionKind, SectionRow,
 };
 pub(crate) use validate::read;
 
@@ -16,8 +18,8 @@ use serde::{Deserialize, Serialize};
 /// First bytes of every file.
 pub const MAGIC: [u8; 4] = *b"SNEW";
 /// The version that this crate reads and that the trainer writes.
-pub const VERSION: u8 = 1;
-/// Feature bits that a reader must know; version 1 has none.
+pub const VERSION: u8 = 2;
+/// Feature bits that a reader must know; this version has none.
 pub const FEATURES: u32 = 0;
 /// Powers of two that sections may be aligned to: 16 bytes to 4096.
 pub const ALIGNMENT_LOG2: core::ops::RangeInclusive<u8> = 4..=12;
@@ -32,6 +34,13 @@ pub const CHECKSUM_OFFSET: usize = 10;
 pub const MAGNITUDE_MAX: f32 = 1.0e9;
 /// Largest Frobenius norm of a twist matrix; angles stay accurate to 4e-4 even there.
 pub const TWIST_MAX: f32 = 1024.0;
+/// Largest magnitude of any float of a correction, and of a fade's squared distances.
+///
+/// A map is evaluated only where some centre is nearer than √1e6 = 1e3, so |x| < 1.1e6 there. Sizes
+/// are below 65,536 and |G - rest| below 1.1e6, so a latent value stays below 2 * 65,536 * 1e6 *
+/// 1.1e6 < 1.5e17, an output below 65,536 * 1e6 * 1.5e17 < 1e28, and a rigid pose's turn of it below
+/// 3e28: far from `f32::MAX`.
+pub const CORRECTION_MAX: f32 = 1.0e6;
 /// How far the weights of a vertex may sum from one: rounding of 32 influences is below 4e-6.
 pub const WEIGHT_SUM_TOLERANCE: f32 = 1.0e-5;
 

@@ -5,14 +5,16 @@
 
 use super::manifest::REQUIRED;
 use super::{
-    ALIGNMENT_LOG2, EnvelopeCounts, FEATURES, File, MAGIC, MAGNITUDE_MAX, Manifest, PARTS_MAX,
-    PartKind, PartRow, Predictor, SECTIONS_MAX, SectionKind, SectionRow, TWIST_MAX, VERSION,
-    WEIGHT_SUM_TOLERANCE, checksum,
+    ALIGNMENT_LOG2, CORRECTION_MAX, EnvelopeCounts, FEATURES, File, GroupRow, MAGIC, MAGNITUDE_MAX,
+    Manifest, PARTS_MAX, PartKind, PartRow, Predictor, SECTIONS_MAX, SectionKind, SectionRow,
+    TWIST_MAX, VERSION, WEIGHT_SUM_TOLERANCE, checksum,
 };
 use crate::envelope::Envelope;
 use crate::error::FormatError;
+use crate::kernel::{Kernel, padded};
 use crate::limits::{Limits, Quantity};
 use crate::linear::Le;
+use core::ops::RangeInclusive;
 
 /// Reads and checks a whole file.
 ///
@@ -77,7 +79,7 @@ fn check_tables<'a>(file: File<'a>) -> Result<Manifest<'a>, FormatError> {
     let manifest = Manifest { parts, sections, blob: file.blob };
     for row in parts.iter().map(PartRow::from_bytes) {
         check_flags(row.flags)?;
-        // Parts that version 1 names and does not yet hold are unknown to this reader.
+        // Parts that the format names and does not yet hold are unknown to this reader.
         if row.kind != PartKind::Envelope.number() && row.required() {
             return Err(FormatError::UnknownPart { kind: row.kind });
         }
@@ -127,21 +129,28 @@ fn check_flags(found: u16) -> Result<(), FormatError> {
 
 /// Checks an envelope's row: predictor, counts within limits, certificate.
 fn check_envelope_row(row: &PartRow, limits: &Limits) -> Result<(), FormatError> {
-    if row.predictor != Predictor::Rotational.number() {
-        return Err(FormatError::Predictor { found: row.predictor });
-    }
-    let EnvelopeCounts { vertex_len, joint_len, proxy_len, influence_len, .. } =
+    let predictor = Predictor::from_number(row.predictor)
+        .ok_or(FormatError::Predictor { found: row.predictor })?;
+    let EnvelopeCounts { vertex_len, joint_len, proxy_len, influence_len, group_len, .. } =
         row.envelope_counts();
     // Indices are u16, and the greatest stands for none.
     let indexed = u32::from(u16::MAX);
+    // Each group owns a proxy.
+    let groups = if predictor.corrects() { proxy_len } else { 0 };
     for (quantity, most, found) in [
         (Quantity::Vertices, limits.vertices, vertex_len),
         (Quantity::Joints, limits.joints.min(indexed), joint_len),
         (Quantity::Proxies, limits.proxies.min(indexed), proxy_len),
         (Quantity::Influences, limits.influences, influence_len),
+        (Quantity::Groups, groups, group_len),
     ] {
         check_limit(quantity, most, found as usize)?;
-        if found == 0 && quantity != Quantity::Vertices {
+        let may_lack = match quantity {
+            Quantity::Vertices | Quantity::Groups => true,
+            Quantity::Proxies => !predictor.reconstructs(),
+            _ => false,
+        };
+        if found == 0 && !may_lack {
             return Err(FormatError::Empty { quantity });
         }
     }
@@ -168,9 +177,12 @@ fn check_envelope(envelope: &Envelope<'_>) -> Result<(), FormatError> {
     check_floats(Some(SectionKind::C1), e.c1.as_flattened().iter())?;
     check_floats(Some(SectionKind::C2), e.c2.as_flattened().iter())?;
     check_floats(Some(SectionKind::RestBoxes), e.boxes.as_flattened().iter())?;
+    check_floats(Some(SectionKind::Origins), e.origins.as_flattened().iter())?;
     check_not_negative(SectionKind::PoseRanges, e.pose_ranges)?;
     check_not_negative(SectionKind::InfluenceWeights, e.weights)?;
     check_keys(e)?;
+    check_groups(e)?;
+    check_corrections(e)?;
     check_influences(e)
 }
 
@@ -178,22 +190,25 @@ fn check_floats<'a>(
     section: Option<SectionKind>,
     floats: impl Iterator<Item = &'a Le>,
 ) -> Result<(), FormatError> {
-    check_range(section, floats, -MAGNITUDE_MAX)
+    match outside(floats, -MAGNITUDE_MAX..=MAGNITUDE_MAX) {
+        Some(index) => Err(FormatError::Float { section, index }),
+        None => Ok(()),
+    }
 }
 
 fn check_not_negative(section: SectionKind, floats: &[Le]) -> Result<(), FormatError> {
-    check_range(Some(section), floats.iter(), 0.0)
+    match outside(floats.iter(), 0.0..=MAGNITUDE_MAX) {
+        Some(index) => Err(FormatError::Float { section: Some(section), index }),
+        None => Ok(()),
+    }
 }
 
-/// Checks floats against a range, which no NaN is in.
-fn check_range<'a>(
-    section: Option<SectionKind>,
+/// Finds the first float that a range does not hold; it holds no NaN.
+fn outside<'a>(
     mut floats: impl Iterator<Item = &'a Le>,
-    least: f32,
-) -> Result<(), FormatError> {
-    floats
-        .position(|le| !(least..=MAGNITUDE_MAX).contains(&f32::from_le_bytes(*le)))
-        .map_or(Ok(()), |index| Err(FormatError::Float { section, index }))
+    range: RangeInclusive<f32>,
+) -> Option<usize> {
+    floats.position(|le| !range.contains(&f32::from_le_bytes(*le)))
 }
 
 /// Checks that names follow each other from first byte to last, each UTF-8.
@@ -254,7 +269,88 @@ fn check_keys(envelope: &Envelope<'_>) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// Checks that influences point into the palette, sum to one, and stay in their proxies' boxes.
+/// Checks the groups' rows, that together they own every proxy, that the corrections have the
+/// length which follows from them, and that the scratch stated is what they need.
+fn check_groups(envelope: &Envelope<'_>) -> Result<(), FormatError> {
+    let saturated = |value: u64| u32::try_from(value).unwrap_or(u32::MAX);
+    // Sums of at most 2^16 groups, each below 2^40 words.
+    let (mut words, mut proxies, mut scratch) = (0u64, 0u64, 0);
+    for (group, row) in envelope.groups.iter().map(GroupRow::from_bytes).enumerate() {
+        check_group(envelope, group, &row)?;
+        if u64::from(row.offset) != words {
+            let expected = saturated(words);
+            return Err(FormatError::GroupOffset { group, expected, found: row.offset });
+        }
+        words += row.words();
+        proxies += u64::from(row.proxy_len);
+        scratch = scratch.max(row.scratch_len());
+    }
+    let expected = envelope.counts.proxy_len;
+    if envelope.predictor.corrects() && proxies != u64::from(expected) {
+        return Err(FormatError::GroupProxies { expected, found: saturated(proxies) });
+    }
+    let (section, found) = (SectionKind::Corrections, envelope.corrections.len());
+    if 4 * words != found as u64 {
+        return Err(FormatError::SectionLength { section, expected: 4 * words, found });
+    }
+    let (expected, found) = (saturated(scratch as u64), envelope.counts.scratch_len);
+    if expected != found {
+        return Err(FormatError::Scratch { expected, found });
+    }
+    Ok(())
+}
+
+fn check_group(envelope: &Envelope<'_>, group: usize, row: &GroupRow) -> Result<(), FormatError> {
+    let (below, found) = (envelope.joint_len(), usize::from(row.joint));
+    if found >= below {
+        let section = SectionKind::Groups;
+        return Err(FormatError::Index { section, index: group, below, found });
+    }
+    if Kernel::from_number(row.kernel).is_none() {
+        return Err(FormatError::Kernel { group, found: row.kernel });
+    }
+    if row.reserved != 0 {
+        return Err(FormatError::Reserved { group });
+    }
+    let has_centres = row.centre_len > 0;
+    if row.proxy_len == 0 || has_centres && (row.input_len == 0 || row.rank == 0) {
+        return Err(FormatError::EmptyGroup { group });
+    }
+    let (start, end) = (row.fade_start, row.fade_end);
+    let within = (0.0..=CORRECTION_MAX).contains(&start) && (0.0..=CORRECTION_MAX).contains(&end);
+    if !within || has_centres && start >= end {
+        return Err(FormatError::Fade { group });
+    }
+    Ok(())
+}
+
+/// Checks that inputs point to features, and every float of the kernel maps.
+fn check_corrections(envelope: &Envelope<'_>) -> Result<(), FormatError> {
+    let section = SectionKind::Corrections;
+    let below = 12 * envelope.joint_len();
+    let mut words = envelope.corrections.as_chunks::<4>().0;
+    let mut start = 0;
+    for row in envelope.groups.iter().map(GroupRow::from_bytes) {
+        // The section has the words of all groups, so that each finds its own.
+        let own = usize::try_from(row.words()).unwrap_or(words.len()).min(words.len());
+        let (group, rest) = words.split_at(own);
+        let (features, floats) = group.split_at(padded(row.input_len.into()).min(own));
+        for (i, feature) in features.iter().enumerate() {
+            let found = u32::from_le_bytes(*feature) as usize;
+            if found >= below {
+                return Err(FormatError::Index { section, index: start + i, below, found });
+            }
+        }
+        if let Some(at) = outside(floats.iter(), -CORRECTION_MAX..=CORRECTION_MAX) {
+            let index = start + features.len() + at;
+            return Err(FormatError::Float { section: Some(section), index });
+        }
+        (words, start) = (rest, start + own);
+    }
+    Ok(())
+}
+
+/// Checks that influences point into the palette, sum to one, and stay in their maps' boxes.
 fn check_influences(envelope: &Envelope<'_>) -> Result<(), FormatError> {
     let section = SectionKind::InfluenceIndices;
     let below = envelope.palette_len();
@@ -271,7 +367,7 @@ fn check_influences(envelope: &Envelope<'_>) -> Result<(), FormatError> {
                 _ => false,
             };
             if weight > 0.0 && !inside {
-                return Err(FormatError::RestBox { proxy: found, vertex });
+                return Err(FormatError::RestBox { index: found, vertex });
             }
         }
         if (sum - 1.0).abs() > WEIGHT_SUM_TOLERANCE {

@@ -7,10 +7,13 @@
     reason = "each test uses a part of it"
 )]
 
+pub mod groups;
+
+use groups::sample_groups;
 use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
 use sinew_runtime::format::{
-    CHECKSUM_OFFSET, Certificate, EnvelopeCounts, File, MAGIC, NO_JOINT, PartRow, SectionKind,
-    SectionRow, VERSION, checksum,
+    CHECKSUM_OFFSET, Certificate, EnvelopeCounts, File, MAGIC, NO_JOINT, PartRow, Predictor,
+    Presence, SectionKind, SectionRow, VERSION, checksum,
 };
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, model_space_pose};
 
@@ -49,9 +52,15 @@ pub const SMALL: Shape =
     Shape { vertices: 7, joints: 4, proxies: 3, influences: 2, tangents: true };
 
 impl Builder {
-    /// Makes a model whose rest pose is exact: every coefficient is a multiple of 1/64, and the
-    /// rows of c1 and c2 together give [I | 0] for d = I, q = rest.
+    /// Makes a rotational model.
     pub fn sample(shape: Shape) -> Self {
+        Self::of(Predictor::Rotational, shape)
+    }
+
+    /// Makes a model whose rest pose is exact: every coefficient is a multiple of 1/64, and the
+    /// rows of c1 and c2 together give [I | 0] for d = I, q = rest. Kernel maps are those of
+    /// [`sample_groups`].
+    pub fn of(predictor: Predictor, shape: Shape) -> Self {
         let Shape { vertices: v, joints: j, proxies: p, influences: k, tangents } = shape;
         let mut rng = Rng(7);
         let dyadic = |rng: &mut Rng, scale: f32| (rng.unit() * scale * 64.0).round() / 64.0;
@@ -78,18 +87,28 @@ impl Builder {
             [x, y, z, if rng.unit() < 0.0 { -1.0 } else { 1.0 }]
         };
         let tangent_values = (0..v).flat_map(|_| tangent(&mut rng)).collect::<Vec<_>>();
+        let counts = EnvelopeCounts {
+            vertex_len: v as u32,
+            joint_len: j as u32,
+            proxy_len: p as u32,
+            influence_len: k as u32,
+            root: root as u32,
+            group_len: 0,
+            scratch_len: 0,
+        };
+        let palette_len = counts.palette_len(predictor);
         let mut indices = Vec::new();
         let mut weights = Vec::new();
         for vertex in 0..v {
             let mut left = 1.0;
             for slot in 0..k {
-                indices.push(((vertex + slot) % p) as u16);
+                indices.push(((vertex + slot) % palette_len) as u16);
                 let weight = if slot + 1 == k { left } else { left * 0.75 };
                 weights.push(weight);
                 left -= weight;
             }
         }
-        let mut boxes = vec![[1.0, 1.0, 1.0, -1.0, -1.0, -1.0f32]; p];
+        let mut boxes = vec![[1.0, 1.0, 1.0, -1.0, -1.0, -1.0f32]; palette_len];
         for (at, &index) in indices.iter().enumerate() {
             let rest_box = &mut boxes[usize::from(index)];
             let x = &positions[at / k * 3..][..3];
@@ -121,6 +140,8 @@ impl Builder {
             }
         }
         let ranges = vec![1.5; j];
+        let origins = ranks.iter().flat_map(|&rank| [f32::from(rank), 0.0, 0.0]);
+        let origins = origins.collect::<Vec<_>>();
         let names = (0..j).map(|joint| format!("joint {joint}")).collect::<Vec<_>>();
         let mut sections = vec![
             (SectionKind::Names, names_bytes("arm", &names)),
@@ -136,33 +157,35 @@ impl Builder {
             (SectionKind::C2, blocks(&c2)),
             (SectionKind::RestBoxes, floats(boxes.as_flattened())),
             (SectionKind::PoseRanges, floats(&ranges)),
+            (SectionKind::Origins, floats(&origins)),
+            (SectionKind::Groups, Vec::new()),
+            (SectionKind::Corrections, Vec::new()),
         ];
         sections.retain(|(kind, _)| tangents || *kind != SectionKind::RestTangents);
-        let counts = EnvelopeCounts {
-            vertex_len: v as u32,
-            joint_len: j as u32,
-            proxy_len: p as u32,
-            influence_len: k as u32,
-            root: root as u32,
-        };
+        sections.retain(|(kind, _)| kind.presence(predictor) != Presence::Absent);
         let certificate = Certificate {
             diagonal: 3.0,
             training_rms: 0.01,
             cross_validated_rms: 0.02,
             lbs_training_rms: 0.04,
+            correction_error: 0.0,
         };
-        Self {
+        let mut builder = Self {
             magic: MAGIC,
             version: VERSION,
             alignment_log2: 4,
             features: 0,
-            parts: vec![PartRow::envelope(counts, certificate)],
+            parts: vec![PartRow::envelope(predictor, counts, certificate)],
             sections: sections
                 .into_iter()
                 .map(|(kind, bytes)| Content { kind: kind.number(), part: 0, flags: 1, bytes })
                 .collect(),
             edit_rows: |_| {},
+        };
+        if predictor.corrects() {
+            builder.set_groups(&sample_groups(j, p));
         }
+        builder
     }
 
     /// Returns a section's content, to be changed.
@@ -314,10 +337,15 @@ pub const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.
 
 /// Computes the palette in scratch of exactly the stated length.
 pub fn palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
+    confident_palette(envelope, pose).0
+}
+
+/// The same, with the pose's confidence.
+pub fn confident_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
     let mut workspace = vec![f32::NAN; envelope.workspace_len()];
     let mut out = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
-    envelope.palette(pose, &mut workspace, &mut out).unwrap();
-    out
+    let confidence = envelope.palette(pose, &mut workspace, &mut out).unwrap();
+    (out, confidence)
 }
 
 /// Returns the largest difference; panics on NaN, on nothing to compare, on unequal lengths.
@@ -329,7 +357,11 @@ pub fn max_difference(a: &[f32], b: &[f32]) -> f32 {
 }
 
 pub fn with_envelope(shape: Shape, test: impl FnOnce(Envelope<'_>)) {
-    let bytes = Builder::sample(shape).bytes();
+    with_predictor(Predictor::Rotational, shape, test);
+}
+
+pub fn with_predictor(predictor: Predictor, shape: Shape, test: impl FnOnce(Envelope<'_>)) {
+    let bytes = Builder::of(predictor, shape).bytes();
     test(Model::from_bytes(&bytes).unwrap().envelope().unwrap());
 }
 
@@ -361,4 +393,36 @@ pub fn rest(envelope: Envelope<'_>) -> Vec<f32> {
     let positions = v.clone().flat_map(|v| envelope.rest_position(v).unwrap());
     let normals = v.clone().flat_map(|v| envelope.rest_normal(v).unwrap());
     positions.chain(normals).chain(v.flat_map(|v| envelope.rest_tangent(v).unwrap())).collect()
+}
+
+/// Evaluates everything that a model offers: none of it may panic.
+pub fn exercise(bytes: &[u8]) -> Option<()> {
+    let model = Model::from_bytes(bytes).ok()?;
+    assert!(model.sections().all(|section| section.bytes.len() == section.row.bytes as usize));
+    let envelope = model.envelope()?;
+    let maps = palette(&envelope, &vec![IDENTITY; envelope.joint_len()]);
+    let mut out = vec![[0.0; 3]; envelope.vertex_len()];
+    envelope.skin_positions(&maps, &mut out).unwrap();
+    assert!(out.as_flattened().iter().all(|x| x.is_finite()));
+    assert!(envelope.bounds(&maps).is_ok());
+    assert!((0..envelope.joint_len()).all(|j| envelope.joint_name(j).is_some()));
+    let reconstructs = envelope.predictor().reconstructs();
+    assert!((0..envelope.proxy_len()).all(|l| envelope.key(l).is_some() == reconstructs));
+    assert_eq!(envelope.groups().count(), envelope.group_len());
+    // A pose that turns gives the kernel maps something to do.
+    let local = vec![Rng(1).local(0.2); envelope.joint_len()];
+    let mut pose = vec![IDENTITY; envelope.joint_len()];
+    if model_space_pose(&envelope, &local, &mut pose).is_ok() && rigid(&pose) {
+        let (maps, confidence) = confident_palette(&envelope, &pose);
+        assert!(maps.as_flattened().as_flattened().iter().all(|x| x.is_finite()));
+        assert!((0.0..=1.0).contains(&confidence));
+    }
+    assert!((0..envelope.vertex_len()).all(|v| envelope.influences(v).all(|i| i.0 < maps.len())));
+    Some(())
+}
+
+/// Whether a pose's matrices are rotations, as those of a damaged file's bind matrices are not.
+fn rigid(pose: &[Matrix3x4]) -> bool {
+    let unit = |m: &Matrix3x4| m.map(|[x, y, z, _]| (x * x + y * y + z * z - 1.0).abs() < 1e-3);
+    pose.iter().all(|m| unit(m) == [true; 3] && m.iter().all(|row| row[3].abs() < 1e3))
 }

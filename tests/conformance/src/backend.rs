@@ -109,6 +109,6 @@ impl Backend for Cpu {
         out_palette: &mut [Matrix3x4],
     ) -> Result<(), EvalError> {
         let mut workspace = vec![f32::NAN; envelope.workspace_len()];
-        envelope.palette(pose, &mut workspace, out_palette)
+        envelope.palette(pose, &mut workspace, out_palette).map(|_| ())
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::format::Certificate;
-use sinew_trainer::bake::{EnvelopeParts, Key, bake};
+use sinew_trainer::bake::{EnvelopeParts, Key, Reconstruction, bake};
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::Options;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
@@ -98,15 +98,15 @@ pub fn random(shape: Shape) -> Vec<u8> {
         rest_normals: (0..vertices).map(unit).collect(),
         rest_tangents: tangents.then(|| (0..vertices).map(tangent).collect()),
         influences: (0..vertices).map(weights).collect(),
-        keys,
-        c1,
-        c2,
+        reconstruction: Some(Reconstruction { keys, c1, c2 }),
+        groups: Vec::new(),
         pose_ranges: vec![1.5; joints],
         certificate: Certificate {
             diagonal: 4.0,
             training_rms: 0.0,
             cross_validated_rms: 0.0,
             lbs_training_rms: 0.0,
+            correction_error: 0.0,
         },
     };
     bake(&parts).expect("a random model can be baked")

@@ -1,11 +1,15 @@
-//! Today's bake writes the golden file's bytes.
+//! Today's bake writes the golden files' bytes.
 //!
-//! `SINEW_BLESS=1 cargo test -p conformance --test golden` writes the file anew; a released
-//! version's golden file is never written again.
+//! `SINEW_BLESS=1 cargo test -p conformance --test golden` writes the files anew; a released
+//! version's golden files are never written again.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
-use sinew_runtime::Model;
-use sinew_runtime::format::Certificate;
-use sinew_trainer::bake::{Alignment, BakeError, EnvelopeParts, Key, bake, bake_aligned};
+use sinew_runtime::format::{Certificate, Predictor};
+use sinew_runtime::kernel::Kernel;
+use sinew_runtime::{Envelope, Model};
+use sinew_trainer::bake::{
+    Alignment, BakeError, EnvelopeParts, Group, Key, Reconstruction, bake, bake_aligned,
+};
 use sinew_trainer::files;
 use std::path::PathBuf;
 
@@ -29,7 +33,7 @@ impl Dyadic {
 }
 
 /// A model of 24 vertices, 5 joints, 5 proxies, 4 influences; the root is joint 3.
-fn parts() -> EnvelopeParts {
+fn parts(predictor: Predictor) -> EnvelopeParts {
     let mut dyadic = Dyadic(7);
     let (v, j, p, root) = (24, 5, 5, 3);
     let rest_frames = (0..j).map(|joint| {
@@ -41,10 +45,11 @@ fn parts() -> EnvelopeParts {
         let [x, y, z] = axis(i + 1);
         [x, y, z, if i.is_multiple_of(2) { 1.0 } else { -1.0 }]
     };
+    let palette_len = if predictor == Predictor::Kernel { j + p } else { p };
     let influences = (0..v).map(|vertex| match vertex % 3 {
-        0 => vec![(vertex % p, 1.0)],
-        1 => vec![(vertex % p, 0.75), ((vertex + 1) % p, 0.25)],
-        _ => (0..4).map(|slot| ((vertex + slot) % p, 0.25)).collect(),
+        0 => vec![(vertex % palette_len, 1.0)],
+        1 => vec![(vertex % palette_len, 0.75), ((vertex + 1) % palette_len, 0.25)],
+        _ => (0..4).map(|slot| ((vertex + slot) % palette_len, 0.25)).collect(),
     });
     let keys = (0..p).map(|l| Key {
         joint: l % j,
@@ -63,6 +68,22 @@ fn parts() -> EnvelopeParts {
             c2[row * 4 * j + 4 * root + c] -= of_c1 + of_c2 - if row % 4 == c { 1.0 } else { 0.0 };
         }
     }
+    // Two, one and two proxies; odd sizes, and all four kernels between the two predictors.
+    let first = usize::from(predictor.number());
+    let groups = [(2, 5, 13, 3), (1, 9, 7, 11), (2, 3, 17, 1)].into_iter().enumerate();
+    let groups = groups.map(|(g, (proxies, d, n, rank))| Group {
+        joint: 2 * g,
+        kernel: Kernel::ALL[(first + g) % 4],
+        proxies,
+        inputs: (0..d).map(|i| ((7 * i + 12 * g) % (12 * j), 0.75 - dyadic.next(0.25))).collect(),
+        centres: (0..n).map(|_| dyadic.list(d, 1.0)).collect(),
+        coefficients: dyadic.list(rank * (n + d), 0.25),
+        rank,
+        outputs: dyadic.list(12 * proxies * rank, 0.25),
+        fade: (1.0, 16.0),
+    });
+    let groups = if predictor.corrects() { groups.collect() } else { Vec::new() };
+    let reconstruction = Reconstruction { keys, c1, c2 };
     EnvelopeParts {
         name: "golden".to_owned(),
         joint_names: ["hand", "elbow", "shoulder", "hip", "tail"].map(str::to_owned).to_vec(),
@@ -73,40 +94,51 @@ fn parts() -> EnvelopeParts {
         rest_normals: (0..v).map(axis).collect(),
         rest_tangents: Some((0..v).map(tangent).collect()),
         influences: influences.collect(),
-        keys,
-        c1,
-        c2,
-        pose_ranges: vec![1.0, 0.5, 0.25, 0.0, 0.125],
+        reconstruction: predictor.reconstructs().then_some(reconstruction),
+        groups,
+        pose_ranges: vec![2.0, 1.0, 0.75, 0.0, 1.25],
         certificate: Certificate {
             diagonal: 4.0,
             training_rms: 0.125,
             cross_validated_rms: 0.25,
             lbs_training_rms: 0.5,
+            correction_error: if predictor.corrects() { 0.0625 } else { 0.0 },
         },
     }
 }
 
-fn golden_path() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../golden/envelope-1.snw")
+fn golden_path(predictor: Predictor) -> PathBuf {
+    let name = format!("../golden/envelope-2-{}.snw", predictor.name());
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
 #[test]
-fn bake_writes_the_golden_file() {
-    let baked = bake(&parts()).unwrap();
-    if std::env::var_os("SINEW_BLESS").is_some() {
-        std::fs::write(golden_path(), &baked).unwrap();
+fn bake_writes_the_golden_files() {
+    for predictor in Predictor::ALL {
+        let baked = bake(&parts(predictor)).unwrap();
+        if std::env::var_os("SINEW_BLESS").is_some() {
+            std::fs::write(golden_path(predictor), &baked).unwrap();
+        }
+        let golden = std::fs::read(golden_path(predictor)).unwrap();
+        assert!(baked == golden, "the baked bytes differ from the golden file of {predictor:?}");
+        // The comparison can fail.
+        let mut other = parts(predictor);
+        if let Some(reconstruction) = &mut other.reconstruction {
+            reconstruction.c1[0] += 1.0 / 64.0;
+        } else {
+            other.groups[0].outputs[0] += 1.0 / 64.0;
+        }
+        assert!(bake(&other).unwrap() != golden);
     }
-    let golden = std::fs::read(golden_path()).unwrap();
-    assert!(baked == golden, "the baked bytes differ from the golden file");
-    // The comparison can fail.
-    let mut other = parts();
-    other.c1[0] += 1.0 / 64.0;
-    assert!(bake(&other).unwrap() != golden);
 }
 
 #[test]
 fn baked_parts_are_read_back() {
-    let parts = parts();
+    Predictor::ALL.into_iter().for_each(read_back);
+}
+
+fn read_back(predictor: Predictor) {
+    let parts = parts(predictor);
     for alignment in [Alignment::Bytes16, Alignment::Bytes256] {
         let bytes = bake_aligned(&parts, alignment).unwrap();
         let model = Model::from_bytes(&bytes).unwrap();
@@ -123,7 +155,10 @@ fn baked_parts_are_read_back() {
         // The inverse of a quarter turn about z at (x, 0.5, 0).
         let inverse = [[0.0, 1.0, 0.0, -0.5], [-1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 1.0, 0.0]];
         assert_eq!(envelope.inverse_bind(2), Some(inverse));
-        for (l, key) in parts.keys.iter().enumerate() {
+        assert_eq!(envelope.predictor(), predictor);
+        read_back_groups(&parts, envelope);
+        let keys = parts.reconstruction.as_ref().map_or(&[][..], |r| &r.keys);
+        for (l, key) in keys.iter().enumerate() {
             let found = envelope.key(l).unwrap();
             assert_eq!(found.joint, key.joint);
             assert_eq!(found.twist.map(|row| row.map(f64::from)), key.twist);
@@ -131,16 +166,12 @@ fn baked_parts_are_read_back() {
             let residual = found.residual.map(|(j, m)| (j, m.map(|row| row.map(f64::from))));
             assert_eq!(residual, key.residual);
         }
-        let (c1, c2) = (15, 20);
-        for row in 0..20 {
-            for column in 0..c1 {
-                let found = envelope.c1(row, column).map(f64::from);
-                assert_eq!(found, Some(parts.c1[row * c1 + column]));
-            }
-            for column in 0..c2 {
-                let found = envelope.c2(row, column).map(f64::from);
-                assert_eq!(found, Some(parts.c2[row * c2 + column]));
-            }
+        let base = parts.reconstruction.as_ref();
+        for (row, column) in (0..20).flat_map(|row| (0..20).map(move |column| (row, column))) {
+            let c1 = base.filter(|_| column < 15).map(|base| base.c1[row * 15 + column]);
+            let c2 = base.map(|base| base.c2[row * 20 + column]);
+            assert_eq!(envelope.c1(row, column).map(f64::from), c1);
+            assert_eq!(envelope.c2(row, column).map(f64::from), c2);
         }
         for (vertex, influences) in parts.influences.iter().enumerate() {
             let found = envelope.influences(vertex).filter(|(_, weight)| *weight > 0.0);
@@ -150,15 +181,56 @@ fn baked_parts_are_read_back() {
     }
 }
 
+fn read_back_groups(parts: &EnvelopeParts, envelope: Envelope<'_>) {
+    assert_eq!(envelope.group_len(), parts.groups.len());
+    for (joint, [x, y, z]) in parts.rest_frames.iter().enumerate() {
+        let origin = envelope.origin(joint).map(|o| o.map(f64::from));
+        assert_eq!(origin, (!parts.groups.is_empty()).then_some([x[3], y[3], z[3]]));
+    }
+    for (found, group) in envelope.groups().zip(&parts.groups) {
+        let (d, n, r) = (group.inputs.len(), group.centres.len(), group.rank);
+        assert_eq!((found.joint, found.kernel), (group.joint, group.kernel));
+        assert_eq!(found.proxies.len(), group.proxies);
+        assert_eq!((f64::from(found.fade.0), f64::from(found.fade.1)), group.fade);
+        for (i, &(feature, weight)) in group.inputs.iter().enumerate() {
+            assert_eq!(found.input(i), Some((feature, weight as f32)));
+        }
+        for (k, centre) in group.centres.iter().enumerate() {
+            let coordinates = (0..d).map(|i| f64::from(found.centre(k, i).unwrap()));
+            assert_eq!(&coordinates.collect::<Vec<_>>(), centre);
+            // 1 at the centre, and every kernel falls from there.
+            assert!(found.rest(k).is_some_and(|rest| (0.0..1.0).contains(&rest)));
+        }
+        for row in 0..r {
+            let entries = (0..n + d).map(|c| f64::from(found.coefficient(row, c).unwrap()));
+            assert!(entries.eq(group.coefficients[row * (n + d)..][..n + d].iter().copied()));
+        }
+        for row in 0..12 * group.proxies {
+            let entries = (0..r).map(|c| f64::from(found.output(row, c).unwrap()));
+            assert!(entries.eq(group.outputs[row * r..][..r].iter().copied()));
+        }
+    }
+}
+
 #[test]
 fn parts_that_do_not_fit_are_refused() {
     let refused = |edit: &dyn Fn(&mut EnvelopeParts)| {
-        let mut parts = parts();
+        let mut parts = parts(Predictor::Hybrid);
         edit(&mut parts);
         bake(&parts).unwrap_err()
     };
     let length = |what, expected, found| BakeError::Length { what, expected, found };
-    assert_eq!(refused(&|p| p.c1.truncate(299)), length("c1", 300, 299));
+    let c1 = refused(&|p| p.reconstruction.as_mut().unwrap().c1.truncate(299));
+    assert_eq!(c1, length("c1", 300, 299));
+    let centre = refused(&|p| p.groups[1].centres[3].truncate(8));
+    assert_eq!(centre, length("centre of a group", 9, 8));
+    let coefficients = refused(&|p| p.groups[1].coefficients.truncate(2));
+    assert_eq!(coefficients, length("coefficients of a group", 176, 2));
+    let outputs = refused(&|p| p.groups[1].outputs.truncate(2));
+    assert_eq!(outputs, length("outputs of a group", 132, 2));
+    assert_eq!(refused(&|p| p.groups.truncate(2)), length("proxies of all groups", 5, 3));
+    let joint = refused(&|p| p.groups[0].joint = 70_000);
+    assert_eq!(joint, BakeError::Size { what: "joint of a group", found: 70_000 });
     assert_eq!(refused(&|p| p.rest_normals.truncate(1)), length("rest normals", 24, 1));
     assert_eq!(refused(&|p| p.parents[2] = Some(0)), BakeError::Hierarchy { joint: 0 });
     assert_eq!(refused(&|p| p.rest_frames[1] = [[0.0; 4]; 3]), BakeError::RestFrame { joint: 1 });
@@ -168,9 +240,13 @@ fn parts_that_do_not_fit_are_refused() {
         BakeError::Size { what: "palette index", found: 70_000 }
     );
     for edit in [
-        (|p| p.c2[9] = f64::NAN) as fn(&mut EnvelopeParts),
+        (|p| p.reconstruction.as_mut().unwrap().c2[9] = f64::NAN) as fn(&mut EnvelopeParts),
         |p| p.influences[7] = vec![(5, 1.0)],
-        |p| p.keys[0].joint = 9,
+        |p| p.reconstruction.as_mut().unwrap().keys[0].joint = 9,
+        |p| p.groups[0].joint = 5,
+        |p| p.groups[0].inputs[0].0 = 60,
+        |p| p.groups[0].outputs[0] = 1e7,
+        |p| p.groups[0].fade = (2.0, 2.0),
         |p| p.rest_positions[3][1] = 1e300,
     ] {
         assert!(matches!(refused(&edit), BakeError::Refused(_)));

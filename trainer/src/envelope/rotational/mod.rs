@@ -21,7 +21,7 @@ pub mod validation;
 use super::blend::Weights;
 use super::motion::Poses;
 use super::{FitError, weights};
-use crate::bake::{EnvelopeParts, Key};
+use crate::bake::{EnvelopeParts, Key, Reconstruction};
 use crate::examples::Examples;
 use crate::progress::Progress;
 use choose::{Candidates, Choice, Trial};
@@ -275,15 +275,19 @@ impl Rotational {
             rest_normals: examples.rest_normals(),
             rest_tangents: examples.rest_tangents(),
             influences: (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect(),
-            keys: self.keys.iter().map(key).collect(),
-            c1: row_major(&self.reduced.c1),
-            c2: row_major(&self.reduced.c2),
+            reconstruction: Some(Reconstruction {
+                keys: self.keys.iter().map(key).collect(),
+                c1: row_major(&self.reduced.c1),
+                c2: row_major(&self.reduced.c2),
+            }),
+            groups: Vec::new(),
             pose_ranges: self.report.angle_ranges.clone(),
             certificate: Certificate {
                 diagonal: diagonal as f32,
                 training_rms: (diagonal * self.report.training_rms) as f32,
                 cross_validated_rms: (diagonal * self.report.validated_rms) as f32,
                 lbs_training_rms: (diagonal * self.report.lbs_rms) as f32,
+                correction_error: 0.0,
             },
         }
     }

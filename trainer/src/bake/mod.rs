@@ -1,10 +1,14 @@
 //! The only writer of the file that [`sinew_runtime`] reads.
 
+mod groups;
+
+pub use groups::Group;
+
 use crate::examples::Matrix3x4;
 use nalgebra::Matrix4;
 use sinew_runtime::format::{
     CHECKSUM_OFFSET, Certificate, EnvelopeCounts, FEATURES, File, MAGIC, NO_JOINT, PartRow,
-    SectionKind, SectionRow, VERSION, checksum,
+    Predictor, Presence, SectionKind, SectionRow, VERSION, checksum,
 };
 use sinew_runtime::{FormatError, Model};
 
@@ -19,7 +23,8 @@ pub struct EnvelopeParts {
     pub parents: Vec<Option<usize>>,
     /// The reference root.
     pub root: usize,
-    /// Model-space rest frame of each joint, J; the file holds their inverses.
+    /// Model-space rest frame of each joint, J; the file holds their inverses, and their origins
+    /// if there are groups.
     pub rest_frames: Vec<Matrix3x4>,
     /// Rest positions, V.
     pub rest_positions: Vec<[f64; 3]>,
@@ -29,16 +34,37 @@ pub struct EnvelopeParts {
     pub rest_tangents: Option<Vec<[f64; 4]>>,
     /// Influences of each vertex, V: palette index and weight. K is the longest list's length.
     pub influences: Vec<Vec<(usize, f64)>>,
+    /// The proxies' reconstruction; `None` for the kernel predictor, of joints and helpers.
+    pub reconstruction: Option<Reconstruction>,
+    /// Kernel maps of the helpers, or of what the reconstruction leaves over. Their proxies follow
+    /// each other and are all there are; a rotational model has no group.
+    pub groups: Vec<Group>,
+    /// Largest rotation of each joint relative to its parent in training, J, in radians.
+    pub pose_ranges: Vec<f64>,
+    /// What the fit was measured to reach.
+    pub certificate: Certificate,
+}
+
+/// What predicts the maps of P proxies: `t = c1 d + c2 q`.
+#[derive(Clone, Debug)]
+pub struct Reconstruction {
     /// Key predictors, P.
     pub keys: Vec<Key>,
     /// c1, row-major, 4 P x 3 P.
     pub c1: Vec<f64>,
     /// c2, row-major, 4 P x 4 J.
     pub c2: Vec<f64>,
-    /// Largest rotation of each joint relative to its parent in training, J, in radians.
-    pub pose_ranges: Vec<f64>,
-    /// What the fit was measured to reach.
-    pub certificate: Certificate,
+}
+
+impl EnvelopeParts {
+    /// Returns the predictor that the parts make.
+    pub fn predictor(&self) -> Predictor {
+        match &self.reconstruction {
+            None => Predictor::Kernel,
+            Some(_) if self.groups.is_empty() => Predictor::Rotational,
+            Some(_) => Predictor::Hybrid,
+        }
+    }
 }
 
 /// A key predictor: `D = Q_p exp(A theta_b) [exp(A' theta_c)] (I + sym(H [theta_b; theta_p]))`.
@@ -131,7 +157,11 @@ pub fn bake(parts: &EnvelopeParts) -> Result<Vec<u8>, BakeError> {
 /// - [`BakeError::Refused`]: anything else that the runtime would refuse, as a number that is not
 ///   finite.
 pub fn bake_aligned(parts: &EnvelopeParts, alignment: Alignment) -> Result<Vec<u8>, BakeError> {
-    let counts = counts(parts)?;
+    let predictor = parts.predictor();
+    let groups = groups::write(parts)?;
+    let counts = counts(parts, groups.scratch_len)?;
+    let reconstruction = parts.reconstruction.as_ref();
+    let corrects = predictor.corrects();
     let rest_positions =
         parts.rest_positions.iter().map(|x| x.map(|x| x as f32)).collect::<Vec<_>>();
     let sections = [
@@ -143,20 +173,29 @@ pub fn bake_aligned(parts: &EnvelopeParts, alignment: Alignment) -> Result<Vec<u
         (SectionKind::RestTangents, parts.rest_tangents.as_ref().map(|t| floats(t.as_flattened()))),
         (SectionKind::InfluenceIndices, Some(indices(parts, counts.influence_len as usize)?)),
         (SectionKind::InfluenceWeights, Some(weights(parts, counts.influence_len as usize)?)),
-        (SectionKind::Keys, Some(keys(&parts.keys)?)),
-        (SectionKind::C1, Some(blocks(&parts.c1, 3 * parts.keys.len()))),
-        (SectionKind::C2, Some(blocks(&parts.c2, 4 * parts.parents.len()))),
-        (SectionKind::RestBoxes, Some(rest_boxes(parts, &rest_positions))),
+        (SectionKind::Keys, reconstruction.map(|r| keys(&r.keys)).transpose()?),
+        (SectionKind::C1, reconstruction.map(|r| blocks(&r.c1, 3 * r.keys.len()))),
+        (SectionKind::C2, reconstruction.map(|r| blocks(&r.c2, 4 * parts.parents.len()))),
+        (
+            SectionKind::RestBoxes,
+            Some(rest_boxes(parts, &rest_positions, counts.palette_len(predictor))),
+        ),
         (SectionKind::PoseRanges, Some(floats(&parts.pose_ranges))),
+        (SectionKind::Origins, corrects.then(|| groups::origins(parts))),
+        (SectionKind::Groups, corrects.then_some(groups.rows)),
+        (SectionKind::Corrections, corrects.then_some(groups.words)),
     ];
-    let bytes = assemble(&PartRow::envelope(counts, parts.certificate), &sections, alignment)?;
+    let row = PartRow::envelope(predictor, counts, parts.certificate);
+    let bytes = assemble(predictor, &row, &sections, alignment)?;
     Model::from_bytes(&bytes).map_err(BakeError::Refused)?;
     Ok(bytes)
 }
 
 /// Checks the arrays against each other and counts them.
-fn counts(parts: &EnvelopeParts) -> Result<EnvelopeCounts, BakeError> {
-    let (v, j, p) = (parts.rest_positions.len(), parts.parents.len(), parts.keys.len());
+fn counts(parts: &EnvelopeParts, scratch_len: usize) -> Result<EnvelopeCounts, BakeError> {
+    let (v, j) = (parts.rest_positions.len(), parts.parents.len());
+    let helpers = parts.groups.iter().map(|group| group.proxies).sum();
+    let p = parts.reconstruction.as_ref().map_or(helpers, |r| r.keys.len());
     let tangent_len = parts.rest_tangents.as_ref().map_or(v, Vec::len);
     for (what, expected, found) in [
         ("joint names", j, parts.joint_names.len()),
@@ -165,12 +204,15 @@ fn counts(parts: &EnvelopeParts) -> Result<EnvelopeCounts, BakeError> {
         ("rest normals", v, parts.rest_normals.len()),
         ("rest tangents", v, tangent_len),
         ("influences", v, parts.influences.len()),
-        ("c1", 12 * p * p, parts.c1.len()),
-        ("c2", 16 * p * j, parts.c2.len()),
     ] {
-        if found != expected {
-            return Err(BakeError::Length { what, expected, found });
-        }
+        check_len(what, expected, found)?;
+    }
+    if let Some(reconstruction) = &parts.reconstruction {
+        check_len("c1", 12 * p * p, reconstruction.c1.len())?;
+        check_len("c2", 16 * p * j, reconstruction.c2.len())?;
+    }
+    if parts.predictor().corrects() {
+        check_len("proxies of all groups", p, helpers)?;
     }
     let k = parts.influences.iter().map(Vec::len).max().unwrap_or(0).max(1);
     Ok(EnvelopeCounts {
@@ -179,11 +221,14 @@ fn counts(parts: &EnvelopeParts) -> Result<EnvelopeCounts, BakeError> {
         proxy_len: narrow("proxies", p)?,
         influence_len: narrow("influences", k)?,
         root: narrow("root", parts.root)?,
+        group_len: narrow("groups", parts.groups.len())?,
+        scratch_len: narrow("scratch", scratch_len)?,
     })
 }
 
 /// Lays sections out in a blob, writes the message, and seals it with its checksum.
 fn assemble(
+    predictor: Predictor,
     part: &PartRow,
     sections: &[(SectionKind, Option<Vec<u8>>)],
     alignment: Alignment,
@@ -200,7 +245,7 @@ fn assemble(
         let row = SectionRow {
             kind: kind.number(),
             part: 0,
-            flags: u8::from(!kind.optional()),
+            flags: u8::from(kind.presence(predictor) != Presence::Optional),
             offset: narrow("blob bytes", blob.len())?,
             bytes: narrow("section bytes", content.len())?,
         };
@@ -291,7 +336,7 @@ fn inverse_binds(rest_frames: &[Matrix3x4]) -> Result<Vec<u8>, BakeError> {
     Ok(out)
 }
 
-/// Writes K palette indices a vertex; those that are not used point to proxy 0.
+/// Writes K palette indices a vertex; those that are not used point to map 0.
 fn indices(parts: &EnvelopeParts, k: usize) -> Result<Vec<u8>, BakeError> {
     let mut out = Vec::new();
     for influences in &parts.influences {
@@ -341,9 +386,10 @@ fn blocks(matrix: &[f64], column_len: usize) -> Vec<u8> {
     out
 }
 
-/// Computes the box of the rounded rest positions that each proxy moves; min > max if it has none.
-fn rest_boxes(parts: &EnvelopeParts, rest_positions: &[[f32; 3]]) -> Vec<u8> {
-    let mut boxes = vec![None::<([f32; 3], [f32; 3])>; parts.keys.len()];
+/// Computes the box of the rounded rest positions that each map of the palette moves; min > max if
+/// it moves none.
+fn rest_boxes(parts: &EnvelopeParts, rest_positions: &[[f32; 3]], palette_len: usize) -> Vec<u8> {
+    let mut boxes = vec![None::<([f32; 3], [f32; 3])>; palette_len];
     for (influences, &x) in parts.influences.iter().zip(rest_positions) {
         for &(index, weight) in influences {
             let Some(rest_box) = boxes.get_mut(index).filter(|_| weight > 0.0) else { continue };
@@ -359,6 +405,10 @@ fn rest_boxes(parts: &EnvelopeParts, rest_positions: &[[f32; 3]]) -> Vec<u8> {
 
 fn floats(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|&x| (x as f32).to_le_bytes()).collect()
+}
+
+fn check_len(what: &'static str, expected: usize, found: usize) -> Result<(), BakeError> {
+    if found == expected { Ok(()) } else { Err(BakeError::Length { what, expected, found }) }
 }
 
 fn narrow<T: TryFrom<usize>>(what: &'static str, found: usize) -> Result<T, BakeError> {

@@ -1,0 +1,73 @@
+//! Stage 3: what the kernel maps add to the palette (METHOD §1.9).
+
+use super::{Envelope, Group, split};
+use crate::Matrix3x4;
+use crate::error::{Argument, EvalError};
+use crate::kernel::padded;
+
+/// Adds `Q_dom(l) K_l(phi)` to the P proxies' maps, and returns the pose's confidence: the least of
+/// the groups that have centres; 1 if there are none.
+///
+/// Where a group's confidence is 0 its proxies keep their bits.
+///
+/// - `pose`: J skinning matrices; Q is a joint's 3x3.
+/// - `features`: phi, J matrices, of [`crate::pose::features::evaluate`].
+/// - `scratch`: at least [`Envelope::scratch_len`] floats, of any content.
+/// - `out_palette`: [`Envelope::palette_len`] maps, of which the last P are added to.
+///
+/// # Errors
+/// - [`EvalError::Predictor`]: the model is rotational and has no correction.
+/// - [`EvalError::Length`]: `pose`, `features` or `out_palette` has another length.
+/// - [`EvalError::TooShort`]: `scratch` is too short.
+pub fn evaluate(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    features: &[Matrix3x4],
+    scratch: &mut [f32],
+    out_palette: &mut [Matrix3x4],
+) -> Result<f32, EvalError> {
+    envelope.check_stage(envelope.predictor().corrects())?;
+    Argument::Pose.check_len(envelope.joint_len(), pose.len())?;
+    Argument::Features.check_len(envelope.joint_len(), features.len())?;
+    Argument::Scratch.check_least(envelope.scratch_len(), scratch.len())?;
+    Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
+    let first = out_palette.len().saturating_sub(envelope.proxy_len());
+    let (_, proxies) = split(out_palette, first);
+    let features = features.as_flattened().as_flattened();
+    let mut confidence = 1.0f32;
+    for group in envelope.groups().filter(|group| group.centre_len() > 0) {
+        let out = proxies.get_mut(group.proxies.clone()).unwrap_or_default();
+        let dominant = pose.get(group.joint).unwrap_or(&[[0.0; 4]; 3]);
+        confidence = confidence.min(add(&group, dominant, features, scratch, out));
+    }
+    Ok(confidence)
+}
+
+/// Adds a group's correction to its proxies, and returns the group's confidence.
+fn add(
+    group: &Group<'_>,
+    dominant: &Matrix3x4,
+    features: &[f32],
+    scratch: &mut [f32],
+    out: &mut [Matrix3x4],
+) -> f32 {
+    let (input, scratch) = split(scratch, padded(group.input_len()));
+    let (added, scratch) = split(scratch, padded(12 * group.proxies.len()));
+    for (x, (feature, weight)) in input.iter_mut().zip(group.inputs()) {
+        *x = weight * features.get(feature).copied().unwrap_or_default();
+    }
+    let input = input.get(..group.input_len()).unwrap_or_default();
+    let confidence = group.map.evaluate(input, scratch, added);
+    if confidence > 0.0 {
+        let added = added.as_chunks::<4>().0.as_chunks::<3>().0;
+        for (map, added) in out.iter_mut().zip(added) {
+            for (row, [x, y, z, _]) in map.iter_mut().zip(dominant) {
+                let [a, b, c] = added;
+                for (value, ((a, b), c)) in row.iter_mut().zip(a.iter().zip(b).zip(c)) {
+                    *value += x * a + y * b + z * c;
+                }
+            }
+        }
+    }
+    confidence
+}

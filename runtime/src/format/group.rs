@@ -1,0 +1,96 @@
+//! Rows of the groups: proxies that share a dominant joint and one kernel map.
+
+use crate::kernel::{Shape, padded};
+
+/// A row of section `groups`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroupRow {
+    /// The dominant joint.
+    pub joint: u16,
+    /// Number of a [`crate::kernel::Kernel`].
+    pub kernel: u8,
+    /// Zero.
+    pub reserved: u8,
+    /// Inputs, d.
+    pub input_len: u16,
+    /// Centres, n; a group without any adds nothing.
+    pub centre_len: u16,
+    /// Latent values, r.
+    pub rank: u16,
+    /// Proxies, those that follow the previous group's.
+    pub proxy_len: u16,
+    /// First word of the group in section `corrections`.
+    pub offset: u32,
+    /// Squared distance up to which a centre vouches for a pose.
+    pub fade_start: f32,
+    /// Squared distance from which it no longer does.
+    pub fade_end: f32,
+}
+
+impl GroupRow {
+    /// Bytes of a row.
+    pub const BYTES: usize = 24;
+
+    /// Counts the group's words in section `corrections`; no product of its sizes overflows.
+    pub fn words(&self) -> u64 {
+        2 * padded(usize::from(self.input_len)) as u64 + self.shape().words()
+    }
+
+    /// Counts the floats of scratch that evaluating the group takes.
+    pub fn scratch_len(&self) -> usize {
+        self.shape().scratch_len()
+    }
+
+    /// Returns the sizes of the group's kernel map: 12 outputs a proxy.
+    pub(crate) fn shape(&self) -> Shape {
+        Shape {
+            input_len: usize::from(self.input_len),
+            centre_len: usize::from(self.centre_len),
+            rank: usize::from(self.rank),
+            output_len: 12 * usize::from(self.proxy_len),
+        }
+    }
+
+    /// Writes the row, little-endian.
+    pub fn to_bytes(&self) -> [u8; Self::BYTES] {
+        let [j0, j1] = self.joint.to_le_bytes();
+        let [d0, d1] = self.input_len.to_le_bytes();
+        let [n0, n1] = self.centre_len.to_le_bytes();
+        let [r0, r1] = self.rank.to_le_bytes();
+        let [p0, p1] = self.proxy_len.to_le_bytes();
+        let words = [
+            [j0, j1, self.kernel, self.reserved],
+            [d0, d1, n0, n1],
+            [r0, r1, p0, p1],
+            self.offset.to_le_bytes(),
+            self.fade_start.to_le_bytes(),
+            self.fade_end.to_le_bytes(),
+        ];
+        let mut out = [0; Self::BYTES];
+        out.copy_from_slice(words.as_flattened());
+        out
+    }
+
+    /// Reads a row.
+    pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
+        let mut words = bytes.as_chunks::<4>().0.iter().copied();
+        let mut word = || words.next().unwrap_or_default();
+        let halves =
+            |[a, b, c, d]: [u8; 4]| (u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d]));
+        let [j0, j1, kernel, reserved] = word();
+        let (input_len, centre_len) = halves(word());
+        let (rank, proxy_len) = halves(word());
+        Self {
+            joint: u16::from_le_bytes([j0, j1]),
+            kernel,
+            reserved,
+            input_len,
+            centre_len,
+            rank,
+            proxy_len,
+            offset: u32::from_le_bytes(word()),
+            fade_start: f32::from_le_bytes(word()),
+            fade_end: f32::from_le_bytes(word()),
+        }
+    }
+}

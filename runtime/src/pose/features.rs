@@ -1,0 +1,56 @@
+//! The pose features: how each joint has turned and moved against its parent (METHOD §1.9).
+
+use crate::Matrix3x4;
+use crate::envelope::Envelope;
+use crate::error::{Argument, EvalError};
+use crate::linear::dot;
+
+/// Computes the features phi of a pose: 12 of a joint, exactly 0 in the rest pose.
+///
+/// A joint j with parent p moves by `M = B_p^-1 B_j = [R | t]`, `B_p` taken as rigid. Its features
+/// are the rows of `[R - I | M o - o]`, o its rest origin: the displacement of the origin in the
+/// parent's frame. Feature `12 j + 4 r + c` is entry r, c; the root's are 0.
+///
+/// - `pose`: J skinning matrices, rest to posed, in model space; [`super::model_space_pose`] makes
+///   them from local rotations.
+/// - `out_features`: J matrices.
+///
+/// # Errors
+/// - [`EvalError::Predictor`]: the model is rotational and has no features.
+/// - [`EvalError::Length`]: an argument has another length.
+/// - [`EvalError::NonFinite`]: a joint's matrix is not finite.
+pub fn evaluate(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    out_features: &mut [Matrix3x4],
+) -> Result<(), EvalError> {
+    envelope.check_stage(envelope.predictor().corrects())?;
+    super::check(envelope, pose)?;
+    Argument::Features.check_len(envelope.joint_len(), out_features.len())?;
+    for (joint, (map, out)) in pose.iter().zip(out_features).enumerate() {
+        let parent = envelope.parent(joint).and_then(|parent| pose.get(parent));
+        let origin = envelope.origin(joint).unwrap_or_default();
+        *out = parent.map_or([[0.0; 4]; 3], |parent| relative(parent, map, origin));
+    }
+    Ok(())
+}
+
+/// Returns `[R - I | (R - I) o + t]`; the difference is taken first, so that rest is exactly 0.
+fn relative(parent: &Matrix3x4, map: &Matrix3x4, origin: [f32; 3]) -> Matrix3x4 {
+    let mut apart = *map;
+    for (row, parent) in apart.iter_mut().zip(parent) {
+        row[3] -= parent[3];
+    }
+    let [a, b, c] = apart;
+    let mut out = [[0.0; 4]; 3];
+    for r in 0..3 {
+        let [x, y, z] = [parent[0][r], parent[1][r], parent[2][r]];
+        for (value, ((a, b), c)) in out[r].iter_mut().zip(a.iter().zip(&b).zip(&c)) {
+            *value = x * a + y * b + z * c;
+        }
+        out[r][r] -= 1.0;
+        let [x, y, z, t] = out[r];
+        out[r][3] = dot([x, y, z], origin) + t;
+    }
+    out
+}
