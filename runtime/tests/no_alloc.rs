@@ -5,6 +5,7 @@ mod common;
 
 use common::{Builder, SMALL, random_pose};
 use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
+use sinew_runtime::format::Predictor;
 use sinew_runtime::{LocalTransform, Model, model_space_pose};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -40,7 +41,11 @@ fn allocations(work: impl FnOnce()) -> usize {
 
 #[test]
 fn nothing_is_allocated() {
-    let bytes = Builder::sample(SMALL).bytes();
+    Predictor::ALL.into_iter().for_each(evaluate);
+}
+
+fn evaluate(predictor: Predictor) {
+    let bytes = Builder::of(predictor, SMALL).bytes();
     let envelope = Model::from_bytes(&bytes).unwrap().envelope().unwrap();
     let v = envelope.vertex_len();
     let mut pose = random_pose(&envelope, &mut common::Rng(1), 0.5);
@@ -54,7 +59,9 @@ fn nothing_is_allocated() {
     let count = allocations(|| {
         let envelope = Model::from_bytes(&bytes).unwrap().envelope_named("arm").unwrap();
         model_space_pose(&envelope, &local, &mut pose).unwrap();
-        envelope.palette(&pose, &mut workspace, &mut palette).unwrap();
+        let confidence = envelope.palette(&pose, &mut workspace, &mut palette).unwrap();
+        assert!(confidence.is_finite());
+        assert_eq!(envelope.group(0).is_some(), predictor.corrects());
         envelope.bounds(&palette).unwrap();
         SkinJob {
             envelope,

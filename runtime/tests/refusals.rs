@@ -3,13 +3,21 @@
 
 mod common;
 
-use common::{IDENTITY, SMALL, Shape, attribute, with_envelope};
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob, gradients};
-use sinew_runtime::{Argument, EvalError, Matrix3x4};
+use common::{IDENTITY, SMALL, Shape, attribute, with_envelope, with_predictor};
+use sinew_runtime::envelope::{
+    Attribute, Buffer, SkinJob, confidence, correction, gradients, joints, palette,
+};
+use sinew_runtime::format::Predictor;
+use sinew_runtime::pose::features;
+use sinew_runtime::{Argument, Envelope, EvalError, Matrix3x4};
 
 #[test]
 fn a_refused_palette_writes_nothing() {
-    with_envelope(SMALL, |envelope| {
+    Predictor::ALL.into_iter().for_each(refused_palette);
+}
+
+fn refused_palette(predictor: Predictor) {
+    with_predictor(predictor, SMALL, |envelope| {
         let (j, p) = (envelope.joint_len(), envelope.palette_len());
         let pose = vec![IDENTITY; j];
         let least = envelope.workspace_len();
@@ -37,6 +45,15 @@ fn a_refused_palette_writes_nothing() {
                 }
             }
         }
+    });
+}
+
+#[test]
+fn refused_stages_write_nothing() {
+    let length = |argument, expected, found| EvalError::Length { argument, expected, found };
+    with_envelope(SMALL, |envelope| {
+        let (j, p) = (envelope.joint_len(), envelope.proxy_len());
+        let pose = vec![IDENTITY; j];
         let mut short = vec![[-7.0; 3]; 4 * j - 1];
         let error = gradients::evaluate(
             &envelope,
@@ -46,7 +63,77 @@ fn a_refused_palette_writes_nothing() {
             &mut vec![[0.0; 3]; 3 * p],
         );
         assert_eq!(error, Err(length(Argument::Relative, 4 * j, 4 * j - 1)));
+        let error = confidence::evaluate(&envelope, &short[..j - 1]);
+        assert_eq!(error, Err(length(Argument::Rotations, j, j - 1)));
     });
+    for predictor in [Predictor::Kernel, Predictor::Hybrid] {
+        with_predictor(predictor, SMALL, |envelope| refused_correction(&envelope));
+    }
+}
+
+fn refused_correction(envelope: &Envelope<'_>) {
+    let length = |argument, expected, found| EvalError::Length { argument, expected, found };
+    let (j, len, least) = (4, envelope.palette_len(), envelope.scratch_len());
+    let pose = vec![IDENTITY; j];
+    let refused = |joints: usize, phi: usize, scratch: usize, out: usize| {
+        let (mut scratch, mut out) = (vec![-7.0; scratch], vec![[[-7.0; 4]; 3]; out]);
+        let (pose, phi) = (&vec![IDENTITY; joints], &vec![IDENTITY; phi]);
+        let error = correction::evaluate(envelope, pose, phi, &mut scratch, &mut out).unwrap_err();
+        let written = out.as_flattened().as_flattened().iter().chain(&scratch).any(|&x| x != -7.0);
+        assert!(!written);
+        error
+    };
+    assert_eq!(refused(j - 1, j, least, len), length(Argument::Pose, j, j - 1));
+    assert_eq!(refused(j, j + 1, least, len), length(Argument::Features, j, j + 1));
+    let short = EvalError::TooShort { argument: Argument::Scratch, least, found: least - 1 };
+    assert_eq!(refused(j, j, least - 1, len), short);
+    assert_eq!(refused(j, j, least, len + 1), length(Argument::Palette, len, len + 1));
+
+    let features = |pose: &[Matrix3x4], len: usize| {
+        let mut out = vec![[[-7.0; 4]; 3]; len];
+        let error = features::evaluate(envelope, pose, &mut out).unwrap_err();
+        assert_eq!(out, vec![[[-7.0; 4]; 3]; len]);
+        error
+    };
+    assert_eq!(features(&pose[1..], j), length(Argument::Pose, j, j - 1));
+    assert_eq!(features(&pose, j - 1), length(Argument::Features, j, j - 1));
+    let mut unsound = pose.clone();
+    unsound[2][1][3] = f32::NAN;
+    assert_eq!(features(&unsound, j), EvalError::NonFinite { joint: 2 });
+    if envelope.predictor() == Predictor::Kernel {
+        let mut out = vec![[[-7.0; 4]; 3]; len];
+        let error = joints::evaluate(envelope, &unsound, &mut out);
+        assert_eq!(error, Err(EvalError::NonFinite { joint: 2 }));
+        assert_eq!(out, vec![[[-7.0; 4]; 3]; len]);
+        let error = joints::evaluate(envelope, &pose, &mut out[1..]);
+        assert_eq!(error, Err(length(Argument::Palette, len, len - 1)));
+    }
+}
+
+#[test]
+fn stages_of_another_predictor_are_refused() {
+    for predictor in Predictor::ALL {
+        with_predictor(predictor, SMALL, |envelope| {
+            let pose = vec![IDENTITY; 4];
+            let (mut q, mut theta, mut d) = (vec![[0.0; 3]; 16], vec![[0.0; 3]; 4], [[0.0; 3]; 9]);
+            let mut out = vec![IDENTITY; envelope.palette_len()];
+            let mut phi = vec![IDENTITY; 4];
+            let mut scratch = vec![0.0; envelope.scratch_len()];
+            let of = |is_part: bool, result: Result<(), EvalError>| {
+                let other = Err(EvalError::Predictor { found: predictor });
+                assert_eq!(result, if is_part { Ok(()) } else { other });
+            };
+            let (base, corrects) = (predictor.reconstructs(), predictor.corrects());
+            of(base, gradients::evaluate(&envelope, &pose, &mut q, &mut theta, &mut d));
+            of(base, palette::evaluate(&envelope, &pose[0], &q, &d, &mut out));
+            of(!base, joints::evaluate(&envelope, &pose, &mut out));
+            of(corrects, features::evaluate(&envelope, &pose, &mut phi));
+            let corrected = correction::evaluate(&envelope, &pose, &phi, &mut scratch, &mut out);
+            of(corrects, corrected.map(|_| ()));
+        });
+    }
+    let error = EvalError::Predictor { found: Predictor::Kernel };
+    assert_eq!(error.to_string(), "predictor kernel has no such stage");
 }
 
 #[test]
