@@ -70,20 +70,25 @@ pub(crate) fn add_block_product(sums: &mut [[f32; 8]; 3], block: &[[Le; 8]], inp
     *sums = local;
 }
 
-/// Computes the product of a matrix in blocks of 8 rows with a vector in two parts.
+/// Computes the product of a matrix in blocks of 8 rows with a vector in two parts, two blocks at a
+/// time because one alone would wait for its own sums.
 ///
 /// `matrix` holds 8 coefficients a column, block after block; `out[b]` is what block b gives.
 #[inline]
 pub(crate) fn block_product(matrix: &[[Le; 8]], parts: [&[f32]; 2], out: &mut [[f32; 8]]) {
     let [first, second] = parts;
-    for_pairs(matrix, first.len() + second.len(), out, |[a, b]| {
+    // Chunks of zero would panic.
+    let mut blocks = matrix.chunks_exact((first.len() + second.len()).max(1));
+    for out in out.chunks_mut(2) {
+        let Some(a) = blocks.next() else { return };
+        let b = blocks.next().unwrap_or(a);
         let cut = first.len().min(a.len()).min(b.len());
         let ((a0, a1), (b0, b1)) = (a.split_at(cut), b.split_at(cut));
         let mut sums = [[0.0; 8]; 2];
         add_products(&mut sums, [a0, b0], first);
         add_products(&mut sums, [a1, b1], second);
-        sums
-    });
+        out.iter_mut().zip(sums).for_each(|(out, sums)| *out = sums);
+    }
 }
 
 #[inline(always)]
@@ -100,39 +105,42 @@ fn add_products(sums: &mut [[f32; 8]; 2], [a, b]: [&[[Le; 8]]; 2], input: &[f32]
     *sums = [sums_a, sums_b];
 }
 
-/// Computes the squared distances of a point from points in blocks of 8, coordinate by coordinate.
-#[inline]
-pub(crate) fn block_squared_distances(points: &[[Le; 8]], from: &[f32], out: &mut [[f32; 8]]) {
-    for_pairs(points, from.len(), out, |[a, b]| {
-        let [mut sums_a, mut sums_b] = [[0.0; 8]; 2];
-        for ((a, b), x) in a.iter().zip(b).zip(from) {
-            for (sum, t) in sums_a.iter_mut().zip(floats(a)) {
-                *sum += (x - t) * (x - t);
-            }
-            for (sum, t) in sums_b.iter_mut().zip(floats(b)) {
-                *sum += (x - t) * (x - t);
-            }
-        }
-        [sums_a, sums_b]
-    });
+/// Squared distances of a point x from 8 points t, and by how much each is more than that of the
+/// origin: `|x - t|²` and `|x - t|² - |t|² = x (x - 2 t)`, which keeps its last places where x is
+/// short.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Distances {
+    pub(crate) squared: [f32; 8],
+    pub(crate) gain: [f32; 8],
 }
 
-/// Evaluates blocks of some columns two at a time, because one alone would wait for its own sums;
-/// a last block without another goes with itself.
+/// Computes the distances of a point from points in blocks of 8, coordinate by coordinate, and
+/// hands each block's over, two blocks at a time likewise.
 #[inline(always)]
-fn for_pairs(
-    blocks: &[[Le; 8]],
-    column_len: usize,
-    out: &mut [[f32; 8]],
-    pair: impl Fn([&[[Le; 8]]; 2]) -> [[f32; 8]; 2],
-) {
+pub(crate) fn block_distances(points: &[[Le; 8]], from: &[f32], mut each: impl FnMut(Distances)) {
     // Chunks of zero would panic.
-    let mut blocks = blocks.chunks_exact(column_len.max(1));
-    for out in out.chunks_mut(2) {
-        let Some(a) = blocks.next() else { return };
-        let b = blocks.next().unwrap_or(a);
-        for (out, value) in out.iter_mut().zip(pair([a, b])) {
-            *out = value;
+    let mut blocks = points.chunks_exact(from.len().max(1));
+    while let Some(a) = blocks.next() {
+        let second = blocks.next();
+        let [mut sums_a, mut sums_b] = [Distances::default(); 2];
+        for ((a, b), &x) in a.iter().zip(second.unwrap_or(a)).zip(from) {
+            sums_a.add(x, floats(a));
+            sums_b.add(x, floats(b));
+        }
+        each(sums_a);
+        if second.is_some() {
+            each(sums_b);
+        }
+    }
+}
+
+impl Distances {
+    #[inline(always)]
+    fn add(&mut self, x: f32, t: [f32; 8]) {
+        for ((squared, gain), t) in self.squared.iter_mut().zip(&mut self.gain).zip(t) {
+            let apart = x - t;
+            *squared += apart * apart;
+            *gain += x * (apart - t);
         }
     }
 }

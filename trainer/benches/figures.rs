@@ -1,22 +1,21 @@
 //! Prints the figures of the README: errors on the data sets, training times, memory, scaling.
 //!
 //! `cargo bench -p sinew-trainer --bench figures [-- SECTION ...]`, where a section is `lbs`,
-//! `proxies`, `full`, `helpers`, `errors`, `time` or `scaling`. Sets that are not in `../shared/data` are named and
-//! left out.
+//! `proxies`, `full`, `errors`, `ranges`, `time` or `scaling`. Sets that are not in
+//! `../shared/data` are named and left out.
 
 use faer::Mat;
+use sinew_runtime::format::Predictor;
 use sinew_trainer::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::helpers::correction::{Correction, Joints};
-use sinew_trainer::envelope::helpers::fit;
 use sinew_trainer::envelope::motion::{Poses, trajectories};
 use sinew_trainer::envelope::rotational::full::Full;
 use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
 use sinew_trainer::envelope::rotational::surface::Surface;
-use sinew_trainer::envelope::rotational::training::Training;
 use sinew_trainer::envelope::rotational::validation::Targets;
-use sinew_trainer::envelope::rotational::{Options, basis, merge};
-use sinew_trainer::envelope::{train, weights};
-use sinew_trainer::evaluate::{Frames, evaluate};
+use sinew_trainer::envelope::rotational::{self, basis, merge};
+use sinew_trainer::envelope::training::Training;
+use sinew_trainer::envelope::{Options, Predict, train, weights};
+use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::examples::{Examples, Split, npz};
 use sinew_trainer::progress::Silent;
 use std::error::Error;
@@ -38,8 +37,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("lbs", lbs),
         ("proxies", proxies_alone),
         ("full", full),
-        ("helpers", helpers),
         ("errors", errors),
+        ("ranges", ranges),
         ("time", time),
         ("scaling", scaling),
     ];
@@ -80,12 +79,14 @@ fn lbs() -> Result<(), Box<dyn Error>> {
 /// The proxies' own error on the training frames of dem-bones, no prediction.
 fn proxies_alone() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets()?.into_iter().filter(|set| set.0 == "dem-bones") {
-        let Training { unit, rest, triangles, trajectories, .. } = Training::new(&examples)?;
+        let Training { unit, rest, triangles, trajectories, .. } =
+            Training::new(&examples, &Silent)?;
         let basis = basis::basis(&trajectories);
         let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = merge::MergeTree::build(&surface, || ());
         for count in [10, 20, 30] {
-            let options = Options { proxies: ProxyCount::Fixed(count), ..Options::default() };
+            let options =
+                rotational::Options { proxies: ProxyCount::Fixed(count), ..Default::default() };
             let fitted = proxies::fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent)?;
             println!("{name}: P = {}, RMSE {:.5}", fitted.len(), unit * fitted.rms);
         }
@@ -112,67 +113,108 @@ fn full() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Joints and helpers driven by local kernel maps, in f64: the fit alone, not yet baked.
-fn helpers() -> Result<(), Box<dyn Error>> {
+/// Errors of the baked models by the f32 runtime, of each predictor and of the choice among them.
+fn errors() -> Result<(), Box<dyn Error>> {
+    println!(
+        "{:<12}{:<24}{:>4}{:>3}  {:<10}{:>8}{:>8}{:>8}{:>8}{:>9}{:>11}{:>9}",
+        "set",
+        "predictor",
+        "P",
+        "K",
+        "split",
+        "LBS %",
+        "model %",
+        "p99 %",
+        "max %",
+        "normals °",
+        "confidence",
+        "bytes"
+    );
     let mut sets = sets()?;
     sets.push(("demo", demo(&DemoOptions::default())));
+    sets.push(("demo of 12", demo(&DemoOptions { poses: 12, ..DemoOptions::default() })));
+    let fixed = |predictor, proxies| Options {
+        predictor: Predict::Only(predictor),
+        proxies: Some(ProxyCount::Fixed(proxies)),
+        ..Options::default()
+    };
     for (name, examples) in sets {
-        let (count, influences) = if examples.vertex_len() > 5_000 { (60, 4) } else { (40, 4) };
-        let training = Training::new(&examples)?;
-        let rest = &training.rest;
-        let (lbs, errors) = weights::fit(rest, &training.trajectories, &training.poses, 4);
-        let Some(fitted) = fit::fit(&training, (&lbs, &errors), count, influences) else {
-            println!("{name}: LBS errs nowhere");
-            continue;
-        };
-        let origins = training.origins(&examples);
-        for hops in [2, 3] {
-            let joints = Joints { parents: &examples.skeleton.parents, origins: &origins };
-            let correction = Correction::fit(&fitted, &training.poses, joints, hops);
+        let large = examples.vertex_len() > 5_000;
+        let proxies = if large { 60 } else { 40 };
+        let [rotational, kernel, hybrid] = Predictor::ALL.map(|only| fixed(only, proxies));
+        let mut rows = vec![
+            ("as published", Options { refine: false, ..rotational }),
+            ("rotational", rotational),
+            ("kernel", kernel),
+            ("hybrid", hybrid),
+            ("auto", Options { predictor: Predict::Auto, ..kernel }),
+            ("auto, P chosen", Options::default()),
+        ];
+        if large {
+            let more = Options { influences: 6, ..fixed(Predictor::Kernel, 120) };
+            rows.push(("kernel", more));
+        }
+        if name == "mpfb-arm" {
+            for budget in [60_000, 100_000, 160_000] {
+                rows.push(("auto, budget", Options { budget: Some(budget), ..Options::default() }));
+            }
+        }
+        for (row, options) in rows {
+            let model = train(&examples, &options, &Silent)?.model;
             for split in [Split::HeldOut, Split::Extreme] {
-                let frames = examples.frames_of(split);
-                if frames.is_empty() {
-                    continue;
+                if !examples.frames_of(split).is_empty() {
+                    let found = evaluate(&model, &examples, Frames::Of(split))?;
+                    error_row(name, row, options.influences, &found);
                 }
-                let (poses, moved) = training.view(&examples, &frames);
-                let targets = Targets { rest, weights: &fitted.weights, trajectories: &moved };
-                let palette = faer::concat![[poses.stacked(), correction.predict(&poses)]];
-                let percent = 100.0 * targets.rms(&palette);
-                println!("{name}: {count} helpers, {hops} hops, {split:?} {percent:.4} %");
             }
         }
     }
     Ok(())
 }
 
-/// Errors of the baked models by the f32 runtime.
-fn errors() -> Result<(), Box<dyn Error>> {
+fn error_row(set: &str, row: &str, influences: usize, found: &Evaluation) {
+    let row =
+        if row.starts_with("auto") { format!("{row}: {}", found.predictor) } else { row.into() };
     println!(
-        "{:<12}{:>4}  {:<10}{:>9}{:>9}{:>11}{:>9}{:>9}{:>9}",
-        "set", "P", "split", "LBS %", "model %", "published %", "p99 %", "max %", "bytes"
+        "{set:<12}{row:<24}{:>4}{influences:>3}  {:<10}{:>8.4}{:>8.4}{:>8.4}{:>8.4}{:>9.2}{:>11.3}{:>9}",
+        found.proxies,
+        found.split,
+        found.lbs.rms_percent,
+        found.errors.rms_percent,
+        found.errors.p99_percent,
+        found.errors.max_percent,
+        found.errors.normal_rms_degrees,
+        found.confidence.least,
+        found.model_bytes
     );
-    let mut sets = sets()?;
-    sets.push(("demo", demo(&DemoOptions::default())));
-    for (name, examples) in sets {
-        let count = if examples.vertex_len() > 5_000 { 60 } else { 40 };
-        let options = Options { proxies: ProxyCount::Fixed(count), ..Options::default() };
-        let refined = train(&examples, &options, &Silent)?.model;
-        let published = train(&examples, &Options { refine: false, ..options }, &Silent)?.model;
-        for split in [Split::HeldOut, Split::Extreme] {
-            if examples.frames_of(split).is_empty() {
-                continue;
-            }
-            let of = evaluate(&refined, &examples, Frames::Of(split))?;
-            let plain = evaluate(&published, &examples, Frames::Of(split))?;
+}
+
+/// Poses beyond the trained range: each joint of mpfb-arm in turn, its top quartile of angles held
+/// out.
+fn ranges() -> Result<(), Box<dyn Error>> {
+    for (_, mut examples) in sets()?.into_iter().filter(|set| set.0 == "mpfb-arm") {
+        let frames: Vec<usize> = (0..examples.frame_len()).collect();
+        let poses = Poses::new(&examples, &frames);
+        for joint in 1..examples.joint_len() {
+            let angles: Vec<f64> = frames.iter().map(|&i| poses.angle(i, joint).norm()).collect();
+            let mut sorted = angles.clone();
+            sorted.sort_by(f64::total_cmp);
+            let bent = sorted[3 * sorted.len() / 4];
+            let split = |angle: &f64| if *angle > bent { Split::HeldOut } else { Split::Train };
+            examples.split = angles.iter().map(split).collect();
+            let model = train(&examples, &Options::default(), &Silent)?.model;
+            let found = evaluate(&model, &examples, Frames::Of(Split::HeldOut))?;
             println!(
-                "{name:<12}{count:>4}  {:<10}{:>9.4}{:>9.4}{:>11.4}{:>9.4}{:>9.4}{:>9}",
-                of.split,
-                of.lbs.rms_percent,
-                of.errors.rms_percent,
-                plain.errors.rms_percent,
-                of.errors.p99_percent,
-                of.errors.max_percent,
-                of.model_bytes
+                "{:<14} beyond {:>3.0} of {:>3.0} °: LBS {:.4} %, {} {:.4} %, confidence {:.3} on \
+                 average, {:.3} at the least",
+                examples.skeleton.names[joint],
+                bent.to_degrees(),
+                sorted[sorted.len() - 1].to_degrees(),
+                found.lbs.rms_percent,
+                found.predictor,
+                found.errors.rms_percent,
+                found.confidence.mean,
+                found.confidence.least
             );
         }
     }
@@ -184,13 +226,19 @@ fn time() -> Result<(), Box<dyn Error>> {
     for (name, file) in SETS {
         let Some(path) = found(file) else { continue };
         let proxies = if name == "mpfb-body" { "60" } else { "40" };
-        let model =
-            std::env::temp_dir().join(format!("sinew-figures-{}.sinew", std::process::id()));
-        let train =
-            ["train", &path.to_string_lossy(), "-o", &model.to_string_lossy()].map(str::to_owned);
-        let run = measure(&[&train[..], &["--proxies".into(), proxies.into()]].concat())?;
-        std::fs::remove_file(&model)?;
-        println!("{name}, P = {proxies}: {:.2} s, {} MB", run.seconds, run.peak >> 20);
+        for predictor in ["rotational", "kernel", "hybrid", "auto"] {
+            let model =
+                std::env::temp_dir().join(format!("sinew-figures-{}.sinew", std::process::id()));
+            let mut train = vec!["train".to_owned(), path.to_string_lossy().into_owned()];
+            train.extend(["-o".to_owned(), model.to_string_lossy().into_owned()]);
+            train.extend(["--predictor", predictor].map(str::to_owned));
+            if predictor != "auto" {
+                train.extend(["--proxies", proxies].map(str::to_owned));
+            }
+            let run = measure(&train)?;
+            std::fs::remove_file(&model)?;
+            println!("{name}, {predictor}: {:.1} s, {} MB", run.seconds, run.peak >> 20);
+        }
     }
     Ok(())
 }
@@ -213,6 +261,8 @@ fn scaling() -> Result<(), Box<dyn Error>> {
             &held_out.to_string(),
             "--proxies",
             "60",
+            "--predictor",
+            "rotational",
         ]
         .map(str::to_owned);
         let run = measure(&arguments)?;

@@ -5,10 +5,13 @@
 //! an engine without SIMD would write it.
 
 use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
+use sinew_runtime::format::{Certificate, Predictor};
+use sinew_runtime::kernel::Kernel;
 use sinew_runtime::{EvalError, Matrix3x4, Model};
+use sinew_trainer::bake::{EnvelopeParts, Group, bake};
 use sinew_trainer::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::rotational::Options;
-use sinew_trainer::envelope::train;
+use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::progress::Silent;
 use std::error::Error;
 use std::hint::black_box;
@@ -19,7 +22,12 @@ const RUNS: usize = 201;
 fn main() -> Result<(), Box<dyn Error>> {
     let examples =
         demo(&DemoOptions { vertices: 10_000, poses: 60, held_out: 10, ..DemoOptions::default() });
-    let trained = train(&examples, &Options::default(), &Silent)?;
+    let options = Options {
+        predictor: Predict::Only(Predictor::Rotational),
+        proxies: Some(ProxyCount::Fixed(40)),
+        ..Options::default()
+    };
+    let trained = train(&examples, &options, &Silent)?;
     let envelope = Model::from_bytes(&trained.model)?.envelope().ok_or("no envelope")?;
     let vertices = envelope.vertex_len();
     let pose: Vec<Matrix3x4> =
@@ -84,12 +92,75 @@ fn main() -> Result<(), Box<dyn Error>> {
         envelope.influence_len()
     );
     println!("pose to palette            {:>8.2} µs a character", 1e6 * predict);
+    for kernel in Kernel::ALL {
+        println!(
+            "kernel maps, {:<14}{:>8.2} µs a character",
+            kernel.name(),
+            1e6 * correct(kernel)?
+        );
+    }
     println!("skin positions             {:>8.2} ns a vertex", per_vertex(skin));
     println!("skin positions and normals {:>8.2} ns a vertex", per_vertex(normals));
     println!("plain loop, positions      {:>8.2} ns a vertex", per_vertex(plain));
     println!("skin / plain loop          {:>8.2}", skin / plain);
     println!("(palette + skin) / skin    {:>8.2}", (predict + skin) / skin);
     Ok(())
+}
+
+/// Seconds from pose to palette of 20 joints and 40 helpers in 10 groups, each of 45 inputs, 64
+/// centres and 24 latent values.
+fn correct(kernel: Kernel) -> Result<f64, Box<dyn Error>> {
+    let (joints, inputs, centres, rank, proxies) = (20, 45, 64, 24, 4);
+    let number = |i: usize| (0.37 * i as f64).sin();
+    let list = |from: usize, len: usize| (from..from + len).map(number).collect::<Vec<_>>();
+    let group = |g: usize| Group {
+        joint: 2 * g,
+        kernel,
+        proxies,
+        inputs: (0..inputs).map(|i| ((12 * g + 5 * i) % (12 * joints), 0.5)).collect(),
+        centres: (0..centres).map(|k| list(k, inputs)).collect(),
+        coefficients: list(g, rank * (inputs + centres)),
+        rank,
+        outputs: list(g, 12 * proxies * rank),
+        fade: (20.0, 40.0),
+    };
+    let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    let bytes = bake(&EnvelopeParts {
+        name: "skin".to_owned(),
+        joint_names: vec![String::new(); joints],
+        parents: (0..joints).map(|joint| joint.checked_sub(1)).collect(),
+        root: 0,
+        rest_frames: vec![identity; joints],
+        rest_positions: vec![[0.0; 3]],
+        rest_normals: vec![[0.0; 3]],
+        rest_tangents: None,
+        influences: vec![vec![(0, 1.0)]],
+        reconstruction: None,
+        groups: (0..10).map(group).collect(),
+        pose_ranges: vec![1.0; joints],
+        certificate: Certificate::default(),
+    })?;
+    let envelope = Model::from_bytes(&bytes)?.envelope().ok_or("no envelope")?;
+    let turned = |j: usize| {
+        let (sin, cos) = (0.1 * number(j) as f32).sin_cos();
+        [[cos, -sin, 0.0, 0.1], [sin, cos, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
+    };
+    let pose: Vec<Matrix3x4> = (0..joints).map(turned).collect();
+    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
+    let mut seconds = Vec::new();
+    for _ in 0..RUNS {
+        seconds.push(timed(|| {
+            for _ in 0..16 {
+                let confidence =
+                    envelope.palette(black_box(&pose), &mut workspace, &mut palette)?;
+                assert!(confidence > 0.0, "the maps run");
+            }
+            Ok(())
+        })?);
+    }
+    black_box(&palette);
+    Ok(median(seconds) / 16.0)
 }
 
 /// Linear blend skinning as written without a thought of SIMD.

@@ -73,6 +73,15 @@ pub struct Errors {
     pub normal_rms_degrees: f64,
 }
 
+/// A model's confidence in some frames' poses, in [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Confidence {
+    /// On average.
+    pub mean: f64,
+    /// In the frame of which it is least certain.
+    pub least: f64,
+}
+
 /// What a model was measured to do.
 #[derive(Clone, Debug, Serialize)]
 pub struct Evaluation {
@@ -87,6 +96,8 @@ pub struct Evaluation {
     /// The model's errors.
     #[serde(flatten)]
     pub errors: Errors,
+    /// What the model thinks of the poses.
+    pub confidence: Confidence,
     /// Length of the file.
     pub model_bytes: usize,
     /// What predicts the palette.
@@ -172,9 +183,12 @@ pub fn evaluate(
         .par_iter()
         .map(|&frame| {
             let skin = skin(&envelope, examples, frame)?;
-            Ok(Distances::measure(examples, frame, |v| (skin.position(v), skin.normal(v))))
+            let measured =
+                Distances::measure(examples, frame, |v| (skin.position(v), skin.normal(v)));
+            Ok((measured, skin.confidence))
         })
         .collect::<Result<Vec<_>, EvaluateError>>()?;
+    let (measured, confidence): (Vec<_>, Vec<f64>) = measured.into_iter().unzip();
     let training = examples.frames_of(Split::Train);
     let poses = Poses::new(examples, &training);
     let moved = trajectories(examples, &training, &poses);
@@ -196,8 +210,12 @@ pub fn evaluate(
         vertices: examples.vertex_len(),
         diagonal,
         errors: summarise(measured, diagonal),
+        confidence: Confidence {
+            mean: confidence.iter().sum::<f64>() / confidence.len() as f64,
+            least: confidence.iter().copied().fold(1.0, f64::min),
+        },
         model_bytes: model.len(),
-        predictor: "rotational",
+        predictor: envelope.predictor().name(),
         proxies: envelope.proxy_len(),
         lbs: summarise(baseline, diagonal),
     })
@@ -207,6 +225,7 @@ pub fn evaluate(
 pub struct Skin {
     positions: Vec<f32>,
     normals: Vec<f32>,
+    confidence: f64,
 }
 
 impl Skin {
@@ -240,11 +259,13 @@ pub fn skin(
     let mut skin = Skin {
         positions: vec![0.0; 3 * envelope.vertex_len()],
         normals: vec![0.0; 3 * envelope.vertex_len()],
+        confidence: 0.0,
     };
     let attribute = |buffer| Some(Attribute { buffer, offset: 0, stride: 3 });
     envelope
         .palette(&pose, &mut workspace, &mut palette)
-        .and_then(|_| {
+        .and_then(|confidence| {
+            skin.confidence = f64::from(confidence);
             SkinJob {
                 envelope: *envelope,
                 palette: &palette,

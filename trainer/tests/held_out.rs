@@ -3,9 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 use sinew_trainer::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::rotational::Options;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
-use sinew_trainer::envelope::train;
+use sinew_trainer::envelope::{Options, train};
 use sinew_trainer::examples::{Examples, Split, npz};
 use sinew_trainer::progress::Silent;
 
@@ -14,7 +13,7 @@ fn arm() -> Examples {
 }
 
 fn model(examples: &Examples) -> Vec<u8> {
-    let options = Options { proxies: ProxyCount::Fixed(12), ..Options::default() };
+    let options = Options { proxies: Some(ProxyCount::Fixed(12)), ..Options::default() };
     train(examples, &options, &Silent).unwrap().model
 }
 

@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
+use sinew_runtime::format::Predictor;
 use sinew_trainer::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::rotational::Options;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
-use sinew_trainer::envelope::train;
+use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::progress::Silent;
@@ -14,8 +14,16 @@ fn arm() -> Examples {
     demo(&DemoOptions { vertices: 300, poses: 40, held_out: 10, seed: 5 })
 }
 
-fn measured(examples: &Examples, proxies: usize, split: Split) -> Evaluation {
-    let options = Options { proxies: ProxyCount::Fixed(proxies), ..Options::default() };
+/// The three predictors.
+const ALL: [Predict; 3] = [
+    Predict::Only(Predictor::Rotational),
+    Predict::Only(Predictor::Kernel),
+    Predict::Only(Predictor::Hybrid),
+];
+
+fn measured(examples: &Examples, predictor: Predict, proxies: usize, split: Split) -> Evaluation {
+    let proxies = Some(ProxyCount::Fixed(proxies));
+    let options = Options { predictor, proxies, ..Options::default() };
     let model = train(examples, &options, &Silent).unwrap().model;
     evaluate(&model, examples, Frames::Of(split)).unwrap()
 }
@@ -34,11 +42,13 @@ fn scaled(mut examples: Examples, scale: f64) -> Examples {
 
 #[test]
 fn the_unit_of_length_does_not_matter() {
-    let reference = measured(&arm(), 12, Split::HeldOut).errors;
-    for scale in [1e-4, 1e4] {
-        let found = measured(&scaled(arm(), scale), 12, Split::HeldOut).errors;
-        let ratio = found.rms_percent / reference.rms_percent;
-        assert!((ratio - 1.0).abs() < 1e-2, "scaled by {scale}: {ratio}");
+    for predictor in ALL {
+        let reference = measured(&arm(), predictor, 12, Split::HeldOut).errors;
+        for scale in [1e-4, 1e4] {
+            let found = measured(&scaled(arm(), scale), predictor, 12, Split::HeldOut).errors;
+            let ratio = found.rms_percent / reference.rms_percent;
+            assert!((ratio - 1.0).abs() < 1e-2, "{predictor:?}, scaled by {scale}: {ratio}");
+        }
     }
 }
 
@@ -51,13 +61,14 @@ fn a_character_that_never_moves_stays_where_it_is() {
         let identity = [[1.0, 0., 0., 0.], [0., 1.0, 0., 0.], [0., 0., 1.0, 0.]];
         examples.transforms[frame * j..][..j].fill(identity);
     }
-    assert!(measured(&examples, 4, Split::Train).errors.max_percent < 1e-4);
+    for predictor in ALL {
+        assert!(measured(&examples, predictor, 4, Split::Train).errors.max_percent < 1e-4);
+    }
 }
 
 #[test]
 fn the_place_of_the_character_does_not_matter() {
     let near = arm();
-    let reference = measured(&near, 12, Split::HeldOut).errors;
     let mut far = near.clone();
     let shift = [20.0, -10.0, 15.0];
     for position in far.rest.iter_mut().chain(&mut far.vertices) {
@@ -67,9 +78,15 @@ fn the_place_of_the_character_does_not_matter() {
         let turned = map.map(|row| row[0] * shift[0] + row[1] * shift[1] + row[2] * shift[2]);
         (0..3).for_each(|axis| map[axis][3] += shift[axis] - turned[axis]);
     }
-    let found = measured(&far, 12, Split::HeldOut).errors;
-    // What is left is the rounding of f32, which grows with the distance.
-    assert!(found.rms_percent < 1.1 * reference.rms_percent + 2e-3, "{found:?} {reference:?}");
+    for predictor in ALL {
+        let reference = measured(&near, predictor, 12, Split::HeldOut).errors;
+        let found = measured(&far, predictor, 12, Split::HeldOut).errors;
+        // What is left is the rounding of f32, which grows with the distance.
+        // A correction on top of a reconstruction feels it most.
+        let slack = if predictor == ALL[2] { 1.2 } else { 1.1 };
+        let most = slack * reference.rms_percent + 2e-3;
+        assert!(found.rms_percent < most, "{predictor:?} {found:?} {reference:?}");
+    }
 }
 
 #[test]
@@ -89,18 +106,26 @@ fn a_skin_that_is_lbs_is_reproduced() {
                 [0, 1, 2].map(|axis| 0.7 * a[axis] + 0.3 * b[axis]);
         }
     }
-    let found = measured(&examples, 12, Split::HeldOut);
-    assert!(found.errors.rms_percent < 0.02, "{found:?}");
+    for predictor in ALL {
+        let found = measured(&examples, predictor, 12, Split::HeldOut);
+        assert!(found.errors.rms_percent < 0.02, "{found:?}");
+    }
+    let alone = measured(&examples, Predict::Only(Predictor::Kernel), 12, Split::HeldOut);
+    assert_eq!(alone.proxies, 0, "the joints need no help");
 }
 
 #[test]
 fn one_proxy_and_as_many_as_triangles_both_train() {
     let mut examples = arm();
-    let one = measured(&examples, 1, Split::HeldOut);
-    assert!(one.errors.rms.is_finite() && one.proxies == 1);
-    examples.triangles.truncate(30);
-    let all = measured(&examples, 30, Split::Train);
-    assert!(all.errors.rms.is_finite() && all.proxies == 30);
+    let triangles = examples.triangles.clone();
+    for predictor in ALL {
+        examples.triangles.clone_from(&triangles);
+        let one = measured(&examples, predictor, 1, Split::HeldOut);
+        assert!(one.errors.rms.is_finite() && one.proxies == 1);
+        examples.triangles.truncate(30);
+        let all = measured(&examples, predictor, 30, Split::Train);
+        assert!(all.errors.rms.is_finite() && all.proxies == 30, "{predictor:?} {all:?}");
+    }
 }
 
 #[test]
@@ -115,6 +140,8 @@ fn parts_that_share_no_vertex_train_together() {
         .filter(|(k, _)| k % 7 == 0)
         .map(|p| p.1)
         .collect();
-    let found = measured(&examples, 12, Split::HeldOut);
-    assert!(found.errors.rms_percent < found.lbs.rms_percent, "{found:?}");
+    for predictor in ALL {
+        let found = measured(&examples, predictor, 12, Split::HeldOut);
+        assert!(found.errors.rms_percent < found.lbs.rms_percent, "{predictor:?} {found:?}");
+    }
 }

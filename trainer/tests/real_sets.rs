@@ -2,13 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
+use sinew_runtime::format::Predictor;
 use sinew_trainer::envelope::motion::{Poses, trajectories};
 use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
 use sinew_trainer::envelope::rotational::surface::Surface;
-use sinew_trainer::envelope::rotational::training::Training;
 use sinew_trainer::envelope::rotational::validation::Targets;
-use sinew_trainer::envelope::rotational::{Options, basis, merge};
-use sinew_trainer::envelope::{train, weights};
+use sinew_trainer::envelope::rotational::{self, basis, merge};
+use sinew_trainer::envelope::training::Training;
+use sinew_trainer::envelope::{Options, Predict, train, weights};
 use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::examples::{Examples, Split, npz};
 use sinew_trainer::progress::Silent;
@@ -30,26 +31,69 @@ fn measured(examples: &Examples, options: &Options, split: Split) -> Evaluation 
     evaluate(&model, examples, Frames::Of(split)).unwrap()
 }
 
-/// Checks a measurement on the held-out frames against LBS's published figure and a bound.
-fn check(file: &str, lbs_percent: f64, published_percent: f64, refined_percent: f64) {
+fn only(predictor: Predictor) -> Options {
+    let proxies = Some(ProxyCount::Fixed(40));
+    Options { predictor: Predict::Only(predictor), proxies, ..Options::default() }
+}
+
+/// Checks the held-out frames of a set against bounds, in % of the diagonal: LBS's published figure,
+/// the rotational predictor as published and refined, kernel, and hybrid.
+fn check(file: &str, lbs: f64, [published, refined, kernel, hybrid]: [f64; 4]) {
     let Some(examples) = set(file) else { return };
-    let published = Options { refine: false, ..Options::default() };
-    let plain = measured(&examples, &published, Split::HeldOut);
-    assert!((plain.lbs.rms_percent / lbs_percent - 1.0).abs() < 0.01, "{}", plain.lbs.rms_percent);
-    assert!(plain.errors.rms_percent <= published_percent, "{}", plain.errors.rms_percent);
-    let refined = measured(&examples, &Options::default(), Split::HeldOut);
-    assert_eq!(refined.proxies, 40);
-    assert!(refined.errors.rms_percent <= refined_percent, "{}", refined.errors.rms_percent);
+    let rotational = only(Predictor::Rotational);
+    for (options, most) in [
+        (Options { refine: false, ..rotational }, published),
+        (rotational, refined),
+        (only(Predictor::Kernel), kernel),
+        (only(Predictor::Hybrid), hybrid),
+    ] {
+        let found = measured(&examples, &options, Split::HeldOut);
+        assert!((found.lbs.rms_percent / lbs - 1.0).abs() < 0.01, "{}", found.lbs.rms_percent);
+        assert!(found.errors.rms_percent <= most, "{options:?}: {}", found.errors.rms_percent);
+        assert_eq!(found.proxies, 40);
+    }
 }
 
 #[test]
-fn mpfb_arm_as_published_and_refined() {
-    check("mpfb-arm/mpfb_arm.npz", 0.696, 0.49, 0.09);
+fn mpfb_arm_by_every_predictor() {
+    check("mpfb-arm/mpfb_arm.npz", 0.696, [0.49, 0.09, 0.07, 0.07]);
 }
 
 #[test]
-fn dem_bones_as_published_and_refined() {
-    check("dem-bones/bone.npz", 0.534, 0.53, 0.30);
+fn dem_bones_by_every_predictor() {
+    check("dem-bones/bone.npz", 0.534, [0.53, 0.30, 0.045, 0.053]);
+}
+
+#[test]
+fn extreme_poses_and_a_small_file_of_mpfb_arm() {
+    let Some(examples) = set("mpfb-arm/mpfb_arm.npz") else { return };
+    let model = train(&examples, &only(Predictor::Kernel), &Silent).unwrap().model;
+    let extreme = evaluate(&model, &examples, Frames::Of(Split::Extreme)).unwrap();
+    assert!(extreme.errors.rms_percent <= 0.1, "{}", extreme.errors.rms_percent);
+    let small = Options { budget: Some(160_000), ..only(Predictor::Kernel) };
+    let small = measured(&examples, &small, Split::HeldOut);
+    assert!(small.model_bytes <= 160_000);
+    assert!(small.errors.rms_percent <= 0.11, "{}", small.errors.rms_percent);
+}
+
+#[test]
+fn an_elbow_bent_further_than_in_training_stays_better_than_lbs_and_is_less_sure() {
+    let Some(mut examples) = set("mpfb-arm/mpfb_arm.npz") else { return };
+    let options = only(Predictor::Kernel);
+    let usual = measured(&examples, &options, Split::HeldOut);
+    let elbow = examples.skeleton.names.iter().position(|name| name == "lowerarm_r").unwrap();
+    let frames: Vec<usize> = (0..examples.frame_len()).collect();
+    let poses = Poses::new(&examples, &frames);
+    let angles: Vec<f64> = frames.iter().map(|&i| poses.angle(i, elbow).norm()).collect();
+    let mut sorted = angles.clone();
+    sorted.sort_by(f64::total_cmp);
+    let bent = sorted[3 * sorted.len() / 4];
+    let split = |angle: &f64| if *angle > bent { Split::HeldOut } else { Split::Train };
+    examples.split = angles.iter().map(split).collect();
+    let far = measured(&examples, &options, Split::HeldOut);
+    assert!(far.errors.rms <= far.lbs.rms, "{far:?}");
+    assert!(far.confidence.mean < usual.confidence.mean, "{far:?} {usual:?}");
+    assert!(far.confidence.least < 0.95 && usual.confidence.least > 0.99, "{far:?} {usual:?}");
 }
 
 #[test]
@@ -67,12 +111,14 @@ fn dense_lbs_weights_reach_the_error_that_dem_bones_prints() {
 #[test]
 fn proxies_alone_on_dem_bones() {
     let Some(examples) = set("dem-bones/bone.npz") else { return };
-    let Training { unit, rest, triangles, trajectories, .. } = Training::new(&examples).unwrap();
+    let Training { unit, rest, triangles, trajectories, .. } =
+        Training::new(&examples, &Silent).unwrap();
     let basis = basis::basis(&trajectories);
     let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
     let tree = merge::MergeTree::build(&surface, || ());
     for (count, most) in [(10, 0.0020), (20, 0.0013), (30, 0.0009)] {
-        let options = Options { proxies: ProxyCount::Fixed(count), ..Options::default() };
+        let proxies = ProxyCount::Fixed(count);
+        let options = rotational::Options { proxies, ..rotational::Options::default() };
         let none = faer::Mat::zeros(0, 0);
         let fitted = proxies::fit(&surface, &tree, &none, &options, &Silent).unwrap();
         assert!(unit * fitted.rms <= most, "P = {count}: {}", unit * fitted.rms);
@@ -80,12 +126,19 @@ fn proxies_alone_on_dem_bones() {
 }
 
 #[test]
-fn the_demo_arm_leaves_at_most_half_of_the_error_of_lbs() {
+fn the_demo_arm_by_every_predictor_and_by_the_best() {
     let examples = sinew_trainer::demo::demo(&sinew_trainer::demo::DemoOptions::default());
-    let published = Options { refine: false, ..Options::default() };
+    let published = Options { refine: false, ..only(Predictor::Rotational) };
     let plain = measured(&examples, &published, Split::HeldOut);
     assert!((0.6..1.5).contains(&plain.lbs.rms_percent), "{}", plain.lbs.rms_percent);
     assert!(plain.errors.rms < 0.5 * plain.lbs.rms);
-    let refined = measured(&examples, &Options::default(), Split::HeldOut);
-    assert!(refined.errors.rms < 0.1 * refined.lbs.rms);
+    let mut least = f64::INFINITY;
+    for predictor in Predictor::ALL {
+        let found = measured(&examples, &only(predictor), Split::HeldOut);
+        assert!(found.errors.rms < 0.1 * found.lbs.rms, "{predictor:?}");
+        least = least.min(found.errors.rms);
+    }
+    let auto = Options { predictor: Predict::Auto, ..only(Predictor::Kernel) };
+    let auto = measured(&examples, &auto, Split::HeldOut);
+    assert!(auto.errors.rms <= 1.05 * least, "{} {least}", auto.errors.rms);
 }

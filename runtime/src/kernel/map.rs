@@ -1,7 +1,7 @@
 //! One kernel map, read in place: `y = w outputs (C (G(s) - rest) + A x)`.
 
 use super::{Kernel, in_lanes};
-use crate::linear::{Le, block_entry, block_product, block_squared_distances, floats};
+use crate::linear::{Le, block_distances, block_entry, block_product, floats};
 use crate::numeric::smoothstep;
 
 /// Sizes of a kernel map.
@@ -95,20 +95,17 @@ impl<'a> Map<'a> {
 
     /// Computes g, n values in whole blocks, and returns w.
     fn basis(&self, input: &[f32], out: &mut [[f32; 8]]) -> f32 {
-        block_squared_distances(self.centres, input, out);
         let mut doubt = 1.0;
         let mut left = self.shape.centre_len;
-        for (out, rest) in out.iter_mut().zip(self.rest) {
-            let s = *out;
-            let (values, rest) = (self.kernel.values(s), floats(rest));
-            for (out, (value, rest)) in out.iter_mut().zip(values.iter().zip(rest)) {
-                *out = value - rest;
-            }
-            for near in self.nearness(s).iter().take(left) {
+        let mut blocks = out.iter_mut().zip(self.rest);
+        block_distances(self.centres, input, |distances| {
+            let Some((out, rest)) = blocks.next() else { return };
+            *out = self.kernel.changes(&distances, floats(rest));
+            for near in self.nearness(distances.squared).iter().take(left) {
                 doubt *= 1.0 - near;
             }
             left = left.saturating_sub(8);
-        }
+        });
         1.0 - doubt
     }
 

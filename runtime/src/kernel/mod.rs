@@ -4,7 +4,8 @@ mod map;
 
 pub(crate) use map::{Map, Shape, padded};
 
-use crate::numeric::{EXP_MAX, exp_negative, sqrt};
+use crate::linear::Distances;
+use crate::numeric::{EXP_MAX, exp_negative, one_minus_exp_negative, sqrt};
 
 /// A positive definite kernel, as a function of s, the squared scaled distance (METHOD §2.1).
 ///
@@ -58,6 +59,21 @@ impl Kernel {
         self.value(centre.into_iter().fold(0.0, |sum, t| sum + t * t))
     }
 
+    /// Evaluates the kernels of 8 centres less their values at x = 0.
+    #[inline(always)]
+    pub(crate) fn changes(self, distances: &Distances, rest: [f32; 8]) -> [f32; 8] {
+        let mut out = distances.squared;
+        if self == Self::Gaussian {
+            for ((s, gain), rest) in out.iter_mut().zip(distances.gain).zip(rest) {
+                *s = gaussian_change(*s, gain, rest);
+            }
+        } else {
+            out = self.values(out);
+            out.iter_mut().zip(rest).for_each(|(value, rest)| *value -= rest);
+        }
+        out
+    }
+
     /// Evaluates the kernel in N lanes.
     #[inline(always)]
     pub(crate) fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
@@ -74,6 +90,16 @@ impl Kernel {
             }),
         }
     }
+}
+
+/// Returns `e^-s - e^-s0` of `s >= 0`, given `e^-s0` and `s - s0`: to its last places also where the
+/// two are close.
+#[inline(always)]
+fn gaussian_change(s: f32, gain: f32, rest: f32) -> f32 {
+    let nearer = gain < 0.0;
+    let greater = if nearer { exp_negative(s) } else { rest };
+    let change = greater * one_minus_exp_negative(if nearer { -gain } else { gain });
+    if nearer { change } else { -change }
 }
 
 /// Does the same in every lane; a plain loop, which vectorises where `array::map` does not.
@@ -119,6 +145,18 @@ mod tests {
             // 2 ULP of the exponential, a few roundings, and a's own, which e^-a magnifies.
             assert!(worst < 12e-7 && worst > 1e-8, "{kernel:?} {worst}");
         }
+    }
+
+    #[test]
+    fn changes_keep_their_last_places() {
+        let rest = 0.7f64;
+        for gain in [-0.35, -1e-3, -1e-6, 0.0, 1e-9, 1e-3, 0.5, 3.0, 40.0] {
+            let s = rest + gain;
+            let exact = (-rest).exp() * (-gain).exp_m1();
+            let found = gaussian_change(s as f32, gain as f32, (-rest).exp() as f32);
+            assert!((f64::from(found) - exact).abs() <= 4e-7 * exact.abs(), "{gain} {found}");
+        }
+        assert!(gaussian_change(f32::INFINITY, f32::INFINITY, 1.0).is_finite());
     }
 
     #[test]

@@ -3,12 +3,12 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_runtime::format::Certificate;
-use sinew_trainer::bake::{EnvelopeParts, Key, Reconstruction, bake};
+use sinew_runtime::format::{Certificate, Predictor};
+use sinew_runtime::kernel::Kernel;
+use sinew_trainer::bake::{EnvelopeParts, Group, Key, Reconstruction, bake};
 use sinew_trainer::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::rotational::Options;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
-use sinew_trainer::envelope::train;
+use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Examples, npz};
 use sinew_trainer::progress::Silent;
 use std::path::Path;
@@ -17,6 +17,8 @@ use std::sync::OnceLock;
 /// Counts of a random model.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
+    /// What predicts the palette.
+    pub predictor: Predictor,
     /// V.
     pub vertices: usize,
     /// J.
@@ -29,22 +31,45 @@ pub struct Shape {
     pub tangents: bool,
 }
 
-/// Odd, one and zero of everything that may be.
-pub const SHAPES: [Shape; 5] = [
-    Shape { vertices: 37, joints: 6, proxies: 5, influences: 4, tangents: true },
-    Shape { vertices: 61, joints: 3, proxies: 8, influences: 3, tangents: false },
-    Shape { vertices: 1, joints: 1, proxies: 1, influences: 1, tangents: true },
-    Shape { vertices: 2, joints: 2, proxies: 3, influences: 7, tangents: true },
-    Shape { vertices: 0, joints: 2, proxies: 1, influences: 2, tangents: true },
+impl Shape {
+    const fn new(predictor: Predictor, counts: [usize; 4], tangents: bool) -> Self {
+        let [vertices, joints, proxies, influences] = counts;
+        Self { predictor, vertices, joints, proxies, influences, tangents }
+    }
+}
+
+/// Odd, one and zero of everything that may be. The first with a correction have six groups.
+pub const SHAPES: [Shape; 12] = [
+    Shape::new(Predictor::Rotational, [37, 6, 5, 4], true),
+    Shape::new(Predictor::Rotational, [61, 3, 8, 3], false),
+    Shape::new(Predictor::Rotational, [1, 1, 1, 1], true),
+    Shape::new(Predictor::Rotational, [2, 2, 3, 7], true),
+    Shape::new(Predictor::Rotational, [0, 2, 1, 2], true),
+    Shape::new(Predictor::Kernel, [37, 6, 9, 4], true),
+    Shape::new(Predictor::Kernel, [3, 2, 0, 2], true),
+    Shape::new(Predictor::Kernel, [1, 1, 1, 1], true),
+    Shape::new(Predictor::Kernel, [0, 2, 1, 2], false),
+    Shape::new(Predictor::Hybrid, [37, 6, 9, 4], true),
+    Shape::new(Predictor::Hybrid, [5, 2, 2, 3], false),
+    Shape::new(Predictor::Hybrid, [0, 1, 1, 1], true),
 ];
 
+/// Returns the first shape of a predictor.
+///
+/// # Panics
+/// If there is none.
+pub fn shape_of(predictor: Predictor) -> Shape {
+    let mut shapes = SHAPES.into_iter().filter(|shape| shape.predictor == predictor);
+    shapes.next().expect("every predictor has a shape")
+}
+
 /// Bakes a model of random keys, coefficients and weights in which rest is rest: the root's blocks
-/// of c2 take up what the others add to it.
+/// of c2 take up what the others add to it, and a correction is 0 there.
 ///
 /// # Panics
 /// If the bake refuses it.
 pub fn random(shape: Shape) -> Vec<u8> {
-    let Shape { vertices, joints, proxies, influences, tangents } = shape;
+    let Shape { predictor, vertices, joints, proxies, influences, tangents } = shape;
     let mut random = ChaCha8Rng::seed_from_u64(vertices as u64);
     let mut within = |size: f64| random.random_range(-size..=size);
     let root = joints / 2;
@@ -79,10 +104,11 @@ pub fn random(shape: Shape) -> Vec<u8> {
         let [x, y, z] = (turned(at(v)) * Vector3::x()).into();
         [x, y, z, if v.is_multiple_of(3) { -1.0 } else { 1.0 }]
     };
+    let maps = if predictor.reconstructs() { proxies } else { joints + proxies };
     let weights = |v: usize| {
         // The last vertex follows one proxy alone.
         let len = if v + 1 == vertices { 1 } else { influences };
-        (0..len).map(|k| ((v + k) % proxies, 1.0 / (k + 1) as f64)).collect()
+        (0..len).map(|k| ((v + k) % maps, 1.0 / (k + 1) as f64)).collect()
     };
     let frame = |joint: usize| {
         let m = turned(joint as f64).to_rotation_matrix();
@@ -98,8 +124,8 @@ pub fn random(shape: Shape) -> Vec<u8> {
         rest_normals: (0..vertices).map(unit).collect(),
         rest_tangents: tangents.then(|| (0..vertices).map(tangent).collect()),
         influences: (0..vertices).map(weights).collect(),
-        reconstruction: Some(Reconstruction { keys, c1, c2 }),
-        groups: Vec::new(),
+        reconstruction: predictor.reconstructs().then_some(Reconstruction { keys, c1, c2 }),
+        groups: if predictor.corrects() { groups(shape) } else { Vec::new() },
         pose_ranges: vec![1.5; joints],
         certificate: Certificate {
             diagonal: 4.0,
@@ -112,27 +138,69 @@ pub fn random(shape: Shape) -> Vec<u8> {
     bake(&parts).expect("a random model can be baked")
 }
 
+/// Makes random groups of one proxy, then two, one, ..., each of another kernel, until there are P:
+/// the first shows its latent values one by one, the fourth has one of everything,
+/// the fifth has no centres, the last is large.
+fn groups(shape: Shape) -> Vec<Group> {
+    let Shape { predictor, joints, proxies, .. } = shape;
+    let first = usize::from(predictor.number());
+    let mut random = ChaCha8Rng::seed_from_u64((proxies + first) as u64);
+    let mut list = |len: usize, size: f64| -> Vec<_> {
+        (0..len).map(|_| random.random_range(-size..=size)).collect()
+    };
+    let mut out = Vec::new();
+    let mut left = proxies;
+    while left > 0 {
+        let g = out.len();
+        let own = left.min(1 + g % 2);
+        left -= own;
+        let [d, n, r] = match g {
+            3 => [1, 1, 1],
+            4 => [0, 0, 0],
+            _ if left == 0 => [33, 41, 17],
+            _ => [5 + 2 * g, 13 - 2 * g, 11 - 2 * g],
+        };
+        // Each latent value alone, or all of them mixed.
+        let picked = (0..12 * own * r).map(|i| f64::from(u8::from(i / r % r == i % r)));
+        out.push(Group {
+            joint: g % joints,
+            kernel: Kernel::ALL[(first + g) % 4],
+            proxies: own,
+            inputs: (0..d)
+                .map(|i| ((7 * i + 12 * (g + 1)) % (12 * joints), list(1, 1.0)[0]))
+                .collect(),
+            centres: (0..n).map(|_| list(d, 0.6)).collect(),
+            coefficients: list(r * (n + d), 0.5),
+            rank: r,
+            outputs: if g == 0 { picked.collect() } else { list(12 * own * r, 0.2) },
+            fade: (0.13 * d as f64 + 0.2, 0.18 * d as f64 + 0.5),
+        });
+    }
+    out
+}
+
 /// Examples of the demo character, small.
 pub fn demo_examples(vertices: usize) -> Examples {
     demo(&DemoOptions { vertices, poses: 60, held_out: 0, seed: 1 })
 }
 
-/// The demo character of about 300 vertices, trained with 13 proxies: once in a process.
+/// The demo character of about 300 vertices, trained with 13 proxies for each predictor: once in a
+/// process.
 ///
 /// # Panics
 /// If the training fails.
-pub fn trained() -> &'static [u8] {
-    static MODEL: OnceLock<Vec<u8>> = OnceLock::new();
-    MODEL.get_or_init(|| fit(&demo_examples(300)))
+pub fn trained() -> &'static [Vec<u8>; 3] {
+    static MODELS: OnceLock<[Vec<u8>; 3]> = OnceLock::new();
+    MODELS.get_or_init(|| fit(&demo_examples(300)))
 }
 
 /// A real arm, trained likewise; `None` where the data is not beside the repository.
 ///
 /// # Panics
 /// If the training fails, or if `CI` is set and there is no data.
-pub fn arm() -> Option<&'static [u8]> {
-    static MODEL: OnceLock<Option<Vec<u8>>> = OnceLock::new();
-    let model = MODEL.get_or_init(|| {
+pub fn arm() -> Option<&'static [Vec<u8>; 3]> {
+    static MODELS: OnceLock<Option<[Vec<u8>; 3]>> = OnceLock::new();
+    let models = MODELS.get_or_init(|| {
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
         if !data.is_dir() {
             assert!(std::env::var_os("CI").is_none(), "CI is set, but there is no {data:?}");
@@ -145,12 +213,16 @@ pub fn arm() -> Option<&'static [u8]> {
         keep_frames(&mut examples, 60);
         Some(fit(&examples))
     });
-    model.as_deref()
+    models.as_ref()
 }
 
-fn fit(examples: &Examples) -> Vec<u8> {
-    let options = Options { proxies: ProxyCount::Fixed(13), ..Options::default() };
-    train(examples, &options, &Silent).expect("the training succeeds").model
+fn fit(examples: &Examples) -> [Vec<u8>; 3] {
+    Predictor::ALL.map(|predictor| {
+        let proxies = Some(ProxyCount::Fixed(13));
+        let predictor = Predict::Only(predictor);
+        let options = Options { predictor, proxies, ..Options::default() };
+        train(examples, &options, &Silent).expect("the training succeeds").model
+    })
 }
 
 /// Keeps the first frames.

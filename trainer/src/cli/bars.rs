@@ -2,15 +2,14 @@
 
 use super::Output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use sinew_trainer::envelope::rotational::STEPS;
 use sinew_trainer::progress::Progress;
 use std::fmt::Write;
 use std::time::Duration;
 
 /// A step whose items are counted.
-const COUNTED: &str = "{msg:<25} {bar:30} {percent:>3} %  {left}";
+const COUNTED: &str = "{prefix}{msg:<22} {bar:30} {percent:>3} %  {left}";
 /// A step of which only the beginning and the end are known.
-const BUSY: &str = "{msg:<25} {spinner} {elapsed}";
+const BUSY: &str = "{prefix}{msg:<22} {spinner} {elapsed}";
 /// How often the line is drawn again, so that it is seen to live between two items.
 const TICK: Duration = Duration::from_millis(200);
 
@@ -28,11 +27,11 @@ impl Bars {
     /// Shows that one thing is being done.
     pub(super) fn busy(output: Output, what: &'static str) -> Self {
         let bars = Self::new(output);
-        bars.begin(what.to_owned(), 1);
+        bars.begin(what, 1);
         bars
     }
 
-    fn begin(&self, message: String, items: usize) {
+    fn begin(&self, message: &'static str, items: usize) {
         self.0.disable_steady_tick();
         if let Ok(style) = ProgressStyle::with_template(if items > 1 { COUNTED } else { BUSY }) {
             self.0.set_style(style.with_key("left", left));
@@ -52,9 +51,14 @@ fn left(state: &ProgressState, out: &mut dyn Write) {
 }
 
 impl Progress for Bars {
+    fn part(&self, number: usize, of: usize) {
+        if of > 1 {
+            self.0.set_prefix(format!("{number}/{of} "));
+        }
+    }
+
     fn step(&self, name: &'static str, items: usize) {
-        let number = STEPS.iter().position(|&step| step == name).map_or(0, |index| index + 1);
-        self.begin(format!("{number}/{} {name}", STEPS.len()), items);
+        self.begin(name, items);
     }
 
     fn advance(&self, items: usize) {

@@ -56,14 +56,14 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let generating = Bars::busy(output, "generating");
     let examples = demo(&DemoOptions { vertices, poses, held_out, seed });
     drop(generating);
-    let (_, trained) = arguments.fit.train(&examples, "demo", output)?;
+    let trained = arguments.fit.train(&examples, "demo", output)?;
     let measuring = Bars::busy(output, "measuring");
     let evaluation = evaluate(&trained.model, &examples, Frames::Of(Split::HeldOut))?;
     drop(measuring);
     let mut text = format!(
         "a procedural arm: {}\n{}{}",
         input::describe(&examples),
-        table::report(&trained.report, trained.proxies),
+        table::report(&trained.report),
         table::evaluation(&evaluation)
     );
     if let (Some(folder), Some(model)) = (folder, &model) {

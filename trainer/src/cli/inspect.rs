@@ -37,9 +37,10 @@ fn around(model: &Model<'_>, bytes: usize) -> usize {
 
 fn describe(envelope: &Envelope<'_>) -> String {
     let mut out = format!(
-        "envelope \"{}\": {} vertices, {} joints, {}, {} influences a vertex, {} bytes of \
+        "envelope \"{}\", {}: {} vertices, {} joints, {}, {} influences a vertex, {} bytes of \
          workspace\n",
         printable(envelope.name()),
+        envelope.predictor().name(),
         envelope.vertex_len(),
         envelope.joint_len(),
         table::count(envelope.proxy_len()),
@@ -52,6 +53,7 @@ fn describe(envelope: &Envelope<'_>) -> String {
         ("training frames", certificate.training_rms),
         ("cross-validated", certificate.cross_validated_rms),
         ("LBS, training frames", certificate.lbs_training_rms),
+        ("rounding, at the most", certificate.correction_error),
     ] {
         out += &format!("{name:<24}{:.4}\n", 100.0 * rms / certificate.diagonal);
     }
@@ -63,6 +65,16 @@ fn describe(envelope: &Envelope<'_>) -> String {
         let parent = envelope.parent(joint).map_or("-".to_owned(), joint_name);
         let range = envelope.pose_range(joint).unwrap_or_default().to_degrees();
         out += &format!("{:<width$}{parent:<width$}{range:>10.1} °\n", joint_name(joint));
+    }
+    if envelope.group_len() > 0 {
+        let [inputs, centres, rank, kernel] = ["inputs", "centres", "rank", "kernel"];
+        out += &format!("{:<width$}proxies{inputs:>8}{centres:>9}{rank:>6}  {kernel}\n", "group");
+    }
+    for group in envelope.groups() {
+        let (inputs, centres, rank) = (group.input_len(), group.centre_len(), group.rank());
+        let (name, proxies, kernel) =
+            (joint_name(group.joint), group.proxies.len(), group.kernel.name());
+        out += &format!("{name:<width$}{proxies:>7}{inputs:>8}{centres:>9}{rank:>6}  {kernel}\n");
     }
     out
 }
@@ -86,18 +98,34 @@ fn as_json(model: &Model<'_>, bytes: usize) -> Value {
                 })
             })
             .collect();
+        let groups: Vec<Value> = envelope
+            .groups()
+            .map(|group| {
+                json!({
+                    "joint": group.joint,
+                    "proxies": group.proxies.len(),
+                    "kernel": group.kernel.name(),
+                    "inputs": group.input_len(),
+                    "centres": group.centre_len(),
+                    "rank": group.rank(),
+                })
+            })
+            .collect();
         json!({
             "name": envelope.name(),
+            "predictor": envelope.predictor().name(),
             "vertices": envelope.vertex_len(),
             "proxies": envelope.proxy_len(),
             "influences": envelope.influence_len(),
             "workspace_bytes": 4 * envelope.workspace_len(),
             "joints": joints,
+            "groups": groups,
             "certificate": {
                 "diagonal": certificate.diagonal,
                 "training_rms": certificate.training_rms,
                 "cross_validated_rms": certificate.cross_validated_rms,
                 "lbs_training_rms": certificate.lbs_training_rms,
+                "correction_error": certificate.correction_error,
             },
         })
     });

@@ -1,39 +1,37 @@
 //! Results as a person reads them.
 
-use sinew_trainer::envelope::rotational::Report;
-use sinew_trainer::evaluate::{Errors, Evaluation};
+use sinew_trainer::envelope::choose::{CandidateReport, Report};
+use sinew_trainer::evaluate::{Confidence, Errors, Evaluation};
 
-/// Describes how a model was fitted: the curve over the near-rigid fraction, and what was chosen.
-pub(super) fn report(report: &Report, proxies: usize) -> String {
-    let mut out = "near-rigid vertices   cross-validated error, % of the diagonal\n".to_owned();
-    let first = report.trials.first().map(|trial| trial.choice.anchors);
-    for trial in &report.trials {
-        if Some(trial.choice.anchors) == first && trial.choice.refinement.is_none() {
-            let share = 100.0 * trial.choice.near_rigid_fraction;
-            let score =
-                trial.rms.map_or("singular".to_owned(), |rms| format!("{:.4}", 100.0 * rms));
-            out += &format!("{share:>17.0} %   {score}\n");
-        }
+/// Describes what was tried, what was taken, and how it does on the training frames.
+pub(super) fn report(report: &Report) -> String {
+    let [name, proxies, bytes, rms] =
+        ["candidate", "proxies", "bytes", "cross-validated error, % of the diagonal"];
+    let mut out = format!("{name:<22}{proxies:>8}{bytes:>12}   {rms}\n");
+    for (index, candidate) in report.candidates.iter().enumerate() {
+        let mark = if index == report.chosen { " <- taken" } else { "" };
+        let (bytes, rms) = match (candidate.bytes, candidate.validated_rms) {
+            (Some(bytes), Some(rms)) => (bytes.to_string(), format!("{:.4}", 100.0 * rms)),
+            _ => ("too many".to_owned(), "-".to_owned()),
+        };
+        let (name, proxies) = (kind(candidate), candidate.proxies);
+        out += &format!("{name:<22}{proxies:>8}{bytes:>12}   {rms}{mark}\n");
     }
-    let choice = &report.choice;
-    let (near_rigid, patch) = (choice.anchors.near_rigid, choice.anchors.patch);
-    let share = 100.0 * choice.near_rigid_fraction;
-    let refinement =
-        choice.refinement.map_or("no refinement".to_owned(), |r| format!("refinement ridge {r:e}"));
-    out += &format!(
-        "chosen: {share:.0} % near-rigid, anchor of the near-rigid {near_rigid}, of the patches \
-         {patch:e}, {refinement}\n"
-    );
-    out += "training frames                   error, % of the diagonal\n";
+    out += "training frames       error, % of the diagonal\n";
+    let validated = report.chosen().validated_rms.unwrap_or_default();
     for (name, rms) in [
-        ("LBS, 4 influences".to_owned(), report.lbs_rms),
-        (format!("{} fitted to each frame", count(proxies)), report.proxy_rms),
-        ("predicted from the pose".to_owned(), report.training_rms),
-        ("predicted, cross-validated".to_owned(), report.validated_rms),
+        ("LBS, 4 influences", report.lbs_rms),
+        ("the model", report.training_rms),
+        ("cross-validated", validated),
     ] {
-        out += &format!("{name:<34}{:.4}\n", 100.0 * rms);
+        out += &format!("{name:<22}{:.4}\n", 100.0 * rms);
     }
     out
+}
+
+fn kind(candidate: &CandidateReport) -> String {
+    let published = if candidate.refined == Some(false) { ", as published" } else { "" };
+    format!("{}{published}", candidate.predictor)
 }
 
 /// Describes a measurement, with LBS beside it.
@@ -54,6 +52,8 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
         );
     }
     let share = 100.0 * evaluation.errors.rms / evaluation.lbs.rms;
+    let Confidence { mean, least } = evaluation.confidence;
+    out += &format!("confidence in the poses: {mean:.3} on average, {least:.3} at the least\n");
     out += &format!("the model: {model_bytes} bytes");
     if share.is_finite() {
         out += &format!(", {share:.1} % of LBS's RMS error");

@@ -8,10 +8,10 @@ use clap::ValueEnum;
 use clap::builder::RangedU64ValueParser;
 use serde_json::json;
 use sinew_runtime::Limits;
+use sinew_runtime::format;
 use sinew_trainer::envelope::blend::CANDIDATES;
-use sinew_trainer::envelope::rotational::Options;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
-use sinew_trainer::envelope::{Trained, train};
+use sinew_trainer::envelope::{Options, Predict, Trained, train};
 use sinew_trainer::examples::{Examples, Split};
 use std::path::PathBuf;
 
@@ -34,37 +34,65 @@ pub(super) struct Arguments {
 }
 
 /// What a fit may be told.
-#[derive(clap::Args)]
+#[derive(clap::Args, serde::Serialize)]
 pub(super) struct FitArguments {
-    /// What predicts the proxies from the pose
-    #[arg(long, value_enum, default_value_t = Predictor::Rotational)]
+    /// What predicts the palette from the pose
+    #[arg(long, value_enum, default_value_t = Predictor::Auto)]
     predictor: Predictor,
-    /// Number of proxies [default: 40, or the number of joints where that is greater]
+    /// Number of proxies, or of helpers beside the joints [default: cross-validation chooses among
+    /// half of, all of, and twice 40, or the number of joints where that is greater]
     #[arg(long, value_name = "P", value_parser = proxies(), allow_negative_numbers = true)]
     #[arg(conflicts_with = "max_error")]
     proxies: Option<usize>,
-    /// Take the fewest proxies that come this near to the training frames, RMS in % of the rest
+    /// Take so many proxies that they come this near to the training frames, RMS in % of the rest
     /// diagonal, when fitted to each frame; the prediction from the pose adds to that
     #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
     max_error: Option<f64>,
-    /// Most proxies a vertex follows
+    /// Most maps of the palette a vertex follows
     #[arg(long, value_name = "K", value_parser = influences(), allow_negative_numbers = true)]
     #[arg(default_value_t = Options::default().influences)]
     influences: usize,
-    /// Keep the reconstruction as published: do not refine it on the training meshes
+    /// Keep the reconstruction of rotational and hybrid as published: do not refine it on the
+    /// training meshes
     #[arg(long)]
     published: bool,
+    /// Most bytes of the model's file; the mesh itself takes 48 a vertex, 16 more where it has
+    /// texture coordinates
+    #[arg(long, value_name = "BYTES", value_parser = budget(), allow_negative_numbers = true)]
+    budget: Option<usize>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 enum Predictor {
+    /// The one of the three that cross-validation inside the training frames finds best
+    Auto,
     /// Rotational regression of key gradients, reduced Poisson reconstruction
     Rotational,
+    /// The joints themselves, and helpers driven by local kernel maps where LBS errs
+    Kernel,
+    /// The reconstruction, and local kernel maps for what it leaves over
+    Hybrid,
+}
+
+impl Predictor {
+    fn predict(self) -> Predict {
+        match self {
+            Self::Auto => Predict::Auto,
+            Self::Rotational => Predict::Only(format::Predictor::Rotational),
+            Self::Kernel => Predict::Only(format::Predictor::Kernel),
+            Self::Hybrid => Predict::Only(format::Predictor::Hybrid),
+        }
+    }
 }
 
 /// Accepts what the runtime loads by default.
 fn proxies() -> RangedU64ValueParser<usize> {
     RangedU64ValueParser::new().range(1..=u64::from(Limits::DEFAULT.proxies))
+}
+
+fn budget() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(1..=u64::from(Limits::DEFAULT.file_bytes))
 }
 
 fn influences() -> RangedU64ValueParser<usize> {
@@ -85,21 +113,22 @@ impl FitArguments {
         examples: &Examples,
         source: &str,
         output: Output,
-    ) -> anyhow::Result<(Options, Trained)> {
-        let Predictor::Rotational = self.predictor;
+    ) -> anyhow::Result<Trained> {
         let triangles = examples.triangles.len();
         let proxies = match (self.max_error, self.proxies) {
-            (Some(percent), _) => ProxyCount::MaxError(percent / 100.0),
+            (Some(percent), _) => Some(ProxyCount::MaxError(percent / 100.0)),
             (None, Some(count)) if count > triangles => {
                 bail!("--proxies: {source} has {triangles} triangles, {count} proxies are too many")
             }
-            (None, Some(count)) => ProxyCount::Fixed(count),
-            // No fewer than the skeleton has, so that the palette is never poorer than LBS's.
-            (None, None) => ProxyCount::Fixed(
-                examples.joint_len().max(40).min(triangles).min(Limits::DEFAULT.proxies as usize),
-            ),
+            (None, count) => count.map(ProxyCount::Fixed),
         };
-        let options = Options { proxies, influences: self.influences, refine: !self.published };
+        let options = Options {
+            predictor: self.predictor.predict(),
+            proxies,
+            influences: self.influences,
+            refine: !self.published,
+            budget: self.budget,
+        };
         let trained =
             train(examples, &options, &Bars::new(output)).with_context(|| source.to_owned())?;
         for joint in trained.report.joints_near_the_seam() {
@@ -113,7 +142,7 @@ impl FitArguments {
                 ),
             );
         }
-        Ok((options, trained))
+        Ok(trained)
     }
 }
 
@@ -129,7 +158,7 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let hashes = arguments.input.hashes()?;
     let input::Input { examples, warnings } = arguments.input.load(output)?;
     let source = arguments.input.examples.display().to_string();
-    let (options, trained) = arguments.fit.train(&examples, &source, output)?;
+    let trained = arguments.fit.train(&examples, &source, output)?;
     let record = json!({
         "sinew": env!("CARGO_PKG_VERSION"),
         "inputs": hashes,
@@ -141,9 +170,9 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
         "held_out_frames": examples.frames_of(Split::HeldOut),
         "extreme_frames": examples.frames_of(Split::Extreme),
         "diagonal": examples.diagonal(),
-        "predictor": "rotational",
-        "options": options,
-        "proxies": trained.proxies,
+        "options": arguments.fit,
+        "predictor": trained.report.chosen().predictor,
+        "proxies": trained.report.chosen().proxies,
         "report": trained.report,
         "model_bytes": trained.model.len(),
     });
@@ -156,7 +185,7 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let text = format!(
         "{}\n{}wrote {} ({} bytes)",
         input::describe(&examples),
-        table::report(&trained.report, trained.proxies),
+        table::report(&trained.report),
         arguments.output.display(),
         trained.model.len()
     );

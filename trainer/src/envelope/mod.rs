@@ -1,27 +1,61 @@
 //! Enveloping: how a skin follows its skeleton (S3, METHOD §1).
 
 pub mod blend;
+pub mod choose;
 mod columns;
+pub mod fitted;
 pub mod helpers;
 pub mod motion;
 pub mod oracle;
 pub mod rotational;
 pub mod simplex;
 pub mod so3;
+pub mod training;
 pub mod weights;
 
-use crate::bake::{BakeError, bake};
+use crate::bake::BakeError;
 use crate::examples::Examples;
 use crate::progress::Progress;
+use rotational::proxies::ProxyCount;
+use sinew_runtime::format::Predictor;
+use training::Training;
+
+/// What predicts the palette from the pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Predict {
+    /// Whatever cross-validation finds best.
+    Auto,
+    /// This one.
+    Only(Predictor),
+}
+
+/// What a training is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// What predicts.
+    pub predictor: Predict,
+    /// P, or the error that decides it; chosen by cross-validation where none is given.
+    pub proxies: Option<ProxyCount>,
+    /// K, the most maps of the palette that a vertex follows.
+    pub influences: usize,
+    /// Whether c1 and c2 may be refined on the training meshes; S3 as published does not.
+    pub refine: bool,
+    /// Most bytes of the file.
+    pub budget: Option<usize>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { predictor: Predict::Auto, proxies: None, influences: 4, refine: true, budget: None }
+    }
+}
 
 /// A trained model.
 pub struct Trained {
     /// The file's bytes.
     pub model: Vec<u8>,
-    /// P.
-    pub proxies: usize,
     /// How it was fitted.
-    pub report: rotational::Report,
+    pub report: choose::Report,
 }
 
 /// A training that failed.
@@ -33,6 +67,17 @@ pub enum TrainError {
     /// The fit could not be written.
     #[error(transparent)]
     Bake(#[from] BakeError),
+    /// No candidate's file is small enough.
+    #[error(
+        "a budget of {budget} bytes is too small: the smallest model that was tried takes {least}, \
+         most of which is the mesh itself"
+    )]
+    Budget {
+        /// Bytes allowed.
+        budget: usize,
+        /// Bytes of the smallest candidate.
+        least: usize,
+    },
 }
 
 /// Fits an envelope to the training frames of the examples and bakes it.
@@ -40,15 +85,15 @@ pub enum TrainError {
 /// The same examples give the same bytes for any number of threads.
 ///
 /// # Errors
-/// [`TrainError::Fit`] and [`TrainError::Bake`].
+/// [`TrainError::Fit`], [`TrainError::Bake`] and [`TrainError::Budget`].
 pub fn train(
     examples: &Examples,
-    options: &rotational::Options,
+    options: &Options,
     progress: &dyn Progress,
 ) -> Result<Trained, TrainError> {
-    let fitted = rotational::fit(examples, options, progress)?;
-    let model = bake(&fitted.parts(examples))?;
-    Ok(Trained { model, proxies: fitted.keys.len(), report: fitted.report })
+    let training = Training::new(examples, progress)?;
+    let (model, report) = choose::choose(&training, examples, options, progress)?;
+    Ok(Trained { model, report })
 }
 
 /// A fit that could not be made.

@@ -1,3 +1,6 @@
-//! Kernel maps (S2, METHOD §2): functions fitted to samples, `f(x) = Σ_k c_k G(x, t_k) + mean`.
+//! Kernel maps: any function of a pose, learned from samples (S2, METHOD §2).
 
+pub mod centres;
+pub mod function;
+pub mod map;
 pub mod ridge;

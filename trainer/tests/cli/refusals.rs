@@ -173,6 +173,8 @@ fn arguments_out_of_range_are_bad_usage() {
         "--proxies 0",
         "--proxies -1",
         "--proxies 100000",
+        "--budget 0",
+        "--budget -1",
         "--max-error 0",
         "--max-error -1",
         "--max-error nan",

@@ -16,7 +16,7 @@ use sinew_trainer::envelope::rotational::predictor::GradientPredictor;
 use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
 use sinew_trainer::envelope::rotational::reduce::{Anchors, Reduction};
 use sinew_trainer::envelope::rotational::surface::Surface;
-use sinew_trainer::envelope::rotational::training::Training;
+use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::weights;
 use sinew_trainer::examples::Examples;
 use sinew_trainer::progress::Silent;
@@ -43,7 +43,7 @@ pub(crate) struct Character {
 
 impl Character {
     pub(crate) fn fit(examples: &Examples) -> Self {
-        let training = Training::new(examples).expect("there are poses and triangles");
+        let training = Training::new(examples, &Silent).expect("there are poses and triangles");
         let Training { rest, triangles, poses, trajectories, .. } = &training;
         let (joints, errors) = weights::fit(rest, trajectories, poses, INFLUENCES);
         let (surface, basis) =

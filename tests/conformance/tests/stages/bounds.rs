@@ -14,7 +14,7 @@ pub(crate) fn body(backend: &impl Backend, subject: &Subject<'_>) -> Result<[f64
     let envelope = &subject.envelope;
     let (mut at_rest, mut posed) = (0.0_f64, 0.0_f64);
     for pose in &subject.poses {
-        let palette = palette_of(backend, envelope, &pose.maps);
+        let (palette, _) = palette_of(backend, envelope, &pose.maps);
         let bounds = envelope.bounds(&palette).expect("the palette has its length");
         let bounds = bounds.expect("there are vertices");
         let positions = skin(backend, envelope, &palette).positions;

@@ -5,16 +5,14 @@ use conformance::backend::{Backend, Gradients};
 use conformance::compare::{Mismatch, within};
 use conformance::tolerance::{self, Inexact, UNDERFLOW};
 use nalgebra::{SMatrix, Vector3};
+use sinew_runtime::{Envelope, Matrix3x4};
 
 /// Largest ratios: relative maps, rotations, gradients.
 pub(crate) fn body(backend: &impl Backend, subject: &Subject<'_>) -> Result<[f64; 3], Mismatch> {
     let Subject { envelope, oracle, poses, .. } = subject;
     let mut worst = [0.0_f64; 3];
     for pose in poses {
-        let mut found = Gradients::poisoned(envelope);
-        let run = backend.gradients(envelope, &pose.maps, &mut found);
-        run.expect("the pose is finite and the lengths are right");
-
+        let found = gradients_of(backend, envelope, &pose.maps);
         // Each part is compared before the next takes it as given.
         let relative = tolerance::relative(oracle, &Inexact::exact(pose.widened()));
         let relative = columns_within(&found.relative, &relative)?;
@@ -28,6 +26,18 @@ pub(crate) fn body(backend: &impl Backend, subject: &Subject<'_>) -> Result<[f64
         worst = std::array::from_fn(|i| worst[i].max(ratios[i]));
     }
     Ok(worst)
+}
+
+/// Evaluates the three of a pose.
+pub(crate) fn gradients_of(
+    backend: &impl Backend,
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+) -> Gradients {
+    let mut out = Gradients::poisoned(envelope);
+    let run = backend.gradients(envelope, pose, &mut out);
+    run.expect("the pose is finite and the lengths are right");
+    out
 }
 
 /// Cuts columns into blocks of C.

@@ -22,7 +22,7 @@ pub(crate) fn body(backend: &impl Backend, subject: &Subject<'_>) -> Result<[f64
     let Subject { envelope, oracle, poses, .. } = subject;
     let mut worst = [0.0_f64; 3];
     for pose in poses {
-        let palette = palette_of(backend, envelope, &pose.maps);
+        let (palette, _) = palette_of(backend, envelope, &pose.maps);
         let found = skin(backend, envelope, &palette);
         let palette = Inexact::exact(palette.iter().map(widened).collect());
         let ratios = skin_within(&found, oracle, &palette)?;
@@ -31,16 +31,16 @@ pub(crate) fn body(backend: &impl Backend, subject: &Subject<'_>) -> Result<[f64
     Ok(worst)
 }
 
-/// Evaluates the palette of a pose.
+/// Evaluates the palette of a pose, and the confidence in it.
 pub(crate) fn palette_of(
     backend: &impl Backend,
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
-) -> Vec<Matrix3x4> {
+) -> (Vec<Matrix3x4>, f32) {
     let mut palette = poisoned_palette(envelope);
     let run = backend.whole_palette(envelope, pose, &mut palette);
-    run.expect("the pose is finite and the lengths are right");
-    palette
+    let confidence = run.expect("the pose is finite and the lengths are right");
+    (palette, confidence)
 }
 
 /// Skins the whole mesh.

@@ -1,9 +1,10 @@
 //! From a pose to the skin: the stages' tolerances chained.
 
 use crate::Subject;
+use crate::gradients::gradients_of;
 use crate::palette::maps_within;
 use crate::skin::{palette_of, skin, skin_within};
-use conformance::backend::{Backend, Gradients};
+use conformance::backend::Backend;
 use conformance::compare::{Mismatch, within};
 use conformance::poses::{Kind, Pose, rigid_motion, rounded};
 use conformance::tolerance::{self, EXACT, Inexact, Map, UNDERFLOW};
@@ -12,9 +13,9 @@ use rand_chacha::ChaCha8Rng;
 use sinew_runtime::Matrix3x4;
 use sinew_trainer::envelope::oracle::after;
 
-/// Largest ratios: palette, positions, normals, tangents.
-pub(crate) fn body(backend: &impl Backend, subject: &Subject<'_>) -> Result<[f64; 4], Mismatch> {
-    let mut worst = [0.0_f64; 4];
+/// Largest ratios: palette, confidence, positions, normals, tangents.
+pub(crate) fn body(backend: &impl Backend, subject: &Subject<'_>) -> Result<[f64; 5], Mismatch> {
+    let mut worst = [0.0_f64; 5];
     for pose in &subject.poses {
         let ratios = one(backend, subject, &pose.maps, &Inexact::exact(pose.widened()))?;
         worst = std::array::from_fn(|i| worst[i].max(ratios[i]));
@@ -27,10 +28,10 @@ pub(crate) fn body(backend: &impl Backend, subject: &Subject<'_>) -> Result<[f64
 pub(crate) fn equivariance(
     backend: &impl Backend,
     subject: &Subject<'_>,
-) -> Result<[f64; 4], Mismatch> {
+) -> Result<[f64; 5], Mismatch> {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let diagonal = f64::from(subject.envelope.certificate().diagonal);
-    let mut worst = [0.0_f64; 4];
+    let mut worst = [0.0_f64; 5];
     for pose in subject.poses.iter().take(crate::FEWER_POSES) {
         let motion = rigid_motion(diagonal, &mut random);
         let moved: Vec<_> = pose.widened().iter().map(|map| after(&motion, map)).collect();
@@ -46,7 +47,8 @@ pub(crate) fn equivariance(
 pub(crate) fn rest(backend: &impl Backend, subject: &Subject<'_>) -> Result<[f64; 2], Mismatch> {
     let Subject { envelope, oracle, poses, .. } = subject;
     assert_eq!(poses[0].kind, Kind::Rest);
-    let found = skin(backend, envelope, &palette_of(backend, envelope, &poses[0].maps));
+    let (palette, _) = palette_of(backend, envelope, &poses[0].maps);
+    let found = skin(backend, envelope, &palette);
     let expected: Vec<f64> =
         oracle.vertices.iter().flat_map(|v| <[f64; 3]>::from(v.position.xyz())).collect();
     let bounds = tolerance::rest(oracle);
@@ -63,16 +65,20 @@ fn one(
     subject: &Subject<'_>,
     given: &[Matrix3x4],
     pose: &Inexact<Map>,
-) -> Result<[f64; 4], Mismatch> {
+) -> Result<[f64; 5], Mismatch> {
     let Subject { envelope, oracle, .. } = subject;
-    let mut stages = Gradients::poisoned(envelope);
-    backend.gradients(envelope, given, &mut stages).expect("the pose is finite");
-    let palette = palette_of(backend, envelope, given);
+    let rotations = if envelope.predictor().reconstructs() {
+        gradients_of(backend, envelope, given).rotations
+    } else {
+        Vec::new()
+    };
+    let (palette, found_confidence) = palette_of(backend, envelope, given);
     let found = skin(backend, envelope, &palette);
-    let expected = tolerance::whole_palette(oracle, pose, &stages.rotations);
+    let (expected, confidence) = tolerance::whole(oracle, pose, &rotations);
     let ratio = maps_within(&palette, &expected)?;
+    let certain = within(&[found_confidence], &confidence.value, &confidence.error)?;
     let [positions, normals, tangents] = skin_within(&found, oracle, &expected)?;
-    Ok([ratio, positions, normals, tangents])
+    Ok([ratio, certain, positions, normals, tangents])
 }
 
 /// Equivariance is exact where nothing is rounded to f32; at a half turn f64 rounds too.
@@ -80,8 +86,9 @@ fn oracle_is_equivariant(subject: &Subject<'_>, pose: &Pose, motion: &Map, moved
     if pose.kind == Kind::HalfTurn {
         return;
     }
-    let still = subject.oracle.evaluate(&pose.widened());
-    let carried = subject.oracle.evaluate(moved);
+    let (still, confidence) = subject.oracle.evaluate(&pose.widened());
+    let (carried, same) = subject.oracle.evaluate(moved);
+    assert!((confidence - same).abs() <= EXACT);
     for (map, still) in carried.iter().zip(&still) {
         let expected = after(motion, still);
         assert!((map - expected).amax() <= EXACT * expected.amax().max(map.amax()).max(1e3));

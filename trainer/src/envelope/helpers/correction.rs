@@ -1,163 +1,196 @@
-//! The helpers' prediction: local kernel maps from pose features (METHOD §1.9).
+//! The correction: local kernel maps from the pose to what a base leaves over (METHOD §1.9).
 //!
-//! `T_l(q) = B_dom + Q_dom K_l(φ(q))`: helpers that share a dominant joint share a kernel map, which
-//! listens to the joints within some hops of that joint.
+//! `T_l(q) = base_l + Q_dom K_l(φ(q))`: proxies that share a dominant joint are a group and share a
+//! kernel map, which listens to the joints within some hops of that joint. Its outputs are a few
+//! latent ones, the leading directions of what is left over, measured where the skin is.
 
 use super::super::motion::Poses;
 use super::super::rotational::validation::folds;
-use super::fit::{Helpers, in_joint_frame, map_of, set_map};
-use crate::kernel::ridge::{Choice, KernelMap};
+use super::candidates::{Candidates, GroupReport};
+use super::features::{Input, Joints};
+use crate::kernel::map::{KernelMap, Value};
+use crate::progress::Progress;
 use faer::Mat;
-use nalgebra::{Matrix3, Matrix3x4, Vector3};
+use nalgebra::{Matrix3, Matrix3x4};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::ops::Range;
 
-/// Weight of a displacement, in diagonals, against a rotation's entries.
-const DISPLACEMENT: f64 = 3.0;
-/// Displacements that spread less than this (RMS, in weighted diagonals) are left out.
-const STILL: f64 = 3e-4;
+/// Name of the step.
+pub const STEP: &str = "kernel maps";
 
-/// The joints' rest geometry, as the features see it.
-pub struct Joints<'a> {
-    /// Parent of each joint.
-    pub parents: &'a [Option<usize>],
-    /// Rest origin of each joint, as the training sees it.
-    pub origins: &'a [Vector3<f64>],
+/// What is to be corrected.
+#[derive(Clone, Copy)]
+pub struct Target<'a> {
+    /// n training poses.
+    pub poses: &'a Poses,
+    /// The joints' rest geometry.
+    pub joints: Joints<'a>,
+    /// Dominant joint of each of the P proxies; those of one joint stand together.
+    pub dominant: &'a [usize],
+    /// What the base leaves over, 3n x 4P.
+    pub left_over: &'a Mat<f64>,
+    /// The same of a base that has not seen each fold, where the base is fitted.
+    pub without: &'a [Mat<f64>],
+    /// Σ φ φᵀ over the vertices, 4P x 4P.
+    pub gram: &'a Mat<f64>,
+    /// V.
+    pub vertices: usize,
 }
 
-/// Kernel maps of all groups of helpers.
-pub struct Correction<'a> {
-    joints: Joints<'a>,
-    groups: Vec<Group>,
+/// A group's kernel map.
+pub struct Group {
+    /// The dominant joint that the proxies share.
+    pub joint: usize,
+    /// The proxies.
+    pub proxies: Range<usize>,
+    /// What the map listens to.
+    pub inputs: Vec<Input>,
+    /// The map to r latent outputs.
+    pub map: KernelMap,
+    /// Entries of the proxies' maps from the latent outputs, 12p x r, row 12 l + 4 r + c.
+    pub outputs: Mat<f64>,
 }
 
-struct Group {
-    /// The dominant joint that the helpers share.
-    joint: usize,
-    helpers: Vec<usize>,
-    listens: Vec<Listener>,
-    map: Option<KernelMap>,
-    /// The map's value in the rest pose, which is subtracted.
-    rest: Vec<f64>,
+/// The maps of all groups, each in several sizes, before one is taken.
+pub struct Search<'a> {
+    target: Target<'a>,
+    groups: Vec<Candidates>,
 }
 
-/// A joint that a group listens to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Listener {
-    joint: usize,
-    /// Whether it moves against its parent, not only turns.
-    moves: bool,
+/// Maps that were fitted.
+pub struct Correction {
+    /// A map a group.
+    pub groups: Vec<Group>,
+    /// How each was chosen.
+    pub reports: Vec<GroupReport>,
+    /// What they add to the bytes of the file.
+    pub bytes: usize,
+    /// The correction of each training pose by maps that have not seen its fold, 3n x 4P.
+    pub validated: Mat<f64>,
 }
 
-impl<'a> Correction<'a> {
-    /// Fits the maps of helpers to the training poses; a group listens to the joints within `hops`
-    /// of its dominant joint.
-    pub fn fit(helpers: &Helpers, poses: &Poses, joints: Joints<'a>, hops: usize) -> Self {
-        let mut by_joint = BTreeMap::<usize, Vec<usize>>::new();
-        for (l, &joint) in helpers.dominant.iter().enumerate() {
-            by_joint.entry(joint).or_default().push(l);
+impl<'a> Search<'a> {
+    /// Tries hops, kernels, widths, ridges, centres and ranks for every group.
+    pub fn new(target: Target<'a>, progress: &dyn Progress) -> Self {
+        let blocks = blocks(&target);
+        let mut ranges = Vec::<Range<usize>>::new();
+        for (l, joint) in target.dominant.iter().enumerate() {
+            match ranges.last_mut() {
+                Some(range) if target.dominant[range.start] == *joint => range.end = l + 1,
+                _ => ranges.push(l..l + 1),
+            }
         }
-        let blocks = folds(poses.len());
-        let groups = by_joint.into_par_iter().map(|(joint, members)| {
-            let listens: Vec<_> = near(joints.parents, joint, hops)
-                .into_iter()
-                .map(|joint| Listener { joint, moves: joints.moves(poses, joint) })
-                .collect();
-            let inputs: Vec<_> =
-                (0..poses.len()).map(|i| joints.features(poses, i, &listens)).collect();
-            let width = inputs.first().map_or(0, Vec::len);
-            let inputs = Mat::from_fn(width, poses.len(), |r, i| inputs[i][r]);
-            let outputs = Mat::from_fn(poses.len(), 12 * members.len(), |i, o| {
-                let map = map_of(&helpers.maps, i, members[o / 12]);
-                in_joint_frame(poses, i, joint, &map)[o % 12]
-            });
-            let map = KernelMap::fit(&inputs, &outputs, &blocks);
-            // Every feature is zero in the rest pose.
-            let rest = map.as_ref().map_or_else(Vec::new, |map| map.evaluate(&vec![0.0; width]));
-            Group { joint, helpers: members, listens, map, rest }
-        });
-        let groups = groups.collect();
-        Self { joints, groups }
+        progress.step(STEP, ranges.len());
+        let search = |proxies| {
+            let candidates = Candidates::new(&target, proxies, &blocks);
+            progress.advance(1);
+            candidates
+        };
+        let groups = ranges.into_par_iter().map(search).collect();
+        Self { target, groups }
     }
 
-    /// Predicts the helpers' maps of n poses, 3n x 4P.
-    pub fn predict(&self, poses: &Poses) -> Mat<f64> {
-        let count = self.groups.iter().map(|group| group.helpers.len()).sum::<usize>();
-        let mut maps = Mat::zeros(3 * poses.len(), 4 * count);
-        for group in &self.groups {
+    /// Takes the sizes that score best within so many bytes; none where even no map takes more.
+    fn within(&self, bytes: usize) -> Option<Vec<usize>> {
+        let mut taken: Vec<usize> = self.groups.iter().map(|g| g.preferred).collect();
+        let sum = |taken: &[usize]| -> usize {
+            self.groups.iter().zip(taken).map(|(g, &t)| g.sizes[t].bytes).sum()
+        };
+        while sum(&taken) > bytes {
+            // The step down that costs least for what it saves.
+            let steps = self.groups.iter().enumerate().flat_map(|(g, group)| {
+                let from = &group.sizes[taken[g]];
+                (0..taken[g]).map(move |to| {
+                    let size = &group.sizes[to];
+                    ((size.score - from.score) / (from.bytes - size.bytes) as f64, g, to)
+                })
+            });
+            let (_, g, to) = steps.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            taken[g] = to;
+        }
+        Some(taken)
+    }
+
+    /// Returns groups that correct nothing.
+    pub fn nothing(&self) -> Vec<Group> {
+        self.groups.iter().map(Candidates::nothing).collect()
+    }
+
+    /// Fits maps that add at most so many bytes to those of [`Search::nothing`]; none where even
+    /// that is too few.
+    pub fn fit(&self, bytes: usize) -> Option<Correction> {
+        let taken = self.within(bytes)?;
+        let Target { poses, dominant, .. } = self.target;
+        let fitted: Vec<_> = self
+            .groups
+            .par_iter()
+            .zip(taken)
+            .map(|(candidates, size)| candidates.fit(&self.target, &candidates.sizes[size]))
+            .collect();
+        let mut out = Correction {
+            groups: Vec::new(),
+            reports: Vec::new(),
+            bytes: 0,
+            validated: Mat::zeros(3 * poses.len(), 4 * dominant.len()),
+        };
+        for (group, report, predicted) in fitted {
             for pose in 0..poses.len() {
-                let base = poses.map(pose, group.joint);
-                let phi = self.joints.features(poses, pose, &group.listens);
-                let out = group.map.as_ref().map(|map| map.evaluate(&phi));
-                for (k, &helper) in group.helpers.iter().enumerate() {
-                    let added = out.as_ref().map_or_else(Matrix3x4::zeros, |out| {
-                        Matrix3x4::from_fn(|r, c| {
-                            let o = 12 * k + 3 * c + r;
-                            out[o] - group.rest[o]
-                        })
-                    });
-                    let map = base + base.fixed_columns::<3>(0) * added;
-                    set_map(&mut maps, pose, helper, &map);
+                let latents: Vec<f64> = predicted.row(pose).iter().copied().collect();
+                group.add(&latents, poses, pose, &mut out.validated);
+            }
+            out.bytes += report.bytes;
+            out.groups.push(group);
+            out.reports.push(report);
+        }
+        Some(out)
+    }
+}
+
+/// Predicts the correction of n poses, 3n x 4P.
+pub fn predict(groups: &[Group], poses: &Poses, joints: Joints<'_>) -> Mat<f64> {
+    let count = groups.iter().map(|group| group.proxies.len()).sum::<usize>();
+    let mut out = Mat::zeros(3 * poses.len(), 4 * count);
+    for group in groups {
+        let inputs = joints.evaluate(poses, &group.inputs);
+        for pose in 0..poses.len() {
+            let Value { outputs, confidence } = group.map.evaluate(inputs.col_as_slice(pose));
+            let latents: Vec<f64> = outputs.iter().map(|z| confidence * z).collect();
+            group.add(&latents, poses, pose, &mut out);
+        }
+    }
+    out
+}
+
+impl Group {
+    /// Adds `Q_dom K` of latent outputs to a pose's row of maps.
+    fn add(&self, latents: &[f64], poses: &Poses, pose: usize, out: &mut Mat<f64>) {
+        let turn: Matrix3<f64> = poses.map(pose, self.joint).fixed_columns::<3>(0).into();
+        for (k, proxy) in self.proxies.clone().enumerate() {
+            let local = Matrix3x4::from_fn(|r, c| {
+                let row = self.outputs.row(12 * k + 4 * r + c);
+                row.iter().zip(latents).map(|(a, z)| a * z).sum::<f64>()
+            });
+            let added = turn * local;
+            for c in 0..4 {
+                for r in 0..3 {
+                    out[(3 * pose + r, 4 * proxy + c)] += added[(r, c)];
                 }
             }
         }
-        maps
-    }
-
-    /// The width and ridge of each group's map.
-    pub fn choices(&self) -> impl Iterator<Item = (usize, Choice)> + '_ {
-        self.groups.iter().filter_map(|g| g.map.as_ref().map(|map| (g.joint, map.choice)))
     }
 }
 
-impl Joints<'_> {
-    /// Relative rotations minus I, and displacements of the origins in their parents' frames.
-    fn features(&self, poses: &Poses, pose: usize, listens: &[Listener]) -> Vec<f64> {
-        let mut out = Vec::with_capacity(12 * listens.len());
-        for listener in listens {
-            let parent = poses.parent_rotation(pose, listener.joint);
-            let own: Matrix3<f64> = poses.map(pose, listener.joint).fixed_columns::<3>(0).into();
-            out.extend((parent.transpose() * own - Matrix3::identity()).iter());
-            if listener.moves {
-                out.extend(self.displacement(poses, pose, listener.joint).iter());
-            }
-        }
-        out
+/// The folds, and where the base does not depend on them, folds between: more of them choose better.
+fn blocks(target: &Target<'_>) -> Vec<Range<usize>> {
+    let mut blocks = folds(target.poses.len());
+    if target.without.is_empty() {
+        let between = |pair: &[Range<usize>]| {
+            let middle = |block: &Range<usize>| (block.start + block.end) / 2;
+            middle(&pair[0])..middle(&pair[1])
+        };
+        blocks.extend(blocks.windows(2).map(between).collect::<Vec<_>>());
     }
-
-    fn displacement(&self, poses: &Poses, pose: usize, joint: usize) -> Vector3<f64> {
-        let Some(parent) = self.parents[joint] else { return Vector3::zeros() };
-        let at = |j: usize| poses.map(pose, j) * self.origins[j].push(1.0);
-        let apart = poses.parent_rotation(pose, joint).transpose() * (at(joint) - at(parent));
-        (apart - (self.origins[joint] - self.origins[parent])) * DISPLACEMENT
-    }
-
-    /// Tells whether a joint moves against its parent over the training poses.
-    fn moves(&self, poses: &Poses, joint: usize) -> bool {
-        let all: Vec<_> =
-            (0..poses.len()).map(|pose| self.displacement(poses, pose, joint)).collect();
-        let mean = all.iter().sum::<Vector3<f64>>() / all.len().max(1) as f64;
-        let spread = all.iter().map(|d| (d - mean).component_mul(&(d - mean)));
-        (spread.sum::<Vector3<f64>>() / all.len().max(1) as f64).max().sqrt() > STILL
-    }
-}
-
-/// Joints within some hops of a joint, the root left out; all of them where that leaves none.
-fn near(parents: &[Option<usize>], joint: usize, hops: usize) -> Vec<usize> {
-    let mut found = vec![false; parents.len()];
-    found[joint] = true;
-    for _ in 0..hops {
-        let last = found.clone();
-        for (child, parent) in parents.iter().enumerate() {
-            if let Some(parent) = *parent {
-                found[child] |= last[parent];
-                found[parent] |= last[child];
-            }
-        }
-    }
-    let turning = |j: &usize| parents[*j].is_some();
-    let listens: Vec<usize> = (0..parents.len()).filter(|j| found[*j] && turning(j)).collect();
-    if listens.is_empty() { (0..parents.len()).filter(turning).collect() } else { listens }
+    blocks
 }
 
 #[cfg(test)]
@@ -165,44 +198,58 @@ mod tests {
     use super::super::fit;
     use super::*;
     use crate::demo::{DemoOptions, demo};
-    use crate::envelope::rotational::training::Training;
     use crate::envelope::rotational::validation::Targets;
-    use crate::envelope::weights;
+    use crate::envelope::training::Training;
     use crate::examples::Split;
+    use crate::progress::Silent;
 
     #[test]
-    fn hops_run_along_the_tree_both_ways() {
-        let chain = [None, Some(0), Some(1), Some(2), Some(1)];
-        assert_eq!(near(&chain, 2, 1), [1, 2, 3]);
-        assert_eq!(near(&chain, 2, 2), [1, 2, 3, 4]);
-        assert_eq!(near(&chain, 0, 0), [1, 2, 3, 4], "the root alone hears nothing");
-    }
-
-    #[test]
-    fn poses_that_were_not_seen_come_near_and_rest_is_exact() {
+    fn poses_that_were_not_seen_come_near_rest_is_exact_and_bytes_are_kept() {
         let examples = demo(&DemoOptions { vertices: 300, poses: 80, held_out: 20, seed: 1 });
-        let training = Training::new(&examples).unwrap();
-        let (rest, poses) = (&training.rest, &training.poses);
-        let (lbs, errors) = weights::fit(rest, &training.trajectories, poses, 4);
-        let helpers = fit::fit(&training, (&lbs, &errors), 20, 4).unwrap();
-        let origins = training.origins(&examples);
-        let joints = Joints { parents: &examples.skeleton.parents, origins: &origins };
-        let correction = Correction::fit(&helpers, poses, joints, 2);
-
+        let training = Training::new(&examples, &Silent).unwrap();
+        let helpers = fit::fit(&training, 20, 4).unwrap();
+        let search = Search::new(helpers.target(&training), &Silent);
+        let of = |bytes| -> (f64, usize) {
+            let correction = search.fit(bytes).unwrap();
+            let frames = examples.frames_of(Split::HeldOut);
+            let (poses, moved) = training.view(&examples, &frames);
+            let rest = &training.rest;
+            let targets = Targets { rest, weights: &helpers.weights, trajectories: &moved };
+            let joints = poses.stacked();
+            let added = predict(&correction.groups, &poses, training.joints());
+            let maps = fit::bases(&joints, &helpers.dominant) + added;
+            (targets.rms(&faer::concat![[joints, maps]]), correction.bytes)
+        };
+        let (best, all) = of(usize::MAX);
+        let (smaller, some) = of(all / 3);
+        assert!(some <= all / 3 && best < smaller, "{best} {all} {smaller} {some}");
         let frames = examples.frames_of(Split::HeldOut);
         let (poses, moved) = training.view(&examples, &frames);
-        let stacked = poses.stacked();
-        let of = |weights| Targets { rest, weights, trajectories: &moved };
-        let palette = faer::concat![[&stacked, &correction.predict(&poses)]];
-        let (model, lbs) = (of(&helpers.weights).rms(&palette), of(&lbs).rms(&stacked));
-        assert!(model < 0.15 * lbs, "{model} against {lbs} of LBS");
+        let lbs = &training.lbs.weights;
+        let targets = Targets { rest: &training.rest, weights: lbs, trajectories: &moved };
+        let lbs = targets.rms(&poses.stacked());
+        assert!(best < 0.1 * lbs && smaller < 0.3 * lbs, "{best} {smaller} {lbs}");
+        assert!(search.fit(0).unwrap().bytes == 0, "no map at all takes no bytes");
 
         let mut still = examples.clone();
         still.transforms.fill([[1.0, 0., 0., 0.], [0., 1.0, 0., 0.], [0., 0., 1.0, 0.]]);
-        let predicted = correction.predict(&Poses::new(&still, &[0]));
-        let identity = |r: usize, c: usize| f64::from(u8::from(r == c % 4));
-        let rest = Mat::from_fn(3, predicted.ncols(), identity);
-        assert!((predicted - rest).norm_max() < 1e-12);
-        assert!(correction.choices().count() > 1);
+        let rest = Poses::new(&still, &[0]);
+        let groups = search.fit(usize::MAX).unwrap().groups;
+        assert!(predict(&groups, &rest, training.joints()).norm_max() < 1e-12);
+    }
+
+    #[test]
+    fn blocks_between_folds_overlap_two() {
+        let folds = folds(40);
+        assert_eq!(folds.len(), 10);
+        let between = |pair: &[Range<usize>]| (pair[0].start + 2)..(pair[1].start + 2);
+        let expected: Vec<_> = folds.windows(2).map(between).collect();
+        let examples = demo(&DemoOptions { vertices: 200, poses: 40, held_out: 0, seed: 1 });
+        let training = Training::new(&examples, &Silent).unwrap();
+        let helpers = fit::fit(&training, 4, 4).unwrap();
+        let target = helpers.target(&training);
+        assert_eq!(blocks(&target)[10..], expected);
+        let base = [Mat::zeros(120, 16)];
+        assert_eq!(blocks(&Target { without: &base, ..target }), folds);
     }
 }

@@ -1,11 +1,14 @@
 //! The fit of helpers to the training frames (METHOD §1.9).
 
 use super::super::blend::{Items, Maps, Weights, fit_maps, fit_weights};
-use super::super::motion::{Poses, compose, rigid_inverse};
+use super::super::fitted::{Base, Fitted};
+use super::super::motion::Poses;
 use super::super::rotational::basis::basis;
 use super::super::rotational::reduce::homogeneous;
-use super::super::rotational::training::Training;
+use super::super::rotational::refine::gram;
+use super::super::training::Training;
 use super::cluster::cluster;
+use super::correction::Target;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3};
 
@@ -16,6 +19,8 @@ const RESIDUAL_SHARE: f64 = 8.0;
 /// Pull of a helper to its dominant joint's map, relative to the mean diagonal: without it a weakly
 /// supported helper is noise that no map can predict.
 const PULL: f64 = 1e-5;
+/// Name of the step.
+pub const STEP: &str = "helpers";
 /// Rounds of weights and maps.
 const ROUNDS: usize = 12;
 
@@ -23,22 +28,19 @@ const ROUNDS: usize = 12;
 pub struct Helpers {
     /// Weights on the palette: joint j is j, helper l is J + l.
     pub weights: Weights,
-    /// Dominant joint of each helper, P.
+    /// Dominant joint of each helper, P, ascending.
     pub dominant: Vec<usize>,
-    /// The helpers' true maps on the training frames, 3n x 4P.
-    pub maps: Mat<f64>,
+    /// What their true maps on the training frames add to their dominant joints', 3n x 4P.
+    pub left_over: Mat<f64>,
+    /// Σ φ φᵀ of the helpers over the vertices, 4P x 4P.
+    pub gram: Mat<f64>,
 }
 
 /// Fits `count` helpers on top of LBS weights.
 ///
 /// Returns `None` where LBS errs nowhere.
-pub fn fit(
-    training: &Training,
-    lbs: (&Weights, &[f64]),
-    count: usize,
-    influences: usize,
-) -> Option<Helpers> {
-    let (joints, errors) = lbs;
+pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpers> {
+    let (joints, errors) = (&training.lbs.weights, &training.lbs.errors);
     let poses = &training.poses;
     let threshold = ERRS * ERRS * poses.len() as f64;
     let active: Vec<usize> = (0..errors.len()).filter(|&v| errors[v] > threshold).collect();
@@ -48,20 +50,25 @@ pub fn fit(
     let groups = groups(training, joints, &active, count);
 
     let stacked = poses.stacked();
-    let mut dominant = Vec::with_capacity(groups.len());
     let mut maps = Mat::zeros(stacked.nrows(), 4 * groups.len());
-    let mut bases = maps.clone();
-    for (l, members) in groups.iter().enumerate() {
-        let mut votes = vec![0usize; poses.joint_len()];
-        members.iter().for_each(|&v| votes[strongest(joints, v)] += 1);
-        let joint = (0..votes.len()).rev().max_by_key(|&j| votes[j]).unwrap_or(0);
-        dominant.push(joint);
-        bases.subcols_mut(4 * l, 4).copy_from(stacked.subcols(4 * joint, 4));
-        for (i, map) in group_maps(training, members, joint).into_iter().enumerate() {
+    let mut groups: Vec<_> = groups
+        .into_iter()
+        .map(|members| {
+            let mut votes = vec![0usize; poses.joint_len()];
+            members.iter().for_each(|&v| votes[strongest(joints, v)] += 1);
+            ((0..votes.len()).rev().max_by_key(|&j| votes[j]).unwrap_or(0), members)
+        })
+        .collect();
+    // Helpers of one joint stand together.
+    groups.sort_by_key(|group| group.0);
+    for (l, (joint, members)) in groups.iter().enumerate() {
+        for (i, map) in group_maps(training, members, *joint).into_iter().enumerate() {
             set_map(&mut maps, i, l, &map);
         }
     }
 
+    let dominant: Vec<usize> = groups.iter().map(|group| group.0).collect();
+    let bases = bases(&stacked, &dominant);
     let items = Items::vertices(&training.rest, &training.trajectories);
     let mut weights = joints.clone();
     for _ in 0..ROUNDS {
@@ -79,10 +86,12 @@ pub fn fit(
             }
         }
         let items = Items::vertices(&training.rest, &left);
-        let bases = Maps { width: 4, columns: bases.clone() };
-        maps = fit_maps(&items, &on_helpers, &bases, PULL).columns;
+        let base = Maps { width: 4, columns: bases.clone() };
+        maps = fit_maps(&items, &on_helpers, &base, PULL).columns;
     }
-    Some(Helpers { weights, dominant, maps })
+    let span = poses.joint_len()..poses.joint_len() + dominant.len();
+    let gram = gram(&training.rest, &weights, span);
+    Some(Helpers { weights, dominant, left_over: maps - bases, gram })
 }
 
 /// Groups the vertices where LBS errs by how they err and where they lie.
@@ -151,6 +160,37 @@ fn split(weights: &Weights, joint_len: usize) -> (Weights, Weights) {
     (part(&|map| (map < joint_len).then_some(map)), part(&|map| map.checked_sub(joint_len)))
 }
 
+impl Helpers {
+    /// The envelope before any correction.
+    pub fn fitted(&self) -> Fitted {
+        Fitted {
+            weights: self.weights.clone(),
+            base: Base::Joints(self.dominant.clone()),
+            groups: Vec::new(),
+        }
+    }
+
+    /// What the joints leave over for a correction to learn.
+    pub fn target<'a>(&'a self, training: &'a Training) -> Target<'a> {
+        Target {
+            poses: &training.poses,
+            joints: training.joints(),
+            dominant: &self.dominant,
+            left_over: &self.left_over,
+            without: &[],
+            gram: &self.gram,
+            vertices: training.rest.len(),
+        }
+    }
+
+    /// The palette of the training poses with the helpers' true maps, 3n x 4(J + P).
+    pub fn true_palette(&self, poses: &Poses) -> Mat<f64> {
+        let joints = poses.stacked();
+        let helpers = bases(&joints, &self.dominant) + &self.left_over;
+        faer::concat![[joints, helpers]]
+    }
+}
+
 /// The map of a helper in a pose of stacked maps.
 pub fn map_of(maps: &Mat<f64>, pose: usize, helper: usize) -> Matrix3x4<f64> {
     Matrix3x4::from_fn(|r, c| maps[(3 * pose + r, 4 * helper + c)])
@@ -165,16 +205,11 @@ pub fn set_map(maps: &mut Mat<f64>, pose: usize, helper: usize, map: &Matrix3x4<
     }
 }
 
-/// What a helper's map adds to its dominant joint's, in that joint's frame: `B⁻¹ T - [I 0]`.
-pub fn in_joint_frame(
-    poses: &Poses,
-    pose: usize,
-    joint: usize,
-    map: &Matrix3x4<f64>,
-) -> Matrix3x4<f64> {
-    let mut local = compose(&rigid_inverse(poses.map(pose, joint)), map);
-    (0..3).for_each(|k| local[(k, k)] -= 1.0);
-    local
+/// The maps of the given joints: 3n x 4P from 3n x 4J.
+pub fn bases(stacked: &Mat<f64>, dominant: &[usize]) -> Mat<f64> {
+    Mat::from_fn(stacked.nrows(), 4 * dominant.len(), |row, column| {
+        stacked[(row, 4 * dominant[column / 4] + column % 4)]
+    })
 }
 
 #[cfg(test)]
@@ -182,48 +217,31 @@ mod tests {
     use super::*;
     use crate::demo::{DemoOptions, demo};
     use crate::envelope::rotational::validation::Targets;
-    use crate::envelope::weights;
+    use crate::progress::Silent;
 
     fn arm() -> Training {
         let options = DemoOptions { vertices: 300, poses: 40, held_out: 0, seed: 1 };
-        Training::new(&demo(&options)).unwrap()
+        Training::new(&demo(&options), &Silent).unwrap()
     }
 
     #[test]
     fn helpers_take_up_what_lbs_leaves() {
         let training = arm();
         let (rest, poses) = (&training.rest, &training.poses);
-        let (lbs, errors) = weights::fit(rest, &training.trajectories, poses, 4);
-        let found = fit(&training, (&lbs, &errors), 20, 4).unwrap();
+        let found = fit(&training, 20, 4).unwrap();
         let of = |weights| Targets { rest, weights, trajectories: &training.trajectories };
-        let stacked = poses.stacked();
-        let with = of(&found.weights).rms(&faer::concat![[&stacked, &found.maps]]);
-        let without = of(&lbs).rms(&stacked);
+        let with = of(&found.weights).rms(&found.true_palette(poses));
+        let without = of(&training.lbs.weights).rms(&poses.stacked());
         assert!(with < 0.1 * without, "{with} against {without}");
         assert!((0..rest.len()).all(|v| found.weights.of(v).count() <= 4));
-        let local = in_joint_frame(poses, 3, found.dominant[0], &map_of(&found.maps, 3, 0));
-        assert!(local.amax() < 1.0, "a helper stays near its joint: {local}");
+        assert!(found.left_over.norm_max() < 1.0, "a helper stays near its joint");
+        assert!(found.dominant.is_sorted(), "helpers of a joint stand together");
     }
 
     #[test]
     fn a_skin_that_is_lbs_needs_no_helper() {
         let mut training = arm();
-        let (rest, poses) = (&training.rest, &training.poses);
-        let (lbs, _) = weights::fit(rest, &training.trajectories, poses, 4);
-        let stacked = poses.stacked();
-        let mut skinned = Mat::zeros(stacked.nrows(), rest.len());
-        for (v, x) in rest.iter().enumerate() {
-            for (j, w) in lbs.of(v) {
-                for (c, x) in [x[0], x[1], x[2], 1.0].into_iter().enumerate() {
-                    for i in 0..stacked.nrows() {
-                        skinned[(i, v)] += w * x * stacked[(i, 4 * j + c)];
-                    }
-                }
-            }
-        }
-        training.trajectories = skinned;
-        let (rest, poses) = (&training.rest, &training.poses);
-        let (lbs, errors) = weights::fit(rest, &training.trajectories, poses, 4);
-        assert!(fit(&training, (&lbs, &errors), 20, 4).is_none());
+        training.lbs.errors.fill(0.0);
+        assert!(fit(&training, 20, 4).is_none());
     }
 }

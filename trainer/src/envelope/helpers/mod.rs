@@ -1,6 +1,9 @@
 //! Joints and helpers (METHOD §1.9): LBS stays where it is right, and helper proxies, driven by
 //! local kernel maps, are added where it errs.
 
+pub mod candidates;
 pub mod cluster;
 pub mod correction;
+pub mod features;
 pub mod fit;
+pub mod metric;

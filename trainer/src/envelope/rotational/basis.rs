@@ -105,12 +105,13 @@ fn sum_over_chunks(
 mod tests {
     use super::*;
     use crate::demo::{DemoOptions, demo};
-    use crate::envelope::rotational::training::Training;
+    use crate::envelope::training::Training;
+    use crate::progress::Silent;
 
     #[test]
     fn coordinates_give_back_the_trajectories_to_the_stated_residual() {
         let examples = demo(&DemoOptions { vertices: 400, poses: 60, held_out: 0, seed: 1 });
-        let moved = Training::new(&examples).unwrap().trajectories;
+        let moved = Training::new(&examples, &Silent).unwrap().trajectories;
         let basis = basis(&moved);
         let rank = basis.vectors.ncols();
         let gram = basis.vectors.transpose() * &basis.vectors;

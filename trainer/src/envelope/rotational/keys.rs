@@ -90,11 +90,11 @@ fn edge_targets(surface: &Surface<'_>) -> Mat<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::training::Training;
     use super::super::Options;
     use super::super::basis::basis;
     use super::super::merge::MergeTree;
     use super::super::proxies::{self, ProxyCount};
-    use super::super::training::Training;
     use super::*;
     use crate::demo::{DemoOptions, demo};
     use crate::progress::Silent;
@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn an_affine_motion_needs_one_key_and_it_is_the_gradient() {
         let examples = demo(&DemoOptions { vertices: 300, poses: 6, held_out: 0, seed: 1 });
-        let Training { rest, triangles, .. } = Training::new(&examples).unwrap();
+        let Training { rest, triangles, .. } = Training::new(&examples, &Silent).unwrap();
         let affine = |frame: f64| {
             Matrix3::new(1.0, 0.2 * frame, 0.0, -0.1, 1.0 + 0.1 * frame, 0.3, 0.0, 0.0, 1.0)
         };
@@ -125,7 +125,8 @@ mod tests {
     #[test]
     fn keys_move_the_edges_of_a_bending_arm() {
         let examples = demo(&DemoOptions { vertices: 300, poses: 30, held_out: 0, seed: 1 });
-        let Training { rest, triangles, trajectories, .. } = Training::new(&examples).unwrap();
+        let Training { rest, triangles, trajectories, .. } =
+            Training::new(&examples, &Silent).unwrap();
         let basis = basis(&trajectories);
         let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = MergeTree::build(&surface, || ());

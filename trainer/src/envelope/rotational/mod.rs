@@ -15,41 +15,25 @@ pub mod refine;
 pub mod rotation;
 pub mod scale_shear;
 pub mod surface;
-pub mod training;
 pub mod validation;
 
+use super::FitError;
 use super::blend::Weights;
+use super::fitted::{Base, Fitted};
+use super::helpers::correction::Target;
 use super::motion::Poses;
-use super::{FitError, weights};
-use crate::bake::{EnvelopeParts, Key, Reconstruction};
-use crate::examples::Examples;
+use super::training::Training;
 use crate::progress::Progress;
 use choose::{Candidates, Choice, Trial};
 use faer::Mat;
-use nalgebra::Matrix3;
 use predictor::{GradientPredictor, predict_stacked};
 use proxies::{CountTrial, ProxyCount};
 use rayon::prelude::*;
 use reduce::{Reduced, Reduction};
 use refine::{Projection, Regression};
 use serde::Serialize;
-use sinew_runtime::format::Certificate;
 use surface::Surface;
-use training::Training;
 use validation::{Targets, Validation};
-
-/// Names of a fit's steps, in order.
-pub const STEPS: [&str; 9] = [
-    "LBS weights",
-    "trajectory basis",
-    "merging triangles",
-    proxies::STEP,
-    keys::STEP,
-    "cross-validation",
-    "near-rigid vertices",
-    "refinement",
-    "key predictors",
-];
 
 /// What a fit is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -68,16 +52,34 @@ impl Default for Options {
     }
 }
 
-/// A fitted envelope of P proxies, in f64.
+/// A fitted envelope of P proxies, in training units.
 pub struct Rotational {
     /// α of each vertex on the proxies.
     pub weights: Weights,
+    /// Dominant joint of each proxy, P, ascending.
+    pub dominant: Vec<usize>,
     /// The key predictors, P.
     pub keys: Vec<GradientPredictor>,
-    /// c1 and c2.
-    pub reduced: Reduced,
+    /// Σ φ φᵀ over the vertices, 4P x 4P.
+    pub gram: Mat<f64>,
+    /// The reconstruction as published.
+    pub published: Reconstruction,
+    /// The same, refined on the training meshes.
+    pub refined: Option<Reconstruction>,
     /// How it was fitted.
     pub report: Report,
+}
+
+/// A reduced reconstruction, and how far it comes.
+pub struct Reconstruction {
+    /// c1 and c2.
+    pub reduced: Reduced,
+    /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
+    pub validated: Mat<f64>,
+    /// What it leaves over of the training meshes, as maps, 3n x 4P.
+    pub left_over: Mat<f64>,
+    /// The same in all poses, of fits that have not seen one fold.
+    pub left_over_without: Vec<Mat<f64>>,
 }
 
 /// What a fit did and measured; errors are RMS, as shares of the rest diagonal.
@@ -87,8 +89,6 @@ pub struct Report {
     pub basis_rank: usize,
     /// What the basis leaves out.
     pub basis_residual: f64,
-    /// 4-influence LBS on the training frames.
-    pub lbs_rms: f64,
     /// Every number of proxies that was tried.
     pub proxy_counts: Vec<CountTrial>,
     /// The proxies' true maps on the training frames.
@@ -97,22 +97,16 @@ pub struct Report {
     pub key_rms: f64,
     /// The joints that each key follows, and how every other joint would have done.
     pub keys: Vec<KeyChoice>,
-    /// The predicted envelope on the training frames.
-    pub training_rms: f64,
     /// The contiguous folds, as ranges of the training frames.
     pub folds: Vec<std::ops::Range<usize>>,
     /// Every candidate of F, γ, μ and the refinement, and its cross-validated error.
     pub trials: Vec<Trial>,
     /// The candidate taken.
     pub choice: Choice,
-    /// Its cross-validated error.
-    pub validated_rms: f64,
     /// Condition number of the reduced system.
     pub condition: f64,
     /// Largest distance of a vertex of F from its LBS position on the training frames.
     pub near_rigid_deviation: f64,
-    /// Largest |θ_j| in the training poses, J values in radians.
-    pub angle_ranges: Vec<f64>,
 }
 
 /// Which joints a key follows.
@@ -140,47 +134,31 @@ impl KeyChoice {
     }
 }
 
-/// |θ| beyond which a joint comes near the seam of its rotation vector at π.
-const SEAM: f64 = 0.9 * std::f64::consts::PI;
-
-impl Report {
-    /// Lists the joints that turn so far from their parent in training that the regression on
-    /// their rotation vector, which jumps at a half turn, cannot be trusted there (METHOD §1.4).
-    pub fn joints_near_the_seam(&self) -> impl Iterator<Item = usize> + '_ {
-        self.angle_ranges.iter().enumerate().filter(|(_, range)| **range > SEAM).map(|(j, _)| j)
-    }
-}
-
-/// Fits an envelope to the training frames of the examples; no other frame is read.
+/// Fits an envelope to the training frames.
 ///
 /// # Errors
-/// [`FitError::TooFewPoses`], [`FitError::NoTriangles`], [`FitError::MaxError`],
-/// [`FitError::Singular`].
+/// [`FitError::MaxError`] and [`FitError::Singular`].
 pub fn fit(
-    examples: &Examples,
+    training: &Training,
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Rotational, FitError> {
-    let Training { unit, centre, rest, triangles, poses, trajectories: moved } =
-        Training::new(examples)?;
-    let rest = &rest;
-
-    progress.step("LBS weights", 1);
-    let (joints, lbs_errors) = weights::fit(rest, &moved, &poses, weights::BASELINE_INFLUENCES);
+    let Training { rest, triangles, parents, poses, trajectories: moved, lbs, .. } = training;
+    let (joints, lbs_errors) = (&lbs.weights, &lbs.errors);
     progress.step("trajectory basis", 1);
-    let basis = basis::basis(&moved);
+    let basis = basis::basis(moved);
     let (basis_rank, basis_residual) = (basis.vectors.ncols(), basis.residual);
-    let (surface, basis) = Surface::new(rest, triangles, &moved, basis);
+    let (surface, basis) = Surface::new(rest, triangles.clone(), moved, basis);
     progress.step("merging triangles", surface.triangles.len());
     let tree = merge::MergeTree::build(&surface, || progress.advance(1));
-    let followed = basis.transpose() * joint_maps(&joints, &poses);
-    let proxies = proxies::fit(&surface, &tree, &followed, options, progress)?;
+    let followed = basis.transpose() * joint_maps(joints, poses);
+    let mut proxies = proxies::fit(&surface, &tree, &followed, options, progress)?;
+    let dominant = proxies.sort_by_joint(joints, poses.joint_len());
     let keys = keys::fit(&surface, &proxies, options.influences, progress);
     let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis)).collect();
 
-    let parents = &examples.skeleton.parents;
-    let targets = Targets { rest, weights: &proxies.weights, trajectories: &moved };
-    let validation = Validation::new(&targets, &poses, parents, &sequences, progress);
+    let targets = Targets { rest, weights: &proxies.weights, trajectories: moved };
+    let validation = Validation::new(&targets, poses, parents, &sequences, progress);
     let projection = Projection::new(&targets, proxies.len());
     let candidates = Candidates {
         reduction: Reduction {
@@ -188,13 +166,13 @@ pub fn fit(
             triangles: &surface.triangles,
             proxies: &proxies.weights,
             keys: &keys.weights,
-            joints: &joints,
+            joints,
             proxy_len: proxies.len(),
-            joint_len: examples.joint_len(),
+            joint_len: poses.joint_len(),
             fixed: &[],
             anchors: None,
         },
-        lbs_errors: &lbs_errors,
+        lbs_errors,
         validation: &validation,
         projection: options.refine.then_some(&projection),
     };
@@ -203,43 +181,53 @@ pub fn fit(
 
     progress.step("key predictors", 1);
     let predictors: Vec<_> =
-        sequences.par_iter().map(|d| GradientPredictor::fit(&poses, parents, d)).collect();
-    let predicted = predict_stacked(&predictors, &poses);
-    let fixed = choose::near_rigid(&lbs_errors, choice.near_rigid_fraction);
+        sequences.par_iter().map(|d| GradientPredictor::fit(poses, parents, d)).collect();
+    let predicted = predict_stacked(&predictors, poses);
+    let fixed = choose::near_rigid(lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
-    let mut reduced = system.run().ok_or(FitError::Singular)?;
-    if let Some(strength) = choice.refinement {
-        let residual = projection.residual(&reduced.palette(&predicted, &poses));
-        let regression = Regression::new(&predicted, &poses, &residual, &(0..0));
-        reduced = regression.refine(&reduced, strength);
-    }
-
-    let maps = reduced.palette(&predicted, &poses);
-    let lbs = (&joints, &poses.stacked());
+    let published = system.run().ok_or(FitError::Singular)?;
+    let refined = choice.refinement.map(|strength| {
+        let residual = projection.residual(&published.palette(&predicted, poses));
+        let regression = Regression::new(&predicted, poses, &residual, &(0..0));
+        (regression.refine(&published, strength), strength)
+    });
+    let reconstruction = |reduced: Reduced, refinement| {
+        let of_folds = validation.maps(&published, &projection, refinement);
+        Reconstruction {
+            validated: validation.join(&of_folds),
+            left_over: projection.residual(&reduced.palette(&predicted, poses)),
+            left_over_without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
+            reduced,
+        }
+    };
+    let maps = refined.as_ref().map_or(&published, |refined| &refined.0).palette(&predicted, poses);
     let report = Report {
         basis_rank,
         basis_residual,
-        lbs_rms: Targets { weights: &joints, ..targets }.rms(lbs.1),
         proxy_counts: proxies.trials,
         proxy_rms: proxies.rms,
         key_rms: keys.rms,
         keys: predictors.iter().map(KeyChoice::new).collect(),
-        training_rms: targets.rms(&maps),
         folds: validation::folds(poses.len()),
-        validated_rms: chosen.rms,
         trials,
         choice,
         condition: system.equations().condition(),
         near_rigid_deviation: validation::largest_distance(
             rest,
             (&proxies.weights, &maps),
-            lbs,
+            (joints, &poses.stacked()),
             &fixed,
         ),
-        angle_ranges: poses.angle_ranges(),
     };
-    let reduced = reduced.from_units_of(unit).from_centre(centre, poses.root());
-    Ok(Rotational { report, weights: proxies.weights, keys: predictors, reduced })
+    Ok(Rotational {
+        published: reconstruction(published.clone(), None),
+        refined: refined.map(|(reduced, strength)| reconstruction(reduced, Some(strength))),
+        weights: proxies.weights,
+        dominant,
+        keys: predictors,
+        gram: projection.gram.clone(),
+        report,
+    })
 }
 
 /// Stacks the maps of the joints that some vertex follows: 3n x 4 per joint.
@@ -254,41 +242,25 @@ fn joint_maps(joints: &Weights, poses: &Poses) -> Mat<f64> {
 }
 
 impl Rotational {
-    /// Gathers what a file holds of the envelope.
-    pub fn parts(&self, examples: &Examples) -> EnvelopeParts {
-        let (skeleton, diagonal) = (&examples.skeleton, examples.diagonal());
-        let rows = |m: &Matrix3<f64>| [0, 1, 2].map(|r| [m[(r, 0)], m[(r, 1)], m[(r, 2)]]);
-        let key = |key: &GradientPredictor| Key {
-            joint: key.rotation.joint,
-            twist: rows(&key.rotation.twist),
-            residual: key.rotation.residual.map(|(joint, twist)| (joint, rows(&twist))),
-            shear: std::array::from_fn(|r| std::array::from_fn(|c| key.shear[(r, c)])),
-        };
-        let row_major = |m: &Mat<f64>| m.row_iter().flat_map(|row| row.iter()).copied().collect();
-        EnvelopeParts {
-            name: "skin".to_owned(),
-            joint_names: skeleton.names.clone(),
-            parents: skeleton.parents.clone(),
-            root: skeleton.root(),
-            rest_frames: skeleton.rest.clone(),
-            rest_positions: examples.rest.clone(),
-            rest_normals: examples.rest_normals(),
-            rest_tangents: examples.rest_tangents(),
-            influences: (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect(),
-            reconstruction: Some(Reconstruction {
-                keys: self.keys.iter().map(key).collect(),
-                c1: row_major(&self.reduced.c1),
-                c2: row_major(&self.reduced.c2),
-            }),
+    /// The envelope with one of its reconstructions.
+    pub fn fitted(&self, base: &Reconstruction) -> Fitted {
+        Fitted {
+            weights: self.weights.clone(),
+            base: Base::Reconstruction(self.keys.clone(), base.reduced.clone()),
             groups: Vec::new(),
-            pose_ranges: self.report.angle_ranges.clone(),
-            certificate: Certificate {
-                diagonal: diagonal as f32,
-                training_rms: (diagonal * self.report.training_rms) as f32,
-                cross_validated_rms: (diagonal * self.report.validated_rms) as f32,
-                lbs_training_rms: (diagonal * self.report.lbs_rms) as f32,
-                correction_error: 0.0,
-            },
+        }
+    }
+
+    /// What one of its reconstructions leaves over for a correction to learn.
+    pub fn target<'a>(&'a self, base: &'a Reconstruction, training: &'a Training) -> Target<'a> {
+        Target {
+            poses: &training.poses,
+            joints: training.joints(),
+            dominant: &self.dominant,
+            left_over: &base.left_over,
+            without: &base.left_over_without,
+            gram: &self.gram,
+            vertices: training.rest.len(),
         }
     }
 }

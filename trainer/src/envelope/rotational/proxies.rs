@@ -56,6 +56,34 @@ impl Proxies {
     pub fn is_empty(&self) -> bool {
         self.maps.is_empty()
     }
+
+    /// Puts proxies of one dominant joint together, by ascending joint; returns the P joints.
+    ///
+    /// The dominant joint is argmax_j Σ_a α_al w_aj of LBS weights w (METHOD §1.9).
+    pub fn sort_by_joint(&mut self, joints: &Weights, joint_len: usize) -> Vec<usize> {
+        let mut shares = vec![vec![0.0; joint_len]; self.len()];
+        for vertex in 0..joints.len() {
+            for (l, alpha) in self.weights.of(vertex) {
+                joints.of(vertex).for_each(|(joint, w)| shares[l][joint] += alpha * w);
+            }
+        }
+        let strongest = |share: &Vec<f64>| {
+            (0..joint_len).rev().max_by(|&a, &b| share[a].total_cmp(&share[b])).unwrap_or(0)
+        };
+        let dominant: Vec<usize> = shares.iter().map(strongest).collect();
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        order.sort_by_key(|&l| dominant[l]);
+        let mut rank = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(k, &l)| rank[l] = k);
+        let renumbered = (0..self.weights.len())
+            .map(|item| self.weights.of(item).map(|(l, alpha)| (rank[l], alpha)).collect());
+        self.weights = Weights::from_lists(self.weights.most(), renumbered);
+        let columns = &self.maps.columns;
+        let from = |column: usize| 4 * order[column / 4] + column % 4;
+        self.maps.columns =
+            Mat::from_fn(columns.nrows(), columns.ncols(), |r, c| columns[(r, from(c))]);
+        order.into_iter().map(|l| dominant[l]).collect()
+    }
 }
 
 /// Fits proxies to a surface, starting from the groups of its triangles or from `joints`, maps on
@@ -170,8 +198,8 @@ fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::training::Training;
     use super::super::basis::basis;
-    use super::super::training::Training;
     use super::super::validation::Targets;
     use super::*;
     use crate::demo::{DemoOptions, demo};
@@ -180,7 +208,8 @@ mod tests {
     #[test]
     fn the_fewest_proxies_within_an_error_are_found() {
         let examples = demo(&DemoOptions { vertices: 300, poses: 30, held_out: 0, seed: 1 });
-        let Training { rest, triangles, trajectories, .. } = Training::new(&examples).unwrap();
+        let Training { rest, triangles, trajectories, .. } =
+            Training::new(&examples, &Silent).unwrap();
         let basis = basis(&trajectories);
         let (surface, vectors) = Surface::new(&rest, triangles, &trajectories, basis);
         let tree = MergeTree::build(&surface, || ());
@@ -203,7 +232,8 @@ mod tests {
     #[test]
     fn an_error_out_of_reach_says_what_was_reached() {
         let examples = demo(&DemoOptions { vertices: 100, poses: 10, held_out: 0, seed: 1 });
-        let Training { rest, triangles, trajectories, .. } = Training::new(&examples).unwrap();
+        let Training { rest, triangles, trajectories, .. } =
+            Training::new(&examples, &Silent).unwrap();
         let most = triangles.len();
         let basis = basis(&trajectories);
         let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);

@@ -6,6 +6,7 @@
 //! evaluation keeps its form and its cost. It acts on `d - I` and `q - rest`, and the root's block
 //! of c2, which multiplies a constant, takes up what that subtracts: the rest pose stays exact.
 
+use super::super::blend::Weights;
 use super::super::motion::Poses;
 use super::reduce::{Reduced, homogeneous};
 use super::validation::Targets;
@@ -19,7 +20,7 @@ const UNSEEN: f64 = 1e-6;
 /// The training meshes as the palette sees them.
 pub struct Projection {
     /// Σ φ φᵀ, 4P x 4P.
-    gram: Mat<f64>,
+    pub gram: Mat<f64>,
     /// The trajectories weighted onto the palette, 3n x 4P.
     onto: Mat<f64>,
 }
@@ -27,7 +28,6 @@ pub struct Projection {
 impl Projection {
     /// Sums over the vertices.
     pub fn new(targets: &Targets<'_>, proxy_len: usize) -> Self {
-        let mut gram = Mat::zeros(4 * proxy_len, 4 * proxy_len);
         let mut onto = Mat::zeros(targets.trajectories.nrows(), 4 * proxy_len);
         for (vertex, x) in targets.rest.iter().enumerate() {
             let h = homogeneous(x);
@@ -35,18 +35,13 @@ impl Projection {
             for (a, alpha) in targets.weights.of(vertex) {
                 for i in 0..4 {
                     let phi = alpha * h[i];
-                    for (b, beta) in targets.weights.of(vertex) {
-                        for j in 0..4 {
-                            gram[(4 * b + j, 4 * a + i)] += phi * beta * h[j];
-                        }
-                    }
                     for (sum, value) in onto.col_as_slice_mut(4 * a + i).iter_mut().zip(y) {
                         *sum += phi * value;
                     }
                 }
             }
         }
-        Self { gram, onto }
+        Self { gram: gram(targets.rest, targets.weights, 0..proxy_len), onto }
     }
 
     /// What maps (3n x 4P) leave over, as maps, by least squares over the vertices.
@@ -56,6 +51,26 @@ impl Projection {
         let mean = gram.diagonal().column_vector().sum() / gram.nrows().max(1) as f64;
         solve_ridge(&mut gram, left.transpose().to_owned(), UNSEEN * mean).transpose().to_owned()
     }
+}
+
+/// Sums φ φᵀ over the vertices, for a span of l maps of the palette: 4l x 4l.
+pub fn gram(rest: &[[f64; 3]], weights: &Weights, span: Range<usize>) -> Mat<f64> {
+    let mut gram = Mat::zeros(4 * span.len(), 4 * span.len());
+    for (vertex, x) in rest.iter().enumerate() {
+        let h = homogeneous(x);
+        let own = weights.of(vertex).filter(|(map, _)| span.contains(map));
+        for (a, alpha) in own.clone() {
+            for (b, beta) in own.clone() {
+                for i in 0..4 {
+                    for j in 0..4 {
+                        let (row, column) = (4 * (b - span.start) + j, 4 * (a - span.start) + i);
+                        gram[(row, column)] += alpha * h[i] * beta * h[j];
+                    }
+                }
+            }
+        }
+    }
+    gram
 }
 
 /// The regression of a palette's residual on the deviations of its inputs from rest.

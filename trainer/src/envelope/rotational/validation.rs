@@ -15,7 +15,7 @@ use std::ops::Range;
 /// Folds of the training poses, fewer where they would be short.
 const FOLDS: usize = 10;
 /// Poses of a fold, so that it holds more than neighbours of what is left.
-const FOLD_LEN: usize = 4;
+const FOLD_LEN: usize = 2;
 
 /// The training meshes, as the palette's vertices.
 #[derive(Clone, Copy)]
@@ -73,8 +73,7 @@ impl<'a> Validation<'a> {
 
     /// RMS error of the poses, each predicted without its fold.
     pub fn score(&self, reduced: &Reduced) -> f64 {
-        let maps = self.folds.par_iter().map(|fold| reduced.palette(&fold.predicted, self.poses));
-        self.score_maps(&maps.collect::<Vec<_>>())
+        self.score_maps(&self.unrefined(reduced))
     }
 
     /// RMS error of the poses after refinement at each strength, each pose refined and predicted
@@ -85,40 +84,63 @@ impl<'a> Validation<'a> {
         projection: &Projection,
         strengths: &[f64],
     ) -> Vec<f64> {
-        let regressions: Vec<Regression> = self
-            .folds
-            .par_iter()
-            .map(|fold| {
-                let maps = reduced.palette(&fold.predicted, self.poses);
-                let residual = projection.residual(&maps);
-                let poses = self.poses;
-                Regression::new(&fold.predicted, poses, &residual, &fold.range)
-            })
-            .collect();
-        strengths
-            .iter()
-            .map(|&strength| {
-                let maps: Vec<_> = self
-                    .folds
-                    .par_iter()
-                    .zip(&regressions)
-                    .map(|(fold, regression)| {
-                        regression.refine(reduced, strength).palette(&fold.predicted, self.poses)
-                    })
-                    .collect();
-                self.score_maps(&maps)
-            })
-            .collect()
+        let regressions = self.regressions(reduced, projection);
+        let score = |&strength| self.score_maps(&self.refined(reduced, &regressions, strength));
+        strengths.iter().map(score).collect()
     }
 
-    /// Joins the folds' own rows of the palettes of all folds.
+    /// The maps of all poses, 3n x 4P, by fits that have not seen each fold, refined or not.
+    pub fn maps(
+        &self,
+        reduced: &Reduced,
+        projection: &Projection,
+        refinement: Option<f64>,
+    ) -> Vec<Mat<f64>> {
+        match refinement {
+            None => self.unrefined(reduced),
+            Some(strength) => {
+                self.refined(reduced, &self.regressions(reduced, projection), strength)
+            }
+        }
+    }
+
+    fn unrefined(&self, reduced: &Reduced) -> Vec<Mat<f64>> {
+        self.folds.par_iter().map(|fold| reduced.palette(&fold.predicted, self.poses)).collect()
+    }
+
+    fn regressions(&self, reduced: &Reduced, projection: &Projection) -> Vec<Regression> {
+        let of = |fold: &Fold| {
+            let residual = projection.residual(&reduced.palette(&fold.predicted, self.poses));
+            Regression::new(&fold.predicted, self.poses, &residual, &fold.range)
+        };
+        self.folds.par_iter().map(of).collect()
+    }
+
+    fn refined(
+        &self,
+        reduced: &Reduced,
+        regressions: &[Regression],
+        strength: f64,
+    ) -> Vec<Mat<f64>> {
+        let of = |(fold, regression): (&Fold, &Regression)| {
+            regression.refine(reduced, strength).palette(&fold.predicted, self.poses)
+        };
+        self.folds.par_iter().zip(regressions).map(of).collect()
+    }
+
     fn score_maps(&self, maps: &[Mat<f64>]) -> f64 {
-        let mut joined = Mat::zeros(3 * self.poses.len(), maps[0].ncols());
+        self.targets.rms(&self.join(maps))
+    }
+
+    /// Joins the folds' own rows of the maps of all folds.
+    pub fn join(&self, maps: &[Mat<f64>]) -> Mat<f64> {
+        let columns = maps.first().map_or(0, Mat::ncols);
+        let mut joined = Mat::zeros(3 * self.poses.len(), columns);
         for (fold, maps) in self.folds.iter().zip(maps) {
             let (start, len) = (3 * fold.range.start, 3 * fold.range.len());
             joined.subrows_mut(start, len).copy_from(maps.subrows(start, len));
         }
-        self.targets.rms(&joined)
+        joined
     }
 }
 
@@ -188,7 +210,7 @@ mod tests {
     fn folds_are_contiguous_cover_all_and_differ_by_one_at_most() {
         for n in 2..60 {
             let folds = folds(n);
-            assert_eq!(folds.len(), if n < 12 { 2 } else { (n / 4).min(10) });
+            assert_eq!(folds.len(), (n / 2).clamp(2, 10));
             assert_eq!(
                 folds.iter().cloned().flatten().collect::<Vec<_>>(),
                 (0..n).collect::<Vec<_>>()

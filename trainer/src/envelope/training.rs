@@ -1,8 +1,12 @@
 //! The training frames as the fit sees them.
 
-use super::super::FitError;
-use super::super::motion::{Poses, trajectories};
+use super::FitError;
+use super::blend::Weights;
+use super::helpers::features::Joints;
+use super::motion::{Poses, trajectories};
+use super::weights::{self, BASELINE_INFLUENCES};
 use crate::examples::{Examples, Split};
+use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Vector3;
 
@@ -21,10 +25,24 @@ pub struct Training {
     pub rest: Vec<[f64; 3]>,
     /// The triangles that have an area.
     pub triangles: Vec<[usize; 3]>,
+    /// Parent of each joint.
+    pub parents: Vec<Option<usize>>,
+    /// Rest origin of each joint.
+    pub origins: Vec<Vector3<f64>>,
     /// n poses.
     pub poses: Poses,
     /// The vertices' trajectories, 3n x V.
     pub trajectories: Mat<f64>,
+    /// LBS fitted to them.
+    pub lbs: Lbs,
+}
+
+/// Linear blend skinning: the baseline, and what stays where it is right.
+pub struct Lbs {
+    /// At most [`BASELINE_INFLUENCES`] joint weights a vertex.
+    pub weights: Weights,
+    /// Squared error of each vertex, summed over the poses.
+    pub errors: Vec<f64>,
 }
 
 impl Training {
@@ -32,7 +50,7 @@ impl Training {
     ///
     /// # Errors
     /// [`FitError::TooFewPoses`] and [`FitError::NoTriangles`].
-    pub fn new(examples: &Examples) -> Result<Self, FitError> {
+    pub fn new(examples: &Examples, progress: &dyn Progress) -> Result<Self, FitError> {
         let frames = examples.frames_of(Split::Train);
         if frames.len() < MIN_POSES {
             return Err(FitError::TooFewPoses { found: frames.len(), needed: MIN_POSES });
@@ -46,11 +64,20 @@ impl Training {
             centre: examples.centroid(),
             rest: Vec::new(),
             triangles,
+            parents: examples.skeleton.parents.clone(),
+            origins: Vec::new(),
             poses: Poses::new(examples, &[]),
             trajectories: Mat::zeros(0, 0),
+            lbs: Lbs { weights: Weights::from_lists(1, std::iter::empty()), errors: Vec::new() },
         };
         training.rest = examples.rest.iter().map(|x| training.local(x)).collect();
+        let origins = examples.skeleton.rest.iter().map(|m| [m[0][3], m[1][3], m[2][3]]);
+        training.origins = origins.map(|x| training.local(&x).into()).collect();
         (training.poses, training.trajectories) = training.view(examples, &frames);
+        progress.step("LBS weights", 1);
+        let Self { rest, trajectories, poses, .. } = &training;
+        let (weights, errors) = weights::fit(rest, trajectories, poses, BASELINE_INFLUENCES);
+        training.lbs = Lbs { weights, errors };
         Ok(training)
     }
 
@@ -66,10 +93,9 @@ impl Training {
         (poses.about(self.centre).in_units_of(self.unit), trajectories)
     }
 
-    /// Gives the joints' rest origins.
-    pub fn origins(&self, examples: &Examples) -> Vec<Vector3<f64>> {
-        let rest = examples.skeleton.rest.iter();
-        rest.map(|m| self.local(&[m[0][3], m[1][3], m[2][3]]).into()).collect()
+    /// The joints' rest geometry, as the pose features see it.
+    pub fn joints(&self) -> Joints<'_> {
+        Joints { parents: &self.parents, origins: &self.origins }
     }
 
     fn local(&self, x: &[f64; 3]) -> [f64; 3] {

@@ -6,15 +6,18 @@
 //! order, fused or not. A stage takes values with bounds of their own errors and gives the oracle's
 //! value with the bound that follows: with zeros for a stage alone on given f32 inputs, chained from
 //! pose to skin. Every product of bounds is kept, so that nothing is neglected but the oracle's own
-//! rounding, a billionth of ours.
+//! rounding, a billionth of ours. U is u, [`gamma`] γₙ: the trainer bounds its kernel maps by them.
+
+mod correction;
+
+pub use correction::{confidence, correction, features, joints};
+pub use sinew_trainer::kernel::map::{U, gamma};
 
 use nalgebra::{DMatrix, Matrix3, Matrix3x4, SMatrix, Vector3, Vector6};
 use sinew_trainer::envelope::oracle::{Key, Oracle, Vertex, cofactors, linear, stack, symmetric};
 use sinew_trainer::envelope::so3;
 use std::f64::consts::PI;
 
-/// Unit roundoff of f32.
-pub const U: f64 = 1.0 / (1 << 24) as f64;
 /// Room for products that underflow: each loses less than 2⁻¹²⁶ even where subnormals are flushed,
 /// and no coefficient that multiplies the loss passes 1e7.
 pub const UNDERFLOW: f64 = 1e-30;
@@ -57,27 +60,24 @@ impl<const R: usize, const C: usize> Inexact<SMatrix<f64, R, C>> {
     }
 }
 
-/// Returns γₙ.
-pub fn gamma(n: usize) -> f64 {
-    let nu = n as f64 * U;
-    nu / (1.0 - nu)
-}
-
 /// Gradients, first part: `[Q_rᵀ Q_j | Q_rᵀ (t_j - t_r)]`. Three products a sum, and one rounding
 /// of the difference: γ₄.
 pub fn relative(oracle: &Oracle, pose: &Inexact<Map>) -> Inexact<Map> {
-    let (root, root_error) = (&pose.value[oracle.root], &pose.error[oracle.root]);
-    let (inverse, inverse_error) = (linear(root).transpose(), linear(root_error).transpose());
-    let error = pose.value.iter().zip(&pose.error).enumerate().map(|(joint, (map, error))| {
-        if joint == oracle.root {
-            return Map::zeros();
-        }
-        let (mut map, mut error) = (*map, *error);
-        map.column_mut(3).axpy(-1.0, &root.column(3), 1.0);
-        error.column_mut(3).axpy(1.0, &root_error.column(3), 1.0);
-        product((&inverse, &inverse_error), (&map, &error), 4)
-    });
+    let root = (&pose.value[oracle.root], &pose.error[oracle.root]);
+    let error =
+        pose.value.iter().zip(&pose.error).enumerate().map(|(joint, map)| {
+            if joint == oracle.root { Map::zeros() } else { seen_from(root, map) }
+        });
     Inexact { error: error.collect(), value: oracle.relative(&pose.value) }
+}
+
+/// `[A⁻¹ B]` of maps, A taken as rigid.
+fn seen_from((a, a_error): (&Map, &Map), (b, b_error): (&Map, &Map)) -> Map {
+    let (inverse, inverse_error) = (linear(a).transpose(), linear(a_error).transpose());
+    let (mut apart, mut apart_error) = (*b, *b_error);
+    apart.column_mut(3).axpy(-1.0, &a.column(3), 1.0);
+    apart_error.column_mut(3).axpy(1.0, &a_error.column(3), 1.0);
+    product((&inverse, &inverse_error), (&apart, &apart_error), 4)
 }
 
 /// Gradients, second part: θ = log(Q_pᵀ Q_j); one bound for the length of each error.
@@ -222,28 +222,44 @@ fn moved(a: (&Map, &Map), b: (&Map, &Map)) -> Map {
     error
 }
 
-/// The whole way from a pose to the palette, beside a backend's own rotations, which decide what
-/// joints at a half turn do.
-pub fn whole_palette(oracle: &Oracle, pose: &Inexact<Map>, found: &[[f32; 3]]) -> Inexact<Map> {
+/// The whole way from a pose to the palette and the confidence, beside a backend's own rotations,
+/// which decide what joints at a half turn do; the kernel predictor has none.
+pub fn whole(
+    oracle: &Oracle,
+    pose: &Inexact<Map>,
+    found: &[[f32; 3]],
+) -> (Inexact<Map>, Inexact<f64>) {
+    if !oracle.predictor.reconstructs() {
+        return correction(oracle, pose, &features(oracle, pose), joints(oracle, pose));
+    }
     let relative = relative(oracle, pose);
     let mut rotations = rotations(oracle, &relative);
     same_branch(&mut rotations, found);
     let gradients = gradients(oracle, &relative, &rotations);
     let (value, error) = (pose.value[oracle.root], pose.error[oracle.root]);
     let root = Inexact { value: vec![value], error: vec![error] };
-    palette(oracle, &root, &relative, &gradients)
+    let palette = palette(oracle, &root, &relative, &gradients);
+    if oracle.predictor.corrects() {
+        return correction(oracle, pose, &features(oracle, pose), palette);
+    }
+    (palette, confidence(oracle, &rotations))
 }
 
-/// Rest to rest: matrices of zeros and ones multiply exactly, so q and d are exact, and of each sum
-/// only P + J terms are not 0. Coefficients and weights, exact before they were rounded for the
-/// file, are off by u of themselves each. Returns the bounds of the V positions.
+/// Rest to rest: matrices of zeros and ones multiply exactly, so joints, q and d are exact, and of
+/// each sum only P + J terms are not 0; a correction adds 0. Coefficients and weights, exact before
+/// they were rounded for the file, are off by u of themselves each. Returns the bounds of the V
+/// positions.
 pub fn rest(oracle: &Oracle) -> Vec<Vector3<f64>> {
     let (p, j) = (oracle.keys.len(), oracle.parents.len());
     let (d, q) = (vec![Matrix3::identity(); p], vec![Map::identity(); j]);
     let sums = oracle.c1.abs() * stack(&d) + oracle.c2.abs() * stack(&q);
     let sums = sums * (gamma(p + j) + U);
-    let error = (0..p).map(|l| sums.fixed_view::<4, 3>(4 * l, 0).transpose());
-    let palette = Inexact { error: error.collect(), value: vec![Map::identity(); p] };
+    let palette = if oracle.predictor.reconstructs() {
+        let error = (0..p).map(|l| sums.fixed_view::<4, 3>(4 * l, 0).transpose());
+        Inexact { error: error.collect(), value: vec![Map::identity(); p] }
+    } else {
+        Inexact::exact(oracle.joints(&q))
+    };
     let of_weights = |vertex: &Vertex| vertex.position.xyz().abs() * U;
     oracle.vertices.iter().map(|v| skin(v, &palette).position + of_weights(v)).collect()
 }

@@ -1,25 +1,39 @@
-//! The f64 oracle of the runtime's stages: METHOD §1.1 to §1.8 on the numbers that a file holds.
+//! The f64 oracle of the runtime's stages: METHOD §1.1 to §1.9 on the numbers that a file holds.
 //!
 //! It reads a loaded file's rounded arrays and evaluates them in double precision with general
 //! matrix routines. It shares no code with the runtime's stages, so that each can be tested against
 //! it, alone or from pose to skin.
 
+mod correction;
+
+pub use correction::Group;
+
 use super::so3;
+use crate::kernel::map::step;
 use nalgebra::{DMatrix, Matrix3, Matrix3x4, Matrix4, Matrix6, Vector3, Vector4, Vector6};
 use sinew_runtime::Envelope;
+use sinew_runtime::format::Predictor;
 
 /// An envelope's arrays, widened.
 pub struct Oracle {
+    /// What the palette is made of.
+    pub predictor: Predictor,
     /// The joint without a parent.
     pub root: usize,
     /// Parent of each joint, J.
     pub parents: Vec<Option<usize>>,
-    /// Key predictors, P.
+    /// Largest |θ| of each joint in training, J.
+    pub pose_ranges: Vec<f64>,
+    /// Key predictors, P; none of the kernel predictor, as of c1 and c2.
     pub keys: Vec<Key>,
     /// c1, 4P x 3P.
     pub c1: DMatrix<f64>,
     /// c2, 4P x 4J.
     pub c2: DMatrix<f64>,
+    /// Rest origin of each joint, J; 0 without a correction.
+    pub origins: Vec<Vector3<f64>>,
+    /// Groups of proxies that share a kernel map.
+    pub groups: Vec<Group>,
     /// The vertices, V.
     pub vertices: Vec<Vertex>,
 }
@@ -73,36 +87,46 @@ pub struct Skinned {
 impl Oracle {
     /// Widens the arrays of a loaded envelope.
     pub fn new(envelope: &Envelope<'_>) -> Self {
-        let (p, j) = (envelope.proxy_len(), envelope.joint_len());
-        let coefficient = |value: Option<f32>| value.map_or(f64::NAN, f64::from);
+        let j = envelope.joint_len();
+        let widened = |value: Option<f32>| value.map_or(f64::NAN, f64::from);
+        let origin = |joint| Vector3::from(envelope.origin(joint).unwrap_or_default());
+        let keys: Vec<_> = (0..envelope.proxy_len()).filter_map(|l| envelope.key(l)).collect();
+        let p = keys.len();
         Self {
+            predictor: envelope.predictor(),
             root: envelope.root(),
             parents: (0..j).map(|joint| envelope.parent(joint)).collect(),
-            keys: (0..p).filter_map(|l| envelope.key(l)).map(|key| Key::new(&key)).collect(),
-            c1: DMatrix::from_fn(4 * p, 3 * p, |r, c| coefficient(envelope.c1(r, c))),
-            c2: DMatrix::from_fn(4 * p, 4 * j, |r, c| coefficient(envelope.c2(r, c))),
+            pose_ranges: (0..j).map(|joint| widened(envelope.pose_range(joint))).collect(),
+            keys: keys.iter().map(Key::new).collect(),
+            c1: DMatrix::from_fn(4 * p, 3 * p, |r, c| widened(envelope.c1(r, c))),
+            c2: DMatrix::from_fn(4 * p, 4 * j, |r, c| widened(envelope.c2(r, c))),
+            origins: (0..j).map(|joint| origin(joint).map(f64::from)).collect(),
+            groups: envelope.groups().map(|group| Group::new(&group)).collect(),
             vertices: (0..envelope.vertex_len()).map(|v| Vertex::new(envelope, v)).collect(),
         }
     }
 
-    /// Evaluates a pose of J skinning matrices from end to end: the palette, P maps.
-    pub fn evaluate(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
+    /// Evaluates a pose of J skinning matrices from end to end: the palette, and the confidence in
+    /// it.
+    pub fn evaluate(&self, pose: &[Matrix3x4<f64>]) -> (Vec<Matrix3x4<f64>>, f64) {
+        if !self.predictor.reconstructs() {
+            return self.correct(pose, &self.features(pose), self.joints(pose));
+        }
         let relative = self.relative(pose);
-        let gradients = self.gradients(&relative, &self.rotations(&relative));
-        self.palette(&pose[self.root], &relative, &gradients)
+        let rotations = self.rotations(&relative);
+        let gradients = self.gradients(&relative, &rotations);
+        let palette = self.palette(&pose[self.root], &relative, &gradients);
+        if self.predictor.corrects() {
+            return self.correct(pose, &self.features(pose), palette);
+        }
+        (palette, self.confidence(&rotations))
     }
 
     /// Removes the root's motion from J maps: `B_r⁻¹ B_j`, B_r taken as rigid (METHOD §1.1).
     pub fn relative(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
-        let root = &pose[self.root];
-        let inverse = root.fixed_columns::<3>(0).transpose();
-        let unmoved = |(joint, map): (usize, &Matrix3x4<f64>)| {
-            if joint == self.root {
-                return Matrix3x4::identity();
-            }
-            let mut map = *map;
-            map.column_mut(3).axpy(-1.0, &root.column(3), 1.0);
-            inverse * map
+        let unmoved = |(joint, map): (usize, &Matrix3x4<f64>)| match joint == self.root {
+            true => Matrix3x4::identity(),
+            false => seen_from(&pose[self.root], map),
         };
         pose.iter().enumerate().map(unmoved).collect()
     }
@@ -162,7 +186,16 @@ impl Oracle {
         maps.map(|map| after(root, &map)).collect()
     }
 
-    /// Skins a vertex by P maps (METHOD §1.8).
+    /// Returns the confidence in J rotations of a rotational model, the least over the joints: 1
+    /// within a joint's trained range, 0 from half of it and 0.1 rad beyond (FORMAT.md).
+    pub fn confidence(&self, rotations: &[Vector3<f64>]) -> f64 {
+        let of_joint = |(theta, range): (&Vector3<f64>, &f64)| {
+            1.0 - step((theta.norm() - range) / (range / 2.0 + 0.1))
+        };
+        rotations.iter().zip(&self.pose_ranges).map(of_joint).fold(1.0, f64::min)
+    }
+
+    /// Skins a vertex by a palette (METHOD §1.8).
     pub fn skin(&self, vertex: &Vertex, palette: &[Matrix3x4<f64>]) -> Skinned {
         let map = vertex.blend(palette);
         let towards =
@@ -218,6 +251,13 @@ impl Vertex {
 /// Returns the linear part of a map.
 pub fn linear(map: &Matrix3x4<f64>) -> Matrix3<f64> {
     map.fixed_columns::<3>(0).into_owned()
+}
+
+/// Returns `a⁻¹ b`, a taken as rigid: b as one sees it who moves with a.
+pub fn seen_from(a: &Matrix3x4<f64>, b: &Matrix3x4<f64>) -> Matrix3x4<f64> {
+    let mut apart = *b;
+    apart.column_mut(3).axpy(-1.0, &a.column(3), 1.0);
+    linear(a).transpose() * apart
 }
 
 /// Composes two maps: `a` after `b`.

@@ -1,0 +1,109 @@
+//! Tolerances of what the kernel maps take part in, and of the confidence.
+
+use super::{Inexact, Map, U, gamma, product, seen_from};
+use nalgebra::{DVector, Matrix3, Vector3};
+use sinew_trainer::envelope::oracle::{Group, Oracle, linear};
+use sinew_trainer::kernel::map::{STEP_ERROR, Value};
+
+/// Joints: copies.
+pub fn joints(oracle: &Oracle, pose: &Inexact<Map>) -> Inexact<Map> {
+    Inexact { value: oracle.joints(&pose.value), error: oracle.joints(&pose.error) }
+}
+
+/// Features: `M = [Q_pᵀ Q_j | Q_pᵀ (t_j - t_p)]` is behind γ₄; 1 is taken off on the diagonal of
+/// R, and `(R - I) o + t` sums three products and one term.
+pub fn features(oracle: &Oracle, pose: &Inexact<Map>) -> Inexact<Map> {
+    let value = oracle.features(&pose.value);
+    let bound = |joint: usize| {
+        let Some(parent) = oracle.parents[joint] else { return Map::zeros() };
+        let at = |joint: usize| (&pose.value[joint], &pose.error[joint]);
+        let (turn, origin) = (linear(&value[joint]), oracle.origins[joint]);
+        let mut error = seen_from(at(parent), at(joint));
+        let shift = value[joint].column(3) - turn * origin;
+        let shift_error = error.column(3).into_owned();
+        let diagonal = (turn.abs() + linear(&error)).diagonal() * U;
+        let turn_error = linear(&error) + Matrix3::from_diagonal(&diagonal);
+        let turned = product((&turn, &turn_error), (&origin, &Vector3::zeros()), 4);
+        error.fixed_columns_mut::<3>(0).copy_from(&turn_error);
+        error.set_column(3, &(turned + (shift.abs() + shift_error) * U + shift_error));
+        error
+    };
+    Inexact { error: (0..value.len()).map(bound).collect(), value }
+}
+
+/// Correction: inputs are features times a weight, rounded once; latent values and w are off as the
+/// kernel map says, `K = w (outputs z)` sums r products and rounds once more, and `Q K` is a product
+/// of three terms that is added to the base. Where w is 0 beyond doubt nothing is added.
+pub fn correction(
+    oracle: &Oracle,
+    pose: &Inexact<Map>,
+    features: &Inexact<Map>,
+    base: Inexact<Map>,
+) -> (Inexact<Map>, Inexact<f64>) {
+    let first = oracle.first_proxy();
+    let (value, confidence) = oracle.correct(&pose.value, &features.value, base.value.clone());
+    let mut error = base.error;
+    let (mut least, mut most) = (1.0_f64, 1.0_f64);
+    for group in oracle.groups.iter().filter(|group| group.has_centres()) {
+        let (k, k_error, (w, w_error)) = added(group, features);
+        least = least.min(w - w_error);
+        most = most.min(w + w_error);
+        if w + w_error == 0.0 {
+            continue;
+        }
+        let turn = (&linear(&pose.value[group.joint]), &linear(&pose.error[group.joint]));
+        let maps = Group::maps(&k).zip(Group::maps(&k_error));
+        for (proxy, (k, k_error)) in group.proxies.clone().zip(maps) {
+            let at = first + proxy;
+            let inherited = error[at] + product(turn, (&k, &k_error), 3);
+            error[at] = inherited + (value[at].abs() + inherited) * U;
+        }
+    }
+    let confidence = Inexact {
+        value: vec![confidence],
+        error: vec![(confidence - least).max(most - confidence)],
+    };
+    (Inexact { value, error }, confidence)
+}
+
+/// K of a group's proxies, 12 values each, its errors, and w with its error.
+fn added(group: &Group, features: &Inexact<Map>) -> (DVector<f64>, DVector<f64>, (f64, f64)) {
+    let input = group.input(&features.value);
+    let inherited = group.input(&features.error);
+    let input_error: Vec<_> = input
+        .iter()
+        .zip(inherited)
+        .map(|(x, error)| error.abs() + (x.abs() + error.abs()) * U)
+        .collect();
+    let Value { outputs, confidence: w } = group.map.evaluate(&input);
+    let (error, w_error) = group.map.error_from(&input, &input_error);
+    let (z, z_error) = (DVector::from_vec(outputs), DVector::from_vec(error));
+    let y = &group.outputs * &z;
+    let sums = group.outputs.abs() * (z.abs() + &z_error) * gamma(z.len());
+    let y_error = group.outputs.abs() * z_error + sums;
+    let k_error = y.abs() * w_error + y_error * (w + w_error);
+    let k = y * w;
+    let k_error = (k.abs() + &k_error) * U + k_error;
+    (k, k_error, (w, w_error))
+}
+
+/// Confidence of a rotational model: `|θ|` is behind half of three roundings and the root's, the
+/// excess, its scale and their quotient behind one, two and one; a step's relative error is known,
+/// and the difference from 1 rounds once.
+pub fn confidence(oracle: &Oracle, rotations: &Inexact<Vector3<f64>, f64>) -> Inexact<f64> {
+    let value = oracle.confidence(&rotations.value);
+    // Of rotations that are longer or shorter by as much as they may be.
+    let shifted = |sign: f64| {
+        let angles = rotations.value.iter().zip(&rotations.error).zip(&oracle.pose_ranges);
+        let angles = angles.map(|((theta, error), range)| {
+            let length = theta.norm();
+            let own = error + gamma(3) * (length + error);
+            let excess = (length - range).abs() + own;
+            Vector3::x() * (length + sign * (own + gamma(4) * excess)).max(0.0)
+        });
+        oracle.confidence(&angles.collect::<Vec<_>>())
+    };
+    let (least, most) = (shifted(1.0), shifted(-1.0));
+    let rounding = if least < 1.0 { STEP_ERROR * (1.0 - least) + U } else { 0.0 };
+    Inexact { value: vec![value], error: vec![(value - least).max(most - value) + rounding] }
+}

@@ -1,0 +1,368 @@
+//! The choice of predictor and number of proxies by cross-validation inside the training split
+//! (METHOD §1.9).
+
+use super::fitted::{Base, Fitted};
+use super::helpers::candidates::GroupReport;
+use super::helpers::correction::{Search, Target};
+use super::helpers::fit::{self, Helpers};
+use super::rotational::proxies::ProxyCount;
+use super::rotational::validation::{Targets, folds};
+use super::rotational::{self, Reconstruction, Rotational};
+use super::training::Training;
+use super::{FitError, Options, Predict, TrainError};
+use crate::bake::bake;
+use crate::examples::Examples;
+use crate::progress::Progress;
+use faer::Mat;
+use serde::Serialize;
+use sinew_runtime::Limits;
+use sinew_runtime::format::{Certificate, Predictor};
+use std::ops::Range;
+
+/// Fewest proxies to begin with, where nothing else is said.
+const PROXIES: usize = 40;
+/// Candidate numbers of proxies against that, in quarters; the first only where bytes are few.
+const QUARTERS: [usize; 4] = [1, 2, 4, 8];
+/// Fewer proxies are taken where their error is within this of the best.
+const FEWER: f64 = 1.02;
+
+/// What was tried and what was taken; errors are RMS, as shares of the rest diagonal.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// LBS on the training frames.
+    pub lbs_rms: f64,
+    /// The contiguous folds, as ranges of the training frames.
+    pub folds: Vec<Range<usize>>,
+    /// Every candidate in the order in which they were tried.
+    pub candidates: Vec<CandidateReport>,
+    /// Which of them was taken.
+    pub chosen: usize,
+    /// It on the training frames.
+    pub training_rms: f64,
+    /// How its reconstruction was fitted, where it has one.
+    pub rotational: Option<rotational::Report>,
+    /// Largest |θ_j| in the training poses, J values in radians.
+    pub angle_ranges: Vec<f64>,
+}
+
+/// A candidate and its score.
+#[derive(Clone, Debug, Serialize)]
+pub struct CandidateReport {
+    /// What predicts.
+    pub predictor: &'static str,
+    /// Whether c1 and c2 are refined on the training meshes; none without them.
+    pub refined: Option<bool>,
+    /// P.
+    pub proxies: usize,
+    /// Bytes of the file; none where it would be larger than allowed.
+    pub bytes: Option<usize>,
+    /// Cross-validated error; none where the file would be too large.
+    pub validated_rms: Option<f64>,
+    /// The maps of its groups.
+    pub groups: Vec<GroupReport>,
+}
+
+/// |θ| beyond which a joint comes near the seam of its rotation vector at π.
+const SEAM: f64 = 0.9 * std::f64::consts::PI;
+
+impl Report {
+    /// The candidate that was taken.
+    pub fn chosen(&self) -> &CandidateReport {
+        &self.candidates[self.chosen]
+    }
+
+    /// Lists the joints that turn so far from their parent in training that the regression on
+    /// their rotation vector, which jumps at a half turn, cannot be trusted there (METHOD §1.4);
+    /// none where there is no such regression.
+    pub fn joints_near_the_seam(&self) -> impl Iterator<Item = usize> + '_ {
+        let ranges = self.angle_ranges.iter().enumerate();
+        ranges.filter(|(_, range)| self.rotational.is_some() && **range > SEAM).map(|(j, _)| j)
+    }
+}
+
+/// An envelope that was fitted and fits the budget.
+struct Candidate {
+    fitted: Fitted,
+    report: usize,
+    validated_rms: f64,
+    rotational: Option<rotational::Report>,
+}
+
+/// Fits every candidate that the options allow and takes the best; returns it as a file holds it.
+///
+/// # Errors
+/// Those of the fits and of the bake, and [`TrainError::Budget`].
+pub fn choose(
+    training: &Training,
+    examples: &Examples,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<(Vec<u8>, Report), TrainError> {
+    let lbs = Targets {
+        rest: &training.rest,
+        weights: &training.lbs.weights,
+        trajectories: &training.trajectories,
+    };
+    let mut choice = Choice {
+        training,
+        examples,
+        options,
+        progress,
+        lbs_rms: lbs.rms(&training.poses.stacked()),
+        reports: Vec::new(),
+        candidates: Vec::new(),
+        least_bytes: usize::MAX,
+    };
+    let counts = proxy_counts(training, options);
+    for (number, count) in counts.iter().enumerate() {
+        progress.part(number + 1, counts.len());
+        choice.attempt(*count)?;
+    }
+    choice.take()
+}
+
+/// The numbers of proxies to try, ascending.
+fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyCount> {
+    if let Some(count) = options.proxies {
+        return vec![count];
+    }
+    let most = proxies_max(training);
+    // No fewer than the skeleton has, so that proxies alone are never poorer than LBS.
+    let usual = training.poses.joint_len().max(PROXIES);
+    let few = usize::from(options.budget.is_none());
+    let mut counts: Vec<usize> =
+        QUARTERS[few..].iter().map(|q| (q * usual / 4).clamp(1, most)).collect();
+    counts.dedup();
+    counts.into_iter().map(ProxyCount::Fixed).collect()
+}
+
+/// The most proxies that the mesh and a file can have.
+fn proxies_max(training: &Training) -> usize {
+    training.triangles.len().min(Limits::DEFAULT.proxies as usize)
+}
+
+struct Choice<'a> {
+    training: &'a Training,
+    examples: &'a Examples,
+    options: &'a Options,
+    progress: &'a dyn Progress,
+    lbs_rms: f64,
+    reports: Vec<CandidateReport>,
+    candidates: Vec<Candidate>,
+    /// Bytes of the smallest file that was tried.
+    least_bytes: usize,
+}
+
+impl Choice<'_> {
+    fn attempt(&mut self, count: ProxyCount) -> Result<(), TrainError> {
+        let wanted = |predictor| match self.options.predictor {
+            Predict::Auto => true,
+            Predict::Only(only) => only == predictor,
+        };
+        let mut proxies = count;
+        if wanted(Predictor::Rotational) || wanted(Predictor::Hybrid) {
+            let options = rotational::Options {
+                proxies: count,
+                influences: self.options.influences,
+                refine: self.options.refine,
+            };
+            let fitted = rotational::fit(self.training, &options, self.progress)?;
+            proxies = ProxyCount::Fixed(fitted.keys.len());
+            if wanted(Predictor::Rotational) {
+                self.rotational(&fitted)?;
+            }
+            if wanted(Predictor::Hybrid) {
+                self.hybrid(&fitted, &fitted.published, Some(false))?;
+                if let Some(refined) = &fitted.refined {
+                    self.hybrid(&fitted, refined, Some(true))?;
+                }
+            }
+        }
+        if wanted(Predictor::Kernel) {
+            self.kernel(proxies)?;
+        }
+        Ok(())
+    }
+
+    fn rotational(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
+        let refined = rotational.refined.as_ref();
+        let best = refined.unwrap_or(&rotational.published);
+        let fitted = rotational.fitted(best);
+        let bytes = self.bytes(&fitted)?;
+        self.add(
+            fitted,
+            Some(refined.is_some()),
+            (bytes <= self.budget()).then_some((bytes, &best.validated, Vec::new())),
+            Some(&rotational.report),
+        );
+        Ok(())
+    }
+
+    fn hybrid(
+        &mut self,
+        rotational: &Rotational,
+        base: &Reconstruction,
+        refined: Option<bool>,
+    ) -> Result<(), TrainError> {
+        let (fitted, target) = (rotational.fitted(base), rotational.target(base, self.training));
+        self.corrected(fitted, &target, &base.validated, refined, Some(&rotational.report))
+    }
+
+    fn kernel(&mut self, count: ProxyCount) -> Result<(), TrainError> {
+        self.progress.step(fit::STEP, 1);
+        let influences = self.options.influences;
+        let helpers = match count {
+            ProxyCount::Fixed(count) => fit::fit(self.training, count, influences),
+            ProxyCount::MaxError(limit) => self.fewest_helpers(limit)?,
+        };
+        let Some(helpers) = helpers else {
+            // Nothing to help: the joints alone.
+            let fitted = Fitted {
+                weights: self.training.lbs.weights.clone(),
+                base: Base::Joints(Vec::new()),
+                groups: Vec::new(),
+            };
+            let bytes = self.bytes(&fitted)?;
+            let palette = self.training.poses.stacked();
+            let fits = bytes <= self.budget();
+            self.add(fitted, None, fits.then_some((bytes, &palette, Vec::new())), None);
+            return Ok(());
+        };
+        let fitted = helpers.fitted();
+        let base = fitted.palette(self.training, &self.training.poses);
+        self.corrected(fitted, &helpers.target(self.training), &base, None, None)
+    }
+
+    /// Doubles the helpers until their true maps come as near as asked; none where LBS does.
+    fn fewest_helpers(&self, limit: f64) -> Result<Option<Helpers>, FitError> {
+        let Training { rest, trajectories, poses, .. } = self.training;
+        if self.lbs_rms <= limit {
+            return Ok(None);
+        }
+        let most = proxies_max(self.training);
+        let mut count = 4.min(most);
+        loop {
+            let helpers = fit::fit(self.training, count, self.options.influences);
+            let Some(helpers) = helpers else { return Ok(None) };
+            let targets = Targets { rest, weights: &helpers.weights, trajectories };
+            let reached = targets.rms(&helpers.true_palette(poses));
+            if reached <= limit {
+                return Ok(Some(helpers));
+            }
+            if count == most {
+                return Err(FitError::MaxError { limit, reached, proxies: count });
+            }
+            count = (2 * count).min(most);
+        }
+    }
+
+    /// Corrects a base whose palette of poses that it has not seen is `validated`, in what the budget
+    /// leaves.
+    fn corrected(
+        &mut self,
+        mut fitted: Fitted,
+        target: &Target<'_>,
+        validated: &Mat<f64>,
+        refined: Option<bool>,
+        report: Option<&rotational::Report>,
+    ) -> Result<(), TrainError> {
+        let search = Search::new(*target, self.progress);
+        fitted.groups = search.nothing();
+        let without = self.bytes(&fitted)?;
+        let room = self.budget().saturating_sub(without);
+        let correction = if without > self.budget() { None } else { search.fit(room) };
+        let Some(correction) = correction else {
+            self.add(fitted, refined, None, report);
+            return Ok(());
+        };
+        fitted.groups = correction.groups;
+        let mut palette = validated.clone();
+        let added = correction.validated;
+        let first = palette.ncols() - added.ncols();
+        let mut proxies = palette.subcols_mut(first, added.ncols());
+        proxies += added;
+        let bytes = without + correction.bytes;
+        self.add(fitted, refined, Some((bytes, &palette, correction.reports)), report);
+        Ok(())
+    }
+
+    fn add(
+        &mut self,
+        fitted: Fitted,
+        refined: Option<bool>,
+        fits: Option<(usize, &Mat<f64>, Vec<GroupReport>)>,
+        rotational: Option<&rotational::Report>,
+    ) {
+        let mut report = CandidateReport {
+            predictor: fitted.predictor().name(),
+            refined,
+            proxies: fitted.proxies(),
+            bytes: None,
+            validated_rms: None,
+            groups: Vec::new(),
+        };
+        if let Some((bytes, palette, groups)) = fits {
+            let targets = Targets {
+                rest: &self.training.rest,
+                weights: &fitted.weights,
+                trajectories: &self.training.trajectories,
+            };
+            let validated_rms = targets.rms(palette);
+            (report.bytes, report.validated_rms) = (Some(bytes), Some(validated_rms));
+            report.groups = groups;
+            let rotational = rotational.cloned();
+            let report = self.reports.len();
+            self.candidates.push(Candidate { fitted, report, validated_rms, rotational });
+        }
+        self.reports.push(report);
+    }
+
+    fn budget(&self) -> usize {
+        self.options.budget.unwrap_or(usize::MAX)
+    }
+
+    /// Bytes of the file.
+    fn bytes(&mut self, fitted: &Fitted) -> Result<usize, TrainError> {
+        let parts = fitted.parts(self.training, self.examples, Certificate::default());
+        let bytes = bake(&parts)?.len();
+        self.least_bytes = self.least_bytes.min(bytes);
+        Ok(bytes)
+    }
+
+    /// Takes the candidate that scores best, with fewer proxies where that costs little.
+    fn take(self) -> Result<(Vec<u8>, Report), TrainError> {
+        let Self { training, examples, lbs_rms, reports, candidates, .. } = self;
+        let of = |c: &Candidate| (c.fitted.predictor(), reports[c.report].refined);
+        let best = candidates.iter().min_by(|a, b| a.validated_rms.total_cmp(&b.validated_rms));
+        let Some(best) = best else {
+            let budget = self.options.budget.unwrap_or(usize::MAX);
+            return Err(TrainError::Budget { budget, least: self.least_bytes });
+        };
+        let (kind, most) = (of(best), FEWER * best.validated_rms);
+        let mut alike = candidates.iter().filter(|c| of(c) == kind && c.validated_rms <= most);
+        let chosen = alike.next().unwrap_or(best);
+        let targets = Targets {
+            rest: &training.rest,
+            weights: &chosen.fitted.weights,
+            trajectories: &training.trajectories,
+        };
+        let training_rms = targets.rms(&chosen.fitted.palette(training, &training.poses));
+        let certificate = Certificate {
+            training_rms: training_rms as f32,
+            cross_validated_rms: chosen.validated_rms as f32,
+            lbs_training_rms: lbs_rms as f32,
+            ..Certificate::default()
+        };
+        let model = bake(&chosen.fitted.parts(training, examples, certificate))?;
+        let report = Report {
+            lbs_rms,
+            folds: folds(training.poses.len()),
+            chosen: chosen.report,
+            training_rms,
+            rotational: chosen.rotational.clone(),
+            angle_ranges: training.poses.angle_ranges(),
+            candidates: reports,
+        };
+        Ok((model, report))
+    }
+}

@@ -1,0 +1,217 @@
+//! A fitted envelope of any predictor: its palette in f64, and what a file holds of it.
+
+use super::blend::Weights;
+use super::helpers::correction::{Group, predict};
+use super::helpers::features::Input;
+use super::motion::Poses;
+use super::rotational::predictor::{GradientPredictor, predict_stacked};
+use super::rotational::reduce::Reduced;
+use super::training::Training;
+use crate::bake::{self, EnvelopeParts, Key, Reconstruction};
+use crate::examples::Examples;
+use crate::kernel::map::{U, Value};
+use faer::Mat;
+use nalgebra::Matrix3;
+use rand::{RngExt, SeedableRng};
+use sinew_runtime::format::{Certificate, Predictor};
+
+/// A fitted envelope, in training units.
+pub struct Fitted {
+    /// The vertices' weights on the palette.
+    pub weights: Weights,
+    /// What moves the proxies before any correction.
+    pub base: Base,
+    /// The correction.
+    pub groups: Vec<Group>,
+}
+
+/// What moves the proxies before any correction.
+pub enum Base {
+    /// `c1 d + c2 q` of key gradients.
+    Reconstruction(Vec<GradientPredictor>, Reduced),
+    /// The dominant joint of each helper; the palette holds the joints too.
+    Joints(Vec<usize>),
+}
+
+impl Fitted {
+    /// The kind of predictor.
+    pub fn predictor(&self) -> Predictor {
+        match self.base {
+            Base::Joints(_) => Predictor::Kernel,
+            Base::Reconstruction(..) if self.groups.is_empty() => Predictor::Rotational,
+            Base::Reconstruction(..) => Predictor::Hybrid,
+        }
+    }
+
+    /// Returns P.
+    pub fn proxies(&self) -> usize {
+        match &self.base {
+            Base::Joints(dominant) => dominant.len(),
+            Base::Reconstruction(keys, _) => keys.len(),
+        }
+    }
+
+    /// The palette of n poses, 3n x 4 a map.
+    pub fn palette(&self, training: &Training, poses: &Poses) -> Mat<f64> {
+        let mut palette = match &self.base {
+            Base::Joints(dominant) => {
+                let joints = poses.stacked();
+                let helpers = super::helpers::fit::bases(&joints, dominant);
+                faer::concat![[joints, helpers]]
+            }
+            Base::Reconstruction(keys, reduced) => {
+                reduced.palette(&predict_stacked(keys, poses), poses)
+            }
+        };
+        if !self.groups.is_empty() {
+            let added = predict(&self.groups, poses, training.joints());
+            let mut proxies = palette.subcols_mut(palette.ncols() - added.ncols(), added.ncols());
+            proxies += added;
+        }
+        palette
+    }
+
+    /// Gathers what a file holds of the envelope. The certificate's figures are RMS errors as shares
+    /// of the diagonal; that of the correction is added here.
+    pub fn parts(
+        &self,
+        training: &Training,
+        examples: &Examples,
+        certificate: Certificate,
+    ) -> EnvelopeParts {
+        let skeleton = &examples.skeleton;
+        let groups: Vec<bake::Group> = self.groups.iter().map(|g| baked(g, training)).collect();
+        let length = |share: f32| (training.unit * f64::from(share)) as f32;
+        let mut parts = EnvelopeParts {
+            name: "skin".to_owned(),
+            joint_names: skeleton.names.clone(),
+            parents: skeleton.parents.clone(),
+            root: skeleton.root(),
+            rest_frames: skeleton.rest.clone(),
+            rest_positions: examples.rest.clone(),
+            rest_normals: examples.rest_normals(),
+            rest_tangents: examples.rest_tangents(),
+            influences: (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect(),
+            reconstruction: self.reconstruction(training),
+            groups,
+            pose_ranges: training.poses.angle_ranges(),
+            certificate: Certificate {
+                diagonal: training.unit as f32,
+                training_rms: length(certificate.training_rms),
+                cross_validated_rms: length(certificate.cross_validated_rms),
+                lbs_training_rms: length(certificate.lbs_training_rms),
+                correction_error: 0.0,
+            },
+        };
+        parts.certificate.correction_error = self.rounding(training, &parts) as f32;
+        parts
+    }
+
+    fn reconstruction(&self, training: &Training) -> Option<Reconstruction> {
+        let Base::Reconstruction(keys, reduced) = &self.base else { return None };
+        let reduced = reduced.clone().from_units_of(training.unit);
+        let reduced = reduced.from_centre(training.centre, training.poses.root());
+        let rows = |m: &Matrix3<f64>| [0, 1, 2].map(|r| [m[(r, 0)], m[(r, 1)], m[(r, 2)]]);
+        let key = |key: &GradientPredictor| Key {
+            joint: key.rotation.joint,
+            twist: rows(&key.rotation.twist),
+            residual: key.rotation.residual.map(|(joint, twist)| (joint, rows(&twist))),
+            shear: std::array::from_fn(|r| std::array::from_fn(|c| key.shear[(r, c)])),
+        };
+        Some(Reconstruction {
+            keys: keys.iter().map(key).collect(),
+            c1: row_major(&reduced.c1),
+            c2: row_major(&reduced.c2),
+        })
+    }
+
+    /// The farthest that rounding of the correction to f32 may move a vertex (METHOD §2.7), over the
+    /// training poses and as many random ones within their box, in units of the input.
+    fn rounding(&self, training: &Training, parts: &EnvelopeParts) -> f64 {
+        let first = match self.base {
+            Base::Joints(_) => training.poses.joint_len(),
+            Base::Reconstruction(..) => 0,
+        };
+        let mut reach = vec![[0.0f64; 3]; first + self.proxies()];
+        for (influences, x) in parts.influences.iter().zip(&parts.rest_positions) {
+            for &(map, _) in influences {
+                reach[map].iter_mut().zip(x).for_each(|(most, x)| *most = most.max(x.abs()));
+            }
+        }
+        let of_group = |(group, baked): (&Group, &bake::Group)| {
+            let samples = training.joints().evaluate(&training.poses, &group.inputs);
+            let reach = &reach[first + group.proxies.start..];
+            let worst = with_box(&samples).map(|input| {
+                let errors = rounding(group, baked, &input);
+                let moved = errors.as_chunks::<4>().0.as_chunks::<3>().0.iter().zip(reach);
+                moved.map(|(rows, x)| distance(rows, x)).fold(0.0, f64::max)
+            });
+            worst.fold(0.0, f64::max)
+        };
+        self.groups.iter().zip(&parts.groups).map(of_group).fold(0.0, f64::max)
+    }
+}
+
+/// The length of a map's errors at the farthest point of its rest box.
+fn distance(rows: &[[f64; 4]; 3], x: &[f64; 3]) -> f64 {
+    let along = |row: &[f64; 4]| row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3];
+    rows.iter().map(|row| along(row).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Bounds the error of an f32 evaluation of a group at an input, entry by entry.
+fn rounding(group: &Group, baked: &bake::Group, input: &[f64]) -> Vec<f64> {
+    let Value { outputs, confidence } = group.map.evaluate(input);
+    let (errors, of_confidence) = group.map.error(input);
+    // A sum of r products, the fade, and the product with the joint's rotation.
+    let own = (baked.rank as f64 + 6.0) * U * confidence + of_confidence;
+    let latents: Vec<f64> =
+        outputs.iter().zip(&errors).map(|(z, e)| own * z.abs() + confidence * e).collect();
+    let entry = |row: &[f64]| row.iter().zip(&latents).map(|(b, z)| b.abs() * z).sum();
+    baked.outputs.chunks(baked.rank.max(1)).map(entry).collect()
+}
+
+/// Lists samples (columns), then as many random points of the box around them.
+fn with_box(samples: &Mat<f64>) -> impl Iterator<Item = Vec<f64>> + '_ {
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+    let ranges: Vec<(f64, f64)> = samples
+        .row_iter()
+        .map(|row| row.iter().fold((0.0f64, 0.0f64), |(a, b), &x| (a.min(x), b.max(x))))
+        .collect();
+    let within = move |_| {
+        ranges.iter().map(|&(a, b)| a + (b - a) * random.random_range(0.0..=1.0)).collect()
+    };
+    let columns = samples.col_iter().map(|x| x.iter().copied().collect());
+    columns.chain((0..samples.ncols()).map(within))
+}
+
+fn row_major(m: &Mat<f64>) -> Vec<f64> {
+    m.row_iter().flat_map(|row| row.iter()).copied().collect()
+}
+
+/// Restates a group for lengths and positions of the input: about the centre o, a correction
+/// `[L | t]` in units u adds `L (x - o) + u t`.
+fn baked(group: &Group, training: &Training) -> bake::Group {
+    let [ox, oy, oz] = training.centre;
+    let input = |input: &Input| {
+        let unit = if input.is_displacement() { training.unit } else { 1.0 };
+        (input.feature, input.weight / unit)
+    };
+    let outputs = Mat::from_fn(group.outputs.nrows(), group.outputs.ncols(), |row, z| {
+        let own = |c: usize| group.outputs[(row - row % 4 + c, z)];
+        match row % 4 {
+            3 => training.unit * own(3) - (own(0) * ox + own(1) * oy + own(2) * oz),
+            c => own(c),
+        }
+    });
+    bake::Group {
+        joint: group.joint,
+        kernel: group.map.kernel,
+        proxies: group.proxies.len(),
+        inputs: group.inputs.iter().map(input).collect(),
+        centres: group.map.centres.col_iter().map(|t| t.iter().copied().collect()).collect(),
+        rank: group.outputs.ncols(),
+        coefficients: row_major(&group.map.coefficients),
+        outputs: row_major(&outputs),
+        fade: (group.map.fade.start, group.map.fade.end),
+    }
+}

@@ -1,0 +1,294 @@
+//! The candidates for a group's kernel map, chosen by folds of the training poses.
+
+use super::super::motion::Poses;
+use super::correction::{Group, Target};
+use super::features::{Input, Joints};
+use super::fit::map_of;
+use super::metric::Metric;
+use crate::kernel::function::SMOOTHEST_FIRST;
+use crate::kernel::map::KernelMap;
+use crate::kernel::ridge::{Choice, Fitted, Outputs, Samples, Trial, WIDTHS};
+use faer::Mat;
+use nalgebra::Matrix3;
+use serde::Serialize;
+use sinew_runtime::kernel::Kernel;
+use std::ops::Range;
+
+/// Candidate hops, the fewest inputs first.
+const HOPS: [usize; 3] = [1, 2, 3];
+/// Candidate numbers of centres beside the origin, and the most.
+const CENTRES: [usize; 6] = [8, 16, 32, 64, 128, 256];
+/// A choice that is simpler is taken where it scores within this of the best.
+const SIMPLER: f64 = 1.02;
+/// Share of the outputs' squared size that no latent output carries.
+const NEGLIGIBLE: f64 = 1e-7;
+/// Largest bound on what rounding to f32 may add to the training poses, RMS over the skin in
+/// diagonals. The bound takes the worst of every rounding; what is seen is some fiftieth.
+const PRECISE: f64 = 5e-3;
+
+/// How a group's map was chosen.
+#[derive(Clone, Debug, Serialize)]
+pub struct GroupReport {
+    /// The group's joint.
+    pub joint: usize,
+    /// Its proxies.
+    pub proxies: usize,
+    /// Hops of the joints that it listens to.
+    pub hops: usize,
+    /// Inputs.
+    pub inputs: usize,
+    /// What its map is fitted with; none where there is no map.
+    pub choice: Option<Choice>,
+    /// Latent outputs.
+    pub rank: usize,
+    /// Bytes that its map takes.
+    pub bytes: usize,
+    /// Score without a map: squared distances of a fold, in a mean over the folds.
+    pub before: f64,
+    /// Score of the map, cross-validated.
+    pub after: f64,
+}
+
+/// Sizes of a group's map to choose from.
+pub struct Candidates {
+    joint: usize,
+    proxies: Range<usize>,
+    hops: usize,
+    inputs: Vec<Input>,
+    metric: Metric,
+    directions: Mat<f64>,
+    outputs: Outputs,
+    before: f64,
+    /// By ascending bytes and descending score; the first is no map.
+    pub sizes: Vec<Size>,
+    /// The one to take where there is room.
+    pub preferred: usize,
+}
+
+/// A size of a map.
+#[derive(Clone)]
+pub struct Size {
+    trial: Option<Trial>,
+    rank: usize,
+    /// Bytes in the file.
+    pub bytes: usize,
+    /// Its score, the lower the better.
+    pub score: f64,
+}
+
+impl Candidates {
+    /// Tries all there is to choose for some proxies of one dominant joint.
+    pub fn new(target: &Target<'_>, proxies: Range<usize>, blocks: &[Range<usize>]) -> Self {
+        let Target { poses, joints, .. } = *target;
+        let joint = target.dominant[proxies.start];
+        let metric = Metric::new(target.gram, &proxies);
+        let seen = |left_over: &Mat<f64>| metric.weigh(&local(left_over, poses, joint, &proxies));
+        let all = seen(target.left_over);
+        let directions = leading(&all);
+        let outputs = Outputs {
+            all: &all * &directions,
+            blocks: blocks.to_vec(),
+            without: target.without.iter().map(|m| seen(m) * &directions).collect(),
+        };
+        let sizes = outputs.sizes();
+        let nothing = Size { trial: None, rank: 0, bytes: 0, score: sizes.iter().sum() };
+        let before = nothing.score;
+        let mut found = vec![nothing];
+        let (mut hops, mut inputs) = (0, Vec::new());
+        if let Some((own_hops, own_inputs, samples)) = listen(&outputs, poses, joints, joint) {
+            found.extend(choose(&samples, &sizes, proxies.len()));
+            (hops, inputs) = (own_hops, own_inputs);
+        }
+        let sizes = undominated(found);
+        let least = sizes.last().map_or(0.0, |size| size.score);
+        let preferred = sizes.iter().position(|s| s.score <= SIMPLER * least).unwrap_or(0);
+        Self { joint, proxies, hops, inputs, metric, directions, outputs, before, sizes, preferred }
+    }
+
+    /// Returns a group without a map.
+    pub fn nothing(&self) -> Group {
+        Group {
+            joint: self.joint,
+            proxies: self.proxies.clone(),
+            inputs: Vec::new(),
+            map: KernelMap::nothing(),
+            outputs: Mat::zeros(12 * self.proxies.len(), 0),
+        }
+    }
+
+    /// Fits a size; also gives what each pose's latent outputs are predicted to be without its
+    /// fold, n x r.
+    pub fn fit(&self, target: &Target<'_>, size: &Size) -> (Group, GroupReport, Mat<f64>) {
+        let Target { poses, joints, .. } = *target;
+        let mut report = GroupReport {
+            joint: self.joint,
+            proxies: self.proxies.len(),
+            hops: 0,
+            inputs: 0,
+            choice: None,
+            rank: 0,
+            bytes: 0,
+            before: self.before,
+            after: self.before,
+        };
+        let mut group = self.nothing();
+        let values = joints.evaluate(poses, &self.inputs);
+        let fitted = size
+            .trial
+            .as_ref()
+            .zip(Samples::new(values, &self.outputs))
+            .and_then(|(trial, samples)| precise(&samples, trial, size.rank, target.vertices));
+        let Some(Fitted { map, scale, predicted }) = fitted else {
+            return (group, report, Mat::zeros(poses.len(), 0));
+        };
+        let scaled = |input: &Input| Input { weight: scale * input.weight, ..*input };
+        group.inputs = self.inputs.iter().map(scaled).collect();
+        group.map = map;
+        group.outputs = self.metric.unweigh(&self.directions.subcols(0, size.rank).to_owned());
+        report.hops = self.hops;
+        report.inputs = self.inputs.len();
+        report.choice = size.trial.as_ref().map(|trial| trial.choice);
+        report.rank = size.rank;
+        report.bytes = size.bytes;
+        report.after = size.score;
+        (group, report, predicted)
+    }
+}
+
+/// Chooses the joints to listen to, by the smoothest kernel with as many centres as may be.
+fn listen<'a>(
+    outputs: &'a Outputs,
+    poses: &Poses,
+    joints: Joints<'_>,
+    joint: usize,
+) -> Option<(usize, Vec<Input>, Samples<'a>)> {
+    let mut tried = Vec::<(f64, usize, Vec<Input>, Samples<'a>)>::new();
+    for hops in HOPS {
+        let inputs = joints.inputs(poses, joint, hops);
+        if tried.last().is_some_and(|last| last.2 == inputs) {
+            continue;
+        }
+        let samples = Samples::new(joints.evaluate(poses, &inputs), outputs);
+        let Some(samples) = samples else { continue };
+        if let Some(best) = widest(&samples, Kernel::Gaussian) {
+            tried.push((best.score(), hops, inputs, samples));
+        }
+    }
+    let least = tried.iter().map(|t| t.0).min_by(f64::total_cmp)?;
+    let (_, hops, inputs, samples) = tried.into_iter().find(|t| t.0 <= SIMPLER * least)?;
+    Some((hops, inputs, samples))
+}
+
+/// Chooses kernel and width; returns every number of centres and rank with them.
+fn choose(samples: &Samples<'_>, nothing: &[f64], proxies: usize) -> Vec<Size> {
+    let of_kernels: Vec<Trial> =
+        SMOOTHEST_FIRST.into_iter().filter_map(|kernel| widest(samples, kernel)).collect();
+    let least = of_kernels.iter().map(Trial::score).fold(f64::INFINITY, f64::min);
+    let Some(best) = of_kernels.iter().find(|t| t.score() <= SIMPLER * least) else {
+        return Vec::new();
+    };
+    let Choice { kernel, width, .. } = best.choice;
+    let most = most_centres(samples);
+    let counts: Vec<usize> = CENTRES.into_iter().filter(|&c| c < most).chain([most]).collect();
+    let mut sizes = Vec::new();
+    for trial in samples.attempt(kernel, width, &counts) {
+        for rank in 1..=nothing.len() {
+            let centres = trial.choice.centres + 1;
+            let left: f64 = nothing[rank..].iter().sum();
+            sizes.push(Size {
+                rank,
+                bytes: bytes(samples.input_len(), centres, rank, proxies),
+                score: trial.scores[..rank].iter().sum::<f64>() + left,
+                trial: Some(trial.clone()),
+            });
+        }
+    }
+    sizes
+}
+
+/// The best width of a kernel with as many centres as may be.
+fn widest(samples: &Samples<'_>, kernel: Kernel) -> Option<Trial> {
+    let most = most_centres(samples);
+    let trials = WIDTHS.into_iter().flat_map(|width| samples.attempt(kernel, width, &[most]));
+    trials.min_by(|a, b| a.score().total_cmp(&b.score()))
+}
+
+fn most_centres(samples: &Samples<'_>) -> usize {
+    samples.len().min(CENTRES[CENTRES.len() - 1])
+}
+
+/// Sorts by bytes and leaves out what is no better than something smaller.
+fn undominated(mut sizes: Vec<Size>) -> Vec<Size> {
+    sizes.sort_by(|a, b| a.bytes.cmp(&b.bytes).then(a.score.total_cmp(&b.score)));
+    let mut least = f64::INFINITY;
+    sizes.retain(|size| {
+        let better = size.score < least;
+        least = least.min(size.score);
+        better
+    });
+    sizes
+}
+
+/// Fits a map, smoother where rounding to f32 would show.
+fn precise(samples: &Samples<'_>, trial: &Trial, rank: usize, vertices: usize) -> Option<Fitted> {
+    let mut trial = trial.clone();
+    loop {
+        let fitted = samples.fit(&trial, rank)?;
+        let square = |error: Vec<f64>| error.iter().map(|e| e * e).sum::<f64>();
+        let inputs = samples.scaled(fitted.scale);
+        let sum: f64 = inputs
+            .col_iter()
+            .map(|x| {
+                let x: Vec<f64> = x.iter().copied().collect();
+                square(fitted.map.error(&x).0)
+            })
+            .sum();
+        if (sum / (vertices * samples.len()) as f64).sqrt() <= PRECISE {
+            return Some(fitted);
+        }
+        if trial.ridges.iter().all(|&ridge| ridge > 1.0) {
+            return None;
+        }
+        trial = trial.smoother();
+    }
+}
+
+/// Bytes that a map adds to a group in the file (FORMAT.md): d inputs, n centres, r latent outputs,
+/// p proxies.
+fn bytes(d: usize, n: usize, r: usize, p: usize) -> usize {
+    let blocks = |x: usize| x.div_ceil(8);
+    32 * (2 * blocks(d) + blocks(n) * (d + 1) + blocks(r) * (n + d) + blocks(12 * p) * r)
+}
+
+/// What is left over of a group's maps, in its joint's frame: n x 12 a proxy, column
+/// `r 4h + 4 k + c` is entry r, c of proxy k's.
+fn local(left_over: &Mat<f64>, poses: &Poses, joint: usize, proxies: &Range<usize>) -> Mat<f64> {
+    let width = 4 * proxies.len();
+    let mut out = Mat::zeros(poses.len(), 3 * width);
+    for pose in 0..poses.len() {
+        let turn: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
+        for (k, proxy) in proxies.clone().enumerate() {
+            let map = turn.transpose() * map_of(left_over, pose, proxy);
+            for r in 0..3 {
+                for c in 0..4 {
+                    out[(pose, r * width + 4 * k + c)] = map[(r, c)];
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The leading right singular directions, all that are not negligible.
+fn leading(values: &Mat<f64>) -> Mat<f64> {
+    let Ok(svd) = values.thin_svd() else { return Mat::zeros(values.ncols(), 0) };
+    let s: Vec<f64> = svd.S().column_vector().iter().map(|s| s * s).collect();
+    let total: f64 = s.iter().sum();
+    let mut left = total;
+    let rank = s.iter().take_while(|&&s| {
+        let kept = left > NEGLIGIBLE * total && s > 0.0;
+        left -= s;
+        kept
+    });
+    svd.V().subcols(0, rank.count()).to_owned()
+}

@@ -1,0 +1,155 @@
+//! Pose features: what the kernel maps take for inputs (METHOD §1.9).
+
+use super::super::motion::Poses;
+use faer::Mat;
+use nalgebra::{Matrix3, Vector3};
+use serde::Serialize;
+
+/// Weight of a displacement, in diagonals, against a rotation's entries.
+const DISPLACEMENT: f64 = 3.0;
+/// Displacements that spread less than this (RMS, in weighted diagonals) are left out.
+const STILL: f64 = 3e-4;
+/// Entries of rotations that spread less than this (RMS) carry nothing.
+const CONSTANT: f64 = 1e-5;
+
+/// The joints' rest geometry, as the features see it.
+#[derive(Clone, Copy)]
+pub struct Joints<'a> {
+    /// Parent of each joint.
+    pub parents: &'a [Option<usize>],
+    /// Rest origin of each joint, as the training sees it.
+    pub origins: &'a [Vector3<f64>],
+}
+
+/// One weighted feature.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Input {
+    /// 12 j + 4 r + c: entry r, c of joint j's `[R - I | displacement]`.
+    pub feature: usize,
+    /// What it is multiplied by, in training units.
+    pub weight: f64,
+}
+
+impl Input {
+    /// Whether it is a coordinate of a displacement.
+    pub fn is_displacement(&self) -> bool {
+        self.feature % 4 == 3
+    }
+}
+
+impl Joints<'_> {
+    /// Lists the inputs that the joints within some hops of a joint give, those that vary over the
+    /// poses.
+    pub fn inputs(&self, poses: &Poses, joint: usize, hops: usize) -> Vec<Input> {
+        near(self.parents, joint, hops)
+            .into_iter()
+            .flat_map(|joint| {
+                let features: Vec<_> =
+                    (0..poses.len()).map(|i| self.feature(poses, i, joint)).collect();
+                let spread = |entry: usize| {
+                    let n = features.len().max(1) as f64;
+                    let mean = features.iter().map(|f| f[entry]).sum::<f64>() / n;
+                    (features.iter().map(|f| (f[entry] - mean).powi(2)).sum::<f64>() / n).sqrt()
+                };
+                let moves = [3, 7, 11].map(|entry| DISPLACEMENT * spread(entry)).into_iter();
+                let moves = moves.fold(0.0, f64::max) > STILL;
+                let entries: Vec<_> = (0..12)
+                    .filter(|&entry| if entry % 4 == 3 { moves } else { spread(entry) > CONSTANT })
+                    .collect();
+                entries.into_iter().map(move |entry| Input {
+                    feature: 12 * joint + entry,
+                    weight: if entry % 4 == 3 { DISPLACEMENT } else { 1.0 },
+                })
+            })
+            .collect()
+    }
+
+    /// Evaluates inputs in all poses, d x n.
+    pub fn evaluate(&self, poses: &Poses, inputs: &[Input]) -> Mat<f64> {
+        let mut out = Mat::zeros(inputs.len(), poses.len());
+        for pose in 0..poses.len() {
+            let mut last = None;
+            for (row, input) in inputs.iter().enumerate() {
+                let joint = input.feature / 12;
+                let feature = match last {
+                    Some((known, feature)) if known == joint => feature,
+                    _ => self.feature(poses, pose, joint),
+                };
+                out[(row, pose)] = input.weight * feature[input.feature % 12];
+                last = Some((joint, feature));
+            }
+        }
+        out
+    }
+
+    /// Relative rotation minus I and, last in each row, the displacement of the joint's origin in
+    /// its parent's frame; zero for the root.
+    fn feature(&self, poses: &Poses, pose: usize, joint: usize) -> [f64; 12] {
+        let Some(parent) = self.parents[joint] else { return [0.0; 12] };
+        let inverse = poses.parent_rotation(pose, joint).transpose();
+        let own: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
+        let turn = inverse * own - Matrix3::identity();
+        let at = |j: usize| poses.map(pose, j) * self.origins[j].push(1.0);
+        let apart = inverse * (at(joint) - at(parent));
+        let moved = apart - (self.origins[joint] - self.origins[parent]);
+        std::array::from_fn(|k| match (k / 4, k % 4) {
+            (r, 3) => moved[r],
+            (r, c) => turn[(r, c)],
+        })
+    }
+}
+
+/// Joints within some hops of a joint, the root left out; all of them where that leaves none.
+fn near(parents: &[Option<usize>], joint: usize, hops: usize) -> Vec<usize> {
+    let mut found = vec![false; parents.len()];
+    found[joint] = true;
+    for _ in 0..hops {
+        let last = found.clone();
+        for (child, parent) in parents.iter().enumerate() {
+            if let Some(parent) = *parent {
+                found[child] |= last[parent];
+                found[parent] |= last[child];
+            }
+        }
+    }
+    let turning = |j: &usize| parents[*j].is_some();
+    let listens: Vec<usize> = (0..parents.len()).filter(|j| found[*j] && turning(j)).collect();
+    if listens.is_empty() { (0..parents.len()).filter(turning).collect() } else { listens }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{DemoOptions, demo};
+
+    #[test]
+    fn hops_run_along_the_tree_both_ways() {
+        let chain = [None, Some(0), Some(1), Some(2), Some(1)];
+        assert_eq!(near(&chain, 2, 1), [1, 2, 3]);
+        assert_eq!(near(&chain, 2, 2), [1, 2, 3, 4]);
+        assert_eq!(near(&chain, 0, 0), [1, 2, 3, 4], "the root alone hears nothing");
+    }
+
+    #[test]
+    fn what_never_varies_is_no_input() {
+        let mut examples = demo(&DemoOptions { vertices: 200, poses: 12, held_out: 0, seed: 3 });
+        let frames: Vec<usize> = (0..examples.frame_len()).collect();
+        let inputs = |examples: &crate::examples::Examples| {
+            let origins: Vec<_> = examples
+                .skeleton
+                .rest
+                .iter()
+                .map(|m| Vector3::new(m[0][3], m[1][3], m[2][3]))
+                .collect();
+            let joints = Joints { parents: &examples.skeleton.parents, origins: &origins };
+            joints.inputs(&Poses::new(examples, &frames), examples.skeleton.root(), 9)
+        };
+        assert!(inputs(&examples).len() > 9);
+        examples.transforms.fill([
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0],
+        ]);
+        assert!(inputs(&examples).is_empty());
+    }
+}
