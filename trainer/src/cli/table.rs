@@ -30,6 +30,9 @@ pub(super) fn report(report: &Report) -> String {
 }
 
 fn kind(candidate: &CandidateReport) -> String {
+    if candidate.proxies == 0 {
+        return "joints alone (LBS)".to_owned();
+    }
     let published = if candidate.refined == Some(false) { ", as published" } else { "" };
     format!("{}{published}", candidate.predictor)
 }

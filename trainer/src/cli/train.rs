@@ -39,8 +39,8 @@ pub(super) struct FitArguments {
     /// What predicts the palette from the pose
     #[arg(long, value_enum, default_value_t = Predictor::Auto)]
     predictor: Predictor,
-    /// Number of proxies, or of helpers beside the joints [default: cross-validation chooses among
-    /// half of, all of, and twice 40, or the number of joints where that is greater]
+    /// Number of proxies, or of helpers beside the joints [default: chosen by
+    /// cross-validation, from half to twice the number of joints, or of 40 where that is greater]
     #[arg(long, value_name = "P", value_parser = proxies(), allow_negative_numbers = true)]
     #[arg(conflicts_with = "max_error")]
     proxies: Option<usize>,
@@ -56,8 +56,8 @@ pub(super) struct FitArguments {
     /// training meshes
     #[arg(long)]
     published: bool,
-    /// Most bytes of the model's file; the mesh itself takes 48 a vertex, 16 more where it has
-    /// texture coordinates
+    /// Most bytes of the model's file; of them the mesh takes 48 a vertex with 4 influences, 16
+    /// more with texture coordinates
     #[arg(long, value_name = "BYTES", value_parser = budget(), allow_negative_numbers = true)]
     budget: Option<usize>,
 }

@@ -113,6 +113,9 @@ pub fn choose(
         candidates: Vec::new(),
         least_bytes: usize::MAX,
     };
+    if options.predictor == Predict::Auto && options.proxies.is_none() {
+        choice.joints_alone()?;
+    }
     let counts = proxy_counts(training, options);
     for (number, count) in counts.iter().enumerate() {
         progress.part(number + 1, counts.len());
@@ -166,16 +169,22 @@ impl Choice<'_> {
                 influences: self.options.influences,
                 refine: self.options.refine,
             };
-            let fitted = rotational::fit(self.training, &options, self.progress)?;
-            proxies = ProxyCount::Fixed(fitted.keys.len());
-            if wanted(Predictor::Rotational) {
-                self.rotational(&fitted)?;
-            }
-            if wanted(Predictor::Hybrid) {
-                self.hybrid(&fitted, &fitted.published, Some(false))?;
-                if let Some(refined) = &fitted.refined {
-                    self.hybrid(&fitted, refined, Some(true))?;
+            match rotational::fit(self.training, &options, self.progress) {
+                Ok(fitted) => {
+                    proxies = ProxyCount::Fixed(fitted.keys.len());
+                    if wanted(Predictor::Rotational) {
+                        self.rotational(&fitted)?;
+                    }
+                    if wanted(Predictor::Hybrid) {
+                        self.hybrid(&fitted, &fitted.published, Some(false))?;
+                        if let Some(refined) = &fitted.refined {
+                            self.hybrid(&fitted, refined, Some(true))?;
+                        }
+                    }
                 }
+                // Helpers need no reconstruction.
+                Err(FitError::Singular) if wanted(Predictor::Kernel) => {}
+                Err(error) => return Err(error.into()),
             }
         }
         if wanted(Predictor::Kernel) {
@@ -215,22 +224,24 @@ impl Choice<'_> {
             ProxyCount::Fixed(count) => fit::fit(self.training, count, influences),
             ProxyCount::MaxError(limit) => self.fewest_helpers(limit)?,
         };
-        let Some(helpers) = helpers else {
-            // Nothing to help: the joints alone.
-            let fitted = Fitted {
-                weights: self.training.lbs.weights.clone(),
-                base: Base::Joints(Vec::new()),
-                groups: Vec::new(),
-            };
-            let bytes = self.bytes(&fitted)?;
-            let palette = self.training.poses.stacked();
-            let fits = bytes <= self.budget();
-            self.add(fitted, None, fits.then_some((bytes, &palette, Vec::new())), None);
-            return Ok(());
-        };
+        let Some(helpers) = helpers else { return self.joints_alone() };
         let fitted = helpers.fitted();
         let base = fitted.palette(self.training, &self.training.poses);
         self.corrected(fitted, &helpers.target(self.training), &base, None, None)
+    }
+
+    /// Plain LBS: a palette of joints without helpers.
+    fn joints_alone(&mut self) -> Result<(), TrainError> {
+        let fitted = Fitted {
+            weights: self.training.lbs.weights.clone(),
+            base: Base::Joints(Vec::new()),
+            groups: Vec::new(),
+        };
+        let bytes = self.bytes(&fitted)?;
+        let palette = self.training.poses.stacked();
+        let fits = bytes <= self.budget();
+        self.add(fitted, None, fits.then_some((bytes, &palette, Vec::new())), None);
+        Ok(())
     }
 
     /// Doubles the helpers until their true maps come as near as asked; none where LBS does.

@@ -196,6 +196,25 @@ fn each_predictor_can_be_asked_for_and_the_file_keeps_to_its_budget() {
 }
 
 #[test]
+fn auto_falls_back_to_the_joints_alone_where_bytes_are_few() {
+    let folder = Folder::with_demo("joints-alone");
+    let free = folder.sinew("train demo.npz -o free.sinew --json").json();
+    let candidates = free["report"]["candidates"].as_array().unwrap();
+    let proxies = |candidate: &Value| candidate["proxies"].as_u64().unwrap();
+    assert_eq!((proxies(&candidates[0]), candidates[0]["predictor"].as_str()), (0, Some("kernel")));
+    let counts: Vec<_> = candidates.iter().map(proxies).filter(|&p| p > 0).collect();
+    assert!([20, 40, 80].iter().all(|count| counts.contains(count)), "{counts:?}");
+    assert!(proxies(&candidates[free["report"]["chosen"].as_u64().unwrap() as usize]) > 0);
+
+    let bytes = candidates[0]["bytes"].as_u64().unwrap();
+    folder.sinew(&format!("train demo.npz -o few.sinew --budget {bytes}")).done();
+    assert_eq!(folder.read("few.sinew").len() as u64, bytes);
+    let found = folder.sinew("eval few.sinew demo.npz --json").json();
+    let [model, lbs] = [&found, &found["lbs"]].map(|errors| number(&errors["rms"]));
+    assert!((model / lbs - 1.0).abs() < 1e-3, "{model} {lbs}");
+}
+
+#[test]
 fn inspect_accounts_for_every_byte_and_repeats_the_record() {
     let folder = Folder::with_demo("inspect");
     let record = folder.sinew(&format!("{TRAIN} --json")).json();

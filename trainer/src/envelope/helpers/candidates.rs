@@ -11,6 +11,7 @@ use crate::kernel::ridge::{Choice, Fitted, Outputs, Samples, Trial, WIDTHS};
 use faer::Mat;
 use nalgebra::Matrix3;
 use serde::Serialize;
+use sinew_runtime::format::GroupRow;
 use sinew_runtime::kernel::Kernel;
 use std::ops::Range;
 
@@ -253,11 +254,22 @@ fn precise(samples: &Samples<'_>, trial: &Trial, rank: usize, vertices: usize) -
     }
 }
 
-/// Bytes that a map adds to a group in the file (FORMAT.md): d inputs, n centres, r latent outputs,
-/// p proxies.
+/// Bytes that a map of d inputs, n centres and r latent outputs for p proxies adds to the file.
 fn bytes(d: usize, n: usize, r: usize, p: usize) -> usize {
-    let blocks = |x: usize| x.div_ceil(8);
-    32 * (2 * blocks(d) + blocks(n) * (d + 1) + blocks(r) * (n + d) + blocks(12 * p) * r)
+    let narrow = |len: usize| u16::try_from(len).unwrap_or(u16::MAX);
+    let row = GroupRow {
+        joint: 0,
+        kernel: 0,
+        reserved: 0,
+        input_len: narrow(d),
+        centre_len: narrow(n),
+        rank: narrow(r),
+        proxy_len: narrow(p),
+        offset: 0,
+        fade_start: 0.0,
+        fade_end: 0.0,
+    };
+    4 * row.words() as usize
 }
 
 /// What is left over of a group's maps, in its joint's frame: n x 12 a proxy, column
