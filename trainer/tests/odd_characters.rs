@@ -145,3 +145,18 @@ fn parts_that_share_no_vertex_train_together() {
         assert!(found.errors.rms_percent < found.lbs.rms_percent, "{predictor:?} {found:?}");
     }
 }
+
+#[test]
+fn a_skeleton_of_one_joint_trains() {
+    let mut examples = arm();
+    let (joints, root) = (examples.joint_len(), examples.skeleton.root());
+    examples.transforms = examples.transforms.chunks(joints).map(|pose| pose[root]).collect();
+    let skeleton = &mut examples.skeleton;
+    skeleton.names = vec![skeleton.names[root].clone()];
+    skeleton.rest = vec![skeleton.rest[root]];
+    skeleton.parents = vec![None];
+    for predictor in ALL.into_iter().chain([Predict::Auto]) {
+        let found = measured(&examples, predictor, 8, Split::HeldOut);
+        assert!(found.errors.rms <= 1.1 * found.lbs.rms, "{predictor:?} {found:?}");
+    }
+}

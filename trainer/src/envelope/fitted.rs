@@ -6,13 +6,12 @@ use super::helpers::features::Input;
 use super::motion::Poses;
 use super::rotational::predictor::{GradientPredictor, predict_stacked};
 use super::rotational::reduce::Reduced;
+use super::rounding;
 use super::training::Training;
 use crate::bake::{self, EnvelopeParts, Key, Reconstruction};
 use crate::examples::Examples;
-use crate::kernel::map::{U, Value};
 use faer::Mat;
 use nalgebra::Matrix3;
-use rand::{RngExt, SeedableRng};
 use sinew_runtime::format::{Certificate, Predictor};
 
 /// A fitted envelope, in training units.
@@ -103,7 +102,7 @@ impl Fitted {
                 correction_error: 0.0,
             },
         };
-        parts.certificate.correction_error = self.rounding(training, &parts) as f32;
+        parts.certificate.correction_error = rounding::farthest(self, training, &parts) as f32;
         parts
     }
 
@@ -124,64 +123,6 @@ impl Fitted {
             c2: row_major(&reduced.c2),
         })
     }
-
-    /// The farthest that rounding of the correction to f32 may move a vertex (METHOD §2.7), over the
-    /// training poses and as many random ones within their box, in units of the input.
-    fn rounding(&self, training: &Training, parts: &EnvelopeParts) -> f64 {
-        let first = match self.base {
-            Base::Joints(_) => training.poses.joint_len(),
-            Base::Reconstruction(..) => 0,
-        };
-        let mut reach = vec![[0.0f64; 3]; first + self.proxies()];
-        for (influences, x) in parts.influences.iter().zip(&parts.rest_positions) {
-            for &(map, _) in influences {
-                reach[map].iter_mut().zip(x).for_each(|(most, x)| *most = most.max(x.abs()));
-            }
-        }
-        let of_group = |(group, baked): (&Group, &bake::Group)| {
-            let samples = training.joints().evaluate(&training.poses, &group.inputs);
-            let reach = &reach[first + group.proxies.start..];
-            let worst = with_box(&samples).map(|input| {
-                let errors = rounding(group, baked, &input);
-                let moved = errors.as_chunks::<4>().0.as_chunks::<3>().0.iter().zip(reach);
-                moved.map(|(rows, x)| distance(rows, x)).fold(0.0, f64::max)
-            });
-            worst.fold(0.0, f64::max)
-        };
-        self.groups.iter().zip(&parts.groups).map(of_group).fold(0.0, f64::max)
-    }
-}
-
-/// The length of a map's errors at the farthest point of its rest box.
-fn distance(rows: &[[f64; 4]; 3], x: &[f64; 3]) -> f64 {
-    let along = |row: &[f64; 4]| row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3];
-    rows.iter().map(|row| along(row).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Bounds the error of an f32 evaluation of a group at an input, entry by entry.
-fn rounding(group: &Group, baked: &bake::Group, input: &[f64]) -> Vec<f64> {
-    let Value { outputs, confidence } = group.map.evaluate(input);
-    let (errors, of_confidence) = group.map.error(input);
-    // A sum of r products, the fade, and the product with the joint's rotation.
-    let own = (baked.rank as f64 + 6.0) * U * confidence + of_confidence;
-    let latents: Vec<f64> =
-        outputs.iter().zip(&errors).map(|(z, e)| own * z.abs() + confidence * e).collect();
-    let entry = |row: &[f64]| row.iter().zip(&latents).map(|(b, z)| b.abs() * z).sum();
-    baked.outputs.chunks(baked.rank.max(1)).map(entry).collect()
-}
-
-/// Lists samples (columns), then as many random points of the box around them.
-fn with_box(samples: &Mat<f64>) -> impl Iterator<Item = Vec<f64>> + '_ {
-    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
-    let ranges: Vec<(f64, f64)> = samples
-        .row_iter()
-        .map(|row| row.iter().fold((0.0f64, 0.0f64), |(a, b), &x| (a.min(x), b.max(x))))
-        .collect();
-    let within = move |_| {
-        ranges.iter().map(|&(a, b)| a + (b - a) * random.random_range(0.0..=1.0)).collect()
-    };
-    let columns = samples.col_iter().map(|x| x.iter().copied().collect());
-    columns.chain((0..samples.ncols()).map(within))
 }
 
 fn row_major(m: &Mat<f64>) -> Vec<f64> {

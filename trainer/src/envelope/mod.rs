@@ -8,6 +8,7 @@ pub mod helpers;
 pub mod motion;
 pub mod oracle;
 pub mod rotational;
+mod rounding;
 pub mod simplex;
 pub mod so3;
 pub mod training;

@@ -1,0 +1,119 @@
+//! How far rounding of the correction to f32 may move a vertex (METHOD §2.7).
+
+use super::fitted::{Base, Fitted};
+use super::helpers::correction::Group;
+use super::training::Training;
+use crate::bake::EnvelopeParts;
+use crate::kernel::map::{U, Value};
+use faer::Mat;
+use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
+
+/// Bounds the farthest that rounding may move any vertex, over the training poses and as many random
+/// ones within their box, in units of the input.
+pub(super) fn farthest(fitted: &Fitted, training: &Training, parts: &EnvelopeParts) -> f64 {
+    let first = match fitted.base {
+        Base::Joints(_) => training.poses.joint_len(),
+        Base::Reconstruction(..) => 0,
+    };
+    let errors: Vec<Vec<Latents>> =
+        fitted.groups.par_iter().map(|group| latents(group, training)).collect();
+    let inputs = errors.first().map_or(0, Vec::len);
+    let of_vertex = |v: usize| {
+        let x = parts.rest_positions[v];
+        let followed = follow(fitted, parts, first, &parts.influences[v], [x[0], x[1], x[2], 1.0]);
+        let at = |input: usize| {
+            let moved = |r: usize| -> f64 {
+                let of = |(group, moves): &(usize, Vec<Moves>)| -> f64 {
+                    let latents = errors[*group][input].iter().zip(moves);
+                    latents.map(|(own, m)| m.sum[r].abs() * own.error + m.size[r] * own.own).sum()
+                };
+                followed.iter().map(of).sum()
+            };
+            (0..3).map(|r| moved(r).powi(2)).sum::<f64>().sqrt()
+        };
+        (0..inputs).map(at).fold(0.0, f64::max)
+    };
+    let all: Vec<f64> = (0..parts.rest_positions.len()).into_par_iter().map(of_vertex).collect();
+    all.into_iter().fold(0.0, f64::max)
+}
+
+/// What rounding does to a latent output at one input.
+struct Latent {
+    /// To the output itself, faded.
+    error: f64,
+    /// To each term that it is multiplied into.
+    own: f64,
+}
+
+type Latents = Vec<Latent>;
+
+/// How a latent output moves a vertex: as its terms add up, and with all of them taken as positive.
+#[derive(Clone, Default)]
+struct Moves {
+    sum: [f64; 3],
+    size: [f64; 3],
+}
+
+/// The errors of a group's latent outputs at every input.
+fn latents(group: &Group, training: &Training) -> Vec<Latents> {
+    let samples = training.joints().evaluate(&training.poses, &group.inputs);
+    let at = |input: Vec<f64>| {
+        let Value { outputs, confidence } = group.map.evaluate(&input);
+        let (errors, of_confidence) = group.map.error(&input);
+        // A sum of r products, the fade, and the product with the joint's rotation.
+        let own = (outputs.len() as f64 + 6.0) * U * confidence;
+        let latent = |(z, error): (&f64, &f64)| Latent {
+            error: confidence * error + of_confidence * z.abs(),
+            own: own * z.abs(),
+        };
+        outputs.iter().zip(&errors).map(latent).collect()
+    };
+    with_box(&samples).map(at).collect()
+}
+
+/// Lists the groups that a vertex follows, and how their latent outputs move it.
+fn follow(
+    fitted: &Fitted,
+    parts: &EnvelopeParts,
+    first: usize,
+    influences: &[(usize, f64)],
+    x: [f64; 4],
+) -> Vec<(usize, Vec<Moves>)> {
+    let mut out = Vec::<(usize, Vec<Moves>)>::new();
+    for &(map, alpha) in influences {
+        let Some(proxy) = map.checked_sub(first) else { continue };
+        let owner = fitted.groups.iter().position(|group| group.proxies.contains(&proxy));
+        let Some(owner) = owner else { continue };
+        let (group, rank) = (&parts.groups[owner], parts.groups[owner].rank);
+        let rows = &group.outputs[12 * (proxy - fitted.groups[owner].proxies.start) * rank..];
+        let at = out.iter().position(|known| known.0 == owner).unwrap_or_else(|| {
+            out.push((owner, vec![Moves::default(); rank]));
+            out.len() - 1
+        });
+        for (z, moves) in out[at].1.iter_mut().enumerate() {
+            for r in 0..3 {
+                for (c, x) in x.iter().enumerate() {
+                    let term = alpha * rows[(4 * r + c) * rank + z] * x;
+                    moves.sum[r] += term;
+                    moves.size[r] += term.abs();
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Lists samples (columns), then as many random points of the box around them.
+fn with_box(samples: &Mat<f64>) -> impl Iterator<Item = Vec<f64>> + '_ {
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+    let ranges: Vec<(f64, f64)> = samples
+        .row_iter()
+        .map(|row| row.iter().fold((0.0f64, 0.0f64), |(a, b), &x| (a.min(x), b.max(x))))
+        .collect();
+    let within = move |_| {
+        ranges.iter().map(|&(a, b)| a + (b - a) * random.random_range(0.0..=1.0)).collect()
+    };
+    let columns = samples.col_iter().map(|x| x.iter().copied().collect());
+    columns.chain((0..samples.ncols()).map(within))
+}
