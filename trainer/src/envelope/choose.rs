@@ -1,12 +1,12 @@
 //! The choice of predictor and number of proxies by cross-validation inside the training split
 //! (METHOD §1.9).
 
-use super::fitted::{Base, Fitted};
+use super::fitted::{Base, Fitted, corrected};
 use super::helpers::candidates::GroupReport;
 use super::helpers::correction::{Search, Target};
 use super::helpers::fit::{self, Helpers};
 use super::rotational::proxies::ProxyCount;
-use super::rotational::validation::{Targets, folds};
+use super::rotational::validation::folds;
 use super::rotational::{self, Reconstruction, Rotational};
 use super::training::Training;
 use super::{FitError, Options, Predict, TrainError};
@@ -98,11 +98,7 @@ pub fn choose(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<(Vec<u8>, Report), TrainError> {
-    let lbs = Targets {
-        rest: &training.rest,
-        weights: &training.lbs.weights,
-        trajectories: &training.trajectories,
-    };
+    let lbs = training.targets(&training.lbs.weights);
     let mut choice = Choice {
         training,
         examples,
@@ -246,7 +242,6 @@ impl Choice<'_> {
 
     /// Doubles the helpers until their true maps come as near as asked; none where LBS does.
     fn fewest_helpers(&self, limit: f64) -> Result<Option<Helpers>, FitError> {
-        let Training { rest, trajectories, poses, .. } = self.training;
         if self.lbs_rms <= limit {
             return Ok(None);
         }
@@ -255,8 +250,8 @@ impl Choice<'_> {
         loop {
             let helpers = fit::fit(self.training, count, self.options.influences);
             let Some(helpers) = helpers else { return Ok(None) };
-            let targets = Targets { rest, weights: &helpers.weights, trajectories };
-            let reached = targets.rms(&helpers.true_palette(poses));
+            let palette = helpers.true_palette(&self.training.poses);
+            let reached = self.training.targets(&helpers.weights).rms(&palette);
             if reached <= limit {
                 return Ok(Some(helpers));
             }
@@ -287,11 +282,7 @@ impl Choice<'_> {
             return Ok(());
         };
         fitted.groups = correction.groups;
-        let mut palette = validated.clone();
-        let added = correction.validated;
-        let first = palette.ncols() - added.ncols();
-        let mut proxies = palette.subcols_mut(first, added.ncols());
-        proxies += added;
+        let palette = corrected(validated.clone(), &correction.validated);
         let bytes = without + correction.bytes;
         self.add(fitted, refined, Some((bytes, &palette, correction.reports)), report);
         Ok(())
@@ -313,12 +304,7 @@ impl Choice<'_> {
             groups: Vec::new(),
         };
         if let Some((bytes, palette, groups)) = fits {
-            let targets = Targets {
-                rest: &self.training.rest,
-                weights: &fitted.weights,
-                trajectories: &self.training.trajectories,
-            };
-            let validated_rms = targets.rms(palette);
+            let validated_rms = self.training.targets(&fitted.weights).rms(palette);
             (report.bytes, report.validated_rms) = (Some(bytes), Some(validated_rms));
             report.groups = groups;
             let rotational = rotational.cloned();
@@ -352,12 +338,8 @@ impl Choice<'_> {
         let (kind, most) = (of(best), FEWER * best.validated_rms);
         let mut alike = candidates.iter().filter(|c| of(c) == kind && c.validated_rms <= most);
         let chosen = alike.next().unwrap_or(best);
-        let targets = Targets {
-            rest: &training.rest,
-            weights: &chosen.fitted.weights,
-            trajectories: &training.trajectories,
-        };
-        let training_rms = targets.rms(&chosen.fitted.palette(training, &training.poses));
+        let palette = chosen.fitted.palette(training, &training.poses);
+        let training_rms = training.targets(&chosen.fitted.weights).rms(&palette);
         let certificate = Certificate {
             training_rms: training_rms as f32,
             cross_validated_rms: chosen.validated_rms as f32,

@@ -52,7 +52,7 @@ impl Fitted {
 
     /// The palette of n poses, 3n x 4 a map.
     pub fn palette(&self, training: &Training, poses: &Poses) -> Mat<f64> {
-        let mut palette = match &self.base {
+        let base = match &self.base {
             Base::Joints(dominant) => {
                 let joints = poses.stacked();
                 let helpers = super::helpers::fit::bases(&joints, dominant);
@@ -62,12 +62,7 @@ impl Fitted {
                 reduced.palette(&predict_stacked(keys, poses), poses)
             }
         };
-        if !self.groups.is_empty() {
-            let added = predict(&self.groups, poses, training.joints());
-            let mut proxies = palette.subcols_mut(palette.ncols() - added.ncols(), added.ncols());
-            proxies += added;
-        }
-        palette
+        corrected(base, &predict(&self.groups, poses, training.joints()))
     }
 
     /// Gathers what a file holds of the envelope. The certificate's figures are RMS errors as shares
@@ -123,6 +118,14 @@ impl Fitted {
             c2: row_major(&reduced.c2),
         })
     }
+}
+
+/// Adds a correction to the proxies, which stand last in a palette.
+pub(super) fn corrected(mut palette: Mat<f64>, correction: &Mat<f64>) -> Mat<f64> {
+    let first = palette.ncols() - correction.ncols();
+    let mut proxies = palette.subcols_mut(first, correction.ncols());
+    proxies += correction;
+    palette
 }
 
 fn row_major(m: &Mat<f64>) -> Vec<f64> {

@@ -4,6 +4,7 @@ use super::FitError;
 use super::blend::Weights;
 use super::helpers::features::Joints;
 use super::motion::{Poses, trajectories};
+use super::rotational::validation::Targets;
 use super::weights::{self, BASELINE_INFLUENCES};
 use crate::examples::{Examples, Split};
 use crate::progress::Progress;
@@ -91,6 +92,11 @@ impl Training {
             }
         }
         (poses.about(self.centre).in_units_of(self.unit), trajectories)
+    }
+
+    /// The training meshes, as vertices of these weights on a palette.
+    pub fn targets<'a>(&'a self, weights: &'a Weights) -> Targets<'a> {
+        Targets { rest: &self.rest, weights, trajectories: &self.trajectories }
     }
 
     /// The joints' rest geometry, as the pose features see it.

@@ -166,13 +166,14 @@ impl<'a> Samples<'a> {
         let best = |centres: usize| {
             let system = self.system(&greedy, centres)?;
             let choice = Choice { kernel, width, centres };
+            let terms = self.terms(&choice, &greedy);
             let folded: Vec<Folded> = RIDGES
                 .into_iter()
                 .filter_map(|ridge| {
                     let left = self.left_out(&system, ridge)?;
                     let size =
                         |left: &Mat<f64>| left.col_iter().map(|c| c.squared_norm_l2()).collect();
-                    let rounding = self.rounding(&system, &greedy, &choice, ridge);
+                    let rounding = self.rounding(&system, &greedy, &terms, ridge);
                     Some(Folded { ridge, errors: left.iter().map(size).collect(), rounding })
                 })
                 .collect();
@@ -253,14 +254,13 @@ impl<'a> Samples<'a> {
         Some(System { largest, onto: all, without, design })
     }
 
-    /// What rounding to f32 adds to each output's score.
-    fn rounding(&self, system: &System, greedy: &Greedy, choice: &Choice, ridge: f64) -> Vec<f64> {
+    /// What rounding to f32 adds to each output's score, given the size of each centre's term.
+    fn rounding(&self, system: &System, greedy: &Greedy, terms: &[f64], ridge: f64) -> Vec<f64> {
         let functions = self.solution(system, &vec![ridge; self.outputs.all.ncols()]);
-        let coefficients = greedy.at_centres(&functions.subrows(0, choice.centres).to_owned());
+        let coefficients = greedy.at_centres(&functions.subrows(0, terms.len() - 1).to_owned());
         let samples = self.len() as f64 / self.outputs.blocks.len() as f64;
-        let terms = self.terms(choice, greedy);
         let square = |c: ColRef<'_, f64>| {
-            let own = c.iter().zip(&terms).map(|(c, term)| (c * term).powi(2));
+            let own = c.iter().zip(terms).map(|(c, term)| (c * term).powi(2));
             (TERM * U).powi(2) * own.sum::<f64>()
         };
         coefficients.col_iter().map(|c| samples * square(c)).collect()

@@ -96,9 +96,9 @@ impl Candidates {
         let before = nothing.score;
         let mut found = vec![nothing];
         let (mut hops, mut inputs) = (0, Vec::new());
-        if let Some((own_hops, own_inputs, samples)) = listen(&outputs, poses, joints, joint) {
-            found.extend(choose(&samples, &sizes, proxies.len()));
-            (hops, inputs) = (own_hops, own_inputs);
+        if let Some(heard) = listen(&outputs, poses, joints, joint) {
+            found.extend(choose(&heard, &sizes, proxies.len()));
+            (hops, inputs) = (heard.hops, heard.inputs);
         }
         let sizes = undominated(found);
         let least = sizes.last().map_or(0.0, |size| size.score);
@@ -156,34 +156,42 @@ impl Candidates {
     }
 }
 
+/// The joints that a map listens to, and what the smoothest kernel makes of them.
+struct Heard<'a> {
+    hops: usize,
+    inputs: Vec<Input>,
+    samples: Samples<'a>,
+    best: Trial,
+}
+
 /// Chooses the joints to listen to, by the smoothest kernel with as many centres as may be.
 fn listen<'a>(
     outputs: &'a Outputs,
     poses: &Poses,
     joints: Joints<'_>,
     joint: usize,
-) -> Option<(usize, Vec<Input>, Samples<'a>)> {
-    let mut tried = Vec::<(f64, usize, Vec<Input>, Samples<'a>)>::new();
+) -> Option<Heard<'a>> {
+    let mut tried = Vec::<Heard<'a>>::new();
     for hops in HOPS {
         let inputs = joints.inputs(poses, joint, hops);
-        if tried.last().is_some_and(|last| last.2 == inputs) {
+        if tried.last().is_some_and(|last| last.inputs == inputs) {
             continue;
         }
         let samples = Samples::new(joints.evaluate(poses, &inputs), outputs);
         let Some(samples) = samples else { continue };
-        if let Some(best) = widest(&samples, Kernel::Gaussian) {
-            tried.push((best.score(), hops, inputs, samples));
+        if let Some(best) = widest(&samples, SMOOTHEST_FIRST[0]) {
+            tried.push(Heard { hops, inputs, samples, best });
         }
     }
-    let least = tried.iter().map(|t| t.0).min_by(f64::total_cmp)?;
-    let (_, hops, inputs, samples) = tried.into_iter().find(|t| t.0 <= SIMPLER * least)?;
-    Some((hops, inputs, samples))
+    let least = tried.iter().map(|t| t.best.score()).min_by(f64::total_cmp)?;
+    tried.into_iter().find(|t| t.best.score() <= SIMPLER * least)
 }
 
 /// Chooses kernel and width; returns every number of centres and rank with them.
-fn choose(samples: &Samples<'_>, nothing: &[f64], proxies: usize) -> Vec<Size> {
-    let of_kernels: Vec<Trial> =
-        SMOOTHEST_FIRST.into_iter().filter_map(|kernel| widest(samples, kernel)).collect();
+fn choose(heard: &Heard<'_>, nothing: &[f64], proxies: usize) -> Vec<Size> {
+    let samples = &heard.samples;
+    let rougher = SMOOTHEST_FIRST[1..].iter().filter_map(|&kernel| widest(samples, kernel));
+    let of_kernels: Vec<Trial> = std::iter::once(heard.best.clone()).chain(rougher).collect();
     let least = of_kernels.iter().map(Trial::score).fold(f64::INFINITY, f64::min);
     let Some(best) = of_kernels.iter().find(|t| t.score() <= SIMPLER * least) else {
         return Vec::new();

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Name of the step.
-pub const STEP: &str = "kernel maps";
+const STEP: &str = "kernel maps";
 
 /// What is to be corrected.
 #[derive(Clone, Copy)]

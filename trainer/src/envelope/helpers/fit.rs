@@ -197,7 +197,7 @@ pub fn map_of(maps: &Mat<f64>, pose: usize, helper: usize) -> Matrix3x4<f64> {
 }
 
 /// Writes the map of a helper in a pose of stacked maps.
-pub fn set_map(maps: &mut Mat<f64>, pose: usize, helper: usize, map: &Matrix3x4<f64>) {
+fn set_map(maps: &mut Mat<f64>, pose: usize, helper: usize, map: &Matrix3x4<f64>) {
     for c in 0..4 {
         for r in 0..3 {
             maps[(3 * pose + r, 4 * helper + c)] = map[(r, c)];
@@ -216,7 +216,6 @@ pub fn bases(stacked: &Mat<f64>, dominant: &[usize]) -> Mat<f64> {
 mod tests {
     use super::*;
     use crate::demo::{DemoOptions, demo};
-    use crate::envelope::rotational::validation::Targets;
     use crate::progress::Silent;
 
     fn arm() -> Training {
@@ -229,7 +228,7 @@ mod tests {
         let training = arm();
         let (rest, poses) = (&training.rest, &training.poses);
         let found = fit(&training, 20, 4).unwrap();
-        let of = |weights| Targets { rest, weights, trajectories: &training.trajectories };
+        let of = |weights| training.targets(weights);
         let with = of(&found.weights).rms(&found.true_palette(poses));
         let without = of(&training.lbs.weights).rms(&poses.stacked());
         assert!(with < 0.1 * without, "{with} against {without}");

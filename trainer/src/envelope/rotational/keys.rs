@@ -10,7 +10,7 @@ use nalgebra::Matrix3;
 /// Weight of n̂ as a third edge, which decides D_l on flat support.
 const NORMAL_WEIGHT: f64 = 0.1;
 /// Name of the step.
-pub const STEP: &str = "keys";
+const STEP: &str = "keys";
 const ALTERNATION: Alternation = Alternation { rounds: 6, gain: 5e-3 };
 
 /// Fitted keys.

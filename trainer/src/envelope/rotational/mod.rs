@@ -33,7 +33,7 @@ use reduce::{Reduced, Reduction};
 use refine::{Projection, Regression};
 use serde::Serialize;
 use surface::Surface;
-use validation::{Targets, Validation};
+use validation::Validation;
 
 /// What a fit is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -157,7 +157,7 @@ pub fn fit(
     let keys = keys::fit(&surface, &proxies, options.influences, progress);
     let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis)).collect();
 
-    let targets = Targets { rest, weights: &proxies.weights, trajectories: moved };
+    let targets = training.targets(&proxies.weights);
     let validation = Validation::new(&targets, poses, parents, &sequences, progress);
     let projection = Projection::new(&targets, proxies.len());
     let candidates = Candidates {

@@ -12,7 +12,7 @@ use serde::Serialize;
 use sinew_runtime::Limits;
 
 /// Name of the step.
-pub const STEP: &str = "proxies";
+const STEP: &str = "proxies";
 const ALTERNATION: Alternation = Alternation { rounds: 12, gain: 2e-3 };
 
 /// How many proxies.
