@@ -1,5 +1,6 @@
 //! Example poses of one character: what every importer produces and every fit reads.
 
+mod clip;
 mod error;
 mod hash;
 mod hold_out;
@@ -10,6 +11,7 @@ mod surface;
 mod testing;
 mod validate;
 
+pub use clip::Clip;
 pub use error::{Element, ExamplesError, LoadError, Warning};
 pub use hash::hash_file;
 pub use validate::RIGID;
@@ -70,6 +72,8 @@ pub struct Examples {
 pub struct Loaded {
     /// The examples, valid.
     pub examples: Examples,
+    /// The clips that its frames come from, in order, which together cover them.
+    pub clips: Vec<Clip>,
     /// What was repaired, ignored, or will be left out by a fit.
     pub warnings: Vec<Warning>,
 }

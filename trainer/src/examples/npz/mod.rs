@@ -27,7 +27,7 @@ use self::arrays::{Archive, Rows};
 use self::sidecar::{Parent, Sidecar};
 use super::validate::{REPAIRABLE, same};
 use super::{
-    Examples, ExamplesError, LoadError, Loaded, Matrix3x4, Skeleton, Split, Warning, origins,
+    Clip, Examples, ExamplesError, LoadError, Loaded, Matrix3x4, Skeleton, Split, Warning, origins,
 };
 
 /// Reads examples from `path` and the JSON of the same name beside it, if there is one.
@@ -43,10 +43,16 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
     let sidecar =
         Sidecar::read(&beside).map_err(|error| LoadError { file: beside.clone(), error })?;
     let blame = |error| LoadError { file: path.to_owned(), error };
-    Archive::open(path).and_then(|archive| read(archive, &sidecar)).map_err(blame)
+    let read = |archive| read(archive, &sidecar);
+    let (examples, warnings) = Archive::open(path).and_then(read).map_err(blame)?;
+    let clips = vec![Clip::whole(path, examples.frame_len())];
+    Ok(Loaded { examples, clips, warnings })
 }
 
-fn read(mut archive: Archive, sidecar: &Sidecar) -> Result<Loaded, ExamplesError> {
+fn read(
+    mut archive: Archive,
+    sidecar: &Sidecar,
+) -> Result<(Examples, Vec<Warning>), ExamplesError> {
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
     let triangles = read_triangles(&mut archive, rest.len())?;
 
@@ -102,7 +108,7 @@ fn read(mut archive: Archive, sidecar: &Sidecar) -> Result<Loaded, ExamplesError
             }
         }
     }
-    Ok(Loaded { examples, warnings })
+    Ok((examples, warnings))
 }
 
 fn read_triangles(

@@ -109,7 +109,7 @@ impl Set {
 
 #[test]
 fn a_good_set_loads_without_a_warning() {
-    let Loaded { examples, warnings } = Set::good().load("good").unwrap();
+    let Loaded { examples, warnings, .. } = Set::good().load("good").unwrap();
     assert_eq!(warnings, []);
     assert_eq!(examples.triangles, [[0, 1, 2], [0, 2, 3], [1, 4, 2]]);
     assert_eq!(examples.split, [Split::Train, Split::Train, Split::HeldOut, Split::Extreme]);

@@ -27,7 +27,7 @@ fn counts(examples: &Examples) -> [usize; 7] {
 
 #[test]
 fn dem_bones_loads() {
-    let Some(Loaded { mut examples, warnings }) = shared("dem-bones/bone.npz") else { return };
+    let Some(Loaded { mut examples, warnings, .. }) = shared("dem-bones/bone.npz") else { return };
     assert_eq!(counts(&examples), [400, 754, 1504, 6, 300, 100, 0]);
     let joints = vec!["joint1".to_owned(), "joint4".to_owned()];
     assert_eq!(warnings, [Warning::SeveralRoots { joints }]);
@@ -40,7 +40,9 @@ fn dem_bones_loads() {
 
 #[test]
 fn mpfb_arm_loads_and_its_origins_can_be_found_again() {
-    let Some(Loaded { mut examples, warnings }) = shared("mpfb-arm/mpfb_arm.npz") else { return };
+    let Some(Loaded { mut examples, warnings, .. }) = shared("mpfb-arm/mpfb_arm.npz") else {
+        return;
+    };
     assert_eq!(counts(&examples), [264, 899, 1666, 5, 180, 70, 14]);
     assert_eq!(warnings, []);
     // Ball joints: the elbow is a hinge with pronation, whose origin the data gives as well.
@@ -71,7 +73,7 @@ fn mpfb_arm_loads_and_its_origins_can_be_found_again() {
 
 #[test]
 fn mpfb_body_loads() {
-    let Some(Loaded { examples, warnings }) = shared("mpfb-body/mpfb_body.npz") else { return };
+    let Some(Loaded { examples, warnings, .. }) = shared("mpfb-body/mpfb_body.npz") else { return };
     assert_eq!(counts(&examples), [220, 13380, 26756, 53, 160, 60, 0]);
     assert_eq!(warnings, [Warning::UvIgnored { uv_len: 14517, vertex_len: 13380 }]);
     assert!(examples.uv.is_none());

@@ -1,0 +1,25 @@
+//! Runs of frames that play one after another.
+
+use std::path::Path;
+
+/// Frames a second where a source names no times.
+const RATE: f64 = 30.0;
+
+/// Consecutive frames of one animation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clip {
+    /// Its name in the source.
+    pub name: String,
+    /// Its first frame among those of the examples.
+    pub first: usize,
+    /// When each of its frames plays, in seconds from the beginning of the clip, ascending.
+    pub times: Vec<f64>,
+}
+
+impl Clip {
+    /// Makes the one clip of a file that names none: all frames, at 30 a second.
+    pub(super) fn whole(file: &Path, frame_len: usize) -> Self {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Self { name, first: 0, times: (0..frame_len).map(|frame| frame as f64 / RATE).collect() }
+    }
+}
