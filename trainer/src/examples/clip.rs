@@ -22,4 +22,9 @@ impl Clip {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         Self { name, first: 0, times: (0..frame_len).map(|frame| frame as f64 / RATE).collect() }
     }
+
+    /// Says what it is called and how many frames it has.
+    pub(super) fn describe(&self) -> String {
+        format!("{}: {}", self.name, self.times.len())
+    }
 }

@@ -2,11 +2,17 @@
 
 mod clip;
 mod error;
+mod gltf;
 mod hash;
 mod hold_out;
+mod maps;
 pub mod npz;
 mod origins;
+mod rig;
+mod roots;
+mod source;
 mod surface;
+mod targets;
 #[cfg(test)]
 mod testing;
 mod validate;
@@ -14,6 +20,8 @@ mod validate;
 pub use clip::Clip;
 pub use error::{Element, ExamplesError, LoadError, Warning};
 pub use hash::hash_file;
+pub use rig::ImportError;
+pub use source::{Motion, Source, load, load_motion};
 pub use validate::RIGID;
 
 /// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.
