@@ -199,6 +199,17 @@ pub enum ExamplesError {
         /// The share.
         share: f64,
     },
+    /// A vertex cannot count so much.
+    #[error("the importance of vertex {vertex} must be finite and not negative, found {number}")]
+    Importance {
+        /// The vertex.
+        vertex: usize,
+        /// What was given.
+        number: f64,
+    },
+    /// No vertex counts.
+    #[error("the importance of every vertex is 0")]
+    NothingCounts,
     /// A scene cannot become examples.
     #[error(transparent)]
     Import(#[from] ImportError),

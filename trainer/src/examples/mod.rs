@@ -5,6 +5,7 @@ mod error;
 mod gltf;
 mod hash;
 mod hold_out;
+mod importance;
 mod maps;
 pub mod npz;
 mod origins;
@@ -20,6 +21,7 @@ mod validate;
 pub use clip::Clip;
 pub use error::{Element, ExamplesError, LoadError, Warning};
 pub use hash::hash_file;
+pub use importance::{Importance, load_importance};
 pub use rig::ImportError;
 pub use source::{Motion, Source, load, load_motion};
 pub use validate::RIGID;
@@ -73,6 +75,9 @@ pub struct Examples {
     pub transforms: Vec<Matrix3x4>,
     /// Use of each frame, N.
     pub split: Vec<Split>,
+    /// How much each vertex counts in a fit and in what is measured of it, V numbers of mean 1; all
+    /// alike without. [`Examples::weigh`] sets it.
+    pub importance: Option<Vec<f64>>,
 }
 
 /// What an importer returns: the examples, and what the user should know about them.

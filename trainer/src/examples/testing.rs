@@ -33,5 +33,6 @@ pub(super) fn triangle(frame_len: usize) -> Examples {
         },
         transforms: vec![IDENTITY; 2 * frame_len],
         split: vec![Split::Train; frame_len],
+        importance: None,
     }
 }

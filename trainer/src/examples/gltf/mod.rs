@@ -195,7 +195,7 @@ impl Scene {
             .map(|(joint, inverse)| joint * inverse)
             .collect();
         self.each(weights, |instance, vertex, shape| {
-            let members = instance.skin.map(|skin| skins.members[&skin].as_slice());
+            let members = instance.skin.map(|skin| skins.members[&skin].joints.as_slice());
             let members = members.unwrap_or_default();
             let (mut sum, mut total) = (Vector3::zeros(), 0.0);
             for &(member, weight) in &self.meshes.influences[vertex] {

@@ -22,8 +22,16 @@ pub(super) struct Skins {
     pub(super) binds: Vec<Matrix4<f64>>,
     /// Their inverses.
     pub(super) inverse_binds: Vec<Matrix4<f64>>,
-    /// Of each skin that a mesh has: numbers of its joints among the J.
-    pub(super) members: HashMap<usize, Vec<usize>>,
+    /// Each skin that a mesh has.
+    pub(super) members: HashMap<usize, Member>,
+}
+
+/// One skin among them.
+pub(super) struct Member {
+    /// Numbers of its joints among the J.
+    pub(super) joints: Vec<usize>,
+    /// Where its meshes stand in the space of the first skin.
+    shift: Matrix4<f64>,
 }
 
 impl Skins {
@@ -45,51 +53,57 @@ impl Skins {
             inverse_binds: Vec::new(),
             members: HashMap::new(),
         };
-        let mut moved: HashMap<usize, Matrix4<f64>> = HashMap::new();
         for instance in 0..meshes.instances.len() {
             let mesh = meshes.instances[instance].name.clone();
             let number = meshes.instances[instance].skin;
             let skin = number.and_then(|number| document.skins().nth(number));
             let skin = skin.ok_or(ImportError::NoSkin)?;
-            let number = skin.index();
-            if !moved.contains_key(&number) {
-                let (joints, own) = read_one(&skin, buffers, &mesh)?;
-                let shared = joints.iter().zip(&own).find_map(|(node, own)| {
-                    let joint = all.joints.iter().position(|joint| joint == node)?;
-                    Some(all.binds[joint] * own)
-                });
-                let shift = shared.unwrap_or_else(Matrix4::identity);
-                let singular =
-                    |node: usize| ImportError::SingularBind { joint: nodes.names[node].clone() };
-                let mut members = Vec::with_capacity(joints.len());
-                for (&node, own) in joints.iter().zip(&own) {
-                    let back = shift.try_inverse().ok_or_else(|| singular(node))?;
-                    let inverse = own * back;
-                    let joint = all.joints.iter().position(|&joint| joint == node);
-                    let joint = match joint {
-                        Some(joint) if !agree(&all.inverse_binds[joint], &inverse) => {
-                            let joint = nodes.names[node].clone();
-                            return Err(ImportError::OtherBind { mesh, joint });
-                        }
-                        Some(joint) => joint,
-                        None => {
-                            let bind = inverse.try_inverse().ok_or_else(|| singular(node))?;
-                            all.joints.push(node);
-                            all.binds.push(bind);
-                            all.inverse_binds.push(inverse);
-                            all.joints.len() - 1
-                        }
-                    };
-                    members.push(joint);
-                }
-                all.members.insert(number, members);
-                moved.insert(number, shift);
-            }
-            let vertices = meshes.vertices(instance);
-            all.check_influences(&meshes.influences[vertices.clone()], number, &mesh)?;
-            move_mesh(meshes, instance, &moved[&number]);
+            let joined = match all.members.remove(&skin.index()) {
+                Some(joined) => joined,
+                None => all.join(&skin, buffers, nodes, &mesh)?,
+            };
+            let influences = &meshes.influences[meshes.vertices(instance)];
+            check_influences(influences, joined.joints.len(), &mesh)?;
+            move_mesh(meshes, instance, &joined.shift);
+            all.members.insert(skin.index(), joined);
         }
         Ok(all)
+    }
+
+    /// Takes up the joints of a skin.
+    fn join(
+        &mut self,
+        skin: &gltf::Skin<'_>,
+        buffers: &Buffers,
+        nodes: &Nodes,
+        mesh: &str,
+    ) -> Result<Member, ImportError> {
+        let (joint_nodes, own) = read_one(skin, buffers, mesh)?;
+        let known = |joints: &[usize], node| joints.iter().position(|&joint| joint == node);
+        let shared = joint_nodes.iter().zip(&own).find_map(|(&node, own)| {
+            known(&self.joints, node).map(|joint| self.binds[joint] * own)
+        });
+        let shift = shared.unwrap_or_else(Matrix4::identity);
+        let mut joints = Vec::with_capacity(joint_nodes.len());
+        for (&node, own) in joint_nodes.iter().zip(&own) {
+            let name = || nodes.names[node].clone();
+            let singular = || ImportError::SingularBind { joint: name() };
+            let inverse = own * shift.try_inverse().ok_or_else(singular)?;
+            let joint = match known(&self.joints, node) {
+                Some(joint) if !agree(&self.inverse_binds[joint], &inverse) => {
+                    return Err(ImportError::OtherBind { mesh: mesh.to_owned(), joint: name() });
+                }
+                Some(joint) => joint,
+                None => {
+                    self.joints.push(node);
+                    self.binds.push(inverse.try_inverse().ok_or_else(singular)?);
+                    self.inverse_binds.push(inverse);
+                    self.joints.len() - 1
+                }
+            };
+            joints.push(joint);
+        }
+        Ok(Member { joints, shift })
     }
 
     /// Gives the nearest joint above each joint; several may have none.
@@ -97,26 +111,23 @@ impl Skins {
         let of = |node: usize| self.joints.iter().position(|&joint| joint == node);
         self.joints.iter().map(|&node| nodes.upwards(node).skip(1).find_map(of)).collect()
     }
+}
 
-    fn check_influences(
-        &self,
-        influences: &[Vec<(usize, f64)>],
-        skin: usize,
-        mesh: &str,
-    ) -> Result<(), ImportError> {
-        let members = self.members[&skin].len();
-        let place = || format!("mesh {mesh}");
-        for (vertex, influences) in influences.iter().enumerate() {
-            if influences.is_empty() {
-                return Err(ImportError::Unbound { mesh: mesh.to_owned(), vertex });
-            }
-            if let Some(&(joint, _)) = influences.iter().find(|(joint, _)| *joint >= members) {
-                let (what, expected, found) = ("joints at most", members, joint + 1);
-                return Err(ImportError::Count { place: place(), what, expected, found });
-            }
+fn check_influences(
+    influences: &[Vec<(usize, f64)>],
+    joint_len: usize,
+    mesh: &str,
+) -> Result<(), ImportError> {
+    for (vertex, influences) in influences.iter().enumerate() {
+        if influences.is_empty() {
+            return Err(ImportError::Unbound { mesh: mesh.to_owned(), vertex });
         }
-        Ok(())
+        if let Some(&(joint, _)) = influences.iter().find(|(joint, _)| *joint >= joint_len) {
+            let (place, what) = (format!("mesh {mesh}"), "joint");
+            return Err(ImportError::NoSuch { place, what, found: joint, len: joint_len });
+        }
     }
+    Ok(())
 }
 
 /// Reads the joints of a skin and their inverse bind matrices, which are none at all or one each.

@@ -21,6 +21,7 @@ mod sidecar;
 
 use std::path::Path;
 
+pub(super) use arrays::read_npy;
 pub use save::save_npz;
 
 use self::arrays::{Archive, Rows};
@@ -96,7 +97,8 @@ fn read(
         None => vec![identity; joint_len],
     };
     let skeleton = Skeleton { names, parents, rest: rest_frames };
-    let mut examples = Examples { rest, triangles, uv, skeleton, vertices, transforms, split };
+    let mut examples =
+        Examples { rest, triangles, uv, skeleton, vertices, transforms, split, importance: None };
     if frames.is_none() {
         place(&mut examples.skeleton, sidecar)?;
     }

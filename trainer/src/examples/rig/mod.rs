@@ -151,7 +151,9 @@ impl Rig {
         };
         let Self { rest, triangles, uv, clips, warnings, .. } = self;
         let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
-        let examples = Examples { rest, triangles, uv, skeleton, vertices, transforms, split };
+        let importance = None;
+        let examples =
+            Examples { rest, triangles, uv, skeleton, vertices, transforms, split, importance };
         Ok((examples, clips, warnings))
     }
 

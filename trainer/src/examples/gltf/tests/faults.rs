@@ -76,7 +76,7 @@ fn damage_is_named() {
             json["skins"][0] = json!({ "joints": [1] });
             json["animations"][0]["channels"][0]["target"]["node"] = json!(1);
         },
-        "mesh body: expected 1 joints at most, found 2",
+        "mesh body names joint 1 of 1",
     );
     refuses(
         "keys",
