@@ -203,3 +203,6 @@ fn rest_frame(bind: &Matrix4<f64>, scale: f64) -> Matrix4<f64> {
 fn rows(map: &Matrix4<f64>) -> Matrix3x4 {
     std::array::from_fn(|row| std::array::from_fn(|column| map[(row, column)]))
 }
+
+#[cfg(test)]
+mod tests;
