@@ -23,7 +23,7 @@ pub use error::{Element, ExamplesError, LoadError, Warning};
 pub use hash::hash_file;
 pub use importance::{Importance, load_importance};
 pub use rig::ImportError;
-pub use source::{Motion, Source, load, load_motion};
+pub use source::{Source, load};
 pub use validate::RIGID;
 
 /// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::rig::{ImportError, Rig, Sampling};
-use super::{Clip, ExamplesError, LoadError, Loaded, Matrix3x4, Skeleton, gltf, npz, targets};
+use super::{ExamplesError, LoadError, Loaded, gltf, npz, targets};
 
 /// The files that examples are read from, and how.
 #[derive(Clone, Copy, Debug)]
@@ -62,17 +62,6 @@ impl<'a> Source<'a> {
     }
 }
 
-/// The poses of a source, without the meshes.
-#[derive(Clone, Debug)]
-pub struct Motion {
-    /// The joints.
-    pub skeleton: Skeleton,
-    /// Map from the rest pose to the pose of each joint, N x J, frame-major, model space.
-    pub transforms: Vec<Matrix3x4>,
-    /// The clips that its frames come from, in order, which together cover them.
-    pub clips: Vec<Clip>,
-}
-
 /// Reads examples.
 ///
 /// # Errors
@@ -95,24 +84,6 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
         }
         error => blame(error),
     })
-}
-
-/// Reads poses alone; the source's targets are not touched.
-///
-/// # Errors
-/// As [`load`].
-pub fn load_motion(source: &Source<'_>) -> Result<Motion, LoadError> {
-    let blame = source.blame();
-    match source.rig().map_err(&blame)? {
-        None => {
-            let Loaded { examples, clips, .. } = npz::load(source.file)?;
-            Ok(Motion { skeleton: examples.skeleton, transforms: examples.transforms, clips })
-        }
-        Some(mut rig) => {
-            let (skeleton, transforms) = rig.poses().map_err(|error| blame(error.into()))?;
-            Ok(Motion { skeleton, transforms, clips: rig.clips })
-        }
-    }
 }
 
 /// The end of a file's name, in lower case, without the dot.

@@ -77,7 +77,7 @@ impl Rig {
     ///
     /// # Errors
     /// [`ImportError::SingularBind`]
-    pub(super) fn poses(&mut self) -> Result<(Skeleton, Vec<Matrix3x4>), ImportError> {
+    fn poses(&mut self) -> Result<(Skeleton, Vec<Matrix3x4>), ImportError> {
         let mut inverses = Vec::with_capacity(self.binds.len());
         for (bind, name) in self.binds.iter().zip(&self.names) {
             let singular = || ImportError::SingularBind { joint: name.clone() };

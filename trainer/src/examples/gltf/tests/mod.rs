@@ -2,7 +2,7 @@ mod faults;
 mod made;
 
 use super::super::testing::shared;
-use super::super::{Loaded, Source, Split, Warning, load, load_motion};
+use super::super::{Loaded, Source, Split, Warning, load};
 use super::*;
 use made::{Made, NO_TURN, QUARTER, moved_by};
 use serde_json::json;
@@ -100,9 +100,9 @@ fn keys_are_interpolated_as_they_say() {
     let file = made.write("interpolated");
     let quarter = |clip| {
         let source = Source { clip: Some(clip), fps: Some(4.0), ..Source::file(&file) };
-        let motion = load_motion(&source).unwrap();
-        assert_eq!(motion.clips[0].times, [0.0, 0.25, 0.5, 0.75, 1.0]);
-        motion.transforms[3]
+        let Loaded { examples, clips, .. } = load(&source).unwrap();
+        assert_eq!(clips[0].times, [0.0, 0.25, 0.5, 0.75, 1.0]);
+        examples.pose(1)[1]
     };
     let height = |clip| quarter(clip)[1][3];
     assert!((height("line") - 1.0).abs() < 1e-12);
