@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use super::ImportError;
+
 /// A file of examples that could not be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {error}", file.display())]
@@ -42,6 +44,9 @@ pub enum ExamplesError {
         /// What the parser says, with line and column.
         reason: String,
     },
+    /// A file of an animation program cannot be used.
+    #[error(transparent)]
+    Import(#[from] ImportError),
     /// Something that every set of examples has is absent.
     #[error("array {array} is missing")]
     MissingArray {
@@ -246,6 +251,16 @@ pub enum Warning {
         /// The roots, the reference first.
         joints: Vec<String>,
     },
+    /// Meshes that no joint deforms, in a scene with others that are skinned.
+    NotSkinned {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+    /// Meshes that a point cache outside the scene deforms, which is not read with it.
+    CacheIgnored {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
 }
 
 /// How many triangles a message lists before it only counts.
@@ -296,6 +311,17 @@ impl fmt::Display for Warning {
                     "{} joints have no parent: {reference} is the root, {} now hang under it",
                     joints.len(),
                     others.join(", ")
+                )
+            }
+            Warning::NotSkinned { meshes } => {
+                let meshes = meshes.join(", ");
+                write!(f, "meshes without a skin are left out: {meshes}; bind them to keep them")
+            }
+            Warning::CacheIgnored { meshes } => {
+                write!(
+                    f,
+                    "point caches of meshes are not read with the scene: {}; give them as posed                      meshes",
+                    meshes.join(", ")
                 )
             }
         }

@@ -5,7 +5,11 @@ mod error;
 mod hash;
 mod hold_out;
 pub mod npz;
+pub mod obj;
 mod origins;
+mod polygons;
+#[allow(dead_code, reason = "until the choice by extension is merged")]
+mod rig;
 mod surface;
 #[cfg(test)]
 mod testing;
@@ -14,6 +18,7 @@ mod validate;
 pub use clip::Clip;
 pub use error::{Element, ExamplesError, LoadError, Warning};
 pub use hash::hash_file;
+pub use rig::ImportError;
 pub use validate::RIGID;
 
 /// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.
