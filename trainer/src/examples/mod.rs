@@ -11,6 +11,8 @@ mod polygons;
 #[allow(dead_code, reason = "until the choice by extension is merged")]
 mod rig;
 mod surface;
+#[allow(dead_code, reason = "until the choice by extension is merged")]
+mod targets;
 #[cfg(test)]
 mod testing;
 mod validate;
@@ -19,6 +21,7 @@ pub use clip::Clip;
 pub use error::{Element, ExamplesError, LoadError, Warning};
 pub use hash::hash_file;
 pub use rig::ImportError;
+pub use targets::save_pc2;
 pub use validate::RIGID;
 
 /// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.
