@@ -2,6 +2,8 @@
 
 mod clip;
 mod error;
+#[allow(dead_code, reason = "until the choice by extension is merged")]
+mod fbx;
 mod hash;
 mod hold_out;
 pub mod npz;

@@ -1,10 +1,12 @@
 //! What importers of scene files return, on its way to [`Examples`](super::Examples).
 
 mod error;
+mod times;
 
 use nalgebra::Matrix4;
 
 pub use error::ImportError;
+pub(super) use times::sample_times;
 
 use super::{Clip, Warning};
 
