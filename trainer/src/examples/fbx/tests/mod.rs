@@ -183,6 +183,21 @@ fn bones_above_bound_joints_are_joints_and_what_is_no_bone_moves_them() {
 }
 
 #[test]
+fn a_bone_that_no_skin_names_is_bound_where_the_file_s_bind_pose_has_it() {
+    let bound = |pose: bool| {
+        let mut arm = Arm::bare();
+        let skin = arm.scene.skin(arm.mesh, "Linear");
+        let back = translation(-1.0, 0.0, 0.0);
+        arm.scene.cluster(skin, arm.tip, &[(2, 1.0)], back, translation(1.0, 0.0, 0.0));
+        if pose {
+            arm.scene.bind_pose(arm.root, translation(0.25, 0.0, 0.0));
+        }
+        arm.rig().binds[0].m14
+    };
+    assert_eq!([bound(false), bound(true)], [0.0, 0.25]);
+}
+
+#[test]
 fn meshes_are_joined_in_the_order_of_their_nodes() {
     let mut arm = Arm::skinned("Linear");
     let other = arm.scene.node("sleeve", "Mesh", 0, &[]);

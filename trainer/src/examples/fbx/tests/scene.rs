@@ -92,6 +92,13 @@ impl Scene {
         self.connect(joint, cluster);
     }
 
+    /// Adds a pose of binding with one node in it.
+    pub(super) fn bind_pose(&mut self, node: u32, place: Columns) {
+        let place = numbers("Matrix", &place);
+        let inside = format!("Type: \"BindPose\"\nPoseNode: {{\nNode: {node}\n{place}}}\n");
+        self.object("Pose", "bind", "BindPose", &inside);
+    }
+
     /// Adds a channel of shapes, each with the weight in percent at which it is reached, the vertices
     /// that it moves, and by how much.
     pub(super) fn channel(&mut self, mesh: u32, shapes: &[(f64, i32, [f64; 3])]) -> u32 {
