@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use super::rig::ImportError;
+use super::targets::TargetsError;
 
 /// A file of examples that could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -213,6 +214,9 @@ pub enum ExamplesError {
     /// A scene cannot become examples.
     #[error(transparent)]
     Import(#[from] ImportError),
+    /// A mesh, or posed meshes, cannot be read.
+    #[error(transparent)]
+    Targets(#[from] TargetsError),
 }
 
 /// The part of an example that an error points at.
@@ -271,6 +275,11 @@ pub enum Warning {
     IdleClips {
         /// The clips.
         clips: Vec<String>,
+    },
+    /// Meshes that a point cache outside the scene deforms, which is not read with it.
+    CacheIgnored {
+        /// The meshes.
+        meshes: Vec<String>,
     },
     /// The meshes to learn are the scene's own linear blend skinning.
     PlainSkin,
@@ -341,6 +350,13 @@ impl fmt::Display for Warning {
                     f,
                     "clips that move neither a joint nor a shape of the mesh are left out: {}",
                     clips.join(", ")
+                )
+            }
+            Warning::CacheIgnored { meshes } => {
+                write!(
+                    f,
+                    "point caches of meshes are not read with the scene: {}; give them as --targets",
+                    meshes.join(", ")
                 )
             }
             Warning::PlainSkin => f.write_str(

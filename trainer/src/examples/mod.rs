@@ -2,13 +2,16 @@
 
 mod clip;
 mod error;
+mod fbx;
 mod gltf;
 mod hash;
 mod hold_out;
 mod importance;
 mod maps;
 pub mod npz;
+pub mod obj;
 mod origins;
+mod polygons;
 mod rig;
 mod roots;
 mod source;
@@ -24,6 +27,7 @@ pub use hash::hash_file;
 pub use importance::{Importance, load_importance};
 pub use rig::ImportError;
 pub use source::{Source, load};
+pub use targets::{TargetsError, save_pc2};
 pub use validate::RIGID;
 
 /// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.

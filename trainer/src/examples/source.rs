@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::rig::{ImportError, Rig, Sampling};
-use super::{ExamplesError, LoadError, Loaded, gltf, npz, targets};
+use super::{ExamplesError, LoadError, Loaded, fbx, gltf, npz, targets};
 
 /// The files that examples are read from, and how.
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a> {
-    /// Skeleton, rest mesh and poses: `.npz` with everything, or a scene in `.glb` or `.gltf`.
+    /// Skeleton, rest mesh and poses: `.npz` with everything, or a scene in `.glb`, `.gltf` or
+    /// `.fbx`.
     pub file: &'a Path,
     /// Posed meshes of a scene from another file, one a frame of the poses.
     pub targets: Option<&'a Path>,
@@ -49,7 +50,8 @@ impl<'a> Source<'a> {
                 }
             }
             "glb" | "gltf" => gltf::read(self.file, &self.sampling()).map(Some),
-            _ => Err(unknown_format(self.file, ".npz, .glb or .gltf")),
+            "fbx" => fbx::read(self.file, &self.sampling()).map(Some),
+            _ => Err(unknown_format(self.file, ".npz, .glb, .gltf or .fbx")),
         }
     }
 

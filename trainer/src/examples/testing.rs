@@ -1,4 +1,4 @@
-//! A least set of examples for the tests of this folder.
+//! A least set of examples, and folders to write to, for the tests of this folder.
 
 use std::path::{Path, PathBuf};
 
@@ -34,5 +34,46 @@ pub(super) fn triangle(frame_len: usize) -> Examples {
         transforms: vec![IDENTITY; 2 * frame_len],
         split: vec![Split::Train; frame_len],
         importance: None,
+    }
+}
+
+/// A folder of its own for one test, removed at its end.
+pub(super) struct Folder(pub(super) PathBuf);
+
+impl Folder {
+    pub(super) fn new(test: &str) -> Self {
+        let name = format!("sinew-examples-{}-{test}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    /// Writes a file, and gives its path.
+    pub(super) fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.0.join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Hands `check` the bytes cut off at every length, and with every byte changed in a few ways: what
+/// it is given is hostile, and it must not panic.
+pub(super) fn spoil(bytes: &[u8], check: impl Fn(&[u8])) {
+    for len in 0..bytes.len() {
+        check(&bytes[..len]);
+    }
+    let mut spoiled = bytes.to_vec();
+    for place in 0..bytes.len() {
+        for change in [0x01, 0x08, 0x80, 0xff] {
+            spoiled[place] = bytes[place] ^ change;
+            check(&spoiled);
+        }
+        spoiled[place] = bytes[place];
     }
 }

@@ -18,11 +18,13 @@
 mod arrays;
 mod save;
 mod sidecar;
+mod targets;
 
 use std::path::Path;
 
 pub(super) use arrays::read_npy;
 pub use save::save_npz;
+pub(super) use targets::read_targets;
 
 use self::arrays::{Archive, Rows};
 use self::sidecar::{Parent, Sidecar};
@@ -56,7 +58,8 @@ fn read(
     sidecar: &Sidecar,
 ) -> Result<(Examples, Vec<Warning>), ExamplesError> {
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
-    let triangles = read_triangles(&mut archive, rest.len())?;
+    let triangles = read_triangles(&mut archive, rest.len())?
+        .ok_or(ExamplesError::MissingArray { array: "quads or tris" })?;
 
     let Rows { lead, data: vertices } = archive.required::<f64, 3>("vertices", &[0, 3])?;
     let (frame_len, posed_len) = (lead[0], lead[1]);
@@ -74,14 +77,8 @@ fn read(
     if let Some(frames) = &frames {
         same("joints", "bone_names", joint_len, "joint_world_rest", frames.data.len())?;
     }
-    let split = match archive.rows::<i64, 1>("split", &[])? {
-        None => vec![Split::Train; frame_len],
-        Some(codes) => {
-            same("frames", "vertices", frame_len, "split", codes.data.len())?;
-            let codes = codes.data.iter().enumerate();
-            codes.map(|(frame, &[code])| split(frame, code)).collect::<Result<_, _>>()?
-        }
-    };
+    let split = read_split(&mut archive, frame_len)?;
+    let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
     let transforms = affine("bone_transforms", &matrices, Some(&split), &names)?;
     drop(matrices);
     let uv = archive.rows::<f64, 2>("uv", &[2])?.map(|uv| uv.data);
@@ -117,11 +114,11 @@ fn read(
 fn read_triangles(
     archive: &mut Archive,
     vertex_len: usize,
-) -> Result<Vec<[usize; 3]>, ExamplesError> {
+) -> Result<Option<Vec<[usize; 3]>>, ExamplesError> {
     let quads = archive.rows::<i64, 4>("quads", &[4])?;
     let tris = archive.rows::<i64, 3>("tris", &[3])?;
     if quads.is_none() && tris.is_none() {
-        return Err(ExamplesError::MissingArray { array: "quads or tris" });
+        return Ok(None);
     }
     let mut triangles = Vec::new();
     for (face, quad) in quads.iter().flat_map(|quads| &quads.data).enumerate() {
@@ -131,7 +128,7 @@ fn read_triangles(
     for (face, triangle) in tris.iter().flat_map(|tris| &tris.data).enumerate() {
         triangles.push(corners("tris", face, triangle, vertex_len)?);
     }
-    Ok(triangles)
+    Ok(Some(triangles))
 }
 
 fn corners<const K: usize>(
@@ -226,13 +223,21 @@ fn place(skeleton: &mut Skeleton, sidecar: &Sidecar) -> Result<(), ExamplesError
     Ok(())
 }
 
-fn split(frame: usize, code: i64) -> Result<Split, ExamplesError> {
-    match code {
+/// Reads the use of each frame.
+fn read_split(
+    archive: &mut Archive,
+    frame_len: usize,
+) -> Result<Option<Vec<Split>>, ExamplesError> {
+    let Some(codes) = archive.rows::<i64, 1>("split", &[])? else { return Ok(None) };
+    same("frames", "vertices", frame_len, "split", codes.data.len())?;
+    let codes = codes.data.iter().enumerate();
+    let split = codes.map(|(frame, &[code])| match code {
         0 => Ok(Split::Train),
         1 => Ok(Split::HeldOut),
         2 => Ok(Split::Extreme),
         _ => Err(ExamplesError::UnknownSplit { frame, code }),
-    }
+    });
+    split.collect::<Result<_, _>>().map(Some)
 }
 
 fn translation([x, y, z]: [f64; 3]) -> Matrix3x4 {

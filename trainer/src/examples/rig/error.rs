@@ -25,6 +25,12 @@ pub enum ImportError {
         /// What the parser says.
         reason: String,
     },
+    /// The file is damaged or is no FBX.
+    #[error("is no FBX file that can be read: {reason}; export it again as binary FBX")]
+    Fbx {
+        /// What the reader says.
+        reason: String,
+    },
     /// A buffer of a glTF file is absent or too short.
     #[error("buffer {buffer}: {reason}")]
     Buffer {
@@ -99,8 +105,39 @@ pub enum ImportError {
          export with skinning; posed meshes alone serve as --targets of a scene that has one"
     )]
     NoSkin,
+    /// The scene has no joint.
+    #[error(
+        "has no joint: no skin names one and no node is a bone; export the skeleton with the mesh, \
+         and in Blender its armature too"
+    )]
+    NoJoint,
+    /// A mesh has more than one skin.
+    #[error("mesh {mesh} has {found} skins, expected one; bake them into one skin cluster")]
+    SeveralSkins {
+        /// The mesh.
+        mesh: String,
+        /// How many it has.
+        found: usize,
+    },
+    /// A skin is bound to nothing.
+    #[error("the skin of mesh {mesh} has no joint; bind it again, or export its joints with it")]
+    EmptySkin {
+        /// The mesh.
+        mesh: String,
+    },
+    /// A joint is driven by something else than keys.
+    #[error(
+        "joint {joint} has no keys but a constraint, {constraint}, which is not evaluated; bake the \
+         animation of the joints to keys at every frame"
+    )]
+    Constrained {
+        /// The joint, or the node above a joint.
+        joint: String,
+        /// The constraint.
+        constraint: String,
+    },
     /// A joint is bound by a matrix without inverse.
-    #[error("the bind matrix of joint {joint} cannot be inverted")]
+    #[error("the bind matrix of joint {joint} cannot be inverted: bind the mesh again")]
     SingularBind {
         /// The joint.
         joint: String,

@@ -7,7 +7,7 @@ use serde_json::json;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
-use super::super::testing::{IDENTITY, triangle};
+use super::super::testing::{Folder, IDENTITY, triangle};
 use super::save::array;
 use super::*;
 
@@ -21,28 +21,13 @@ struct Set {
     json: String,
 }
 
-/// A folder of its own for one test, removed at its end.
-struct Folder(PathBuf);
-
 impl Folder {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("sinew-npz-{}-{test}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
     fn npz(&self) -> PathBuf {
         self.0.join("set.npz")
     }
 
     fn create(&self) -> ZipWriter<File> {
         ZipWriter::new(File::create(self.npz()).unwrap())
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

@@ -1,0 +1,176 @@
+//! Scenes written as FBX text, piece by piece.
+
+use std::fmt::Write;
+
+/// FBX's clock, in ticks a second.
+const TICKS: i64 = 46_186_158_000;
+
+/// 4 x 4 matrices as files hold them: column by column.
+pub(super) type Columns = [f64; 16];
+
+pub(super) fn translation(x: f64, y: f64, z: f64) -> Columns {
+    [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., x, y, z, 1.]
+}
+
+/// Objects, by the numbers that connections call them.
+#[derive(Clone, Default)]
+pub(super) struct Scene {
+    objects: String,
+    connections: String,
+    last: u32,
+}
+
+impl Scene {
+    pub(super) fn text(&self) -> String {
+        format!(
+            "; FBX 7.4.0 project file\nFBXHeaderExtension: {{\nFBXVersion: 7400\n}}\n\
+             Objects: {{\n{}}}\nConnections: {{\n{}}}\n",
+            self.objects, self.connections
+        )
+    }
+
+    /// Adds a node under another; 0 is the root of the scene. `kind` is LimbNode for a bone.
+    pub(super) fn node(
+        &mut self,
+        name: &str,
+        kind: &str,
+        under: u32,
+        properties: &[(&str, [f64; 3])],
+    ) -> u32 {
+        let mut inside = "Properties70: {\n".to_owned();
+        for (property, [x, y, z]) in properties {
+            writeln!(inside, "P: \"{property}\", \"{property}\", \"\", \"A\",{x},{y},{z}").unwrap();
+        }
+        let node = self.object("Model", name, kind, &(inside + "}\n"));
+        self.connect(node, under);
+        if kind == "LimbNode" {
+            let bone = self.object("NodeAttribute", name, kind, "TypeFlags: \"Skeleton\"\n");
+            self.connect(bone, node);
+        }
+        node
+    }
+
+    /// Adds a mesh to a node; faces in FBX's way, the last corner of each as its complement.
+    pub(super) fn mesh(
+        &mut self,
+        node: u32,
+        vertices: &[[f64; 3]],
+        faces: &[i32],
+        more: &str,
+    ) -> u32 {
+        let inside = numbers("Vertices", vertices.as_flattened())
+            + &numbers("PolygonVertexIndex", faces)
+            + more;
+        let mesh = self.object("Geometry", "", "Mesh", &inside);
+        self.connect(mesh, node);
+        mesh
+    }
+
+    pub(super) fn skin(&mut self, mesh: u32, method: &str) -> u32 {
+        let skin = self.object("Deformer", "", "Skin", &format!("SkinningType: \"{method}\"\n"));
+        self.connect(skin, mesh);
+        skin
+    }
+
+    /// Adds a joint's cluster to a skin: weights, the way from the mesh to the joint, and the place
+    /// of the joint, both where they are bound.
+    pub(super) fn cluster(
+        &mut self,
+        skin: u32,
+        joint: u32,
+        weights: &[(i32, f64)],
+        mesh: Columns,
+        link: Columns,
+    ) {
+        let (indices, weights): (Vec<i32>, Vec<f64>) = weights.iter().copied().unzip();
+        let inside = numbers("Indexes", &indices)
+            + &numbers("Weights", &weights)
+            + &numbers("Transform", &mesh)
+            + &numbers("TransformLink", &link);
+        let cluster = self.object("Deformer", "", "Cluster", &inside);
+        self.connect(cluster, skin);
+        self.connect(joint, cluster);
+    }
+
+    /// Adds a pose of binding with one node in it.
+    pub(super) fn bind_pose(&mut self, node: u32, place: Columns) {
+        let place = numbers("Matrix", &place);
+        let inside = format!("Type: \"BindPose\"\nPoseNode: {{\nNode: {node}\n{place}}}\n");
+        self.object("Pose", "bind", "BindPose", &inside);
+    }
+
+    /// Adds a channel of shapes, each with the weight in percent at which it is reached, the vertices
+    /// that it moves, and by how much.
+    pub(super) fn channel(&mut self, mesh: u32, shapes: &[(f64, i32, [f64; 3])]) -> u32 {
+        let blend = self.object("Deformer", "", "BlendShape", "");
+        self.connect(blend, mesh);
+        let weights: Vec<f64> = shapes.iter().map(|shape| shape.0).collect();
+        let inside = "DeformPercent: 0\n".to_owned() + &numbers("FullWeights", &weights);
+        let channel = self.object("Deformer", "", "BlendShapeChannel", &inside);
+        self.connect(channel, blend);
+        for (_, vertex, offset) in shapes {
+            let inside = numbers("Indexes", &[*vertex]) + &numbers("Vertices", offset);
+            let shape = self.object("Geometry", "", "Shape", &inside);
+            self.connect(shape, channel);
+        }
+        channel
+    }
+
+    /// Adds an animation, and gives its layer.
+    pub(super) fn animation(&mut self, name: &str) -> u32 {
+        let stack = self.object("AnimationStack", name, "", "");
+        let layer = self.object("AnimationLayer", "", "", "");
+        self.connect(layer, stack);
+        layer
+    }
+
+    /// Adds keys (frame of 24 a second, value), with straight lines between them, to an axis of a
+    /// property: `d|X`, or the name of what is no vector.
+    pub(super) fn keys(
+        &mut self,
+        layer: u32,
+        object: u32,
+        property: &str,
+        axis: &str,
+        keys: &[(i64, f64)],
+    ) {
+        let node = self.object("AnimationCurveNode", "", "", "");
+        self.connect(node, layer);
+        self.connect_to(node, object, property);
+        let (times, values): (Vec<i64>, Vec<f64>) =
+            keys.iter().map(|&(frame, value)| (frame * TICKS / 24, value)).unzip();
+        let inside = "KeyVer: 4009\n".to_owned()
+            + &numbers("KeyTime", &times)
+            + &numbers("KeyValueFloat", &values)
+            + &numbers("KeyAttrFlags", &[4])
+            + &numbers("KeyAttrDataFloat", &[0, 0, 0, 0])
+            + &numbers("KeyAttrRefCount", &[keys.len()]);
+        let curve = self.object("AnimationCurve", "", "", &inside);
+        self.connect_to(curve, node, axis);
+    }
+
+    pub(super) fn object(&mut self, class: &str, name: &str, kind: &str, inside: &str) -> u32 {
+        self.last += 1;
+        let prefix = match class {
+            "AnimationStack" => "AnimStack",
+            other => other,
+        };
+        let (number, objects) = (self.last, &mut self.objects);
+        writeln!(objects, "{class}: {number}, \"{prefix}::{name}\", \"{kind}\" {{\n{inside}}}")
+            .unwrap();
+        number
+    }
+
+    pub(super) fn connect(&mut self, from: u32, to: u32) {
+        writeln!(self.connections, "C: \"OO\",{from},{to}").unwrap();
+    }
+
+    pub(super) fn connect_to(&mut self, from: u32, to: u32, property: &str) {
+        writeln!(self.connections, "C: \"OP\",{from},{to},\"{property}\"").unwrap();
+    }
+}
+
+fn numbers<T: ToString>(name: &str, numbers: &[T]) -> String {
+    let list: Vec<String> = numbers.iter().map(T::to_string).collect();
+    format!("{name}: *{} {{\na: {}\n}}\n", numbers.len(), list.join(","))
+}
