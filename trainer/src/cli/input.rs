@@ -3,17 +3,20 @@
 use super::Output;
 use super::bars::Bars;
 use anyhow::{Context, bail};
-use sinew_trainer::examples::{Examples, ExamplesError, Source, Split, hash_file, load};
+use sinew_trainer::examples::{
+    Examples, ExamplesError, Source, Split, hash_file, load, load_importance,
+};
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.
 #[derive(clap::Args)]
 pub(super) struct ExampleArguments {
-    /// Example poses: a scene (.glb, .gltf) with mesh, skeleton and clips, or a .npz with everything,
-    /// its names and parents in it or in a .json beside it
+    /// Example poses: a scene with mesh, skeleton and clips (.glb, .gltf, .fbx), or a .npz with
+    /// everything, its names and parents in it or in a .json beside it
     pub(super) examples: PathBuf,
-    /// The posed meshes of a scene, one a frame of its clips [default: the scene's own skin and
-    /// shapes]
+    /// The posed meshes of a scene, one a frame of its clips and with the vertices of its mesh: a
+    /// point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the `vertices` of a
+    /// .npz, or the morph targets of a .glb [default: the scene's own skin and shapes]
     #[arg(long, value_name = "FILE")]
     pub(super) targets: Option<PathBuf>,
     /// Frames a second at which the clips of a scene are sampled [default: at their keys]
@@ -22,6 +25,10 @@ pub(super) struct ExampleArguments {
     /// The one clip of a scene to read [default: all]
     #[arg(long, value_name = "NAME")]
     pub(super) clip: Option<String>,
+    /// How much each vertex counts, in a fit and in what is measured: one number a vertex, as .npy,
+    /// .txt or .csv [default: all alike]
+    #[arg(long, value_name = "FILE")]
+    pub(super) importance: Option<PathBuf>,
     /// Hold out this share of the frames (0.25 is a quarter), in contiguous blocks, instead of the
     /// file's own split; give `train` and `eval` the same share
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
@@ -54,6 +61,10 @@ impl ExampleArguments {
         for warning in &warnings {
             output.warn(self.examples.display(), warning);
         }
+        if let Some(file) = &self.importance {
+            let numbers = load_importance(file)?;
+            examples.weigh(numbers).with_context(|| file.display().to_string())?;
+        }
         if let Some(share) = self.hold_out {
             examples.hold_out(share).with_context(|| self.examples.display().to_string())?;
         }
@@ -76,7 +87,9 @@ impl ExampleArguments {
 
     /// Names every file that a load reads, where it is there.
     pub(super) fn files(&self) -> Vec<PathBuf> {
-        self.source().files()
+        let mut files = self.source().files();
+        files.extend(self.importance.clone());
+        files
     }
 
     fn source(&self) -> Source<'_> {

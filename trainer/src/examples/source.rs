@@ -31,7 +31,7 @@ impl<'a> Source<'a> {
         if extension(self.file) == "npz" {
             files.push(self.file.with_extension("json"));
         }
-        files.extend(self.targets.map(Path::to_owned));
+        files.extend(self.targets.into_iter().flat_map(targets::files));
         files
     }
 

@@ -136,15 +136,13 @@ impl Rig {
                         similarity.move_joints(&mut skeleton, &mut transforms);
                         self.tell(&similarity, "joints");
                         self.rest = rest;
+                        self.triangles = targets.triangles.unwrap_or(self.triangles);
                     }
                     None => {
                         let similarity = align::poses(&self.rest, &transforms, &targets.vertices)?;
                         similarity.move_points(&mut targets.vertices);
                         self.tell(&similarity, "targets");
                     }
-                }
-                if let Some(triangles) = targets.triangles {
-                    self.triangles = triangles;
                 }
                 targets.vertices
             }

@@ -6,7 +6,7 @@ mod obj;
 mod pc2;
 mod points;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use error::TargetsError;
 pub use pc2::save_pc2;
@@ -49,6 +49,13 @@ pub(super) fn read(path: &Path) -> Result<Targets, LoadError> {
         "glb" | "gltf" => gltf::read_targets(path).map_err(blame),
         _ => Err(blame(unknown_format(path, ".pc2, .mdd, .npz, .glb, .gltf or .obj"))),
     }
+}
+
+/// Lists the files that [`read`] reads; the path itself where it would fail.
+pub(super) fn files(path: &Path) -> Vec<PathBuf> {
+    let sequence = path.is_dir() || extension(path) == "obj";
+    let files = sequence.then(|| obj::sequence(path).ok()).flatten();
+    files.unwrap_or_else(|| vec![path.to_owned()])
 }
 
 #[cfg(test)]

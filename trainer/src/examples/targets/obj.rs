@@ -33,7 +33,7 @@ pub(super) fn read(path: &Path) -> Result<Targets, LoadError> {
 
 /// Lists the files of a sequence in the order of their numbers: all `.obj` files of a folder, or
 /// those beside a file whose names differ from its own in the number at the end alone.
-fn sequence(path: &Path) -> Result<Vec<PathBuf>, LoadError> {
+pub(super) fn sequence(path: &Path) -> Result<Vec<PathBuf>, LoadError> {
     let whole = path.is_dir();
     let folder = if whole { path } else { path.parent().unwrap_or(path) };
     let stem = match (whole, numbered(path)) {
