@@ -1,0 +1,74 @@
+//! Scenes from files give the models that the same examples give as arrays.
+
+#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
+
+use sinew_runtime::format::Predictor;
+use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::{Options, Predict, Trained, train};
+use sinew_trainer::evaluate::{Frames, evaluate, open, skin};
+use sinew_trainer::examples::{Examples, Loaded, Source, Split, Warning, load};
+use sinew_trainer::progress::Silent;
+use std::path::{Path, PathBuf};
+
+/// Gives the folder of a real set, which must be there where CI is set.
+fn set(name: &str) -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(name);
+    if !folder.is_dir() {
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "CI is set, but there is no {}",
+            folder.display()
+        );
+        eprintln!("not run: there is no {}", folder.display());
+        return None;
+    }
+    Some(folder)
+}
+
+fn model(examples: &Examples, predictor: Predictor, proxies: usize) -> Trained {
+    let proxies = Some(ProxyCount::Fixed(proxies));
+    let options = Options { predictor: Predict::Only(predictor), proxies, ..Options::default() };
+    train(examples, &options, &Silent).unwrap()
+}
+
+/// Farthest that two models skin a vertex apart in the held-out frames, as a share of the diagonal.
+fn apart(a: &Trained, b: &Trained, examples: &Examples) -> f64 {
+    let [a, b] = [a, b].map(|trained| open(&trained.model, examples).unwrap());
+    let mut farthest: f64 = 0.0;
+    for frame in examples.frames_of(Split::HeldOut) {
+        let [a, b] = [&a, &b].map(|envelope| skin(envelope, examples, frame).unwrap());
+        for (a, b) in a.positions().iter().zip(b.positions()) {
+            farthest = farthest.max(f64::from((a - b).abs()));
+        }
+    }
+    farthest / examples.diagonal()
+}
+
+/// The joints of an FBX scene without a skin and the meshes of the arrays, which are in other axes:
+/// the arrays were made from the same scene by another reader, in single precision.
+#[test]
+fn joints_of_a_scene_with_meshes_of_arrays_give_the_model_of_the_arrays() {
+    let Some(folder) = set("dem-bones") else { return };
+    let [scene, arrays] = ["Bone_Trans.fbx", "bone.npz"].map(|file| folder.join(file));
+    let joined = load(&Source { targets: Some(&arrays), ..Source::file(&scene) }).unwrap();
+    let Loaded { examples: joined, clips, warnings } = joined;
+    let whole = load(&Source::file(&arrays)).unwrap().examples;
+    assert_eq!((clips.len(), clips[0].times.len()), (1, 400));
+    let how = "(x, -z, y)".to_owned();
+    assert!(warnings.contains(&Warning::Moved { what: "joints", how }), "{warnings:?}");
+    assert_eq!(joined.skeleton.names, whole.skeleton.names);
+    assert_eq!(joined.skeleton.parents, whole.skeleton.parents);
+    assert_eq!(joined.split, whole.split);
+    assert_eq!(joined.vertices, whole.vertices);
+
+    let [a, b] = [&joined, &whole].map(|examples| model(examples, Predictor::Rotational, 20));
+    assert_eq!(a.model.len(), b.model.len());
+    let apart = apart(&a, &b, &whole);
+    assert!(apart < 2e-6, "{apart:e}");
+    // Kernels are chosen from a list, where rounding can tip the balance between two that are as good.
+    let [a, b] = [&joined, &whole].map(|examples| {
+        let trained = model(examples, Predictor::Kernel, 20);
+        evaluate(&trained.model, examples, Frames::Of(Split::HeldOut)).unwrap().errors.rms
+    });
+    assert!((a / b - 1.0).abs() < 0.03, "{a} against {b}");
+}
