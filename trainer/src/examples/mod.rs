@@ -5,7 +5,9 @@ mod error;
 mod hash;
 mod hold_out;
 pub mod npz;
+pub mod obj;
 mod origins;
+mod pc2;
 mod surface;
 #[cfg(test)]
 mod testing;
@@ -14,6 +16,8 @@ mod validate;
 pub use clip::Clip;
 pub use error::{Element, ExamplesError, LoadError, Warning};
 pub use hash::hash_file;
+pub use pc2::save_pc2;
+pub(crate) use surface::normals;
 pub use validate::RIGID;
 
 /// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.
