@@ -14,7 +14,7 @@ const NOTE: &str = "A procedural arm: what a rig exports of its skeleton, with t
 
 /// Orders frames by use, so that each use is one clip: training frames, held-out, extreme ones.
 pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
-    let uses = [Split::Train, Split::HeldOut, Split::Extreme].map(|split| Frames::Of(split));
+    let uses = [Split::Train, Split::HeldOut, Split::Extreme].map(Frames::Of);
     let (mut frames, mut clips) = (Vec::new(), Vec::new());
     for (name, own) in uses.map(|of| (of.name(), of.of(&examples))) {
         if !own.is_empty() {

@@ -154,27 +154,27 @@ mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
 
-    /// Descends along edges and inside, over a grid of shares, and then over finer ones.
-    fn by_search(point: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> f64 {
-        let at = |s: f64, t: f64| {
-            let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
-            let (s, t) = if s + t > 1.0 { (s / (s + t), t / (s + t)) } else { (s, t) };
-            (corners[0] * (1.0 - s - t) + corners[1] * s + corners[2] * t - point).norm()
+    /// Above the inside it is the distance from the plane, elsewhere that from the nearest side.
+    fn distance(point: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> f64 {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(&(c - a)).normalize();
+        let sides = [(a, b), (b, c), (c, a)];
+        let inside = |&(from, to): &(&Vector3<f64>, &Vector3<f64>)| {
+            normal.dot(&(to - from).cross(&(point - from))) >= 0.0
         };
-        let (mut best, mut width) = ((1.0 / 3.0, 1.0 / 3.0), 0.5);
-        for _ in 0..60 {
-            let steps = (-4..=4).flat_map(|i| (-4..=4).map(move |j| (f64::from(i), f64::from(j))));
-            let (s, t) = best;
-            let tried = steps.map(|(i, j)| (s + 0.25 * i * width, t + 0.25 * j * width));
-            let nearer = |a: &(f64, f64), b: &(f64, f64)| at(a.0, a.1).total_cmp(&at(b.0, b.1));
-            best = tried.min_by(nearer).unwrap();
-            width *= 0.7;
+        if sides.iter().all(inside) {
+            return normal.dot(&(point - a)).abs();
         }
-        at(best.0, best.1)
+        let from_side = |(from, to): (&Vector3<f64>, &Vector3<f64>)| {
+            let side = to - from;
+            let along = (side.dot(&(point - from)) / side.norm_squared()).clamp(0.0, 1.0);
+            (from + side * along - point).norm()
+        };
+        sides.map(from_side).into_iter().fold(f64::INFINITY, f64::min)
     }
 
     #[test]
-    fn the_foot_is_nearer_than_any_other_point_of_any_triangle() {
+    fn the_foot_is_as_near_as_the_nearest_plane_or_side_of_any_triangle() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(11);
         let mut point = || -> [f64; 3] { std::array::from_fn(|_| random.random_range(-1.0..1.0)) };
         let positions: Vec<[f64; 3]> = (0..30).map(|_| point()).collect();
@@ -183,9 +183,9 @@ mod tests {
         for _ in 0..100 {
             let point = Vector3::from(point()) * 1.5;
             let foot = surface.nearest(&point).unwrap();
-            let searched = (0..10).map(|k| by_search(&point, &surface.corners(k)));
-            let searched = searched.fold(f64::INFINITY, f64::min);
-            assert!((foot.distance - searched).abs() < 1e-4, "{} {searched}", foot.distance);
+            let all = (0..10).map(|k| distance(&point, &surface.corners(k)));
+            let least = all.fold(f64::INFINITY, f64::min);
+            assert!((foot.distance - least).abs() < 1e-12, "{} {least}", foot.distance);
             let sum: f64 = foot.shares.iter().sum();
             assert!((sum - 1.0).abs() < 1e-12 && foot.shares.iter().all(|&s| s >= 0.0));
         }

@@ -72,11 +72,12 @@ impl Chain {
     fn tracks<'a>(&self, maps: impl Iterator<Item = &'a Matrix3x4>) -> Vec<Track> {
         let centre = Vector3::from(self.centre.map(f64::from));
         let (mut places, mut turns, mut scales, mut axes) = (vec![], vec![], vec![], vec![]);
-        let mut stretch = Stretch::none();
+        let mut before: Option<Stretch> = None;
         for map in maps {
             let linear = Matrix3::from_fn(|row, column| f64::from(map[row][column]));
             let moved = Vector3::from(map.map(|row| f64::from(row[3])));
-            stretch = Stretch::of(&linear, &stretch);
+            let stretch = Stretch::of(&linear, before.as_ref());
+            before = Some(stretch);
             places.push((linear * centre + moved).map(|x| x as f32).into());
             turns.push(quaternion(&turned(&stretch.turn)));
             scales.push(stretch.scale.map(|x| x as f32).into());
