@@ -11,11 +11,13 @@ use sinew_trainer::examples::{Clip, obj};
 use sinew_trainer::export::{ExportError, Level, LevelReport, export};
 use std::path::{Path, PathBuf};
 
-/// Bakes MODEL and the poses of CLIP into a binary glTF file that plays in any engine.
+/// Bakes a model and a clip into a GLB that plays in any engine
 ///
 /// Proxies become ordinary joints beside the skeleton, the runtime's prediction for every frame
 /// becomes their keys, and the mesh is skinned to them: an animation a clip, at the clip's times, in
-/// the units and axes of the examples (glTF takes metres, y up). A proxy scales along axes of its
+/// the units and axes of the examples (glTF takes metres, y up).
+///
+/// A proxy scales along axes of its
 /// own, which takes two nodes: proxy_N moves, turns and scales, and proxy_N_axes, the joint of the
 /// skin, turns the axes back. An engine must multiply the nodes' matrices, as glTF asks; one that
 /// keeps only a move, a turn and a scale of each joint in model space loses the shear.

@@ -9,7 +9,7 @@ use sinew_trainer::examples::save_pc2;
 use sinew_trainer::export::{by_use, demo_glb};
 use std::path::PathBuf;
 
-/// Writes the demo's examples as an artist would export them, so that you see what input looks like.
+/// Writes the demo's rig and meshes as an artist would export them, to show what input looks like
 ///
 /// demo.glb holds the skeleton, the rest mesh with four LBS weights a vertex, and two animations at
 /// 30 frames a second: train and held-out. demo.pc2 is a point cache of the meshes that the arm

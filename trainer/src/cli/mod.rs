@@ -51,9 +51,7 @@ enum Command {
     Eval(eval::Arguments),
     /// Shows what a model file holds
     Inspect(inspect::Arguments),
-    /// Bakes a model and a clip into a GLB that plays in any engine
     Export(export::Arguments),
-    /// Writes the demo's rig and meshes as files, to show what input looks like
     ExportDemo(export_demo::Arguments),
 }
 
