@@ -16,7 +16,7 @@ use sinew_trainer::envelope::rotational::{self, basis, merge};
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::{Options, Predict, train, weights};
 use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
-use sinew_trainer::examples::{Examples, Split, npz};
+use sinew_trainer::examples::{Examples, Importance, Split, npz};
 use sinew_trainer::progress::Silent;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -62,14 +62,24 @@ fn lbs() -> Result<(), Box<dyn Error>> {
         let held_out = examples.frames_of(Split::HeldOut);
         let poses = Poses::new(&examples, &held_out);
         let moved = trajectories(&examples, &held_out, &poses);
-        let targets = Targets { rest: &examples.rest, weights: &fitted, trajectories: &moved };
+        let targets = Targets {
+            rest: &examples.rest,
+            weights: &fitted,
+            trajectories: &moved,
+            importance: Importance::ALIKE,
+        };
         println!("{name}: K = 4, held out {:.4} %", percent(targets.rms(&poses.stacked())));
         if name == "dem-bones" {
             let all: Vec<usize> = (0..examples.frame_len()).collect();
             let poses = Poses::new(&examples, &all);
             let moved = trajectories(&examples, &all, &poses);
             let (dense, _) = weights::fit(&examples.rest, &moved, &poses, examples.joint_len());
-            let targets = Targets { rest: &examples.rest, weights: &dense, trajectories: &moved };
+            let targets = Targets {
+                rest: &examples.rest,
+                weights: &dense,
+                trajectories: &moved,
+                importance: Importance::ALIKE,
+            };
             println!("{name}: dense, all frames, RMSE {:.7}", targets.rms(&poses.stacked()));
         }
     }
@@ -82,7 +92,7 @@ fn proxies_alone() -> Result<(), Box<dyn Error>> {
         let Training { unit, rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent)?;
         let basis = basis::basis(&trajectories);
-        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
+        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
         let tree = merge::MergeTree::build(&surface, || ());
         for count in [10, 20, 30] {
             let options =

@@ -11,7 +11,7 @@ use sinew_trainer::envelope::rotational::{self, basis, merge};
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::{Options, Predict, train, weights};
 use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
-use sinew_trainer::examples::{Examples, Split, npz};
+use sinew_trainer::examples::{Examples, Importance, Split, npz};
 use sinew_trainer::progress::Silent;
 use std::path::Path;
 
@@ -103,7 +103,12 @@ fn dense_lbs_weights_reach_the_error_that_dem_bones_prints() {
     let poses = Poses::new(&examples, &frames);
     let moved = trajectories(&examples, &frames, &poses);
     let (dense, _) = weights::fit(&examples.rest, &moved, &poses, examples.joint_len());
-    let targets = Targets { rest: &examples.rest, weights: &dense, trajectories: &moved };
+    let targets = Targets {
+        rest: &examples.rest,
+        weights: &dense,
+        trajectories: &moved,
+        importance: Importance::ALIKE,
+    };
     let rmse = targets.rms(&poses.stacked());
     assert!((rmse - 0.026_552_3).abs() < 1e-6, "{rmse}");
 }
@@ -114,7 +119,7 @@ fn proxies_alone_on_dem_bones() {
     let Training { unit, rest, triangles, trajectories, .. } =
         Training::new(&examples, &Silent).unwrap();
     let basis = basis::basis(&trajectories);
-    let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
+    let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
     let tree = merge::MergeTree::build(&surface, || ());
     for (count, most) in [(10, 0.0020), (20, 0.0013), (30, 0.0009)] {
         let proxies = ProxyCount::Fixed(count);

@@ -6,6 +6,9 @@ use std::time::Instant;
 /// Bare targets that the runtime must build for.
 const TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "wasm32-unknown-unknown"];
 
+/// Blender as a Python module.
+const BPY: &str = "bpy==5.0.1";
+
 const HELP: &str = "\
 usage: cargo xtask COMMAND
 
@@ -40,7 +43,30 @@ fn test() -> Result<(), String> {
         // One package at a time: features would unify with crates that need std.
         cargo(&format!("build -p sinew-runtime --locked --target {target}"), &[])?;
     }
-    cargo("test --workspace --locked", &[])
+    cargo("test --workspace --locked", &[("SINEW_BPY", &blender()?)])
+}
+
+/// Gives the Python that the test of the Blender script runs in, with Blender as a module; the empty
+/// text, said aloud, where there is no such package for this machine.
+fn blender() -> Result<String, String> {
+    let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
+    let folder = std::path::absolute(format!("{target}/bpy")).map_err(|error| error.to_string())?;
+    let python = folder.join("bin/python").display().to_string();
+    let has_bpy = || {
+        let found = Command::new(&python).args(["-c", "import bpy"]).output();
+        found.is_ok_and(|found| found.status.success())
+    };
+    if !has_bpy() {
+        let advice = "install Python 3 with its venv module (Debian: python3-venv)";
+        run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder))
+            .map_err(|error| format!("{error}; {advice}"))?;
+        let installed = run(Command::new(&python).args(["-m", "pip", "install", "-q", BPY]));
+        if installed.is_err() || !has_bpy() {
+            eprintln!("xtask: {BPY} does not install here: the Blender script is not tested");
+            return Ok(String::new());
+        }
+    }
+    Ok(python)
 }
 
 /// Installs what the tests need, or says what to run.

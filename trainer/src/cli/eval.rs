@@ -51,8 +51,8 @@ impl SplitName {
 }
 
 pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let [examples, description] = arguments.input.files();
-    let inputs = [arguments.model.as_path(), &examples, &description];
+    let mut inputs = arguments.input.files();
+    inputs.push(arguments.model.clone());
     let vertices = arguments.write_vertices.as_ref().map(|file| Target::new(file, &inputs));
     let vertices = vertices.transpose()?;
     let model = input::read_model(&arguments.model)?;

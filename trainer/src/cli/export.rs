@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct Arguments {
     /// A model that `sinew train` wrote
     model: PathBuf,
-    /// Poses to play, of the character that the model was trained on: a file as `sinew train` takes
+    /// Poses to play, of the character that the model was trained on: a file as `sinew train` takes, all clips of it
     #[arg(long, value_name = "CLIP")]
     clip: PathBuf,
     /// A further mesh on the same joints, of any topology, in the rest pose of the examples; may be
@@ -45,10 +45,17 @@ pub(super) struct Arguments {
 const USUAL_INFLUENCES: usize = 4;
 
 pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let clip = input::ExampleArguments { examples: arguments.clip.clone(), hold_out: None };
-    let read = clip.files();
-    let inputs = [&arguments.model].into_iter().chain(&read).chain(&arguments.also);
-    let target = Target::new(&arguments.output, &inputs.map(PathBuf::as_path).collect::<Vec<_>>())?;
+    let clip = input::ExampleArguments {
+        examples: arguments.clip.clone(),
+        targets: None,
+        fps: None,
+        clip: None,
+        hold_out: None,
+    };
+    let mut inputs = clip.files();
+    inputs.push(arguments.model.clone());
+    inputs.extend_from_slice(&arguments.also);
+    let target = Target::new(&arguments.output, &inputs)?;
     let model = input::read_model(&arguments.model)?;
     let levels =
         arguments.also.iter().map(|file| level(file)).collect::<anyhow::Result<Vec<_>>>()?;

@@ -18,7 +18,7 @@ impl Target {
     /// # Errors
     /// If the place is one of `taken`, is no regular file, or its folder is not there or cannot be
     /// written to.
-    pub(super) fn new(path: &Path, taken: &[&Path]) -> anyhow::Result<Self> {
+    pub(super) fn new(path: &Path, taken: &[PathBuf]) -> anyhow::Result<Self> {
         let named = path.to_owned();
         let folder_like = path.as_os_str().as_encoded_bytes().ends_with(b"/");
         let (Some(name), Some(folder), false) = (path.file_name(), path.parent(), folder_like)

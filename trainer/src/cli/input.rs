@@ -3,14 +3,25 @@
 use super::Output;
 use super::bars::Bars;
 use anyhow::{Context, bail};
-use sinew_trainer::examples::{Clip, Examples, ExamplesError, Split, hash_file, npz};
+use sinew_trainer::examples::{Clip, Examples, ExamplesError, Source, Split, hash_file, load};
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.
 #[derive(clap::Args)]
 pub(super) struct ExampleArguments {
-    /// Example poses: a .npz file, with names and parents in it or in a .json beside it
+    /// Example poses: a scene (.glb, .gltf) with mesh, skeleton and clips, or a .npz with everything,
+    /// its names and parents in it or in a .json beside it
     pub(super) examples: PathBuf,
+    /// The posed meshes of a scene, one a frame of its clips [default: the scene's own skin and
+    /// shapes]
+    #[arg(long, value_name = "FILE")]
+    pub(super) targets: Option<PathBuf>,
+    /// Frames a second at which the clips of a scene are sampled [default: at their keys]
+    #[arg(long, value_name = "FPS", value_parser = rate, allow_negative_numbers = true)]
+    pub(super) fps: Option<f64>,
+    /// The one clip of a scene to read [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub(super) clip: Option<String>,
     /// Hold out this share of the frames (0.25 is a quarter), in contiguous blocks, instead of the
     /// file's own split; give `train` and `eval` the same share
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
@@ -38,7 +49,7 @@ impl ExampleArguments {
     pub(super) fn load(&self, output: Output) -> anyhow::Result<Input> {
         self.check()?;
         let reading = Bars::busy(output, "reading examples");
-        let loaded = npz::load(&self.examples)?;
+        let loaded = load(&self.source())?;
         drop(reading);
         let mut examples = loaded.examples;
         let warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
@@ -66,20 +77,37 @@ impl ExampleArguments {
     }
 
     /// Names every file that a load reads, where it is there.
-    pub(super) fn files(&self) -> [PathBuf; 2] {
-        [self.examples.clone(), self.examples.with_extension("json")]
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        self.source().files()
+    }
+
+    fn source(&self) -> Source<'_> {
+        Source {
+            file: &self.examples,
+            targets: self.targets.as_deref(),
+            fps: self.fps,
+            clip: self.clip.as_deref(),
+        }
     }
 
     /// Refuses what is easily given by mistake.
     fn check(&self) -> anyhow::Result<()> {
         let path = self.examples.display();
         if self.examples.is_dir() {
-            bail!("{path}: is a folder, expected a .npz file");
+            bail!("{path}: is a folder, expected a file");
         }
         if self.examples.extension().is_some_and(|extension| extension == "json") {
             bail!("{path}: describes examples, expected the .npz file beside it");
         }
         Ok(())
+    }
+}
+
+/// Parses a number of frames a second.
+fn rate(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(rate) if (0.001..=10_000.0).contains(&rate) => Ok(rate),
+        _ => Err("expected a number from 0.001 to 10000".to_owned()),
     }
 }
 

@@ -148,7 +148,6 @@ impl FitArguments {
 
 pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let inputs = arguments.input.files();
-    let inputs = inputs.each_ref().map(|file| file.as_path());
     let model = Target::new(&arguments.output, &inputs)?;
     let record_file = arguments.record.as_ref().map(|file| Target::new(file, &inputs));
     let record_file = record_file.transpose()?;

@@ -63,6 +63,7 @@ pub fn demo(options: &DemoOptions) -> Examples {
         vertices,
         transforms: frames.iter().flat_map(|(_, pose)| pose.maps()).collect(),
         split: frames.iter().map(|(split, _)| *split).collect(),
+        importance: None,
     }
 }
 

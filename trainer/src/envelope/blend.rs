@@ -5,6 +5,7 @@
 //! at most K of them not zero. Weights and maps are fitted in turn (METHOD §1.2, §1.7).
 
 use super::simplex::{self, Gram, MAX_COLUMNS};
+use crate::examples::Importance;
 use crate::progress::Progress;
 use faer::linalg::matmul::matmul;
 use faer::prelude::*;
@@ -28,13 +29,15 @@ pub struct Items<'a> {
     pub h: Vec<f64>,
     /// Targets, r x (items·rows).
     pub y: &'a Mat<f64>,
+    /// How much each item counts when maps are fitted.
+    pub importance: Importance<'a>,
 }
 
 impl<'a> Items<'a> {
     /// One row `[x̂ 1]` a vertex, with their trajectories r x V.
-    pub fn vertices(rest: &[[f64; 3]], y: &'a Mat<f64>) -> Self {
+    pub fn vertices(rest: &[[f64; 3]], y: &'a Mat<f64>, importance: Importance<'a>) -> Self {
         let h = rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
-        Self { width: 4, rows: 1, h, y }
+        Self { width: 4, rows: 1, h, y, importance }
     }
 
     /// Returns the number of items.
@@ -131,7 +134,7 @@ pub struct Blend {
     pub weights: Weights,
     /// The maps.
     pub maps: Maps,
-    /// Squared error, summed over the items.
+    /// Squared error, summed over the items as they count.
     pub error: f64,
 }
 
@@ -144,7 +147,9 @@ impl Alternation {
         most: usize,
         progress: &dyn Progress,
     ) -> Blend {
-        let sum = |errors: Vec<f64>| errors.iter().sum();
+        let sum = |errors: Vec<f64>| {
+            errors.iter().enumerate().map(|(item, error)| items.importance.of(item) * error).sum()
+        };
         let (weights, errors) = fit_weights(items, &maps, most, None);
         let mut blend = Blend { weights, maps, error: sum(errors) };
         for _ in 0..self.rounds {
@@ -290,7 +295,7 @@ pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps, pull: f64
             let mut right = Mat::zeros(rank, size);
             for item in c * chunk..((c + 1) * chunk).min(items.len()) {
                 for row in item * items.rows..(item + 1) * items.rows {
-                    accumulate(items, row, weights.of(item), m, normal.as_mut(), right.as_mut());
+                    accumulate(items, row, weights.of(item), item, normal.as_mut(), right.as_mut());
                 }
             }
             (normal, right)
@@ -320,15 +325,17 @@ fn accumulate(
     items: &Items<'_>,
     row: usize,
     weights: impl Iterator<Item = (usize, f64)> + Clone,
-    m: usize,
+    item: usize,
     mut normal: MatMut<'_, f64>,
     mut right: MatMut<'_, f64>,
 ) {
+    let m = items.width;
     let h = items.row(row);
     let y = items.y.col_as_slice(row);
+    let counts = items.importance.of(item);
     for (a, wa) in weights.clone() {
         for (j, hj) in h.iter().enumerate() {
-            let phi = wa * hj;
+            let phi = counts * wa * hj;
             for (b, wb) in weights.clone() {
                 for (i, hi) in h.iter().enumerate() {
                     normal[(b * m + i, a * m + j)] += phi * wb * hi;
@@ -376,7 +383,7 @@ mod tests {
     #[test]
     fn true_maps_give_back_the_true_weights() {
         let (h, y, maps, truth) = exact(300, 30);
-        let items = Items { width: 4, rows: 1, h, y: &y };
+        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
         let (weights, errors) = fit_weights(&items, &maps, 3, None);
         assert!(errors.iter().all(|&e| e < 1e-9));
         for (item, expected) in truth.iter().enumerate() {
@@ -391,7 +398,7 @@ mod tests {
     #[test]
     fn true_weights_give_back_the_true_maps() {
         let (h, y, maps, truth) = exact(300, 30);
-        let items = Items { width: 4, rows: 1, h, y: &y };
+        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
         let lists = truth.iter().map(|w| w.iter().copied().enumerate().collect());
         let start = Maps { width: 4, columns: Mat::zeros(30, 12) };
         let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start, 1e-7);
@@ -401,7 +408,7 @@ mod tests {
     #[test]
     fn a_map_that_no_item_uses_stays_where_it_was() {
         let (h, y, maps, truth) = exact(50, 30);
-        let items = Items { width: 4, rows: 1, h, y: &y };
+        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
         let lists = truth.iter().map(|_| vec![(0, 1.0)]);
         let fitted = fit_maps(&items, &Weights::from_lists(1, lists), &maps, 1e-7);
         let moved = fitted.columns.subcols(4, 8) - maps.columns.subcols(4, 8);

@@ -6,7 +6,7 @@ use super::helpers::features::Joints;
 use super::motion::{Poses, trajectories};
 use super::rotational::validation::Targets;
 use super::weights::{self, BASELINE_INFLUENCES};
-use crate::examples::{Examples, Split};
+use crate::examples::{Examples, Importance, Split};
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Vector3;
@@ -36,6 +36,8 @@ pub struct Training {
     pub trajectories: Mat<f64>,
     /// LBS fitted to them.
     pub lbs: Lbs,
+    /// How much each vertex counts, V numbers of mean 1; all alike without.
+    importance: Option<Vec<f64>>,
 }
 
 /// Linear blend skinning: the baseline, and what stays where it is right.
@@ -70,6 +72,7 @@ impl Training {
             poses: Poses::new(examples, &[]),
             trajectories: Mat::zeros(0, 0),
             lbs: Lbs { weights: Weights::from_lists(1, std::iter::empty()), errors: Vec::new() },
+            importance: examples.importance.clone(),
         };
         training.rest = examples.rest.iter().map(|x| training.local(x)).collect();
         let origins = examples.skeleton.rest.iter().map(|m| [m[0][3], m[1][3], m[2][3]]);
@@ -96,7 +99,17 @@ impl Training {
 
     /// The training meshes, as vertices of these weights on a palette.
     pub fn targets<'a>(&'a self, weights: &'a Weights) -> Targets<'a> {
-        Targets { rest: &self.rest, weights, trajectories: &self.trajectories }
+        Targets {
+            rest: &self.rest,
+            weights,
+            trajectories: &self.trajectories,
+            importance: self.importance(),
+        }
+    }
+
+    /// How much each vertex counts.
+    pub fn importance(&self) -> Importance<'_> {
+        Importance::by(self.importance.as_deref())
     }
 
     /// The joints' rest geometry, as the pose features see it.

@@ -3,7 +3,7 @@
 
 use super::blend::{Items, Maps, Weights, fit_weights};
 use super::motion::{Poses, to_nalgebra, transform};
-use crate::examples::Matrix3x4;
+use crate::examples::{Importance, Matrix3x4};
 use faer::Mat;
 use nalgebra::Vector3;
 
@@ -18,7 +18,7 @@ pub fn fit(
     poses: &Poses,
     most: usize,
 ) -> (Weights, Vec<f64>) {
-    let items = Items::vertices(rest, trajectories);
+    let items = Items::vertices(rest, trajectories, Importance::ALIKE);
     fit_weights(&items, &Maps { width: 4, columns: poses.stacked() }, most, None)
 }
 

@@ -27,4 +27,9 @@ impl Clip {
     pub(crate) fn regular(name: String, first: usize, frame_len: usize) -> Self {
         Self { name, first, times: (0..frame_len).map(|frame| frame as f64 / RATE).collect() }
     }
+
+    /// Says what it is called and how many frames it has.
+    pub(super) fn describe(&self) -> String {
+        format!("{}: {}", self.name, self.times.len())
+    }
 }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use super::rig::ImportError;
+
 /// A file of examples that could not be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {error}", file.display())]
@@ -197,6 +199,20 @@ pub enum ExamplesError {
         /// The share.
         share: f64,
     },
+    /// A vertex cannot count so much.
+    #[error("the importance of vertex {vertex} must be finite and not negative, found {number}")]
+    Importance {
+        /// The vertex.
+        vertex: usize,
+        /// What was given.
+        number: f64,
+    },
+    /// No vertex counts.
+    #[error("the importance of every vertex is 0")]
+    NothingCounts,
+    /// A scene cannot become examples.
+    #[error(transparent)]
+    Import(#[from] ImportError),
 }
 
 /// The part of an example that an error points at.
@@ -245,6 +261,25 @@ pub enum Warning {
     SeveralRoots {
         /// The roots, the reference first.
         joints: Vec<String>,
+    },
+    /// Meshes without a skin stand beside meshes that have one, and are left out.
+    UnskinnedMeshes {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+    /// Clips that move no joint and no shape of the mesh are left out.
+    IdleClips {
+        /// The clips.
+        clips: Vec<String>,
+    },
+    /// The meshes to learn are the scene's own linear blend skinning.
+    PlainSkin,
+    /// Joints or targets came in other axes or units and were moved.
+    Moved {
+        /// What was moved.
+        what: &'static str,
+        /// Where to.
+        how: String,
     },
 }
 
@@ -297,6 +332,24 @@ impl fmt::Display for Warning {
                     joints.len(),
                     others.join(", ")
                 )
+            }
+            Warning::UnskinnedMeshes { meshes } => {
+                write!(f, "meshes without a skin are left out: {}", meshes.join(", "))
+            }
+            Warning::IdleClips { clips } => {
+                write!(
+                    f,
+                    "clips that move neither a joint nor a shape of the mesh are left out: {}",
+                    clips.join(", ")
+                )
+            }
+            Warning::PlainSkin => f.write_str(
+                "no shapes move and no targets are given: the meshes are the scene's own linear \
+                 blend skinning, of which there is nothing to learn; give the posed meshes as \
+                 --targets",
+            ),
+            Warning::Moved { what, how } => {
+                write!(f, "the {what} came in other axes or units and were moved: {how}")
             }
         }
     }

@@ -2,13 +2,20 @@
 
 mod clip;
 mod error;
+mod gltf;
 mod hash;
 mod hold_out;
+mod importance;
+mod maps;
 pub mod npz;
 pub mod obj;
 mod origins;
 mod pc2;
+mod rig;
+mod roots;
+mod source;
 mod surface;
+mod targets;
 #[cfg(test)]
 mod testing;
 mod validate;
@@ -16,7 +23,10 @@ mod validate;
 pub use clip::Clip;
 pub use error::{Element, ExamplesError, LoadError, Warning};
 pub use hash::hash_file;
+pub use importance::{Importance, load_importance};
 pub use pc2::save_pc2;
+pub use rig::ImportError;
+pub use source::{Source, load};
 pub(crate) use surface::normals;
 pub use validate::RIGID;
 
@@ -69,6 +79,9 @@ pub struct Examples {
     pub transforms: Vec<Matrix3x4>,
     /// Use of each frame, N.
     pub split: Vec<Split>,
+    /// How much each vertex counts in a fit and in what is measured of it, V numbers of mean 1; all
+    /// alike without. [`Examples::weigh`] sets it.
+    pub importance: Option<Vec<f64>>,
 }
 
 /// What an importer returns: the examples, and what the user should know about them.

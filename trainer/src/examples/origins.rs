@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Examples, Matrix3x4, Split};
+use super::maps::parts;
+use super::{Examples, Split};
 
 /// Directions in which a joint turns less than this (RMS, radians) against its parent carry no
 /// information about its origin: a thousandth of the largest turn, and above single precision.
@@ -39,11 +40,6 @@ pub(super) fn rest_origin(examples: &Examples, joint: usize) -> [f64; 3] {
         direction * (direction.dot(&right) / eigen.eigenvalues[axis])
     });
     (centroid + offset.sum::<Vector3<f64>>()).into()
-}
-
-fn parts(map: &Matrix3x4) -> (Matrix3<f64>, Vector3<f64>) {
-    let linear = Matrix3::from_fn(|row, column| map[row][column]);
-    (linear, Vector3::from_fn(|row, _| map[row][3]))
 }
 
 #[cfg(test)]

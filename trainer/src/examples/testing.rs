@@ -1,6 +1,19 @@
 //! A least set of examples for the tests of this folder.
 
+use std::path::{Path, PathBuf};
+
 use super::{Examples, Matrix3x4, Skeleton, Split};
+
+/// Gives the place of a file of `../shared/data`, which must be there where CI is set.
+pub(super) fn shared(file: &str) -> Option<PathBuf> {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    if !data.is_dir() {
+        assert!(std::env::var_os("CI").is_none(), "CI is set, but there is no {}", data.display());
+        eprintln!("not run: there is no {}", data.display());
+        return None;
+    }
+    Some(data.join(file))
+}
 
 pub(super) const IDENTITY: Matrix3x4 =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -20,5 +33,6 @@ pub(super) fn triangle(frame_len: usize) -> Examples {
         },
         transforms: vec![IDENTITY; 2 * frame_len],
         split: vec![Split::Train; frame_len],
+        importance: None,
     }
 }

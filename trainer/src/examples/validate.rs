@@ -101,6 +101,9 @@ impl Examples {
         if let Some(uv) = &self.uv {
             same("vertices", "rest", vertices, "uv", uv.len())?;
         }
+        if let Some(importance) = &self.importance {
+            same("vertices", "rest", vertices, "importance", importance.len())?;
+        }
         if !self.split.contains(&Split::Train) {
             return Err(ExamplesError::TooFewPoses { found: 0, needed: 1 });
         }

@@ -46,6 +46,28 @@ fn an_export_holds_the_mesh_the_levels_and_an_animation_a_clip() {
 }
 
 #[test]
+fn every_clip_of_a_scene_becomes_an_animation_with_its_name_and_times() {
+    let folder = Folder::with_demo("export-clips");
+    let size = format!("--vertices 300 --poses {TRAINING} --held-out {HELD_OUT}");
+    folder.sinew(&format!("export-demo rig {size}")).done();
+    folder.sinew("export demo.sinew --clip rig/demo.glb -o out.glb --quiet").done();
+    let read = |name: &str| {
+        let glb = gltf::Gltf::from_slice(&folder.read(name)).unwrap();
+        let blob = glb.blob.clone().unwrap();
+        let times = |animation: gltf::Animation<'_>| -> Vec<f32> {
+            let channel = animation.channels().next().unwrap();
+            channel.reader(|_| Some(blob.as_slice())).read_inputs().unwrap().collect()
+        };
+        let name = |animation: &gltf::Animation<'_>| animation.name().unwrap().to_owned();
+        glb.animations().map(|animation| (name(&animation), times(animation))).collect::<Vec<_>>()
+    };
+    let found = read("out.glb");
+    assert_eq!(found, read("rig/demo.glb"));
+    assert_eq!([&found[0].0, &found[1].0], ["train", "held-out"]);
+    assert_eq!([found[0].1.len(), found[1].1.len()], [TRAINING, HELD_OUT]);
+}
+
+#[test]
 fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
     let folder = Folder::with_demo("export-refused");
     write_obj(&folder, "far.obj", 100.0);
@@ -67,7 +89,7 @@ fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
         ),
         (
             "export demo.sinew --clip inner -o out.glb".to_owned(),
-            "inner: is a folder, expected a .npz file",
+            "inner: is a folder, expected a file",
         ),
         (format!("{EXPORT} -o demo.npz"), "cannot write demo.npz: it is an input"),
         (format!("{EXPORT} -o demo.json"), "cannot write demo.json: it is an input"),

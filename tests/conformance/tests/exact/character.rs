@@ -18,7 +18,7 @@ use sinew_trainer::envelope::rotational::reduce::{Anchors, Reduction};
 use sinew_trainer::envelope::rotational::surface::Surface;
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::weights;
-use sinew_trainer::examples::Examples;
+use sinew_trainer::examples::{Examples, Importance};
 use sinew_trainer::progress::Silent;
 
 const PROXIES: usize = 9;
@@ -46,8 +46,13 @@ impl Character {
         let training = Training::new(examples, &Silent).expect("there are poses and triangles");
         let Training { rest, triangles, poses, trajectories, .. } = &training;
         let (joints, errors) = weights::fit(rest, trajectories, poses, INFLUENCES);
-        let (surface, basis) =
-            Surface::new(rest, triangles.clone(), trajectories, basis(trajectories));
+        let (surface, basis) = Surface::new(
+            rest,
+            triangles.clone(),
+            trajectories,
+            basis(trajectories),
+            Importance::ALIKE,
+        );
         let tree = MergeTree::build(&surface, || ());
         let count = ProxyCount::Fixed(PROXIES);
         let options = Options { proxies: count, influences: INFLUENCES, refine: false };

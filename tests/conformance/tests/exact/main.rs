@@ -30,7 +30,7 @@ use sinew_trainer::envelope::rotational::refine::{Projection, Regression};
 use sinew_trainer::envelope::rotational::validation::Targets;
 use sinew_trainer::envelope::rotational::{self, Options};
 use sinew_trainer::envelope::training::Training;
-use sinew_trainer::examples::{Examples, Split};
+use sinew_trainer::examples::{Examples, Importance, Split};
 use sinew_trainer::progress::Silent;
 
 type Map = Matrix3x4<f64>;
@@ -128,7 +128,8 @@ fn refinement_keeps_the_rest_pose_and_lowers_the_error() {
     let Training { rest, poses, trajectories, .. } = &character.training;
     let reduced = character.reduction(ANCHORS).run().unwrap();
     let predicted = predict_stacked(&character.predictors(&examples), poses);
-    let targets = Targets { rest, weights: &character.proxies, trajectories };
+    let importance = Importance::ALIKE;
+    let targets = Targets { rest, weights: &character.proxies, trajectories, importance };
     let palette = reduced.palette(&predicted, poses);
     let residual = Projection::new(&targets, character.proxy_len()).residual(&palette);
     let regression = Regression::new(&predicted, poses, &residual, &(0..0));

@@ -200,6 +200,7 @@ mod tests {
     use crate::demo::{DemoOptions, demo};
     use crate::envelope::rotational::validation::Targets;
     use crate::envelope::training::Training;
+    use crate::examples::Importance;
     use crate::examples::Split;
     use crate::progress::Silent;
 
@@ -214,7 +215,12 @@ mod tests {
             let frames = examples.frames_of(Split::HeldOut);
             let (poses, moved) = training.view(&examples, &frames);
             let rest = &training.rest;
-            let targets = Targets { rest, weights: &helpers.weights, trajectories: &moved };
+            let targets = Targets {
+                rest,
+                weights: &helpers.weights,
+                trajectories: &moved,
+                importance: Importance::ALIKE,
+            };
             let joints = poses.stacked();
             let added = predict(&correction.groups, &poses, training.joints());
             let maps = fit::bases(&joints, &helpers.dominant) + added;
@@ -226,7 +232,12 @@ mod tests {
         let frames = examples.frames_of(Split::HeldOut);
         let (poses, moved) = training.view(&examples, &frames);
         let lbs = &training.lbs.weights;
-        let targets = Targets { rest: &training.rest, weights: lbs, trajectories: &moved };
+        let targets = Targets {
+            rest: &training.rest,
+            weights: lbs,
+            trajectories: &moved,
+            importance: Importance::ALIKE,
+        };
         let lbs = targets.rms(&poses.stacked());
         assert!(best < 0.1 * lbs && smaller < 0.3 * lbs, "{best} {smaller} {lbs}");
         assert!(search.fit(0).unwrap().bytes == 0, "no map at all takes no bytes");

@@ -41,9 +41,11 @@ pub struct Helpers {
 /// Returns `None` where LBS errs nowhere.
 pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpers> {
     let (joints, errors) = (&training.lbs.weights, &training.lbs.errors);
+    let counts = training.importance();
     let poses = &training.poses;
     let threshold = ERRS * ERRS * poses.len() as f64;
-    let active: Vec<usize> = (0..errors.len()).filter(|&v| errors[v] > threshold).collect();
+    let active: Vec<usize> =
+        (0..errors.len()).filter(|&v| counts.of(v) * errors[v] > threshold).collect();
     if active.is_empty() {
         return None;
     }
@@ -69,7 +71,7 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
 
     let dominant: Vec<usize> = groups.iter().map(|group| group.0).collect();
     let bases = bases(&stacked, &dominant);
-    let items = Items::vertices(&training.rest, &training.trajectories);
+    let items = Items::vertices(&training.rest, &training.trajectories, training.importance());
     let mut weights = joints.clone();
     for _ in 0..ROUNDS {
         let palette = Maps { width: 4, columns: faer::concat![[&stacked, &maps]] };
@@ -85,12 +87,12 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
                 }
             }
         }
-        let items = Items::vertices(&training.rest, &left);
+        let items = Items::vertices(&training.rest, &left, training.importance());
         let base = Maps { width: 4, columns: bases.clone() };
         maps = fit_maps(&items, &on_helpers, &base, PULL).columns;
     }
     let span = poses.joint_len()..poses.joint_len() + dominant.len();
-    let gram = gram(&training.rest, &weights, span);
+    let gram = gram(&training.targets(&weights), span);
     Some(Helpers { weights, dominant, left_over: maps - bases, gram })
 }
 
@@ -106,6 +108,7 @@ fn groups(
     let mut features = Mat::zeros(3 * poses.len() + 3, active.len());
     for (k, &v) in active.iter().enumerate() {
         let h = homogeneous(&training.rest[v]);
+        let scale = scale * training.importance().of(v).sqrt();
         let column = features.col_as_slice_mut(k);
         for i in 0..poses.len() {
             let skinned: Vector3<f64> = joints.of(v).map(|(j, w)| poses.map(i, j) * h * w).sum();

@@ -3,6 +3,7 @@
 use super::super::blend::{Alternation, Blend, Items, Maps, Weights};
 use super::proxies::Proxies;
 use super::surface::Surface;
+use crate::examples::Importance;
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Matrix3;
@@ -32,7 +33,10 @@ pub fn fit(
 ) -> Keys {
     progress.step(STEP, ALTERNATION.rounds);
     let y = edge_targets(surface);
-    let items = Items { width: 3, rows: 3, h: edge_rows(surface), y: &y };
+    let counts: Vec<f64> =
+        (0..surface.triangles.len()).map(|t| surface.triangle_importance(t)).collect();
+    let importance = Importance::by(Some(&counts));
+    let items = Items { width: 3, rows: 3, h: edge_rows(surface), y: &y, importance };
     let columns = Mat::from_fn(surface.vertices.nrows(), 3 * proxies.len(), |k, column| {
         proxies.maps.columns[(k, 4 * (column / 3) + column % 3)]
     });
@@ -109,7 +113,8 @@ mod tests {
         let moved = Mat::from_fn(3 * 4, rest.len(), |row, vertex| {
             (affine((row / 3) as f64) * nalgebra::Vector3::from(rest[vertex]))[row % 3] + row as f64
         });
-        let (surface, vectors) = Surface::new(&rest, triangles, &moved, basis(&moved));
+        let (surface, vectors) =
+            Surface::new(&rest, triangles, &moved, basis(&moved), Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let options = Options { proxies: ProxyCount::Fixed(1), ..Options::default() };
         let joints = Mat::zeros(0, 0);
@@ -128,7 +133,7 @@ mod tests {
         let Training { rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent).unwrap();
         let basis = basis(&trajectories);
-        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
+        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let with = |count| {
             let options = Options { proxies: ProxyCount::Fixed(count), ..Options::default() };

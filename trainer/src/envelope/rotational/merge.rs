@@ -130,9 +130,10 @@ impl Groups {
             centre: Vec::with_capacity(count),
         };
         for (triangle, corners) in surface.triangles.iter().enumerate() {
+            let counts = surface.triangle_importance(triangle);
             for &corner in corners {
                 let y = &surface.vertices.col_as_slice(corner)[..rank];
-                groups.add_point(triangle, &surface.rest[corner], y);
+                groups.add_point(triangle, &surface.rest[corner], y, counts);
             }
             // A fourth point off the plane keeps a flat group's map regular.
             let base = surface.rest[corners[0]];
@@ -141,22 +142,22 @@ impl Groups {
             let moved: Vec<f64> = (0..rank)
                 .map(|k| surface.vertices[(k, corners[0])] + surface.normals[(k, triangle)])
                 .collect();
-            groups.add_point(triangle, &tip, &moved);
+            groups.add_point(triangle, &tip, &moved, counts);
             groups.centre.push(base);
             groups.refit(triangle);
         }
         groups
     }
 
-    fn add_point(&mut self, group: usize, x: &[f64; 3], y: &[f64]) {
+    fn add_point(&mut self, group: usize, x: &[f64; 3], y: &[f64], counts: f64) {
         let h = homogeneous(x);
-        self.points[group] += h * h.transpose();
+        self.points[group] += h * h.transpose() * counts;
         for (row, target) in self.targets[group].chunks_exact_mut(self.rank).enumerate() {
             for (sum, value) in target.iter_mut().zip(y) {
-                *sum += h[row] * value;
+                *sum += counts * h[row] * value;
             }
         }
-        self.energy[group] += y.iter().map(|v| v * v).sum::<f64>();
+        self.energy[group] += counts * y.iter().map(|v| v * v).sum::<f64>();
     }
 
     fn refit(&mut self, group: usize) {
@@ -271,6 +272,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::envelope::rotational::basis::basis;
+    use crate::examples::Importance;
     use faer::Mat;
 
     /// A strip of quads along x whose right half turns about the middle, over a few frames.
@@ -293,7 +295,8 @@ mod tests {
     #[test]
     fn two_halves_that_turn_against_each_other_become_two_groups() {
         let (rest, triangles, moved) = strip();
-        let (surface, _) = Surface::new(&rest, triangles.clone(), &moved, basis(&moved));
+        let (surface, _) =
+            Surface::new(&rest, triangles.clone(), &moved, basis(&moved), Importance::ALIKE);
         let groups = MergeTree::build(&surface, || ()).cut(2);
         let left = groups[0];
         for (triangle, group) in groups.iter().enumerate() {
@@ -304,7 +307,8 @@ mod tests {
     #[test]
     fn a_cut_leaves_as_many_groups_as_asked_for() {
         let (rest, triangles, moved) = strip();
-        let (surface, _) = Surface::new(&rest, triangles.clone(), &moved, basis(&moved));
+        let (surface, _) =
+            Surface::new(&rest, triangles.clone(), &moved, basis(&moved), Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         for count in 1..=triangles.len() {
             let groups: BTreeSet<usize> = tree.cut(count).into_iter().collect();
@@ -316,7 +320,8 @@ mod tests {
     fn parts_without_a_common_edge_still_meet() {
         let (rest, triangles, moved) = strip();
         let apart = [triangles[0], triangles[5], triangles[10], triangles[15]];
-        let (surface, _) = Surface::new(&rest, apart.to_vec(), &moved, basis(&moved));
+        let (surface, _) =
+            Surface::new(&rest, apart.to_vec(), &moved, basis(&moved), Importance::ALIKE);
         let groups = MergeTree::build(&surface, || ()).cut(1);
         assert_eq!(groups, vec![0; 4]);
     }

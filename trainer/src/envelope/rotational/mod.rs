@@ -148,7 +148,8 @@ pub fn fit(
     progress.step("trajectory basis", 1);
     let basis = basis::basis(moved);
     let (basis_rank, basis_residual) = (basis.vectors.ncols(), basis.residual);
-    let (surface, basis) = Surface::new(rest, triangles.clone(), moved, basis);
+    let (surface, basis) =
+        Surface::new(rest, triangles.clone(), moved, basis, training.importance());
     progress.step("merging triangles", surface.triangles.len());
     let tree = merge::MergeTree::build(&surface, || progress.advance(1));
     let followed = basis.transpose() * joint_maps(joints, poses);

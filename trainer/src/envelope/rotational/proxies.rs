@@ -99,7 +99,7 @@ pub fn fit(
     progress: &dyn Progress,
 ) -> Result<Proxies, FitError> {
     let influences = options.influences;
-    let items = Items::vertices(surface.rest, &surface.vertices);
+    let items = Items::vertices(surface.rest, &surface.vertices, surface.importance);
     let equations = (surface.rest.len() * surface.frames).max(1) as f64;
     let mut trials = Vec::new();
     let mut at = |proxies: usize| {
@@ -203,6 +203,7 @@ mod tests {
     use super::super::validation::Targets;
     use super::*;
     use crate::demo::{DemoOptions, demo};
+    use crate::examples::Importance;
     use crate::progress::Silent;
 
     #[test]
@@ -211,7 +212,8 @@ mod tests {
         let Training { rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent).unwrap();
         let basis = basis(&trajectories);
-        let (surface, vectors) = Surface::new(&rest, triangles, &trajectories, basis);
+        let (surface, vectors) =
+            Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let fit_to = |proxies| {
             let options = Options { proxies, ..Options::default() };
@@ -225,7 +227,12 @@ mod tests {
 
         // The error in coordinates is the error of the skinned vertices.
         let maps = &vectors * &found.maps.columns;
-        let targets = Targets { rest: &rest, weights: &found.weights, trajectories: &trajectories };
+        let targets = Targets {
+            rest: &rest,
+            weights: &found.weights,
+            trajectories: &trajectories,
+            importance: Importance::ALIKE,
+        };
         assert!((targets.rms(&maps) - found.rms).abs() < 1e-3 * found.rms);
     }
 
@@ -236,7 +243,7 @@ mod tests {
             Training::new(&examples, &Silent).unwrap();
         let most = triangles.len();
         let basis = basis(&trajectories);
-        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis);
+        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let options = Options { proxies: ProxyCount::MaxError(1e-30), ..Options::default() };
         let asked = fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent);

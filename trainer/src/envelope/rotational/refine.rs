@@ -6,7 +6,6 @@
 //! evaluation keeps its form and its cost. It acts on `d - I` and `q - rest`, and the root's block
 //! of c2, which multiplies a constant, takes up what that subtracts: the rest pose stays exact.
 
-use super::super::blend::Weights;
 use super::super::motion::Poses;
 use super::reduce::{Reduced, homogeneous};
 use super::validation::Targets;
@@ -30,7 +29,7 @@ impl Projection {
     pub fn new(targets: &Targets<'_>, proxy_len: usize) -> Self {
         let mut onto = Mat::zeros(targets.trajectories.nrows(), 4 * proxy_len);
         for (vertex, x) in targets.rest.iter().enumerate() {
-            let h = homogeneous(x);
+            let h = homogeneous(x) * targets.importance.of(vertex);
             let y = targets.trajectories.col_as_slice(vertex);
             for (a, alpha) in targets.weights.of(vertex) {
                 for i in 0..4 {
@@ -41,7 +40,7 @@ impl Projection {
                 }
             }
         }
-        Self { gram: gram(targets.rest, targets.weights, 0..proxy_len), onto }
+        Self { gram: gram(targets, 0..proxy_len), onto }
     }
 
     /// What maps (3n x 4P) leave over, as maps, by least squares over the vertices.
@@ -54,17 +53,18 @@ impl Projection {
 }
 
 /// Sums φ φᵀ over the vertices, for a span of l maps of the palette: 4l x 4l.
-pub fn gram(rest: &[[f64; 3]], weights: &Weights, span: Range<usize>) -> Mat<f64> {
+pub fn gram(targets: &Targets<'_>, span: Range<usize>) -> Mat<f64> {
     let mut gram = Mat::zeros(4 * span.len(), 4 * span.len());
-    for (vertex, x) in rest.iter().enumerate() {
+    for (vertex, x) in targets.rest.iter().enumerate() {
         let h = homogeneous(x);
-        let own = weights.of(vertex).filter(|(map, _)| span.contains(map));
+        let counted = h * targets.importance.of(vertex);
+        let own = targets.weights.of(vertex).filter(|(map, _)| span.contains(map));
         for (a, alpha) in own.clone() {
             for (b, beta) in own.clone() {
                 for i in 0..4 {
                     for j in 0..4 {
                         let (row, column) = (4 * (b - span.start) + j, 4 * (a - span.start) + i);
-                        gram[(row, column)] += alpha * h[i] * beta * h[j];
+                        gram[(row, column)] += alpha * counted[i] * beta * h[j];
                     }
                 }
             }

@@ -3,6 +3,7 @@
 use super::basis::Basis;
 use super::gradient::edge_frame;
 use crate::envelope::columns;
+use crate::examples::Importance;
 use faer::Mat;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -21,6 +22,8 @@ pub struct Surface<'a> {
     pub rest_normals: Vec<Vector3<f64>>,
     /// Coordinates of the triangles' normals, r x T, as far as the basis spans them.
     pub normals: Mat<f64>,
+    /// How much each vertex counts.
+    pub importance: Importance<'a>,
 }
 
 impl<'a> Surface<'a> {
@@ -31,6 +34,7 @@ impl<'a> Surface<'a> {
         triangles: Vec<[usize; 3]>,
         trajectories: &Mat<f64>,
         basis: Basis,
+        importance: Importance<'a>,
     ) -> (Self, Mat<f64>) {
         let rest_normals: Vec<_> =
             triangles.iter().map(|t| edge_frame(t.map(|v| &rest[v])).column(2).into()).collect();
@@ -50,9 +54,15 @@ impl<'a> Surface<'a> {
                 vertices,
                 rest_normals,
                 normals,
+                importance,
             },
             basis.vectors,
         )
+    }
+
+    /// Returns how much a triangle counts: as its corners do on average.
+    pub fn triangle_importance(&self, triangle: usize) -> f64 {
+        self.triangles[triangle].map(|vertex| self.importance.of(vertex)).iter().sum::<f64>() / 3.0
     }
 
     /// Returns the rest edges v̂_k2 and v̂_k3 of a triangle.

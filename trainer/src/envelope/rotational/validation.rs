@@ -6,6 +6,7 @@ use super::super::motion::Poses;
 use super::predictor::{self, GradientPredictor};
 use super::reduce::{Reduced, homogeneous};
 use super::refine::{Projection, Regression};
+use crate::examples::Importance;
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Matrix3;
@@ -26,6 +27,8 @@ pub struct Targets<'a> {
     pub weights: &'a Weights,
     /// Their trajectories, 3n x V.
     pub trajectories: &'a Mat<f64>,
+    /// How much each vertex counts.
+    pub importance: Importance<'a>,
 }
 
 /// Key gradients of every training pose, predicted without each fold in turn.
@@ -152,7 +155,8 @@ impl Targets<'_> {
             .map(|vertex| {
                 let blended = skin(&self.rest[vertex], self.weights, vertex, maps);
                 let truth = self.trajectories.col_as_slice(vertex);
-                blended.iter().zip(truth).map(|(a, b)| (a - b).powi(2)).sum()
+                let error: f64 = blended.iter().zip(truth).map(|(a, b)| (a - b).powi(2)).sum();
+                self.importance.of(vertex) * error
             })
             .collect();
         (errors.iter().sum::<f64>() / (self.rest.len() * maps.nrows() / 3).max(1) as f64).sqrt()

@@ -32,6 +32,28 @@ pub(super) trait Number: Copy + Default {
     fn each(file: NpyFile<impl Read>, store: impl FnMut(Self)) -> Option<io::Result<()>>;
 }
 
+/// Reads a `.npy` file of one row of numbers.
+pub(in crate::examples) fn read_npy(path: &Path) -> Result<Vec<f64>, ExamplesError> {
+    let array = || "importance".to_owned();
+    let damaged = |error: io::Error| ExamplesError::DamagedArray {
+        array: array(),
+        reason: error.to_string(),
+    };
+    let bytes = std::fs::read(path).map_err(ExamplesError::Read)?;
+    let mut left = bytes.as_slice();
+    let header = NpyHeader::from_reader(&mut left).map_err(damaged)?;
+    if header.shape().len() != 1 {
+        let found = header.shape().to_vec();
+        return Err(ExamplesError::WrongShape { array: array(), expected: "[n]".into(), found });
+    }
+    let found = header.dtype().descr();
+    let wrong = ExamplesError::WrongType { array: array(), expected: f64::EXPECTED, found };
+    let mut numbers = Vec::new();
+    let read = f64::each(NpyFile::with_header(header, left), |number| numbers.push(number));
+    read.ok_or(wrong)?.map_err(damaged)?;
+    Ok(numbers)
+}
+
 impl Archive {
     /// Opens an archive and reads its directory.
     pub(super) fn open(path: &Path) -> Result<Self, ExamplesError> {

@@ -21,6 +21,7 @@ mod sidecar;
 
 use std::path::Path;
 
+pub(super) use arrays::read_npy;
 pub use save::save_npz;
 
 use self::arrays::{Archive, Rows};
@@ -28,6 +29,7 @@ use self::sidecar::{Parent, Sidecar};
 use super::validate::{REPAIRABLE, same};
 use super::{
     Clip, Examples, ExamplesError, LoadError, Loaded, Matrix3x4, Skeleton, Split, Warning, origins,
+    roots,
 };
 
 /// Reads examples from `path` and the JSON of the same name beside it, if there is one.
@@ -95,7 +97,8 @@ fn read(
         None => vec![identity; joint_len],
     };
     let skeleton = Skeleton { names, parents, rest: rest_frames };
-    let mut examples = Examples { rest, triangles, uv, skeleton, vertices, transforms, split };
+    let mut examples =
+        Examples { rest, triangles, uv, skeleton, vertices, transforms, split, importance: None };
     if frames.is_none() {
         place(&mut examples.skeleton, sidecar)?;
     }
@@ -186,15 +189,7 @@ fn read_parents(
             },
         });
     }
-    let roots: Vec<usize> = (0..found.len()).filter(|&joint| found[joint].is_none()).collect();
-    if roots.len() > 1 {
-        let joints = roots.iter().map(|&root| names[root].clone()).collect();
-        warnings.push(Warning::SeveralRoots { joints });
-    }
-    for &root in roots.iter().skip(1) {
-        found[root] = Some(roots[0]);
-    }
-    Ok(found)
+    Ok(roots::joined(names, found, warnings))
 }
 
 /// Drops the last row of 4 x 4 matrices, which must be 0 0 0 1 in the training frames.

@@ -1,16 +1,11 @@
 //! The real sets beside the repository.
 
+use super::super::super::testing;
 use super::*;
 
 /// Loads a set of `../shared/data`, which must be there where CI is set.
 fn shared(set: &str) -> Option<Loaded> {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    if !data.is_dir() {
-        assert!(std::env::var_os("CI").is_none(), "CI is set, but there is no {}", data.display());
-        eprintln!("not run: there is no {}", data.display());
-        return None;
-    }
-    Some(load(&data.join(set)).unwrap())
+    testing::shared(set).map(|set| load(&set).unwrap())
 }
 
 fn counts(examples: &Examples) -> [usize; 7] {

@@ -1,0 +1,144 @@
+//! How much each vertex counts, in a fit and in what is measured of it.
+
+use std::path::Path;
+
+use super::source::{extension, unknown_format};
+use super::validate::same;
+use super::{Examples, ExamplesError, LoadError};
+
+/// How much each item counts: all alike, or by numbers whose mean is 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Importance<'a>(Option<&'a [f64]>);
+
+impl<'a> Importance<'a> {
+    /// Every item counts once.
+    pub const ALIKE: Self = Self(None);
+
+    /// Each item counts as much as its number says.
+    pub fn by(numbers: Option<&'a [f64]>) -> Self {
+        Self(numbers)
+    }
+
+    /// How much an item counts.
+    pub fn of(self, item: usize) -> f64 {
+        self.0.map_or(1.0, |numbers| numbers[item])
+    }
+}
+
+impl Examples {
+    /// How much each vertex counts.
+    pub fn importance(&self) -> Importance<'_> {
+        Importance::by(self.importance.as_deref())
+    }
+
+    /// Lets vertices count differently: V numbers, of which only the ratios matter.
+    ///
+    /// # Errors
+    /// [`ExamplesError::Mismatch`] for another count than V, [`ExamplesError::Importance`] for a
+    /// number that is negative or not finite, [`ExamplesError::NothingCounts`] if all are zero.
+    pub fn weigh(&mut self, mut numbers: Vec<f64>) -> Result<(), ExamplesError> {
+        same("vertices", "rest", self.vertex_len(), "importance", numbers.len())?;
+        let bad = |number: &f64| !(number.is_finite() && *number >= 0.0);
+        if let Some(vertex) = numbers.iter().position(bad) {
+            return Err(ExamplesError::Importance { vertex, number: numbers[vertex] });
+        }
+        // The largest first, so that no sum overflows.
+        let largest = numbers.iter().copied().fold(0.0, f64::max);
+        if largest == 0.0 {
+            return Err(ExamplesError::NothingCounts);
+        }
+        numbers.iter_mut().for_each(|number| *number /= largest);
+        let mean = numbers.iter().sum::<f64>() / numbers.len() as f64;
+        numbers.iter_mut().for_each(|number| *number /= mean);
+        self.importance = Some(numbers);
+        Ok(())
+    }
+}
+
+/// Reads one number a vertex: a `.npy` array, or a `.txt` or `.csv` with numbers apart by commas,
+/// spaces or line ends.
+///
+/// # Errors
+/// [`LoadError`] for a file that cannot be read or holds anything else.
+pub fn load_importance(path: &Path) -> Result<Vec<f64>, LoadError> {
+    let read = || -> Result<Vec<f64>, ExamplesError> {
+        let damaged = |reason| ExamplesError::DamagedArray { array: "importance".into(), reason };
+        match extension(path).as_str() {
+            "npy" => super::npz::read_npy(path),
+            "txt" | "csv" => {
+                let text = std::fs::read_to_string(path).map_err(ExamplesError::Read)?;
+                let numbers = text.split(|c: char| c == ',' || c == ';' || c.is_whitespace());
+                let numbers = numbers.filter(|word| !word.is_empty());
+                let parse = |(place, word): (usize, &str)| {
+                    let unread = |_| damaged(format!("number {place} is {word:?}"));
+                    word.parse().map_err(unread)
+                };
+                numbers.enumerate().map(parse).collect()
+            }
+            _ => Err(unknown_format(path, ".npy, .txt or .csv")),
+        }
+    };
+    read().map_err(|error| LoadError { file: path.to_owned(), error })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::triangle;
+    use super::*;
+
+    #[test]
+    fn only_ratios_matter() {
+        let mut examples = triangle(1);
+        assert_eq!(examples.importance().of(2), 1.0);
+        examples.weigh(vec![2e300, 4e300, 0.0]).unwrap();
+        let importance = [0, 1, 2].map(|vertex| examples.importance().of(vertex));
+        assert_eq!(importance, [1.0, 2.0, 0.0]);
+    }
+
+    #[test]
+    fn numbers_that_weigh_nothing_are_refused() {
+        let mut examples = triangle(1);
+        for (numbers, words) in [
+            (vec![1.0; 2], "rest has 3 vertices, importance has 2"),
+            (
+                vec![1.0, -2.0, 1.0],
+                "importance of vertex 1 must be finite and not negative, found -2",
+            ),
+            (vec![1.0, 1.0, f64::NAN], "vertex 2"),
+            (vec![0.0; 3], "the importance of every vertex is 0"),
+        ] {
+            let error = examples.weigh(numbers).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
+        assert!(examples.importance.is_none());
+    }
+
+    #[test]
+    fn text_and_arrays_are_read() {
+        let folder = std::env::temp_dir().join(format!("sinew-importance-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = |name: &str, bytes: &[u8]| {
+            let path = folder.join(name);
+            std::fs::write(&path, bytes).unwrap();
+            load_importance(&path)
+        };
+        assert_eq!(file("a.txt", b"1\n0.5\n\n2e1\n").unwrap(), [1.0, 0.5, 20.0]);
+        assert_eq!(file("a.csv", b"1, 0.5;2").unwrap(), [1.0, 0.5, 2.0]);
+        let mut npy = b"\x93NUMPY\x01\x00\x46\x00".to_vec();
+        npy.extend(
+            format!("{:<69}\n", "{'descr': '<f4', 'fortran_order': False, 'shape': (2,), }")
+                .bytes(),
+        );
+        npy.extend([1.0_f32, 0.25].map(f32::to_le_bytes).as_flattened());
+        assert_eq!(file("a.npy", &npy).unwrap(), [1.0, 0.25]);
+        for (name, bytes, words) in [
+            ("b.txt", b"1 x 2".as_slice(), "array importance is damaged: number 1 is \"x\""),
+            ("b.npy", b"1 x 2", "array importance"),
+            ("b.png", b"", "expected a file that ends in .npy, .txt or .csv, found .png"),
+        ] {
+            let error = file(name, bytes).unwrap_err().to_string();
+            assert!(error.contains(words) && error.contains(name), "{error}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -1,0 +1,241 @@
+//! Where meshes from two files lie to each other: tools disagree about axes and units, so one is
+//! found to be the other turned by right angles, scaled and, for rest meshes, moved.
+
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+use std::fmt;
+
+use super::super::maps::{joined, parts};
+use super::super::{Matrix3x4, Skeleton};
+use super::ImportError;
+
+/// The units of one file in those of the other: powers of ten and inches.
+const SCALES: [f64; 11] =
+    [1.0, 0.01, 100.0, 0.1, 10.0, 0.001, 1000.0, 0.0254, 1.0 / 0.0254, 2.54, 1.0 / 2.54];
+/// A change of axes or units must leave less than this share of the distance that there is without.
+const BETTER: f64 = 0.5;
+/// Farthest that posed meshes may lie from a skin of one joint a vertex, RMS over the diagonal.
+const APART: f64 = 0.2;
+/// Farthest that two rest meshes may lie apart, RMS over the diagonal; both files round positions.
+const SAME_MESH: f64 = 1e-3;
+/// A similarity this near to none, over the diagonal, is none.
+const NONE: f64 = 1e-5;
+/// Vertices and frames that are looked at.
+const SAMPLE: (usize, usize) = (150, 8);
+
+/// x' = scale turn x + shift, where the turn maps axes to axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Similarity {
+    turn: Matrix3<f64>,
+    scale: f64,
+    shift: Vector3<f64>,
+}
+
+/// Finds how a rest mesh became another one of the same vertices.
+///
+/// # Errors
+/// [`ImportError::TargetsApart`] where no turn by right angles brings them together.
+pub(super) fn meshes(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<Similarity, ImportError> {
+    let (from, to) = (Cloud::new(from), Cloud::new(to));
+    let scale = nearest_unit(to.radius / from.radius);
+    let similarity = |turn: Matrix3<f64>| Similarity {
+        turn,
+        scale,
+        shift: to.centre - turn * from.centre * scale,
+    };
+    let distance = |similarity: &Similarity| {
+        let squares = from.points.iter().zip(&to.points);
+        let squares = squares.map(|(a, b)| (similarity.point(*a) - b).norm_squared());
+        (squares.sum::<f64>() / to.points.len().max(1) as f64).sqrt() / to.diagonal
+    };
+    let unmoved = Similarity::IDENTITY;
+    let best =
+        best(turns().map(similarity).map(|s| (s, distance(&s))), (unmoved, distance(&unmoved)));
+    match best {
+        (_, distance) if distance > SAME_MESH => {
+            Err(ImportError::TargetsApart { percent: 100.0 * distance })
+        }
+        (mut similarity, _) => {
+            if similarity.shift.norm() < NONE * to.diagonal {
+                similarity.shift = Vector3::zeros();
+            }
+            Ok(similarity)
+        }
+    }
+}
+
+/// Finds how posed meshes, frame-major, must be turned and scaled to lie on the joints that carry
+/// the rest mesh.
+///
+/// # Errors
+/// [`ImportError::TargetsApart`] where none brings them near.
+pub(super) fn poses(
+    rest: &[[f64; 3]],
+    transforms: &[Matrix3x4],
+    posed: &[[f64; 3]],
+) -> Result<Similarity, ImportError> {
+    let cloud = Cloud::new(rest);
+    let frame_len = posed.len() / rest.len().max(1);
+    let joint_len = transforms.len() / frame_len.max(1);
+    let frames: Vec<usize> = spread(frame_len, SAMPLE.1).collect();
+    let vertices: Vec<usize> = spread(rest.len(), SAMPLE.0).collect();
+    // Where each joint alone would carry each vertex.
+    let carried: Vec<Vec<Vec<Vector3<f64>>>> = vertices
+        .iter()
+        .map(|&vertex| {
+            let carried = |joint: usize| {
+                let maps = frames.iter().map(|&frame| &transforms[frame * joint_len + joint]);
+                maps.map(|map| carry(map, &rest[vertex])).collect()
+            };
+            (0..joint_len).map(carried).collect()
+        })
+        .collect();
+    let distance = |similarity: Similarity| {
+        let squares = vertices.iter().zip(&carried).map(|(&vertex, by_joint)| {
+            let there: Vec<_> = frames
+                .iter()
+                .map(|&frame| similarity.point(posed[frame * rest.len() + vertex].into()))
+                .collect();
+            let joint = by_joint.iter().map(|carried| {
+                carried.iter().zip(&there).map(|(a, b)| (a - b).norm_squared()).sum::<f64>()
+            });
+            joint.fold(f64::INFINITY, f64::min)
+        });
+        let count = (vertices.len() * frames.len()).max(1) as f64;
+        (squares.sum::<f64>() / count).sqrt() / cloud.diagonal
+    };
+    let candidates: Vec<Similarity> = turns()
+        .flat_map(|turn| SCALES.map(|scale| Similarity { turn, scale, shift: Vector3::zeros() }))
+        .collect();
+    let scored: Vec<_> = candidates.into_par_iter().map(|s| (s, distance(s))).collect();
+    let unmoved = Similarity::IDENTITY;
+    match best(scored.into_iter(), (unmoved, distance(unmoved))) {
+        (_, distance) if distance > APART => {
+            Err(ImportError::TargetsApart { percent: 100.0 * distance })
+        }
+        (similarity, _) => Ok(similarity),
+    }
+}
+
+impl Similarity {
+    const IDENTITY: Self = Self {
+        turn: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        scale: 1.0,
+        shift: Vector3::new(0.0, 0.0, 0.0),
+    };
+
+    pub(super) fn is_identity(&self) -> bool {
+        *self == Self::IDENTITY
+    }
+
+    pub(super) fn move_points(&self, points: &mut [[f64; 3]]) {
+        if !self.is_identity() {
+            points.par_iter_mut().for_each(|point| *point = self.point((*point).into()).into());
+        }
+    }
+
+    /// Moves a skeleton and its maps from rest to posed.
+    pub(super) fn move_joints(&self, skeleton: &mut Skeleton, transforms: &mut [Matrix3x4]) {
+        if self.is_identity() {
+            return;
+        }
+        for frame in &mut skeleton.rest {
+            let (turn, origin) = parts(frame);
+            *frame = joined(self.turn * turn, self.point(origin));
+        }
+        for map in transforms {
+            // The image of the map from the other side: there and back again.
+            let (linear, offset) = parts(map);
+            let linear = self.turn * linear * self.turn.transpose();
+            *map =
+                joined(linear, self.turn * offset * self.scale + self.shift - linear * self.shift);
+        }
+    }
+
+    fn point(&self, x: Vector3<f64>) -> Vector3<f64> {
+        self.turn * x * self.scale + self.shift
+    }
+}
+
+impl fmt::Display for Similarity {
+    /// Writes where the axes come from, as in `(x, -z, y) x 0.01 + (0, 1.5, 0)`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let axis = |row: usize| {
+            let column = (0..3).find(|&column| self.turn[(row, column)] != 0.0).unwrap_or(row);
+            let sign = if self.turn[(row, column)] < 0.0 { "-" } else { "" };
+            format!("{sign}{}", ["x", "y", "z"][column])
+        };
+        write!(f, "({}, {}, {})", axis(0), axis(1), axis(2))?;
+        if self.scale != 1.0 {
+            write!(f, " x {}", self.scale)?;
+        }
+        if self.shift != Vector3::zeros() {
+            let [x, y, z]: [f64; 3] = self.shift.into();
+            write!(f, " + ({x:.4}, {y:.4}, {z:.4})")?;
+        }
+        Ok(())
+    }
+}
+
+/// A mesh's points with their centre and sizes.
+struct Cloud {
+    points: Vec<Vector3<f64>>,
+    centre: Vector3<f64>,
+    /// RMS distance from the centre.
+    radius: f64,
+    diagonal: f64,
+}
+
+impl Cloud {
+    fn new(points: &[[f64; 3]]) -> Self {
+        let points: Vec<Vector3<f64>> = points.iter().map(|&point| point.into()).collect();
+        let count = points.len().max(1) as f64;
+        let centre = points.iter().sum::<Vector3<f64>>() / count;
+        let squares = points.iter().map(|point| (point - centre).norm_squared());
+        let radius = (squares.sum::<f64>() / count).sqrt().max(f64::MIN_POSITIVE);
+        let low = points.iter().fold(centre, |low, point| low.inf(point));
+        let high = points.iter().fold(centre, |high, point| high.sup(point));
+        Self { points, centre, radius, diagonal: (high - low).norm().max(f64::MIN_POSITIVE) }
+    }
+}
+
+/// Takes the candidate that leaves least, unless what is there without any is nearly as good.
+fn best(
+    candidates: impl Iterator<Item = (Similarity, f64)>,
+    unmoved: (Similarity, f64),
+) -> (Similarity, f64) {
+    let nearest = candidates.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(unmoved);
+    if nearest.1 < BETTER * unmoved.1 { nearest } else { unmoved }
+}
+
+/// The 24 rotations that map axes to axes, the identity first.
+fn turns() -> impl Iterator<Item = Matrix3<f64>> {
+    const ORDERS: [[usize; 3]; 6] =
+        [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let signed = ORDERS.into_iter().flat_map(|order| (0..8_usize).map(move |signs| (order, signs)));
+    let matrices = signed.map(|(order, signs)| {
+        Matrix3::from_fn(|row, column| match order[row] == column {
+            false => 0.0,
+            true if signs >> row & 1 == 1 => -1.0,
+            true => 1.0,
+        })
+    });
+    matrices.filter(|turn| turn.determinant() > 0.0)
+}
+
+/// The unit nearest to a ratio where one is near, else the ratio itself.
+fn nearest_unit(ratio: f64) -> f64 {
+    let near = |unit: &f64| (ratio / unit - 1.0).abs() < SAME_MESH;
+    SCALES.into_iter().find(near).unwrap_or(ratio)
+}
+
+/// At most `most` of the numbers below `len`, evenly spread.
+fn spread(len: usize, most: usize) -> impl Iterator<Item = usize> {
+    let count = len.min(most);
+    (0..count).map(move |number| number * len / count)
+}
+
+fn carry(map: &Matrix3x4, x: &[f64; 3]) -> Vector3<f64> {
+    let (linear, offset) = parts(map);
+    linear * Vector3::from(*x) + offset
+}

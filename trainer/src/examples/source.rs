@@ -1,0 +1,101 @@
+//! Where examples come from: one way in for every format.
+
+use std::path::{Path, PathBuf};
+
+use super::rig::{ImportError, Rig, Sampling};
+use super::{ExamplesError, LoadError, Loaded, gltf, npz, targets};
+
+/// The files that examples are read from, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// Skeleton, rest mesh and poses: `.npz` with everything, or a scene in `.glb` or `.gltf`.
+    pub file: &'a Path,
+    /// Posed meshes of a scene from another file, one a frame of the poses.
+    pub targets: Option<&'a Path>,
+    /// Frames a second at which a scene's clips are sampled; at their keys where none is given.
+    pub fps: Option<f64>,
+    /// The one clip to read of a scene; all of them where none is given.
+    pub clip: Option<&'a str>,
+}
+
+impl<'a> Source<'a> {
+    /// Names a file that needs nothing beside it.
+    pub fn file(file: &'a Path) -> Self {
+        Self { file, targets: None, fps: None, clip: None }
+    }
+
+    /// Lists the files that a load reads, where they are there.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let mut files = vec![self.file.to_owned()];
+        if extension(self.file) == "npz" {
+            files.push(self.file.with_extension("json"));
+        }
+        files.extend(self.targets.map(Path::to_owned));
+        files
+    }
+
+    /// Gives the skeleton, mesh and clips of a scene; none where the file is complete in itself.
+    fn rig(&self) -> Result<Option<Rig>, ExamplesError> {
+        match extension(self.file).as_str() {
+            "npz" => {
+                let given = [
+                    ("--targets", self.targets.is_some()),
+                    ("--fps", self.fps.is_some()),
+                    ("--clip", self.clip.is_some()),
+                ];
+                match given.into_iter().find(|(_, given)| *given) {
+                    Some((option, _)) => Err(ImportError::NotAScene { option }.into()),
+                    None => Ok(None),
+                }
+            }
+            "glb" | "gltf" => gltf::read(self.file, &self.sampling()).map(Some),
+            _ => Err(unknown_format(self.file, ".npz, .glb or .gltf")),
+        }
+    }
+
+    fn sampling(&self) -> Sampling<'a> {
+        Sampling { fps: self.fps, clip: self.clip }
+    }
+
+    fn blame(&self) -> impl Fn(ExamplesError) -> LoadError {
+        |error| LoadError { file: self.file.to_owned(), error }
+    }
+}
+
+/// Reads examples.
+///
+/// # Errors
+/// A [`LoadError`] that names the file at fault: it cannot be read, does not hold what is needed, or
+/// holds what fails [`Examples::validate`](super::Examples::validate).
+pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
+    let blame = source.blame();
+    let Some(rig) = source.rig().map_err(&blame)? else { return npz::load(source.file) };
+    let targets = source.targets.map(targets::read).transpose()?;
+    let at_fault = source.targets.unwrap_or(source.file);
+    let join = || {
+        let (examples, clips, mut warnings) = rig.examples(targets, &source.sampling())?;
+        warnings.extend(examples.validate()?);
+        Ok(Loaded { examples, clips, warnings })
+    };
+    join().map_err(|error| match error {
+        ExamplesError::Import(error) => {
+            let file = if error.is_about_targets() { at_fault } else { source.file };
+            LoadError { file: file.to_owned(), error: error.into() }
+        }
+        error => blame(error),
+    })
+}
+
+/// The end of a file's name, in lower case, without the dot.
+pub(super) fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+/// Says which formats are read instead of this file's.
+pub(super) fn unknown_format(path: &Path, expected: &'static str) -> ExamplesError {
+    let found = match extension(path) {
+        none if none.is_empty() => "none".to_owned(),
+        found => format!(".{found}"),
+    };
+    ImportError::UnknownFormat { expected, found }.into()
+}
