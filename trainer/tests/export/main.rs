@@ -44,9 +44,9 @@ fn clip(name: &str, first: usize, len: usize) -> Clip {
     Clip { name: name.to_owned(), first, times }
 }
 
-/// Keeps every `step`th frame.
-fn thinned(examples: &Examples, step: usize) -> Examples {
-    let frames: Vec<usize> = (0..examples.frame_len()).step_by(step).collect();
+/// Keeps some of the frames.
+fn only(examples: &Examples, frames: impl Iterator<Item = usize>) -> Examples {
+    let frames: Vec<usize> = frames.collect();
     Examples {
         vertices: frames.iter().flat_map(|&f| examples.frame(f)).copied().collect(),
         transforms: frames.iter().flat_map(|&f| examples.pose(f)).copied().collect(),
