@@ -234,6 +234,11 @@ impl Skin {
         &self.positions
     }
 
+    /// Keeps the positions alone.
+    pub fn into_positions(self) -> Vec<f32> {
+        self.positions
+    }
+
     fn position(&self, vertex: usize) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| f64::from(self.positions[3 * vertex + axis]))
     }
@@ -241,6 +246,25 @@ impl Skin {
     fn normal(&self, vertex: usize) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| f64::from(self.normals[3 * vertex + axis]))
     }
+}
+
+/// Computes the palette of one frame of the examples with the runtime, and its confidence.
+///
+/// # Errors
+/// [`EvaluateError::Frame`].
+pub fn palette(
+    envelope: &Envelope<'_>,
+    examples: &Examples,
+    frame: usize,
+) -> Result<(Vec<Matrix3x4>, f32), EvaluateError> {
+    let pose: Vec<Matrix3x4> =
+        examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect();
+    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
+    let confidence = envelope
+        .palette(&pose, &mut workspace, &mut palette)
+        .map_err(|error| EvaluateError::Frame { frame, error })?;
+    Ok((palette, confidence))
 }
 
 /// Skins one frame of the examples with the runtime.
@@ -252,33 +276,25 @@ pub fn skin(
     examples: &Examples,
     frame: usize,
 ) -> Result<Skin, EvaluateError> {
-    let pose: Vec<Matrix3x4> =
-        examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect();
-    let mut workspace = vec![0.0; envelope.workspace_len()];
-    let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
+    let (palette, confidence) = palette(envelope, examples, frame)?;
     let mut skin = Skin {
         positions: vec![0.0; 3 * envelope.vertex_len()],
         normals: vec![0.0; 3 * envelope.vertex_len()],
-        confidence: 0.0,
+        confidence: f64::from(confidence),
     };
     let attribute = |buffer| Some(Attribute { buffer, offset: 0, stride: 3 });
-    envelope
-        .palette(&pose, &mut workspace, &mut palette)
-        .and_then(|confidence| {
-            skin.confidence = f64::from(confidence);
-            SkinJob {
-                envelope: *envelope,
-                palette: &palette,
-                vertices: 0..envelope.vertex_len(),
-                positions: attribute(Buffer::A),
-                normals: attribute(Buffer::B),
-                tangents: None,
-                out_a: &mut skin.positions,
-                out_b: &mut skin.normals,
-            }
-            .run()
-        })
-        .map_err(|error| EvaluateError::Frame { frame, error })?;
+    SkinJob {
+        envelope: *envelope,
+        palette: &palette,
+        vertices: 0..envelope.vertex_len(),
+        positions: attribute(Buffer::A),
+        normals: attribute(Buffer::B),
+        tangents: None,
+        out_a: &mut skin.positions,
+        out_b: &mut skin.normals,
+    }
+    .run()
+    .map_err(|error| EvaluateError::Frame { frame, error })?;
     Ok(skin)
 }
 

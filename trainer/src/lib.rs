@@ -2,7 +2,7 @@
 //! [`sinew_runtime`].
 //!
 //! The way through: [`examples`] are loaded, an [`envelope`] is fitted to them, [`bake`] writes the
-//! file, and [`evaluate`] measures that file with the runtime.
+//! file, [`evaluate`] measures that file with the runtime, and [`export`] hands it to engines.
 #![forbid(unsafe_code)]
 
 pub mod bake;
@@ -10,6 +10,7 @@ pub mod demo;
 pub mod envelope;
 pub mod evaluate;
 pub mod examples;
+pub mod export;
 pub mod files;
 pub mod kernel;
 pub mod progress;

@@ -71,6 +71,12 @@ fn blender() -> Result<String, String> {
 
 /// Installs what the tests need, or says what to run.
 fn prepare() -> Result<(), String> {
+    for program in ["node", "npm"] {
+        // The tests of exported files fetch the glTF validator with the one and run it with the other.
+        Command::new(program).arg("--version").output().map_err(|_| {
+            format!("{program} was not found: install Node.js 18 or newer with npm, see nodejs.org")
+        })?;
+    }
     let missing = "rustup, with which the bare targets are installed, was not found: see rustup.rs";
     let listed = Command::new("rustup")
         .args(["target", "list", "--installed"])

@@ -8,7 +8,7 @@ use clap::builder::RangedU64ValueParser;
 use serde_json::json;
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::evaluate::{Frames, evaluate};
-use sinew_trainer::examples::{Split, npz};
+use sinew_trainer::examples::{Examples, Split, npz};
 use std::path::{Path, PathBuf};
 
 /// Most positions in all frames together: 2.4 GB of them.
@@ -18,6 +18,19 @@ const POSITIONS_MAX: usize = 100_000_000;
 /// poses that the training has not seen.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
+    #[command(flatten)]
+    size: SizeArguments,
+    #[command(flatten)]
+    fit: train::FitArguments,
+    /// Write the examples (demo.npz, demo.json) and the model (demo.sinew) to DIR, which is made
+    /// if it is not there
+    #[arg(long, short = 'o', value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+/// What to generate.
+#[derive(clap::Args)]
+pub(super) struct SizeArguments {
     /// Vertices of the arm, about; at least 200 are made
     #[arg(long, value_name = "V", value_parser = some())]
     #[arg(default_value_t = DemoOptions::default().vertices)]
@@ -33,12 +46,19 @@ pub(super) struct Arguments {
     /// Seed of the poses
     #[arg(long, default_value_t = DemoOptions::default().seed)]
     seed: u64,
-    #[command(flatten)]
-    fit: train::FitArguments,
-    /// Write the examples (demo.npz, demo.json) and the model (demo.sinew) to DIR, which is made
-    /// if it is not there
-    #[arg(long, short = 'o', value_name = "DIR")]
-    output: Option<PathBuf>,
+}
+
+impl SizeArguments {
+    /// Generates the demo's examples.
+    pub(super) fn generate(&self, output: Output) -> anyhow::Result<Examples> {
+        let &Self { vertices, poses, held_out, seed } = self;
+        let positions = (poses + held_out).checked_mul(vertices);
+        if positions.is_none_or(|positions| positions > POSITIONS_MAX) {
+            bail!("--vertices x (--poses + --held-out): expected at most {POSITIONS_MAX}");
+        }
+        let _generating = Bars::busy(output, "generating");
+        Ok(demo(&DemoOptions { vertices, poses, held_out, seed }))
+    }
 }
 
 fn some() -> RangedU64ValueParser<usize> {
@@ -46,16 +66,9 @@ fn some() -> RangedU64ValueParser<usize> {
 }
 
 pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let &Arguments { vertices, poses, held_out, seed, .. } = arguments;
-    let positions = (poses + held_out).checked_mul(vertices);
-    if positions.is_none_or(|positions| positions > POSITIONS_MAX) {
-        bail!("--vertices x (--poses + --held-out): expected at most {POSITIONS_MAX}");
-    }
     let folder = arguments.output.as_deref();
     let model = folder.map(prepare).transpose()?;
-    let generating = Bars::busy(output, "generating");
-    let examples = demo(&DemoOptions { vertices, poses, held_out, seed });
-    drop(generating);
+    let examples = arguments.size.generate(output)?;
     let trained = arguments.fit.train(&examples, "demo", output)?;
     let measuring = Bars::busy(output, "measuring");
     let evaluation = evaluate(&trained.model, &examples, Frames::Of(Split::HeldOut))?;

@@ -4,7 +4,7 @@ use super::Output;
 use super::bars::Bars;
 use anyhow::{Context, bail};
 use sinew_trainer::examples::{
-    Examples, ExamplesError, Source, Split, hash_file, load, load_importance,
+    Clip, Examples, ExamplesError, Loaded, Source, Split, Warning, hash_file, load, load_importance,
 };
 use std::path::{Path, PathBuf};
 
@@ -33,11 +33,16 @@ pub(super) struct ExampleArguments {
     /// file's own split; give `train` and `eval` the same share
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub(super) hold_out: Option<f64>,
+    /// Hold out the frames of this clip; may be given several times
+    #[arg(long, value_name = "NAME", conflicts_with = "hold_out")]
+    pub(super) hold_out_clip: Vec<String>,
 }
 
 /// Examples as they were read.
 pub(super) struct Input {
     pub(super) examples: Examples,
+    /// The clips that its frames come from.
+    pub(super) clips: Vec<Clip>,
     /// What was told about them.
     pub(super) warnings: Vec<String>,
 }
@@ -52,15 +57,8 @@ pub(super) struct InputFile {
 impl ExampleArguments {
     /// Loads the examples and tells on standard error what should be known about them.
     pub(super) fn load(&self, output: Output) -> anyhow::Result<Input> {
-        self.check()?;
-        let reading = Bars::busy(output, "reading examples");
-        let loaded = load(&self.source())?;
-        drop(reading);
-        let mut examples = loaded.examples;
-        let warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
-        for warning in &warnings {
-            output.warn(self.examples.display(), warning);
-        }
+        let mut input = read(&self.source(), output, |_| true)?;
+        let examples = &mut input.examples;
         if let Some(file) = &self.importance {
             let numbers = load_importance(file)?;
             examples.weigh(numbers).with_context(|| file.display().to_string())?;
@@ -68,12 +66,15 @@ impl ExampleArguments {
         if let Some(share) = self.hold_out {
             examples.hold_out(share).with_context(|| self.examples.display().to_string())?;
         }
-        Ok(Input { examples, warnings })
+        examples
+            .hold_out_clips(&input.clips, &self.hold_out_clip)
+            .with_context(|| self.examples.display().to_string())?;
+        Ok(input)
     }
 
     /// Hashes every file that a load reads.
     pub(super) fn hashes(&self) -> anyhow::Result<Vec<InputFile>> {
-        self.check()?;
+        check(&self.examples)?;
         self.files()
             .iter()
             .filter(|file| file.exists())
@@ -100,18 +101,41 @@ impl ExampleArguments {
             clip: self.clip.as_deref(),
         }
     }
+}
 
-    /// Refuses what is easily given by mistake.
-    fn check(&self) -> anyhow::Result<()> {
-        let path = self.examples.display();
-        if self.examples.is_dir() {
-            bail!("{path}: is a folder, expected a file");
-        }
-        if self.examples.extension().is_some_and(|extension| extension == "json") {
-            bail!("{path}: describes examples, expected the .npz file beside it");
-        }
-        Ok(())
+/// Loads a file for its poses: that there may be nothing to learn from its meshes is not told.
+pub(super) fn load_poses(file: &Path, output: Output) -> anyhow::Result<Input> {
+    read(&Source::file(file), output, |warning| *warning != Warning::PlainSkin)
+}
+
+/// Loads examples and tells those warnings that matter.
+fn read(
+    source: &Source<'_>,
+    output: Output,
+    matters: impl Fn(&Warning) -> bool,
+) -> anyhow::Result<Input> {
+    check(source.file)?;
+    let reading = Bars::busy(output, "reading examples");
+    let Loaded { examples, clips, warnings } = load(source)?;
+    drop(reading);
+    let warnings = warnings.iter().filter(|warning| matters(warning)).map(ToString::to_string);
+    let warnings: Vec<String> = warnings.collect();
+    for warning in &warnings {
+        output.warn(source.file.display(), warning);
     }
+    Ok(Input { examples, clips, warnings })
+}
+
+/// Refuses what is easily given by mistake.
+fn check(examples: &Path) -> anyhow::Result<()> {
+    let path = examples.display();
+    if examples.is_dir() {
+        bail!("{path}: is a folder, expected a file");
+    }
+    if examples.extension().is_some_and(|extension| extension == "json") {
+        bail!("{path}: describes examples, expected the .npz file beside it");
+    }
+    Ok(())
 }
 
 /// Parses a number of frames a second.

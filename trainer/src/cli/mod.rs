@@ -3,6 +3,8 @@
 mod bars;
 mod demo;
 mod eval;
+mod export;
+mod export_demo;
 mod files;
 mod input;
 mod inspect;
@@ -49,6 +51,8 @@ enum Command {
     Eval(eval::Arguments),
     /// Shows what a model file holds
     Inspect(inspect::Arguments),
+    Export(export::Arguments),
+    ExportDemo(export_demo::Arguments),
 }
 
 pub(crate) fn main() -> ExitCode {
@@ -58,6 +62,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Train(arguments) => train::run(arguments, cli.output),
         Command::Eval(arguments) => eval::run(arguments, cli.output),
         Command::Inspect(arguments) => inspect::run(arguments, cli.output),
+        Command::Export(arguments) => export::run(arguments, cli.output),
+        Command::ExportDemo(arguments) => export_demo::run(arguments, cli.output),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

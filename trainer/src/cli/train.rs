@@ -155,7 +155,7 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
         bail!("cannot write {}: model and record are one file", arguments.output.display());
     }
     let hashes = arguments.input.hashes()?;
-    let input::Input { examples, warnings } = arguments.input.load(output)?;
+    let input::Input { examples, warnings, .. } = arguments.input.load(output)?;
     let source = arguments.input.examples.display().to_string();
     let trained = arguments.fit.train(&examples, &source, output)?;
     let record = json!({
@@ -165,6 +165,7 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
         "vertices": examples.vertex_len(),
         "joints": examples.joint_len(),
         "hold_out": arguments.input.hold_out,
+        "hold_out_clips": arguments.input.hold_out_clip,
         "training_frames": examples.frames_of(Split::Train),
         "held_out_frames": examples.frames_of(Split::HeldOut),
         "extreme_frames": examples.frames_of(Split::Extreme),

@@ -20,7 +20,12 @@ impl Clip {
     /// Makes the one clip of a file that names none: all frames, at 30 a second.
     pub(super) fn whole(file: &Path, frame_len: usize) -> Self {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Self { name, first: 0, times: (0..frame_len).map(|frame| frame as f64 / RATE).collect() }
+        Self::regular(name, 0, frame_len)
+    }
+
+    /// Makes a clip of `frame_len` frames from `first` on, at 30 a second.
+    pub(crate) fn regular(name: String, first: usize, frame_len: usize) -> Self {
+        Self { name, first, times: (0..frame_len).map(|frame| frame as f64 / RATE).collect() }
     }
 
     /// Says what it is called and how many frames it has.

@@ -1,6 +1,6 @@
 //! Setting frames aside for sets that come without a split.
 
-use super::{Examples, ExamplesError, Split};
+use super::{Clip, Examples, ExamplesError, ImportError, Split};
 
 /// Runs of consecutive frames of which each gives its end. Neighbours in an animation are almost
 /// the same pose, so frames are held out in blocks; a few blocks sample the whole animation.
@@ -33,6 +33,28 @@ impl Examples {
             let train_len = frames.len() - held_out.clamp(1, frames.len() - 1);
             for (place, &frame) in frames.iter().enumerate() {
                 self.split[frame] = if place < train_len { Split::Train } else { Split::HeldOut };
+            }
+        }
+        Ok(())
+    }
+
+    /// Holds out the frames of the clips with these names; the others keep their use.
+    ///
+    /// # Errors
+    /// [`ImportError::UnknownClip`] for a name that none of `clips` has.
+    pub fn hold_out_clips(
+        &mut self,
+        clips: &[Clip],
+        names: &[String],
+    ) -> Result<(), ExamplesError> {
+        for name in names {
+            let named: Vec<&Clip> = clips.iter().filter(|clip| clip.name == *name).collect();
+            if named.is_empty() {
+                let known = clips.iter().map(|clip| clip.name.clone()).collect();
+                return Err(ImportError::UnknownClip { name: name.clone(), known }.into());
+            }
+            for clip in named {
+                self.split[clip.first..][..clip.times.len()].fill(Split::HeldOut);
             }
         }
         Ok(())
@@ -83,5 +105,20 @@ mod tests {
         }
         let refused = triangle(1).hold_out(0.5);
         assert!(matches!(refused, Err(TooFewPoses { found: 1, needed: 2 })));
+    }
+
+    #[test]
+    fn clips_are_held_out_by_name() {
+        let mut examples = triangle(6);
+        let clip = |name: &str, first, len| Clip {
+            name: name.into(),
+            first,
+            times: (0..len).map(f64::from).collect(),
+        };
+        let clips = [clip("walk", 0, 2), clip("run", 2, 3), clip("walk", 5, 1)];
+        examples.hold_out_clips(&clips, &["walk".to_owned()]).unwrap();
+        assert_eq!(examples.frames_of(Split::HeldOut), [0, 1, 5]);
+        let error = examples.hold_out_clips(&clips, &["jump".to_owned()]).unwrap_err();
+        assert!(error.to_string().starts_with("has no clip jump, there are: walk, run"), "{error}");
     }
 }

@@ -27,6 +27,7 @@ pub use hash::hash_file;
 pub use importance::{Importance, load_importance};
 pub use rig::ImportError;
 pub use source::{Source, load};
+pub(crate) use surface::normals;
 pub use targets::{TargetsError, save_pc2};
 pub use validate::RIGID;
 

@@ -9,7 +9,7 @@ impl Examples {
     ///
     /// A vertex without any area around it gets a zero normal.
     pub fn rest_normals(&self) -> Vec<[f64; 3]> {
-        self.normals(&self.rest)
+        normals(&self.rest, &self.triangles)
     }
 
     /// Computes the V unit normals of frame `index`, as [`Examples::rest_normals`] does.
@@ -17,7 +17,7 @@ impl Examples {
     /// # Panics
     /// If `index` is not a frame.
     pub fn posed_normals(&self, index: usize) -> Vec<[f64; 3]> {
-        self.normals(self.frame(index))
+        normals(self.frame(index), &self.triangles)
     }
 
     /// Computes the V tangents of the rest pose: a unit vector along growing u, orthogonal to the
@@ -55,18 +55,19 @@ impl Examples {
         });
         Some(tangents.collect())
     }
+}
 
-    fn normals(&self, positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let mut normals = vec![Vector3::zeros(); positions.len()];
-        for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|vertex| Vector3::from(positions[vertex]));
-            let twice_area = (b - a).cross(&(c - a));
-            for &vertex in triangle {
-                normals[vertex] += twice_area;
-            }
+/// Computes a mesh's unit normals, weighted by triangle area; zero where there is no area.
+pub(crate) fn normals(positions: &[[f64; 3]], triangles: &[[usize; 3]]) -> Vec<[f64; 3]> {
+    let mut normals = vec![Vector3::zeros(); positions.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|vertex| Vector3::from(positions[vertex]));
+        let twice_area = (b - a).cross(&(c - a));
+        for &vertex in triangle {
+            normals[vertex] += twice_area;
         }
-        normals.iter().map(|normal| normal.try_normalize(0.0).unwrap_or_default().into()).collect()
     }
+    normals.iter().map(|normal| normal.try_normalize(0.0).unwrap_or_default().into()).collect()
 }
 
 fn any_orthogonal(normal: Vector3<f64>) -> Vector3<f64> {

@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod common;
+mod export;
+mod import;
 mod outputs;
 mod refusals;
 

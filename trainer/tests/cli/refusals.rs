@@ -111,8 +111,11 @@ fn files_given_by_mistake_are_refused_by_name() {
         ("none.npz", "none.npz: cannot be read: "),
         ("text.npz", "text.npz: is not a whole npz archive: "),
         ("demo.json", "demo.json: describes examples, expected the .npz file beside it"),
-        ("demo.sinew", "demo.sinew: is not a whole npz archive: "),
-        ("inner", "inner: is a folder, expected a .npz file"),
+        (
+            "demo.sinew",
+            "demo.sinew: expected a file that ends in .npz, .glb, .gltf or .fbx, found .sinew",
+        ),
+        ("inner", "inner: is a folder, expected a file"),
     ] {
         let train = folder.sinew(&format!("train {examples} -o new.sinew")).failed();
         let eval = folder.sinew(&format!("eval demo.sinew {examples}")).failed();

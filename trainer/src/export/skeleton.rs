@@ -1,0 +1,136 @@
+//! Joints as nodes: a skeleton in its rest pose, and what moves it.
+
+use nalgebra::{Isometry3, Matrix3, Matrix4, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+use super::glb::{Document, Keys, NodeIndex, Placed, Track};
+use crate::envelope::so3;
+use crate::examples::{Matrix3x4, Skeleton};
+
+/// The joints of a skeleton as nodes of a document.
+pub(super) struct Joints {
+    /// Their nodes.
+    pub(super) nodes: Vec<NodeIndex>,
+    /// Their inverse bind matrices, as the file holds them.
+    pub(super) inverse_binds: Vec<[[f32; 4]; 3]>,
+    /// Inverses of those.
+    binds: Vec<Matrix4<f64>>,
+    parents: Vec<Option<usize>>,
+    /// Every joint after its parent.
+    order: Vec<usize>,
+}
+
+impl Joints {
+    /// Adds the joints under a node, which stands in the model's own space.
+    pub(super) fn new(document: &mut Document, under: NodeIndex, skeleton: &Skeleton) -> Self {
+        let rest: Vec<_> = skeleton.rest.iter().map(|frame| isometry(&square(frame))).collect();
+        let mut joints = Self {
+            nodes: Vec::new(),
+            inverse_binds: rest.iter().map(|frame| rounded(&frame.inverse())).collect(),
+            binds: Vec::new(),
+            parents: skeleton.parents.clone(),
+            order: parents_first(&skeleton.parents),
+        };
+        // What follows makes up for the rounding of the inverse bind matrices.
+        joints.binds = joints.inverse_binds.iter().zip(&rest).map(bind).collect();
+        let at_rest = joints.place(&joints.binds);
+        let mut nodes = vec![under; rest.len()];
+        for &joint in &joints.order {
+            let parent = joints.parents[joint].map_or(under, |parent| nodes[parent]);
+            let name = skeleton.names[joint].clone();
+            nodes[joint] = document.node(name, Some(parent), &at_rest[joint]);
+        }
+        joints.nodes = nodes;
+        joints
+    }
+
+    /// Tracks the joints through poses: J rigid maps each, from the rest pose.
+    pub(super) fn tracks(&self, poses: &[&[Matrix3x4]]) -> Vec<Track> {
+        let keys: Vec<Vec<Placed>> = poses
+            .iter()
+            .map(|pose| {
+                let worlds = pose.iter().zip(&self.binds).map(|(map, bind)| square(map) * bind);
+                self.place(&worlds.collect::<Vec<_>>())
+            })
+            .collect();
+        let track = |(joint, &node): (usize, &NodeIndex)| {
+            let translations = keys.iter().map(|pose| pose[joint].translation).collect();
+            let rotations = keys.iter().map(|pose| pose[joint].rotation).collect();
+            [Keys::Translation(translations), Keys::Rotation(continuous(rotations))]
+                .map(|keys| Track { node, keys })
+        };
+        self.nodes.iter().enumerate().flat_map(track).collect()
+    }
+
+    /// Places each joint against where its parent comes to lie in single precision, so that
+    /// rounding does not add up along a chain.
+    fn place(&self, worlds: &[Matrix4<f64>]) -> Vec<Placed> {
+        let mut placed = vec![Placed::AT_PARENT; worlds.len()];
+        let mut reached = vec![Isometry3::identity(); worlds.len()];
+        for &joint in &self.order {
+            let parent = self.parents[joint].map_or(Isometry3::identity(), |p| reached[p]);
+            let local = parent.inverse() * isometry(&worlds[joint]);
+            placed[joint] = Placed {
+                translation: local.translation.vector.map(|x| x as f32).into(),
+                rotation: quaternion(&local.rotation),
+                scale: [1.0; 3],
+            };
+            let Placed { translation, rotation, .. } = placed[joint];
+            let turned = nalgebra::Quaternion::from(rotation.map(f64::from));
+            let moved = Translation3::from(Vector3::from(translation.map(f64::from)));
+            let rounded = Isometry3::from_parts(moved, UnitQuaternion::from_quaternion(turned));
+            reached[joint] = parent * rounded;
+        }
+        placed
+    }
+}
+
+fn parents_first(parents: &[Option<usize>]) -> Vec<usize> {
+    let depth = |joint: &usize| std::iter::successors(parents[*joint], |&up| parents[up]).count();
+    let mut order: Vec<usize> = (0..parents.len()).collect();
+    order.sort_by_key(depth);
+    order
+}
+
+/// Rounds a rotation, w not negative.
+pub(super) fn quaternion(rotation: &UnitQuaternion<f64>) -> [f32; 4] {
+    let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
+    (rotation.coords * sign).map(|x| x as f32).into()
+}
+
+/// Gives the rotations the signs with which each is near the one before.
+pub(super) fn continuous(mut rotations: Vec<[f32; 4]>) -> Vec<[f32; 4]> {
+    for key in 1..rotations.len() {
+        let [before, here] = [rotations[key - 1], rotations[key]];
+        if before.iter().zip(here).map(|(a, b)| a * b).sum::<f32>() < 0.0 {
+            rotations[key] = here.map(|x| -x);
+        }
+    }
+    rotations
+}
+
+/// Gives the rotation that a matrix is.
+pub(super) fn turned(matrix: &Matrix3<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*matrix))
+}
+
+/// Gives the rigid map nearest to one that is rigid but for repairable faults.
+fn isometry(map: &Matrix4<f64>) -> Isometry3<f64> {
+    let linear = map.fixed_view::<3, 3>(0, 0).into_owned();
+    let rotation = so3::polar(&linear).map_or(Matrix3::identity(), |(rotation, _)| rotation);
+    let moved = Translation3::new(map[(0, 3)], map[(1, 3)], map[(2, 3)]);
+    Isometry3::from_parts(moved, turned(&rotation))
+}
+
+fn bind((rounded, exact): (&[[f32; 4]; 3], &Isometry3<f64>)) -> Matrix4<f64> {
+    // A rotation whose entries were rounded still has an inverse.
+    square(&rounded.map(|row| row.map(f64::from))).try_inverse().unwrap_or(exact.to_homogeneous())
+}
+
+fn rounded(map: &Isometry3<f64>) -> [[f32; 4]; 3] {
+    let map = map.to_homogeneous();
+    [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| map[(row, column)] as f32))
+}
+
+fn square([x, y, z]: &Matrix3x4) -> Matrix4<f64> {
+    Matrix4::from_row_slice([*x, *y, *z, [0.0, 0.0, 0.0, 1.0]].as_flattened())
+}

@@ -1,0 +1,207 @@
+//! Linear maps as a turn, a stretch along three axes, and a turn back: what scene nodes can hold.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Columns this near to orthogonal, as the cosine of their angle, are left as they are: turning
+/// axes to follow the rounding of single precision would make them spin between keys.
+const ORTHOGONAL: f64 = 1e-6;
+/// What a change of a factor by 1 counts against a turn: so much that factors change their sign
+/// together only where both are small.
+const FACTOR: f64 = 16.0;
+/// Sweeps of Jacobi rotations; six are plenty.
+const SWEEPS: usize = 20;
+
+/// A linear map as `turn · diag(scale) · axesᵀ`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stretch {
+    /// A rotation.
+    pub(super) turn: Matrix3<f64>,
+    /// Factors along the axes; an odd number is negative where the map mirrors.
+    pub(super) scale: Vector3<f64>,
+    /// A rotation, whose columns are the axes of the stretch.
+    pub(super) axes: Matrix3<f64>,
+}
+
+impl Stretch {
+    /// Splits a map, its axes as near as may be to those of a map before it, so that what lies
+    /// between two keys is near to both.
+    ///
+    /// One-sided Jacobi rotations make the map's columns along the axes orthogonal; each turns by
+    /// 45 degrees at most, so that an axis keeps its place. Where a map mirrors, it does so along its
+    /// shortest axis, and goes on along the same one.
+    pub(super) fn of(map: &Matrix3<f64>, before: Option<&Self>) -> Self {
+        let mut axes = before.map_or(Matrix3::identity(), |before| before.axes);
+        let mut moved = map * axes;
+        for _ in 0..SWEEPS {
+            let mut turned = false;
+            for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+                turned |= orthogonalise(&mut moved, &mut axes, p, q);
+            }
+            if !turned {
+                break;
+            }
+        }
+        let turn = rotation(&moved);
+        let scale = Vector3::from_fn(|k, _| turn.column(k).dot(&moved.column(k)));
+        // Two axes may point the other way with their factors: the map is the same.
+        let signs = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+        signs
+            .map(Vector3::from)
+            .map(|signs| Self {
+                turn: turn * Matrix3::from_diagonal(&signs),
+                scale: scale.component_mul(&signs),
+                axes,
+            })
+            .into_iter()
+            .min_by(|a, b| a.change(before).total_cmp(&b.change(before)))
+            .unwrap_or(Self { turn, scale, axes })
+    }
+
+    /// Measures how far turn and factors are from those before; factors from 1 where there are none.
+    fn change(&self, before: Option<&Self>) -> f64 {
+        let turned = before.map_or(0.0, |before| (self.turn - before.turn).norm_squared());
+        let factors = before.map_or(Vector3::repeat(1.0), |before| before.scale);
+        turned + FACTOR * (self.scale - factors).norm_squared()
+    }
+}
+
+/// Turns the axes p and q in their plane until they move to orthogonal directions; tells whether
+/// they had not.
+fn orthogonalise(moved: &mut Matrix3<f64>, axes: &mut Matrix3<f64>, p: usize, q: usize) -> bool {
+    let (a, b) = (moved.column(p).norm_squared(), moved.column(q).norm_squared());
+    let product = moved.column(p).dot(&moved.column(q));
+    if product.abs() <= ORTHOGONAL * (a * b).sqrt() {
+        return false;
+    }
+    let cotangent = (b - a) / (2.0 * product);
+    let tangent = cotangent.signum() / (cotangent.abs() + cotangent.hypot(1.0));
+    let cosine = 1.0 / tangent.hypot(1.0);
+    let sine = tangent * cosine;
+    for m in [moved, axes] {
+        let (x, y) = (m.column(p).into_owned(), m.column(q).into_owned());
+        m.set_column(p, &(x * cosine - y * sine));
+        m.set_column(q, &(x * sine + y * cosine));
+    }
+    true
+}
+
+/// Gives the rotation whose columns point along nearly orthogonal ones: the longest exactly, and
+/// the shortest by the right hand, against its column where that mirrors.
+fn rotation(columns: &Matrix3<f64>) -> Matrix3<f64> {
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| columns.column(b).norm().total_cmp(&columns.column(a).norm()));
+    let [long, middle, short] = order;
+    let first = columns.column(long).try_normalize(0.0).unwrap_or(Vector3::ith(long, 1.0));
+    let across = columns.column(middle) - first * first.dot(&columns.column(middle));
+    let least = 1e-12 * columns.column(long).norm();
+    let second = across
+        .try_normalize(least)
+        .unwrap_or_else(|| first.cross(&Vector3::ith(first.iamin(), 1.0)).normalize());
+    let right_handed = (middle + 3 - long) % 3 == 1;
+    let third = first.cross(&second) * if right_handed { 1.0 } else { -1.0 };
+    let mut rotation = Matrix3::zeros();
+    rotation.set_column(long, &first);
+    rotation.set_column(middle, &second);
+    rotation.set_column(short, &third);
+    rotation
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envelope::so3::{exp, polar};
+    use rand::{RngExt, SeedableRng};
+
+    fn whole(s: &Stretch) -> Matrix3<f64> {
+        s.turn * Matrix3::from_diagonal(&s.scale) * s.axes.transpose()
+    }
+
+    fn is_rotation(m: &Matrix3<f64>) -> bool {
+        (m.transpose() * m - Matrix3::identity()).amax() < 1e-12 && m.determinant() > 0.0
+    }
+
+    #[test]
+    fn any_map_is_given_back_even_one_that_mirrors_or_collapses() {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        let mut before: Option<Stretch> = None;
+        for round in 0..500 {
+            let mut map = Matrix3::from_fn(|_, _| random.random_range(-2.0..2.0));
+            let plane = map.column(0) + map.column(1);
+            match round % 5 {
+                1 => map.set_column(2, &plane),
+                2 => map = map.column(0) * map.row(0),
+                3 => map = exp(&map.column(0).into_owned()),
+                _ => {}
+            }
+            if round == 499 {
+                map = Matrix3::zeros();
+            }
+            let found = Stretch::of(&map, before.as_ref());
+            assert!((whole(&found) - map).amax() < 1e-5, "{round}: {map}");
+            assert!(is_rotation(&found.turn) && is_rotation(&found.axes), "{round}");
+            before = Some(found);
+        }
+    }
+
+    #[test]
+    fn a_rotation_turns_and_its_axes_rest() {
+        let turn = exp(&Vector3::new(0.4, -1.3, 0.8));
+        let noise = Matrix3::from_fn(|r, c| 1e-7 * (r as f64 - c as f64));
+        let found = Stretch::of(&(turn + noise), None);
+        assert_eq!(found.axes, Matrix3::identity());
+        assert!((found.turn - turn).amax() < 1e-6);
+        assert!((found.scale - Vector3::repeat(1.0)).amax() < 1e-6);
+    }
+
+    #[test]
+    fn the_turn_back_and_the_turn_compose_to_the_polar_rotation() {
+        let stretch = Matrix3::new(1.3, 0.2, 0.0, 0.2, 0.8, -0.1, 0.0, -0.1, 1.1);
+        let map = exp(&Vector3::new(1.0, 0.2, -0.5)) * stretch;
+        let found = Stretch::of(&map, None);
+        let (rotation, _) = polar(&map).unwrap();
+        assert!((found.turn * found.axes.transpose() - rotation).amax() < 1e-5);
+    }
+
+    #[test]
+    fn axes_move_little_from_key_to_key_even_where_two_factors_cross() {
+        let mut before: Option<Stretch> = None;
+        for key in 0..200 {
+            let t = f64::from(key) / 100.0 - 1.0;
+            let tilt = exp(&Vector3::new(0.0, 0.0, 0.3 + 0.2 * t));
+            let factors = Matrix3::from_diagonal(&Vector3::new(1.0 + 0.3 * t, 1.0 - 0.3 * t, 0.9));
+            let map = exp(&Vector3::new(t, 0.5, 0.0)) * tilt * factors * tilt.transpose();
+            before = Some(near(&Stretch::of(&map, before.as_ref()), before.as_ref(), key));
+        }
+    }
+
+    fn near(found: &Stretch, before: Option<&Stretch>, key: i32) -> Stretch {
+        if let Some(before) = before {
+            assert!((found.axes - before.axes).amax() < 0.02, "{key}");
+            assert!((found.turn - before.turn).amax() < 0.02, "{key}");
+            assert!((found.scale - before.scale).amax() < 0.02, "{key}");
+        }
+        *found
+    }
+
+    #[test]
+    fn a_map_that_mirrors_stays_near_where_another_axis_becomes_the_shortest() {
+        let mut before: Option<Stretch> = None;
+        for key in 0..200 {
+            let t = f64::from(key) / 100.0 - 1.0;
+            let tilt = exp(&Vector3::new(0.3, 0.2, 0.1 * t));
+            let factors = Vector3::new(1.0, 0.45 - 0.1 * t, -0.45 - 0.1 * t);
+            let map = tilt * Matrix3::from_diagonal(&factors) * tilt.transpose();
+            let found = near(&Stretch::of(&map, before.as_ref()), before.as_ref(), key);
+            assert_eq!(found.scale.iter().filter(|&&s| s < 0.0).count(), 1, "{key}");
+            before = Some(found);
+        }
+    }
+
+    #[test]
+    fn a_map_that_turns_over_between_keys_is_not_turned_inside_out() {
+        let first = Stretch::of(&Matrix3::from_diagonal(&Vector3::new(1.0, 0.7, 0.6)), None);
+        let over = exp(&Vector3::new(3.1, 0.0, 0.0));
+        let found = Stretch::of(&(over * whole(&first)), Some(&first));
+        assert!(found.scale.iter().all(|&s| s > 0.0), "{}", found.scale);
+    }
+}

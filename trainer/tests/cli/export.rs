@@ -1,0 +1,150 @@
+//! `sinew export` and `sinew export-demo`: what they write, say and refuse.
+
+use super::common::{Folder, HELD_OUT, Set, TRAINING};
+use serde_json::json;
+use std::fs;
+
+/// Writes the demo's rest mesh, scaled, as an OBJ with polygons of three corners.
+fn write_obj(folder: &Folder, name: &str, scale: f64) {
+    let set = Set::demo();
+    let mut text = "o arm\n".to_owned();
+    for x in set.reals["rest"].1.chunks(3) {
+        text += &format!("v {} {} {}\n", scale * x[0], scale * x[1], scale * x[2]);
+    }
+    for face in set.wholes["tris"].1.chunks(3) {
+        text += &format!("f {} {} {}\n", face[0] + 1, face[1] + 1, face[2] + 1);
+    }
+    fs::write(folder.path(name), text).unwrap();
+}
+
+const EXPORT: &str = "export demo.sinew --clip demo.npz";
+
+#[test]
+fn an_export_holds_the_mesh_the_levels_and_an_animation_a_clip() {
+    let folder = Folder::with_demo("export");
+    write_obj(&folder, "lod1.obj", 1.0);
+    let found = folder.sinew(&format!("{EXPORT} --also lod1.obj -o out.glb --json")).json();
+    let glb = folder.read("out.glb");
+    assert_eq!(found["bytes"], glb.len());
+    let frames = TRAINING + HELD_OUT;
+    assert_eq!(found["animations"], json!([{ "name": "demo", "frames": frames }]));
+    let level = &found["levels"][0];
+    assert_eq!(
+        (&level["name"], &level["vertices"]),
+        (&json!("lod1"), &json!(Set::demo().vertex_len()))
+    );
+    let gltf = gltf::Gltf::from_slice(&glb).unwrap();
+    let meshes: Vec<_> = gltf.meshes().map(|mesh| mesh.name().unwrap()).collect();
+    assert_eq!(meshes, ["skin", "lod1"]);
+    assert!(gltf.nodes().filter(|node| node.mesh().is_some()).all(|node| node.skin().is_some()));
+    assert_eq!(gltf.animations().next().unwrap().name(), Some("demo"));
+    let generator = gltf.document.into_json().asset.generator.unwrap();
+    assert_eq!(generator, format!("sinew {}", env!("CARGO_PKG_VERSION")));
+    let text = folder.sinew(&format!("{EXPORT} --also lod1.obj -o again.glb")).done().out;
+    assert!(text.contains("transferred") && text.contains("demo (52 frames)"), "{text}");
+    assert!(folder.read("again.glb") == glb, "the same input gives the same bytes");
+}
+
+#[test]
+fn every_clip_of_a_scene_becomes_an_animation_with_its_name_and_times() {
+    let folder = Folder::with_demo("export-clips");
+    let size = format!("--vertices 300 --poses {TRAINING} --held-out {HELD_OUT}");
+    folder.sinew(&format!("export-demo rig {size}")).done();
+    folder.sinew("export demo.sinew --clip rig/demo.glb -o out.glb --quiet").done();
+    let read = |name: &str| {
+        let glb = gltf::Gltf::from_slice(&folder.read(name)).unwrap();
+        let blob = glb.blob.clone().unwrap();
+        let times = |animation: gltf::Animation<'_>| -> Vec<f32> {
+            let channel = animation.channels().next().unwrap();
+            channel.reader(|_| Some(blob.as_slice())).read_inputs().unwrap().collect()
+        };
+        let name = |animation: &gltf::Animation<'_>| animation.name().unwrap().to_owned();
+        glb.animations().map(|animation| (name(&animation), times(animation))).collect::<Vec<_>>()
+    };
+    let found = read("out.glb");
+    assert_eq!(found, read("rig/demo.glb"));
+    assert_eq!([&found[0].0, &found[1].0], ["train", "held-out"]);
+    assert_eq!([found[0].1.len(), found[1].1.len()], [TRAINING, HELD_OUT]);
+}
+
+#[test]
+fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
+    let folder = Folder::with_demo("export-refused");
+    write_obj(&folder, "far.obj", 100.0);
+    fs::write(folder.path("empty.obj"), "o nothing\n").unwrap();
+    fs::write(folder.path("text.obj"), "v one two three\n").unwrap();
+    fs::create_dir(folder.path("inner")).unwrap();
+    let mut other = Set::demo();
+    other.json["bone_names"][6] = json!("paw");
+    other.write(&folder.path("other.npz"));
+    let before = folder.list();
+    for (command, expected) in [
+        (
+            "export demo.sinew --clip other.npz -o out.glb".to_owned(),
+            "demo.sinew: joint 6 is called hand in the model, paw in the examples",
+        ),
+        (
+            "export demo.npz --clip demo.npz -o out.glb".to_owned(),
+            "demo.npz: the model is refused: ",
+        ),
+        (
+            "export demo.sinew --clip inner -o out.glb".to_owned(),
+            "inner: is a folder, expected a file",
+        ),
+        (format!("{EXPORT} -o demo.npz"), "cannot write demo.npz: it is an input"),
+        (format!("{EXPORT} -o demo.json"), "cannot write demo.json: it is an input"),
+        (format!("{EXPORT} -o demo.sinew"), "cannot write demo.sinew: it is an input"),
+        (format!("{EXPORT} --also far.obj -o far.obj"), "cannot write far.obj: it is an input"),
+        (format!("{EXPORT} -o inner"), "cannot write inner: it is a folder"),
+        (format!("{EXPORT} -o no/out.glb"), "cannot write no/out.glb: there is no folder no"),
+        (format!("{EXPORT} --also none.obj -o out.glb"), "none.obj: cannot be read: "),
+        (format!("{EXPORT} --also inner -o out.glb"), "inner: is a folder, expected an .obj file"),
+        (format!("{EXPORT} --also empty.obj -o out.glb"), "empty.obj: "),
+        (format!("{EXPORT} --also text.obj -o out.glb"), "text.obj: "),
+        (format!("{EXPORT} --also far.obj -o out.glb"), "mesh far is "),
+    ] {
+        let line = folder.sinew(&command).failed();
+        assert!(line.starts_with(expected), "{command}: {line}");
+        assert_eq!(folder.list(), before, "{command}");
+    }
+}
+
+#[test]
+fn strays_of_a_level_are_warned_of() {
+    let folder = Folder::with_demo("export-stray");
+    write_obj(&folder, "lod1.obj", 1.0);
+    let text = String::from_utf8(folder.read("lod1.obj")).unwrap();
+    fs::write(folder.path("lod1.obj"), text.replacen("\nv ", "\nv 9 9 9 ", 1)).unwrap();
+    let run = folder.sinew(&format!("{EXPORT} --also lod1.obj -o out.glb"));
+    assert_eq!(run.code, Some(0));
+    let expected = "sinew: warning: lod1.obj: vertices further than 10 % of the diagonal from the \
+                    model's surface, which follow their nearest point: 1\n";
+    assert_eq!(run.err, expected);
+}
+
+#[test]
+fn the_demo_s_rig_and_point_cache_are_written_with_the_next_command() {
+    let folder = Folder::new("export-demo");
+    let size = "--vertices 200 --poses 8 --held-out 3";
+    let text = folder.sinew(&format!("export-demo rig {size}")).done().out;
+    let (_, next) = text.trim_end().split_once("next: sinew ").unwrap();
+    assert_eq!(
+        next,
+        "train rig/demo.glb --targets rig/demo.pc2 --hold-out-clip held-out -o demo.sinew"
+    );
+    let text = folder.sinew(next).done().out;
+    assert!(text.contains("8 training, 3 held-out, 0 extreme frames"), "{text}");
+    let glb = folder.read("rig/demo.glb");
+    let gltf = gltf::Gltf::from_slice(&glb).unwrap();
+    let names: Vec<_> = gltf.animations().map(|animation| animation.name().unwrap()).collect();
+    assert_eq!(names, ["train", "held-out"]);
+    let mesh = gltf.meshes().next().unwrap();
+    let primitive = mesh.primitives().next().unwrap();
+    let points = primitive.get(&gltf::Semantic::Positions).unwrap().count();
+    assert_eq!(folder.read("rig/demo.pc2").len(), 32 + 12 * points * 11);
+    fs::write(folder.path("file"), "").unwrap();
+    let line = folder.sinew(&format!("export-demo file {size}")).failed();
+    assert!(line.starts_with("cannot make the folder file: "), "{line}");
+    folder.sinew(&format!("export-demo other {size}")).done();
+    assert!(folder.read("other/demo.glb") == glb, "the same options give the same bytes");
+}

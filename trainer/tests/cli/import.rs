@@ -1,0 +1,64 @@
+//! Scenes, targets and importance as the command line takes them.
+
+use crate::common::Folder;
+use std::fs;
+
+/// A folder with the demo's rig and point cache.
+fn rig(test: &str) -> Folder {
+    let folder = Folder::new(test);
+    folder.sinew("export-demo . --vertices 200 --poses 20 --held-out 5").done();
+    folder
+}
+
+#[test]
+fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
+    let folder = rig("misfits");
+    let pc2 = folder.read("demo.pc2");
+    fs::write(folder.path("cut.pc2"), &pc2[..pc2.len() - 4]).unwrap();
+    fs::write(folder.path("two.txt"), "1 2").unwrap();
+    fs::write(folder.path("notes.doc"), "").unwrap();
+    folder.sinew("demo --vertices 200 --poses 8 --held-out 3 --predictor kernel -o .").done();
+    for (arguments, expected) in [
+        ("demo.glb --targets cut.pc2", "cut.pc2: should have "),
+        ("demo.glb --targets none.pc2", "none.pc2: cannot be read: "),
+        ("demo.glb --targets notes.doc", "notes.doc: expected a file that ends in .pc2, .mdd, "),
+        (
+            "demo.glb --targets demo.pc2 --clip train",
+            "demo.pc2: holds 25 meshes, the scene's clips have 20 frames (train: 20): export both",
+        ),
+        ("demo.glb --clip run", "demo.glb: has no clip run, there are: train, held-out"),
+        ("demo.glb --hold-out-clip run", "demo.glb: has no clip run, there are: train, held-out"),
+        ("demo.npz --targets demo.pc2", "demo.npz: --targets goes with a scene"),
+        ("demo.npz --fps 30", "demo.npz: --fps goes with a scene"),
+        ("demo.npz --importance two.txt", "two.txt: rest has "),
+        ("demo.npz --importance none.npy", "none.npy: cannot be read: "),
+    ] {
+        let error = folder.sinew(&format!("train {arguments} -o new.sinew")).failed();
+        assert!(error.starts_with(expected), "{arguments}: {error}");
+    }
+    assert!(!folder.path("new.sinew").exists());
+}
+
+#[test]
+fn targets_and_importance_are_inputs_too() {
+    let folder = rig("inputs");
+    let before = folder.read("demo.pc2");
+    let error = folder.sinew("train demo.glb --targets demo.pc2 -o demo.pc2").failed();
+    assert!(error.contains("cannot write demo.pc2: it is an input"), "{error}");
+    assert_eq!(folder.read("demo.pc2"), before);
+
+    let examples = "demo.glb --targets demo.pc2 --importance all.txt --hold-out-clip held-out";
+    fs::write(folder.path("all.txt"), "1 ".repeat(vertices(&folder))).unwrap();
+    let fit = "--predictor kernel --proxies 4";
+    folder.sinew(&format!("train {examples} {fit} -o a.sinew --record a.json")).done();
+    let record: serde_json::Value = serde_json::from_slice(&folder.read("a.json")).unwrap();
+    let inputs = record["inputs"].as_array().unwrap().iter();
+    let inputs: Vec<_> = inputs.map(|input| input["file"].as_str().unwrap()).collect();
+    assert_eq!(inputs, ["demo.glb", "demo.pc2", "all.txt"]);
+    assert_eq!(record["held_out_frames"].as_array().unwrap().len(), 5);
+}
+
+fn vertices(folder: &Folder) -> usize {
+    let pc2 = folder.read("demo.pc2");
+    u32::from_le_bytes(pc2[16..20].try_into().unwrap()) as usize
+}

@@ -1,0 +1,103 @@
+//! Further meshes on a model's palette.
+
+use super::scene::Scene;
+use super::{arm, clip, distances, farthest, model, pose, runtime_palette, vectors};
+use nalgebra::Matrix4;
+use sinew_runtime::Model;
+use sinew_runtime::format::Predictor;
+use sinew_trainer::examples::Examples;
+use sinew_trainer::examples::obj::Mesh;
+use sinew_trainer::export::{ExportError, Exported, Level, export};
+
+fn level(name: &str, examples: &Examples) -> Level {
+    let mesh = Mesh {
+        positions: examples.rest.clone(),
+        triangles: examples.triangles.clone(),
+        uv: examples.uv.clone(),
+    };
+    Level { name: name.to_owned(), mesh }
+}
+
+fn one(exported: &Exported) -> [f64; 3] {
+    let report = &exported.levels[0];
+    [report.distance_percent, report.transferred_percent, report.fitted_percent]
+}
+
+/// Skins a mesh of a file by the palettes that the runtime gives frames of the examples, and
+/// measures its RMS distance from where the flesh of the demo really puts it, in % of the diagonal.
+fn error(glb: &[u8], model: &[u8], examples: &Examples, truth: &Examples, frames: &[usize]) -> f64 {
+    let (scene, envelope) =
+        (Scene::read(glb), Model::from_bytes(model).unwrap().envelope().unwrap());
+    let mut squares = 0.0;
+    for &frame in frames {
+        let square = |m: &[[f32; 4]; 3]| {
+            Matrix4::from_fn(
+                |r, c| if r < 3 { f64::from(m[r][c]) } else { f64::from(u8::from(c == 3)) },
+            )
+        };
+        let palette = runtime_palette(&envelope, &pose(examples, frame));
+        let palette: Vec<_> = palette.iter().map(square).collect();
+        let found = scene.skinned("lod1", &palette);
+        squares += distances(&found, &vectors(truth.frame(frame))).map(|d| d * d).sum::<f64>();
+    }
+    let count = (frames.len() * truth.vertex_len()) as f64;
+    100.0 * (squares / count).sqrt() / truth.diagonal()
+}
+
+#[test]
+fn the_model_s_own_mesh_in_another_order_moves_as_the_model_does() {
+    let examples = arm(400);
+    let model = model(&examples, Predictor::Kernel, 6, 4);
+    let mut own = level("own", &examples);
+    let last = examples.vertex_len() - 1;
+    own.mesh.positions.reverse();
+    own.mesh.triangles.iter_mut().flatten().for_each(|vertex| *vertex = last - *vertex);
+    let exported = export(&model, &examples, &[clip("all", 0, 20)], &[own]).unwrap();
+    let scene = Scene::read(&exported.glb);
+    for key in [0, 7, 19] {
+        let palette = scene.palette(&scene.worlds(Some((0, key, 0.0))));
+        let mut found = scene.skinned("own", &palette);
+        found.reverse();
+        let expected = scene.skinned("skin", &palette);
+        assert!(farthest(&found, &expected) < 1e-5 * examples.diagonal());
+    }
+    let [distance, transferred, fitted] = one(&exported);
+    assert!(distance < 1e-5 && transferred < 1e-4 && fitted <= transferred);
+}
+
+#[test]
+fn a_coarser_mesh_is_fitted_and_comes_near_its_own_flesh() {
+    let (examples, coarse) = (arm(1500), arm(300));
+    let model = model(&examples, Predictor::Kernel, 20, 4);
+    let fit = |frames: usize| {
+        export(&model, &examples, &[clip("all", 0, frames)], &[level("lod1", &coarse)]).unwrap()
+    };
+    let all = examples.frame_len();
+    let exported = fit(all);
+    let [distance, transferred, fitted] = one(&exported);
+    println!("distance {distance:.4}, transferred {transferred:.4}, fitted {fitted:.4} %");
+    assert!(fitted < 0.7 * transferred && transferred < 0.5);
+    let frames: Vec<usize> = (0..all).collect();
+    let seen = error(&exported.glb, &model, &examples, &coarse, &frames);
+    // Three frames must not spoil the others.
+    let few = error(&fit(3).glb, &model, &examples, &coarse, &frames);
+    println!("from its own flesh: {seen:.4} %, fitted to three frames {few:.4} %");
+    assert!(seen < 0.3 && few < 1.1 * transferred.max(seen));
+}
+
+#[test]
+fn a_mesh_in_other_units_or_with_strays_is_told() {
+    let examples = arm(300);
+    let model = model(&examples, Predictor::Rotational, 4, 4);
+    let clips = [clip("all", 0, 4)];
+    let mut metres = level("lod1", &examples);
+    metres.mesh.positions.iter_mut().flatten().for_each(|x| *x *= 100.0);
+    match export(&model, &examples, &clips, &[metres]) {
+        Err(ExportError::LevelFar { name, percent }) => assert!(name == "lod1" && percent > 100.0),
+        other => panic!("{:?}", other.map(|exported| exported.levels)),
+    }
+    let mut stray = level("lod1", &examples);
+    stray.mesh.positions[5] = [9.0, 9.0, 9.0];
+    let exported = export(&model, &examples, &clips, &[stray]).unwrap();
+    assert_eq!(exported.levels[0].far, 1);
+}

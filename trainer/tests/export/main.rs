@@ -1,0 +1,91 @@
+//! Exported files, read back by the glTF specification and held against the runtime.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
+
+mod levels;
+mod plays;
+mod rig;
+mod scene;
+mod validator;
+
+use nalgebra::Vector3;
+use sinew_runtime::format::Predictor;
+use sinew_runtime::{Envelope, Matrix3x4};
+use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::examples::{Clip, Examples, npz};
+use sinew_trainer::progress::Silent;
+use std::path::Path;
+
+/// Loads a set; none where there is no shared data, which continuous integration must have.
+fn set(file: &str) -> Option<Examples> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(file);
+    if path.exists() {
+        return Some(npz::load(&path).unwrap().examples);
+    }
+    assert!(std::env::var_os("CI").is_none(), "{file} must be in ../shared/data");
+    eprintln!("{file} is not in ../shared/data: not tested");
+    None
+}
+
+fn arm(vertices: usize) -> Examples {
+    demo(&DemoOptions { vertices, poses: 30, held_out: 10, seed: 4 })
+}
+
+fn model(examples: &Examples, predictor: Predictor, proxies: usize, influences: usize) -> Vec<u8> {
+    let predictor = Predict::Only(predictor);
+    let proxies = Some(ProxyCount::Fixed(proxies));
+    let options = Options { predictor, proxies, influences, ..Options::default() };
+    train(examples, &options, &Silent).unwrap().model
+}
+
+fn clip(name: &str, first: usize, len: usize) -> Clip {
+    let times = (0..len).map(|frame| frame as f64 / 30.0).collect();
+    Clip { name: name.to_owned(), first, times }
+}
+
+/// Keeps some of the frames.
+fn only(examples: &Examples, frames: impl Iterator<Item = usize>) -> Examples {
+    let frames: Vec<usize> = frames.collect();
+    Examples {
+        vertices: frames.iter().flat_map(|&f| examples.frame(f)).copied().collect(),
+        transforms: frames.iter().flat_map(|&f| examples.pose(f)).copied().collect(),
+        split: frames.iter().map(|&f| examples.split[f]).collect(),
+        ..examples.clone()
+    }
+}
+
+fn pose(examples: &Examples, frame: usize) -> Vec<Matrix3x4> {
+    examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect()
+}
+
+/// Gives the palette of a pose by the runtime.
+fn runtime_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
+    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
+    envelope.palette(pose, &mut workspace, &mut palette).unwrap();
+    palette
+}
+
+/// Skins a pose by the runtime.
+fn runtime_skin(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Vector3<f64>> {
+    let mut positions = vec![[0.0; 3]; envelope.vertex_len()];
+    envelope.skin_positions(&runtime_palette(envelope, pose), &mut positions).unwrap();
+    positions.into_iter().map(|x| x.map(f64::from).into()).collect()
+}
+
+fn distances<'a>(
+    a: &'a [Vector3<f64>],
+    b: &'a [Vector3<f64>],
+) -> impl Iterator<Item = f64> + use<'a> {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| (a - b).norm())
+}
+
+fn farthest(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    distances(a, b).fold(0.0, f64::max)
+}
+
+fn vectors(positions: &[[f64; 3]]) -> Vec<Vector3<f64>> {
+    positions.iter().map(|x| Vector3::from(*x)).collect()
+}

@@ -1,0 +1,145 @@
+//! An exported file plays what the runtime computes.
+
+use super::scene::Scene;
+use super::{arm, clip, farthest, model, only, pose, runtime_skin, set, vectors};
+use nalgebra::{Matrix4, Vector3};
+use sinew_runtime::format::Predictor;
+use sinew_runtime::{Envelope, Matrix3x4, Model};
+use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::examples::{Clip, Examples};
+use sinew_trainer::export::export;
+use sinew_trainer::progress::Silent;
+
+/// Greatest distance of the exported skin from the runtime's, as a share of the rest diagonal; the
+/// rounding of nodes and matrices takes less than a hundredth of it.
+const NEAR: f64 = 1e-4;
+
+/// A model's file, and what it is held against.
+struct Played<'a> {
+    examples: &'a Examples,
+    model: Vec<u8>,
+    clips: &'a [Clip],
+    scene: Scene,
+}
+
+impl<'a> Played<'a> {
+    fn new(examples: &'a Examples, model: Vec<u8>, clips: &'a [Clip]) -> Self {
+        let scene = Scene::read(&export(&model, examples, clips, &[]).unwrap().glb);
+        let played = Self { examples, model, clips, scene };
+        assert_eq!(played.scene.gltf.animations().len(), clips.len());
+        let rest = played.skinned(&played.scene.worlds(None));
+        assert!(farthest(&rest, &vectors(&examples.rest)) < 1e-6 * examples.diagonal());
+        played
+    }
+
+    fn envelope(&self) -> Envelope<'_> {
+        Model::from_bytes(&self.model).unwrap().envelope().unwrap()
+    }
+
+    fn skinned(&self, worlds: &[Matrix4<f64>]) -> Vec<Vector3<f64>> {
+        self.scene.skinned(self.envelope().name(), &self.scene.palette(worlds))
+    }
+
+    /// Greatest distance from the runtime's skin at the keys, as a share of the diagonal.
+    fn off_at_keys(&self) -> f64 {
+        let mut most: f64 = 0.0;
+        for (animation, clip) in self.clips.iter().enumerate() {
+            let times: Vec<_> = clip.times.iter().map(|&time| time as f32).collect();
+            assert_eq!(self.scene.times(animation), times);
+            for key in 0..times.len() {
+                let found = self.skinned(&self.scene.worlds(Some((animation, key, 0.0))));
+                let pose = pose(self.examples, clip.first + key);
+                most = most.max(farthest(&found, &runtime_skin(&self.envelope(), &pose)));
+            }
+        }
+        most / self.examples.diagonal()
+    }
+
+    /// The same half way between keys, where the runtime is asked for the pose that the file's own
+    /// joints take.
+    fn off_between_keys(&self) -> f64 {
+        let at_rest = self.scene.worlds(None);
+        let names = &self.examples.skeleton.names;
+        let joints: Vec<usize> = names.iter().map(|name| self.scene.node(name)).collect();
+        let mut most: f64 = 0.0;
+        for (animation, clip) in self.clips.iter().enumerate() {
+            for key in 1..clip.times.len() {
+                let worlds = self.scene.worlds(Some((animation, key - 1, 0.5)));
+                let pose: Vec<Matrix3x4> = joints
+                    .iter()
+                    .map(|&node| worlds[node] * at_rest[node].try_inverse().unwrap())
+                    .map(|m| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| m[(r, c)] as f32)))
+                    .collect();
+                let expected = runtime_skin(&self.envelope(), &pose);
+                most = most.max(farthest(&self.skinned(&worlds), &expected));
+            }
+        }
+        most / self.examples.diagonal()
+    }
+}
+
+#[track_caller]
+fn check(name: &str, examples: &Examples, predictor: Predictor, proxies: usize, clips: &[Clip]) {
+    let off = Played::new(examples, model(examples, predictor, proxies, 4), clips).off_at_keys();
+    println!("{name}, {}: off by {off:.1e} of the diagonal", predictor.name());
+    assert!(off < NEAR, "{name}, {}: {off}", predictor.name());
+}
+
+#[test]
+fn the_demo_by_every_predictor_and_in_two_clips() {
+    let examples = arm(400);
+    for predictor in Predictor::ALL {
+        check("demo", &examples, predictor, 8, &[clip("a", 0, 12), clip("b", 12, 28)]);
+    }
+}
+
+#[test]
+fn mpfb_arm_by_every_predictor() {
+    let Some(examples) = set("mpfb-arm/mpfb_arm.npz") else { return };
+    let examples = only(&examples, (0..examples.frame_len()).step_by(3));
+    for predictor in Predictor::ALL {
+        check("mpfb-arm", &examples, predictor, 20, &[clip("all", 0, examples.frame_len())]);
+    }
+}
+
+#[test]
+fn mpfb_body_by_kernel() {
+    let Some(examples) = set("mpfb-body/mpfb_body.npz") else { return };
+    let examples = only(&examples, (0..examples.frame_len()).step_by(16));
+    let clips = [clip("all", 0, examples.frame_len())];
+    check("mpfb-body", &examples, Predictor::Kernel, 30, &clips);
+}
+
+/// A real sequence, so that frames follow one another as a clip's do.
+#[test]
+fn half_way_between_frames_of_a_sequence_the_skin_stays_near() {
+    let Some(examples) = set("dem-bones/bone.npz") else { return };
+    let examples = only(&examples, 0..100);
+    let clips = [clip("all", 0, 100)];
+    for predictor in [Predictor::Kernel, Predictor::Rotational] {
+        let played = Played::new(&examples, model(&examples, predictor, 12, 4), &clips);
+        let [at_keys, between] = [played.off_at_keys(), played.off_between_keys()];
+        println!("dem-bones, {}: off by {at_keys:.1e}, half way {between:.1e}", predictor.name());
+        assert!(at_keys < NEAR && between < 2e-3, "{}: {at_keys} {between}", predictor.name());
+    }
+}
+
+/// More joints than a byte counts and more influences than one attribute holds.
+#[test]
+fn wide_palettes_and_many_influences() {
+    let examples = arm(300);
+    let options = Options {
+        predictor: Predict::Only(Predictor::Rotational),
+        proxies: Some(ProxyCount::Fixed(260)),
+        influences: 7,
+        refine: false,
+        ..Options::default()
+    };
+    let model = train(&examples, &options, &Silent).unwrap().model;
+    let clips = [clip("all", 0, 4)];
+    let played = Played::new(&examples, model, &clips);
+    assert!(played.envelope().palette_len() > 256 && played.envelope().influence_len() > 4);
+    let off = played.off_at_keys();
+    assert!(off < NEAR, "{off}");
+}
