@@ -1,11 +1,13 @@
 //! Learns how a character's skin moves from examples, and bakes what it learned into a model for
 //! [`sinew_runtime`].
 //!
-//! The way through: [`examples`] are loaded, an [`envelope`] is fitted to them, [`bake`] writes the
-//! file, and [`evaluate`] measures that file with the runtime.
+//! The way through: [`examples`] are loaded, a [`check`] tells what is wrong with them, an
+//! [`envelope`] is fitted to them, [`bake`] writes the file, and [`evaluate`] measures that file with
+//! the runtime.
 #![forbid(unsafe_code)]
 
 pub mod bake;
+pub mod check;
 pub mod demo;
 pub mod envelope;
 pub mod evaluate;

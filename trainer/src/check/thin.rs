@@ -1,0 +1,138 @@
+//! Which poses the others make superfluous, and which stand alone.
+
+use super::finding::FrameName;
+use super::foretold::{Errors, Region, compared, regions};
+use super::seen::{Seen, worst_first};
+use super::thresholds::{LONELY, REDUNDANT, VISIBLE};
+use faer::Mat;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// How the training poses foretell each other.
+#[derive(Clone, Debug, Serialize)]
+pub struct Foretold {
+    /// Poses that were compared: all, or some, evenly apart.
+    pub compared: usize,
+    /// RMS error of LBS in them, in % of the diagonal.
+    pub lbs_percent: f64,
+    /// RMS error to be expected in poses never seen, in % of the diagonal: each contiguous block of
+    /// poses foretold by the others.
+    pub expected_percent: f64,
+    /// Poses that foretell all others, in order.
+    pub enough: Vec<FrameName>,
+    /// The others, that which is foretold best first.
+    pub spare: Vec<FrameName>,
+    /// Poses that no other is like, the loneliest first.
+    pub lonely: Vec<Lonely>,
+}
+
+/// A pose that no other is like.
+#[derive(Clone, Debug, Serialize)]
+pub struct Lonely {
+    /// The frame.
+    pub frame: FrameName,
+    /// The joint whose skin is foretold worst.
+    pub joint: String,
+    /// RMS error when it is foretold by all others, in % of the diagonal.
+    pub percent: f64,
+}
+
+/// Compares the training poses; none where LBS leaves nothing to foretell.
+pub(super) fn foretell(seen: &Seen<'_>) -> Option<Foretold> {
+    if seen.lbs_rms() < VISIBLE {
+        return None;
+    }
+    let poses = compared(seen);
+    let mut regions = regions(seen, &poses);
+    let errors: Vec<Errors> = regions.par_iter().map(Region::errors).collect::<Option<Vec<_>>>()?;
+    let sum = |of: &dyn Fn(&Errors) -> f64| errors.iter().map(of).sum::<f64>();
+    let lbs: f64 = regions.iter().map(|r| r.gram.diagonal().column_vector().sum()).sum();
+    let block: f64 = sum(&|e| e.block.iter().sum());
+    let alone: Vec<f64> = (0..poses.len()).map(|i| sum(&|e| e.alone[i])).collect();
+
+    // Sums over the vertices of the regions, to RMS over all.
+    let whole: f64 = poses.iter().map(|&i| seen.rms(i, &all(seen)).powi(2)).sum();
+    let percent = |squared: f64| 100.0 * (squared / lbs * whole).sqrt();
+    let mean = |squared: f64| percent(squared / poses.len() as f64);
+
+    let enough = enough(&mut regions, REDUNDANT.powi(2) * block / poses.len() as f64);
+    let mut sorted = alone.clone();
+    sorted.sort_by(f64::total_cmp);
+    let usual = sorted[sorted.len() / 2];
+    let lonely = (0..poses.len()).filter(|&i| alone[i] > LONELY.powi(2) * usual);
+    let lonely = worst_first(lonely, |i| alone[i]);
+    let name = |i: usize| seen.frame(poses[i]);
+    let worst_joint = |i: usize| {
+        let of = |r: &usize| errors[*r].alone[i];
+        let worst = (0..regions.len()).max_by(|a, b| of(a).total_cmp(&of(b)));
+        worst.map_or(String::new(), |r| seen.joint(regions[r].joint).to_owned())
+    };
+    let mut kept = enough.kept.clone();
+    kept.sort_unstable();
+    Some(Foretold {
+        compared: poses.len(),
+        lbs_percent: mean(lbs),
+        expected_percent: mean(block),
+        enough: kept.iter().map(|&i| name(i)).collect(),
+        spare: enough.spare.iter().map(|&i| name(i)).collect(),
+        lonely: lonely
+            .into_iter()
+            .map(|i| Lonely { frame: name(i), joint: worst_joint(i), percent: percent(alone[i]) })
+            .collect(),
+    })
+}
+
+fn all(seen: &Seen<'_>) -> Vec<usize> {
+    (0..seen.dominant.len()).collect()
+}
+
+struct Enough {
+    kept: Vec<usize>,
+    /// Best foretold first.
+    spare: Vec<usize>,
+}
+
+/// Takes the pose that those taken foretell worst, until all others are foretold to within a squared
+/// error. What a pose adds is the regression's own update, with its kernel and its residuals
+/// conditioned on the pose.
+fn enough(regions: &mut [Region], tolerance: f64) -> Enough {
+    let n = regions.first().map_or(0, |region| region.gram.nrows());
+    let mut kept = Vec::new();
+    loop {
+        let error = |i: usize| regions.iter().map(|region| region.gram[(i, i)]).sum::<f64>();
+        let errors: Vec<f64> = (0..n).map(error).collect();
+        let spare: Vec<usize> = (0..n).filter(|i| !kept.contains(i)).collect();
+        let by_error = |&a: &usize, &b: &usize| errors[a].total_cmp(&errors[b]);
+        match spare.iter().copied().max_by(by_error) {
+            Some(worst) if errors[worst] > tolerance => {
+                regions.par_iter_mut().for_each(|region| region.learn(worst));
+                kept.push(worst);
+            }
+            _ => {
+                let mut spare = spare;
+                spare.sort_by(by_error);
+                return Enough { kept, spare };
+            }
+        }
+    }
+}
+
+impl Region {
+    /// Conditions the kernel on one pose, and takes what it foretells from the residuals.
+    fn learn(&mut self, pose: usize) {
+        let n = self.gram.nrows();
+        let scale = 1.0 / (self.kernel[(pose, pose)].max(0.0) + self.ridge);
+        let row = |m: &Mat<f64>| (0..n).map(|i| m[(pose, i)]).collect::<Vec<f64>>();
+        let (kernel, gram) = (row(&self.kernel), row(&self.gram));
+        let share: Vec<f64> = kernel.iter().map(|k| k * scale).collect();
+        for j in 0..n {
+            let column = self.kernel.col_as_slice_mut(j);
+            column.iter_mut().zip(&share).for_each(|(k, s)| *k -= s * kernel[j]);
+            let column = self.gram.col_as_slice_mut(j);
+            let by = share[j] * gram[pose] - gram[j];
+            column.iter_mut().zip(&share).zip(&gram).for_each(|((g, s), own)| {
+                *g += s * by - share[j] * own;
+            });
+        }
+    }
+}
