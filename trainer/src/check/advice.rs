@@ -68,8 +68,7 @@ fn lonely(foretold: &Foretold) -> Option<String> {
     };
     (!foretold.lonely.is_empty()).then(|| {
         format!(
-            "add poses like {} that the others do not foretell: {}",
-            if foretold.lonely.len() == 1 { "that" } else { "those" },
+            "add poses like these, which the others do not foretell: {}",
             listed(foretold.lonely.iter().map(line))
         )
     })

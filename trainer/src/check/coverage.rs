@@ -148,7 +148,7 @@ pub(super) fn apart(seen: &Seen<'_>) -> Vec<Apart> {
     let error = |joint: usize| seen.rms_of(&skins[joint]);
     let pairs = (0..parents.len()).filter(|&joint| {
         let Some(parent) = parents[joint] else { return false };
-        let both = [joint, parent].map(|j| (j, seen.turns.farthest(j)));
+        let both = [joint, parent].map(|j| (j, seen.turns.usual(j)));
         let bent = |i: usize| both.iter().all(|&(j, most)| seen.turns.bend(i, j) > BENT * most);
         both.iter().all(|&(_, most)| most > MUCH) && !(0..seen.turns.len()).any(bent)
     });

@@ -69,7 +69,7 @@ pub(super) fn faces(
 type Use = (usize, bool);
 
 /// The triangles at each edge, of those that name no vertex twice.
-fn edges(examples: &Examples) -> BTreeMap<[usize; 2], Vec<Use>> {
+pub(super) fn edges(examples: &Examples) -> BTreeMap<[usize; 2], Vec<Use>> {
     let mut edges: BTreeMap<[usize; 2], Vec<Use>> = BTreeMap::new();
     for (number, &[a, b, c]) in examples.triangles.iter().enumerate() {
         if a != b && b != c && c != a {

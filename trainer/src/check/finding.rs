@@ -68,7 +68,9 @@ pub enum Kind {
     Unwelded,
     /// Triangles that lose their area in a pose.
     Collapsed,
-    /// Triangles that turn over in a pose.
+    /// Triangles that fold over a neighbour in a pose.
+    Folded,
+    /// Triangles that look to the other side than their joints take them, too many for a fold.
     Flipped,
     /// Frames of one pose and one mesh.
     Repeated,
@@ -95,6 +97,7 @@ impl Kind {
             | Self::Unreferenced
             | Self::Unwelded
             | Self::Collapsed
+            | Self::Folded
             | Self::Flipped => Subject::Faces,
             Self::Repeated | Self::Contradicting | Self::OutOfStep => Subject::Frames,
         }

@@ -17,7 +17,7 @@ const TRIED: usize = 100;
 /// Vertices that are looked at; more tell no more of the poses.
 const VERTICES: usize = 4000;
 /// Hops of the joints that a joint's skin listens to, as the kernel maps choose most often.
-const HOPS: usize = 2;
+pub(super) const HOPS: usize = 2;
 /// Candidate squared widths, in median squared distances of the poses.
 const WIDTHS: [f64; 3] = [4.0, 16.0, 64.0];
 /// Candidate ridges, as shares of the kernel's mean diagonal.

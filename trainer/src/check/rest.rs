@@ -1,6 +1,7 @@
 //! Whether the rest mesh belongs to the poses: near rest, the joints alone must give the meshes.
 
 use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
+use super::foretold::HOPS;
 use super::seen::{Seen, worst_first};
 use super::thresholds::{NEAR_REST, REST_ERROR, VISIBLE};
 use crate::envelope::helpers::features::near;
@@ -32,7 +33,7 @@ pub(super) fn rest(seen: &Seen<'_>, findings: &mut Vec<Finding>) -> Rest {
     let mut off = Vec::new();
     for (joint, skin) in seen.skins().iter().enumerate().filter(|(_, skin)| !skin.is_empty()) {
         joints += 1;
-        let around = near(&seen.training.parents, joint, 1);
+        let around = near(&seen.training.parents, joint, HOPS);
         let bend = |i: usize| around.iter().map(|&j| seen.turns.bend(i, j)).fold(0.0, f64::max);
         let least = poses.clone().min_by(|&a, &b| bend(a).total_cmp(&bend(b))).unwrap_or(0);
         if bend(least) > NEAR_REST {

@@ -3,7 +3,7 @@
 use super::finding::FrameName;
 use super::foretold::{Errors, Region, compared, regions};
 use super::seen::{Seen, worst_first};
-use super::thresholds::{LONELY, REDUNDANT, VISIBLE};
+use super::thresholds::{LONELY, NEGLIGIBLE, REDUNDANT, VISIBLE};
 use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -55,11 +55,13 @@ pub(super) fn foretell(seen: &Seen<'_>) -> Option<Foretold> {
     let percent = |squared: f64| 100.0 * (squared / lbs * whole).sqrt();
     let mean = |squared: f64| percent(squared / poses.len() as f64);
 
-    let enough = enough(&mut regions, REDUNDANT.powi(2) * block / poses.len() as f64);
-    let mut sorted = alone.clone();
-    sorted.sort_by(f64::total_cmp);
-    let usual = sorted[sorted.len() / 2];
-    let lonely = (0..poses.len()).filter(|&i| alone[i] > LONELY.powi(2) * usual);
+    let usual = alone.iter().sum::<f64>() / poses.len() as f64;
+    let mean_lbs = lbs / poses.len() as f64;
+    let tolerance = (REDUNDANT.powi(2) * usual).max(NEGLIGIBLE.powi(2) * mean_lbs);
+    let enough = enough(&mut regions, tolerance);
+    let stands_alone =
+        |&i: &usize| alone[i] > LONELY.powi(2) * usual && percent(alone[i]) > 100.0 * VISIBLE;
+    let lonely = (0..poses.len()).filter(stands_alone);
     let lonely = worst_first(lonely, |i| alone[i]);
     let name = |i: usize| seen.frame(poses[i]);
     let worst_joint = |i: usize| {

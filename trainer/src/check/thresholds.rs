@@ -41,12 +41,13 @@ pub const LOOSE: f64 = 0.5;
 /// A triangle has collapsed where it keeps less than this share of its area.
 pub const COLLAPSED: f64 = 0.01;
 
-/// Cosine of the angle between a triangle and where its joints take it, from which it is flipped:
-/// 120°, more than any bulge.
+/// Cosine of the angle between a triangle and where its joints take it, or its neighbour, from which
+/// it is turned over: 120°, more than any bulge.
 pub const FLIPPED: f64 = -0.5;
 
-/// Triangles that are flipped or collapsed in a frame are warned of from this share of all.
-pub const MANY: f64 = 0.005;
+/// Triangles that are turned over or collapsed in a frame are warned of from this share of all: the
+/// folds of armpits and groins stay below.
+pub const MANY: f64 = 0.2;
 
 /// Poses are one where every joint agrees within this angle, in degrees.
 pub const SAME_POSE: f64 = 0.5;
@@ -77,13 +78,17 @@ pub const FEW: usize = 5;
 /// Poses of a joint are distinct that are further apart than this share of its largest angle.
 pub const DISTINCT: f64 = 0.1;
 
-/// Poses may be left out together while none is foretold worse, by those that stay, than this
-/// share of the error that is to be expected in poses never seen.
+/// Poses may be left out together while those that stay foretell none of them worse than this share
+/// of the RMS error at which all poses foretell each other. Measured on held-out frames of models
+/// trained without them: unchanged on mpfb-arm (37 of 180 poses), mpfb-body and the demo.
 pub const REDUNDANT: f64 = 0.5;
 
-/// A pose stands alone where the others miss it by more than this many times what they miss the
-/// median pose by.
-pub const LONELY: f64 = 2.5;
+/// What is less than this share of LBS's RMS error need not be foretold: in an animation the
+/// neighbours of a frame foretell it so well that half of their error is next to nothing.
+pub const NEGLIGIBLE: f64 = 0.005;
+
+/// A pose stands alone where the others miss it by more than this many times the RMS over all poses.
+pub const LONELY: f64 = 1.5;
 
 /// A slide of a joint by a diagonal counts as much as this angle in degrees: the weight that pose
 /// features give it.

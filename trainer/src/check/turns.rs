@@ -53,6 +53,13 @@ impl Turns {
         (0..self.len()).map(|i| self.bend(i, joint)).fold(0.0, f64::max)
     }
 
+    /// How far the joint is from rest at most, the farthest tenth of the poses left out.
+    pub(super) fn usual(&self, joint: usize) -> f64 {
+        let mut bends: Vec<f64> = (0..self.len()).map(|i| self.bend(i, joint)).collect();
+        bends.sort_by(f64::total_cmp);
+        bends.get((9 * bends.len() / 10).min(bends.len().saturating_sub(1))).copied().unwrap_or(0.0)
+    }
+
     /// How far the joints of two poses are apart where they are farthest; infinite beyond `most`.
     pub(super) fn apart(&self, a: usize, b: usize, most: f64) -> f64 {
         let mut apart: f64 = 0.0;
