@@ -79,7 +79,7 @@ fn spare(foretold: &Foretold) -> Option<String> {
     (!spare.is_empty()).then(|| {
         format!(
             "{} of {compared} training poses may be left out together, as the others foretell \
-             them: frames {}",
+             them: {}",
             spare.len(),
             ranges(spare)
         )

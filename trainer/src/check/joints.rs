@@ -2,7 +2,7 @@
 
 use super::finding::{Finding, Kind, Place, Severity, count, listed};
 use super::seen::{Seen, worst_first};
-use super::thresholds::{SCALED, STILL};
+use super::thresholds::{IDLE, SCALED, STILL};
 use crate::envelope::choose::SEAM;
 use crate::examples::{Matrix3x4, Warning};
 use nalgebra::Matrix3;
@@ -35,7 +35,7 @@ pub(super) fn joints(seen: &Seen<'_>, warnings: &[Warning], findings: &mut Vec<F
     let mut used = vec![false; seen.examples.joint_len()];
     let weights = &seen.training.lbs.weights;
     for vertex in 0..weights.len() {
-        weights.of(vertex).for_each(|(joint, _)| used[joint] = true);
+        weights.of(vertex).for_each(|(joint, weight)| used[joint] |= weight > IDLE);
     }
     let idle: Vec<usize> = joints.filter(|&j| !used[j]).collect();
     if !idle.is_empty() {

@@ -179,14 +179,11 @@ fn floor(check: &Check) -> String {
 }
 
 fn poses(foretold: &Foretold) -> String {
+    let Foretold { compared, lbs_percent, expected_percent, enough, .. } = foretold;
     format!(
-        "poses\n  from the others, a pose is foretold to {:.4} %, {:.1} % of what LBS leaves{}\n",
-        foretold.expected_percent,
-        100.0 * foretold.expected_percent / foretold.lbs_percent,
-        if foretold.enough.is_empty() {
-            String::new()
-        } else {
-            format!("; {} of {} do as much", foretold.enough.len(), foretold.compared)
-        }
+        "poses\n  frames are foretold by those of other blocks to {expected_percent:.4} %, {:.1} % of \
+         what LBS leaves; {} of {compared} foretell the rest\n",
+        100.0 * expected_percent / lbs_percent,
+        enough.len()
     )
 }
