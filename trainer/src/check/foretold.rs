@@ -95,6 +95,25 @@ impl Region {
     pub(super) fn errors(&self) -> Option<Errors> {
         Errors::new(&self.kernel, &self.gram, self.ridge, &folds(self.gram.nrows()))
     }
+
+    /// Takes what one pose foretells from the others: the regression's own update, kernel and
+    /// residuals conditioned on the pose.
+    pub(super) fn learn(&mut self, pose: usize) {
+        let n = self.gram.nrows();
+        let scale = 1.0 / (self.kernel[(pose, pose)].max(0.0) + self.ridge);
+        let row = |m: &Mat<f64>| (0..n).map(|i| m[(pose, i)]).collect::<Vec<f64>>();
+        let (kernel, gram) = (row(&self.kernel), row(&self.gram));
+        let share: Vec<f64> = kernel.iter().map(|k| k * scale).collect();
+        for j in 0..n {
+            let column = self.kernel.col_as_slice_mut(j);
+            column.iter_mut().zip(&share).for_each(|(k, s)| *k -= s * kernel[j]);
+            let column = self.gram.col_as_slice_mut(j);
+            let by = share[j] * gram[pose] - gram[j];
+            column.iter_mut().zip(&share).zip(&gram).for_each(|((g, s), own)| {
+                *g += s * by - share[j] * own;
+            });
+        }
+    }
 }
 
 impl Errors {
@@ -181,4 +200,73 @@ fn gram(seen: &Seen<'_>, joint: usize, skin: &[usize], poses: &[usize]) -> Mat<f
         }
     }
     left.transpose() * &left
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const N: usize = 12;
+    const RIDGE: f64 = 1e-2;
+
+    /// A region of poses on a spiral, with outputs n x 2.
+    fn region() -> (Region, Mat<f64>) {
+        let inputs = Mat::from_fn(2, N, |r, i| {
+            let t = 0.4 * i as f64;
+            t * [t.cos(), t.sin()][r]
+        });
+        let outputs = Mat::from_fn(N, 2, |i, o| [inputs[(0, i)].sin(), inputs[(1, i)] * 0.3][o]);
+        let kernel = Squared::new(&inputs).unwrap().kernel(4.0);
+        let gram = &outputs * outputs.transpose();
+        (Region { joint: 0, gram, kernel, ridge: RIDGE }, outputs)
+    }
+
+    /// Squared error of a pose foretold by some others, by solving for them.
+    fn missed(kernel: &Mat<f64>, outputs: &Mat<f64>, pose: usize, by: &[usize]) -> f64 {
+        let among = Mat::from_fn(by.len(), by.len(), |i, j| {
+            kernel[(by[i], by[j])] + if i == j { RIDGE } else { 0.0 }
+        });
+        let truth = Mat::from_fn(by.len(), 2, |i, o| outputs[(by[i], o)]);
+        let solution = among.partial_piv_lu().inverse() * truth;
+        let foretold = |o: usize| -> f64 {
+            (0..by.len()).map(|k| kernel[(pose, by[k])] * solution[(k, o)]).sum()
+        };
+        (0..2).map(|o| (outputs[(pose, o)] - foretold(o)).powi(2)).sum()
+    }
+
+    #[test]
+    fn poses_left_out_in_closed_form_equal_fits_without_them() {
+        let (region, outputs) = region();
+        let blocks = [0..5, 5..7, 7..N];
+        let found = Errors::new(&region.kernel, &region.gram, RIDGE, &blocks).unwrap();
+        for block in blocks {
+            for pose in block.clone() {
+                let others: Vec<usize> = (0..N).filter(|&i| i != pose).collect();
+                let outside: Vec<usize> = (0..N).filter(|i| !block.contains(i)).collect();
+                let alone = missed(&region.kernel, &outputs, pose, &others);
+                let blocked = missed(&region.kernel, &outputs, pose, &outside);
+                assert!((found.alone[pose] - alone).abs() < 1e-9 * (1.0 + alone));
+                assert!((found.block[pose] - blocked).abs() < 1e-9 * (1.0 + blocked));
+            }
+        }
+    }
+
+    #[test]
+    fn learning_poses_one_by_one_equals_a_fit_to_all_of_them() {
+        let (mut region, outputs) = region();
+        let kernel = region.kernel.clone();
+        let learnt = [7, 2, 10];
+        learnt.into_iter().for_each(|pose| region.learn(pose));
+        for pose in (0..N).filter(|pose| !learnt.contains(pose)) {
+            let expected = missed(&kernel, &outputs, pose, &learnt);
+            assert!((region.gram[(pose, pose)] - expected).abs() < 1e-9 * (1.0 + expected));
+        }
+    }
+
+    #[test]
+    fn the_kernel_is_zero_at_rest() {
+        let inputs = Mat::from_fn(2, 4, |r, i| if i == 0 { 0.0 } else { (r + i) as f64 });
+        let kernel = Squared::new(&inputs).unwrap().kernel(4.0);
+        assert!((0..4).all(|i| kernel[(0, i)].abs() < 1e-15) && kernel[(1, 1)] > 0.1);
+    }
 }

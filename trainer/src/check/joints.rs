@@ -37,7 +37,8 @@ pub(super) fn joints(seen: &Seen<'_>, warnings: &[Warning], findings: &mut Vec<F
     for vertex in 0..weights.len() {
         weights.of(vertex).for_each(|(joint, weight)| used[joint] |= weight > IDLE);
     }
-    let idle: Vec<usize> = joints.filter(|&j| !used[j]).collect();
+    // Of a joint that never moves, no fit can tell what follows it.
+    let idle: Vec<usize> = joints.filter(|j| !used[*j] && !still.contains(j)).collect();
     if !idle.is_empty() {
         findings.push(Finding {
             kind: Kind::Idle,

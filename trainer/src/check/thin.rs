@@ -4,7 +4,6 @@ use super::finding::FrameName;
 use super::foretold::{Errors, Region, compared, regions};
 use super::seen::{Seen, worst_first};
 use super::thresholds::{LONELY, NEGLIGIBLE, REDUNDANT, VISIBLE};
-use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -37,13 +36,16 @@ pub struct Lonely {
     pub percent: f64,
 }
 
-/// Compares the training poses; none where LBS leaves nothing to foretell.
+/// Compares the training poses; none where LBS leaves nothing to foretell, or no joint moves.
 pub(super) fn foretell(seen: &Seen<'_>) -> Option<Foretold> {
     if seen.lbs_rms() < VISIBLE {
         return None;
     }
     let poses = compared(seen);
     let mut regions = regions(seen, &poses);
+    if regions.is_empty() {
+        return None;
+    }
     let errors: Vec<Errors> = regions.par_iter().map(Region::errors).collect::<Option<Vec<_>>>()?;
     let sum = |of: &dyn Fn(&Errors) -> f64| errors.iter().map(of).sum::<f64>();
     let lbs: f64 = regions.iter().map(|r| r.gram.diagonal().column_vector().sum()).sum();
@@ -51,14 +53,16 @@ pub(super) fn foretell(seen: &Seen<'_>) -> Option<Foretold> {
     let alone: Vec<f64> = (0..poses.len()).map(|i| sum(&|e| e.alone[i])).collect();
 
     // Sums over the vertices of the regions, to RMS over all.
-    let whole: f64 = poses.iter().map(|&i| seen.rms(i, &all(seen)).powi(2)).sum();
+    let all: Vec<usize> = (0..seen.dominant.len()).collect();
+    let whole: f64 = poses.iter().map(|&i| seen.rms(i, &all).powi(2)).sum();
     let percent = |squared: f64| 100.0 * (squared / lbs * whole).sqrt();
     let mean = |squared: f64| percent(squared / poses.len() as f64);
 
     let usual = alone.iter().sum::<f64>() / poses.len() as f64;
     let mean_lbs = lbs / poses.len() as f64;
     let tolerance = (REDUNDANT.powi(2) * usual).max(NEGLIGIBLE.powi(2) * mean_lbs);
-    let enough = enough(&mut regions, tolerance);
+    let Enough { mut kept, spare } = enough(&mut regions, tolerance);
+    kept.sort_unstable();
     let stands_alone =
         |&i: &usize| alone[i] > LONELY.powi(2) * usual && percent(alone[i]) > 100.0 * VISIBLE;
     let lonely = (0..poses.len()).filter(stands_alone);
@@ -69,14 +73,12 @@ pub(super) fn foretell(seen: &Seen<'_>) -> Option<Foretold> {
         let worst = (0..regions.len()).max_by(|a, b| of(a).total_cmp(&of(b)));
         worst.map_or(String::new(), |r| seen.joint(regions[r].joint).to_owned())
     };
-    let mut kept = enough.kept.clone();
-    kept.sort_unstable();
     Some(Foretold {
         compared: poses.len(),
         lbs_percent: mean(lbs),
         expected_percent: mean(block),
         enough: kept.iter().map(|&i| name(i)).collect(),
-        spare: enough.spare.iter().map(|&i| name(i)).collect(),
+        spare: spare.iter().map(|&i| name(i)).collect(),
         lonely: lonely
             .into_iter()
             .map(|i| Lonely { frame: name(i), joint: worst_joint(i), percent: percent(alone[i]) })
@@ -84,10 +86,7 @@ pub(super) fn foretell(seen: &Seen<'_>) -> Option<Foretold> {
     })
 }
 
-fn all(seen: &Seen<'_>) -> Vec<usize> {
-    (0..seen.dominant.len()).collect()
-}
-
+/// Poses by their number among those compared.
 struct Enough {
     kept: Vec<usize>,
     /// Best foretold first.
@@ -95,15 +94,14 @@ struct Enough {
 }
 
 /// Takes the pose that those taken foretell worst, until all others are foretold to within a squared
-/// error. What a pose adds is the regression's own update, with its kernel and its residuals
-/// conditioned on the pose.
+/// error.
 fn enough(regions: &mut [Region], tolerance: f64) -> Enough {
     let n = regions.first().map_or(0, |region| region.gram.nrows());
     let mut kept = Vec::new();
     loop {
         let error = |i: usize| regions.iter().map(|region| region.gram[(i, i)]).sum::<f64>();
         let errors: Vec<f64> = (0..n).map(error).collect();
-        let spare: Vec<usize> = (0..n).filter(|i| !kept.contains(i)).collect();
+        let mut spare: Vec<usize> = (0..n).filter(|i| !kept.contains(i)).collect();
         let by_error = |&a: &usize, &b: &usize| errors[a].total_cmp(&errors[b]);
         match spare.iter().copied().max_by(by_error) {
             Some(worst) if errors[worst] > tolerance => {
@@ -111,30 +109,9 @@ fn enough(regions: &mut [Region], tolerance: f64) -> Enough {
                 kept.push(worst);
             }
             _ => {
-                let mut spare = spare;
                 spare.sort_by(by_error);
                 return Enough { kept, spare };
             }
-        }
-    }
-}
-
-impl Region {
-    /// Conditions the kernel on one pose, and takes what it foretells from the residuals.
-    fn learn(&mut self, pose: usize) {
-        let n = self.gram.nrows();
-        let scale = 1.0 / (self.kernel[(pose, pose)].max(0.0) + self.ridge);
-        let row = |m: &Mat<f64>| (0..n).map(|i| m[(pose, i)]).collect::<Vec<f64>>();
-        let (kernel, gram) = (row(&self.kernel), row(&self.gram));
-        let share: Vec<f64> = kernel.iter().map(|k| k * scale).collect();
-        for j in 0..n {
-            let column = self.kernel.col_as_slice_mut(j);
-            column.iter_mut().zip(&share).for_each(|(k, s)| *k -= s * kernel[j]);
-            let column = self.gram.col_as_slice_mut(j);
-            let by = share[j] * gram[pose] - gram[j];
-            column.iter_mut().zip(&share).zip(&gram).for_each(|((g, s), own)| {
-                *g += s * by - share[j] * own;
-            });
         }
     }
 }

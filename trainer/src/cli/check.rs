@@ -1,7 +1,7 @@
 //! `sinew check`: whether examples are good, before a training.
 
 use super::bars::Bars;
-use super::{Output, input};
+use super::{Output, input, printable};
 use anyhow::Context;
 use sinew_trainer::check::coverage::Coverage;
 use sinew_trainer::check::finding::{Severity, Subject, count};
@@ -55,7 +55,7 @@ fn describe(check: &Check) -> String {
     }
     out += "advice\n";
     for line in &check.advice {
-        let _ = writeln!(out, "  {line}");
+        let _ = writeln!(out, "  {}", printable(line));
     }
     if check.advice.is_empty() {
         out += "  the poses are enough and none is superfluous\n";
@@ -79,14 +79,14 @@ fn section(out: &mut String, check: &Check, subject: Subject, title: &str, facts
     }
     let _ = writeln!(out, "{title}");
     if !facts.is_empty() {
-        let _ = writeln!(out, "  {facts}");
+        let _ = writeln!(out, "  {}", printable(facts));
     }
     for finding in findings {
         let severity = match finding.severity {
             Severity::Warning => "warning",
             Severity::Note => "note",
         };
-        let _ = writeln!(out, "  {severity}: {}", finding.text);
+        let _ = writeln!(out, "  {severity}: {}", printable(&finding.text));
     }
 }
 
@@ -134,7 +134,8 @@ fn table(joints: &[Coverage]) -> String {
     let mut rows: Vec<&Coverage> =
         joints.iter().filter(|j| j.moves() || !j.beyond.is_empty()).collect();
     rows.sort_by(|a, b| b.lbs_percent.total_cmp(&a.lbs_percent));
-    let width = rows.iter().take(ROWS).map(|row| row.joint.chars().count()).max().unwrap_or(0);
+    let width =
+        rows.iter().take(ROWS).map(|row| printable(&row.joint).chars().count()).max().unwrap_or(0);
     let width = width.max("joint".len());
     let mut out = format!(
         "{:<width$}  {:>14} {:>8} {:>8} {:>7} {:>8} {:>8}\n",
@@ -150,7 +151,7 @@ fn table(joints: &[Coverage]) -> String {
         let _ = writeln!(
             out,
             "{:<width$}  {:>14} {:>7}° {:>8} {:>7} {:>8} {:>8.4}",
-            row.joint,
+            printable(&row.joint),
             format!("{least:.0} to {most:.0}°"),
             format!("{:.0}", row.swing),
             slides,
@@ -173,7 +174,7 @@ fn floor(check: &Check) -> String {
     format!(
         "LBS, 4 influences, training frames\n  {:.4} %; worst in frames {}; at vertices {}\n",
         lbs.rms_percent,
-        list(frames),
+        printable(&list(frames)),
         list(vertices.collect())
     )
 }

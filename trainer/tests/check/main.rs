@@ -10,7 +10,8 @@ mod skeleton;
 mod space;
 
 use made::{arm, check, kinds};
-use sinew_trainer::check::finding::Severity;
+use sinew_trainer::check::finding::{Kind, Severity};
+use sinew_trainer::examples::Split;
 
 #[test]
 fn a_good_character_has_no_warning() {
@@ -19,4 +20,12 @@ fn a_good_character_has_no_warning() {
         assert_eq!(checked.count(Severity::Warning), 0, "{:?}", checked.findings);
         assert_eq!(kinds(&checked), [], "{:?}", checked.findings);
     }
+}
+
+#[test]
+fn a_character_that_never_moves_is_checked_all_the_same() {
+    let still = made::chain(&[([0.0, 0.0], Split::Train); 8]);
+    let checked = check(&still);
+    assert_eq!(kinds(&checked), [Kind::Still, Kind::Repeated]);
+    assert!(checked.foretold.is_none() && checked.advice.is_empty());
 }
