@@ -1,11 +1,14 @@
 //! Learns how a character's skin moves from examples, and bakes what it learned into a model for
 //! [`sinew_runtime`].
 //!
-//! The way through: [`examples`] are loaded, an [`envelope`] is fitted to them, [`bake`] writes the
-//! file, [`evaluate`] measures that file with the runtime, and [`export`] hands it to engines.
+//! The way through: [`examples`] are loaded, a [`check`] tells what is wrong with them, an
+//! [`envelope`] is fitted to them, [`bake`] writes the file, [`evaluate`] measures that file with the
+//! runtime, and [`export`] hands it to engines.
 #![forbid(unsafe_code)]
 
+mod axes;
 pub mod bake;
+pub mod check;
 pub mod demo;
 pub mod envelope;
 pub mod evaluate;

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand.
 
 mod bars;
+mod check;
 mod demo;
 mod eval;
 mod export;
@@ -45,6 +46,8 @@ struct Output {
 enum Command {
     /// Trains, bakes and evaluates a procedural arm
     Demo(demo::Arguments),
+    /// Tells whether example poses are good, and which to add or to leave out
+    Check(check::Arguments),
     /// Trains a model on example poses
     Train(train::Arguments),
     /// Measures a model against examples, with LBS beside it
@@ -59,6 +62,7 @@ pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match &cli.command {
         Command::Demo(arguments) => demo::run(arguments, cli.output),
+        Command::Check(arguments) => check::run(arguments, cli.output),
         Command::Train(arguments) => train::run(arguments, cli.output),
         Command::Eval(arguments) => eval::run(arguments, cli.output),
         Command::Inspect(arguments) => inspect::run(arguments, cli.output),

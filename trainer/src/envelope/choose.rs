@@ -63,7 +63,7 @@ pub struct CandidateReport {
 }
 
 /// |θ| beyond which a joint comes near the seam of its rotation vector at π.
-const SEAM: f64 = 0.9 * std::f64::consts::PI;
+pub const SEAM: f64 = 0.9 * std::f64::consts::PI;
 
 impl Report {
     /// The candidate that was taken.

@@ -84,7 +84,7 @@ impl Joints<'_> {
 
     /// Relative rotation minus I and, last in each row, the displacement of the joint's origin in
     /// its parent's frame; zero for the root.
-    fn feature(&self, poses: &Poses, pose: usize, joint: usize) -> [f64; 12] {
+    pub fn feature(&self, poses: &Poses, pose: usize, joint: usize) -> [f64; 12] {
         let Some(parent) = self.parents[joint] else { return [0.0; 12] };
         let inverse = poses.parent_rotation(pose, joint).transpose();
         let own: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
@@ -100,7 +100,7 @@ impl Joints<'_> {
 }
 
 /// Joints within some hops of a joint, the root left out; all of them where that leaves none.
-fn near(parents: &[Option<usize>], joint: usize, hops: usize) -> Vec<usize> {
+pub fn near(parents: &[Option<usize>], joint: usize, hops: usize) -> Vec<usize> {
     let mut found = vec![false; parents.len()];
     found[joint] = true;
     for _ in 0..hops {

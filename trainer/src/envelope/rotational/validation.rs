@@ -2,6 +2,7 @@
 //! almost the same pose, so single frames left out would prove nothing (METHOD §1.1).
 
 use super::super::blend::Weights;
+use super::super::columns;
 use super::super::motion::Poses;
 use super::predictor::{self, GradientPredictor};
 use super::reduce::{Reduced, homogeneous};
@@ -160,6 +161,16 @@ impl Targets<'_> {
             })
             .collect();
         (errors.iter().sum::<f64>() / (self.rest.len() * maps.nrows() / 3).max(1) as f64).sqrt()
+    }
+
+    /// What maps (3n x 4P) leave of the trajectories, 3n x V.
+    pub fn residuals(&self, maps: &Mat<f64>) -> Mat<f64> {
+        let mut left = self.trajectories.clone();
+        columns::fill(&mut left, |vertex, column| {
+            let blended = skin(&self.rest[vertex], self.weights, vertex, maps);
+            column.iter_mut().zip(blended).for_each(|(y, skinned)| *y -= skinned);
+        });
+        left
     }
 }
 

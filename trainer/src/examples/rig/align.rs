@@ -6,8 +6,10 @@ use rayon::prelude::*;
 use std::fmt;
 
 use super::super::maps::{joined, parts};
+use super::super::sample::spread;
 use super::super::{Matrix3x4, Skeleton};
 use super::ImportError;
+use crate::axes;
 
 /// The units of one file in those of the other: powers of ten and inches.
 const SCALES: [f64; 11] =
@@ -49,8 +51,10 @@ pub(super) fn meshes(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<Similarity, I
         (squares.sum::<f64>() / to.points.len().max(1) as f64).sqrt() / to.diagonal
     };
     let unmoved = Similarity::IDENTITY;
-    let best =
-        best(turns().map(similarity).map(|s| (s, distance(&s))), (unmoved, distance(&unmoved)));
+    let best = best(
+        axes::rotations().map(similarity).map(|s| (s, distance(&s))),
+        (unmoved, distance(&unmoved)),
+    );
     match best {
         (_, distance) if distance > SAME_MESH => {
             Err(ImportError::TargetsApart { percent: 100.0 * distance })
@@ -77,8 +81,8 @@ pub(super) fn poses(
     let cloud = Cloud::new(rest);
     let frame_len = posed.len() / rest.len().max(1);
     let joint_len = transforms.len() / frame_len.max(1);
-    let frames: Vec<usize> = spread(frame_len, SAMPLE.1).collect();
-    let vertices: Vec<usize> = spread(rest.len(), SAMPLE.0).collect();
+    let frames: Vec<usize> = spread(frame_len, SAMPLE.1);
+    let vertices: Vec<usize> = spread(rest.len(), SAMPLE.0);
     // Where each joint alone would carry each vertex.
     let carried: Vec<Vec<Vec<Vector3<f64>>>> = vertices
         .iter()
@@ -104,7 +108,7 @@ pub(super) fn poses(
         let count = (vertices.len() * frames.len()).max(1) as f64;
         (squares.sum::<f64>() / count).sqrt() / cloud.diagonal
     };
-    let candidates: Vec<Similarity> = turns()
+    let candidates: Vec<Similarity> = axes::rotations()
         .flat_map(|turn| SCALES.map(|scale| Similarity { turn, scale, shift: Vector3::zeros() }))
         .collect();
     let scored: Vec<_> = candidates.into_par_iter().map(|s| (s, distance(s))).collect();
@@ -160,12 +164,7 @@ impl Similarity {
 impl fmt::Display for Similarity {
     /// Writes where the axes come from, as in `(x, -z, y) x 0.01 + (0, 1.5, 0)`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let axis = |row: usize| {
-            let column = (0..3).find(|&column| self.turn[(row, column)] != 0.0).unwrap_or(row);
-            let sign = if self.turn[(row, column)] < 0.0 { "-" } else { "" };
-            format!("{sign}{}", ["x", "y", "z"][column])
-        };
-        write!(f, "({}, {}, {})", axis(0), axis(1), axis(2))?;
+        f.write_str(&axes::names(&self.turn))?;
         if self.scale != 1.0 {
             write!(f, " x {}", self.scale)?;
         }
@@ -208,31 +207,10 @@ fn best(
     if nearest.1 < BETTER * unmoved.1 { nearest } else { unmoved }
 }
 
-/// The 24 rotations that map axes to axes, the identity first.
-fn turns() -> impl Iterator<Item = Matrix3<f64>> {
-    const ORDERS: [[usize; 3]; 6] =
-        [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
-    let signed = ORDERS.into_iter().flat_map(|order| (0..8_usize).map(move |signs| (order, signs)));
-    let matrices = signed.map(|(order, signs)| {
-        Matrix3::from_fn(|row, column| match order[row] == column {
-            false => 0.0,
-            true if signs >> row & 1 == 1 => -1.0,
-            true => 1.0,
-        })
-    });
-    matrices.filter(|turn| turn.determinant() > 0.0)
-}
-
 /// The unit nearest to a ratio where one is near, else the ratio itself.
 fn nearest_unit(ratio: f64) -> f64 {
     let near = |unit: &f64| (ratio / unit - 1.0).abs() < SAME_MESH;
     SCALES.into_iter().find(near).unwrap_or(ratio)
-}
-
-/// At most `most` of the numbers below `len`, evenly spread.
-fn spread(len: usize, most: usize) -> impl Iterator<Item = usize> {
-    let count = len.min(most);
-    (0..count).map(move |number| number * len / count)
 }
 
 fn carry(map: &Matrix3x4, x: &[f64; 3]) -> Vector3<f64> {

@@ -1,0 +1,104 @@
+//! What to add to the training poses, and what to leave out.
+
+use super::coverage::{Apart, Coverage};
+use super::finding::{FrameName, count, listed};
+use super::thin::Foretold;
+use super::thresholds::{FEW, MUCH};
+
+/// Gives the advice that the poses ask for, what matters most first.
+pub(super) fn advice(
+    joints: &[Coverage],
+    apart: &[Apart],
+    foretold: Option<&Foretold>,
+) -> Vec<String> {
+    let mut advice = Vec::new();
+    advice.extend(beyond(joints));
+    advice.extend(few(joints));
+    advice.extend(together(apart));
+    if let Some(foretold) = foretold {
+        advice.extend(lonely(foretold));
+        advice.extend(spare(foretold));
+    }
+    advice
+}
+
+fn beyond(joints: &[Coverage]) -> Option<String> {
+    let mut worst: Vec<&Coverage> =
+        joints.iter().filter(|joint| !joint.beyond.is_empty()).collect();
+    worst.sort_by(|a, b| b.beyond[0].degrees.total_cmp(&a.beyond[0].degrees));
+    let line = |joint: &&Coverage| {
+        let Coverage { joint, beyond, .. } = joint;
+        let (frames, worst) = (count(beyond.len(), "frame", "frames"), &beyond[0]);
+        format!("{joint} ({frames}, frame {} by {:.0}°)", worst.frame, worst.degrees)
+    };
+    (!worst.is_empty()).then(|| {
+        format!(
+            "add training poses like the held-out or extreme frames that go beyond training, at {}",
+            listed(worst.iter().map(line))
+        )
+    })
+}
+
+fn few(joints: &[Coverage]) -> Option<String> {
+    let mut few: Vec<&Coverage> =
+        joints.iter().filter(|j| j.moves() && j.degrees > MUCH && j.distinct < FEW).collect();
+    few.sort_by_key(|joint| joint.distinct);
+    let line = |joint: &&Coverage| {
+        let poses = count(joint.distinct, "pose", "poses");
+        format!("{} ({poses} over {:.0}°)", joint.joint, joint.degrees)
+    };
+    (!few.is_empty()).then(|| {
+        format!("add poses between those of joints that have few: {}", listed(few.iter().map(line)))
+    })
+}
+
+fn together(apart: &[Apart]) -> Option<String> {
+    let line = |pair: &Apart| format!("{} with {}", pair.joint, pair.parent);
+    (!apart.is_empty()).then(|| {
+        format!(
+            "add poses that bend both where neighbours never bend together: {}",
+            listed(apart.iter().map(line))
+        )
+    })
+}
+
+fn lonely(foretold: &Foretold) -> Option<String> {
+    let line = |lonely: &super::thin::Lonely| {
+        format!("frame {} ({:.3} % off at {})", lonely.frame, lonely.percent, lonely.joint)
+    };
+    (!foretold.lonely.is_empty()).then(|| {
+        format!(
+            "add poses like these, which the others do not foretell: {}",
+            listed(foretold.lonely.iter().map(line))
+        )
+    })
+}
+
+fn spare(foretold: &Foretold) -> Option<String> {
+    let Foretold { compared, spare, .. } = foretold;
+    (!spare.is_empty()).then(|| {
+        format!(
+            "{} of {compared} training poses may be left out together, as the others foretell \
+             them: {}",
+            spare.len(),
+            ranges(spare)
+        )
+    })
+}
+
+/// Names frames in order, runs as `first-last`.
+fn ranges(frames: &[FrameName]) -> String {
+    let mut numbers: Vec<usize> = frames.iter().map(|frame| frame.frame).collect();
+    numbers.sort_unstable();
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for number in numbers {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == number => *last = number,
+            _ => runs.push((number, number)),
+        }
+    }
+    let run = |(first, last)| {
+        if first == last { format!("{first}") } else { format!("{first}-{last}") }
+    };
+    listed(runs.into_iter().map(run))
+}

@@ -1,0 +1,228 @@
+//! Whether mesh and skeleton speak of the same space: units, axes and place.
+//!
+//! Every vertex of a sample is carried by whichever single joint carries it best. Where that is far
+//! off, the rest mesh, the posed meshes or the joints are tried in other units and axes, and moved.
+
+use super::finding::{Finding, Kind, Severity};
+use super::thresholds::{MISPLACED, RIGHTED};
+use crate::axes;
+use crate::envelope::motion::to_nalgebra;
+use crate::examples::{Examples, Split, spread};
+use nalgebra::{Matrix3, Matrix3x4, Vector3};
+use rayon::prelude::*;
+
+/// Vertices and frames of the sample: enough to tell a hundredfold error from a bend.
+const SAMPLE: (usize, usize) = (120, 8);
+
+/// Factors of length between usual units.
+const SCALES: [f64; 5] = [1.0, 0.01, 0.1, 10.0, 100.0];
+
+/// What may have been exported otherwise than the rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Odd {
+    Joints,
+    Rest,
+    Posed,
+}
+
+const ODD: [Odd; 3] = [Odd::Joints, Odd::Rest, Odd::Posed];
+
+/// What puts it right: its points go to `turn x + shift`.
+#[derive(Clone, Copy, Debug)]
+struct Remedy {
+    odd: Odd,
+    turn: Matrix3<f64>,
+    shift: Vector3<f64>,
+}
+
+pub(super) fn convention(examples: &Examples, findings: &mut Vec<Finding>) {
+    let sample = Sample::new(examples);
+    let as_it_is = Remedy { odd: Odd::Rest, turn: Matrix3::identity(), shift: Vector3::zeros() };
+    let error = sample.error(&as_it_is);
+    if error < MISPLACED * sample.unit {
+        return;
+    }
+    let mut remedies = Vec::new();
+    for odd in ODD {
+        for scale in SCALES {
+            let turns = axes::rotations();
+            remedies.extend(turns.map(|turn| Remedy { odd, turn: turn * scale, ..as_it_is }));
+        }
+    }
+    remedies.extend(ODD.map(|odd| sample.shift(odd)));
+    let errors: Vec<f64> = remedies.par_iter().map(|remedy| sample.error(remedy)).collect();
+    let best = (0..errors.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap_or(0);
+    if errors[best] > RIGHTED * error {
+        return;
+    }
+    let percent = |error: f64| 100.0 * error / sample.unit;
+    findings.push(Finding {
+        kind: remedies[best].kind(),
+        severity: Severity::Warning,
+        text: format!(
+            "{}: with that, the best single joint of each vertex leaves {:.2} % of the diagonal \
+             instead of {:.0} %; nothing below is to be trusted until it is exported so",
+            remedies[best].describe(),
+            percent(errors[best]),
+            percent(error)
+        ),
+        places: Vec::new(),
+    });
+}
+
+/// Some vertices in some training frames.
+struct Sample {
+    rest: Vec<Vector3<f64>>,
+    /// Maps of the joints, by frame.
+    joints: Vec<Vec<Matrix3x4<f64>>>,
+    /// Posed vertices, by frame.
+    posed: Vec<Vec<Vector3<f64>>>,
+    /// Diagonal of the posed mesh.
+    unit: f64,
+}
+
+impl Sample {
+    fn new(examples: &Examples) -> Self {
+        let vertices = spread(examples.vertex_len(), SAMPLE.0);
+        let training = examples.frames_of(Split::Train);
+        let frames: Vec<usize> =
+            spread(training.len(), SAMPLE.1).into_iter().map(|i| training[i]).collect();
+        let at = |points: &[[f64; 3]]| vertices.iter().map(|&v| points[v].into()).collect();
+        let posed: Vec<Vec<Vector3<f64>>> = frames.iter().map(|&f| at(examples.frame(f))).collect();
+        let corner = |pick: fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>| {
+            posed.first().and_then(|points| points.iter().copied().reduce(|a, b| pick(&a, &b)))
+        };
+        let (low, high) = (corner(|a, b| a.inf(b)), corner(|a, b| a.sup(b)));
+        Self {
+            rest: at(&examples.rest),
+            joints: frames
+                .iter()
+                .map(|&frame| examples.pose(frame).iter().map(to_nalgebra).collect())
+                .collect(),
+            unit: (high.unwrap_or_default() - low.unwrap_or_default()).norm(),
+            posed,
+        }
+    }
+
+    /// RMS distance, in units of the posed meshes, of the vertices from where a remedy takes them.
+    fn error(&self, remedy: &Remedy) -> f64 {
+        let Remedy { odd, turn, shift } = *remedy;
+        let apply = |x: &Vector3<f64>| turn * x + shift;
+        let rest = |v: usize| match odd {
+            Odd::Posed => self.rest[v],
+            _ => apply(&self.rest[v]),
+        };
+        let scale = match odd {
+            Odd::Rest => 1.0,
+            _ => turn.column(0).norm(),
+        };
+        let posed = |frame: usize, v: usize| match odd {
+            Odd::Rest => self.posed[frame][v],
+            _ => apply(&self.posed[frame][v]),
+        };
+        let sum: f64 = (0..self.rest.len())
+            .map(|v| {
+                let x = rest(v).push(1.0);
+                let truth: Vec<_> = (0..self.posed.len()).map(|f| posed(f, v)).collect();
+                let of = |joint: usize| -> f64 {
+                    let maps = self.joints.iter().map(|pose| pose[joint]);
+                    maps.zip(&truth).map(|(map, y)| (map * x - y).norm_squared()).sum()
+                };
+                (0..self.joint_len()).map(of).fold(f64::INFINITY, f64::min)
+            })
+            .sum();
+        (sum / (self.rest.len() * self.posed.len()).max(1) as f64).sqrt() / scale
+    }
+
+    /// The median of the shifts that each vertex asks for with the joint that then carries it best.
+    fn shift(&self, odd: Odd) -> Remedy {
+        let wanted: Vec<Vector3<f64>> = (0..self.rest.len())
+            .into_par_iter()
+            .filter_map(|v| {
+                let of = |joint| self.shift_of(odd, v, joint);
+                let all = (0..self.joint_len()).filter_map(of);
+                all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(shift, _)| shift)
+            })
+            .collect();
+        let median = |axis: usize| {
+            let mut along: Vec<f64> = wanted.iter().map(|shift| shift[axis]).collect();
+            along.sort_by(f64::total_cmp);
+            along.get(along.len() / 2).copied().unwrap_or(0.0)
+        };
+        Remedy { odd, turn: Matrix3::identity(), shift: Vector3::from_fn(|axis, _| median(axis)) }
+    }
+
+    /// The shift with which a joint carries a vertex best, and the squared error it leaves; none
+    /// where the joint leaves the shift open.
+    fn shift_of(&self, odd: Odd, v: usize, joint: usize) -> Option<(Vector3<f64>, f64)> {
+        let equations: Vec<(Matrix3<f64>, Vector3<f64>)> = (0..self.posed.len())
+            .map(|frame| {
+                let map = &self.joints[frame][joint];
+                let linear: Matrix3<f64> = map.fixed_columns::<3>(0).into();
+                let gap = self.posed[frame][v] - map * self.rest[v].push(1.0);
+                let factor = match odd {
+                    Odd::Joints => linear - Matrix3::identity(),
+                    Odd::Rest => linear,
+                    Odd::Posed => -Matrix3::identity(),
+                };
+                (factor, gap)
+            })
+            .collect();
+        let normal: Matrix3<f64> = equations.iter().map(|(a, _)| a.transpose() * a).sum();
+        let right: Vector3<f64> = equations.iter().map(|(a, gap)| a.transpose() * gap).sum();
+        // A joint that hardly turns is moved alike by every shift.
+        let eigen = normal.symmetric_eigen();
+        if eigen.eigenvalues.min() < 1e-2 * self.posed.len() as f64 {
+            return None;
+        }
+        let shift = normal.cholesky()?.solve(&right);
+        let left = equations.iter().map(|(a, gap)| (gap - a * shift).norm_squared()).sum();
+        Some((shift, left))
+    }
+
+    fn joint_len(&self) -> usize {
+        self.joints.first().map_or(0, Vec::len)
+    }
+}
+
+impl Remedy {
+    fn kind(&self) -> Kind {
+        if self.shift != Vector3::zeros() {
+            Kind::Shifted
+        } else if (self.scale() - 1.0).abs() > 0.5 {
+            Kind::OtherUnits
+        } else {
+            Kind::OtherAxes
+        }
+    }
+
+    fn scale(&self) -> f64 {
+        self.turn.column(0).norm()
+    }
+
+    /// Says what is odd: against the skeleton, or what of the mesh.
+    fn describe(&self) -> String {
+        let (what, against) = match self.odd {
+            Odd::Joints => ("the joints", "the meshes"),
+            Odd::Rest => ("the rest mesh", "joints and posed meshes"),
+            Odd::Posed => ("the posed meshes", "joints and rest mesh"),
+        };
+        // For the joints, the remedy was applied to the meshes.
+        let (turn, shift, scale) = match self.odd {
+            Odd::Joints => (self.turn.transpose(), -self.shift, 1.0 / self.scale()),
+            _ => (self.turn, self.shift, self.scale()),
+        };
+        if self.kind() == Kind::Shifted {
+            let [x, y, z]: [f64; 3] = shift.into();
+            return format!("{what} should be moved by ({x:.4}, {y:.4}, {z:.4}) to fit {against}");
+        }
+        let units = format!("{what} should be {scale} times the size");
+        let axes = axes::names(&turn);
+        let unturned = axes == axes::names(&Matrix3::identity());
+        match self.kind() {
+            Kind::OtherUnits if unturned => format!("{units} to fit {against}"),
+            Kind::OtherUnits => format!("{units}, with axes {axes}, to fit {against}"),
+            _ => format!("{what} should have the axes {axes} to fit {against}"),
+        }
+    }
+}

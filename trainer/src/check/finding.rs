@@ -1,0 +1,201 @@
+//! What a check finds, with its place.
+
+use crate::examples::Clip;
+use serde::Serialize;
+use std::fmt;
+
+/// How much a finding matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Worth knowing; a training does without a change.
+    Note,
+    /// Likely a mistake, which costs accuracy.
+    Warning,
+}
+
+/// The part of a check that a finding belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Subject {
+    /// Size and place.
+    Size,
+    /// The rest mesh against joints and poses.
+    Rest,
+    /// The joints by themselves.
+    Joints,
+    /// The faces.
+    Faces,
+    /// The frames against each other.
+    Frames,
+}
+
+/// What was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// The mesh stands far from the origin.
+    FarAway,
+    /// The largest extent suits a character in no usual unit.
+    OddSize,
+    /// Mesh and skeleton have other units.
+    OtherUnits,
+    /// Mesh and skeleton have other axes.
+    OtherAxes,
+    /// Mesh and skeleton stand apart.
+    Shifted,
+    /// The meshes near rest are not the rest mesh.
+    RestDiffers,
+    /// No frame is near rest.
+    RestUntested,
+    /// A joint's maps are not rigid.
+    NonRigid,
+    /// A joint never moves in training.
+    Still,
+    /// A joint comes near a half turn.
+    HalfTurn,
+    /// A joint moves no vertex.
+    Idle,
+    /// Triangles without area at rest.
+    NoArea,
+    /// Neighbouring triangles look to opposite sides.
+    Winding,
+    /// Edges of more than two triangles.
+    NonManifold,
+    /// Vertices of no triangle.
+    Unreferenced,
+    /// Vertices that stand and move together.
+    Unwelded,
+    /// Triangles that lose their area in a pose.
+    Collapsed,
+    /// Triangles that fold over a neighbour in a pose.
+    Folded,
+    /// Triangles that look to the other side than their joints take them, too many for a fold.
+    Flipped,
+    /// Frames of one pose and one mesh.
+    Repeated,
+    /// Frames of one pose and different meshes.
+    Contradicting,
+    /// Meshes that belong to the frame before or after.
+    OutOfStep,
+}
+
+impl Kind {
+    /// The part of a check that it belongs to.
+    pub fn subject(self) -> Subject {
+        match self {
+            Self::FarAway | Self::OddSize => Subject::Size,
+            Self::OtherUnits
+            | Self::OtherAxes
+            | Self::Shifted
+            | Self::RestDiffers
+            | Self::RestUntested => Subject::Rest,
+            Self::NonRigid | Self::Still | Self::HalfTurn | Self::Idle => Subject::Joints,
+            Self::NoArea
+            | Self::Winding
+            | Self::NonManifold
+            | Self::Unreferenced
+            | Self::Unwelded
+            | Self::Collapsed
+            | Self::Folded
+            | Self::Flipped => Subject::Faces,
+            Self::Repeated | Self::Contradicting | Self::OutOfStep => Subject::Frames,
+        }
+    }
+}
+
+/// A place in the examples.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Place {
+    /// A frame.
+    Frame(FrameName),
+    /// A joint by name.
+    Joint(String),
+    /// A vertex by number.
+    Vertex(usize),
+    /// A triangle by number.
+    Triangle(usize),
+    /// An edge, by its vertices.
+    Edge([usize; 2]),
+}
+
+/// A frame, and the clip that it comes from where there are several.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FrameName {
+    /// Its number among all frames.
+    pub frame: usize,
+    /// The clip's name and the number within it.
+    pub clip: Option<(String, usize)>,
+}
+
+/// Something that an artist should know.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// What.
+    pub kind: Kind,
+    /// How much it matters.
+    pub severity: Severity,
+    /// A line that says it, with the worst places.
+    pub text: String,
+    /// All its places, the worst first.
+    pub places: Vec<Place>,
+}
+
+/// Places that a line names before it only counts.
+const LISTED: usize = 5;
+
+impl FrameName {
+    /// Names a frame of some clips.
+    pub fn new(clips: &[Clip], frame: usize) -> Self {
+        let of = clips.iter().rev().find(|clip| clip.first <= frame && clips.len() > 1);
+        Self { frame, clip: of.map(|clip| (clip.name.clone(), frame - clip.first)) }
+    }
+}
+
+impl fmt::Display for FrameName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.clip {
+            Some((clip, inner)) => write!(f, "{} ({clip} {inner})", self.frame),
+            None => write!(f, "{}", self.frame),
+        }
+    }
+}
+
+/// Joins the first few of some words and counts the rest.
+pub fn listed(words: impl IntoIterator<Item = impl fmt::Display>) -> String {
+    let mut words = words.into_iter();
+    let mut out: Vec<String> = words.by_ref().take(LISTED).map(|word| word.to_string()).collect();
+    let more = words.count();
+    if more > 0 {
+        out.push(format!("and {more} more"));
+    }
+    out.join(", ")
+}
+
+/// Counts things, in the singular where there is one.
+pub fn count(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_is_named_by_its_clip_where_there_are_several() {
+        let clip = |name: &str, first| Clip { name: name.to_owned(), first, times: vec![0.0; 3] };
+        let [walk, run] = [clip("walk", 0), clip("run", 3)];
+        assert_eq!(FrameName::new(std::slice::from_ref(&walk), 2).to_string(), "2");
+        let clips = [walk, run];
+        let name = |frame| FrameName::new(&clips, frame).to_string();
+        assert_eq!([name(2), name(3), name(5)], ["2 (walk 2)", "3 (run 0)", "5 (run 2)"]);
+    }
+
+    #[test]
+    fn long_lists_are_cut_and_counted() {
+        assert_eq!(listed(0..5), "0, 1, 2, 3, 4");
+        assert_eq!(listed(0..9), "0, 1, 2, 3, 4, and 4 more");
+        assert_eq!(count(1, "frame", "frames"), "1 frame");
+    }
+}

@@ -1,0 +1,145 @@
+//! Tells, before a training, whether examples are good: what is wrong with them, and which poses to
+//! add or to leave out.
+//!
+//! Held-out and extreme frames are read for their poses alone, to compare them with training.
+
+mod advice;
+pub mod convention;
+pub mod coverage;
+pub mod faces;
+pub mod finding;
+mod folds;
+mod foretold;
+mod joints;
+mod repeats;
+pub mod rest;
+mod seen;
+pub mod size;
+mod step;
+pub mod thin;
+pub mod thresholds;
+mod turns;
+
+use crate::envelope::FitError;
+use crate::envelope::training::Training;
+use crate::examples::{Clip, Examples, ExamplesError};
+use crate::progress::Progress;
+use finding::{Finding, FrameName, Kind, Severity};
+use seen::{Seen, worst_first};
+use serde::Serialize;
+
+/// What a check tells of examples.
+#[derive(Clone, Debug, Serialize)]
+pub struct Check {
+    /// Scale and place.
+    pub size: size::Size,
+    /// How the rest mesh was tested.
+    pub rest: rest::Rest,
+    /// What the faces are.
+    pub faces: faces::Faces,
+    /// What LBS leaves.
+    pub lbs: Floor,
+    /// Every joint but the reference root.
+    pub joints: Vec<coverage::Coverage>,
+    /// Joints that never bend together with their parent.
+    pub never_together: Vec<coverage::Apart>,
+    /// How the training poses foretell each other; none where LBS leaves nothing.
+    pub foretold: Option<thin::Foretold>,
+    /// What was found, warnings first.
+    pub findings: Vec<Finding>,
+    /// What to add and to leave out.
+    pub advice: Vec<String>,
+}
+
+/// What LBS with 4 influences leaves of the training frames, in % of the diagonal: the floor that a
+/// training starts from.
+#[derive(Clone, Debug, Serialize)]
+pub struct Floor {
+    /// RMS.
+    pub rms_percent: f64,
+    /// The worst frames with their RMS.
+    pub frames: Vec<(FrameName, f64)>,
+    /// The worst vertices with their RMS.
+    pub vertices: Vec<(usize, f64)>,
+}
+
+/// A check that could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckError {
+    /// The examples are at fault.
+    #[error(transparent)]
+    Examples(#[from] ExamplesError),
+    /// LBS could not be fitted.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+}
+
+/// Worst frames and vertices that are kept.
+const WORST: usize = 5;
+
+/// Checks examples whose frames come from some clips.
+///
+/// # Errors
+/// [`CheckError::Examples`] where they are not valid, [`CheckError::Fit`] where LBS cannot be
+/// fitted to the training frames.
+pub fn check(
+    examples: &Examples,
+    clips: &[Clip],
+    progress: &dyn Progress,
+) -> Result<Check, CheckError> {
+    let warnings = examples.validate()?;
+    let mut findings = Vec::new();
+    let size = size::size(examples, &mut findings);
+    progress.step("units and axes", 1);
+    convention::convention(examples, &mut findings);
+    let faces = faces::faces(examples, &warnings, &mut findings);
+    let seen = Seen::new(examples, clips, Training::new(examples, progress)?);
+    let rest = rest::rest(&seen, &mut findings);
+    joints::joints(&seen, &warnings, &mut findings);
+    progress.step("faces in poses", 1);
+    folds::folds(&seen, &mut findings);
+    progress.step("frames", 1);
+    repeats::repeats(&seen, &mut findings);
+    step::steps(&seen, &mut findings);
+    let joints = coverage::coverage(&seen);
+    let never_together = coverage::apart(&seen);
+    progress.step("poses", 1);
+    let foretold = thin::foretell(&seen);
+    findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+    Ok(Check {
+        size,
+        rest,
+        faces,
+        lbs: floor(&seen),
+        advice: advice::advice(&joints, &never_together, foretold.as_ref()),
+        joints,
+        never_together,
+        foretold,
+        findings,
+    })
+}
+
+impl Check {
+    /// Counts the findings of a severity.
+    pub fn count(&self, severity: Severity) -> usize {
+        self.findings.iter().filter(|finding| finding.severity == severity).count()
+    }
+
+    /// Returns the finding of a kind, where there is one.
+    pub fn find(&self, kind: Kind) -> Option<&Finding> {
+        self.findings.iter().find(|finding| finding.kind == kind)
+    }
+}
+
+fn floor(seen: &Seen<'_>) -> Floor {
+    let all: Vec<usize> = (0..seen.dominant.len()).collect();
+    let of_frame = |i: usize| 100.0 * seen.rms(i, &all);
+    let of_vertex = |v: usize| 100.0 * seen.rms_of(&[v]);
+    let frames = worst_first(0..seen.frames.len(), of_frame).into_iter().take(WORST);
+    let vertices = worst_first(all.iter().copied(), of_vertex).into_iter().take(WORST);
+    Floor {
+        rms_percent: 100.0 * seen.lbs_rms(),
+        frames: frames.map(|i| (seen.frame(i), of_frame(i))).collect(),
+        vertices: vertices.map(|v| (v, of_vertex(v))).collect(),
+    }
+}

@@ -1,0 +1,98 @@
+//! The examples as the parts of a check see them.
+
+use super::finding::{FrameName, Place};
+use super::turns::Turns;
+use crate::envelope::training::Training;
+use crate::examples::{Clip, Examples, Split};
+use faer::Mat;
+
+/// The examples, their training frames, and what LBS leaves of them.
+pub(super) struct Seen<'a> {
+    pub(super) examples: &'a Examples,
+    pub(super) clips: &'a [Clip],
+    /// The n training frames.
+    pub(super) frames: Vec<usize>,
+    pub(super) training: Training,
+    /// What LBS leaves in the training frames, 3n x V, in diagonals.
+    pub(super) residuals: Mat<f64>,
+    /// The joint that each vertex follows most, V.
+    pub(super) dominant: Vec<usize>,
+    /// The joints in the training frames.
+    pub(super) turns: Turns,
+}
+
+impl<'a> Seen<'a> {
+    pub(super) fn new(examples: &'a Examples, clips: &'a [Clip], training: Training) -> Self {
+        let weights = &training.lbs.weights;
+        let strongest = |v| weights.of(v).next().map_or(0, |(joint, _)| joint);
+        Self {
+            examples,
+            clips,
+            frames: examples.frames_of(Split::Train),
+            residuals: training.targets(weights).residuals(&training.poses.stacked()),
+            dominant: (0..examples.vertex_len()).map(strongest).collect(),
+            turns: Turns::new(&training.poses, training.joints()),
+            training,
+        }
+    }
+
+    /// Names the `i`-th training frame.
+    pub(super) fn frame(&self, i: usize) -> FrameName {
+        FrameName::new(self.clips, self.frames[i])
+    }
+
+    pub(super) fn frames(&self, of: impl IntoIterator<Item = usize>) -> Vec<Place> {
+        of.into_iter().map(|i| Place::Frame(self.frame(i))).collect()
+    }
+
+    pub(super) fn joint(&self, joint: usize) -> &'a str {
+        &self.examples.skeleton.names[joint]
+    }
+
+    pub(super) fn joint_place(&self, joint: usize) -> Place {
+        Place::Joint(self.joint(joint).to_owned())
+    }
+
+    /// Lists the vertices that follow each joint most, J lists.
+    pub(super) fn skins(&self) -> Vec<Vec<usize>> {
+        let mut skins = vec![Vec::new(); self.examples.joint_len()];
+        for (vertex, &joint) in self.dominant.iter().enumerate() {
+            skins[joint].push(vertex);
+        }
+        skins
+    }
+
+    /// Squared length of what LBS leaves of a vertex in the `i`-th training frame.
+    pub(super) fn squared(&self, i: usize, vertex: usize) -> f64 {
+        self.residuals.col_as_slice(vertex)[3 * i..3 * i + 3].iter().map(|x| x * x).sum()
+    }
+
+    /// RMS error of LBS over some vertices in the `i`-th training frame, in diagonals.
+    pub(super) fn rms(&self, i: usize, vertices: &[usize]) -> f64 {
+        let sum: f64 = vertices.iter().map(|&v| self.squared(i, v)).sum();
+        (sum / vertices.len().max(1) as f64).sqrt()
+    }
+
+    /// RMS error of LBS over some vertices in all training frames, in diagonals.
+    pub(super) fn rms_of(&self, vertices: &[usize]) -> f64 {
+        let errors = &self.training.lbs.errors;
+        let sum: f64 = vertices.iter().map(|&v| errors[v]).sum();
+        (sum / (vertices.len() * self.frames.len()).max(1) as f64).sqrt()
+    }
+
+    /// RMS error of LBS over all, in diagonals.
+    pub(super) fn lbs_rms(&self) -> f64 {
+        let sum: f64 = self.training.lbs.errors.iter().sum();
+        (sum / (self.dominant.len() * self.frames.len()).max(1) as f64).sqrt()
+    }
+}
+
+/// Sorts indices by what they measure, the largest first and equals in order.
+pub(super) fn worst_first(
+    indices: impl Iterator<Item = usize>,
+    of: impl Fn(usize) -> f64,
+) -> Vec<usize> {
+    let mut sorted: Vec<usize> = indices.collect();
+    sorted.sort_by(|&a, &b| of(b).total_cmp(&of(a)));
+    sorted
+}

@@ -1,0 +1,74 @@
+//! Scale and place of the mesh.
+
+use super::finding::{Finding, Kind, Severity};
+use super::thresholds::{FAR, GROUND, TALL};
+use crate::examples::Examples;
+use serde::Serialize;
+
+/// The mesh's size at rest, in units of the input.
+#[derive(Clone, Debug, Serialize)]
+pub struct Size {
+    /// Extents along x, y and z.
+    pub extents: [f64; 3],
+    /// Diagonal of the bounding box.
+    pub diagonal: f64,
+    /// The axis on whose zero the mesh stands, where there is one.
+    pub ground: Option<char>,
+    /// The axis along which the mesh is longest.
+    pub longest: char,
+    /// Units in which its largest extent is that of a character, and it in metres.
+    pub units: Vec<(&'static str, f64)>,
+    /// Bits of an f32 that its distance from the origin costs.
+    pub bits_lost: f64,
+}
+
+const AXES: [char; 3] = ['x', 'y', 'z'];
+const UNITS: [(&str, f64); 4] =
+    [("metres", 1.0), ("decimetres", 0.1), ("centimetres", 0.01), ("millimetres", 0.001)];
+
+pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> Size {
+    let along = |axis: usize| examples.rest.iter().map(move |x| x[axis]);
+    let low = [0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min));
+    let high = [0, 1, 2].map(|axis| along(axis).fold(f64::NEG_INFINITY, f64::max));
+    let extents = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+    let longest = (0..3).rev().max_by(|&a, &b| extents[a].total_cmp(&extents[b])).unwrap_or(0);
+    let stands = |&axis: &usize| low[axis].abs() < GROUND * extents[axis];
+    let ground: Vec<usize> = (0..3).filter(stands).collect();
+    let metres = UNITS.map(|(unit, metres)| (unit, metres * extents[longest]));
+    let diagonal = examples.diagonal();
+    let distance = examples.centroid().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let size = Size {
+        extents,
+        diagonal,
+        ground: if let [axis] = ground[..] { Some(AXES[axis]) } else { None },
+        longest: AXES[longest],
+        units: metres.into_iter().filter(|m| (TALL.0..=TALL.1).contains(&m.1)).collect(),
+        bits_lost: (distance / diagonal).max(1.0).log2(),
+    };
+    if distance > FAR.0 * diagonal {
+        findings.push(Finding {
+            kind: Kind::FarAway,
+            severity: if distance > FAR.1 * diagonal { Severity::Warning } else { Severity::Note },
+            text: format!(
+                "the mesh stands {:.0} diagonals from the origin, which costs {:.0} of the 24 bits \
+                 of its positions: move mesh and skeleton to the origin before export",
+                distance / diagonal,
+                size.bits_lost
+            ),
+            places: Vec::new(),
+        });
+    }
+    if size.units.is_empty() {
+        findings.push(Finding {
+            kind: Kind::OddSize,
+            severity: Severity::Note,
+            text: format!(
+                "{:.3e} units are no character's size in metres, decimetres, centimetres or \
+                 millimetres; a training does not mind",
+                extents[longest]
+            ),
+            places: Vec::new(),
+        });
+    }
+    size
+}

@@ -1,0 +1,78 @@
+//! Frames against each other.
+
+use super::made::{arm, check, frames, only};
+use sinew_trainer::check::finding::{Kind, Severity};
+use sinew_trainer::examples::{Clip, Examples, Split};
+use sinew_trainer::progress::Silent;
+
+fn copy(examples: &mut Examples, from: usize, to: usize) {
+    let (v, j) = (examples.vertex_len(), examples.joint_len());
+    examples.vertices.copy_within(v * from..v * (from + 1), v * to);
+    examples.transforms.copy_within(j * from..j * (from + 1), j * to);
+}
+
+#[test]
+fn a_frame_that_repeats_another_is_noted() {
+    let mut examples = arm();
+    copy(&mut examples, 13, 30);
+    let repeated = only(&examples, Kind::Repeated);
+    assert_eq!((repeated.severity, frames(&repeated)), (Severity::Note, vec![30]));
+    assert!(repeated.text.ends_with("30 as 13"), "{}", repeated.text);
+    let spare = check(&examples).foretold.unwrap().spare;
+    assert!(spare.iter().any(|frame| [13, 30].contains(&frame.frame)), "one of the two is enough");
+}
+
+#[test]
+fn one_pose_with_two_meshes_is_warned_of() {
+    let mut examples = arm();
+    copy(&mut examples, 13, 30);
+    let v = examples.vertex_len();
+    for vertex in 0..v / 3 {
+        examples.vertices[30 * v + vertex][1] += 0.03;
+    }
+    let found = only(&examples, Kind::Contradicting);
+    assert_eq!((found.severity, frames(&found)), (Severity::Warning, vec![30, 13]));
+}
+
+/// The meshes of every frame, those of the frame before or after.
+fn out_of_step(shift: isize) -> Examples {
+    let right = arm();
+    let mut examples = right.clone();
+    let last = right.frame_len() - 1;
+    examples.vertices = (0..=last)
+        .flat_map(|frame| right.frame(frame.saturating_add_signed(shift).min(last)).to_vec())
+        .collect();
+    examples
+}
+
+#[test]
+fn meshes_of_the_frame_before_or_after_are_told() {
+    let of = |shift| check(&out_of_step(shift)).find(Kind::OutOfStep).cloned();
+    assert!(of(0).is_none());
+    for (shift, word) in [(-1, "one frame late"), (1, "one frame early")] {
+        let found = of(shift).unwrap();
+        assert_eq!(found.severity, Severity::Warning);
+        assert!(found.text.contains("clip walk") && found.text.contains(word), "{}", found.text);
+    }
+}
+
+#[test]
+fn frames_are_named_by_clip_and_held_out_frames_are_no_repeats() {
+    let mut examples = arm();
+    copy(&mut examples, 13, 30);
+    copy(&mut examples, 14, 31);
+    examples.split[31] = Split::HeldOut;
+    let clip = |name: &str, first, len| Clip {
+        name: name.to_owned(),
+        first,
+        times: (0..len).map(f64::from).collect(),
+    };
+    let clips = [clip("walk", 0, 25), clip("run", 25, 15)];
+    let found = sinew_trainer::check::check(&examples, &clips, &Silent).unwrap();
+    let repeated = found.find(Kind::Repeated).unwrap();
+    assert!(
+        repeated.text.ends_with("another, and may be left out: 30 (run 5) as 13 (walk 13)"),
+        "{}",
+        repeated.text
+    );
+}

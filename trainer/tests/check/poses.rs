@@ -1,0 +1,70 @@
+//! How far the poses reach, and which of them are needed.
+
+use super::made::{Bend, bends, chain, check};
+use sinew_trainer::examples::Split;
+
+#[test]
+fn the_range_of_a_hinge_is_measured_in_degrees() {
+    let angles: Vec<Bend> =
+        (0..12).map(|k| ([10.0 * f64::from(k) - 20.0, 3.0], Split::Train)).collect();
+    let found = check(&chain(&angles));
+    let upper = &found.joints[0];
+    assert_eq!(upper.joint, "upper");
+    assert!((upper.axis[2].abs() - 1.0).abs() < 1e-9, "{:?}", upper.axis);
+    assert!((upper.twist[0] + 20.0).abs() < 1e-6 && (upper.twist[1] - 90.0).abs() < 1e-6);
+    assert!(upper.swing < 1e-5 && upper.slide_percent < 1e-6);
+    assert!((upper.degrees - 90.0).abs() < 1e-6);
+    assert_eq!(upper.distinct, 12, "10° apart, of 90°");
+}
+
+#[test]
+fn frames_beyond_training_are_counted_and_measured() {
+    let mut bends = bends();
+    bends.extend([([80.0, 110.0], Split::HeldOut), ([40.0, 35.0], Split::HeldOut)]);
+    bends.push(([-40.0, 0.0], Split::Extreme));
+    let found = check(&chain(&bends));
+    let [upper, lower] = [0, 1].map(|k| &found.joints[k].beyond);
+    assert_eq!((upper.len(), lower.len()), (1, 1));
+    assert_eq!((upper[0].frame.frame, lower[0].frame.frame), (27, 25));
+    assert!((upper[0].degrees - 40.0).abs() < 1e-6 && (lower[0].degrees - 30.0).abs() < 1e-6);
+    let advice = found.advice.join("\n");
+    assert!(
+        advice.contains("upper (1 frame, frame 27 by 40°), lower (1 frame, frame 25 by 30°)"),
+        "{advice}"
+    );
+}
+
+#[test]
+fn joints_that_never_bend_together_are_named() {
+    let apart: Vec<Bend> = bends().into_iter().filter(|([a, b], _)| a.min(*b) < 30.0).collect();
+    let found = check(&chain(&apart));
+    assert_eq!(found.never_together.len(), 1);
+    let pair = &found.never_together[0];
+    assert_eq!((pair.joint.as_str(), pair.parent.as_str()), ("lower", "upper"));
+    assert!(check(&chain(&bends())).never_together.is_empty());
+}
+
+#[test]
+fn a_joint_with_few_poses_is_named() {
+    let few: Vec<Bend> = bends()
+        .into_iter()
+        .map(|([a, b], split)| ([if a > 30.0 { 80.0 } else { 0.0 }, b], split))
+        .collect();
+    let found = check(&chain(&few));
+    assert_eq!([found.joints[0].distinct, found.joints[1].distinct], [2, 5]);
+    let advice = found.advice.join("\n");
+    assert!(advice.contains("few: upper (2 poses over 80°)\n"), "{advice}");
+}
+
+#[test]
+fn a_pose_apart_is_lonely_and_poses_between_others_are_spare() {
+    let mut dense: Vec<Bend> =
+        (0..31).map(|k| ([2.0 * f64::from(k), f64::from(k * k % 17)], Split::Train)).collect();
+    dense.push(([115.0, 40.0], Split::Train));
+    let found = check(&chain(&dense)).foretold.unwrap();
+    assert_eq!(found.lonely[0].frame.frame, 31);
+    assert!(found.spare.len() > 10, "{found:?}");
+    assert!(found.spare.iter().all(|frame| frame.frame != 31));
+    let all = found.enough.len() + found.spare.len();
+    assert_eq!((all, found.compared), (32, 32));
+}

@@ -1,0 +1,108 @@
+//! Joints, and the rest mesh on them.
+
+use super::made::{arm, bends, chain, check, frames, joints, kinds, only};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use sinew_trainer::check::finding::{Kind, Severity};
+use sinew_trainer::examples::{Examples, Matrix3x4, Split};
+
+fn map(examples: &mut Examples, frame: usize, joint: usize) -> &mut Matrix3x4 {
+    let at = frame * examples.joint_len() + joint;
+    &mut examples.transforms[at]
+}
+
+fn number(examples: &Examples, name: &str) -> usize {
+    examples.skeleton.names.iter().position(|joint| joint == name).unwrap()
+}
+
+#[test]
+fn a_scaled_joint_is_named_with_its_worst_frame() {
+    let mut examples = arm();
+    let hand = number(&examples, "hand");
+    for row in map(&mut examples, 5, hand) {
+        (0..3).for_each(|c| row[c] *= 1.005);
+    }
+    let found = check(&examples);
+    let rigid = found.find(Kind::NonRigid).unwrap();
+    assert_eq!(
+        (rigid.severity, joints(rigid), frames(rigid)),
+        (Severity::Warning, vec!["hand"], vec![5])
+    );
+    assert!(rigid.text.contains("scaled by 1.0050"), "{}", rigid.text);
+
+    let mut examples = arm();
+    map(&mut examples, 5, hand).iter_mut().for_each(|row| row[0] *= 1.005);
+    let found = check(&examples);
+    let text = &found.find(Kind::NonRigid).unwrap().text;
+    assert!(text.contains("stretched by 1.0000 to 1.0050"), "{text}");
+}
+
+#[test]
+fn a_joint_that_never_moves_is_named() {
+    let still: Vec<_> = bends().into_iter().map(|([a, _], split)| ([a, 0.0], split)).collect();
+    let found = check(&chain(&still));
+    assert_eq!(joints(found.find(Kind::Still).unwrap()), ["lower"]);
+    assert!(!found.joints[1].moves() && found.joints[0].moves());
+}
+
+#[test]
+fn a_joint_near_a_half_turn_is_named_with_its_frame() {
+    let mut far = bends();
+    far.push(([175.0, 0.0], Split::Train));
+    let found = check(&chain(&far));
+    let turn = found.find(Kind::HalfTurn).unwrap();
+    assert_eq!((joints(turn), frames(turn)), (vec!["upper"], vec![far.len() - 1]));
+    assert!(turn.text.contains("upper by 175°"), "{}", turn.text);
+}
+
+#[test]
+fn a_joint_that_moves_no_vertex_is_named() {
+    let mut examples = chain(&bends());
+    let joint_len = examples.joint_len();
+    examples.skeleton.names.push("prop".into());
+    examples.skeleton.parents.push(Some(0));
+    examples.skeleton.rest.push(examples.skeleton.rest[0]);
+    let mut transforms = Vec::new();
+    for (frame, pose) in examples.transforms.chunks(joint_len).enumerate() {
+        transforms.extend_from_slice(pose);
+        let turn = Rotation3::new(Vector3::new(0.5, 1.0, 0.2) * (frame as f64).sin());
+        let [x, y, z] = [0, 1, 2].map(|r| [turn[(r, 0)], turn[(r, 1)], turn[(r, 2)], 9.0]);
+        transforms.push([x, y, z]);
+    }
+    examples.transforms = transforms;
+    let found = check(&examples);
+    assert_eq!(joints(found.find(Kind::Idle).unwrap()), ["prop"]);
+}
+
+#[test]
+fn another_sculpt_at_rest_is_warned_of_where_it_differs() {
+    let mut examples = arm();
+    let hand = examples.skeleton.rest[number(&examples, "hand")];
+    let wrist = Vector3::new(hand[0][3], hand[1][3], hand[2][3]);
+    for position in &mut examples.rest {
+        let out = Vector3::from(*position) - wrist;
+        if out.x > 0.0 {
+            let swollen = wrist + Matrix3::from_diagonal(&Vector3::new(1.1, 1.4, 1.4)) * out;
+            *position = swollen.into();
+        }
+    }
+    let found = check(&examples);
+    let rest = found.find(Kind::RestDiffers).unwrap();
+    assert_eq!((rest.severity, joints(rest)[0]), (Severity::Warning, "hand"), "{}", rest.text);
+    assert!(!joints(rest).contains(&"chest"), "{}", rest.text);
+    assert_eq!(found.rest.nearest.frame, 0);
+}
+
+#[test]
+fn frames_that_are_all_bent_leave_the_rest_mesh_untested() {
+    let bent: Vec<_> = bends()
+        .into_iter()
+        .map(|([a, b], split)| ([0.5 * a + 30.0, 0.5 * b + 30.0], split))
+        .collect();
+    let examples = chain(&bent);
+    let untested = only(&examples, Kind::RestUntested);
+    assert_eq!((untested.severity, frames(&untested)), (Severity::Note, vec![0]));
+    let found = check(&examples);
+    assert_eq!((found.rest.tested, found.rest.joints), (0, 3));
+    assert!((found.rest.nearest_degrees - 30.0).abs() < 1e-6);
+    assert_eq!(kinds(&check(&chain(&bends()))), []);
+}

@@ -1,0 +1,136 @@
+//! Scale, place, and whether mesh and skeleton speak of the same space.
+
+use super::made::{arm, check, only};
+use nalgebra::{Matrix3, Vector3};
+use sinew_trainer::check::finding::{Kind, Severity};
+use sinew_trainer::examples::{Examples, Matrix3x4};
+
+type Points = [[f64; 3]];
+
+fn apply(points: &mut Points, linear: &Matrix3<f64>, shift: &Vector3<f64>) {
+    points.iter_mut().for_each(|x| *x = (linear * Vector3::from(*x) + shift).into());
+}
+
+/// Restates maps for points that were moved by `y = linear x + shift`, a rotation times a scale.
+fn conjugate(maps: &mut [Matrix3x4], linear: &Matrix3<f64>, shift: &Vector3<f64>) {
+    let inverse = linear.try_inverse().unwrap();
+    for map in maps {
+        let own = Matrix3::from_fn(|r, c| map[r][c]);
+        let turned = linear * own * inverse;
+        let moved = linear * Vector3::from_fn(|r, _| map[r][3]) + shift - turned * shift;
+        *map = [0, 1, 2].map(|r| [turned[(r, 0)], turned[(r, 1)], turned[(r, 2)], moved[r]]);
+    }
+}
+
+fn moved(linear: Matrix3<f64>, shift: Vector3<f64>) -> Examples {
+    let mut examples = arm();
+    apply(&mut examples.rest, &linear, &shift);
+    apply(&mut examples.vertices, &linear, &shift);
+    conjugate(&mut examples.transforms, &linear, &shift);
+    for map in &mut examples.skeleton.rest {
+        let at = linear * Vector3::from_fn(|r, _| map[r][3]) + shift;
+        (0..3).for_each(|r| map[r][3] = at[r]);
+    }
+    examples
+}
+
+fn scale(factor: f64) -> Matrix3<f64> {
+    Matrix3::identity() * factor
+}
+
+/// y-up to z-up: a quarter turn about x.
+fn z_up() -> Matrix3<f64> {
+    Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)
+}
+
+#[test]
+fn the_size_tells_the_unit() {
+    let of = |factor| check(&moved(scale(factor), Vector3::zeros())).size;
+    for (factor, unit) in
+        [(1.0, "metres"), (10.0, "decimetres"), (100.0, "centimetres"), (1000.0, "millimetres")]
+    {
+        let size = of(factor);
+        let (units, metres): (Vec<_>, Vec<_>) = size.units.into_iter().unzip();
+        assert_eq!(units, [unit]);
+        assert!((metres[0] - 0.88).abs() < 0.02, "{metres:?}");
+        assert!((size.extents[0] / size.diagonal - 0.93).abs() < 0.02 && size.longest == 'x');
+    }
+    let odd = only(&moved(scale(1e-3), Vector3::zeros()), Kind::OddSize);
+    assert_eq!(odd.severity, Severity::Note);
+}
+
+#[test]
+fn the_ground_is_the_axis_on_which_the_mesh_stands() {
+    let mut standing = arm();
+    let lowest = standing.rest.iter().map(|x| x[1]).fold(f64::INFINITY, f64::min);
+    assert_eq!(check(&standing).size.ground, None);
+    standing = moved(scale(1.0), Vector3::new(3.0, -lowest, 3.0));
+    assert_eq!(check(&standing).size.ground, Some('y'));
+}
+
+#[test]
+fn distance_from_the_origin_costs_bits() {
+    let far = |x: f64| moved(scale(1.0), Vector3::new(x, 0.0, 0.0));
+    let note = only(&far(20.0), Kind::FarAway);
+    assert_eq!(note.severity, Severity::Note);
+    assert!(note.text.contains("costs 4 of the 24 bits"), "{}", note.text);
+    assert_eq!(only(&far(200.0), Kind::FarAway).severity, Severity::Warning);
+}
+
+#[test]
+fn other_units_are_named_with_what_has_them() {
+    let mut rest = arm();
+    apply(&mut rest.rest, &scale(100.0), &Vector3::zeros());
+    let found = check(&rest);
+    let text = &found.find(Kind::OtherUnits).unwrap().text;
+    assert!(text.starts_with("the rest mesh should be 0.01 times the size"), "{text}");
+
+    let mut posed = arm();
+    apply(&mut posed.vertices, &scale(0.1), &Vector3::zeros());
+    let found = check(&posed);
+    let text = &found.find(Kind::OtherUnits).unwrap().text;
+    assert!(text.starts_with("the posed meshes should be 10 times the size"), "{text}");
+
+    let mut joints = arm();
+    conjugate(&mut joints.transforms, &scale(0.01), &Vector3::zeros());
+    let found = check(&joints);
+    let text = &found.find(Kind::OtherUnits).unwrap().text;
+    assert!(text.starts_with("the joints should be 100 times the size"), "{text}");
+}
+
+#[test]
+fn other_axes_are_named_with_what_has_them() {
+    let zero = Vector3::zeros();
+    let mut rest = arm();
+    apply(&mut rest.rest, &z_up(), &zero);
+    let mut posed = arm();
+    apply(&mut posed.vertices, &z_up(), &zero);
+    let mut joints = arm();
+    conjugate(&mut joints.transforms, &z_up(), &zero);
+    // The remedy takes (x, -z, y) back to (x, y, z).
+    for (examples, what) in
+        [(rest, "the rest mesh"), (posed, "the posed meshes"), (joints, "the joints")]
+    {
+        let found = check(&examples);
+        let text = &found.find(Kind::OtherAxes).unwrap().text;
+        assert!(text.starts_with(&format!("{what} should have the axes (x, z, -y)")), "{text}");
+    }
+}
+
+#[test]
+fn a_shift_is_measured() {
+    let by = Vector3::new(0.3, -0.4, 0.1);
+    let mut rest = arm();
+    apply(&mut rest.rest, &scale(1.0), &by);
+    let mut joints = arm();
+    conjugate(&mut joints.transforms, &scale(1.0), &by);
+    for (examples, what) in [(rest, "the rest mesh"), (joints, "the joints")] {
+        let found = check(&examples);
+        let text = &found.find(Kind::Shifted).unwrap().text;
+        let numbers = text.strip_prefix(&format!("{what} should be moved by (")).expect(text);
+        let numbers: Vec<f64> =
+            numbers[..numbers.find(')').unwrap()].split(", ").map(|x| x.parse().unwrap()).collect();
+        let off = Vector3::from_column_slice(&numbers) + by;
+        assert!(off.norm() < 0.03, "{text}");
+    }
+}

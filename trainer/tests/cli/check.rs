@@ -1,0 +1,68 @@
+//! `sinew check`: findings and advice, and no failure where there are any.
+
+use super::common::{Folder, HELD_OUT, Set, TRAINING};
+use super::keys;
+use serde_json::json;
+
+#[test]
+fn a_check_prints_its_sections_and_succeeds() {
+    let folder = Folder::with_demo("check");
+    let before = folder.list();
+    let text = folder.sinew("check demo.npz").done().out;
+    let first = text.lines().next().unwrap();
+    assert!(
+        first.ends_with(&format!("{TRAINING} training, {HELD_OUT} held-out, 0 extreme frames")),
+        "{first}"
+    );
+    let headings: Vec<&str> = text.lines().filter(|line| !line.starts_with(' ')).skip(1).collect();
+    let begins = |heading: &str| headings.iter().position(|line| line.starts_with(heading));
+    let order: Vec<_> =
+        ["size", "rest mesh", "faces", "joint ", "LBS", "poses", "advice", "0 warnings"]
+            .map(|heading| begins(heading).unwrap_or_else(|| panic!("{heading}: {text}")))
+            .into();
+    assert!(order.is_sorted(), "{text}");
+    assert!(text.contains("m long if in metres") && text.contains("forearm_twist"), "{text}");
+    assert!(text.lines().all(|line| !line.ends_with('.')), "{text}");
+    assert_eq!(folder.list(), before, "nothing is written");
+}
+
+#[test]
+fn a_check_prints_one_object_with_the_keys_promised() {
+    let folder = Folder::with_demo("check-json");
+    let found = folder.sinew("check demo.npz --json").json();
+    let promised = ["advice", "faces", "findings", "foretold", "joints", "lbs", "never_together"];
+    assert_eq!(keys(&found), [&promised[..], &["rest", "size"]].concat());
+    assert_eq!(found["joints"].as_array().unwrap().len(), Set::demo().joint_len() - 1);
+    assert_eq!(found["foretold"]["compared"], TRAINING);
+    let lbs = folder.sinew("eval demo.sinew demo.npz --json --split train").json();
+    let [a, b] = [&found["lbs"], &lbs["lbs"]].map(|lbs| lbs["rms_percent"].as_f64().unwrap());
+    assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+}
+
+#[test]
+fn faults_are_told_with_their_places_and_do_not_fail() {
+    let folder = Folder::with_demo("check-faults");
+    let mut set = Set::demo();
+    set.wholes.get_mut("tris").unwrap().1[3 * 60..3 * 61].swap(0, 1);
+    set.write(&folder.path("turned.npz"));
+    let text = folder.sinew("check turned.npz").done().out;
+    let warning = text.lines().find(|line| line.starts_with("  warning: ")).expect(&text);
+    assert!(warning.contains("3 edges join") && warning.contains("at triangles 60, "), "{warning}");
+    assert!(text.contains("\n1 warning, "), "{text}");
+    let found = folder.sinew("check turned.npz --json").json();
+    let finding = &found["findings"][0];
+    assert_eq!((&finding["kind"], &finding["severity"]), (&json!("winding"), &json!("warning")));
+    assert_eq!(finding["places"][0], json!({ "triangle": 60 }));
+}
+
+#[test]
+fn examples_that_cannot_be_read_or_fitted_fail() {
+    let folder = Folder::with_demo("check-bad");
+    assert!(folder.sinew("check none.npz").failed().starts_with("none.npz: cannot be read"));
+    let mut set = Set::demo();
+    let train = set.frames(0);
+    train.iter().skip(4).for_each(|&frame| set.wholes.get_mut("split").unwrap().1[frame] = 1);
+    set.write(&folder.path("few.npz"));
+    let line = folder.sinew("check few.npz").failed();
+    assert_eq!(line, "few.npz: the fit needs 6 training poses, found 4");
+}
