@@ -44,15 +44,10 @@ struct Output {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Trains, bakes and evaluates a procedural arm
     Demo(demo::Arguments),
-    /// Tells whether example poses are good, and which to add or to leave out
     Check(check::Arguments),
-    /// Trains a model on example poses
     Train(train::Arguments),
-    /// Measures a model against examples, with LBS beside it
     Eval(eval::Arguments),
-    /// Shows what a model file holds
     Inspect(inspect::Arguments),
     Export(export::Arguments),
     ExportDemo(export_demo::Arguments),
