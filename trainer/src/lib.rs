@@ -2,7 +2,7 @@
 //! [`sinew_runtime`].
 //!
 //! The way through: [`examples`] are loaded, an [`envelope`] is fitted to them, [`bake`] writes the
-//! file, and [`evaluate`] measures that file with the runtime.
+//! file, [`evaluate`] measures that file with the runtime, and [`report`] shows where the error is.
 #![forbid(unsafe_code)]
 
 pub mod bake;
@@ -13,3 +13,4 @@ pub mod examples;
 pub mod files;
 pub mod kernel;
 pub mod progress;
+pub mod report;

@@ -3,7 +3,7 @@
 use super::Output;
 use super::bars::Bars;
 use anyhow::{Context, bail};
-use sinew_trainer::examples::{Examples, ExamplesError, Split, hash_file, npz};
+use sinew_trainer::examples::{Clip, Examples, ExamplesError, Split, hash_file, npz};
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.
@@ -12,7 +12,7 @@ pub(super) struct ExampleArguments {
     /// Example poses: a .npz file, with names and parents in it or in a .json beside it
     pub(super) examples: PathBuf,
     /// Hold out this share of the frames (0.25 is a quarter), in contiguous blocks, instead of the
-    /// file's own split; give `train` and `eval` the same share
+    /// file's own split; give `train`, `eval` and `report` the same
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub(super) hold_out: Option<f64>,
 }
@@ -20,6 +20,8 @@ pub(super) struct ExampleArguments {
 /// Examples as they were read.
 pub(super) struct Input {
     pub(super) examples: Examples,
+    /// The clips that its frames come from.
+    pub(super) clips: Vec<Clip>,
     /// What was told about them.
     pub(super) warnings: Vec<String>,
 }
@@ -46,7 +48,7 @@ impl ExampleArguments {
         if let Some(share) = self.hold_out {
             examples.hold_out(share).with_context(|| self.examples.display().to_string())?;
         }
-        Ok(Input { examples, warnings })
+        Ok(Input { examples, clips: loaded.clips, warnings })
     }
 
     /// Hashes every file that a load reads.

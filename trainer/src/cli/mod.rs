@@ -6,6 +6,8 @@ mod eval;
 mod files;
 mod input;
 mod inspect;
+mod measured;
+mod report;
 mod table;
 mod train;
 
@@ -49,6 +51,8 @@ enum Command {
     Eval(eval::Arguments),
     /// Shows what a model file holds
     Inspect(inspect::Arguments),
+    /// Shows where a model errs, as a page of pictures, charts and tables
+    Report(report::Arguments),
 }
 
 pub(crate) fn main() -> ExitCode {
@@ -58,6 +62,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Train(arguments) => train::run(arguments, cli.output),
         Command::Eval(arguments) => eval::run(arguments, cli.output),
         Command::Inspect(arguments) => inspect::run(arguments, cli.output),
+        Command::Report(arguments) => report::run(arguments, cli.output),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -156,7 +156,7 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
         bail!("cannot write {}: model and record are one file", arguments.output.display());
     }
     let hashes = arguments.input.hashes()?;
-    let input::Input { examples, warnings } = arguments.input.load(output)?;
+    let input::Input { examples, warnings, .. } = arguments.input.load(output)?;
     let source = arguments.input.examples.display().to_string();
     let trained = arguments.fit.train(&examples, &source, output)?;
     let record = json!({

@@ -56,7 +56,12 @@ impl Examples {
         Some(tangents.collect())
     }
 
-    fn normals(&self, positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    /// Computes the V unit normals of any positions of the vertices, as [`Examples::rest_normals`]
+    /// does.
+    ///
+    /// # Panics
+    /// If there are fewer positions than vertices.
+    pub fn normals(&self, positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let mut normals = vec![Vector3::zeros(); positions.len()];
         for triangle in &self.triangles {
             let [a, b, c] = triangle.map(|vertex| Vector3::from(positions[vertex]));
