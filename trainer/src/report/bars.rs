@@ -47,15 +47,41 @@ pub(super) fn colour_bar(scale: &Scale) -> String {
     out + "</svg>"
 }
 
-/// Writes a number with as few digits as tell it to two of them.
+/// Writes a number with as few digits as tell it to three of them.
 fn significant(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let places = usize::try_from(1 - value.log10().floor() as i64).unwrap_or(0);
+    let places = usize::try_from(2 - value.log10().floor() as i64).unwrap_or(0);
     let digits = format!("{value:.places$}");
     match digits.contains('.') {
         true => digits.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => digits,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_on_a_scale_are_short_and_true() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (0.375, "0.375"),
+            (1.25, "1.25"),
+            (2.0, "2"),
+            (0.0016, "0.0016"),
+            (120.0, "120"),
+        ] {
+            assert_eq!(significant(value), expected);
+        }
+    }
+
+    #[test]
+    fn bars_are_as_long_as_their_values() {
+        let out = bars(&[("lbs", 4.0), ("model", 1.0)], 8.0);
+        assert!(out.contains("class=\"lbs\" x=\"0\" y=\"1\" width=\"100.0\""), "{out}");
+        assert!(out.contains("class=\"model\" x=\"0\" y=\"10\" width=\"25.0\""), "{out}");
     }
 }

@@ -147,3 +147,72 @@ impl Camera {
         ]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRONT: View = View { up: Axis::Y, azimuth: 0.0, elevation: 0.0 };
+
+    fn close(a: Vector3<f64>, b: Vector3<f64>) -> bool {
+        (a - b).norm() < 1e-12
+    }
+
+    #[test]
+    fn axes_are_right_handed_and_turn_as_documented() {
+        let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+        for (up, expected) in [(Axis::X, [-y, x, z]), (Axis::Y, [x, y, z]), (Axis::Z, [x, z, -y])] {
+            assert_eq!(View { up, ..FRONT }.axes(), expected);
+        }
+        // From the right of a character that looks along z: z points to the left.
+        let [right, up, toward] = View { azimuth: 90.0, ..FRONT }.axes();
+        assert!(close(right, -z) && close(up, y) && close(toward, x));
+        let [right, up, toward] = View { elevation: 90.0, ..FRONT }.axes();
+        assert!(close(right, x) && close(up, -z) && close(toward, y));
+    }
+
+    #[test]
+    fn a_fitted_picture_holds_every_position_and_touches_its_margins() {
+        let positions = [[0.0, 0.0, 0.0], [2.0, 3.0, -1.0], [1.0, -4.0, 9.0], [-3.0, 1.0, 2.0]];
+        let view = View { up: Axis::Z, azimuth: 30.0, elevation: 20.0 };
+        let camera = Camera::fit(&view, &positions, 200);
+        let seen = positions.map(|position| camera.project(&position));
+        let Size { width, height } = camera.size;
+        let ends = |axis: usize, len: usize| {
+            let along = seen.map(|pixel| pixel[axis] / len as f64);
+            let low = along.iter().copied().fold(f64::INFINITY, f64::min);
+            (low, along.iter().copied().fold(0.0, f64::max))
+        };
+        let [(left, right), (top, foot)] = [ends(0, width), ends(1, height)];
+        assert!(left.min(top) > MARGIN - 1e-9 && right.max(foot) < 1.0 - MARGIN + 1e-9);
+        assert!((left.min(top) - MARGIN).abs() < 1e-9, "{left} {top}");
+        assert!((left + right - 1.0).abs() < 1e-9 && (top + foot - 1.0).abs() < 1e-9);
+        let twice = camera.resized(2.0).project(&positions[1]);
+        assert!((twice[0] - 2.0 * seen[1][0]).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_view_turns_with_the_character() {
+        let rest: Vec<[f64; 3]> = (0..20)
+            .map(|k| [f64::from(k).sin(), f64::from(k).cos() * 0.3, f64::from(k * k).sin()])
+            .collect();
+        for (up, axis) in [(Axis::Y, Vector3::y_axis()), (Axis::Z, Vector3::z_axis())] {
+            let turn = nalgebra::Rotation3::from_axis_angle(&axis, 40_f64.to_radians());
+            let moved: Vec<[f64; 3]> = rest
+                .iter()
+                .map(|p| (turn * Vector3::from(*p) + Vector3::new(5.0, -2.0, 1.0)).into())
+                .collect();
+            let view = View { up, azimuth: 10.0, elevation: 5.0 };
+            let following = view.following(&rest, &moved);
+            assert!((following.azimuth - 50.0).abs() < 1e-9, "{following:?}");
+            // The same picture, but for where it is.
+            let [rest, moved] = [(&view, &rest), (&following, &moved)].map(|(view, p)| {
+                let camera = Camera::fit(view, p, 100);
+                p.iter().map(|p| camera.project(p)).collect::<Vec<_>>()
+            });
+            for (a, b) in rest.iter().zip(&moved) {
+                assert!((a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9);
+            }
+        }
+    }
+}

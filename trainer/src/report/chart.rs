@@ -23,7 +23,7 @@ pub(super) struct Chart {
 /// Room for the numbers at the left, and for the others around.
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 12.0;
-const TOP: f64 = 22.0;
+const TOP: f64 = 26.0;
 const BOTTOM: f64 = 40.0;
 /// Fewest pixels from one number to the next.
 const APART: f64 = 26.0;
@@ -233,4 +233,46 @@ pub(super) fn legend(entries: &[(&str, &str)]) -> String {
         format!("<span><i class=\"{class}\"></i>{}</span>", text(name))
     };
     format!("<p class=\"legend\">{}</p>\n", entries.iter().map(of).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(range: Range, most: usize) -> Vec<String> {
+        range.ticks(most).into_iter().map(|tick| tick.1).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_no_more_than_asked() {
+        assert_eq!(names(Range::linear(0.0, 1.0), 5), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(
+            names(Range::linear(0.0, 730.0), 8),
+            ["0", "100", "200", "300", "400", "500", "600", "700"]
+        );
+        let log = Range::between(0.004, 2.5);
+        assert_eq!(names(log, 9), ["0.005", "0.01", "0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"]);
+        assert_eq!(names(log, 6), ["0.01", "0.03", "0.1", "0.3", "1"]);
+        assert_eq!(names(log, 4), ["0.01", "0.1", "1"]);
+    }
+
+    #[test]
+    fn places_are_proportional_or_by_ratios() {
+        assert_eq!(Range::linear(2.0, 6.0).place(3.0), 0.25);
+        let log = Range::between(0.01, 100.0);
+        assert!((log.place(1.0) - 0.5).abs() < 1e-12);
+        assert_eq!((log.place(0.0), log.place(1e9)), (0.0, 1.0));
+        // What is zero has no place on a logarithmic side and does not stretch it.
+        assert!((Range::log([0.0, 1.0, 100.0]).place(10.0) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn lines_go_through_their_points() {
+        let mut chart =
+            Chart::new((100.0, 100.0), Range::linear(0.0, 1.0), Range::linear(0.0, 1.0));
+        chart.line("model", &[(0.0, 0.0), (1.0, 1.0)]);
+        let (left, right, top, foot) = (LEFT, 100.0 - RIGHT, TOP, 100.0 - BOTTOM);
+        let path = format!("d=\"M{left:.1} {foot:.1}L{right:.1} {top:.1}\"");
+        assert!(chart.finish("a <chart>").contains(&path));
+    }
 }

@@ -94,7 +94,7 @@ fn apart(a: usize, b: usize) -> usize {
 
 fn hue(number: usize) -> Colour {
     let angle = std::f64::consts::TAU * (number % HUES) as f64 / HUES as f64;
-    let (middle, swing) = if number < HUES { (178.0, 66.0) } else { (118.0, 62.0) };
+    let (middle, swing) = if number < HUES { (190.0, 50.0) } else { (136.0, 50.0) };
     [0.0, 1.0, 2.0].map(|part| {
         let turned = angle - std::f64::consts::TAU * part / 3.0;
         (middle + swing * libm::cos(turned)).round() as u8
@@ -110,4 +110,50 @@ fn round_up(value: f64) -> f64 {
     let steps = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
     let most = steps.iter().map(|step| step * unit).find(|&most| most >= value);
     most.unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heat_grows_darker_all_the_way() {
+        let luminance = |[r, g, b]: Colour| {
+            0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+        };
+        let along: Vec<f64> = (0..=100).map(|k| luminance(heat(f64::from(k) / 100.0))).collect();
+        assert!(along.windows(2).all(|pair| pair[1] < pair[0]), "{along:?}");
+        assert_eq!((heat(0.0), heat(1.0), heat(7.0)), (HEAT[0], HEAT[5], HEAT[5]));
+    }
+
+    #[test]
+    fn a_scale_goes_to_a_round_number_by_square_roots() {
+        let scale = Scale::of(&[0.3, 1.7, 0.0]);
+        assert_eq!(scale.most, 2.0);
+        assert_eq!(scale.place(0.5), 0.5);
+        assert_eq!(scale.colour(2.0), HEAT[5]);
+        assert_eq!(scale.ticks(), [0.0, 0.04, 0.2, 0.5, 1.0, 2.0]);
+        for (most, expected) in [(0.0, 1.0), (1.0, 1.0), (0.000_31, 0.000_4), (83.0, 100.0)] {
+            let found = Scale::of(&[most]).most;
+            assert!((found / expected - 1.0).abs() < 1e-12, "{most} {found}");
+        }
+    }
+
+    #[test]
+    fn neighbours_differ() {
+        // A ring of 30 nodes, each beside the two on either side of it.
+        let near = |k: usize| [1, 2, 28, 29].map(|step| (k + step) % 30).to_vec();
+        let neighbours: Vec<Vec<usize>> = (0..30).map(near).collect();
+        let colours = tell_apart(&neighbours);
+        for (node, others) in neighbours.iter().enumerate() {
+            for &other in others {
+                let apart = (0..3).map(|c| colours[node][c].abs_diff(colours[other][c])).max();
+                assert!(apart > Some(30), "{node} {other} {colours:?}");
+            }
+        }
+        let mut kinds = colours.clone();
+        kinds.sort_unstable();
+        kinds.dedup();
+        assert!(kinds.len() > 6, "{kinds:?}");
+    }
 }

@@ -65,9 +65,9 @@ pub(super) fn table(head: &[String], rows: &[Vec<String>]) -> String {
     out + "</tbody>\n</table></div>\n"
 }
 
-/// Pictures side by side; each is HTML.
-pub(super) fn side_by_side(figures: &[String]) -> String {
-    format!("<div class=\"row\">\n{}</div>\n", figures.concat())
+/// Pictures side by side, so many in a row; each is HTML.
+pub(super) fn side_by_side(columns: usize, figures: &[String]) -> String {
+    format!("<div class=\"row\" style=\"--n:{columns}\">\n{}</div>\n", figures.concat())
 }
 
 /// A picture, HTML that lies over it, and HTML under it.
@@ -104,4 +104,25 @@ pub(super) fn grouped(number: usize) -> String {
         out += &digits[start..start + 3];
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_cannot_become_markup() {
+        assert_eq!(
+            text("<b a=\"1\" b='2'>&\u{7}é"),
+            "&lt;b a=&quot;1&quot; b=&#39;2&#39;&gt;&amp;\\u{7}é"
+        );
+    }
+
+    #[test]
+    fn digits_stand_in_threes() {
+        for (number, expected) in [(0, "0"), (999, "999"), (1000, "1 000"), (26_756, "26 756")] {
+            assert_eq!(grouped(number).replace('\u{202f}', " "), expected);
+        }
+        assert_eq!(grouped(1_622_480).replace('\u{202f}', " "), "1 622 480");
+    }
 }

@@ -22,7 +22,7 @@ pub(super) fn by_joint(subject: &Subject<'_>) -> Vec<JointErrors> {
         let strongest = subject.lbs.weights.of(vertex).next();
         vertices[strongest.map_or(examples.skeleton.root(), |(joint, _)| joint)].push(vertex);
     }
-    let measured = &subject.model.measured;
+    let (measured, series) = (&subject.model.measured, subject.series());
     let mut joints: Vec<JointErrors> = vertices
         .iter()
         .enumerate()
@@ -32,7 +32,6 @@ pub(super) fn by_joint(subject: &Subject<'_>) -> Vec<JointErrors> {
             let worst = frames
                 .map(|(place, frame)| (frame.frame, measured.rms_percent_in(place, vertices)))
                 .fold((0, -1.0), |worst, next| if next.1 > worst.1 { next } else { worst });
-            let series = subject.series();
             let of = series.iter().map(|series| series.measured.rms_percent_of(vertices));
             JointErrors { joint, vertices: vertices.len(), rms_percent: of.collect(), worst }
         })

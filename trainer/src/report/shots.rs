@@ -3,8 +3,8 @@
 use super::bars::colour_bar;
 use super::camera::{Axis, Camera, Size, View};
 use super::colour::{Colour, Scale};
-use super::html::figure;
-use super::render::Mesh;
+use super::html::{figure, text};
+use super::render::{Look, Mesh};
 use super::subject::{Series, Subject};
 use crate::evaluate::{EvaluateError, skin};
 use image::ImageError;
@@ -16,13 +16,16 @@ const WIDTH: usize = 620;
 /// Pixels in a row of a trial.
 const TRIAL: usize = 160;
 /// What lies around the worst vertex in a close-up, in diagonals on each side.
-const NEAR: f64 = 0.07;
-/// A picture of a shape takes light and shadow in full, one of errors only as much as tells the
-/// shape: its colours stand for numbers.
-const SHAPE: f64 = 1.0;
-const ERRORS: f64 = 0.35;
+const NEAR: f64 = 0.12;
+/// A picture of a shape takes light and shadow in full; where colours stand for something, only as
+/// much as tells the shape.
+const SHAPE: Look = Look { relief: 1.0, borders: false };
+const ERRORS: Look = Look { relief: 0.35, borders: false };
+const KINDS: Look = Look { relief: 0.6, borders: true };
+/// What lies before a vertex by less than this does not hide it, in diagonals.
+const SLACK: f64 = 0.01;
 /// Clay.
-const CLAY: Colour = [0xd2, 0xc9, 0xbd];
+const CLAY: Colour = [0xd8, 0xcf, 0xc3];
 
 /// How a report's pictures are taken; what is not given is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,8 +62,8 @@ pub(super) enum Paint<'a> {
     Clay,
     /// Errors in % of the diagonal.
     Heat(&'a [f64], Scale),
-    /// Anything.
-    Colours(&'a [Colour]),
+    /// Kinds of vertices.
+    Kinds(&'a [Colour]),
 }
 
 impl<'a> Shots<'a> {
@@ -145,7 +148,8 @@ impl<'a> Shots<'a> {
         Camera::around(&views[best], &centre, radius, side(WIDTH))
     }
 
-    /// Takes a picture, with a caption and, where a vertex is named, a ring around it.
+    /// Takes a picture, with a caption and, where a vertex is named, a ring around it, broken where
+    /// something hides it.
     ///
     /// # Errors
     /// Those of the encoder.
@@ -160,7 +164,7 @@ impl<'a> Shots<'a> {
         let mesh = self.mesh(shape);
         let picture = match paint {
             Paint::Clay => mesh.draw(&vec![CLAY; shape.positions.len()], SHAPE, camera),
-            Paint::Colours(colours) => mesh.draw(colours, 2.0 * ERRORS, camera),
+            Paint::Kinds(colours) => mesh.draw(colours, KINDS, camera),
             Paint::Heat(errors, scale) => {
                 let colours: Vec<Colour> = errors.iter().map(|e| scale.colour(*e)).collect();
                 mesh.draw(&colours, ERRORS, camera)
@@ -168,18 +172,22 @@ impl<'a> Shots<'a> {
         };
         let mut over = String::new();
         if let Some(vertex) = ring {
-            let ([x, y, _], Size { width, height }) =
-                (camera.project(&shape.positions[vertex]), camera.size);
+            let [x, y, _] = camera.project(&shape.positions[vertex]);
+            let Size { width, height } = camera.size;
+            let slack = SLACK * self.subject.model.measured.diagonal;
+            let class = if mesh.hides(vertex, slack, camera) { "hidden" } else { "seen" };
             let _ = write!(
                 over,
-                "<svg viewBox=\"0 0 {width} {height}\" aria-hidden=\"true\"><circle cx=\"{x:.1}\" \
-                 cy=\"{y:.1}\" r=\"20\"/></svg>"
+                "<svg viewBox=\"0 0 {width} {height}\" aria-hidden=\"true\"><g \
+                 class=\"{class}\"><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"20\"/><circle cx=\"{x:.1}\" \
+                 cy=\"{y:.1}\" r=\"20\"/></g></svg>"
             );
         }
-        let mut under = super::html::text(caption);
-        if let Paint::Heat(_, scale) = paint {
-            under += &colour_bar(scale);
-        }
+        let bar = match paint {
+            Paint::Heat(_, scale) => colour_bar(scale),
+            _ => String::new(),
+        };
+        let under = bar + &text(caption);
         figure(&picture, caption, &over, &under)
     }
 

@@ -46,3 +46,23 @@ impl Progress for Stopwatch<'_> {
         self.others.advance(items);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Silent;
+    use std::thread::sleep;
+    use std::time::Duration;
+
+    #[test]
+    fn a_step_that_comes_again_is_counted_once_more() {
+        let stopwatch = Stopwatch::new(&Silent);
+        for (name, milliseconds) in [("a", 30), ("b", 10), ("a", 30)] {
+            stopwatch.step(name, 1);
+            sleep(Duration::from_millis(milliseconds));
+        }
+        let steps = stopwatch.finish();
+        assert_eq!(steps.iter().map(|step| step.0).collect::<Vec<_>>(), ["a", "b"]);
+        assert!(steps[0].1 >= 0.06 && steps[1].1 >= 0.01, "{steps:?}");
+    }
+}

@@ -4,6 +4,7 @@
 mod common;
 mod outputs;
 mod refusals;
+mod report;
 
 use common::{Folder, HELD_OUT, PROXIES, Set, TRAINING, read_npy};
 use serde_json::{Value, json};

@@ -1,10 +1,10 @@
 //! Errors and confidence by frame.
 
-use super::{legend, names};
+use super::{entries, legend, names};
 use crate::examples::Split;
 use crate::report::chart::{Chart, Range};
 use crate::report::html::{paragraph, percent, table, text};
-use crate::report::subject::{Subject, use_of};
+use crate::report::subject::{Series, Subject, use_of};
 
 /// Size of a chart, in pixels.
 const SIZE: (f64, f64) = (1130.0, 290.0);
@@ -40,11 +40,8 @@ pub(super) fn errors(subject: &Subject<'_>) -> String {
 
 /// A chart of the confidence, where there is any doubt.
 pub(super) fn confidence(subject: &Subject<'_>) -> String {
-    let doubtful = |s: &&crate::report::subject::Series<'_>| {
-        s.model.is_some() && s.measured.confidence().least < CERTAIN
-    };
-    let series = subject.series();
-    let series: Vec<_> = series.iter().filter(doubtful).collect();
+    let doubtful = |s: &Series<'_>| s.model.is_some() && s.measured.confidence().least < CERTAIN;
+    let series: Vec<_> = subject.series().into_iter().filter(doubtful).collect();
     if series.is_empty() {
         let models = if subject.other.is_some() { "Both models are" } else { "The model is" };
         return paragraph(&format!(
@@ -76,7 +73,7 @@ pub(super) fn confidence(subject: &Subject<'_>) -> String {
     paragraph(
         "How sure the model is of a pose: 1 among those it was trained on, 0 far from them, where its \
          kernel maps have faded.",
-    ) + &legend(subject)
+    ) + &entries(&series)
         + &chart.finish("confidence in each frame")
         + &table(&head, &rows)
 }

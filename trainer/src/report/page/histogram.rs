@@ -54,7 +54,7 @@ pub(super) fn errors(subject: &Subject<'_>) -> String {
         chart.area(series.class, &steps);
         chart.line(series.class, &steps);
     }
-    paragraph("All vertices in all measured frames.")
+    paragraph("All vertices in all measured frames; the first bar also counts those that err less.")
         + &legend(subject)
         + &chart.finish("histogram of the errors of all vertices")
 }

@@ -179,7 +179,11 @@ fn names(subject: &Subject<'_>) -> Vec<String> {
 
 /// The legend of all series.
 fn legend(subject: &Subject<'_>) -> String {
-    let series = subject.series();
+    entries(&subject.series())
+}
+
+/// The legend of some series.
+fn entries(series: &[Series<'_>]) -> String {
     let entries: Vec<_> = series.iter().map(|series| (series.class, series.name)).collect();
     super::chart::legend(&entries)
 }

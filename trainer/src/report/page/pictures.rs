@@ -4,80 +4,79 @@ use super::ReportError;
 use crate::evaluate::Measured;
 use crate::report::camera::Camera;
 use crate::report::colour::{Colour, Scale};
-use crate::report::html::{grouped, paragraph, percent, side_by_side};
+use crate::report::html::{grouped, paragraph, percent, side_by_side, text};
 use crate::report::palette::{dominant_colours, follow_joints};
 use crate::report::shots::{Paint, Shape, Shots};
 use crate::report::subject::{Series, Subject};
 
+const SCALES: &str = "Colours stand for errors in % of the diagonal; but for the first picture, which \
+                      has a scale of its own, all share one. The ring is the worst vertex, broken \
+                      where it is hidden.";
 /// A vertex that is near-rigid, and one that is not.
 const NEAR_RIGID: [Colour; 2] = [[0xd9, 0xa4, 0x4a], [0xdd, 0xd9, 0xd2]];
 
-/// The truth and every skin in the model's worst frame; the errors on them; and both once more around
-/// the worst vertex.
+/// The truth and every skin in the model's worst frame, with the errors under them; and both once
+/// more around the worst vertex.
 pub(super) fn worst_pose(shots: &Shots<'_>, subject: &Subject<'_>) -> Result<String, ReportError> {
-    let (place, series) = (shots.worst, subject.series());
-    let frame = &subject.model.measured.frames[place];
+    let series = subject.series();
+    let frame = &subject.model.measured.frames[shots.worst];
     let shapes = shots.frame(frame.frame, &series)?;
     let vertex = frame.worst_vertex();
-    let (truth, skins) = shapes.split_at(1);
-    let errors: Vec<Vec<f64>> = series.iter().map(|s| s.measured.percent_in(place)).collect();
-    let scale = Scale::of(errors.iter().flatten());
-    let rows = |camera: &Camera, ring| -> Result<String, ReportError> {
-        let shapes = shapes.iter().map(|s| shots.take(s, &Paint::Clay, camera, None, &s.name));
-        let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
-        let heat = |((skin, errors), series): ((&Shape, &Vec<f64>), &Series<'_>)| {
-            let caption = format!("error of {}, %", series.name);
-            shots.take(skin, &Paint::Heat(errors, scale), camera, ring, &caption)
-        };
-        let skins = skins.iter().zip(&errors).zip(&series).map(heat);
-        let skins = skins.collect::<Result<Vec<_>, _>>()?;
-        Ok(side_by_side(&shapes) + &side_by_side(&skins))
+    let errors: Vec<_> = series.iter().map(|s| s.measured.percent_in(shots.worst)).collect();
+    let rows = |camera: &Camera| -> Result<String, ReportError> {
+        let clay = shapes.iter().map(|s| shots.take(s, &Paint::Clay, camera, None, &s.name));
+        let clay = clay.collect::<Result<Vec<_>, _>>()?;
+        let heat =
+            heat(shots, &series, &errors, |place| (&shapes[place + 1], camera, Some(vertex)))?;
+        Ok(side_by_side(clay.len(), &clay) + &side_by_side(heat.len(), &heat))
     };
-    let camera = shots.whole(&shapes.iter().collect::<Vec<_>>());
-    let close = shots.near(&truth[0], vertex, &errors[1]);
     let told = |s: &Series<'_>| {
-        let rms = percent(s.measured.errors_in(place).rms_percent);
-        format!("{} {rms} %", crate::report::html::text(s.name))
+        format!("{} {} %", text(s.name), percent(s.measured.errors_in(shots.worst).rms_percent))
     };
     let told: Vec<String> = series.iter().map(told).collect();
     Ok(paragraph(&format!(
-        "The frame with the model's largest RMS error: {}. Colours stand for errors in % of the \
-         diagonal, on one scale.",
+        "The frame with the model's largest RMS error: {}. {SCALES}",
         told.join(", ")
-    )) + &rows(&camera, Some(vertex))?
+    )) + &rows(&shots.whole(&shapes.iter().collect::<Vec<_>>()))?
         + "<h3>Around the worst vertex</h3>\n"
         + &paragraph(&format!(
             "Vertex {vertex}, where the model is off by {} % and LBS by {} %.",
             percent(errors[1][vertex]),
             percent(errors[0][vertex])
         ))
-        + &rows(&close, Some(vertex))?)
+        + &rows(&shots.near(&shapes[0], vertex, &errors[1]))?)
 }
 
 /// The rest pose, and on it each vertex's error over all measured frames.
 pub(super) fn all_frames(shots: &Shots<'_>, subject: &Subject<'_>) -> Result<String, ReportError> {
     let (rest, series) = (shots.rest(), subject.series());
     let camera = shots.whole(&[&rest]);
-    let errors: Vec<Vec<f64>> = series.iter().map(|s| s.measured.vertex_rms_percent()).collect();
-    let common = Scale::of(errors.iter().flatten());
-    let mut pictures = vec![shots.take(&rest, &Paint::Clay, &camera, None, "rest pose")?];
-    for (errors, series) in errors.iter().zip(&series) {
-        let caption = format!("RMS error of {}, %", series.name);
-        pictures.push(shots.take(&rest, &Paint::Heat(errors, common), &camera, None, &caption)?);
-    }
-    let own: Vec<_> = errors.iter().zip(&series).skip(1).collect();
-    let scale = Scale::of(own.iter().flat_map(|(errors, _)| *errors));
-    let mut closer = Vec::new();
-    for (errors, series) in own {
-        let caption = format!("{} on a scale of its own, %", series.name);
-        closer.push(shots.take(&rest, &Paint::Heat(errors, scale), &camera, None, &caption)?);
-    }
-    pictures.extend(closer);
+    let errors: Vec<_> = series.iter().map(|s| s.measured.vertex_rms_percent()).collect();
+    let mut pictures = heat(shots, &series, &errors, |_| (&rest, &camera, None))?;
+    pictures.insert(0, shots.take(&rest, &Paint::Clay, &camera, None, "rest pose")?);
     Ok(paragraph(&format!(
         "Each vertex's RMS error over the {} measured frames, on the rest pose.",
         grouped(subject.baseline.frames.len())
-    )) + &side_by_side(&pictures)
+    )) + &side_by_side(pictures.len(), &pictures)
         + &worst_vertices(subject, &errors))
+}
+
+/// The errors of the model alone, on a scale of its own, and of every series on one scale.
+fn heat<'b>(
+    shots: &Shots<'_>,
+    series: &[Series<'_>],
+    errors: &[Vec<f64>],
+    shot: impl Fn(usize) -> (&'b Shape, &'b Camera, Option<usize>),
+) -> Result<Vec<String>, ReportError> {
+    let (own, common) = (Scale::of(&errors[1]), Scale::of(errors.iter().flatten()));
+    let all = (0..series.len()).map(|place| (place, common, "error, %"));
+    let all = std::iter::once((1, own, "on a scale of its own, %")).chain(all);
+    let pictures = all.map(|(place, scale, what)| {
+        let (shape, camera, ring) = shot(place);
+        let caption = format!("{}: {what}", series[place].name);
+        shots.take(shape, &Paint::Heat(&errors[place], scale), camera, ring, &caption)
+    });
+    Ok(pictures.collect::<Result<_, _>>()?)
 }
 
 fn worst_vertices(subject: &Subject<'_>, errors: &[Vec<f64>]) -> String {
@@ -116,7 +115,7 @@ pub(super) fn palette(
         if let Some(rigid) = rigid {
             let colours: Vec<Colour> =
                 rigid.iter().map(|&rigid| NEAR_RIGID[usize::from(!rigid)]).collect();
-            let paint = Paint::Colours(&colours);
+            let paint = Paint::Kinds(&colours);
             let count = rigid.iter().filter(|rigid| **rigid).count();
             let share = 100.0 * count as f64 / rigid.len().max(1) as f64;
             let caption = format!("{name}: {} vertices ({share:.0} %) {what}", grouped(count));
@@ -132,9 +131,9 @@ pub(super) fn palette(
             "{name}: each vertex in the colour of the map that it follows most, of {}",
             maps(&model.envelope)
         );
-        pictures.push(shots.take(&rest, &Paint::Colours(&colours), &camera, None, &caption)?);
+        pictures.push(shots.take(&rest, &Paint::Kinds(&colours), &camera, None, &caption)?);
     }
-    Ok(told + &side_by_side(&pictures))
+    Ok(told + &side_by_side(pictures.len().max(3), &pictures))
 }
 
 fn maps(envelope: &sinew_runtime::Envelope<'_>) -> String {

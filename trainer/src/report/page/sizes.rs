@@ -2,6 +2,7 @@
 
 use super::{errors as cells, legend};
 use crate::envelope::FitError;
+use crate::evaluate::Errors;
 use crate::report::chart::{Chart, Range};
 use crate::report::html::{grouped, paragraph, percent, table, text};
 use crate::report::sizes::{Outcome, Sizes, Trial};
@@ -32,7 +33,7 @@ pub(super) fn errors(subject: &Subject<'_>, sizes: Option<&Result<Sizes, FitErro
          with other numbers of proxies, and measured on the same frames as above.",
         text(subject.model.file.name)
     )) + &charts(subject, &outcomes)
-        + &trials(&sizes.trials)
+        + &trials(subject, &sizes.trials)
         + &times(sizes, &outcomes)
 }
 
@@ -40,7 +41,14 @@ fn charts(subject: &Subject<'_>, outcomes: &[&Outcome]) -> String {
     if outcomes.is_empty() {
         return String::new();
     }
-    let along = || Range::log(outcomes.iter().map(|o| o.proxies as f64));
+    let other = subject.other.as_ref().filter(|other| other.envelope.proxy_len() > 0);
+    let other = other.map(|other| {
+        let proxies = other.envelope.proxy_len() as f64;
+        let kilobytes = other.file.bytes.len() as f64 / 1000.0;
+        [(proxies, other.measured.errors().rms_percent), (proxies, kilobytes)]
+    });
+    let counts = outcomes.iter().map(|o| o.proxies as f64).chain(other.map(|of| of[0].0));
+    let along = || Range::log(counts.clone());
     let of = |value: fn(&Outcome) -> f64| -> Vec<(f64, f64)> {
         outcomes.iter().map(|o| (o.proxies as f64, value(o))).collect()
     };
@@ -48,6 +56,7 @@ fn charts(subject: &Subject<'_>, outcomes: &[&Outcome]) -> String {
     let rms = of(|o| o.errors.rms_percent);
     let validated = of(|o| o.validated_percent);
     let every = rms.iter().chain(&validated).map(|point| point.1).chain([lbs]);
+    let every = every.chain(other.map(|of| of[0].1));
     let mut errors = Chart::new(SIZE, along(), Range::log(every));
     errors.sides("proxies (logarithmic)", "RMS error, % (logarithmic)");
     if let (Some(first), Some(last)) = (rms.first(), rms.last()) {
@@ -57,12 +66,14 @@ fn charts(subject: &Subject<'_>, outcomes: &[&Outcome]) -> String {
     errors.line("model", &rms);
     errors.dots("model", &rms);
     let bytes = of(|o| o.bytes as f64 / 1000.0);
-    let most = bytes.iter().map(|point| point.1).fold(0.0, f64::max);
+    let every = bytes.iter().chain(other.as_ref().map(|of| &of[1]));
+    let most = every.map(|point| point.1).fold(0.0, f64::max);
     let mut size = Chart::new(SIZE, along(), Range::linear(0.0, 1.1 * most));
     size.sides("proxies (logarithmic)", "file, kB");
     size.line("model", &bytes);
     size.dots("model", &bytes);
-    for chart in [&mut errors, &mut size] {
+    for (chart, place) in [(&mut errors, 0), (&mut size, 1)] {
+        other.iter().for_each(|of| chart.dots("other", &of[place..=place]));
         outcomes.iter().for_each(|o| chart.mark(o.proxies as f64, &o.proxies.to_string()));
     }
     legend(subject)
@@ -73,7 +84,7 @@ fn charts(subject: &Subject<'_>, outcomes: &[&Outcome]) -> String {
         + &paragraph("Dashed: cross-validated inside the training frames.")
 }
 
-fn trials(trials: &[Trial]) -> String {
+fn trials(subject: &Subject<'_>, trials: &[Trial]) -> String {
     let head = [
         "proxies",
         "RMS",
@@ -84,18 +95,28 @@ fn trials(trials: &[Trial]) -> String {
         "file",
         "training",
     ];
-    let row = |trial: &Trial| match &trial.outcome {
-        Ok(outcome) => {
-            let mut row = vec![outcome.proxies.to_string()];
-            row.extend(cells(&outcome.errors));
-            row.push(format!("{} %", percent(outcome.validated_percent)));
-            row.push(format!("{} B", grouped(outcome.bytes)));
-            row.push(format!("{:.1} s", outcome.seconds));
-            row
+    let row = |name: String, errors: &Errors, validated: f64, bytes: usize, seconds: String| {
+        let mut row = vec![name];
+        row.extend(cells(errors));
+        row.extend([format!("{} %", percent(validated)), format!("{} B", grouped(bytes)), seconds]);
+        row
+    };
+    let trial = |trial: &Trial| match &trial.outcome {
+        Ok(of) => {
+            let seconds = format!("{:.1} s", of.seconds);
+            row(of.proxies.to_string(), &of.errors, of.validated_percent, of.bytes, seconds)
         }
         Err(error) => vec![trial.proxies.to_string(), text(&error.to_string())],
     };
-    table(&head.map(str::to_owned), &trials.iter().map(row).collect::<Vec<_>>())
+    let other = subject.other.as_ref().map(|other| {
+        let name = format!("{} ({})", other.envelope.proxy_len(), text(other.file.name));
+        let certificate = other.envelope.certificate();
+        let validated = 100.0 * f64::from(certificate.cross_validated_rms / certificate.diagonal);
+        let (errors, bytes) = (other.measured.errors(), other.file.bytes.len());
+        row(name, &errors, validated, bytes, String::new())
+    });
+    let rows: Vec<_> = trials.iter().map(trial).chain(other).collect();
+    table(&head.map(str::to_owned), &rows)
 }
 
 fn times(sizes: &Sizes, outcomes: &[&Outcome]) -> String {
