@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     /// Where the pictures are taken from, in degrees: about the up axis, and above the horizon
     /// [default: from before or behind, whichever side shows more of the error]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     view: Option<(f64, f64)>,
     /// Write the errors of every frame to FILE: a row each, errors in % of the diagonal
     #[arg(long, value_name = "FILE.csv")]
@@ -91,7 +91,7 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let input::Input { examples, clips, .. } = arguments.input.load(output)?;
     let frames = frames(arguments.split, &examples);
     let blamed = |error, model| blame(error, model, &arguments.input, frames, &examples);
-    // What is refused should be refused before hours of LBS.
+    // What will be refused is refused before LBS is fitted.
     let compared = arguments.compare.as_deref().zip(other.as_deref());
     if let Some((path, bytes)) = compared {
         open(bytes, &examples).map_err(|error| blamed(error, path))?;
@@ -108,7 +108,8 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
         subject.compare(file).map_err(|error| blamed(error, path))?;
     }
     drop(measuring);
-    let wish = Wish { up: arguments.up.map(Up::axis), from: arguments.view };
+    let (up, from) = (arguments.up.map(Up::axis), arguments.view);
+    let wish = Wish { up, from, ..Wish::default() };
     let page = Page { subject: &subject, wish, sizes: !arguments.quick };
     let page = page.html(&Bars::new(output))?;
     let mut written = vec![(&targets.page, page.into_bytes())];

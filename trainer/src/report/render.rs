@@ -60,13 +60,15 @@ impl Mesh<'_> {
     /// Draws the surface in V colours.
     pub fn draw(&self, colours: &[Colour], look: Look, camera: &Camera) -> Picture {
         let hits = self.hits(&camera.resized(SAMPLES as f64));
-        let linear: Vec<[f64; 3]> = colours.iter().map(|c| c.map(to_linear)).collect();
+        let linear: Vec<[f64; 3]> =
+            colours.iter().map(|c| c.map(|part| to_linear(f64::from(part)))).collect();
+        let steps = steps();
         let Size { width, height } = camera.size;
         let mut rgba = Vec::with_capacity(4 * width * height);
         for pixel in 0..width * height {
             let (x, y) = (SAMPLES * (pixel % width), SAMPLES * (pixel / width));
             let mut sum = [0.0; 3];
-            let mut covered = 0;
+            let mut covered = 0_usize;
             for sample in 0..SAMPLES * SAMPLES {
                 let (x, y) = (x + sample % SAMPLES, y + sample / SAMPLES);
                 let Some(hit) = &hits[y * SAMPLES * width + x] else { continue };
@@ -78,8 +80,11 @@ impl Mesh<'_> {
                 sum = [0, 1, 2].map(|c| sum[c] + light * colour[c]);
                 covered += 1;
             }
-            let colour = sum.map(|part| from_linear(part / f64::from(covered.max(1))));
-            let alpha = 255 * covered as usize / (SAMPLES * SAMPLES);
+            let colour = match covered {
+                0 => [0; 3],
+                _ => sum.map(|part| from_linear(part / covered as f64, &steps)),
+            };
+            let alpha = 255 * covered / (SAMPLES * SAMPLES);
             rgba.extend([colour[0], colour[1], colour[2], alpha as u8]);
         }
         Picture { size: camera.size, rgba }
@@ -201,16 +206,20 @@ fn span(corners: [f64; 3], len: usize) -> std::ops::Range<usize> {
     first.min(len)..end.min(len)
 }
 
-fn to_linear(part: u8) -> f64 {
-    let part = f64::from(part) / 255.0;
+/// Returns the light of a byte of sRGB, in [0, 1].
+fn to_linear(byte: f64) -> f64 {
+    let part = byte / 255.0;
     if part <= 0.040_45 { part / 12.92 } else { libm::pow((part + 0.055) / 1.055, 2.4) }
 }
 
-fn from_linear(part: f64) -> u8 {
-    let part = part.clamp(0.0, 1.0);
-    let part =
-        if part <= 0.003_130_8 { 12.92 * part } else { 1.055 * libm::pow(part, 1.0 / 2.4) - 0.055 };
-    (255.0 * part).round() as u8
+/// Returns the byte whose light is nearest: `steps` are where each byte gives way to the next.
+fn from_linear(part: f64, steps: &[f64]) -> u8 {
+    steps.partition_point(|step| *step <= part) as u8
+}
+
+/// The light half-way between each byte and the next, 255 values.
+fn steps() -> Vec<f64> {
+    (0..255).map(|byte| to_linear(f64::from(byte) + 0.5)).collect()
 }
 
 #[cfg(test)]

@@ -11,8 +11,6 @@ use image::ImageError;
 use rayon::prelude::*;
 use std::fmt::Write;
 
-/// Pixels in a row of a picture.
-const WIDTH: usize = 620;
 /// Pixels in a row of a trial.
 const TRIAL: usize = 160;
 /// What lies around the worst vertex in a close-up, in diagonals on each side.
@@ -22,14 +20,18 @@ const NEAR: f64 = 0.12;
 const SHAPE: Look = Look { relief: 1.0, borders: false };
 const ERRORS: Look = Look { relief: 0.35, borders: false };
 const KINDS: Look = Look { relief: 0.6, borders: true };
+/// Radius of a ring around a vertex, in pictures.
+const RING: f64 = 0.032;
 /// What lies before a vertex by less than this does not hide it, in diagonals.
 const SLACK: f64 = 0.01;
 /// Clay.
 const CLAY: Colour = [0xd8, 0xcf, 0xc3];
 
 /// How a report's pictures are taken; what is not given is found.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
+    /// Pixels in a row of a picture.
+    pub width: usize,
     /// What points up; by default z if the character is longest along z, else y.
     pub up: Option<Axis>,
     /// Azimuth and elevation in degrees, as in [`View`]; by default from before or behind, whichever
@@ -37,9 +39,16 @@ pub struct Wish {
     pub from: Option<(f64, f64)>,
 }
 
+impl Default for Wish {
+    fn default() -> Self {
+        Self { width: 620, up: None, from: None }
+    }
+}
+
 /// Takes a report's pictures.
 pub(super) struct Shots<'a> {
     subject: &'a Subject<'a>,
+    width: usize,
     /// From where.
     pub(super) view: View,
     /// The frame with the model's largest RMS error: its place among those measured.
@@ -72,7 +81,8 @@ impl<'a> Shots<'a> {
         let up = wish.up.unwrap_or_else(|| upright(&subject.source.examples.rest));
         let (azimuth, elevation) = wish.from.unwrap_or_default();
         let worst = subject.model.measured.worst();
-        let mut shots = Self { subject, view: View { up, azimuth, elevation }, worst };
+        let width = wish.width;
+        let mut shots = Self { subject, width, view: View { up, azimuth, elevation }, worst };
         if wish.from.is_none() {
             shots.view = shots.best_side();
         }
@@ -113,7 +123,7 @@ impl<'a> Shots<'a> {
     /// A camera that sees the whole of some shapes.
     pub(super) fn whole(&self, shapes: &[&Shape]) -> Camera {
         let all = shapes.iter().flat_map(|shape| &shape.positions);
-        Camera::fit(&self.following(shapes[0]), all, WIDTH)
+        Camera::fit(&self.following(shapes[0]), all, self.width)
     }
 
     /// A camera that sees the surroundings of a vertex from where most of its error is seen.
@@ -145,7 +155,7 @@ impl<'a> Shots<'a> {
             self.mesh(shape).seen(&weights, &camera)
         });
         let best = crate::evaluate::largest(&seen.collect::<Vec<_>>());
-        Camera::around(&views[best], &centre, radius, side(WIDTH))
+        Camera::around(&views[best], &centre, radius, side(self.width))
     }
 
     /// Takes a picture, with a caption and, where a vertex is named, a ring around it, broken where
@@ -174,13 +184,14 @@ impl<'a> Shots<'a> {
         if let Some(vertex) = ring {
             let [x, y, _] = camera.project(&shape.positions[vertex]);
             let Size { width, height } = camera.size;
+            let ring = RING * width as f64;
             let slack = SLACK * self.subject.model.measured.diagonal;
             let class = if mesh.hides(vertex, slack, camera) { "hidden" } else { "seen" };
             let _ = write!(
                 over,
                 "<svg viewBox=\"0 0 {width} {height}\" aria-hidden=\"true\"><g \
-                 class=\"{class}\"><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"20\"/><circle cx=\"{x:.1}\" \
-                 cy=\"{y:.1}\" r=\"20\"/></g></svg>"
+                 class=\"{class}\"><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{ring:.1}\"/><circle cx=\"{x:.1}\" \
+                 cy=\"{y:.1}\" r=\"{ring:.1}\"/></g></svg>"
             );
         }
         let bar = match paint {

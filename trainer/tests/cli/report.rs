@@ -23,9 +23,7 @@ fn report_writes_the_page_and_what_is_asked_for_beside_it() {
         run.out.starts_with(&folder.sinew("eval demo.sinew demo.npz").done().out.trim_end()[..])
     );
 
-    // The pictures are of one side; another gives others, and the same gives the same.
-    folder.sinew(&format!("{REPORT} --quick")).done();
-    assert!(folder.read("page.html") == page.as_bytes());
+    // From another side the pictures are others.
     folder.sinew(&format!("{REPORT} --quick --up z --view -30,60")).done();
     assert!(folder.read("page.html") != page.as_bytes());
 }
@@ -40,8 +38,6 @@ fn report_measures_as_eval_does_and_compares() {
     assert_eq!(found["compared"], eval("other.sinew"));
     let page = String::from_utf8(folder.read("page.html")).unwrap();
     assert!(page.contains("<h1>demo.sinew on demo.npz, compared with other.sinew</h1>"));
-    let found = folder.sinew(&format!("{REPORT} --quick --json --split train")).json();
-    assert_eq!((&found["model"]["split"], &found["compared"]), (&"train".into(), &Value::Null));
 }
 
 #[test]
@@ -51,7 +47,8 @@ fn without_held_out_frames_the_report_says_that_it_measures_the_training() {
     set.wholes.get_mut("split").unwrap().1.fill(0);
     set.write(&folder.path("all.npz"));
     let report = "report demo.sinew all.npz -o page.html --quick";
-    assert_eq!(folder.sinew(&format!("{report} --json")).json()["model"]["split"], "train");
+    let found = folder.sinew(&format!("{report} --json")).json();
+    assert_eq!((&found["model"]["split"], &found["compared"]), (&"train".into(), &Value::Null));
     let page = String::from_utf8(folder.read("page.html")).unwrap();
     assert!(page.contains("because the examples hold none out"), "{page:.2000}");
     let line = folder.sinew(&format!("{report} --split held-out")).failed();
