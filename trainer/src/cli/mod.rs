@@ -51,7 +51,7 @@ enum Command {
     Eval(eval::Arguments),
     /// Shows what a model file holds
     Inspect(inspect::Arguments),
-    /// Shows where a model errs, as a page of pictures, charts and tables
+    // Without a line here, --help shows all that the arguments say.
     Report(report::Arguments),
 }
 

@@ -19,9 +19,7 @@ fn report_writes_the_page_and_what_is_asked_for_beside_it() {
     let rows = String::from_utf8(folder.read("frames.csv")).unwrap().lines().count();
     assert_eq!(rows, 1 + HELD_OUT);
     assert!(folder.read("rest.ply").starts_with(b"ply\n"));
-    assert!(
-        run.out.starts_with(&folder.sinew("eval demo.sinew demo.npz").done().out.trim_end()[..])
-    );
+    assert!(run.out.starts_with(folder.sinew("eval demo.sinew demo.npz").done().out.trim_end()));
 
     // From another side the pictures are others.
     folder.sinew(&format!("{REPORT} --quick --up z --view -30,60")).done();
