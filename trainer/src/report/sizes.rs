@@ -12,9 +12,9 @@ use crate::progress::Progress;
 use sinew_runtime::Limits;
 use std::time::Instant;
 
-/// Most vertices x training frames x proxies of a training with twice the proxies: some 20 s on two
-/// cores.
-const TWICE_MOST: usize = 100_000_000;
+/// Most vertices x training frames x proxies of a training with twice the proxies: some 20 s of work
+/// for kernel maps, thrice that for a hybrid.
+const TWICE_MOST: usize = 300_000_000;
 
 /// Trainings with several numbers of proxies.
 pub(super) struct Sizes {
