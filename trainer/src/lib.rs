@@ -3,7 +3,7 @@
 //!
 //! The way through: [`examples`] are loaded, a [`check`] tells what is wrong with them, an
 //! [`envelope`] is fitted to them, [`bake`] writes the file, [`evaluate`] measures that file with the
-//! runtime, and [`export`] hands it to engines.
+//! runtime, [`report`] shows where the error is, and [`export`] hands it to engines.
 #![forbid(unsafe_code)]
 
 mod axes;
@@ -17,3 +17,4 @@ pub mod export;
 pub mod files;
 pub mod kernel;
 pub mod progress;
+pub mod report;

@@ -2,11 +2,11 @@
 
 use super::bars::Bars;
 use super::files::{self, Target};
+use super::measured::{SplitName, blame};
 use super::{Output, input, table};
 use anyhow::Context;
-use clap::ValueEnum;
-use sinew_trainer::evaluate::{EvaluateError, Frames, evaluate, open, skin};
-use sinew_trainer::examples::{Examples, Split};
+use sinew_trainer::evaluate::{Frames, evaluate, open, skin};
+use sinew_trainer::examples::Examples;
 use std::path::PathBuf;
 
 /// Runs MODEL on the poses of EXAMPLES and measures its distance from their meshes.
@@ -27,29 +27,6 @@ pub(super) struct Arguments {
     write_vertices: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum SplitName {
-    /// Those that the fit reads
-    Train,
-    /// Those that the fit never reads
-    HeldOut,
-    /// Those beyond the range of motion of the training frames
-    Extreme,
-    /// All three
-    All,
-}
-
-impl SplitName {
-    fn frames(self) -> Frames {
-        match self {
-            SplitName::Train => Frames::Of(Split::Train),
-            SplitName::HeldOut => Frames::Of(Split::HeldOut),
-            SplitName::Extreme => Frames::Of(Split::Extreme),
-            SplitName::All => Frames::All,
-        }
-    }
-}
-
 pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let mut inputs = arguments.input.files();
     inputs.push(arguments.model.clone());
@@ -59,38 +36,14 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let examples = arguments.input.load(output)?.examples;
     let frames = arguments.split.frames();
     let measuring = Bars::busy(output, "measuring");
-    let evaluation =
-        evaluate(&model, &examples, frames).map_err(|error| blame(error, arguments, &examples))?;
+    let blamed = |error| blame(error, &arguments.model, &arguments.input, frames, &examples);
+    let evaluation = evaluate(&model, &examples, frames).map_err(blamed)?;
     if let Some(target) = &vertices {
         let bytes = skinned(&model, &examples, frames).context("cannot skin")?;
         files::write(&[(target, &bytes)])?;
     }
     drop(measuring);
     output.print(&evaluation, &table::evaluation(&evaluation))
-}
-
-/// Names the file that an error is about.
-fn blame(error: EvaluateError, arguments: &Arguments, examples: &Examples) -> anyhow::Error {
-    let source = arguments.input.examples.display();
-    let at_fault = match &error {
-        EvaluateError::NoFrames { .. } => {
-            let hint = if arguments.input.hold_out.is_none()
-                && arguments.split.frames() == Frames::Of(Split::HeldOut)
-            {
-                "; see --split and --hold-out"
-            } else {
-                ""
-            };
-            return anyhow::anyhow!(
-                "{source}: {error}: {}{hint}",
-                input::describe_frames(examples)
-            );
-        }
-        EvaluateError::Frame { .. } | EvaluateError::Examples(_) => source,
-        _ => arguments.model.display(),
-    };
-    let at_fault = at_fault.to_string();
-    anyhow::Error::new(error).context(at_fault)
 }
 
 /// Skins frames into the bytes of an npy file.

@@ -44,6 +44,11 @@ impl Target {
         Ok(target)
     }
 
+    /// Returns the place as it was named.
+    pub(super) fn named(&self) -> &Path {
+        &self.named
+    }
+
     /// Tells whether two targets are one file.
     pub(super) fn is(&self, other: &Target) -> bool {
         self.place == other.place

@@ -30,7 +30,7 @@ pub(super) struct ExampleArguments {
     #[arg(long, value_name = "FILE")]
     pub(super) importance: Option<PathBuf>,
     /// Hold out this share of the frames (0.25 is a quarter), in contiguous blocks, instead of the
-    /// file's own split; give `train` and `eval` the same share
+    /// file's own split; give `train`, `eval` and `report` the same
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub(super) hold_out: Option<f64>,
     /// Hold out the frames of this clip; may be given several times

@@ -9,6 +9,8 @@ mod export_demo;
 mod files;
 mod input;
 mod inspect;
+mod measured;
+mod report;
 mod table;
 mod train;
 
@@ -49,6 +51,7 @@ enum Command {
     Train(train::Arguments),
     Eval(eval::Arguments),
     Inspect(inspect::Arguments),
+    Report(report::Arguments),
     Export(export::Arguments),
     ExportDemo(export_demo::Arguments),
 }
@@ -61,6 +64,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Train(arguments) => train::run(arguments, cli.output),
         Command::Eval(arguments) => eval::run(arguments, cli.output),
         Command::Inspect(arguments) => inspect::run(arguments, cli.output),
+        Command::Report(arguments) => report::run(arguments, cli.output),
         Command::Export(arguments) => export::run(arguments, cli.output),
         Command::ExportDemo(arguments) => export_demo::run(arguments, cli.output),
     };

@@ -7,6 +7,7 @@ mod export;
 mod import;
 mod outputs;
 mod refusals;
+mod report;
 
 use common::{Folder, HELD_OUT, PROXIES, Set, TRAINING, read_npy};
 use serde_json::{Value, json};

@@ -1,0 +1,41 @@
+//! Errors by frame, as a table for other tools.
+
+use super::subject::{Subject, use_of};
+
+/// Writes a row for each measured frame, under a row of names: `frame`, `clip`, `split`, `vertices`;
+/// then, for the model, and with `lbs_` and `other_` before them for LBS and for the model that it is
+/// compared with, `rms`, `p99` and `max` in % of the rest diagonal, `worst_vertex` and `confidence`.
+///
+/// # Errors
+/// Those of the writer.
+pub fn by_frame(subject: &Subject<'_>) -> Result<Vec<u8>, csv::Error> {
+    let series = subject.series();
+    // The model's own columns first.
+    let order = [1, 0, 2].into_iter().filter_map(|place| series.get(place));
+    let order: Vec<_> = order.zip(["", "lbs_", "other_"]).collect();
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut names = ["frame", "clip", "split", "vertices"].map(str::to_owned).to_vec();
+    for (series, prefix) in &order {
+        names.extend(["rms", "p99", "max", "worst_vertex"].map(|name| format!("{prefix}{name}")));
+        names.extend(series.model.map(|_| format!("{prefix}confidence")));
+    }
+    writer.write_record(&names)?;
+    let (examples, source) = (subject.source.examples, &subject.source);
+    for (place, frame) in subject.measured_frames().into_iter().enumerate() {
+        let clip = source.clip_of(frame).map_or("", |clip| source.clips[clip].name.as_str());
+        let split = use_of(examples.split[frame]);
+        let mut row = vec![frame.to_string(), clip.to_owned(), split.to_owned()];
+        row.push(examples.vertex_len().to_string());
+        for (series, _) in &order {
+            let (errors, frame) =
+                (series.measured.errors_in(place), &series.measured.frames[place]);
+            row.extend(
+                [errors.rms_percent, errors.p99_percent, errors.max_percent].map(|e| e.to_string()),
+            );
+            row.push(frame.worst_vertex().to_string());
+            row.extend(series.model.map(|_| frame.confidence.to_string()));
+        }
+        writer.write_record(&row)?;
+    }
+    writer.into_inner().map_err(|error| error.into_error().into())
+}

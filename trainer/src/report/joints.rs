@@ -1,0 +1,41 @@
+//! Errors by joint: each vertex counts for the joint that LBS lets it follow most.
+
+use super::subject::Subject;
+
+/// The vertices of one joint and their errors.
+pub(super) struct JointErrors {
+    /// The joint.
+    pub(super) joint: usize,
+    /// Its vertices.
+    pub(super) vertices: usize,
+    /// RMS error in all frames of LBS and of each model, in % of the rest diagonal.
+    pub(super) rms_percent: Vec<f64>,
+    /// Number of the frame in which the model errs most on them, and its RMS error there.
+    pub(super) worst: (usize, f64),
+}
+
+/// Measures the errors of every joint that some vertex counts for, the model's largest first.
+pub(super) fn by_joint(subject: &Subject<'_>) -> Vec<JointErrors> {
+    let examples = subject.source.examples;
+    let mut vertices = vec![Vec::new(); examples.joint_len()];
+    for vertex in 0..examples.vertex_len() {
+        let strongest = subject.lbs.weights.of(vertex).next();
+        vertices[strongest.map_or(examples.skeleton.root(), |(joint, _)| joint)].push(vertex);
+    }
+    let (measured, series) = (&subject.model.measured, subject.series());
+    let mut joints: Vec<JointErrors> = vertices
+        .iter()
+        .enumerate()
+        .filter(|(_, vertices)| !vertices.is_empty())
+        .map(|(joint, vertices)| {
+            let frames = measured.frames.iter().enumerate();
+            let worst = frames
+                .map(|(place, frame)| (frame.frame, measured.rms_percent_in(place, vertices)))
+                .fold((0, -1.0), |worst, next| if next.1 > worst.1 { next } else { worst });
+            let of = series.iter().map(|series| series.measured.rms_percent_of(vertices));
+            JointErrors { joint, vertices: vertices.len(), rms_percent: of.collect(), worst }
+        })
+        .collect();
+    joints.sort_by(|a, b| b.rms_percent[1].total_cmp(&a.rms_percent[1]));
+    joints
+}

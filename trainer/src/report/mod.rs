@@ -1,0 +1,21 @@
+//! The page that shows where a model's error is: pictures, charts and tables in one HTML file, and
+//! the same figures as CSV and PLY. Every number is measured by the f32 runtime on the file's bytes.
+
+mod bars;
+pub mod camera;
+mod chart;
+pub mod colour;
+pub mod csv;
+mod html;
+mod joints;
+mod page;
+mod palette;
+pub mod ply;
+pub mod render;
+mod shots;
+mod sizes;
+mod stopwatch;
+pub mod subject;
+
+pub use page::{Page, ReportError};
+pub use shots::Wish;

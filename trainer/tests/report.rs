@@ -1,0 +1,300 @@
+//! The report against the measurement that `sinew eval` prints.
+
+#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
+
+use sinew_runtime::format::{Certificate, Predictor};
+use sinew_trainer::bake::bake;
+use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::fitted::{Base, Fitted};
+use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::training::Training;
+use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
+use sinew_trainer::examples::{Clip, Examples, Split};
+use sinew_trainer::progress::Silent;
+use sinew_trainer::report::subject::{File, Source, Subject};
+use sinew_trainer::report::{Page, Wish, csv, ply};
+use std::collections::HashMap;
+
+const HELD_OUT: Frames = Frames::Of(Split::HeldOut);
+
+/// A small arm with names that a page must not believe, in two clips.
+fn arm() -> (Examples, Vec<Clip>) {
+    let mut examples = demo(&DemoOptions { vertices: 250, poses: 24, held_out: 8, seed: 3 });
+    examples.skeleton.names[2] = "<script>alert(1)</script> & \"co\"".to_owned();
+    let clip = |name: &str, frames: std::ops::Range<usize>| Clip {
+        name: name.to_owned(),
+        first: frames.start,
+        times: frames.map(|frame| frame as f64 / 30.0).collect(),
+    };
+    let middle = examples.frames_of(Split::HeldOut)[4];
+    let len = examples.frame_len();
+    (examples, vec![clip("walk", 0..middle), clip("</title><img src=x>", middle..len)])
+}
+
+fn model(examples: &Examples, predictor: Predictor) -> Vec<u8> {
+    let proxies = Some(ProxyCount::Fixed(8));
+    let options = Options { predictor: Predict::Only(predictor), proxies, ..Options::default() };
+    train(examples, &options, &Silent).unwrap().model
+}
+
+/// LBS as a model, with one rest vertex moved by so much.
+fn disturbed(examples: &Examples, vertex: usize, by: f64) -> Vec<u8> {
+    let training = Training::new(examples, &Silent).unwrap();
+    let weights = training.lbs.weights.clone();
+    let fitted = Fitted { weights, base: Base::Joints(Vec::new()), groups: Vec::new() };
+    let mut parts = fitted.parts(&training, examples, Certificate::default());
+    parts.rest_positions[vertex][1] += by;
+    bake(&parts).unwrap()
+}
+
+fn source<'a>(examples: &'a Examples, clips: &'a [Clip]) -> Source<'a> {
+    Source { examples, clips, name: "arm <1>.npz" }
+}
+
+fn file(bytes: &[u8]) -> File<'_> {
+    File { name: "a&b.sinew", bytes }
+}
+
+fn page(subject: &Subject<'_>, sizes: bool) -> String {
+    let wish = Wish { width: 90, ..Wish::default() };
+    Page { subject, wish, sizes }.html(&Silent).unwrap()
+}
+
+/// Checks that tags are balanced and that attributes and text hold no bare `<`; lists the tags.
+fn tags(html: &str) -> Vec<String> {
+    let mut open: Vec<&str> = Vec::new();
+    let mut all = Vec::new();
+    let mut rest = html.strip_prefix("<!DOCTYPE html>").unwrap();
+    while let Some((text, after)) = rest.split_once('<') {
+        assert!(!text.contains('>') || open.last() == Some(&"style"), "{text}");
+        let (tag, after) = after.split_once('>').unwrap();
+        assert!(!tag.contains('<') && tag.matches('"').count() % 2 == 0, "{tag}");
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name));
+        } else {
+            let name = tag.split([' ', '/']).next().unwrap();
+            all.push(name.to_owned());
+            if !["meta", "img"].contains(&name) && !tag.ends_with('/') {
+                open.push(name);
+            }
+        }
+        rest = after;
+    }
+    assert!(open.is_empty(), "{open:?}");
+    all
+}
+
+/// The cells of every table, by row, without markup.
+fn rows(html: &str) -> Vec<Vec<String>> {
+    let cells = |row: &str| -> Vec<String> {
+        let (cells, _) = row.rsplit_once("</t").unwrap();
+        cells.split("</t").map(|cell| cell.rsplit_once('>').unwrap().1.to_owned()).collect()
+    };
+    html.split("<tr>").skip(1).map(|row| cells(row.split("</tr>").next().unwrap())).collect()
+}
+
+fn row<'a>(rows: &'a [Vec<String>], first: &str) -> &'a [String] {
+    rows.iter().find(|row| row.first().is_some_and(|cell| cell == first)).unwrap()
+}
+
+fn accuracy(of: &Evaluation, lbs: bool) -> [String; 4] {
+    let e = if lbs { &of.lbs } else { &of.errors };
+    [
+        format!("{:.4} %", e.rms_percent),
+        format!("{:.4} %", e.p99_percent),
+        format!("{:.4} %", e.max_percent),
+        format!("{:.2}°", e.normal_rms_degrees),
+    ]
+}
+
+#[test]
+fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
+    let (examples, clips) = arm();
+    let [bytes, other] = [Predictor::Kernel, Predictor::Rotational].map(|p| model(&examples, p));
+    let mut subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    subject.compare(File { name: "other", bytes: &other }).unwrap();
+    let html = page(&subject, true);
+    let tags = tags(&html);
+    let count = |name: &str| tags.iter().filter(|tag| *tag == name).count();
+    assert_eq!(
+        (count("script"), count("link"), count("h1"), count("title")),
+        (0, 0, 1, tags_of_titles(&html))
+    );
+    // Truth, LBS and two models twice over, as clay and as heat; then the whole of both on the rest
+    // pose; then the palettes: joints alone and the map of each vertex, and the other's maps.
+    assert_eq!(count("img"), 4 * 4 + 5 + 3);
+    assert!(!html.contains("http") && !html.contains("src=\"/"));
+    assert!(html.contains("&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;co&quot;"));
+    assert!(html.contains("a&amp;b.sinew on arm &lt;1&gt;.npz, compared with other"));
+    assert!(html.contains("&lt;/title&gt;&lt;img src=x&gt;"), "the clip of some frame");
+
+    let rows = rows(&html);
+    let found = [&bytes, &other].map(|model| evaluate(model, &examples, HELD_OUT).unwrap());
+    assert_eq!(subject.evaluations()[..].len(), 2);
+    for (a, b) in subject.evaluations().iter().zip(&found) {
+        assert_eq!(serde_json::to_value(a).unwrap(), serde_json::to_value(b).unwrap());
+    }
+    assert_eq!(row(&rows, "LBS, 4 influences")[1..5], accuracy(&found[0], true));
+    assert_eq!(row(&rows, "a&amp;b.sinew")[1..5], accuracy(&found[0], false));
+    assert_eq!(row(&rows, "other")[1..5], accuracy(&found[1], false));
+
+    // Joints: their vertices are all vertices, and their squares sum up to the whole's.
+    let names = examples.skeleton.names.iter();
+    let names: Vec<String> = names
+        .map(|n| {
+            n.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+        })
+        .collect();
+    let joints: Vec<_> = rows.iter().filter(|row| names.contains(&row[0])).collect();
+    let number = |cell: &str| cell.replace('\u{202f}', "").parse::<f64>().unwrap();
+    let vertices: f64 = joints.iter().map(|row| number(&row[1])).sum();
+    assert_eq!(vertices, examples.vertex_len() as f64);
+    for (column, whole) in [
+        (2, found[0].lbs.rms_percent),
+        (3, found[0].errors.rms_percent),
+        (4, found[1].errors.rms_percent),
+    ] {
+        let squares: f64 = joints.iter().map(|r| number(&r[1]) * number(&r[column]).powi(2)).sum();
+        assert!(((squares / vertices).sqrt() / whole - 1.0).abs() < 0.01, "{column}");
+    }
+    // A training with as many proxies as the model has gives the model again.
+    let again = row(&rows, "8");
+    assert_eq!(again[1..5], accuracy(&found[0], false));
+    assert_eq!(again[6].replace('\u{202f}', ""), format!("{} B", bytes.len()));
+    for proxies in ["2", "4", "16"] {
+        assert_eq!(row(&rows, proxies).len(), 8);
+    }
+}
+
+/// SVG has titles too: what lies under the pointer.
+fn tags_of_titles(html: &str) -> usize {
+    html.matches("<title>").count()
+}
+
+#[test]
+fn a_disturbed_vertex_is_the_worst_one_everywhere() {
+    let (examples, clips) = arm();
+    let (vertex, by) = (123, 0.2 * examples.diagonal());
+    let bytes = disturbed(&examples, vertex, by);
+    let subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let html = page(&subject, false);
+    tags(&html);
+    let sentence = format!("Vertex {vertex}, where the model is off by ");
+    let (_, after) = html.split_once(&sentence).expect("the worst vertex is named");
+    // LBS moves a vertex as far as its rest position was moved, or less where joints disagree.
+    let percent: f64 = after.split(' ').next().unwrap().parse().unwrap();
+    assert!((10.0..21.0).contains(&percent), "{percent}");
+    assert!(html.contains(&format!("The vertices with the largest: {vertex} (")));
+    assert!(html.contains("asked to train nothing"));
+    for record in ::csv::Reader::from_reader(&csv::by_frame(&subject).unwrap()[..]).records() {
+        assert_eq!(&record.unwrap()[7], vertex.to_string());
+    }
+    // Undisturbed, another one is.
+    let bytes = disturbed(&examples, vertex, 0.0);
+    let subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    assert!(!page(&subject, false).contains(&sentence));
+}
+
+#[test]
+fn the_table_by_frame_averages_to_what_evaluate_measures() {
+    let (examples, clips) = arm();
+    let [bytes, other] = [disturbed(&examples, 5, 0.01), disturbed(&examples, 6, 0.02)];
+    let mut subject = Subject::new(source(&examples, &clips), Frames::All, file(&bytes)).unwrap();
+    subject.compare(file(&other)).unwrap();
+    let table = csv::by_frame(&subject).unwrap();
+    let mut reader = ::csv::Reader::from_reader(&table[..]);
+    let names: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let rows: Vec<HashMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
+    assert_eq!(
+        names[..9],
+        ["frame", "clip", "split", "vertices", "rms", "p99", "max", "worst_vertex", "confidence"]
+    );
+    assert_eq!(rows.len(), examples.frame_len());
+    let [found, second] = [&bytes, &other].map(|m| evaluate(m, &examples, Frames::All).unwrap());
+    let errors = [("", found.errors), ("lbs_", found.lbs), ("other_", second.errors)];
+    for (prefix, errors) in errors {
+        let column = |name: &str| -> Vec<f64> {
+            rows.iter().map(|row| row[&format!("{prefix}{name}")].parse().unwrap()).collect()
+        };
+        let squares = column("rms").iter().map(|rms| rms * rms).sum::<f64>();
+        let rms = (squares / rows.len() as f64).sqrt();
+        assert!((rms / errors.rms_percent - 1.0).abs() < 1e-12, "{prefix}: {rms}");
+        assert_eq!(column("max").into_iter().fold(0.0, f64::max), errors.max_percent);
+        assert!(column("rms").iter().zip(column("p99")).all(|(rms, p99)| *rms > 0.0 && *rms < p99));
+    }
+    for (frame, row) in rows.iter().enumerate() {
+        assert_eq!(row["frame"], frame.to_string());
+        let clip = if frame < clips[1].first { 0 } else { 1 };
+        assert_eq!(row["clip"], clips[clip].name);
+        let held_out = examples.split[frame] == Split::HeldOut;
+        assert_eq!(row["split"], if held_out { "held-out" } else { "train" });
+    }
+}
+
+#[test]
+fn the_mesh_holds_every_vertex_with_its_error() {
+    let (examples, clips) = arm();
+    let vertex = 77;
+    let bytes = disturbed(&examples, vertex, 0.1);
+    let subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let mesh = ply::rest_mesh(&subject);
+    let end = "end_header\n";
+    let header_len = mesh.windows(end.len()).position(|w| w == end.as_bytes()).unwrap() + end.len();
+    let header = std::str::from_utf8(&mesh[..header_len]).unwrap();
+    let (v, t) = (examples.vertex_len(), examples.triangles.len());
+    assert!(header.starts_with("ply\nformat binary_little_endian 1.0\n"), "{header}");
+    assert!(header.contains(&format!("element vertex {v}\n")));
+    assert!(header.contains(&format!("element face {t}\n")));
+    assert_eq!(mesh.len(), header_len + v * (4 * 4 + 3) + t * (1 + 3 * 4));
+    let float = |at: usize| f64::from(f32::from_le_bytes(mesh[at..][..4].try_into().unwrap()));
+    let mut squares = 0.0;
+    let mut largest = (0, 0.0);
+    for k in 0..v {
+        let at = header_len + 19 * k;
+        for axis in 0..3 {
+            assert!((float(at + 4 * axis) - examples.rest[k][axis]).abs() < 1e-6);
+        }
+        let error = float(at + 15);
+        squares += error * error;
+        largest = if error > largest.1 { (k, error) } else { largest };
+    }
+    let rms = evaluate(&bytes, &examples, HELD_OUT).unwrap().errors.rms_percent;
+    assert!(((squares / v as f64).sqrt() / rms - 1.0).abs() < 1e-6);
+    assert_eq!(largest.0, vertex);
+    let corners = &mesh[header_len + 19 * v..];
+    for (face, corner) in examples.triangles.iter().zip(corners.chunks(13)) {
+        let expected = face.map(|c| (c as i32).to_le_bytes()).concat();
+        assert_eq!((corner[0], &corner[1..]), (3, &expected[..]));
+    }
+}
+
+#[test]
+fn a_page_is_the_same_for_any_number_of_threads() {
+    let (examples, clips) = arm();
+    let bytes = disturbed(&examples, 9, 0.05);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+            page(&subject, false)
+        })
+    };
+    assert!(on(1) == on(3));
+}
+
+#[test]
+fn training_frames_are_told_for_what_they_are() {
+    let (mut examples, clips) = arm();
+    examples.split.fill(Split::Train);
+    let bytes = disturbed(&examples, 9, 0.0);
+    let train = Frames::Of(Split::Train);
+    let subject = Subject::new(source(&examples, &clips), train, file(&bytes)).unwrap();
+    assert!(page(&subject, false).contains("because the examples hold none out"));
+    // Without any of them nothing can be trained, and the rest of the page is still there.
+    examples.split.fill(Split::HeldOut);
+    let subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let html = page(&subject, true);
+    assert!(html.contains("cannot be trained: the fit needs 6 training poses, found 0."));
+    tags(&html);
+}
