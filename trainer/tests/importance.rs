@@ -1,10 +1,12 @@
 //! Importance: vertices that count more are fitted better, and equal numbers change nothing.
 
+#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
+
 use sinew_runtime::format::Predictor;
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
-use sinew_trainer::evaluate::{open, skin};
+use sinew_trainer::evaluate::{Frames, evaluate, open, skin};
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::progress::Silent;
 
@@ -57,5 +59,38 @@ fn vertices_that_count_alike_count_as_without() {
     weighed.weigh(vec![2.0; plain.vertex_len()]).unwrap();
     for predictor in [Predictor::Rotational, Predictor::Kernel] {
         assert_eq!(model(&weighed, predictor), model(&plain, predictor));
+    }
+}
+
+/// Vertices that count three times among those that count once are measured as if each stood there
+/// three times, and those that do not count as if they were not there.
+#[test]
+fn figures_count_vertices_as_they_count() {
+    let plain = arm();
+    let model = model(&plain, Predictor::Kernel);
+    let mut weighed = plain.clone();
+    let counts = |vertex: usize| [1, 0, 3][vertex % 3];
+    weighed.weigh((0..plain.vertex_len()).map(|v| counts(v) as f64).collect()).unwrap();
+    let found = evaluate(&model, &weighed, Frames::Of(Split::HeldOut)).unwrap().errors;
+
+    let envelope = open(&model, &plain).unwrap();
+    let mut distances = Vec::new();
+    for frame in plain.frames_of(Split::HeldOut) {
+        let skin = skin(&envelope, &plain, frame).unwrap();
+        let positions = skin.positions().chunks_exact(3).zip(plain.frame(frame)).enumerate();
+        for (vertex, (found, truth)) in positions {
+            let squared = found.iter().zip(truth).map(|(&a, b)| (f64::from(a) - b).powi(2));
+            distances.extend(vec![squared.sum::<f64>().sqrt(); counts(vertex)]);
+        }
+    }
+    distances.sort_by(f64::total_cmp);
+    let rms = (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt();
+    let percent = 100.0 / plain.diagonal();
+    let p99 = distances[(distances.len() * 99).div_ceil(100) - 1];
+    let max = distances[distances.len() - 1];
+    for (found, expected) in
+        [(found.rms, rms), (found.p99_percent, percent * p99), (found.max_percent, percent * max)]
+    {
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} against {expected}");
     }
 }

@@ -27,7 +27,10 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
             "demo.pc2: holds 25 meshes, the scene's clips have 20 frames (train: 20): export both",
         ),
         ("demo.glb --clip run", "demo.glb: has no clip run, there are: train, held-out"),
-        ("demo.glb --hold-out-clip run", "demo.glb: has no clip run, there are: train, held-out"),
+        (
+            "demo.glb --targets demo.pc2 --hold-out-clip run",
+            "demo.glb: has no clip run, there are: train, held-out",
+        ),
         ("demo.npz --targets demo.pc2", "demo.npz: --targets goes with a scene"),
         ("demo.npz --fps 30", "demo.npz: --fps goes with a scene"),
         ("demo.npz --importance two.txt", "two.txt: rest has "),

@@ -82,7 +82,7 @@ fn reports_that_cannot_be_made_are_refused_and_nothing_is_written() {
             "cannot write no/f: there is no folder no".to_owned(),
         ),
         ("inner demo.npz -o p", "cannot read inner: it is a folder".to_owned()),
-        ("demo.sinew inner -o p", "inner: is a folder, expected a .npz file".to_owned()),
+        ("demo.sinew inner -o p", "inner: is a folder, expected a file".to_owned()),
         ("demo.sinew other.npz -o p", format!("demo.sinew: {named}")),
         (
             "demo.sinew demo.npz -o p --split extreme",
