@@ -1,7 +1,7 @@
 //! Prints the figures of the README: errors on the data sets, training times, memory, scaling.
 //!
 //! `cargo bench -p sinew-trainer --bench figures [-- SECTION ...]`, where a section is `lbs`,
-//! `proxies`, `full`, `errors`, `ranges`, `time` or `scaling`. Sets that are not in
+//! `proxies`, `full`, `errors`, `ranges`, `import`, `time` or `scaling`. Sets that are not in
 //! `../shared/data` are named and left out.
 
 use faer::Mat;
@@ -16,7 +16,8 @@ use sinew_trainer::envelope::rotational::{self, basis, merge};
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::{Options, Predict, train, weights};
 use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
-use sinew_trainer::examples::{Examples, Importance, Split, npz};
+use sinew_trainer::examples::{Examples, Importance, Source, Split, load, npz, save_pc2};
+use sinew_trainer::export::{by_use, demo_glb};
 use sinew_trainer::progress::Silent;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -33,12 +34,13 @@ type Section = fn() -> Result<(), Box<dyn Error>>;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let sections: [(&str, Section); 7] = [
+    let sections: [(&str, Section); 8] = [
         ("lbs", lbs),
         ("proxies", proxies_alone),
         ("full", full),
         ("errors", errors),
         ("ranges", ranges),
+        ("import", import),
         ("time", time),
         ("scaling", scaling),
     ];
@@ -228,6 +230,43 @@ fn ranges() -> Result<(), Box<dyn Error>> {
             );
         }
     }
+    Ok(())
+}
+
+/// Reading the body's examples from the files that they may come in.
+fn import() -> Result<(), Box<dyn Error>> {
+    let Some((name, examples)) = sets()?.pop() else { return Ok(()) };
+    let (examples, clips) = by_use(examples);
+    let folder = std::env::temp_dir().join(format!("sinew-import-{}", std::process::id()));
+    let shapes = folder.join("shapes");
+    std::fs::create_dir_all(&shapes)?;
+    let [scene, points, arrays] =
+        ["body.glb", "body.pc2", "body.npz"].map(|name| folder.join(name));
+    std::fs::write(&scene, demo_glb(&examples, &clips)?)?;
+    save_pc2(&points, examples.vertex_len(), &examples.vertices)?;
+    npz::save_npz(&arrays, &examples)?;
+    let face = |t: &[usize; 3]| format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    let faces: String = examples.triangles.iter().map(face).collect();
+    for frame in 0..examples.frame_len() {
+        let vertex = |[x, y, z]: &[f64; 3]| format!("v {x:.6} {y:.6} {z:.6}\n");
+        let text = examples.frame(frame).iter().map(vertex).collect::<String>() + &faces;
+        std::fs::write(shapes.join(format!("pose_{frame}.obj")), text)?;
+    }
+    println!("{name}: {} vertices x {} frames", examples.vertex_len(), examples.frame_len());
+    for (what, file, targets) in [
+        (".npz", &arrays, None),
+        (".glb with .pc2", &scene, Some(&points)),
+        (".glb with .npz", &scene, Some(&arrays)),
+        (".glb with .obj", &scene, Some(&shapes)),
+        (".glb alone, its own LBS", &scene, None),
+    ] {
+        let start = Instant::now();
+        let targets = targets.map(PathBuf::as_path);
+        let loaded = load(&Source { targets, ..Source::file(file) })?.examples;
+        let seconds = start.elapsed().as_secs_f64();
+        println!("{what:<26}{seconds:.2} s, {} frames", loaded.frame_len());
+    }
+    std::fs::remove_dir_all(folder)?;
     Ok(())
 }
 

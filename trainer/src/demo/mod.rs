@@ -11,6 +11,7 @@ mod motion;
 mod rotation;
 mod shape;
 
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::examples::{Examples, Matrix3x4, Skeleton, Split};
@@ -48,11 +49,11 @@ pub fn demo(options: &DemoOptions) -> Examples {
     let clips = motion::clips(options.poses, options.held_out, options.seed);
     let frames: Vec<(Split, Pose)> = clips.iter().flat_map(Clip::frames).collect();
 
-    let rest: Vec<[f64; 3]> = skin.points.iter().map(|point| point.position.into()).collect();
+    let rest: Vec<[f64; 3]> = skin.points.iter().map(|point| single(point.position)).collect();
     let mut vertices = vec![[0.0; 3]; frames.len() * rest.len()];
     vertices.par_chunks_mut(rest.len()).zip(&frames).for_each(|(positions, (_, pose))| {
         for (position, flesh) in positions.iter_mut().zip(&flesh) {
-            *position = flesh.posed(pose).into();
+            *position = single(flesh.posed(pose));
         }
     });
     Examples {
@@ -65,6 +66,12 @@ pub fn demo(options: &DemoOptions) -> Examples {
         split: frames.iter().map(|(split, _)| *split).collect(),
         importance: None,
     }
+}
+
+/// Rounds a position to what a file in single precision holds: the arm is regular, and where two
+/// choices of a fit are equally good, rounding later would decide otherwise.
+fn single(position: Vector3<f64>) -> [f64; 3] {
+    position.map(|x| f64::from(x as f32)).into()
 }
 
 /// Names the joints, parents before children.
