@@ -72,7 +72,8 @@ pub struct Examples {
     pub rest: Vec<[f64; 3]>,
     /// Vertex numbers of each triangle, T; quads are split along their first diagonal.
     pub triangles: Vec<[usize; 3]>,
-    /// Texture coordinates, one per vertex, where the source has them so.
+    /// Texture coordinates, one per vertex, where the source has them so; v grows upward, as in most
+    /// formats but glTF.
     pub uv: Option<Vec<[f64; 2]>>,
     /// The joints.
     pub skeleton: Skeleton,

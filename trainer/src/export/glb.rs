@@ -53,7 +53,7 @@ pub(super) struct SkinnedMesh<'a> {
     pub(super) positions: &'a [[f64; 3]],
     /// Normals, V; those of no length become any direction, as glTF wants one.
     pub(super) normals: &'a [[f64; 3]],
-    /// Texture coordinates, V, v downward.
+    /// Texture coordinates, V, v upward.
     pub(super) uv: Option<&'a [[f64; 2]]>,
     /// Joint of the skin and weight, V lists.
     pub(super) influences: &'a [Vec<(usize, f64)>],
@@ -152,7 +152,8 @@ impl Document {
             (Semantic::Normals, self.floats(Type::Vec3, &normals, vertices)),
         ];
         if let Some(uv) = mesh.uv {
-            let uv: Vec<_> = uv.iter().map(|uv| uv.map(|x| x as f32)).collect();
+            // In glTF v grows downward.
+            let uv: Vec<_> = uv.iter().map(|&[u, v]| [u as f32, (1.0 - v) as f32]).collect();
             attributes.push((Semantic::TexCoords(0), self.floats(Type::Vec2, &uv, vertices)));
         }
         let most = mesh.influences.iter().map(Vec::len).max().unwrap_or(0).max(1);

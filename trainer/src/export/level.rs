@@ -26,12 +26,9 @@ pub struct Level {
 }
 
 impl Level {
-    /// Computes what the mesh needs beside its weights to be skinned.
-    pub(super) fn dressed(&self) -> (Vec<[f64; 3]>, Option<Vec<[f64; 2]>>) {
-        let Mesh { positions, triangles, uv } = &self.mesh;
-        // In an OBJ v grows upward.
-        let uv = uv.as_ref().map(|uv| uv.iter().map(|&[u, v]| [u, 1.0 - v]).collect());
-        (normals(positions, triangles), uv)
+    /// Computes the mesh's unit normals.
+    pub(super) fn normals(&self) -> Vec<[f64; 3]> {
+        normals(&self.mesh.positions, &self.mesh.triangles)
     }
 }
 

@@ -156,12 +156,11 @@ pub fn export(
         for level in levels {
             let (influences, report) = skinned.follow(level)?;
             reports.push(report);
-            let (normals, uv) = level.dressed();
             let mesh = SkinnedMesh {
                 name: &level.name,
                 positions: &level.mesh.positions,
-                normals: &normals,
-                uv: uv.as_deref(),
+                normals: &level.normals(),
+                uv: level.mesh.uv.as_deref(),
                 influences: &influences,
                 triangles: &level.mesh.triangles,
             };

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
-use sinew_trainer::examples::{Loaded, npz};
+use sinew_trainer::examples::{Loaded, Source, Warning, load, npz};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -65,6 +65,34 @@ fn a_scene_becomes_the_examples_that_it_shows() {
     near(&examples.frame(2)[5], &[0.3, -0.5, 1.3]);
     near(&examples.frame(2)[0], &[0.2, 0.0, 0.5]);
     near(&examples.frame(1)[0], &[0.15, 0.0, 0.5]);
+}
+
+/// Blender's own exporter writes other axes and units, and every bone.
+#[test]
+fn the_same_scene_as_fbx_moves_the_same_joints() {
+    let Some((output, path)) = export("fbx", &[]) else { return };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let scene = path.with_extension("fbx");
+    let source = Source { targets: Some(&path), ..Source::file(&scene) };
+    let Loaded { examples, warnings, .. } = load(&source).unwrap();
+    let how = "(x, -z, y) x 0.01".to_owned();
+    assert_eq!(warnings, [Warning::Moved { what: "joints", how }]);
+    assert_eq!(examples.skeleton.names, ["upper", "control", "lower"]);
+    let script = npz::load(&path).unwrap().examples;
+    assert_eq!(examples.rest, script.rest);
+    for frame in 0..3 {
+        for (joint, other) in [(0, 0), (2, 1)] {
+            let [found, expected] = [examples.pose(frame)[joint], script.pose(frame)[other]];
+            near(found.as_flattened(), expected.as_flattened());
+        }
+    }
+    // Alone the scene shows what the script saw, in its own space: skin and shape key.
+    let alone = load(&Source::file(&scene)).unwrap().examples;
+    let moved = |&[x, y, z]: &[f64; 3]| [0.01 * x, -0.01 * z, 0.01 * y];
+    for frame in 0..3 {
+        let found: Vec<_> = alone.frame(frame).iter().map(moved).collect();
+        near(found.as_flattened(), script.frame(frame).as_flattened());
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 """Makes the scene of the test: a limb of two deforming bones with one between them that deforms
-nothing, in centimetres under a node that makes metres of them. Saves it where its argument says."""
+nothing, in centimetres under a node that makes metres of them. Saves it where its argument says, and
+beside that as FBX."""
 
 import math
 import sys
@@ -52,4 +53,8 @@ for frame, degrees, swollen in ((1, 0, 0.0), (2, 45, 0.5), (3, 90, 1.0)):
     lower.keyframe_insert("rotation_euler", frame=frame)
     swell.value = swollen
     swell.keyframe_insert("value", frame=frame)
-bpy.ops.wm.save_as_mainfile(filepath=sys.argv[-1])
+path = sys.argv[-1]
+bpy.ops.wm.save_as_mainfile(filepath=path)
+bpy.ops.export_scene.fbx(
+    filepath=path.replace(".blend", ".fbx"), add_leaf_bones=False, use_mesh_modifiers=False
+)

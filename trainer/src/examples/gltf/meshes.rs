@@ -133,7 +133,8 @@ impl Meshes {
             uv.as_ref().map_or(vertex_len, |uv| uv.len() / 2),
         )?;
         self.uv = self.uv.take().zip(uv).map(|(mut all, uv)| {
-            all.extend_from_slice(uv.as_chunks().0);
+            // In glTF v grows downward.
+            all.extend(uv.as_chunks().0.iter().map(|&[u, v]| [u, 1.0 - v]));
             all
         });
 

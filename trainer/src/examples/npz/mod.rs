@@ -9,7 +9,7 @@
 //! | `bone_names`, `bone_parents` | J | unless the JSON has them; parent -1 is a root |
 //! | `split` | N | optional: 0 train, 1 held out, 2 extreme; all train without it |
 //! | `joint_world_rest` | J, 4, 4 | optional: rest frames of the joints |
-//! | `uv` | V, 2 | optional |
+//! | `uv` | V, 2 | optional; v grows upward |
 //!
 //! The JSON may hold `bone_names`, `bone_parents` (numbers or names), and `joint_rest_positions`
 //! (name to x y z), which serves where there is no `joint_world_rest`. It is read first; anything

@@ -161,6 +161,15 @@ fn meshes_are_joined_in_one_space() {
 }
 
 #[test]
+fn texture_coordinates_grow_upward() {
+    let mut made = Made::scene();
+    let uv = made.floats(&[[0.25, 0.0], [0.5, 0.25], [0.0, 1.0]]);
+    made.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(uv);
+    let uv = loaded(&made, "uv").examples.uv.unwrap();
+    assert_eq!(uv, [[0.25, 1.0], [0.5, 0.75], [0.0, 0.0]]);
+}
+
+#[test]
 fn clips_that_move_nothing_are_left_out() {
     let mut made = Made::scene();
     let (times, ends) = (made.floats(&[[0.0], [1.0]]), made.floats(&[[0.0_f32; 3]; 2]));
