@@ -4,23 +4,22 @@ use super::bars::Bars;
 use super::files::{self, Target};
 use super::{Output, input};
 use anyhow::bail;
+use clap::ValueEnum;
 use serde_json::json;
 use sinew_runtime::Model;
 use sinew_trainer::evaluate::EvaluateError;
 use sinew_trainer::examples::{Clip, Source, obj};
-use sinew_trainer::export::{ExportError, Level, LevelReport, export};
+use sinew_trainer::export::{ExportError, Level, LevelReport, Up, export};
 use std::path::{Path, PathBuf};
 
 /// Bakes a model and a clip into a GLB that plays in any engine
 ///
 /// Proxies become ordinary joints beside the skeleton, the runtime's prediction for every frame
 /// becomes their keys, and the mesh is skinned to them: an animation a clip, at the clip's times, in
-/// the units and axes of the examples (glTF takes metres, y up).
-///
-/// A proxy scales along axes of its
-/// own, which takes two nodes: proxy_N moves, turns and scales, and proxy_N_axes, the joint of the
-/// skin, turns the axes back. An engine must multiply the nodes' matrices, as glTF asks; one that
-/// keeps only a move, a turn and a scale of each joint in model space loses the shear.
+/// the units of the examples (glTF takes metres). A proxy scales along axes of its own, which takes
+/// two nodes: proxy_N moves, turns and scales, and proxy_N_axes, the joint of the skin, turns the
+/// axes back. An engine must multiply the nodes' matrices, as glTF asks; one that keeps only a move,
+/// a turn and a scale of each joint in model space loses the shear.
 ///
 /// Meshes given with --also hang on the same joints, so that one prediction drives every level of
 /// detail. Their weights come from the nearest points of the model's surface and are then fitted to
@@ -36,9 +35,18 @@ pub(super) struct Arguments {
     /// given several times
     #[arg(long, value_name = "LOD.obj")]
     also: Vec<PathBuf>,
+    /// The axis along which the character stands in the examples; glTF has y
+    #[arg(long, value_enum, value_name = "AXIS", default_value_t = UpName::Y)]
+    up: UpName,
     /// Where to write the file
     #[arg(long, short = 'o', value_name = "OUT.glb")]
     output: PathBuf,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum UpName {
+    Y,
+    Z,
 }
 
 /// Influences that every engine reads; more come in further sets, which many leave out.
@@ -53,9 +61,13 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let levels =
         arguments.also.iter().map(|file| level(file)).collect::<anyhow::Result<Vec<_>>>()?;
     let input::Input { examples, clips, .. } = input::load_poses(&arguments.clip, output)?;
+    let up = match arguments.up {
+        UpName::Y => Up::Y,
+        UpName::Z => Up::Z,
+    };
     let exporting = Bars::busy(output, "exporting");
     let exported =
-        export(&model, &examples, &clips, &levels).map_err(|error| blame(error, arguments))?;
+        export(&model, &examples, &clips, &levels, up).map_err(|error| blame(error, arguments))?;
     files::write(&[(&target, &exported.glb)])?;
     drop(exporting);
     for (level, file) in exported.levels.iter().zip(&arguments.also) {

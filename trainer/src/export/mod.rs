@@ -80,6 +80,15 @@ pub enum ExportError {
     Glb(#[from] gltf::Error),
 }
 
+/// The axis along which the examples' character stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Up {
+    /// y, as in glTF.
+    Y,
+    /// z: the armature turns the character upright.
+    Z,
+}
+
 /// An exported file.
 pub struct Exported {
     /// Its bytes.
@@ -102,6 +111,7 @@ pub fn export(
     examples: &Examples,
     clips: &[Clip],
     levels: &[Level],
+    up: Up,
 ) -> Result<Exported, ExportError> {
     let envelope = open(model, examples)?;
     let times = clips.iter().map(key_times).collect::<Result<Vec<_>, _>>()?;
@@ -121,7 +131,12 @@ pub fn export(
     let influences = level::influences(&envelope);
 
     let mut document = Document::new(NOTE);
-    let armature = document.node("armature".to_owned(), None, &Placed::AT_PARENT);
+    const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
+    let stands = match up {
+        Up::Y => Placed::AT_PARENT,
+        Up::Z => Placed { rotation: [-HALF, 0.0, 0.0, HALF], ..Placed::AT_PARENT },
+    };
+    let armature = document.node("armature".to_owned(), None, &stands);
     let joints = Joints::new(&mut document, armature, &examples.skeleton);
     let centres = centres(&envelope, &rest, &influences);
     let proxies = Proxies::new(&mut document, armature, &centres);

@@ -7,7 +7,7 @@ use sinew_runtime::Model;
 use sinew_runtime::format::Predictor;
 use sinew_trainer::examples::Examples;
 use sinew_trainer::examples::obj::Mesh;
-use sinew_trainer::export::{ExportError, Exported, Level, export};
+use sinew_trainer::export::{ExportError, Exported, Level, Up, export};
 
 fn level(name: &str, examples: &Examples) -> Level {
     let mesh = Mesh {
@@ -52,7 +52,7 @@ fn the_model_s_own_mesh_in_another_order_moves_as_the_model_does() {
     let last = examples.vertex_len() - 1;
     own.mesh.positions.reverse();
     own.mesh.triangles.iter_mut().flatten().for_each(|vertex| *vertex = last - *vertex);
-    let exported = export(&model, &examples, &[clip("all", 0, 20)], &[own]).unwrap();
+    let exported = export(&model, &examples, &[clip("all", 0, 20)], &[own], Up::Y).unwrap();
     let scene = Scene::read(&exported.glb);
     for key in [0, 7, 19] {
         let palette = scene.palette(&scene.worlds(Some((0, key, 0.0))));
@@ -70,7 +70,8 @@ fn a_coarser_mesh_is_fitted_and_comes_near_its_own_flesh() {
     let (examples, coarse) = (arm(1500), arm(300));
     let model = model(&examples, Predictor::Kernel, 20, 4);
     let fit = |frames: usize| {
-        export(&model, &examples, &[clip("all", 0, frames)], &[level("lod1", &coarse)]).unwrap()
+        export(&model, &examples, &[clip("all", 0, frames)], &[level("lod1", &coarse)], Up::Y)
+            .unwrap()
     };
     let all = examples.frame_len();
     let exported = fit(all);
@@ -92,12 +93,12 @@ fn a_mesh_in_other_units_or_with_strays_is_told() {
     let clips = [clip("all", 0, 4)];
     let mut metres = level("lod1", &examples);
     metres.mesh.positions.iter_mut().flatten().for_each(|x| *x *= 100.0);
-    match export(&model, &examples, &clips, &[metres]) {
+    match export(&model, &examples, &clips, &[metres], Up::Y) {
         Err(ExportError::LevelFar { name, percent }) => assert!(name == "lod1" && percent > 100.0),
         other => panic!("{:?}", other.map(|exported| exported.levels)),
     }
     let mut stray = level("lod1", &examples);
     stray.mesh.positions[5] = [9.0, 9.0, 9.0];
-    let exported = export(&model, &examples, &clips, &[stray]).unwrap();
+    let exported = export(&model, &examples, &clips, &[stray], Up::Y).unwrap();
     assert_eq!(exported.levels[0].far, 1);
 }

@@ -8,7 +8,7 @@ use sinew_runtime::{Envelope, Matrix3x4, Model};
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Clip, Examples};
-use sinew_trainer::export::export;
+use sinew_trainer::export::{Up, export};
 use sinew_trainer::progress::Silent;
 
 /// Greatest distance of the exported skin from the runtime's, as a share of the rest diagonal; the
@@ -25,7 +25,7 @@ struct Played<'a> {
 
 impl<'a> Played<'a> {
     fn new(examples: &'a Examples, model: Vec<u8>, clips: &'a [Clip]) -> Self {
-        let scene = Scene::read(&export(&model, examples, clips, &[]).unwrap().glb);
+        let scene = Scene::read(&export(&model, examples, clips, &[], Up::Y).unwrap().glb);
         let played = Self { examples, model, clips, scene };
         assert_eq!(played.scene.gltf.animations().len(), clips.len());
         let rest = played.skinned(&played.scene.worlds(None));
@@ -142,4 +142,18 @@ fn wide_palettes_and_many_influences() {
     assert!(played.envelope().palette_len() > 256 && played.envelope().influence_len() > 4);
     let off = played.off_at_keys();
     assert!(off < NEAR, "{off}");
+}
+
+#[test]
+fn a_character_that_stands_along_z_is_turned_upright() {
+    let examples = arm(300);
+    let clips = [clip("all", 0, 3)];
+    let model = model(&examples, Predictor::Kernel, 4, 4);
+    let skinned = |up| {
+        let scene = Scene::read(&export(&model, &examples, &clips, &[], up).unwrap().glb);
+        let name = Model::from_bytes(&model).unwrap().envelope().unwrap().name();
+        scene.skinned(name, &scene.palette(&scene.worlds(Some((0, 2, 0.0)))))
+    };
+    let upright: Vec<_> = skinned(Up::Y).iter().map(|x| Vector3::new(x.x, x.z, -x.y)).collect();
+    assert!(farthest(&skinned(Up::Z), &upright) < 1e-6 * examples.diagonal());
 }
