@@ -57,48 +57,48 @@ pub(super) fn takes(
     Ok(takes)
 }
 
-/// Gives the world frame of each joint in each frame, frame-major.
-pub(super) fn joints(
+/// What moves, frame by frame.
+pub(super) struct Posed {
+    /// World frame of each joint, N x J, frame-major.
+    pub(super) joints: Vec<Matrix4<f64>>,
+    /// Posed positions, N x V, frame-major, where they were asked for.
+    pub(super) shapes: Option<Vec<[f64; 3]>>,
+    /// Whether those are more than linear blend skinning: moved by blendshapes, or by dual
+    /// quaternions.
+    pub(super) morphs: bool,
+}
+
+/// Poses the joints at these nodes, and the vertices of parts, where there are any to pose.
+pub(super) fn posed(
     scene: &SceneRoot,
     takes: &[Take],
     nodes: &[usize],
-) -> Result<Vec<Matrix4<f64>>, ImportError> {
-    let pose = |&moment: &Moment| {
-        let posed = evaluate(scene, moment)?;
-        Ok(nodes.iter().map(|&node| matrix(&posed.nodes[node].node_to_world)).collect())
-    };
-    let poses: Vec<Result<Vec<_>, ImportError>> = moments(takes).par_iter().map(pose).collect();
-    poses.into_iter().collect::<Result<Vec<_>, _>>().map(|poses| poses.concat())
-}
-
-/// Gives the posed positions of each frame, frame-major, and tells whether they are more than linear
-/// blend skinning: moved by blendshapes, or by dual quaternions.
-pub(super) fn shapes(
-    scene: &SceneRoot,
-    takes: &[Take],
-    parts: &[Part],
-    vertex_len: usize,
-) -> Result<(Vec<[f64; 3]>, bool), ImportError> {
-    let moments = moments(takes);
-    let mut shapes = vec![[0.0; 3]; moments.len() * vertex_len];
-    let fill = |(shape, &moment): (&mut [[f64; 3]], &Moment)| {
-        let posed = evaluate(scene, moment)?;
-        let mut left = shape;
-        let mut morphs = false;
-        for part in parts {
-            let (here, after) = left.split_at_mut(posed.meshes[part.mesh].num_vertices);
-            morphs |= deform(&posed, part, here);
-            left = after;
+    parts: Option<&[Part]>,
+) -> Result<Posed, ImportError> {
+    let moments = takes.iter().flat_map(|take| take.times.iter().map(|&time| (take.stack, time)));
+    let pose = |&(stack, time): &(usize, f64)| {
+        let animation = &scene.anim_stacks[stack].anim;
+        let posed = ufbx::evaluate_scene(scene, animation, time, EvaluateOpts::default());
+        let posed = posed.map_err(fault)?;
+        let joints = nodes.iter().map(|&node| matrix(&posed.nodes[node].node_to_world));
+        let (mut shape, mut morphs) = (Vec::new(), false);
+        for part in parts.into_iter().flatten() {
+            morphs |= deform(&posed, part, &mut shape);
         }
-        Ok(morphs)
+        Ok((joints.collect::<Vec<_>>(), shape, morphs))
     };
-    let filled: Vec<Result<bool, ImportError>> =
-        shapes.par_chunks_mut(vertex_len).zip(&moments).map(fill).collect();
-    let mut morphs = false;
-    for moved in filled {
-        morphs |= moved?;
+    let moments: Vec<_> = moments.collect();
+    let frames: Vec<Result<_, ImportError>> = moments.par_iter().map(pose).collect();
+    let mut all = Posed { joints: Vec::new(), shapes: parts.map(|_| Vec::new()), morphs: false };
+    for frame in frames {
+        let (joints, shape, morphs) = frame?;
+        all.joints.extend(joints);
+        all.morphs |= morphs;
+        if let Some(shapes) = &mut all.shapes {
+            shapes.extend(shape);
+        }
     }
-    Ok((shapes, morphs))
+    Ok(all)
 }
 
 /// Lists the clips that the frames come from.
@@ -113,20 +113,8 @@ pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
     takes.into_iter().map(clip).collect()
 }
 
-/// An animation by its place in the scene, and a time in it.
-type Moment = (usize, f64);
-
-fn moments(takes: &[Take]) -> Vec<Moment> {
-    takes.iter().flat_map(|take| take.times.iter().map(|&time| (take.stack, time))).collect()
-}
-
-fn evaluate(scene: &SceneRoot, (stack, time): Moment) -> Result<SceneRoot, ImportError> {
-    let animation = &scene.anim_stacks[stack].anim;
-    ufbx::evaluate_scene(scene, animation, time, EvaluateOpts::default()).map_err(fault)
-}
-
-/// Poses the vertices of a part, and tells whether they are more than linear blend skinning.
-fn deform(posed: &Scene, part: &Part, positions: &mut [[f64; 3]]) -> bool {
+/// Adds the posed vertices of a part, and tells whether they are more than linear blend skinning.
+fn deform(posed: &Scene, part: &Part, positions: &mut Vec<[f64; 3]>) -> bool {
     let mesh = &posed.meshes[part.mesh];
     let Some(skin) = skin(mesh) else { return false };
     let mut shape = mesh.vertices.to_vec();
@@ -135,11 +123,11 @@ fn deform(posed: &Scene, part: &Part, positions: &mut [[f64; 3]]) -> bool {
     }
     // A vertex without weights follows its node.
     let unweighted = &posed.nodes[part.node].geometry_to_world;
-    for (vertex, (position, &v)) in positions.iter_mut().zip(&shape).enumerate() {
+    positions.extend(shape.into_iter().enumerate().map(|(vertex, v)| {
         let map = ufbx::get_skin_vertex_matrix(skin, vertex, unweighted);
         let v = ufbx::transform_position(&map, v);
-        *position = [v.x, v.y, v.z];
-    }
+        [v.x, v.y, v.z]
+    }));
     let channels = mesh.blend_deformers.into_iter().flat_map(|blend| &blend.channels);
     let mut keyframes = channels.flat_map(|channel| &channel.keyframes);
     let linear = [SkinningMethod::Linear, SkinningMethod::Rigid].contains(&skin.skinning_method);

@@ -12,6 +12,7 @@ use std::path::Path;
 use nalgebra::Matrix4;
 use ufbx::{AllocatorOpts, FileFormat, IndexErrorHandling, LoadOpts, SceneRoot};
 
+use self::frames::Posed;
 use self::joints::Joints;
 use super::rig::{Rig, Sampling};
 use super::{ExamplesError, ImportError};
@@ -46,15 +47,8 @@ fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<Rig, ImportError> {
     let geometry = meshes::join(&scene, &parts, &mut warnings);
     let Joints { nodes, names, parents, binds } = joints::find(&scene, &parts)?;
     let takes = frames::takes(&scene, &nodes, &parts, sampling, &mut warnings)?;
-    let frames = frames::joints(&scene, &takes, &nodes)?;
-    let vertex_len = geometry.rest.len();
-    let (shapes, morphs) = match meshes::are_posed(&scene, &parts, &mut warnings) {
-        true => {
-            let (shapes, morphs) = frames::shapes(&scene, &takes, &parts, vertex_len)?;
-            (Some(shapes), morphs)
-        }
-        false => (None, false),
-    };
+    let shown = meshes::are_posed(&scene, &parts, &mut warnings).then_some(parts.as_slice());
+    let Posed { joints: frames, shapes, morphs } = frames::posed(&scene, &takes, &nodes, shown)?;
     Ok(Rig {
         rest: geometry.rest,
         triangles: geometry.triangles,
