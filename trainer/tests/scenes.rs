@@ -6,7 +6,7 @@ use sinew_runtime::format::Predictor;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, Trained, train};
 use sinew_trainer::evaluate::{Frames, evaluate, open, skin};
-use sinew_trainer::examples::{Examples, Loaded, Source, Split, Warning, load};
+use sinew_trainer::examples::{Examples, Loaded, Source, Split, Warning, load, load_poses};
 use sinew_trainer::progress::Silent;
 use std::path::{Path, PathBuf};
 
@@ -71,4 +71,32 @@ fn joints_of_a_scene_with_meshes_of_arrays_give_the_model_of_the_arrays() {
         evaluate(&trained.model, examples, Frames::Of(Split::HeldOut)).unwrap().errors.rms
     });
     assert!((a / b - 1.0).abs() < 0.03, "{a} against {b}");
+}
+
+/// The poses of a scene without a skin, in other axes than a model trained on them.
+#[test]
+fn poses_are_moved_to_where_a_model_is() {
+    let Some(folder) = set("dem-bones") else { return };
+    let [scene, arrays] = ["Bone_Trans.fbx", "bone.npz"].map(|file| folder.join(file));
+    let error = load(&Source::file(&scene)).unwrap_err().to_string();
+    assert!(error.contains("holds poses but neither a skin nor shapes"), "{error}");
+
+    let whole = load(&Source::file(&arrays)).unwrap().examples;
+    let mut poses = load_poses(&Source::file(&scene)).unwrap().examples;
+    let trained = model(&whole, Predictor::Kernel, 4);
+    let refused = open(&trained.model, &poses).err().unwrap().to_string();
+    assert!(refused.starts_with("the model's rest mesh is not that of the examples"), "{refused}");
+    let how = "(x, -z, y)".to_owned();
+    assert_eq!(poses.move_to(&whole.rest).unwrap(), Some(Warning::Moved { what: "poses", how }));
+    assert!(open(&trained.model, &poses).is_ok());
+    let [found, expected] = [&poses, &whole].map(|examples| examples.transforms.as_flattened());
+    let differences = found.as_flattened().iter().zip(expected.as_flattened());
+    let most = differences.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(most < 2e-6, "{most:e}");
+    assert_eq!(poses.move_to(&whole.rest).unwrap(), None);
+
+    let mut other = whole.rest.clone();
+    other.iter_mut().for_each(|x| x[1] *= 1.1);
+    let error = poses.move_to(&other).unwrap_err().to_string();
+    assert!(error.starts_with("its rest mesh is not that of the model"), "{error}");
 }

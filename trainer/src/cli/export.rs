@@ -7,7 +7,7 @@ use anyhow::bail;
 use clap::ValueEnum;
 use serde_json::json;
 use sinew_runtime::Model;
-use sinew_trainer::evaluate::EvaluateError;
+use sinew_trainer::evaluate::{EvaluateError, envelope, rest};
 use sinew_trainer::examples::{Clip, Source, obj};
 use sinew_trainer::export::{ExportError, Level, LevelReport, Up, export};
 use std::path::{Path, PathBuf};
@@ -60,7 +60,10 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let model = input::read_model(&arguments.model)?;
     let levels =
         arguments.also.iter().map(|file| level(file)).collect::<anyhow::Result<Vec<_>>>()?;
-    let input::Input { examples, clips, .. } = input::load_poses(&arguments.clip, output)?;
+    let rest = envelope(&model)
+        .map(|envelope| rest(&envelope))
+        .map_err(|error| blame(error.into(), arguments))?;
+    let input::Input { examples, clips, .. } = input::load_poses(&arguments.clip, &rest, output)?;
     let up = match arguments.up {
         UpName::Y => Up::Y,
         UpName::Z => Up::Z,

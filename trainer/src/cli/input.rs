@@ -4,7 +4,8 @@ use super::Output;
 use super::bars::Bars;
 use anyhow::{Context, bail};
 use sinew_trainer::examples::{
-    Clip, Examples, ExamplesError, Loaded, Source, Split, Warning, hash_file, load, load_importance,
+    self, Clip, Examples, ExamplesError, LoadError, Loaded, Source, Split, hash_file, load,
+    load_importance,
 };
 use std::path::{Path, PathBuf};
 
@@ -57,7 +58,7 @@ pub(super) struct InputFile {
 impl ExampleArguments {
     /// Loads the examples and tells on standard error what should be known about them.
     pub(super) fn load(&self, output: Output) -> anyhow::Result<Input> {
-        let mut input = read(&self.source(), output, |_| true)?;
+        let mut input = read(self.source(), output, load)?;
         let examples = &mut input.examples;
         if let Some(file) = &self.importance {
             let numbers = load_importance(file)?;
@@ -103,23 +104,27 @@ impl ExampleArguments {
     }
 }
 
-/// Loads a file for its poses: that there may be nothing to learn from its meshes is not told.
-pub(super) fn load_poses(file: &Path, output: Output) -> anyhow::Result<Input> {
-    read(&Source::file(file), output, |warning| *warning != Warning::PlainSkin)
+/// Loads a file for its poses, and moves them to where their rest mesh is this one.
+pub(super) fn load_poses(file: &Path, rest: &[[f64; 3]], output: Output) -> anyhow::Result<Input> {
+    let mut input = read(Source::file(file), output, examples::load_poses)?;
+    let moved = input.examples.move_to(rest).with_context(|| file.display().to_string())?;
+    if let Some(warning) = moved {
+        output.warn(file.display(), warning);
+    }
+    Ok(input)
 }
 
-/// Loads examples and tells those warnings that matter.
+/// Loads examples and tells what should be known about them.
 fn read(
-    source: &Source<'_>,
+    source: Source<'_>,
     output: Output,
-    matters: impl Fn(&Warning) -> bool,
+    load: impl Fn(&Source<'_>) -> Result<Loaded, LoadError>,
 ) -> anyhow::Result<Input> {
     check(source.file)?;
     let reading = Bars::busy(output, "reading examples");
-    let Loaded { examples, clips, warnings } = load(source)?;
+    let Loaded { examples, clips, warnings } = load(&source)?;
     drop(reading);
-    let warnings = warnings.iter().filter(|warning| matters(warning)).map(ToString::to_string);
-    let warnings: Vec<String> = warnings.collect();
+    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     for warning in &warnings {
         output.warn(source.file.display(), warning);
     }

@@ -40,6 +40,15 @@ pub enum EvaluateError {
         /// In the examples.
         found: String,
     },
+    /// The model was made in another space, or for another mesh of as many vertices.
+    #[error(
+        "the model's rest mesh is not that of the examples: off by {percent:.1} % of the diagonal; \
+         give the examples as they were given in training, with the same --targets"
+    )]
+    RestMesh {
+        /// RMS distance in % of the diagonal.
+        percent: f64,
+    },
     /// There is no frame to measure.
     #[error("the examples have no {split} frame")]
     NoFrames {
@@ -58,6 +67,10 @@ pub enum EvaluateError {
         error: EvalError,
     },
 }
+
+/// Two rest meshes stand in one space within this share of the diagonal, RMS: other axes and units
+/// are further apart, a sculpt that was changed since shows as an error like any other.
+const SAME_SPACE: f64 = 0.05;
 
 /// What a model was measured to do.
 #[derive(Clone, Debug, Serialize)]
@@ -127,13 +140,27 @@ impl Frames {
     }
 }
 
+/// Reads a model's envelope.
+///
+/// # Errors
+/// [`EvaluateError::Format`] and [`EvaluateError::NoEnvelope`].
+pub fn envelope(model: &[u8]) -> Result<Envelope<'_>, EvaluateError> {
+    Model::from_bytes(model)?.envelope().ok_or(EvaluateError::NoEnvelope)
+}
+
+/// Lists the rest positions of an envelope's V vertices.
+pub fn rest(envelope: &Envelope<'_>) -> Vec<[f64; 3]> {
+    let position = |vertex| envelope.rest_position(vertex).unwrap_or_default().map(f64::from);
+    (0..envelope.vertex_len()).map(position).collect()
+}
+
 /// Opens a model's envelope and checks that it was made for the examples' character.
 ///
 /// # Errors
-/// [`EvaluateError::Format`], [`EvaluateError::NoEnvelope`], [`EvaluateError::Mismatch`],
-/// [`EvaluateError::JointName`].
+/// Those of [`envelope`], [`EvaluateError::Mismatch`], [`EvaluateError::JointName`] and
+/// [`EvaluateError::RestMesh`].
 pub fn open<'a>(model: &'a [u8], examples: &Examples) -> Result<Envelope<'a>, EvaluateError> {
-    let envelope = Model::from_bytes(model)?.envelope().ok_or(EvaluateError::NoEnvelope)?;
+    let envelope = envelope(model)?;
     for (what, expected, found) in [
         ("vertices", envelope.vertex_len(), examples.vertex_len()),
         ("joints", envelope.joint_len(), examples.joint_len()),
@@ -148,6 +175,12 @@ pub fn open<'a>(model: &'a [u8], examples: &Examples) -> Result<Envelope<'a>, Ev
             let (expected, found) = (expected.to_owned(), found.clone());
             return Err(EvaluateError::JointName { joint, expected, found });
         }
+    }
+    let squares = rest(&envelope).into_iter().zip(&examples.rest);
+    let squares = squares.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>());
+    let apart = (squares.sum::<f64>() / examples.vertex_len().max(1) as f64).sqrt();
+    if apart > SAME_SPACE * examples.diagonal() {
+        return Err(EvaluateError::RestMesh { percent: 100.0 * apart / examples.diagonal() });
     }
     Ok(envelope)
 }

@@ -28,7 +28,7 @@ pub use hash::hash_file;
 pub use importance::{Importance, load_importance};
 pub use rig::ImportError;
 pub(crate) use sample::spread;
-pub use source::{Source, load};
+pub use source::{Source, load, load_poses};
 pub(crate) use surface::normals;
 pub use targets::{TargetsError, save_pc2};
 pub use validate::RIGID;

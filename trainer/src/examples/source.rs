@@ -88,6 +88,19 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
     })
 }
 
+/// Reads poses; of a scene without a skin the rest mesh stands in for every posed one. The source's
+/// targets are not read.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
+    let blame = source.blame();
+    let Some(rig) = source.rig().map_err(&blame)? else { return npz::load(source.file) };
+    let (examples, clips, mut warnings) = rig.still().map_err(|error| blame(error.into()))?;
+    warnings.extend(examples.validate().map_err(&blame)?);
+    Ok(Loaded { examples, clips, warnings })
+}
+
 /// The end of a file's name, in lower case, without the dot.
 pub(super) fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()

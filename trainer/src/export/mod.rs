@@ -22,7 +22,7 @@ use self::glb::{Document, Placed, SkinnedMesh};
 use self::level::{Influences, Skinned};
 use self::proxies::Proxies;
 use self::skeleton::Joints;
-use crate::evaluate::{EvaluateError, open, palette, skin};
+use crate::evaluate::{EvaluateError, open, palette, rest, skin};
 use crate::examples::{Clip, Examples};
 
 /// Vertex numbers of a triangle.
@@ -125,9 +125,7 @@ pub fn export(
         .par_iter()
         .map(|&frame| Ok(palette(&envelope, examples, frame)?.0))
         .collect::<Result<Vec<_>, EvaluateError>>()?;
-    let rest: Vec<[f64; 3]> = (0..envelope.vertex_len())
-        .map(|vertex| envelope.rest_position(vertex).unwrap_or_default().map(f64::from))
-        .collect();
+    let rest = rest(&envelope);
     let influences = level::influences(&envelope);
 
     let mut document = Document::new(NOTE);

@@ -7,7 +7,8 @@ use std::fmt;
 
 use super::super::maps::{joined, parts};
 use super::super::sample::spread;
-use super::super::{Matrix3x4, Skeleton};
+use super::super::validate::same;
+use super::super::{Examples, ExamplesError, Matrix3x4, Skeleton, Warning};
 use super::ImportError;
 use crate::axes;
 
@@ -33,11 +34,31 @@ pub(super) struct Similarity {
     shift: Vector3<f64>,
 }
 
+impl Examples {
+    /// Moves examples to where their rest mesh is this one of the same vertices, which may be in other
+    /// axes and units; tells how, where they had to be moved.
+    ///
+    /// # Errors
+    /// [`ExamplesError::Mismatch`] for another count of vertices, [`ImportError::OtherMesh`] where no
+    /// turn by right angles, scale and shift brings the rest meshes together.
+    pub fn move_to(&mut self, rest: &[[f64; 3]]) -> Result<Option<Warning>, ExamplesError> {
+        same("vertices", "the mesh to move to", rest.len(), "rest", self.vertex_len())?;
+        let similarity = meshes(&self.rest, rest);
+        let similarity = similarity.map_err(|percent| ImportError::OtherMesh { percent })?;
+        similarity.move_joints(&mut self.skeleton, &mut self.transforms);
+        similarity.move_points(&mut self.rest);
+        similarity.move_points(&mut self.vertices);
+        let how = similarity.to_string();
+        Ok((!similarity.is_identity()).then_some(Warning::Moved { what: "poses", how }))
+    }
+}
+
 /// Finds how a rest mesh became another one of the same vertices.
 ///
 /// # Errors
-/// [`ImportError::TargetsApart`] where no turn by right angles brings them together.
-pub(super) fn meshes(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<Similarity, ImportError> {
+/// How far apart the nearest comes, RMS in % of the diagonal, where no turn by right angles brings
+/// them together.
+pub(super) fn meshes(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<Similarity, f64> {
     let (from, to) = (Cloud::new(from), Cloud::new(to));
     let scale = nearest_unit(to.radius / from.radius);
     let similarity = |turn: Matrix3<f64>| Similarity {
@@ -56,9 +77,7 @@ pub(super) fn meshes(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<Similarity, I
         (unmoved, distance(&unmoved)),
     );
     match best {
-        (_, distance) if distance > SAME_MESH => {
-            Err(ImportError::TargetsApart { percent: 100.0 * distance })
-        }
+        (_, distance) if distance > SAME_MESH => Err(100.0 * distance),
         (mut similarity, _) => {
             if similarity.shift.norm() < NONE * to.diagonal {
                 similarity.shift = Vector3::zeros();

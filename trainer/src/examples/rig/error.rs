@@ -229,6 +229,15 @@ pub enum ImportError {
         /// The clips and their frames.
         clips: String,
     },
+    /// The rest mesh is another one.
+    #[error(
+        "its rest mesh is not that of the model in any axes and unit: off by {percent:.1} % of the \
+         diagonal at best"
+    )]
+    OtherMesh {
+        /// RMS distance in % of the diagonal.
+        percent: f64,
+    },
     /// The posed meshes are not where the joints are.
     #[error(
         "its meshes do not lie on the scene's joints in any axes and unit: off by {percent:.0} % of \

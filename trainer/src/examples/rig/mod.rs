@@ -132,7 +132,8 @@ impl Rig {
                 split = targets.split.take();
                 match targets.rest.take() {
                     Some(rest) => {
-                        let similarity = align::meshes(&self.rest, &rest)?;
+                        let similarity = align::meshes(&self.rest, &rest)
+                            .map_err(|percent| ImportError::TargetsApart { percent })?;
                         similarity.move_joints(&mut skeleton, &mut transforms);
                         self.tell(&similarity, "joints");
                         self.rest = rest;
@@ -147,12 +148,33 @@ impl Rig {
                 targets.vertices
             }
         };
-        let Self { rest, triangles, uv, clips, warnings, .. } = self;
         let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
+        Ok(self.joined(skeleton, transforms, vertices, split))
+    }
+
+    /// Gives the poses, with the rest mesh in place of every posed one.
+    ///
+    /// # Errors
+    /// [`ImportError::SingularBind`]
+    pub(super) fn still(mut self) -> Result<(Examples, Vec<Clip>, Vec<Warning>), ImportError> {
+        let (skeleton, transforms) = self.poses()?;
+        let frame_len = self.clips.iter().map(|clip| clip.times.len()).sum();
+        let vertices = self.rest.repeat(frame_len);
+        Ok(self.joined(skeleton, transforms, vertices, vec![Split::Train; frame_len]))
+    }
+
+    fn joined(
+        self,
+        skeleton: Skeleton,
+        transforms: Vec<Matrix3x4>,
+        vertices: Vec<[f64; 3]>,
+        split: Vec<Split>,
+    ) -> (Examples, Vec<Clip>, Vec<Warning>) {
+        let Self { rest, triangles, uv, clips, warnings, .. } = self;
         let importance = None;
         let examples =
             Examples { rest, triangles, uv, skeleton, vertices, transforms, split, importance };
-        Ok((examples, clips, warnings))
+        (examples, clips, warnings)
     }
 
     fn check_counts(&self, targets: &Targets, frame_len: usize) -> Result<(), ImportError> {
