@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// Bakes a model and a clip into a GLB that plays in any engine
 ///
-/// Proxies become ordinary joints beside the skeleton, the runtime's prediction for every frame
+/// Proxies become ordinary joints under the skeleton's, the runtime's prediction for every frame
 /// becomes their keys, and the mesh is skinned to them: an animation a clip, at the clip's times, in
 /// the units of the examples (glTF takes metres). A proxy scales along axes of its own, which takes
 /// two nodes: proxy_N moves, turns and scales, and proxy_N_axes, the joint of the skin, turns the

@@ -57,7 +57,7 @@ pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportEr
     for clip in clips {
         let frames = clip.first..clip.first + clip.times.len();
         let poses: Vec<_> = frames.map(|frame| examples.pose(frame)).collect();
-        document.animation(&clip.name, &super::key_times(clip)?, joints.tracks(&poses));
+        document.animation(&clip.name, &super::key_times(clip)?, joints.tracks(&poses).0);
     }
     document.finish()
 }

@@ -1,6 +1,6 @@
 //! A model and a clip as binary glTF, which plays in any engine without our runtime.
 //!
-//! The skeleton's joints and the proxies become nodes under one armature; what of them is in the
+//! The skeleton's joints become nodes under one armature, and the proxies under them; what is in the
 //! palette are the joints of one skin, and every mesh hangs on it. The f32 runtime predicts the
 //! palette of each frame, and that is what the animations play.
 
@@ -28,8 +28,11 @@ use crate::examples::{Clip, Examples};
 /// Vertex numbers of a triangle.
 type Triangle = [usize; 3];
 
+/// How far a proxy reaches about its centre where a joint is looked for to carry it, in diagonals.
+const REACH: f64 = 0.05;
+
 /// What a file says of itself.
-const NOTE: &str = "The skin follows nodes called proxy_N beside the skeleton. A proxy's outer \
+const NOTE: &str = "The skin follows nodes called proxy_N under the skeleton's joints. A proxy's outer \
     node moves, turns and scales it; its inner node turns the axes of the scale back. The keys \
     were predicted from the skeleton's pose.";
 
@@ -137,7 +140,9 @@ pub fn export(
     let armature = document.node("armature".to_owned(), None, &stands);
     let joints = Joints::new(&mut document, armature, &examples.skeleton);
     let centres = centres(&envelope, &rest, &influences);
-    let proxies = Proxies::new(&mut document, armature, &centres);
+    let poses: Vec<_> = frames.iter().map(|&frame| examples.pose(frame)).collect();
+    let carriers = proxies::carriers(&palettes, &poses, &centres, REACH * examples.diagonal());
+    let proxies = Proxies::new(&mut document, &joints, &centres, &carriers);
     let shown = envelope.palette_len() - envelope.proxy_len();
     let nodes = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
     let inverse_binds = [&joints.inverse_binds[..shown], &proxies.inverse_binds].concat();
@@ -180,13 +185,12 @@ pub fn export(
             document.mesh(&mesh, palette_skin);
         }
     }
-    let mut palettes = palettes.as_slice();
+    let mut begin = 0;
     for (clip, times) in clips.iter().zip(&times) {
-        let poses: Vec<_> = (0..times.len()).map(|key| examples.pose(clip.first + key)).collect();
-        let (own, others) = palettes.split_at(times.len());
-        palettes = others;
-        let mut tracks = joints.tracks(&poses);
-        tracks.extend(proxies.tracks(own));
+        let own = begin..begin + times.len();
+        begin = own.end;
+        let (mut tracks, worlds) = joints.tracks(&poses[own.clone()]);
+        tracks.extend(proxies.tracks(&palettes[own], &worlds));
         document.animation(&clip.name, times, tracks);
     }
     Ok(Exported { glb: document.finish()?, levels: reports })

@@ -1,18 +1,19 @@
 //! Proxies as nodes: chains of two, which hold what no single node can.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::Matrix3x4;
 
 use super::glb::{Document, Keys, NodeIndex, Placed, Track};
-use super::skeleton::{continuous, quaternion, turned};
+use super::skeleton::{Joints, continuous, quaternion, turned};
 use super::stretch::Stretch;
 
 /// The proxies of a palette as nodes of a document.
 ///
-/// A node moves, turns and scales along its own axes. A proxy's map scales along axes of its own
-/// choice: its outer node moves, turns and scales, and its inner node, the joint of the skin, turns
-/// the axes back.
+/// Each hangs on the joint that carries it best, so that what lies between two keys moves with the
+/// skeleton. A node moves, turns and scales along its own axes. A proxy's map scales along axes of
+/// its own choice: its outer node moves, turns and scales, and its inner node, the joint of the skin,
+/// turns the axes back.
 pub(super) struct Proxies {
     chains: Vec<Chain>,
     /// Inverse bind matrices of the inner nodes.
@@ -23,20 +24,33 @@ struct Chain {
     outer: NodeIndex,
     inner: NodeIndex,
     centre: [f32; 3],
+    joint: usize,
 }
 
 impl Proxies {
-    /// Adds proxies under a node, which stands in the model's own space, each in the centre of what
-    /// it moves.
-    pub(super) fn new(document: &mut Document, under: NodeIndex, centres: &[[f64; 3]]) -> Self {
+    /// Adds proxies under the joints that carry them, each in the centre of what it moves.
+    pub(super) fn new(
+        document: &mut Document,
+        joints: &Joints,
+        centres: &[[f64; 3]],
+        carriers: &[usize],
+    ) -> Self {
         let mut proxies = Self { chains: Vec::new(), inverse_binds: Vec::new() };
-        for (number, centre) in centres.iter().enumerate() {
+        let at_rest = joints.at_rest();
+        for (number, (centre, &joint)) in centres.iter().zip(carriers).enumerate() {
             let centre = centre.map(|x| x as f32);
-            let placed = Placed { translation: centre, ..Placed::AT_PARENT };
-            let outer = document.node(format!("proxy_{number}"), Some(under), &placed);
+            let back = at_rest[joint].inverse();
+            let place = back.transform_point(&centre.map(f64::from).into());
+            let placed = Placed {
+                translation: place.coords.map(|x| x as f32).into(),
+                rotation: quaternion(&back.rotation),
+                scale: [1.0; 3],
+            };
+            let name = format!("proxy_{number}");
+            let outer = document.node(name, Some(joints.nodes[joint]), &placed);
             let name = format!("proxy_{number}_axes");
             let inner = document.node(name, Some(outer), &Placed::AT_PARENT);
-            proxies.chains.push(Chain { outer, inner, centre });
+            proxies.chains.push(Chain { outer, inner, centre, joint });
             let [x, y, z] = centre.map(|x| -x);
             proxies.inverse_binds.push([
                 [1.0, 0.0, 0.0, x],
@@ -52,8 +66,13 @@ impl Proxies {
         self.chains.iter().map(|chain| chain.inner)
     }
 
-    /// Tracks the proxies through palettes, at whose ends their maps stand.
-    pub(super) fn tracks(&self, palettes: &[Vec<Matrix3x4>]) -> Vec<Track> {
+    /// Tracks the proxies through palettes, at whose ends their maps stand, with the skeleton's joints
+    /// in these world frames.
+    pub(super) fn tracks(
+        &self,
+        palettes: &[Vec<Matrix3x4>],
+        joints: &[Vec<Isometry3<f64>>],
+    ) -> Vec<Track> {
         let len = self.chains.len();
         let tracks: Vec<Vec<Track>> = self
             .chains
@@ -61,24 +80,55 @@ impl Proxies {
             .enumerate()
             .map(|(proxy, chain)| {
                 let maps = palettes.iter().map(|palette| &palette[palette.len() - len + proxy]);
-                chain.tracks(maps)
+                chain.tracks(maps.zip(joints.iter().map(|joints| &joints[chain.joint])))
             })
             .collect();
         tracks.into_iter().flatten().collect()
     }
 }
 
+/// Finds the joint that carries each proxy best: whose maps, P x poses, take points around the
+/// proxy's centre nearest to where the proxy's own maps do.
+pub(super) fn carriers(
+    palettes: &[Vec<Matrix3x4>],
+    poses: &[&[crate::examples::Matrix3x4]],
+    centres: &[[f64; 3]],
+    radius: f64,
+) -> Vec<usize> {
+    let carrier = |(proxy, centre): (usize, &[f64; 3])| {
+        let mut apart = vec![0.0; poses.first().map_or(0, |pose| pose.len())];
+        for (palette, pose) in palettes.iter().zip(poses) {
+            let map = palette[palette.len() - centres.len() + proxy].map(|row| row.map(f64::from));
+            for (apart, joint) in apart.iter_mut().zip(*pose) {
+                // Of the difference of two maps: where it takes the centre, and how it spreads.
+                for (map, joint) in map.iter().zip(joint) {
+                    let [x, y, z, w] = std::array::from_fn(|column| map[column] - joint[column]);
+                    let centre = x * centre[0] + y * centre[1] + z * centre[2] + w;
+                    *apart += centre * centre + radius * radius * (x * x + y * y + z * z);
+                }
+            }
+        }
+        (0..apart.len()).min_by(|&a, &b| apart[a].total_cmp(&apart[b])).unwrap_or(0)
+    };
+    centres.par_iter().enumerate().map(carrier).collect()
+}
+
 impl Chain {
-    fn tracks<'a>(&self, maps: impl Iterator<Item = &'a Matrix3x4>) -> Vec<Track> {
+    fn tracks<'a>(
+        &self,
+        keys: impl Iterator<Item = (&'a Matrix3x4, &'a Isometry3<f64>)>,
+    ) -> Vec<Track> {
         let centre = Vector3::from(self.centre.map(f64::from));
         let (mut places, mut turns, mut scales, mut axes) = (vec![], vec![], vec![], vec![]);
         let mut before: Option<Stretch> = None;
-        for map in maps {
+        for (map, joint) in keys {
+            let back = joint.inverse();
             let linear = Matrix3::from_fn(|row, column| f64::from(map[row][column]));
-            let moved = Vector3::from(map.map(|row| f64::from(row[3])));
+            let moved = linear * centre + Vector3::from(map.map(|row| f64::from(row[3])));
+            let linear = back.rotation.to_rotation_matrix() * linear;
             let stretch = Stretch::of(&linear, before.as_ref());
             before = Some(stretch);
-            places.push((linear * centre + moved).map(|x| x as f32).into());
+            places.push(back.transform_point(&moved.into()).coords.map(|x| x as f32).into());
             turns.push(quaternion(&turned(&stretch.turn)));
             scales.push(stretch.scale.map(|x| x as f32).into());
             axes.push(quaternion(&turned(&stretch.axes.transpose())));

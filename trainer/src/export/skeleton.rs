@@ -32,7 +32,7 @@ impl Joints {
         };
         // What follows makes up for the rounding of the inverse bind matrices.
         joints.binds = joints.inverse_binds.iter().zip(&rest).map(bind).collect();
-        let at_rest = joints.place(&joints.binds);
+        let (at_rest, _) = joints.place(&joints.binds);
         let mut nodes = vec![under; rest.len()];
         for &joint in &joints.order {
             let parent = joints.parents[joint].map_or(under, |parent| nodes[parent]);
@@ -43,27 +43,31 @@ impl Joints {
         joints
     }
 
-    /// Tracks the joints through poses: J rigid maps each, from the rest pose.
-    pub(super) fn tracks(&self, poses: &[&[Matrix3x4]]) -> Vec<Track> {
-        let keys: Vec<Vec<Placed>> = poses
-            .iter()
-            .map(|pose| {
-                let worlds = pose.iter().zip(&self.binds).map(|(map, bind)| square(map) * bind);
-                self.place(&worlds.collect::<Vec<_>>())
-            })
-            .collect();
+    /// Gives the world frames of the joints in the rest pose.
+    pub(super) fn at_rest(&self) -> Vec<Isometry3<f64>> {
+        self.place(&self.binds).1
+    }
+
+    /// Tracks the joints through poses: J rigid maps each, from the rest pose. Gives the world frames
+    /// that they reach, too.
+    pub(super) fn tracks(&self, poses: &[&[Matrix3x4]]) -> (Vec<Track>, Vec<Vec<Isometry3<f64>>>) {
+        let keys = poses.iter().map(|pose| {
+            let worlds = pose.iter().zip(&self.binds).map(|(map, bind)| square(map) * bind);
+            self.place(&worlds.collect::<Vec<_>>())
+        });
+        let (keys, reached): (Vec<Vec<Placed>>, Vec<_>) = keys.unzip();
         let track = |(joint, &node): (usize, &NodeIndex)| {
             let translations = keys.iter().map(|pose| pose[joint].translation).collect();
             let rotations = keys.iter().map(|pose| pose[joint].rotation).collect();
             [Keys::Translation(translations), Keys::Rotation(continuous(rotations))]
                 .map(|keys| Track { node, keys })
         };
-        self.nodes.iter().enumerate().flat_map(track).collect()
+        (self.nodes.iter().enumerate().flat_map(track).collect(), reached)
     }
 
     /// Places each joint against where its parent comes to lie in single precision, so that
-    /// rounding does not add up along a chain.
-    fn place(&self, worlds: &[Matrix4<f64>]) -> Vec<Placed> {
+    /// rounding does not add up along a chain; gives where each comes to lie.
+    fn place(&self, worlds: &[Matrix4<f64>]) -> (Vec<Placed>, Vec<Isometry3<f64>>) {
         let mut placed = vec![Placed::AT_PARENT; worlds.len()];
         let mut reached = vec![Isometry3::identity(); worlds.len()];
         for &joint in &self.order {
@@ -80,7 +84,7 @@ impl Joints {
             let rounded = Isometry3::from_parts(moved, UnitQuaternion::from_quaternion(turned));
             reached[joint] = parent * rounded;
         }
-        placed
+        (placed, reached)
     }
 }
 

@@ -103,12 +103,17 @@ fn mpfb_arm_by_every_predictor() {
     }
 }
 
+/// Its frames have little to do with each other, and half way between them the skin must still hang
+/// together: proxies that did not hang on their joints would tear it.
 #[test]
 fn mpfb_body_by_kernel() {
     let Some(examples) = set("mpfb-body/mpfb_body.npz") else { return };
     let examples = only(&examples, (0..examples.frame_len()).step_by(16));
     let clips = [clip("all", 0, examples.frame_len())];
-    check("mpfb-body", &examples, Predictor::Kernel, 30, &clips);
+    let played = Played::new(&examples, model(&examples, Predictor::Kernel, 30, 4), &clips);
+    let [at_keys, between] = [played.off_at_keys(), played.off_between_keys()];
+    println!("mpfb-body, kernel: off by {at_keys:.1e}, half way {between:.1e}");
+    assert!(at_keys < NEAR && between < 0.03, "{at_keys} {between}");
 }
 
 /// A real sequence, so that frames follow one another as a clip's do.
