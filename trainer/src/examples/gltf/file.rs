@@ -22,8 +22,12 @@ pub(super) fn open(path: &Path) -> Result<(Document, Buffers), ExamplesError> {
     let Gltf { document, mut blob } =
         Gltf::from_slice_without_validation(&bytes).map_err(not_gltf)?;
     drop(bytes);
-    check_indices(document.as_json())?;
-    let document = Document::from_json(document.into_json()).map_err(not_gltf)?;
+    let mut json = document.into_json();
+    check_indices(&json)?;
+    check_extensions(&json)?;
+    // The library refuses those that it does not know, whatever they are about.
+    json.extensions_required.clear();
+    let document = Document::from_json(json).map_err(not_gltf)?;
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let bytes = match buffer.source() {
@@ -69,6 +73,18 @@ fn check_indices(json: &gltf::json::Root) -> Result<(), ImportError> {
         }
     }
     Ok(())
+}
+
+/// Extensions that change nothing of shapes and motion, or that are read: integers for positions.
+const HARMLESS: [&str; 5] =
+    ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_mesh_quantization"];
+
+fn check_extensions(json: &gltf::json::Root) -> Result<(), ImportError> {
+    let harmless = |name: &&String| HARMLESS.iter().any(|known| name.starts_with(known));
+    match json.extensions_required.iter().find(|name| !harmless(name)) {
+        None => Ok(()),
+        Some(name) => Err(ImportError::Extension { name: name.clone() }),
+    }
 }
 
 /// Reads what a URI names: data within it, or a file beside `path`.

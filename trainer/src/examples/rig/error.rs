@@ -31,6 +31,15 @@ pub enum ImportError {
         /// What the reader says.
         reason: String,
     },
+    /// The file cannot be read without something that is not in glTF itself.
+    #[error(
+        "needs the glTF extension {name}, which is not read: export without compression, and without \
+         instancing"
+    )]
+    Extension {
+        /// The extension.
+        name: String,
+    },
     /// A buffer of a glTF file is absent or too short.
     #[error("buffer {buffer}: {reason}")]
     Buffer {

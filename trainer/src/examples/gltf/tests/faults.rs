@@ -49,6 +49,19 @@ fn what_is_missing_is_named() {
 }
 
 #[test]
+fn what_goes_beyond_the_format_is_named() {
+    refuses(
+        "draco",
+        |json| json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
+        "needs the glTF extension KHR_draco_mesh_compression",
+    );
+    let mut made = Made::scene();
+    made.json["extensionsRequired"] = json!(["KHR_mesh_quantization", "KHR_materials_unlit"]);
+    made.json["extensionsUsed"] = made.json["extensionsRequired"].clone();
+    assert!(load(&Source::file(&made.write("quantised"))).is_ok());
+}
+
+#[test]
 fn damage_is_named() {
     refuses(
         "count",
