@@ -166,6 +166,8 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
         "joints": examples.joint_len(),
         "hold_out": arguments.input.hold_out,
         "hold_out_clips": arguments.input.hold_out_clip,
+        "fps": arguments.input.fps,
+        "clip": arguments.input.clip,
         "training_frames": examples.frames_of(Split::Train),
         "held_out_frames": examples.frames_of(Split::HeldOut),
         "extreme_frames": examples.frames_of(Split::Extreme),
