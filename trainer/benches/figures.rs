@@ -1,11 +1,14 @@
 //! Prints the figures of the README: errors on the data sets, training times, memory, scaling.
 //!
 //! `cargo bench -p sinew-trainer --bench figures [-- SECTION ...]`, where a section is `lbs`,
-//! `proxies`, `full`, `errors`, `ranges`, `import`, `time` or `scaling`. Sets that are not in
+//! `proxies`, `full`, `errors`, `ranges`, `poses`, `import`, `time` or `scaling`. Sets that are not in
 //! `../shared/data` are named and left out.
 
 use faer::Mat;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
 use sinew_runtime::format::Predictor;
+use sinew_trainer::check::check;
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::motion::{Poses, trajectories};
 use sinew_trainer::envelope::rotational::full::Full;
@@ -34,12 +37,13 @@ type Section = fn() -> Result<(), Box<dyn Error>>;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let sections: [(&str, Section); 8] = [
+    let sections: [(&str, Section); 9] = [
         ("lbs", lbs),
         ("proxies", proxies_alone),
         ("full", full),
         ("errors", errors),
         ("ranges", ranges),
+        ("poses", poses),
         ("import", import),
         ("time", time),
         ("scaling", scaling),
@@ -228,6 +232,39 @@ fn ranges() -> Result<(), Box<dyn Error>> {
                 found.confidence.mean,
                 found.confidence.least
             );
+        }
+    }
+    Ok(())
+}
+
+/// What `check` says of mpfb-arm's training poses, held to account: the held-out error without the
+/// spare ones, without the lonely ones, and without as many at random.
+fn poses() -> Result<(), Box<dyn Error>> {
+    for (name, examples) in sets()?.into_iter().filter(|set| set.0 == "mpfb-arm") {
+        let clips = [];
+        let Some(found) = check(&examples, &clips, &Silent)?.foretold else { continue };
+        let error = |left_out: &[usize]| -> Result<f64, Box<dyn Error>> {
+            let mut fewer = examples.clone();
+            left_out.iter().for_each(|&frame| fewer.split[frame] = Split::Extreme);
+            let options = Options {
+                predictor: Predict::Only(Predictor::Kernel),
+                proxies: Some(ProxyCount::Fixed(40)),
+                ..Options::default()
+            };
+            let model = train(&fewer, &options, &Silent)?.model;
+            Ok(evaluate(&model, &fewer, Frames::Of(Split::HeldOut))?.errors.rms_percent)
+        };
+        println!("{name}: {:.4} % with all training poses", error(&[])?);
+        let spare: Vec<usize> = found.spare.iter().map(|name| name.frame).collect();
+        let lonely: Vec<usize> = found.lonely.iter().map(|lonely| lonely.frame.frame).collect();
+        for (what, named) in [("spare", spare), ("lonely", lonely)] {
+            println!("without {} that are {what}: {:.4} %", named.len(), error(&named)?);
+            let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+            for _ in 0..5 {
+                let mut all = examples.frames_of(Split::Train);
+                all.shuffle(&mut random);
+                println!("without as many at random: {:.4} %", error(&all[..named.len()])?);
+            }
         }
     }
     Ok(())
