@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
+mod shared;
+
+use shared::shared;
 use sinew_runtime::format::Predictor;
 use sinew_trainer::envelope::motion::{Poses, trajectories};
 use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
@@ -13,17 +16,9 @@ use sinew_trainer::envelope::{Options, Predict, train, weights};
 use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::examples::{Examples, Importance, Split, npz};
 use sinew_trainer::progress::Silent;
-use std::path::Path;
 
-/// Loads a set; none where there is no shared data, which continuous integration must have.
 fn set(file: &str) -> Option<Examples> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(file);
-    if path.exists() {
-        return Some(npz::load(&path).unwrap().examples);
-    }
-    assert!(std::env::var_os("CI").is_none(), "{file} must be in ../shared/data");
-    eprintln!("{file} is not in ../shared/data: not tested");
-    None
+    shared(file).map(|path| npz::load(&path).unwrap().examples)
 }
 
 fn measured(examples: &Examples, options: &Options, split: Split) -> Evaluation {

@@ -2,28 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
+mod shared;
+
+use shared::shared;
 use sinew_runtime::format::Predictor;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, Trained, train};
 use sinew_trainer::evaluate::{Frames, evaluate, open, skin};
 use sinew_trainer::examples::{Examples, Loaded, Source, Split, Warning, load, load_poses};
 use sinew_trainer::progress::Silent;
-use std::path::{Path, PathBuf};
-
-/// Gives the folder of a real set, which must be there where CI is set.
-fn set(name: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(name);
-    if !folder.is_dir() {
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "CI is set, but there is no {}",
-            folder.display()
-        );
-        eprintln!("not run: there is no {}", folder.display());
-        return None;
-    }
-    Some(folder)
-}
 
 fn model(examples: &Examples, predictor: Predictor, proxies: usize) -> Trained {
     let proxies = Some(ProxyCount::Fixed(proxies));
@@ -48,7 +35,7 @@ fn apart(a: &Trained, b: &Trained, examples: &Examples) -> f64 {
 /// the arrays were made from the same scene by another reader, in single precision.
 #[test]
 fn joints_of_a_scene_with_meshes_of_arrays_give_the_model_of_the_arrays() {
-    let Some(folder) = set("dem-bones") else { return };
+    let Some(folder) = shared("dem-bones") else { return };
     let [scene, arrays] = ["Bone_Trans.fbx", "bone.npz"].map(|file| folder.join(file));
     let joined = load(&Source { targets: Some(&arrays), ..Source::file(&scene) }).unwrap();
     let Loaded { examples: joined, clips, warnings } = joined;
@@ -76,7 +63,7 @@ fn joints_of_a_scene_with_meshes_of_arrays_give_the_model_of_the_arrays() {
 /// The poses of a scene without a skin, in other axes than a model trained on them.
 #[test]
 fn poses_are_moved_to_where_a_model_is() {
-    let Some(folder) = set("dem-bones") else { return };
+    let Some(folder) = shared("dem-bones") else { return };
     let [scene, arrays] = ["Bone_Trans.fbx", "bone.npz"].map(|file| folder.join(file));
     let error = load(&Source::file(&scene)).unwrap_err().to_string();
     assert!(error.contains("holds poses but neither a skin nor shapes"), "{error}");

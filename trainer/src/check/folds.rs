@@ -4,6 +4,7 @@ use super::faces::edges;
 use super::finding::{Finding, Kind, Place, Severity, count, listed};
 use super::seen::{Seen, worst_first};
 use super::thresholds::{COLLAPSED, FLIPPED, MANY};
+use crate::envelope::weights::cofactors;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
@@ -85,10 +86,7 @@ impl Surface {
                 .flat_map(|vertex| weights.of(vertex))
                 .map(|(joint, weight)| linear(joint) * weight)
                 .sum();
-            // The blend shrinks between joints, but its cofactors still point outward.
-            let [a, b, c] = [0, 1, 2].map(|k| blended.column(k).into_owned());
-            let cofactors = Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)]);
-            !collapsed[k] && opposed(&now[k], &(cofactors * self.rest[k]))
+            !collapsed[k] && opposed(&now[k], &(cofactors(&blended) * self.rest[k]))
         };
         let flipped: Vec<bool> = (0..now.len()).map(flipped).collect();
         let mut folded = vec![false; now.len()];

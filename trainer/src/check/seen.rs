@@ -24,13 +24,14 @@ pub(super) struct Seen<'a> {
 impl<'a> Seen<'a> {
     pub(super) fn new(examples: &'a Examples, clips: &'a [Clip], training: Training) -> Self {
         let weights = &training.lbs.weights;
-        let strongest = |v| weights.of(v).next().map_or(0, |(joint, _)| joint);
         Self {
             examples,
             clips,
             frames: examples.frames_of(Split::Train),
             residuals: training.targets(weights).residuals(&training.poses.stacked()),
-            dominant: (0..examples.vertex_len()).map(strongest).collect(),
+            dominant: (0..examples.vertex_len())
+                .map(|vertex| weights.strongest(vertex).unwrap_or(0))
+                .collect(),
             turns: Turns::new(&training.poses, training.joints()),
             training,
         }

@@ -27,9 +27,7 @@ const UNITS: [(&str, f64); 4] =
     [("metres", 1.0), ("decimetres", 0.1), ("centimetres", 0.01), ("millimetres", 0.001)];
 
 pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> Size {
-    let along = |axis: usize| examples.rest.iter().map(move |x| x[axis]);
-    let low = [0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min));
-    let high = [0, 1, 2].map(|axis| along(axis).fold(f64::NEG_INFINITY, f64::max));
+    let [low, high] = examples.bounds();
     let extents = [0, 1, 2].map(|axis| high[axis] - low[axis]);
     let longest = (0..3).rev().max_by(|&a, &b| extents[a].total_cmp(&extents[b])).unwrap_or(0);
     let stands = |&axis: &usize| low[axis].abs() < GROUND * extents[axis];

@@ -104,6 +104,11 @@ impl Weights {
         entries.iter().take_while(|e| e.1 > 0.0).map(|&(map, weight)| (map as usize, weight))
     }
 
+    /// Returns the map that an item follows most; none where it follows none.
+    pub fn strongest(&self, item: usize) -> Option<usize> {
+        self.of(item).next().map(|(map, _)| map)
+    }
+
     /// Builds weights from lists of (map, weight), each at most `most` long, strongest first.
     pub fn from_lists(most: usize, lists: impl Iterator<Item = Vec<(usize, f64)>>) -> Self {
         let mut entries = Vec::new();

@@ -5,7 +5,7 @@ use super::blend::{Items, Maps, Weights, fit_weights};
 use super::motion::{Poses, to_nalgebra, transform};
 use crate::examples::{Importance, Matrix3x4};
 use faer::Mat;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Influences of the baseline, as most engines skin.
 pub const BASELINE_INFLUENCES: usize = 4;
@@ -32,7 +32,13 @@ pub fn skin(
 ) -> (Vector3<f64>, Vector3<f64>) {
     let blended: nalgebra::Matrix3x4<f64> =
         weights.of(vertex).map(|(joint, weight)| to_nalgebra(&pose[joint]) * weight).sum();
-    let [a, b, c] = [0, 1, 2].map(|k| blended.column(k).into_owned());
-    let cofactors = nalgebra::Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)]);
+    let cofactors = cofactors(&blended.fixed_columns::<3>(0).into());
     (transform(&blended, rest), cofactors * Vector3::from(*normal))
+}
+
+/// Returns the cofactors of a blended map's linear part, which move normals: the blend shrinks between
+/// joints, but they still point outward.
+pub fn cofactors(linear: &Matrix3<f64>) -> Matrix3<f64> {
+    let [a, b, c] = [0, 1, 2].map(|k| linear.column(k).into_owned());
+    Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
 }

@@ -5,7 +5,7 @@ mod measured;
 mod skin;
 
 pub use measured::{Confidence, Errors, Measured, MeasuredFrame, largest};
-pub use skin::{Lbs, Skin, palette, skin};
+pub use skin::{Lbs, Skin, palette, skin, skin_on};
 
 use crate::examples::{Examples, ExamplesError, Split};
 use serde::Serialize;

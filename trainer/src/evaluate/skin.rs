@@ -22,11 +22,6 @@ impl Skin {
         &self.positions
     }
 
-    /// Keeps the positions alone.
-    pub fn into_positions(self) -> Vec<f32> {
-        self.positions
-    }
-
     /// The model's confidence in the pose.
     pub fn confidence(&self) -> f64 {
         self.confidence
@@ -71,25 +66,34 @@ pub fn skin(
     frame: usize,
 ) -> Result<Skin, EvaluateError> {
     let (palette, confidence) = palette(envelope, examples, frame)?;
-    let mut skin = Skin {
-        positions: vec![0.0; 3 * envelope.vertex_len()],
-        normals: vec![0.0; 3 * envelope.vertex_len()],
-        confidence: f64::from(confidence),
-    };
+    let [positions, normals] = skin_on(envelope, &palette, frame)?;
+    Ok(Skin { positions, normals, confidence: f64::from(confidence) })
+}
+
+/// Skins the mesh on the palette of a frame: positions and normals, 3V floats each.
+///
+/// # Errors
+/// [`EvaluateError::Frame`].
+pub fn skin_on(
+    envelope: &Envelope<'_>,
+    palette: &[Matrix3x4],
+    frame: usize,
+) -> Result<[Vec<f32>; 2], EvaluateError> {
+    let [mut positions, mut normals] = [0, 1].map(|_| vec![0.0; 3 * envelope.vertex_len()]);
     let attribute = |buffer| Some(Attribute { buffer, offset: 0, stride: 3 });
     SkinJob {
         envelope: *envelope,
-        palette: &palette,
+        palette,
         vertices: 0..envelope.vertex_len(),
         positions: attribute(Buffer::A),
         normals: attribute(Buffer::B),
         tangents: None,
-        out_a: &mut skin.positions,
-        out_b: &mut skin.normals,
+        out_a: &mut positions,
+        out_b: &mut normals,
     }
     .run()
     .map_err(|error| EvaluateError::Frame { frame, error })?;
-    Ok(skin)
+    Ok([positions, normals])
 }
 
 /// The baseline: LBS with 4 influences, fitted to the training frames.

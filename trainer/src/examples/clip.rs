@@ -28,6 +28,12 @@ impl Clip {
         Self { name, first, times: (0..frame_len).map(|frame| frame as f64 / RATE).collect() }
     }
 
+    /// Makes a clip from `first` on of frames at these times of its source, ascending.
+    pub(super) fn at(name: String, first: usize, times: &[f64]) -> Self {
+        let begin = times.first().copied().unwrap_or_default();
+        Self { name, first, times: times.iter().map(|time| time - begin).collect() }
+    }
+
     /// Says what it is called and how many frames it has.
     pub(super) fn describe(&self) -> String {
         format!("{}: {}", self.name, self.times.len())

@@ -117,6 +117,13 @@ impl Examples {
 
     /// Measures the diagonal of the rest pose's bounding box, to which every error is related.
     pub fn diagonal(&self) -> f64 {
+        let [low, high] = self.bounds();
+        let extent = [0, 1, 2].map(|axis| (high[axis] - low[axis]).max(0.0));
+        extent.iter().map(|length| length * length).sum::<f64>().sqrt()
+    }
+
+    /// Gives the lowest and the highest corner of the rest pose's bounding box.
+    pub fn bounds(&self) -> [[f64; 3]; 2] {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         for position in &self.rest {
@@ -125,8 +132,7 @@ impl Examples {
                 high[axis] = high[axis].max(position[axis]);
             }
         }
-        let extent = [0, 1, 2].map(|axis| (high[axis] - low[axis]).max(0.0));
-        extent.iter().map(|length| length * length).sum::<f64>().sqrt()
+        [low, high]
     }
 
     /// Gives the mean of the rest positions.

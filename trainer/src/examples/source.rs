@@ -36,7 +36,7 @@ impl<'a> Source<'a> {
     }
 
     /// Gives the skeleton, mesh and clips of a scene; none where the file is complete in itself.
-    fn rig(&self) -> Result<Option<Rig>, ExamplesError> {
+    fn rig(&self, sampling: &Sampling<'_>) -> Result<Option<Rig>, ExamplesError> {
         match extension(self.file).as_str() {
             "npz" => {
                 let given = [
@@ -49,14 +49,14 @@ impl<'a> Source<'a> {
                     None => Ok(None),
                 }
             }
-            "glb" | "gltf" => gltf::read(self.file, &self.sampling()).map(Some),
-            "fbx" => fbx::read(self.file, &self.sampling()).map(Some),
+            "glb" | "gltf" => gltf::read(self.file, sampling).map(Some),
+            "fbx" => fbx::read(self.file, sampling).map(Some),
             _ => Err(unknown_format(self.file, ".npz, .glb, .gltf or .fbx")),
         }
     }
 
-    fn sampling(&self) -> Sampling<'a> {
-        Sampling { fps: self.fps, clip: self.clip }
+    fn sampling(&self, shapes: bool) -> Sampling<'a> {
+        Sampling { fps: self.fps, clip: self.clip, shapes }
     }
 
     fn blame(&self) -> impl Fn(ExamplesError) -> LoadError {
@@ -71,11 +71,13 @@ impl<'a> Source<'a> {
 /// holds what fails [`Examples::validate`](super::Examples::validate).
 pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
     let blame = source.blame();
-    let Some(rig) = source.rig().map_err(&blame)? else { return npz::load(source.file) };
+    let sampling = source.sampling(source.targets.is_none());
+    let rig = source.rig(&sampling).map_err(&blame)?;
+    let Some(rig) = rig else { return npz::load(source.file) };
     let targets = source.targets.map(targets::read).transpose()?;
     let at_fault = source.targets.unwrap_or(source.file);
     let join = || {
-        let (examples, clips, mut warnings) = rig.examples(targets, &source.sampling())?;
+        let (examples, clips, mut warnings) = rig.examples(targets, &sampling)?;
         warnings.extend(examples.validate()?);
         Ok(Loaded { examples, clips, warnings })
     };
@@ -95,7 +97,8 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
 /// As [`load`].
 pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
     let blame = source.blame();
-    let Some(rig) = source.rig().map_err(&blame)? else { return npz::load(source.file) };
+    let rig = source.rig(&source.sampling(false)).map_err(&blame)?;
+    let Some(rig) = rig else { return npz::load(source.file) };
     let (examples, clips, mut warnings) = rig.still().map_err(|error| blame(error.into()))?;
     warnings.extend(examples.validate().map_err(&blame)?);
     Ok(Loaded { examples, clips, warnings })

@@ -22,7 +22,7 @@ use self::glb::{Document, Placed, SkinnedMesh};
 use self::level::{Influences, Skinned};
 use self::proxies::Proxies;
 use self::skeleton::Joints;
-use crate::evaluate::{EvaluateError, open, palette, rest, skin};
+use crate::evaluate::{EvaluateError, open, palette, rest, skin_on};
 use crate::examples::{Clip, Examples};
 
 /// Vertex numbers of a triangle.
@@ -160,8 +160,13 @@ pub fn export(
     document.mesh(&mesh, palette_skin);
     let mut reports = Vec::new();
     if !levels.is_empty() {
-        let skinned = |&frame: &usize| Ok(skin(&envelope, examples, frame)?.into_positions());
-        let posed = frames.par_iter().map(skinned).collect::<Result<Vec<_>, EvaluateError>>()?;
+        let keys = palettes.par_iter().zip(&frames);
+        let posed = keys
+            .map(|(palette, &frame)| {
+                let [positions, _] = skin_on(&envelope, palette, frame)?;
+                Ok(positions)
+            })
+            .collect::<Result<Vec<_>, EvaluateError>>()?;
         let skinned = Skinned {
             rest: &rest,
             triangles: &examples.solid_triangles(),

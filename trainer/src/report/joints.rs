@@ -19,8 +19,8 @@ pub(super) fn by_joint(subject: &Subject<'_>) -> Vec<JointErrors> {
     let examples = subject.source.examples;
     let mut vertices = vec![Vec::new(); examples.joint_len()];
     for vertex in 0..examples.vertex_len() {
-        let strongest = subject.lbs.weights.of(vertex).next();
-        vertices[strongest.map_or(examples.skeleton.root(), |(joint, _)| joint)].push(vertex);
+        let strongest = subject.lbs.weights.strongest(vertex);
+        vertices[strongest.unwrap_or(examples.skeleton.root())].push(vertex);
     }
     let (measured, series) = (&subject.model.measured, subject.series());
     let mut joints: Vec<JointErrors> = vertices

@@ -7,7 +7,7 @@ use super::html::{figure, text};
 use super::render::{Look, Mesh};
 use super::subject::{Series, Subject};
 use crate::evaluate::{EvaluateError, skin};
-use crate::examples::normals;
+use crate::examples::{Examples, normals};
 use image::ImageError;
 use rayon::prelude::*;
 use std::fmt::Write;
@@ -79,7 +79,7 @@ pub(super) enum Paint<'a> {
 impl<'a> Shots<'a> {
     /// Finds the worst frame and where to look from.
     pub(super) fn new(subject: &'a Subject<'a>, wish: &Wish) -> Self {
-        let up = wish.up.unwrap_or_else(|| upright(&subject.source.examples.rest));
+        let up = wish.up.unwrap_or_else(|| upright(subject.source.examples));
         let (azimuth, elevation) = wish.from.unwrap_or_default();
         let worst = subject.model.measured.worst();
         let width = wish.width;
@@ -244,10 +244,8 @@ impl<'a> Shots<'a> {
 }
 
 /// Guesses what points up: z for what is longest along z, as y for all others.
-fn upright(rest: &[[f64; 3]]) -> Axis {
-    let extent = [0, 1, 2].map(|axis| {
-        let along = rest.iter().map(|position| position[axis]);
-        along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
-    });
+fn upright(examples: &Examples) -> Axis {
+    let [low, high] = examples.bounds();
+    let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);
     if extent[2] > extent[0] && extent[2] > extent[1] { Axis::Z } else { Axis::Y }
 }

@@ -6,6 +6,8 @@ mod made;
 mod mesh;
 mod poses;
 mod real;
+#[path = "../shared/mod.rs"]
+mod shared;
 mod skeleton;
 mod space;
 

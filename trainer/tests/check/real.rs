@@ -1,18 +1,13 @@
 //! What a check must and must not say of the sets of `../shared/data`.
 
+use crate::shared::shared;
 use sinew_trainer::check::finding::{Kind, Severity};
 use sinew_trainer::check::{Check, check};
 use sinew_trainer::examples::{Loaded, npz};
 use sinew_trainer::progress::Silent;
-use std::path::Path;
 
 fn checked(set: &str) -> Option<Check> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(set);
-    if !path.exists() {
-        assert!(std::env::var_os("CI").is_none(), "{set} must be in ../shared/data");
-        eprintln!("{set} is not in ../shared/data: not tested");
-        return None;
-    }
+    let path = shared(set)?;
     let Loaded { examples, clips, .. } = npz::load(&path).unwrap();
     Some(check(&examples, &clips, &Silent).unwrap())
 }

@@ -5,9 +5,12 @@ mod levels;
 mod plays;
 mod rig;
 mod scene;
+#[path = "../shared/mod.rs"]
+mod shared;
 mod validator;
 
 use nalgebra::Vector3;
+use shared::shared;
 use sinew_runtime::format::Predictor;
 use sinew_runtime::{Envelope, Matrix3x4};
 use sinew_trainer::demo::{DemoOptions, demo};
@@ -15,17 +18,9 @@ use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Clip, Examples, npz};
 use sinew_trainer::progress::Silent;
-use std::path::Path;
 
-/// Loads a set; none where there is no shared data, which continuous integration must have.
 fn set(file: &str) -> Option<Examples> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(file);
-    if path.exists() {
-        return Some(npz::load(&path).unwrap().examples);
-    }
-    assert!(std::env::var_os("CI").is_none(), "{file} must be in ../shared/data");
-    eprintln!("{file} is not in ../shared/data: not tested");
-    None
+    shared(file).map(|path| npz::load(&path).unwrap().examples)
 }
 
 fn arm(vertices: usize) -> Examples {

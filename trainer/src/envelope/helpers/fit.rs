@@ -57,7 +57,7 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
         .into_iter()
         .map(|members| {
             let mut votes = vec![0usize; poses.joint_len()];
-            members.iter().for_each(|&v| votes[strongest(joints, v)] += 1);
+            members.iter().for_each(|&v| votes[joints.strongest(v).unwrap_or(0)] += 1);
             ((0..votes.len()).rev().max_by_key(|&j| votes[j]).unwrap_or(0), members)
         })
         .collect();
@@ -114,7 +114,7 @@ fn groups(
             let skinned: Vector3<f64> = joints.of(v).map(|(j, w)| poses.map(i, j) * h * w).sum();
             let truth = &training.trajectories.col_as_slice(v)[3 * i..3 * i + 3];
             let turn: Matrix3<f64> =
-                poses.map(i, strongest(joints, v)).fixed_columns::<3>(0).into();
+                poses.map(i, joints.strongest(v).unwrap_or(0)).fixed_columns::<3>(0).into();
             let residual = turn.transpose() * (Vector3::from_column_slice(truth) - skinned) * scale;
             column[3 * i..3 * i + 3].copy_from_slice(residual.as_slice());
         }
@@ -127,10 +127,6 @@ fn groups(
     }
     members.retain(|m| !m.is_empty());
     members
-}
-
-fn strongest(joints: &Weights, vertex: usize) -> usize {
-    joints.of(vertex).next().map_or(0, |(joint, _)| joint)
 }
 
 /// The affine map of some vertices in each pose, with a ridge toward their joint's map.

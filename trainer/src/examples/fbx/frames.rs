@@ -105,10 +105,8 @@ pub(super) fn posed(
 pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
     let mut first = 0;
     let clip = |take: Take| {
-        let begin = take.times.first().copied().unwrap_or_default();
-        let times: Vec<f64> = take.times.iter().map(|time| time - begin).collect();
-        first += times.len();
-        Clip { name: take.name, first: first - times.len(), times }
+        first += take.times.len();
+        Clip::at(take.name, first - take.times.len(), &take.times)
     };
     takes.into_iter().map(clip).collect()
 }

@@ -51,8 +51,8 @@ pub(super) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<Rig, Examples
             let (locals, weights) = scene.at(moment);
             let worlds = scene.nodes.worlds(&locals);
             let joints: Vec<_> = skins.joints.iter().map(|&node| worlds[node]).collect();
-            let shape = scene.skinned(&skins, &joints, &weights);
-            (joints, shape)
+            let shape = sampling.shapes.then(|| scene.skinned(&skins, &joints, &weights));
+            (joints, shape.unwrap_or_default())
         })
         .collect();
     let (frames, shapes): (Vec<_>, Vec<_>) = posed.into_iter().unzip();
@@ -68,7 +68,7 @@ pub(super) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<Rig, Examples
         parents,
         binds: skins.binds,
         frames: frames.concat(),
-        shapes: Some(shapes.concat()),
+        shapes: sampling.shapes.then(|| shapes.concat()),
         morphs,
         clips,
         warnings,
@@ -95,7 +95,7 @@ pub(super) fn read_targets(path: &Path) -> Result<Targets, ExamplesError> {
             moved[node] = true;
         }
     }
-    let sampling = Sampling { fps: None, clip: None };
+    let sampling = Sampling { fps: None, clip: None, shapes: true };
     let (_, moments) = scene.sample(&moved, &sampling, &mut Vec::new())?;
     let shapes: Vec<_> = moments
         .par_iter()
@@ -149,12 +149,11 @@ impl Scene {
         for keys in self.animations.iter().filter(|keys| sampling.takes(&keys.name)) {
             let times = keys.times(|node| moved[node], |node| self.shows(node));
             let times = sample_times(&keys.name, times, sampling)?;
-            let Some(&begin) = times.first() else {
+            if times.is_empty() {
                 idle.push(keys.name.clone());
                 continue;
-            };
-            let relative = times.iter().map(|time| time - begin).collect();
-            clips.push(Clip { name: keys.name.clone(), first: moments.len(), times: relative });
+            }
+            clips.push(Clip::at(keys.name.clone(), moments.len(), &times));
             moments.extend(times.into_iter().map(|time| Moment { clip: keys, time }));
         }
         if clips.is_empty() {

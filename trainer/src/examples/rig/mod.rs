@@ -29,7 +29,8 @@ pub(super) struct Rig {
     pub(super) binds: Vec<Matrix4<f64>>,
     /// World frame of each joint in each frame, N x J, frame-major.
     pub(super) frames: Vec<Matrix4<f64>>,
-    /// Posed positions as the file itself shows them, N x V; none without a skin.
+    /// Posed positions as the file itself shows them, N x V; none without a skin, or where they are not
+    /// wanted.
     pub(super) shapes: Option<Vec<[f64; 3]>>,
     /// Whether blendshapes move in them: without, they are plain LBS.
     pub(super) morphs: bool,
@@ -45,6 +46,8 @@ pub(super) struct Sampling<'a> {
     pub(super) fps: Option<f64>,
     /// The one clip to read; all of them where none is given.
     pub(super) clip: Option<&'a str>,
+    /// Whether the scene's own posed positions are wanted.
+    pub(super) shapes: bool,
 }
 
 impl Sampling<'_> {

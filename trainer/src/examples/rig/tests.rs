@@ -48,7 +48,7 @@ fn targets(vertices: Vec<[f64; 3]>) -> Targets {
     Targets { vertex_len: VERTICES, vertices, rest: None, triangles: None, split: None }
 }
 
-const KEYS: Sampling<'_> = Sampling { fps: None, clip: None };
+const KEYS: Sampling<'_> = Sampling { fps: None, clip: None, shapes: true };
 
 /// y up to z up, metres to centimetres.
 fn elsewhere([x, y, z]: [f64; 3]) -> [f64; 3] {
@@ -151,7 +151,9 @@ fn meshes_at_one_rate_need_keys_at_one_rate() {
     assert!(error.contains("clip bend has non-uniform key times"), "{error}");
     assert!(error.contains("--fps"), "{error}");
     let (rig, posed) = uneven();
-    assert!(rig.examples(Some(posed), &Sampling { fps: Some(24.0), clip: None }).is_ok());
+    assert!(
+        rig.examples(Some(posed), &Sampling { fps: Some(24.0), clip: None, shapes: true }).is_ok()
+    );
 }
 
 #[test]

@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     fn sample(keys: &[f64], fps: Option<f64>) -> Result<Vec<f64>, ImportError> {
-        sample_times("walk", keys.to_vec(), &Sampling { fps, clip: None })
+        sample_times("walk", keys.to_vec(), &Sampling { fps, clip: None, shapes: true })
     }
 
     #[test]
