@@ -62,6 +62,11 @@ impl<'a> Model<'a> {
         manifest.rows().map(move |row| Section { row, bytes: manifest.bytes(row) })
     }
 
+    /// Returns the blob: all sections, at the offsets that their rows state. What a GPU is given.
+    pub fn blob(&self) -> &'a [u8] {
+        self.manifest.blob
+    }
+
     fn envelopes(self) -> impl Iterator<Item = Envelope<'a>> + use<'a> {
         self.parts().enumerate().filter_map(move |(part, row)| {
             if row.kind != PartKind::Envelope.number() {

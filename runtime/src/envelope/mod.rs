@@ -36,6 +36,7 @@ use core::fmt;
 /// Accessors by number return `None` beyond their range.
 #[derive(Clone, Copy)]
 pub struct Envelope<'a> {
+    pub(crate) part: usize,
     pub(crate) predictor: Predictor,
     pub(crate) counts: EnvelopeCounts,
     pub(crate) certificate: Certificate,
@@ -169,6 +170,12 @@ impl<'a> Envelope<'a> {
     /// Returns the part's name.
     pub fn name(&self) -> &'a str {
         self.names.get(0).unwrap_or_default()
+    }
+
+    /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told
+    /// apart.
+    pub fn part(&self) -> usize {
+        self.part
     }
 
     /// Returns V, the number of vertices.

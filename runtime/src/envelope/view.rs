@@ -42,6 +42,7 @@ impl<'a> Envelope<'a> {
         let (parents, order_ranks) = hierarchy.split_at_checked(joint_len).unwrap_or_default();
         let (order, ranks) = order_ranks.split_at_checked(joint_len).unwrap_or_default();
         Ok(Self {
+            part,
             predictor,
             counts,
             certificate: row.certificate(),

@@ -1,0 +1,103 @@
+//! What a batch can have wrong, found before anything is recorded.
+
+use super::Resource;
+use thiserror::Error;
+
+/// A batch that cannot be evaluated on a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum LayoutError {
+    /// There are no instances.
+    #[error("no instances")]
+    NoInstances,
+    /// More instances are to be evaluated than the batch has room for.
+    #[error("{found} instances, but room for {expected}")]
+    TooManyInstances {
+        /// Room of the batch.
+        expected: usize,
+        /// Instances asked for.
+        found: usize,
+    },
+    /// The vertices to skin are not inside the mesh, or the range ends before it starts.
+    #[error("vertices {start}..{end} of a mesh of {vertex_len}")]
+    VertexRange {
+        /// First vertex.
+        start: usize,
+        /// One past the last.
+        end: usize,
+        /// Vertices of the mesh.
+        vertex_len: usize,
+    },
+    /// Tangents are asked for and the model has none.
+    #[error("tangents of a model that has none")]
+    NoTangents,
+    /// A stride is shorter than what lies at each of its steps.
+    #[error("a stride of {found} floats in {}, expected at least {least}", .resource.name())]
+    Stride {
+        /// Where.
+        resource: Resource,
+        /// Floats needed.
+        least: usize,
+        /// The stride.
+        found: usize,
+    },
+    /// One instance alone, or the model, needs a binding beyond what the device can bind.
+    #[error("{} needs a binding of {found} bytes, more than the device's {limit}", .resource.name())]
+    Binding {
+        /// What is to be bound.
+        resource: Resource,
+        /// The device's largest binding.
+        limit: u64,
+        /// Bytes needed.
+        found: u64,
+    },
+    /// A limit of the device is below what the shaders need.
+    #[error("the device's {name} is {found}, expected at least {least}")]
+    Device {
+        /// The limit's name.
+        name: &'static str,
+        /// What is needed.
+        least: u64,
+        /// What there is.
+        found: u64,
+    },
+    /// Bindings must start at multiples of more than [`super::ALIGNMENT`] bytes.
+    #[error("the device aligns bindings to {found} bytes, expected at most {limit}")]
+    OffsetAlignment {
+        /// The most that is reckoned with.
+        limit: u64,
+        /// What the device asks for.
+        found: u64,
+    },
+    /// One instance alone needs more workgroups than can be counted.
+    #[error("{found} workgroups for one instance, more than {limit}")]
+    Threads {
+        /// The most.
+        limit: u64,
+        /// Workgroups needed.
+        found: u64,
+    },
+    /// A buffer that the batch needs is not given.
+    #[error("no buffer for {}", .resource.name())]
+    Missing {
+        /// What it is for.
+        resource: Resource,
+    },
+    /// A buffer is too short.
+    #[error("{} has {found} bytes, expected at least {least}", .resource.name())]
+    TooShort {
+        /// What it is for.
+        resource: Resource,
+        /// Bytes needed.
+        least: u64,
+        /// Bytes there.
+        found: u64,
+    },
+    /// A buffer's offset is not a multiple of [`super::ALIGNMENT`].
+    #[error("{} starts at byte {found}, not at a multiple of 256", .resource.name())]
+    Misaligned {
+        /// What it is for.
+        resource: Resource,
+        /// Where it starts.
+        found: u64,
+    },
+}
