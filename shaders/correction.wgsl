@@ -1,0 +1,155 @@
+// Stage 3: what the kernel maps add to palettes. One workgroup a group of proxies; what its threads
+// hand to each other lies in the group's scratch.
+
+@group(0) @binding(2) var<storage, read> poses: array<f32>;
+@group(0) @binding(3) var<storage, read_write> work: array<f32>;
+@group(0) @binding(4) var<storage, read_write> palettes: array<f32>;
+
+fn padded(len: u32) -> u32 {
+    return (len + 7u) / 8u * 8u;
+}
+
+// A kernel of a squared distance; 9, 10 and 11 are Matern 1/2, 3/2 and 5/2.
+fn kernel_value(kernel: u32, s: f32) -> f32 {
+    if kernel == 9u {
+        return exp_negative(sqrt(s));
+    }
+    let scaled = sqrt(select(5.0, 3.0, kernel == 10u) * s);
+    let a = select(EXP_MAX, scaled, scaled < EXP_MAX);
+    if kernel == 10u {
+        return (1.0 + a) * exp_negative(a);
+    }
+    return (1.0 + a + a * a * (1.0 / 3.0)) * exp_negative(a);
+}
+
+// e^-s - e^-s0, given e^-s0 and s - s0.
+fn gaussian_change(s: f32, gain: f32, rest: f32) -> f32 {
+    if gain < 0.0 {
+        return exp_negative(s) * one_minus_exp_negative(-gain);
+    }
+    return -(rest * one_minus_exp_negative(gain));
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let item = workgroup.y * workgroups.x + workgroup.x;
+    let instance = item / params.group_len;
+    let group = item % params.group_len;
+    if instance >= params.instance_len {
+        return;
+    }
+    let pose = params.poses_offset + instance * params.poses_stride;
+    let base = params.work_offset + instance * params.work_stride;
+    let certainty = base + params.certainties + group;
+
+    let row = params.groups + 6u * group;
+    let joint = blob[row] & 0xffffu;
+    let kernel = (blob[row] >> 16u) & 0xffu;
+    let d = blob[row + 1u] & 0xffffu;
+    let n = blob[row + 1u] >> 16u;
+    let rank = blob[row + 2u] & 0xffffu;
+    let proxy_len = blob[row + 2u] >> 16u;
+    let fade_start = blob_float(row + 4u);
+    let fade_end = blob_float(row + 5u);
+    if n == 0u {
+        if thread == 0u {
+            work[certainty] = 1.0;
+        }
+        return;
+    }
+    let inputs = params.corrections + blob[row + 3u];
+    let weights = inputs + padded(d);
+    let centres = weights + padded(d);
+    let rests = centres + padded(n) * d;
+    let coefficients = rests + padded(n);
+    let outputs = coefficients + padded(rank) * (n + d);
+
+    let x = base + params.scratch + group * params.scratch_stride;
+    let basis = x + padded(d);
+    let doubts = basis + padded(n);
+    let latent = doubts + padded(n);
+
+    for (var i = thread; i < d; i += 64u) {
+        work[x + i] = blob_float(weights + i) * work[base + params.features + blob[inputs + i]];
+    }
+    storageBarrier();
+
+    for (var k = thread; k < n; k += 64u) {
+        var squared = 0.0;
+        var gain = 0.0;
+        var at = centres + k / 8u * (8u * d) + k % 8u;
+        for (var i = 0u; i < d; i++) {
+            let value = work[x + i];
+            let t = blob_float(at);
+            let apart = value - t;
+            squared += apart * apart;
+            gain += value * (apart - t);
+            at += 8u;
+        }
+        let rest = blob_float(rests + k);
+        if kernel == 8u {
+            work[basis + k] = gaussian_change(squared, gain, rest);
+        } else {
+            work[basis + k] = kernel_value(kernel, squared) - rest;
+        }
+        let left = select(0.0, fade_end - squared, squared < fade_end);
+        let u = left / (fade_end - fade_start);
+        work[doubts + k] = 1.0 - smooth_step(select(1.0, u, u < 1.0));
+    }
+    storageBarrier();
+
+    for (var r = thread; r < rank; r += 64u) {
+        var sum = 0.0;
+        var at = coefficients + r / 8u * (8u * (n + d)) + r % 8u;
+        for (var k = 0u; k < n; k++) {
+            sum += blob_float(at) * work[basis + k];
+            at += 8u;
+        }
+        for (var i = 0u; i < d; i++) {
+            sum += blob_float(at) * work[x + i];
+            at += 8u;
+        }
+        work[latent + r] = sum;
+    }
+    if thread == 0u {
+        var doubt = 1.0;
+        for (var k = 0u; k < n; k++) {
+            doubt *= work[doubts + k];
+        }
+        work[certainty] = 1.0 - doubt;
+    }
+    storageBarrier();
+
+    let w = work[certainty];
+    if w > 0.0 {
+        var first = params.palette_len - params.proxy_len;
+        for (var before = 0u; before < group; before++) {
+            first += blob[params.groups + 6u * before + 2u] >> 16u;
+        }
+        let palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
+        let dominant = pose + 12u * joint;
+        // A thread does a column of a map.
+        for (var i = thread; i < 4u * proxy_len; i += 64u) {
+            var added = vec3<f32>(0.0);
+            for (var r = 0u; r < 3u; r++) {
+                let output = 12u * (i / 4u) + 4u * r + i % 4u;
+                var at = outputs + output / 8u * (8u * rank) + output % 8u;
+                var sum = 0.0;
+                for (var j = 0u; j < rank; j++) {
+                    sum += blob_float(at) * work[latent + j];
+                    at += 8u;
+                }
+                added[r] = sum * w;
+            }
+            for (var r = 0u; r < 3u; r++) {
+                let q = dominant + 4u * r;
+                let out = palette + 12u * (i / 4u) + 4u * r + i % 4u;
+                palettes[out] += poses[q] * added.x + poses[q + 1u] * added.y + poses[q + 2u] * added.z;
+            }
+        }
+    }
+}

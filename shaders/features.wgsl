@@ -1,0 +1,53 @@
+// The pose features: how each joint has turned and moved against its parent. One thread a joint.
+
+@group(0) @binding(2) var<storage, read> poses: array<f32>;
+@group(0) @binding(3) var<storage, read_write> work: array<f32>;
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let item = (group.y * groups.x + group.x) * 64u + thread;
+    let instance = item / params.joint_len;
+    let joint = item % params.joint_len;
+    if instance >= params.instance_len {
+        return;
+    }
+    let pose = params.poses_offset + instance * params.poses_stride;
+    let out = params.work_offset + instance * params.work_stride + params.features + 12u * joint;
+    let parent = blob_half(params.hierarchy, joint);
+    if parent == NO_JOINT {
+        for (var i = 0u; i < 12u; i++) {
+            work[out + i] = 0.0;
+        }
+        return;
+    }
+    let origin = blob_vec3(params.origins + 3u * joint);
+    let above = pose + 12u * parent;
+    let own = pose + 12u * joint;
+    for (var r = 0u; r < 3u; r++) {
+        let x = poses[above + r];
+        let y = poses[above + 4u + r];
+        let z = poses[above + 8u + r];
+        var row: vec4<f32>;
+        for (var c = 0u; c < 4u; c++) {
+            var a = poses[own + c];
+            var b = poses[own + 4u + c];
+            var d = poses[own + 8u + c];
+            if c == 3u {
+                // The difference is taken first, so that rest is exactly 0.
+                a -= poses[above + 3u];
+                b -= poses[above + 7u];
+                d -= poses[above + 11u];
+            }
+            row[c] = x * a + y * b + z * d;
+        }
+        row[r] -= 1.0;
+        work[out + 4u * r] = row.x;
+        work[out + 4u * r + 1u] = row.y;
+        work[out + 4u * r + 2u] = row.z;
+        work[out + 4u * r + 3u] = (row.x * origin.x + row.y * origin.y + row.z * origin.z) + row.w;
+    }
+}

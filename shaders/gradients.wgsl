@@ -1,0 +1,197 @@
+// Stage 1: poses to relative maps, rotations and the keys' gradients. One workgroup an instance.
+
+@group(0) @binding(2) var<storage, read> poses: array<f32>;
+@group(0) @binding(3) var<storage, read_write> work: array<f32>;
+
+const KEY_WORDS: u32 = 55u;
+
+fn load(at: u32) -> vec3<f32> {
+    return vec3<f32>(work[at], work[at + 1u], work[at + 2u]);
+}
+
+fn store(at: u32, v: vec3<f32>) {
+    work[at] = v.x;
+    work[at + 1u] = v.y;
+    work[at + 2u] = v.z;
+}
+
+fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+fn transform(m: mat3x3<f32>, v: vec3<f32>) -> vec3<f32> {
+    return m[0] * v.x + m[1] * v.y + m[2] * v.z;
+}
+
+fn transform_transposed(m: mat3x3<f32>, v: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(dot3(m[0], v), dot3(m[1], v), dot3(m[2], v));
+}
+
+fn transform_columns(m: mat3x3<f32>, n: mat3x3<f32>) -> mat3x3<f32> {
+    return mat3x3<f32>(transform(m, n[0]), transform(m, n[1]), transform(m, n[2]));
+}
+
+// Column c of a 3x4 map of rows.
+fn pose_column(at: u32, c: u32) -> vec3<f32> {
+    return vec3<f32>(poses[at + c], poses[at + 4u + c], poses[at + 8u + c]);
+}
+
+// The linear part of a joint's relative map.
+fn rotation(relative: u32, joint: u32) -> mat3x3<f32> {
+    let at = relative + 12u * joint;
+    return mat3x3<f32>(load(at), load(at + 3u), load(at + 6u));
+}
+
+// The rotation vector of a rotation matrix, by the largest component of its quaternion.
+fn log_of(m: mat3x3<f32>) -> vec3<f32> {
+    let xx = m[0].x;
+    let yy = m[1].y;
+    let zz = m[2].z;
+    var v: vec3<f32>;
+    var w: f32;
+    if xx + yy + zz >= 0.0 {
+        v = vec3<f32>(m[1].z - m[2].y, m[2].x - m[0].z, m[0].y - m[1].x);
+        w = 1.0 + (xx + yy + zz);
+    } else if xx >= yy && xx >= zz {
+        v = vec3<f32>(1.0 + (xx - yy - zz), m[1].x + m[0].y, m[2].x + m[0].z);
+        w = m[1].z - m[2].y;
+    } else if yy >= zz {
+        v = vec3<f32>(m[1].x + m[0].y, 1.0 + (yy - xx - zz), m[2].y + m[1].z);
+        w = m[2].x - m[0].z;
+    } else {
+        v = vec3<f32>(m[2].x + m[0].z, m[2].y + m[1].z, 1.0 + (zz - xx - yy));
+        w = m[0].y - m[1].x;
+    }
+    if w < 0.0 {
+        v = -v;
+        w = -w;
+    }
+    let length = sqrt(dot3(v, v));
+    if length < 1.0e-18 {
+        return vec3<f32>(0.0);
+    }
+    return v * (2.0 * quadrant_angle(length, w) / length);
+}
+
+// The rotation of a rotation vector.
+fn exp_of(v: vec3<f32>) -> mat3x3<f32> {
+    let square = dot3(v, v);
+    var a = 1.0;
+    var b = 0.5;
+    if square >= 1.0e-8 {
+        let angle = sqrt(square);
+        let both = sin_versine(angle);
+        a = both.x / angle;
+        b = both.y / square;
+    }
+    let xx = v.x * v.x;
+    let yy = v.y * v.y;
+    let zz = v.z * v.z;
+    let xy = b * (v.x * v.y);
+    let xz = b * (v.x * v.z);
+    let yz = b * (v.y * v.z);
+    let turn = a * v;
+    return mat3x3<f32>(
+        vec3<f32>(1.0 - b * (yy + zz), xy + turn.z, xz - turn.y),
+        vec3<f32>(xy - turn.z, 1.0 - b * (xx + zz), yz + turn.x),
+        vec3<f32>(xz + turn.y, yz - turn.x, 1.0 - b * (xx + yy)),
+    );
+}
+
+// The rotation of A theta, A three rows of the blob.
+fn twist(at: u32, theta: vec3<f32>) -> mat3x3<f32> {
+    return exp_of(vec3<f32>(
+        dot3(blob_vec3(at), theta),
+        dot3(blob_vec3(at + 3u), theta),
+        dot3(blob_vec3(at + 6u), theta),
+    ));
+}
+
+// A row of H, times the rotations of the joint and of its parent.
+fn shear(at: u32, b: vec3<f32>, p: vec3<f32>) -> f32 {
+    return dot3(blob_vec3(at), b) + dot3(blob_vec3(at + 3u), p);
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let instance = group.y * groups.x + group.x;
+    if instance >= params.instance_len {
+        return;
+    }
+    let pose = params.poses_offset + instance * params.poses_stride;
+    let base = params.work_offset + instance * params.work_stride;
+    let relative = base + params.relative;
+    let rotations = base + params.rotations;
+
+    let root = pose + 12u * params.root;
+    let turn = mat3x3<f32>(pose_column(root, 0u), pose_column(root, 1u), pose_column(root, 2u));
+    let origin = pose_column(root, 3u);
+    for (var joint = thread; joint < params.joint_len; joint += 64u) {
+        let at = relative + 12u * joint;
+        if joint == params.root {
+            store(at, vec3<f32>(1.0, 0.0, 0.0));
+            store(at + 3u, vec3<f32>(0.0, 1.0, 0.0));
+            store(at + 6u, vec3<f32>(0.0, 0.0, 1.0));
+            store(at + 9u, vec3<f32>(0.0));
+        } else {
+            let map = pose + 12u * joint;
+            store(at, transform_transposed(turn, pose_column(map, 0u)));
+            store(at + 3u, transform_transposed(turn, pose_column(map, 1u)));
+            store(at + 6u, transform_transposed(turn, pose_column(map, 2u)));
+            store(at + 9u, transform_transposed(turn, pose_column(map, 3u) - origin));
+        }
+    }
+    storageBarrier();
+
+    for (var joint = thread; joint < params.joint_len; joint += 64u) {
+        let parent = blob_half(params.hierarchy, joint);
+        var theta = vec3<f32>(0.0);
+        if parent != NO_JOINT {
+            let above = rotation(relative, parent);
+            let own = rotation(relative, joint);
+            theta = log_of(mat3x3<f32>(
+                transform_transposed(above, own[0]),
+                transform_transposed(above, own[1]),
+                transform_transposed(above, own[2]),
+            ));
+        }
+        store(rotations + 3u * joint, theta);
+    }
+    storageBarrier();
+
+    for (var key = thread; key < params.proxy_len; key += 64u) {
+        let at = params.keys + KEY_WORDS * key;
+        let joint = blob[at] & 0xffffu;
+        let residual = blob[at] >> 16u;
+        let parent = blob_half(params.hierarchy, joint);
+        let b = load(rotations + 3u * joint);
+        var p = vec3<f32>(0.0);
+        if parent != NO_JOINT {
+            p = load(rotations + 3u * parent);
+        }
+        let h = at + 19u;
+        let xy = shear(h + 6u, b, p);
+        let xz = shear(h + 12u, b, p);
+        let yz = shear(h + 24u, b, p);
+        var out = mat3x3<f32>(
+            vec3<f32>(1.0 + shear(h, b, p), xy, xz),
+            vec3<f32>(xy, 1.0 + shear(h + 18u, b, p), yz),
+            vec3<f32>(xz, yz, 1.0 + shear(h + 30u, b, p)),
+        );
+        if residual != NO_JOINT {
+            out = transform_columns(twist(at + 10u, load(rotations + 3u * residual)), out);
+        }
+        out = transform_columns(twist(at + 1u, b), out);
+        if parent != NO_JOINT {
+            out = transform_columns(rotation(relative, parent), out);
+        }
+        let gradient = base + params.gradients + 9u * key;
+        store(gradient, out[0]);
+        store(gradient + 3u, out[1]);
+        store(gradient + 6u, out[2]);
+    }
+}

@@ -1,0 +1,78 @@
+// What every stage binds: where everything lies, in words of 4 bytes, and the model.
+
+layout(set = 0, binding = 0, std140) uniform Params {
+    // Counts, of the dispatch and of the model.
+    uint instance_len;
+    uint vertex_first;
+    uint vertex_len;
+    uint joint_len;
+    uint proxy_len;
+    uint palette_len;
+    uint influence_len;
+    uint group_len;
+    uint root;
+    uint predictor;
+    // Sections, from the blob's start.
+    uint hierarchy;
+    uint rest_positions;
+    uint rest_normals;
+    uint rest_tangents;
+    uint influence_indices;
+    uint influence_weights;
+    uint keys;
+    uint c1;
+    uint c2;
+    uint pose_ranges;
+    uint origins;
+    uint groups;
+    uint corrections;
+    // Arrays in the work of an instance.
+    uint relative;
+    uint rotations;
+    uint gradients;
+    uint features;
+    uint certainties;
+    uint scratch;
+    uint scratch_stride;
+    // Arrays with one stretch an instance, from the binding's start.
+    uint work_offset;
+    uint work_stride;
+    uint poses_offset;
+    uint poses_stride;
+    uint palettes_offset;
+    uint palettes_stride;
+    uint confidences_offset;
+    uint confidences_stride;
+    // Attributes: 0 for none, 1 for out_a, 2 for out_b; then from the binding's start.
+    uint positions_buffer;
+    uint positions_offset;
+    uint positions_stride;
+    uint positions_instance_stride;
+    uint normals_buffer;
+    uint normals_offset;
+    uint normals_stride;
+    uint normals_instance_stride;
+    uint tangents_buffer;
+    uint tangents_offset;
+    uint tangents_stride;
+    uint tangents_instance_stride;
+} params;
+
+layout(set = 0, binding = 1, std430) readonly buffer Blob {
+    uint blob[];
+};
+
+const uint NO_JOINT = 0xffffu;
+
+float blob_float(uint word) {
+    return uintBitsToFloat(blob[word]);
+}
+
+vec3 blob_vec3(uint word) {
+    return vec3(blob_float(word), blob_float(word + 1u), blob_float(word + 2u));
+}
+
+// A u16 of an array of them that starts at a word.
+uint blob_half(uint word, uint index) {
+    return (blob[word + index / 2u] >> (16u * (index & 1u))) & 0xffffu;
+}
