@@ -41,7 +41,7 @@ vec3 along(vec3 x, vec3 y, vec3 z, vec3 v) {
 // A vector's direction, or the rest pose's where it has none: its square is not a normal number.
 vec3 unit(vec3 v, vec3 rest) {
     precise float square = v.x * v.x + v.y * v.y + v.z * v.z;
-    if (square >= 1.17549435e-38 && square <= 3.40282347e+38) {
+    if (square >= 1.17549435e-38 && square <= 3.4028234e+38) {
         precise float scale = 1.0 / sqrt(square);
         precise vec3 direction = v * scale;
         return direction;

@@ -23,7 +23,7 @@ fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
 // A vector's direction, or the rest pose's where it has none: its square is not a normal number.
 fn unit(v: vec3<f32>, rest: vec3<f32>) -> vec3<f32> {
     let square = v.x * v.x + v.y * v.y + v.z * v.z;
-    if square >= 1.17549435e-38 && square <= 3.40282347e+38 {
+    if square >= 1.17549435e-38 && square <= 3.4028234e+38 {
         return v * (1.0 / sqrt(square));
     }
     return rest;
