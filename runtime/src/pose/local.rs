@@ -5,8 +5,9 @@ use crate::envelope::Envelope;
 use crate::error::{Argument, EvalError};
 use crate::linear::{compose, dot};
 
-/// A joint's frame in its parent's.
+/// A joint's frame in its parent's, laid out as in C.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct LocalTransform {
     /// Quaternion x, y, z, w; it is normalised here.
     pub rotation: [f32; 4],

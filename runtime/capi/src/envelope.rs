@@ -1,0 +1,305 @@
+//! An envelope: a skin that follows joints, and what the file says of it.
+
+use crate::border::{self, Array, Object, Span};
+use crate::{sinew_error, sinew_matrix, sinew_model, sinew_status, sinew_subject};
+use core::ffi::{c_char, c_void};
+use core::mem::{align_of, offset_of, size_of};
+use core::ops::Range;
+use sinew_runtime::Envelope;
+use sinew_runtime::format::Predictor;
+
+/// Elements of a `uintptr_t` array that holds an envelope on every target:
+/// `uintptr_t memory[SINEW_ENVELOPE_WORDS]`.
+pub const SINEW_ENVELOPE_WORDS: usize = 72;
+
+/// Stands for no joint: the parent of the root.
+pub const SINEW_NO_JOINT: u32 = u32::MAX;
+
+/// A skin of V vertices that follows J joints by a palette of maps: a view of the file's bytes,
+/// of which the model's rules hold. It does not need the model any more.
+pub struct sinew_envelope {
+    tag: u32,
+    pub(crate) envelope: Envelope<'static>,
+    file: Span,
+}
+
+impl Object for sinew_envelope {
+    const TAG: u32 = u32::from_le_bytes(*b"SnwE");
+    const TAG_OFFSET: usize = offset_of!(Self, tag);
+    const SUBJECT: sinew_subject = sinew_subject::Envelope;
+}
+
+const _: () = {
+    assert!(size_of::<sinew_envelope>() <= SINEW_ENVELOPE_WORDS * size_of::<usize>());
+    assert!(align_of::<sinew_envelope>() <= align_of::<usize>());
+};
+
+/// How an envelope predicts its palette.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum sinew_predictor {
+    /// Rotational regression: the palette is P proxies.
+    Rotational = 1,
+    /// The palette is the J joints, then P helpers that kernel maps move.
+    Kernel = 2,
+    /// The palette is P proxies, of rotational regression and kernel maps together.
+    Hybrid = 3,
+}
+
+/// What the fit was measured to reach, in the units of the input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_certificate {
+    /// Diagonal of the rest pose's box.
+    pub diagonal: f32,
+    /// RMS error over vertices and training frames.
+    pub training_rms: f32,
+    /// The same, each frame predicted by a fit that had not seen its fold.
+    pub cross_validated_rms: f32,
+    /// The same, of linear blend skinning.
+    pub lbs_training_rms: f32,
+    /// The farthest that single precision may move a vertex through the correction; 0 without one.
+    pub correction_error: f32,
+}
+
+/// What an envelope is made of: every length that a caller needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_envelope_info {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    pub name: *const c_char,
+    /// Bytes of the name.
+    pub name_len: usize,
+    /// Its number among the file's parts, for `sinew_model_section`.
+    pub part: u32,
+    /// How it predicts.
+    pub predictor: sinew_predictor,
+    /// V, vertices.
+    pub vertex_len: usize,
+    /// J, joints: skinning matrices of a pose.
+    pub joint_len: usize,
+    /// P, proxies or helpers.
+    pub proxy_len: usize,
+    /// Matrices of the palette.
+    pub palette_len: usize,
+    /// Floats of scratch that `sinew_envelope_palette` needs.
+    pub workspace_len: usize,
+    /// K, influences of each vertex.
+    pub influence_len: usize,
+    /// The joint without a parent.
+    pub root: u32,
+    /// 1 with tangents, else 0.
+    pub has_tangents: u32,
+    /// What the fit was measured to reach.
+    pub certificate: sinew_certificate,
+}
+
+/// A joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_joint {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    pub name: *const c_char,
+    /// Bytes of the name.
+    pub name_len: usize,
+    /// Its parent, or `SINEW_NO_JOINT`.
+    pub parent: u32,
+    /// The largest angle that it turned in training against its parent, in radians.
+    pub pose_range: f32,
+    /// Its inverse bind matrix: model space to the joint's rest frame.
+    pub inverse_bind: sinew_matrix,
+}
+
+/// Returns the bytes of memory that an envelope needs: at most those of `SINEW_ENVELOPE_WORDS`
+/// words.
+#[unsafe(no_mangle)]
+pub extern "C" fn sinew_envelope_bytes() -> usize {
+    size_of::<sinew_envelope>()
+}
+
+/// Opens an envelope of a model.
+///
+/// - `name`, `name_len`: its name, without a zero at its end; null for the first envelope.
+/// - `memory`, `memory_bytes`: for the envelope; at least `sinew_envelope_bytes()`, aligned as a
+///   `uintptr_t`.
+/// - `out_envelope`: receives the handle, which is `memory`.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_open(
+    model: *const sinew_model,
+    name: *const c_char,
+    name_len: usize,
+    memory: *mut c_void,
+    memory_bytes: usize,
+    out_envelope: *mut *const sinew_envelope,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let object = unsafe { border::object(model) }?;
+        let place = border::place::<sinew_envelope>(memory, memory_bytes)?;
+        let out = Array::one(out_envelope, sinew_subject::Result)?;
+        let [handle, file] = object.spans(model);
+        let envelope = if name.is_null() {
+            border::apart(&[place.span(), out.span()], &[handle, file])?;
+            object.model.envelope()
+        } else {
+            let name = Array::new(name.cast::<u8>(), name_len, sinew_subject::Name)?;
+            border::apart(&[place.span(), out.span()], &[handle, file, name.span()])?;
+            // SAFETY: the caller's promise is passed on.
+            let name = core::str::from_utf8(unsafe { name.read() });
+            name.ok().and_then(|name| object.model.envelope_named(name))
+        };
+        let envelope =
+            envelope.ok_or(sinew_error::new(sinew_status::NotFound, sinew_subject::Envelope))?;
+        // SAFETY: memory large enough, aligned, apart from all that is read, and lent by the caller.
+        unsafe { place.store(sinew_envelope { tag: sinew_envelope::TAG, envelope, file }) };
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(memory.cast_const().cast()) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Says what an envelope is made of.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_describe(
+    envelope: *const sinew_envelope,
+    out_info: *mut sinew_envelope_info,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let object = unsafe { border::object(envelope) }?;
+        let out = Array::one(out_info, sinew_subject::Result)?;
+        border::apart(&[out.span()], &object.spans(envelope))?;
+        let info = object.info();
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(info) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Describes a joint.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OVERLAP`, `OUT_OF_RANGE`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_joint(
+    envelope: *const sinew_envelope,
+    joint: usize,
+    out_joint: *mut sinew_joint,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let object = unsafe { border::object(envelope) }?;
+        let out = Array::one(out_joint, sinew_subject::Result)?;
+        border::apart(&[out.span()], &object.spans(envelope))?;
+        let found = object.joint(joint).ok_or(
+            sinew_error::new(sinew_status::OutOfRange, sinew_subject::Joints)
+                .at(joint)
+                .expected(object.envelope.joint_len() as u64)
+                .found(joint as u64),
+        )?;
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(found) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Copies the J joints' numbers in an order in which each comes after its parent.
+///
+/// - `out_order`, `order_len`: room for J numbers.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_order(
+    envelope: *const sinew_envelope,
+    out_order: *mut u32,
+    order_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let object = unsafe { border::object(envelope) }?;
+        let out = Array::new(out_order, order_len, sinew_subject::Order)?;
+        out.check_least(object.envelope.joint_len())?;
+        border::apart(&[out.span()], &object.spans(envelope))?;
+        // SAFETY: apart from all that the call reads; lent by the caller.
+        let out = unsafe { out.write() };
+        for (out, joint) in out.iter_mut().zip(object.envelope.evaluation_order()) {
+            *out = joint as u32;
+        }
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+impl sinew_envelope {
+    /// Returns what a call with this handle reads.
+    pub(crate) fn spans(&self, handle: *const Self) -> [Span; 2] {
+        [Span::of(handle), self.file]
+    }
+
+    /// Checks that vertices are in the mesh.
+    pub(crate) fn check_vertices(&self, vertices: &Range<usize>) -> Result<(), sinew_error> {
+        let (Range { start, end }, vertex_len) = (vertices, self.envelope.vertex_len());
+        if start <= end && *end <= vertex_len {
+            return Ok(());
+        }
+        Err(sinew_error::new(sinew_status::OutOfRange, sinew_subject::Vertices)
+            .at(*start)
+            .expected(vertex_len as u64)
+            .found(*end as u64))
+    }
+
+    fn info(&self) -> sinew_envelope_info {
+        let envelope = &self.envelope;
+        let certificate = envelope.certificate();
+        sinew_envelope_info {
+            name: envelope.name().as_ptr().cast(),
+            name_len: envelope.name().len(),
+            part: envelope.part() as u32,
+            predictor: match envelope.predictor() {
+                Predictor::Rotational => sinew_predictor::Rotational,
+                Predictor::Kernel => sinew_predictor::Kernel,
+                Predictor::Hybrid => sinew_predictor::Hybrid,
+            },
+            vertex_len: envelope.vertex_len(),
+            joint_len: envelope.joint_len(),
+            proxy_len: envelope.proxy_len(),
+            palette_len: envelope.palette_len(),
+            workspace_len: envelope.workspace_len(),
+            influence_len: envelope.influence_len(),
+            root: envelope.root() as u32,
+            has_tangents: u32::from(envelope.has_tangents()),
+            certificate: sinew_certificate {
+                diagonal: certificate.diagonal,
+                training_rms: certificate.training_rms,
+                cross_validated_rms: certificate.cross_validated_rms,
+                lbs_training_rms: certificate.lbs_training_rms,
+                correction_error: certificate.correction_error,
+            },
+        }
+    }
+
+    fn joint(&self, joint: usize) -> Option<sinew_joint> {
+        let name = self.envelope.joint_name(joint)?;
+        Some(sinew_joint {
+            name: name.as_ptr().cast(),
+            name_len: name.len(),
+            parent: self.envelope.parent(joint).map_or(SINEW_NO_JOINT, |parent| parent as u32),
+            pose_range: self.envelope.pose_range(joint)?,
+            inverse_bind: sinew_matrix { rows: self.envelope.inverse_bind(joint)? },
+        })
+    }
+}

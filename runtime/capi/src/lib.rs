@@ -1,0 +1,43 @@
+//! C ABI of `sinew-runtime`; `include/sinew.h` is made of these sources and says the same.
+//!
+//! Objects lie in memory of the caller, nothing is allocated, nothing has to be freed. Each
+//! function checks what can be checked of its arguments and returns a [`sinew_status`].
+#![cfg_attr(target_os = "none", no_std)]
+#![allow(non_camel_case_types, reason = "types have the names that they have in C")]
+#![allow(
+    clippy::missing_safety_doc,
+    reason = "what every pointer must be is stated once, at the head of the header"
+)]
+
+mod border;
+
+// The header's functions come in the order of these groups.
+mod version;
+
+mod error;
+mod status;
+mod subject;
+
+mod model;
+
+mod envelope;
+mod evaluate;
+mod mesh;
+mod skin;
+
+pub use envelope::*;
+pub use error::*;
+pub use evaluate::*;
+pub use mesh::*;
+pub use model::*;
+pub use skin::*;
+pub use status::*;
+pub use subject::*;
+pub use version::*;
+
+/// Stops: nothing here panics, but a bare target's linker asks for it.
+#[cfg(target_os = "none")]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    loop {}
+}
