@@ -1,9 +1,6 @@
-//! The committed header is what cbindgen makes of the sources, and the README's table of statuses
-//! is the library's.
+//! The committed header is what cbindgen makes of the sources.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
-use sinew_capi::sinew_status;
-use std::collections::BTreeSet;
 use std::{env, fs, path::Path};
 
 /// Set to write the header instead of comparing it; `cargo xtask header` does.

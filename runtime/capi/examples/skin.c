@@ -1,0 +1,195 @@
+/* Loads a model, poses it again and again, skins it, and prints bounds, confidence and a hash of
+ * every bit that came out: the hash is the same on every CPU.
+ *
+ *     skin MODEL [POSES]
+ */
+#include <sinew.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* What a skin needs from frame to frame. The model and the envelope are shared by all characters
+ * of this shape; the rest is one character's own. */
+typedef struct {
+    const sinew_envelope *envelope;
+    sinew_envelope_info info;
+    sinew_transform *local;
+    sinew_matrix *pose;
+    sinew_matrix *palette;
+    float *workspace;
+    float *vertices;
+    size_t stride;
+} character;
+
+static void *allocate(size_t count, size_t size)
+{
+    void *memory = calloc(count ? count : 1, size);
+    if (!memory) {
+        fprintf(stderr, "skin: no memory\n");
+        exit(1);
+    }
+    return memory;
+}
+
+/* Stops with what went wrong. An engine would show its placeholder instead. */
+static void check(sinew_status status, const sinew_error *error)
+{
+    if (status == SINEW_STATUS_OK) {
+        return;
+    }
+    fprintf(stderr, "skin: %s (status %d): %s, index %lu, expected %lu, found %lu\n",
+            sinew_status_text(status), (int)status, sinew_subject_text(error->subject),
+            (unsigned long)error->index, (unsigned long)error->expected,
+            (unsigned long)error->found);
+    exit(1);
+}
+
+static uint8_t *read_file(const char *path, size_t *bytes)
+{
+    FILE *file = fopen(path, "rb");
+    uint8_t *content = NULL;
+    size_t room = 4096, len = 0, more = 1;
+    while (file && more > 0) {
+        room *= 2;
+        content = realloc(content, room);
+        if (!content) {
+            break;
+        }
+        more = fread(content + len, 1, room - len, file);
+        len += more;
+    }
+    if (!content || ferror(file) || fclose(file) != 0) {
+        fprintf(stderr, "skin: %s cannot be read\n", path);
+        exit(1);
+    }
+    *bytes = len;
+    return content;
+}
+
+/* SplitMix64, and a number in [-1, 1) of its upper bits. */
+static float next(uint64_t *state)
+{
+    uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return (float)((z ^ (z >> 31)) >> 40) / 8388608.0f - 1.0f;
+}
+
+/* Stands for an animation system: slight, usual and wild turns. */
+static void animate(character *c, unsigned frame, uint64_t *state)
+{
+    static const float turns[4] = {0.01f, 0.3f, 1.0f, 8.0f};
+    float turn = turns[frame % 4];
+    for (size_t joint = 0; joint < c->info.joint_len; joint++) {
+        sinew_transform *local = &c->local[joint];
+        for (int i = 0; i < 3; i++) {
+            local->rotation[i] = next(state) * turn;
+        }
+        local->rotation[3] = 0.5f;
+        local->translation[0] = 1.0f;
+        local->translation[1] = next(state) * turn * 0.125f;
+        local->translation[2] = next(state) * turn * 0.125f;
+    }
+}
+
+/* A frame: local transforms in, vertices, bounds and confidence out. */
+static void frame(character *c, sinew_bounds *bounds, float *confidence)
+{
+    sinew_error error;
+    const sinew_envelope_info *info = &c->info;
+    sinew_skin_job job = {
+        .envelope = c->envelope,
+        .palette = c->palette,
+        .palette_len = info->palette_len,
+        .end = info->vertex_len,
+        .positions = {SINEW_BUFFER_A, 0, c->stride},
+        .normals = {SINEW_BUFFER_A, 3, c->stride},
+        .tangents = {info->has_tangents ? SINEW_BUFFER_A : SINEW_BUFFER_NONE, 6, c->stride},
+        .out_a = c->vertices,
+        .out_a_len = info->vertex_len * c->stride,
+    };
+    check(sinew_envelope_pose(c->envelope, c->local, info->joint_len, c->pose, info->joint_len,
+                              &error),
+          &error);
+    check(sinew_envelope_palette(c->envelope, c->pose, info->joint_len, c->workspace,
+                                 info->workspace_len, c->palette, info->palette_len, confidence,
+                                 &error),
+          &error);
+    check(sinew_skin(&job, &error), &error);
+    check(sinew_envelope_bounds(c->envelope, c->palette, info->palette_len, bounds, &error),
+          &error);
+}
+
+/* FNV-1a over the bits of floats, the least significant byte first. */
+static uint64_t hash(uint64_t state, const float *values, size_t len)
+{
+    for (size_t i = 0; i < len; i++) {
+        union {
+            float value;
+            uint32_t bits;
+        } word = {values[i]};
+        for (int shift = 0; shift < 32; shift += 8) {
+            state = (state ^ ((word.bits >> shift) & 0xff)) * UINT64_C(0x100000001b3);
+        }
+    }
+    return state;
+}
+
+int main(int argc, char **argv)
+{
+    static uintptr_t model_memory[SINEW_MODEL_WORDS];
+    static uintptr_t envelope_memory[SINEW_ENVELOPE_WORDS];
+    const sinew_model *model;
+    character c;
+    sinew_error error;
+    sinew_bounds bounds = {{0}, {0}};
+    float confidence = 0.0f, least = 1.0f;
+    uint64_t state = 2007, bits = UINT64_C(0xcbf29ce484222325);
+    size_t bytes;
+    if (argc < 2) {
+        fprintf(stderr, "usage: skin MODEL [POSES]\n");
+        return 2;
+    }
+    unsigned long poses = argc > 2 ? strtoul(argv[2], NULL, 10) : 1;
+    uint8_t *file = read_file(argv[1], &bytes);
+
+    check(sinew_model_load(model_memory, sizeof model_memory, file, bytes, NULL, &model, &error),
+          &error);
+    check(sinew_envelope_open(model, NULL, 0, envelope_memory, sizeof envelope_memory, &c.envelope,
+                              &error),
+          &error);
+    check(sinew_envelope_describe(c.envelope, &c.info, &error), &error);
+    c.stride = c.info.has_tangents ? 10 : 6;
+    c.local = allocate(c.info.joint_len, sizeof *c.local);
+    c.pose = allocate(c.info.joint_len, sizeof *c.pose);
+    c.palette = allocate(c.info.palette_len, sizeof *c.palette);
+    c.workspace = allocate(c.info.workspace_len, sizeof *c.workspace);
+    c.vertices = allocate(c.info.vertex_len * c.stride, sizeof *c.vertices);
+
+    for (unsigned long i = 0; i < poses; i++) {
+        animate(&c, (unsigned)i, &state);
+        frame(&c, &bounds, &confidence);
+        least = confidence < least ? confidence : least;
+        bits = hash(bits, (const float *)c.palette, 12 * c.info.palette_len);
+        bits = hash(bits, &confidence, 1);
+        bits = hash(bits, c.vertices, c.info.vertex_len * c.stride);
+        bits = hash(bits, bounds.min, 3);
+        bits = hash(bits, bounds.max, 3);
+    }
+    printf("model       %.*s: %lu vertices, %lu joints, %lu maps\n", (int)c.info.name_len,
+           c.info.name, (unsigned long)c.info.vertex_len, (unsigned long)c.info.joint_len,
+           (unsigned long)c.info.palette_len);
+    printf("bounds      %.6f %.6f %.6f to %.6f %.6f %.6f\n", bounds.min[0], bounds.min[1],
+           bounds.min[2], bounds.max[0], bounds.max[1], bounds.max[2]);
+    printf("confidence  %.6f at least\n", least);
+    printf("hash        %08lx%08lx\n", (unsigned long)(bits >> 32),
+           (unsigned long)(bits & 0xffffffff));
+
+    free(c.vertices);
+    free(c.workspace);
+    free(c.palette);
+    free(c.pose);
+    free(c.local);
+    free(file);
+    return 0;
+}

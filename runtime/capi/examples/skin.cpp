@@ -1,0 +1,116 @@
+// The same as skin.c, with sinew.hpp.
+//
+//     skin MODEL [POSES]
+#include <sinew.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+namespace {
+
+/// Stops with what went wrong. An engine would show its placeholder instead.
+void check(const sinew::Failure &failure)
+{
+    if (failure) {
+        std::fprintf(stderr, "skin: %s (status %d): %s\n", failure.text(), int(failure.status),
+                     failure.subject());
+        std::exit(1);
+    }
+}
+
+/// SplitMix64, and a number in [-1, 1) of its upper bits.
+float next(std::uint64_t &state)
+{
+    std::uint64_t z = state += 0x9e3779b97f4a7c15;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+    return float((z ^ (z >> 31)) >> 40) / 8388608.0f - 1.0f;
+}
+
+/// Stands for an animation system: slight, usual and wild turns.
+void animate(std::vector<sinew_transform> &local, unsigned long frame, std::uint64_t &state)
+{
+    const float turn = std::array{0.01f, 0.3f, 1.0f, 8.0f}[frame % 4];
+    for (sinew_transform &joint : local) {
+        for (int i = 0; i < 3; i++) {
+            joint.rotation[i] = next(state) * turn;
+        }
+        joint.rotation[3] = 0.5f;
+        joint.translation[0] = 1.0f;
+        joint.translation[1] = next(state) * turn * 0.125f;
+        joint.translation[2] = next(state) * turn * 0.125f;
+    }
+}
+
+/// FNV-1a over the bits of floats, the least significant byte first.
+void hash(std::uint64_t &state, const float *values, std::size_t len)
+{
+    for (std::size_t i = 0; i < len; i++) {
+        std::uint32_t bits;
+        std::memcpy(&bits, values + i, sizeof bits);
+        for (int shift = 0; shift < 32; shift += 8) {
+            state = (state ^ ((bits >> shift) & 0xff)) * 0x100000001b3;
+        }
+    }
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    if (argc < 2) {
+        std::fprintf(stderr, "usage: skin MODEL [POSES]\n");
+        return 2;
+    }
+    const unsigned long poses = argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 1;
+    std::ifstream file(argv[1], std::ios::binary);
+    sinew::Model model;
+    check(model.load({std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}));
+    sinew::Envelope envelope;
+    check(envelope.open(model));
+
+    const sinew_envelope_info &info = envelope.info();
+    const std::size_t stride = info.has_tangents ? 10 : 6;
+    std::vector<sinew_transform> local(info.joint_len);
+    std::vector<float> vertices(info.vertex_len * stride);
+    sinew::Character character(envelope);
+    sinew_skin_job job{};
+    job.end = info.vertex_len;
+    job.positions = {SINEW_BUFFER_A, 0, stride};
+    job.normals = {SINEW_BUFFER_A, 3, stride};
+    job.tangents = {info.has_tangents ? SINEW_BUFFER_A : SINEW_BUFFER_NONE, 6, stride};
+    job.out_a = vertices.data();
+    job.out_a_len = vertices.size();
+
+    sinew_bounds bounds{};
+    float least = 1.0f;
+    std::uint64_t state = 2007, bits = 0xcbf29ce484222325;
+    for (unsigned long i = 0; i < poses; i++) {
+        animate(local, i, state);
+        check(character.pose(local));
+        check(character.skin(job));
+        check(character.bounds(bounds));
+        const float confidence = character.confidence();
+        least = confidence < least ? confidence : least;
+        for (const sinew_matrix &map : character.palette()) {
+            hash(bits, map.rows[0], 4);
+            hash(bits, map.rows[1], 4);
+            hash(bits, map.rows[2], 4);
+        }
+        hash(bits, &confidence, 1);
+        hash(bits, vertices.data(), vertices.size());
+        hash(bits, bounds.min, 3);
+        hash(bits, bounds.max, 3);
+    }
+    std::printf("model       %.*s: %zu vertices, %zu joints, %zu maps\n",
+                int(envelope.name().size()), envelope.name().data(), info.vertex_len,
+                info.joint_len, info.palette_len);
+    std::printf("bounds      %.6f %.6f %.6f to %.6f %.6f %.6f\n", bounds.min[0], bounds.min[1],
+                bounds.min[2], bounds.max[0], bounds.max[1], bounds.max[2]);
+    std::printf("confidence  %.6f at least\n", least);
+    std::printf("hash        %016llx\n", static_cast<unsigned long long>(bits));
+    return 0;
+}
