@@ -1,0 +1,131 @@
+//! Compilers, the library they link, and what the examples must print.
+#![allow(
+    dead_code,
+    unreachable_pub,
+    missing_docs,
+    clippy::unwrap_used,
+    reason = "each test uses a part of it"
+)]
+
+use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
+use sinew_runtime::{LocalTransform, Model, model_space_pose};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+pub const GOLDEN: [&str; 3] =
+    ["envelope-2-rotational.snw", "envelope-2-kernel.snw", "envelope-2-hybrid.snw"];
+
+pub const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
+
+pub fn package() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+pub fn golden(name: &str) -> PathBuf {
+    package().join("../../tests/golden").join(name)
+}
+
+/// A folder of this package's own under the target folder.
+pub fn scratch() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("capi");
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Runs a command to its end and returns what it prints.
+pub fn output(command: &mut Command, install: &str) -> String {
+    let program = command.get_program().to_string_lossy().into_owned();
+    let done = command.output();
+    let done = done.unwrap_or_else(|error| panic!("{program}: {error}; install {install}"));
+    let (out, err) = (String::from_utf8_lossy(&done.stdout), String::from_utf8_lossy(&done.stderr));
+    assert!(done.status.success(), "{command:?}: {}\n{out}\n{err}", done.status);
+    out.into_owned()
+}
+
+/// Builds the static and the shared library for this machine, and returns their folder.
+pub fn libraries() -> PathBuf {
+    cargo(&["build"]).join("embed")
+}
+
+/// Builds the static library for a bare target.
+pub fn bare_library(target: &str) -> PathBuf {
+    cargo(&["rustc", "--crate-type", "staticlib", "--target", target])
+        .join(target)
+        .join("embed/libsinew_capi.a")
+}
+
+/// Runs cargo in a target folder of its own: that of the tests is locked while they run.
+fn cargo(arguments: &[&str]) -> PathBuf {
+    let folder = scratch().join("target");
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.current_dir(package()).args(arguments);
+    cargo.args(["--package", "sinew-capi", "--lib", "--profile", "embed", "--locked"]);
+    let rustup = "the target: rustup target add thumbv7em-none-eabihf";
+    output(cargo.arg("--target-dir").arg(&folder), rustup);
+    folder
+}
+
+/// Computes what the examples print, with the runtime itself; their poses are drawn the same way.
+pub fn printed(file: &[u8], poses: usize) -> String {
+    let envelope = Model::from_bytes(file).unwrap().envelope().unwrap();
+    let (v, j, p) = (envelope.vertex_len(), envelope.joint_len(), envelope.palette_len());
+    let stride = if envelope.has_tangents() { 10 } else { 6 };
+    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let (mut pose, mut palette) = (vec![[[0.0; 4]; 3]; j], vec![[[0.0; 4]; 3]; p]);
+    let mut skin = vec![0.0; stride * v];
+    let (mut random, mut bits, mut least) = (2007, 0xcbf2_9ce4_8422_2325, 1.0f32);
+    let mut bounds = None;
+    for i in 0..poses {
+        let turn = [0.01, 0.3, 1.0, 8.0][i % 4];
+        let local = (0..j).map(|_| local(&mut random, turn)).collect::<Vec<_>>();
+        model_space_pose(&envelope, &local, &mut pose).unwrap();
+        let confidence = envelope.palette(&pose, &mut workspace, &mut palette).unwrap();
+        let attribute = |offset| Some(Attribute { buffer: Buffer::A, offset, stride });
+        SkinJob {
+            envelope,
+            palette: &palette,
+            vertices: 0..v,
+            positions: attribute(0),
+            normals: attribute(3),
+            tangents: attribute(6).filter(|_| envelope.has_tangents()),
+            out_a: &mut skin,
+            out_b: &mut [],
+        }
+        .run()
+        .unwrap();
+        let found = envelope.bounds(&palette).unwrap().unwrap();
+        least = least.min(confidence);
+        hash(&mut bits, palette.as_flattened().as_flattened());
+        hash(&mut bits, &[confidence]);
+        hash(&mut bits, &skin);
+        hash(&mut bits, &[found.min, found.max].concat());
+        bounds = Some(found);
+    }
+    let ([a, b, c], [d, e, f]) = bounds.map(|b| (b.min, b.max)).unwrap();
+    format!(
+        "model       {}: {v} vertices, {j} joints, {p} maps\n\
+         bounds      {a:.6} {b:.6} {c:.6} to {d:.6} {e:.6} {f:.6}\n\
+         confidence  {least:.6} at least\n\
+         hash        {bits:016x}\n",
+        envelope.name()
+    )
+}
+
+fn local(random: &mut u64, turn: f32) -> LocalTransform {
+    let mut next = || {
+        *random = random.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = *random;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (((z ^ (z >> 31)) >> 40) as f32 / 8_388_608.0 - 1.0) * turn
+    };
+    let rotation = [next(), next(), next(), 0.5];
+    LocalTransform { rotation, translation: [1.0, next() * 0.125, next() * 0.125] }
+}
+
+/// FNV-1a over the bits of floats.
+fn hash(state: &mut u64, values: &[f32]) {
+    for byte in values.iter().flat_map(|value| value.to_bits().to_le_bytes()) {
+        *state = (*state ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    }
+}
