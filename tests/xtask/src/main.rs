@@ -1,5 +1,7 @@
 //! Project commands. `cargo xtask test` is the one that says whether all is well.
 
+mod capi;
+
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
@@ -15,12 +17,14 @@ usage: cargo xtask COMMAND
   test    prepare the machine, then format, lint, document, build for every target and run every
           test; tests on real data read ../shared/data and must find it when CI is set
   shaders make the SPIR-V in shaders/spirv of the GLSL
+  header  make the C header in runtime/capi/include of the sources
 ";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test(),
+        ["header"] => capi::header(),
         ["shaders"] => cargo("run --release --locked -p shaders", &[]),
         _ => {
             eprint!("{HELP}");
@@ -38,6 +42,7 @@ fn main() -> ExitCode {
 
 fn test() -> Result<(), String> {
     prepare()?;
+    capi::prepare()?;
     cargo("fmt --all --check", &[])?;
     cargo("clippy --workspace --all-targets --locked -- -D warnings", &[])?;
     cargo("doc --workspace --no-deps --locked", &[("RUSTDOCFLAGS", "-D warnings")])?;
