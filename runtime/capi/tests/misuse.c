@@ -110,6 +110,7 @@ static void model(size_t bytes)
           LOAD(w.model, sinew_model_bytes() - 1, w.file, bytes, none, &w.out_model));
     FAILS(TOO_SHORT, MEMORY, LOAD(w.model, 0, w.file, bytes, none, &w.out_model));
     FAILS(TOO_LONG, FILE, LOAD(w.model, room, w.file, SIZE_MAX, none, &w.out_model));
+    FAILS(TOO_LONG, FILE, LOAD(w.model, room, w.file, MANY + 1, none, &w.out_model));
     FAILS(OVERLAP, MEMORY, LOAD(w.file, room, w.file, bytes, none, &w.out_model));
     FAILS(OVERLAP, RESULT, LOAD(w.model, room, w.file, bytes, none, (void *)w.file));
     FAILS(OVERLAP, MEMORY, LOAD(w.model, room, w.file, bytes, none, (void *)w.model));
