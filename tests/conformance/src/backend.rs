@@ -1,152 +1,418 @@
-//! The stages as every backend offers them.
+//! The stages as every backend offers them: a batch of poses in, outputs for all of them.
 
-use crate::compare::poisoned;
-use sinew_runtime::envelope::{
-    Envelope, SkinJob, confidence, correction, gradients, joints, palette,
-};
+use crate::compare::{POISON, poisoned};
+use sinew_gpu::headless::HeadlessError;
+use sinew_gpu::layout::{LayoutError, Skin, Stage};
+use sinew_runtime::envelope::{self, SkinJob, confidence, correction, gradients, joints, palette};
 use sinew_runtime::pose::features;
-use sinew_runtime::{EvalError, Matrix3x4};
+use sinew_runtime::{Envelope, EvalError, Matrix3x4, Model};
+use sinew_trainer::kernel::arithmetic::Arithmetic;
+use thiserror::Error;
 
-/// An implementation of the stages; each writes all of its outputs, which come poisoned. Where it
-/// has no stage of its own, it is the runtime.
+/// A file and the envelope in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Loaded<'a> {
+    /// The file.
+    pub model: Model<'a>,
+    /// Its envelope.
+    pub envelope: Envelope<'a>,
+}
+
+impl<'a> Loaded<'a> {
+    /// Loads a model.
+    ///
+    /// # Panics
+    /// If the bytes are no model with an envelope.
+    pub fn new(bytes: &'a [u8]) -> Self {
+        let model = Model::from_bytes(bytes).expect("a baked model loads");
+        Self { model, envelope: model.envelope().expect("it holds an envelope") }
+    }
+}
+
+/// An implementation of the stages. `poses` are n J matrices, one instance after the other, as are
+/// all inputs and outputs; outputs come poisoned, and every float of them is to be written.
 pub trait Backend {
+    /// Returns how exactly it computes.
+    fn arithmetic(&self) -> Arithmetic;
+
+    /// Whether it evaluates a stage of a model alone.
+    fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool;
+
     /// Evaluates the joints' relative maps, their rotations and the keys' gradients.
     ///
     /// # Errors
-    /// What the backend refuses.
+    /// [`Failure`]
     fn gradients(
         &self,
-        envelope: &Envelope<'_>,
-        pose: &[Matrix3x4],
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
         out: &mut Gradients,
-    ) -> Result<(), EvalError> {
-        let Gradients { relative, rotations, gradients } = out;
-        gradients::evaluate(envelope, pose, relative, rotations, gradients)
-    }
+    ) -> Result<(), Failure>;
 
     /// Evaluates `t = c1 d + c2 q`, moved by the root's map.
     ///
     /// # Errors
-    /// What the backend refuses.
+    /// [`Failure`]
     fn palette(
         &self,
-        envelope: &Envelope<'_>,
-        root: &Matrix3x4,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
         input: &Gradients,
-        out_palette: &mut [Matrix3x4],
-    ) -> Result<(), EvalError> {
-        palette::evaluate(envelope, root, &input.relative, &input.gradients, out_palette)
-    }
+        out_palettes: &mut [Matrix3x4],
+    ) -> Result<(), Failure>;
 
     /// Copies the joints, and gives each helper the map of its dominant joint.
     ///
     /// # Errors
-    /// What the backend refuses.
+    /// [`Failure`]
     fn joints(
         &self,
-        envelope: &Envelope<'_>,
-        pose: &[Matrix3x4],
-        out_palette: &mut [Matrix3x4],
-    ) -> Result<(), EvalError> {
-        joints::evaluate(envelope, pose, out_palette)
-    }
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out_palettes: &mut [Matrix3x4],
+    ) -> Result<(), Failure>;
 
-    /// Evaluates the joints' features.
+    /// Evaluates the joints' features, n J matrices.
     ///
     /// # Errors
-    /// What the backend refuses.
+    /// [`Failure`]
     fn features(
         &self,
-        envelope: &Envelope<'_>,
-        pose: &[Matrix3x4],
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
         out_features: &mut [Matrix3x4],
-    ) -> Result<(), EvalError> {
-        features::evaluate(envelope, pose, out_features)
-    }
+    ) -> Result<(), Failure>;
 
-    /// Adds what the kernel maps give to the base of the palette; returns the confidence.
+    /// Adds what the kernel maps give to the palettes, which hold their base.
     ///
     /// # Errors
-    /// What the backend refuses.
+    /// [`Failure`]
     fn correction(
         &self,
-        envelope: &Envelope<'_>,
-        pose: &[Matrix3x4],
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
         features: &[Matrix3x4],
-        out_palette: &mut [Matrix3x4],
-    ) -> Result<f32, EvalError> {
-        let mut scratch = vec![f32::NAN; envelope.scratch_len()];
-        correction::evaluate(envelope, pose, features, &mut scratch, out_palette)
-    }
+        out_palettes: &mut [Matrix3x4],
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure>;
 
-    /// Returns the confidence of a rotational model.
+    /// Evaluates the confidences of a rotational model, of n J rotations.
     ///
     /// # Errors
-    /// What the backend refuses.
+    /// [`Failure`]
     fn confidence(
         &self,
-        envelope: &Envelope<'_>,
+        loaded: &Loaded<'_>,
         rotations: &[[f32; 3]],
-    ) -> Result<f32, EvalError> {
-        confidence::evaluate(envelope, rotations)
-    }
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure>;
 
-    /// Skins a range of vertices.
+    /// Skins vertices by n palettes; leaves every float between and beyond the attributes alone.
     ///
     /// # Errors
-    /// What the backend refuses.
-    fn skin(&self, job: SkinJob<'_>) -> Result<(), EvalError> {
-        job.run()
-    }
-
-    /// Evaluates the palette of a pose in one call; returns the confidence.
-    ///
-    /// # Errors
-    /// What the backend refuses.
-    fn whole_palette(
+    /// [`Failure`]
+    fn skin(
         &self,
-        envelope: &Envelope<'_>,
-        pose: &[Matrix3x4],
-        out_palette: &mut [Matrix3x4],
-    ) -> Result<f32, EvalError> {
-        let mut workspace = vec![f32::NAN; envelope.workspace_len()];
-        envelope.palette(pose, &mut workspace, out_palette)
-    }
+        loaded: &Loaded<'_>,
+        palettes: &[Matrix3x4],
+        skin: &Skin,
+        out: &mut Buffers,
+    ) -> Result<(), Failure>;
+
+    /// Goes from poses to palettes, confidences and the skin.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn whole(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        skin: &Skin,
+        out: &mut Whole,
+    ) -> Result<(), Failure>;
 }
 
-/// The runtime itself.
-pub struct Cpu;
-
-impl Backend for Cpu {}
+/// Why a backend gives nothing.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Failure {
+    /// The runtime refuses.
+    #[error(transparent)]
+    Eval(#[from] EvalError),
+    /// The device refuses.
+    #[error(transparent)]
+    Device(#[from] HeadlessError),
+    /// The batch cannot be evaluated on the device.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// A float that is not the stage's to write has changed.
+    #[error("{stage} has written to float {float} of {resource}, which is not its own")]
+    Touched {
+        /// What ran.
+        stage: &'static str,
+        /// The buffer.
+        resource: &'static str,
+        /// The float's place in it.
+        float: usize,
+    },
+}
 
 /// What the first stage writes and the second reads.
 #[derive(Clone, Debug)]
 pub struct Gradients {
-    /// The stack q, 4J columns.
+    /// The stack q, 4J columns an instance.
     pub relative: Vec<[f32; 3]>,
-    /// θ, J.
+    /// θ, J an instance.
     pub rotations: Vec<[f32; 3]>,
-    /// The stack d, 3P columns.
+    /// The stack d, 3P columns an instance.
     pub gradients: Vec<[f32; 3]>,
 }
 
 impl Gradients {
-    /// Makes outputs of the right length that hold NaN.
-    pub fn poisoned(envelope: &Envelope<'_>) -> Self {
+    /// Makes outputs for n instances.
+    pub fn poisoned(envelope: &Envelope<'_>, n: usize) -> Self {
         Self {
-            relative: poisoned(4 * envelope.joint_len()),
-            rotations: poisoned(envelope.joint_len()),
-            gradients: poisoned(3 * envelope.proxy_len()),
+            relative: poisoned(4 * n * envelope.joint_len()),
+            rotations: poisoned(n * envelope.joint_len()),
+            gradients: poisoned(3 * n * envelope.proxy_len()),
         }
     }
 }
 
-/// Makes a palette of the right length that holds NaN.
-pub fn poisoned_palette(envelope: &Envelope<'_>) -> Vec<Matrix3x4> {
-    vec![[[f32::NAN; 4]; 3]; envelope.palette_len()]
+/// The two buffers that skins are written to.
+#[derive(Clone, Debug)]
+pub struct Buffers {
+    /// Buffer A.
+    pub a: Vec<f32>,
+    /// Buffer B.
+    pub b: Vec<f32>,
 }
 
-/// Makes features of the right length that hold NaN.
-pub fn poisoned_features(envelope: &Envelope<'_>) -> Vec<Matrix3x4> {
-    vec![[[f32::NAN; 4]; 3]; envelope.joint_len()]
+impl Buffers {
+    /// Makes buffers for the skins of n instances, with room to spare that nobody may touch.
+    pub fn poisoned(skin: &Skin, n: usize) -> Self {
+        let mut lens = [5, 5];
+        for (attribute, own) in attributes(skin) {
+            if let (Some(attribute), Some(last)) = (attribute, skin.vertices.len().checked_sub(1)) {
+                let vertex = attribute.offset + last * attribute.stride + own;
+                let end = vertex + n.saturating_sub(1) * attribute.instance_stride;
+                let len = &mut lens[usize::from(attribute.buffer == envelope::Buffer::B)];
+                *len = (*len).max(end + 5);
+            }
+        }
+        Self { a: vec![POISON; lens[0]], b: vec![POISON; lens[1]] }
+    }
+}
+
+/// Lists the attributes of a skin with the floats of each.
+pub fn attributes(skin: &Skin) -> [(Option<sinew_gpu::layout::Attribute>, usize); 3] {
+    [(skin.positions, 3), (skin.normals, 3), (skin.tangents, 4)]
+}
+
+/// What comes out at the far end.
+#[derive(Clone, Debug)]
+pub struct Whole {
+    /// Palettes.
+    pub palettes: Vec<Matrix3x4>,
+    /// Confidences, n.
+    pub confidences: Vec<f32>,
+    /// Skins.
+    pub skin: Buffers,
+}
+
+impl Whole {
+    /// Makes outputs for n instances.
+    pub fn poisoned(envelope: &Envelope<'_>, skin: &Skin, n: usize) -> Self {
+        Self {
+            palettes: poisoned_maps(n * envelope.palette_len()),
+            confidences: vec![POISON; n],
+            skin: Buffers::poisoned(skin, n),
+        }
+    }
+}
+
+/// Makes maps that a backend must write.
+pub fn poisoned_maps(len: usize) -> Vec<Matrix3x4> {
+    vec![[[POISON; 4]; 3]; len]
+}
+
+/// Returns instance i's part of a list that holds as much for each of n.
+pub fn part<T>(list: &[T], n: usize, i: usize) -> &[T] {
+    let len = list.len() / n;
+    &list[i * len..][..len]
+}
+
+fn part_mut<T>(list: &mut [T], n: usize, i: usize) -> &mut [T] {
+    let len = list.len() / n;
+    &mut list[i * len..][..len]
+}
+
+/// The runtime itself, one pose after the other.
+pub struct Cpu;
+
+impl Backend for Cpu {
+    fn arithmetic(&self) -> Arithmetic {
+        Arithmetic::IEEE
+    }
+
+    fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool {
+        let predictor = loaded.envelope.predictor();
+        match stage {
+            Stage::Gradients | Stage::Palette => predictor.reconstructs(),
+            Stage::Joints => !predictor.reconstructs(),
+            Stage::Features | Stage::Correction => predictor.corrects(),
+            Stage::Confidence => !predictor.corrects(),
+            Stage::Skin => loaded.envelope.vertex_len() > 0,
+        }
+    }
+
+    fn gradients(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out: &mut Gradients,
+    ) -> Result<(), Failure> {
+        let n = poses.len() / loaded.envelope.joint_len();
+        for i in 0..n {
+            gradients::evaluate(
+                &loaded.envelope,
+                part(poses, n, i),
+                part_mut(&mut out.relative, n, i),
+                part_mut(&mut out.rotations, n, i),
+                part_mut(&mut out.gradients, n, i),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn palette(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        input: &Gradients,
+        out_palettes: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        let n = poses.len() / loaded.envelope.joint_len();
+        for i in 0..n {
+            palette::evaluate(
+                &loaded.envelope,
+                &part(poses, n, i)[loaded.envelope.root()],
+                part(&input.relative, n, i),
+                part(&input.gradients, n, i),
+                part_mut(out_palettes, n, i),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn joints(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out_palettes: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        let n = poses.len() / loaded.envelope.joint_len();
+        for i in 0..n {
+            let out = part_mut(out_palettes, n, i);
+            joints::evaluate(&loaded.envelope, part(poses, n, i), out)?;
+        }
+        Ok(())
+    }
+
+    fn features(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out_features: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        let n = poses.len() / loaded.envelope.joint_len();
+        for i in 0..n {
+            let out = part_mut(out_features, n, i);
+            features::evaluate(&loaded.envelope, part(poses, n, i), out)?;
+        }
+        Ok(())
+    }
+
+    fn correction(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        features: &[Matrix3x4],
+        out_palettes: &mut [Matrix3x4],
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure> {
+        let n = out_confidences.len();
+        let mut scratch = vec![POISON; loaded.envelope.scratch_len()];
+        for (i, confidence) in out_confidences.iter_mut().enumerate() {
+            *confidence = correction::evaluate(
+                &loaded.envelope,
+                part(poses, n, i),
+                part(features, n, i),
+                &mut scratch,
+                part_mut(out_palettes, n, i),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn confidence(
+        &self,
+        loaded: &Loaded<'_>,
+        rotations: &[[f32; 3]],
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure> {
+        let n = out_confidences.len();
+        for (i, confidence) in out_confidences.iter_mut().enumerate() {
+            *confidence = confidence::evaluate(&loaded.envelope, part(rotations, n, i))?;
+        }
+        Ok(())
+    }
+
+    fn skin(
+        &self,
+        loaded: &Loaded<'_>,
+        palettes: &[Matrix3x4],
+        skin: &Skin,
+        out: &mut Buffers,
+    ) -> Result<(), Failure> {
+        let envelope = loaded.envelope;
+        // A kernel model without helpers still has its joints: there is a map in every palette.
+        let n = palettes.len() / envelope.palette_len();
+        for i in 0..n {
+            let at = |attribute: Option<sinew_gpu::layout::Attribute>| {
+                attribute.map(|own| envelope::Attribute {
+                    buffer: own.buffer,
+                    offset: own.offset + i * own.instance_stride,
+                    stride: own.stride,
+                })
+            };
+            let job = SkinJob {
+                envelope,
+                palette: part(palettes, n, i),
+                vertices: skin.vertices.clone(),
+                positions: at(skin.positions),
+                normals: at(skin.normals),
+                tangents: at(skin.tangents),
+                out_a: &mut out.a,
+                out_b: &mut out.b,
+            };
+            job.run()?;
+        }
+        Ok(())
+    }
+
+    fn whole(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        skin: &Skin,
+        out: &mut Whole,
+    ) -> Result<(), Failure> {
+        let (n, mut workspace) =
+            (out.confidences.len(), vec![POISON; loaded.envelope.workspace_len()]);
+        for (i, confidence) in out.confidences.iter_mut().enumerate() {
+            let palette = part_mut(&mut out.palettes, n, i);
+            *confidence = loaded.envelope.palette(part(poses, n, i), &mut workspace, palette)?;
+        }
+        self.skin(loaded, &out.palettes, skin, &mut out.skin)
+    }
 }

@@ -8,7 +8,8 @@
 
 use super::centres::Greedy;
 use super::function::{Exact, by_name};
-use super::map::{Fade, KernelMap, U};
+use super::arithmetic::U;
+use super::map::{Fade, KernelMap};
 use faer::linalg::solvers::{Solve, Svd};
 use faer::{ColRef, Mat, MatRef, Side};
 use serde::Serialize;
