@@ -9,3 +9,5 @@
 #[cfg(feature = "headless")]
 pub mod headless;
 pub mod layout;
+#[cfg(feature = "vulkan")]
+pub mod vulkan;
