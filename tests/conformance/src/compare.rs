@@ -58,9 +58,8 @@ pub fn poisoned<const N: usize>(len: usize) -> Vec<[f32; N]> {
 /// Counts the values whose bits are not those expected, or that are NaNs, or too many or too few.
 pub fn differing(found: &[f32], expected: &[f32]) -> usize {
     let pairs = found.iter().zip(expected);
-    let other = |(found, expected): &(&f32, &f32)| {
-        found.is_nan() || found.to_bits() != expected.to_bits()
-    };
+    let other =
+        |(found, expected): &(&f32, &f32)| found.is_nan() || found.to_bits() != expected.to_bits();
     pairs.filter(other).count() + found.len().abs_diff(expected.len())
 }
 

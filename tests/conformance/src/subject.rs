@@ -1,9 +1,13 @@
 //! A model under test, with its oracle and its poses.
 
 use crate::backend::Loaded;
-use crate::poses::{Pose, poses};
+use crate::models;
+use crate::poses::{POSES, Pose, poses};
 use sinew_runtime::Matrix3x4;
 use sinew_trainer::envelope::oracle::Oracle;
+
+/// Poses of a model that is not the main one: ten rounds of every kind.
+pub const FEWER_POSES: usize = 140;
 
 /// A model under test.
 pub struct Subject<'a> {
@@ -30,4 +34,30 @@ impl<'a> Subject<'a> {
         let maps = poses.iter().flat_map(|pose| pose.maps.iter().copied()).collect();
         Self { name, oracle: Oracle::new(&loaded.envelope), loaded, poses, maps }
     }
+
+    /// Keeps the first poses.
+    #[must_use]
+    pub fn shortened(mut self, pose_len: usize) -> Self {
+        self.poses.truncate(pose_len);
+        self.maps.truncate(self.poses.len() * self.loaded.envelope.joint_len());
+        self
+    }
+}
+
+/// The trained character and, where it is there, the real arm, by every predictor.
+pub fn characters() -> Vec<Subject<'static>> {
+    let arms = models::arm().into_iter().flatten();
+    let arms = arms.map(|bytes| Subject::new("arm", bytes, FEWER_POSES));
+    trained(POSES).into_iter().chain(arms).collect()
+}
+
+/// The trained character by every predictor, in so many poses.
+pub fn trained(pose_len: usize) -> Vec<Subject<'static>> {
+    models::trained().iter().map(|bytes| Subject::new("demo", bytes, pose_len)).collect()
+}
+
+/// A random model of every shape that has vertices.
+pub fn random() -> Vec<Subject<'static>> {
+    let all = models::shapes().iter().map(|bytes| Subject::new("random", bytes, FEWER_POSES));
+    all.filter(|subject| subject.loaded.envelope.vertex_len() > 0).collect()
 }

@@ -210,13 +210,7 @@ impl Distance {
     /// below the root, and the root's own. The value falls by at most -dG/d√s times that, here
     /// taken at the far end and for an exponential at the near one; it is behind 1 ULP, and a
     /// polynomial of 1 or 4 roundings and its product.
-    fn value_error(
-        &self,
-        kernel: Kernel,
-        s: f64,
-        input_error: f64,
-        arithmetic: Arithmetic,
-    ) -> f64 {
+    fn value_error(&self, kernel: Kernel, s: f64, input_error: f64, arithmetic: Arithmetic) -> f64 {
         let most = s.sqrt() + input_error;
         let error = input_error + most * gamma(self.dimensions / 2 + 2 + arithmetic.root);
         let far = most + error;

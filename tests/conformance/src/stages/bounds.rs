@@ -45,7 +45,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
 
 fn holds(held: &mut Finding, bounds: &Bounds, positions: &[[f32; 3]]) {
     for (vertex, &position) in positions.iter().enumerate() {
-        let nearest = [0, 1, 2].map(|c| position[c].clamp(bounds.min[c], bounds.max[c]));
+        let nearest = [0, 1, 2].map(|c| position[c].max(bounds.min[c]).min(bounds.max[c]));
         held.equal(&position, &nearest);
         if !bounds.contains(position) {
             held.mismatch.get_or_insert(Mismatch::Bits {

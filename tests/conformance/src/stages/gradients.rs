@@ -12,7 +12,8 @@ use nalgebra::{SMatrix, Vector3};
 /// What the backend refuses.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (oracle, n, arithmetic) = (&subject.oracle, subject.poses.len(), backend.arithmetic());
-    let (found, cpu) = (gradients_of(backend, subject)?, gradients_of(&crate::backend::Cpu, subject)?);
+    let (found, cpu) =
+        (gradients_of(backend, subject)?, gradients_of(&crate::backend::Cpu, subject)?);
     let [mut relative, mut rotations, mut gradients] =
         ["relative", "rotations", "gradients"].map(Finding::new);
     for (i, pose) in subject.poses.iter().enumerate() {

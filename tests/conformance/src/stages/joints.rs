@@ -25,10 +25,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
 ///
 /// # Errors
 /// What the backend refuses.
-pub fn joints_of(
-    backend: &dyn Backend,
-    subject: &Subject<'_>,
-) -> Result<Vec<Matrix3x4>, Failure> {
+pub fn joints_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Matrix3x4>, Failure> {
     let mut out = poisoned_maps(subject.poses.len() * subject.loaded.envelope.palette_len());
     backend.joints(&subject.loaded, &subject.maps, &mut out)?;
     Ok(out)

@@ -8,17 +8,14 @@ use crate::backend::{Backend, Buffers, Failure, attributes};
 use crate::compare::POISON;
 use crate::finding::Finding;
 use crate::subject::Subject;
-use sinew_gpu::layout::{Attribute, Buffer, Skin, Stage};
+use sinew_gpu::layout::{Attribute, Buffer, Resource, Skin, Stage};
 use sinew_runtime::{Envelope, Matrix3x4};
 use std::ops::Range;
 
 /// Compares palettes made stage by stage, and skins laid out otherwise: equal or not.
 ///
 /// # Errors
-/// What the backend refuses.
-///
-/// # Panics
-/// If a float between attributes is written to.
+/// What the backend refuses; [`Failure::Touched`] if a float between attributes is written to.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (envelope, n) = (&subject.loaded.envelope, subject.poses.len());
     let whole = whole_of(backend, subject)?;
@@ -31,7 +28,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     let plain = skinned_by(backend, subject, &whole.palettes)?;
     let end_to_end = Skinned::gather(&whole.skin, &plain_layout, n);
     same(&mut skins, &end_to_end, &plain);
-    untouched(&whole.skin, &[plain_layout], n);
+    untouched(&whole.skin, &[plain_layout], n)?;
     for layout in layouts(envelope, n) {
         let skinned = pieces(backend, subject, &whole.palettes, &layout)?;
         let only = |list: &Vec<f32>, wanted: bool| if wanted { list.clone() } else { Vec::new() };
@@ -80,7 +77,8 @@ fn layouts(envelope: &Envelope<'_>, n: usize) -> [Vec<Skin>; 4] {
         tangents: None,
     };
     let interleaved = |vertices: Range<usize>| {
-        let at = |offset| attribute(Buffer::A, offset + 13 * vertices.start, 13, 13 * vertex_len + 4);
+        let at =
+            |offset| attribute(Buffer::A, offset + 13 * vertices.start, 13, 13 * vertex_len + 4);
         let tangents = at(8).filter(|_| envelope.has_tangents());
         Skin { positions: at(1), normals: at(5), tangents, vertices }
     };
@@ -114,27 +112,33 @@ fn pieces(
     for piece in pieces {
         backend.skin(&subject.loaded, palettes, piece, &mut out)?;
     }
-    untouched(&out, pieces, n);
+    untouched(&out, pieces, n)?;
     Ok(Skinned::gather(&out, &all, n))
 }
 
 /// Checks that every float which is no attribute's is as it was.
-fn untouched(out: &Buffers, pieces: &[Skin], n: usize) {
-    for (buffer, floats) in [(Buffer::A, &out.a), (Buffer::B, &out.b)] {
+fn untouched(out: &Buffers, pieces: &[Skin], n: usize) -> Result<(), Failure> {
+    for (buffer, resource, floats) in
+        [(Buffer::A, Resource::OutA, &out.a), (Buffer::B, Resource::OutB, &out.b)]
+    {
         let mut own = vec![false; floats.len()];
         for skin in pieces {
             for (attribute, len) in attributes(skin) {
-                let Some(attribute) = attribute.filter(|own| own.buffer == buffer) else { continue };
+                let Some(attribute) = attribute.filter(|own| own.buffer == buffer) else {
+                    continue;
+                };
                 for start in places(&attribute, skin, n) {
                     own[start..start + len].fill(true);
                 }
             }
         }
-        for (float, (x, own)) in floats.iter().zip(own).enumerate() {
-            let kept = x.to_bits() == POISON.to_bits();
-            assert!(own || kept, "float {float} of buffer {buffer:?} lies between attributes");
+        let changed = |(x, own): (&f32, bool)| !own && x.to_bits() != POISON.to_bits();
+        if let Some(float) = floats.iter().zip(own).position(changed) {
+            let (stage, resource) = (Stage::Skin.name(), resource.name());
+            return Err(Failure::Touched { stage, resource, float });
         }
     }
+    Ok(())
 }
 
 fn same(finding: &mut Finding, found: &Skinned, expected: &Skinned) {

@@ -1,7 +1,7 @@
 //! Stage 2: on the stacks that stage 1 gave.
 
-use super::gradients::{columns, gradients_of};
 use super::compare_maps;
+use super::gradients::{columns, gradients_of};
 use crate::backend::{Backend, Cpu, Failure, Gradients, part, poisoned_maps};
 use crate::finding::Finding;
 use crate::poses::widened;
@@ -16,7 +16,8 @@ use sinew_runtime::Matrix3x4;
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (root, n) = (subject.oracle.root, subject.poses.len());
     let input = gradients_of(&Cpu, subject)?;
-    let (found, cpu) = (palettes_on(backend, subject, &input)?, palettes_on(&Cpu, subject, &input)?);
+    let (found, cpu) =
+        (palettes_on(backend, subject, &input)?, palettes_on(&Cpu, subject, &input)?);
     let mut maps = Finding::new("palette");
     for (i, pose) in subject.poses.iter().enumerate() {
         let relative = Inexact::exact(columns::<4>(part(&input.relative, n, i)));

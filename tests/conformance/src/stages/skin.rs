@@ -101,7 +101,8 @@ impl Skinned {
 
 /// Lists where an attribute of each vertex of each instance starts.
 pub fn places(attribute: &Attribute, skin: &Skin, n: usize) -> impl Iterator<Item = usize> {
-    let (Attribute { offset, stride, instance_stride, .. }, len) = (*attribute, skin.vertices.len());
+    let (Attribute { offset, stride, instance_stride, .. }, len) =
+        (*attribute, skin.vertices.len());
     (0..n).flat_map(move |i| (0..len).map(move |v| offset + i * instance_stride + v * stride))
 }
 

@@ -1,8 +1,8 @@
 //! From a pose to the skin: the stages' tolerances chained.
 
+use super::compare_maps;
 use super::gradients::gradients_of;
 use super::skin::{self, Skinned, findings, plain, whole_of};
-use super::compare_maps;
 use crate::backend::{Backend, Cpu, Failure, part};
 use crate::finding::Finding;
 use crate::poses::{Kind, Pose, rigid_motion, rounded};
@@ -90,8 +90,7 @@ fn compare(
     let mut attributes = findings(envelope);
     for (i, pose) in exact.iter().enumerate() {
         let (rotations, arithmetic) = (part(&rotations, n, i), backend.arithmetic());
-        let (expected, confidence) =
-            tolerance::whole(&subject.oracle, pose, rotations, arithmetic);
+        let (expected, confidence) = tolerance::whole(&subject.oracle, pose, rotations, arithmetic);
         let maps = (part(&found.palettes, n, i), part(&cpu.palettes, n, i));
         compare_maps(&mut palette, maps.0, maps.1, &expected);
         let confidences = (&found.confidences[i..=i], &cpu.confidences[i..=i]);
