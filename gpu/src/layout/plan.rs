@@ -2,7 +2,7 @@
 
 use super::params::{PARAM_BYTES, Param, WorkLayout, out, params};
 use super::stage::WorkLen;
-use super::{ALIGNMENT, Array, Batch, LayoutError, Resource, Stage, WORKGROUP};
+use super::{ALIGNMENT, Array, Batch, LayoutError, Resource, Skin, Stage, WORKGROUP};
 use sinew_runtime::{Envelope, Model};
 use std::ops::Range;
 
@@ -31,7 +31,12 @@ impl DeviceLimits {
         groups: 65_535,
     };
 
-    fn check(&self) -> Result<(), LayoutError> {
+    /// Checks that the shaders can run within these.
+    ///
+    /// # Errors
+    /// - [`LayoutError::Device`]
+    /// - [`LayoutError::OffsetAlignment`]
+    pub fn check(&self) -> Result<(), LayoutError> {
         let least = |name, least: u64, found: u64| {
             if found < least { Err(LayoutError::Device { name, least, found }) } else { Ok(()) }
         };
@@ -79,8 +84,9 @@ impl Plan {
     /// # Errors
     /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the shaders.
     /// - [`LayoutError::NoInstances`]
-    /// - [`LayoutError::VertexRange`], [`LayoutError::NoTangents`], [`LayoutError::Stride`]: the batch
-    ///   asks for what the model does not have, or for arrays that overlap themselves.
+    /// - [`LayoutError::VertexRange`], [`LayoutError::NoTangents`], [`LayoutError::Stride`],
+    ///   [`LayoutError::Fours`]: the batch asks for what the model does not have, or for arrays that
+    ///   overlap themselves or cannot be read.
     /// - [`LayoutError::Binding`]: the model, or one instance, is too large for the device.
     pub fn new(
         model: &Model<'_>,
@@ -237,12 +243,14 @@ fn stages(envelope: &Envelope<'_>, batch: &Batch) -> Vec<(Stage, WorkLen)> {
     let predictor = envelope.predictor();
     let corrects = predictor.corrects() && envelope.group_len() > 0;
     let vertex_len = batch.skin.as_ref().map_or(0, |skin| skin.vertices.len());
+    let writes = |skin: &Skin| skin.attributes().iter().any(|(attribute, _)| attribute.is_some());
+    let writes = batch.skin.as_ref().is_some_and(writes);
     let has = |stage: &Stage| match stage {
         Stage::Gradients | Stage::Palette => predictor.reconstructs(),
         Stage::Joints => !predictor.reconstructs(),
         Stage::Features | Stage::Correction => corrects,
         Stage::Confidence => batch.confidences.is_some(),
-        Stage::Skin => vertex_len > 0,
+        Stage::Skin => vertex_len > 0 && writes,
     };
     let used = Stage::ALL.into_iter().filter(has);
     used.map(|stage| (stage, stage.work_len(envelope, vertex_len))).collect()
@@ -260,6 +268,10 @@ fn check(envelope: &Envelope<'_>, batch: &Batch) -> Result<(), LayoutError> {
         stride(Resource::Confidences, 1, array.stride)?;
     }
     let Some(skin) = &batch.skin else { return Ok(()) };
+    let Array { offset, stride: palette_stride } = batch.palettes;
+    if offset % 4 != 0 || palette_stride % 4 != 0 {
+        return Err(LayoutError::Fours { offset, stride: palette_stride });
+    }
     let Range { start, end } = skin.vertices;
     let vertex_len = envelope.vertex_len();
     if start > end || end > vertex_len {
