@@ -315,7 +315,9 @@ impl Extents<'_> {
             }
             _ => self.floats(resource, &instances).map(|Range { start, end }| {
                 let offset = start.saturating_mul(4) / ALIGNMENT * ALIGNMENT;
-                Span { offset, bytes: end.saturating_mul(4) - offset }
+                // What cannot be counted is larger than any binding.
+                let bytes = end.checked_mul(4).map_or(u64::MAX, |end| end - offset);
+                Span { offset, bytes }
             }),
         })
     }

@@ -1,0 +1,171 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Stage 3: what the kernel maps add to palettes. One workgroup a group of proxies; what its threads
+// hand to each other lies in the group's scratch.
+
+#include "params.glsl"
+#include "numeric.glsl"
+
+layout(local_size_x = 64) in;
+layout(set = 0, binding = 2, std430) readonly buffer Poses {
+    float poses[];
+};
+layout(set = 0, binding = 3, std430) coherent buffer Work {
+    float work[];
+};
+layout(set = 0, binding = 4, std430) buffer Palettes {
+    float palettes[];
+};
+
+uint padded(uint len) {
+    return (len + 7u) / 8u * 8u;
+}
+
+// A kernel of a squared distance; 9, 10 and 11 are Matern 1/2, 3/2 and 5/2.
+float kernel_value(uint kernel, float s) {
+    precise float factored = kernel == 9u ? s : (kernel == 10u ? 3.0 : 5.0) * s;
+    precise float scaled = sqrt(factored);
+    if (kernel == 9u) {
+        return exp_negative(scaled);
+    }
+    float a = scaled < EXP_MAX ? scaled : EXP_MAX;
+    precise float polynomial = kernel == 10u ? 1.0 + a : 1.0 + a + a * a * (1.0 / 3.0);
+    precise float value = polynomial * exp_negative(a);
+    return value;
+}
+
+// e^-s - e^-s0, given e^-s0 and s - s0.
+float gaussian_change(float s, float gain, float rest) {
+    bool nearer = gain < 0.0;
+    float greater = nearer ? exp_negative(s) : rest;
+    precise float change = greater * one_minus_exp_negative(nearer ? -gain : gain);
+    return nearer ? change : -change;
+}
+
+void main() {
+    uint thread = gl_LocalInvocationIndex;
+    uint item = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    uint instance = item / params.group_len;
+    uint group = item % params.group_len;
+    if (instance >= params.instance_len) {
+        return;
+    }
+    uint pose = params.poses_offset + instance * params.poses_stride;
+    uint base = params.work_offset + instance * params.work_stride;
+    uint certainty = base + params.certainties + group;
+
+    uint row = params.groups + 6u * group;
+    uint joint = blob[row] & 0xffffu;
+    uint kernel = (blob[row] >> 16u) & 0xffu;
+    uint d = blob[row + 1u] & 0xffffu;
+    uint n = blob[row + 1u] >> 16u;
+    uint rank = blob[row + 2u] & 0xffffu;
+    uint proxy_len = blob[row + 2u] >> 16u;
+    float fade_start = blob_float(row + 4u);
+    float fade_end = blob_float(row + 5u);
+    if (n == 0u) {
+        if (thread == 0u) {
+            work[certainty] = 1.0;
+        }
+        return;
+    }
+    uint inputs = params.corrections + blob[row + 3u];
+    uint weights = inputs + padded(d);
+    uint centres = weights + padded(d);
+    uint rests = centres + padded(n) * d;
+    uint coefficients = rests + padded(n);
+    uint outputs = coefficients + padded(rank) * (n + d);
+
+    uint x = base + params.scratch + group * params.scratch_stride;
+    uint basis = x + padded(d);
+    uint doubts = basis + padded(n);
+    uint latent = doubts + padded(n);
+
+    for (uint i = thread; i < d; i += 64u) {
+        precise float value =
+            blob_float(weights + i) * work[base + params.features + blob[inputs + i]];
+        work[x + i] = value;
+    }
+    memoryBarrierBuffer();
+    barrier();
+
+    for (uint k = thread; k < n; k += 64u) {
+        precise float squared = 0.0;
+        precise float gain = 0.0;
+        uint at = centres + k / 8u * (8u * d) + k % 8u;
+        for (uint i = 0u; i < d; i++) {
+            float value = work[x + i];
+            float t = blob_float(at);
+            precise float apart = value - t;
+            squared += apart * apart;
+            gain += value * (apart - t);
+            at += 8u;
+        }
+        float rest = blob_float(rests + k);
+        precise float change = kernel == 8u
+            ? gaussian_change(squared, gain, rest)
+            : kernel_value(kernel, squared) - rest;
+        work[basis + k] = change;
+        precise float left = squared < fade_end ? fade_end - squared : 0.0;
+        precise float u = left / (fade_end - fade_start);
+        precise float doubt = 1.0 - smooth_step(u < 1.0 ? u : 1.0);
+        work[doubts + k] = doubt;
+    }
+    memoryBarrierBuffer();
+    barrier();
+
+    for (uint r = thread; r < rank; r += 64u) {
+        precise float sum = 0.0;
+        uint at = coefficients + r / 8u * (8u * (n + d)) + r % 8u;
+        for (uint k = 0u; k < n; k++) {
+            sum += blob_float(at) * work[basis + k];
+            at += 8u;
+        }
+        for (uint i = 0u; i < d; i++) {
+            sum += blob_float(at) * work[x + i];
+            at += 8u;
+        }
+        work[latent + r] = sum;
+    }
+    if (thread == 0u) {
+        precise float doubt = 1.0;
+        for (uint k = 0u; k < n; k++) {
+            doubt *= work[doubts + k];
+        }
+        precise float sure = 1.0 - doubt;
+        work[certainty] = sure;
+    }
+    memoryBarrierBuffer();
+    barrier();
+
+    float w = work[certainty];
+    if (w > 0.0) {
+        uint first = params.palette_len - params.proxy_len;
+        for (uint before = 0u; before < group; before++) {
+            first += blob[params.groups + 6u * before + 2u] >> 16u;
+        }
+        uint palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
+        uint dominant = pose + 12u * joint;
+        // A thread does a column of a map.
+        for (uint i = thread; i < 4u * proxy_len; i += 64u) {
+            precise vec3 added = vec3(0.0);
+            for (uint r = 0u; r < 3u; r++) {
+                uint row_of = 12u * (i / 4u) + 4u * r + i % 4u;
+                uint at = outputs + row_of / 8u * (8u * rank) + row_of % 8u;
+                precise float sum = 0.0;
+                for (uint j = 0u; j < rank; j++) {
+                    sum += blob_float(at) * work[latent + j];
+                    at += 8u;
+                }
+                added[r] = sum * w;
+            }
+            for (uint r = 0u; r < 3u; r++) {
+                uint q = dominant + 4u * r;
+                uint to = palette + 12u * (i / 4u) + 4u * r + i % 4u;
+                precise float value = palettes[to]
+                    + (poses[q] * added.x + poses[q + 1u] * added.y + poses[q + 2u] * added.z);
+                palettes[to] = value;
+            }
+        }
+    }
+}

@@ -1,0 +1,210 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Stage 1: poses to relative maps, rotations and the keys' gradients. One workgroup an instance.
+
+#include "params.glsl"
+#include "numeric.glsl"
+
+layout(local_size_x = 64) in;
+layout(set = 0, binding = 2, std430) readonly buffer Poses {
+    float poses[];
+};
+layout(set = 0, binding = 3, std430) coherent buffer Work {
+    float work[];
+};
+
+const uint KEY_WORDS = 55u;
+
+vec3 load(uint at) {
+    return vec3(work[at], work[at + 1u], work[at + 2u]);
+}
+
+void store(uint at, vec3 v) {
+    work[at] = v.x;
+    work[at + 1u] = v.y;
+    work[at + 2u] = v.z;
+}
+
+float dot3(vec3 a, vec3 b) {
+    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+    return sum;
+}
+
+vec3 transform(mat3 m, vec3 v) {
+    precise vec3 sum = m[0] * v.x + m[1] * v.y + m[2] * v.z;
+    return sum;
+}
+
+vec3 transform_transposed(mat3 m, vec3 v) {
+    return vec3(dot3(m[0], v), dot3(m[1], v), dot3(m[2], v));
+}
+
+mat3 transform_columns(mat3 m, mat3 n) {
+    return mat3(transform(m, n[0]), transform(m, n[1]), transform(m, n[2]));
+}
+
+// Column c of a 3x4 map of rows.
+vec3 pose_column(uint at, uint c) {
+    return vec3(poses[at + c], poses[at + 4u + c], poses[at + 8u + c]);
+}
+
+// The linear part of a joint's relative map.
+mat3 rotation(uint relative, uint joint) {
+    uint at = relative + 12u * joint;
+    return mat3(load(at), load(at + 3u), load(at + 6u));
+}
+
+// The rotation vector of a rotation matrix, by the largest component of its quaternion.
+vec3 log_of(mat3 m) {
+    float xx = m[0].x;
+    float yy = m[1].y;
+    float zz = m[2].z;
+    precise float trace = xx + yy + zz;
+    precise vec3 v;
+    precise float w;
+    if (trace >= 0.0) {
+        v = vec3(m[1].z - m[2].y, m[2].x - m[0].z, m[0].y - m[1].x);
+        w = 1.0 + trace;
+    } else if (xx >= yy && xx >= zz) {
+        v = vec3(1.0 + (xx - yy - zz), m[1].x + m[0].y, m[2].x + m[0].z);
+        w = m[1].z - m[2].y;
+    } else if (yy >= zz) {
+        v = vec3(m[1].x + m[0].y, 1.0 + (yy - xx - zz), m[2].y + m[1].z);
+        w = m[2].x - m[0].z;
+    } else {
+        v = vec3(m[2].x + m[0].z, m[2].y + m[1].z, 1.0 + (zz - xx - yy));
+        w = m[0].y - m[1].x;
+    }
+    if (w < 0.0) {
+        v = -v;
+        w = -w;
+    }
+    precise float len = sqrt(dot3(v, v));
+    if (len < 1.0e-18) {
+        return vec3(0.0);
+    }
+    precise float scale = 2.0 * quadrant_angle(len, w) / len;
+    precise vec3 theta = v * scale;
+    return theta;
+}
+
+// The rotation of a rotation vector.
+mat3 exp_of(vec3 v) {
+    float square = dot3(v, v);
+    precise float a = 1.0;
+    precise float b = 0.5;
+    if (square >= 1.0e-8) {
+        precise float angle = sqrt(square);
+        vec2 both = sin_versine(angle);
+        a = both.x / angle;
+        b = both.y / square;
+    }
+    precise vec3 turn = a * v;
+    precise float xx = v.x * v.x;
+    precise float yy = v.y * v.y;
+    precise float zz = v.z * v.z;
+    precise float xy = b * (v.x * v.y);
+    precise float xz = b * (v.x * v.z);
+    precise float yz = b * (v.y * v.z);
+    precise vec3 x = vec3(1.0 - b * (yy + zz), xy + turn.z, xz - turn.y);
+    precise vec3 y = vec3(xy - turn.z, 1.0 - b * (xx + zz), yz + turn.x);
+    precise vec3 z = vec3(xz + turn.y, yz - turn.x, 1.0 - b * (xx + yy));
+    return mat3(x, y, z);
+}
+
+// The rotation of A theta, A three rows of the blob.
+mat3 twist(uint at, vec3 theta) {
+    return exp_of(vec3(
+        dot3(blob_vec3(at), theta),
+        dot3(blob_vec3(at + 3u), theta),
+        dot3(blob_vec3(at + 6u), theta)
+    ));
+}
+
+// A row of H, times the rotations of the joint and of its parent.
+float shear(uint at, vec3 b, vec3 p) {
+    precise float sum = dot3(blob_vec3(at), b) + dot3(blob_vec3(at + 3u), p);
+    return sum;
+}
+
+void main() {
+    uint thread = gl_LocalInvocationIndex;
+    uint instance = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    if (instance >= params.instance_len) {
+        return;
+    }
+    uint pose = params.poses_offset + instance * params.poses_stride;
+    uint base = params.work_offset + instance * params.work_stride;
+    uint relative = base + params.relative;
+    uint rotations = base + params.rotations;
+
+    uint root = pose + 12u * params.root;
+    mat3 turn = mat3(pose_column(root, 0u), pose_column(root, 1u), pose_column(root, 2u));
+    vec3 origin = pose_column(root, 3u);
+    for (uint joint = thread; joint < params.joint_len; joint += 64u) {
+        uint at = relative + 12u * joint;
+        if (joint == params.root) {
+            store(at, vec3(1.0, 0.0, 0.0));
+            store(at + 3u, vec3(0.0, 1.0, 0.0));
+            store(at + 6u, vec3(0.0, 0.0, 1.0));
+            store(at + 9u, vec3(0.0));
+        } else {
+            uint map = pose + 12u * joint;
+            precise vec3 apart = pose_column(map, 3u) - origin;
+            store(at, transform_transposed(turn, pose_column(map, 0u)));
+            store(at + 3u, transform_transposed(turn, pose_column(map, 1u)));
+            store(at + 6u, transform_transposed(turn, pose_column(map, 2u)));
+            store(at + 9u, transform_transposed(turn, apart));
+        }
+    }
+    memoryBarrierBuffer();
+    barrier();
+
+    for (uint joint = thread; joint < params.joint_len; joint += 64u) {
+        uint parent = blob_half(params.hierarchy, joint);
+        vec3 theta = vec3(0.0);
+        if (parent != NO_JOINT) {
+            mat3 above = rotation(relative, parent);
+            mat3 own = rotation(relative, joint);
+            theta = log_of(mat3(
+                transform_transposed(above, own[0]),
+                transform_transposed(above, own[1]),
+                transform_transposed(above, own[2])
+            ));
+        }
+        store(rotations + 3u * joint, theta);
+    }
+    memoryBarrierBuffer();
+    barrier();
+
+    for (uint key = thread; key < params.proxy_len; key += 64u) {
+        uint at = params.keys + KEY_WORDS * key;
+        uint joint = blob[at] & 0xffffu;
+        uint residual = blob[at] >> 16u;
+        uint parent = blob_half(params.hierarchy, joint);
+        vec3 b = load(rotations + 3u * joint);
+        vec3 p = vec3(0.0);
+        if (parent != NO_JOINT) {
+            p = load(rotations + 3u * parent);
+        }
+        uint h = at + 19u;
+        precise float xx = 1.0 + shear(h, b, p);
+        float xy = shear(h + 6u, b, p);
+        float xz = shear(h + 12u, b, p);
+        precise float yy = 1.0 + shear(h + 18u, b, p);
+        float yz = shear(h + 24u, b, p);
+        precise float zz = 1.0 + shear(h + 30u, b, p);
+        mat3 gradient = mat3(vec3(xx, xy, xz), vec3(xy, yy, yz), vec3(xz, yz, zz));
+        if (residual != NO_JOINT) {
+            gradient = transform_columns(twist(at + 10u, load(rotations + 3u * residual)), gradient);
+        }
+        gradient = transform_columns(twist(at + 1u, b), gradient);
+        if (parent != NO_JOINT) {
+            gradient = transform_columns(rotation(relative, parent), gradient);
+        }
+        uint to = base + params.gradients + 9u * key;
+        store(to, gradient[0]);
+        store(to + 3u, gradient[1]);
+        store(to + 6u, gradient[2]);
+    }
+}

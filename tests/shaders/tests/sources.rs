@@ -1,0 +1,126 @@
+//! What is committed is what the sources give, valid, and bound as the layout says.
+
+use naga::front::wgsl;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{AddressSpace, Module, StorageAccess, TypeInner};
+use shaders::{compile, folder, sources};
+use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, Stage, WORKGROUP};
+use sinew_runtime::Model;
+use std::collections::BTreeSet;
+use std::fs;
+use std::process::Command;
+
+/// Every stage's WGSL, parsed.
+fn modules() -> impl Iterator<Item = (Stage, Module)> {
+    Stage::ALL.into_iter().map(|stage| {
+        let module = wgsl::parse_str(stage.wgsl());
+        (stage, module.unwrap_or_else(|e| panic!("{}", e.emit_to_string(stage.wgsl()))))
+    })
+}
+
+#[test]
+fn the_committed_spirv_is_what_the_glsl_gives() {
+    let found = sources(&folder()).unwrap();
+    let stems = |stems: &mut dyn Iterator<Item = String>| stems.collect::<BTreeSet<_>>();
+    let of_files = found.iter().map(|(glsl, _)| glsl.file_stem().unwrap().to_str().unwrap().into());
+    let of_stages = Stage::ALL.map(|stage| stage.name().to_owned());
+    assert_eq!(stems(&mut of_files.into_iter()), stems(&mut of_stages.into_iter()));
+    for (glsl, spirv) in found {
+        let same = fs::read(&spirv).unwrap() == compile(&glsl).unwrap();
+        assert!(same, "{} is out of date: run `cargo xtask shaders`", spirv.display());
+    }
+}
+
+#[test]
+fn a_changed_source_gives_other_bytes() {
+    let copy = std::env::temp_dir().join(format!("sinew-shaders-{}", std::process::id()));
+    fs::create_dir_all(&copy).unwrap();
+    for file in ["skin.comp", "params.glsl"] {
+        fs::copy(folder().join(file), copy.join(file)).unwrap();
+    }
+    let changed = copy.join("skin.comp");
+    let source = fs::read_to_string(&changed).unwrap();
+    let same = compile(&changed).unwrap();
+    fs::write(&changed, source.replace("1.0 / sqrt", "2.0 / sqrt")).unwrap();
+    let other = compile(&changed).unwrap();
+    fs::write(&changed, source.replace("1.0 / sqrt", "1.0 / / sqrt")).unwrap();
+    let wrong = compile(&changed);
+    fs::remove_dir_all(&copy).unwrap();
+    assert_eq!(same, Stage::Skin.spirv());
+    assert_ne!(other, Stage::Skin.spirv());
+    assert!(format!("{:?}", wrong.unwrap_err()).contains("skin.comp"));
+}
+
+#[test]
+fn the_spirv_is_valid() {
+    for (_, spirv) in sources(&folder()).unwrap() {
+        let run =
+            Command::new("spirv-val").args(["--target-env", "vulkan1.0"]).arg(&spirv).output();
+        let run = run.expect("spirv-val is there: install spirv-tools");
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    }
+}
+
+#[test]
+fn the_wgsl_is_valid_and_needs_nothing_optional() {
+    for (stage, module) in modules() {
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+        let valid = validator.validate(&module);
+        assert!(valid.is_ok(), "{}: {:?}", stage.name(), valid.err());
+        let [entry] = &module.entry_points[..] else { panic!("{} entry points", stage.name()) };
+        assert_eq!((entry.name.as_str(), entry.workgroup_size), ("main", [WORKGROUP, 1, 1]));
+    }
+}
+
+#[test]
+fn bindings_are_those_that_the_layout_lists() {
+    for (stage, module) in modules() {
+        let mut found = vec![None; stage.bindings().len()];
+        for (_, global) in module.global_variables.iter() {
+            let Some(place) = &global.binding else { continue };
+            assert_eq!(place.group, 0);
+            found[place.binding as usize] = Some((global.name.clone().unwrap(), global.space));
+        }
+        for (binding, found) in stage.bindings().iter().zip(found) {
+            let (name, space) = found.unwrap();
+            assert_eq!(name, binding.resource.name());
+            let expected = match (binding.resource, binding.writable) {
+                (Resource::Params, _) => AddressSpace::Uniform,
+                (_, false) => AddressSpace::Storage { access: StorageAccess::LOAD },
+                (_, true) => {
+                    AddressSpace::Storage { access: StorageAccess::LOAD | StorageAccess::STORE }
+                }
+            };
+            assert_eq!(space, expected, "{}, {name}", stage.name());
+        }
+    }
+}
+
+/// Names of the members of the uniform block, in their order.
+fn members_of(module: &Module) -> Vec<String> {
+    let (_, block) = module
+        .types
+        .iter()
+        .find(|(_, t)| t.name.as_deref() == Some("Params"))
+        .expect("there is a block");
+    let TypeInner::Struct { members, .. } = &block.inner else { panic!("it is a struct") };
+    members.iter().map(|member| member.name.clone().expect("they have names")).collect()
+}
+
+#[test]
+fn the_uniform_block_is_what_the_layout_writes() {
+    let bytes = fs::read(folder().join("../tests/golden/envelope-2-hybrid.snw")).unwrap();
+    let model = Model::from_bytes(&bytes).unwrap();
+    let envelope = model.envelope().unwrap();
+    let batch = Batch::skinned(&envelope, 1);
+    let plan = Plan::new(&model, &envelope, &batch, &DeviceLimits::DOWNLEVEL).unwrap();
+    let written: Vec<_> = plan.chunks()[0].params().iter().map(|(name, _)| *name).collect();
+    for (stage, module) in modules() {
+        assert_eq!(members_of(&module), written, "{}", stage.name());
+    }
+    let glsl = fs::read_to_string(folder().join("params.glsl")).unwrap();
+    let block = glsl.split(['{', '}']).nth(1).unwrap();
+    let members = block.lines().filter_map(|line| line.trim().strip_prefix("uint "));
+    let members: Vec<_> = members.map(|member| member.trim_end_matches(';')).collect();
+    assert_eq!(members, written);
+}
