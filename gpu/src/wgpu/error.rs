@@ -103,12 +103,12 @@ pub(super) fn scoped<T>(
 /// objects to a buffer without a usage, before its driver hears of it, and a lost one to nothing.
 fn is_lost(device: &Device) -> bool {
     let scope = device.push_error_scope(ErrorFilter::Validation);
-    device.create_buffer(&BufferDescriptor {
+    drop(device.create_buffer(&BufferDescriptor {
         label: None,
         size: 4,
         usage: BufferUsages::empty(),
         mapped_at_creation: false,
-    });
+    }));
     matches!(ready(scope.pop()), Some(None))
 }
 
