@@ -3,6 +3,7 @@
 
 use crate::layout::{DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_runtime::Model;
+use std::time::Duration;
 use thiserror::Error;
 
 /// A device as its driver names it.
@@ -38,6 +39,13 @@ pub trait Device {
         plan: &Plan,
     ) -> Result<Box<dyn Uploaded + '_>, HeadlessError>;
 
+    /// Measures how long it takes to copy so many bytes from one buffer of the device to another,
+    /// `repeat_len` times in one submission.
+    ///
+    /// # Errors
+    /// [`HeadlessError`]
+    fn time_copy(&self, bytes: u64, repeat_len: usize) -> Result<Duration, HeadlessError>;
+
     /// Counts the messages of validation layers so far; `None` where they cannot be counted here.
     fn message_len(&self) -> Option<usize>;
 }
@@ -66,6 +74,17 @@ pub trait Uploaded {
     /// # Errors
     /// [`HeadlessError`]
     fn run_stage(&mut self, stage: Stage, instance_len: usize) -> Result<(), HeadlessError>;
+
+    /// Measures how long a stage takes on what the buffers hold, `repeat_len` times in one submission.
+    ///
+    /// # Errors
+    /// [`HeadlessError`]
+    fn time_stage(
+        &mut self,
+        stage: Stage,
+        instance_len: usize,
+        repeat_len: usize,
+    ) -> Result<Duration, HeadlessError>;
 
     /// Reads the whole of a resource's buffer.
     ///

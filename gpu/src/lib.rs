@@ -11,3 +11,5 @@ pub mod headless;
 pub mod layout;
 #[cfg(feature = "vulkan")]
 pub mod vulkan;
+#[cfg(feature = "wgpu")]
+pub mod wgpu;

@@ -2,7 +2,7 @@
 
 use super::params::{PARAM_BYTES, Param, WorkLayout, out, params};
 use super::stage::WorkLen;
-use super::{ALIGNMENT, Array, Batch, LayoutError, Resource, Stage, WORKGROUP};
+use super::{ALIGNMENT, Array, Batch, LayoutError, Resource, Skin, Stage, WORKGROUP};
 use sinew_runtime::{Envelope, Model};
 use std::ops::Range;
 
@@ -31,7 +31,12 @@ impl DeviceLimits {
         groups: 65_535,
     };
 
-    fn check(&self) -> Result<(), LayoutError> {
+    /// Checks that the shaders can run within these.
+    ///
+    /// # Errors
+    /// - [`LayoutError::Device`]
+    /// - [`LayoutError::OffsetAlignment`]
+    pub fn check(&self) -> Result<(), LayoutError> {
         let least = |name, least: u64, found: u64| {
             if found < least { Err(LayoutError::Device { name, least, found }) } else { Ok(()) }
         };
@@ -237,12 +242,14 @@ fn stages(envelope: &Envelope<'_>, batch: &Batch) -> Vec<(Stage, WorkLen)> {
     let predictor = envelope.predictor();
     let corrects = predictor.corrects() && envelope.group_len() > 0;
     let vertex_len = batch.skin.as_ref().map_or(0, |skin| skin.vertices.len());
+    let writes = |skin: &Skin| skin.attributes().iter().any(|(attribute, _)| attribute.is_some());
+    let writes = batch.skin.as_ref().is_some_and(writes);
     let has = |stage: &Stage| match stage {
         Stage::Gradients | Stage::Palette => predictor.reconstructs(),
         Stage::Joints => !predictor.reconstructs(),
         Stage::Features | Stage::Correction => corrects,
         Stage::Confidence => batch.confidences.is_some(),
-        Stage::Skin => vertex_len > 0,
+        Stage::Skin => vertex_len > 0 && writes,
     };
     let used = Stage::ALL.into_iter().filter(has);
     used.map(|stage| (stage, stage.work_len(envelope, vertex_len))).collect()
@@ -308,7 +315,9 @@ impl Extents<'_> {
             }
             _ => self.floats(resource, &instances).map(|Range { start, end }| {
                 let offset = start.saturating_mul(4) / ALIGNMENT * ALIGNMENT;
-                Span { offset, bytes: end.saturating_mul(4) - offset }
+                // What cannot be counted is larger than any binding.
+                let bytes = end.checked_mul(4).map_or(u64::MAX, |end| end - offset);
+                Span { offset, bytes }
             }),
         })
     }

@@ -54,9 +54,8 @@ pub fn compile(source: &Path) -> Result<Vec<u8>> {
     let compiler = Compiler::acquire().ok_or_else(|| anyhow!("glslang does not start"))?;
     let mut beside = Beside(source.parent().unwrap_or(Path::new(".")));
     let defines = None::<&[(&str, Option<&str>)]>;
-    let input =
-        ShaderInput::new(&text, ShaderStage::Compute, &options, defines, Some(&mut beside))
-            .with_context(name)?;
+    let input = ShaderInput::new(&text, ShaderStage::Compute, &options, defines, Some(&mut beside))
+        .with_context(name)?;
     let words = compiler.create_shader(input).and_then(|shader| shader.compile());
     Ok(words.with_context(name)?.into_iter().flat_map(u32::to_le_bytes).collect())
 }

@@ -14,7 +14,11 @@ fn main() -> Result<()> {
             fs::write(path, &spirv).with_context(|| path.display().to_string())?;
         }
         let name = path.file_name().unwrap_or_default().display();
-        println!("{name}: {} bytes, {}", spirv.len(), if changed { "written" } else { "as before" });
+        println!(
+            "{name}: {} bytes, {}",
+            spirv.len(),
+            if changed { "written" } else { "as before" }
+        );
     }
     Ok(())
 }

@@ -4,7 +4,8 @@ use naga::front::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use shaders::{compile, folder, sources};
-use sinew_gpu::layout::{Resource, Stage, WORKGROUP};
+use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, Stage, WORKGROUP};
+use sinew_runtime::Model;
 use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
@@ -53,7 +54,8 @@ fn a_changed_source_gives_other_bytes() {
 #[test]
 fn the_spirv_is_valid() {
     for (_, spirv) in sources(&folder()).unwrap() {
-        let run = Command::new("spirv-val").args(["--target-env", "vulkan1.0"]).arg(&spirv).output();
+        let run =
+            Command::new("spirv-val").args(["--target-env", "vulkan1.0"]).arg(&spirv).output();
         let run = run.expect("spirv-val is there: install spirv-tools");
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     }
@@ -96,7 +98,29 @@ fn bindings_are_those_that_the_layout_lists() {
 
 /// Names of the members of the uniform block, in their order.
 fn members_of(module: &Module) -> Vec<String> {
-    let (_, block) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some("Params")).unwrap();
+    let (_, block) = module
+        .types
+        .iter()
+        .find(|(_, t)| t.name.as_deref() == Some("Params"))
+        .expect("there is a block");
     let TypeInner::Struct { members, .. } = &block.inner else { panic!("it is a struct") };
-    members.iter().map(|member| member.name.clone().unwrap()).collect()
+    members.iter().map(|member| member.name.clone().expect("they have names")).collect()
+}
+
+#[test]
+fn the_uniform_block_is_what_the_layout_writes() {
+    let bytes = fs::read(folder().join("../tests/golden/envelope-2-hybrid.snw")).unwrap();
+    let model = Model::from_bytes(&bytes).unwrap();
+    let envelope = model.envelope().unwrap();
+    let batch = Batch::skinned(&envelope, 1);
+    let plan = Plan::new(&model, &envelope, &batch, &DeviceLimits::DOWNLEVEL).unwrap();
+    let written: Vec<_> = plan.chunks()[0].params().iter().map(|(name, _)| *name).collect();
+    for (stage, module) in modules() {
+        assert_eq!(members_of(&module), written, "{}", stage.name());
+    }
+    let glsl = fs::read_to_string(folder().join("params.glsl")).unwrap();
+    let block = glsl.split(['{', '}']).nth(1).unwrap();
+    let members = block.lines().filter_map(|line| line.trim().strip_prefix("uint "));
+    let members: Vec<_> = members.map(|member| member.trim_end_matches(';')).collect();
+    assert_eq!(members, written);
 }

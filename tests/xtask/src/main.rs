@@ -14,12 +14,14 @@ usage: cargo xtask COMMAND
 
   test    prepare the machine, then format, lint, document, build for every target and run every
           test; tests on real data read ../shared/data and must find it when CI is set
+  shaders make the SPIR-V in shaders/spirv of the GLSL
 ";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test(),
+        ["shaders"] => cargo("run --release --locked -p shaders", &[]),
         _ => {
             eprint!("{HELP}");
             return ExitCode::from(2);

@@ -1,0 +1,224 @@
+//! A batch bound to the host's buffers.
+
+use super::Pipelines;
+use super::error::{Error, scoped};
+use crate::layout::{Binding, Chunk, LayoutError, Plan, Resource, Span, Stage};
+use ::wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding,
+    BufferUsages, CommandEncoder, ComputePass, ComputePassDescriptor, ComputePipeline,
+};
+use std::num::NonZero;
+
+/// The host's buffers, by what they are for. What a plan does not need may be left out.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Buffers<'a>([Option<(&'a Buffer, u64)>; Resource::ALL.len()]);
+
+impl<'a> Buffers<'a> {
+    /// Starts with none.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Gives a resource a buffer, from a byte on that is a multiple of [`crate::layout::ALIGNMENT`].
+    #[must_use]
+    pub fn with(mut self, resource: Resource, buffer: &'a Buffer, offset: u64) -> Self {
+        self.0[resource as usize] = Some((buffer, offset));
+        self
+    }
+
+    fn get(&self, resource: Resource) -> Option<(&'a Buffer, u64)> {
+        self.0[resource as usize]
+    }
+}
+
+/// A plan bound to buffers: what there is to record each frame.
+#[derive(Clone, Debug)]
+pub struct Bound {
+    plan: Plan,
+    stages: Vec<BoundStage>,
+}
+
+#[derive(Clone, Debug)]
+struct BoundStage {
+    stage: Stage,
+    pipeline: ComputePipeline,
+    /// One for each of the plan's chunks.
+    groups: Vec<BindGroup>,
+}
+
+impl Bound {
+    /// Checks the host's buffers and binds them: once, and again only when a buffer or the batch
+    /// changes. The bind groups keep the buffers alive.
+    ///
+    /// That a buffer is neither destroyed nor mapped when commands are submitted cannot be seen here;
+    /// wgpu tells it then.
+    ///
+    /// # Errors
+    /// - [`Error::NoPipeline`]
+    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned.
+    /// - [`Error::Usage`]
+    /// - [`Error::Shared`], [`Error::Overlap`]
+    /// - [`Error::Lost`], [`Error::OutOfMemory`]
+    /// - [`Error::Refused`]: the device does not take a buffer, as of another device.
+    pub fn new(pipelines: &Pipelines, plan: &Plan, buffers: &Buffers<'_>) -> Result<Self, Error> {
+        for stage in plan.stages() {
+            pipelines.get(stage)?;
+        }
+        for resource in Resource::ALL {
+            check(plan, resource, buffers)?;
+        }
+        for stage in plan.stages() {
+            for chunk in plan.chunks() {
+                check_apart(stage, chunk, buffers)?;
+            }
+        }
+        let stages = plan.stages().map(|stage| BoundStage::new(pipelines, plan, stage, buffers));
+        let stages = stages.collect::<Result<_, _>>()?;
+        Ok(Self { plan: plan.clone(), stages })
+    }
+
+    /// Returns what was bound.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Records all stages for the batch's first `instance_len` instances, in one compute pass.
+    ///
+    /// # Errors
+    /// Nothing is recorded then.
+    /// - [`Error::Layout`]: no instances, or more than the batch has room for.
+    pub fn encode(&self, encoder: &mut CommandEncoder, instance_len: usize) -> Result<(), Error> {
+        self.plan.check_instances(instance_len)?;
+        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
+        for stage in &self.stages {
+            stage.record(&self.plan, &mut pass, instance_len);
+        }
+        Ok(())
+    }
+
+    /// Records one stage alone, in a compute pass of its own: for hosts that measure, or that put
+    /// work of theirs between stages.
+    ///
+    /// # Errors
+    /// Nothing is recorded then.
+    /// - [`Error::NotPlanned`]
+    /// - [`Error::Layout`]: no instances, or more than the batch has room for.
+    pub fn encode_stage(
+        &self,
+        encoder: &mut CommandEncoder,
+        stage: Stage,
+        instance_len: usize,
+    ) -> Result<(), Error> {
+        let own = self.stages.iter().find(|own| own.stage == stage);
+        let own = own.ok_or(Error::NotPlanned { stage })?;
+        self.plan.check_instances(instance_len)?;
+        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
+        own.record(&self.plan, &mut pass, instance_len);
+        Ok(())
+    }
+}
+
+impl BoundStage {
+    fn new(
+        pipelines: &Pipelines,
+        plan: &Plan,
+        stage: Stage,
+        buffers: &Buffers<'_>,
+    ) -> Result<Self, Error> {
+        let own = pipelines.get(stage)?;
+        let entries = plan.chunks().iter().map(|chunk| entries(stage, chunk, buffers));
+        let entries = entries.collect::<Result<Vec<_>, _>>()?;
+        let groups = scoped(&pipelines.device, "bind groups", || {
+            let group = |entries: &Vec<_>| {
+                let label = Some(stage.name());
+                let layout = &own.layout;
+                pipelines.device.create_bind_group(&BindGroupDescriptor { label, layout, entries })
+            };
+            entries.iter().map(group).collect()
+        })?;
+        Ok(Self { stage, pipeline: own.pipeline.clone(), groups })
+    }
+
+    fn record(&self, plan: &Plan, pass: &mut ComputePass<'_>, instance_len: usize) {
+        pass.set_pipeline(&self.pipeline);
+        for (chunk, group) in plan.chunks().iter().zip(&self.groups) {
+            if let Some([x, y]) = plan.groups(self.stage, chunk, instance_len) {
+                pass.set_bind_group(0, group, &[]);
+                pass.dispatch_workgroups(x, y, 1);
+            }
+        }
+    }
+}
+
+/// Checks what the host gives for a resource, if the plan needs it.
+fn check(plan: &Plan, resource: Resource, buffers: &Buffers<'_>) -> Result<(), Error> {
+    let given = buffers.get(resource);
+    let span = |(buffer, offset): (&Buffer, u64)| Span {
+        offset,
+        bytes: buffer.size().saturating_sub(offset),
+    };
+    plan.check(resource, given.map(span))?;
+    let expected = match resource {
+        Resource::Params => BufferUsages::UNIFORM,
+        _ => BufferUsages::STORAGE,
+    };
+    match given {
+        Some((buffer, _)) if plan.bytes(resource) > 0 && !buffer.usage().contains(expected) => {
+            Err(Error::Usage { resource, expected, found: buffer.usage() })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks that what a stage writes is apart from the rest of what it takes in a chunk.
+fn check_apart(stage: Stage, chunk: &Chunk, buffers: &Buffers<'_>) -> Result<(), Error> {
+    let bound = |own: &Binding| {
+        let resource = filled(chunk, own.resource);
+        let (buffer, offset) = buffers.get(resource)?;
+        let Span { offset: from, bytes } = chunk.span(resource)?;
+        Some((resource, own.writable, buffer, offset + from..offset + from + bytes))
+    };
+    let bound: Vec<_> = stage.bindings().iter().filter_map(bound).collect();
+    for (i, (first, writes_first, buffer, span)) in bound.iter().enumerate() {
+        for (second, writes_second, other, other_span) in bound.iter().skip(i + 1) {
+            let (first, second) = (*first, *second);
+            let meet = span.start < other_span.end && other_span.start < span.end;
+            match (writes_first, writes_second) {
+                _ if buffer != other => {}
+                (false, false) => {}
+                (true, false) => return Err(Error::Shared { stage, written: first, read: second }),
+                (false, true) => return Err(Error::Shared { stage, written: second, read: first }),
+                (true, true) if meet => return Err(Error::Overlap { first, second }),
+                (true, true) => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Returns what is bound for a resource: what a chunk has no use for is filled with the work, which
+/// is always there.
+fn filled(chunk: &Chunk, resource: Resource) -> Resource {
+    chunk.span(resource).map_or(Resource::Work, |_| resource)
+}
+
+/// Lists the entries of a stage's bind group for a chunk.
+fn entries<'a>(
+    stage: Stage,
+    chunk: &Chunk,
+    buffers: &Buffers<'a>,
+) -> Result<Vec<BindGroupEntry<'a>>, Error> {
+    let entry = |resource: Resource, binding: u32| {
+        let resource = filled(chunk, resource);
+        let (span, given) = (chunk.span(resource), buffers.get(resource));
+        let (Some(span), Some((buffer, offset))) = (span, given) else {
+            return Err(LayoutError::Missing { resource }.into());
+        };
+        let (offset, size) = (offset + span.offset, NonZero::new(span.bytes));
+        Ok(BindGroupEntry {
+            binding,
+            resource: BindingResource::Buffer(BufferBinding { buffer, offset, size }),
+        })
+    };
+    stage.bindings().iter().zip(0..).map(|(own, binding)| entry(own.resource, binding)).collect()
+}

@@ -1,0 +1,85 @@
+//! The stages on wgpu: dispatches recorded into the host's command encoder, over the host's buffers.
+//!
+//! Once a device: [`Pipelines::new`]. Once a batch: [`Plan::new`](crate::layout::Plan::new) by the
+//! device's [`limits`], buffers of [`Plan::bytes`](crate::layout::Plan::bytes), and [`Bound::new`].
+//! Each frame: poses are written, [`Bound::encode`] records, the host submits. Nothing is submitted,
+//! waited for or, after [`Bound::new`], allocated here.
+//!
+//! | resource | usages it must have | the host |
+//! |---|---|---|
+//! | [`Params`](crate::layout::Resource::Params) | `UNIFORM` | writes [`Plan::params`](crate::layout::Plan::params) once |
+//! | [`Blob`](crate::layout::Resource::Blob) | `STORAGE` | writes [`Model::blob`](sinew_runtime::Model::blob) once |
+//! | [`Poses`](crate::layout::Resource::Poses) | `STORAGE` | writes J skinning matrices an instance each frame |
+//! | [`Work`](crate::layout::Resource::Work) | `STORAGE` | leaves it alone; batches encoded one after the other may share it |
+//! | [`Palettes`](crate::layout::Resource::Palettes), [`Confidences`](crate::layout::Resource::Confidences), [`OutA`](crate::layout::Resource::OutA), [`OutB`](crate::layout::Resource::OutB) | `STORAGE` | reads them |
+//!
+//! Each usage stands beside those that the host needs for itself: `COPY_DST` to write, `VERTEX` to
+//! draw from. Outputs can be read by whatever is recorded or submitted later, as wgpu orders and
+//! synchronises that; the CPU sees them after a copy to a buffer that is mapped.
+//!
+//! Poses must be finite and rigid to 1e-4. The CPU refuses others; a GPU cannot, and what it writes
+//! for such an instance is of no use. Other instances do not suffer from it.
+//!
+//! ```no_run
+//! use sinew_gpu::layout::{Batch, Plan, Resource};
+//! use sinew_gpu::wgpu::{Bound, Buffers, Pipelines, limits};
+//! use wgpu::{BufferDescriptor, BufferUsages};
+//!
+//! # fn frame(device: wgpu::Device, queue: wgpu::Queue, file: &[u8], poses: &[u8])
+//! # -> Result<(), Box<dyn std::error::Error>> {
+//! let model = sinew_runtime::Model::from_bytes(file)?;
+//! let envelope = model.envelope().ok_or("no envelope")?;
+//!
+//! // Once.
+//! let batch = Batch::skinned(&envelope, 64);
+//! let plan = Plan::new(&model, &envelope, &batch, &limits(&device.limits()))?;
+//! let pipelines = Pipelines::new(&device, plan.stages())?;
+//! let buffer = |resource, usage| {
+//!     device.create_buffer(&BufferDescriptor {
+//!         label: None,
+//!         size: plan.bytes(resource),
+//!         usage,
+//!         mapped_at_creation: false,
+//!     })
+//! };
+//! let written = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+//! let drawn = BufferUsages::STORAGE | BufferUsages::VERTEX;
+//! let params = buffer(Resource::Params, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
+//! let blob = buffer(Resource::Blob, written);
+//! let posed = buffer(Resource::Poses, written);
+//! let work = buffer(Resource::Work, BufferUsages::STORAGE);
+//! let palettes = buffer(Resource::Palettes, BufferUsages::STORAGE);
+//! let confidences = buffer(Resource::Confidences, BufferUsages::STORAGE);
+//! let positions = buffer(Resource::OutA, drawn);
+//! let normals = buffer(Resource::OutB, drawn);
+//! queue.write_buffer(&params, 0, &plan.params());
+//! queue.write_buffer(&blob, 0, model.blob());
+//! let buffers = Buffers::new()
+//!     .with(Resource::Params, &params, 0)
+//!     .with(Resource::Blob, &blob, 0)
+//!     .with(Resource::Poses, &posed, 0)
+//!     .with(Resource::Work, &work, 0)
+//!     .with(Resource::Palettes, &palettes, 0)
+//!     .with(Resource::Confidences, &confidences, 0)
+//!     .with(Resource::OutA, &positions, 0)
+//!     .with(Resource::OutB, &normals, 0);
+//! let bound = Bound::new(&pipelines, &plan, &buffers)?;
+//!
+//! // Each frame.
+//! queue.write_buffer(&posed, 0, poses);
+//! let mut encoder = device.create_command_encoder(&Default::default());
+//! bound.encode(&mut encoder, 64)?;
+//! queue.submit([encoder.finish()]);
+//! # Ok(())
+//! # }
+//! ```
+
+mod bound;
+mod error;
+#[cfg(feature = "headless")]
+pub mod headless;
+mod pipelines;
+
+pub use bound::{Bound, Buffers};
+pub use error::Error;
+pub use pipelines::{Pipelines, limits};
