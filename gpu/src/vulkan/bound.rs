@@ -86,8 +86,8 @@ impl Bound {
     /// what is to be waited for after. The last stage's pipeline and set 0 are left bound to the
     /// compute bind point. Allocates nothing.
     ///
-    /// What lies past the last instance is not touched, but for the one that follows: threads of its
-    /// workgroup's rest may write there.
+    /// Where fewer instances than the batch's are evaluated, what is left of a dispatch's last
+    /// workgroup, 63 threads at most, works on those that follow: what they hold is then undefined.
     ///
     /// # Errors
     /// [`Error::Layout`]: no instances, or more than there is room for. Nothing has been recorded.
