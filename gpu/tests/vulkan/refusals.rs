@@ -134,6 +134,14 @@ fn requirements_are_those_of_the_plan() {
     // Gradients, palette, confidence, skin.
     let [uniform, storage] = pool_sizes(&plan).map(|size| size.descriptor_count);
     assert_eq!((set_len(&plan), uniform, storage), (4, 4, 3 + 4 + 3 + 4));
+    let (model, envelope) = load(GOLDEN[0]);
+    let limits = DeviceLimits { storage_binding_bytes: 12 << 10, ..DeviceLimits::DOWNLEVEL };
+    let batch = Batch::skinned(&envelope, 100);
+    let plan = Plan::new(&model, &envelope, &batch, &limits).unwrap();
+    let chunks = plan.chunks().len() as u32;
+    let [uniform, storage] = pool_sizes(&plan).map(|size| size.descriptor_count);
+    assert!(chunks > 1);
+    assert_eq!((set_len(&plan), uniform, storage), (4 * chunks, 4 * chunks, 14 * chunks));
     assert_eq!(usage(Resource::Params), vk::BufferUsageFlags::UNIFORM_BUFFER);
     assert_eq!(usage(Resource::Work), vk::BufferUsageFlags::STORAGE_BUFFER);
 }
