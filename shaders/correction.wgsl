@@ -19,7 +19,8 @@ fn kernel_value(kernel: u32, s: f32) -> f32 {
     if kernel == 10u {
         return (1.0 + a) * exp_negative(a);
     }
-    return (1.0 + a + a * a * (1.0 / 3.0)) * exp_negative(a);
+    // The lesser is always the square, which is thus computed before the product.
+    return (1.0 + a + min(a * a, EXP_MAX * EXP_MAX) * (1.0 / 3.0)) * exp_negative(a);
 }
 
 // e^-s - e^-s0, given e^-s0 and s - s0.

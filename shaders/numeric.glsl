@@ -42,11 +42,11 @@ const float EXP_MAX = 87.0;
 float exp_negative(float value) {
     float a = value < EXP_MAX ? value : EXP_MAX;
     precise float scaled = a * 1.44269504089;
-    float k = -roundEven(scaled);
-    precise float r = (-a - k * 0.6933594) - k * -2.1219444e-4;
+    float k = roundEven(scaled);
+    precise float r = -((a - k * 0.6933594) - k * -2.1219444e-4);
     precise float tail = 0.041668266 + r * (8.368684e-3 + r * 1.3820947e-3);
     precise float power = 1.0 + (r + r * r * (0.49999994 + r * (0.16666521 + r * tail)));
-    precise float result = power * intBitsToFloat((int(k) << 23) + 0x3f800000);
+    precise float result = power * intBitsToFloat(0x3f800000 - (int(k) << 23));
     return result;
 }
 

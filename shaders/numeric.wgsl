@@ -1,4 +1,5 @@
-// The transcendental functions: the runtime's polynomials, operation by operation.
+// The transcendental functions: the runtime's polynomials, operation by operation. Signs stand so that
+// a compiler that takes sums apart, where it may, finds none: it sees 1 + (a + b), not 1 - (-a - b).
 
 // Sine and versine (1 - cos) of an angle >= 0.
 fn sin_versine(angle: f32) -> vec2<f32> {
@@ -37,11 +38,11 @@ const EXP_MAX: f32 = 87.0;
 // e^-a of a >= 0, constant from EXP_MAX on.
 fn exp_negative(value: f32) -> f32 {
     let a = select(EXP_MAX, value, value < EXP_MAX);
-    let k = -round(a * 1.44269504089);
-    let r = (-a - k * 0.6933594) - k * -2.1219444e-4;
+    let k = round(a * 1.44269504089);
+    let r = -((a - k * 0.6933594) - k * -2.1219444e-4);
     let tail = 0.041668266 + r * (8.368684e-3 + r * 1.3820947e-3);
-    let power = 1.0 + (r + r * r * (0.49999994 + r * (0.16666521 + r * tail)));
-    return power * bitcast<f32>((i32(k) << 23u) + 0x3f800000);
+    let power = 1.0 - (-r - r * r * (0.49999994 + r * (0.16666521 + r * tail)));
+    return power * bitcast<f32>(0x3f800000 - (i32(k) << 23u));
 }
 
 // 1 - e^-a of a >= 0.
