@@ -5,7 +5,8 @@ use super::{Error, Pipelines};
 use crate::layout::{Chunk, Plan, Resource, Span, Stage};
 use ash::{Device, vk};
 
-/// The host's buffers, one for each resource of a plan; several resources may share one.
+/// The host's buffers, one for each resource of a plan. Several resources may share one, as long as
+/// none is written where another lies.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Buffers([Option<(vk::Buffer, Span)>; Resource::ALL.len()]);
 
@@ -41,6 +42,9 @@ struct Step {
     layout: vk::PipelineLayout,
     /// Whether it must wait for the steps before it.
     waits: bool,
+    /// Whether its chunks' bindings meet where it writes: they start at multiples of 256 bytes,
+    /// though no two chunks write to one place. Tools that reckon with bindings want a barrier there.
+    meets: bool,
 }
 
 impl Bound {
@@ -86,8 +90,8 @@ impl Bound {
     /// what is to be waited for after. The last stage's pipeline and set 0 are left bound to the
     /// compute bind point. Allocates nothing.
     ///
-    /// What lies past the last instance is not touched, but for the one that follows: threads of its
-    /// workgroup's rest may write there.
+    /// Where fewer instances than the batch's are evaluated, what is left of a dispatch's last
+    /// workgroup, 63 threads at most, works on those that follow: what they hold is then undefined.
     ///
     /// # Errors
     /// [`Error::Layout`]: no instances, or more than there is room for. Nothing has been recorded.
@@ -115,8 +119,8 @@ impl Bound {
         Ok(())
     }
 
-    /// Records one stage without any barrier: for hosts that place their own, as between the
-    /// gradients of several models and their palettes, with [`barrier`] or finer.
+    /// Records one stage with no barrier before or after it: for hosts that place their own, as
+    /// between the gradients of several models and their palettes, with [`barrier`] or finer.
     ///
     /// # Errors
     /// - [`Error::Layout`]: no instances, or more than there is room for.
@@ -159,14 +163,18 @@ impl Bound {
         instance_len: usize,
     ) {
         const COMPUTE: vk::PipelineBindPoint = vk::PipelineBindPoint::COMPUTE;
-        let Step { stage, pipeline, layout, .. } = self.steps[index];
+        let Step { stage, pipeline, layout, meets, .. } = self.steps[index];
         // SAFETY: pipeline, layout and sets suit each other by `new`, and our caller keeps them alive.
         unsafe { device.cmd_bind_pipeline(command_buffer, COMPUTE, pipeline) };
-        for (chunk, set) in self.plan.chunks().iter().zip(self.sets_of(index)) {
+        for (number, (chunk, set)) in self.plan.chunks().iter().zip(self.sets_of(index)).enumerate()
+        {
             let Some([x, y]) = self.plan.groups(stage, chunk, instance_len) else { continue };
             let sets = [*set];
             // SAFETY: likewise; the plan keeps groups within the limits it was made with.
             unsafe {
+                if meets && number > 0 {
+                    barrier(device, command_buffer);
+                }
                 device.cmd_bind_descriptor_sets(command_buffer, COMPUTE, layout, 0, &sets, &[]);
                 device.cmd_dispatch(command_buffer, x, y, 1);
             }
@@ -218,9 +226,23 @@ fn steps(pipelines: &Pipelines, plan: &Plan) -> Result<Vec<Step>, Error> {
             *written = Some(written.unwrap_or(false) || writes);
         }
         let (layout, pipeline) = (pipeline.layout, pipeline.pipeline);
-        steps.push(Step { stage, pipeline, layout, waits });
+        let meets = meets(stage, plan.chunks());
+        steps.push(Step { stage, pipeline, layout, waits, meets });
     }
     Ok(steps)
+}
+
+/// Tells whether what a stage writes in one chunk is bound in the next, too.
+fn meets(stage: Stage, chunks: &[Chunk]) -> bool {
+    let written = stage.bindings().iter().filter(|own| own.writable);
+    let spans = written.flat_map(|own| {
+        let span = |chunk| filled(own.resource, chunk).1;
+        chunks.iter().zip(chunks.iter().skip(1)).map(move |(a, b)| (span(a), span(b)))
+    });
+    spans.into_iter().any(|spans| match spans {
+        (Some(a), Some(b)) => a.offset < b.offset + b.bytes && b.offset < a.offset + a.bytes,
+        _ => false,
+    })
 }
 
 /// Returns what is bound for a resource in a chunk, and its span.

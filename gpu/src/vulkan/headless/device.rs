@@ -3,49 +3,63 @@
 use super::instance::Vulkan;
 use super::uploaded::VulkanBatch;
 use super::while_doing;
-use crate::headless::{Device, DeviceInfo, HeadlessError, Uploaded};
+use super::{Commands, Memory};
+use crate::headless::{self, DeviceInfo, HeadlessError, Uploaded};
 use crate::layout::{DeviceLimits, Plan, Stage};
 use crate::vulkan::{Pipelines, limits};
 use ash::vk;
 use sinew_runtime::Model;
+use std::cell::Cell;
+use std::marker::PhantomData;
 use std::mem::take;
+use std::time::{Duration, Instant};
+
+/// Lists the devices that there are.
+///
+/// # Errors
+/// - [`HeadlessError::Missing`]: no loader, or no driver.
+/// - [`HeadlessError::Refused`]
+pub fn devices() -> Result<Vec<DeviceInfo>, HeadlessError> {
+    let devices = Vulkan::new(false)?.devices()?;
+    Ok(devices.into_iter().map(|(_, info)| info).collect())
+}
 
 /// A device, opened without any feature, with the pipelines of every stage.
-pub struct Headless {
-    pub(super) device: ash::Device,
+pub struct Device {
+    device: ash::Device,
     pub(super) memory: vk::PhysicalDeviceMemoryProperties,
     pipelines: Pipelines,
     physical: vk::PhysicalDevice,
     queue: vk::Queue,
     family: u32,
-    commands: vk::CommandPool,
+    pub(super) commands: vk::CommandPool,
     info: DeviceInfo,
     limits: DeviceLimits,
     vulkan: Vulkan,
+    /// Command pool and queue are one thread's at a time.
+    _not_sync: PhantomData<Cell<()>>,
 }
 
-impl Headless {
-    /// Lists the devices that there are.
-    ///
-    /// # Errors
-    /// - [`HeadlessError::Missing`]: no loader, or no driver.
-    /// - [`HeadlessError::Refused`]
-    pub fn list() -> Result<Vec<DeviceInfo>, HeadlessError> {
-        let devices = Vulkan::new(false)?.devices()?;
-        Ok(devices.into_iter().map(|(_, info)| info).collect())
-    }
-
-    /// Opens the first device whose driver, or else name, contains a text, in whatever case; without
-    /// one the first that is hardware, or else the first. Validation turns the Khronos layer on,
-    /// synchronisation included.
+impl Device {
+    /// Opens the first device that is wanted; `name` says in words what that is. Validation turns the
+    /// Khronos layer on, synchronisation included.
     ///
     /// # Errors
     /// - [`HeadlessError::Missing`]: no loader, no driver, or no layer where validation is asked for.
     /// - [`HeadlessError::NoDevice`]
-    /// - [`HeadlessError::Refused`]
-    pub fn open(wanted: Option<&str>, validation: bool) -> Result<Self, HeadlessError> {
+    /// - [`HeadlessError::Refused`]: it cannot be opened.
+    pub fn open(
+        wanted: impl Fn(&DeviceInfo) -> bool,
+        name: &str,
+        validation: bool,
+    ) -> Result<Self, HeadlessError> {
         let vulkan = Vulkan::new(validation)?;
-        let (physical, info) = choose(vulkan.devices()?, wanted)?;
+        let devices = vulkan.devices()?;
+        let found = devices.iter().map(|(_, info)| info.driver.clone()).collect();
+        let own = devices.into_iter().find(|(_, info)| wanted(info));
+        let Some((physical, info)) = own else {
+            return Err(HeadlessError::NoDevice { api: "vulkan", wanted: name.to_owned(), found });
+        };
         // SAFETY: the device is this instance's.
         let families =
             unsafe { vulkan.instance.get_physical_device_queue_family_properties(physical) };
@@ -71,7 +85,7 @@ impl Headless {
         };
         let real = limits(&properties.limits);
         // Whoever drops it has it freed, from here on.
-        let mut headless = Self {
+        let mut own = Self {
             // SAFETY: the device has one queue of this family.
             queue: unsafe { device.get_device_queue(family, 0) },
             device,
@@ -83,17 +97,26 @@ impl Headless {
             info,
             limits: at_most(real, DeviceLimits::DOWNLEVEL),
             vulkan,
+            _not_sync: PhantomData,
         };
         let create = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
             .queue_family_index(family);
         // SAFETY: likewise.
-        headless.commands = unsafe { headless.device.create_command_pool(&create, None) }
+        own.commands = unsafe { own.device.create_command_pool(&create, None) }
             .map_err(while_doing("making a command pool"))?;
         let cache = vk::PipelineCache::null();
         // SAFETY: the device is valid.
-        headless.pipelines = unsafe { Pipelines::new(&headless.device, &Stage::ALL, cache, None) }?;
-        Ok(headless)
+        own.pipelines = unsafe { Pipelines::new(&own.device, &Stage::ALL, cache, None) }?;
+        Ok(own)
+    }
+
+    /// Opens the first device of a driver, by [`DeviceInfo::driver`].
+    ///
+    /// # Errors
+    /// As for [`Device::open`].
+    pub fn of_driver(driver: &str, validation: bool) -> Result<Self, HeadlessError> {
+        Self::open(|info| info.driver == driver, driver, validation)
     }
 
     /// Returns the device.
@@ -121,70 +144,16 @@ impl Headless {
         self.vulkan.messages()
     }
 
-    /// Allocates the buffers of a batch: [`Device::upload`] with a type that shows more.
+    /// Allocates the buffers of a batch: [`headless::Device::upload`] with a type that shows more.
     ///
     /// # Errors
     /// [`HeadlessError`]
     pub fn batch(&self, model: &Model<'_>, plan: &Plan) -> Result<VulkanBatch<'_>, HeadlessError> {
         VulkanBatch::new(self, model, plan)
     }
-
-    /// Allocates a command buffer that can be recorded again and again; the device frees it.
-    ///
-    /// # Errors
-    /// [`HeadlessError`]
-    pub fn command_buffer(&self) -> Result<vk::CommandBuffer, HeadlessError> {
-        let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(self.commands)
-            .level(vk::CommandBufferLevel::PRIMARY)
-            .command_buffer_count(1);
-        // SAFETY: the pool is this device's.
-        let buffers = unsafe { self.device.allocate_command_buffers(&info) }
-            .map_err(while_doing("allocating a command buffer"))?;
-        Ok(buffers.first().copied().unwrap_or_default())
-    }
-
-    /// Records into a command buffer, submits it, and waits.
-    ///
-    /// # Errors
-    /// [`HeadlessError`]; nothing is submitted where `record` fails.
-    ///
-    /// # Safety
-    /// The command buffer must be of [`Headless::command_buffer`] and not be in use, and what is
-    /// recorded must be valid.
-    pub unsafe fn submit(
-        &self,
-        command_buffer: vk::CommandBuffer,
-        record: impl FnOnce(&ash::Device) -> Result<(), HeadlessError>,
-    ) -> Result<(), HeadlessError> {
-        let begin = vk::CommandBufferBeginInfo::default()
-            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: as our own caller promises.
-        unsafe { self.device.begin_command_buffer(command_buffer, &begin) }
-            .map_err(while_doing("beginning a command buffer"))?;
-        let recorded = record(&self.device);
-        // SAFETY: it has been begun.
-        unsafe { self.device.end_command_buffer(command_buffer) }
-            .map_err(while_doing("ending a command buffer"))?;
-        recorded?;
-        let buffers = [command_buffer];
-        let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
-        // SAFETY: as our own caller promises; the queue is ours alone.
-        unsafe {
-            self.device
-                .queue_submit(self.queue, &submits, vk::Fence::null())
-                .map_err(while_doing("submitting"))?;
-            self.device.queue_wait_idle(self.queue).map_err(while_doing("waiting"))
-        }
-    }
-
-    pub(super) fn free_command_buffer(&self, command_buffer: vk::CommandBuffer) {
-        // SAFETY: it comes from this pool, and whatever was submitted has been waited for.
-        unsafe { self.device.free_command_buffers(self.commands, &[command_buffer]) };
-    }
 }
 
-impl Device for Headless {
+impl headless::Device for Device {
     fn info(&self) -> &DeviceInfo {
         &self.info
     }
@@ -201,12 +170,50 @@ impl Device for Headless {
         Ok(Box::new(self.batch(model, plan)?))
     }
 
+    fn time_copy(&self, bytes: u64, repeat_len: usize) -> Result<Duration, HeadlessError> {
+        let bytes = bytes.next_multiple_of(4);
+        let none = vk::BufferUsageFlags::empty();
+        let [from, to] = [Memory::local(self, bytes, none)?, Memory::local(self, bytes, none)?];
+        let regions = [vk::BufferCopy::default().size(bytes)];
+        let memory = [vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+            .dst_access_mask(vk::AccessFlags::TRANSFER_READ | vk::AccessFlags::TRANSFER_WRITE)];
+        let (stage, flags) = (vk::PipelineStageFlags::TRANSFER, vk::DependencyFlags::empty());
+        let commands = Commands::new(self)?;
+        let copy = |count: usize| {
+            let record = |device: &ash::Device, commands| {
+                for _ in 0..count {
+                    // SAFETY: it is being recorded, and both buffers have these bytes.
+                    unsafe {
+                        device.cmd_pipeline_barrier(
+                            commands,
+                            stage,
+                            stage,
+                            flags,
+                            &memory,
+                            &[],
+                            &[],
+                        );
+                        device.cmd_copy_buffer(commands, from.buffer(), to.buffer(), &regions);
+                    }
+                }
+                Ok(())
+            };
+            // SAFETY: what is recorded is valid.
+            unsafe { commands.submit(record) }
+        };
+        copy(1)?;
+        let start = Instant::now();
+        copy(repeat_len)?;
+        Ok(start.elapsed())
+    }
+
     fn message_len(&self) -> Option<usize> {
         self.messages().map(|messages| messages.len())
     }
 }
 
-impl Drop for Headless {
+impl Drop for Device {
     fn drop(&mut self) {
         // SAFETY: batches borrow this and are gone; whatever was submitted has been waited for.
         unsafe {
@@ -215,28 +222,6 @@ impl Drop for Headless {
             self.device.destroy_device(None);
         }
     }
-}
-
-fn choose(
-    devices: Vec<(vk::PhysicalDevice, DeviceInfo)>,
-    wanted: Option<&str>,
-) -> Result<(vk::PhysicalDevice, DeviceInfo), HeadlessError> {
-    let index = match wanted {
-        None => devices.iter().position(|(_, info)| !info.software).or(Some(0)),
-        Some(wanted) => {
-            let wanted = wanted.to_lowercase();
-            let has = |text: &str| text.to_lowercase().contains(&wanted);
-            let of_driver = devices.iter().position(|(_, info)| has(&info.driver));
-            of_driver.or_else(|| devices.iter().position(|(_, info)| has(&info.name)))
-        }
-    };
-    let found = devices.iter().map(|(_, info)| info.driver.clone()).collect();
-    let chosen = index.and_then(|index| devices.into_iter().nth(index));
-    chosen.ok_or_else(|| HeadlessError::NoDevice {
-        api: "vulkan",
-        wanted: wanted.unwrap_or("of any kind").to_owned(),
-        found,
-    })
 }
 
 /// Returns a device's limits, but none beyond another's.

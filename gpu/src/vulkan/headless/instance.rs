@@ -92,7 +92,7 @@ impl Vulkan {
 
 impl Drop for Vulkan {
     fn drop(&mut self) {
-        // SAFETY: what is made of the instance is gone: only `Headless` makes any, and ends before.
+        // SAFETY: what is made of the instance is gone: only `Device` makes any, and ends before.
         unsafe {
             if let Some((_, messenger)) = &self.validation {
                 messenger.destroy();

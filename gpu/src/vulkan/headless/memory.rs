@@ -1,12 +1,12 @@
 //! Buffers, each with memory of its own.
 
-use super::{Headless, while_doing};
+use super::{Device, while_doing};
 use crate::headless::HeadlessError;
 use ash::vk::{self, MemoryPropertyFlags as Flags};
 
 /// A buffer with its memory, freed when dropped: what used it must have been waited for.
 pub struct Memory<'d> {
-    headless: &'d Headless,
+    device: &'d Device,
     buffer: vk::Buffer,
     memory: vk::DeviceMemory,
     bytes: u64,
@@ -19,25 +19,25 @@ impl<'d> Memory<'d> {
     /// # Errors
     /// [`HeadlessError`]
     pub fn local(
-        headless: &'d Headless,
+        device: &'d Device,
         bytes: u64,
         usage: vk::BufferUsageFlags,
     ) -> Result<Self, HeadlessError> {
         let copied = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
-        Self::new(headless, bytes, usage | copied, Flags::DEVICE_LOCAL, Flags::DEVICE_LOCAL)
+        Self::new(device, bytes, usage | copied, Flags::DEVICE_LOCAL, Flags::DEVICE_LOCAL)
     }
 
     /// Allocates a buffer that the host sees, cached where there is such memory.
     ///
     /// # Errors
     /// [`HeadlessError`]
-    pub fn staging(headless: &'d Headless, bytes: u64) -> Result<Self, HeadlessError> {
+    pub fn staging(device: &'d Device, bytes: u64) -> Result<Self, HeadlessError> {
         let copied = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
         let seen = Flags::HOST_VISIBLE | Flags::HOST_COHERENT;
-        let mut own = Self::new(headless, bytes, copied, seen | Flags::HOST_CACHED, seen)?;
+        let mut own = Self::new(device, bytes, copied, seen | Flags::HOST_CACHED, seen)?;
         let (whole, none) = (vk::WHOLE_SIZE, vk::MemoryMapFlags::empty());
         // SAFETY: the memory is the host's to see, and is not mapped.
-        let mapped = unsafe { headless.device().map_memory(own.memory, 0, whole, none) }
+        let mapped = unsafe { device.device().map_memory(own.memory, 0, whole, none) }
             .map_err(while_doing("mapping memory"))?;
         own.mapped = Some(mapped.cast());
         Ok(own)
@@ -85,23 +85,23 @@ impl<'d> Memory<'d> {
 
     /// Allocates memory that has the wanted flags, or at least the needed ones.
     fn new(
-        headless: &'d Headless,
+        device: &'d Device,
         bytes: u64,
         usage: vk::BufferUsageFlags,
         wanted: Flags,
         needed: Flags,
     ) -> Result<Self, HeadlessError> {
-        let device = headless.device();
+        let raw = device.device();
         let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
         // SAFETY: the device is valid; so below. A drop frees what has been made so far.
         let buffer =
-            unsafe { device.create_buffer(&info, None) }.map_err(while_doing("making a buffer"))?;
+            unsafe { raw.create_buffer(&info, None) }.map_err(while_doing("making a buffer"))?;
         let memory = vk::DeviceMemory::null();
-        let mut own = Self { headless, buffer, memory, bytes, mapped: None };
+        let mut own = Self { device, buffer, memory, bytes, mapped: None };
         // SAFETY: the buffer has just been made on this device.
-        let asked = unsafe { device.get_buffer_memory_requirements(buffer) };
+        let asked = unsafe { raw.get_buffer_memory_requirements(buffer) };
         let kind = |flags: Flags| {
-            let types = headless.memory.memory_types_as_slice().iter().zip(0..);
+            let types = device.memory.memory_types_as_slice().iter().zip(0..);
             let mut fitting = types.filter(|(kind, index)| {
                 asked.memory_type_bits >> index & 1 == 1 && kind.property_flags.contains(flags)
             });
@@ -114,10 +114,10 @@ impl<'d> Memory<'d> {
         let info =
             vk::MemoryAllocateInfo::default().allocation_size(asked.size).memory_type_index(kind);
         // SAFETY: the type is the device's.
-        own.memory = unsafe { device.allocate_memory(&info, None) }
+        own.memory = unsafe { raw.allocate_memory(&info, None) }
             .map_err(while_doing("allocating memory"))?;
         // SAFETY: both have just been made, and the memory is as long as the buffer asks.
-        unsafe { device.bind_buffer_memory(buffer, own.memory, 0) }
+        unsafe { raw.bind_buffer_memory(buffer, own.memory, 0) }
             .map_err(while_doing("binding memory"))?;
         Ok(own)
     }
@@ -125,7 +125,7 @@ impl<'d> Memory<'d> {
 
 impl Drop for Memory<'_> {
     fn drop(&mut self) {
-        let device = self.headless.device();
+        let device = self.device.device();
         // SAFETY: whatever used it has been waited for; memory that is freed is unmapped.
         unsafe {
             device.destroy_buffer(self.buffer, None);

@@ -74,12 +74,13 @@ unsafe extern "system" fn receive(
 ) -> vk::Bool32 {
     // SAFETY: the layer hands over its data, and the address that `info` gave it.
     let (data, messages) = unsafe { (&*data, &*messages.cast::<Mutex<Vec<String>>>()) };
-    let text = if data.p_message.is_null() {
-        String::new()
-    } else {
-        // SAFETY: a message ends with nul.
-        unsafe { CStr::from_ptr(data.p_message) }.to_string_lossy().into_owned()
-    };
-    messages.lock().unwrap_or_else(PoisonError::into_inner).push(text);
+    let text = [data.p_message_id_name, data.p_message].map(|text| {
+        if text.is_null() {
+            return String::new();
+        }
+        // SAFETY: texts end with nul.
+        unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+    });
+    messages.lock().unwrap_or_else(PoisonError::into_inner).push(text.join(": "));
     vk::FALSE
 }

@@ -1,6 +1,7 @@
 //! Vulkan without an engine: finds a device, allocates, submits and waits. For tests, examples and
 //! tools.
 
+mod commands;
 mod device;
 mod held;
 mod instance;
@@ -8,7 +9,8 @@ mod memory;
 mod messages;
 mod uploaded;
 
-pub use device::Headless;
+pub use commands::Commands;
+pub use device::{Device, devices};
 pub use memory::Memory;
 pub use uploaded::VulkanBatch;
 

@@ -1,11 +1,12 @@
 //! A batch whose buffers the helper owns.
 
-use super::held::Held;
-use super::{Headless, Memory};
+use super::held::{Held, uploaded};
+use super::{Device, Memory};
 use crate::headless::{HeadlessError, Uploaded};
 use crate::layout::{Plan, Resource, Stage};
 use crate::vulkan::{Bound, Buffers, barrier};
 use sinew_runtime::Model;
+use std::time::{Duration, Instant};
 
 /// A batch on a device, with its buffers in the device's own memory.
 pub struct VulkanBatch<'d> {
@@ -15,20 +16,20 @@ pub struct VulkanBatch<'d> {
 
 impl<'d> VulkanBatch<'d> {
     pub(super) fn new(
-        headless: &'d Headless,
+        device: &'d Device,
         model: &Model<'_>,
         plan: &Plan,
     ) -> Result<Self, HeadlessError> {
-        let mut held = Held::new(headless, plan)?;
+        let mut held = Held::new(device, plan)?;
         held.write(Resource::Params, 0, &plan.params())?;
         // Words are bound.
         let mut blob = model.blob().to_vec();
         blob.resize(blob.len().next_multiple_of(4), 0);
         held.write(Resource::Blob, 0, &blob)?;
-        let (device, pipelines) = (headless.device(), headless.pipelines());
+        let pipelines = device.pipelines();
         let (sets, buffers) = (held.sets(plan)?, held.buffers());
         // SAFETY: buffers and sets have just been made for this plan, and live as long as the batch.
-        let bound = unsafe { Bound::new(device, pipelines, plan, &buffers, &sets) }?;
+        let bound = unsafe { Bound::new(device.device(), pipelines, plan, &buffers, &sets) }?;
         Ok(Self { held, bound })
     }
 
@@ -63,23 +64,43 @@ impl Uploaded for VulkanBatch<'_> {
     }
 
     fn run(&mut self, instance_len: usize) -> Result<(), HeadlessError> {
-        self.held.submit(|device| {
-            self.held.uploaded();
+        self.held.submit(|device, commands| {
+            uploaded(device, commands);
             // SAFETY: the command buffer is being recorded; the barrier above is what is asked for.
-            Ok(unsafe { self.bound.record(device, self.held.commands, instance_len) }?)
+            Ok(unsafe { self.bound.record(device, commands, instance_len) }?)
         })
     }
 
     fn run_stage(&mut self, stage: Stage, instance_len: usize) -> Result<(), HeadlessError> {
-        self.held.submit(|device| {
-            let commands = self.held.commands;
-            self.held.uploaded();
+        self.held.submit(|device, commands| {
+            uploaded(device, commands);
             // SAFETY: likewise; the second barrier is for what other stages have written.
             unsafe {
                 barrier(device, commands);
                 Ok(self.bound.record_stage(device, commands, stage, instance_len)?)
             }
         })
+    }
+
+    fn time_stage(
+        &mut self,
+        stage: Stage,
+        instance_len: usize,
+        repeat_len: usize,
+    ) -> Result<Duration, HeadlessError> {
+        let start = Instant::now();
+        self.held.submit(|device, commands| {
+            uploaded(device, commands);
+            for _ in 0..repeat_len {
+                // SAFETY: as in `run_stage`.
+                unsafe {
+                    barrier(device, commands);
+                    self.bound.record_stage(device, commands, stage, instance_len)?;
+                }
+            }
+            Ok(())
+        })?;
+        Ok(start.elapsed())
     }
 
     fn read(&mut self, resource: Resource) -> Result<Vec<f32>, HeadlessError> {

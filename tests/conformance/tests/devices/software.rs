@@ -8,6 +8,7 @@ use sinew_runtime::envelope::{
 };
 use sinew_runtime::pose::features;
 use sinew_runtime::{Envelope, Matrix3x4, Model};
+use std::time::Duration;
 
 /// What goes wrong, in the stage that it names.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +59,10 @@ impl Device for Software<'_> {
         let floats = |resource| vec![0.0; (plan.bytes(resource) / 4) as usize];
         let buffers = Resource::ALL.map(floats);
         Ok(Box::new(Batch { envelope, plan: plan.clone(), buffers, fault: self.fault }))
+    }
+
+    fn time_copy(&self, _: u64, _: usize) -> Result<Duration, HeadlessError> {
+        Ok(Duration::ZERO)
     }
 
     fn message_len(&self) -> Option<usize> {
@@ -112,6 +117,15 @@ impl Uploaded for Batch<'_> {
             _ => {}
         }
         Ok(())
+    }
+
+    fn time_stage(
+        &mut self,
+        _: Stage,
+        _: usize,
+        _: usize,
+    ) -> Result<Duration, HeadlessError> {
+        Ok(Duration::ZERO)
     }
 
     fn read(&mut self, resource: Resource) -> Result<Vec<f32>, HeadlessError> {

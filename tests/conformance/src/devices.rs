@@ -1,0 +1,80 @@
+//! The devices of this machine, by both APIs.
+
+use log::{Level, LevelFilter, Log, Metadata, Record};
+use sinew_gpu::headless::{Device, DeviceInfo, HeadlessError};
+use sinew_gpu::vulkan::headless::Headless;
+use sinew_gpu::wgpu::headless as wgpu;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The driver of lavapipe, which is required wherever tests run.
+pub const LAVAPIPE: &str = "llvmpipe";
+
+/// Lists the devices of both APIs: of every driver and name one.
+///
+/// # Errors
+/// [`HeadlessError::Missing`]: there is no Vulkan loader, and no device for wgpu either.
+pub fn list() -> Result<Vec<DeviceInfo>, HeadlessError> {
+    let mut all = wgpu::devices();
+    match Headless::list() {
+        Ok(list) => all.extend(list),
+        Err(error) if all.is_empty() => return Err(error),
+        Err(_) => {}
+    }
+    let mut out: Vec<DeviceInfo> = Vec::new();
+    for info in all {
+        if !out.iter().any(|own| same(own, &info)) {
+            out.push(info);
+        }
+    }
+    Ok(out)
+}
+
+/// Opens a device; with validation, through the layers, whose messages are counted.
+///
+/// # Errors
+/// [`HeadlessError`]
+pub fn open(info: &DeviceInfo, validation: bool) -> Result<Box<dyn Device>, HeadlessError> {
+    if info.api == "wgpu" {
+        let device = wgpu::Device::open(|own| same(own, info), &info.driver, validation)?;
+        return Ok(Box::new(device));
+    }
+    Ok(Box::new(Headless::open(Some(&info.driver), validation)?))
+}
+
+fn same(a: &DeviceInfo, b: &DeviceInfo) -> bool {
+    a.api == b.api && a.driver == b.driver && a.name == b.name
+}
+
+/// What wgpu's validation says goes to `log`: a logger that counts warnings and errors.
+pub struct Counter;
+
+static MESSAGES: AtomicUsize = AtomicUsize::new(0);
+
+impl Counter {
+    /// Makes it the process's logger; once it is, nothing happens.
+    pub fn install() {
+        if log::set_logger(&Self).is_ok() {
+            log::set_max_level(LevelFilter::Warn);
+        }
+    }
+
+    /// Returns the messages so far.
+    pub fn message_len() -> usize {
+        MESSAGES.load(Ordering::SeqCst)
+    }
+}
+
+impl Log for Counter {
+    fn enabled(&self, metadata: &Metadata<'_>) -> bool {
+        metadata.level() <= Level::Warn
+    }
+
+    fn log(&self, record: &Record<'_>) {
+        if self.enabled(record.metadata()) {
+            MESSAGES.fetch_add(1, Ordering::SeqCst);
+            eprintln!("{}: {}", record.target(), record.args());
+        }
+    }
+
+    fn flush(&self) {}
+}
