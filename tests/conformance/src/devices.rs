@@ -2,7 +2,7 @@
 
 use log::{Level, LevelFilter, Log, Metadata, Record};
 use sinew_gpu::headless::{Device, DeviceInfo, HeadlessError};
-use sinew_gpu::vulkan::headless::Headless;
+use sinew_gpu::vulkan::headless as vulkan;
 use sinew_gpu::wgpu::headless as wgpu;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -15,7 +15,7 @@ pub const LAVAPIPE: &str = "llvmpipe";
 /// [`HeadlessError::Missing`]: there is no Vulkan loader, and no device for wgpu either.
 pub fn list() -> Result<Vec<DeviceInfo>, HeadlessError> {
     let mut all = wgpu::devices();
-    match Headless::list() {
+    match vulkan::devices() {
         Ok(list) => all.extend(list),
         Err(error) if all.is_empty() => return Err(error),
         Err(_) => {}
@@ -34,11 +34,11 @@ pub fn list() -> Result<Vec<DeviceInfo>, HeadlessError> {
 /// # Errors
 /// [`HeadlessError`]
 pub fn open(info: &DeviceInfo, validation: bool) -> Result<Box<dyn Device>, HeadlessError> {
-    if info.api == "wgpu" {
-        let device = wgpu::Device::open(|own| same(own, info), &info.driver, validation)?;
-        return Ok(Box::new(device));
-    }
-    Ok(Box::new(Headless::open(Some(&info.driver), validation)?))
+    let wanted = |own: &DeviceInfo| same(own, info);
+    Ok(match info.api {
+        "wgpu" => Box::new(wgpu::Device::open(wanted, &info.driver, validation)?),
+        _ => Box::new(vulkan::Device::open(wanted, &info.driver, validation)?),
+    })
 }
 
 fn same(a: &DeviceInfo, b: &DeviceInfo) -> bool {

@@ -1,10 +1,12 @@
-//! The stages on a device. Everything lies at odd places with room between, and there is room for
-//! one instance more than is evaluated: what a stage has no business with must stay as it was.
+//! The stages on a device. Everything lies with room between, and there is room for one instance more
+//! than is evaluated: what a stage has no business with must stay as it was. The outputs of the one
+//! more are its business: threads that fill up a workgroup may evaluate it.
 
-use crate::backend::{Backend, Buffers, Failure, Gradients, Loaded, Whole, part};
+use crate::backend::{Backend, Buffers, Failure, Gradients, Loaded, Whole, attributes, part};
 use crate::compare::POISON;
+use crate::stages::skin::places;
 use sinew_gpu::headless::{Device, Uploaded};
-use sinew_gpu::layout::{Array, Batch, DeviceLimits, Plan, Resource, Skin, Stage, WorkLayout};
+use sinew_gpu::layout::{Array, Batch, Buffer, DeviceLimits, Plan, Resource, Skin, Stage, WorkLayout};
 use sinew_runtime::{Envelope, Matrix3x4};
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 use std::ops::Range;
@@ -50,12 +52,13 @@ impl<'a> Gpu<'a> {
     }
 }
 
-/// Describes a batch in which nothing starts at 0 and nothing follows closely.
+/// Describes a batch in which nothing starts at 0 and nothing follows closely; palettes in fours, as
+/// skins ask for.
 fn batch(envelope: &Envelope<'_>, instance_len: usize, skin: Option<&Skin>) -> Batch {
     Batch {
         instance_len,
         poses: Array { offset: 5, stride: 12 * envelope.joint_len() + 3 },
-        palettes: Array { offset: 2, stride: 12 * envelope.palette_len() + 7 },
+        palettes: Array { offset: 4, stride: 12 * envelope.palette_len() + 8 },
         confidences: Some(Array { offset: 1, stride: 2 }),
         skin: skin.cloned(),
     }
@@ -120,7 +123,7 @@ impl Batched<'_> {
             let found = self.uploaded.read(*resource)?;
             let mut may = vec![false; floats.len()];
             for (_, array, len) in own.iter().filter(|(own, ..)| own == resource) {
-                for i in 0..self.instance_len {
+                for i in 0..=self.instance_len {
                     may[array.offset + i * array.stride..][..*len].fill(true);
                 }
             }
@@ -158,7 +161,7 @@ impl Batched<'_> {
     /// What a stage writes of palettes, of confidences.
     fn own_palettes(&self) -> (Resource, Array, usize) {
         let array = self.batch.palettes;
-        (Resource::Palettes, array, array.stride - 7)
+        (Resource::Palettes, array, array.stride - 8)
     }
 
     fn own_confidences(&self) -> (Resource, Array, usize) {
@@ -185,13 +188,26 @@ impl Batched<'_> {
         }
     }
 
-    /// The part of the buffers for skins that the body looks after.
-    fn own_skin(&self, out: &Buffers) -> [(Resource, Range<usize>); 2] {
-        let len = |resource, host: usize| {
-            let device = self.buffers.iter().find(|(own, _)| *own == resource);
-            (resource, 0..device.map_or(0, |(_, floats)| floats.len().min(host)))
-        };
-        [len(Resource::OutA, out.a.len()), len(Resource::OutB, out.b.len())]
+    /// The part of the buffers for skins that the body looks after, and the one more's attributes.
+    fn own_skin(&self, skin: &Skin, out: &Buffers) -> Vec<(Resource, Range<usize>)> {
+        let mut own =
+            vec![(Resource::OutA, 0..self.within(Resource::OutA, out.a.len()))];
+        own.push((Resource::OutB, 0..self.within(Resource::OutB, out.b.len())));
+        for (attribute, len) in attributes(skin) {
+            let Some(attribute) = attribute else { continue };
+            let is_a = attribute.buffer == Buffer::A;
+            let resource = if is_a { Resource::OutA } else { Resource::OutB };
+            let spare = places(&attribute, skin, self.instance_len + 1);
+            let spare = spare.skip(self.instance_len * skin.vertices.len());
+            own.extend(spare.map(|start| (resource, start..start + len)));
+        }
+        own
+    }
+
+    /// Counts the floats of a host's buffer that the device has as well.
+    fn within(&self, resource: Resource, host: usize) -> usize {
+        let device = self.buffers.iter().find(|(own, _)| *own == resource);
+        device.map_or(0, |(_, floats)| floats.len().min(host))
     }
 }
 
@@ -326,7 +342,7 @@ impl Backend for Gpu<'_> {
         let mut batched = self.begin(loaded, n, Some(skin))?;
         batched.put_palettes(palettes);
         batched.put_skin(out);
-        let own = batched.own_skin(out);
+        let own = batched.own_skin(skin, out);
         batched.run(&[Stage::Skin], &[], &own)?;
         batched.take_skin(out);
         Ok(())
@@ -344,7 +360,7 @@ impl Backend for Gpu<'_> {
         batched.put_skin(&out.skin);
         let work = (Resource::Work, batched.work(0), batched.work.len);
         let (palettes, confidences) = (batched.own_palettes(), batched.own_confidences());
-        let own = batched.own_skin(&out.skin);
+        let own = batched.own_skin(skin, &out.skin);
         batched.run(&[], &[work, palettes, confidences], &own)?;
         batched.take_palettes(&mut out.palettes);
         batched.take(Resource::Confidences, confidences.1, &mut out.confidences);

@@ -4,6 +4,7 @@
 
 pub mod backend;
 pub mod compare;
+pub mod devices;
 pub mod finding;
 pub mod gpu;
 pub mod models;

@@ -119,12 +119,7 @@ impl Uploaded for Batch<'_> {
         Ok(())
     }
 
-    fn time_stage(
-        &mut self,
-        _: Stage,
-        _: usize,
-        _: usize,
-    ) -> Result<Duration, HeadlessError> {
+    fn time_stage(&mut self, _: Stage, _: usize, _: usize) -> Result<Duration, HeadlessError> {
         Ok(Duration::ZERO)
     }
 
