@@ -1,7 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage 2: gradients and relative maps to palettes, t = c1 d + c2 q. One thread a row of t, which is
-// a column of a map.
+// Stage 2: gradients and relative maps to palettes, t = c1 d + c2 q. One thread a map.
 
 #include "params.glsl"
 
@@ -19,37 +18,46 @@ layout(set = 0, binding = 4, std430) buffer Palettes {
 void main() {
     uint item = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u
         + gl_LocalInvocationIndex;
-    uint row_len = 4u * params.proxy_len;
-    uint instance = item / row_len;
-    uint row = item % row_len;
+    uint instance = item / params.proxy_len;
+    uint map = item % params.proxy_len;
     if (instance >= params.instance_len) {
         return;
     }
+    // Rows 4 l to 4 l + 3 of t, coordinate by coordinate.
+    precise vec4 x = vec4(0.0);
+    precise vec4 y = vec4(0.0);
+    precise vec4 z = vec4(0.0);
     uint base = params.work_offset + instance * params.work_stride;
-    // Blocks of 8 rows, column-major.
-    precise vec3 sum = vec3(0.0);
     uint column = base + params.gradients;
-    uint coefficient = params.c1 + row / 8u * (24u * params.proxy_len) + row % 8u;
+    // Blocks of 8 rows, column-major: two maps.
+    uint at = params.c1 + map / 2u * (24u * params.proxy_len) + 4u * (map % 2u);
     for (uint i = 0u; i < 3u * params.proxy_len; i++) {
-        sum += blob_float(coefficient) * vec3(work[column], work[column + 1u], work[column + 2u]);
+        vec4 coefficients = blob_vec4(at);
+        x += coefficients * work[column];
+        y += coefficients * work[column + 1u];
+        z += coefficients * work[column + 2u];
         column += 3u;
-        coefficient += 8u;
+        at += 8u;
     }
     column = base + params.relative;
-    coefficient = params.c2 + row / 8u * (32u * params.joint_len) + row % 8u;
+    at = params.c2 + map / 2u * (32u * params.joint_len) + 4u * (map % 2u);
     for (uint i = 0u; i < 4u * params.joint_len; i++) {
-        sum += blob_float(coefficient) * vec3(work[column], work[column + 1u], work[column + 2u]);
+        vec4 coefficients = blob_vec4(at);
+        x += coefficients * work[column];
+        y += coefficients * work[column + 1u];
+        z += coefficients * work[column + 2u];
         column += 3u;
-        coefficient += 8u;
+        at += 8u;
     }
     uint root = params.poses_offset + instance * params.poses_stride + 12u * params.root;
-    uint to = params.palettes_offset + instance * params.palettes_stride + 12u * (row / 4u) + row % 4u;
+    uint to = params.palettes_offset + instance * params.palettes_stride + 12u * map;
     for (uint r = 0u; r < 3u; r++) {
-        uint at = root + 4u * r;
-        precise float value = poses[at] * sum.x + poses[at + 1u] * sum.y + poses[at + 2u] * sum.z;
-        if (row % 4u == 3u) {
-            value += poses[at + 3u];
-        }
-        palettes[to + 4u * r] = value;
+        uint of_root = root + 4u * r;
+        precise vec4 row = poses[of_root] * x + poses[of_root + 1u] * y + poses[of_root + 2u] * z;
+        row.w += poses[of_root + 3u];
+        palettes[to + 4u * r] = row.x;
+        palettes[to + 4u * r + 1u] = row.y;
+        palettes[to + 4u * r + 2u] = row.z;
+        palettes[to + 4u * r + 3u] = row.w;
     }
 }

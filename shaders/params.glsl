@@ -72,6 +72,10 @@ vec3 blob_vec3(uint word) {
     return vec3(blob_float(word), blob_float(word + 1u), blob_float(word + 2u));
 }
 
+vec4 blob_vec4(uint word) {
+    return uintBitsToFloat(uvec4(blob[word], blob[word + 1u], blob[word + 2u], blob[word + 3u]));
+}
+
 // A u16 of an array of them that starts at a word.
 uint blob_half(uint word, uint index) {
     return (blob[word + index / 2u] >> (16u * (index & 1u))) & 0xffffu;

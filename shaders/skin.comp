@@ -6,7 +6,7 @@
 
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Palettes {
-    float palettes[];
+    vec4 palettes[];
 };
 layout(set = 0, binding = 3, std430) writeonly buffer OutA {
     float out_a[];
@@ -41,17 +41,12 @@ vec3 along(vec3 x, vec3 y, vec3 z, vec3 v) {
 // A vector's direction, or the rest pose's where it has none: its square is not a normal number.
 vec3 unit(vec3 v, vec3 rest) {
     precise float square = v.x * v.x + v.y * v.y + v.z * v.z;
-    if (square >= 1.17549435e-38 && square <= 3.40282347e+38) {
+    if (square >= 1.17549435e-38 && square <= 3.4028234e+38) {
         precise float scale = 1.0 / sqrt(square);
         precise vec3 direction = v * scale;
         return direction;
     }
     return rest;
-}
-
-// A row of a map.
-vec4 map_row(uint at) {
-    return vec4(palettes[at], palettes[at + 1u], palettes[at + 2u], palettes[at + 3u]);
 }
 
 void main() {
@@ -63,17 +58,17 @@ void main() {
         return;
     }
     uint vertex = params.vertex_first + i;
-    uint palette = params.palettes_offset + instance * params.palettes_stride;
+    uint palette = (params.palettes_offset + instance * params.palettes_stride) / 4u;
     precise vec4 row_x = vec4(0.0);
     precise vec4 row_y = vec4(0.0);
     precise vec4 row_z = vec4(0.0);
     for (uint k = 0u; k < params.influence_len; k++) {
         uint influence = vertex * params.influence_len + k;
         float weight = blob_float(params.influence_weights + influence);
-        uint at = palette + 12u * blob_half(params.influence_indices, influence);
-        row_x += map_row(at) * weight;
-        row_y += map_row(at + 4u) * weight;
-        row_z += map_row(at + 8u) * weight;
+        uint at = palette + 3u * blob_half(params.influence_indices, influence);
+        row_x += palettes[at] * weight;
+        row_y += palettes[at + 1u] * weight;
+        row_z += palettes[at + 2u] * weight;
     }
     vec3 x = vec3(row_x.x, row_y.x, row_z.x);
     vec3 y = vec3(row_x.y, row_y.y, row_z.y);

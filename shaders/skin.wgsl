@@ -1,6 +1,6 @@
 // Stage 3: palettes to positions, normals and tangents. One thread a vertex.
 
-@group(0) @binding(2) var<storage, read> palettes: array<f32>;
+@group(0) @binding(2) var<storage, read> palettes: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> out_a: array<f32>;
 @group(0) @binding(4) var<storage, read_write> out_b: array<f32>;
 
@@ -23,7 +23,7 @@ fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
 // A vector's direction, or the rest pose's where it has none: its square is not a normal number.
 fn unit(v: vec3<f32>, rest: vec3<f32>) -> vec3<f32> {
     let square = v.x * v.x + v.y * v.y + v.z * v.z;
-    if square >= 1.17549435e-38 && square <= 3.40282347e+38 {
+    if square >= 1.17549435e-38 && square <= 3.4028234e+38 {
         return v * (1.0 / sqrt(square));
     }
     return rest;
@@ -42,17 +42,17 @@ fn main(
         return;
     }
     let vertex = params.vertex_first + i;
-    let palette = params.palettes_offset + instance * params.palettes_stride;
+    let palette = (params.palettes_offset + instance * params.palettes_stride) / 4u;
     var row_x = vec4<f32>(0.0);
     var row_y = vec4<f32>(0.0);
     var row_z = vec4<f32>(0.0);
     for (var k = 0u; k < params.influence_len; k++) {
         let influence = vertex * params.influence_len + k;
         let weight = blob_float(params.influence_weights + influence);
-        let at = palette + 12u * blob_half(params.influence_indices, influence);
-        row_x += vec4<f32>(palettes[at], palettes[at + 1u], palettes[at + 2u], palettes[at + 3u]) * weight;
-        row_y += vec4<f32>(palettes[at + 4u], palettes[at + 5u], palettes[at + 6u], palettes[at + 7u]) * weight;
-        row_z += vec4<f32>(palettes[at + 8u], palettes[at + 9u], palettes[at + 10u], palettes[at + 11u]) * weight;
+        let at = palette + 3u * blob_half(params.influence_indices, influence);
+        row_x += palettes[at] * weight;
+        row_y += palettes[at + 1u] * weight;
+        row_z += palettes[at + 2u] * weight;
     }
     let x = vec3<f32>(row_x.x, row_y.x, row_z.x);
     let y = vec3<f32>(row_x.y, row_y.y, row_z.y);

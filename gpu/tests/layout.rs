@@ -34,7 +34,7 @@ fn scattered(envelope: &Envelope<'_>, instance_len: usize) -> Batch {
     Batch {
         instance_len,
         poses: Array { offset: 7, stride: 61 },
-        palettes: Array { offset: 131, stride: 12 * envelope.palette_len() + 3 },
+        palettes: Array { offset: 132, stride: 12 * envelope.palette_len() + 4 },
         confidences: Some(Array { offset: 3, stride: 2 }),
         skin: Some(skin),
     }
@@ -218,6 +218,10 @@ fn what_a_model_or_a_device_does_not_have_is_refused() {
     let palette = 12 * envelope.palette_len();
     let short = stride(Resource::Palettes, palette, palette - 1);
     assert_eq!(refused(&|b| b.palettes.stride = palette - 1), short);
+    for (offset, stride) in [(2, palette), (4, palette + 2)] {
+        let odd = refused(&|b| b.palettes = Array { offset, stride });
+        assert_eq!(odd, LayoutError::Fours { offset, stride });
+    }
     let none = stride(Resource::Confidences, 1, 0);
     assert_eq!(refused(&|b| b.confidences.as_mut().unwrap().stride = 0), none);
     let narrow = |b: &mut Batch| b.skin.as_mut().unwrap().tangents.as_mut().unwrap().stride = 3;

@@ -14,7 +14,8 @@ pub struct Batch {
     pub instance_len: usize,
     /// [`super::Resource::Poses`]: 12 J floats an instance. A stride of 0 gives all the same pose.
     pub poses: Array,
-    /// [`super::Resource::Palettes`]: 12 floats for each map of the palette.
+    /// [`super::Resource::Palettes`]: 12 floats for each map of the palette. Where they are skinned,
+    /// offset and stride are multiples of 4.
     pub palettes: Array,
     /// [`super::Resource::Confidences`]: one float; `None` leaves the stage out.
     pub confidences: Option<Array>,

@@ -40,6 +40,14 @@ pub enum LayoutError {
         /// The stride.
         found: usize,
     },
+    /// Palettes that are skinned are read in fours.
+    #[error("palettes at float {offset} and every {stride}, expected multiples of 4")]
+    Fours {
+        /// The first palette's first float.
+        offset: usize,
+        /// Floats from a palette to the next.
+        stride: usize,
+    },
     /// One instance alone, or the model, needs a binding beyond what the device can bind.
     #[error("{} needs a binding of {found} bytes, more than the device's {limit}", .resource.name())]
     Binding {

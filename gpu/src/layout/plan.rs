@@ -84,8 +84,9 @@ impl Plan {
     /// # Errors
     /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the shaders.
     /// - [`LayoutError::NoInstances`]
-    /// - [`LayoutError::VertexRange`], [`LayoutError::NoTangents`], [`LayoutError::Stride`]: the batch
-    ///   asks for what the model does not have, or for arrays that overlap themselves.
+    /// - [`LayoutError::VertexRange`], [`LayoutError::NoTangents`], [`LayoutError::Stride`],
+    ///   [`LayoutError::Fours`]: the batch asks for what the model does not have, or for arrays that
+    ///   overlap themselves or cannot be read.
     /// - [`LayoutError::Binding`]: the model, or one instance, is too large for the device.
     pub fn new(
         model: &Model<'_>,
@@ -267,6 +268,10 @@ fn check(envelope: &Envelope<'_>, batch: &Batch) -> Result<(), LayoutError> {
         stride(Resource::Confidences, 1, array.stride)?;
     }
     let Some(skin) = &batch.skin else { return Ok(()) };
+    let Array { offset, stride: palette_stride } = batch.palettes;
+    if offset % 4 != 0 || palette_stride % 4 != 0 {
+        return Err(LayoutError::Fours { offset, stride: palette_stride });
+    }
     let Range { start, end } = skin.vertices;
     let vertex_len = envelope.vertex_len();
     if start > end || end > vertex_len {

@@ -11,7 +11,7 @@ pub const WORKGROUP: u32 = 64;
 pub enum Stage {
     /// Poses to relative maps, rotations and gradients: one workgroup an instance.
     Gradients,
-    /// Gradients and relative maps to palettes: one thread a row of c1 and c2.
+    /// Gradients and relative maps to palettes: one thread a map.
     Palette,
     /// Poses to the palettes of the kernel predictor: one thread a map.
     Joints,
@@ -137,7 +137,7 @@ impl Stage {
     pub(crate) fn work_len(self, envelope: &Envelope<'_>, vertex_len: usize) -> WorkLen {
         match self {
             Self::Gradients => WorkLen::Groups(1),
-            Self::Palette => WorkLen::Threads(4 * envelope.proxy_len()),
+            Self::Palette => WorkLen::Threads(envelope.proxy_len()),
             Self::Joints => WorkLen::Threads(envelope.palette_len()),
             Self::Features => WorkLen::Threads(envelope.joint_len()),
             Self::Correction => WorkLen::Groups(envelope.group_len()),
