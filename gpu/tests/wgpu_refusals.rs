@@ -34,7 +34,9 @@ fn scene(batch: impl Fn(&sinew_runtime::Envelope<'_>) -> Batch) -> Scene {
         buffer(device.device(), plan.bytes(resource).max(4), kind | COPIED)
     });
     device.queue().write_buffer(&own[Resource::Params as usize], 0, &plan.params());
-    device.queue().write_buffer(&own[Resource::Blob as usize], 0, model.blob());
+    let mut blob = model.blob().to_vec();
+    blob.resize(plan.bytes(Resource::Blob) as usize, 0);
+    device.queue().write_buffer(&own[Resource::Blob as usize], 0, &blob);
     Scene { device, pipelines, plan, own: own.into() }
 }
 

@@ -82,7 +82,8 @@ impl Bound {
         &self.plan
     }
 
-    /// Records all stages for the batch's first `instance_len` instances, in one compute pass.
+    /// Records all stages for the batch's first `instance_len` instances, in one compute pass. Of what
+    /// lies at later instances some may be overwritten: dispatches are of whole workgroups.
     ///
     /// # Errors
     /// Nothing is recorded then.

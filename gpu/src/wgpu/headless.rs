@@ -205,7 +205,7 @@ impl headless::Device for Device {
         uploaded.write_bytes(Resource::Params, 0, &plan.params())?;
         let mut blob = model.blob().to_vec();
         // Copies are of whole words.
-        blob.resize(blob.len().next_multiple_of(4), 0);
+        blob.resize(plan.bytes(Resource::Blob) as usize, 0);
         uploaded.write_bytes(Resource::Blob, 0, &blob)?;
         Ok(Box::new(uploaded))
     }
