@@ -1,12 +1,10 @@
-//! The stages on a device. Everything lies with room between, and there is room for one instance more
-//! than is evaluated: what a stage has no business with must stay as it was. The outputs of the one
-//! more are its business: threads that fill up a workgroup may evaluate it.
+//! The stages on a device. Everything lies with room between: what a stage has no business with must
+//! stay as it was.
 
-use crate::backend::{Backend, Buffers, Failure, Gradients, Loaded, Whole, attributes, part};
+use crate::backend::{Backend, Buffers, Failure, Gradients, Loaded, Whole, part};
 use crate::compare::POISON;
-use crate::stages::skin::places;
 use sinew_gpu::headless::{Device, Uploaded};
-use sinew_gpu::layout::{Array, Batch, Buffer, DeviceLimits, Plan, Resource, Skin, Stage, WorkLayout};
+use sinew_gpu::layout::{Array, Batch, DeviceLimits, Plan, Resource, Skin, Stage, WorkLayout};
 use sinew_runtime::{Envelope, Matrix3x4};
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 use std::ops::Range;
@@ -42,7 +40,7 @@ impl<'a> Gpu<'a> {
         skin: Option<&Skin>,
     ) -> Result<Batched<'_>, Failure> {
         let envelope = &loaded.envelope;
-        let batch = batch(envelope, instance_len + 1, skin);
+        let batch = batch(envelope, instance_len, skin);
         let plan = Plan::new(&loaded.model, envelope, &batch, &self.limits)?;
         let uploaded = self.device.upload(&loaded.model, &plan)?;
         let poisoned = |resource| (resource, vec![POISON; (plan.bytes(resource) / 4) as usize]);
@@ -123,7 +121,7 @@ impl Batched<'_> {
             let found = self.uploaded.read(*resource)?;
             let mut may = vec![false; floats.len()];
             for (_, array, len) in own.iter().filter(|(own, ..)| own == resource) {
-                for i in 0..=self.instance_len {
+                for i in 0..self.instance_len {
                     may[array.offset + i * array.stride..][..*len].fill(true);
                 }
             }
@@ -169,8 +167,7 @@ impl Batched<'_> {
         (Resource::Confidences, array, 1)
     }
 
-    /// Copies the host's buffers for skins in. There is more room on the device, for one instance
-    /// more.
+    /// Copies the host's buffers for skins in: as much of them as the device has.
     fn put_skin(&mut self, out: &Buffers) {
         for (resource, from) in [(Resource::OutA, &out.a), (Resource::OutB, &out.b)] {
             let to = self.floats(resource);
@@ -179,7 +176,7 @@ impl Batched<'_> {
         }
     }
 
-    /// Copies them out; returns what of them the body is to look after.
+    /// Copies them out.
     fn take_skin(&mut self, out: &mut Buffers) {
         for (resource, to) in [(Resource::OutA, &mut out.a), (Resource::OutB, &mut out.b)] {
             let from = self.floats(resource);
@@ -188,20 +185,10 @@ impl Batched<'_> {
         }
     }
 
-    /// The part of the buffers for skins that the body looks after, and the one more's attributes.
-    fn own_skin(&self, skin: &Skin, out: &Buffers) -> Vec<(Resource, Range<usize>)> {
-        let mut own =
-            vec![(Resource::OutA, 0..self.within(Resource::OutA, out.a.len()))];
-        own.push((Resource::OutB, 0..self.within(Resource::OutB, out.b.len())));
-        for (attribute, len) in attributes(skin) {
-            let Some(attribute) = attribute else { continue };
-            let is_a = attribute.buffer == Buffer::A;
-            let resource = if is_a { Resource::OutA } else { Resource::OutB };
-            let spare = places(&attribute, skin, self.instance_len + 1);
-            let spare = spare.skip(self.instance_len * skin.vertices.len());
-            own.extend(spare.map(|start| (resource, start..start + len)));
-        }
-        own
+    /// The part of the buffers for skins that the body looks after.
+    fn own_skin(&self, out: &Buffers) -> [(Resource, Range<usize>); 2] {
+        [(Resource::OutA, &out.a), (Resource::OutB, &out.b)]
+            .map(|(resource, host)| (resource, 0..self.within(resource, host.len())))
     }
 
     /// Counts the floats of a host's buffer that the device has as well.
@@ -342,7 +329,7 @@ impl Backend for Gpu<'_> {
         let mut batched = self.begin(loaded, n, Some(skin))?;
         batched.put_palettes(palettes);
         batched.put_skin(out);
-        let own = batched.own_skin(skin, out);
+        let own = batched.own_skin(out);
         batched.run(&[Stage::Skin], &[], &own)?;
         batched.take_skin(out);
         Ok(())
@@ -360,7 +347,7 @@ impl Backend for Gpu<'_> {
         batched.put_skin(&out.skin);
         let work = (Resource::Work, batched.work(0), batched.work.len);
         let (palettes, confidences) = (batched.own_palettes(), batched.own_confidences());
-        let own = batched.own_skin(skin, &out.skin);
+        let own = batched.own_skin(&out.skin);
         batched.run(&[], &[work, palettes, confidences], &own)?;
         batched.take_palettes(&mut out.palettes);
         batched.take(Resource::Confidences, confidences.1, &mut out.confidences);

@@ -6,7 +6,7 @@ use conformance::compare::Mismatch;
 use conformance::finding::{Finding, sound};
 use conformance::gpu::Gpu;
 use conformance::models::{self, SHAPES, shape_of};
-use conformance::stages::{applies, body, layout, whole};
+use conformance::stages::{Body, applies, body, layout, whole};
 use conformance::subject::Subject;
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{DeviceLimits, Resource, Stage};
@@ -28,15 +28,19 @@ fn the_runtime_behind_the_trait_gives_the_runtimes_bits() {
         let subject = Subject::new("random", &bytes, 65);
         let device = Software::new(&bytes, None);
         // The second cuts batches into chunks of few instances.
-        let cut = DeviceLimits { storage_binding_bytes: 24 << 10, ..device.limits() };
+        let cut = DeviceLimits { storage_binding_bytes: 48 << 10, ..device.limits() };
         for limits in [device.limits(), cut] {
             let gpu = Gpu { device: &device, limits };
             let stages = Stage::ALL.into_iter().filter(|own| applies(*own, &gpu, &subject.loaded));
             let bodies = stages.map(|stage| (stage.name(), body(stage)));
-            let skinned = shape.vertices > 0;
-            let whole: [(_, conformance::stages::Body); 2] =
-                [("whole", whole::body), ("layout", layout::body)];
-            for (name, body) in bodies.chain(whole.into_iter().filter(|_| skinned)) {
+            // Instances within vertices lie too far apart for small bindings.
+            let skinned = match shape.vertices {
+                0 => 0,
+                _ if limits == cut => 1,
+                _ => 2,
+            };
+            let whole: [(_, Body); 2] = [("whole", whole::body), ("layout", layout::body)];
+            for (name, body) in bodies.chain(whole.into_iter().take(skinned)) {
                 let findings = body(&gpu, &subject).unwrap();
                 assert_eq!(sound(&findings), Ok(()), "{name} of {shape:?}");
                 assert!(findings.iter().all(|own| own.differing == 0), "{name} of {shape:?}");
@@ -85,20 +89,14 @@ fn a_device_that_is_wrong_is_caught() {
 }
 
 #[test]
-fn a_float_beyond_the_attributes_is_seen() {
-    let shape = shape_of(Predictor::Rotational);
-    let bytes = models::random(shape);
+fn a_float_between_attributes_is_seen() {
+    let bytes = models::random(shape_of(Predictor::Rotational));
     let subject = Subject::new("random", &bytes, 3);
-    // Buffer A holds positions alone; its one more instance ends where the buffer does.
-    let skinned = 3 * 3 * shape.vertices;
-    let stray = |float| {
-        let device = Software::new(&bytes, Some(Fault::Stray(Stage::Skin, Resource::OutA, float)));
-        layout::body(&Gpu::new(&device), &subject)
-    };
-    for float in [skinned, skinned + 3] {
-        let found = stray(float);
-        assert!(matches!(found, Err(Failure::Touched { .. })), "{found:?}");
-    }
+    // The first of the interleaved layout, which begins at 1.
+    let stray = Fault::Stray(Stage::Skin, Resource::OutA, 0);
+    let device = Software::new(&bytes, Some(stray));
+    let found = layout::body(&Gpu::new(&device), &subject);
+    assert!(matches!(found, Err(Failure::Touched { .. })), "{found:?}");
 }
 
 #[test]
