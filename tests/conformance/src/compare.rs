@@ -1,11 +1,15 @@
 //! Comparators: each fails on a NaN, on nothing to compare, and on lengths that differ.
 
+use thiserror::Error;
+
 /// How a comparison failed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Mismatch {
     /// There is nothing to compare.
+    #[error("there is nothing to compare")]
     Empty,
     /// The lists do not have the same number of values.
+    #[error("{found} values, expected {expected}")]
     Length {
         /// Values expected.
         expected: usize,
@@ -13,6 +17,7 @@ pub enum Mismatch {
         found: usize,
     },
     /// A value is farther from the expected one than its tolerance, or any of the three is a NaN.
+    #[error("value {index} is {found:?}, expected {expected:?} within {tolerance:.3e}")]
     Beyond {
         /// The value's place in its list.
         index: usize,
@@ -24,6 +29,7 @@ pub enum Mismatch {
         tolerance: f64,
     },
     /// A value is a NaN or has other bits than the expected one.
+    #[error("value {index} is {found:?}, expected the bits of {expected:?}")]
     Bits {
         /// The value's place in its list.
         index: usize,

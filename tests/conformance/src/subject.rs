@@ -35,6 +35,12 @@ impl<'a> Subject<'a> {
         Self { name, oracle: Oracle::new(&loaded.envelope), loaded, poses, maps }
     }
 
+    /// Says which it is.
+    pub fn described(&self) -> String {
+        let envelope = &self.loaded.envelope;
+        format!("{}, {:?}, {envelope:?}", self.name, envelope.predictor())
+    }
+
     /// Keeps the first poses.
     #[must_use]
     pub fn shortened(mut self, pose_len: usize) -> Self {
@@ -56,8 +62,13 @@ pub fn trained(pose_len: usize) -> Vec<Subject<'static>> {
     models::trained().iter().map(|bytes| Subject::new("demo", bytes, pose_len)).collect()
 }
 
-/// A random model of every shape that has vertices.
+/// A random model of every shape, in so many poses; some have no vertices.
+pub fn shapes(pose_len: usize) -> impl Iterator<Item = Subject<'static>> {
+    models::shapes().iter().map(move |bytes| Subject::new("random", bytes, pose_len))
+}
+
+/// Those that have vertices.
 pub fn random() -> Vec<Subject<'static>> {
-    let all = models::shapes().iter().map(|bytes| Subject::new("random", bytes, FEWER_POSES));
-    all.filter(|subject| subject.loaded.envelope.vertex_len() > 0).collect()
+    let has_vertices = |own: &Subject<'_>| own.loaded.envelope.vertex_len() > 0;
+    shapes(FEWER_POSES).filter(has_vertices).collect()
 }

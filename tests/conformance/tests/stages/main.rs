@@ -18,8 +18,7 @@ fn on_models_of(of: impl Fn(&Subject<'_>) -> bool, pose_len: usize, body: Body) 
     let mut count = 0;
     for subject in characters().into_iter().chain(random()).filter(of) {
         let subject = subject.shortened(pose_len);
-        let envelope = &subject.loaded.envelope;
-        let named = format!("{}, {:?}, {envelope:?}", subject.name, envelope.predictor());
+        let named = subject.described();
         let findings = body(&Cpu, &subject).unwrap_or_else(|failure| panic!("{named}: {failure}"));
         sound(&findings).unwrap_or_else(|mismatch| panic!("{named}: {mismatch:?}"));
         assert!(
