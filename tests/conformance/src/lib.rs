@@ -13,3 +13,4 @@ pub mod poses;
 pub mod stages;
 pub mod subject;
 pub mod tolerance;
+pub mod vectors;
