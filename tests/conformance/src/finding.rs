@@ -43,7 +43,7 @@ impl Finding {
     fn add(&mut self, found: &[f32], cpu: &[f32], result: Result<f64, Mismatch>) -> bool {
         self.values += found.len();
         self.differing += differing(found, cpu);
-        self.worst = self.worst.max(result.map_or_else(|mismatch| mismatch.ratio(), |ratio| ratio));
+        self.worst = self.worst.max(result.unwrap_or_else(|mismatch| mismatch.ratio()));
         self.mismatch = self.mismatch.or(result.err());
         result.is_ok()
     }

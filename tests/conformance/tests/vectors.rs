@@ -1,6 +1,8 @@
 //! The vectors that are written for others: the same bytes every time, what the runtime gives, and a
 //! foreign implementation can be checked with them.
 
+#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
+
 use conformance::backend::Loaded;
 use conformance::vectors::{Folder, VectorError, write};
 use sinew_runtime::Matrix3x4;

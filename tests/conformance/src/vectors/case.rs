@@ -1,15 +1,16 @@
 //! One model with its poses, and what every stage makes of them.
 
+use super::tolerances::{Tolerance, maps_tolerance, numbers_tolerance};
 use super::{Folder, VectorError};
 use crate::backend::{Cpu, Failure, part};
-use crate::poses::{Kind, poses};
+use crate::poses::{Kind, Pose, poses};
 use crate::stages::correction::base_of;
 use crate::stages::exact;
 use crate::stages::features::features_of;
-use crate::stages::gradients::gradients_of;
+use crate::stages::gradients::{columns, exact_rotations, gradients_of};
 use crate::stages::skin::{Skinned, plain, whole_of};
 use crate::subject::Subject;
-use crate::tolerance::{self, Arithmetic, Inexact, Map, UNDERFLOW};
+use crate::tolerance::{self, Arithmetic, Inexact, Map};
 use serde::Serialize;
 use sinew_runtime::Matrix3x4;
 use std::f64::consts::PI;
@@ -70,7 +71,7 @@ struct Output {
 /// tolerance: two rotation vectors stand for that, and gradients depend on which.
 pub(super) fn subject(bytes: &[u8], pose_len: usize) -> Subject<'_> {
     let mut out = Subject::new("vectors", bytes, 0);
-    let turned = |pose: &crate::poses::Pose| {
+    let turned = |pose: &Pose| {
         let pose = Inexact::exact(pose.widened());
         let relative = tolerance::relative(&out.oracle, &pose);
         let found = tolerance::rotations(&out.oracle, &relative, ARITHMETIC);
@@ -167,7 +168,7 @@ impl<'a> Case<'a> {
         } else {
             self.array("confidence", vec![n], &whole.confidences);
             let bounds = (0..n).map(|i| {
-                let given = crate::stages::gradients::exact_rotations(part(&rotations, n, i));
+                let given = exact_rotations(part(&rotations, n, i));
                 tolerance::confidence(&subject.oracle, &given, ARITHMETIC)
             });
             let tolerance = numbers_tolerance(&whole.confidences, &bounds.collect::<Vec<_>>());
@@ -206,9 +207,9 @@ impl<'a> Case<'a> {
             }
             let d = tolerance::gradients(oracle, &q, &theta, ARITHMETIC);
             gradients.columns(part(&all.gradients, n, i), &d);
-            let given = |list: &[[f32; 3]]| Inexact::exact(crate::stages::gradients::columns(list));
+            let given = |list: &[[f32; 3]]| Inexact::exact(columns(list));
             let root = Inexact::exact(vec![pose.value[oracle.root]]);
-            let given_d = crate::stages::gradients::columns(part(&all.gradients, n, i));
+            let given_d = columns(part(&all.gradients, n, i));
             let bounds = tolerance::palette(
                 oracle,
                 &root,
@@ -354,60 +355,6 @@ impl Subject<'_> {
     fn maps_of(&self, bound: impl Fn(Inexact<Map>) -> Inexact<Map>) -> Vec<Inexact<Map>> {
         self.poses.iter().map(|pose| bound(Inexact::exact(pose.widened()))).collect()
     }
-}
-
-/// How far from the value that is written, the CPU's, a backend's may be: as far from the oracle's
-/// as its arithmetic explains, and as far as the CPU's is from that; rounded up.
-struct Tolerance(Vec<f32>);
-
-impl Tolerance {
-    const fn new() -> Self {
-        Self(Vec::new())
-    }
-
-    fn add(&mut self, cpu: f32, oracle: f64, error: f64) {
-        let apart = (f64::from(cpu) - oracle).abs();
-        let most = if error + apart > 0.0 { error + UNDERFLOW + apart } else { 0.0 };
-        let rounded = most as f32;
-        self.0.push(if f64::from(rounded) < most { rounded.next_up() } else { rounded });
-    }
-
-    fn columns<const C: usize>(
-        &mut self,
-        found: &[[f32; 3]],
-        bounds: &Inexact<nalgebra::SMatrix<f64, 3, C>>,
-    ) {
-        let right = bounds.value.iter().flatten().zip(bounds.error.iter().flatten());
-        for (x, (value, error)) in found.as_flattened().iter().zip(right) {
-            self.add(*x, *value, *error);
-        }
-    }
-
-    fn maps(&mut self, found: &[Matrix3x4], bounds: &Inexact<Map>) {
-        for (found, (value, error)) in found.iter().zip(bounds.value.iter().zip(&bounds.error)) {
-            for (r, row) in found.iter().enumerate() {
-                for (c, x) in row.iter().enumerate() {
-                    self.add(*x, value[(r, c)], error[(r, c)]);
-                }
-            }
-        }
-    }
-}
-
-fn maps_tolerance(found: &[Matrix3x4], bounds: &[Inexact<Map>]) -> Vec<f32> {
-    let mut out = Tolerance::new();
-    for (i, bounds) in bounds.iter().enumerate() {
-        out.maps(&found[i * bounds.value.len()..], bounds);
-    }
-    out.0
-}
-
-fn numbers_tolerance(found: &[f32], bounds: &[Inexact<f64>]) -> Vec<f32> {
-    let mut out = Tolerance::new();
-    for (x, bound) in found.iter().zip(bounds) {
-        out.add(*x, bound.value[0], bound.error[0]);
-    }
-    out.0
 }
 
 fn floats(maps: &[Matrix3x4]) -> &[f32] {

@@ -2,6 +2,7 @@
 
 mod case;
 mod folder;
+mod tolerances;
 
 pub use folder::{Folder, VectorError};
 

@@ -7,7 +7,7 @@ use sinew_runtime::envelope::{
     Attribute, Buffer, SkinJob, confidence, correction, gradients, joints, palette,
 };
 use sinew_runtime::pose::features;
-use sinew_runtime::{Envelope, Matrix3x4, Model};
+use sinew_runtime::{Envelope, EvalError, Matrix3x4, Model};
 use std::time::Duration;
 
 /// What goes wrong, in the stage that it names.
@@ -103,7 +103,9 @@ impl Uploaded for Batch<'_> {
         for chunk in self.plan.chunks().to_vec() {
             let here = chunk.instances.start..chunk.instances.end.min(instance_len);
             for local in 0..here.len() {
-                Instance { batch: self, chunk: &chunk, local }.run(stage);
+                let ran = Instance { batch: self, chunk: &chunk, local }.run(stage);
+                let doing = stage.name();
+                ran.map_err(|e| HeadlessError::Refused { doing, detail: e.to_string() })?;
             }
         }
         match self.fault {
@@ -163,7 +165,7 @@ impl Instance<'_, '_> {
         self.batch.buffers[resource as usize][at..][..floats.len()].copy_from_slice(floats);
     }
 
-    fn run(&mut self, stage: Stage) {
+    fn run(&mut self, stage: Stage) -> Result<(), EvalError> {
         let envelope = self.batch.envelope;
         let (j, p) = (envelope.joint_len(), envelope.proxy_len());
         let work = WorkLayout::new(&envelope);
@@ -176,7 +178,7 @@ impl Instance<'_, '_> {
             Stage::Gradients => {
                 let (mut q, mut theta, mut d) =
                     (vec![[0.0; 3]; 4 * j], vec![[0.0; 3]; j], vec![[0.0; 3]; 3 * p]);
-                gradients::evaluate(&envelope, &poses, &mut q, &mut theta, &mut d).unwrap();
+                gradients::evaluate(&envelope, &poses, &mut q, &mut theta, &mut d)?;
                 self.put(Resource::Work, own + work.relative, q.as_flattened());
                 self.put(Resource::Work, own + work.rotations, theta.as_flattened());
                 self.put(Resource::Work, own + work.gradients, d.as_flattened());
@@ -186,17 +188,17 @@ impl Instance<'_, '_> {
                 let d: Vec<[f32; 3]> = self.take(Resource::Work, own + work.gradients, 9 * p);
                 let mut out = vec![[[0.0; 4]; 3]; envelope.palette_len()];
                 let root = &poses[envelope.root()];
-                palette::evaluate(&envelope, root, &q, &d, &mut out).unwrap();
+                palette::evaluate(&envelope, root, &q, &d, &mut out)?;
                 self.put(Resource::Palettes, palette_at, out.as_flattened().as_flattened());
             }
             Stage::Joints => {
                 let mut out = vec![[[0.0; 4]; 3]; envelope.palette_len()];
-                joints::evaluate(&envelope, &poses, &mut out).unwrap();
+                joints::evaluate(&envelope, &poses, &mut out)?;
                 self.put(Resource::Palettes, palette_at, out.as_flattened().as_flattened());
             }
             Stage::Features => {
                 let mut out = vec![[[0.0; 4]; 3]; j];
-                features::evaluate(&envelope, &poses, &mut out).unwrap();
+                features::evaluate(&envelope, &poses, &mut out)?;
                 let at = own + work.features;
                 self.put(Resource::Work, at, out.as_flattened().as_flattened());
             }
@@ -206,7 +208,7 @@ impl Instance<'_, '_> {
                     self.take(Resource::Palettes, palette_at, palette_floats);
                 let mut scratch = vec![0.0; envelope.scratch_len()];
                 let certain =
-                    correction::evaluate(&envelope, &poses, &phi, &mut scratch, &mut out).unwrap();
+                    correction::evaluate(&envelope, &poses, &phi, &mut scratch, &mut out)?;
                 self.put(Resource::Palettes, palette_at, out.as_flattened().as_flattened());
                 // Each group's own is not known here; the least of all is what they are read for.
                 let certainties = vec![certain; envelope.group_len()];
@@ -220,16 +222,17 @@ impl Instance<'_, '_> {
                 } else {
                     let theta: Vec<[f32; 3]> =
                         self.take(Resource::Work, own + work.rotations, 3 * j);
-                    confidence::evaluate(&envelope, &theta).unwrap()
+                    confidence::evaluate(&envelope, &theta)?
                 };
                 let at = self.place(Resource::Confidences, "confidences");
                 self.put(Resource::Confidences, at, &[value]);
             }
-            Stage::Skin => self.skin(palette_at, palette_floats),
+            Stage::Skin => self.skin(palette_at, palette_floats)?,
         }
+        Ok(())
     }
 
-    fn skin(&mut self, palette_at: usize, palette_floats: usize) {
+    fn skin(&mut self, palette_at: usize, palette_floats: usize) -> Result<(), EvalError> {
         let envelope = self.batch.envelope;
         let palette: Vec<Matrix3x4> = self.take(Resource::Palettes, palette_at, palette_floats);
         let first = self.param("vertex_first");
@@ -252,8 +255,9 @@ impl Instance<'_, '_> {
         let palette = &palette[..];
         let job =
             SkinJob { envelope, palette, vertices, positions, normals, tangents, out_a, out_b };
-        job.run().unwrap();
+        job.run()?;
         [self.batch.buffers[a], self.batch.buffers[b]] = outs;
+        Ok(())
     }
 }
 

@@ -205,7 +205,8 @@ fn off_by(
     body: stages::Body,
 ) -> Result<(), Mismatch> {
     let spoil = Spoil { subject, output, factor, seen: Cell::new(0) };
-    let findings = body(&Altered(|step: Step<'_>| spoil.alter(step)), subject).unwrap();
+    let findings = body(&Altered(|step: Step<'_>| spoil.alter(step)), subject)
+        .expect("the backend gives something");
     assert!(spoil.seen.get() >= 10, "{output:?} was reached");
     sound(&findings)
 }
