@@ -205,7 +205,7 @@ fn off_by(
     body: stages::Body,
 ) -> Result<(), Mismatch> {
     let spoil = Spoil { subject, output, factor, seen: Cell::new(0) };
-    let findings = body(&Altered(|step: Step<'_>| spoil.alter(step)), subject)
+    let findings = body(&Altered(|step: Step<'_>| spoil.alter(step), IEEE), subject)
         .expect("the backend gives something");
     assert!(spoil.seen.get() >= 10, "{output:?} was reached");
     sound(&findings)
@@ -229,7 +229,7 @@ fn a_value_within_its_tolerance_still_counts_as_one_that_differs() {
     let subject = Subject::new("random", &bytes, FEWER_POSES);
     let spoil =
         Spoil { subject: &subject, output: Output::Palette, factor: 0.9, seen: Cell::new(0) };
-    let backend = Altered(|step: Step<'_>| spoil.alter(step));
+    let backend = Altered(|step: Step<'_>| spoil.alter(step), IEEE);
     let [Finding { differing, worst, .. }] = stages::palette::body(&backend, &subject).unwrap()[..]
     else {
         panic!("one output");
@@ -271,11 +271,14 @@ fn an_output_left_alone_is_caught() {
         }
         if predictor.corrects() {
             // Only says how certain it is.
-            let uncorrected = Altered(|step: Step<'_>| {
-                if let Step::Correction { base, out, .. } = step {
-                    out.copy_from_slice(&base);
-                }
-            });
+            let uncorrected = Altered(
+                |step: Step<'_>| {
+                    if let Step::Correction { base, out, .. } = step {
+                        out.copy_from_slice(&base);
+                    }
+                },
+                IEEE,
+            );
             assert!(caught(&uncorrected, correction::body, &subject));
             assert!(caught(&uncorrected, layout::body, &subject));
         }
@@ -288,12 +291,31 @@ fn an_output_left_alone_is_caught() {
 fn a_float_between_attributes_is_watched() {
     let bytes = models::random(shape_of(Predictor::Rotational));
     let subject = Subject::new("random", &bytes, 14);
-    let careless = Altered(|step: Step<'_>| {
-        if let Step::Skin { out, .. } = step {
-            let last = out.a.len() - 1;
-            out.a[last] = 0.0;
-        }
-    });
+    let careless = Altered(
+        |step: Step<'_>| {
+            if let Step::Skin { out, .. } = step {
+                let last = out.a.len() - 1;
+                out.a[last] = 0.0;
+            }
+        },
+        IEEE,
+    );
     let caught = layout::body(&careless, &subject);
     assert!(matches!(caught, Err(Failure::Touched { .. })), "{caught:?}");
+}
+
+#[test]
+fn vulkan_may_divide_and_take_roots_less_exactly_and_the_cpu_may_not() {
+    for output in [Output::Rotations, Output::Gradients, Output::Normals] {
+        let bytes = models::random(shape_of(output.predictor()));
+        let subject = Subject::new("random", &bytes, FEWER_POSES);
+        let run = |arithmetic| {
+            // A tenth beyond what one rounding an operation explains.
+            let spoil = Spoil { subject: &subject, output, factor: 1.1, seen: Cell::new(0) };
+            let backend = Altered(|step: Step<'_>| spoil.alter(step), arithmetic);
+            sound(&stages::body(output.stage())(&backend, &subject).unwrap())
+        };
+        assert_eq!(run(Arithmetic::VULKAN), Ok(()), "{output:?}");
+        assert!(matches!(run(IEEE), Err(Mismatch::Beyond { .. })), "{output:?}");
+    }
 }
