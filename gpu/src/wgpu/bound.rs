@@ -51,7 +51,7 @@ impl Bound {
     /// changes. The bind groups keep the buffers alive.
     ///
     /// That a buffer is neither destroyed nor mapped when commands are submitted cannot be seen here;
-    /// wgpu tells it then.
+    /// wgpu tells it then. Nor can a buffer of another instance: wgpu panics.
     ///
     /// # Errors
     /// - [`Error::NoPipeline`]
