@@ -124,8 +124,8 @@ pub(crate) fn odd_batch(envelope: &Envelope<'_>, instance_len: usize) -> Batch {
     let mut batch = Batch::palettes(envelope, instance_len);
     batch.poses.offset = 13;
     batch.poses.stride += 5;
-    batch.palettes.offset = 71;
-    batch.palettes.stride += 7;
+    batch.palettes.offset = 68;
+    batch.palettes.stride += 4;
     batch.confidences = Some(sinew_gpu::layout::Array { offset: 3, stride: 5 });
     batch.skin = Some(Skin {
         positions: attribute(Buffer::A, 101, 9, 11),
