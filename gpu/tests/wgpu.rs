@@ -5,7 +5,7 @@ mod common;
 
 use common::{Expected, GOLDEN, load, odd_batch, poses};
 use sinew_gpu::headless::{Device as _, HeadlessError};
-use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
+use sinew_gpu::layout::{Array, Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
 use sinew_runtime::Matrix3x4;
 
@@ -19,8 +19,6 @@ fn lavapipe() -> Device {
         .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"))
 }
 
-/// Runs the first `instance_len` instances of a batch, and counts the bits of its outputs that are
-/// not the CPU's; floats that nothing is to be written to among them, but for instances beyond.
 fn differing(
     device: &Device,
     bytes: &[u8],
@@ -28,39 +26,69 @@ fn differing(
     limits: &DeviceLimits,
     instance_len: usize,
 ) -> u32 {
-    let (model, envelope) = load(bytes);
-    let plan = Plan::new(&model, &envelope, batch, limits).unwrap();
-    let poses = poses(&envelope, batch.instance_len);
-    let mut uploaded = device.upload(&model, &plan).unwrap();
-    uploaded.write(Resource::Poses, 0, &laid_out(&plan, batch, &poses)).unwrap();
-    let poisoned = |resource| vec![f32::from_bits(POISON); (plan.bytes(resource) / 4) as usize];
-    let present = |resource: &Resource| plan.bytes(*resource) > 0;
-    for resource in OUTPUTS.into_iter().chain([Resource::Work]).filter(present) {
-        uploaded.write(resource, 0, &poisoned(resource)).unwrap();
-    }
-    uploaded.run(instance_len).unwrap();
-    let mut expected = Expected {
-        palettes: poisoned(Resource::Palettes),
-        confidences: poisoned(Resource::Confidences),
-        out_a: poisoned(Resource::OutA),
-        out_b: poisoned(Resource::OutB),
-    };
-    expected.evaluate(&envelope, batch, &poses[..instance_len]);
-    let Expected { palettes, confidences, out_a, out_b } = expected;
-    let mut count = 0;
-    for (resource, expected) in OUTPUTS.into_iter().zip([palettes, confidences, out_a, out_b]) {
-        if present(&resource) {
+    Case { bytes, batch, limits, instance_len }.differing(device, |_| {})
+}
+
+/// The first instances of a batch.
+struct Case<'a> {
+    bytes: &'a [u8],
+    batch: &'a Batch,
+    limits: &'a DeviceLimits,
+    instance_len: usize,
+}
+
+impl Case<'_> {
+    /// Runs it on poses that have been changed, and counts the bits of its outputs that are not the
+    /// CPU's for the poses as they were; floats that nothing is to be written to among them, but not
+    /// the later instances', which may be overwritten.
+    fn differing(&self, device: &Device, change: impl Fn(&mut [f32])) -> u32 {
+        let Self { bytes, batch, limits, instance_len } = *self;
+        let (model, envelope) = load(bytes);
+        let plan = Plan::new(&model, &envelope, batch, limits).unwrap();
+        let poses = poses(&envelope, batch.instance_len);
+        let mut uploaded = device.upload(&model, &plan).unwrap();
+        let mut flat = laid_out(&plan, batch, &poses);
+        change(&mut flat);
+        uploaded.write(Resource::Poses, 0, &flat).unwrap();
+        let poisoned = |resource| vec![f32::from_bits(POISON); (plan.bytes(resource) / 4) as usize];
+        let present = |resource: &Resource| plan.bytes(*resource) > 0;
+        for resource in OUTPUTS.into_iter().chain([Resource::Work]).filter(present) {
+            uploaded.write(resource, 0, &poisoned(resource)).unwrap();
+        }
+        uploaded.run(instance_len).unwrap();
+        let expected = |poses: &[Vec<Matrix3x4>]| {
+            let mut expected = Expected {
+                palettes: poisoned(Resource::Palettes),
+                confidences: poisoned(Resource::Confidences),
+                out_a: poisoned(Resource::OutA),
+                out_b: poisoned(Resource::OutB),
+            };
+            expected.evaluate(&envelope, batch, poses);
+            let Expected { palettes, confidences, out_a, out_b } = expected;
+            [palettes, confidences, out_a, out_b]
+        };
+        let (first, all) = (expected(&poses[..instance_len]), expected(&poses));
+        let mut count = 0;
+        for (resource, (first, all)) in OUTPUTS.into_iter().zip(first.iter().zip(&all)) {
+            if !present(&resource) {
+                continue;
+            }
             let found = uploaded.read(resource).unwrap();
-            assert_eq!(found.len(), expected.len());
-            let apart = |(a, b): (&f32, &f32)| (a.to_bits() ^ b.to_bits()).count_ones();
-            let differ: u32 = found.iter().zip(&expected).map(apart).sum();
+            assert_eq!(found.len(), first.len());
+            let mut differ = 0;
+            for (found, (first, all)) in found.iter().zip(first.iter().zip(all)) {
+                let is_later = first.to_bits() == POISON && all.to_bits() != POISON;
+                if !is_later {
+                    differ += (found.to_bits() ^ first.to_bits()).count_ones();
+                }
+            }
             if differ > 0 {
                 eprintln!("{}: {differ} bits of {:?}", resource.name(), envelope.predictor());
             }
             count += differ;
         }
+        count
     }
-    count
 }
 
 /// Lays poses out as a batch says.
@@ -101,24 +129,59 @@ fn a_batch_in_chunks_has_the_same_bits() {
     let device = lavapipe();
     for bytes in GOLDEN {
         let (model, envelope) = load(bytes);
-        let batch = odd_batch(&envelope, 9);
-        let whole = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();
-        let largest = Resource::ALL.into_iter().map(|resource| match resource {
-            Resource::Blob | Resource::Params => 0,
-            _ => whole.bytes(resource),
-        });
-        let half = largest.max().unwrap() / 2;
-        let storage_binding_bytes = half.max(whole.bytes(Resource::Blob));
+        let instances = 60;
+        let batch = odd_batch(&envelope, instances);
+        // As small as the model allows.
+        let storage_binding_bytes = model.blob().len().next_multiple_of(4) as u64;
         let limits = DeviceLimits { storage_binding_bytes, ..device.limits() };
         let plan = Plan::new(&model, &envelope, &batch, &limits).unwrap();
-        eprintln!("{:?}: {} chunks", envelope.predictor(), plan.chunks().len());
-        for instance_len in [1, 5, 9] {
-            assert_eq!(
-                differing(&device, bytes, &batch, &limits, instance_len),
-                0,
-                "{instance_len} instances"
-            );
+        assert!(plan.chunks().len() > 2, "{} chunks", plan.chunks().len());
+        let seam = plan.chunks()[1].instances.end;
+        for instance_len in [1, seam - 1, seam, seam + 1, instances] {
+            let differ = differing(&device, bytes, &batch, &limits, instance_len);
+            assert_eq!(differ, 0, "{instance_len} instances");
         }
+    }
+}
+
+#[test]
+fn more_workgroups_than_one_dimension_holds_are_dispatched() {
+    let device = lavapipe();
+    let instances = 65_535 + 70;
+    for bytes in GOLDEN {
+        let (model, envelope) = load(bytes);
+        let poses_of_all = Array { offset: 0, stride: 0 };
+        let batch = Batch { poses: poses_of_all, ..Batch::palettes(&envelope, instances) };
+        let plan = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();
+        assert_eq!(plan.chunks().len(), 1);
+        let groups = |stage| plan.groups(stage, &plan.chunks()[0], instances).unwrap();
+        assert!(plan.stages().any(|stage| groups(stage)[1] > 1));
+        let pose = poses(&envelope, 2).remove(1);
+        let mut uploaded = device.upload(&model, &plan).unwrap();
+        uploaded.write(Resource::Poses, 0, pose.as_flattened().as_flattened()).unwrap();
+        uploaded.run(instances).unwrap();
+        let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
+        let mut workspace = vec![0.0; envelope.workspace_len()];
+        envelope.palette(&pose, &mut workspace, &mut palette).unwrap();
+        let expected = palette.as_flattened().as_flattened();
+        let found = uploaded.read(Resource::Palettes).unwrap();
+        let same =
+            |found: &[f32]| found.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits());
+        assert!(found.chunks_exact(expected.len()).all(same), "{:?}", envelope.predictor());
+    }
+}
+
+#[test]
+fn the_count_sees_a_nudge() {
+    let device = lavapipe();
+    for bytes in GOLDEN {
+        let (_, envelope) = load(bytes);
+        let batch = Batch::skinned(&envelope, 3);
+        let case = Case { bytes, batch: &batch, limits: &device.limits(), instance_len: 3 };
+        assert_eq!(case.differing(&device, |_| {}), 0);
+        // The third instance's last joint.
+        let nudge = |poses: &mut [f32]| poses[3 * 12 * envelope.joint_len() - 1] += 1e-4;
+        assert_ne!(case.differing(&device, nudge), 0);
     }
 }
 

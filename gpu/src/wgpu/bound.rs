@@ -1,8 +1,8 @@
 //! A batch bound to the host's buffers.
 
-use super::Pipelines;
 use super::error::{Error, scoped};
-use crate::layout::{Binding, Chunk, LayoutError, Plan, Resource, Span, Stage};
+use super::{Pipelines, limits};
+use crate::layout::{Binding, Chunk, DeviceLimits, LayoutError, Plan, Resource, Span, Stage};
 use ::wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding,
     BufferUsages, CommandEncoder, ComputePass, ComputePassDescriptor, ComputePipeline,
@@ -55,7 +55,8 @@ impl Bound {
     ///
     /// # Errors
     /// - [`Error::NoPipeline`]
-    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned.
+    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned; or the plan was made by
+    ///   the limits of a device that allows more.
     /// - [`Error::Usage`]
     /// - [`Error::Shared`], [`Error::Overlap`]
     /// - [`Error::Lost`], [`Error::OutOfMemory`]
@@ -67,8 +68,10 @@ impl Bound {
         for resource in Resource::ALL {
             check(plan, resource, buffers)?;
         }
-        for stage in plan.stages() {
-            for chunk in plan.chunks() {
+        let limits = limits(&pipelines.device.limits());
+        for chunk in plan.chunks() {
+            check_limits(plan, chunk, &limits)?;
+            for stage in plan.stages() {
                 check_apart(stage, chunk, buffers)?;
             }
         }
@@ -82,7 +85,8 @@ impl Bound {
         &self.plan
     }
 
-    /// Records all stages for the batch's first `instance_len` instances, in one compute pass.
+    /// Records all stages for the batch's first `instance_len` instances, in one compute pass. Of what
+    /// lies at later instances some may be overwritten: dispatches are of whole workgroups.
     ///
     /// # Errors
     /// Nothing is recorded then.
@@ -168,6 +172,26 @@ fn check(plan: &Plan, resource: Resource, buffers: &Buffers<'_>) -> Result<(), E
         }
         _ => Ok(()),
     }
+}
+
+/// Checks that a chunk was cut for a device that allows no more than this one.
+fn check_limits(plan: &Plan, chunk: &Chunk, limits: &DeviceLimits) -> Result<(), LayoutError> {
+    let limit = limits.storage_binding_bytes;
+    for resource in Resource::ALL {
+        match chunk.span(resource) {
+            Some(Span { bytes: found, .. }) if found > limit => {
+                return Err(LayoutError::Binding { resource, limit, found });
+            }
+            _ => {}
+        }
+    }
+    let groups = plan.stages().filter_map(|stage| plan.groups(stage, chunk, plan.instance_len()));
+    let least = groups.flatten().max().unwrap_or(0);
+    if least > limits.groups {
+        let (least, found) = (least.into(), limits.groups.into());
+        return Err(LayoutError::Device { name: "number of workgroups a dispatch", least, found });
+    }
+    Ok(())
 }
 
 /// Checks that what a stage writes is apart from the rest of what it takes in a chunk.
