@@ -114,7 +114,7 @@ impl<'d> Memory<'d> {
         };
         let kind = kind(wanted).or_else(|| kind(needed)).ok_or_else(|| HeadlessError::Refused {
             doing: "choosing memory",
-            detail: format!("no type is {needed:?}"),
+            detail: "no type of memory serves".to_owned(),
         })?;
         let info =
             vk::MemoryAllocateInfo::default().allocation_size(asked.size).memory_type_index(kind);
