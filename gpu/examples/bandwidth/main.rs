@@ -66,7 +66,7 @@ fn bandwidth(devices: &[Box<dyn Device>], instances: usize, vertices: usize) -> 
         let copy = each(|repeat_len| device.time_copy(moved.all() / 2, repeat_len))?;
         let rate = |seconds: f64| moved.all() as f64 / seconds / 1e9;
         println!(
-            "{:8} {:9.3} {:9.1} {:10.1} {:6.0}%",
+            "{:8} {:9.3} {:9.1} {:10.1} {:6.1}%",
             device.info().api,
             1e3 * skin,
             rate(skin),

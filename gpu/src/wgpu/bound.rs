@@ -54,17 +54,14 @@ impl Bound {
     /// wgpu tells it then. Nor can a buffer of another instance: wgpu panics.
     ///
     /// # Errors
-    /// - [`Error::NoPipeline`]
     /// - [`Error::Layout`]: a buffer is missing, too short or misaligned; or the plan was made by
     ///   the limits of a device that allows more.
     /// - [`Error::Usage`]
     /// - [`Error::Shared`], [`Error::Overlap`]
+    /// - [`Error::NoPipeline`]
     /// - [`Error::Lost`], [`Error::OutOfMemory`]
     /// - [`Error::Refused`]: the device does not take a buffer, as of another device.
     pub fn new(pipelines: &Pipelines, plan: &Plan, buffers: &Buffers<'_>) -> Result<Self, Error> {
-        for stage in plan.stages() {
-            pipelines.get(stage)?;
-        }
         for resource in Resource::ALL {
             check(plan, resource, buffers)?;
         }
