@@ -16,6 +16,7 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 fn main() -> Result<()> {
     let folder = std::env::args().nth(1).map_or_else(std::env::temp_dir, PathBuf::from);
+    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let scene = Scene::new()?;
     let pictures = [wgpu::render(&scene)?, vulkan::render(&scene)?];
     let [one, other] = pictures.each_ref().map(|pixels| pixels.as_chunks::<4>().0);

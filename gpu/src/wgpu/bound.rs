@@ -194,9 +194,9 @@ fn check_limits(plan: &Plan, chunk: &Chunk, limits: &DeviceLimits) -> Result<(),
 /// Checks that what a stage writes is apart from the rest of what it takes in a chunk.
 fn check_apart(stage: Stage, chunk: &Chunk, buffers: &Buffers<'_>) -> Result<(), Error> {
     let bound = |own: &Binding| {
-        let resource = filled(chunk, own.resource);
+        let (resource, span) = chunk.bound(own.resource);
         let (buffer, offset) = buffers.get(resource)?;
-        let Span { offset: from, bytes } = chunk.span(resource)?;
+        let Span { offset: from, bytes } = span?;
         Some((resource, own.writable, buffer, offset + from..offset + from + bytes))
     };
     let bound: Vec<_> = stage.bindings().iter().filter_map(bound).collect();
@@ -217,12 +217,6 @@ fn check_apart(stage: Stage, chunk: &Chunk, buffers: &Buffers<'_>) -> Result<(),
     Ok(())
 }
 
-/// Returns what is bound for a resource: what a chunk has no use for is filled with the work, which
-/// is always there.
-fn filled(chunk: &Chunk, resource: Resource) -> Resource {
-    chunk.span(resource).map_or(Resource::Work, |_| resource)
-}
-
 /// Lists the entries of a stage's bind group for a chunk.
 fn entries<'a>(
     stage: Stage,
@@ -230,9 +224,8 @@ fn entries<'a>(
     buffers: &Buffers<'a>,
 ) -> Result<Vec<BindGroupEntry<'a>>, Error> {
     let entry = |resource: Resource, binding: u32| {
-        let resource = filled(chunk, resource);
-        let (span, given) = (chunk.span(resource), buffers.get(resource));
-        let (Some(span), Some((buffer, offset))) = (span, given) else {
+        let (resource, span) = chunk.bound(resource);
+        let (Some(span), Some((buffer, offset))) = (span, buffers.get(resource)) else {
             return Err(LayoutError::Missing { resource }.into());
         };
         let (offset, size) = (offset + span.offset, NonZero::new(span.bytes));
