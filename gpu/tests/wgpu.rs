@@ -5,7 +5,7 @@ mod common;
 
 use common::{Expected, GOLDEN, load, odd_batch, poses};
 use sinew_gpu::headless::{Device as _, HeadlessError};
-use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
+use sinew_gpu::layout::{Array, Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
 use sinew_runtime::Matrix3x4;
 
@@ -141,6 +141,33 @@ fn a_batch_in_chunks_has_the_same_bits() {
             let differ = differing(&device, bytes, &batch, &limits, instance_len);
             assert_eq!(differ, 0, "{instance_len} instances");
         }
+    }
+}
+
+#[test]
+fn more_workgroups_than_one_dimension_holds_are_dispatched() {
+    let device = lavapipe();
+    let instances = 65_535 + 70;
+    for bytes in GOLDEN {
+        let (model, envelope) = load(bytes);
+        let poses_of_all = Array { offset: 0, stride: 0 };
+        let batch = Batch { poses: poses_of_all, ..Batch::palettes(&envelope, instances) };
+        let plan = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();
+        assert_eq!(plan.chunks().len(), 1);
+        let groups = |stage| plan.groups(stage, &plan.chunks()[0], instances).unwrap();
+        assert!(plan.stages().any(|stage| groups(stage)[1] > 1));
+        let pose = poses(&envelope, 2).remove(1);
+        let mut uploaded = device.upload(&model, &plan).unwrap();
+        uploaded.write(Resource::Poses, 0, pose.as_flattened().as_flattened()).unwrap();
+        uploaded.run(instances).unwrap();
+        let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
+        let mut workspace = vec![0.0; envelope.workspace_len()];
+        envelope.palette(&pose, &mut workspace, &mut palette).unwrap();
+        let expected = palette.as_flattened().as_flattened();
+        let found = uploaded.read(Resource::Palettes).unwrap();
+        let same =
+            |found: &[f32]| found.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits());
+        assert!(found.chunks_exact(expected.len()).all(same), "{:?}", envelope.predictor());
     }
 }
 

@@ -5,7 +5,7 @@ mod common;
 
 use common::{GOLDEN, load};
 use sinew_gpu::headless::Device as _;
-use sinew_gpu::layout::{Batch, LayoutError, Plan, Resource, Stage};
+use sinew_gpu::layout::{Array, Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
 use sinew_gpu::wgpu::{Bound, Buffers, Error, Pipelines, limits};
 use wgpu::{Buffer, BufferDescriptor, BufferUsages, ErrorFilter, Limits};
@@ -305,6 +305,42 @@ fn limits_too_small_are_refused() {
     let mut coarse = Limits::downlevel_defaults();
     coarse.min_uniform_buffer_offset_alignment = 512;
     assert_eq!(limits(&coarse).offset_alignment, 512);
+}
+
+#[test]
+fn a_plan_by_larger_limits_is_refused() {
+    let scene = scene(|envelope| Batch { confidences: None, ..Batch::palettes(envelope, 3) });
+    let (model, envelope) = load(GOLDEN[2]);
+    let own = scene.device.limits();
+    let refused = |batch: &Batch, limits: DeviceLimits| {
+        let plan = Plan::new(&model, &envelope, batch, &limits).unwrap();
+        let usage = BufferUsages::STORAGE | BufferUsages::UNIFORM;
+        let own = Resource::ALL.map(|resource| scene.make(plan.bytes(resource).max(4), usage));
+        let all = Resource::ALL.into_iter().zip(&own);
+        let buffers = all.fold(Buffers::new(), |all, (resource, own)| all.with(resource, own, 0));
+        Bound::new(&scene.pipelines, &plan, &buffers).map(drop)
+    };
+
+    let palettes = Array { offset: 0, stride: 20 << 20 };
+    let wide = Batch { palettes, confidences: None, ..Batch::palettes(&envelope, 3) };
+    assert_eq!(refused(&wide, own), Ok(()), "in chunks");
+    let storage_binding_bytes = 1 << 30;
+    let Err(Error::Layout(LayoutError::Binding { resource: Resource::Palettes, limit, .. })) =
+        refused(&wide, DeviceLimits { storage_binding_bytes, ..own })
+    else {
+        panic!("a binding is too large");
+    };
+    assert_eq!(limit, own.storage_binding_bytes);
+
+    let poses = Array { offset: 0, stride: 0 };
+    let many = Batch { poses, confidences: None, ..Batch::palettes(&envelope, 70_000) };
+    assert_eq!(refused(&many, own), Ok(()), "in two dimensions");
+    let Err(Error::Layout(LayoutError::Device { found, .. })) =
+        refused(&many, DeviceLimits { groups: 1 << 20, ..own })
+    else {
+        panic!("a dispatch is too large");
+    };
+    assert_eq!(found, u64::from(own.groups));
 }
 
 #[test]

@@ -206,14 +206,11 @@ fn steps(pipelines: &Pipelines, plan: &Plan) -> Result<Vec<Step>, Error> {
     let mut bound = [None; Resource::ALL.len()];
     for stage in plan.stages() {
         let pipeline = pipelines.get(stage)?;
+        let bindings = stage.bindings();
         let uses = || {
-            let used = |chunk| {
-                stage
-                    .bindings()
-                    .iter()
-                    .map(move |own| (filled(own.resource, chunk).0, own.writable))
-            };
-            plan.chunks().iter().flat_map(used)
+            plan.chunks().iter().flat_map(|chunk| {
+                bindings.iter().map(|own| (chunk.bound(own.resource).0, own.writable))
+            })
         };
         let waits = uses().any(|(resource, writes)| {
             bound[resource as usize].is_some_and(|written| written || writes)
@@ -236,21 +233,13 @@ fn steps(pipelines: &Pipelines, plan: &Plan) -> Result<Vec<Step>, Error> {
 fn meets(stage: Stage, chunks: &[Chunk]) -> bool {
     let written = stage.bindings().iter().filter(|own| own.writable);
     let spans = written.flat_map(|own| {
-        let span = |chunk| filled(own.resource, chunk).1;
+        let span = |chunk: &Chunk| chunk.bound(own.resource).1;
         chunks.iter().zip(chunks.iter().skip(1)).map(move |(a, b)| (span(a), span(b)))
     });
     spans.into_iter().any(|spans| match spans {
         (Some(a), Some(b)) => a.offset < b.offset + b.bytes && b.offset < a.offset + a.bytes,
         _ => false,
     })
-}
-
-/// Returns what is bound for a resource in a chunk, and its span.
-fn filled(resource: Resource, chunk: &Chunk) -> (Resource, Option<Span>) {
-    match chunk.span(resource) {
-        None => (Resource::Work, chunk.span(Resource::Work)),
-        span => (resource, span),
-    }
 }
 
 /// Writes the set of a stage and chunk.
@@ -265,7 +254,7 @@ unsafe fn write(
     set: vk::DescriptorSet,
 ) {
     for (number, binding) in (0..).zip(stage.bindings()) {
-        let (resource, span) = filled(binding.resource, chunk);
+        let (resource, span) = chunk.bound(binding.resource);
         let (Some(span), Some((buffer, own))) = (span, buffers.get(resource)) else { continue };
         let info = [vk::DescriptorBufferInfo::default()
             .buffer(buffer)

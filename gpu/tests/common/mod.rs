@@ -7,22 +7,22 @@ use sinew_runtime::envelope::{Attribute as CpuAttribute, Buffer, SkinJob};
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, model_space_pose};
 
 /// A small model of each predictor: rotational, kernel, hybrid.
-pub const GOLDEN: [&[u8]; 3] = [
+pub(crate) const GOLDEN: [&[u8]; 3] = [
     include_bytes!("../../../tests/golden/envelope-2-rotational.snw"),
     include_bytes!("../../../tests/golden/envelope-2-kernel.snw"),
     include_bytes!("../../../tests/golden/envelope-2-hybrid.snw"),
 ];
 
-pub fn load(bytes: &[u8]) -> (Model<'_>, Envelope<'_>) {
+pub(crate) fn load(bytes: &[u8]) -> (Model<'_>, Envelope<'_>) {
     let model = Model::from_bytes(bytes).unwrap();
     (model, model.envelope().unwrap())
 }
 
 /// Numbers from 0 to 1 that look random: xorshift.
-pub struct Random(pub u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    pub fn next(&mut self) -> f32 {
+    pub(crate) fn next(&mut self) -> f32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -30,13 +30,13 @@ impl Random {
     }
 
     /// A number from -1 to 1.
-    pub fn signed(&mut self) -> f32 {
+    pub(crate) fn signed(&mut self) -> f32 {
         2.0 * self.next() - 1.0
     }
 }
 
 /// Draws poses; the first is that of rest.
-pub fn poses(envelope: &Envelope<'_>, count: usize) -> Vec<Vec<Matrix3x4>> {
+pub(crate) fn poses(envelope: &Envelope<'_>, count: usize) -> Vec<Vec<Matrix3x4>> {
     let mut random = Random(2007);
     let pose = |n: usize| {
         let size = 0.4 * (n % 8) as f32;
@@ -66,16 +66,21 @@ fn rest_translation(envelope: &Envelope<'_>, joint: usize) -> [f32; 3] {
 }
 
 /// What the CPU makes of poses, in buffers laid out as a batch says; other floats stay as they are.
-pub struct Expected {
-    pub palettes: Vec<f32>,
-    pub confidences: Vec<f32>,
-    pub out_a: Vec<f32>,
-    pub out_b: Vec<f32>,
+pub(crate) struct Expected {
+    pub(crate) palettes: Vec<f32>,
+    pub(crate) confidences: Vec<f32>,
+    pub(crate) out_a: Vec<f32>,
+    pub(crate) out_b: Vec<f32>,
 }
 
 impl Expected {
     /// Evaluates into buffers that are given.
-    pub fn evaluate(&mut self, envelope: &Envelope<'_>, batch: &Batch, poses: &[Vec<Matrix3x4>]) {
+    pub(crate) fn evaluate(
+        &mut self,
+        envelope: &Envelope<'_>,
+        batch: &Batch,
+        poses: &[Vec<Matrix3x4>],
+    ) {
         let mut workspace = vec![0.0; envelope.workspace_len()];
         let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
         for (n, pose) in poses.iter().enumerate() {
@@ -110,7 +115,7 @@ impl Expected {
 }
 
 /// Positions and tangents in A, normals in B; odd offsets, odd strides, part of the vertices.
-pub fn odd_batch(envelope: &Envelope<'_>, instance_len: usize) -> Batch {
+pub(crate) fn odd_batch(envelope: &Envelope<'_>, instance_len: usize) -> Batch {
     let vertices = 1..envelope.vertex_len() - 1;
     let (len, tangents) = (vertices.len(), envelope.has_tangents());
     let attribute = |buffer, offset, stride, gap| {
@@ -119,8 +124,8 @@ pub fn odd_batch(envelope: &Envelope<'_>, instance_len: usize) -> Batch {
     let mut batch = Batch::palettes(envelope, instance_len);
     batch.poses.offset = 13;
     batch.poses.stride += 5;
-    batch.palettes.offset = 71;
-    batch.palettes.stride += 7;
+    batch.palettes.offset = 68;
+    batch.palettes.stride += 4;
     batch.confidences = Some(sinew_gpu::layout::Array { offset: 3, stride: 5 });
     batch.skin = Some(Skin {
         positions: attribute(Buffer::A, 101, 9, 11),

@@ -44,7 +44,7 @@ fn recording_allocates_nothing() {
         let uploaded = device.batch(&model, &plan).unwrap();
         assert!(plan.chunks().len() > 1);
         let commands = Commands::new(&device).unwrap();
-        let mut frame = |instance_len| {
+        let frame = |instance_len| {
             let before = COUNT.get();
             // SAFETY: the command buffer is ours and waited for; the batch is valid.
             unsafe {

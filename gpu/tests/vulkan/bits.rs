@@ -3,9 +3,10 @@
 use crate::common::{Expected, GOLDEN, load, odd_batch, poses};
 use crate::{assert_silent, lavapipe, swiftshader};
 use sinew_gpu::headless::{Device as _, Uploaded};
-use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource};
+use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, Stage};
 use sinew_gpu::vulkan::headless::Device;
 use sinew_runtime::{Envelope, Matrix3x4};
+use std::time::Duration;
 
 /// A NaN that no stage makes.
 const POISON: f32 = f32::from_bits(0x7fc0_dead);
@@ -39,6 +40,51 @@ fn a_batch_cut_into_chunks_has_the_same_bits() {
 }
 
 #[test]
+fn a_dispatch_past_one_dimension_has_the_same_bits() {
+    const INSTANCES: usize = 65_535 + 130;
+    let device = lavapipe();
+    let (model, envelope) = load(GOLDEN[0]);
+    let batch = Batch::palettes(&envelope, INSTANCES);
+    let plan = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();
+    let [chunk] = plan.chunks() else { panic!("more than a chunk") };
+    let groups = plan.groups(Stage::Gradients, chunk, INSTANCES).unwrap();
+    assert_eq!(groups[1], 2);
+    let mut uploaded = device.upload(&model, &plan).unwrap();
+    // A prime number of poses in turn: an instance that is taken for another shows.
+    let poses: Vec<_> = poses(&envelope, 31).into_iter().cycle().take(INSTANCES).collect();
+    uploaded.write(Resource::Poses, 0, &poses.concat().concat().concat()).unwrap();
+    uploaded.write(Resource::Palettes, 0, &poison(&plan, Resource::Palettes)).unwrap();
+    uploaded.run(INSTANCES).unwrap();
+    let mut expected = Expected {
+        palettes: poison(&plan, Resource::Palettes),
+        confidences: poison(&plan, Resource::Confidences),
+        out_a: Vec::new(),
+        out_b: Vec::new(),
+    };
+    expected.evaluate(&envelope, &batch, &poses);
+    let found = [Resource::Palettes, Resource::Confidences].map(|own| uploaded.read(own).unwrap());
+    same(&found[0], &expected.palettes, "palettes");
+    same(&found[1], &expected.confidences, "confidences");
+    assert_silent(&device);
+}
+
+#[test]
+fn what_is_timed_is_run_and_well_guarded() {
+    let device = lavapipe();
+    let (model, envelope) = load(GOLDEN[2]);
+    let batch = Batch::skinned(&envelope, 2);
+    let plan = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();
+    let mut uploaded = device.upload(&model, &plan).unwrap();
+    uploaded.write(Resource::OutA, 0, &poison(&plan, Resource::OutA)).unwrap();
+    for stage in plan.stages() {
+        assert!(uploaded.time_stage(stage, 2, 3).unwrap() > Duration::ZERO);
+    }
+    assert!(uploaded.read(Resource::OutA).unwrap().iter().all(|float| float.is_finite()));
+    assert!(device.time_copy(1 << 20, 3).unwrap() > Duration::ZERO);
+    assert_silent(&device);
+}
+
+#[test]
 fn a_stage_alone_reads_what_the_host_wrote() {
     let device = lavapipe();
     let (model, envelope) = load(GOLDEN[0]);
@@ -48,7 +94,7 @@ fn a_stage_alone_reads_what_the_host_wrote() {
     let moved = [[[1.0, 0.0, 0.0, 2.5], [0.0, 1.0, 0.0, -1.0], [0.0, 0.0, 1.0, 0.5]]];
     let palette = moved.repeat(envelope.palette_len() * 2);
     uploaded.write(Resource::Palettes, 0, palette.as_flattened().as_flattened()).unwrap();
-    uploaded.run_stage(sinew_gpu::layout::Stage::Skin, 2).unwrap();
+    uploaded.run_stage(Stage::Skin, 2).unwrap();
     let found = uploaded.read(Resource::OutA).unwrap();
     let mut expected = vec![[0.0; 3]; envelope.vertex_len()];
     envelope.skin_positions(&palette[..envelope.palette_len()], &mut expected).unwrap();
@@ -90,7 +136,7 @@ fn evaluate(
     let (model, envelope) = load(bytes);
     let plan = Plan::new(&model, &envelope, batch, limits).unwrap();
     let mut uploaded = device.upload(&model, &plan).unwrap();
-    let poison = |resource| vec![POISON; plan.bytes(resource) as usize / 4];
+    let poison = |resource| poison(&plan, resource);
     for resource in OUT.into_iter().chain([Resource::Work]) {
         if plan.bytes(resource) > 0 {
             uploaded.write(resource, 0, &poison(resource)).unwrap();
@@ -121,6 +167,10 @@ fn evaluate(
         same_or_empty(&found[spilt..], &expected[spilt..], resource.name());
     }
     plan.chunks().len()
+}
+
+fn poison(plan: &Plan, resource: Resource) -> Vec<f32> {
+    vec![POISON; plan.bytes(resource) as usize / 4]
 }
 
 fn write_poses(

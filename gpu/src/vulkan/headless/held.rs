@@ -79,14 +79,15 @@ impl<'d> Held<'d> {
         if bytes.is_empty() {
             return Ok(());
         }
-        let mut from = Memory::staging(self.device, bytes.len() as u64)?;
+        let mut from =
+            Memory::staging(self.device, bytes.len() as u64, vk::BufferUsageFlags::empty())?;
         from.fill(bytes)?;
         self.copy(&from, to, first)
     }
 
     pub(super) fn read(&self, resource: Resource) -> Result<Vec<u8>, HeadlessError> {
         let from = self.memory(resource)?;
-        let to = Memory::staging(self.device, from.bytes())?;
+        let to = Memory::staging(self.device, from.bytes(), vk::BufferUsageFlags::empty())?;
         self.copy(from, &to, 0)?;
         let mut bytes = vec![0; from.bytes() as usize];
         to.copy(&mut bytes)?;

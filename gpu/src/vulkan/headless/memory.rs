@@ -27,14 +27,19 @@ impl<'d> Memory<'d> {
         Self::new(device, bytes, usage | copied, Flags::DEVICE_LOCAL, Flags::DEVICE_LOCAL)
     }
 
-    /// Allocates a buffer that the host sees, cached where there is such memory.
+    /// Allocates a buffer that the host sees, cached where there is such memory; it may be copied to
+    /// and from.
     ///
     /// # Errors
     /// [`HeadlessError`]
-    pub fn staging(device: &'d Device, bytes: u64) -> Result<Self, HeadlessError> {
+    pub fn staging(
+        device: &'d Device,
+        bytes: u64,
+        usage: vk::BufferUsageFlags,
+    ) -> Result<Self, HeadlessError> {
         let copied = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
         let seen = Flags::HOST_VISIBLE | Flags::HOST_COHERENT;
-        let mut own = Self::new(device, bytes, copied, seen | Flags::HOST_CACHED, seen)?;
+        let mut own = Self::new(device, bytes, usage | copied, seen | Flags::HOST_CACHED, seen)?;
         let (whole, none) = (vk::WHOLE_SIZE, vk::MemoryMapFlags::empty());
         // SAFETY: the memory is the host's to see, and is not mapped.
         let mapped = unsafe { device.device().map_memory(own.memory, 0, whole, none) }
@@ -109,7 +114,7 @@ impl<'d> Memory<'d> {
         };
         let kind = kind(wanted).or_else(|| kind(needed)).ok_or_else(|| HeadlessError::Refused {
             doing: "choosing memory",
-            detail: format!("no type is {needed:?}"),
+            detail: "no type of memory serves".to_owned(),
         })?;
         let info =
             vk::MemoryAllocateInfo::default().allocation_size(asked.size).memory_type_index(kind);

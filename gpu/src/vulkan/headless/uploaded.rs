@@ -4,7 +4,7 @@ use super::held::{Held, uploaded};
 use super::{Device, Memory};
 use crate::headless::{HeadlessError, Uploaded};
 use crate::layout::{Plan, Resource, Stage};
-use crate::vulkan::{Bound, Buffers, barrier};
+use crate::vulkan::{Bound, barrier};
 use sinew_runtime::Model;
 use std::time::{Duration, Instant};
 
@@ -36,11 +36,6 @@ impl<'d> VulkanBatch<'d> {
     /// Returns what is recorded.
     pub fn bound(&self) -> &Bound {
         &self.bound
-    }
-
-    /// Returns the buffers.
-    pub fn buffers(&self) -> Buffers {
-        self.held.buffers()
     }
 
     /// Returns a resource's buffer.
