@@ -134,3 +134,17 @@ fn succeeds(command: &mut Command) -> bool {
     let quiet = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     quiet.status().is_ok_and(|status| status.success())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_tests_need_is_found_where_it_is_installed() {
+        let missing: Vec<_> = COMPONENTS.iter().filter(|own| !(own.found)()).collect();
+        let missing: Vec<_> = missing.iter().map(|component| component.package).collect();
+        assert!(missing.is_empty(), "`cargo xtask test` installs {missing:?}");
+        assert!(!described(&[], "icd.d", "no such driver"));
+        assert!(!described(&[], "no such folder", "lvp_icd"));
+    }
+}
