@@ -15,7 +15,7 @@ const POSES: usize = 1024;
 /// tolerance.
 #[derive(Parser)]
 #[command(
-    name = "cargo xtask conformance",
+    bin_name = "cargo xtask conformance",
     after_help = "Markdown goes to standard output, a line for each device and stage: how many \
         values were compared, how many have other bits than the CPU's on the same inputs, and the \
         largest deviation from the oracle in units of the tolerance that follows from what Vulkan \

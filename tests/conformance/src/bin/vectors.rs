@@ -8,7 +8,7 @@ use std::process::ExitCode;
 /// files, which the README.md beside them describes.
 #[derive(Parser)]
 #[command(
-    name = "cargo xtask vectors",
+    bin_name = "cargo xtask vectors",
     after_help = "The same bytes every time. The folder appears whole or not at all. \
         tests/conformance/examples/vectors.py checks an implementation of skinning against them."
 )]

@@ -50,7 +50,8 @@ pub struct Row {
     pub cases: usize,
     /// How many of them have other bits than the CPU's.
     pub differing: usize,
-    /// The largest deviation from the oracle, in units of the tolerance.
+    /// The largest deviation from the oracle, in units of the tolerance; infinite, in JSON null, where
+    /// it cannot be measured.
     pub worst: f64,
     /// What went wrong.
     pub failure: Option<String>,

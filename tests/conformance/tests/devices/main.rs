@@ -3,4 +3,5 @@
 
 mod gpu;
 mod lavapipe;
+mod matrix;
 mod software;
