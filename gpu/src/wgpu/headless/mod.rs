@@ -23,6 +23,12 @@ const BACKENDS: Backends = if Instance::enabled_backend_features().contains(Back
     Backends::PRIMARY
 };
 
+/// What has the layer's messages go to `log`: without DEBUG wgpu does not listen to it. DEBUG also has
+/// shaders say that they were WGSL, to which layers of 1.3.239 and older object; labels, to which some
+/// versions object as well, are left out.
+const VALIDATING: InstanceFlags =
+    InstanceFlags::VALIDATION.union(InstanceFlags::DEBUG).union(InstanceFlags::DISCARD_HAL_LABELS);
+
 /// An open device, at exactly [`Limits::downlevel_defaults`].
 #[derive(Debug)]
 pub struct Device {
@@ -50,8 +56,7 @@ impl Device {
         name: &str,
         validation: bool,
     ) -> Result<Self, HeadlessError> {
-        // Not DEBUG: it asks layers for more than older ones know.
-        let flags = if validation { InstanceFlags::VALIDATION } else { InstanceFlags::empty() };
+        let flags = if validation { VALIDATING } else { InstanceFlags::empty() };
         let adapters = adapters(flags);
         let found = adapters.iter().map(|(_, info)| info.driver.clone()).collect();
         let own = adapters.into_iter().find(|(_, info)| wanted(info));

@@ -1,5 +1,6 @@
 //! Real devices: lavapipe, which must be here and gives the CPU's bits, and whatever else is.
 
+use crate::layer::messages_of_a_broken_shader;
 use conformance::devices::{Counter, LAVAPIPE, list, open};
 use conformance::finding::sound;
 use conformance::gpu::Gpu;
@@ -107,9 +108,10 @@ fn validation_is_silent() {
     log::warn!("this is counted, and so is the next");
     log::error!("this is counted as well");
     assert_eq!(Counter::message_len() - before, 2, "the counter counts");
+    assert_eq!(messages_of_a_broken_shader(), 1, "the layer is not there, or is not heard");
     for api in APIS {
-        let device = open(&lavapipe(api), true).unwrap();
-        let before = Counter::message_len();
+        let (info, before) = (lavapipe(api), Counter::message_len());
+        let device = open(&info, true).unwrap();
         let mut values = 0;
         for predictor in Predictor::ALL {
             let bytes = models::random(shape_of(predictor));

@@ -3,5 +3,6 @@
 
 mod gpu;
 mod lavapipe;
+mod layer;
 mod matrix;
 mod software;
