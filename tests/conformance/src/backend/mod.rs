@@ -242,3 +242,8 @@ pub fn part<T>(list: &[T], n: usize, i: usize) -> &[T] {
     let len = list.len() / n;
     &list[i * len..][..len]
 }
+
+/// Lists the floats of maps, row by row.
+pub fn floats(maps: &[Matrix3x4]) -> &[f32] {
+    maps.as_flattened().as_flattened()
+}

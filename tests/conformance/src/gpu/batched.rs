@@ -1,6 +1,6 @@
 //! A batch on its device, whose buffers are poisoned, and watched.
 
-use crate::backend::{Buffers, Failure, Loaded, part};
+use crate::backend::{Buffers, Failure, Loaded, floats, part};
 use crate::compare::POISON;
 use sinew_gpu::headless::{Device, Uploaded};
 use sinew_gpu::layout::{Array, Batch, DeviceLimits, Plan, Resource, Skin, Stage, WorkLayout};
@@ -197,9 +197,4 @@ fn batch(envelope: &Envelope<'_>, instance_len: usize, skin: Option<&Skin>) -> B
         confidences: Some(CONFIDENCES),
         skin: skin.cloned(),
     }
-}
-
-/// Lists the floats of maps, row by row.
-pub(super) fn floats(maps: &[Matrix3x4]) -> &[f32] {
-    maps.as_flattened().as_flattened()
 }

@@ -3,8 +3,8 @@
 
 mod batched;
 
-use crate::backend::{Backend, Buffers, Failure, Gradients, Loaded, Whole};
-use batched::{Batched, floats};
+use crate::backend::{Backend, Buffers, Failure, Gradients, Loaded, Whole, floats};
+use batched::Batched;
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{Array, Batch, DeviceLimits, Plan, Resource, Skin, Stage};
 use sinew_runtime::Matrix3x4;

@@ -1,7 +1,6 @@
 //! Stage 1 of the kernel predictor: copies, bit for bit.
 
-use super::floats;
-use crate::backend::{Backend, Failure, part, poisoned_maps};
+use crate::backend::{Backend, Failure, floats, part, poisoned_maps};
 use crate::finding::Finding;
 use crate::poses::rounded;
 use crate::subject::Subject;

@@ -2,9 +2,8 @@
 
 use super::correction::base_of;
 use super::features::features_of;
-use super::floats;
 use super::skin::{Skinned, places, plain, skinned_by, whole_of};
-use crate::backend::{Backend, Buffers, Failure, attributes};
+use crate::backend::{Backend, Buffers, Failure, attributes, floats};
 use crate::compare::POISON;
 use crate::finding::Finding;
 use crate::subject::Subject;

@@ -12,7 +12,7 @@ pub mod palette;
 pub mod skin;
 pub mod whole;
 
-use crate::backend::{Backend, Failure, Loaded};
+use crate::backend::{Backend, Failure, Loaded, floats};
 use crate::finding::Finding;
 use crate::poses::widened;
 use crate::subject::Subject;
@@ -60,9 +60,4 @@ fn compare_maps(
     };
     let tolerances: Vec<_> = flat(&expected.error).iter().map(|e| e + UNDERFLOW).collect();
     finding.compare(floats(found), floats(cpu), &flat(&expected.value), &tolerances)
-}
-
-/// Lists the floats of maps, row by row.
-fn floats(maps: &[Matrix3x4]) -> &[f32] {
-    maps.as_flattened().as_flattened()
 }

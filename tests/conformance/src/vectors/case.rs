@@ -2,7 +2,7 @@
 
 use super::tolerances::{Tolerance, maps_tolerance, numbers_tolerance};
 use super::{Folder, VectorError};
-use crate::backend::{Cpu, Failure, part};
+use crate::backend::{Cpu, Failure, floats, part};
 use crate::poses::{Kind, Pose, poses};
 use crate::stages::correction::base_of;
 use crate::stages::exact;
@@ -355,10 +355,6 @@ impl Subject<'_> {
     fn maps_of(&self, bound: impl Fn(Inexact<Map>) -> Inexact<Map>) -> Vec<Inexact<Map>> {
         self.poses.iter().map(|pose| bound(Inexact::exact(pose.widened()))).collect()
     }
-}
-
-fn floats(maps: &[Matrix3x4]) -> &[f32] {
-    maps.as_flattened().as_flattened()
 }
 
 fn le(values: &[f32]) -> Vec<u8> {
