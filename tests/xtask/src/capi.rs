@@ -1,15 +1,9 @@
 //! Compilers and the emulator that the tests of the C ABI run, and its header.
 
-use super::{cargo, run};
+use super::cargo;
+use super::components::{self, Component, succeeds};
 use std::path::Path;
 use std::process::Command;
-
-/// What is needed, the Debian package that brings it, and how to see that it is there.
-struct Component {
-    what: &'static str,
-    package: &'static str,
-    found: fn() -> bool,
-}
 
 const COMPONENTS: [Component; 5] = [
     Component { what: "gcc", package: "gcc", found: || starts("gcc") },
@@ -36,34 +30,29 @@ const COMPONENTS: [Component; 5] = [
     },
 ];
 
-/// Installs what is missing with apt-get, or says what to run.
+/// Installs what is missing, or says what to install.
 pub(super) fn prepare() -> Result<(), String> {
-    let missing = || COMPONENTS.iter().filter(|component| !(component.found)());
-    let packages: Vec<_> = missing().map(|component| component.package).collect();
-    if packages.is_empty() {
-        return Ok(());
-    }
-    let packages = packages.join(" ");
-    let advice = format!("run `apt-get install {packages}` as root, or your system's equivalent");
-    let apt_get = |arguments: &str| {
-        let mut command = Command::new("apt-get");
-        run(command.env("DEBIAN_FRONTEND", "noninteractive").args(arguments.split_whitespace()))
-    };
-    let install = format!("install -y --no-install-recommends {packages}");
-    // The list of packages may be there already, and then there may be no network.
-    apt_get(&install)
-        .or_else(|_| apt_get("update").and_then(|()| apt_get(&install)))
-        .map_err(|error| format!("{error}; {advice}"))?;
-    missing()
-        .next()
-        .map_or(Ok(()), |component| Err(format!("{} is still not found; {advice}", component.what)))
+    components::install(&COMPONENTS)
 }
 
 /// Writes the C header that the sources give.
 pub(super) fn header() -> Result<(), String> {
-    cargo("test --locked -p sinew-capi --test header", &[("SINEW_WRITE_HEADER", "1")])
+    cargo("test --locked -p sinew-capi --test header", &[("SINEW_WRITE_HEADER", "1".into())])
 }
 
 fn starts(program: &str) -> bool {
-    Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success())
+    succeeds(Command::new(program).arg("--version"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_tests_need_is_found_where_it_is_installed() {
+        let missing: Vec<_> = COMPONENTS.iter().filter(|own| !(own.found)()).collect();
+        let missing: Vec<_> = missing.iter().map(|component| component.package).collect();
+        assert!(missing.is_empty(), "`cargo xtask test` installs {missing:?}");
+        assert!(!starts("no-such-program"));
+    }
 }
