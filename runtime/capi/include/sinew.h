@@ -10,9 +10,9 @@
  *
  * Pointers: one that is null, misaligned, or that overlaps what it must not, is a status. What no
  * library can see remains the caller's: that a pointer and its length describe memory of the
- * caller, that a handle points to memory at least as large as the object, and that nobody else
- * writes to what a call reads, or uses what it writes, while it runs. An array of length 0 may be
- * null.
+ * caller, that a handle points to memory at least as large as the object, which once loaded nobody
+ * changes, and that nobody else writes to what a call reads, or uses what it writes, while it runs.
+ * Where the error goes is not compared with the rest. An array of length 0 may be null.
  *
  * Threads: the library has no state. Every function may run at any time on any thread; models and
  * envelopes never change and are shared freely; workspaces and outputs belong to one call at a

@@ -40,8 +40,14 @@ template <class T> struct Span {
 class Model {
   public:
     Model() = default;
-    Model(Model &&) = default;
-    Model &operator=(Model &&) = default;
+    /// Moves; the other is as if never loaded.
+    Model(Model &&other) noexcept
+        : memory_(std::exchange(other.memory_, {})), file_(std::move(other.file_)) {}
+    Model &operator=(Model &&other) noexcept {
+        memory_ = std::exchange(other.memory_, {});
+        file_ = std::move(other.file_);
+        return *this;
+    }
 
     /// Takes a file and loads it; on failure the model is what it was.
     Failure load(std::vector<std::uint8_t> file, const sinew_limits *limits = nullptr) {

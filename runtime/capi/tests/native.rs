@@ -90,6 +90,14 @@ fn every_misuse_is_a_status_and_writes_nothing() {
 }
 
 #[test]
+fn cpp_objects_own_move_and_fail() {
+    let library = static_library();
+    let flags = [&SANITIZERS[..], &["-fno-exceptions", &library]].concat();
+    let program = compile("g++", CXX, "tests/raii.cpp", "raii", &flags);
+    assert_eq!(output(Command::new(program).arg(golden(GOLDEN[2])), GCC), "0 failures\n");
+}
+
+#[test]
 fn the_readme_compiles_and_runs() {
     let readme = std::fs::read_to_string(package().join("README.md")).unwrap();
     let (_, rest) = readme.split_once("```c\n").unwrap();
