@@ -15,10 +15,10 @@ fn run() -> bool {
 fn frame(bytes: &[u8]) -> Option<Result<(), EvalError>> {
     let envelope = Model::from_bytes(bytes).ok()?.envelope()?;
     let local = black_box::<&[LocalTransform]>(&[]);
-    let (pose, maps) = black_box::<[&mut [Matrix3x4]; 2]>([&mut [], &mut []]).into();
-    let (scratch, out) = black_box::<[&mut [f32]; 2]>([&mut [], &mut []]).into();
+    let (pose, maps) = black_box::<(&mut [Matrix3x4], &mut [Matrix3x4])>((&mut [], &mut []));
+    let (scratch, out) = black_box::<(&mut [f32], &mut [f32])>((&mut [], &mut []));
     let attribute = |offset| Some(Attribute { buffer: Buffer::A, offset, stride: 10 });
-    let frame = || {
+    let mut frame = || {
         model_space_pose(&envelope, local, pose)?;
         black_box(envelope.palette(pose, scratch, maps)?);
         black_box(envelope.bounds(maps)?);
