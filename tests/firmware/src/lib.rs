@@ -10,6 +10,8 @@ extern crate std;
 #[path = "../../golden/bits.rs"]
 #[allow(dead_code, reason = "no image nudges its poses")]
 mod bits;
+#[cfg(all(target_os = "none", target_arch = "arm"))]
+pub mod cost;
 mod memory;
 pub mod platform;
 pub mod report;

@@ -1,4 +1,4 @@
-//! What firmware calls each frame, and loading: its weight beyond that of `bare` is the runtime's.
+//! All that firmware calls, for models of every predictor: its weight beyond that of `bare` is the runtime's.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use core::hint::black_box;
