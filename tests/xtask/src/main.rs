@@ -1,5 +1,7 @@
 //! Project commands. `cargo xtask test` is the one that says whether all is well.
 
+mod firmware;
+
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
@@ -14,6 +16,9 @@ usage: cargo xtask COMMAND
 
   test    prepare the machine, then format, lint, document, build for every target and run every
           test; tests on real data read ../shared/data and must find it when CI is set
+  firmware
+          the same bits on bare targets in QEMU, in Node and here; no allocator, no panic; sizes,
+          stack and instructions within tests/firmware/budget.txt
   shaders make the SPIR-V in shaders/spirv of the GLSL
 ";
 
@@ -21,6 +26,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test(),
+        ["firmware"] => firmware::firmware(),
         ["shaders"] => cargo("run --release --locked -p shaders", &[]),
         _ => {
             eprint!("{HELP}");
@@ -45,14 +51,20 @@ fn test() -> Result<(), String> {
         // One package at a time: features would unify with crates that need std.
         cargo(&format!("build -p sinew-runtime --locked --target {target}"), &[])?;
     }
-    cargo("test --workspace --locked", &[("SINEW_BPY", &blender()?)])
+    cargo("test --workspace --locked", &[("SINEW_BPY", &blender()?)])?;
+    firmware::firmware()
+}
+
+/// Gives the folder that builds go to, from the root.
+fn target_folder() -> Result<std::path::PathBuf, String> {
+    let folder = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
+    std::path::absolute(folder).map_err(|error| error.to_string())
 }
 
 /// Gives the Python that the test of the Blender script runs in, with Blender as a module; the empty
 /// text, said aloud, where there is no such package for this machine.
 fn blender() -> Result<String, String> {
-    let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
-    let folder = std::path::absolute(format!("{target}/bpy")).map_err(|error| error.to_string())?;
+    let folder = target_folder()?.join("bpy");
     let python = folder.join("bin/python").display().to_string();
     let has_bpy = || {
         let found = Command::new(&python).args(["-c", "import bpy"]).output();

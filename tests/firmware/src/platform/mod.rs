@@ -1,12 +1,12 @@
 //! How each target starts, prints and ends.
 
+#[cfg(target_os = "none")]
+mod semihosting;
 #[cfg_attr(all(target_os = "none", target_arch = "arm"), path = "arm.rs")]
 #[cfg_attr(all(target_os = "none", target_arch = "riscv32"), path = "riscv.rs")]
 #[cfg_attr(target_family = "wasm", path = "wasm.rs")]
 #[cfg_attr(not(any(target_os = "none", target_family = "wasm")), path = "host.rs")]
 mod target;
-#[cfg(target_os = "none")]
-mod semihosting;
 
 pub use target::*;
 

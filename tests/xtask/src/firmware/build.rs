@@ -1,0 +1,130 @@
+//! Builds images.
+
+use super::targets::{HOST, M4F, Target};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What an image is for; each is a program of `tests/firmware/src/bin`.
+#[derive(Clone, Copy)]
+pub(super) enum Image {
+    Bits,
+    Cost,
+    Proof,
+    Bare,
+    SizeRotational,
+    SizeAll,
+    ControlPanic,
+    ControlAlloc,
+}
+
+impl Image {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Bits => "bits",
+            Self::Cost => "cost",
+            Self::Proof => "proof",
+            Self::Bare => "bare",
+            Self::SizeRotational => "size_rotational",
+            Self::SizeAll => "size_all",
+            Self::ControlPanic => "control_panic",
+            Self::ControlAlloc => "control_alloc",
+        }
+    }
+}
+
+/// How an image is optimised.
+#[derive(Clone, Copy)]
+pub(super) enum Profile {
+    /// opt-level 3.
+    Release,
+    /// opt-level s.
+    Small,
+}
+
+impl Profile {
+    pub(super) const ALL: [Self; 2] = [Self::Release, Self::Small];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Release => "release",
+            Self::Small => "small",
+        }
+    }
+}
+
+/// Builds an image and returns where it lies.
+pub(super) fn build(
+    folder: &Path,
+    target: Target,
+    profile: Profile,
+    image: Image,
+) -> Result<PathBuf, String> {
+    crate::run(&mut command(folder, target, profile, image))?;
+    let name = match target.triple {
+        "wasm32-unknown-unknown" => format!("{}.wasm", image.name()),
+        _ => image.name().to_owned(),
+    };
+    Ok(target_folder(folder, target).join(target.triple).join(profile.name()).join(name))
+}
+
+/// Sees the image fail to link that has a panic, and for that reason.
+pub(super) fn control_fails(folder: &Path, target: Target, profile: Profile) -> Result<(), String> {
+    let output = command(folder, target, profile, Image::ControlPanic)
+        .output()
+        .map_err(|error| format!("cargo: {error}"))?;
+    let errors = String::from_utf8_lossy(&output.stderr);
+    if output.status.success() {
+        return Err(format!("an image that can panic links ({})", profile.name()));
+    }
+    if errors.contains("undefined symbol: a_panic_is_reachable") {
+        Ok(())
+    } else {
+        Err(format!("an image that can panic fails for another reason:\n{errors}"))
+    }
+}
+
+/// Formats and lints the workspace of the images.
+pub(super) fn lint(folder: &Path) -> Result<(), String> {
+    let fmt = ["fmt", "--manifest-path", MANIFEST, "--check"];
+    crate::run(cargo(folder, HOST).args(fmt))?;
+    let lint = ["clippy", "--locked", "--manifest-path", MANIFEST, "--bins", "--features"];
+    for target in [M4F, HOST] {
+        let features = if target.bare { "control,cortex-m" } else { "control" };
+        let mut command = cargo(folder, target);
+        command.args(lint).arg(features);
+        command.args(triple(target)).args(["--", "-D", "warnings"]);
+        crate::run(&mut command)?;
+    }
+    Ok(())
+}
+
+const MANIFEST: &str = "tests/firmware/Cargo.toml";
+
+fn command(folder: &Path, target: Target, profile: Profile, image: Image) -> Command {
+    let mut command = cargo(folder, target);
+    command.args(["build", "--quiet", "--locked", "--manifest-path", MANIFEST]);
+    command.args(["--bin", image.name(), "--profile", profile.name()]).args(triple(target));
+    match image {
+        Image::Cost => command.args(["--features", "cortex-m"]),
+        Image::ControlPanic | Image::ControlAlloc => command.args(["--features", "control"]),
+        _ => &mut command,
+    };
+    command
+}
+
+fn triple(target: Target) -> Vec<&'static str> {
+    if target.triple.is_empty() { Vec::new() } else { vec!["--target", target.triple] }
+}
+
+fn cargo(folder: &Path, target: Target) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.env("SINEW_MODELS", folder.join("models"));
+    command.env("CARGO_TARGET_DIR", target_folder(folder, target));
+    command.env("RUSTFLAGS", target.flags);
+    command
+}
+
+/// Gives builds with flags of their own a folder of their own, so that neither undoes the other.
+fn target_folder(folder: &Path, target: Target) -> PathBuf {
+    folder.join(if target.flags.is_empty() { "plain" } else { "flags" })
+}
