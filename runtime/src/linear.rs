@@ -26,14 +26,15 @@ pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Returns m v.
-#[inline]
-pub(crate) fn transform(m: &Columns, [x, y, z]: [f32; 3]) -> [f32; 3] {
-    let [mut out, b, c] = *m;
-    for ((a, b), c) in out.iter_mut().zip(b).zip(c) {
-        *a = *a * x + b * y + c * z;
-    }
-    out
+/// Returns a b.
+pub(crate) fn product(a: &Columns, b: &Columns) -> Columns {
+    b.map(|[x, y, z]| {
+        let [mut out, a1, a2] = *a;
+        for ((a0, a1), a2) in out.iter_mut().zip(a1).zip(a2) {
+            *a0 = *a0 * x + a1 * y + a2 * z;
+        }
+        out
+    })
 }
 
 /// Returns transpose(m) v.

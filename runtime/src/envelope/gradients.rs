@@ -3,7 +3,7 @@
 use super::{Envelope, Key};
 use crate::Matrix3x4;
 use crate::error::{Argument, EvalError};
-use crate::linear::{Columns, IDENTITY, columns, dot, transform, transform_transposed};
+use crate::linear::{Columns, IDENTITY, columns, dot, product, transform_transposed};
 use crate::numeric::{quadrant_angle, sin_versine, sqrt};
 use crate::pose;
 
@@ -41,7 +41,7 @@ pub fn evaluate(
             None => [0.0; 3],
             Some(parent) => {
                 let parent = rotation(relative, parent);
-                log(&rotation(relative, joint).map(|c| transform_transposed(&parent, c)))
+                log(&rotation(relative, joint).map(|c| transform_transposed(parent, c)))
             }
         };
     }
@@ -81,20 +81,19 @@ fn gradient(
     let mut out = scale_shear(&key.shear, theta(key.joint), theta_p);
     if let Some((joint, twist)) = &key.residual {
         let turn = exp(twist.map(|row| dot(row, theta(*joint))));
-        out = out.map(|column| transform(&turn, column));
+        out = product(&turn, &out);
     }
     let turn = exp(key.twist.map(|row| dot(row, theta(key.joint))));
-    out = out.map(|column| transform(&turn, column));
+    out = product(&turn, &out);
     if let Some(parent) = parent {
-        let turn = rotation(relative, parent);
-        out = out.map(|column| transform(&turn, column));
+        out = product(rotation(relative, parent), &out);
     }
     out
 }
 
 /// Returns the linear part of a joint's relative map.
-fn rotation(relative: &[[[f32; 3]; 4]], joint: usize) -> Columns {
-    relative.get(joint).map_or(IDENTITY, |[x, y, z, _]| [*x, *y, *z])
+fn rotation(relative: &[[[f32; 3]; 4]], joint: usize) -> &Columns {
+    relative.get(joint).and_then(|map| map.first_chunk()).unwrap_or(&IDENTITY)
 }
 
 /// Returns S = I + sym(H [theta_b; theta_p]).
