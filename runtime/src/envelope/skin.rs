@@ -177,15 +177,14 @@ impl Attribute {
 /// for an index beyond the palette, which a loaded model does not have.
 #[inline(always)]
 fn blend(palette: &[Matrix3x4], indices: &[[u8; 2]], weights: &[Le]) -> Option<Mat4> {
-    let mut rows = [Vec4::ZERO; 3];
+    let [mut x, mut y, mut z] = [Vec4::ZERO; 3];
     for (index, weight) in indices.iter().zip(weights) {
-        let map = palette.get(usize::from(u16::from_le_bytes(*index)))?;
+        let [a, b, c] = palette.get(usize::from(u16::from_le_bytes(*index)))?;
         let weight = f32::from_le_bytes(*weight);
-        for (row, map) in rows.iter_mut().zip(map) {
-            *row += Vec4::from_array(*map) * weight;
-        }
+        x += Vec4::from_array(*a) * weight;
+        y += Vec4::from_array(*b) * weight;
+        z += Vec4::from_array(*c) * weight;
     }
-    let [x, y, z] = rows;
     Some(Mat4::from_cols(x, y, z, Vec4::ZERO).transpose())
 }
 

@@ -210,6 +210,7 @@ fn check_matrices(envelope: &Envelope<'_>) -> Result<(), FormatError> {
 }
 
 /// Finds the first float that is not within `[least, greatest]`, as none is that is no number.
+#[inline(never)]
 fn outside(floats: &[Le], [least, greatest]: [f32; 2]) -> Option<usize> {
     let within = |x: f32| least <= x && x <= greatest;
     floats.iter().position(|le| !within(f32::from_le_bytes(*le)))
@@ -295,7 +296,8 @@ fn check_groups(envelope: &Envelope<'_>) -> Result<(), FormatError> {
     }
     let (section, found) = (SectionKind::Corrections, envelope.corrections.len());
     if 4 * words != found as u64 {
-        return Err(FormatError::SectionLength { section, expected: 4 * words, found });
+        let expected = saturated(4 * words);
+        return Err(FormatError::SectionLength { section, expected, found });
     }
     let (expected, found) = (saturated(scratch as u64), envelope.counts.scratch_len);
     if expected != found {
