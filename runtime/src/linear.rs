@@ -67,7 +67,6 @@ pub(crate) fn compose(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {
 ///
 /// `block` holds 8 coefficients a column, `input` three coordinates a column, `sums[r][i]` is row
 /// i's coordinate r. Each sum takes its columns in order, whatever the SIMD width.
-#[inline]
 pub(crate) fn add_block_product(sums: &mut [[f32; 8]; 3], block: &[[Le; 8]], input: &[[f32; 3]]) {
     let mut local = *sums;
     for (coefficients, x) in block.iter().zip(input) {

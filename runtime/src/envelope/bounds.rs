@@ -4,6 +4,7 @@ use super::Envelope;
 use crate::Matrix3x4;
 use crate::error::{Argument, EvalError};
 use crate::format::WEIGHT_SUM_TOLERANCE;
+use crate::numeric::{greater, lesser};
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,8 +48,8 @@ impl Envelope<'_> {
 
 /// Returns the least box that holds two.
 fn joined(mut a: Bounds, b: &Bounds) -> Bounds {
-    a.min.iter_mut().zip(&b.min).for_each(|(a, b)| *a = a.min(*b));
-    a.max.iter_mut().zip(&b.max).for_each(|(a, b)| *a = a.max(*b));
+    a.min.iter_mut().zip(&b.min).for_each(|(a, b)| *a = lesser(*a, *b));
+    a.max.iter_mut().zip(&b.max).for_each(|(a, b)| *a = greater(*a, *b));
     a
 }
 
@@ -59,9 +60,9 @@ fn moved(rest: &Bounds, map: &Matrix3x4, slack: f32) -> Bounds {
         let (mut min, mut max, mut magnitude) = (row[3], row[3], row[3].abs());
         for (m, (lo, hi)) in row.iter().zip(rest.min.iter().zip(&rest.max)) {
             let (a, b) = (m * lo, m * hi);
-            min += a.min(b);
-            max += a.max(b);
-            magnitude += a.abs().max(b.abs());
+            min += lesser(a, b);
+            max += greater(a, b);
+            magnitude += greater(a.abs(), b.abs());
         }
         *out_min = min - slack * magnitude;
         *out_max = max + slack * magnitude;

@@ -2,22 +2,22 @@
 
 use super::{Envelope, Names};
 use crate::error::FormatError;
-use crate::format::{EnvelopeCounts, Manifest, PartRow, Predictor, Presence, SectionKind};
+use crate::format::{Manifest, PartRow, Predictor, Presence, SectionKind};
 
 impl<'a> Envelope<'a> {
     /// Checks that a part has the sections of its predictor, each of the length that its counts
-    /// give, and cuts them into arrays; reads none of their content.
+    /// give; reads none of their content.
     ///
     /// # Errors
     /// - [`FormatError::Predictor`]
     /// - [`FormatError::UnexpectedSection`]
     /// - [`FormatError::MissingSection`]
     /// - [`FormatError::SectionLength`]
-    pub(crate) fn checked(
+    pub(crate) fn check_sections(
         manifest: &Manifest<'a>,
         part: usize,
         row: &PartRow,
-    ) -> Result<Self, FormatError> {
+    ) -> Result<(), FormatError> {
         let predictor = Predictor::from_number(row.predictor)
             .ok_or(FormatError::Predictor { found: row.predictor })?;
         let counts = row.envelope_counts();
@@ -31,24 +31,14 @@ impl<'a> Envelope<'a> {
                 (_, Some(bytes)) => section.check_len(predictor, &counts, bytes.len())?,
             }
         }
-        Ok(Self::cut(manifest, part, row, predictor, counts))
+        Ok(())
     }
 
-    /// Cuts the sections of a part that has been checked into arrays; `None` where the part is of
-    /// no predictor.
+    /// Cuts the sections of a part into arrays, after [`Envelope::check_sections`]; `None` where the
+    /// part has no known predictor.
     pub(crate) fn view(manifest: &Manifest<'a>, part: usize, row: &PartRow) -> Option<Self> {
         let predictor = Predictor::from_number(row.predictor)?;
-        Some(Self::cut(manifest, part, row, predictor, row.envelope_counts()))
-    }
-
-    #[inline(never)]
-    fn cut(
-        manifest: &Manifest<'a>,
-        part: usize,
-        row: &PartRow,
-        predictor: Predictor,
-        counts: EnvelopeCounts,
-    ) -> Self {
+        let counts = row.envelope_counts();
         let bytes = SectionKind::ALL.map(|kind| manifest.find(part, kind).unwrap_or_default());
         // In the order of `SectionKind::ALL`.
         let [names, hierarchy, inverse_binds, positions, normals, tangents, bytes @ ..] = bytes;
@@ -61,7 +51,7 @@ impl<'a> Envelope<'a> {
         let (parents, order_ranks) = hierarchy.split_at_checked(joint_len).unwrap_or_default();
         let (order, ranks) = order_ranks.split_at_checked(joint_len).unwrap_or_default();
         let has_tangents = manifest.find(part, SectionKind::RestTangents).is_some();
-        Self {
+        Some(Self {
             part,
             predictor,
             counts,
@@ -84,6 +74,6 @@ impl<'a> Envelope<'a> {
             origins: words(origins).as_chunks().0,
             groups: groups.as_chunks().0,
             corrections,
-        }
+        })
     }
 }

@@ -13,7 +13,8 @@ use crate::envelope::Envelope;
 use crate::error::FormatError;
 use crate::kernel::{Kernel, padded};
 use crate::limits::{Limits, Quantity};
-use crate::linear::Le;
+use crate::linear::{Le, floats};
+use crate::numeric::greater;
 
 /// Reads and checks a whole file.
 ///
@@ -24,7 +25,10 @@ pub(crate) fn read<'a>(bytes: &'a [u8], limits: &Limits) -> Result<Manifest<'a>,
     for (part, row) in manifest.parts.iter().map(PartRow::from_bytes).enumerate() {
         if row.kind == PartKind::Envelope.number() {
             check_envelope_row(&row, limits)?;
-            check_envelope(&Envelope::checked(&manifest, part, &row)?)?;
+            Envelope::check_sections(&manifest, part, &row)?;
+            if let Some(envelope) = Envelope::view(&manifest, part, &row) {
+                check_envelope(&envelope)?;
+            }
         }
     }
     Ok(manifest)
@@ -259,15 +263,14 @@ fn check_keys(envelope: &Envelope<'_>) -> Result<(), FormatError> {
     let below = envelope.joint_len();
     for index in 0..envelope.proxy_len() {
         let Some(key) = envelope.key(index) else { continue };
-        let residual = key.residual.map(|(joint, _)| joint);
-        for found in [Some(key.joint), residual].into_iter().flatten() {
-            if found >= below {
-                return Err(FormatError::Index { section: SectionKind::Keys, index, below, found });
-            }
+        let residual = key.residual.map_or(0, |(joint, _)| joint);
+        let found = if key.joint < below { residual } else { key.joint };
+        if found >= below {
+            return Err(FormatError::Index { section: SectionKind::Keys, index, below, found });
         }
         let norm = |m: &[[f32; 3]; 3]| m.as_flattened().iter().map(|x| x * x).sum::<f32>();
         let residual = key.residual.map_or(0.0, |(_, twist)| norm(&twist));
-        if norm(&key.twist).max(residual) > TWIST_MAX * TWIST_MAX {
+        if greater(norm(&key.twist), residual) > TWIST_MAX * TWIST_MAX {
             return Err(FormatError::Twist { key: index });
         }
     }
@@ -360,7 +363,7 @@ fn check_corrections(envelope: &Envelope<'_>) -> Result<(), FormatError> {
 fn check_influences(envelope: &Envelope<'_>) -> Result<(), FormatError> {
     let section = SectionKind::InfluenceIndices;
     let below = envelope.palette_len();
-    for vertex in 0..envelope.vertex_len() {
+    for (vertex, position) in envelope.positions.iter().map(floats).enumerate() {
         let mut sum = 0.0;
         for (k, (found, weight)) in envelope.influences(vertex).enumerate() {
             if found >= below {
@@ -368,10 +371,7 @@ fn check_influences(envelope: &Envelope<'_>) -> Result<(), FormatError> {
                 return Err(FormatError::Index { section, index, below, found });
             }
             sum += weight;
-            let inside = match (envelope.rest_box(found), envelope.rest_position(vertex)) {
-                (Some(rest_box), Some(position)) => rest_box.contains(position),
-                _ => false,
-            };
+            let inside = envelope.rest_box(found).is_some_and(|rest| rest.contains(position));
             if weight > 0.0 && !inside {
                 return Err(FormatError::RestBox { index: found, vertex });
             }
