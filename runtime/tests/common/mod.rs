@@ -19,7 +19,7 @@ use sinew_runtime::format::{
     CHECKSUM_OFFSET, Certificate, EnvelopeCounts, File, MAGIC, NO_JOINT, PartRow, Predictor,
     Presence, SectionKind, SectionRow, VERSION, checksum,
 };
-use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, model_space_pose};
+use sinew_runtime::{Envelope, Matrix3x4, Model, model_space_pose};
 
 /// Every field of a file, each free to be wrong.
 #[derive(Clone)]

@@ -14,7 +14,7 @@ use targets::{M4F, TARGETS, Target};
 
 /// Builds, runs, compares, proves and weighs.
 pub(crate) fn firmware() -> Result<(), String> {
-    prepare::components()?;
+    prepare::prepare()?;
     let folder = crate::target_folder()?.join("firmware");
     let models = folder.join("models");
     std::fs::create_dir_all(&models).map_err(|error| format!("{}: {error}", models.display()))?;
