@@ -8,6 +8,7 @@ use std::process::Command;
 #[derive(Clone, Copy)]
 pub(super) enum Image {
     Bits,
+    Minimal,
     Cost,
     Proof,
     Bare,
@@ -21,6 +22,7 @@ impl Image {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Bits => "bits",
+            Self::Minimal => "minimal",
             Self::Cost => "cost",
             Self::Proof => "proof",
             Self::Bare => "bare",

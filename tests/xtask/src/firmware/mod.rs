@@ -9,6 +9,7 @@ mod targets;
 use build::{Image, Profile, build, control_fails};
 use elf::Elf;
 use std::path::Path;
+use std::process::Command;
 use std::thread;
 use targets::{M4F, TARGETS, Target};
 
@@ -16,15 +17,22 @@ use targets::{M4F, TARGETS, Target};
 pub(crate) fn firmware() -> Result<(), String> {
     prepare::prepare()?;
     let folder = crate::target_folder()?.join("firmware");
-    let models = folder.join("models");
-    std::fs::create_dir_all(&models).map_err(|error| format!("{}: {error}", models.display()))?;
-    let bake = "run --locked -p conformance --example firmware_models --";
-    crate::cargo(&format!("{bake} {}", models.display()), &[])?;
+    bake_models(&folder.join("models"))?;
     build::lint(&folder)?;
     same_bits(&folder)?;
+    minimal(&folder)?;
     no_panic(&folder)?;
     no_allocator(&folder)?;
     costs(&folder)
+}
+
+/// Bakes the models that the images hold.
+fn bake_models(folder: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    // As part of the workspace, so that it shares what `cargo test --workspace` builds.
+    crate::cargo("build --locked --workspace --example firmware_models", &[])?;
+    let program = crate::target_folder()?.join("debug/examples/firmware_models");
+    crate::run(Command::new(program).arg(folder))
 }
 
 /// Runs the poses on every target and compares each with the first, which builds here.
@@ -56,6 +64,22 @@ fn compare(target: &str, expected: &str, found: &str) -> Result<(), String> {
             Err(format!("{target}: expected {} lines", expected.lines().count()))
         }
         None => Ok(()),
+    }
+}
+
+/// Runs the image that the README shows, and sees that the README shows it.
+fn minimal(folder: &Path) -> Result<(), String> {
+    let printed = M4F.run(&build(folder, M4F, Profile::Release, Image::Minimal)?)?;
+    if !printed.starts_with("confidence ") {
+        return Err(format!("the minimal image printed `{printed}`"));
+    }
+    let read = |path| std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"));
+    let image = read("tests/firmware/src/bin/minimal.rs")?;
+    let shown = format!("```rust\n{image}```\n");
+    if read("tests/firmware/README.md")?.contains(&shown) {
+        Ok(())
+    } else {
+        Err("tests/firmware/README.md does not show src/bin/minimal.rs as it is".to_owned())
     }
 }
 
