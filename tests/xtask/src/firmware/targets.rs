@@ -28,7 +28,7 @@ pub(super) const M4F: Target = Target {
              -semihosting-config enable=on,target=native -kernel",
 };
 
-pub(super) const HOST: Target =
+const HOST: Target =
     Target { name: "this machine", triple: "", flags: "", bare: false, runner: "" };
 
 /// Every target; the first is what the others are compared with.
