@@ -130,8 +130,8 @@ pub enum FormatError {
     SectionLength {
         /// The section.
         section: SectionKind,
-        /// Bytes it should have; `u64::MAX` stands for a product that overflows.
-        expected: u64,
+        /// Bytes it should have; `u32::MAX` also stands for more.
+        expected: u32,
         /// Bytes it has.
         found: usize,
     },

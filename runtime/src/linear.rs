@@ -1,4 +1,7 @@
 //! Small matrices and the blocked product; every sum runs left to right.
+//!
+//! Loops run over zipped rows and not over indices: optimised for size, an index keeps its check,
+//! and with it a panic that firmware would have to hold.
 
 use crate::Matrix3x4;
 
@@ -23,11 +26,15 @@ pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Returns m v.
-#[inline]
-pub(crate) fn transform(m: &Columns, v: [f32; 3]) -> [f32; 3] {
-    let [a, b, c] = m;
-    [0, 1, 2].map(|r| a[r] * v[0] + b[r] * v[1] + c[r] * v[2])
+/// Returns a b.
+pub(crate) fn product(a: &Columns, b: &Columns) -> Columns {
+    b.map(|[x, y, z]| {
+        let [mut out, a1, a2] = *a;
+        for ((a0, a1), a2) in out.iter_mut().zip(a1).zip(a2) {
+            *a0 = *a0 * x + a1 * y + a2 * z;
+        }
+        out
+    })
 }
 
 /// Returns transpose(m) v.
@@ -39,15 +46,19 @@ pub(crate) fn transform_transposed(m: &Columns, v: [f32; 3]) -> [f32; 3] {
 /// Returns the four columns of a map.
 #[inline]
 pub(crate) fn columns(m: &Matrix3x4) -> [[f32; 3]; 4] {
-    [0, 1, 2, 3].map(|c| [m[0][c], m[1][c], m[2][c]])
+    let [[x0, y0, z0, w0], [x1, y1, z1, w1], [x2, y2, z2, w2]] = *m;
+    [[x0, x1, x2], [y0, y1, y2], [z0, z1, z2], [w0, w1, w2]]
 }
 
 /// Returns the map a b: first b, then a.
 #[inline]
 pub(crate) fn compose(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {
-    a.map(|row| {
-        let mut out = [0, 1, 2, 3].map(|c| row[0] * b[0][c] + row[1] * b[1][c] + row[2] * b[2][c]);
-        out[3] += row[3];
+    a.map(|[x, y, z, shift]| {
+        let [mut out, b1, b2] = *b;
+        for ((b0, b1), b2) in out.iter_mut().zip(b1).zip(b2) {
+            *b0 = x * *b0 + y * b1 + z * b2;
+        }
+        out[3] += shift;
         out
     })
 }
@@ -56,7 +67,6 @@ pub(crate) fn compose(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {
 ///
 /// `block` holds 8 coefficients a column, `input` three coordinates a column, `sums[r][i]` is row
 /// i's coordinate r. Each sum takes its columns in order, whatever the SIMD width.
-#[inline]
 pub(crate) fn add_block_product(sums: &mut [[f32; 8]; 3], block: &[[Le; 8]], input: &[[f32; 3]]) {
     let mut local = *sums;
     for (coefficients, x) in block.iter().zip(input) {

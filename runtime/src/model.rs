@@ -72,7 +72,7 @@ impl<'a> Model<'a> {
             if row.kind != PartKind::Envelope.number() {
                 return None;
             }
-            Envelope::view(&self.manifest, part, row).ok()
+            Envelope::view(&self.manifest, part, &row)
         })
     }
 }

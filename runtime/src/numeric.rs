@@ -9,6 +9,20 @@ pub(crate) fn sqrt(x: f32) -> f32 {
     libm::sqrtf(x)
 }
 
+/// Returns the lesser of two numbers; `a` where they are equal, or `b` is not a number.
+///
+/// `f32::min` may return either of two zeros, and does so differently on different CPUs.
+#[inline(always)]
+pub(crate) fn lesser(a: f32, b: f32) -> f32 {
+    if b < a { b } else { a }
+}
+
+/// Returns the greater of two numbers; `a` where they are equal, or `b` is not a number.
+#[inline(always)]
+pub(crate) fn greater(a: f32, b: f32) -> f32 {
+    if b > a { b } else { a }
+}
+
 /// Returns the sine and the versine (1 - cos) of an angle in radians, `0 <= angle <= pi TWIST_MAX`.
 ///
 /// The versine keeps its relative accuracy near 0, where 1 - cos would lose it (METHOD §7).
@@ -200,6 +214,17 @@ mod tests {
             assert!((0.0..=1.0).contains(&step));
             assert!((f64::from(step) / exact - 1.0).abs() <= 4e-7, "{u}");
         }
+    }
+
+    #[test]
+    fn of_two_zeros_the_first_is_taken() {
+        for f in [lesser, greater] {
+            assert_eq!(f(0.0, -0.0).to_bits(), 0.0f32.to_bits());
+            assert_eq!(f(-0.0, 0.0).to_bits(), (-0.0f32).to_bits());
+            assert_eq!(f(1.0, f32::NAN), 1.0);
+        }
+        assert_eq!([lesser(1.0, 2.0), lesser(2.0, 1.0)], [1.0; 2]);
+        assert_eq!([greater(1.0, 2.0), greater(2.0, 1.0)], [2.0; 2]);
     }
 
     #[test]

@@ -252,7 +252,7 @@ fn each_section_is_required_and_has_its_length() {
                         SectionKind::Corrections => Some(builder.section(section).len() as u64),
                         _ => section.bytes(predictor, &counts),
                     };
-                    assert_eq!(Some(expected), stated);
+                    assert_eq!(Some(u64::from(expected)), stated);
                 }
                 (_, refused) => panic!("{section:?}: {refused:?}"),
             }

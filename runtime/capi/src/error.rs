@@ -139,7 +139,7 @@ impl From<FormatError> for sinew_error {
             }
             FormatError::SectionLength { section, expected, found } => {
                 Self::new(Status::SectionLength, section.into())
-                    .expected(expected)
+                    .expected(u64::from(expected))
                     .found(found as u64)
             }
             FormatError::Name { index } => row(Status::Name, index),

@@ -4,6 +4,7 @@ use super::Envelope;
 use crate::Matrix3x4;
 use crate::error::{Argument, EvalError};
 use crate::format::WEIGHT_SUM_TOLERANCE;
+use crate::numeric::{greater, lesser};
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,28 +40,32 @@ impl Envelope<'_> {
         for (proxy, map) in palette.iter().enumerate() {
             let Some(rest) = self.rest_box(proxy) else { continue };
             let moved = moved(&rest, map, slack);
-            union = Some(union.map_or(moved, |union| Bounds {
-                min: [0, 1, 2].map(|r| union.min[r].min(moved.min[r])),
-                max: [0, 1, 2].map(|r| union.max[r].max(moved.max[r])),
-            }));
+            union = Some(union.map_or(moved, |union| joined(union, &moved)));
         }
         Ok(union)
     }
 }
 
+/// Returns the least box that holds two.
+fn joined(mut a: Bounds, b: &Bounds) -> Bounds {
+    a.min.iter_mut().zip(&b.min).for_each(|(a, b)| *a = lesser(*a, *b));
+    a.max.iter_mut().zip(&b.max).for_each(|(a, b)| *a = greater(*a, *b));
+    a
+}
+
 /// Moves a box by a map and widens it by `slack` of the largest magnitude that its sums can reach.
 fn moved(rest: &Bounds, map: &Matrix3x4, slack: f32) -> Bounds {
     let mut out = Bounds { min: [0.0; 3], max: [0.0; 3] };
-    for (r, row) in map.iter().enumerate() {
+    for (row, (out_min, out_max)) in map.iter().zip(out.min.iter_mut().zip(&mut out.max)) {
         let (mut min, mut max, mut magnitude) = (row[3], row[3], row[3].abs());
         for (m, (lo, hi)) in row.iter().zip(rest.min.iter().zip(&rest.max)) {
             let (a, b) = (m * lo, m * hi);
-            min += a.min(b);
-            max += a.max(b);
-            magnitude += a.abs().max(b.abs());
+            min += lesser(a, b);
+            max += greater(a, b);
+            magnitude += greater(a.abs(), b.abs());
         }
-        out.min[r] = min - slack * magnitude;
-        out.max[r] = max + slack * magnitude;
+        *out_min = min - slack * magnitude;
+        *out_max = max + slack * magnitude;
     }
     out
 }

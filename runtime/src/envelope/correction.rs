@@ -4,6 +4,7 @@ use super::{Envelope, Group, split};
 use crate::Matrix3x4;
 use crate::error::{Argument, EvalError};
 use crate::kernel::padded;
+use crate::numeric::lesser;
 
 /// Adds `Q_dom(l) K_l(phi)` to the P proxies' maps, and returns the pose's confidence: the least of
 /// the groups that have centres; 1 if there are none.
@@ -34,11 +35,11 @@ pub fn evaluate(
     let first = out_palette.len().saturating_sub(envelope.proxy_len());
     let (_, proxies) = split(out_palette, first);
     let features = features.as_flattened().as_flattened();
-    let mut confidence = 1.0f32;
+    let mut confidence = 1.0;
     for group in envelope.groups().filter(|group| group.centre_len() > 0) {
         let out = proxies.get_mut(group.proxies.clone()).unwrap_or_default();
         let dominant = pose.get(group.joint).unwrap_or(&[[0.0; 4]; 3]);
-        confidence = confidence.min(add(&group, dominant, features, scratch, out));
+        confidence = lesser(confidence, add(&group, dominant, features, scratch, out));
     }
     Ok(confidence)
 }

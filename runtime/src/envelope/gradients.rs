@@ -3,7 +3,7 @@
 use super::{Envelope, Key};
 use crate::Matrix3x4;
 use crate::error::{Argument, EvalError};
-use crate::linear::{Columns, IDENTITY, columns, dot, transform, transform_transposed};
+use crate::linear::{Columns, IDENTITY, columns, dot, product, transform_transposed};
 use crate::numeric::{quadrant_angle, sin_versine, sqrt};
 use crate::pose;
 
@@ -41,7 +41,7 @@ pub fn evaluate(
             None => [0.0; 3],
             Some(parent) => {
                 let parent = rotation(relative, parent);
-                log(&rotation(relative, joint).map(|c| transform_transposed(&parent, c)))
+                log(&rotation(relative, joint).map(|c| transform_transposed(parent, c)))
             }
         };
     }
@@ -75,32 +75,34 @@ fn gradient(
     relative: &[[[f32; 3]; 4]],
     rotations: &[[f32; 3]],
 ) -> Columns {
-    let theta = |joint: usize| rotations.get(joint).copied().unwrap_or_default();
+    let theta = |joint: usize| rotations.get(joint).unwrap_or(&[0.0; 3]);
     let parent = envelope.parent(key.joint);
-    let theta_p = parent.map_or([0.0; 3], theta);
+    let theta_p = parent.map_or(&[0.0; 3], theta);
     let mut out = scale_shear(&key.shear, theta(key.joint), theta_p);
     if let Some((joint, twist)) = &key.residual {
-        let turn = exp(twist.map(|row| dot(row, theta(*joint))));
-        out = out.map(|column| transform(&turn, column));
+        out = turned(twist, theta(*joint), &out);
     }
-    let turn = exp(key.twist.map(|row| dot(row, theta(key.joint))));
-    out = out.map(|column| transform(&turn, column));
+    out = turned(&key.twist, theta(key.joint), &out);
     if let Some(parent) = parent {
-        let turn = rotation(relative, parent);
-        out = out.map(|column| transform(&turn, column));
+        out = product(rotation(relative, parent), &out);
     }
     out
 }
 
+/// Returns `exp(twist theta) m`.
+fn turned(twist: &[[f32; 3]; 3], theta: &[f32; 3], m: &Columns) -> Columns {
+    product(&exp(twist.map(|row| dot(row, *theta))), m)
+}
+
 /// Returns the linear part of a joint's relative map.
-fn rotation(relative: &[[[f32; 3]; 4]], joint: usize) -> Columns {
-    relative.get(joint).map_or(IDENTITY, |[x, y, z, _]| [*x, *y, *z])
+fn rotation(relative: &[[[f32; 3]; 4]], joint: usize) -> &Columns {
+    relative.get(joint).and_then(|map| map.first_chunk()).unwrap_or(&IDENTITY)
 }
 
 /// Returns S = I + sym(H [theta_b; theta_p]).
-fn scale_shear(shear: &[[f32; 6]; 6], b: [f32; 3], p: [f32; 3]) -> Columns {
+fn scale_shear(shear: &[[f32; 6]; 6], b: &[f32; 3], p: &[f32; 3]) -> Columns {
     let [xx, xy, xz, yy, yz, zz] =
-        shear.map(|[h0, h1, h2, h3, h4, h5]| dot([h0, h1, h2], b) + dot([h3, h4, h5], p));
+        shear.map(|[h0, h1, h2, h3, h4, h5]| dot([h0, h1, h2], *b) + dot([h3, h4, h5], *p));
     [[1.0 + xx, xy, xz], [xy, 1.0 + yy, yz], [xz, yz, 1.0 + zz]]
 }
 

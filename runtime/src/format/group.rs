@@ -73,24 +73,20 @@ impl GroupRow {
 
     /// Reads a row.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
-        let mut words = bytes.as_chunks::<4>().0.iter().copied();
-        let mut word = || words.next().unwrap_or_default();
-        let halves =
-            |[a, b, c, d]: [u8; 4]| (u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d]));
-        let [j0, j1, kernel, reserved] = word();
-        let (input_len, centre_len) = halves(word());
-        let (rank, proxy_len) = halves(word());
+        let [j0, j1, kernel, reserved, lengths @ ..] = *bytes;
+        let [d0, d1, n0, n1, r0, r1, p0, p1, words @ ..] = lengths;
+        let [o0, o1, o2, o3, s0, s1, s2, s3, e0, e1, e2, e3] = words;
         Self {
             joint: u16::from_le_bytes([j0, j1]),
             kernel,
             reserved,
-            input_len,
-            centre_len,
-            rank,
-            proxy_len,
-            offset: u32::from_le_bytes(word()),
-            fade_start: f32::from_le_bytes(word()),
-            fade_end: f32::from_le_bytes(word()),
+            input_len: u16::from_le_bytes([d0, d1]),
+            centre_len: u16::from_le_bytes([n0, n1]),
+            rank: u16::from_le_bytes([r0, r1]),
+            proxy_len: u16::from_le_bytes([p0, p1]),
+            offset: u32::from_le_bytes([o0, o1, o2, o3]),
+            fade_start: f32::from_le_bytes([s0, s1, s2, s3]),
+            fade_end: f32::from_le_bytes([e0, e1, e2, e3]),
         }
     }
 }

@@ -411,29 +411,34 @@ impl SectionKind {
     /// Computes its length in bytes; `None` if the product overflows. The least length, where the
     /// content states its own: of names by their table, of corrections by the groups.
     pub fn bytes(self, predictor: Predictor, counts: &EnvelopeCounts) -> Option<u64> {
-        let EnvelopeCounts { vertex_len, joint_len, proxy_len, influence_len, group_len, .. } =
-            *counts;
-        let [v, j, p, k, g] =
-            [vertex_len, joint_len, proxy_len, influence_len, group_len].map(u64::from);
+        let EnvelopeCounts {
+            vertex_len: v,
+            joint_len: j,
+            proxy_len: p,
+            influence_len: k,
+            group_len: g,
+            ..
+        } = *counts;
         let blocks = p.div_ceil(2);
-        let factors = match self {
-            Self::Names => [4, j + 1, 1],
-            Self::Hierarchy => [6, j, 1],
-            Self::InverseBinds => [48, j, 1],
-            Self::RestPositions | Self::RestNormals => [12, v, 1],
-            Self::RestTangents => [16, v, 1],
-            Self::InfluenceIndices => [2, v, k],
-            Self::InfluenceWeights => [4, v, k],
-            Self::Keys => [4 * KEY_WORDS as u64, p, 1],
-            Self::C1 => [32 * 3, blocks, p],
-            Self::C2 => [32 * 4, blocks, j],
-            Self::RestBoxes => [24, counts.palette_len(predictor) as u64, 1],
-            Self::PoseRanges => [4, j, 1],
-            Self::Origins => [12, j, 1],
-            Self::Groups => [GroupRow::BYTES as u64, g, 1],
-            Self::Corrections => [0, 1, 1],
+        let maps = u32::try_from(counts.palette_len(predictor)).ok()?;
+        let (each, rows, columns) = match self {
+            Self::Names => (4, j.checked_add(1)?, 1),
+            Self::Hierarchy => (6, j, 1),
+            Self::InverseBinds => (48, j, 1),
+            Self::RestPositions | Self::RestNormals => (12, v, 1),
+            Self::RestTangents => (16, v, 1),
+            Self::InfluenceIndices => (2, v, k),
+            Self::InfluenceWeights => (4, v, k),
+            Self::Keys => (4 * KEY_WORDS as u64, p, 1),
+            Self::C1 => (32 * 3, blocks, p),
+            Self::C2 => (32 * 4, blocks, j),
+            Self::RestBoxes => (24, maps, 1),
+            Self::PoseRanges => (4, j, 1),
+            Self::Origins => (12, j, 1),
+            Self::Groups => (GroupRow::BYTES as u64, g, 1),
+            Self::Corrections => (0, 1, 1),
         };
-        factors.into_iter().try_fold(1u64, u64::checked_mul)
+        (u64::from(rows) * u64::from(columns)).checked_mul(each)
     }
 
     /// Checks a length against the counts.
@@ -451,6 +456,7 @@ impl SectionKind {
         if fits {
             Ok(())
         } else {
+            let expected = u32::try_from(expected).unwrap_or(u32::MAX);
             Err(FormatError::SectionLength { section: self, expected, found })
         }
     }

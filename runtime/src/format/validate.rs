@@ -5,16 +5,16 @@
 
 use super::manifest::REQUIRED;
 use super::{
-    ALIGNMENT_LOG2, CORRECTION_MAX, EnvelopeCounts, FEATURES, File, GroupRow, MAGIC, MAGNITUDE_MAX,
-    Manifest, PARTS_MAX, PartKind, PartRow, Predictor, SECTIONS_MAX, SectionKind, SectionRow,
-    TWIST_MAX, VERSION, WEIGHT_SUM_TOLERANCE, checksum,
+    ALIGNMENT_LOG2, CORRECTION_MAX, EnvelopeCounts, FEATURES, File, GroupRow, KEY_WORDS, MAGIC,
+    MAGNITUDE_MAX, Manifest, PARTS_MAX, PartKind, PartRow, Predictor, SECTIONS_MAX, SectionKind,
+    SectionRow, TWIST_MAX, VERSION, WEIGHT_SUM_TOLERANCE, checksum,
 };
 use crate::envelope::Envelope;
 use crate::error::FormatError;
 use crate::kernel::{Kernel, padded};
 use crate::limits::{Limits, Quantity};
-use crate::linear::Le;
-use core::ops::RangeInclusive;
+use crate::linear::{Le, floats};
+use crate::numeric::greater;
 
 /// Reads and checks a whole file.
 ///
@@ -25,7 +25,10 @@ pub(crate) fn read<'a>(bytes: &'a [u8], limits: &Limits) -> Result<Manifest<'a>,
     for (part, row) in manifest.parts.iter().map(PartRow::from_bytes).enumerate() {
         if row.kind == PartKind::Envelope.number() {
             check_envelope_row(&row, limits)?;
-            check_envelope(&Envelope::view(&manifest, part, row)?)?;
+            Envelope::check_sections(&manifest, part, &row)?;
+            if let Some(envelope) = Envelope::view(&manifest, part, &row) {
+                check_envelope(&envelope)?;
+            }
         }
     }
     Ok(manifest)
@@ -154,7 +157,10 @@ fn check_envelope_row(row: &PartRow, limits: &Limits) -> Result<(), FormatError>
             return Err(FormatError::Empty { quantity });
         }
     }
-    check_floats(None, row.figures.map(f32::to_le_bytes).iter())
+    match outside(&row.figures.map(f32::to_le_bytes), SIGNED) {
+        Some(index) => Err(FormatError::Float { section: None, index }),
+        None => Ok(()),
+    }
 }
 
 fn check_limit(quantity: Quantity, most: u32, found: usize) -> Result<(), FormatError> {
@@ -168,47 +174,50 @@ fn check_envelope(envelope: &Envelope<'_>) -> Result<(), FormatError> {
     check_hierarchy(envelope)?;
     let e = envelope;
     let tangents = e.tangents.unwrap_or_default().as_flattened();
-    let keys = e.keys.iter().flat_map(|key| key.iter().skip(1));
-    check_floats(Some(SectionKind::InverseBinds), e.inverse_binds.as_flattened().iter())?;
-    check_floats(Some(SectionKind::RestPositions), e.positions.as_flattened().iter())?;
-    check_floats(Some(SectionKind::RestNormals), e.normals.as_flattened().iter())?;
-    check_floats(Some(SectionKind::RestTangents), tangents.iter())?;
-    check_floats(Some(SectionKind::Keys), keys)?;
-    check_floats(Some(SectionKind::C1), e.c1.as_flattened().iter())?;
-    check_floats(Some(SectionKind::C2), e.c2.as_flattened().iter())?;
-    check_floats(Some(SectionKind::RestBoxes), e.boxes.as_flattened().iter())?;
-    check_floats(Some(SectionKind::Origins), e.origins.as_flattened().iter())?;
-    check_not_negative(SectionKind::PoseRanges, e.pose_ranges)?;
-    check_not_negative(SectionKind::InfluenceWeights, e.weights)?;
+    check_floats(SectionKind::InverseBinds, e.inverse_binds.as_flattened(), SIGNED)?;
+    check_floats(SectionKind::RestPositions, e.positions.as_flattened(), SIGNED)?;
+    check_floats(SectionKind::RestNormals, e.normals.as_flattened(), SIGNED)?;
+    check_floats(SectionKind::RestTangents, tangents, SIGNED)?;
+    check_matrices(e)?;
+    check_floats(SectionKind::C1, e.c1.as_flattened(), SIGNED)?;
+    check_floats(SectionKind::C2, e.c2.as_flattened(), SIGNED)?;
+    check_floats(SectionKind::RestBoxes, e.boxes.as_flattened(), SIGNED)?;
+    check_floats(SectionKind::Origins, e.origins.as_flattened(), SIGNED)?;
+    check_floats(SectionKind::PoseRanges, e.pose_ranges, UNSIGNED)?;
+    check_floats(SectionKind::InfluenceWeights, e.weights, UNSIGNED)?;
     check_keys(e)?;
     check_groups(e)?;
     check_corrections(e)?;
     check_influences(e)
 }
 
-fn check_floats<'a>(
-    section: Option<SectionKind>,
-    floats: impl Iterator<Item = &'a Le>,
-) -> Result<(), FormatError> {
-    match outside(floats, -MAGNITUDE_MAX..=MAGNITUDE_MAX) {
-        Some(index) => Err(FormatError::Float { section, index }),
-        None => Ok(()),
-    }
-}
+const SIGNED: [f32; 2] = [-MAGNITUDE_MAX, MAGNITUDE_MAX];
+const UNSIGNED: [f32; 2] = [0.0, MAGNITUDE_MAX];
 
-fn check_not_negative(section: SectionKind, floats: &[Le]) -> Result<(), FormatError> {
-    match outside(floats.iter(), 0.0..=MAGNITUDE_MAX) {
+fn check_floats(section: SectionKind, floats: &[Le], range: [f32; 2]) -> Result<(), FormatError> {
+    match outside(floats, range) {
         Some(index) => Err(FormatError::Float { section: Some(section), index }),
         None => Ok(()),
     }
 }
 
-/// Finds the first float that a range does not hold; it holds no NaN.
-fn outside<'a>(
-    mut floats: impl Iterator<Item = &'a Le>,
-    range: RangeInclusive<f32>,
-) -> Option<usize> {
-    floats.position(|le| !range.contains(&f32::from_le_bytes(*le)))
+/// Checks the matrices of the keys, which stand after a word of joints each.
+fn check_matrices(envelope: &Envelope<'_>) -> Result<(), FormatError> {
+    for (key, words) in envelope.keys.iter().enumerate() {
+        let matrices = words.split_first().map_or(&[][..], |(_, matrices)| matrices);
+        if let Some(at) = outside(matrices, SIGNED) {
+            let index = key * (KEY_WORDS - 1) + at;
+            return Err(FormatError::Float { section: Some(SectionKind::Keys), index });
+        }
+    }
+    Ok(())
+}
+
+/// Finds the first float that is not within `[least, greatest]`, as none is that is no number.
+#[inline(never)]
+fn outside(floats: &[Le], [least, greatest]: [f32; 2]) -> Option<usize> {
+    let within = |x: f32| least <= x && x <= greatest;
+    floats.iter().position(|le| !within(f32::from_le_bytes(*le)))
 }
 
 /// Checks that names follow each other from first byte to last, each UTF-8.
@@ -254,15 +263,14 @@ fn check_keys(envelope: &Envelope<'_>) -> Result<(), FormatError> {
     let below = envelope.joint_len();
     for index in 0..envelope.proxy_len() {
         let Some(key) = envelope.key(index) else { continue };
-        let residual = key.residual.map(|(joint, _)| joint);
-        for found in [Some(key.joint), residual].into_iter().flatten() {
-            if found >= below {
-                return Err(FormatError::Index { section: SectionKind::Keys, index, below, found });
-            }
+        let residual = key.residual.map_or(0, |(joint, _)| joint);
+        let found = if key.joint < below { residual } else { key.joint };
+        if found >= below {
+            return Err(FormatError::Index { section: SectionKind::Keys, index, below, found });
         }
         let norm = |m: &[[f32; 3]; 3]| m.as_flattened().iter().map(|x| x * x).sum::<f32>();
         let residual = key.residual.map_or(0.0, |(_, twist)| norm(&twist));
-        if norm(&key.twist).max(residual) > TWIST_MAX * TWIST_MAX {
+        if greater(norm(&key.twist), residual) > TWIST_MAX * TWIST_MAX {
             return Err(FormatError::Twist { key: index });
         }
     }
@@ -291,7 +299,8 @@ fn check_groups(envelope: &Envelope<'_>) -> Result<(), FormatError> {
     }
     let (section, found) = (SectionKind::Corrections, envelope.corrections.len());
     if 4 * words != found as u64 {
-        return Err(FormatError::SectionLength { section, expected: 4 * words, found });
+        let expected = saturated(4 * words);
+        return Err(FormatError::SectionLength { section, expected, found });
     }
     let (expected, found) = (saturated(scratch as u64), envelope.counts.scratch_len);
     if expected != found {
@@ -341,7 +350,7 @@ fn check_corrections(envelope: &Envelope<'_>) -> Result<(), FormatError> {
                 return Err(FormatError::Index { section, index: start + i, below, found });
             }
         }
-        if let Some(at) = outside(floats.iter(), -CORRECTION_MAX..=CORRECTION_MAX) {
+        if let Some(at) = outside(floats, [-CORRECTION_MAX, CORRECTION_MAX]) {
             let index = start + features.len() + at;
             return Err(FormatError::Float { section: Some(section), index });
         }
@@ -354,7 +363,7 @@ fn check_corrections(envelope: &Envelope<'_>) -> Result<(), FormatError> {
 fn check_influences(envelope: &Envelope<'_>) -> Result<(), FormatError> {
     let section = SectionKind::InfluenceIndices;
     let below = envelope.palette_len();
-    for vertex in 0..envelope.vertex_len() {
+    for (vertex, position) in envelope.positions.iter().map(floats).enumerate() {
         let mut sum = 0.0;
         for (k, (found, weight)) in envelope.influences(vertex).enumerate() {
             if found >= below {
@@ -362,10 +371,7 @@ fn check_influences(envelope: &Envelope<'_>) -> Result<(), FormatError> {
                 return Err(FormatError::Index { section, index, below, found });
             }
             sum += weight;
-            let inside = match (envelope.rest_box(found), envelope.rest_position(vertex)) {
-                (Some(rest_box), Some(position)) => rest_box.contains(position),
-                _ => false,
-            };
+            let inside = envelope.rest_box(found).is_some_and(|rest| rest.contains(position));
             if weight > 0.0 && !inside {
                 return Err(FormatError::RestBox { index: found, vertex });
             }

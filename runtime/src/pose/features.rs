@@ -3,7 +3,7 @@
 use crate::Matrix3x4;
 use crate::envelope::Envelope;
 use crate::error::{Argument, EvalError};
-use crate::linear::dot;
+use crate::linear::{IDENTITY, columns, dot};
 
 /// Computes the features phi of a pose: 12 of a joint, exactly 0 in the rest pose.
 ///
@@ -43,14 +43,13 @@ fn relative(parent: &Matrix3x4, map: &Matrix3x4, origin: [f32; 3]) -> Matrix3x4 
     }
     let [a, b, c] = apart;
     let mut out = [[0.0; 4]; 3];
-    for r in 0..3 {
-        let [x, y, z] = [parent[0][r], parent[1][r], parent[2][r]];
-        for (value, ((a, b), c)) in out[r].iter_mut().zip(a.iter().zip(&b).zip(&c)) {
+    for ((row, [x, y, z]), unit) in out.iter_mut().zip(columns(parent)).zip(IDENTITY) {
+        for (value, ((a, b), c)) in row.iter_mut().zip(a.iter().zip(&b).zip(&c)) {
             *value = x * a + y * b + z * c;
         }
-        out[r][r] -= 1.0;
-        let [x, y, z, t] = out[r];
-        out[r][3] = dot([x, y, z], origin) + t;
+        row.iter_mut().zip(unit).for_each(|(value, unit)| *value -= unit);
+        let [x, y, z, t] = *row;
+        row[3] = dot([x, y, z], origin) + t;
     }
     out
 }

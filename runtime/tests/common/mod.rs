@@ -8,6 +8,10 @@
 )]
 
 pub mod groups;
+#[path = "../../../tests/golden/rng.rs"]
+mod rng;
+
+pub use rng::Rng;
 
 use groups::sample_groups;
 use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
@@ -15,7 +19,7 @@ use sinew_runtime::format::{
     CHECKSUM_OFFSET, Certificate, EnvelopeCounts, File, MAGIC, NO_JOINT, PartRow, Predictor,
     Presence, SectionKind, SectionRow, VERSION, checksum,
 };
-use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, model_space_pose};
+use sinew_runtime::{Envelope, Matrix3x4, Model, model_space_pose};
 
 /// Every field of a file, each free to be wrong.
 #[derive(Clone)]
@@ -81,9 +85,9 @@ impl Builder {
         });
         let inverse_binds = inverse_binds.flatten().collect::<Vec<_>>();
         let positions = (0..3 * v).map(|_| dyadic(&mut rng, 2.0)).collect::<Vec<_>>();
-        let normals = (0..v).flat_map(|_| rng.direction()).collect::<Vec<_>>();
+        let normals = (0..v).flat_map(|_| direction(&mut rng)).collect::<Vec<_>>();
         let tangent = |rng: &mut Rng| {
-            let [x, y, z] = rng.direction();
+            let [x, y, z] = direction(rng);
             [x, y, z, if rng.unit() < 0.0 { -1.0 } else { 1.0 }]
         };
         let tangent_values = (0..v).flat_map(|_| tangent(&mut rng)).collect::<Vec<_>>();
@@ -294,35 +298,11 @@ fn blocks(matrix: &[Vec<f32>]) -> Vec<u8> {
     out
 }
 
-/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere.
-pub struct Rng(pub u64);
-
-impl Rng {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in [-1, 1), a multiple of 2^-23.
-    pub fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / (1 << 23) as f32 - 1.0
-    }
-
-    pub fn direction(&mut self) -> [f32; 3] {
-        let v = [self.unit(), self.unit(), self.unit() + 1.5];
-        let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-        v.map(|x| x / length)
-    }
-
-    /// A local transform with a rotation of up to `turn` times pi, about.
-    pub fn local(&mut self, turn: f32) -> LocalTransform {
-        let mut unit = || self.unit() * turn;
-        let rotation = [unit(), unit(), unit(), 0.5];
-        LocalTransform { rotation, translation: [1.0, unit() * 0.125, unit() * 0.125] }
-    }
+/// A direction, mostly up.
+pub fn direction(rng: &mut Rng) -> [f32; 3] {
+    let v = [rng.unit(), rng.unit(), rng.unit() + 1.5];
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    v.map(|x| x / length)
 }
 
 /// Makes the J skinning matrices of a random pose.

@@ -78,6 +78,15 @@ pub fn shapes() -> &'static [Vec<u8>; SHAPES.len()] {
 /// # Panics
 /// If the bake refuses it.
 pub fn random(shape: Shape) -> Vec<u8> {
+    let groups = if shape.predictor.corrects() { groups(shape) } else { Vec::new() };
+    random_with(shape, groups)
+}
+
+/// Bakes a model as [`random`] does, with these groups.
+///
+/// # Panics
+/// If the bake refuses it.
+pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
     let Shape { predictor, vertices, joints, proxies, influences, tangents } = shape;
     let mut random = ChaCha8Rng::seed_from_u64(vertices as u64);
     let mut within = |size: f64| random.random_range(-size..=size);
@@ -134,7 +143,7 @@ pub fn random(shape: Shape) -> Vec<u8> {
         rest_tangents: tangents.then(|| (0..vertices).map(tangent).collect()),
         influences: (0..vertices).map(weights).collect(),
         reconstruction: predictor.reconstructs().then_some(Reconstruction { keys, c1, c2 }),
-        groups: if predictor.corrects() { groups(shape) } else { Vec::new() },
+        groups,
         pose_ranges: vec![1.5; joints],
         certificate: Certificate {
             diagonal: 4.0,

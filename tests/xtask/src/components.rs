@@ -1,21 +1,21 @@
-//! Parts of the machine that the tests need, and their installation.
+//! What the tests need beyond Rust, as packages of the system.
 
-use super::run;
+use crate::run;
 use std::process::{Command, Stdio};
 
 /// Something that the tests need.
-pub(super) struct Component {
+pub(crate) struct Component {
     /// What it is.
-    pub(super) what: &'static str,
+    pub(crate) what: &'static str,
     /// Debian's package.
-    pub(super) package: &'static str,
+    pub(crate) package: &'static str,
     /// Whether it is there.
-    pub(super) found: fn() -> bool,
+    pub(crate) found: fn() -> bool,
 }
 
 /// Installs what is missing with apt-get, where that is there and allowed; else says what to
 /// install.
-pub(super) fn install(components: &[Component]) -> Result<(), String> {
+pub(crate) fn install(components: &[Component]) -> Result<(), String> {
     let missing = || components.iter().filter(|component| !(component.found)());
     if missing().next().is_none() {
         return Ok(());
@@ -54,8 +54,8 @@ pub(super) fn install(components: &[Component]) -> Result<(), String> {
     }
 }
 
-/// Whether a command starts and succeeds.
-pub(super) fn succeeds(command: &mut Command) -> bool {
+/// Whether a program runs and is content, its output unseen.
+pub(crate) fn succeeds(command: &mut Command) -> bool {
     let quiet = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     quiet.status().is_ok_and(|status| status.success())
 }

@@ -2,10 +2,12 @@
 
 mod capi;
 mod components;
+mod firmware;
 mod prepare;
 mod vulkan;
 
 use std::ffi::{OsStr, OsString};
+use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
@@ -23,6 +25,9 @@ usage: cargo xtask COMMAND
                and the f64 oracle; [--json FILE] [--html FILE], more with --help
   vectors OUT  write inputs, outputs and tolerances of every stage into the folder OUT, for authors of
                backends
+  firmware     run the same poses on bare targets in QEMU, in Node and here, and compare their bits; see
+               that no allocator and no panic is linked; hold sizes, stack and instructions to
+               tests/firmware/budget.txt
 ";
 
 fn main() -> ExitCode {
@@ -31,6 +36,7 @@ fn main() -> ExitCode {
     let done = match arguments[..] {
         ["test"] => test(),
         ["header"] => capi::header(),
+        ["firmware"] => firmware::firmware(),
         ["shaders"] => cargo("run --release --locked -p shaders", &[]),
         ["conformance", ref own @ ..] => conformance("conformance", own),
         ["vectors", ref own @ ..] => conformance("vectors", own),
@@ -61,7 +67,14 @@ fn test() -> Result<(), String> {
     }
     let mut environment = vec![("SINEW_BPY", prepare::blender()?.into())];
     environment.extend(vulkan::drivers());
-    cargo("test --workspace --locked", &environment)
+    cargo("test --workspace --locked", &environment)?;
+    firmware::firmware()
+}
+
+/// Returns the folder that builds go to.
+fn target_folder() -> Result<PathBuf, String> {
+    let folder = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    std::path::absolute(folder).map_err(|error| error.to_string())
 }
 
 /// Runs a program of the conformance package with arguments of its own.

@@ -1,6 +1,6 @@
 //! Programs that the tests need.
 
-use super::{TARGETS, run};
+use super::{TARGETS, run, target_folder};
 use std::process::Command;
 
 /// Blender as a Python module.
@@ -14,14 +14,19 @@ pub(super) fn programs() -> Result<(), String> {
             format!("{program} was not found: install Node.js 18 or newer with npm, see nodejs.org")
         })?;
     }
+    targets(&TARGETS)
+}
+
+/// Installs targets of the compiler.
+pub(super) fn targets(targets: &[&str]) -> Result<(), String> {
     let missing = "rustup, with which the bare targets are installed, was not found: see rustup.rs";
     let listed = Command::new("rustup")
         .args(["target", "list", "--installed"])
         .output()
         .map_err(|_| missing.to_owned())?;
     let installed = String::from_utf8_lossy(&listed.stdout).into_owned();
-    for target in TARGETS {
-        if !installed.lines().any(|line| line.trim() == target) {
+    for target in targets {
+        if !installed.lines().any(|line| line.trim() == *target) {
             let advice = format!("run `rustup target add {target}`");
             run(Command::new("rustup").args(["target", "add", target]))
                 .map_err(|error| format!("{error}; {advice}"))?;
@@ -33,8 +38,7 @@ pub(super) fn programs() -> Result<(), String> {
 /// Gives the Python that the test of the Blender script runs in, with Blender as a module; the empty
 /// text, said aloud, where there is no such package for this machine.
 pub(super) fn blender() -> Result<String, String> {
-    let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
-    let folder = std::path::absolute(format!("{target}/bpy")).map_err(|error| error.to_string())?;
+    let folder = target_folder()?.join("bpy");
     let python = folder.join("bin/python").display().to_string();
     let has_bpy = || {
         let found = Command::new(&python).args(["-c", "import bpy"]).output();

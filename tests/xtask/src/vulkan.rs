@@ -1,7 +1,7 @@
 //! What the tests on GPUs need of a machine without one: lavapipe, the validation layers and
 //! spirv-val; and SwiftShader, where a browser has brought it.
 
-use super::components::{self, Component, succeeds};
+use crate::components::{Component, install, succeeds};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -48,7 +48,7 @@ const COMPONENTS: [Component; 3] = [
 
 /// Installs what is missing, or says what to install.
 pub(super) fn prepare() -> Result<(), String> {
-    components::install(&COMPONENTS)
+    install(&COMPONENTS)
 }
 
 /// Returns the variable that adds SwiftShader to the drivers that the Vulkan loader finds by itself;

@@ -1,0 +1,71 @@
+//! Bakes the models that `tests/firmware` holds in flash: `firmware_models FOLDER`.
+
+use conformance::models::{Shape, random_with, trained};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sinew_runtime::format::Predictor;
+use sinew_runtime::kernel::Kernel;
+use sinew_trainer::bake::Group;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) else {
+        eprintln!("usage: firmware_models FOLDER");
+        return ExitCode::from(2);
+    };
+    let demos = Predictor::ALL.into_iter().zip(trained());
+    let demos = demos.map(|(predictor, file)| (format!("demo-{}", predictor.name()), file.clone()));
+    let bars = [Predictor::Rotational, Predictor::Kernel];
+    let bars = bars.map(|predictor| (format!("bar-{}", predictor.name()), bar(predictor)));
+    for (name, file) in demos.chain(bars) {
+        let path = folder.join(name).with_extension("snw");
+        // A file that has not changed keeps its date, and the images that hold it are not rebuilt.
+        if std::fs::read(&path).is_ok_and(|old| old == file) {
+            continue;
+        }
+        if let Err(error) = std::fs::write(&path, file) {
+            eprintln!("{}: {error}", path.display());
+            return ExitCode::FAILURE;
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+/// Bakes a model of the shape that the budget is stated for: J = 20, P = 20, V = 1000, K = 4.
+fn bar(predictor: Predictor) -> Vec<u8> {
+    let shape =
+        Shape { predictor, vertices: 1000, joints: 20, proxies: 20, influences: 4, tangents: true };
+    random_with(shape, if predictor.corrects() { groups(shape) } else { Vec::new() })
+}
+
+/// Makes a group of two helpers of every other joint. Each has 16 centres and hears the rotations of
+/// the five joints within two hops: 45 inputs, and 16 latent values.
+fn groups(shape: Shape) -> Vec<Group> {
+    let mut random = ChaCha8Rng::seed_from_u64(16);
+    let mut list = |len: usize, size: f64| -> Vec<_> {
+        (0..len).map(|_| random.random_range(-size..=size)).collect()
+    };
+    let (centres, rank, proxies) = (16, 16, 2);
+    let group = |g: usize| {
+        let joint = 2 * g;
+        let heard = joint.saturating_sub(2).min(shape.joints - 5)..;
+        let rotation = |j: usize| (0..3).flat_map(move |r| (0..3).map(move |c| 12 * j + 4 * r + c));
+        let inputs: Vec<_> =
+            heard.take(5).flat_map(rotation).map(|feature| (feature, 0.5)).collect();
+        let d = inputs.len();
+        Group {
+            joint,
+            kernel: Kernel::Gaussian,
+            proxies,
+            inputs,
+            centres: (0..centres).map(|_| list(d, 0.3)).collect(),
+            coefficients: list(rank * (centres + d), 0.1),
+            rank,
+            outputs: list(12 * proxies * rank, 0.1),
+            // Every pose is near, so that none is cheaper for being far.
+            fade: (100.0, 200.0),
+        }
+    };
+    (0..shape.proxies / proxies).map(group).collect()
+}

@@ -1,0 +1,8 @@
+//! An image that does nothing, against which another is weighed.
+#![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
+
+firmware::image!(run);
+
+fn run() -> bool {
+    core::hint::black_box(true)
+}

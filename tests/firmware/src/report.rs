@@ -1,0 +1,49 @@
+//! The bits of every stage, of the golden files and of models baked for this run.
+
+use crate::bits::{Found, GOLDEN, STAGES, hashes};
+use crate::memory::take;
+use crate::platform::print;
+use crate::say;
+use sinew_runtime::Model;
+
+/// Models that the trainer baked for this run, by name.
+///
+/// Another CPU may bake other bytes, so that their bits are compared between targets and not kept.
+const BAKED: [(&str, &[u8]); 3] = [
+    ("demo rotational", include_bytes!(concat!(env!("SINEW_MODELS"), "/demo-rotational.snw"))),
+    ("demo kernel", include_bytes!(concat!(env!("SINEW_MODELS"), "/demo-kernel.snw"))),
+    ("demo hybrid", include_bytes!(concat!(env!("SINEW_MODELS"), "/demo-hybrid.snw"))),
+];
+
+/// Prints a hash a stage and model; returns whether those of the golden files are the promised ones.
+pub fn bits() -> bool {
+    let Some(memory) = take() else { return false };
+    let mut sound = true;
+    let golden = GOLDEN.iter().map(|golden| (golden.predictor.name(), golden.file));
+    for (name, file) in golden.chain(BAKED) {
+        let Some(envelope) = Model::from_bytes(file).ok().and_then(|model| model.envelope()) else {
+            say!("{name}: not loaded");
+            return false;
+        };
+        match hashes(envelope, 0.0, memory) {
+            Ok(Found { bits, faded, finite }) => {
+                for (stage, bits) in STAGES.iter().zip(bits) {
+                    say!("{name} {stage} {bits:016x}");
+                }
+                say!("{name} faded {faded}");
+                let promised = GOLDEN.iter().find(|golden| golden.predictor.name() == name);
+                let kept = promised.is_none_or(|golden| golden.bits == bits);
+                if !kept {
+                    say!("{name}: not the bits of METHOD 7");
+                }
+                sound &= kept && finite;
+            }
+            Err(error) => {
+                say!("{name}: {error}");
+                sound = false;
+            }
+        }
+    }
+    print("end\n");
+    sound
+}

@@ -1,0 +1,163 @@
+//! Firmware: the same bits on every target, no allocator, no panic, and costs within budget.
+
+mod budget;
+mod build;
+mod elf;
+mod prepare;
+mod targets;
+
+use build::{Image, Profile, build, control_fails};
+use elf::Elf;
+use std::path::Path;
+use std::process::Command;
+use std::thread;
+use targets::{M4F, TARGETS, Target};
+
+/// Builds, runs, compares, proves and weighs.
+pub(crate) fn firmware() -> Result<(), String> {
+    prepare::prepare()?;
+    let folder = crate::target_folder()?.join("firmware");
+    bake_models(&folder.join("models"))?;
+    build::lint(&folder)?;
+    same_bits(&folder)?;
+    minimal(&folder)?;
+    no_panic(&folder)?;
+    no_allocator(&folder)?;
+    costs(&folder)
+}
+
+/// Bakes the models that the images hold.
+fn bake_models(folder: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    // As part of the workspace, so that it shares what `cargo test --workspace` builds.
+    crate::cargo("build --locked --workspace --example firmware_models", &[])?;
+    let program = crate::target_folder()?.join("debug/examples/firmware_models");
+    crate::run(Command::new(program).arg(folder))
+}
+
+/// Runs the poses on every target and compares each with the first, which builds here.
+fn same_bits(folder: &Path) -> Result<(), String> {
+    let mut running = Vec::new();
+    for target in TARGETS.into_iter().filter(Target::runs_here) {
+        let image = build(folder, target, Profile::Release, Image::Bits)?;
+        running.push((target, thread::spawn(move || target.run(&image))));
+    }
+    let mut first: Option<String> = None;
+    for (target, thread) in running {
+        let found = thread.join().map_err(|_| format!("{}: the run panicked", target.name))??;
+        let expected = first.get_or_insert_with(|| found.clone());
+        compare(target.name, expected, &found)?;
+        eprintln!("xtask: {}: the same bits", target.name);
+    }
+    Ok(())
+}
+
+/// Compares what two targets printed, line by line.
+fn compare(target: &str, expected: &str, found: &str) -> Result<(), String> {
+    if !found.ends_with("end\n") {
+        return Err(format!("{target}: did not come to its end: {found}"));
+    }
+    let differs = expected.lines().zip(found.lines()).find(|(a, b)| a != b);
+    match differs {
+        Some((expected, found)) => Err(format!("{target}: expected `{expected}`, found `{found}`")),
+        None if expected.lines().count() != found.lines().count() => {
+            Err(format!("{target}: expected {} lines", expected.lines().count()))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Runs the image that the README shows, and sees that the README shows it.
+fn minimal(folder: &Path) -> Result<(), String> {
+    let printed = M4F.run(&build(folder, M4F, Profile::Release, Image::Minimal)?)?;
+    if !printed.starts_with("confidence ") {
+        return Err(format!("the minimal image printed `{printed}`"));
+    }
+    let read = |path| std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"));
+    let image = read("tests/firmware/src/bin/minimal.rs")?;
+    let shown = format!("```rust\n{image}```\n");
+    if read("tests/firmware/README.md")?.contains(&shown) {
+        Ok(())
+    } else {
+        Err("tests/firmware/README.md does not show src/bin/minimal.rs as it is".to_owned())
+    }
+}
+
+/// Links an image that no panic may be left in, and sees one fail that has a panic.
+fn no_panic(folder: &Path) -> Result<(), String> {
+    for target in TARGETS.into_iter().filter(|target| target.bare) {
+        for profile in Profile::ALL {
+            build(folder, target, profile, Image::Proof)?;
+        }
+    }
+    for profile in Profile::ALL {
+        control_fails(folder, M4F, profile)?;
+    }
+    eprintln!("xtask: no panic can be reached; where one can, the control does not link");
+    Ok(())
+}
+
+/// Looks for an allocator in the images, and sees that one is found where there is one.
+fn no_allocator(folder: &Path) -> Result<(), String> {
+    let symbols = |image| -> Result<Vec<String>, String> {
+        let path = build(folder, M4F, Profile::Release, image)?;
+        Ok(Elf::read(&path)?.allocator())
+    };
+    for image in [Image::Proof, Image::Bits, Image::Cost] {
+        let found = symbols(image)?;
+        if !found.is_empty() {
+            return Err(format!("{}: an allocator is linked: {found:?}", image.name()));
+        }
+    }
+    if symbols(Image::ControlAlloc)?.is_empty() {
+        return Err("the search for an allocator finds none where there is one".to_owned());
+    }
+    eprintln!("xtask: no allocator is linked");
+    Ok(())
+}
+
+/// Measures, prints and judges the figures.
+fn costs(folder: &Path) -> Result<(), String> {
+    let mut figures = Vec::new();
+    for profile in Profile::ALL {
+        let image = build(folder, M4F, profile, Image::Cost)?;
+        let (printed, again) = (M4F.run(&image)?, M4F.run(&image)?);
+        if printed != again {
+            return Err(format!("two runs differ:\n{printed}\n{again}"));
+        }
+        for line in printed.lines() {
+            if let Some((name, value)) = line.rsplit_once(' ') {
+                let value = value.parse().map_err(|_| format!("`{line}` holds no number"))?;
+                figures.push((format!("{} {name}", profile.name()), value));
+            }
+        }
+    }
+    let small = |image| -> Result<u64, String> {
+        Ok(Elf::read(&build(folder, M4F, Profile::Small, image)?)?.loaded_bytes())
+    };
+    let bare = small(Image::Bare)?;
+    for (name, image) in [("rotational", Image::SizeRotational), ("all", Image::SizeAll)] {
+        figures.push((format!("small {name} code"), small(image)? - bare));
+    }
+    let path = "tests/firmware/budget.txt";
+    let budget = std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"))?;
+    let judged = budget::judge(&figures, &budget)?;
+    eprint!("{}", judged.table);
+    if judged.failures.is_empty() { Ok(()) } else { Err(judged.failures.join("\n")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::compare;
+
+    #[test]
+    fn one_other_bit_is_seen() {
+        let sound = "a pose 01\na skin 02\nend\n";
+        assert_eq!(compare("host", sound, sound), Ok(()));
+        let other = compare("host", sound, "a pose 01\na skin 03\nend\n");
+        assert_eq!(other, Err("host: expected `a skin 02`, found `a skin 03`".to_owned()));
+        assert!(compare("host", sound, "a pose 01\nend\n").is_err());
+        assert!(compare("host", sound, "a pose 01\n").is_err());
+        assert!(compare("host", "", "").is_err());
+    }
+}
