@@ -303,6 +303,17 @@ fn limits_are_honoured() {
     let found = Model::from_bytes_with(&builder.bytes(), &unlimited).unwrap_err();
     let (quantity, most) = (Quantity::Joints, 65_535);
     assert_eq!(found, FormatError::Limit { quantity, most, found: 65_536 });
+    // Without vertices, influences cost no bytes.
+    let mut builder = Builder::sample(Shape { vertices: 0, tangents: false, ..SMALL });
+    let unlimited = Limits { influences: u32::MAX, ..Limits::DEFAULT };
+    for (found, expected) in [
+        (65_535, Ok(())),
+        (65_536, Err(FormatError::Limit { quantity: Quantity::Influences, most, found: 65_536 })),
+    ] {
+        builder.parts[0].counts[3] = found;
+        let loaded = Model::from_bytes_with(&builder.bytes(), &unlimited).map(|_| ());
+        assert_eq!(loaded, expected);
+    }
 }
 
 #[test]
@@ -377,6 +388,30 @@ fn the_hierarchy_is_one_tree() {
     assert_eq!(refused(8, 3), wrong(0), "a rank of another");
     assert_eq!(edited(|b| b.parts[0].counts[4] = 2), wrong(1), "another root");
     assert_eq!(edited(|b| b.parts[0].counts[4] = 4), wrong(1), "no such root");
+}
+
+#[test]
+fn inverse_binds_are_rigid() {
+    let section = SectionKind::InverseBinds;
+    let entry = |at: usize, value| edited(|b| b.set_float(section, 12 + at, value));
+    let wrong = Err(FormatError::InverseBind { joint: 1 });
+    // Diagonal entries squared, then a product of two rows.
+    for (at, near, far) in
+        [(0, 1.014, 1.016), (5, 0.986, 0.983), (10, 1.014, 1e9), (1, 0.029, 0.031)]
+    {
+        assert_eq!((entry(at, near), entry(at, far)), (Ok(()), wrong), "{at}");
+    }
+    assert_eq!(entry(10, -1.0), wrong, "mirrored");
+    let turned = |rows: [[f32; 3]; 3]| {
+        edited(|b| {
+            for (at, value) in rows.as_flattened().iter().enumerate() {
+                b.set_float(section, 12 + at / 3 * 4 + at % 3, *value);
+            }
+        })
+    };
+    assert_eq!(turned([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]), Ok(()));
+    assert_eq!(turned([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), wrong, "mirrored");
+    assert_eq!(turned([[0.0; 3]; 3]), wrong);
 }
 
 #[test]
