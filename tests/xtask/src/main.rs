@@ -1,5 +1,7 @@
 //! Project commands. `cargo xtask test` is the one that says whether all is well.
 
+mod deep;
+
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
@@ -15,6 +17,9 @@ usage: cargo xtask COMMAND
   test    prepare the machine, then format, lint, document, build for every target and run every
           test; tests on real data read ../shared/data and must find it when CI is set
   shaders make the SPIR-V in shaders/spirv of the GLSL
+  deep [SECONDS]
+          run the runtime's tests under miri, a million mutated files, and every fuzz target for
+          SECONDS (300); needs nightly
 ";
 
 fn main() -> ExitCode {
@@ -22,6 +27,8 @@ fn main() -> ExitCode {
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test(),
         ["shaders"] => cargo("run --release --locked -p shaders", &[]),
+        ["deep"] => deep::deep(None),
+        ["deep", seconds] => deep::deep(Some(seconds)),
         _ => {
             eprint!("{HELP}");
             return ExitCode::from(2);
