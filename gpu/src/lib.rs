@@ -9,5 +9,7 @@
 #[cfg(feature = "headless")]
 pub mod headless;
 pub mod layout;
+#[cfg(feature = "vulkan")]
+pub mod vulkan;
 #[cfg(feature = "wgpu")]
 pub mod wgpu;

@@ -153,6 +153,20 @@ fn check_chunk(envelope: &Envelope<'_>, batch: &Batch, chunk: &Chunk, limit: u64
 }
 
 #[test]
+fn large_chunks_without_gaps_do_not_meet() {
+    let (model, envelope) = load(HYBRID);
+    let limits = DeviceLimits { storage_binding_bytes: 300_000, ..LARGE };
+    let plan = Plan::new(&model, &envelope, &Batch::skinned(&envelope, 1000), &limits).unwrap();
+    assert!(plan.chunks().len() > 2);
+    for pair in plan.chunks().windows(2) {
+        for resource in [Resource::Poses, Resource::Palettes, Resource::Work, Resource::OutB] {
+            let [a, b] = [0, 1].map(|i| pair[i].span(resource).unwrap());
+            assert_eq!(a.offset + a.bytes, b.offset, "{resource:?}");
+        }
+    }
+}
+
+#[test]
 fn params_hold_the_blocks_of_all_chunks() {
     let (model, envelope) = load(HYBRID);
     let limits = DeviceLimits { storage_binding_bytes: 50_000, ..LARGE };

@@ -10,7 +10,8 @@ use std::ops::Range;
 /// write to one place, which is not checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
-    /// How many instances there are room for; a frame can evaluate fewer.
+    /// How many instances there are room for; a frame can evaluate fewer. What lies at instances
+    /// beyond those is then of no use: as far as the last workgroup reaches, it is overwritten.
     pub instance_len: usize,
     /// [`super::Resource::Poses`]: 12 J floats an instance. A stride of 0 gives all the same pose.
     pub poses: Array,

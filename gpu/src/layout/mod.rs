@@ -8,7 +8,7 @@
 //! 3. Make a pipeline of each of [`Plan::stages`], entry point `main`, bound as [`Stage::bindings`]
 //!    lists.
 //! 4. Each frame, for each stage and each of [`Plan::chunks`]: bind the chunk's [`Span`]s and
-//!    dispatch [`Chunk::groups`]. What a stage writes must be visible to the next.
+//!    dispatch [`Plan::groups`]. What a stage writes must be visible to the next.
 
 mod batch;
 mod error;

@@ -6,6 +6,9 @@ use super::{ALIGNMENT, Array, Batch, LayoutError, Resource, Skin, Stage, WORKGRO
 use sinew_runtime::{Envelope, Model};
 use std::ops::Range;
 
+/// So many floats are [`ALIGNMENT`] bytes.
+const ALIGNED: usize = ALIGNMENT as usize / 4;
+
 /// What a device must allow, and how much it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceLimits {
@@ -117,6 +120,10 @@ impl Plan {
                 let middle = most + (beyond - most) / 2;
                 *(if fits(middle).is_ok() { &mut most } else { &mut beyond }) = middle;
             }
+            // Arrays without gaps are then cut where a span may start, so that no two spans meet.
+            if most < batch.instance_len && most - start > ALIGNED {
+                most -= (most - start) % ALIGNED;
+            }
             let spans = extents.spans(start..most, plan.chunks.len());
             let mut chunk = Chunk { instances: start..most, spans, params: Vec::new() };
             chunk.params = params(model, envelope, batch, &chunk);
@@ -219,11 +226,16 @@ impl Plan {
 }
 
 impl Chunk {
-    /// Returns what of a resource's buffer is bound; `None` if nothing is read or written. A binding
-    /// must be filled all the same: [`Resource::Work`] serves, which [`Stage::Skin`] has no other
-    /// use for.
+    /// Returns what of a resource's buffer is read or written; `None` if nothing is.
     pub fn span(&self, resource: Resource) -> Option<Span> {
         self.spans[resource as usize]
+    }
+
+    /// Returns what is bound for a resource: itself, or, as a binding must be filled in any case, the
+    /// [`Resource::Work`] in place of an output that has no attribute.
+    pub fn bound(&self, resource: Resource) -> (Resource, Option<Span>) {
+        let resource = if self.span(resource).is_some() { resource } else { Resource::Work };
+        (resource, self.span(resource))
     }
 
     /// Lists the members of its block in [`Resource::Params`], in the order in which they lie in it.

@@ -1,8 +1,8 @@
 //! A batch bound to the host's buffers.
 
-use super::Pipelines;
 use super::error::{Error, scoped};
-use crate::layout::{Binding, Chunk, LayoutError, Plan, Resource, Span, Stage};
+use super::{Pipelines, limits};
+use crate::layout::{Binding, Chunk, DeviceLimits, LayoutError, Plan, Resource, Span, Stage};
 use ::wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding,
     BufferUsages, CommandEncoder, ComputePass, ComputePassDescriptor, ComputePipeline,
@@ -51,24 +51,24 @@ impl Bound {
     /// changes. The bind groups keep the buffers alive.
     ///
     /// That a buffer is neither destroyed nor mapped when commands are submitted cannot be seen here;
-    /// wgpu tells it then.
+    /// wgpu tells it then. Nor can a buffer of another instance: wgpu panics.
     ///
     /// # Errors
-    /// - [`Error::NoPipeline`]
-    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned.
+    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned; or the plan was made by
+    ///   the limits of a device that allows more.
     /// - [`Error::Usage`]
     /// - [`Error::Shared`], [`Error::Overlap`]
+    /// - [`Error::NoPipeline`]
     /// - [`Error::Lost`], [`Error::OutOfMemory`]
     /// - [`Error::Refused`]: the device does not take a buffer, as of another device.
     pub fn new(pipelines: &Pipelines, plan: &Plan, buffers: &Buffers<'_>) -> Result<Self, Error> {
-        for stage in plan.stages() {
-            pipelines.get(stage)?;
-        }
         for resource in Resource::ALL {
             check(plan, resource, buffers)?;
         }
-        for stage in plan.stages() {
-            for chunk in plan.chunks() {
+        let limits = limits(&pipelines.device.limits());
+        for chunk in plan.chunks() {
+            check_limits(plan, chunk, &limits)?;
+            for stage in plan.stages() {
                 check_apart(stage, chunk, buffers)?;
             }
         }
@@ -82,7 +82,8 @@ impl Bound {
         &self.plan
     }
 
-    /// Records all stages for the batch's first `instance_len` instances, in one compute pass.
+    /// Records all stages for the batch's first `instance_len` instances, in one compute pass. Of what
+    /// lies at later instances some may be overwritten: dispatches are of whole workgroups.
     ///
     /// # Errors
     /// Nothing is recorded then.
@@ -170,12 +171,32 @@ fn check(plan: &Plan, resource: Resource, buffers: &Buffers<'_>) -> Result<(), E
     }
 }
 
+/// Checks that a chunk was cut for a device that allows no more than this one.
+fn check_limits(plan: &Plan, chunk: &Chunk, limits: &DeviceLimits) -> Result<(), LayoutError> {
+    let limit = limits.storage_binding_bytes;
+    for resource in Resource::ALL {
+        match chunk.span(resource) {
+            Some(Span { bytes: found, .. }) if found > limit => {
+                return Err(LayoutError::Binding { resource, limit, found });
+            }
+            _ => {}
+        }
+    }
+    let groups = plan.stages().filter_map(|stage| plan.groups(stage, chunk, plan.instance_len()));
+    let least = groups.flatten().max().unwrap_or(0);
+    if least > limits.groups {
+        let (least, found) = (least.into(), limits.groups.into());
+        return Err(LayoutError::Device { name: "number of workgroups a dispatch", least, found });
+    }
+    Ok(())
+}
+
 /// Checks that what a stage writes is apart from the rest of what it takes in a chunk.
 fn check_apart(stage: Stage, chunk: &Chunk, buffers: &Buffers<'_>) -> Result<(), Error> {
     let bound = |own: &Binding| {
-        let resource = filled(chunk, own.resource);
+        let (resource, span) = chunk.bound(own.resource);
         let (buffer, offset) = buffers.get(resource)?;
-        let Span { offset: from, bytes } = chunk.span(resource)?;
+        let Span { offset: from, bytes } = span?;
         Some((resource, own.writable, buffer, offset + from..offset + from + bytes))
     };
     let bound: Vec<_> = stage.bindings().iter().filter_map(bound).collect();
@@ -196,12 +217,6 @@ fn check_apart(stage: Stage, chunk: &Chunk, buffers: &Buffers<'_>) -> Result<(),
     Ok(())
 }
 
-/// Returns what is bound for a resource: what a chunk has no use for is filled with the work, which
-/// is always there.
-fn filled(chunk: &Chunk, resource: Resource) -> Resource {
-    chunk.span(resource).map_or(Resource::Work, |_| resource)
-}
-
 /// Lists the entries of a stage's bind group for a chunk.
 fn entries<'a>(
     stage: Stage,
@@ -209,9 +224,8 @@ fn entries<'a>(
     buffers: &Buffers<'a>,
 ) -> Result<Vec<BindGroupEntry<'a>>, Error> {
     let entry = |resource: Resource, binding: u32| {
-        let resource = filled(chunk, resource);
-        let (span, given) = (chunk.span(resource), buffers.get(resource));
-        let (Some(span), Some((buffer, offset))) = (span, given) else {
+        let (resource, span) = chunk.bound(resource);
+        let (Some(span), Some((buffer, offset))) = (span, buffers.get(resource)) else {
             return Err(LayoutError::Missing { resource }.into());
         };
         let (offset, size) = (offset + span.offset, NonZero::new(span.bytes));

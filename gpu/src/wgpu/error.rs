@@ -1,7 +1,7 @@
 //! What can be wrong with a device, with the host's buffers, or with a call.
 
 use crate::layout::{LayoutError, Resource, Stage};
-use ::wgpu::{Backend, BufferUsages, Device, ErrorFilter};
+use ::wgpu::{Backend, BufferDescriptor, BufferUsages, Device, ErrorFilter};
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 use thiserror::Error;
@@ -92,10 +92,24 @@ pub(super) fn scoped<T>(
     // In reverse order; the first that caught something tells it.
     let found = [ready(validation.pop()), ready(internal.pop()), ready(memory.pop())];
     match found.into_iter().flatten().flatten().next() {
+        None if is_lost(device) => Err(Error::Lost { making }),
         None => Ok(made),
         Some(::wgpu::Error::OutOfMemory { .. }) => Err(Error::OutOfMemory { making }),
         Some(error) => Err(Error::Refused { making, detail: error.to_string() }),
     }
+}
+
+/// Whether a device was lost. Only the host's own callback is told so; but a device that is there
+/// objects to a buffer without a usage, before its driver hears of it, and a lost one to nothing.
+fn is_lost(device: &Device) -> bool {
+    let scope = device.push_error_scope(ErrorFilter::Validation);
+    drop(device.create_buffer(&BufferDescriptor {
+        label: None,
+        size: 4,
+        usage: BufferUsages::empty(),
+        mapped_at_creation: false,
+    }));
+    matches!(ready(scope.pop()), Some(None))
 }
 
 /// Returns what a future has ready.

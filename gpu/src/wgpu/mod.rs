@@ -8,7 +8,7 @@
 //! | resource | usages it must have | the host |
 //! |---|---|---|
 //! | [`Params`](crate::layout::Resource::Params) | `UNIFORM` | writes [`Plan::params`](crate::layout::Plan::params) once |
-//! | [`Blob`](crate::layout::Resource::Blob) | `STORAGE` | writes [`Model::blob`](sinew_runtime::Model::blob) once |
+//! | [`Blob`](crate::layout::Resource::Blob) | `STORAGE` | writes [`Model::blob`](sinew_runtime::Model::blob) once, zeros up to a whole word |
 //! | [`Poses`](crate::layout::Resource::Poses) | `STORAGE` | writes J skinning matrices an instance each frame |
 //! | [`Work`](crate::layout::Resource::Work) | `STORAGE` | leaves it alone; batches encoded one after the other may share it |
 //! | [`Palettes`](crate::layout::Resource::Palettes), [`Confidences`](crate::layout::Resource::Confidences), [`OutA`](crate::layout::Resource::OutA), [`OutB`](crate::layout::Resource::OutB) | `STORAGE` | reads them |
@@ -53,7 +53,9 @@
 //! let positions = buffer(Resource::OutA, drawn);
 //! let normals = buffer(Resource::OutB, drawn);
 //! queue.write_buffer(&params, 0, &plan.params());
-//! queue.write_buffer(&blob, 0, model.blob());
+//! let mut content = model.blob().to_vec();
+//! content.resize(plan.bytes(Resource::Blob) as usize, 0);
+//! queue.write_buffer(&blob, 0, &content);
 //! let buffers = Buffers::new()
 //!     .with(Resource::Params, &params, 0)
 //!     .with(Resource::Blob, &blob, 0)

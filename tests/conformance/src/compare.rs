@@ -1,11 +1,15 @@
 //! Comparators: each fails on a NaN, on nothing to compare, and on lengths that differ.
 
+use thiserror::Error;
+
 /// How a comparison failed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Mismatch {
     /// There is nothing to compare.
+    #[error("there is nothing to compare")]
     Empty,
     /// The lists do not have the same number of values.
+    #[error("{found} values, expected {expected}")]
     Length {
         /// Values expected.
         expected: usize,
@@ -13,6 +17,7 @@ pub enum Mismatch {
         found: usize,
     },
     /// A value is farther from the expected one than its tolerance, or any of the three is a NaN.
+    #[error("value {index} is {found:?}, expected {expected:?} within {tolerance:.3e}")]
     Beyond {
         /// The value's place in its list.
         index: usize,
@@ -24,6 +29,7 @@ pub enum Mismatch {
         tolerance: f64,
     },
     /// A value is a NaN or has other bits than the expected one.
+    #[error("value {index} is {found:?}, expected the bits of {expected:?}")]
     Bits {
         /// The value's place in its list.
         index: usize,
@@ -34,33 +40,60 @@ pub enum Mismatch {
     },
 }
 
+impl Mismatch {
+    /// Returns how many tolerances the value is off: infinitely many where nothing can be measured.
+    pub fn ratio(&self) -> f64 {
+        match *self {
+            Self::Beyond { expected, found, tolerance, .. } => {
+                let ratio = (f64::from(found) - expected).abs() / tolerance;
+                if ratio > 0.0 { ratio } else { f64::INFINITY }
+            }
+            _ => f64::INFINITY,
+        }
+    }
+}
+
+/// A NaN that no arithmetic makes: what is found to hold it has not been written.
+pub const POISON: f32 = f32::from_bits(0x7fc5_1e37);
+
 /// Makes an output that a backend must write: any value that it leaves alone fails a comparison.
 pub fn poisoned<const N: usize>(len: usize) -> Vec<[f32; N]> {
-    vec![[f32::NAN; N]; len]
+    vec![[POISON; N]; len]
+}
+
+/// Counts the values whose bits are not those expected, or that are NaNs, or too many or too few.
+pub fn differing(found: &[f32], expected: &[f32]) -> usize {
+    let pairs = found.iter().zip(expected);
+    let other =
+        |(found, expected): &(&f32, &f32)| found.is_nan() || found.to_bits() != expected.to_bits();
+    pairs.filter(other).count() + found.len().abs_diff(expected.len())
 }
 
 /// Compares values with those expected, each to a tolerance of its own; returns the largest ratio
 /// of an error to its tolerance.
 ///
 /// # Errors
-/// The first [`Mismatch`].
+/// [`Mismatch`], of the value that is the farthest beyond its tolerance.
 pub fn within(found: &[f32], expected: &[f64], tolerances: &[f64]) -> Result<f64, Mismatch> {
     check_lens(expected.len(), found.len())?;
     check_lens(expected.len(), tolerances.len())?;
     let mut worst = 0.0_f64;
+    let mut beyond: Option<Mismatch> = None;
     let pairs = found.iter().zip(expected).zip(tolerances);
     for (index, ((&found, &expected), &tolerance)) in pairs.enumerate() {
         let error = (f64::from(found) - expected).abs();
         // Written so that a NaN anywhere fails.
         let holds = error <= tolerance && expected.is_finite();
         if !holds {
-            return Err(Mismatch::Beyond { index, expected, found, tolerance });
-        }
-        if error > 0.0 {
+            let this = Mismatch::Beyond { index, expected, found, tolerance };
+            if beyond.is_none_or(|other| other.ratio() < this.ratio()) {
+                beyond = Some(this);
+            }
+        } else if error > 0.0 {
             worst = worst.max(error / tolerance);
         }
     }
-    Ok(worst)
+    beyond.map_or(Ok(worst), Err)
 }
 
 /// Compares values bit by bit.
@@ -100,6 +133,24 @@ mod tests {
         let beyond = Mismatch::Beyond { index: 1, expected: 2.0, found: 2.5, tolerance: 0.49 };
         assert_eq!(within(&[1.0, 2.5], &[1.0, 2.0], &[9.0, 0.49]), Err(beyond));
         assert!(within(&[1.0], &[1.0 + 1e-15], &[0.0]).is_err());
+    }
+
+    #[test]
+    fn the_value_farthest_off_is_named() {
+        let farthest = within(&[1.0, 2.0, 3.0], &[0.0; 3], &[0.9, 0.1, 9.0]).unwrap_err();
+        let expected = Mismatch::Beyond { index: 1, expected: 0.0, found: 2.0, tolerance: 0.1 };
+        assert_eq!((farthest, farthest.ratio()), (expected, 20.0));
+        let nan = within(&[1.0, f32::NAN], &[0.0; 2], &[0.1; 2]).unwrap_err();
+        assert!(matches!(nan, Mismatch::Beyond { index: 1, .. }) && nan.ratio() == f64::INFINITY);
+        assert_eq!(Mismatch::Empty.ratio(), f64::INFINITY);
+    }
+
+    #[test]
+    fn what_differs_is_counted() {
+        assert_eq!(differing(&[1.0, -0.0, 2.0], &[1.0, 0.0, 2.0_f32.next_up()]), 2);
+        assert_eq!(differing(&[f32::NAN, POISON], &[f32::NAN, POISON]), 2);
+        assert_eq!(differing(&[1.0], &[1.0, 1.0]) + differing(&[1.0; 3], &[1.0]), 3);
+        assert_eq!(differing(&[1.0, -0.0], &[1.0, -0.0]), 0);
     }
 
     #[test]

@@ -63,6 +63,15 @@ pub fn shape_of(predictor: Predictor) -> Shape {
     shapes.next().expect("every predictor has a shape")
 }
 
+/// The model of each shape: once in a process.
+///
+/// # Panics
+/// If the bake refuses one.
+pub fn shapes() -> &'static [Vec<u8>; SHAPES.len()] {
+    static MODELS: OnceLock<[Vec<u8>; SHAPES.len()]> = OnceLock::new();
+    MODELS.get_or_init(|| SHAPES.map(random))
+}
+
 /// Bakes a model of random keys, coefficients and weights in which rest is rest: the root's blocks
 /// of c2 take up what the others add to it, and a correction is 0 there.
 ///

@@ -1,32 +1,39 @@
 //! Project commands. `cargo xtask test` is the one that says whether all is well.
 
 mod deep;
+mod prepare;
+mod vulkan;
 
+use std::ffi::{OsStr, OsString};
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 /// Bare targets that the runtime must build for.
 const TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "wasm32-unknown-unknown"];
 
-/// Blender as a Python module.
-const BPY: &str = "bpy==5.0.1";
-
 const HELP: &str = "\
 usage: cargo xtask COMMAND
 
-  test    prepare the machine, then format, lint, document, build for every target and run every
-          test; tests on real data read ../shared/data and must find it when CI is set
-  shaders make the SPIR-V in shaders/spirv of the GLSL
+  test         prepare the machine, then format, lint, document, build for every target and run every
+               test; tests on real data read ../shared/data and must find it when CI is set
+  shaders      make the SPIR-V in shaders/spirv of the GLSL
+  conformance  run every stage on every Vulkan device here and print how each compares with the CPU
+               and the f64 oracle; [--json FILE] [--html FILE], more with --help
+  vectors OUT  write inputs, outputs and tolerances of every stage into the folder OUT, for authors of
+               backends
   deep [SECONDS]
-          run the runtime's tests under miri, a million mutated files, and every fuzz target for
-          SECONDS (300); needs nightly
+               run the runtime's tests under Miri, a million mutated files, and every fuzz target for
+               SECONDS (300); needs nightly
 ";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let done = match arguments[..] {
         ["test"] => test(),
         ["shaders"] => cargo("run --release --locked -p shaders", &[]),
+        ["conformance", ref own @ ..] => conformance("conformance", own),
+        ["vectors", ref own @ ..] => conformance("vectors", own),
         ["deep"] => deep::deep(None),
         ["deep", seconds] => deep::deep(Some(seconds)),
         _ => {
@@ -44,67 +51,37 @@ fn main() -> ExitCode {
 }
 
 fn test() -> Result<(), String> {
-    prepare()?;
+    prepare::programs()?;
+    vulkan::prepare()?;
     cargo("fmt --all --check", &[])?;
     cargo("clippy --workspace --all-targets --locked -- -D warnings", &[])?;
-    cargo("doc --workspace --no-deps --locked", &[("RUSTDOCFLAGS", "-D warnings")])?;
+    cargo("doc --workspace --no-deps --locked", &[("RUSTDOCFLAGS", "-D warnings".into())])?;
     for target in TARGETS {
         // One package at a time: features would unify with crates that need std.
         cargo(&format!("build -p sinew-runtime --locked --target {target}"), &[])?;
     }
-    cargo("test --workspace --locked", &[("SINEW_BPY", &blender()?)])
+    let mut environment = vec![("SINEW_BPY", prepare::blender()?.into())];
+    environment.extend(vulkan::drivers());
+    cargo("test --workspace --locked", &environment)
 }
 
-/// Gives the Python that the test of the Blender script runs in, with Blender as a module; the empty
-/// text, said aloud, where there is no such package for this machine.
-fn blender() -> Result<String, String> {
-    let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
-    let folder = std::path::absolute(format!("{target}/bpy")).map_err(|error| error.to_string())?;
-    let python = folder.join("bin/python").display().to_string();
-    let has_bpy = || {
-        let found = Command::new(&python).args(["-c", "import bpy"]).output();
-        found.is_ok_and(|found| found.status.success())
-    };
-    if !has_bpy() {
-        let advice = "install Python 3 with its venv module (Debian: python3-venv)";
-        run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder))
-            .map_err(|error| format!("{error}; {advice}"))?;
-        let installed = run(Command::new(&python).args(["-m", "pip", "install", "-q", BPY]));
-        if installed.is_err() || !has_bpy() {
-            eprintln!("xtask: {BPY} does not install here: the Blender script is not tested");
-            return Ok(String::new());
-        }
-    }
-    Ok(python)
+/// Runs a program of the conformance package with arguments of its own.
+fn conformance(program: &str, own: &[&str]) -> Result<(), String> {
+    let environment: Vec<_> = vulkan::drivers().into_iter().collect();
+    let arguments = format!("run --release --locked -p conformance --bin {program} --");
+    run(cargo_with(&arguments, &environment).args(own))
 }
 
-/// Installs what the tests need, or says what to run.
-fn prepare() -> Result<(), String> {
-    for program in ["node", "npm"] {
-        // The tests of exported files fetch the glTF validator with the one and run it with the other.
-        Command::new(program).arg("--version").output().map_err(|_| {
-            format!("{program} was not found: install Node.js 18 or newer with npm, see nodejs.org")
-        })?;
-    }
-    let missing = "rustup, with which the bare targets are installed, was not found: see rustup.rs";
-    let listed = Command::new("rustup")
-        .args(["target", "list", "--installed"])
-        .output()
-        .map_err(|_| missing.to_owned())?;
-    let installed = String::from_utf8_lossy(&listed.stdout).into_owned();
-    for target in TARGETS {
-        if !installed.lines().any(|line| line.trim() == target) {
-            let advice = format!("run `rustup target add {target}`");
-            run(Command::new("rustup").args(["target", "add", target]))
-                .map_err(|error| format!("{error}; {advice}"))?;
-        }
-    }
-    Ok(())
+fn cargo(arguments: &str, environment: &[(&str, OsString)]) -> Result<(), String> {
+    run(&mut cargo_with(arguments, environment))
 }
 
-fn cargo(arguments: &str, environment: &[(&str, &str)]) -> Result<(), String> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    run(Command::new(cargo).args(arguments.split_whitespace()).envs(environment.iter().copied()))
+fn cargo_with(arguments: &str, environment: &[(&str, OsString)]) -> Command {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsStr::new("cargo").to_owned());
+    let mut command = Command::new(cargo);
+    let environment = environment.iter().map(|(name, value)| (name, value));
+    command.args(arguments.split_whitespace()).envs(environment);
+    command
 }
 
 fn run(command: &mut Command) -> Result<(), String> {

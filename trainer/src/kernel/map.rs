@@ -1,22 +1,15 @@
 //! A kernel map in f64, and how far its f32 evaluation may be from it (METHOD §2.7).
 
+use super::arithmetic::{Arithmetic, U, gamma};
 use super::function::Exact;
 use faer::Mat;
 use serde::Serialize;
 use sinew_runtime::kernel::Kernel;
 
-/// Unit roundoff of f32.
-pub const U: f64 = 1.0 / (1 << 24) as f64;
 /// Relative error of the runtime's smoothstep.
 pub const STEP_ERROR: f64 = 4e-7;
 /// More than any kernel's change may be off by: it lies between -1 and 1, computed or not.
 const CHANGE_ERROR: f64 = 2.1;
-
-/// Returns γₙ, which bounds the relative error of a value behind n roundings of f32.
-pub fn gamma(n: usize) -> f64 {
-    let nu = n as f64 * U;
-    nu / (1.0 - nu)
-}
 
 /// A map of d inputs to r outputs that is zero at zero:
 /// `Σ_k c_k (G(|x - t_k|²) - G(|t_k|²)) + A x`.
@@ -80,17 +73,22 @@ impl KernelMap {
         Value { outputs, confidence: self.fade.confidence(confidence.into_iter()) }
     }
 
-    /// Bounds the error of an f32 evaluation at an input whose values are products of exact f32
-    /// numbers: of each output, r, and of the confidence.
+    /// Bounds the error of the runtime's evaluation at an input whose values are products of exact
+    /// f32 numbers: of each output, r, and of the confidence.
     pub fn error(&self, input: &[f64]) -> (Vec<f64>, f64) {
         let rounded: Vec<f64> = input.iter().map(|x| U * x.abs()).collect();
-        self.error_from(input, &rounded)
+        self.error_from(input, &rounded, Arithmetic::IEEE)
     }
 
-    /// Bounds it where the f32 evaluation takes inputs that are off by up to `input_error` each.
+    /// Bounds it where an f32 evaluation takes inputs that are off by up to `input_error` each.
     ///
     /// A sum of n + d products is off by the errors of its terms and γₙ₊d of their magnitudes.
-    pub fn error_from(&self, input: &[f64], input_error: &[f64]) -> (Vec<f64>, f64) {
+    pub fn error_from(
+        &self,
+        input: &[f64],
+        input_error: &[f64],
+        arithmetic: Arithmetic,
+    ) -> (Vec<f64>, f64) {
         let n = self.centres.ncols();
         let rounding = gamma(n + self.centres.nrows());
         let mut outputs = vec![0.0; self.coefficients.nrows()];
@@ -102,13 +100,14 @@ impl KernelMap {
         let mut distances = Vec::with_capacity(n);
         for k in 0..n {
             let at = Distance::new(input, input_error, self.centres.col_as_slice(k));
-            add(k, at.squared.change(self.kernel), at.change_error(self.kernel).min(CHANGE_ERROR));
+            let error = at.change_error(self.kernel, arithmetic).min(CHANGE_ERROR);
+            add(k, at.squared.change(self.kernel), error);
             distances.push((at.squared.here, at.squared_error));
         }
         for (i, (x, error)) in input.iter().zip(input_error).enumerate() {
             add(n + i, *x, *error);
         }
-        (outputs, self.fade.error(&distances))
+        (outputs, self.fade.error(&distances, arithmetic))
     }
 }
 
@@ -189,7 +188,7 @@ impl Distance {
     /// own error on to the change, the second the gain's to the lesser of the two values. Where the
     /// gain's error makes either possible, the change is no greater than that. Roundings: 1 ULP,
     /// 2 ULP and a product.
-    fn change_error(&self, kernel: Kernel) -> f64 {
+    fn change_error(&self, kernel: Kernel, arithmetic: Arithmetic) -> f64 {
         let Squared { here, rest, gain } = self.squared;
         let change = self.squared.change(kernel).abs();
         let (inherited, roundings) = if kernel == Kernel::Gaussian {
@@ -199,8 +198,8 @@ impl Distance {
             let least = kernel.exact(here.max(rest));
             (change * taken.exp_m1() + least * self.gain_error.exp_m1() * both, 7)
         } else {
-            let of_value = self.value_error(kernel, here, self.input_error);
-            (of_value + self.value_error(kernel, rest, 0.0), 1)
+            let of_value = self.value_error(kernel, here, self.input_error, arithmetic);
+            (of_value + self.value_error(kernel, rest, 0.0, arithmetic), 1)
         };
         inherited + gamma(roundings) * (change + inherited)
     }
@@ -211,9 +210,9 @@ impl Distance {
     /// below the root, and the root's own. The value falls by at most -dG/d√s times that, here
     /// taken at the far end and for an exponential at the near one; it is behind 1 ULP, and a
     /// polynomial of 1 or 4 roundings and its product.
-    fn value_error(&self, kernel: Kernel, s: f64, input_error: f64) -> f64 {
+    fn value_error(&self, kernel: Kernel, s: f64, input_error: f64, arithmetic: Arithmetic) -> f64 {
         let most = s.sqrt() + input_error;
-        let error = input_error + most * gamma(self.dimensions / 2 + 3);
+        let error = input_error + most * gamma(self.dimensions / 2 + 2 + arithmetic.root);
         let far = most + error;
         let inherited = 2.0 * kernel.steepness(far * far) * (5.0 * error).exp() * error;
         let roundings = match kernel {
@@ -234,13 +233,14 @@ impl Fade {
     /// Bounds the confidence's error, given the distances and their errors: 0 where every centre
     /// is beyond doubt too far.
     ///
-    /// A place in the fade is behind three roundings, and its step is exact where it is 1. `1 - b`,
-    /// the product of those that are not 1, and the difference from 1 round once each.
-    fn error(&self, distances: &[(f64, f64)]) -> f64 {
+    /// A place in the fade is behind two differences and a division, and its step is exact where it
+    /// is 1. `1 - b`, the product of those that are not 1, and the difference from 1 round once each.
+    fn error(&self, distances: &[(f64, f64)], arithmetic: Arithmetic) -> f64 {
+        let of_place = gamma(2 + arithmetic.division);
         let (mut doubt, mut least, mut most) = (1.0, 1.0, 1.0f64);
         for &(s, error) in distances {
-            let near = step(self.place(s - error) * (1.0 + gamma(3)));
-            let far = step(self.place(s + error) * (1.0 - gamma(3)));
+            let near = step(self.place(s - error) * (1.0 + of_place));
+            let far = step(self.place(s + error) * (1.0 - of_place));
             if near == 0.0 {
                 continue;
             }
@@ -297,7 +297,7 @@ mod tests {
             // On a centre, where Matérn 1/2 has its cone, and where |x - t| = |t|; in the fade.
             for x in [[1.0, -0.2], [0.5, -0.2], [1.0, -0.4], [0.1, 0.4], [2.6, 0.0]] {
                 for off in [0.0, U, 1e-3] {
-                    let (error, of_confidence) = map.error_from(&x, &[off, off]);
+                    let (error, of_confidence) = map.error_from(&x, &[off, off], Arithmetic::IEEE);
                     let exact = map.evaluate(&x);
                     assert!(error[0] < 200.0 * U + 50.0 * off, "{kernel:?} {error:?}");
                     for moved in [[off, off], [-off, off], [off, -off], [-off, -off]] {
@@ -308,7 +308,8 @@ mod tests {
                         assert!(change <= of_confidence, "{kernel:?} {x:?} {off}");
                     }
                 }
-                assert_eq!(map.error(&x), map.error_from(&x, &x.map(|x| U * x.abs())));
+                let rounded = x.map(|x| U * x.abs());
+                assert_eq!(map.error(&x), map.error_from(&x, &rounded, Arithmetic::IEEE));
             }
         }
         assert_eq!(map().error(&[9.0, 0.0]).1, 0.0, "none beyond doubt");

@@ -6,9 +6,10 @@
 //! kernel G + 0.2 x·x'/m, m the median squared distance of the samples, conditioned on f(0) = 0.
 //! The linear part is penalised too: an unpenalised tail of many inputs overfits.
 
+use super::arithmetic::U;
 use super::centres::Greedy;
 use super::function::{Exact, by_name};
-use super::map::{Fade, KernelMap, U};
+use super::map::{Fade, KernelMap};
 use faer::linalg::solvers::{Solve, Svd};
 use faer::{ColRef, Mat, MatRef, Side};
 use serde::Serialize;

@@ -1,6 +1,6 @@
 //! Tolerances of what the kernel maps take part in, and of the confidence.
 
-use super::{Inexact, Map, U, gamma, product, seen_from};
+use super::{Arithmetic, Inexact, Map, U, gamma, product, seen_from};
 use nalgebra::{DVector, Matrix3, Vector3};
 use sinew_trainer::envelope::oracle::{Group, Oracle, linear};
 use sinew_trainer::kernel::map::{STEP_ERROR, Value};
@@ -39,13 +39,14 @@ pub fn correction(
     pose: &Inexact<Map>,
     features: &Inexact<Map>,
     base: Inexact<Map>,
+    arithmetic: Arithmetic,
 ) -> (Inexact<Map>, Inexact<f64>) {
     let first = oracle.first_proxy();
     let (value, confidence) = oracle.correct(&pose.value, &features.value, base.value.clone());
     let mut error = base.error;
     let (mut least, mut most) = (1.0_f64, 1.0_f64);
     for group in oracle.groups.iter().filter(|group| group.has_centres()) {
-        let (k, k_error, (w, w_error)) = added(group, features);
+        let (k, k_error, (w, w_error)) = added(group, features, arithmetic);
         least = least.min(w - w_error);
         most = most.min(w + w_error);
         if w + w_error == 0.0 {
@@ -67,7 +68,11 @@ pub fn correction(
 }
 
 /// K of a group's proxies, 12 values each, its errors, and w with its error.
-fn added(group: &Group, features: &Inexact<Map>) -> (DVector<f64>, DVector<f64>, (f64, f64)) {
+fn added(
+    group: &Group,
+    features: &Inexact<Map>,
+    arithmetic: Arithmetic,
+) -> (DVector<f64>, DVector<f64>, (f64, f64)) {
     let input = group.input(&features.value);
     let inherited = group.input(&features.error);
     let input_error: Vec<_> = input
@@ -76,7 +81,7 @@ fn added(group: &Group, features: &Inexact<Map>) -> (DVector<f64>, DVector<f64>,
         .map(|(x, error)| error.abs() + (x.abs() + error.abs()) * U)
         .collect();
     let Value { outputs, confidence: w } = group.map.evaluate(&input);
-    let (error, w_error) = group.map.error_from(&input, &input_error);
+    let (error, w_error) = group.map.error_from(&input, &input_error, arithmetic);
     let (z, z_error) = (DVector::from_vec(outputs), DVector::from_vec(error));
     let y = &group.outputs * &z;
     let sums = group.outputs.abs() * (z.abs() + &z_error) * gamma(z.len());
@@ -88,18 +93,23 @@ fn added(group: &Group, features: &Inexact<Map>) -> (DVector<f64>, DVector<f64>,
 }
 
 /// Confidence of a rotational model: `|θ|` is behind half of three roundings and the root's, the
-/// excess, its scale and their quotient behind one, two and one; a step's relative error is known,
-/// and the difference from 1 rounds once.
-pub fn confidence(oracle: &Oracle, rotations: &Inexact<Vector3<f64>, f64>) -> Inexact<f64> {
+/// excess, its scale and their quotient behind one, two and a division's; a step's relative error is
+/// known, and the difference from 1 rounds once.
+pub fn confidence(
+    oracle: &Oracle,
+    rotations: &Inexact<Vector3<f64>, f64>,
+    arithmetic: Arithmetic,
+) -> Inexact<f64> {
+    let (of_length, of_excess) = (gamma(2 + arithmetic.root), gamma(3 + arithmetic.division));
     let value = oracle.confidence(&rotations.value);
     // Of rotations that are longer or shorter by as much as they may be.
     let shifted = |sign: f64| {
         let angles = rotations.value.iter().zip(&rotations.error).zip(&oracle.pose_ranges);
         let angles = angles.map(|((theta, error), range)| {
             let length = theta.norm();
-            let own = error + gamma(3) * (length + error);
+            let own = error + of_length * (length + error);
             let excess = (length - range).abs() + own;
-            Vector3::x() * (length + sign * (own + gamma(4) * excess)).max(0.0)
+            Vector3::x() * (length + sign * (own + of_excess * excess)).max(0.0)
         });
         oracle.confidence(&angles.collect::<Vec<_>>())
     };

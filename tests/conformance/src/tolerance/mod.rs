@@ -7,11 +7,17 @@
 //! value with the bound that follows: with zeros for a stage alone on given f32 inputs, chained from
 //! pose to skin. Every product of bounds is kept, so that nothing is neglected but the oracle's own
 //! rounding, a billionth of ours. U is u, [`gamma`] γₙ: the trainer bounds its kernel maps by them.
+//!
+//! GPUs may divide and take roots less exactly: [`Arithmetic`] says how many roundings each counts.
+//! They may also fuse a product and a sum, which leaves out a rounding, and flush numbers below the
+//! least normal one, for which there is [`UNDERFLOW`]. The bounds of the transcendental functions
+//! hold as well: all but one or two of the roundings in them are of terms far below the result, and
+//! none of them divides but the arc tangent, whose quotient is counted.
 
 mod correction;
 
 pub use correction::{confidence, correction, features, joints};
-pub use sinew_trainer::kernel::map::{U, gamma};
+pub use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
 
 use nalgebra::{DMatrix, Matrix3, Matrix3x4, SMatrix, Vector3, Vector6};
 use sinew_trainer::envelope::oracle::{Key, Oracle, Vertex, cofactors, linear, stack, symmetric};
@@ -87,9 +93,15 @@ fn seen_from((a, a_error): (&Map, &Map), (b, b_error): (&Map, &Map)) -> Map {
 /// up to a length of at least 2 (its largest component is at least 1/2, times four): it moves by at
 /// most √3 Δ, that is, the rotation by an angle of √3 Δ. Rounding of its components, the largest of
 /// a sum of four numbers up to 1, adds 8u. log is as steep as (|θ|/2)/sin(|θ|/2), π/2 at the most.
-/// The ratio |v|/w is off by 2.5u, the arc tangent by 2.1 ULP or 4.2u, the scale by 5u more: 12u|θ|.
-/// A tenth covers the second order in Δ ≤ 0.05.
-pub fn rotations(oracle: &Oracle, relative: &Inexact<Map>) -> Inexact<Vector3<f64>, f64> {
+/// |v| is off by 1.5u and a root, and so is its ratio to w; the arc tangent by 2.1 ULP or 4.2u, of
+/// which u is its division; the scale by |v| once more, a division and a product: in all 7.2u|θ|,
+/// two roots and two divisions, here 8u. A tenth covers the second order in Δ ≤ 0.05.
+pub fn rotations(
+    oracle: &Oracle,
+    relative: &Inexact<Map>,
+    arithmetic: Arithmetic,
+) -> Inexact<Vector3<f64>, f64> {
+    let of_angle = (8 + 2 * arithmetic.root + 2 * arithmetic.division) as f64 * U;
     let value = oracle.rotations(&relative.value);
     let error = oracle.parents.iter().zip(&value).enumerate().map(|(joint, (parent, theta))| {
         let Some(parent) = *parent else { return 0.0 };
@@ -102,7 +114,7 @@ pub fn rotations(oracle: &Oracle, relative: &Inexact<Map>) -> Inexact<Vector3<f6
         assert!(delta <= 0.05, "joint {joint} is not rigid, or its error is not small: {delta}");
         let half = theta.norm() / 2.0;
         let steepness = if half > 0.0 { half / half.sin() } else { 1.0 };
-        1.1 * steepness * (3f64.sqrt() * delta + 8.0 * U) + 12.0 * U * theta.norm()
+        1.1 * steepness * (3f64.sqrt() * delta + 8.0 * U) + of_angle * theta.norm()
     });
     Inexact { error: error.collect(), value }
 }
@@ -124,6 +136,7 @@ pub fn gradients(
     oracle: &Oracle,
     relative: &Inexact<Map>,
     rotations: &Inexact<Vector3<f64>, f64>,
+    arithmetic: Arithmetic,
 ) -> Inexact<Matrix3<f64>> {
     let bound = |key: &Key| {
         let factors = oracle.factors(key, &relative.value, &rotations.value);
@@ -131,7 +144,7 @@ pub fn gradients(
             let theta = rotations.value[joint].abs();
             let from_product = (matrix.abs() * theta * gamma(3)).norm();
             let from_theta = matrix.norm() * rotations.error[joint] * (1.0 + gamma(3));
-            exponential(angles, from_product + from_theta)
+            exponential(angles, from_product + from_theta, arithmetic)
         };
         let error_of = |joint: usize| Vector3::repeat(rotations.error[joint]);
         let above = oracle.parents[key.joint];
@@ -164,20 +177,27 @@ pub fn gradients(
 /// The exponential `I + sin φ K + (1 - cos φ) K²`, φ = |ω|, K the cross product with ω/φ, of an ω
 /// that is off by `omega_error`.
 ///
-/// No entry moves by more than ω does. φ itself is off by 2.5u (a sum of squares, a root), which
-/// turns the matrix about its own axis: 3uφ(|K| + |K²|). In the term of K the sine is off by 2 ULP
-/// or 4u, φ below it by 2.5u, and three operations follow: 10u; in that of K² the versine likewise
-/// by 4u, φ² by 3u, and four operations follow: 11u. Beyond π/2 the two are off by 1.3e-7 and 2e-7
-/// instead, which 4u times min(φ, 1) and min(φ²/2, 2) also cover. 1 is added on the diagonal: u.
-fn exponential(omega: &Vector3<f64>, omega_error: f64) -> Matrix3<f64> {
+/// No entry moves by more than ω does. φ itself is off by 1.5u (a sum of squares) and a root, here
+/// 2u and a root, which turns the matrix about its own axis by that times φ(|K| + |K²|). In the term
+/// of K the sine is off by 2 ULP or 4u, φ below it as said, and a division and two operations
+/// follow: 8u, a root and a division; in that of K² the versine likewise by 4u, φ² by 3u, and a
+/// division and three operations follow: 10u and a division. Beyond π/2 the two are off by 1.3e-7
+/// and 2e-7 instead, which 4u times min(φ, 1) and min(φ²/2, 2) also cover. 1 is added on the
+/// diagonal: u.
+fn exponential(
+    omega: &Vector3<f64>,
+    omega_error: f64,
+    Arithmetic { division, root }: Arithmetic,
+) -> Matrix3<f64> {
     let angle = omega.norm();
     let axis = if angle > 0.0 { omega / angle } else { Vector3::zeros() };
     let k = axis.cross_matrix();
     let (k, k2) = (k.abs(), (k * k).abs());
     let (sine, versine) = (angle.min(1.0), (angle * angle / 2.0).min(2.0));
+    let of_angle = (2 + root) as f64 * angle;
     Matrix3::repeat(omega_error)
-        + k * (U * (3.0 * angle + 10.0 * sine))
-        + k2 * (U * (3.0 * angle + 11.0 * versine))
+        + k * (U * (of_angle + (8 + root + division) as f64 * sine))
+        + k2 * (U * (of_angle + (10 + division) as f64 * versine))
         + Matrix3::identity() * U
 }
 
@@ -228,21 +248,23 @@ pub fn whole(
     oracle: &Oracle,
     pose: &Inexact<Map>,
     found: &[[f32; 3]],
+    arithmetic: Arithmetic,
 ) -> (Inexact<Map>, Inexact<f64>) {
+    let corrected = |base| correction(oracle, pose, &features(oracle, pose), base, arithmetic);
     if !oracle.predictor.reconstructs() {
-        return correction(oracle, pose, &features(oracle, pose), joints(oracle, pose));
+        return corrected(joints(oracle, pose));
     }
     let relative = relative(oracle, pose);
-    let mut rotations = rotations(oracle, &relative);
+    let mut rotations = rotations(oracle, &relative, arithmetic);
     same_branch(&mut rotations, found);
-    let gradients = gradients(oracle, &relative, &rotations);
+    let gradients = gradients(oracle, &relative, &rotations, arithmetic);
     let (value, error) = (pose.value[oracle.root], pose.error[oracle.root]);
     let root = Inexact { value: vec![value], error: vec![error] };
     let palette = palette(oracle, &root, &relative, &gradients);
     if oracle.predictor.corrects() {
-        return correction(oracle, pose, &features(oracle, pose), palette);
+        return corrected(palette);
     }
-    (palette, confidence(oracle, &rotations))
+    (palette, confidence(oracle, &rotations, arithmetic))
 }
 
 /// Rest to rest: matrices of zeros and ones multiply exactly, so joints, q and d are exact, and of
@@ -261,7 +283,8 @@ pub fn rest(oracle: &Oracle) -> Vec<Vector3<f64>> {
         Inexact::exact(oracle.joints(&q))
     };
     let of_weights = |vertex: &Vertex| vertex.position.xyz().abs() * U;
-    oracle.vertices.iter().map(|v| skin(v, &palette).position + of_weights(v)).collect()
+    let position = |v: &Vertex| skin(v, &palette, Arithmetic::IEEE).position + of_weights(v);
+    oracle.vertices.iter().map(position).collect()
 }
 
 /// Bounds of one skinned vertex.
@@ -277,7 +300,7 @@ pub struct SkinBounds {
 
 /// Skin: `M = Σ w_k T_k`, K products; `M x̂`, three products and one term; cofactors, two products
 /// an entry; a direction's three products; then its length.
-pub fn skin(vertex: &Vertex, palette: &Inexact<Map>) -> SkinBounds {
+pub fn skin(vertex: &Vertex, palette: &Inexact<Map>, arithmetic: Arithmetic) -> SkinBounds {
     let influences = vertex.influences.len();
     let sum = |list: &[Map]| vertex.influences.iter().map(|&(l, w)| list[l].abs() * w).sum::<Map>();
     let inherited = sum(&palette.error);
@@ -287,7 +310,7 @@ pub fn skin(vertex: &Vertex, palette: &Inexact<Map>) -> SkinBounds {
     let (cofactor, cofactor_error) = (cofactors(&turn), cofactor_error(&turn, &turn_error));
     let exact = Vector3::zeros();
     let along = |matrix: (&Matrix3<f64>, &Matrix3<f64>), rest: &Vector3<f64>| {
-        direction(&(matrix.0 * rest), &product(matrix, (rest, &exact), 3))
+        direction(&(matrix.0 * rest), &product(matrix, (rest, &exact), 3), arithmetic)
     };
     SkinBounds {
         position: product((&map, &map_error), (&vertex.position, &nalgebra::Vector4::zeros()), 4),
@@ -310,15 +333,21 @@ fn cofactor_error(m: &Matrix3<f64>, error: &Matrix3<f64>) -> Matrix3<f64> {
 }
 
 /// A vector v made unit. Directions of v and v + e are at most 2|e| / (|v| + |v + e|) apart
-/// (Dunkl and Williams 1964). Its squared length is off by γ₃, the root by half of that and u, and
-/// a division and a product follow: 5u. No two unit vectors are farther apart than 2.
-fn direction(v: &Vector3<f64>, error: &Vector3<f64>) -> f64 {
+/// (Dunkl and Williams 1964). Its squared length is off by γ₃, the length by half of that and a
+/// root, and a division and a product follow: 2.5u, here 3u, a root and a division. No two unit
+/// vectors are farther apart than 2: also where the squared length is no normal number, for which
+/// the rest direction stands, in one of two evaluations.
+fn direction(
+    v: &Vector3<f64>,
+    error: &Vector3<f64>,
+    Arithmetic { division, root }: Arithmetic,
+) -> f64 {
     let (length, error) = (v.norm(), error.norm());
     if length == 0.0 && error == 0.0 {
         return 0.0;
     }
     let apart = if error < length { error / (length - error / 2.0) } else { 2.0 };
-    apart.min(2.0) + 5.0 * U
+    apart.min(2.0) + (3 + root + division) as f64 * U
 }
 
 /// `E_a |b| + |a| E_b + E_a E_b + γₙ (|a| + E_a)(|b| + E_b)` of a product behind n roundings.

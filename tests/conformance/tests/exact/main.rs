@@ -11,7 +11,7 @@ mod unreduced;
 use character::{Character, moved_examples};
 use conformance::models::demo_examples;
 use conformance::poses::rigid_motion;
-use conformance::tolerance::{EXACT, Inexact, whole};
+use conformance::tolerance::{Arithmetic, EXACT, Inexact, whole};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4};
 use rand::SeedableRng;
@@ -177,7 +177,7 @@ fn evaluates_as_fitted(examples: &Examples, training: &Training, fitted: &Fitted
         let none = vec![[0.0; 3]; pose.len()];
         let root = pose[oracle.root];
         // The file's numbers are off by u each: less than what an evaluation in f32 rounds.
-        let (found, _) = whole(&oracle, &Inexact::exact(pose), &none);
+        let (found, _) = whole(&oracle, &Inexact::exact(pose), &none, Arithmetic::IEEE);
         for (l, (map, error)) in found.value.iter().zip(&found.error).enumerate() {
             let mut t = Map::from_fn(|r, c| expected[(3 * frame + r, 4 * l + c)]);
             // Training sees lengths in its unit, about its centre.

@@ -1,0 +1,289 @@
+//! Skins three instances of a model as an engine does that has Vulkan of its own: its instance,
+//! device, queue, buffer and command buffer; and compares every float with the CPU's.
+//!
+//!     cargo run --release -p sinew-gpu --example ash_headless -- [MODEL]
+#![allow(unsafe_code, reason = "every call of Vulkan is")]
+
+use ash::{Device, Entry, Instance, vk};
+use sinew_gpu::layout::{ALIGNMENT, Batch, Plan, Resource};
+use sinew_gpu::vulkan::{Bound, Buffers, Pipelines, limits, pool_sizes, set_len, usage};
+use sinew_runtime::envelope::{Attribute, SkinJob};
+use sinew_runtime::{Envelope, Matrix3x4, Model};
+use std::error::Error;
+
+const INSTANCES: usize = 3;
+const GOLDEN: &[u8] = include_bytes!("../../tests/golden/envelope-2-hybrid.snw");
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let bytes = match std::env::args_os().nth(1) {
+        Some(path) => std::fs::read(path)?,
+        None => GOLDEN.to_vec(),
+    };
+    let model = Model::from_bytes(&bytes)?;
+    let envelope = model.envelope().ok_or("the model has no envelope")?;
+    let batch = Batch::skinned(&envelope, INSTANCES);
+    let poses: Vec<_> = (0..INSTANCES).map(|n| bent(&envelope, 0.3 * n as f32)).collect();
+    // SAFETY: each function below asks for nothing but what was made before it.
+    let found = unsafe {
+        let engine = Engine::new()?;
+        let found = skin(&engine, &model, &envelope, &batch, &poses);
+        engine.destroy();
+        found?
+    };
+    let mut differ = 0;
+    for (found, expected) in found.iter().zip(on_the_cpu(&envelope, &batch, &poses)?) {
+        assert_eq!(found.len(), expected.len());
+        let pairs = found.iter().zip(&expected);
+        let wrong = pairs.filter(|(found, expected)| found.to_bits() != expected.to_bits());
+        differ += wrong.count();
+    }
+    let floats: usize = found.iter().map(Vec::len).sum();
+    println!("{INSTANCES} instances of {} vertices: {floats} floats", envelope.vertex_len());
+    println!("{differ} differ from the CPU's in any bit");
+    Ok(())
+}
+
+/// Skins on the engine's device; returns palettes, confidences, out_a and out_b.
+unsafe fn skin(
+    engine: &Engine,
+    model: &Model<'_>,
+    envelope: &Envelope<'_>,
+    batch: &Batch,
+    poses: &[Vec<Matrix3x4>],
+) -> Result<[Vec<f32>; 4], Box<dyn Error>> {
+    let device = &engine.device;
+    let plan = Plan::new(model, envelope, batch, &limits(&engine.limits))?;
+
+    // One buffer for all, each resource at a place that any device can bind.
+    let mut bytes = 0;
+    let places = Resource::ALL.map(|resource| {
+        let place = bytes;
+        bytes += plan.bytes(resource).next_multiple_of(ALIGNMENT);
+        place as usize
+    });
+    let usage = Resource::ALL.into_iter().map(usage).reduce(|a, b| a | b).unwrap_or_default();
+    // SAFETY: the device is valid, and whatever is submitted has been waited for before it is freed.
+    unsafe {
+        let (buffer, memory) = engine.buffer(bytes, usage)?;
+        let flags = vk::MemoryMapFlags::empty();
+        let mapped = device.map_memory(memory, 0, vk::WHOLE_SIZE, flags)?.cast::<u8>();
+        let mapped = std::slice::from_raw_parts_mut(mapped, bytes as usize);
+        let mut upload = |resource: Resource, bytes: &[u8]| {
+            mapped[places[resource as usize]..][..bytes.len()].copy_from_slice(bytes);
+        };
+        upload(Resource::Params, &plan.params());
+        upload(Resource::Blob, model.blob());
+        let floats = poses.concat().concat().concat();
+        let floats: Vec<u8> = floats.iter().flat_map(|float| float.to_le_bytes()).collect();
+        upload(Resource::Poses, &floats);
+
+        let stages: Vec<_> = plan.stages().collect();
+        let pipelines = Pipelines::new(device, &stages, vk::PipelineCache::null(), None)?;
+        let sizes = pool_sizes(&plan);
+        let info =
+            vk::DescriptorPoolCreateInfo::default().max_sets(set_len(&plan)).pool_sizes(&sizes);
+        let pool = device.create_descriptor_pool(&info, None)?;
+        let layouts = pipelines.set_layouts(&plan)?;
+        let info =
+            vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+        let sets = device.allocate_descriptor_sets(&info)?;
+        let buffers = Resource::ALL.into_iter().fold(Buffers::default(), |buffers, resource| {
+            let offset = places[resource as usize] as u64;
+            buffers.with(resource, buffer, offset, plan.bytes(resource))
+        });
+        let bound = Bound::new(device, &pipelines, &plan, &buffers, &sets)?;
+
+        // What the host writes before it submits is visible to the device.
+        engine.submit(|commands| {
+            bound.record(device, commands, INSTANCES)?;
+            // The engine's own barrier: here what is skinned goes to the CPU.
+            let memory = [vk::MemoryBarrier::default()
+                .src_access_mask(vk::AccessFlags::SHADER_WRITE)
+                .dst_access_mask(vk::AccessFlags::HOST_READ)];
+            let (from, to) = (vk::PipelineStageFlags::COMPUTE_SHADER, vk::PipelineStageFlags::HOST);
+            let flags = vk::DependencyFlags::empty();
+            device.cmd_pipeline_barrier(commands, from, to, flags, &memory, &[], &[]);
+            Ok(())
+        })?;
+
+        let out = [Resource::Palettes, Resource::Confidences, Resource::OutA, Resource::OutB];
+        let found = out.map(|resource| {
+            let bytes = &mapped[places[resource as usize]..][..plan.bytes(resource) as usize];
+            bytes.as_chunks::<4>().0.iter().map(|word| f32::from_le_bytes(*word)).collect()
+        });
+        device.destroy_descriptor_pool(pool, None);
+        pipelines.destroy(device, None);
+        device.destroy_buffer(buffer, None);
+        device.free_memory(memory, None);
+        Ok(found)
+    }
+}
+
+/// Does the same on the CPU.
+fn on_the_cpu(
+    envelope: &Envelope<'_>,
+    batch: &Batch,
+    poses: &[Vec<Matrix3x4>],
+) -> Result<[Vec<f32>; 4], Box<dyn Error>> {
+    let mut out = [const { Vec::new() }; 4];
+    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
+    let skin = batch.skin.clone().ok_or("the batch has no skin")?;
+    for pose in poses {
+        let confidence = envelope.palette(pose, &mut workspace, &mut palette)?;
+        let [mut out_a, mut out_b] = [skin.positions, skin.normals]
+            .map(|own| vec![0.0; own.map_or(0, |own| own.instance_stride)]);
+        let [positions, normals, tangents] =
+            [skin.positions, skin.normals, skin.tangents].map(|own| {
+                let own = own?;
+                Some(Attribute { buffer: own.buffer, offset: own.offset, stride: own.stride })
+            });
+        SkinJob {
+            envelope: *envelope,
+            palette: &palette,
+            vertices: skin.vertices.clone(),
+            positions,
+            normals,
+            tangents,
+            out_a: &mut out_a,
+            out_b: &mut out_b,
+        }
+        .run()?;
+        for (all, own) in
+            out.iter_mut().zip([palette.concat().concat(), vec![confidence], out_a, out_b])
+        {
+            all.extend(own);
+        }
+    }
+    Ok(out)
+}
+
+/// Turns each joint against its parent by an angle about z, where it rests.
+fn bent(envelope: &Envelope<'_>, angle: f32) -> Vec<Matrix3x4> {
+    let mut pose = vec![
+        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        envelope.joint_len()
+    ];
+    let (s, c) = angle.sin_cos();
+    for joint in envelope.evaluation_order() {
+        let Some(m) = envelope.inverse_bind(joint) else { continue };
+        let at = |r: usize| -(m[0][r] * m[0][3] + m[1][r] * m[1][3] + m[2][r] * m[2][3]);
+        let (x, y) = (at(0), at(1));
+        let local =
+            [[c, -s, 0.0, x - c * x + s * y], [s, c, 0.0, y - s * x - c * y], [0.0, 0.0, 1.0, 0.0]];
+        pose[joint] = match envelope.parent(joint) {
+            None => local,
+            Some(parent) => pose[parent].map(|row| {
+                let moved =
+                    |c: usize| row[0] * local[0][c] + row[1] * local[1][c] + row[2] * local[2][c];
+                [moved(0), moved(1), moved(2), moved(3) + row[3]]
+            }),
+        };
+    }
+    pose
+}
+
+/// What an engine has anyway.
+struct Engine {
+    instance: Instance,
+    device: Device,
+    queue: vk::Queue,
+    commands: vk::CommandPool,
+    limits: vk::PhysicalDeviceLimits,
+    memory: vk::PhysicalDeviceMemoryProperties,
+    /// Holds the loader's library.
+    _entry: Entry,
+}
+
+impl Engine {
+    unsafe fn new() -> Result<Self, Box<dyn Error>> {
+        // SAFETY: each call is given what those before it have made.
+        unsafe {
+            let entry = Entry::load()?;
+            let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_1);
+            let info = vk::InstanceCreateInfo::default().application_info(&application);
+            let instance = entry.create_instance(&info, None)?;
+            let physical = instance.enumerate_physical_devices()?;
+            let physical = *physical.first().ok_or("no Vulkan device")?;
+            let properties = instance.get_physical_device_properties(physical);
+            println!("on {}", properties.device_name_as_c_str()?.to_string_lossy());
+            let families = instance.get_physical_device_queue_family_properties(physical);
+            let compute = families
+                .iter()
+                .position(|family| family.queue_flags.contains(vk::QueueFlags::COMPUTE));
+            let family = compute.ok_or("no queue family has compute")? as u32;
+            let queues = [vk::DeviceQueueCreateInfo::default()
+                .queue_family_index(family)
+                .queue_priorities(&[1.0])];
+            let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+            let device = instance.create_device(physical, &info, None)?;
+            let info = vk::CommandPoolCreateInfo::default().queue_family_index(family);
+            Ok(Self {
+                queue: device.get_device_queue(family, 0),
+                commands: device.create_command_pool(&info, None)?,
+                limits: properties.limits,
+                memory: instance.get_physical_device_memory_properties(physical),
+                device,
+                instance,
+                _entry: entry,
+            })
+        }
+    }
+
+    /// Makes a buffer in memory that the host sees, too.
+    unsafe fn buffer(
+        &self,
+        bytes: u64,
+        usage: vk::BufferUsageFlags,
+    ) -> Result<(vk::Buffer, vk::DeviceMemory), Box<dyn Error>> {
+        let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
+        // SAFETY: each call is given what those before it have made.
+        unsafe {
+            let buffer = self.device.create_buffer(&info, None)?;
+            let asked = self.device.get_buffer_memory_requirements(buffer);
+            let seen =
+                vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
+            let mut types = self.memory.memory_types_as_slice().iter().zip(0..);
+            let fits = types.find(|(kind, index)| {
+                asked.memory_type_bits >> index & 1 == 1 && kind.property_flags.contains(seen)
+            });
+            let (_, index) = fits.ok_or("no memory that the host sees")?;
+            let info = vk::MemoryAllocateInfo::default()
+                .allocation_size(asked.size)
+                .memory_type_index(index);
+            let memory = self.device.allocate_memory(&info, None)?;
+            self.device.bind_buffer_memory(buffer, memory, 0)?;
+            Ok((buffer, memory))
+        }
+    }
+
+    /// Records, submits and waits.
+    unsafe fn submit(
+        &self,
+        record: impl FnOnce(vk::CommandBuffer) -> Result<(), Box<dyn Error>>,
+    ) -> Result<(), Box<dyn Error>> {
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(self.commands)
+            .command_buffer_count(1);
+        // SAFETY: each call is given what those before it have made.
+        unsafe {
+            let commands = self.device.allocate_command_buffers(&info)?;
+            let begin = vk::CommandBufferBeginInfo::default();
+            self.device.begin_command_buffer(commands[0], &begin)?;
+            record(commands[0])?;
+            self.device.end_command_buffer(commands[0])?;
+            let submits = [vk::SubmitInfo::default().command_buffers(&commands)];
+            self.device.queue_submit(self.queue, &submits, vk::Fence::null())?;
+            Ok(self.device.queue_wait_idle(self.queue)?)
+        }
+    }
+
+    unsafe fn destroy(self) {
+        // SAFETY: what was made of them is gone, and nothing is in flight.
+        unsafe {
+            self.device.destroy_command_pool(self.commands, None);
+            self.device.destroy_device(None);
+            self.instance.destroy_instance(None);
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! How much of a device's memory bandwidth skinning takes, and what the two APIs cost beside each
+//! other. All in one run, on one device; the bars are stated where they apply.
+//!
+//! `cargo run --release -p sinew-gpu --example bandwidth [-- DRIVER]`
+
+mod model;
+
+use sinew_gpu::headless::{Device, Uploaded};
+use sinew_gpu::layout::{Batch, Plan, Resource, Stage};
+use sinew_gpu::{vulkan, wgpu};
+use sinew_runtime::{Envelope, Model};
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+const MEDIAN_OF: usize = 7;
+/// What is measured takes at least so long, so that submitting and waiting vanish in it.
+const LEAST: Duration = Duration::from_millis(100);
+
+fn main() -> Result<()> {
+    let devices = open(std::env::args().nth(1).as_deref())?;
+    let info = devices[0].info();
+    println!("{}, {} {}", info.name, info.driver, info.driver_info);
+    println!("medians of {MEDIAN_OF}");
+    // A buffer has at most 256 MiB at downlevel limits: hardware gets almost that for an output.
+    let (instances, vertices) = if info.software { (64, 10_000) } else { (1024, 20_000) };
+    bandwidth(&devices, instances, vertices)?;
+    side_by_side(&devices)?;
+    by_instances(&devices)
+}
+
+/// Opens a device through each API: of the driver that is given, or else hardware if there is any.
+fn open(driver: Option<&str>) -> Result<[Box<dyn Device>; 2]> {
+    let found = wgpu::headless::devices();
+    let hardware = || found.iter().find(|info| !info.software).or(found.first());
+    let driver = match driver {
+        Some(driver) => driver.to_owned(),
+        None => hardware().ok_or("there is no device")?.driver.clone(),
+    };
+    Ok([
+        Box::new(wgpu::headless::Device::of_driver(&driver, false)?),
+        Box::new(vulkan::headless::Device::of_driver(&driver, false)?),
+    ])
+}
+
+/// Measures the skin stage, and a copy of as many bytes.
+fn bandwidth(devices: &[Box<dyn Device>], instances: usize, vertices: usize) -> Result<()> {
+    let file = model::model(vertices)?;
+    let (model, envelope) = loaded(&file)?;
+    let moved = Moved::new(&envelope, instances);
+    println!("\nskin, {instances} instances of {vertices} vertices, positions and normals");
+    println!(
+        "counted once each, however often they are read: {:.1} MB of the model, {:.1} MB of \
+         palettes, {:.1} MB written",
+        moved.model as f64 / 1e6,
+        moved.palettes as f64 / 1e6,
+        moved.written as f64 / 1e6
+    );
+    println!("{:8} {:>9} {:>9} {:>10} {:>7}", "", "skin ms", "GB/s", "copy GB/s", "share");
+    for device in devices {
+        let mut uploaded = posed(device.as_ref(), &model, &envelope, instances)?;
+        uploaded.run(instances)?;
+        let skin = each(|repeat_len| uploaded.time_stage(Stage::Skin, instances, repeat_len))?;
+        // A copy reads as much as it writes.
+        let copy = each(|repeat_len| device.time_copy(moved.all() / 2, repeat_len))?;
+        let rate = |seconds: f64| moved.all() as f64 / seconds / 1e9;
+        println!(
+            "{:8} {:9.3} {:9.1} {:10.1} {:6.1}%",
+            device.info().api,
+            1e3 * skin,
+            rate(skin),
+            rate(copy),
+            100.0 * copy / skin
+        );
+    }
+    Ok(())
+}
+
+/// Bytes that the skin stage must move at least.
+struct Moved {
+    /// Rest positions and normals, 12 each; an index of 2 and a weight of 4 for each influence.
+    model: usize,
+    /// The palettes of all instances.
+    palettes: usize,
+    /// Positions and normals of all instances.
+    written: usize,
+}
+
+impl Moved {
+    fn new(envelope: &Envelope<'_>, instances: usize) -> Self {
+        let vertices = envelope.vertex_len();
+        Self {
+            model: vertices * (24 + 6 * envelope.influence_len()),
+            palettes: instances * 48 * envelope.palette_len(),
+            written: instances * vertices * 24,
+        }
+    }
+
+    fn all(&self) -> u64 {
+        (self.model + self.palettes + self.written) as u64
+    }
+}
+
+/// Measures all stages of a large batch through each API, in turns.
+fn side_by_side(devices: &[Box<dyn Device>]) -> Result<()> {
+    let (instances, vertices) = (256, 10_000);
+    let file = model::model(vertices)?;
+    let (model, envelope) = loaded(&file)?;
+    let mut batches = Vec::new();
+    for device in devices {
+        batches.push(posed(device.as_ref(), &model, &envelope, instances)?);
+    }
+    let mut times = vec![Vec::new(); batches.len()];
+    for round in 0..=MEDIAN_OF {
+        for (batch, times) in batches.iter_mut().zip(&mut times) {
+            let time = run(batch.as_mut(), instances, 1)?;
+            // The first warms up.
+            if round > 0 {
+                times.push(time);
+            }
+        }
+    }
+    println!("\nall stages, {instances} instances of {vertices} vertices, recorded to waited for");
+    let times: Vec<_> = times.into_iter().map(median).collect();
+    for (device, time) in devices.iter().zip(&times) {
+        println!("{:8} {:9.3} ms", device.info().api, 1e3 * time);
+    }
+    println!("wgpu takes {:.2} times as long (bar on lavapipe: 1.3)", times[0] / times[1]);
+    Ok(())
+}
+
+/// Measures all stages of a small and of a large number of instances, in turns.
+fn by_instances(devices: &[Box<dyn Device>]) -> Result<()> {
+    let (few, many, vertices) = (64, 1024, 1000);
+    let file = model::model(vertices)?;
+    let (model, envelope) = loaded(&file)?;
+    println!("\nall stages, time for an instance of {vertices} vertices");
+    println!("{:8} {:>7} us {:>7} us {:>7}", "", few, many, "ratio");
+    for device in devices {
+        let mut small = posed(device.as_ref(), &model, &envelope, few)?;
+        let mut large = posed(device.as_ref(), &model, &envelope, many)?;
+        let mut times = [Vec::new(), Vec::new()];
+        for round in 0..=MEDIAN_OF {
+            // As many instances in the end.
+            let own = [
+                run(small.as_mut(), few, many / few)? / many as f64,
+                run(large.as_mut(), many, 1)? / many as f64,
+            ];
+            if round > 0 {
+                times.iter_mut().zip(own).for_each(|(times, time)| times.push(time));
+            }
+        }
+        let [small, large] = times.map(median);
+        println!(
+            "{:8} {:10.2} {:10.2} {:7.2}",
+            device.info().api,
+            1e6 * small,
+            1e6 * large,
+            large / small
+        );
+    }
+    println!("(bar on lavapipe: within 15 %)");
+    Ok(())
+}
+
+fn loaded(file: &[u8]) -> Result<(Model<'_>, Envelope<'_>)> {
+    let model = Model::from_bytes(file)?;
+    Ok((model, model.envelope().ok_or("no envelope")?))
+}
+
+/// Uploads a batch of instances at rest.
+fn posed<'d>(
+    device: &'d dyn Device,
+    model: &Model<'_>,
+    envelope: &Envelope<'_>,
+    instances: usize,
+) -> Result<Box<dyn Uploaded + 'd>> {
+    let batch = Batch::skinned(envelope, instances);
+    let plan = Plan::new(model, envelope, &batch, &device.limits())?;
+    let mut uploaded = device.upload(model, &plan)?;
+    const REST: [f32; 12] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    uploaded.write(Resource::Poses, 0, &REST.repeat(instances * envelope.joint_len()))?;
+    Ok(uploaded)
+}
+
+/// Evaluates a batch some times, each submitted and waited for; returns the seconds of all.
+fn run(batch: &mut dyn Uploaded, instances: usize, times: usize) -> Result<f64> {
+    let start = Instant::now();
+    for _ in 0..times {
+        batch.run(instances)?;
+    }
+    Ok(start.elapsed().as_secs_f64())
+}
+
+/// Returns the median seconds of something, repeated in one submission until it takes long enough.
+fn each<E>(mut measure: impl FnMut(usize) -> std::result::Result<Duration, E>) -> Result<f64>
+where
+    Box<dyn Error>: From<E>,
+{
+    let mut repeat_len = 1;
+    while measure(repeat_len)? < LEAST && repeat_len < 1 << 12 {
+        repeat_len *= 2;
+    }
+    let mut times = Vec::new();
+    for _ in 0..MEDIAN_OF {
+        times.push(measure(repeat_len)?.as_secs_f64() / repeat_len as f64);
+    }
+    Ok(median(times))
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}

@@ -1,0 +1,76 @@
+//! A model of the size that is asked for; what it does to a pose is of no interest here.
+
+use sinew_runtime::format::Certificate;
+use sinew_runtime::kernel::Kernel;
+use sinew_trainer::bake::{BakeError, EnvelopeParts, Group, bake};
+
+const JOINTS: usize = 20;
+/// Helpers in all, and of each group.
+const HELPERS: usize = 40;
+const GROUP: usize = 4;
+/// Inputs, centres and latent values of a group's kernel map.
+const INPUTS: usize = 18;
+const CENTRES: usize = 24;
+const RANK: usize = 12;
+const INFLUENCES: usize = 4;
+
+/// Bakes a kernel model of so many vertices: 20 joints, 40 helpers, four influences, no tangents.
+pub(crate) fn model(vertices: usize) -> Result<Vec<u8>, BakeError> {
+    // A spiral; neighbours follow the same maps, as in a mesh.
+    let at = |vertex: usize| vertex as f64 / vertices as f64;
+    let position = |vertex: usize| {
+        let angle = 0.1 * vertex as f64;
+        [angle.cos(), angle.sin(), 10.0 * at(vertex)]
+    };
+    let normal = |vertex: usize| {
+        let angle = 0.1 * vertex as f64;
+        [angle.cos(), angle.sin(), 0.0]
+    };
+    let influences = |vertex: usize| {
+        let first = (at(vertex) * (JOINTS + HELPERS) as f64) as usize;
+        let map = |k: usize| ((first + k) % (JOINTS + HELPERS), 1.0 / INFLUENCES as f64);
+        (0..INFLUENCES).map(map).collect()
+    };
+    let frame = |joint: usize| {
+        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.5 * joint as f64]]
+    };
+    bake(&EnvelopeParts {
+        name: "synthetic".to_owned(),
+        joint_names: (0..JOINTS).map(|joint| format!("joint {joint}")).collect(),
+        parents: (0..JOINTS).map(|joint| joint.checked_sub(1)).collect(),
+        root: 0,
+        rest_frames: (0..JOINTS).map(frame).collect(),
+        rest_positions: (0..vertices).map(position).collect(),
+        rest_normals: (0..vertices).map(normal).collect(),
+        rest_tangents: None,
+        influences: (0..vertices).map(influences).collect(),
+        reconstruction: None,
+        groups: (0..HELPERS / GROUP).map(group).collect(),
+        pose_ranges: vec![1.0; JOINTS],
+        certificate: Certificate {
+            diagonal: 10.0,
+            training_rms: 0.0,
+            cross_validated_rms: 0.0,
+            lbs_training_rms: 0.0,
+            correction_error: 0.0,
+        },
+    })
+}
+
+fn group(group: usize) -> Group {
+    let wave = |i: usize| (0.7 * i as f64).sin();
+    let joint = 1 + group % (JOINTS - 1);
+    Group {
+        joint,
+        kernel: Kernel::Gaussian,
+        proxies: GROUP,
+        inputs: (0..INPUTS).map(|i| (12 * joint + i % 12, 1.0 + i as f64)).collect(),
+        centres: (0..CENTRES)
+            .map(|k| (0..INPUTS).map(|i| wave(k * INPUTS + i)).collect())
+            .collect(),
+        coefficients: (0..RANK * (CENTRES + INPUTS)).map(|i| 0.01 * wave(i)).collect(),
+        rank: RANK,
+        outputs: (0..12 * GROUP * RANK).map(|i| 0.01 * wave(i)).collect(),
+        fade: (1e3, 1e4),
+    }
+}

@@ -1,0 +1,38 @@
+//! Skins inside the host's own render pass: our stages make palettes only, the host's vertex shader
+//! does the rest. Saves a picture from each API.
+//!
+//! `cargo run --release -p sinew-gpu --example render [-- FOLDER]`
+
+mod scene;
+mod target;
+mod vulkan;
+mod wgpu;
+
+use scene::{HEIGHT, Scene, WIDTH};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+fn main() -> Result<()> {
+    let folder = std::env::args().nth(1).map_or_else(std::env::temp_dir, PathBuf::from);
+    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let scene = Scene::new()?;
+    let pictures = [wgpu::render(&scene)?, vulkan::render(&scene)?];
+    let [one, other] = pictures.each_ref().map(|pixels| pixels.as_chunks::<4>().0);
+    let differ = one.iter().zip(other).filter(|(a, b)| a != b).count();
+    println!("{differ} of {} pixels differ", one.len());
+    for (api, pixels) in ["wgpu", "vulkan"].into_iter().zip(pictures) {
+        save(&folder, api, pixels)?;
+    }
+    Ok(())
+}
+
+/// Saves rows of RGBA8 from the top.
+fn save(folder: &Path, api: &str, pixels: Vec<u8>) -> Result<()> {
+    let path = folder.join(format!("sinew-{api}.png"));
+    let image = image::RgbaImage::from_raw(WIDTH, HEIGHT, pixels).ok_or("too few pixels")?;
+    image.save(&path)?;
+    println!("{}", path.display());
+    Ok(())
+}

@@ -1,0 +1,130 @@
+//! Skins three instances of a model on wgpu, as an engine would, and compares with the CPU.
+//!
+//! `cargo run --release -p sinew-gpu --example wgpu_headless [-- MODEL [DRIVER]]`
+
+use sinew_gpu::headless::Device as _;
+use sinew_gpu::layout::{Batch, Plan, Resource};
+use sinew_gpu::wgpu::headless::Device;
+use sinew_gpu::wgpu::{Bound, Buffers, Pipelines, limits};
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, model_space_pose};
+use std::error::Error;
+use wgpu::{BufferDescriptor, BufferUsages, CommandEncoderDescriptor};
+
+const INSTANCES: usize = 3;
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/envelope-2-hybrid.snw");
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let file = std::fs::read(arguments.next().as_deref().unwrap_or(GOLDEN))?;
+    let driver = arguments.next();
+    let model = Model::from_bytes(&file)?;
+    let envelope = model.envelope().ok_or("the model has no envelope")?;
+
+    // An engine has its own device and queue; the helper is for programs that have none.
+    let wanted = |driver: Option<&str>, found: &str| driver.is_none_or(|driver| driver == found);
+    let name = driver.as_deref().unwrap_or("of any driver");
+    let headless = Device::open(|info| wanted(driver.as_deref(), &info.driver), name, true)?;
+    println!("{} ({})", headless.info().name, headless.info().driver_info);
+    let (device, queue) = (headless.device(), headless.queue());
+
+    // Once: what there is to evaluate, the pipelines for it, and buffers of the sizes it needs.
+    let batch = Batch::skinned(&envelope, INSTANCES);
+    let plan = Plan::new(&model, &envelope, &batch, &limits(&device.limits()))?;
+    let pipelines = Pipelines::new(device, plan.stages())?;
+    let buffer = |resource, usage| {
+        let (label, size) = (None, plan.bytes(resource));
+        device.create_buffer(&BufferDescriptor { label, size, usage, mapped_at_creation: false })
+    };
+    let input = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+    let output = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+    let params = buffer(Resource::Params, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
+    let blob = buffer(Resource::Blob, input);
+    let posed = buffer(Resource::Poses, input);
+    let work = buffer(Resource::Work, BufferUsages::STORAGE);
+    let palettes = buffer(Resource::Palettes, output);
+    let confidences = buffer(Resource::Confidences, output);
+    let positions = buffer(Resource::OutA, output);
+    let normals = buffer(Resource::OutB, output);
+    queue.write_buffer(&params, 0, &plan.params());
+    let mut content = model.blob().to_vec();
+    content.resize(plan.bytes(Resource::Blob) as usize, 0);
+    queue.write_buffer(&blob, 0, &content);
+    let buffers = Buffers::new()
+        .with(Resource::Params, &params, 0)
+        .with(Resource::Blob, &blob, 0)
+        .with(Resource::Poses, &posed, 0)
+        .with(Resource::Work, &work, 0)
+        .with(Resource::Palettes, &palettes, 0)
+        .with(Resource::Confidences, &confidences, 0)
+        .with(Resource::OutA, &positions, 0)
+        .with(Resource::OutB, &normals, 0);
+    let bound = Bound::new(&pipelines, &plan, &buffers)?;
+
+    // Each frame: poses in, dispatches recorded, the engine submits.
+    let poses = (0..INSTANCES).map(|n| pose(&envelope, 0.25 * n as f32));
+    let poses = poses.collect::<Result<Vec<_>, _>>()?;
+    let floats = poses.iter().flatten().flatten().flatten();
+    let bytes: Vec<u8> = floats.flat_map(|x| x.to_le_bytes()).collect();
+    queue.write_buffer(&posed, 0, &bytes);
+    let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
+    bound.encode(&mut encoder, INSTANCES)?;
+    queue.submit([encoder.finish()]);
+
+    // An engine draws from the buffers; here they are read back.
+    let palettes = headless.read(&palettes)?;
+    let confidences = headless.read(&confidences)?;
+    let positions = headless.read(&positions)?;
+    let mut differing = 0;
+    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
+    let mut skinned = vec![[0.0; 3]; envelope.vertex_len()];
+    for (n, pose) in poses.iter().enumerate() {
+        let confidence = envelope.palette(pose, &mut workspace, &mut palette)?;
+        envelope.skin_positions(&palette, &mut skinned)?;
+        let cpu = palette.as_flattened().as_flattened();
+        let gpu = &palettes[12 * palette.len() * n..];
+        differing += bits(cpu, gpu);
+        let cpu = skinned.as_flattened();
+        let gpu = &positions[cpu.len() * n..][..cpu.len()];
+        differing += bits(cpu, gpu) + bits(&[confidence], &confidences[n..]);
+        let (low, high) = bounds(gpu);
+        println!("instance {n}: confidence {confidence:.2}, from {low:.3?} to {high:.3?}");
+    }
+    println!("{differing} bits differ from the CPU's");
+    Ok(())
+}
+
+/// Turns every joint about its own z axis.
+fn pose(envelope: &Envelope<'_>, angle: f32) -> Result<Vec<Matrix3x4>, Box<dyn Error>> {
+    let joints = 0..envelope.joint_len();
+    let origins = joints.clone().map(|joint| {
+        let [x, y, z] = envelope.inverse_bind(joint).unwrap_or_default();
+        [0, 1, 2].map(|c| -(x[c] * x[3] + y[c] * y[3] + z[c] * z[3]))
+    });
+    let origins: Vec<_> = origins.collect();
+    let local = joints.map(|joint| {
+        let parent = envelope.parent(joint).map_or([0.0; 3], |parent| origins[parent]);
+        let translation = [0, 1, 2].map(|i| origins[joint][i] - parent[i]);
+        LocalTransform {
+            rotation: [0.0, 0.0, (angle / 2.0).sin(), (angle / 2.0).cos()],
+            translation,
+        }
+    });
+    let local: Vec<_> = local.collect();
+    let mut out = vec![[[0.0; 4]; 3]; local.len()];
+    model_space_pose(envelope, &local, &mut out)?;
+    Ok(out)
+}
+
+/// Counts the bits in which floats differ from the first of others.
+fn bits(some: &[f32], others: &[f32]) -> u32 {
+    some.iter().zip(others).map(|(a, b)| (a.to_bits() ^ b.to_bits()).count_ones()).sum()
+}
+
+/// Returns the corners of the box of points.
+fn bounds(points: &[f32]) -> ([f32; 3], [f32; 3]) {
+    let points = points.as_chunks::<3>().0.iter();
+    points.fold(([f32::MAX; 3], [f32::MIN; 3]), |(low, high), point| {
+        ([0, 1, 2].map(|i| low[i].min(point[i])), [0, 1, 2].map(|i| high[i].max(point[i])))
+    })
+}

@@ -1,0 +1,236 @@
+//! A device that has been opened, its queue and its pipelines.
+
+use super::instance::Vulkan;
+use super::uploaded::VulkanBatch;
+use super::while_doing;
+use super::{Commands, Memory};
+use crate::headless::{self, DeviceInfo, HeadlessError, Uploaded};
+use crate::layout::{DeviceLimits, Plan, Stage};
+use crate::vulkan::{Pipelines, limits};
+use ash::vk;
+use sinew_runtime::Model;
+use std::cell::Cell;
+use std::marker::PhantomData;
+use std::mem::take;
+use std::time::{Duration, Instant};
+
+/// Lists the devices that there are.
+///
+/// # Errors
+/// - [`HeadlessError::Missing`]: no loader, or no driver.
+/// - [`HeadlessError::Refused`]
+pub fn devices() -> Result<Vec<DeviceInfo>, HeadlessError> {
+    let devices = Vulkan::new(false)?.devices()?;
+    Ok(devices.into_iter().map(|(_, info)| info).collect())
+}
+
+/// A device, opened without any feature, with the pipelines of every stage.
+pub struct Device {
+    device: ash::Device,
+    pub(super) memory: vk::PhysicalDeviceMemoryProperties,
+    pipelines: Pipelines,
+    physical: vk::PhysicalDevice,
+    queue: vk::Queue,
+    family: u32,
+    pub(super) commands: vk::CommandPool,
+    info: DeviceInfo,
+    limits: DeviceLimits,
+    vulkan: Vulkan,
+    /// Command pool and queue are one thread's at a time.
+    _not_sync: PhantomData<Cell<()>>,
+}
+
+impl Device {
+    /// Opens the first device that is wanted; `name` says in words what that is. Validation turns the
+    /// Khronos layer on, synchronisation included.
+    ///
+    /// # Errors
+    /// - [`HeadlessError::Missing`]: no loader, no driver, or no layer where validation is asked for.
+    /// - [`HeadlessError::NoDevice`]
+    /// - [`HeadlessError::Refused`]: it cannot be opened.
+    pub fn open(
+        wanted: impl Fn(&DeviceInfo) -> bool,
+        name: &str,
+        validation: bool,
+    ) -> Result<Self, HeadlessError> {
+        let vulkan = Vulkan::new(validation)?;
+        let devices = vulkan.devices()?;
+        let found = devices.iter().map(|(_, info)| info.driver.clone()).collect();
+        let own = devices.into_iter().find(|(_, info)| wanted(info));
+        let Some((physical, info)) = own else {
+            return Err(HeadlessError::NoDevice { api: "vulkan", wanted: name.to_owned(), found });
+        };
+        // SAFETY: the device is this instance's.
+        let families =
+            unsafe { vulkan.instance.get_physical_device_queue_family_properties(physical) };
+        let compute =
+            |own: &vk::QueueFamilyProperties| own.queue_flags.contains(vk::QueueFlags::COMPUTE);
+        let family = families.iter().position(compute).ok_or_else(|| HeadlessError::Refused {
+            doing: "choosing a queue",
+            detail: "no family has compute".to_owned(),
+        })? as u32;
+        let queues = [vk::DeviceQueueCreateInfo::default()
+            .queue_family_index(family)
+            .queue_priorities(&[1.0])];
+        let create = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+        // SAFETY: the family is the device's, and what is pointed to lives through the call.
+        let device = unsafe { vulkan.instance.create_device(physical, &create, None) }
+            .map_err(while_doing("opening the device"))?;
+        // SAFETY: the device is valid.
+        let (properties, memory) = unsafe {
+            (
+                vulkan.instance.get_physical_device_properties(physical),
+                vulkan.instance.get_physical_device_memory_properties(physical),
+            )
+        };
+        let real = limits(&properties.limits);
+        // Whoever drops it has it freed, from here on.
+        let mut own = Self {
+            // SAFETY: the device has one queue of this family.
+            queue: unsafe { device.get_device_queue(family, 0) },
+            device,
+            memory,
+            pipelines: Pipelines::default(),
+            physical,
+            family,
+            commands: vk::CommandPool::null(),
+            info,
+            limits: at_most(real, DeviceLimits::DOWNLEVEL),
+            vulkan,
+            _not_sync: PhantomData,
+        };
+        let create = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
+            .queue_family_index(family);
+        // SAFETY: likewise.
+        own.commands = unsafe { own.device.create_command_pool(&create, None) }
+            .map_err(while_doing("making a command pool"))?;
+        let cache = vk::PipelineCache::null();
+        // SAFETY: the device is valid.
+        own.pipelines = unsafe { Pipelines::new(&own.device, &Stage::ALL, cache, None) }?;
+        Ok(own)
+    }
+
+    /// Opens the first device of a driver, by [`DeviceInfo::driver`].
+    ///
+    /// # Errors
+    /// As for [`Device::open`].
+    pub fn of_driver(driver: &str, validation: bool) -> Result<Self, HeadlessError> {
+        Self::open(|info| info.driver == driver, driver, validation)
+    }
+
+    /// Returns the device.
+    pub fn device(&self) -> &ash::Device {
+        &self.device
+    }
+
+    /// Returns the instance and the physical device.
+    pub fn physical(&self) -> (&ash::Instance, vk::PhysicalDevice) {
+        (&self.vulkan.instance, self.physical)
+    }
+
+    /// Returns the queue and its family.
+    pub fn queue(&self) -> (vk::Queue, u32) {
+        (self.queue, self.family)
+    }
+
+    /// Returns the pipelines.
+    pub fn pipelines(&self) -> &Pipelines {
+        &self.pipelines
+    }
+
+    /// Lists the validation layers' messages so far; `None` without validation.
+    pub fn messages(&self) -> Option<Vec<String>> {
+        self.vulkan.messages()
+    }
+
+    /// Allocates the buffers of a batch: [`headless::Device::upload`] with a type that shows more.
+    ///
+    /// # Errors
+    /// [`HeadlessError`]
+    pub fn batch(&self, model: &Model<'_>, plan: &Plan) -> Result<VulkanBatch<'_>, HeadlessError> {
+        VulkanBatch::new(self, model, plan)
+    }
+}
+
+impl headless::Device for Device {
+    fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    fn limits(&self) -> DeviceLimits {
+        self.limits
+    }
+
+    fn upload(
+        &self,
+        model: &Model<'_>,
+        plan: &Plan,
+    ) -> Result<Box<dyn Uploaded + '_>, HeadlessError> {
+        Ok(Box::new(self.batch(model, plan)?))
+    }
+
+    fn time_copy(&self, bytes: u64, repeat_len: usize) -> Result<Duration, HeadlessError> {
+        let bytes = bytes.next_multiple_of(4);
+        let none = vk::BufferUsageFlags::empty();
+        let [from, to] = [Memory::local(self, bytes, none)?, Memory::local(self, bytes, none)?];
+        let regions = [vk::BufferCopy::default().size(bytes)];
+        let memory = [vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+            .dst_access_mask(vk::AccessFlags::TRANSFER_READ | vk::AccessFlags::TRANSFER_WRITE)];
+        let (stage, flags) = (vk::PipelineStageFlags::TRANSFER, vk::DependencyFlags::empty());
+        let commands = Commands::new(self)?;
+        let copy = |count: usize| {
+            let record = |device: &ash::Device, commands| {
+                for _ in 0..count {
+                    // SAFETY: it is being recorded, and both buffers have these bytes.
+                    unsafe {
+                        device.cmd_pipeline_barrier(
+                            commands,
+                            stage,
+                            stage,
+                            flags,
+                            &memory,
+                            &[],
+                            &[],
+                        );
+                        device.cmd_copy_buffer(commands, from.buffer(), to.buffer(), &regions);
+                    }
+                }
+                Ok(())
+            };
+            // SAFETY: what is recorded is valid.
+            unsafe { commands.submit(record) }
+        };
+        copy(1)?;
+        let start = Instant::now();
+        copy(repeat_len)?;
+        Ok(start.elapsed())
+    }
+
+    fn message_len(&self) -> Option<usize> {
+        self.messages().map(|messages| messages.len())
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // SAFETY: batches borrow this and are gone; whatever was submitted has been waited for.
+        unsafe {
+            take(&mut self.pipelines).destroy(&self.device, None);
+            self.device.destroy_command_pool(self.commands, None);
+            self.device.destroy_device(None);
+        }
+    }
+}
+
+/// Returns a device's limits, but none beyond another's.
+fn at_most(own: DeviceLimits, other: DeviceLimits) -> DeviceLimits {
+    DeviceLimits {
+        storage_binding_bytes: own.storage_binding_bytes.min(other.storage_binding_bytes),
+        storage_buffers: own.storage_buffers.min(other.storage_buffers),
+        offset_alignment: own.offset_alignment.max(other.offset_alignment),
+        workgroup_threads: own.workgroup_threads.min(other.workgroup_threads),
+        groups: own.groups.min(other.groups),
+    }
+}

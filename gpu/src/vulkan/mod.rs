@@ -1,0 +1,127 @@
+//! The stages on the host's own Vulkan 1.0 or later, through ash.
+//!
+//! Nothing here owns memory of the device, submits or waits. The order of calls:
+//!
+//! 1. [`limits`] turns what the physical device allows into what [`Plan::new`] asks for.
+//! 2. [`Pipelines::new`] makes the pipelines, once a device.
+//! 3. For each batch, the host makes a buffer, or a part of one, of [`Plan::bytes`] and [`usage`] for
+//!    each [`Resource`] that has any bytes; a part starts at a multiple of
+//!    [`crate::layout::ALIGNMENT`]. It uploads [`Plan::params`] and [`sinew_runtime::Model::blob`].
+//! 4. It makes a descriptor pool with room for [`pool_sizes`] and [`set_len`], and allocates
+//!    [`Pipelines::set_layouts`] from it. [`Bound::new`] checks buffers and writes the sets.
+//! 5. Each frame it writes poses, and calls [`Bound::record`], which needs no memory.
+//! 6. At the end it destroys pool and buffers, and calls [`Pipelines::destroy`].
+//!
+//! # What must be visible, and when
+//! Before: blob, params and the frame's poses to [`vk::PipelineStageFlags::COMPUTE_SHADER`] with
+//! [`vk::AccessFlags::SHADER_READ`], params with [`vk::AccessFlags::UNIFORM_READ`]; and whatever read
+//! the palettes, confidences, out_a and out_b of the frame before must be done. After:
+//! [`vk::PipelineStageFlags::COMPUTE_SHADER`] with [`vk::AccessFlags::SHADER_WRITE`] on these four is
+//! to be waited for, by vertex input, a vertex shader, or what else uses them. Those two barriers are
+//! the host's; those between one stage and another, and between two records, are [`Bound::record`]'s.
+//!
+//! ```no_run
+//! use ash::vk;
+//! use sinew_gpu::layout::{Batch, Plan, Resource};
+//! use sinew_gpu::vulkan::{Bound, Buffers, Error, Pipelines, limits, pool_sizes, set_len};
+//! use sinew_runtime::{Envelope, Model};
+//!
+//! # fn buffer_of(_: Resource, _bytes: u64) -> vk::Buffer { vk::Buffer::null() }
+//! # fn vulkan(doing: &'static str) -> impl Fn(vk::Result) -> Error {
+//! #     move |result| Error::Vulkan { doing, result }
+//! # }
+//! /// Makes ready what each frame records.
+//! unsafe fn prepare(
+//!     device: &ash::Device,
+//!     properties: &vk::PhysicalDeviceProperties,
+//!     model: &Model<'_>,
+//!     envelope: &Envelope<'_>,
+//! ) -> Result<Bound, Error> {
+//!     let batch = Batch::skinned(envelope, 64);
+//!     let plan = Plan::new(model, envelope, &batch, &limits(&properties.limits))?;
+//!     let stages: Vec<_> = plan.stages().collect();
+//!     let pipelines = unsafe { Pipelines::new(device, &stages, vk::PipelineCache::null(), None) }?;
+//!
+//!     let mut buffers = Buffers::default();
+//!     for resource in Resource::ALL {
+//!         let bytes = plan.bytes(resource);
+//!         if bytes > 0 {
+//!             buffers = buffers.with(resource, buffer_of(resource, bytes), 0, bytes);
+//!         }
+//!     }
+//!
+//!     let sizes = pool_sizes(&plan);
+//!     let info = vk::DescriptorPoolCreateInfo::default().pool_sizes(&sizes).max_sets(set_len(&plan));
+//!     let pool = unsafe { device.create_descriptor_pool(&info, None) }.map_err(vulkan("pool"))?;
+//!     let layouts = pipelines.set_layouts(&plan)?;
+//!     let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+//!     let sets = unsafe { device.allocate_descriptor_sets(&info) }.map_err(vulkan("sets"))?;
+//!     unsafe { Bound::new(device, &pipelines, &plan, &buffers, &sets) }
+//! }
+//!
+//! /// Records a frame of the first `instance_len` instances.
+//! unsafe fn frame(
+//!     device: &ash::Device,
+//!     command_buffer: vk::CommandBuffer,
+//!     bound: &Bound,
+//!     instance_len: usize,
+//! ) -> Result<(), Error> {
+//!     // The host's barrier goes here: what wrote the poses, before the compute shaders.
+//!     unsafe { bound.record(device, command_buffer, instance_len) }
+//!     // The host's barrier goes here: the compute shaders, before what draws.
+//! }
+//! ```
+#![allow(unsafe_code, reason = "every call of Vulkan is")]
+
+mod bound;
+mod error;
+#[cfg(feature = "headless")]
+pub mod headless;
+mod pipelines;
+
+pub use bound::{Bound, Buffers, barrier};
+pub use error::Error;
+pub use pipelines::Pipelines;
+
+use crate::layout::{DeviceLimits, Plan, Resource};
+use ash::vk;
+
+/// Returns what a device's limits are in terms of the layout.
+pub fn limits(device: &vk::PhysicalDeviceLimits) -> DeviceLimits {
+    let alignment =
+        device.min_storage_buffer_offset_alignment.max(device.min_uniform_buffer_offset_alignment);
+    let [x, y, _] = device.max_compute_work_group_count;
+    DeviceLimits {
+        storage_binding_bytes: device.max_storage_buffer_range.into(),
+        storage_buffers: device.max_per_stage_descriptor_storage_buffers,
+        offset_alignment: u32::try_from(alignment).unwrap_or(u32::MAX),
+        workgroup_threads: device
+            .max_compute_work_group_invocations
+            .min(device.max_compute_work_group_size[0]),
+        groups: x.min(y),
+    }
+}
+
+/// Returns the usage that a resource's buffer must have for us; the host adds its own, such as that
+/// of an upload or of vertex input.
+pub fn usage(resource: Resource) -> vk::BufferUsageFlags {
+    match resource {
+        Resource::Params => vk::BufferUsageFlags::UNIFORM_BUFFER,
+        _ => vk::BufferUsageFlags::STORAGE_BUFFER,
+    }
+}
+
+/// Counts the descriptors of a plan, by their type.
+pub fn pool_sizes(plan: &Plan) -> [vk::DescriptorPoolSize; 2] {
+    let storage = plan.stages().map(|stage| stage.bindings().len() - 1).sum::<usize>();
+    let size = |ty, len: usize| vk::DescriptorPoolSize { ty, descriptor_count: len as u32 };
+    [
+        size(vk::DescriptorType::UNIFORM_BUFFER, set_len(plan) as usize),
+        size(vk::DescriptorType::STORAGE_BUFFER, storage * plan.chunks().len()),
+    ]
+}
+
+/// Counts the descriptor sets of a plan: one a stage and chunk.
+pub fn set_len(plan: &Plan) -> u32 {
+    (plan.stages().len() * plan.chunks().len()) as u32
+}

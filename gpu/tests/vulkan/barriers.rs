@@ -1,0 +1,95 @@
+//! The layer's word that barriers are needed where they stand, and that they are enough.
+
+use crate::common::{GOLDEN, load};
+use crate::{assert_silent, lavapipe};
+use sinew_gpu::headless::Device as _;
+use sinew_gpu::layout::{Batch, Plan, Stage};
+use sinew_gpu::vulkan::barrier;
+use sinew_gpu::vulkan::headless::{Commands, Device};
+
+const HAZARD: &str = "SYNC-HAZARD-READ-AFTER-WRITE";
+
+#[test]
+fn gradients_then_palette_without_a_barrier_are_seen() {
+    let device = lavapipe();
+    record(&device, GOLDEN[0], &[Stage::Gradients, Stage::Palette], None);
+    let messages = device.messages().unwrap();
+    assert!(messages.iter().any(|message| message.contains(HAZARD)), "{messages:#?}");
+}
+
+#[test]
+fn gradients_then_palette_with_a_barrier_are_well() {
+    let device = lavapipe();
+    record(&device, GOLDEN[0], &[Stage::Gradients, Stage::Palette], Some(1));
+    assert_silent(&device);
+}
+
+#[test]
+fn each_stage_that_reads_another_is_seen_without_its_barrier() {
+    for (bytes, first, second) in [
+        (GOLDEN[0], Stage::Gradients, Stage::Palette),
+        (GOLDEN[0], Stage::Gradients, Stage::Confidence),
+        (GOLDEN[0], Stage::Palette, Stage::Skin),
+        (GOLDEN[1], Stage::Joints, Stage::Skin),
+        (GOLDEN[1], Stage::Correction, Stage::Confidence),
+        (GOLDEN[2], Stage::Correction, Stage::Skin),
+    ] {
+        let device = lavapipe();
+        record(&device, bytes, &[first, second], Some(1));
+        assert_silent(&device);
+        record(&device, bytes, &[first, second], None);
+        let messages = device.messages().unwrap();
+        assert!(
+            messages.iter().any(|message| message.contains(HAZARD)),
+            "{first:?}, {second:?}: {messages:#?}"
+        );
+    }
+}
+
+#[test]
+fn records_one_after_another_need_nothing_between() {
+    let device = lavapipe();
+    for bytes in GOLDEN {
+        let (model, envelope) = load(bytes);
+        let plan = plan(&device, bytes);
+        let batch = device.batch(&model, &plan).unwrap();
+        assert!(plan.stages().len() > 3 && envelope.vertex_len() > 0);
+        let commands = Commands::new(&device).unwrap();
+        // SAFETY: the command buffer is new; the batch is valid, and nothing else uses it.
+        unsafe {
+            commands.submit(|device, commands| {
+                batch.bound().record(device, commands, 3)?;
+                Ok(batch.bound().record(device, commands, 3)?)
+            })
+        }
+        .unwrap();
+    }
+    assert_silent(&device);
+}
+
+fn plan(device: &Device, bytes: &[u8]) -> Plan {
+    let (model, envelope) = load(bytes);
+    let batch = Batch::skinned(&envelope, 3);
+    Plan::new(&model, &envelope, &batch, &device.limits()).unwrap()
+}
+
+/// Records stages in one command buffer, with a barrier before the one of that index.
+fn record(headless: &Device, bytes: &[u8], stages: &[Stage], guarded: Option<usize>) {
+    let (model, _) = load(bytes);
+    let batch = headless.batch(&model, &plan(headless, bytes)).unwrap();
+    let commands = Commands::new(headless).unwrap();
+    let record = |device: &ash::Device, commands| {
+        for (index, stage) in stages.iter().enumerate() {
+            // SAFETY: as below, but for the barrier whose lack is to be seen.
+            unsafe {
+                if guarded == Some(index) {
+                    barrier(device, commands);
+                }
+                batch.bound().record_stage(device, commands, *stage, 3)?;
+            }
+        }
+        Ok(())
+    };
+    // SAFETY: the command buffer is new, and lavapipe runs dispatches one after another.
+    unsafe { commands.submit(record) }.unwrap();
+}

@@ -1,0 +1,48 @@
+//! The stages on raw Vulkan: against the CPU's bits, under validation, and against a host's mistakes.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
+
+mod allocations;
+mod barriers;
+mod bits;
+mod callbacks;
+#[path = "../common/mod.rs"]
+mod common;
+mod fake;
+mod refusals;
+
+use sinew_gpu::headless::{Device as _, HeadlessError};
+use sinew_gpu::vulkan::headless::Device;
+
+/// Opens lavapipe under the validation layer.
+fn lavapipe() -> Device {
+    opened(Device::of_driver("llvmpipe", true))
+}
+
+fn opened(device: Result<Device, HeadlessError>) -> Device {
+    match device {
+        Ok(device) => device,
+        Err(error) => panic!(
+            "{error}\nthis test needs lavapipe and the validation layer; on Debian: \
+             apt-get install mesa-vulkan-drivers vulkan-validationlayers"
+        ),
+    }
+}
+
+/// Opens SwiftShader, where the loader finds it.
+fn swiftshader() -> Option<Device> {
+    let found = Device::of_driver("SwiftShader driver", true);
+    if let Err(HeadlessError::NoDevice { found, .. }) = &found {
+        eprintln!(
+            "not run on SwiftShader: the loader finds only {found:?}; VK_ADD_DRIVER_FILES adds it, \
+             as vk_swiftshader_icd.json of chromium's folder"
+        );
+        return None;
+    }
+    Some(opened(found))
+}
+
+/// Asserts that the validation layer has nothing to say.
+fn assert_silent(device: &Device) {
+    let messages = device.messages().unwrap();
+    assert!(messages.is_empty(), "{:?} {messages:#?}", device.info());
+}

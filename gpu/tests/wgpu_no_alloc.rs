@@ -1,0 +1,145 @@
+//! Recording a frame allocates what wgpu itself allocates for the same calls, and nothing more.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
+
+mod common;
+
+use common::{GOLDEN, load};
+use sinew_gpu::headless::Device as _;
+use sinew_gpu::layout::{Batch, Plan, Resource, Stage};
+use sinew_gpu::wgpu::headless::Device;
+use sinew_gpu::wgpu::{Bound, Buffers, Pipelines};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::num::NonZero;
+use wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding,
+    BufferDescriptor, BufferUsages, CommandEncoder, ComputePipeline, ComputePipelineDescriptor,
+    ShaderModuleDescriptor, ShaderSource,
+};
+
+thread_local! {
+    static COUNTS: Cell<[usize; 2]> = const { Cell::new([0; 2]) };
+}
+
+/// Counts this thread's allocations and their bytes.
+struct Counting;
+
+// SAFETY: every call goes to the system's allocator unchanged; counting touches a plain cell.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNTS.with(|counts| {
+            let [count, bytes] = counts.get();
+            counts.set([count + 1, bytes + layout.size()]);
+        });
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.dealloc(at, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+const INSTANCES: usize = 5;
+/// Frames before those that count: wgpu's own lists grow until then.
+const WARM_UP: usize = 20;
+const FRAMES: usize = 50;
+
+/// Records frames, and returns the allocations and bytes of each once warm.
+fn counts(device: &Device, mut record: impl FnMut(&mut CommandEncoder)) -> Vec<[usize; 2]> {
+    let mut out = Vec::with_capacity(FRAMES);
+    for frame in 0..WARM_UP + FRAMES {
+        let mut encoder = device.device().create_command_encoder(&Default::default());
+        let [count, bytes] = COUNTS.with(Cell::get);
+        record(&mut encoder);
+        let [count_after, bytes_after] = COUNTS.with(Cell::get);
+        if frame >= WARM_UP {
+            out.push([count_after - count, bytes_after - bytes]);
+        }
+        device.queue().submit([encoder.finish()]);
+        device.device().poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    }
+    out
+}
+
+/// A stage as a host would record it without us.
+struct Raw {
+    pipeline: ComputePipeline,
+    group: BindGroup,
+    workgroups: [u32; 2],
+}
+
+impl Raw {
+    fn new(device: &wgpu::Device, plan: &Plan, own: &[Buffer], stage: Stage) -> Self {
+        let label = None;
+        let source = ShaderSource::Wgsl(stage.wgsl().into());
+        let module = device.create_shader_module(ShaderModuleDescriptor { label, source });
+        let pipeline = device.create_compute_pipeline(&ComputePipelineDescriptor {
+            label,
+            layout: None,
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        let entries = stage.bindings().iter().zip(0..).map(|(own_binding, binding)| {
+            let span = plan.chunks()[0].span(own_binding.resource).unwrap();
+            let buffer = &own[own_binding.resource as usize];
+            let (offset, size) = (span.offset, NonZero::new(span.bytes));
+            let resource = BindingResource::Buffer(BufferBinding { buffer, offset, size });
+            BindGroupEntry { binding, resource }
+        });
+        let entries: Vec<_> = entries.collect();
+        let layout = &pipeline.get_bind_group_layout(0);
+        let group =
+            device.create_bind_group(&BindGroupDescriptor { label, layout, entries: &entries });
+        let workgroups = plan.groups(stage, &plan.chunks()[0], INSTANCES).unwrap();
+        Self { pipeline, group, workgroups }
+    }
+}
+
+#[test]
+fn a_frame_allocates_what_wgpu_does_and_no_more() {
+    let device = Device::of_driver("llvmpipe", false)
+        .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"));
+    for bytes in GOLDEN {
+        let (model, envelope) = load(bytes);
+        let batch = Batch::skinned(&envelope, INSTANCES);
+        let plan = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();
+        let own = Resource::ALL.map(|resource| {
+            device.device().create_buffer(&BufferDescriptor {
+                label: None,
+                size: plan.bytes(resource),
+                usage: BufferUsages::STORAGE | BufferUsages::UNIFORM,
+                mapped_at_creation: false,
+            })
+        });
+        let all = Resource::ALL.into_iter().zip(&own);
+        let buffers = all.fold(Buffers::new(), |all, (resource, own)| all.with(resource, own, 0));
+        let pipelines = Pipelines::new(device.device(), plan.stages()).unwrap();
+        let bound = Bound::new(&pipelines, &plan, &buffers).unwrap();
+        let raw = plan.stages().map(|stage| Raw::new(device.device(), &plan, &own, stage));
+        let raw: Vec<_> = raw.collect();
+
+        let expected = counts(&device, |encoder| {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            for Raw { pipeline, group, workgroups: [x, y] } in &raw {
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, group, &[]);
+                pass.dispatch_workgroups(*x, *y, 1);
+            }
+        });
+        let found = counts(&device, |encoder| bound.encode(encoder, INSTANCES).unwrap());
+        let control = counts(&device, |encoder| {
+            bound.encode(encoder, INSTANCES).unwrap();
+            drop(std::hint::black_box(Box::new(1u8)));
+        });
+        eprintln!("{:?}: {:?} a frame", envelope.predictor(), found[0]);
+        assert_eq!(found, expected);
+        assert_ne!(control, expected, "an allocation more is seen");
+    }
+}

@@ -1,0 +1,187 @@
+//! The runtime as a backend.
+
+use super::{Backend, Buffers, Failure, Gradients, Loaded, Whole, part};
+use crate::compare::POISON;
+use sinew_gpu::layout::{self, Skin, Stage};
+use sinew_runtime::Matrix3x4;
+use sinew_runtime::envelope::{
+    Attribute, SkinJob, confidence, correction, gradients, joints, palette,
+};
+use sinew_runtime::pose::features;
+use sinew_trainer::kernel::arithmetic::Arithmetic;
+
+/// The runtime itself, one pose after the other.
+pub struct Cpu;
+
+impl Backend for Cpu {
+    fn arithmetic(&self) -> Arithmetic {
+        Arithmetic::IEEE
+    }
+
+    fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool {
+        let predictor = loaded.envelope.predictor();
+        match stage {
+            Stage::Gradients | Stage::Palette => predictor.reconstructs(),
+            Stage::Joints => !predictor.reconstructs(),
+            Stage::Features | Stage::Correction => predictor.corrects(),
+            Stage::Confidence => !predictor.corrects(),
+            Stage::Skin => loaded.envelope.vertex_len() > 0,
+        }
+    }
+
+    fn gradients(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out: &mut Gradients,
+    ) -> Result<(), Failure> {
+        let n = poses.len() / loaded.envelope.joint_len();
+        for i in 0..n {
+            gradients::evaluate(
+                &loaded.envelope,
+                part(poses, n, i),
+                part_mut(&mut out.relative, n, i),
+                part_mut(&mut out.rotations, n, i),
+                part_mut(&mut out.gradients, n, i),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn palette(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        input: &Gradients,
+        out_palettes: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        let n = poses.len() / loaded.envelope.joint_len();
+        for i in 0..n {
+            palette::evaluate(
+                &loaded.envelope,
+                &part(poses, n, i)[loaded.envelope.root()],
+                part(&input.relative, n, i),
+                part(&input.gradients, n, i),
+                part_mut(out_palettes, n, i),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn joints(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out_palettes: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        let n = poses.len() / loaded.envelope.joint_len();
+        for i in 0..n {
+            let out = part_mut(out_palettes, n, i);
+            joints::evaluate(&loaded.envelope, part(poses, n, i), out)?;
+        }
+        Ok(())
+    }
+
+    fn features(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out_features: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        let n = poses.len() / loaded.envelope.joint_len();
+        for i in 0..n {
+            let out = part_mut(out_features, n, i);
+            features::evaluate(&loaded.envelope, part(poses, n, i), out)?;
+        }
+        Ok(())
+    }
+
+    fn correction(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        features: &[Matrix3x4],
+        out_palettes: &mut [Matrix3x4],
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure> {
+        let n = out_confidences.len();
+        let mut scratch = vec![POISON; loaded.envelope.scratch_len()];
+        for (i, confidence) in out_confidences.iter_mut().enumerate() {
+            *confidence = correction::evaluate(
+                &loaded.envelope,
+                part(poses, n, i),
+                part(features, n, i),
+                &mut scratch,
+                part_mut(out_palettes, n, i),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn confidence(
+        &self,
+        loaded: &Loaded<'_>,
+        rotations: &[[f32; 3]],
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure> {
+        let n = out_confidences.len();
+        for (i, confidence) in out_confidences.iter_mut().enumerate() {
+            *confidence = confidence::evaluate(&loaded.envelope, part(rotations, n, i))?;
+        }
+        Ok(())
+    }
+
+    fn skin(
+        &self,
+        loaded: &Loaded<'_>,
+        palettes: &[Matrix3x4],
+        skin: &Skin,
+        out: &mut Buffers,
+    ) -> Result<(), Failure> {
+        let envelope = loaded.envelope;
+        // A kernel model without helpers still has its joints: there is a map in every palette.
+        let n = palettes.len() / envelope.palette_len();
+        for i in 0..n {
+            let at = |attribute: Option<layout::Attribute>| {
+                attribute.map(|own| Attribute {
+                    buffer: own.buffer,
+                    offset: own.offset + i * own.instance_stride,
+                    stride: own.stride,
+                })
+            };
+            let job = SkinJob {
+                envelope,
+                palette: part(palettes, n, i),
+                vertices: skin.vertices.clone(),
+                positions: at(skin.positions),
+                normals: at(skin.normals),
+                tangents: at(skin.tangents),
+                out_a: &mut out.a,
+                out_b: &mut out.b,
+            };
+            job.run()?;
+        }
+        Ok(())
+    }
+
+    fn whole(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        skin: &Skin,
+        out: &mut Whole,
+    ) -> Result<(), Failure> {
+        let (n, mut workspace) =
+            (out.confidences.len(), vec![POISON; loaded.envelope.workspace_len()]);
+        for (i, confidence) in out.confidences.iter_mut().enumerate() {
+            let palette = part_mut(&mut out.palettes, n, i);
+            *confidence = loaded.envelope.palette(part(poses, n, i), &mut workspace, palette)?;
+        }
+        self.skin(loaded, &out.palettes, skin, &mut out.skin)
+    }
+}
+
+fn part_mut<T>(list: &mut [T], n: usize, i: usize) -> &mut [T] {
+    let len = list.len() / n;
+    &mut list[i * len..][..len]
+}

@@ -1,0 +1,193 @@
+//! The stages on a device. Everything lies with room between: what a stage has no business with must
+//! stay as it was.
+
+mod batched;
+
+use crate::backend::{Backend, Buffers, Failure, Gradients, Loaded, Whole, floats};
+use batched::Batched;
+use sinew_gpu::headless::Device;
+use sinew_gpu::layout::{Array, Batch, DeviceLimits, Plan, Resource, Skin, Stage};
+use sinew_runtime::Matrix3x4;
+use sinew_trainer::kernel::arithmetic::Arithmetic;
+
+/// A device as a backend.
+pub struct Gpu<'a> {
+    /// The device.
+    pub device: &'a dyn Device,
+    /// What batches are planned by: the device's limits, or less, so that batches are cut.
+    pub limits: DeviceLimits,
+}
+
+impl<'a> Gpu<'a> {
+    /// Takes a device at its own limits.
+    pub fn new(device: &'a dyn Device) -> Self {
+        Self { device, limits: device.limits() }
+    }
+
+    fn begin(
+        &self,
+        loaded: &Loaded<'_>,
+        instance_len: usize,
+        skin: Option<&Skin>,
+    ) -> Result<Batched<'_>, Failure> {
+        Batched::new(self.device, &self.limits, loaded, instance_len, skin)
+    }
+}
+
+impl Backend for Gpu<'_> {
+    fn arithmetic(&self) -> Arithmetic {
+        Arithmetic::VULKAN
+    }
+
+    fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool {
+        let envelope = &loaded.envelope;
+        let plan = Plan::new(&loaded.model, envelope, &Batch::skinned(envelope, 1), &self.limits);
+        plan.is_ok_and(|plan| plan.stages().any(|own| own == stage))
+    }
+
+    fn gradients(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out: &mut Gradients,
+    ) -> Result<(), Failure> {
+        let envelope = &loaded.envelope;
+        let (j, p) = (envelope.joint_len(), envelope.proxy_len());
+        let mut batched = self.begin(loaded, poses.len() / j, None)?;
+        batched.put_poses(poses);
+        let (work, work_at) = (batched.work, |offset| Array { offset, stride: batched.work.len });
+        let [q, theta, d] = [work.relative, work.rotations, work.gradients].map(work_at);
+        let own = [(q, 12 * j), (theta, 3 * j), (d, 9 * p)];
+        let own = own.map(|(array, len)| (Resource::Work, array, len));
+        batched.run(&[Stage::Gradients], &own, &[])?;
+        batched.take(Resource::Work, q, out.relative.as_flattened_mut());
+        batched.take(Resource::Work, theta, out.rotations.as_flattened_mut());
+        batched.take(Resource::Work, d, out.gradients.as_flattened_mut());
+        Ok(())
+    }
+
+    fn palette(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        input: &Gradients,
+        out_palettes: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        let mut batched = self.begin(loaded, poses.len() / loaded.envelope.joint_len(), None)?;
+        batched.put_poses(poses);
+        let [q, d] = [batched.work.relative, batched.work.gradients].map(|at| batched.work(at));
+        batched.put(Resource::Work, q, input.relative.as_flattened());
+        batched.put(Resource::Work, d, input.gradients.as_flattened());
+        let own = batched.own_palettes();
+        batched.run(&[Stage::Palette], &[own], &[])?;
+        batched.take_palettes(out_palettes);
+        Ok(())
+    }
+
+    fn joints(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out_palettes: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        let mut batched = self.begin(loaded, poses.len() / loaded.envelope.joint_len(), None)?;
+        batched.put_poses(poses);
+        let own = batched.own_palettes();
+        batched.run(&[Stage::Joints], &[own], &[])?;
+        batched.take_palettes(out_palettes);
+        Ok(())
+    }
+
+    fn features(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out_features: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        let joint_len = loaded.envelope.joint_len();
+        let mut batched = self.begin(loaded, poses.len() / joint_len, None)?;
+        batched.put_poses(poses);
+        let at = batched.work(batched.work.features);
+        batched.run(&[Stage::Features], &[(Resource::Work, at, 12 * joint_len)], &[])?;
+        batched.take(Resource::Work, at, out_features.as_flattened_mut().as_flattened_mut());
+        Ok(())
+    }
+
+    fn correction(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        features: &[Matrix3x4],
+        out_palettes: &mut [Matrix3x4],
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure> {
+        let mut batched = self.begin(loaded, out_confidences.len(), None)?;
+        batched.put_poses(poses);
+        batched.put_palettes(out_palettes);
+        let at = batched.work(batched.work.features);
+        batched.put(Resource::Work, at, floats(features));
+        let scratch = batched.work(batched.work.certainties);
+        let scratch_len = batched.work.len - batched.work.certainties;
+        let (own, confidences) = (batched.own_palettes(), batched.own_confidences());
+        let own = [own, confidences, (Resource::Work, scratch, scratch_len)];
+        batched.run(&[Stage::Correction, Stage::Confidence], &own, &[])?;
+        batched.take_palettes(out_palettes);
+        batched.take(Resource::Confidences, confidences.1, out_confidences);
+        Ok(())
+    }
+
+    fn confidence(
+        &self,
+        loaded: &Loaded<'_>,
+        rotations: &[[f32; 3]],
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure> {
+        let mut batched = self.begin(loaded, out_confidences.len(), None)?;
+        let at = batched.work(batched.work.rotations);
+        batched.put(Resource::Work, at, rotations.as_flattened());
+        let own = batched.own_confidences();
+        batched.run(&[Stage::Confidence], &[own], &[])?;
+        batched.take(Resource::Confidences, own.1, out_confidences);
+        Ok(())
+    }
+
+    fn skin(
+        &self,
+        loaded: &Loaded<'_>,
+        palettes: &[Matrix3x4],
+        skin: &Skin,
+        out: &mut Buffers,
+    ) -> Result<(), Failure> {
+        if skin.vertices.is_empty() {
+            return Ok(());
+        }
+        let n = palettes.len() / loaded.envelope.palette_len();
+        let mut batched = self.begin(loaded, n, Some(skin))?;
+        batched.put_palettes(palettes);
+        batched.put_skin(out);
+        let own = batched.own_skin(out);
+        batched.run(&[Stage::Skin], &[], &own)?;
+        batched.take_skin(out);
+        Ok(())
+    }
+
+    fn whole(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        skin: &Skin,
+        out: &mut Whole,
+    ) -> Result<(), Failure> {
+        let mut batched = self.begin(loaded, out.confidences.len(), Some(skin))?;
+        batched.put_poses(poses);
+        batched.put_skin(&out.skin);
+        let work = (Resource::Work, batched.work(0), batched.work.len);
+        let (palettes, confidences) = (batched.own_palettes(), batched.own_confidences());
+        let own = batched.own_skin(&out.skin);
+        batched.run(&[], &[work, palettes, confidences], &own)?;
+        batched.take_palettes(&mut out.palettes);
+        batched.take(Resource::Confidences, confidences.1, &mut out.confidences);
+        batched.take_skin(&mut out.skin);
+        Ok(())
+    }
+}

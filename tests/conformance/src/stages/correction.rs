@@ -1,0 +1,67 @@
+//! The correction, on the features and the base that the stages before it gave.
+
+use super::features::features_of;
+use super::gradients::gradients_of;
+use super::joints::joints_of;
+use super::palette::palettes_on;
+use super::{compare_maps, exact};
+use crate::backend::{Backend, Cpu, Failure, part};
+use crate::compare::POISON;
+use crate::finding::Finding;
+use crate::subject::Subject;
+use crate::tolerance;
+use sinew_runtime::Matrix3x4;
+
+/// Compares maps and confidences.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
+    let (features, base) = (features_of(&Cpu, subject)?, base_of(&Cpu, subject)?);
+    Ok(on(backend, subject, &subject.maps, &features, &base)?.0.into())
+}
+
+/// Evaluates what a correction adds to.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn base_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Matrix3x4>, Failure> {
+    if subject.oracle.predictor.reconstructs() {
+        return palettes_on(backend, subject, &gradients_of(backend, subject)?);
+    }
+    joints_of(backend, subject)
+}
+
+/// Compares the corrections of poses, features and palettes of any origin; also returns the
+/// confidences found.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn on(
+    backend: &dyn Backend,
+    subject: &Subject<'_>,
+    poses: &[Matrix3x4],
+    features: &[Matrix3x4],
+    base: &[Matrix3x4],
+) -> Result<([Finding; 2], Vec<f32>), Failure> {
+    let n = poses.len() / subject.loaded.envelope.joint_len();
+    let run = |backend: &dyn Backend| {
+        let (mut palettes, mut confidences) = (base.to_vec(), vec![POISON; n]);
+        let (out, out_confidences) = (&mut palettes, &mut confidences);
+        backend.correction(&subject.loaded, poses, features, out, out_confidences)?;
+        Ok::<_, Failure>((palettes, confidences))
+    };
+    let ((found, certain), (cpu, cpu_certain)) = (run(backend)?, run(&Cpu)?);
+    let [mut maps, mut confidences] = ["correction", "confidence"].map(Finding::new);
+    for i in 0..n {
+        let (pose, features) = (exact(part(poses, n, i)), exact(part(features, n, i)));
+        let base = exact(part(base, n, i));
+        let arithmetic = backend.arithmetic();
+        let (expected, confidence) =
+            tolerance::correction(&subject.oracle, &pose, &features, base, arithmetic);
+        compare_maps(&mut maps, part(&found, n, i), part(&cpu, n, i), &expected);
+        let (found, cpu) = (&certain[i..=i], &cpu_certain[i..=i]);
+        confidences.compare(found, cpu, &confidence.value, &confidence.error);
+    }
+    Ok(([maps, confidences], certain))
+}

@@ -1,0 +1,36 @@
+//! The pose features of models with a correction.
+
+use super::compare_maps;
+use crate::backend::{Backend, Cpu, Failure, part, poisoned_maps};
+use crate::finding::Finding;
+use crate::subject::Subject;
+use crate::tolerance::{self, Inexact};
+use sinew_runtime::Matrix3x4;
+
+/// Compares the features.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
+    let (found, cpu) = (features_of(backend, subject)?, features_of(&Cpu, subject)?);
+    let n = subject.poses.len();
+    let mut features = Finding::new("features");
+    for (i, pose) in subject.poses.iter().enumerate() {
+        let expected = tolerance::features(&subject.oracle, &Inexact::exact(pose.widened()));
+        compare_maps(&mut features, part(&found, n, i), part(&cpu, n, i), &expected);
+    }
+    Ok(vec![features])
+}
+
+/// Evaluates the features of every pose.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn features_of(
+    backend: &dyn Backend,
+    subject: &Subject<'_>,
+) -> Result<Vec<Matrix3x4>, Failure> {
+    let mut out = poisoned_maps(subject.maps.len());
+    backend.features(&subject.loaded, &subject.maps, &mut out)?;
+    Ok(out)
+}

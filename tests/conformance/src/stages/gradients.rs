@@ -1,0 +1,89 @@
+//! Stage 1: each of its three outputs on the f32 inputs it was made from.
+
+use crate::backend::{Backend, Failure, Gradients, part};
+use crate::finding::Finding;
+use crate::subject::Subject;
+use crate::tolerance::{self, Inexact, UNDERFLOW};
+use nalgebra::{SMatrix, Vector3};
+
+/// Compares relative maps, rotations and gradients.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
+    let (oracle, n, arithmetic) = (&subject.oracle, subject.poses.len(), backend.arithmetic());
+    let (found, cpu) =
+        (gradients_of(backend, subject)?, gradients_of(&crate::backend::Cpu, subject)?);
+    let [mut relative, mut rotations, mut gradients] =
+        ["relative", "rotations", "gradients"].map(Finding::new);
+    for (i, pose) in subject.poses.iter().enumerate() {
+        let at = |pick: fn(&Gradients) -> &Vec<[f32; 3]>| {
+            (part(pick(&found), n, i), part(pick(&cpu), n, i))
+        };
+        // Each part is compared before the next takes it as given.
+        let expected = tolerance::relative(oracle, &Inexact::exact(pose.widened()));
+        let (found_relative, cpu_relative) = at(|all| &all.relative);
+        if !compare_columns(&mut relative, found_relative, cpu_relative, &expected) {
+            continue;
+        }
+        let given = Inexact::exact(columns::<4>(found_relative));
+        let (found_rotations, cpu_rotations) = at(|all| &all.rotations);
+        let mut expected = tolerance::rotations(oracle, &given, arithmetic);
+        tolerance::same_branch(&mut expected, found_rotations);
+        if !compare_rotations(&mut rotations, found_rotations, cpu_rotations, &expected) {
+            continue;
+        }
+        let turned = exact_rotations(found_rotations);
+        let expected = tolerance::gradients(oracle, &given, &turned, arithmetic);
+        let (found_gradients, cpu_gradients) = at(|all| &all.gradients);
+        compare_columns(&mut gradients, found_gradients, cpu_gradients, &expected);
+    }
+    Ok(vec![relative, rotations, gradients])
+}
+
+/// Evaluates the three of every pose.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn gradients_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Gradients, Failure> {
+    let mut out = Gradients::poisoned(&subject.loaded.envelope, subject.poses.len());
+    backend.gradients(&subject.loaded, &subject.maps, &mut out)?;
+    Ok(out)
+}
+
+/// Cuts columns into blocks of C.
+pub fn columns<const C: usize>(columns: &[[f32; 3]]) -> Vec<SMatrix<f64, 3, C>> {
+    let blocks = columns.as_chunks::<C>().0.iter();
+    blocks.map(|block| SMatrix::from_fn(|r, c| f64::from(block[c][r]))).collect()
+}
+
+/// Takes rotation vectors as given.
+pub fn exact_rotations(list: &[[f32; 3]]) -> Inexact<Vector3<f64>, f64> {
+    let value = list.iter().map(|v| Vector3::from(*v).map(f64::from)).collect();
+    Inexact { value, error: vec![0.0; list.len()] }
+}
+
+fn compare_columns<const C: usize>(
+    finding: &mut Finding,
+    found: &[[f32; 3]],
+    cpu: &[[f32; 3]],
+    expected: &Inexact<SMatrix<f64, 3, C>>,
+) -> bool {
+    let flat = |list: &[SMatrix<f64, 3, C>]| -> Vec<f64> {
+        list.iter().flat_map(|m| m.iter().copied()).collect()
+    };
+    let tolerances: Vec<_> = flat(&expected.error).iter().map(|e| e + UNDERFLOW).collect();
+    let values = flat(&expected.value);
+    finding.compare(found.as_flattened(), cpu.as_flattened(), &values, &tolerances)
+}
+
+fn compare_rotations(
+    finding: &mut Finding,
+    found: &[[f32; 3]],
+    cpu: &[[f32; 3]],
+    expected: &Inexact<Vector3<f64>, f64>,
+) -> bool {
+    let values: Vec<_> = expected.value.iter().flat_map(|v| v.iter().copied()).collect();
+    let tolerances: Vec<_> = expected.error.iter().flat_map(|&e| [e + UNDERFLOW; 3]).collect();
+    finding.compare(found.as_flattened(), cpu.as_flattened(), &values, &tolerances)
+}

@@ -1,0 +1,44 @@
+//! Stage 2: on the stacks that stage 1 gave.
+
+use super::compare_maps;
+use super::gradients::{columns, gradients_of};
+use crate::backend::{Backend, Cpu, Failure, Gradients, part, poisoned_maps};
+use crate::finding::Finding;
+use crate::poses::widened;
+use crate::subject::Subject;
+use crate::tolerance::{self, Inexact};
+use sinew_runtime::Matrix3x4;
+
+/// Compares the maps.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
+    let (root, n) = (subject.oracle.root, subject.poses.len());
+    let input = gradients_of(&Cpu, subject)?;
+    let (found, cpu) =
+        (palettes_on(backend, subject, &input)?, palettes_on(&Cpu, subject, &input)?);
+    let mut maps = Finding::new("palette");
+    for (i, pose) in subject.poses.iter().enumerate() {
+        let relative = Inexact::exact(columns::<4>(part(&input.relative, n, i)));
+        let gradients = Inexact::exact(columns::<3>(part(&input.gradients, n, i)));
+        let root = Inexact::exact(vec![widened(&pose.maps[root])]);
+        let expected = tolerance::palette(&subject.oracle, &root, &relative, &gradients);
+        compare_maps(&mut maps, part(&found, n, i), part(&cpu, n, i), &expected);
+    }
+    Ok(vec![maps])
+}
+
+/// Evaluates the reconstruction of every pose on what stage 1 gave.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn palettes_on(
+    backend: &dyn Backend,
+    subject: &Subject<'_>,
+    input: &Gradients,
+) -> Result<Vec<Matrix3x4>, Failure> {
+    let mut out = poisoned_maps(subject.poses.len() * subject.loaded.envelope.palette_len());
+    backend.palette(&subject.loaded, &subject.maps, input, &mut out)?;
+    Ok(out)
+}

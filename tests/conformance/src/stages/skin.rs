@@ -1,0 +1,136 @@
+//! Stage 3: on the palettes that the poses have.
+
+use super::exact;
+use crate::backend::{Backend, Buffers, Cpu, Failure, Whole, part};
+use crate::finding::Finding;
+use crate::subject::Subject;
+use crate::tolerance::{self, Arithmetic, Inexact, Map, UNDERFLOW};
+use sinew_gpu::layout::{Attribute, Batch, Buffer, Skin};
+use sinew_runtime::{Envelope, Matrix3x4};
+use sinew_trainer::envelope::oracle::Oracle;
+
+/// Every attribute of every vertex of n instances, each in a run of its own.
+#[derive(Debug)]
+pub struct Skinned {
+    /// Positions.
+    pub positions: Vec<f32>,
+    /// Normals.
+    pub normals: Vec<f32>,
+    /// Tangents; empty if the model has none.
+    pub tangents: Vec<f32>,
+}
+
+/// Compares positions, normals and tangents.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
+    let n = subject.poses.len();
+    let palettes = whole_of(&Cpu, subject)?.palettes;
+    let found = skinned_by(backend, subject, &palettes)?;
+    let cpu = skinned_by(&Cpu, subject, &palettes)?;
+    let mut findings = findings(&subject.loaded.envelope);
+    for i in 0..n {
+        let (found, cpu) = (found.at(n, i), cpu.at(n, i));
+        let palette = exact(part(&palettes, n, i));
+        compare(&mut findings, (&found, &cpu), &subject.oracle, &palette, backend.arithmetic());
+    }
+    Ok(findings)
+}
+
+/// Returns how [`Batch::skinned`] lays a skin out.
+pub fn plain(envelope: &Envelope<'_>) -> Skin {
+    Batch::skinned(envelope, 1).skin.expect("it is skinned")
+}
+
+/// Begins a finding of each attribute that a model has.
+pub fn findings(envelope: &Envelope<'_>) -> Vec<Finding> {
+    let all = ["positions", "normals", "tangents"].map(Finding::new);
+    all.into_iter().take(if envelope.has_tangents() { 3 } else { 2 }).collect()
+}
+
+/// Evaluates every pose from end to end.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn whole_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Whole, Failure> {
+    let (envelope, n) = (&subject.loaded.envelope, subject.poses.len());
+    let skin = plain(envelope);
+    let mut out = Whole::poisoned(envelope, &skin, n);
+    backend.whole(&subject.loaded, &subject.maps, &skin, &mut out)?;
+    Ok(out)
+}
+
+/// Skins the whole mesh by every palette.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn skinned_by(
+    backend: &dyn Backend,
+    subject: &Subject<'_>,
+    palettes: &[Matrix3x4],
+) -> Result<Skinned, Failure> {
+    let envelope = &subject.loaded.envelope;
+    let (skin, n) = (plain(envelope), palettes.len() / envelope.palette_len());
+    let mut out = Buffers::poisoned(&skin, n);
+    backend.skin(&subject.loaded, palettes, &skin, &mut out)?;
+    Ok(Skinned::gather(&out, &skin, n))
+}
+
+impl Skinned {
+    /// Picks the attributes of n instances out of the buffers.
+    pub fn gather(out: &Buffers, skin: &Skin, n: usize) -> Self {
+        let pick = |attribute: Option<Attribute>, own: usize| -> Vec<f32> {
+            let Some(attribute) = attribute else { return Vec::new() };
+            let buffer = if attribute.buffer == Buffer::A { &out.a } else { &out.b };
+            let starts = places(&attribute, skin, n);
+            starts.flat_map(|start| buffer[start..start + own].iter().copied()).collect()
+        };
+        Self {
+            positions: pick(skin.positions, 3),
+            normals: pick(skin.normals, 3),
+            tangents: pick(skin.tangents, 4),
+        }
+    }
+
+    /// Returns instance i's.
+    pub fn at(&self, n: usize, i: usize) -> [&[f32]; 3] {
+        [&self.positions, &self.normals, &self.tangents].map(|list| part(list, n, i))
+    }
+}
+
+/// Lists where an attribute of each vertex of each instance starts.
+pub fn places(attribute: &Attribute, skin: &Skin, n: usize) -> impl Iterator<Item = usize> {
+    let (Attribute { offset, stride, instance_stride, .. }, len) =
+        (*attribute, skin.vertices.len());
+    (0..n).flat_map(move |i| (0..len).map(move |v| offset + i * instance_stride + v * stride))
+}
+
+/// Compares one instance's skin with the CPU's and with the oracle's on a palette.
+pub fn compare(
+    findings: &mut [Finding],
+    (found, cpu): (&[&[f32]; 3], &[&[f32]; 3]),
+    oracle: &Oracle,
+    palette: &Inexact<Map>,
+    arithmetic: Arithmetic,
+) {
+    let (mut expected, mut tolerances) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);
+    for vertex in &oracle.vertices {
+        let skinned = oracle.skin(vertex, &palette.value);
+        let bounds = tolerance::skin(vertex, palette, arithmetic);
+        expected[0].extend(&skinned.position);
+        tolerances[0].extend(bounds.position.iter().map(|e| e + UNDERFLOW));
+        expected[1].extend(&skinned.normal);
+        tolerances[1].extend([bounds.normal + UNDERFLOW; 3]);
+        if let Some((tangent, hand)) = skinned.tangent {
+            expected[2].extend(tangent.push(hand).iter());
+            // The handedness is copied.
+            let along = bounds.tangent + UNDERFLOW;
+            tolerances[2].extend([along, along, along, 0.0]);
+        }
+    }
+    for (attribute, finding) in findings.iter_mut().enumerate() {
+        let (found, cpu) = (found[attribute], cpu[attribute]);
+        finding.compare(found, cpu, &expected[attribute], &tolerances[attribute]);
+    }
+}

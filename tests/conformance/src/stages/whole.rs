@@ -1,0 +1,116 @@
+//! From a pose to the skin: the stages' tolerances chained.
+
+use super::compare_maps;
+use super::gradients::gradients_of;
+use super::skin::{self, Skinned, findings, plain, whole_of};
+use crate::backend::{Backend, Cpu, Failure, part};
+use crate::finding::Finding;
+use crate::poses::{Kind, Pose, rigid_motion, rounded};
+use crate::subject::Subject;
+use crate::tolerance::{self, EXACT, Inexact, Map, UNDERFLOW};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use sinew_trainer::envelope::oracle::{Oracle, after};
+
+/// Compares palettes, confidences, positions, normals and tangents.
+///
+/// # Errors
+/// What the backend refuses.
+pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
+    let poses: Vec<_> = subject.poses.iter().map(|pose| Inexact::exact(pose.widened())).collect();
+    compare(backend, subject, &poses)
+}
+
+/// Carries poses off by rigid motions, rounds them after it, and compares what they give with the
+/// moved skins: findings as above.
+///
+/// # Errors
+/// What the backend refuses.
+///
+/// # Panics
+/// If the oracle is not equivariant itself.
+pub fn equivariance(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let diagonal = f64::from(subject.loaded.envelope.certificate().diagonal);
+    let (mut carried, mut exact) = (Vec::new(), Vec::new());
+    for pose in &subject.poses {
+        let motion = rigid_motion(diagonal, &mut random);
+        let moved: Vec<_> = pose.widened().iter().map(|map| after(&motion, map)).collect();
+        oracle_is_equivariant(&subject.oracle, pose, &motion, &moved);
+        carried.push(Pose { maps: moved.iter().map(rounded).collect(), ..pose.clone() });
+        exact.push(Inexact::rounded(moved));
+    }
+    let maps = carried.iter().flat_map(|pose| pose.maps.iter().copied()).collect();
+    let Subject { name, loaded, .. } = *subject;
+    let oracle = Oracle::new(&loaded.envelope);
+    compare(backend, &Subject { name, loaded, oracle, poses: carried, maps }, &exact)
+}
+
+/// Compares what the rest pose gives with the rest positions, although c1, c2 and the weights were
+/// rounded.
+///
+/// # Errors
+/// What the backend refuses.
+///
+/// # Panics
+/// If the first pose is not the rest pose.
+pub fn rest(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
+    assert_eq!(subject.poses[0].kind, Kind::Rest);
+    let (n, skin) = (subject.poses.len(), plain(&subject.loaded.envelope));
+    let positions = |backend: &dyn Backend| {
+        Ok::<_, Failure>(Skinned::gather(&whole_of(backend, subject)?.skin, &skin, n).positions)
+    };
+    let (found, cpu) = (positions(backend)?, positions(&Cpu)?);
+    let vertices = &subject.oracle.vertices;
+    let expected: Vec<f64> =
+        vertices.iter().flat_map(|v| <[f64; 3]>::from(v.position.xyz())).collect();
+    let bounds = tolerance::rest(&subject.oracle);
+    let tolerances: Vec<_> = bounds.iter().flat_map(|e| e.iter().map(|e| e + UNDERFLOW)).collect();
+    let mut rest = Finding::new("rest");
+    rest.compare(part(&found, n, 0), part(&cpu, n, 0), &expected, &tolerances);
+    Ok(vec![rest])
+}
+
+/// Compares the subject's poses, whose exact values are given.
+fn compare(
+    backend: &dyn Backend,
+    subject: &Subject<'_>,
+    exact: &[Inexact<Map>],
+) -> Result<Vec<Finding>, Failure> {
+    let (envelope, n) = (&subject.loaded.envelope, subject.poses.len());
+    let rotations = if envelope.predictor().reconstructs() {
+        gradients_of(backend, subject)?.rotations
+    } else {
+        Vec::new()
+    };
+    let layout = plain(envelope);
+    let (found, cpu) = (whole_of(backend, subject)?, whole_of(&Cpu, subject)?);
+    let skins = [&found, &cpu].map(|whole| Skinned::gather(&whole.skin, &layout, n));
+    let [mut palette, mut certain] = ["palette", "confidence"].map(Finding::new);
+    let mut attributes = findings(envelope);
+    for (i, pose) in exact.iter().enumerate() {
+        let (rotations, arithmetic) = (part(&rotations, n, i), backend.arithmetic());
+        let (expected, confidence) = tolerance::whole(&subject.oracle, pose, rotations, arithmetic);
+        let maps = (part(&found.palettes, n, i), part(&cpu.palettes, n, i));
+        compare_maps(&mut palette, maps.0, maps.1, &expected);
+        let confidences = (&found.confidences[i..=i], &cpu.confidences[i..=i]);
+        certain.compare(confidences.0, confidences.1, &confidence.value, &confidence.error);
+        let [found, cpu] = skins.each_ref().map(|skin| skin.at(n, i));
+        skin::compare(&mut attributes, (&found, &cpu), &subject.oracle, &expected, arithmetic);
+    }
+    Ok([palette, certain].into_iter().chain(attributes).collect())
+}
+
+/// Equivariance is exact where nothing is rounded to f32; at a half turn f64 rounds too.
+fn oracle_is_equivariant(oracle: &Oracle, pose: &Pose, motion: &Map, moved: &[Map]) {
+    if pose.kind == Kind::HalfTurn {
+        return;
+    }
+    let (still, confidence) = oracle.evaluate(&pose.widened());
+    let (carried, same) = oracle.evaluate(moved);
+    assert!((confidence - same).abs() <= EXACT);
+    for (map, still) in carried.iter().zip(&still) {
+        let expected = after(motion, still);
+        assert!((map - expected).amax() <= EXACT * expected.amax().max(map.amax()).max(1e3));
+    }
+}

@@ -1,0 +1,74 @@
+//! A model under test, with its oracle and its poses.
+
+use crate::backend::Loaded;
+use crate::models;
+use crate::poses::{POSES, Pose, poses};
+use sinew_runtime::Matrix3x4;
+use sinew_trainer::envelope::oracle::Oracle;
+
+/// Poses of a model that is not the main one: ten rounds of every kind.
+pub const FEWER_POSES: usize = 140;
+
+/// A model under test.
+pub struct Subject<'a> {
+    /// What kind of model it is.
+    pub name: &'static str,
+    /// The model.
+    pub loaded: Loaded<'a>,
+    /// Its oracle.
+    pub oracle: Oracle,
+    /// Poses of it.
+    pub poses: Vec<Pose>,
+    /// Their matrices, J of each.
+    pub maps: Vec<Matrix3x4>,
+}
+
+impl<'a> Subject<'a> {
+    /// Loads a model and draws poses.
+    ///
+    /// # Panics
+    /// If the bytes are no model with an envelope.
+    pub fn new(name: &'static str, bytes: &'a [u8], pose_len: usize) -> Self {
+        let loaded = Loaded::new(bytes);
+        let poses = poses(&loaded.envelope, pose_len);
+        let maps = poses.iter().flat_map(|pose| pose.maps.iter().copied()).collect();
+        Self { name, oracle: Oracle::new(&loaded.envelope), loaded, poses, maps }
+    }
+
+    /// Says which it is.
+    pub fn described(&self) -> String {
+        let envelope = &self.loaded.envelope;
+        format!("{}, {:?}, {envelope:?}", self.name, envelope.predictor())
+    }
+
+    /// Keeps the first poses.
+    #[must_use]
+    pub fn shortened(mut self, pose_len: usize) -> Self {
+        self.poses.truncate(pose_len);
+        self.maps.truncate(self.poses.len() * self.loaded.envelope.joint_len());
+        self
+    }
+}
+
+/// The trained character and, where it is there, the real arm, by every predictor.
+pub fn characters() -> Vec<Subject<'static>> {
+    let arms = models::arm().into_iter().flatten();
+    let arms = arms.map(|bytes| Subject::new("arm", bytes, FEWER_POSES));
+    trained(POSES).into_iter().chain(arms).collect()
+}
+
+/// The trained character by every predictor, in so many poses.
+pub fn trained(pose_len: usize) -> Vec<Subject<'static>> {
+    models::trained().iter().map(|bytes| Subject::new("demo", bytes, pose_len)).collect()
+}
+
+/// A random model of every shape, in so many poses; some have no vertices.
+pub fn shapes(pose_len: usize) -> impl Iterator<Item = Subject<'static>> {
+    models::shapes().iter().map(move |bytes| Subject::new("random", bytes, pose_len))
+}
+
+/// Those that have vertices.
+pub fn random() -> Vec<Subject<'static>> {
+    let has_vertices = |own: &Subject<'_>| own.loaded.envelope.vertex_len() > 0;
+    shapes(FEWER_POSES).filter(has_vertices).collect()
+}

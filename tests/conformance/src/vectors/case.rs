@@ -1,0 +1,362 @@
+//! One model with its poses, and what every stage makes of them.
+
+use super::tolerances::{Tolerance, maps_tolerance, numbers_tolerance};
+use super::{Folder, VectorError};
+use crate::backend::{Cpu, Failure, floats, part};
+use crate::poses::{Kind, Pose, poses};
+use crate::stages::correction::base_of;
+use crate::stages::exact;
+use crate::stages::features::features_of;
+use crate::stages::gradients::{columns, exact_rotations, gradients_of};
+use crate::stages::skin::{Skinned, plain, whole_of};
+use crate::subject::Subject;
+use crate::tolerance::{self, Arithmetic, Inexact, Map};
+use serde::Serialize;
+use sinew_runtime::Matrix3x4;
+use std::f64::consts::PI;
+
+/// What a foreign backend may be as far off as.
+const ARITHMETIC: Arithmetic = Arithmetic::VULKAN;
+
+/// A case: its description, and the files that this names.
+pub(super) struct Case<'a> {
+    subject: &'a Subject<'a>,
+    description: Description,
+    files: Vec<(String, Vec<u8>)>,
+}
+
+#[derive(Serialize)]
+struct Description {
+    version: u32,
+    case: String,
+    model: &'static str,
+    predictor: &'static str,
+    counts: Counts,
+    arrays: Vec<Array>,
+    stages: Vec<Stage>,
+}
+
+#[derive(Serialize)]
+struct Counts {
+    poses: usize,
+    joints: usize,
+    proxies: usize,
+    palette: usize,
+    vertices: usize,
+    influences: usize,
+}
+
+#[derive(Serialize)]
+struct Array {
+    name: &'static str,
+    file: String,
+    r#type: &'static str,
+    shape: Vec<usize>,
+}
+
+#[derive(Serialize)]
+struct Stage {
+    stage: &'static str,
+    inputs: Vec<&'static str>,
+    outputs: Vec<Output>,
+}
+
+#[derive(Serialize)]
+struct Output {
+    array: &'static str,
+    tolerance: String,
+}
+
+/// Loads a model and draws poses, without those in which a joint is at a half turn within the
+/// tolerance: two rotation vectors stand for that, and gradients depend on which.
+pub(super) fn subject(bytes: &[u8], pose_len: usize) -> Subject<'_> {
+    let mut out = Subject::new("vectors", bytes, 0);
+    let turned = |pose: &Pose| {
+        let pose = Inexact::exact(pose.widened());
+        let relative = tolerance::relative(&out.oracle, &pose);
+        let found = tolerance::rotations(&out.oracle, &relative, ARITHMETIC);
+        found.value.iter().zip(&found.error).any(|(theta, error)| theta.norm() + error >= PI)
+    };
+    let all = poses(&out.loaded.envelope, pose_len).into_iter();
+    let kept = all.filter(|pose| pose.kind != Kind::HalfTurn && !turned(pose));
+    let kept: Vec<_> = kept.collect();
+    out.maps = kept.iter().flat_map(|pose| pose.maps.iter().copied()).collect();
+    out.poses = kept;
+    out
+}
+
+impl<'a> Case<'a> {
+    pub(super) fn new(name: &str, subject: &'a Subject<'a>) -> Self {
+        let envelope = &subject.loaded.envelope;
+        let counts = Counts {
+            poses: subject.poses.len(),
+            joints: envelope.joint_len(),
+            proxies: envelope.proxy_len(),
+            palette: envelope.palette_len(),
+            vertices: envelope.vertex_len(),
+            influences: envelope.influence_len(),
+        };
+        let description = Description {
+            version: 1,
+            case: name.to_owned(),
+            model: "model.snw",
+            predictor: envelope.predictor().name(),
+            counts,
+            arrays: Vec::new(),
+            stages: Vec::new(),
+        };
+        Self { subject, description, files: Vec::new() }
+    }
+
+    /// Evaluates everything, and writes it into a folder of the case's name.
+    pub(super) fn write(mut self, model: &[u8], folder: &Folder) -> Result<(), VectorError> {
+        self.mesh();
+        self.poses()?;
+        let name = |file: &str| format!("{}/{file}", self.description.case);
+        folder.write(&name("model.snw"), model)?;
+        let json = serde_json::to_string_pretty(&self.description)? + "\n";
+        folder.write(&name("case.json"), json.as_bytes())?;
+        for (file, bytes) in &self.files {
+            folder.write(&name(file), bytes)?;
+        }
+        Ok(())
+    }
+
+    /// The mesh, which is in the model as well: a skin can be checked without reading that.
+    fn mesh(&mut self) {
+        let envelope = self.subject.loaded.envelope;
+        let (v, k) = (envelope.vertex_len(), envelope.influence_len());
+        let flat = |list: Vec<[f32; 3]>| list.into_flattened();
+        let positions = (0..v).filter_map(|vertex| envelope.rest_position(vertex)).collect();
+        self.array("rest_positions", vec![v, 3], &flat(positions));
+        let normals = (0..v).filter_map(|vertex| envelope.rest_normal(vertex)).collect();
+        self.array("rest_normals", vec![v, 3], &flat(normals));
+        if envelope.has_tangents() {
+            let tangents = (0..v).filter_map(|vertex| envelope.rest_tangent(vertex));
+            self.array("rest_tangents", vec![v, 4], &tangents.flatten().collect::<Vec<_>>());
+        }
+        let influences: Vec<_> = (0..v).flat_map(|vertex| envelope.influences(vertex)).collect();
+        let indices = influences.iter().flat_map(|(index, _)| (*index as u32).to_le_bytes());
+        let (name, file) = ("influence_indices", "influence_indices.u32".to_owned());
+        self.files.push((file.clone(), indices.collect()));
+        let shape = vec![v, k];
+        self.description.arrays.push(Array { name, file, r#type: "u32", shape });
+        let weights: Vec<_> = influences.iter().map(|(_, weight)| *weight).collect();
+        self.array("influence_weights", vec![v, k], &weights);
+    }
+
+    fn poses(&mut self) -> Result<(), Failure> {
+        let subject = self.subject;
+        let Counts { poses: n, joints: j, palette: m, .. } = self.description.counts;
+        self.array("pose", vec![n, j, 3, 4], floats(&subject.maps));
+        let whole = whole_of(&Cpu, subject)?;
+        let (reconstructs, corrects) =
+            (subject.oracle.predictor.reconstructs(), subject.oracle.predictor.corrects());
+        // What the correction adds to has a name of its own.
+        let base_name = if corrects { "base" } else { "palette" };
+        let base = base_of(&Cpu, subject)?;
+        let mut rotations = Vec::new();
+        if reconstructs {
+            rotations = self.reconstruction(base_name, &base)?;
+        } else {
+            let bounds: Vec<_> = subject.maps_of(|pose| tolerance::joints(&subject.oracle, &pose));
+            self.maps("base", vec![n, m, 3, 4], &base);
+            self.stage("joints", &["pose"], vec![("base", maps_tolerance(&base, &bounds))]);
+        }
+        if corrects {
+            self.correction(&base, &whole.palettes, &whole.confidences)?;
+        } else {
+            self.array("confidence", vec![n], &whole.confidences);
+            let bounds = (0..n).map(|i| {
+                let given = exact_rotations(part(&rotations, n, i));
+                tolerance::confidence(&subject.oracle, &given, ARITHMETIC)
+            });
+            let tolerance = numbers_tolerance(&whole.confidences, &bounds.collect::<Vec<_>>());
+            self.stage("confidence", &["rotations"], vec![("confidence", tolerance)]);
+        }
+        let skin = plain(&subject.loaded.envelope);
+        let skinned = Skinned::gather(&whole.skin, &skin, n);
+        self.skin(&whole.palettes, &skinned);
+        self.end_to_end(&rotations, &whole.palettes, &whole.confidences, &skinned);
+        Ok(())
+    }
+
+    /// Gradients and the palette; returns the rotations.
+    fn reconstruction(
+        &mut self,
+        base_name: &'static str,
+        base: &[Matrix3x4],
+    ) -> Result<Vec<[f32; 3]>, Failure> {
+        let (subject, oracle) = (self.subject, &self.subject.oracle);
+        let Counts { poses: n, joints: j, proxies: p, palette: m, .. } = self.description.counts;
+        let all = gradients_of(&Cpu, subject)?;
+        self.array("relative", vec![n, 4 * j, 3], all.relative.as_flattened());
+        self.array("rotations", vec![n, j, 3], all.rotations.as_flattened());
+        self.array("gradients", vec![n, 3 * p, 3], all.gradients.as_flattened());
+        let [mut relative, mut rotations, mut gradients, mut palette] =
+            [const { Tolerance::new() }; 4];
+        for i in 0..n {
+            let pose = exact(part(&subject.maps, n, i));
+            let q = tolerance::relative(oracle, &pose);
+            relative.columns(part(&all.relative, n, i), &q);
+            let theta = tolerance::rotations(oracle, &q, ARITHMETIC);
+            for (found, (value, error)) in
+                part(&all.rotations, n, i).iter().zip(theta.value.iter().zip(&theta.error))
+            {
+                found.iter().zip(value).for_each(|(x, value)| rotations.add(*x, *value, *error));
+            }
+            let d = tolerance::gradients(oracle, &q, &theta, ARITHMETIC);
+            gradients.columns(part(&all.gradients, n, i), &d);
+            let given = |list: &[[f32; 3]]| Inexact::exact(columns(list));
+            let root = Inexact::exact(vec![pose.value[oracle.root]]);
+            let given_d = columns(part(&all.gradients, n, i));
+            let bounds = tolerance::palette(
+                oracle,
+                &root,
+                &given(part(&all.relative, n, i)),
+                &Inexact::exact(given_d),
+            );
+            palette.maps(part(base, n, i), &bounds);
+        }
+        let outputs =
+            vec![("relative", relative.0), ("rotations", rotations.0), ("gradients", gradients.0)];
+        self.stage("gradients", &["pose"], outputs);
+        self.maps(base_name, vec![n, m, 3, 4], base);
+        self.stage("palette", &["pose", "relative", "gradients"], vec![(base_name, palette.0)]);
+        Ok(all.rotations)
+    }
+
+    fn correction(
+        &mut self,
+        base: &[Matrix3x4],
+        palettes: &[Matrix3x4],
+        confidences: &[f32],
+    ) -> Result<(), Failure> {
+        let (subject, oracle) = (self.subject, &self.subject.oracle);
+        let Counts { poses: n, joints: j, palette: m, .. } = self.description.counts;
+        let features = features_of(&Cpu, subject)?;
+        self.maps("features", vec![n, j, 3, 4], &features);
+        let bounds = subject.maps_of(|pose| tolerance::features(oracle, &pose));
+        let tolerance = maps_tolerance(&features, &bounds);
+        self.stage("features", &["pose"], vec![("features", tolerance)]);
+        self.maps("palette", vec![n, m, 3, 4], palettes);
+        self.array("confidence", vec![n], confidences);
+        let bounds = (0..n).map(|i| {
+            let [pose, features, base] =
+                [&subject.maps, &features, base].map(|list| exact(part(list, n, i)));
+            tolerance::correction(oracle, &pose, &features, base, ARITHMETIC)
+        });
+        let (maps, certain): (Vec<_>, Vec<_>) = bounds.unzip();
+        let outputs = vec![
+            ("palette", maps_tolerance(palettes, &maps)),
+            ("confidence", numbers_tolerance(confidences, &certain)),
+        ];
+        self.stage("correction", &["pose", "features", "base"], outputs);
+        Ok(())
+    }
+
+    fn skin(&mut self, palettes: &[Matrix3x4], skinned: &Skinned) {
+        let Counts { poses: n, vertices: v, .. } = self.description.counts;
+        self.array("positions", vec![n, v, 3], &skinned.positions);
+        self.array("normals", vec![n, v, 3], &skinned.normals);
+        if self.subject.loaded.envelope.has_tangents() {
+            self.array("tangents", vec![n, v, 4], &skinned.tangents);
+        }
+        let given: Vec<_> = (0..n).map(|i| exact(part(palettes, n, i))).collect();
+        let outputs = self.skin_tolerances(skinned, &given);
+        self.stage("skin", &["palette"], outputs);
+    }
+
+    fn end_to_end(
+        &mut self,
+        rotations: &[[f32; 3]],
+        palettes: &[Matrix3x4],
+        confidences: &[f32],
+        skinned: &Skinned,
+    ) {
+        let (subject, n) = (self.subject, self.description.counts.poses);
+        let bounds = (0..n).map(|i| {
+            let pose = exact(part(&subject.maps, n, i));
+            tolerance::whole(&subject.oracle, &pose, part(rotations, n, i), ARITHMETIC)
+        });
+        let (maps, certain): (Vec<_>, Vec<_>) = bounds.unzip();
+        let mut outputs = vec![
+            ("palette", maps_tolerance(palettes, &maps)),
+            ("confidence", numbers_tolerance(confidences, &certain)),
+        ];
+        outputs.extend(self.skin_tolerances(skinned, &maps));
+        self.stage("whole", &["pose"], outputs);
+    }
+
+    fn skin_tolerances(
+        &self,
+        skinned: &Skinned,
+        palettes: &[Inexact<Map>],
+    ) -> Vec<(&'static str, Vec<f32>)> {
+        let (oracle, n) = (&self.subject.oracle, palettes.len());
+        let [mut positions, mut normals, mut tangents] = [const { Tolerance::new() }; 3];
+        for (i, palette) in palettes.iter().enumerate() {
+            let found = skinned.at(n, i);
+            for (v, vertex) in oracle.vertices.iter().enumerate() {
+                let (right, bounds) = (
+                    oracle.skin(vertex, &palette.value),
+                    tolerance::skin(vertex, palette, ARITHMETIC),
+                );
+                for c in 0..3 {
+                    let at = 3 * v + c;
+                    positions.add(found[0][at], right.position[c], bounds.position[c]);
+                    normals.add(found[1][at], right.normal[c], bounds.normal);
+                }
+                if let Some((tangent, _)) = right.tangent {
+                    for c in 0..3 {
+                        tangents.add(found[2][4 * v + c], tangent[c], bounds.tangent);
+                    }
+                    // The handedness is copied.
+                    tangents.0.push(0.0);
+                }
+            }
+        }
+        let mut out = vec![("positions", positions.0), ("normals", normals.0)];
+        if self.subject.loaded.envelope.has_tangents() {
+            out.push(("tangents", tangents.0));
+        }
+        out
+    }
+
+    fn maps(&mut self, name: &'static str, shape: Vec<usize>, maps: &[Matrix3x4]) {
+        self.array(name, shape, floats(maps));
+    }
+
+    fn array(&mut self, name: &'static str, shape: Vec<usize>, values: &[f32]) {
+        let file = format!("{name}.f32");
+        self.files.push((file.clone(), le(values)));
+        self.description.arrays.push(Array { name, file, r#type: "f32", shape });
+    }
+
+    fn stage(
+        &mut self,
+        stage: &'static str,
+        inputs: &[&'static str],
+        outputs: Vec<(&'static str, Vec<f32>)>,
+    ) {
+        let whole = if stage == "whole" { "whole." } else { "" };
+        let output = |(array, tolerance): (&'static str, Vec<f32>)| {
+            let file = format!("{array}.{whole}tolerance.f32");
+            self.files.push((file.clone(), le(&tolerance)));
+            Output { array, tolerance: file }
+        };
+        let outputs = outputs.into_iter().map(output).collect();
+        self.description.stages.push(Stage { stage, inputs: inputs.to_vec(), outputs });
+    }
+}
+
+impl Subject<'_> {
+    /// Bounds of every pose.
+    fn maps_of(&self, bound: impl Fn(Inexact<Map>) -> Inexact<Map>) -> Vec<Inexact<Map>> {
+        self.poses.iter().map(|pose| bound(Inexact::exact(pose.widened()))).collect()
+    }
+}
+
+fn le(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}

@@ -1,0 +1,46 @@
+//! Inputs, outputs and tolerances of every stage in plain files, for whoever writes a backend.
+
+mod case;
+mod folder;
+mod tolerances;
+
+pub use folder::{Folder, VectorError};
+
+use crate::models::{self, SHAPES};
+use crate::subject::Subject;
+use case::{Case, subject};
+use std::path::Path;
+
+/// What stands at the top of the folder.
+const README: &str = include_str!("README.md");
+/// Poses that are drawn of a random model; those that joints at a half turn leave open are left out.
+const POSES: usize = 41;
+/// Poses that are drawn of a trained character.
+const CHARACTER_POSES: usize = 77;
+
+/// The trained characters, as they are kept for the format's sake: the same bytes everywhere.
+const CHARACTERS: [(&str, &[u8]); 3] = [
+    ("rotational", include_bytes!("../../../golden/envelope-2-rotational.snw")),
+    ("kernel", include_bytes!("../../../golden/envelope-2-kernel.snw")),
+    ("hybrid", include_bytes!("../../../golden/envelope-2-hybrid.snw")),
+];
+
+/// Writes the vectors into a folder that is not there or is empty; it appears whole or not at all.
+///
+/// # Errors
+/// [`VectorError`]
+pub fn write(out: &Path) -> Result<(), VectorError> {
+    let folder = Folder::create(out)?;
+    folder.write("README.md", README.as_bytes())?;
+    for (name, bytes) in CHARACTERS {
+        let case = format!("character-{name}");
+        Case::new(&case, &subject(bytes, CHARACTER_POSES)).write(bytes, &folder)?;
+    }
+    for (shape, bytes) in SHAPES.iter().zip(models::shapes()) {
+        let own: Subject<'_> = subject(bytes, POSES);
+        let [v, j, p, k] = [shape.vertices, shape.joints, shape.proxies, shape.influences];
+        let case = format!("random-{}-{v}-{j}-{p}-{k}", shape.predictor.name());
+        Case::new(&case, &own).write(bytes, &folder)?;
+    }
+    folder.finish()
+}

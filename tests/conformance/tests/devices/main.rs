@@ -1,0 +1,8 @@
+//! The stages on every device that is here, by both APIs: each alone on the CPU's inputs, and from
+//! end to end. What evaluates a batch on a device is first held against a device that is a program.
+
+mod gpu;
+mod lavapipe;
+mod layer;
+mod matrix;
+mod software;

@@ -1,0 +1,72 @@
+//! The matrix tells what fails, in every form.
+
+use crate::software::{Fault, Software};
+use conformance::matrix::{Matrix, markdown, page};
+use conformance::models::{self, shape_of};
+use conformance::subject::Subject;
+use sinew_gpu::headless::{Device, HeadlessError};
+use sinew_gpu::layout::{Resource, Stage};
+use sinew_runtime::format::Predictor;
+
+/// One model of one predictor: the stages of the others have nothing to compare.
+fn matrix(fault: Option<Fault>) -> Matrix {
+    let bytes = models::random(shape_of(Predictor::Rotational));
+    let subjects = [Subject::new("random", &bytes, 14)];
+    let mut out = Matrix::new(&subjects);
+    let mut device = Software::new(&bytes, fault);
+    device.info.name = "<b>evil | device\n</b>".to_owned();
+    out.add(&device, &subjects);
+    out
+}
+
+#[test]
+fn a_bit_is_counted_and_a_stage_left_out_fails() {
+    let flipped = matrix(Some(Fault::Bit(Stage::Palette, Resource::Palettes, 4)));
+    let row = |matrix: &Matrix, stage: &str| {
+        let rows = &matrix.backends[1].stages;
+        rows.iter().find(|row| row.stage == stage).unwrap().clone()
+    };
+    let palette = row(&flipped, "palette");
+    assert_eq!((palette.differing, palette.failure.clone()), (1, None));
+    assert!(palette.cases > 800 && palette.worst < 1.0);
+    assert!(row(&flipped, "whole").differing >= 1, "the palette is an output there as well");
+    assert_eq!(row(&flipped, "gradients").differing, 0);
+
+    let idle = matrix(Some(Fault::Idle(Stage::Skin)));
+    let skin = row(&idle, "skin");
+    assert!(skin.worst == f64::INFINITY && skin.differing == skin.cases);
+    assert!(skin.failure.unwrap().contains("NaN"));
+    assert!(!idle.holds());
+
+    let stray = matrix(Some(Fault::Stray(Stage::Palette, Resource::Work, 0)));
+    assert!(row(&stray, "palette").failure.unwrap().contains("which is not its own"));
+}
+
+#[test]
+fn stages_that_no_model_has_fail() {
+    let matrix = matrix(None);
+    for column in &matrix.backends {
+        let failing: Vec<_> = column.stages.iter().filter(|row| row.failure.is_some()).collect();
+        let names: Vec<_> = failing.iter().map(|row| row.stage).collect();
+        assert_eq!(names, ["joints", "features", "correction"]);
+        assert!(failing.iter().all(|row| row.failure.as_deref() == Some("nothing was compared")));
+    }
+}
+
+#[test]
+fn names_of_drivers_cannot_become_markup() {
+    let mut matrix = matrix(Some(Fault::Idle(Stage::Skin)));
+    let bytes = models::random(shape_of(Predictor::Rotational));
+    let lost = HeadlessError::Lost("<u>".to_owned());
+    matrix.add_unopened(Software::new(&bytes, None).info(), &lost);
+    let (text, html) = (markdown(&matrix), page(&matrix));
+    assert!(text.contains("evil \\| device </b>") && text.contains(" ∞ **fails** |"));
+    assert!(text.lines().filter(|line| line.starts_with("| ")).all(|line| line.ends_with('|')));
+    assert!(html.contains("&lt;b&gt;evil") && !html.contains("<b>evil") && !html.contains("<u>"));
+    assert!(html.contains("Not every stage holds") && html.contains("What fails"));
+    let json: serde_json::Value =
+        serde_json::from_str(&serde_json::to_string(&matrix).unwrap()).unwrap();
+    let skin = &json["backends"][1]["stages"][6];
+    assert!(skin["stage"] == "skin" && skin["worst"].is_null() && skin["failure"].is_string());
+    assert_eq!(json["backends"][0]["api"], "cpu");
+}

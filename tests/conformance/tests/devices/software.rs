@@ -1,0 +1,285 @@
+//! A device that is a program: the runtime behind the trait that the headless helpers implement. It
+//! finds everything by a plan's spans and params, as a shader does. It can be made to err.
+
+use sinew_gpu::headless::{Device, DeviceInfo, HeadlessError, Uploaded};
+use sinew_gpu::layout::{Chunk, DeviceLimits, Plan, Resource, Stage, WorkLayout};
+use sinew_runtime::envelope::{
+    Attribute, Buffer, SkinJob, confidence, correction, gradients, joints, palette,
+};
+use sinew_runtime::pose::features;
+use sinew_runtime::{Envelope, EvalError, Matrix3x4, Model};
+use std::time::Duration;
+
+/// What goes wrong, in the stage that it names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Fault {
+    /// The float of this resource with this place has its lowest bit flipped.
+    Bit(Stage, Resource, usize),
+    /// The stage does nothing.
+    Idle(Stage),
+    /// A float that is not the stage's own is written to.
+    Stray(Stage, Resource, usize),
+}
+
+pub(crate) struct Software<'a> {
+    pub(crate) bytes: &'a [u8],
+    pub(crate) fault: Option<Fault>,
+    pub(crate) info: DeviceInfo,
+}
+
+impl<'a> Software<'a> {
+    pub(crate) fn new(bytes: &'a [u8], fault: Option<Fault>) -> Self {
+        let text = |text: &str| text.to_owned();
+        let [name, driver, driver_info] = ["the runtime", "software", "of this test"].map(text);
+        Self {
+            bytes,
+            fault,
+            info: DeviceInfo { api: "none", name, driver, driver_info, software: true },
+        }
+    }
+}
+
+impl Device for Software<'_> {
+    fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    fn limits(&self) -> DeviceLimits {
+        DeviceLimits::DOWNLEVEL
+    }
+
+    fn upload(
+        &self,
+        model: &Model<'_>,
+        plan: &Plan,
+    ) -> Result<Box<dyn Uploaded + '_>, HeadlessError> {
+        let own = Model::from_bytes(self.bytes).expect("it loads");
+        assert_eq!(own.blob(), model.blob(), "the device was made for another model");
+        let envelope = own.envelope().expect("it has an envelope");
+        let floats = |resource| vec![0.0; (plan.bytes(resource) / 4) as usize];
+        let buffers = Resource::ALL.map(floats);
+        Ok(Box::new(Batch { envelope, plan: plan.clone(), buffers, fault: self.fault }))
+    }
+
+    fn time_copy(&self, _: u64, _: usize) -> Result<Duration, HeadlessError> {
+        Ok(Duration::ZERO)
+    }
+
+    fn message_len(&self) -> Option<usize> {
+        None
+    }
+}
+
+struct Batch<'a> {
+    envelope: Envelope<'a>,
+    plan: Plan,
+    buffers: [Vec<f32>; Resource::ALL.len()],
+    fault: Option<Fault>,
+}
+
+impl Uploaded for Batch<'_> {
+    fn write(
+        &mut self,
+        resource: Resource,
+        first: usize,
+        floats: &[f32],
+    ) -> Result<(), HeadlessError> {
+        self.buffers[resource as usize][first..][..floats.len()].copy_from_slice(floats);
+        Ok(())
+    }
+
+    fn run(&mut self, instance_len: usize) -> Result<(), HeadlessError> {
+        for stage in self.plan.stages().collect::<Vec<_>>() {
+            self.run_stage(stage, instance_len)?;
+        }
+        Ok(())
+    }
+
+    fn run_stage(&mut self, stage: Stage, instance_len: usize) -> Result<(), HeadlessError> {
+        self.plan.check_instances(instance_len)?;
+        if self.fault == Some(Fault::Idle(stage)) {
+            return Ok(());
+        }
+        for chunk in self.plan.chunks().to_vec() {
+            let here = chunk.instances.start..chunk.instances.end.min(instance_len);
+            for local in 0..here.len() {
+                let ran = Instance { batch: self, chunk: &chunk, local }.run(stage);
+                let doing = stage.name();
+                ran.map_err(|e| HeadlessError::Refused { doing, detail: e.to_string() })?;
+            }
+        }
+        match self.fault {
+            Some(Fault::Bit(own, resource, float)) if own == stage => {
+                let value = &mut self.buffers[resource as usize][float];
+                *value = f32::from_bits(value.to_bits() ^ 1);
+            }
+            Some(Fault::Stray(own, resource, float)) if own == stage => {
+                // Not every batch has the buffer.
+                if let Some(value) = self.buffers[resource as usize].get_mut(float) {
+                    *value = 7.0;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn time_stage(&mut self, _: Stage, _: usize, _: usize) -> Result<Duration, HeadlessError> {
+        Ok(Duration::ZERO)
+    }
+
+    fn read(&mut self, resource: Resource) -> Result<Vec<f32>, HeadlessError> {
+        Ok(self.buffers[resource as usize].clone())
+    }
+}
+
+/// One instance of a chunk.
+struct Instance<'a, 'b> {
+    batch: &'a mut Batch<'b>,
+    chunk: &'a Chunk,
+    local: usize,
+}
+
+impl Instance<'_, '_> {
+    fn param(&self, name: &str) -> usize {
+        let found = self.chunk.params().iter().find(|(own, _)| *own == name);
+        found.unwrap_or_else(|| panic!("no {name}")).1 as usize
+    }
+
+    /// The first float of this instance's part of an array.
+    fn place(&self, resource: Resource, name: &str) -> usize {
+        let bound = self.chunk.span(resource).expect("it is bound").offset as usize / 4;
+        let [offset, stride] =
+            ["offset", "stride"].map(|what| self.param(&format!("{name}_{what}")));
+        bound + offset + self.local * stride
+    }
+
+    fn take<T: Copy>(&self, resource: Resource, at: usize, len: usize) -> Vec<T>
+    where
+        [f32]: Cut<T>,
+    {
+        self.batch.buffers[resource as usize][at..][..len].cut().to_vec()
+    }
+
+    fn put(&mut self, resource: Resource, at: usize, floats: &[f32]) {
+        self.batch.buffers[resource as usize][at..][..floats.len()].copy_from_slice(floats);
+    }
+
+    fn run(&mut self, stage: Stage) -> Result<(), EvalError> {
+        let envelope = self.batch.envelope;
+        let (j, p) = (envelope.joint_len(), envelope.proxy_len());
+        let work = WorkLayout::new(&envelope);
+        let own = self.place(Resource::Work, "work");
+        let poses: Vec<Matrix3x4> =
+            self.take(Resource::Poses, self.place(Resource::Poses, "poses"), 12 * j);
+        let palette_at = self.place(Resource::Palettes, "palettes");
+        let palette_floats = 12 * envelope.palette_len();
+        match stage {
+            Stage::Gradients => {
+                let (mut q, mut theta, mut d) =
+                    (vec![[0.0; 3]; 4 * j], vec![[0.0; 3]; j], vec![[0.0; 3]; 3 * p]);
+                gradients::evaluate(&envelope, &poses, &mut q, &mut theta, &mut d)?;
+                self.put(Resource::Work, own + work.relative, q.as_flattened());
+                self.put(Resource::Work, own + work.rotations, theta.as_flattened());
+                self.put(Resource::Work, own + work.gradients, d.as_flattened());
+            }
+            Stage::Palette => {
+                let q: Vec<[f32; 3]> = self.take(Resource::Work, own + work.relative, 12 * j);
+                let d: Vec<[f32; 3]> = self.take(Resource::Work, own + work.gradients, 9 * p);
+                let mut out = vec![[[0.0; 4]; 3]; envelope.palette_len()];
+                let root = &poses[envelope.root()];
+                palette::evaluate(&envelope, root, &q, &d, &mut out)?;
+                self.put(Resource::Palettes, palette_at, out.as_flattened().as_flattened());
+            }
+            Stage::Joints => {
+                let mut out = vec![[[0.0; 4]; 3]; envelope.palette_len()];
+                joints::evaluate(&envelope, &poses, &mut out)?;
+                self.put(Resource::Palettes, palette_at, out.as_flattened().as_flattened());
+            }
+            Stage::Features => {
+                let mut out = vec![[[0.0; 4]; 3]; j];
+                features::evaluate(&envelope, &poses, &mut out)?;
+                let at = own + work.features;
+                self.put(Resource::Work, at, out.as_flattened().as_flattened());
+            }
+            Stage::Correction => {
+                let phi: Vec<Matrix3x4> = self.take(Resource::Work, own + work.features, 12 * j);
+                let mut out: Vec<Matrix3x4> =
+                    self.take(Resource::Palettes, palette_at, palette_floats);
+                let mut scratch = vec![0.0; envelope.scratch_len()];
+                let certain =
+                    correction::evaluate(&envelope, &poses, &phi, &mut scratch, &mut out)?;
+                self.put(Resource::Palettes, palette_at, out.as_flattened().as_flattened());
+                // Each group's own is not known here; the least of all is what they are read for.
+                let certainties = vec![certain; envelope.group_len()];
+                self.put(Resource::Work, own + work.certainties, &certainties);
+            }
+            Stage::Confidence => {
+                let value = if envelope.predictor().corrects() {
+                    let at = own + work.certainties;
+                    let all: Vec<f32> = self.take(Resource::Work, at, envelope.group_len());
+                    all.into_iter().fold(1.0, f32::min)
+                } else {
+                    let theta: Vec<[f32; 3]> =
+                        self.take(Resource::Work, own + work.rotations, 3 * j);
+                    confidence::evaluate(&envelope, &theta)?
+                };
+                let at = self.place(Resource::Confidences, "confidences");
+                self.put(Resource::Confidences, at, &[value]);
+            }
+            Stage::Skin => self.skin(palette_at, palette_floats)?,
+        }
+        Ok(())
+    }
+
+    fn skin(&mut self, palette_at: usize, palette_floats: usize) -> Result<(), EvalError> {
+        let envelope = self.batch.envelope;
+        let palette: Vec<Matrix3x4> = self.take(Resource::Palettes, palette_at, palette_floats);
+        let first = self.param("vertex_first");
+        let vertices = first..first + self.param("vertex_len");
+        let attribute = |name: &str| {
+            let of = |what: &str| self.param(&format!("{name}_{what}"));
+            let (buffer, resource) = match of("buffer") {
+                0 => return None,
+                1 => (Buffer::A, Resource::OutA),
+                _ => (Buffer::B, Resource::OutB),
+            };
+            let bound = self.chunk.span(resource).expect("it is bound").offset as usize / 4;
+            let offset = bound + of("offset") + self.local * of("instance_stride");
+            Some(Attribute { buffer, offset, stride: of("stride") })
+        };
+        let [positions, normals, tangents] = ["positions", "normals", "tangents"].map(attribute);
+        let [a, b] = [Resource::OutA, Resource::OutB].map(|own| own as usize);
+        let mut outs = [a, b].map(|own| std::mem::take(&mut self.batch.buffers[own]));
+        let [out_a, out_b] = &mut outs;
+        let palette = &palette[..];
+        let job =
+            SkinJob { envelope, palette, vertices, positions, normals, tangents, out_a, out_b };
+        job.run()?;
+        [self.batch.buffers[a], self.batch.buffers[b]] = outs;
+        Ok(())
+    }
+}
+
+/// Cuts floats into wider values.
+trait Cut<T> {
+    fn cut(&self) -> &[T];
+}
+
+impl Cut<f32> for [f32] {
+    fn cut(&self) -> &[f32] {
+        self
+    }
+}
+
+impl Cut<[f32; 3]> for [f32] {
+    fn cut(&self) -> &[[f32; 3]] {
+        self.as_chunks().0
+    }
+}
+
+impl Cut<Matrix3x4> for [f32] {
+    fn cut(&self) -> &[Matrix3x4] {
+        self.as_chunks::<4>().0.as_chunks().0
+    }
+}

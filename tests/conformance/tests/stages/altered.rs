@@ -1,0 +1,220 @@
+//! The runtime as a backend that is wrong: what it gives is altered before anyone sees it.
+
+use conformance::backend::{Backend, Buffers, Cpu, Failure, Gradients, Loaded, Whole};
+use conformance::tolerance::Arithmetic;
+use sinew_gpu::layout::{Skin, Stage};
+use sinew_runtime::Matrix3x4;
+
+/// What a stage was given, and what it gives.
+pub(crate) enum Step<'a> {
+    Gradients {
+        poses: &'a [Matrix3x4],
+        out: &'a mut Gradients,
+    },
+    Palette {
+        poses: &'a [Matrix3x4],
+        input: &'a Gradients,
+        out: &'a mut [Matrix3x4],
+    },
+    Features {
+        poses: &'a [Matrix3x4],
+        out: &'a mut [Matrix3x4],
+    },
+    Correction {
+        poses: &'a [Matrix3x4],
+        features: &'a [Matrix3x4],
+        base: Vec<Matrix3x4>,
+        out: &'a mut [Matrix3x4],
+        confidences: &'a mut [f32],
+    },
+    Confidence {
+        rotations: &'a [[f32; 3]],
+        out: &'a mut [f32],
+    },
+    Skin {
+        palettes: &'a [Matrix3x4],
+        skin: &'a Skin,
+        out: &'a mut Buffers,
+    },
+}
+
+/// Hands every step to a closure, and says how exactly it computes.
+pub(crate) struct Altered<F>(pub(crate) F, pub(crate) Arithmetic);
+
+impl<F: Fn(Step<'_>)> Backend for Altered<F> {
+    fn arithmetic(&self) -> Arithmetic {
+        self.1
+    }
+
+    fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool {
+        Cpu.has(loaded, stage)
+    }
+
+    fn gradients(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out: &mut Gradients,
+    ) -> Result<(), Failure> {
+        Cpu.gradients(loaded, poses, out)?;
+        (self.0)(Step::Gradients { poses, out });
+        Ok(())
+    }
+
+    fn palette(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        input: &Gradients,
+        out: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        Cpu.palette(loaded, poses, input, out)?;
+        (self.0)(Step::Palette { poses, input, out });
+        Ok(())
+    }
+
+    fn joints(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        Cpu.joints(loaded, poses, out)
+    }
+
+    fn features(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        Cpu.features(loaded, poses, out)?;
+        (self.0)(Step::Features { poses, out });
+        Ok(())
+    }
+
+    fn correction(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        features: &[Matrix3x4],
+        out: &mut [Matrix3x4],
+        confidences: &mut [f32],
+    ) -> Result<(), Failure> {
+        let base = out.to_vec();
+        Cpu.correction(loaded, poses, features, out, confidences)?;
+        (self.0)(Step::Correction { poses, features, base, out, confidences });
+        Ok(())
+    }
+
+    fn confidence(
+        &self,
+        loaded: &Loaded<'_>,
+        rotations: &[[f32; 3]],
+        out: &mut [f32],
+    ) -> Result<(), Failure> {
+        Cpu.confidence(loaded, rotations, out)?;
+        (self.0)(Step::Confidence { rotations, out });
+        Ok(())
+    }
+
+    fn skin(
+        &self,
+        loaded: &Loaded<'_>,
+        palettes: &[Matrix3x4],
+        skin: &Skin,
+        out: &mut Buffers,
+    ) -> Result<(), Failure> {
+        Cpu.skin(loaded, palettes, skin, out)?;
+        (self.0)(Step::Skin { palettes, skin, out });
+        Ok(())
+    }
+
+    fn whole(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        skin: &Skin,
+        out: &mut Whole,
+    ) -> Result<(), Failure> {
+        Cpu.whole(loaded, poses, skin, out)?;
+        let Whole { palettes, skin: out, .. } = out;
+        (self.0)(Step::Skin { palettes, skin, out });
+        Ok(())
+    }
+}
+
+/// Says that it has worked.
+pub(crate) struct Idle;
+
+impl Backend for Idle {
+    fn arithmetic(&self) -> Arithmetic {
+        Cpu.arithmetic()
+    }
+
+    fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool {
+        Cpu.has(loaded, stage)
+    }
+
+    fn gradients(&self, _: &Loaded<'_>, _: &[Matrix3x4], _: &mut Gradients) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn palette(
+        &self,
+        _: &Loaded<'_>,
+        _: &[Matrix3x4],
+        _: &Gradients,
+        _: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn joints(&self, _: &Loaded<'_>, _: &[Matrix3x4], _: &mut [Matrix3x4]) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn features(
+        &self,
+        _: &Loaded<'_>,
+        _: &[Matrix3x4],
+        _: &mut [Matrix3x4],
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn correction(
+        &self,
+        _: &Loaded<'_>,
+        _: &[Matrix3x4],
+        _: &[Matrix3x4],
+        _: &mut [Matrix3x4],
+        _: &mut [f32],
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn confidence(&self, _: &Loaded<'_>, _: &[[f32; 3]], _: &mut [f32]) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn skin(
+        &self,
+        _: &Loaded<'_>,
+        _: &[Matrix3x4],
+        _: &Skin,
+        _: &mut Buffers,
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn whole(
+        &self,
+        _: &Loaded<'_>,
+        _: &[Matrix3x4],
+        _: &Skin,
+        _: &mut Whole,
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+}

@@ -1,0 +1,195 @@
+//! The vectors that are written for others: the same bytes every time, what the runtime gives, and a
+//! foreign implementation can be checked with them.
+
+#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
+
+use conformance::backend::Loaded;
+use conformance::vectors::{Folder, VectorError, write};
+use sinew_runtime::Matrix3x4;
+use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A place of a test's own, empty.
+fn place(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("vectors").join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    path
+}
+
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut out = BTreeMap::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            out.extend(files(&path));
+        } else {
+            out.insert(path.clone(), fs::read(path).unwrap());
+        }
+    }
+    out
+}
+
+fn floats(path: PathBuf) -> Vec<f32> {
+    let bytes = fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    bytes.as_chunks::<4>().0.iter().map(|le| f32::from_le_bytes(*le)).collect()
+}
+
+fn cases(folder: &Path) -> Vec<PathBuf> {
+    let mut out: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    out.retain(|path| path.is_dir());
+    out.sort();
+    out
+}
+
+fn json(case: &Path) -> serde_json::Value {
+    serde_json::from_slice(&fs::read(case.join("case.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn the_same_bytes_every_time_and_not_too_many() {
+    let [one, two] = ["one", "two"].map(place);
+    write(&one).unwrap();
+    write(&two).unwrap();
+    let (first, second) = (files(&one), files(&two));
+    assert!(first.values().eq(second.values()) && first.len() == second.len());
+    let bytes: usize = first.values().map(Vec::len).sum();
+    assert!(first.len() > 300 && (1_000_000..20_000_000).contains(&bytes), "{bytes}");
+}
+
+#[test]
+fn nothing_is_overwritten_and_nothing_is_left_half_written() {
+    let taken = place("taken");
+    fs::create_dir(&taken).unwrap();
+    fs::write(taken.join("mine"), "mine").unwrap();
+    assert!(matches!(write(&taken), Err(VectorError::NotEmpty(_))));
+    assert_eq!(files(&taken).len(), 1);
+    assert!(matches!(write(&taken.join("mine")), Err(VectorError::Io { .. })), "it is a file");
+
+    let given_up = place("given-up");
+    let folder = Folder::create(&given_up).unwrap();
+    folder.write("case/file", b"half").unwrap();
+    drop(folder);
+    assert!(!given_up.exists());
+    let beside = fs::read_dir(given_up.parent().unwrap()).unwrap();
+    let is_left = |name: String| name.starts_with("given-up");
+    assert!(!beside.map(|entry| entry.unwrap().file_name().into_string().unwrap()).any(is_left));
+
+    // An empty folder is taken.
+    fs::create_dir(&given_up).unwrap();
+    write(&given_up).unwrap();
+    assert!(given_up.join("README.md").is_file());
+}
+
+#[test]
+fn arrays_have_their_shapes_and_tolerances_are_numbers() {
+    let out = place("shapes");
+    write(&out).unwrap();
+    let (mut values, mut exact) = (0, 0);
+    for case in cases(&out) {
+        let description = json(&case);
+        let mut lens = BTreeMap::new();
+        for array in description["arrays"].as_array().unwrap() {
+            let shape = array["shape"].as_array().unwrap().iter();
+            let len: u64 = shape.map(|len| len.as_u64().unwrap()).product();
+            let found = floats(case.join(array["file"].as_str().unwrap()));
+            assert_eq!(found.len() as u64, len, "{array} of {}", case.display());
+            assert!(array["type"] == "u32" || found.iter().all(|x| x.is_finite()));
+            lens.insert(array["name"].as_str().unwrap().to_owned(), len);
+        }
+        for stage in description["stages"].as_array().unwrap() {
+            for input in stage["inputs"].as_array().unwrap() {
+                assert!(lens.contains_key(input.as_str().unwrap()), "{stage}");
+            }
+            for output in stage["outputs"].as_array().unwrap() {
+                let found = floats(case.join(output["tolerance"].as_str().unwrap()));
+                let len = lens[output["array"].as_str().unwrap()];
+                assert_eq!(found.len() as u64, len, "{output} of {}", case.display());
+                // Far from home positions are some hundreds, and u of that is 1e-5.
+                assert!(found.iter().all(|x| (0.0..2.01).contains(x)), "{output}");
+                values += found.len();
+                exact += found.iter().filter(|x| **x == 0.0).count();
+            }
+        }
+    }
+    assert!(values > 100_000 && exact < values / 2, "{exact} of {values} leave nothing open");
+}
+
+#[test]
+fn skins_are_what_the_runtime_makes_of_the_palettes() {
+    let out = place("runtime");
+    write(&out).unwrap();
+    let mut values = 0;
+    for case in cases(&out) {
+        let bytes = fs::read(case.join("model.snw")).unwrap();
+        let envelope = Loaded::new(&bytes).envelope;
+        let read = |name: &str| floats(case.join(name));
+        let palettes = read("palette.f32");
+        let palettes: &[Matrix3x4] = palettes.as_chunks::<4>().0.as_chunks().0;
+        let mut skins = Vec::new();
+        for palette in palettes.chunks(envelope.palette_len()) {
+            let mut out_a = vec![f32::NAN; 3 * envelope.vertex_len()];
+            let job = SkinJob {
+                envelope,
+                palette,
+                vertices: 0..envelope.vertex_len(),
+                positions: Some(Attribute { buffer: Buffer::A, offset: 0, stride: 3 }),
+                normals: None,
+                tangents: None,
+                out_a: &mut out_a,
+                out_b: &mut [],
+            };
+            job.run().unwrap();
+            skins.extend(out_a);
+        }
+        assert_eq!(skins, read("positions.f32"), "{}", case.display());
+        values += skins.len();
+    }
+    assert!(values > 10_000, "{values}");
+}
+
+/// Runs the example.
+fn check(folder: &Path) -> Output {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/vectors.py");
+    let run = Command::new("python3").arg(script).arg(folder).output();
+    run.expect("python3 is installed")
+}
+
+#[test]
+fn a_foreign_skin_is_checked_by_them() {
+    let out = place("foreign");
+    write(&out).unwrap();
+    let right = check(&out);
+    let text = String::from_utf8_lossy(&right.stdout);
+    assert!(right.status.success(), "{text}{}", String::from_utf8_lossy(&right.stderr));
+    println!("{text}");
+    // Each case is told, and some deviate.
+    assert!(text.lines().count() == cases(&out).len() && text.contains(" 0.2"), "{text}");
+
+    let spoiled = out.join("character-hybrid/positions.f32");
+    let original = fs::read(&spoiled).unwrap();
+    let tolerances = floats(out.join("character-hybrid/positions.tolerance.f32"));
+    let place = 4 * 1000;
+    let value = f32::from_le_bytes(original[place..place + 4].try_into().unwrap());
+    for wrong in [value + 2.0 * tolerances[1000], f32::NAN] {
+        let mut bytes = original.clone();
+        bytes[place..place + 4].copy_from_slice(&wrong.to_le_bytes());
+        fs::write(&spoiled, bytes).unwrap();
+        assert!(!check(&out).status.success(), "{wrong} passes");
+    }
+    fs::write(&spoiled, &original[..original.len() - 4]).unwrap();
+    assert!(!check(&out).status.success(), "a value too few passes");
+    fs::write(&spoiled, original).unwrap();
+    assert!(check(&out).status.success());
+    assert!(!check(&place_of_nothing()).status.success(), "nothing passes");
+}
+
+fn place_of_nothing() -> PathBuf {
+    let path = place("nothing");
+    fs::create_dir(&path).unwrap();
+    path
+}

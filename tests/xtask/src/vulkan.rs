@@ -1,0 +1,150 @@
+//! What the tests on GPUs need of a machine without one: lavapipe, the validation layers and
+//! spirv-val; and SwiftShader, where a browser has brought it.
+
+use super::run;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Folders in which Chromium and Chrome keep SwiftShader.
+const BROWSERS: [&str; 8] = [
+    "/usr/lib/chromium",
+    "/usr/lib64/chromium",
+    "/usr/lib/chromium-browser",
+    "/usr/lib64/chromium-browser",
+    "/snap/chromium/current/usr/lib/chromium-browser",
+    "/opt/google/chrome",
+    "C:/Program Files/Google/Chrome/Application",
+    "/Applications/Chromium.app/Contents/MacOS",
+];
+
+/// Folders under which the Vulkan loader looks for drivers and layers.
+const LOADER: [&str; 6] = [
+    "/etc/vulkan",
+    "/usr/share/vulkan",
+    "/usr/local/share/vulkan",
+    "/usr/local/etc/vulkan",
+    "/opt/homebrew/share/vulkan",
+    "/opt/homebrew/etc/vulkan",
+];
+
+/// Something that the tests need.
+struct Component {
+    what: &'static str,
+    /// Debian's package.
+    package: &'static str,
+    found: fn() -> bool,
+}
+
+const COMPONENTS: [Component; 3] = [
+    Component {
+        what: "lavapipe, Mesa's Vulkan driver on the CPU",
+        package: "mesa-vulkan-drivers",
+        found: || described(&["VK_DRIVER_FILES", "VK_ICD_FILENAMES"], "icd.d", "lvp_icd"),
+    },
+    Component {
+        what: "the Khronos validation layers for Vulkan",
+        package: "vulkan-validationlayers",
+        found: || described(&["VK_LAYER_PATH"], "explicit_layer.d", "VkLayer_khronos_validation"),
+    },
+    Component {
+        what: "spirv-val of SPIRV-Tools",
+        package: "spirv-tools",
+        found: || succeeds(Command::new("spirv-val").arg("--version")),
+    },
+];
+
+/// Installs what is missing with apt-get, where that is there and allowed; else says what to
+/// install.
+pub(super) fn prepare() -> Result<(), String> {
+    let missing = || COMPONENTS.iter().filter(|component| !(component.found)());
+    if missing().next().is_none() {
+        return Ok(());
+    }
+    let packages: Vec<_> = missing().map(|component| component.package).collect();
+    let packages = packages.join(" ");
+    if !succeeds(Command::new("apt-get").arg("--version")) {
+        let what: Vec<_> = missing().map(|component| component.what).collect();
+        return Err(format!(
+            "not found: {}. Install them with this system's package manager (Debian calls them {packages})",
+            what.join("; ")
+        ));
+    }
+    let advice = format!("run `sudo apt-get update && sudo apt-get install -y {packages}`");
+    let root = Command::new("id").arg("-u").output();
+    let root = root.is_ok_and(|id| String::from_utf8_lossy(&id.stdout).trim() == "0");
+    if !root && !succeeds(Command::new("sudo").args(["-n", "true"])) {
+        return Err(format!("{packages} must be installed: {advice}"));
+    }
+    let apt_get = |arguments: &str| {
+        let mut command = Command::new(if root { "env" } else { "sudo" });
+        command.args(if root { &[][..] } else { &["-n", "env"][..] });
+        command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get"]);
+        run(command.args(arguments.split_whitespace()))
+    };
+    let install = format!("install -y --no-install-recommends {packages}");
+    // The list of packages may be there already, and then there may be no network.
+    let installed =
+        apt_get(&install).or_else(|_| apt_get("update").and_then(|()| apt_get(&install)));
+    installed.map_err(|error| format!("{error}; {advice}"))?;
+    match missing().next() {
+        None => Ok(()),
+        Some(Component { what, package, .. }) => {
+            Err(format!("{package} is installed, but {what} is still not found"))
+        }
+    }
+}
+
+/// Returns the variable that adds SwiftShader to the drivers that the Vulkan loader finds by itself;
+/// nothing where no browser has brought it.
+pub(super) fn drivers() -> Option<(&'static str, OsString)> {
+    const NAME: &str = "VK_ADD_DRIVER_FILES";
+    let all = BROWSERS.iter().map(|folder| Path::new(folder).join("vk_swiftshader_icd.json"));
+    let swiftshader = all.into_iter().find(|path| path.is_file())?;
+    let own = std::env::var_os(NAME).unwrap_or_default();
+    let mut paths: Vec<PathBuf> =
+        std::env::split_paths(&own).filter(|path| !path.as_os_str().is_empty()).collect();
+    if !paths.contains(&swiftshader) {
+        paths.push(swiftshader);
+    }
+    Some((NAME, std::env::join_paths(paths).ok()?))
+}
+
+/// Whether a variable of the loader's, or one of its folders, has a description whose name starts
+/// so.
+fn described(variables: &[&str], folder: &str, start: &str) -> bool {
+    let named = |path: &Path| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with(start) && name.ends_with(".json")
+    };
+    let within = |folder: &Path| {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.into_iter().any(|entry| named(&entry.path()))
+    };
+    let variables = variables.iter().filter_map(std::env::var_os);
+    let given: Vec<PathBuf> =
+        variables.flat_map(|list| std::env::split_paths(&list).collect::<Vec<_>>()).collect();
+    let home = std::env::var_os("HOME").map(|home| Path::new(&home).join(".local/share/vulkan"));
+    let folders = LOADER.iter().map(PathBuf::from).chain(home);
+    given.iter().any(|path| named(path) || within(path))
+        || folders.into_iter().any(|own| within(&own.join(folder)))
+}
+
+fn succeeds(command: &mut Command) -> bool {
+    let quiet = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    quiet.status().is_ok_and(|status| status.success())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_tests_need_is_found_where_it_is_installed() {
+        let missing: Vec<_> = COMPONENTS.iter().filter(|own| !(own.found)()).collect();
+        let missing: Vec<_> = missing.iter().map(|component| component.package).collect();
+        assert!(missing.is_empty(), "`cargo xtask test` installs {missing:?}");
+        assert!(!described(&[], "icd.d", "no such driver"));
+        assert!(!described(&[], "no such folder", "lvp_icd"));
+    }
+}
