@@ -33,7 +33,7 @@ pub fn pose(envelope: &Envelope<'_>, number: usize) -> Vec<Matrix3x4> {
             motion.iter_mut().for_each(|row| row[3] = far * random.random_range(-1.0..1.0));
             skinning(envelope, &turns(envelope, false, &mut random), &motion)
         }
-        _ => from_local(envelope, &turns(envelope, number % 2 == 0, &mut random)),
+        _ => from_local(envelope, &turns(envelope, number.is_multiple_of(2), &mut random)),
     }
 }
 

@@ -111,8 +111,8 @@ fn follow(mut pieces: Pieces, u: &mut Unstructured<'_>, out: &mut Vec<u8>) -> Re
 fn change(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     match u.int_in_range(0..=19)? {
         0..=3 => with_section(pieces, u, |bytes, u| set_word(bytes, u)),
-        4..=6 => with_section(pieces, u, fill),
-        7..=9 => with_section(pieces, u, scale),
+        4..=6 => with_section(pieces, u, |bytes, u| fill(bytes, u)),
+        7..=9 => with_section(pieces, u, |bytes, u| scale(bytes, u)),
         10 => with_section(pieces, u, |bytes, u| {
             let at = u.choose_index(bytes.len().max(1))?;
             let value = u.arbitrary()?;
@@ -133,7 +133,11 @@ fn change(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
         13 => section_row(pieces, u),
         14 => part_row(pieces, u),
         15 => vertices(pieces, u),
-        16 => Ok(pieces.head[u.int_in_range(4..=9)?] = integer(u)? as u8),
+        16 => {
+            let at = u.int_in_range(4..=9)?;
+            pieces.head[at] = integer(u)? as u8;
+            Ok(())
+        }
         _ => group(pieces, u),
     }
 }
@@ -156,7 +160,7 @@ fn set_word(bytes: &mut [u8], u: &mut Unstructured<'_>) -> Result<()> {
 }
 
 /// Fills a run of words.
-fn fill(bytes: &mut Vec<u8>, u: &mut Unstructured<'_>) -> Result<()> {
+fn fill(bytes: &mut [u8], u: &mut Unstructured<'_>) -> Result<()> {
     let (words, value) = (run(bytes, u)?, float(u)?);
     words.fill(value.to_le_bytes());
     Ok(())
@@ -164,7 +168,7 @@ fn fill(bytes: &mut Vec<u8>, u: &mut Unstructured<'_>) -> Result<()> {
 
 /// Multiplies a run of floats by a power of ten, and half of the time keeps them within what the
 /// format allows.
-fn scale(bytes: &mut Vec<u8>, u: &mut Unstructured<'_>) -> Result<()> {
+fn scale(bytes: &mut [u8], u: &mut Unstructured<'_>) -> Result<()> {
     let words = run(bytes, u)?;
     let factor = 10f32.powi(u.int_in_range(-12..=12)?) * if bool(u)? { 1.0 } else { -1.0 };
     let most =

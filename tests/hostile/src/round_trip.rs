@@ -20,7 +20,8 @@ pub fn round_trip(data: &[u8]) -> std::result::Result<(), BakeError> {
     let mut u = Unstructured::new(data);
     // Bytes that end early go on in zeros, so that any are a description.
     let Ok(parts) = parts(&mut u) else { return Ok(()) };
-    let alignment = if data.len() % 2 == 0 { Alignment::Bytes16 } else { Alignment::Bytes256 };
+    let even = data.len().is_multiple_of(2);
+    let alignment = if even { Alignment::Bytes16 } else { Alignment::Bytes256 };
     let file = bake_aligned(&parts, alignment)?;
     let model = Model::from_bytes(&file).map_err(BakeError::Refused)?;
     read(&model, file.len());
