@@ -169,6 +169,12 @@ pub enum FormatError {
         /// The vertex.
         vertex: usize,
     },
+    /// An inverse bind matrix that is no rigid motion, by more than
+    /// [`crate::format::BIND_TOLERANCE`].
+    InverseBind {
+        /// The joint.
+        joint: usize,
+    },
     /// A twist matrix is too large to keep its angle accurate.
     Twist {
         /// The key.
@@ -402,6 +408,9 @@ impl fmt::Display for FormatError {
             ),
             Self::Weights { vertex } => {
                 write!(f, "the weights of vertex {vertex} do not sum to one")
+            }
+            Self::InverseBind { joint } => {
+                write!(f, "the inverse bind matrix of joint {joint} is not rigid")
             }
             Self::Twist { key } => write!(f, "a twist matrix of key {key} is too large"),
             Self::Kernel { group, found } => write!(f, "group {group}: unknown kernel {found}"),

@@ -4,8 +4,8 @@
 mod common;
 
 use common::{
-    IDENTITY, Rng, SMALL, Shape, attribute, max_difference, palette, random_pose, rest, skin,
-    with_envelope, with_predictor,
+    IDENTITY, Rng, SMALL, Shape, apart, attribute, max_difference, palette, random_pose, rest,
+    skin, with_envelope, with_predictor,
 };
 use sinew_runtime::envelope::{Buffer, SkinJob, workspace_len};
 use sinew_runtime::format::Predictor;
@@ -154,7 +154,7 @@ fn palette_agrees_with_f64() {
     for shape in [SMALL, shape] {
         with_envelope(shape, |envelope| {
             let mut rng = Rng(11);
-            for _ in 0..200 {
+            for _ in (0..200).step_by(apart(50)) {
                 let pose = random_pose(&envelope, &mut rng, 0.6);
                 let found = palette(&envelope, &pose);
                 let expected = reference_palette(&envelope, &pose);
@@ -277,7 +277,7 @@ fn bounds_hold_every_vertex() {
     let shape = Shape { vertices: 60, joints: 6, proxies: 5, influences: 4, tangents: true };
     with_envelope(shape, |envelope| {
         let mut rng = Rng(23);
-        for _ in 0..300 {
+        for _ in (0..300).step_by(apart(100)) {
             let maps = palette(&envelope, &random_pose(&envelope, &mut rng, 2.0));
             let mut out = vec![[0.0; 3]; envelope.vertex_len()];
             envelope.skin_positions(&maps, &mut out).unwrap();

@@ -168,6 +168,8 @@ enum sinew_status
     SINEW_STATUS_SCRATCH = 136,
     /// A vertex lies outside the rest box of a map that moves it. Index: the map; found: the vertex.
     SINEW_STATUS_REST_BOX = 137,
+    /// An inverse bind matrix is no rigid motion. Index: the joint.
+    SINEW_STATUS_INVERSE_BIND = 138,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

@@ -155,6 +155,7 @@ impl From<FormatError> for sinew_error {
                     .found(found as u64)
             }
             FormatError::Weights { vertex } => row(Status::Weights, vertex),
+            FormatError::InverseBind { joint } => row(Status::InverseBind, joint),
             FormatError::Twist { key } => row(Status::Twist, key),
             FormatError::Kernel { group, found } => {
                 row(Status::Kernel, group).found(u64::from(found))

@@ -126,6 +126,8 @@ pub enum sinew_status {
     Scratch = 136,
     /// A vertex lies outside the rest box of a map that moves it. Index: the map; found: the vertex.
     RestBox = 137,
+    /// An inverse bind matrix is no rigid motion. Index: the joint.
+    InverseBind = 138,
 }
 
 impl sinew_status {
@@ -187,6 +189,7 @@ impl sinew_status {
             Self::GroupProxies => c"the groups' proxies are not those of the part",
             Self::Scratch => c"the part states another length of scratch than it needs",
             Self::RestBox => c"a vertex lies outside the rest box of a map",
+            Self::InverseBind => c"an inverse bind matrix is not rigid",
         }
     }
 }
@@ -195,7 +198,7 @@ impl sinew_status {
 /// unknown. Never null, valid for ever.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_status_text(status: i32) -> *const c_char {
-    const ALL: [sinew_status; 55] = [
+    const ALL: [sinew_status; 56] = [
         sinew_status::Ok,
         sinew_status::Null,
         sinew_status::Misaligned,
@@ -251,6 +254,7 @@ pub extern "C" fn sinew_status_text(status: i32) -> *const c_char {
         sinew_status::GroupProxies,
         sinew_status::Scratch,
         sinew_status::RestBox,
+        sinew_status::InverseBind,
     ];
     let found = ALL.into_iter().find(|known| *known as i32 == status);
     found.map_or(c"unknown status", sinew_status::text).as_ptr()

@@ -107,6 +107,7 @@ fn of_files() {
             error(Status::Index, c1, [6, 7, 8]),
         ),
         (FormatError::Weights { vertex: 6 }, error(Status::Weights, none, [6, 0, 0])),
+        (FormatError::InverseBind { joint: 6 }, error(Status::InverseBind, none, [6, 0, 0])),
         (FormatError::Twist { key: 6 }, error(Status::Twist, none, [6, 0, 0])),
         (FormatError::Kernel { group: 6, found: 8 }, error(Status::Kernel, none, [6, 0, 8])),
         (FormatError::Reserved { group: 6 }, error(Status::Reserved, none, [6, 0, 0])),

@@ -30,8 +30,23 @@ pub const SECTIONS_MAX: usize = 32;
 /// Where the checksum stands in the file.
 pub const CHECKSUM_OFFSET: usize = 10;
 
-/// Largest magnitude of any float in a file. Beyond it products of a hostile file would overflow.
+/// Largest magnitude of any float in a file.
+///
+/// With it, every pose whose matrices are rigid and whose translations stay within [`TRAVEL_MAX`]
+/// evaluates to finite values, whatever else a file says. Sizes are at most 65,535, and H's rows give
+/// at most 2 * 1e9 * √3 π < 1.1e10, so a gradient's column stays below 2e10; 3 P of them in c1 sum
+/// to less than 4e24, 4 J columns of q, below 3.6e12 each, in c2 to less than 1e27. The root's turn
+/// leaves that below 2e27, what a correction adds ([`CORRECTION_MAX`]) below 4e28, a vertex or a
+/// corner of a rest box at three times 1e9 below 2e38: `f32::MAX` is 3.4e38. Where a normal's
+/// cofactors overflow, the rest normal stands for it.
 pub const MAGNITUDE_MAX: f32 = 1.0e9;
+/// How far a pose may carry a joint from its place in the rest pose, in the units of the model, for
+/// every value to be finite.
+pub const TRAVEL_MAX: f32 = 1.0e12;
+/// How far the products of an inverse bind matrix's rows may be from those of a rotation: what
+/// singular values within 1e-2 of 1 leave, which is the least rigid that is trained on, and half of
+/// it again. Of other matrices a pose would be no rigid motion, and its logarithm no number.
+pub const BIND_TOLERANCE: f32 = 0.03;
 /// Largest Frobenius norm of a twist matrix; angles stay accurate to 4e-4 even there.
 pub const TWIST_MAX: f32 = 1024.0;
 /// Largest magnitude of any float of a correction, and of a fade's squared distances.

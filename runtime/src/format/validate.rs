@@ -5,15 +5,15 @@
 
 use super::manifest::REQUIRED;
 use super::{
-    ALIGNMENT_LOG2, CORRECTION_MAX, EnvelopeCounts, FEATURES, File, GroupRow, KEY_WORDS, MAGIC,
-    MAGNITUDE_MAX, Manifest, PARTS_MAX, PartKind, PartRow, Predictor, SECTIONS_MAX, SectionKind,
-    SectionRow, TWIST_MAX, VERSION, WEIGHT_SUM_TOLERANCE, checksum,
+    ALIGNMENT_LOG2, BIND_TOLERANCE, CORRECTION_MAX, EnvelopeCounts, FEATURES, File, GroupRow,
+    KEY_WORDS, MAGIC, MAGNITUDE_MAX, Manifest, PARTS_MAX, PartKind, PartRow, Predictor,
+    SECTIONS_MAX, SectionKind, SectionRow, TWIST_MAX, VERSION, WEIGHT_SUM_TOLERANCE, checksum,
 };
 use crate::envelope::Envelope;
 use crate::error::FormatError;
 use crate::kernel::{Kernel, padded};
 use crate::limits::{Limits, Quantity};
-use crate::linear::{Le, floats};
+use crate::linear::{Le, dot, floats};
 use crate::numeric::greater;
 
 /// Reads and checks a whole file.
@@ -136,7 +136,7 @@ fn check_envelope_row(row: &PartRow, limits: &Limits) -> Result<(), FormatError>
         .ok_or(FormatError::Predictor { found: row.predictor })?;
     let EnvelopeCounts { vertex_len, joint_len, proxy_len, influence_len, group_len, .. } =
         row.envelope_counts();
-    // Indices are u16, and the greatest stands for none.
+    // Indices are u16, and the greatest stands for none; more influences have no maps to be of.
     let indexed = u32::from(u16::MAX);
     // Each group owns a proxy.
     let groups = if predictor.corrects() { proxy_len } else { 0 };
@@ -144,7 +144,7 @@ fn check_envelope_row(row: &PartRow, limits: &Limits) -> Result<(), FormatError>
         (Quantity::Vertices, limits.vertices, vertex_len),
         (Quantity::Joints, limits.joints.min(indexed), joint_len),
         (Quantity::Proxies, limits.proxies.min(indexed), proxy_len),
-        (Quantity::Influences, limits.influences, influence_len),
+        (Quantity::Influences, limits.influences.min(indexed), influence_len),
         (Quantity::Groups, groups, group_len),
     ] {
         check_limit(quantity, most, found as usize)?;
@@ -185,6 +185,7 @@ fn check_envelope(envelope: &Envelope<'_>) -> Result<(), FormatError> {
     check_floats(SectionKind::Origins, e.origins.as_flattened(), SIGNED)?;
     check_floats(SectionKind::PoseRanges, e.pose_ranges, UNSIGNED)?;
     check_floats(SectionKind::InfluenceWeights, e.weights, UNSIGNED)?;
+    check_inverse_binds(e)?;
     check_keys(e)?;
     check_groups(e)?;
     check_corrections(e)?;
@@ -254,6 +255,23 @@ fn check_hierarchy(envelope: &Envelope<'_>) -> Result<(), FormatError> {
         };
         if !fits {
             return Err(FormatError::Hierarchy { joint });
+        }
+    }
+    Ok(())
+}
+
+/// Checks that each inverse bind matrix turns as a rotation does and mirrors nothing.
+fn check_inverse_binds(envelope: &Envelope<'_>) -> Result<(), FormatError> {
+    let near = |found: f32, expected: f32| (found - expected).abs() <= BIND_TOLERANCE;
+    for joint in 0..envelope.joint_len() {
+        let Some(matrix) = envelope.inverse_bind(joint) else { continue };
+        let [x, y, z] = matrix.map(|[a, b, c, _]| [a, b, c]);
+        let units = [x, y, z].iter().all(|row| near(dot(*row, *row), 1.0));
+        let apart = near(dot(x, y), 0.0) && near(dot(y, z), 0.0) && near(dot(z, x), 0.0);
+        let across =
+            [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
+        if !(units && apart && dot(across, z) > 0.0) {
+            return Err(FormatError::InverseBind { joint });
         }
     }
     Ok(())

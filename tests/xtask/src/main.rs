@@ -2,6 +2,7 @@
 
 mod capi;
 mod components;
+mod deep;
 mod firmware;
 mod prepare;
 mod vulkan;
@@ -28,6 +29,9 @@ usage: cargo xtask COMMAND
   firmware     run the same poses on bare targets in QEMU, in Node and here, and compare their bits; see
                that no allocator and no panic is linked; hold sizes, stack and instructions to
                tests/firmware/budget.txt
+  deep [SECONDS]
+               run the runtime's tests under Miri, a million mutated files, and every fuzz target for
+               SECONDS (300); needs nightly
 ";
 
 fn main() -> ExitCode {
@@ -40,6 +44,8 @@ fn main() -> ExitCode {
         ["shaders"] => cargo("run --release --locked -p shaders", &[]),
         ["conformance", ref own @ ..] => conformance("conformance", own),
         ["vectors", ref own @ ..] => conformance("vectors", own),
+        ["deep"] => deep::deep(None),
+        ["deep", seconds] => deep::deep(Some(seconds)),
         _ => {
             eprint!("{HELP}");
             return ExitCode::from(2);

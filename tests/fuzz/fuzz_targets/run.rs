@@ -1,0 +1,6 @@
+//! Loads any bytes and evaluates what is accepted.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let _ = hostile::targets::run(data);
+});

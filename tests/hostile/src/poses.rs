@@ -1,0 +1,134 @@
+//! Poses within the ranges that a file's certificate states, made as a caller makes them.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, model_space_pose};
+use std::f64::consts::PI;
+
+/// A map in the precision that poses are made in.
+type Map = [[f64; 4]; 3];
+
+const IDENTITY: Map = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// How far a pose may lie from where its character rests, in its diagonals.
+const FAR: f64 = 100.0;
+
+/// Kinds of pose, which take turns.
+pub const KINDS: usize = 5;
+
+/// Makes a pose of J skinning matrices, of the kind that its number tells: rest, every joint at the
+/// end of its range, every joint somewhere in it, the same far off, and the same through
+/// [`model_space_pose`].
+///
+/// A hostile range has no end that a rotation reaches: angles stop at π.
+pub fn pose(envelope: &Envelope<'_>, number: usize) -> Vec<Matrix3x4> {
+    let mut random = ChaCha8Rng::seed_from_u64(number as u64);
+    match number % KINDS {
+        0 => vec![IDENTITY.map(|row| row.map(|x| x as f32)); envelope.joint_len()],
+        1 => skinning(envelope, &turns(envelope, true, &mut random), &IDENTITY),
+        2 => skinning(envelope, &turns(envelope, false, &mut random), &IDENTITY),
+        3 => {
+            let far = FAR * f64::from(envelope.certificate().diagonal.abs());
+            let mut motion = rotation(&mut random, PI);
+            motion.iter_mut().for_each(|row| row[3] = far * random.random_range(-1.0..1.0));
+            skinning(envelope, &turns(envelope, false, &mut random), &motion)
+        }
+        _ => from_local(envelope, &turns(envelope, number.is_multiple_of(2), &mut random)),
+    }
+}
+
+/// Draws a rotation a joint, of an angle within its range, or at its end.
+fn turns(envelope: &Envelope<'_>, at_end: bool, random: &mut ChaCha8Rng) -> Vec<Map> {
+    let ranges = (0..envelope.joint_len()).map(|j| envelope.pose_range(j).unwrap_or_default());
+    let angle = |random: &mut ChaCha8Rng| if at_end { 1.0 } else { random.random_range(0.0..1.0) };
+    ranges
+        .map(|range| {
+            let angle = f64::from(range).min(PI) * angle(random);
+            rotation(random, angle)
+        })
+        .collect()
+}
+
+/// Turns each joint about its rest origin, in the rest pose's axes, then moves the whole.
+fn skinning(envelope: &Envelope<'_>, turns: &[Map], motion: &Map) -> Vec<Matrix3x4> {
+    let mut maps = vec![*motion; envelope.joint_len()];
+    for joint in envelope.evaluation_order() {
+        let origin = rest_frame(envelope, joint).map(|row| row[3]);
+        let mut local = turns[joint];
+        for (row, origin_r) in local.iter_mut().zip(origin) {
+            row[3] = origin_r - (0..3).map(|c| row[c] * origin[c]).sum::<f64>();
+        }
+        let parent = envelope.parent(joint).map_or(*motion, |parent| maps[parent]);
+        maps[joint] = compose(&parent, &local);
+    }
+    maps.iter().map(|map| map.map(|row| row.map(|x| x as f32))).collect()
+}
+
+/// Turns each joint in its own frame, as an engine does that plays clips; nothing where the file's
+/// own frames leave a quaternion no length.
+fn from_local(envelope: &Envelope<'_>, turns: &[Map]) -> Vec<Matrix3x4> {
+    let local = (0..envelope.joint_len()).map(|joint| {
+        let frame = rest_frame(envelope, joint);
+        let parent = envelope.parent(joint).map(|parent| inverse(&rest_frame(envelope, parent)));
+        let rest = parent.map_or(frame, |parent| compose(&parent, &frame));
+        let turned = compose(&rest, &turns[joint]);
+        LocalTransform { rotation: quaternion(&turned), translation: turned.map(|r| r[3] as f32) }
+    });
+    let local: Vec<_> = local.collect();
+    let mut out = vec![[[0.0; 4]; 3]; envelope.joint_len()];
+    match model_space_pose(envelope, &local, &mut out) {
+        Ok(()) => out,
+        Err(error) => panic!("a local transform of the file's own frames is refused: {error}"),
+    }
+}
+
+/// A joint's frame in the rest pose, its bind matrix taken as rigid.
+fn rest_frame(envelope: &Envelope<'_>, joint: usize) -> Map {
+    let bind = envelope.inverse_bind(joint).unwrap_or([[0.0; 4]; 3]);
+    inverse(&bind.map(|row| row.map(f64::from)))
+}
+
+fn inverse(m: &Map) -> Map {
+    [0, 1, 2].map(|r| {
+        let t = (0..3).map(|k| m[k][r] * m[k][3]).sum::<f64>();
+        [m[0][r], m[1][r], m[2][r], -t]
+    })
+}
+
+fn compose(a: &Map, b: &Map) -> Map {
+    a.map(|row| {
+        let mut out = [0, 1, 2, 3].map(|c| (0..3).map(|k| row[k] * b[k][c]).sum::<f64>());
+        out[3] += row[3];
+        out
+    })
+}
+
+/// Draws a rotation of an angle about any axis.
+fn rotation(random: &mut ChaCha8Rng, angle: f64) -> Map {
+    let axis: [f64; 3] = [(); 3].map(|()| random.random_range(-1.0..1.0));
+    let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
+    let [x, y, z] = axis.map(|x| x / length);
+    let (s, c) = angle.sin_cos();
+    let v = 1.0 - c;
+    [
+        [c + v * x * x, v * x * y - s * z, v * x * z + s * y, 0.0],
+        [v * x * y + s * z, c + v * y * y, v * y * z - s * x, 0.0],
+        [v * x * z - s * y, v * y * z + s * x, c + v * z * z, 0.0],
+    ]
+}
+
+/// The quaternion of a rotation, by the largest of its four components (Shepperd 1978).
+fn quaternion(m: &Map) -> [f32; 4] {
+    let [[xx, xy, xz, _], [yx, yy, yz, _], [zx, zy, zz, _]] = *m;
+    let q = if xx + yy + zz >= 0.0 {
+        [zy - yz, xz - zx, yx - xy, 1.0 + xx + yy + zz]
+    } else if xx >= yy && xx >= zz {
+        [1.0 + xx - yy - zz, xy + yx, xz + zx, zy - yz]
+    } else if yy >= zz {
+        [xy + yx, 1.0 + yy - xx - zz, yz + zy, xz - zx]
+    } else {
+        [xz + zx, yz + zy, 1.0 + zz - xx - yy, yx - xy]
+    };
+    let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+    q.map(|x| (x / length) as f32)
+}

@@ -1,0 +1,244 @@
+//! A random small description, baked by the trainer, loads and gives back what was described.
+
+use crate::evaluate::{evaluate, read};
+use arbitrary::{Result, Unstructured};
+use sinew_runtime::format::{CORRECTION_MAX, Certificate, MAGNITUDE_MAX, Predictor, TWIST_MAX};
+use sinew_runtime::kernel::Kernel;
+use sinew_runtime::{Envelope, Model};
+use sinew_trainer::bake::{
+    Alignment, BakeError, EnvelopeParts, Group, Key, Reconstruction, bake_aligned,
+};
+
+/// Bakes what bytes describe, loads it, compares it and evaluates it.
+///
+/// # Errors
+/// Why the description cannot be baked; most can.
+///
+/// # Panics
+/// Where the file does not give back what was described.
+pub fn round_trip(data: &[u8]) -> std::result::Result<(), BakeError> {
+    let mut u = Unstructured::new(data);
+    // Bytes that end early go on in zeros, so that any are a description.
+    let Ok(parts) = parts(&mut u) else { return Ok(()) };
+    let even = data.len().is_multiple_of(2);
+    let alignment = if even { Alignment::Bytes16 } else { Alignment::Bytes256 };
+    let file = bake_aligned(&parts, alignment)?;
+    let model = Model::from_bytes(&file).map_err(BakeError::Refused)?;
+    read(&model, file.len());
+    match model.envelope_named(&parts.name) {
+        Some(envelope) => compare(&parts, &envelope),
+        None => panic!("the envelope has another name than {:?}", parts.name),
+    }
+    evaluate(&model, 0..crate::poses::KINDS);
+    Ok(())
+}
+
+fn parts(u: &mut Unstructured<'_>) -> Result<EnvelopeParts> {
+    let joint_len = u.int_in_range(1..=6)?;
+    let vertex_len = u.int_in_range(0..=9)?;
+    let proxy_len = u.int_in_range(1..=4)?;
+    let predictor = Predictor::ALL[u.choose_index(3)?];
+    // A tree whose joints have been renumbered by a turn.
+    let turn = u.choose_index(joint_len)?;
+    let number = |joint: usize| (joint + turn) % joint_len;
+    let mut parents = vec![None; joint_len];
+    for joint in 1..joint_len {
+        parents[number(joint)] = Some(number(u.choose_index(joint)?));
+    }
+    let reconstruction = if predictor.reconstructs() {
+        let keys = list(proxy_len, || key(joint_len, u))?;
+        let c1 = list(12 * proxy_len * proxy_len, || float(u, MAGNITUDE_MAX))?;
+        let c2 = list(16 * proxy_len * joint_len, || float(u, MAGNITUDE_MAX))?;
+        Some(Reconstruction { keys, c1, c2 })
+    } else {
+        None
+    };
+    let mut groups = Vec::new();
+    let mut left = if predictor.corrects() { proxy_len } else { 0 };
+    while left > 0 {
+        let group = group(joint_len, left, u)?;
+        left -= group.proxies;
+        groups.push(group);
+    }
+    let joints = if predictor.reconstructs() { 0 } else { joint_len };
+    let influence_len = u.int_in_range(1..=5)?;
+    Ok(EnvelopeParts {
+        name: name(u)?,
+        joint_names: list(joint_len, || name(u))?,
+        parents,
+        root: number(0),
+        rest_frames: list(joint_len, || frame(u))?,
+        rest_positions: list(vertex_len, || vector(u, MAGNITUDE_MAX))?,
+        rest_normals: list(vertex_len, || direction(u))?,
+        rest_tangents: if u.arbitrary()? {
+            let tangent = |[x, y, z]: [f64; 3]| [x, y, z, if x < 0.5 { -1.0 } else { 1.0 }];
+            Some(list(vertex_len, || direction(u).map(tangent))?)
+        } else {
+            None
+        },
+        influences: list(vertex_len, || {
+            let len = u.int_in_range(1..=influence_len)?;
+            list(len, || {
+                let index = u.choose_index(joints + proxy_len)?;
+                Ok((index, f64::from(u.int_in_range(1..=1000u16)?)))
+            })
+        })?,
+        reconstruction,
+        groups,
+        pose_ranges: list(joint_len, || float(u, 4.0).map(f64::abs))?,
+        certificate: Certificate { diagonal: float(u, 1e3)? as f32, ..Certificate::default() },
+    })
+}
+
+fn key(joint_len: usize, u: &mut Unstructured<'_>) -> Result<Key> {
+    // Nine entries of a third of the norm reach it.
+    let most = 0.33 * TWIST_MAX;
+    let matrix = |u: &mut Unstructured<'_>| -> Result<[[f64; 3]; 3]> {
+        Ok([vector(u, most)?, vector(u, most)?, vector(u, most)?])
+    };
+    let twist = matrix(u)?;
+    let residual =
+        if u.arbitrary()? { Some((u.choose_index(joint_len)?, matrix(u)?)) } else { None };
+    let mut shear = [[0.0; 6]; 6];
+    for entry in shear.as_flattened_mut() {
+        *entry = float(u, MAGNITUDE_MAX)?;
+    }
+    Ok(Key { joint: u.choose_index(joint_len)?, twist, residual, shear })
+}
+
+fn group(joint_len: usize, left: usize, u: &mut Unstructured<'_>) -> Result<Group> {
+    let proxies = u.int_in_range(1..=left)?;
+    let [d, r] = [u.int_in_range(1..=10)?, u.int_in_range(1..=9)?];
+    let n = u.int_in_range(0..=10)?;
+    let start = float(u, 0.4 * CORRECTION_MAX)?.abs();
+    Ok(Group {
+        joint: u.choose_index(joint_len)?,
+        kernel: *u.choose(&Kernel::ALL)?,
+        proxies,
+        inputs: list(d, || Ok((u.choose_index(12 * joint_len)?, float(u, CORRECTION_MAX)?)))?,
+        // Squared, added up and rooted again, a far centre's kernel at rest stays a number.
+        centres: list(n, || list(d, || float(u, CORRECTION_MAX)))?,
+        coefficients: list(r * (n + d), || float(u, CORRECTION_MAX))?,
+        rank: r,
+        outputs: list(12 * proxies * r, || float(u, CORRECTION_MAX))?,
+        fade: (start, 1.5 * start + 1.0),
+    })
+}
+
+/// A rigid frame: a rotation about an axis of the three, and an origin.
+fn frame(u: &mut Unstructured<'_>) -> Result<[[f64; 4]; 3]> {
+    let [x, y, z] = vector(u, 1e6)?;
+    let (s, c) = float(u, 4.0)?.sin_cos();
+    Ok(match u.int_in_range(0..=2)? {
+        0 => [[1.0, 0.0, 0.0, x], [0.0, c, -s, y], [0.0, s, c, z]],
+        1 => [[c, 0.0, s, x], [0.0, 1.0, 0.0, y], [-s, 0.0, c, z]],
+        _ => [[c, -s, 0.0, x], [s, c, 0.0, y], [0.0, 0.0, 1.0, z]],
+    })
+}
+
+fn direction(u: &mut Unstructured<'_>) -> Result<[f64; 3]> {
+    let v = vector(u, 1.0)?;
+    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    Ok(if length > 1e-3 { v.map(|x| x / length) } else { [0.0; 3] })
+}
+
+fn vector(u: &mut Unstructured<'_>, most: f32) -> Result<[f64; 3]> {
+    Ok([float(u, most)?, float(u, most)?, float(u, most)?])
+}
+
+/// A number within ±`most`, one in four at its end.
+fn float(u: &mut Unstructured<'_>, most: f32) -> Result<f64> {
+    let share = match u.arbitrary::<i16>()? {
+        bits if bits & 3 == 0 => f64::from(bits.signum()),
+        bits => f64::from(bits) / 32_768.0,
+    };
+    Ok(share * f64::from(most))
+}
+
+fn name(u: &mut Unstructured<'_>) -> Result<String> {
+    let len = u.int_in_range(0..=6)?;
+    (0..len).map(|_| u.arbitrary::<char>()).collect()
+}
+
+fn list<T>(len: usize, mut make: impl FnMut() -> Result<T>) -> Result<Vec<T>> {
+    (0..len).map(|_| make()).collect()
+}
+
+/// Compares each array with what was described, rounded.
+fn compare(parts: &EnvelopeParts, envelope: &Envelope<'_>) {
+    let round = |x: f64| x as f32;
+    assert_eq!(envelope.name(), parts.name);
+    assert_eq!((envelope.predictor(), envelope.root()), (parts.predictor(), parts.root));
+    assert_eq!(envelope.joint_len(), parts.parents.len());
+    assert_eq!(envelope.certificate(), parts.certificate);
+    for (joint, parent) in parts.parents.iter().enumerate() {
+        assert_eq!(envelope.joint_name(joint), Some(parts.joint_names[joint].as_str()));
+        assert_eq!(envelope.parent(joint), *parent);
+        assert_eq!(envelope.pose_range(joint), Some(round(parts.pose_ranges[joint])));
+        let origin = parts.rest_frames[joint].map(|row| round(row[3]));
+        assert_eq!(envelope.origin(joint), parts.predictor().corrects().then_some(origin));
+    }
+    assert_eq!(envelope.vertex_len(), parts.rest_positions.len());
+    for (vertex, influences) in parts.influences.iter().enumerate() {
+        assert_eq!(envelope.rest_position(vertex), Some(parts.rest_positions[vertex].map(round)));
+        assert_eq!(envelope.rest_normal(vertex), Some(parts.rest_normals[vertex].map(round)));
+        let tangent = parts.rest_tangents.as_ref().map(|t| t[vertex].map(round));
+        assert_eq!(envelope.rest_tangent(vertex), tangent);
+        let sum = influences.iter().map(|&(_, weight)| weight).sum::<f64>();
+        let written = influences.iter().map(|&(index, weight)| (index, round(weight / sum)));
+        let unused = envelope.influence_len() - influences.len();
+        let expected = written.chain(std::iter::repeat_n((0, 0.0), unused));
+        assert!(envelope.influences(vertex).eq(expected), "influences of vertex {vertex}");
+    }
+    compare_reconstruction(parts, envelope);
+    compare_groups(parts, envelope);
+}
+
+fn compare_reconstruction(parts: &EnvelopeParts, envelope: &Envelope<'_>) {
+    let round = |x: f64| x as f32;
+    let Some(Reconstruction { keys, c1, c2 }) = &parts.reconstruction else {
+        assert_eq!((envelope.key(0), envelope.c1(0, 0), envelope.c2(0, 0)), (None, None, None));
+        return;
+    };
+    for (proxy, key) in keys.iter().enumerate() {
+        let found = envelope.key(proxy);
+        let expected = sinew_runtime::envelope::Key {
+            joint: key.joint,
+            twist: key.twist.map(|row| row.map(round)),
+            residual: key.residual.map(|(joint, m)| (joint, m.map(|row| row.map(round)))),
+            shear: key.shear.map(|row| row.map(round)),
+        };
+        assert_eq!(found, Some(expected), "key {proxy}");
+    }
+    let (p, j) = (keys.len(), parts.parents.len());
+    for (at, &value) in c1.iter().enumerate() {
+        assert_eq!(envelope.c1(at / (3 * p), at % (3 * p)), Some(round(value)), "c1 {at}");
+    }
+    for (at, &value) in c2.iter().enumerate() {
+        assert_eq!(envelope.c2(at / (4 * j), at % (4 * j)), Some(round(value)), "c2 {at}");
+    }
+}
+
+fn compare_groups(parts: &EnvelopeParts, envelope: &Envelope<'_>) {
+    let round = |x: f64| x as f32;
+    assert_eq!(envelope.group_len(), parts.groups.len());
+    for (group, found) in parts.groups.iter().zip(envelope.groups()) {
+        let (d, n, r) = (group.inputs.len(), group.centres.len(), group.rank);
+        assert_eq!((found.joint, found.kernel), (group.joint, group.kernel));
+        assert_eq!(found.proxies.len(), group.proxies);
+        assert_eq!((found.input_len(), found.centre_len(), found.rank()), (d, n, r));
+        assert_eq!(found.fade, (round(group.fade.0), round(group.fade.1)));
+        for (i, &(feature, weight)) in group.inputs.iter().enumerate() {
+            assert_eq!(found.input(i), Some((feature, round(weight))));
+        }
+        for (k, centre) in group.centres.iter().enumerate() {
+            assert!((0..d).all(|i| found.centre(k, i) == Some(round(centre[i]))), "centre {k}");
+        }
+        for (at, &value) in group.coefficients.iter().enumerate() {
+            assert_eq!(found.coefficient(at / (n + d), at % (n + d)), Some(round(value)));
+        }
+        for (at, &value) in group.outputs.iter().enumerate() {
+            assert_eq!(found.output(at / r, at % r), Some(round(value)));
+        }
+    }
+}

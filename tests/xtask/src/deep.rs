@@ -1,0 +1,80 @@
+//! What needs nightly or long: miri, a million mutated files, and every fuzz target for a while.
+
+use crate::{cargo, run};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// Seconds a fuzz target runs.
+const SECONDS: u32 = 300;
+
+/// Seconds after which one input counts as a hang.
+const HANG_SECONDS: u32 = 10;
+
+/// Where the fuzzers' builds, corpora and findings go.
+const FOLDER: &str = "target/fuzz";
+
+/// Runs all of it; `seconds` says how long a fuzz target runs.
+pub(crate) fn deep(seconds: Option<&str>) -> Result<(), String> {
+    let seconds = seconds.map_or(Ok(SECONDS), str::parse);
+    let seconds = seconds.map_err(|_| "expected the seconds of a fuzz target".to_owned())?;
+    prepare()?;
+    run(&mut nightly("miri test -p sinew-runtime --locked"))?;
+    cargo("run --release --locked -p hostile --bin mutants", &[])?;
+    for target in targets()? {
+        fuzz(&target, seconds)?;
+    }
+    Ok(())
+}
+
+/// Fuzzes from the committed corpus and the goldens; what is new stays in the build folder.
+fn fuzz(target: &str, seconds: u32) -> Result<(), String> {
+    let corpus = format!("{FOLDER}/corpus/{target}");
+    let findings = format!("{FOLDER}/findings/{target}/");
+    for folder in [&corpus, &findings] {
+        std::fs::create_dir_all(folder).map_err(|error| format!("{folder}: {error}"))?;
+    }
+    let arguments = format!(
+        "fuzz run --fuzz-dir tests/fuzz --target-dir {FOLDER} {target} {corpus} \
+         tests/fuzz/corpus/{target} tests/golden -- -max_total_time={seconds} \
+         -timeout={HANG_SECONDS} -max_len=16384 -print_final_stats=1 -artifact_prefix={findings}"
+    );
+    run(&mut nightly(&arguments)).map_err(|error| {
+        format!("{error}; move what is in {findings} to tests/fuzz/regressions/{target}")
+    })
+}
+
+/// Lists the fuzz targets by their files.
+fn targets() -> Result<Vec<String>, String> {
+    let folder = Path::new("tests/fuzz/fuzz_targets");
+    let said = |error| format!("{}: {error}", folder.display());
+    let mut targets = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(said)? {
+        let path = entry.map_err(said)?.path();
+        targets.extend(path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
+    }
+    targets.sort();
+    Ok(targets)
+}
+
+/// Says what to run where nightly, miri or cargo-fuzz is missing.
+fn prepare() -> Result<(), String> {
+    for (arguments, advice) in [
+        ("--version", "rustup toolchain install nightly --component miri,rust-src"),
+        ("miri --version", "rustup component add --toolchain nightly miri rust-src"),
+        ("fuzz --version", "cargo install --locked cargo-fuzz"),
+    ] {
+        let silent = nightly(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
+        if !silent.is_ok_and(|status| status.success()) {
+            return Err(format!("`cargo +nightly {arguments}` does not run: run `{advice}`"));
+        }
+    }
+    Ok(())
+}
+
+/// Calls nightly's cargo; the one that runs this program is stable's.
+fn nightly(arguments: &str) -> Command {
+    let mut command = Command::new("rustup");
+    command.args(["run", "nightly", "cargo"]).args(arguments.split_whitespace());
+    command.env_remove("CARGO").env_remove("RUSTC");
+    command
+}
