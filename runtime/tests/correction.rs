@@ -195,7 +195,7 @@ fn corrections_agree_with_f64() {
                 assert!(difference < 2e-6, "{confidence} {expected_confidence}");
                 between += usize::from(confidence > 0.01 && confidence < 0.99);
             }
-            assert!(between * apart(149) >= 50, "{between} poses are in the fade");
+            assert!(cfg!(miri) || between > 50, "{between} poses are in the fade");
         });
     }
 }
