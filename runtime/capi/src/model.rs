@@ -117,13 +117,15 @@ pub unsafe extern "C" fn sinew_model_load(
             return Err(sinew_error::new(sinew_status::Null, sinew_subject::File));
         }
         let file = Array::new(file, file_bytes, sinew_subject::File)?;
+        let limits = Array::optional(limits, sinew_subject::Limits)?;
         let out = Array::one(out_model, sinew_subject::Result)?;
         let span = file.span();
-        border::apart(&[place.span(), out.span()], &[span])?;
+        border::apart(&[place.span(), out.span()], &[span, limits.span()])?;
         // SAFETY: the caller keeps the file for as long as anything made of it is used.
         let file = unsafe { file.read::<'static>() };
-        // SAFETY: the caller's promise is passed on.
-        let model = Model::from_bytes_with(file, &unsafe { read_limits(limits) }?)?;
+        // SAFETY: lent by the caller; the values are copied at once.
+        let limits = unsafe { limits.read() }.first().map_or(Limits::DEFAULT, Limits::from);
+        let model = Model::from_bytes_with(file, &limits)?;
         // SAFETY: memory large enough, aligned, apart from the file, and lent by the caller.
         unsafe { place.store(sinew_model { tag: sinew_model::TAG, model, file: span }) };
         // SAFETY: one element, which the caller lets be written.
@@ -205,19 +207,9 @@ impl sinew_model {
     }
 }
 
-/// Reads limits, the default ones of null.
-///
-/// # Safety
-/// `limits` is null, or what it points to may be read.
-unsafe fn read_limits(limits: *const sinew_limits) -> Result<Limits, sinew_error> {
-    if limits.is_null() {
-        return Ok(Limits::DEFAULT);
+impl From<&sinew_limits> for Limits {
+    fn from(limits: &sinew_limits) -> Self {
+        let sinew_limits { file_bytes, vertices, joints, proxies, influences } = *limits;
+        Self { file_bytes, vertices, joints, proxies, influences }
     }
-    // SAFETY: the caller's promise is passed on; the values are copied at once.
-    let limits = unsafe { Array::one(limits, sinew_subject::Limits)?.read() };
-    let limits = limits.first().copied().map(|limits| {
-        let sinew_limits { file_bytes, vertices, joints, proxies, influences } = limits;
-        Limits { file_bytes, vertices, joints, proxies, influences }
-    });
-    Ok(limits.unwrap_or(Limits::DEFAULT))
 }

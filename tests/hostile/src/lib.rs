@@ -3,6 +3,7 @@
 //! [`targets`] holds the body of every fuzz target of `tests/fuzz`; the tests of this crate and
 //! `mutants` run the same bodies on stable Rust.
 
+pub mod abi;
 pub mod evaluate;
 pub mod mutants;
 pub mod pieces;

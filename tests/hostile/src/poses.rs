@@ -33,7 +33,31 @@ pub fn pose(envelope: &Envelope<'_>, number: usize) -> Vec<Matrix3x4> {
             motion.iter_mut().for_each(|row| row[3] = far * random.random_range(-1.0..1.0));
             skinning(envelope, &turns(envelope, false, &mut random), &motion)
         }
-        _ => from_local(envelope, &turns(envelope, number.is_multiple_of(2), &mut random)),
+        _ => from_local(envelope, &local(envelope, number)),
+    }
+}
+
+/// Turns each joint in its own frame, as an engine does that plays clips, within its range or at its
+/// end.
+pub fn local(envelope: &Envelope<'_>, number: usize) -> Vec<LocalTransform> {
+    let mut random = ChaCha8Rng::seed_from_u64(number as u64);
+    let turns = turns(envelope, number.is_multiple_of(2), &mut random);
+    let local = turns.iter().enumerate().map(|(joint, turn)| {
+        let frame = rest_frame(envelope, joint);
+        let parent = envelope.parent(joint).map(|parent| inverse(&rest_frame(envelope, parent)));
+        let rest = parent.map_or(frame, |parent| compose(&parent, &frame));
+        let turned = compose(&rest, turn);
+        LocalTransform { rotation: quaternion(&turned), translation: turned.map(|r| r[3] as f32) }
+    });
+    local.collect()
+}
+
+/// Computes the pose of local transforms made of the file's own frames.
+pub fn from_local(envelope: &Envelope<'_>, local: &[LocalTransform]) -> Vec<Matrix3x4> {
+    let mut out = vec![[[0.0; 4]; 3]; envelope.joint_len()];
+    match model_space_pose(envelope, local, &mut out) {
+        Ok(()) => out,
+        Err(error) => panic!("a local transform of the file's own frames is refused: {error}"),
     }
 }
 
@@ -62,24 +86,6 @@ fn skinning(envelope: &Envelope<'_>, turns: &[Map], motion: &Map) -> Vec<Matrix3
         maps[joint] = compose(&parent, &local);
     }
     maps.iter().map(|map| map.map(|row| row.map(|x| x as f32))).collect()
-}
-
-/// Turns each joint in its own frame, as an engine does that plays clips; nothing where the file's
-/// own frames leave a quaternion no length.
-fn from_local(envelope: &Envelope<'_>, turns: &[Map]) -> Vec<Matrix3x4> {
-    let local = (0..envelope.joint_len()).map(|joint| {
-        let frame = rest_frame(envelope, joint);
-        let parent = envelope.parent(joint).map(|parent| inverse(&rest_frame(envelope, parent)));
-        let rest = parent.map_or(frame, |parent| compose(&parent, &frame));
-        let turned = compose(&rest, &turns[joint]);
-        LocalTransform { rotation: quaternion(&turned), translation: turned.map(|r| r[3] as f32) }
-    });
-    let local: Vec<_> = local.collect();
-    let mut out = vec![[[0.0; 4]; 3]; envelope.joint_len()];
-    match model_space_pose(envelope, &local, &mut out) {
-        Ok(()) => out,
-        Err(error) => panic!("a local transform of the file's own frames is refused: {error}"),
-    }
 }
 
 /// A joint's frame in the rest pose, its bind matrix taken as rigid.

@@ -235,16 +235,22 @@ fn part_row(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Keeps the first vertices only, everywhere, or drops the tangents: a sound file of another shape.
+/// Drops vertices or the tangents: a sound file of another shape.
 fn vertices(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
-    let Some(row) = pieces.parts.first_mut() else { return Ok(()) };
     if bool(u)? {
         pieces.sections.retain(|(row, _)| row.kind != SectionKind::RestTangents.number());
         return Ok(());
     }
-    let [old, influence_len] = [row.counts[0], row.counts[3]].map(|count| count as usize);
-    let new = u.int_in_range(0..=old.min(64))?;
-    row.counts[0] = new as u32;
+    let vertex_len = pieces.parts.first().map_or(0, |row| row.counts[0]);
+    keep_vertices(pieces, u.int_in_range(0..=vertex_len.min(64))?);
+    Ok(())
+}
+
+/// Keeps the first vertices only, everywhere; of none there are no rest boxes.
+pub(crate) fn keep_vertices(pieces: &mut Pieces, vertex_len: u32) {
+    let Some(row) = pieces.parts.first_mut() else { return };
+    row.counts[0] = vertex_len;
+    let influence_len = row.counts[3] as usize;
     for (kind, bytes) in [
         (SectionKind::RestPositions, 12),
         (SectionKind::RestNormals, 12),
@@ -253,10 +259,16 @@ fn vertices(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
         (SectionKind::InfluenceWeights, influence_len.saturating_mul(4)),
     ] {
         if let Some(content) = pieces.section(kind) {
-            content.truncate(new.saturating_mul(bytes));
+            content.truncate((vertex_len as usize).saturating_mul(bytes));
         }
     }
-    Ok(())
+    if vertex_len == 0
+        && let Some(boxes) = pieces.section(SectionKind::RestBoxes)
+    {
+        // Least x is above greatest x: a box around nothing.
+        let (words, _) = boxes.as_chunks_mut::<4>();
+        words.chunks_mut(6).for_each(|rest_box| rest_box[0] = MAGNITUDE_MAX.to_le_bytes());
+    }
 }
 
 fn group(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
@@ -286,7 +298,8 @@ fn bool(u: &mut Unstructured<'_>) -> Result<bool> {
     u.arbitrary()
 }
 
-fn float(u: &mut Unstructured<'_>) -> Result<f32> {
+/// Draws a float, mostly one at which something ends.
+pub(crate) fn float(u: &mut Unstructured<'_>) -> Result<f32> {
     if u.int_in_range(0..=3)? == 0 { u.arbitrary() } else { u.choose(&FLOATS).copied() }
 }
 

@@ -52,13 +52,15 @@ pub fn recipe(data: &[u8]) -> Result<(), FormatError> {
     run(&recipe::file(data))
 }
 
+pub use crate::abi::calls;
 pub use crate::round_trip::round_trip;
 
 /// A target's body; whether it accepted the bytes.
 pub type Body = fn(&[u8]) -> bool;
 
-/// Every target by the name of its file in `tests/fuzz/fuzz_targets`. The C ABI's belongs here too.
-pub const ALL: [(&str, Body); 5] = [
+/// Every target by the name of its file in `tests/fuzz/fuzz_targets`.
+pub const ALL: [(&str, Body); 6] = [
+    ("calls", |data| calls(data).is_ok()),
     ("load", |data| load(data).is_ok()),
     ("run", |data| run(data).is_ok()),
     ("repaired", |data| repaired(data).is_ok()),

@@ -1,0 +1,6 @@
+//! Calls the C ABI as no careful caller does, on files from strangers.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let _ = hostile::targets::calls(data);
+});

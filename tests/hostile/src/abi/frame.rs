@@ -1,0 +1,78 @@
+//! What the runtime makes of one pose.
+
+use crate::poses;
+use sinew_runtime::envelope::{Attribute, Bounds, Buffer, SkinJob};
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4};
+
+/// A frame of an envelope: the inputs and results of its calls.
+#[derive(Default)]
+pub(super) struct Frame {
+    pub(super) vertex_len: usize,
+    pub(super) influence_len: usize,
+    pub(super) workspace_len: usize,
+    pub(super) has_tangents: bool,
+    pub(super) name: String,
+    pub(super) local: Vec<LocalTransform>,
+    pub(super) pose: Vec<Matrix3x4>,
+    pub(super) palette: Vec<Matrix3x4>,
+    pub(super) bounds: Option<Bounds>,
+    /// Position, normal and, where there are any, tangent of each vertex.
+    pub(super) skin: Vec<f32>,
+}
+
+impl Frame {
+    /// Evaluates a pose.
+    ///
+    /// # Panics
+    /// Where a call is refused.
+    pub(super) fn new(envelope: &Envelope<'_>, pose_number: usize) -> Self {
+        let local = poses::local(envelope, pose_number);
+        let pose = poses::from_local(envelope, &local);
+        let mut workspace = vec![0.0; envelope.workspace_len()];
+        let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
+        let has_tangents = envelope.has_tangents();
+        let stride = stride(has_tangents);
+        let mut skin = vec![0.0; stride * envelope.vertex_len()];
+        let evaluate = || {
+            envelope.palette(&pose, &mut workspace, &mut palette)?;
+            let attribute = |offset| Some(Attribute { buffer: Buffer::A, offset, stride });
+            SkinJob {
+                envelope: *envelope,
+                palette: &palette,
+                vertices: 0..envelope.vertex_len(),
+                positions: attribute(0),
+                normals: attribute(3),
+                tangents: attribute(6).filter(|_| has_tangents),
+                out_a: &mut skin,
+                out_b: &mut [],
+            }
+            .run()?;
+            envelope.bounds(&palette)
+        };
+        let bounds = match { evaluate }() {
+            Ok(bounds) => bounds,
+            Err(error) => panic!("the runtime refuses its own file's pose: {error}"),
+        };
+        Self {
+            vertex_len: envelope.vertex_len(),
+            influence_len: envelope.influence_len(),
+            workspace_len: envelope.workspace_len(),
+            has_tangents,
+            name: envelope.name().to_owned(),
+            local,
+            pose,
+            palette,
+            bounds,
+            skin,
+        }
+    }
+
+    /// Returns the floats of a vertex in the skin.
+    pub(super) fn stride(&self) -> usize {
+        stride(self.has_tangents)
+    }
+}
+
+const fn stride(has_tangents: bool) -> usize {
+    if has_tangents { 10 } else { 6 }
+}

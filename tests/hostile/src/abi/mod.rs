@@ -1,0 +1,101 @@
+//! The C ABI, called as no careful caller calls it: with pointers that are null, misaligned or into
+//! other memory of the call, with wrong lengths, on files from strangers.
+//!
+//! What no library can see stays true, as `sinew.h` asks: a pointer and its length describe memory of
+//! the caller, and a handle points to enough of it.
+
+mod arena;
+mod call;
+mod frame;
+mod functions;
+mod header;
+
+use crate::poses;
+use crate::recipe;
+use arbitrary::{Result, Unstructured};
+use arena::Arena;
+use call::Call;
+use functions::FUNCTIONS;
+
+use sinew_capi::sinew_status;
+use sinew_runtime::{FormatError, Model};
+
+/// Calls of one input.
+const CALLS: usize = 8;
+
+/// Reads the first half of some bytes as calls and the second as the [`recipe`] of the file that they
+/// work on.
+///
+/// # Errors
+/// Why the file was refused; it is called all the same.
+///
+/// # Panics
+/// Where a status is not one that the header names for the function, where a call that failed has
+/// written, where one that succeeded has written elsewhere than to its results, and where one
+/// without a fault fails or gives other bits than the runtime.
+pub fn calls(data: &[u8]) -> std::result::Result<(), FormatError> {
+    let (script, recipe) = data.split_at(data.len() / 2);
+    let file = recipe::file(recipe);
+    let mut u = Unstructured::new(script);
+    for _ in 0..CALLS {
+        // A script that ends early has called what it could.
+        if u.is_empty() || one_call(&mut u, &file).is_err() {
+            break;
+        }
+    }
+    Model::from_bytes(&file).map(|_| ())
+}
+
+/// Makes one call in memory of its own; returns the function and what it said.
+fn one_call(u: &mut Unstructured<'_>, file: &[u8]) -> Result<(&'static str, sinew_status)> {
+    let mut arena = Arena::new(file, u.int_in_range(0..=poses::KINDS)?);
+    let (name, function) = FUNCTIONS[u.choose_index(FUNCTIONS.len())?];
+    let mut call = Call::new(u, &mut arena)?;
+    let status = function(&mut call)?;
+    call.check(name, status);
+    Ok((name, status))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::functions::FUNCTIONS;
+    use super::header::promises;
+    use super::one_call;
+    use crate::GOLDEN;
+    use crate::pieces::Pieces;
+    use crate::recipe::{self, keep_vertices};
+    use arbitrary::Unstructured;
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_function_that_can_fail_is_called() {
+        let called = FUNCTIONS.map(|(name, _)| name).into_iter().collect::<BTreeSet<_>>();
+        assert_eq!(called, promises().keys().copied().collect());
+    }
+
+    #[test]
+    fn whatever_the_header_promises_of_calls_happens() {
+        let mut bare = Pieces::of(GOLDEN[0]).unwrap();
+        keep_vertices(&mut bare, 0);
+        let mut files = GOLDEN.map(<[u8]>::to_vec).to_vec();
+        files.push(bare.file(|_| {}));
+        let mut random = ChaCha8Rng::seed_from_u64(138);
+        let mut seen = BTreeSet::new();
+        for number in 0..60_000 {
+            let mut bytes = [0; 160];
+            random.fill_bytes(&mut bytes);
+            let (script, recipe) = bytes.split_at(96);
+            let file = files.get(number % 8).cloned().unwrap_or_else(|| recipe::file(recipe));
+            if let Ok((name, status)) = one_call(&mut Unstructured::new(script), &file) {
+                seen.insert((name, status as i32));
+            }
+        }
+        for (name, statuses) in promises() {
+            for status in statuses.iter().chain(&[0]).filter(|status| **status < 100) {
+                assert!(seen.contains(&(name, *status)), "{name} never returned {status}");
+            }
+        }
+    }
+}
