@@ -114,6 +114,7 @@ static void model(size_t bytes)
     FAILS(OVERLAP, MEMORY, LOAD(w.file, room, w.file, bytes, none, &w.out_model));
     FAILS(OVERLAP, RESULT, LOAD(w.model, room, w.file, bytes, none, (void *)w.file));
     FAILS(OVERLAP, MEMORY, LOAD(w.model, room, w.file, bytes, none, (void *)w.model));
+    FAILS(OVERLAP, MEMORY, LOAD(w.model, room, w.file, bytes, (void *)w.model, &w.out_model));
     FAILS(MALFORMED, NONE, LOAD(w.model, room, w.file, 0, none, &w.out_model));
     for (size_t len = 4; len < bytes; len++) {
         sinew_status status = LOAD(w.model, room, w.file, len, none, &w.out_model);

@@ -323,10 +323,14 @@ impl<'a, 'b> Call<'a, 'b> {
             assert!(apart, "{function} accepts that {place:?} is to be written to");
         }
         let (start, content) = self.arena.content();
-        for (i, (before, after)) in self.before.content.iter().zip(content).enumerate() {
-            let at = start + i;
-            let allowed = written.iter().any(|range| range.contains(&at));
-            assert!(allowed || before == after, "{function}, {status:?}, has written to {at}");
+        let mut right = std::mem::take(&mut self.before.content);
+        for place in written {
+            let behind_objects = place.start.max(start) - start..place.end.max(start) - start;
+            right[behind_objects.clone()].copy_from_slice(&content[behind_objects]);
+        }
+        if right != content {
+            let at = right.iter().zip(content).position(|(right, found)| right != found);
+            panic!("{function}, {status:?}, has written to byte {at:?} behind the objects");
         }
         if self.faultless && !self.expected.is_empty() {
             let results = self.arena.results.start - start;
