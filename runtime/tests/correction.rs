@@ -12,7 +12,7 @@ use sinew_runtime::envelope::{correction, joints};
 use sinew_runtime::format::{Predictor, SectionKind};
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::pose::features;
-use sinew_runtime::{Envelope, Matrix3x4, Model};
+use sinew_runtime::{Envelope, EvalError, Matrix3x4, Model};
 
 const BOTH: [Predictor; 2] = [Predictor::Kernel, Predictor::Hybrid];
 
@@ -385,6 +385,25 @@ fn whole_palettes_are_their_stages() {
             let (parts, of_parts) = corrected(&envelope, &pose, &base);
             assert_eq!((whole.map_bits(), confidence), (parts.map_bits(), of_parts));
             assert!(confidence > 0.0 && whole != base);
+        });
+    }
+}
+
+#[test]
+fn the_palette_without_kernel_maps_is_that_of_rotational_models_alone() {
+    for predictor in Predictor::ALL {
+        with_predictor(predictor, SMALL, |envelope| {
+            let pose = random_pose(&envelope, &mut Rng(6), 2.0);
+            let mut workspace = vec![f32::NAN; envelope.workspace_len()];
+            let mut out = vec![IDENTITY; envelope.palette_len()];
+            let confidence = envelope.rotational_palette(&pose, &mut workspace, &mut out);
+            if predictor == Predictor::Rotational {
+                let (whole, expected) = confident_palette(&envelope, &pose);
+                assert_eq!((out.map_bits(), confidence), (whole.map_bits(), Ok(expected)));
+            } else {
+                assert_eq!(confidence, Err(EvalError::Predictor { found: predictor }));
+                assert!(out.iter().all(|map| *map == IDENTITY));
+            }
         });
     }
 }

@@ -25,6 +25,10 @@ fn refused_palette(predictor: Predictor) {
             let mut workspace = vec![-7.0; workspace_len];
             let mut out = vec![[[-7.0; 4]; 3]; out_len];
             let error = envelope.palette(pose, &mut workspace, &mut out).unwrap_err();
+            if predictor == Predictor::Rotational {
+                let same = envelope.rotational_palette(pose, &mut workspace, &mut out);
+                assert_eq!(same, Err(error));
+            }
             assert_eq!(workspace, vec![-7.0; workspace_len]);
             assert_eq!(out, vec![[[-7.0; 4]; 3]; out_len]);
             error

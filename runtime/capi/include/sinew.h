@@ -650,6 +650,22 @@ sinew_status sinew_envelope_palette(const struct sinew_envelope *envelope,
                                     float *out_confidence,
                                     struct sinew_error *out_error);
 
+/// Computes what `sinew_envelope_palette` does, with the same arguments, of a rotational model alone:
+/// any other is `NO_STAGE`. A program that calls this and not the other is linked without kernel
+/// maps, which take 6 kB of a Cortex-M4F's flash.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_envelope_rotational_palette(const struct sinew_envelope *envelope,
+                                               const struct sinew_matrix *pose,
+                                               size_t pose_len,
+                                               float *workspace,
+                                               size_t workspace_len,
+                                               struct sinew_matrix *out_palette,
+                                               size_t palette_len,
+                                               float *out_confidence,
+                                               struct sinew_error *out_error);
+
 /// Computes a box that holds every vertex of the posed skin, from the palette alone.
 ///
 /// - `palette`, `palette_len`: `sinew_envelope_info.palette_len` maps.

@@ -3,7 +3,7 @@
 use crate::border::{self, Array};
 use crate::{sinew_envelope, sinew_error, sinew_status, sinew_subject};
 use core::mem::{align_of, offset_of, size_of};
-use sinew_runtime::{EvalError, LocalTransform, Matrix3x4, model_space_pose};
+use sinew_runtime::{Envelope, EvalError, LocalTransform, Matrix3x4, model_space_pose};
 
 /// A rigid or affine map, as three rows of four: `y[r] = rows[r][0..2] . x + rows[r][3]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,25 +106,42 @@ pub unsafe extern "C" fn sinew_envelope_palette(
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let body = || {
+        let pose = Array::new(pose.cast(), pose_len, sinew_subject::Pose);
+        let workspace = Array::new(workspace, workspace_len, sinew_subject::Workspace);
+        let out = Array::new(out_palette.cast(), palette_len, sinew_subject::Palette);
+        let evaluate = Envelope::palette;
         // SAFETY: the caller's promise is passed on.
-        let object = unsafe { border::object(envelope) }?;
-        let pose = Array::new(pose.cast::<Matrix3x4>(), pose_len, sinew_subject::Pose)?;
-        let workspace = Array::new(workspace, workspace_len, sinew_subject::Workspace)?;
-        let out = Array::new(out_palette.cast::<Matrix3x4>(), palette_len, sinew_subject::Palette)?;
-        let out_confidence = Array::optional(out_confidence, sinew_subject::Result)?;
-        let [handle, file] = object.spans(envelope);
-        border::apart(
-            &[workspace.span(), out.span(), out_confidence.span()],
-            &[handle, file, pose.span()],
-        )?;
-        // SAFETY: lent by the caller; what is written is apart from all else.
-        let (pose, workspace, out) = unsafe { (pose.read(), workspace.write(), out.write()) };
-        let confidence = object.envelope.palette(pose, workspace, out)?;
-        // SAFETY: at most one element, lent by the caller.
-        if let Some(out) = unsafe { out_confidence.write() }.first_mut() {
-            *out = confidence;
-        }
-        Ok(())
+        unsafe { palette(envelope, pose, workspace, out, out_confidence, evaluate) }
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Computes what `sinew_envelope_palette` does, with the same arguments, of a rotational model alone:
+/// any other is `NO_STAGE`. A program that calls this and not the other is linked without kernel
+/// maps, which take 6 kB of a Cortex-M4F's flash.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_rotational_palette(
+    envelope: *const sinew_envelope,
+    pose: *const sinew_matrix,
+    pose_len: usize,
+    workspace: *mut f32,
+    workspace_len: usize,
+    out_palette: *mut sinew_matrix,
+    palette_len: usize,
+    out_confidence: *mut f32,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let pose = Array::new(pose.cast(), pose_len, sinew_subject::Pose);
+        let workspace = Array::new(workspace, workspace_len, sinew_subject::Workspace);
+        let out = Array::new(out_palette.cast(), palette_len, sinew_subject::Palette);
+        let evaluate = Envelope::rotational_palette;
+        // SAFETY: the caller's promise is passed on.
+        unsafe { palette(envelope, pose, workspace, out, out_confidence, evaluate) }
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
@@ -160,4 +177,41 @@ pub unsafe extern "C" fn sinew_envelope_bounds(
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
+}
+
+/// Computes a palette by one of the runtime's ways.
+///
+/// # Safety
+/// The handle is null or points to memory as large as an envelope; the arrays are the caller's to
+/// read and to write, and so is what the confidence's pointer points to, if it is not null.
+unsafe fn palette(
+    envelope: *const sinew_envelope,
+    pose: Result<Array<Matrix3x4>, sinew_error>,
+    workspace: Result<Array<f32>, sinew_error>,
+    out: Result<Array<Matrix3x4>, sinew_error>,
+    out_confidence: *mut f32,
+    evaluate: impl Fn(
+        &Envelope<'static>,
+        &[Matrix3x4],
+        &mut [f32],
+        &mut [Matrix3x4],
+    ) -> Result<f32, EvalError>,
+) -> Result<(), sinew_error> {
+    // SAFETY: the caller's promise is passed on.
+    let object = unsafe { border::object(envelope) }?;
+    let (pose, workspace, out) = (pose?, workspace?, out?);
+    let out_confidence = Array::optional(out_confidence, sinew_subject::Result)?;
+    let [handle, file] = object.spans(envelope);
+    border::apart(
+        &[workspace.span(), out.span(), out_confidence.span()],
+        &[handle, file, pose.span()],
+    )?;
+    // SAFETY: lent by the caller; what is written is apart from all else.
+    let (pose, workspace, out) = unsafe { (pose.read(), workspace.write(), out.write()) };
+    let confidence = evaluate(&object.envelope, pose, workspace, out)?;
+    // SAFETY: at most one element, lent by the caller.
+    if let Some(out) = unsafe { out_confidence.write() }.first_mut() {
+        *out = confidence;
+    }
+    Ok(())
 }

@@ -180,6 +180,10 @@ fn evaluation_has_the_bits_of_the_runtime() {
             assert_eq!(handles.pose(&local), pose);
             let (palette, confidence) = builder::confident_palette(&envelope, &pose);
             assert_eq!(handles.palette(&pose), (palette.clone(), confidence));
+            if envelope.predictor() == Predictor::Rotational {
+                let by_its_own = handles.palette_by(sinew_envelope_rotational_palette, &pose);
+                assert_eq!(by_its_own, (palette.clone(), confidence));
+            }
             let bounds = envelope.bounds(&palette).unwrap().unwrap();
             let maps = matrices(&palette);
             // SAFETY: a loaded envelope, an array with its length, a structure to be written.

@@ -266,6 +266,45 @@ static void mesh(void)
     WORKS(COPY_INFLUENCES(e, 0, v, w.indices, k, w.weights, k));
 }
 
+typedef sinew_status palette_call(const sinew_envelope *, const sinew_matrix *, size_t, float *,
+                                  size_t, sinew_matrix *, size_t, float *, sinew_error *);
+
+static void palette(palette_call *call)
+{
+    const sinew_envelope *e = w.out_envelope;
+    size_t j = w.info.joint_len, p = w.info.palette_len, s = w.info.workspace_len;
+#define PALETTE(e, pose, pose_len, workspace, len, palette, palette_len, confidence)             \
+    call(e, pose, pose_len, workspace, len, palette, palette_len, confidence, err)
+    float *c = &w.confidence;
+    FAILS(NULL, ENVELOPE, PALETTE(NULL, w.pose, j, w.workspace, s, w.palette, p, c));
+    FAILS(NOT_LOADED, ENVELOPE, PALETTE((void *)w.blank, w.pose, j, w.workspace, s, w.palette, p, c));
+    FAILS(NOT_LOADED, ENVELOPE, PALETTE((void *)w.model, w.pose, j, w.workspace, s, w.palette, p, c));
+    FAILS(MISALIGNED, ENVELOPE, PALETTE(ODD(e), w.pose, j, w.workspace, s, w.palette, p, c));
+    FAILS(NULL, POSE, PALETTE(e, NULL, j, w.workspace, s, w.palette, p, c));
+    FAILS(NULL, WORKSPACE, PALETTE(e, w.pose, j, NULL, s, w.palette, p, c));
+    FAILS(NULL, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, NULL, p, c));
+    FAILS(LENGTH, POSE, PALETTE(e, w.pose, j + 1, w.workspace, s, w.palette, p, c));
+    FAILS(TOO_SHORT, WORKSPACE, PALETTE(e, w.pose, j, w.workspace, s - 1, w.palette, p, c));
+    FAILS(TOO_SHORT, WORKSPACE, PALETTE(e, w.pose, j, NULL, 0, w.palette, p, c));
+    FAILS(LENGTH, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, w.palette, p - 1, c));
+    FAILS(TOO_LONG, POSE, PALETTE(e, w.pose, MANY, w.workspace, s, w.palette, p, c));
+    FAILS(TOO_LONG, WORKSPACE, PALETTE(e, w.pose, j, w.workspace, MANY, w.palette, p, c));
+    FAILS(TOO_LONG, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, w.palette, MANY, c));
+    FAILS(MISALIGNED, POSE, PALETTE(e, ODD(w.pose), j, w.workspace, s, w.palette, p, c));
+    FAILS(MISALIGNED, WORKSPACE, PALETTE(e, w.pose, j, ODD(w.workspace), s, w.palette, p, c));
+    FAILS(MISALIGNED, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, ODD(w.palette), p, c));
+    FAILS(MISALIGNED, RESULT, PALETTE(e, w.pose, j, w.workspace, s, w.palette, p, ODD(c)));
+    FAILS(OVERLAP, WORKSPACE, PALETTE(e, w.pose, j, (void *)w.pose, s, w.palette, p, c));
+    FAILS(OVERLAP, WORKSPACE, PALETTE(e, w.pose, j, w.workspace, s, (void *)w.workspace, p, c));
+    FAILS(OVERLAP, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, (void *)w.file, p, c));
+    FAILS(OVERLAP, RESULT, PALETTE(e, w.pose, j, w.workspace, s, w.palette, p, (void *)w.file));
+    w.pose[j - 1].rows[2][3] = INFINITY;
+    FAILS(NON_FINITE, POSE, PALETTE(e, w.pose, j, w.workspace, s, w.palette, p, c));
+    w.pose[j - 1] = w.pose[0];
+    WORKS(PALETTE(e, w.pose, j, w.workspace, s, w.palette, p, NULL));
+    WORKS(PALETTE(e, w.pose, j, w.workspace, FLOATS, w.palette, p, c));
+}
+
 static void evaluate(void)
 {
     const sinew_envelope *e = w.out_envelope;
@@ -295,36 +334,13 @@ static void evaluate(void)
     w.local[1] = w.local[0];
     WORKS(POSE(e, w.local, j, w.pose, j));
 
-#define PALETTE(e, pose, pose_len, workspace, len, palette, palette_len, confidence)             \
-    sinew_envelope_palette(e, pose, pose_len, workspace, len, palette, palette_len, confidence, err)
-    float *c = &w.confidence;
-    FAILS(NULL, ENVELOPE, PALETTE(NULL, w.pose, j, w.workspace, s, w.palette, p, c));
-    FAILS(NOT_LOADED, ENVELOPE, PALETTE((void *)w.blank, w.pose, j, w.workspace, s, w.palette, p, c));
-    FAILS(NOT_LOADED, ENVELOPE, PALETTE((void *)w.model, w.pose, j, w.workspace, s, w.palette, p, c));
-    FAILS(MISALIGNED, ENVELOPE, PALETTE(ODD(e), w.pose, j, w.workspace, s, w.palette, p, c));
-    FAILS(NULL, POSE, PALETTE(e, NULL, j, w.workspace, s, w.palette, p, c));
-    FAILS(NULL, WORKSPACE, PALETTE(e, w.pose, j, NULL, s, w.palette, p, c));
-    FAILS(NULL, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, NULL, p, c));
-    FAILS(LENGTH, POSE, PALETTE(e, w.pose, j + 1, w.workspace, s, w.palette, p, c));
-    FAILS(TOO_SHORT, WORKSPACE, PALETTE(e, w.pose, j, w.workspace, s - 1, w.palette, p, c));
-    FAILS(TOO_SHORT, WORKSPACE, PALETTE(e, w.pose, j, NULL, 0, w.palette, p, c));
-    FAILS(LENGTH, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, w.palette, p - 1, c));
-    FAILS(TOO_LONG, POSE, PALETTE(e, w.pose, MANY, w.workspace, s, w.palette, p, c));
-    FAILS(TOO_LONG, WORKSPACE, PALETTE(e, w.pose, j, w.workspace, MANY, w.palette, p, c));
-    FAILS(TOO_LONG, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, w.palette, MANY, c));
-    FAILS(MISALIGNED, POSE, PALETTE(e, ODD(w.pose), j, w.workspace, s, w.palette, p, c));
-    FAILS(MISALIGNED, WORKSPACE, PALETTE(e, w.pose, j, ODD(w.workspace), s, w.palette, p, c));
-    FAILS(MISALIGNED, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, ODD(w.palette), p, c));
-    FAILS(MISALIGNED, RESULT, PALETTE(e, w.pose, j, w.workspace, s, w.palette, p, ODD(c)));
-    FAILS(OVERLAP, WORKSPACE, PALETTE(e, w.pose, j, (void *)w.pose, s, w.palette, p, c));
-    FAILS(OVERLAP, WORKSPACE, PALETTE(e, w.pose, j, w.workspace, s, (void *)w.workspace, p, c));
-    FAILS(OVERLAP, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, (void *)w.file, p, c));
-    FAILS(OVERLAP, RESULT, PALETTE(e, w.pose, j, w.workspace, s, w.palette, p, (void *)w.file));
-    w.pose[j - 1].rows[2][3] = INFINITY;
-    FAILS(NON_FINITE, POSE, PALETTE(e, w.pose, j, w.workspace, s, w.palette, p, c));
-    w.pose[j - 1] = w.pose[0];
-    WORKS(PALETTE(e, w.pose, j, w.workspace, s, w.palette, p, NULL));
-    WORKS(PALETTE(e, w.pose, j, w.workspace, FLOATS, w.palette, p, c));
+    palette(sinew_envelope_palette);
+    if (w.info.predictor == SINEW_PREDICTOR_ROTATIONAL) {
+        palette(sinew_envelope_rotational_palette);
+    } else {
+        FAILS(NO_STAGE, NONE, sinew_envelope_rotational_palette(e, w.pose, j, w.workspace, s,
+                                                                w.palette, p, &w.confidence, err));
+    }
 
     FAILS(NULL, ENVELOPE, sinew_envelope_bounds(NULL, w.palette, p, &w.bounds, err));
     FAILS(NOT_LOADED, ENVELOPE, sinew_envelope_bounds((void *)w.blank, w.palette, p, &w.bounds, err));

@@ -111,21 +111,10 @@ impl<'a> Envelope<'a> {
         workspace: &mut [f32],
         out_palette: &mut [Matrix3x4],
     ) -> Result<f32, EvalError> {
-        Argument::Pose.check_len(self.joint_len(), pose.len())?;
-        Argument::Palette.check_len(self.palette_len(), out_palette.len())?;
-        Argument::Workspace.check_least(self.workspace_len(), workspace.len())?;
+        self.check_lengths(pose, workspace, out_palette)?;
         let mut confidence = 1.0;
         if self.predictor.reconstructs() {
-            let (columns, _) = workspace.as_chunks_mut::<3>();
-            let (relative, columns) = split(columns, 4 * self.joint_len());
-            let (rotations, columns) = split(columns, self.joint_len());
-            let (gradients, _) = split(columns, 3 * self.proxy_len());
-            gradients::evaluate(self, pose, relative, rotations, gradients)?;
-            let root = pose.get(self.root()).unwrap_or(&[[0.0; 4]; 3]);
-            palette::evaluate(self, root, relative, gradients, out_palette)?;
-            if !self.predictor.corrects() {
-                confidence = confidence::evaluate(self, rotations)?;
-            }
+            confidence = self.reconstruct(pose, workspace, out_palette)?;
         } else {
             joints::evaluate(self, pose, out_palette)?;
         }
@@ -137,6 +126,54 @@ impl<'a> Envelope<'a> {
             confidence = correction::evaluate(self, pose, features, scratch, out_palette)?;
         }
         Ok(confidence)
+    }
+
+    /// Computes what [`Envelope::palette`] does, of a rotational model alone. A program that calls this
+    /// and not the other is linked without kernel maps, which take 6 kB of a Cortex-M4F's flash.
+    ///
+    /// # Errors
+    /// - [`EvalError::Predictor`]: the model is not rotational.
+    /// - Those of [`Envelope::palette`].
+    pub fn rotational_palette(
+        &self,
+        pose: &[Matrix3x4],
+        workspace: &mut [f32],
+        out_palette: &mut [Matrix3x4],
+    ) -> Result<f32, EvalError> {
+        if self.predictor != Predictor::Rotational {
+            return Err(EvalError::Predictor { found: self.predictor });
+        }
+        self.check_lengths(pose, workspace, out_palette)?;
+        self.reconstruct(pose, workspace, out_palette)
+    }
+
+    fn check_lengths(
+        &self,
+        pose: &[Matrix3x4],
+        workspace: &[f32],
+        palette: &[Matrix3x4],
+    ) -> Result<(), EvalError> {
+        Argument::Pose.check_len(self.joint_len(), pose.len())?;
+        Argument::Palette.check_len(self.palette_len(), palette.len())?;
+        Argument::Workspace.check_least(self.workspace_len(), workspace.len())
+    }
+
+    /// Computes the palette by rotational regression, and the confidence in it, which is 1 where a
+    /// correction follows.
+    fn reconstruct(
+        &self,
+        pose: &[Matrix3x4],
+        workspace: &mut [f32],
+        out_palette: &mut [Matrix3x4],
+    ) -> Result<f32, EvalError> {
+        let (columns, _) = workspace.as_chunks_mut::<3>();
+        let (relative, columns) = split(columns, 4 * self.joint_len());
+        let (rotations, columns) = split(columns, self.joint_len());
+        let (gradients, _) = split(columns, 3 * self.proxy_len());
+        gradients::evaluate(self, pose, relative, rotations, gradients)?;
+        let root = pose.get(self.root()).unwrap_or(&[[0.0; 4]; 3]);
+        palette::evaluate(self, root, relative, gradients, out_palette)?;
+        if self.predictor.corrects() { Ok(1.0) } else { confidence::evaluate(self, rotations) }
     }
 
     /// Skins every vertex's position.

@@ -12,6 +12,7 @@ extern crate std;
 mod bits;
 #[cfg(all(target_os = "none", target_arch = "arm"))]
 pub mod cost;
+pub mod frame;
 mod memory;
 pub mod platform;
 pub mod report;

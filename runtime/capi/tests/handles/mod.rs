@@ -10,6 +10,19 @@ use std::ptr::{null, null_mut};
 /// No interest in the error.
 pub const NONE: *mut sinew_error = null_mut();
 
+/// What computes a palette.
+pub type PaletteCall = unsafe extern "C" fn(
+    *const sinew_envelope,
+    *const sinew_matrix,
+    usize,
+    *mut f32,
+    usize,
+    *mut sinew_matrix,
+    usize,
+    *mut f32,
+    *mut sinew_error,
+) -> sinew_status;
+
 /// Memory of a model and of its first envelope, both loaded, and the file they borrow.
 #[derive(Clone)]
 pub struct Handles {
@@ -80,13 +93,17 @@ impl Handles {
     }
 
     pub fn palette(&self, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
+        self.palette_by(sinew_envelope_palette, pose)
+    }
+
+    pub fn palette_by(&self, call: PaletteCall, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
         let info = self.info();
         let mut workspace = vec![f32::NAN; info.workspace_len];
         let mut palette = vec![[[f32::NAN; 4]; 3]; info.palette_len];
         let mut confidence = f32::NAN;
         // SAFETY: a loaded envelope, three arrays with their lengths, one value to be written.
         done(unsafe {
-            sinew_envelope_palette(
+            call(
                 self.envelope(),
                 matrices(pose),
                 pose.len(),

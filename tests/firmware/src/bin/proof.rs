@@ -108,6 +108,7 @@ fn evaluate(envelope: Envelope<'_>) -> Result<(), EvalError> {
     let (pose, maps) = (some_mut::<Matrix3x4>(&mut []), some_mut::<Matrix3x4>(&mut []));
     model_space_pose(&envelope, local, pose)?;
     black_box(envelope.palette(pose, some_mut(&mut own), maps)?);
+    black_box(envelope.rotational_palette(pose, some_mut(&mut own), maps)?);
     black_box(envelope.bounds(maps)?.map(|bounds| bounds.contains(black_box([0.0; 3]))));
     envelope.skin_positions(maps, some_mut(&mut []))?;
     let attribute = || {

@@ -85,6 +85,11 @@ impl<'a, 'b> Call<'a, 'b> {
         })
     }
 
+    /// Says that the call is one that must be refused.
+    pub(super) fn fault(&mut self) {
+        self.faultless = false;
+    }
+
     /// Draws a number that should be below another.
     pub(super) fn number(&mut self, below: usize) -> Result<usize> {
         let number = match self.u.int_in_range(0..=7)? {

@@ -2,6 +2,7 @@
 
 use crate::poses;
 use sinew_runtime::envelope::{Attribute, Bounds, Buffer, SkinJob};
+use sinew_runtime::format::Predictor;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4};
 
 /// A frame of an envelope: the inputs and results of its calls.
@@ -11,6 +12,7 @@ pub(super) struct Frame {
     pub(super) influence_len: usize,
     pub(super) workspace_len: usize,
     pub(super) has_tangents: bool,
+    pub(super) predictor: Option<Predictor>,
     pub(super) name: String,
     pub(super) local: Vec<LocalTransform>,
     pub(super) pose: Vec<Matrix3x4>,
@@ -58,6 +60,7 @@ impl Frame {
             influence_len: envelope.influence_len(),
             workspace_len: envelope.workspace_len(),
             has_tangents,
+            predictor: Some(envelope.predictor()),
             name: envelope.name().to_owned(),
             local,
             pose,

@@ -4,6 +4,7 @@ use super::arena::{Arena, bytes, floats};
 use super::call::Call;
 use arbitrary::Result;
 use sinew_capi::*;
+use sinew_runtime::format::Predictor;
 use std::ffi::c_char;
 use std::ptr::{null, null_mut};
 
@@ -11,7 +12,7 @@ use std::ptr::{null, null_mut};
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions by their names.
-pub(super) const FUNCTIONS: [(&str, Function); 16] = [
+pub(super) const FUNCTIONS: [(&str, Function); 17] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
     ("sinew_model_blob", blob),
@@ -22,6 +23,7 @@ pub(super) const FUNCTIONS: [(&str, Function); 16] = [
     ("sinew_envelope_order", order),
     ("sinew_envelope_pose", pose),
     ("sinew_envelope_palette", palette),
+    ("sinew_envelope_rotational_palette", rotational_palette),
     ("sinew_envelope_bounds", bounds),
     ("sinew_envelope_rest_positions", rest_positions),
     ("sinew_envelope_rest_normals", rest_normals),
@@ -135,6 +137,30 @@ fn pose(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 }
 
 fn palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    palette_by(call, sinew_envelope_palette)
+}
+
+fn rotational_palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    if call.arena.frame.predictor != Some(Predictor::Rotational) {
+        call.fault();
+    }
+    palette_by(call, sinew_envelope_rotational_palette)
+}
+
+/// What computes a palette.
+type PaletteCall = unsafe extern "C" fn(
+    *const sinew_envelope,
+    *const sinew_matrix,
+    usize,
+    *mut f32,
+    usize,
+    *mut sinew_matrix,
+    usize,
+    *mut f32,
+    *mut sinew_error,
+) -> sinew_status;
+
+fn palette_by(call: &mut Call<'_, '_>, function: PaletteCall) -> Result<sinew_status> {
     call.spoil(call.arena.pose.clone())?;
     let envelope = call.envelope()?;
     let (pose, pose_len) = call.input(call.arena.pose.clone())?;
@@ -144,17 +170,7 @@ fn palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let error = call.ready(|arena| bytes(floats(&arena.frame.palette)));
     // SAFETY: as above.
     Ok(unsafe {
-        sinew_envelope_palette(
-            envelope,
-            pose,
-            pose_len,
-            scratch,
-            scratch_len,
-            out,
-            out_len,
-            confidence,
-            error,
-        )
+        function(envelope, pose, pose_len, scratch, scratch_len, out, out_len, confidence, error)
     })
 }
 
