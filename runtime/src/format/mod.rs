@@ -13,7 +13,7 @@ pub use manifest::{
 };
 pub(crate) use validate::read;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// First bytes of every file.
 pub const MAGIC: [u8; 4] = *b"SNEW";
@@ -73,13 +73,22 @@ pub struct File<'a> {
     /// [`checksum`] of the file, little-endian.
     pub checksum: [u8; 4],
     /// Rows of [`PartRow::BYTES`].
+    #[serde(serialize_with = "at_once")]
     pub parts: &'a [u8],
     /// Rows of [`SectionRow::BYTES`], by ascending offset.
+    #[serde(serialize_with = "at_once")]
     pub sections: &'a [u8],
     /// Zeros that bring the blob to its alignment.
+    #[serde(serialize_with = "at_once")]
     pub padding: &'a [u8],
     /// Every section.
+    #[serde(serialize_with = "at_once")]
     pub blob: &'a [u8],
+}
+
+/// Writes bytes as postcard would one by one.
+fn at_once<S: Serializer>(bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_bytes(bytes)
 }
 
 /// How the checksum is computed: by a table of 1 KiB; on bare targets, where flash is dear and a file is

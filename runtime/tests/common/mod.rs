@@ -14,6 +14,7 @@ mod rng;
 pub use rng::Rng;
 
 use groups::sample_groups;
+use postcard::ser_flavors::Size;
 use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
 use sinew_runtime::format::{
     CHECKSUM_OFFSET, Certificate, EnvelopeCounts, File, MAGIC, NO_JOINT, PartRow, Predictor,
@@ -240,10 +241,12 @@ impl Builder {
         };
         let serialize = |file: &File<'_>| postcard::to_extend(file, Vec::new()).unwrap();
         // The padding's own length takes up to two bytes more than none: start a little below.
-        let head = serialize(&file).len() - blob.len();
+        let length =
+            |file: &File<'_>| postcard::serialize_with_flavor(file, Size::default()).unwrap();
+        let head = length(&file) - blob.len();
         let least = (head.next_multiple_of(align) - head).saturating_sub(2);
         let mut padded = (least..zeros.len()).map(|len| File { padding: &zeros[..len], ..file });
-        let aligned = |file: &File<'_>| (serialize(file).len() - blob.len()).is_multiple_of(align);
+        let aligned = |file: &File<'_>| (length(file) - blob.len()).is_multiple_of(align);
         let mut file = padded.find(aligned).unwrap();
         edit(&mut file);
         let mut bytes = serialize(&file);

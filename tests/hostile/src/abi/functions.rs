@@ -141,9 +141,7 @@ fn palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 }
 
 fn rotational_palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    if call.arena.frame.predictor != Some(Predictor::Rotational) {
-        call.fault();
-    }
+    call.faultless &= call.arena.frame.predictor == Some(Predictor::Rotational);
     palette_by(call, sinew_envelope_rotational_palette)
 }
 

@@ -5,6 +5,7 @@
 //! the caller, and a handle points to enough of it.
 
 mod arena;
+mod arguments;
 mod call;
 mod frame;
 mod functions;
