@@ -30,8 +30,8 @@ usage: cargo xtask COMMAND
                that no allocator and no panic is linked; hold sizes, stack and instructions to
                tests/firmware/budget.txt
   deep [SECONDS]
-               run the runtime's tests under Miri, a million mutated files, and every fuzz target for
-               SECONDS (300); needs nightly
+               run the tests of the runtime and of its C ABI under Miri, a million mutated files, and
+               every fuzz target for SECONDS (300); needs nightly
 ";
 
 fn main() -> ExitCode {
