@@ -260,7 +260,8 @@ pub enum EvalError {
         /// The joint.
         joint: usize,
     },
-    /// The rotation of a joint has no direction: its quaternion is zero or too large to square.
+    /// The rotation of a joint has no direction: its quaternion is zero, or too small or
+    /// too large to square.
     ZeroRotation {
         /// The joint.
         joint: usize,

@@ -44,12 +44,15 @@ class Model {
     Model(Model &&other) noexcept
         : memory_(std::exchange(other.memory_, {})), file_(std::move(other.file_)) {}
     Model &operator=(Model &&other) noexcept {
-        memory_ = std::exchange(other.memory_, {});
-        file_ = std::move(other.file_);
+        if (this != &other) {
+            memory_ = std::exchange(other.memory_, {});
+            file_ = std::move(other.file_);
+        }
         return *this;
     }
 
-    /// Takes a file and loads it; on failure the model is what it was.
+    /// Takes a file and loads it; on failure the model is what it was. Envelopes of a file that was
+    /// loaded before, or assigned to, have to be opened again.
     Failure load(std::vector<std::uint8_t> file, const sinew_limits *limits = nullptr) {
         Failure failure = borrow(file, limits);
         if (!failure) {
@@ -58,7 +61,8 @@ class Model {
         return failure;
     }
 
-    /// Loads a file that outlives the model, unchanged.
+    /// Loads a file that outlives the model, unchanged: no temporary one.
+    Failure borrow(std::vector<std::uint8_t> &&, const sinew_limits * = nullptr) = delete;
     Failure borrow(Span<const std::uint8_t> file, const sinew_limits *limits = nullptr) {
         Failure failure;
         const sinew_model *handle;
@@ -108,6 +112,7 @@ class Envelope {
 /// one thread at a time. Points to the envelope, which must stay where it is.
 class Character {
   public:
+    explicit Character(const Envelope &&) = delete;
     explicit Character(const Envelope &envelope)
         : envelope_(&envelope), workspace_(envelope.info().workspace_len),
           pose_(envelope.info().joint_len), palette_(envelope.info().palette_len) {}

@@ -141,11 +141,6 @@ pub(crate) struct Span {
 }
 
 impl Span {
-    /// Returns where an object lies.
-    pub(crate) fn of<T: Object>(at: *const T) -> Self {
-        Self { start: at.addr(), bytes: size_of::<T>(), subject: T::SUBJECT }
-    }
-
     /// Whether the two have a byte in common.
     fn meets(&self, other: &Self) -> bool {
         let (a, b) = (self.start, other.start);
@@ -168,30 +163,54 @@ pub(crate) fn apart(mut written: &[Span], read: &[Span]) -> Result<(), sinew_err
     Ok(())
 }
 
-/// What a handle points to.
-pub(crate) trait Object: Sized {
-    /// Marks memory that holds such an object.
-    const TAG: u32;
-    /// Where the tag stands.
-    const TAG_OFFSET: usize;
-    /// The handle's name as an argument.
-    const SUBJECT: sinew_subject;
+/// What lies in the caller's memory once something is loaded. The tag comes first whatever the kind:
+/// reading it stays within the smallest object, and memory that is used again has the new kind's.
+#[repr(C)]
+pub(crate) struct Loaded<T> {
+    tag: u32,
+    value: T,
+    file: Span,
 }
 
-/// Returns the object of a handle.
+impl<T> Loaded<T> {
+    /// Marks a value, which borrows from the file, as an object.
+    pub(crate) fn new<O: Object<Value = T>>(value: T, file: Span) -> Self {
+        Self { tag: O::TAG, value, file }
+    }
+}
+
+/// What a handle points to: a [`Loaded`] under the name that it has in C.
+pub(crate) trait Object: Sized {
+    /// What is loaded.
+    type Value: 'static;
+    /// Marks memory that holds such an object.
+    const TAG: u32;
+    /// The handle's name as an argument.
+    const SUBJECT: sinew_subject;
+
+    /// Returns its only field.
+    fn loaded(&self) -> &Loaded<Self::Value>;
+}
+
+/// Returns what a handle's object holds, and what a call with it reads: the object and the file.
 ///
 /// # Safety
 /// `at` is null, or points to memory as large as the object, which for `'a` stays as it is.
-pub(crate) unsafe fn object<'a, T: Object>(at: *const T) -> Result<&'a T, sinew_error> {
+pub(crate) unsafe fn object<'a, T: Object + 'a>(
+    at: *const T,
+) -> Result<(&'a T::Value, [Span; 2]), sinew_error> {
+    const { assert!(size_of::<T>() == size_of::<Loaded<T::Value>>()) };
     let object = Array::one(at, T::SUBJECT)?;
-    // SAFETY: the field lies inside the object; its offset keeps the alignment.
-    let tag = unsafe { at.byte_add(T::TAG_OFFSET).cast::<u32>().read() };
+    let handle = object.span();
+    // SAFETY: aligned, not null, and the tag is an object's first four bytes.
+    let tag = unsafe { at.cast::<u32>().read() };
+    let not_loaded = sinew_error::new(sinew_status::NotLoaded, T::SUBJECT);
     if tag != T::TAG {
-        return Err(sinew_error::new(sinew_status::NotLoaded, T::SUBJECT));
+        return Err(not_loaded);
     }
     // SAFETY: aligned, not null, and its tag says that it was written by this library.
-    let objects = unsafe { object.read() };
-    objects.first().ok_or(sinew_error::new(sinew_status::NotLoaded, T::SUBJECT))
+    let loaded = unsafe { object.read() }.first().ok_or(not_loaded)?.loaded();
+    Ok((&loaded.value, [handle, loaded.file]))
 }
 
 /// Checks memory that is to hold an object.

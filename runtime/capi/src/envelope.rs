@@ -1,9 +1,9 @@
 //! An envelope: a skin that follows joints, and what the file says of it.
 
-use crate::border::{self, Array, Object, Span};
+use crate::border::{self, Array, Loaded, Object};
 use crate::{sinew_error, sinew_matrix, sinew_model, sinew_status, sinew_subject};
 use core::ffi::{c_char, c_void};
-use core::mem::{align_of, offset_of, size_of};
+use core::mem::{align_of, size_of};
 use core::ops::Range;
 use sinew_runtime::Envelope;
 use sinew_runtime::format::Predictor;
@@ -17,16 +17,16 @@ pub const SINEW_NO_JOINT: u32 = u32::MAX;
 
 /// A skin of V vertices that follows J joints by a palette of maps: a view of the file's bytes,
 /// of which the model's rules hold. It does not need the model any more.
-pub struct sinew_envelope {
-    tag: u32,
-    pub(crate) envelope: Envelope<'static>,
-    file: Span,
-}
+pub struct sinew_envelope(Loaded<Envelope<'static>>);
 
 impl Object for sinew_envelope {
+    type Value = Envelope<'static>;
     const TAG: u32 = u32::from_le_bytes(*b"SnwE");
-    const TAG_OFFSET: usize = offset_of!(Self, tag);
     const SUBJECT: sinew_subject = sinew_subject::Envelope;
+
+    fn loaded(&self) -> &Loaded<Self::Value> {
+        &self.0
+    }
 }
 
 const _: () = {
@@ -137,24 +137,23 @@ pub unsafe extern "C" fn sinew_envelope_open(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let object = unsafe { border::object(model) }?;
+        let (model, [handle, file]) = unsafe { border::object(model) }?;
         let place = border::place::<sinew_envelope>(memory, memory_bytes)?;
         let out = Array::one(out_envelope, sinew_subject::Result)?;
-        let [handle, file] = object.spans(model);
         let envelope = if name.is_null() {
             border::apart(&[place.span(), out.span()], &[handle, file])?;
-            object.model.envelope()
+            model.envelope()
         } else {
             let name = Array::new(name.cast::<u8>(), name_len, sinew_subject::Name)?;
             border::apart(&[place.span(), out.span()], &[handle, file, name.span()])?;
             // SAFETY: the caller's promise is passed on.
             let name = core::str::from_utf8(unsafe { name.read() });
-            name.ok().and_then(|name| object.model.envelope_named(name))
+            name.ok().and_then(|name| model.envelope_named(name))
         };
         let envelope =
             envelope.ok_or(sinew_error::new(sinew_status::NotFound, sinew_subject::Envelope))?;
         // SAFETY: memory large enough, aligned, apart from all that is read, and lent by the caller.
-        unsafe { place.store(sinew_envelope { tag: sinew_envelope::TAG, envelope, file }) };
+        unsafe { place.store(sinew_envelope(Loaded::new::<sinew_envelope>(envelope, file))) };
         // SAFETY: one element, which the caller lets be written.
         unsafe { out.store(memory.cast_const().cast()) };
         Ok(())
@@ -174,10 +173,10 @@ pub unsafe extern "C" fn sinew_envelope_describe(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let object = unsafe { border::object(envelope) }?;
+        let (envelope, reads) = unsafe { border::object(envelope) }?;
         let out = Array::one(out_info, sinew_subject::Result)?;
-        border::apart(&[out.span()], &object.spans(envelope))?;
-        let info = object.info();
+        border::apart(&[out.span()], &reads)?;
+        let info = info(envelope);
         // SAFETY: one element, which the caller lets be written.
         unsafe { out.store(info) };
         Ok(())
@@ -198,13 +197,13 @@ pub unsafe extern "C" fn sinew_envelope_joint(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let object = unsafe { border::object(envelope) }?;
+        let (envelope, reads) = unsafe { border::object(envelope) }?;
         let out = Array::one(out_joint, sinew_subject::Result)?;
-        border::apart(&[out.span()], &object.spans(envelope))?;
-        let found = object.joint(joint).ok_or(
+        border::apart(&[out.span()], &reads)?;
+        let found = describe(envelope, joint).ok_or(
             sinew_error::new(sinew_status::OutOfRange, sinew_subject::Joints)
                 .at(joint)
-                .expected(object.envelope.joint_len() as u64)
+                .expected(envelope.joint_len() as u64)
                 .found(joint as u64),
         )?;
         // SAFETY: one element, which the caller lets be written.
@@ -229,13 +228,13 @@ pub unsafe extern "C" fn sinew_envelope_order(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let object = unsafe { border::object(envelope) }?;
+        let (envelope, reads) = unsafe { border::object(envelope) }?;
         let out = Array::new(out_order, order_len, sinew_subject::Order)?;
-        out.check_least(object.envelope.joint_len())?;
-        border::apart(&[out.span()], &object.spans(envelope))?;
+        out.check_least(envelope.joint_len())?;
+        border::apart(&[out.span()], &reads)?;
         // SAFETY: apart from all that the call reads; lent by the caller.
         let out = unsafe { out.write() };
-        for (out, joint) in out.iter_mut().zip(object.envelope.evaluation_order()) {
+        for (out, joint) in out.iter_mut().zip(envelope.evaluation_order()) {
             *out = joint as u32;
         }
         Ok(())
@@ -244,62 +243,57 @@ pub unsafe extern "C" fn sinew_envelope_order(
     unsafe { border::call(out_error, body) }
 }
 
-impl sinew_envelope {
-    /// Returns what a call with this handle reads.
-    pub(crate) fn spans(&self, handle: *const Self) -> [Span; 2] {
-        [Span::of(handle), self.file]
+/// Checks that vertices are in the mesh.
+pub(crate) fn check_vertices(
+    envelope: &Envelope<'_>,
+    vertices: &Range<usize>,
+) -> Result<(), sinew_error> {
+    let (Range { start, end }, vertex_len) = (vertices, envelope.vertex_len());
+    if start <= end && *end <= vertex_len {
+        return Ok(());
     }
+    Err(sinew_error::new(sinew_status::OutOfRange, sinew_subject::Vertices)
+        .at(*start)
+        .expected(vertex_len as u64)
+        .found(*end as u64))
+}
 
-    /// Checks that vertices are in the mesh.
-    pub(crate) fn check_vertices(&self, vertices: &Range<usize>) -> Result<(), sinew_error> {
-        let (Range { start, end }, vertex_len) = (vertices, self.envelope.vertex_len());
-        if start <= end && *end <= vertex_len {
-            return Ok(());
-        }
-        Err(sinew_error::new(sinew_status::OutOfRange, sinew_subject::Vertices)
-            .at(*start)
-            .expected(vertex_len as u64)
-            .found(*end as u64))
+fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {
+    let certificate = envelope.certificate();
+    sinew_envelope_info {
+        name: envelope.name().as_ptr().cast(),
+        name_len: envelope.name().len(),
+        part: envelope.part() as u32,
+        predictor: match envelope.predictor() {
+            Predictor::Rotational => sinew_predictor::Rotational,
+            Predictor::Kernel => sinew_predictor::Kernel,
+            Predictor::Hybrid => sinew_predictor::Hybrid,
+        },
+        vertex_len: envelope.vertex_len(),
+        joint_len: envelope.joint_len(),
+        proxy_len: envelope.proxy_len(),
+        palette_len: envelope.palette_len(),
+        workspace_len: envelope.workspace_len(),
+        influence_len: envelope.influence_len(),
+        root: envelope.root() as u32,
+        has_tangents: u32::from(envelope.has_tangents()),
+        certificate: sinew_certificate {
+            diagonal: certificate.diagonal,
+            training_rms: certificate.training_rms,
+            cross_validated_rms: certificate.cross_validated_rms,
+            lbs_training_rms: certificate.lbs_training_rms,
+            correction_error: certificate.correction_error,
+        },
     }
+}
 
-    fn info(&self) -> sinew_envelope_info {
-        let envelope = &self.envelope;
-        let certificate = envelope.certificate();
-        sinew_envelope_info {
-            name: envelope.name().as_ptr().cast(),
-            name_len: envelope.name().len(),
-            part: envelope.part() as u32,
-            predictor: match envelope.predictor() {
-                Predictor::Rotational => sinew_predictor::Rotational,
-                Predictor::Kernel => sinew_predictor::Kernel,
-                Predictor::Hybrid => sinew_predictor::Hybrid,
-            },
-            vertex_len: envelope.vertex_len(),
-            joint_len: envelope.joint_len(),
-            proxy_len: envelope.proxy_len(),
-            palette_len: envelope.palette_len(),
-            workspace_len: envelope.workspace_len(),
-            influence_len: envelope.influence_len(),
-            root: envelope.root() as u32,
-            has_tangents: u32::from(envelope.has_tangents()),
-            certificate: sinew_certificate {
-                diagonal: certificate.diagonal,
-                training_rms: certificate.training_rms,
-                cross_validated_rms: certificate.cross_validated_rms,
-                lbs_training_rms: certificate.lbs_training_rms,
-                correction_error: certificate.correction_error,
-            },
-        }
-    }
-
-    fn joint(&self, joint: usize) -> Option<sinew_joint> {
-        let name = self.envelope.joint_name(joint)?;
-        Some(sinew_joint {
-            name: name.as_ptr().cast(),
-            name_len: name.len(),
-            parent: self.envelope.parent(joint).map_or(SINEW_NO_JOINT, |parent| parent as u32),
-            pose_range: self.envelope.pose_range(joint)?,
-            inverse_bind: sinew_matrix { rows: self.envelope.inverse_bind(joint)? },
-        })
-    }
+fn describe(envelope: &Envelope<'_>, joint: usize) -> Option<sinew_joint> {
+    let name = envelope.joint_name(joint)?;
+    Some(sinew_joint {
+        name: name.as_ptr().cast(),
+        name_len: name.len(),
+        parent: envelope.parent(joint).map_or(SINEW_NO_JOINT, |parent| parent as u32),
+        pose_range: envelope.pose_range(joint)?,
+        inverse_bind: sinew_matrix { rows: envelope.inverse_bind(joint)? },
+    })
 }

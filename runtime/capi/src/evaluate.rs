@@ -63,15 +63,14 @@ pub unsafe extern "C" fn sinew_envelope_pose(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let object = unsafe { border::object(envelope) }?;
+        let (envelope, [handle, file]) = unsafe { border::object(envelope) }?;
         let local = Array::new(local.cast::<LocalTransform>(), local_len, sinew_subject::Local)?;
         let out = Array::new(out_pose.cast::<Matrix3x4>(), pose_len, sinew_subject::Pose)?;
-        let [handle, file] = object.spans(envelope);
         border::apart(&[out.span()], &[handle, file, local.span()])?;
-        local.check_len(object.envelope.joint_len())?;
+        local.check_len(envelope.joint_len())?;
         // SAFETY: lent by the caller; what is written is apart from all else.
         let (local, out) = unsafe { (local.read(), out.write()) };
-        model_space_pose(&object.envelope, local, out).map_err(|error| match error {
+        model_space_pose(envelope, local, out).map_err(|error| match error {
             EvalError::NonFinite { joint } => {
                 sinew_error::new(sinew_status::NonFinite, sinew_subject::Local).at(joint)
             }
@@ -119,7 +118,7 @@ pub unsafe extern "C" fn sinew_envelope_palette(
 
 /// Computes what `sinew_envelope_palette` does, with the same arguments, of a rotational model alone:
 /// any other is `NO_STAGE`. A program that calls this and not the other is linked without kernel
-/// maps, which take 6 kB of a Cortex-M4F's flash.
+/// maps: on a Cortex-M4F 6 kB less, optimised for size, and more for speed.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
 /// `TOO_LONG`, `OVERLAP`.
@@ -162,13 +161,12 @@ pub unsafe extern "C" fn sinew_envelope_bounds(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let object = unsafe { border::object(envelope) }?;
+        let (envelope, [handle, file]) = unsafe { border::object(envelope) }?;
         let palette = Array::new(palette.cast::<Matrix3x4>(), palette_len, sinew_subject::Palette)?;
         let out = Array::one(out_bounds, sinew_subject::Result)?;
-        let [handle, file] = object.spans(envelope);
         border::apart(&[out.span()], &[handle, file, palette.span()])?;
         // SAFETY: lent by the caller.
-        let bounds = object.envelope.bounds(unsafe { palette.read() })?;
+        let bounds = envelope.bounds(unsafe { palette.read() })?;
         let bounds =
             bounds.ok_or(sinew_error::new(sinew_status::NoVertices, sinew_subject::Vertices))?;
         // SAFETY: one element, which the caller lets be written.
@@ -198,17 +196,16 @@ unsafe fn palette(
     ) -> Result<f32, EvalError>,
 ) -> Result<(), sinew_error> {
     // SAFETY: the caller's promise is passed on.
-    let object = unsafe { border::object(envelope) }?;
+    let (envelope, [handle, file]) = unsafe { border::object(envelope) }?;
     let (pose, workspace, out) = (pose?, workspace?, out?);
     let out_confidence = Array::optional(out_confidence, sinew_subject::Result)?;
-    let [handle, file] = object.spans(envelope);
     border::apart(
         &[workspace.span(), out.span(), out_confidence.span()],
         &[handle, file, pose.span()],
     )?;
     // SAFETY: lent by the caller; what is written is apart from all else.
     let (pose, workspace, out) = unsafe { (pose.read(), workspace.write(), out.write()) };
-    let confidence = evaluate(&object.envelope, pose, workspace, out)?;
+    let confidence = evaluate(envelope, pose, workspace, out)?;
     // SAFETY: at most one element, lent by the caller.
     if let Some(out) = unsafe { out_confidence.write() }.first_mut() {
         *out = confidence;

@@ -1,6 +1,7 @@
 //! The mesh: rest pose and influences, copied for an engine's own buffers.
 
 use crate::border::{self, Array};
+use crate::envelope::check_vertices;
 use crate::{sinew_envelope, sinew_error, sinew_status, sinew_subject};
 use core::ops::Range;
 use sinew_runtime::Envelope;
@@ -69,7 +70,7 @@ pub unsafe extern "C" fn sinew_envelope_rest_tangents(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        if !unsafe { border::object(envelope) }?.envelope.has_tangents() {
+        if !unsafe { border::object(envelope) }?.0.has_tangents() {
             return Err(sinew_error::new(sinew_status::NoTangents, sinew_subject::Tangents));
         }
         let out = Array::new(out_tangents, out_len, sinew_subject::Tangents);
@@ -100,18 +101,18 @@ pub unsafe extern "C" fn sinew_envelope_influences(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let object = unsafe { border::object(envelope) }?;
+        let (envelope, reads) = unsafe { border::object(envelope) }?;
         let indices = Array::new(out_indices, indices_len, sinew_subject::Indices)?;
         let weights = Array::new(out_weights, weights_len, sinew_subject::Weights)?;
         let vertices = start..end;
-        object.check_vertices(&vertices)?;
-        let least = vertices.len().saturating_mul(object.envelope.influence_len());
+        check_vertices(envelope, &vertices)?;
+        let least = vertices.len().saturating_mul(envelope.influence_len());
         indices.check_least(least)?;
         weights.check_least(least)?;
-        border::apart(&[indices.span(), weights.span()], &object.spans(envelope))?;
+        border::apart(&[indices.span(), weights.span()], &reads)?;
         // SAFETY: apart from each other and from all that the call reads; lent by the caller.
         let (indices, weights) = unsafe { (indices.write(), weights.write()) };
-        let influences = vertices.flat_map(|vertex| object.envelope.influences(vertex));
+        let influences = vertices.flat_map(|vertex| envelope.influences(vertex));
         for ((out_index, out_weight), (index, weight)) in
             indices.iter_mut().zip(weights).zip(influences)
         {
@@ -136,16 +137,14 @@ unsafe fn copy<const N: usize>(
     read: impl Fn(&Envelope<'static>, usize) -> Option<[f32; N]>,
 ) -> Result<(), sinew_error> {
     // SAFETY: the caller's promise is passed on.
-    let object = unsafe { border::object(envelope) }?;
+    let (envelope, reads) = unsafe { border::object(envelope) }?;
     let out = out?;
-    object.check_vertices(&vertices)?;
+    check_vertices(envelope, &vertices)?;
     out.check_least(vertices.len().saturating_mul(N))?;
-    border::apart(&[out.span()], &object.spans(envelope))?;
+    border::apart(&[out.span()], &reads)?;
     // SAFETY: apart from all that the call reads; lent by the caller.
     let (out, _) = unsafe { out.write() }.as_chunks_mut::<N>();
-    for (out, value) in
-        out.iter_mut().zip(vertices.map_while(|vertex| read(&object.envelope, vertex)))
-    {
+    for (out, value) in out.iter_mut().zip(vertices.map_while(|vertex| read(envelope, vertex))) {
         *out = value;
     }
     Ok(())

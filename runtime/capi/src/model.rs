@@ -1,9 +1,9 @@
 //! A loaded file.
 
-use crate::border::{self, Array, Object, Span};
+use crate::border::{self, Array, Loaded, Object};
 use crate::{sinew_error, sinew_status, sinew_subject};
 use core::ffi::c_void;
-use core::mem::{align_of, offset_of, size_of};
+use core::mem::{align_of, size_of};
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::{Limits, Model};
 
@@ -14,16 +14,16 @@ pub const SINEW_MODEL_WORDS: usize = 12;
 /// A loaded file: a view of its bytes, which must stay where they are and as they are for as long
 /// as the model or an envelope of it is used. It never changes and may be used on any number of
 /// threads at once. It may be moved with `memcpy`, and needs no destruction.
-pub struct sinew_model {
-    tag: u32,
-    pub(crate) model: Model<'static>,
-    pub(crate) file: Span,
-}
+pub struct sinew_model(Loaded<Model<'static>>);
 
 impl Object for sinew_model {
+    type Value = Model<'static>;
     const TAG: u32 = u32::from_le_bytes(*b"SnwM");
-    const TAG_OFFSET: usize = offset_of!(Self, tag);
     const SUBJECT: sinew_subject = sinew_subject::Model;
+
+    fn loaded(&self) -> &Loaded<Self::Value> {
+        &self.0
+    }
 }
 
 const _: () = {
@@ -113,9 +113,6 @@ pub unsafe extern "C" fn sinew_model_load(
 ) -> sinew_status {
     let body = || {
         let place = border::place::<sinew_model>(memory, memory_bytes)?;
-        if file.is_null() {
-            return Err(sinew_error::new(sinew_status::Null, sinew_subject::File));
-        }
         let file = Array::new(file, file_bytes, sinew_subject::File)?;
         let limits = Array::optional(limits, sinew_subject::Limits)?;
         let out = Array::one(out_model, sinew_subject::Result)?;
@@ -127,7 +124,7 @@ pub unsafe extern "C" fn sinew_model_load(
         let limits = unsafe { limits.read() }.first().map_or(Limits::DEFAULT, Limits::from);
         let model = Model::from_bytes_with(file, &limits)?;
         // SAFETY: memory large enough, aligned, apart from the file, and lent by the caller.
-        unsafe { place.store(sinew_model { tag: sinew_model::TAG, model, file: span }) };
+        unsafe { place.store(sinew_model(Loaded::new::<sinew_model>(model, span))) };
         // SAFETY: one element, which the caller lets be written.
         unsafe { out.store(memory.cast_const().cast()) };
         Ok(())
@@ -149,11 +146,11 @@ pub unsafe extern "C" fn sinew_model_blob(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let object = unsafe { border::object(model) }?;
+        let (model, reads) = unsafe { border::object(model) }?;
         let out = Array::one(out_blob, sinew_subject::Result)?;
         let out_len = Array::one(out_bytes, sinew_subject::SecondResult)?;
-        border::apart(&[out.span(), out_len.span()], &object.spans(model))?;
-        let blob = object.model.blob();
+        border::apart(&[out.span(), out_len.span()], &reads)?;
+        let blob = model.blob();
         // SAFETY: one element each, which the caller lets be written; the object is not read again.
         unsafe { (out.store(blob.as_ptr()), out_len.store(blob.len())) };
         Ok(())
@@ -178,10 +175,10 @@ pub unsafe extern "C" fn sinew_model_section(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let object = unsafe { border::object(model) }?;
+        let (model, reads) = unsafe { border::object(model) }?;
         let out = Array::one(out_section, sinew_subject::Result)?;
-        border::apart(&[out.span()], &object.spans(model))?;
-        let found = object.model.sections().find(|section| {
+        border::apart(&[out.span()], &reads)?;
+        let found = model.sections().find(|section| {
             u32::from(section.row.part) == part && u32::from(section.row.kind) == kind
         });
         let row = found.map(|section| section.row).ok_or_else(|| {
@@ -198,13 +195,6 @@ pub unsafe extern "C" fn sinew_model_section(
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
-}
-
-impl sinew_model {
-    /// Returns what a call with this handle reads.
-    pub(crate) fn spans(&self, handle: *const Self) -> [Span; 2] {
-        [Span::of(handle), self.file]
-    }
 }
 
 impl From<&sinew_limits> for Limits {

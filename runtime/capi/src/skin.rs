@@ -47,9 +47,11 @@ pub struct sinew_skin_job {
     pub end: usize,
     /// Where to put positions: 3 floats, model space.
     pub positions: sinew_attribute,
-    /// Where to put normals: 3 floats of length 1.
+    /// Where to put normals: 3 floats of length 1; where a map leaves one no direction, the rest
+    /// normal.
     pub normals: sinew_attribute,
-    /// Where to put tangents: 3 floats of length 1, then the handedness.
+    /// Where to put tangents: 3 floats of length 1 (the rest tangent where a map leaves one no
+    /// direction), then the handedness.
     pub tangents: sinew_attribute,
     /// Buffer A, as long as its attributes need: `offset + (n - 1) * stride + 3` floats for n
     /// positions, say. Null if none is in it.
@@ -79,12 +81,11 @@ pub unsafe extern "C" fn sinew_skin(
         let job = unsafe { job.read() }.first().copied();
         let job = job.ok_or(sinew_error::new(sinew_status::Null, sinew_subject::Job))?;
         // SAFETY: the caller's promise is passed on.
-        let object = unsafe { border::object(job.envelope) }?;
+        let (envelope, [handle, file]) = unsafe { border::object(job.envelope) }?;
         let palette =
             Array::new(job.palette.cast::<Matrix3x4>(), job.palette_len, sinew_subject::Palette)?;
         let out_a = Array::new(job.out_a, job.out_a_len, sinew_subject::OutA)?;
         let out_b = Array::new(job.out_b, job.out_b_len, sinew_subject::OutB)?;
-        let [handle, file] = object.spans(job.envelope);
         border::apart(&[out_a.span(), out_b.span()], &[handle, file, palette.span(), job_span])?;
         let positions = attribute(job.positions, sinew_subject::Positions)?;
         let normals = attribute(job.normals, sinew_subject::Normals)?;
@@ -92,7 +93,7 @@ pub unsafe extern "C" fn sinew_skin(
         // SAFETY: lent by the caller; what is written is apart from all else.
         let (palette, out_a, out_b) = unsafe { (palette.read(), out_a.write(), out_b.write()) };
         SkinJob {
-            envelope: object.envelope,
+            envelope: *envelope,
             palette,
             vertices: job.start..job.end,
             positions,

@@ -29,21 +29,23 @@ pub enum sinew_status {
     /// An array is too short. Subject: the array; expected: the least length; found: its length.
     TooShort = 7,
     /// A joint, or a range of vertices, is not in the model. Subject: joints or vertices; index: the
-    /// range's start; expected: how many there are; found: the joint, or the range's end.
+    /// joint, or the range's start; expected: how many there are; found: the joint, or the range's end.
     OutOfRange = 8,
-    /// The pose of a joint is not finite. Index: the joint.
+    /// The pose of a joint is not finite. Subject: the argument; index: the joint.
     NonFinite = 9,
-    /// A joint's quaternion has no direction: it is zero, or too large to square. Index: the joint.
+    /// A joint's quaternion has no direction: it is zero, or too small or too large to square.
+    /// Subject: the argument; index: the joint.
     ZeroRotation = 10,
     /// A stride is shorter than its attribute. Expected: floats of the attribute; found: the stride.
     Stride = 11,
     /// An attribute names no buffer. Subject: the attribute; found: the number in the buffer's place.
     Buffer = 12,
-    /// Tangents were asked of a model that has none.
+    /// Tangents were asked of a model that has none. Subject: tangents.
     NoTangents = 13,
-    /// The model has no vertices, and so no bounds.
+    /// The model has no vertices, and so no bounds. Subject: vertices.
     NoVertices = 14,
-    /// The file holds no such envelope, or no such section.
+    /// The file holds no such envelope, or no such section. Subject: the envelope, or the section if it
+    /// is one of FORMAT.md's; found: the section's number.
     NotFound = 15,
     /// The model's predictor has no such stage. Found: the predictor.
     NoStage = 16,
@@ -88,7 +90,7 @@ pub enum sinew_status {
     DuplicateSection = 118,
     /// A predictor that this library does not know. Found: its number.
     Predictor = 119,
-    /// There is none of what there must be at least one. Subject: of what.
+    /// There is none of what there must be at least one. Subject: of what; expected: 1.
     Empty = 120,
     /// A part lacks a section. Subject: the section.
     MissingSection = 121,

@@ -101,7 +101,7 @@ static void model(size_t bytes)
 
     FAILS(NULL, MEMORY, LOAD(NULL, room, w.file, bytes, none, &w.out_model));
     FAILS(NULL, FILE, LOAD(w.model, room, NULL, bytes, none, &w.out_model));
-    FAILS(NULL, FILE, LOAD(w.model, room, NULL, 0, none, &w.out_model));
+    FAILS(MALFORMED, NONE, LOAD(w.model, room, NULL, 0, none, &w.out_model));
     FAILS(NULL, RESULT, LOAD(w.model, room, w.file, bytes, none, NULL));
     FAILS(MISALIGNED, MEMORY, LOAD(ODD(w.model), room, w.file, bytes, none, &w.out_model));
     FAILS(MISALIGNED, LIMITS, LOAD(w.model, room, w.file, bytes, ODD(&w.limits), &w.out_model));
@@ -287,6 +287,7 @@ static void palette(palette_call *call)
     FAILS(TOO_SHORT, WORKSPACE, PALETTE(e, w.pose, j, w.workspace, s - 1, w.palette, p, c));
     FAILS(TOO_SHORT, WORKSPACE, PALETTE(e, w.pose, j, NULL, 0, w.palette, p, c));
     FAILS(LENGTH, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, w.palette, p - 1, c));
+    FAILS(LENGTH, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, w.palette, p + 1, c));
     FAILS(TOO_LONG, POSE, PALETTE(e, w.pose, MANY, w.workspace, s, w.palette, p, c));
     FAILS(TOO_LONG, WORKSPACE, PALETTE(e, w.pose, j, w.workspace, MANY, w.palette, p, c));
     FAILS(TOO_LONG, PALETTE, PALETTE(e, w.pose, j, w.workspace, s, w.palette, MANY, c));
@@ -322,6 +323,7 @@ static void evaluate(void)
     FAILS(LENGTH, LOCAL, POSE(e, NULL, 0, w.pose, j));
     FAILS(LENGTH, LOCAL, POSE(e, w.local, j + 1, w.pose, j));
     FAILS(LENGTH, POSE, POSE(e, w.local, j, w.pose, j - 1));
+    FAILS(LENGTH, POSE, POSE(e, w.local, j, w.pose, j + 1));
     FAILS(TOO_LONG, LOCAL, POSE(e, w.local, MANY, w.pose, j));
     FAILS(TOO_LONG, POSE, POSE(e, w.local, j, w.pose, MANY));
     FAILS(MISALIGNED, LOCAL, POSE(e, ODD(w.local), j, w.pose, j));

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{GOLDEN, STRICT, golden, libraries, output, package, printed, scratch};
+use common::{GOLDEN, STRICT, golden, libraries, output, package, printed, readme, scratch};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -99,11 +99,8 @@ fn cpp_objects_own_move_and_fail() {
 
 #[test]
 fn the_readme_compiles_and_runs() {
-    let readme = std::fs::read_to_string(package().join("README.md")).unwrap();
-    let (_, rest) = readme.split_once("```c\n").unwrap();
-    let (code, _) = rest.split_once("```").unwrap();
     let source = scratch().join("readme.c");
-    std::fs::write(&source, code).unwrap();
+    std::fs::write(&source, readme(0)).unwrap();
     let library = static_library();
     let program = compile("gcc", C, source.to_str().unwrap(), "readme", &["-O2", &library]);
     let found = output(Command::new(program).arg(golden(GOLDEN[1])), GCC);

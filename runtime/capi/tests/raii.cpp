@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <type_traits>
 
 static int failures = 0;
 
@@ -19,6 +20,18 @@ static void expect(bool held, const char *what)
     }
 }
 #define EXPECT(what) expect(what, #what)
+
+/// Whether a model can borrow what is given so.
+template <class Bytes>
+constexpr auto can_borrow(int)
+    -> decltype(std::declval<sinew::Model &>().borrow(std::declval<Bytes>()), bool())
+{
+    return true;
+}
+template <class> constexpr bool can_borrow(long)
+{
+    return false;
+}
 
 int main(int, char **argv)
 {
@@ -47,7 +60,10 @@ int main(int, char **argv)
     model = std::move(moved);
     EXPECT(sinew::Envelope().open(moved).status == SINEW_STATUS_NOT_LOADED);
     EXPECT(!model.load(file));
+    sinew::Model &itself = model;
+    model = std::move(itself);
     EXPECT(!envelope.open(model));
+    EXPECT(model.load({}).status == SINEW_STATUS_MALFORMED);
     const sinew::Envelope copied = envelope;
 
     std::vector<sinew_matrix> pose(copied.info().joint_len);
@@ -64,7 +80,11 @@ int main(int, char **argv)
     EXPECT(std::strcmp(not_finite.subject(), "pose") == 0);
     EXPECT(character.confidence() == 1.0f);
 
-    // Bytes that stay can be borrowed.
+    // Bytes that stay can be borrowed, others cannot; nor can an envelope that goes.
+    static_assert(!std::is_constructible_v<sinew::Character, sinew::Envelope>);
+    static_assert(std::is_constructible_v<sinew::Character, const sinew::Envelope &>);
+    static_assert(!can_borrow<std::vector<std::uint8_t>>(0));
+    static_assert(can_borrow<const std::vector<std::uint8_t> &>(0));
     sinew::Model borrowed;
     EXPECT(!borrowed.borrow(file));
     EXPECT(!sinew::Envelope().open(borrowed));

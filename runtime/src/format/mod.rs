@@ -86,7 +86,7 @@ pub struct File<'a> {
     pub blob: &'a [u8],
 }
 
-/// Writes bytes as postcard would one by one.
+/// Writes bytes as postcard would one by one, but in one call: under Miri a writer takes seconds else.
 fn at_once<S: Serializer>(bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_bytes(bytes)
 }

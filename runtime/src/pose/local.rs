@@ -23,7 +23,7 @@ pub struct LocalTransform {
 /// # Errors
 /// - [`EvalError::Length`]: `local` or `out_pose` ([`Argument::Pose`]) does not hold J elements.
 /// - [`EvalError::NonFinite`]: a rotation or translation is not finite.
-/// - [`EvalError::ZeroRotation`]: a quaternion's squared length is zero or overflows.
+/// - [`EvalError::ZeroRotation`]: a quaternion's squared length is zero, subnormal or overflows.
 pub fn model_space_pose(
     envelope: &Envelope<'_>,
     local: &[LocalTransform],

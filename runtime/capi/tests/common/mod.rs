@@ -25,6 +25,13 @@ pub fn golden(name: &str) -> PathBuf {
     package().join("../../tests/golden").join(name)
 }
 
+/// Returns a block of C from the README, counted from 0.
+pub fn readme(block: usize) -> String {
+    let readme = std::fs::read_to_string(package().join("README.md")).unwrap();
+    let code = readme.split("```c\n").nth(1 + block).unwrap();
+    code.split_once("```").unwrap().0.to_owned()
+}
+
 /// A folder of this package's own under the target folder.
 pub fn scratch() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("capi");
@@ -44,7 +51,7 @@ pub fn output(command: &mut Command, install: &str) -> String {
 
 /// Builds the static and the shared library for this machine, and returns their folder.
 pub fn libraries() -> PathBuf {
-    cargo(&["build"]).join("embed")
+    cargo(&["rustc", "--crate-type", "staticlib,cdylib"]).join("embed")
 }
 
 /// Builds the static library for a bare target.

@@ -46,11 +46,13 @@ impl Call<'_, '_> {
 
     /// Draws the handle of a model.
     pub(super) fn model(&mut self) -> Result<*const sinew_model> {
+        self.faultless &= self.arena.blob().is_some();
         self.handle(self.arena.model.clone(), self.arena.envelope.clone())
     }
 
     /// Draws the handle of an envelope.
     pub(super) fn envelope(&mut self) -> Result<*const sinew_envelope> {
+        self.faultless &= self.arena.info().is_some();
         self.handle(self.arena.envelope.clone(), self.arena.model.clone())
     }
 
@@ -58,13 +60,12 @@ impl Call<'_, '_> {
     /// beside it, or nowhere.
     fn handle<T>(&mut self, own: Range<usize>, other: Range<usize>) -> Result<*const T> {
         self.read.extend([own.clone(), self.arena.file.clone()]);
-        let blank = self.arena.results.clone();
         let drawn = self.u.int_in_range(0..=31)?;
         self.faultless &= drawn > 3;
         let place = match drawn {
             0 => return Ok(null()),
             1 => other.start,
-            2 if own.len() <= blank.len() => blank.start,
+            2 => self.arena.results.start,
             3 => own.start + self.u.int_in_range(1..=7)?,
             _ => own.start,
         };
@@ -109,6 +110,13 @@ impl Call<'_, '_> {
     pub(super) fn output<T>(&mut self, len: usize) -> Result<(*mut T, usize)> {
         let (at, found) = self.output_any(len)?;
         self.wrong_length |= found < len;
+        Ok((at, found))
+    }
+
+    /// Draws an array for exactly `len` results.
+    pub(super) fn output_exact<T>(&mut self, len: usize) -> Result<(*mut T, usize)> {
+        let (at, found) = self.output_any(len)?;
+        self.wrong_length |= found != len;
         Ok((at, found))
     }
 

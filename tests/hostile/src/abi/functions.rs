@@ -47,6 +47,7 @@ fn limits_default(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 }
 
 fn load(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    call.faultless &= call.arena.blob().is_some();
     let (memory, memory_bytes) = call.memory(sinew_model_bytes())?;
     let (file, file_bytes) = call.input_any(call.arena.file.clone())?;
     let limits = if call.one_in(4)? { limits(call)? } else { null() };
@@ -83,6 +84,7 @@ fn section(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 
 fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let model = call.model()?;
+    call.faultless &= call.arena.info().is_some();
     let (name, name_len) = if call.one_in(2)? { name(call)? } else { (null(), 0) };
     let (memory, memory_bytes) = call.memory(sinew_envelope_bytes())?;
     let out = call.output_one()?;
@@ -97,6 +99,7 @@ fn name(call: &mut Call<'_, '_>) -> Result<(*const c_char, usize)> {
     let mut name = call.arena.frame.name.clone().into_bytes();
     if call.one_in(4)? {
         name.reverse();
+        call.faultless = false;
     }
     call.arena.write(start, &name);
     call.input_any(start..start + name.len())
@@ -130,7 +133,7 @@ fn pose(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     call.spoil(call.arena.local.clone())?;
     let envelope = call.envelope()?;
     let (local, local_len) = call.input(call.arena.local.clone())?;
-    let (out, out_len) = call.output(call.arena.frame.pose.len())?;
+    let (out, out_len) = call.output_exact(call.arena.frame.pose.len())?;
     let error = call.ready(|arena| bytes(floats(&arena.frame.pose)));
     // SAFETY: as above.
     Ok(unsafe { sinew_envelope_pose(envelope, local, local_len, out, out_len, error) })
@@ -162,7 +165,7 @@ fn palette_by(call: &mut Call<'_, '_>, function: PaletteCall) -> Result<sinew_st
     call.spoil(call.arena.pose.clone())?;
     let envelope = call.envelope()?;
     let (pose, pose_len) = call.input(call.arena.pose.clone())?;
-    let (out, out_len) = call.output(call.arena.frame.palette.len())?;
+    let (out, out_len) = call.output_exact(call.arena.frame.palette.len())?;
     let (scratch, scratch_len) = call.output(call.arena.frame.workspace_len)?;
     let confidence = if call.one_in(4)? { null_mut() } else { call.output_one()? };
     let error = call.ready(|arena| bytes(floats(&arena.frame.palette)));
@@ -173,6 +176,7 @@ fn palette_by(call: &mut Call<'_, '_>, function: PaletteCall) -> Result<sinew_st
 }
 
 fn bounds(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    call.faultless &= call.arena.frame.bounds.is_some();
     let envelope = call.envelope()?;
     let (palette, palette_len) = call.input(call.arena.palette.clone())?;
     let out = call.output_one()?;
@@ -184,27 +188,34 @@ fn bounds(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 }
 
 fn rest_positions(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let (envelope, (start, end, n)) = (call.envelope()?, call.vertices()?);
-    let (out, out_len) = call.output(3 * n)?;
-    let error = call.ready(unknown);
-    // SAFETY: as above.
-    Ok(unsafe { sinew_envelope_rest_positions(envelope, start, end, out, out_len, error) })
+    rest(call, 3, sinew_envelope_rest_positions)
 }
 
 fn rest_normals(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let (envelope, (start, end, n)) = (call.envelope()?, call.vertices()?);
-    let (out, out_len) = call.output(3 * n)?;
-    let error = call.ready(unknown);
-    // SAFETY: as above.
-    Ok(unsafe { sinew_envelope_rest_normals(envelope, start, end, out, out_len, error) })
+    rest(call, 3, sinew_envelope_rest_normals)
 }
 
 fn rest_tangents(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    call.faultless &= call.arena.frame.has_tangents;
+    rest(call, 4, sinew_envelope_rest_tangents)
+}
+
+/// What copies an attribute of the rest pose.
+type RestCall = unsafe extern "C" fn(
+    *const sinew_envelope,
+    usize,
+    usize,
+    *mut f32,
+    usize,
+    *mut sinew_error,
+) -> sinew_status;
+
+fn rest(call: &mut Call<'_, '_>, floats: usize, function: RestCall) -> Result<sinew_status> {
     let (envelope, (start, end, n)) = (call.envelope()?, call.vertices()?);
-    let (out, out_len) = call.output(4 * n)?;
+    let (out, out_len) = call.output(floats * n)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
-    Ok(unsafe { sinew_envelope_rest_tangents(envelope, start, end, out, out_len, error) })
+    Ok(unsafe { function(envelope, start, end, out, out_len, error) })
 }
 
 fn influences(call: &mut Call<'_, '_>) -> Result<sinew_status> {

@@ -11,7 +11,6 @@ mod frame;
 mod functions;
 mod header;
 
-use crate::poses;
 use crate::recipe;
 use arbitrary::{Result, Unstructured};
 use arena::Arena;
@@ -20,6 +19,9 @@ use functions::FUNCTIONS;
 
 use sinew_capi::sinew_status;
 use sinew_runtime::{FormatError, Model};
+
+/// The last number of a pose that the frame may have.
+const POSES: usize = 7;
 
 /// Calls of one input.
 const CALLS: usize = 8;
@@ -49,7 +51,7 @@ pub fn calls(data: &[u8]) -> std::result::Result<(), FormatError> {
 
 /// Makes one call in memory of its own; returns the function and what it said.
 fn one_call(u: &mut Unstructured<'_>, file: &[u8]) -> Result<(&'static str, sinew_status)> {
-    let mut arena = Arena::new(file, u.int_in_range(0..=poses::KINDS)?);
+    let mut arena = Arena::new(file, u.int_in_range(0..=POSES)?);
     let (name, function) = FUNCTIONS[u.choose_index(FUNCTIONS.len())?];
     let mut call = Call::new(u, &mut arena)?;
     let status = function(&mut call)?;

@@ -132,14 +132,18 @@ fn costs(folder: &Path) -> Result<(), String> {
             }
         }
     }
-    let small = |image| -> Result<u64, String> {
-        Ok(Elf::read(&build(folder, M4F, Profile::Small, image)?)?.loaded_bytes())
-    };
-    let bare = small(Image::Bare)?;
-    for (name, image) in
-        [("rotational", Image::SizeRotational), ("any", Image::SizeAny), ("all", Image::SizeAll)]
-    {
-        figures.push((format!("small {name} code"), small(image)? - bare));
+    for profile in Profile::ALL {
+        let bytes = |image| -> Result<u64, String> {
+            Ok(Elf::read(&build(folder, M4F, profile, image)?)?.loaded_bytes())
+        };
+        let bare = bytes(Image::Bare)?;
+        for (name, image) in [
+            ("rotational", Image::SizeRotational),
+            ("any", Image::SizeAny),
+            ("all", Image::SizeAll),
+        ] {
+            figures.push((format!("{} {name} code", profile.name()), bytes(image)? - bare));
+        }
     }
     let path = "tests/firmware/budget.txt";
     let budget = std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"))?;
