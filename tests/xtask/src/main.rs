@@ -30,7 +30,7 @@ usage: cargo xtask COMMAND
                that no allocator and no panic is linked; hold sizes, stack and instructions to
                tests/firmware/budget.txt
   deep [SECONDS]
-               run the tests of the runtime and of its C ABI under Miri, a million mutated files, and
+               run the runtime's tests and the C ABI's calls under Miri, a million mutated files, and
                every fuzz target for SECONDS (300); needs nightly
 ";
 

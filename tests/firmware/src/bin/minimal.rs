@@ -10,7 +10,8 @@ firmware::may_panic!();
 /// In flash: read where it lies, never copied.
 static MODEL: &[u8] = include_bytes!("../../../golden/envelope-2-rotational.snw");
 
-/// Joints, maps and vertices that this firmware has room for.
+/// Joints, maps and vertices that this firmware has room for. A model with kernel maps has more maps,
+/// the joints among them, and its scratch is the last argument of `workspace_len`.
 const JOINTS: usize = 8;
 const MAPS: usize = 8;
 const VERTICES: usize = 32;
@@ -36,7 +37,7 @@ fn frame() -> Option<()> {
     // Each frame: the joints' rotations against their parents, then two calls.
     local.first_mut()?.rotation = [0.0, 0.0, 0.6, 0.8];
     model_space_pose(&envelope, local, pose).ok()?;
-    let confidence = envelope.palette(pose, &mut workspace, palette).ok()?;
+    let confidence = envelope.rotational_palette(pose, &mut workspace, palette).ok()?;
     envelope.skin_positions(palette, &mut positions).ok()?;
 
     firmware::say!("confidence {confidence}, first vertex {:?}", positions.first()?);
