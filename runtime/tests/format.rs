@@ -15,7 +15,7 @@ fn error(bytes: &[u8]) -> FormatError {
 
 /// Loads a sample that `edit` has changed.
 fn edited(edit: impl FnOnce(&mut Builder)) -> Result<(), FormatError> {
-    let mut builder = Builder::sample(SMALL);
+    let mut builder = Builder::small(Predictor::Rotational);
     edit(&mut builder);
     Model::from_bytes(&builder.bytes()).map(|_| ())
 }
@@ -25,7 +25,7 @@ fn a_sound_file_loads_at_any_address_and_alignment() {
     for alignment_log2 in (4..=12).step_by(apart(9)) {
         // Further rows shift the blob's start through many residues.
         for further in (0..=19).step_by(apart(19)) {
-            let mut builder = Builder::sample(SMALL);
+            let mut builder = Builder::small(Predictor::Rotational);
             builder.alignment_log2 = alignment_log2;
             let content = |kind| Content { kind, part: 0, flags: 0, bytes: vec![1; 5] };
             builder.sections.extend((900..900 + further).map(content));
@@ -42,7 +42,7 @@ fn accessors_give_what_was_written() {
     fn shared<T: Send + Sync + Copy>(value: T) -> T {
         value
     }
-    let mut builder = Builder::sample(SMALL);
+    let mut builder = Builder::small(Predictor::Rotational);
     builder.set_float(SectionKind::C1, 8 * 4 + 5, 0.625);
     // Block 1, column 2, row 3 of it.
     builder.set_float(SectionKind::C2, 8 * (16 + 2) + 3, 0.375);
@@ -72,7 +72,7 @@ fn accessors_give_what_was_written() {
 
 #[test]
 fn every_truncation_is_refused() {
-    let bytes = Builder::sample(SMALL).bytes();
+    let bytes = Builder::small(Predictor::Rotational).bytes();
     for len in (0..bytes.len()).step_by(apart(199)) {
         assert_eq!(error(&bytes[..len]), FormatError::Malformed, "{len}");
         let mut sealed = bytes[..len].to_vec();
@@ -83,7 +83,7 @@ fn every_truncation_is_refused() {
 
 #[test]
 fn extra_bytes_are_refused() {
-    let mut bytes = Builder::sample(SMALL).bytes();
+    let mut bytes = Builder::small(Predictor::Rotational).bytes();
     bytes.push(0);
     seal(&mut bytes);
     assert_eq!(error(&bytes), FormatError::TrailingBytes { found: 1 });
@@ -109,7 +109,7 @@ fn every_flipped_bit_is_refused_and_harmless_when_sealed() {
 fn random_damage_is_harmless() {
     let mut rng = Rng(99);
     let mut below = |n: usize| (rng.next() % n as u64) as usize;
-    let bytes = Builder::sample(SMALL).bytes();
+    let bytes = Builder::small(Predictor::Rotational).bytes();
     for _ in (0..20_000).step_by(apart(1999)) {
         let mut damaged = bytes.clone();
         // Half of the damage goes to the head and the tables, where it says most.
@@ -139,7 +139,7 @@ fn each_field_of_the_head_is_checked() {
     for log2 in [0, 3, 13, 63, 255].into_iter().step_by(apart(5)) {
         assert_eq!(edited(|b| b.alignment_log2 = log2), Err(FormatError::Alignment { log2 }));
     }
-    let builder = Builder::sample(SMALL);
+    let builder = Builder::small(Predictor::Rotational);
     let sum = |bytes: &[u8]| u32::from_le_bytes(*bytes[CHECKSUM_OFFSET..].first_chunk().unwrap());
     let mut bytes = builder.bytes();
     let expected = sum(&bytes) ^ 1;
@@ -158,7 +158,7 @@ fn each_field_of_the_head_is_checked() {
 
 #[test]
 fn each_field_of_the_tables_is_checked() {
-    let row = Builder::sample(SMALL).parts[0];
+    let row = Builder::small(Predictor::Rotational).parts[0];
     assert_eq!(edited(|b| b.parts.clear()), Err(FormatError::PartTable { bytes: 0 }));
     let nine = FormatError::PartTable { bytes: 9 * PartRow::BYTES };
     assert_eq!(edited(|b| b.parts = vec![row; 9]), Err(nine));
@@ -203,7 +203,7 @@ fn each_field_of_the_tables_is_checked() {
     assert_eq!(rows(|r| r[12].bytes = u32::MAX), Err(FormatError::SectionBounds { row: 12 }));
     assert_eq!(rows(|r| r.swap(3, 4)), Err(FormatError::SectionOverlap { row: 4 }));
 
-    let builder = Builder::sample(SMALL);
+    let builder = Builder::small(Predictor::Rotational);
     let odd = builder.bytes_with(|file| {
         file.parts = &file.parts[1..];
         file.padding = &[0; 32][..file.padding.len() + 1];
@@ -222,7 +222,7 @@ fn each_section_is_required_and_has_its_length() {
         Predictor::ALL.into_iter().flat_map(|p| SectionKind::ALL.map(|section| (p, section)))
     {
         let edited = |edit: &dyn Fn(&mut Builder)| {
-            let mut builder = Builder::of(predictor, SMALL);
+            let mut builder = Builder::small(predictor);
             edit(&mut builder);
             Model::from_bytes(&builder.bytes()).map(|_| ())
         };
@@ -246,7 +246,7 @@ fn each_section_is_required_and_has_its_length() {
                 (SectionKind::Names, Err(FormatError::Name { index: 4 })) => {}
                 (_, Err(FormatError::SectionLength { section: found, expected, .. })) => {
                     assert_eq!(found, section);
-                    let mut builder = Builder::of(predictor, SMALL);
+                    let mut builder = Builder::small(predictor);
                     let counts = builder.parts[0].envelope_counts();
                     let stated = match section {
                         SectionKind::Corrections => Some(builder.section(section).len() as u64),
@@ -272,7 +272,7 @@ fn each_section_is_required_and_has_its_length() {
 
 #[test]
 fn limits_are_honoured() {
-    let bytes = Builder::sample(SMALL).bytes();
+    let bytes = Builder::small(Predictor::Rotational).bytes();
     let exact = Limits {
         file_bytes: bytes.len() as u32,
         vertices: SMALL.vertices as u32,
@@ -297,7 +297,7 @@ fn limits_are_honoured() {
         assert_eq!(edited(|b| b.parts[0].counts[at] = 0), Err(FormatError::Empty { quantity }));
     }
     // Limits do not lift what the format cannot hold.
-    let mut builder = Builder::sample(SMALL);
+    let mut builder = Builder::small(Predictor::Rotational);
     builder.parts[0].counts[1] = 65_536;
     let unlimited = Limits { joints: u32::MAX, ..Limits::DEFAULT };
     let found = Model::from_bytes_with(&builder.bytes(), &unlimited).unwrap_err();

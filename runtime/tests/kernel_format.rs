@@ -14,7 +14,7 @@ const BOTH: [Predictor; 2] = [Predictor::Kernel, Predictor::Hybrid];
 /// Loads kernel and hybrid samples that `edit` has changed; they must agree.
 fn edited(edit: impl Fn(&mut Builder)) -> Result<(), FormatError> {
     let [kernel, hybrid] = BOTH.map(|predictor| {
-        let mut builder = Builder::of(predictor, SMALL);
+        let mut builder = Builder::small(predictor);
         edit(&mut builder);
         Model::from_bytes(&builder.bytes()).map(|_| ())
     });
@@ -31,7 +31,7 @@ fn accessors_give_what_was_written() {
     let groups = sample_groups(SMALL.joints, SMALL.proxies);
     assert_eq!(groups.len(), 2);
     for predictor in BOTH {
-        let bytes = Builder::of(predictor, SMALL).bytes();
+        let bytes = Builder::small(predictor).bytes();
         let envelope = Model::from_bytes(&bytes).unwrap().envelope().unwrap();
         assert_eq!((envelope.predictor(), envelope.group_len()), (predictor, 2));
         let joints = if predictor == Predictor::Kernel { 4 } else { 0 };
@@ -84,7 +84,7 @@ fn a_model_of_joints_alone_loads() {
     let envelope = Model::from_bytes(&bytes).unwrap().envelope().unwrap();
     assert_eq!((envelope.palette_len(), envelope.scratch_len()), (4, 0));
     exercise(&bytes).unwrap();
-    let mut builder = Builder::of(Predictor::Hybrid, SMALL);
+    let mut builder = Builder::small(Predictor::Hybrid);
     builder.parts[0].counts[2] = 0;
     let quantity = Quantity::Proxies;
     assert_eq!(Model::from_bytes(&builder.bytes()).err(), Some(FormatError::Empty { quantity }));
@@ -171,7 +171,7 @@ fn each_field_of_a_group_is_checked() {
 #[test]
 fn a_rotational_model_has_no_groups_and_no_scratch() {
     let refused = |at: usize| {
-        let mut builder = Builder::sample(SMALL);
+        let mut builder = Builder::small(Predictor::Rotational);
         builder.parts[0].counts[at] = 1;
         Model::from_bytes(&builder.bytes()).unwrap_err()
     };
@@ -179,7 +179,7 @@ fn a_rotational_model_has_no_groups_and_no_scratch() {
     assert_eq!(refused(5), FormatError::Limit { quantity, most, found: 1 });
     assert_eq!(refused(6), FormatError::Scratch { expected: 0, found: 1 });
     // More groups than the format can hold proxies for are refused before they cost anything.
-    let mut builder = Builder::of(Predictor::Kernel, SMALL);
+    let mut builder = Builder::small(Predictor::Kernel);
     builder.parts[0].counts[2] = u32::MAX;
     builder.parts[0].counts[5] = u32::MAX;
     let unlimited = Limits { proxies: u32::MAX, ..Limits::DEFAULT };
@@ -224,7 +224,7 @@ fn fades_start_and_then_end() {
 #[test]
 fn each_number_of_a_correction_is_checked() {
     let section = SectionKind::Corrections;
-    let len = Builder::of(Predictor::Kernel, SMALL).section(section).len() / 4;
+    let len = Builder::small(Predictor::Kernel).section(section).len() / 4;
     let groups = sample_groups(4, 3);
     let first = groups[0].words().len() / 4;
     // Features stand first in each group, 5 and then 9 of them in whole blocks.
