@@ -1,5 +1,6 @@
 //! The memory of one call.
 
+use super::arguments::RESULTS_APART;
 use super::frame::Frame;
 use sinew_capi::*;
 use sinew_runtime::Model;
@@ -63,7 +64,7 @@ impl Arena {
             pose: place(size_of_val(&*frame.pose)),
             palette: place(size_of_val(&*frame.palette)),
             argument: place(frame.name.len().max(size_of::<sinew_skin_job>())),
-            results: place(results + 8 * ALIGNMENT),
+            results: place(results + 4 * (RESULTS_APART + ALIGNMENT)),
             frame,
         };
         arena.memory = vec![u128::from_ne_bytes([BLANK; ALIGNMENT]); end / ALIGNMENT];

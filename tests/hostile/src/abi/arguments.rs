@@ -13,6 +13,9 @@ use std::ptr::{null, null_mut};
 const NUMBERS: [usize; 8] =
     [0, 1, 2, 0xffff, u32::MAX as usize, isize::MAX as usize, usize::MAX - 1, usize::MAX];
 
+/// Bytes between results: more than any element has.
+pub(super) const RESULTS_APART: usize = 64;
+
 impl Call<'_, '_> {
     /// Draws a number that should be below another.
     pub(super) fn number(&mut self, below: usize) -> Result<usize> {
@@ -76,7 +79,7 @@ impl Call<'_, '_> {
     pub(super) fn input<T>(&mut self, place: Range<usize>) -> Result<(*const T, usize)> {
         let right = place.len() / size_of::<T>();
         let (at, len) = self.input_any(place)?;
-        self.wrong_length |= len != right;
+        self.must_fail |= len != right;
         Ok((at, len))
     }
 
@@ -109,14 +112,14 @@ impl Call<'_, '_> {
     /// Draws an array for `len` results, which must not be shorter.
     pub(super) fn output<T>(&mut self, len: usize) -> Result<(*mut T, usize)> {
         let (at, found) = self.output_any(len)?;
-        self.wrong_length |= found < len;
+        self.must_fail |= found < len;
         Ok((at, found))
     }
 
     /// Draws an array for exactly `len` results.
     pub(super) fn output_exact<T>(&mut self, len: usize) -> Result<(*mut T, usize)> {
         let (at, found) = self.output_any(len)?;
-        self.wrong_length |= found != len;
+        self.must_fail |= found != len;
         Ok((at, found))
     }
 
@@ -140,15 +143,15 @@ impl Call<'_, '_> {
     pub(super) fn memory(&mut self, object_bytes: usize) -> Result<(*mut c_void, usize)> {
         let place = self.result_place(object_bytes);
         let (at, bytes) = self.array::<u8>(place)?;
-        self.wrong_length |= bytes < object_bytes;
+        self.must_fail |= bytes < object_bytes;
         self.written.extend(self.arena.place(at, object_bytes.min(bytes)));
         Ok((at.cast(), bytes))
     }
 
-    /// Takes the next room for results.
+    /// Takes the next room for results, some way behind the last: one result too many is no overlap.
     fn result_place(&mut self, bytes: usize) -> Range<usize> {
         let start = self.next_result;
-        self.next_result = (start + bytes).next_multiple_of(align_of::<u128>());
+        self.next_result = (start + bytes).next_multiple_of(align_of::<u128>()) + RESULTS_APART;
         assert!(start + bytes <= self.arena.results.end);
         start..start + bytes
     }

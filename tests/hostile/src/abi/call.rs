@@ -39,8 +39,8 @@ pub(super) struct Call<'a, 'b> {
     pub(super) next_result: usize,
     /// Whether every argument so far is as it should be.
     pub(super) faultless: bool,
-    /// Whether the length of an array is one that must be refused.
-    pub(super) wrong_length: bool,
+    /// Whether an argument is one that must be refused.
+    pub(super) must_fail: bool,
     /// What a faultless call writes to its results' place, as far as that is known.
     expected: Vec<u8>,
     before: Before,
@@ -73,7 +73,7 @@ impl<'a, 'b> Call<'a, 'b> {
             written: Vec::new(),
             next_result,
             faultless,
-            wrong_length: false,
+            must_fail: false,
             expected: Vec::new(),
             before: Before::default(),
         })
@@ -111,7 +111,7 @@ impl<'a, 'b> Call<'a, 'b> {
         let misplaced = self.errors[1] != UNTOUCHED || (self.errors[0] != UNTOUCHED) != told;
         assert!(!misplaced, "{function} returned {status:?} and told {:?}", self.errors);
         assert!(!told || self.errors[0].status == status, "{function}: {:?}", self.errors[0]);
-        assert!(!done || !self.wrong_length, "{function} accepts a wrong length");
+        assert!(!done || !self.must_fail, "{function} accepts a wrong length, or a wrong model");
         let written = if done { &*self.written } else { &[] };
         for (i, place) in written.iter().enumerate() {
             let apart = !self.read.iter().chain(&written[i + 1..]).any(|other| meets(place, other));

@@ -144,7 +144,9 @@ fn palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 }
 
 fn rotational_palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    call.faultless &= call.arena.frame.predictor == Some(Predictor::Rotational);
+    let is_rotational = call.arena.frame.predictor == Some(Predictor::Rotational);
+    call.faultless &= is_rotational;
+    call.must_fail |= !is_rotational;
     palette_by(call, sinew_envelope_rotational_palette)
 }
 
