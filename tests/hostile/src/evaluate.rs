@@ -1,9 +1,9 @@
 //! Everything that an accepted file offers, evaluated and held to what the runtime promises.
 
 use crate::poses::pose;
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
+use sinew_runtime::envelope::{Attribute, Bounds, Buffer, SkinJob};
 use sinew_runtime::format::{PartKind, SectionKind};
-use sinew_runtime::{Envelope, Matrix3x4, Model};
+use sinew_runtime::{Envelope, EvalError, Matrix3x4, Model};
 use std::ops::Range;
 
 /// Reads all that a model's accessors give.
@@ -78,41 +78,62 @@ pub fn evaluate_pose(envelope: &Envelope<'_>, number: usize, pose: &[Matrix3x4])
         assert!(unsound.is_none(), "pose {number}: {what} {unsound:?} is not finite");
     };
     check("pose", pose.as_flattened().as_flattened());
-    let mut workspace = vec![f32::NAN; envelope.workspace_len()];
-    let mut palette = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
-    let confidence = match envelope.palette(pose, &mut workspace, &mut palette) {
-        Ok(confidence) => confidence,
+    let found = match evaluated(envelope, pose) {
+        Ok(found) => found,
         Err(error) => panic!("pose {number}: {error}"),
     };
+    let Evaluated { confidence, palette, skin, bounds } = found;
     assert!((0.0..=1.0).contains(&confidence), "pose {number}: confidence {confidence}");
     check("palette", palette.as_flattened().as_flattened());
-    let v = envelope.vertex_len();
-    let mut skin = vec![f32::NAN; 10 * v];
-    let attribute = |offset| Some(Attribute { buffer: Buffer::A, offset, stride: 10 });
-    let has_tangents = envelope.has_tangents();
-    let job = SkinJob {
-        envelope: *envelope,
-        palette: &palette,
-        vertices: 0..v,
-        positions: attribute(0),
-        normals: attribute(3),
-        tangents: if has_tangents { attribute(6) } else { None },
-        out_a: &mut skin,
-        out_b: &mut [],
-    };
-    assert_eq!(job.run(), Ok(()), "pose {number}");
-    let bounds = match envelope.bounds(&palette) {
-        Ok(bounds) => bounds,
-        Err(error) => panic!("pose {number}: {error}"),
-    };
     if let Some(bounds) = bounds {
         check("bounds", &[bounds.min, bounds.max].concat());
     }
-    for (vertex, values) in skin.as_chunks::<10>().0.iter().enumerate() {
-        let attributes = if has_tangents { 10 } else { 6 };
-        check("vertex", &values[..attributes]);
+    for (vertex, values) in skin.chunks_exact(stride(envelope.has_tangents())).enumerate() {
+        check("vertex", values);
         let position = [values[0], values[1], values[2]];
         let within = bounds.is_some_and(|bounds| bounds.contains(position));
         assert!(within, "pose {number}: vertex {vertex} at {position:?} is outside {bounds:?}");
     }
+}
+
+/// What the runtime computes of a pose.
+pub(crate) struct Evaluated {
+    pub(crate) confidence: f32,
+    pub(crate) palette: Vec<Matrix3x4>,
+    /// Position, normal and, where there are any, tangent of each vertex; not a number where nothing was
+    /// written.
+    pub(crate) skin: Vec<f32>,
+    pub(crate) bounds: Option<Bounds>,
+}
+
+/// Evaluates one pose.
+pub(crate) fn evaluated(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+) -> Result<Evaluated, EvalError> {
+    let mut workspace = vec![f32::NAN; envelope.workspace_len()];
+    let mut palette = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
+    let confidence = envelope.palette(pose, &mut workspace, &mut palette)?;
+    let has_tangents = envelope.has_tangents();
+    let stride = stride(has_tangents);
+    let mut skin = vec![f32::NAN; stride * envelope.vertex_len()];
+    let attribute = |offset| Some(Attribute { buffer: Buffer::A, offset, stride });
+    SkinJob {
+        envelope: *envelope,
+        palette: &palette,
+        vertices: 0..envelope.vertex_len(),
+        positions: attribute(0),
+        normals: attribute(3),
+        tangents: attribute(6).filter(|_| has_tangents),
+        out_a: &mut skin,
+        out_b: &mut [],
+    }
+    .run()?;
+    let bounds = envelope.bounds(&palette)?;
+    Ok(Evaluated { confidence, palette, skin, bounds })
+}
+
+/// Returns the floats of a vertex in the skin.
+pub(crate) const fn stride(has_tangents: bool) -> usize {
+    if has_tangents { 10 } else { 6 }
 }

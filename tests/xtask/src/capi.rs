@@ -1,7 +1,7 @@
 //! Compilers and the emulator that the tests of the C ABI run, and its header.
 
 use super::cargo;
-use super::components::{self, Component, succeeds};
+use super::components::{self, Component, starts};
 use std::path::Path;
 use std::process::Command;
 
@@ -40,17 +40,13 @@ pub(super) fn header() -> Result<(), String> {
     cargo("test --locked -p sinew-capi --test header", &[("SINEW_WRITE_HEADER", "1".into())])
 }
 
-fn starts(program: &str) -> bool {
-    succeeds(Command::new(program).arg("--version"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn what_the_tests_need_is_found_where_it_is_installed() {
-        let missing: Vec<_> = COMPONENTS.iter().filter(|own| !(own.found)()).collect();
+        let missing = components::missing(&COMPONENTS);
         let missing: Vec<_> = missing.iter().map(|component| component.package).collect();
         assert!(missing.is_empty(), "`cargo xtask test` installs {missing:?}");
         assert!(!starts("no-such-program"));

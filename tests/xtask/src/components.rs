@@ -13,17 +13,21 @@ pub(crate) struct Component {
     pub(crate) found: fn() -> bool,
 }
 
+/// Lists what is not there.
+pub(crate) fn missing(components: &[Component]) -> Vec<&Component> {
+    components.iter().filter(|component| !(component.found)()).collect()
+}
+
 /// Installs what is missing with apt-get, where that is there and allowed; else says what to
 /// install.
 pub(crate) fn install(components: &[Component]) -> Result<(), String> {
-    let missing = || components.iter().filter(|component| !(component.found)());
-    if missing().next().is_none() {
+    let missing = missing(components);
+    if missing.is_empty() {
         return Ok(());
     }
-    let packages: Vec<_> = missing().map(|component| component.package).collect();
-    let packages = packages.join(" ");
-    if !succeeds(Command::new("apt-get").arg("--version")) {
-        let what: Vec<_> = missing().map(|component| component.what).collect();
+    let packages = missing.iter().map(|component| component.package).collect::<Vec<_>>().join(" ");
+    if !starts("apt-get") {
+        let what: Vec<_> = missing.iter().map(|component| component.what).collect();
         return Err(format!(
             "not found: {}. Install them with this system's package manager (Debian calls them {packages})",
             what.join("; ")
@@ -46,12 +50,17 @@ pub(crate) fn install(components: &[Component]) -> Result<(), String> {
     let installed =
         apt_get(&install).or_else(|_| apt_get("update").and_then(|()| apt_get(&install)));
     installed.map_err(|error| format!("{error}; {advice}"))?;
-    match missing().next() {
+    match self::missing(components).first() {
         None => Ok(()),
         Some(Component { what, package, .. }) => {
             Err(format!("{package} is installed, but {what} is still not found"))
         }
     }
+}
+
+/// Whether a program is there: it tells its version.
+pub(crate) fn starts(program: &str) -> bool {
+    succeeds(Command::new(program).arg("--version"))
 }
 
 /// Whether a program runs and is content, its output unseen.

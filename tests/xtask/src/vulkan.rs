@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn what_the_tests_need_is_found_where_it_is_installed() {
-        let missing: Vec<_> = COMPONENTS.iter().filter(|own| !(own.found)()).collect();
+        let missing = crate::components::missing(&COMPONENTS);
         let missing: Vec<_> = missing.iter().map(|component| component.package).collect();
         assert!(missing.is_empty(), "`cargo xtask test` installs {missing:?}");
         assert!(!described(&[], "icd.d", "no such driver"));

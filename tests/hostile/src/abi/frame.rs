@@ -1,7 +1,8 @@
 //! What the runtime makes of one pose.
 
+use crate::evaluate::{evaluated, stride};
 use crate::poses;
-use sinew_runtime::envelope::{Attribute, Bounds, Buffer, SkinJob};
+use sinew_runtime::envelope::Bounds;
 use sinew_runtime::format::Predictor;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4};
 
@@ -30,43 +31,22 @@ impl Frame {
     pub(super) fn new(envelope: &Envelope<'_>, pose_number: usize) -> Self {
         let local = poses::local(envelope, pose_number);
         let pose = poses::from_local(envelope, &local);
-        let mut workspace = vec![0.0; envelope.workspace_len()];
-        let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
-        let has_tangents = envelope.has_tangents();
-        let stride = stride(has_tangents);
-        let mut skin = vec![0.0; stride * envelope.vertex_len()];
-        let evaluate = || {
-            envelope.palette(&pose, &mut workspace, &mut palette)?;
-            let attribute = |offset| Some(Attribute { buffer: Buffer::A, offset, stride });
-            SkinJob {
-                envelope: *envelope,
-                palette: &palette,
-                vertices: 0..envelope.vertex_len(),
-                positions: attribute(0),
-                normals: attribute(3),
-                tangents: attribute(6).filter(|_| has_tangents),
-                out_a: &mut skin,
-                out_b: &mut [],
-            }
-            .run()?;
-            envelope.bounds(&palette)
-        };
-        let bounds = match { evaluate }() {
-            Ok(bounds) => bounds,
+        let found = match evaluated(envelope, &pose) {
+            Ok(found) => found,
             Err(error) => panic!("the runtime refuses its own file's pose: {error}"),
         };
         Self {
             vertex_len: envelope.vertex_len(),
             influence_len: envelope.influence_len(),
             workspace_len: envelope.workspace_len(),
-            has_tangents,
+            has_tangents: envelope.has_tangents(),
             predictor: Some(envelope.predictor()),
             name: envelope.name().to_owned(),
             local,
             pose,
-            palette,
-            bounds,
-            skin,
+            palette: found.palette,
+            bounds: found.bounds,
+            skin: found.skin,
         }
     }
 
@@ -74,8 +54,4 @@ impl Frame {
     pub(super) fn stride(&self) -> usize {
         stride(self.has_tangents)
     }
-}
-
-const fn stride(has_tangents: bool) -> usize {
-    if has_tangents { 10 } else { 6 }
 }

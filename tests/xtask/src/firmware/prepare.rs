@@ -1,9 +1,8 @@
 //! Installs what firmware needs, or says what to install.
 
 use super::targets::TARGETS;
-use crate::components::{Component, install, succeeds};
+use crate::components::{Component, install, starts};
 use crate::prepare::targets;
-use std::process::Command;
 
 const COMPONENTS: [Component; 3] = [
     Component {
@@ -24,8 +23,4 @@ pub(super) fn prepare() -> Result<(), String> {
     let triples = TARGETS.iter().map(|target| target.triple).filter(|triple| !triple.is_empty());
     targets(&triples.collect::<Vec<_>>())?;
     install(&COMPONENTS)
-}
-
-fn starts(program: &str) -> bool {
-    succeeds(Command::new(program).arg("--version"))
 }
