@@ -1,13 +1,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The confidence in a pose. One thread an instance.
+// The confidence in a pose. One workgroup an instance, of which one thread has work.
 
 #include "params.glsl"
 #include "numeric.glsl"
 
 layout(local_size_x = 64) in;
-layout(set = 0, binding = 2, std430) readonly buffer Work {
-    float work[];
+layout(set = 0, binding = 2, std430) readonly buffer Scratch {
+    float scratch[];
 };
 layout(set = 0, binding = 3, std430) buffer Confidences {
     float confidences[];
@@ -16,17 +16,16 @@ layout(set = 0, binding = 3, std430) buffer Confidences {
 const uint ROTATIONAL = 1u;
 
 void main() {
-    uint instance = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u
-        + gl_LocalInvocationIndex;
-    if (instance >= params.instance_len) {
+    uint instance = gl_WorkGroupID.y;
+    if (gl_LocalInvocationIndex != 0u) {
         return;
     }
-    uint base = params.work_offset + instance * params.work_stride;
+    uint base = params.scratch_offset + instance * params.scratch_stride;
     float confidence = 1.0;
     if (params.predictor == ROTATIONAL) {
         for (uint joint = 0u; joint < params.joint_len; joint++) {
             uint at = base + params.rotations + 3u * joint;
-            vec3 theta = vec3(work[at], work[at + 1u], work[at + 2u]);
+            vec3 theta = vec3(scratch[at], scratch[at + 1u], scratch[at + 2u]);
             precise float square = theta.x * theta.x + theta.y * theta.y + theta.z * theta.z;
             precise float angle = sqrt(square);
             float range = blob_float(params.pose_ranges + joint);
@@ -36,7 +35,7 @@ void main() {
         }
     } else {
         for (uint i = 0u; i < params.group_len; i++) {
-            confidence = min(confidence, work[base + params.certainties + i]);
+            confidence = min(confidence, scratch[base + params.group_confidences + i]);
         }
     }
     confidences[params.confidences_offset + instance * params.confidences_stride] = confidence;

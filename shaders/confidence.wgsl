@@ -1,26 +1,25 @@
-// The confidence in a pose. One thread an instance.
+// The confidence in a pose. One workgroup an instance, of which one thread has work.
 
-@group(0) @binding(2) var<storage, read> work: array<f32>;
+@group(0) @binding(2) var<storage, read> scratch: array<f32>;
 @group(0) @binding(3) var<storage, read_write> confidences: array<f32>;
 
 const ROTATIONAL: u32 = 1u;
 
 @compute @workgroup_size(64)
 fn main(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let instance = (group.y * groups.x + group.x) * 64u + thread;
-    if instance >= params.instance_len {
+    let instance = workgroup.y;
+    if thread != 0u {
         return;
     }
-    let base = params.work_offset + instance * params.work_stride;
+    let base = params.scratch_offset + instance * params.scratch_stride;
     var confidence = 1.0;
     if params.predictor == ROTATIONAL {
         for (var joint = 0u; joint < params.joint_len; joint++) {
             let at = base + params.rotations + 3u * joint;
-            let theta = vec3<f32>(work[at], work[at + 1u], work[at + 2u]);
+            let theta = vec3<f32>(scratch[at], scratch[at + 1u], scratch[at + 2u]);
             let angle = sqrt(theta.x * theta.x + theta.y * theta.y + theta.z * theta.z);
             let range = blob_float(params.pose_ranges + joint);
             let excess = max(angle - range, 0.0) / (0.5 * range + 0.1);
@@ -28,7 +27,7 @@ fn main(
         }
     } else {
         for (var i = 0u; i < params.group_len; i++) {
-            confidence = min(confidence, work[base + params.certainties + i]);
+            confidence = min(confidence, scratch[base + params.group_confidences + i]);
         }
     }
     confidences[params.confidences_offset + instance * params.confidences_stride] = confidence;

@@ -10,8 +10,8 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Poses {
     float poses[];
 };
-layout(set = 0, binding = 3, std430) coherent buffer Work {
-    float work[];
+layout(set = 0, binding = 3, std430) coherent buffer Scratch {
+    float scratch[];
 };
 layout(set = 0, binding = 4, std430) buffer Palettes {
     float palettes[];
@@ -44,15 +44,11 @@ float gaussian_change(float s, float gain, float rest) {
 
 void main() {
     uint thread = gl_LocalInvocationIndex;
-    uint item = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    uint instance = item / params.group_len;
-    uint group = item % params.group_len;
-    if (instance >= params.instance_len) {
-        return;
-    }
+    uint instance = gl_WorkGroupID.y;
+    uint group = gl_WorkGroupID.x;
     uint pose = params.poses_offset + instance * params.poses_stride;
-    uint base = params.work_offset + instance * params.work_stride;
-    uint certainty = base + params.certainties + group;
+    uint base = params.scratch_offset + instance * params.scratch_stride;
+    uint confidence = base + params.group_confidences + group;
 
     uint row = params.groups + 6u * group;
     uint joint = blob[row] & 0xffffu;
@@ -65,7 +61,7 @@ void main() {
     float fade_end = blob_float(row + 5u);
     if (n == 0u) {
         if (thread == 0u) {
-            work[certainty] = 1.0;
+            scratch[confidence] = 1.0;
         }
         return;
     }
@@ -76,15 +72,15 @@ void main() {
     uint coefficients = rests + padded(n);
     uint outputs = coefficients + padded(rank) * (n + d);
 
-    uint x = base + params.scratch + group * params.scratch_stride;
+    uint x = base + params.group_scratch + group * params.group_stride;
     uint basis = x + padded(d);
     uint doubts = basis + padded(n);
     uint latent = doubts + padded(n);
 
     for (uint i = thread; i < d; i += 64u) {
         precise float value =
-            blob_float(weights + i) * work[base + params.features + blob[inputs + i]];
-        work[x + i] = value;
+            blob_float(weights + i) * scratch[base + params.features + blob[inputs + i]];
+        scratch[x + i] = value;
     }
     memoryBarrierBuffer();
     barrier();
@@ -94,7 +90,7 @@ void main() {
         precise float gain = 0.0;
         uint at = centres + k / 8u * (8u * d) + k % 8u;
         for (uint i = 0u; i < d; i++) {
-            float value = work[x + i];
+            float value = scratch[x + i];
             float t = blob_float(at);
             precise float apart = value - t;
             squared += apart * apart;
@@ -105,11 +101,11 @@ void main() {
         precise float change = kernel == 8u
             ? gaussian_change(squared, gain, rest)
             : kernel_value(kernel, squared) - rest;
-        work[basis + k] = change;
+        scratch[basis + k] = change;
         precise float left = squared < fade_end ? fade_end - squared : 0.0;
         precise float u = left / (fade_end - fade_start);
         precise float doubt = 1.0 - smooth_step(u < 1.0 ? u : 1.0);
-        work[doubts + k] = doubt;
+        scratch[doubts + k] = doubt;
     }
     memoryBarrierBuffer();
     barrier();
@@ -118,27 +114,27 @@ void main() {
         precise float sum = 0.0;
         uint at = coefficients + r / 8u * (8u * (n + d)) + r % 8u;
         for (uint k = 0u; k < n; k++) {
-            sum += blob_float(at) * work[basis + k];
+            sum += blob_float(at) * scratch[basis + k];
             at += 8u;
         }
         for (uint i = 0u; i < d; i++) {
-            sum += blob_float(at) * work[x + i];
+            sum += blob_float(at) * scratch[x + i];
             at += 8u;
         }
-        work[latent + r] = sum;
+        scratch[latent + r] = sum;
     }
     if (thread == 0u) {
         precise float doubt = 1.0;
         for (uint k = 0u; k < n; k++) {
-            doubt *= work[doubts + k];
+            doubt *= scratch[doubts + k];
         }
         precise float sure = 1.0 - doubt;
-        work[certainty] = sure;
+        scratch[confidence] = sure;
     }
     memoryBarrierBuffer();
     barrier();
 
-    float w = work[certainty];
+    float w = scratch[confidence];
     if (w > 0.0) {
         uint first = params.palette_len - params.proxy_len;
         for (uint before = 0u; before < group; before++) {
@@ -146,7 +142,7 @@ void main() {
         }
         uint palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
         uint dominant = pose + 12u * joint;
-        // A thread does a column of a map.
+        // A thread does a column of a transform.
         for (uint i = thread; i < 4u * proxy_len; i += 64u) {
             precise vec3 added = vec3(0.0);
             for (uint r = 0u; r < 3u; r++) {
@@ -154,7 +150,7 @@ void main() {
                 uint at = outputs + row_of / 8u * (8u * rank) + row_of % 8u;
                 precise float sum = 0.0;
                 for (uint j = 0u; j < rank; j++) {
-                    sum += blob_float(at) * work[latent + j];
+                    sum += blob_float(at) * scratch[latent + j];
                     at += 8u;
                 }
                 added[r] = sum * w;

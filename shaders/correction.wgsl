@@ -2,7 +2,7 @@
 // hand to each other lies in the group's scratch.
 
 @group(0) @binding(2) var<storage, read> poses: array<f32>;
-@group(0) @binding(3) var<storage, read_write> work: array<f32>;
+@group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
 @group(0) @binding(4) var<storage, read_write> palettes: array<f32>;
 
 fn padded(len: u32) -> u32 {
@@ -34,18 +34,13 @@ fn gaussian_change(s: f32, gain: f32, rest: f32) -> f32 {
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let item = workgroup.y * workgroups.x + workgroup.x;
-    let instance = item / params.group_len;
-    let group = item % params.group_len;
-    if instance >= params.instance_len {
-        return;
-    }
+    let instance = workgroup.y;
+    let group = workgroup.x;
     let pose = params.poses_offset + instance * params.poses_stride;
-    let base = params.work_offset + instance * params.work_stride;
-    let certainty = base + params.certainties + group;
+    let base = params.scratch_offset + instance * params.scratch_stride;
+    let confidence = base + params.group_confidences + group;
 
     let row = params.groups + 6u * group;
     let joint = blob[row] & 0xffffu;
@@ -58,7 +53,7 @@ fn main(
     let fade_end = blob_float(row + 5u);
     if n == 0u {
         if thread == 0u {
-            work[certainty] = 1.0;
+            scratch[confidence] = 1.0;
         }
         return;
     }
@@ -69,13 +64,13 @@ fn main(
     let coefficients = rests + padded(n);
     let outputs = coefficients + padded(rank) * (n + d);
 
-    let x = base + params.scratch + group * params.scratch_stride;
+    let x = base + params.group_scratch + group * params.group_stride;
     let basis = x + padded(d);
     let doubts = basis + padded(n);
     let latent = doubts + padded(n);
 
     for (var i = thread; i < d; i += 64u) {
-        work[x + i] = blob_float(weights + i) * work[base + params.features + blob[inputs + i]];
+        scratch[x + i] = blob_float(weights + i) * scratch[base + params.features + blob[inputs + i]];
     }
     storageBarrier();
 
@@ -84,7 +79,7 @@ fn main(
         var gain = 0.0;
         var at = centres + k / 8u * (8u * d) + k % 8u;
         for (var i = 0u; i < d; i++) {
-            let value = work[x + i];
+            let value = scratch[x + i];
             let t = blob_float(at);
             let apart = value - t;
             squared += apart * apart;
@@ -93,13 +88,13 @@ fn main(
         }
         let rest = blob_float(rests + k);
         if kernel == 8u {
-            work[basis + k] = gaussian_change(squared, gain, rest);
+            scratch[basis + k] = gaussian_change(squared, gain, rest);
         } else {
-            work[basis + k] = kernel_value(kernel, squared) - rest;
+            scratch[basis + k] = kernel_value(kernel, squared) - rest;
         }
         let left = select(0.0, fade_end - squared, squared < fade_end);
         let u = left / (fade_end - fade_start);
-        work[doubts + k] = 1.0 - smooth_step(select(1.0, u, u < 1.0));
+        scratch[doubts + k] = 1.0 - smooth_step(select(1.0, u, u < 1.0));
     }
     storageBarrier();
 
@@ -107,25 +102,25 @@ fn main(
         var sum = 0.0;
         var at = coefficients + r / 8u * (8u * (n + d)) + r % 8u;
         for (var k = 0u; k < n; k++) {
-            sum += blob_float(at) * work[basis + k];
+            sum += blob_float(at) * scratch[basis + k];
             at += 8u;
         }
         for (var i = 0u; i < d; i++) {
-            sum += blob_float(at) * work[x + i];
+            sum += blob_float(at) * scratch[x + i];
             at += 8u;
         }
-        work[latent + r] = sum;
+        scratch[latent + r] = sum;
     }
     if thread == 0u {
         var doubt = 1.0;
         for (var k = 0u; k < n; k++) {
-            doubt *= work[doubts + k];
+            doubt *= scratch[doubts + k];
         }
-        work[certainty] = 1.0 - doubt;
+        scratch[confidence] = 1.0 - doubt;
     }
     storageBarrier();
 
-    let w = work[certainty];
+    let w = scratch[confidence];
     if w > 0.0 {
         var first = params.palette_len - params.proxy_len;
         for (var before = 0u; before < group; before++) {
@@ -133,7 +128,7 @@ fn main(
         }
         let palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
         let dominant = pose + 12u * joint;
-        // A thread does a column of a map.
+        // A thread does a column of a transform.
         for (var i = thread; i < 4u * proxy_len; i += 64u) {
             var added = vec3<f32>(0.0);
             for (var r = 0u; r < 3u; r++) {
@@ -141,7 +136,7 @@ fn main(
                 var at = outputs + output / 8u * (8u * rank) + output % 8u;
                 var sum = 0.0;
                 for (var j = 0u; j < rank; j++) {
-                    sum += blob_float(at) * work[latent + j];
+                    sum += blob_float(at) * scratch[latent + j];
                     at += 8u;
                 }
                 added[r] = sum * w;

@@ -8,24 +8,23 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Poses {
     float poses[];
 };
-layout(set = 0, binding = 3, std430) buffer Work {
-    float work[];
+layout(set = 0, binding = 3, std430) buffer Scratch {
+    float scratch[];
 };
 
 void main() {
-    uint item = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u
-        + gl_LocalInvocationIndex;
-    uint instance = item / params.joint_len;
-    uint joint = item % params.joint_len;
-    if (instance >= params.instance_len) {
+    uint instance = gl_WorkGroupID.y;
+    uint joint = gl_GlobalInvocationID.x;
+    if (joint >= params.joint_len) {
         return;
     }
     uint pose = params.poses_offset + instance * params.poses_stride;
-    uint to = params.work_offset + instance * params.work_stride + params.features + 12u * joint;
+    uint base = params.scratch_offset + instance * params.scratch_stride;
+    uint to = base + params.features + 12u * joint;
     uint parent = blob_half(params.hierarchy, joint);
     if (parent == NO_JOINT) {
         for (uint i = 0u; i < 12u; i++) {
-            work[to + i] = 0.0;
+            scratch[to + i] = 0.0;
         }
         return;
     }
@@ -51,9 +50,9 @@ void main() {
         }
         row[r] -= 1.0;
         precise float moved = (row.x * origin.x + row.y * origin.y + row.z * origin.z) + row.w;
-        work[to + 4u * r] = row.x;
-        work[to + 4u * r + 1u] = row.y;
-        work[to + 4u * r + 2u] = row.z;
-        work[to + 4u * r + 3u] = moved;
+        scratch[to + 4u * r] = row.x;
+        scratch[to + 4u * r + 1u] = row.y;
+        scratch[to + 4u * r + 2u] = row.z;
+        scratch[to + 4u * r + 3u] = moved;
     }
 }

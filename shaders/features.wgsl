@@ -1,26 +1,25 @@
 // The pose features: how each joint has turned and moved against its parent. One thread a joint.
 
 @group(0) @binding(2) var<storage, read> poses: array<f32>;
-@group(0) @binding(3) var<storage, read_write> work: array<f32>;
+@group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
 
 @compute @workgroup_size(64)
 fn main(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let item = (group.y * groups.x + group.x) * 64u + thread;
-    let instance = item / params.joint_len;
-    let joint = item % params.joint_len;
-    if instance >= params.instance_len {
+    let instance = workgroup.y;
+    let joint = 64u * workgroup.x + thread;
+    if joint >= params.joint_len {
         return;
     }
     let pose = params.poses_offset + instance * params.poses_stride;
-    let out = params.work_offset + instance * params.work_stride + params.features + 12u * joint;
+    let base = params.scratch_offset + instance * params.scratch_stride;
+    let out = base + params.features + 12u * joint;
     let parent = blob_half(params.hierarchy, joint);
     if parent == NO_JOINT {
         for (var i = 0u; i < 12u; i++) {
-            work[out + i] = 0.0;
+            scratch[out + i] = 0.0;
         }
         return;
     }
@@ -45,9 +44,9 @@ fn main(
             row[c] = x * a + y * b + z * d;
         }
         row[r] -= 1.0;
-        work[out + 4u * r] = row.x;
-        work[out + 4u * r + 1u] = row.y;
-        work[out + 4u * r + 2u] = row.z;
-        work[out + 4u * r + 3u] = (row.x * origin.x + row.y * origin.y + row.z * origin.z) + row.w;
+        scratch[out + 4u * r] = row.x;
+        scratch[out + 4u * r + 1u] = row.y;
+        scratch[out + 4u * r + 2u] = row.z;
+        scratch[out + 4u * r + 3u] = (row.x * origin.x + row.y * origin.y + row.z * origin.z) + row.w;
     }
 }

@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage 1: poses to relative maps, rotations and the keys' gradients. One workgroup an instance.
+// Stage 1: poses to relative transforms, rotations and the keys' gradients. One workgroup an
+// instance.
 
 #include "params.glsl"
 #include "numeric.glsl"
@@ -9,20 +10,20 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Poses {
     float poses[];
 };
-layout(set = 0, binding = 3, std430) coherent buffer Work {
-    float work[];
+layout(set = 0, binding = 3, std430) coherent buffer Scratch {
+    float scratch[];
 };
 
 const uint KEY_WORDS = 55u;
 
 vec3 load(uint at) {
-    return vec3(work[at], work[at + 1u], work[at + 2u]);
+    return vec3(scratch[at], scratch[at + 1u], scratch[at + 2u]);
 }
 
 void store(uint at, vec3 v) {
-    work[at] = v.x;
-    work[at + 1u] = v.y;
-    work[at + 2u] = v.z;
+    scratch[at] = v.x;
+    scratch[at + 1u] = v.y;
+    scratch[at + 2u] = v.z;
 }
 
 float dot3(vec3 a, vec3 b) {
@@ -43,12 +44,12 @@ mat3 transform_columns(mat3 m, mat3 n) {
     return mat3(transform(m, n[0]), transform(m, n[1]), transform(m, n[2]));
 }
 
-// Column c of a 3x4 map of rows.
+// Column c of a 3x4 transform of rows.
 vec3 pose_column(uint at, uint c) {
     return vec3(poses[at + c], poses[at + 4u + c], poses[at + 8u + c]);
 }
 
-// The linear part of a joint's relative map.
+// The linear part of a joint's relative transform.
 mat3 rotation(uint relative, uint joint) {
     uint at = relative + 12u * joint;
     return mat3(load(at), load(at + 3u), load(at + 6u));
@@ -129,12 +130,9 @@ float shear(uint at, vec3 b, vec3 p) {
 
 void main() {
     uint thread = gl_LocalInvocationIndex;
-    uint instance = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    if (instance >= params.instance_len) {
-        return;
-    }
+    uint instance = gl_WorkGroupID.y;
     uint pose = params.poses_offset + instance * params.poses_stride;
-    uint base = params.work_offset + instance * params.work_stride;
+    uint base = params.scratch_offset + instance * params.scratch_stride;
     uint relative = base + params.relative;
     uint rotations = base + params.rotations;
 
@@ -149,11 +147,11 @@ void main() {
             store(at + 6u, vec3(0.0, 0.0, 1.0));
             store(at + 9u, vec3(0.0));
         } else {
-            uint map = pose + 12u * joint;
-            precise vec3 apart = pose_column(map, 3u) - origin;
-            store(at, transform_transposed(turn, pose_column(map, 0u)));
-            store(at + 3u, transform_transposed(turn, pose_column(map, 1u)));
-            store(at + 6u, transform_transposed(turn, pose_column(map, 2u)));
+            uint own = pose + 12u * joint;
+            precise vec3 apart = pose_column(own, 3u) - origin;
+            store(at, transform_transposed(turn, pose_column(own, 0u)));
+            store(at + 3u, transform_transposed(turn, pose_column(own, 1u)));
+            store(at + 6u, transform_transposed(turn, pose_column(own, 2u)));
             store(at + 9u, transform_transposed(turn, apart));
         }
     }

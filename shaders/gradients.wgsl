@@ -1,18 +1,19 @@
-// Stage 1: poses to relative maps, rotations and the keys' gradients. One workgroup an instance.
+// Stage 1: poses to relative transforms, rotations and the keys' gradients. One workgroup an
+// instance.
 
 @group(0) @binding(2) var<storage, read> poses: array<f32>;
-@group(0) @binding(3) var<storage, read_write> work: array<f32>;
+@group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
 
 const KEY_WORDS: u32 = 55u;
 
 fn load(at: u32) -> vec3<f32> {
-    return vec3<f32>(work[at], work[at + 1u], work[at + 2u]);
+    return vec3<f32>(scratch[at], scratch[at + 1u], scratch[at + 2u]);
 }
 
 fn store(at: u32, v: vec3<f32>) {
-    work[at] = v.x;
-    work[at + 1u] = v.y;
-    work[at + 2u] = v.z;
+    scratch[at] = v.x;
+    scratch[at + 1u] = v.y;
+    scratch[at + 2u] = v.z;
 }
 
 fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
@@ -31,12 +32,12 @@ fn transform_columns(m: mat3x3<f32>, n: mat3x3<f32>) -> mat3x3<f32> {
     return mat3x3<f32>(transform(m, n[0]), transform(m, n[1]), transform(m, n[2]));
 }
 
-// Column c of a 3x4 map of rows.
+// Column c of a 3x4 transform of rows.
 fn pose_column(at: u32, c: u32) -> vec3<f32> {
     return vec3<f32>(poses[at + c], poses[at + 4u + c], poses[at + 8u + c]);
 }
 
-// The linear part of a joint's relative map.
+// The linear part of a joint's relative transform.
 fn rotation(relative: u32, joint: u32) -> mat3x3<f32> {
     let at = relative + 12u * joint;
     return mat3x3<f32>(load(at), load(at + 3u), load(at + 6u));
@@ -114,16 +115,12 @@ fn shear(at: u32, b: vec3<f32>, p: vec3<f32>) -> f32 {
 
 @compute @workgroup_size(64)
 fn main(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let instance = group.y * groups.x + group.x;
-    if instance >= params.instance_len {
-        return;
-    }
+    let instance = workgroup.y;
     let pose = params.poses_offset + instance * params.poses_stride;
-    let base = params.work_offset + instance * params.work_stride;
+    let base = params.scratch_offset + instance * params.scratch_stride;
     let relative = base + params.relative;
     let rotations = base + params.rotations;
 
@@ -138,11 +135,11 @@ fn main(
             store(at + 6u, vec3<f32>(0.0, 0.0, 1.0));
             store(at + 9u, vec3<f32>(0.0));
         } else {
-            let map = pose + 12u * joint;
-            store(at, transform_transposed(turn, pose_column(map, 0u)));
-            store(at + 3u, transform_transposed(turn, pose_column(map, 1u)));
-            store(at + 6u, transform_transposed(turn, pose_column(map, 2u)));
-            store(at + 9u, transform_transposed(turn, pose_column(map, 3u) - origin));
+            let own = pose + 12u * joint;
+            store(at, transform_transposed(turn, pose_column(own, 0u)));
+            store(at + 3u, transform_transposed(turn, pose_column(own, 1u)));
+            store(at + 6u, transform_transposed(turn, pose_column(own, 2u)));
+            store(at + 9u, transform_transposed(turn, pose_column(own, 3u) - origin));
         }
     }
     storageBarrier();

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Stage 1 of the kernel predictor: the joints themselves, and the base of each helper. One thread a
-// map.
+// transform.
 
 #include "params.glsl"
 
@@ -14,17 +14,15 @@ layout(set = 0, binding = 3, std430) buffer Palettes {
 };
 
 void main() {
-    uint item = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u
-        + gl_LocalInvocationIndex;
-    uint instance = item / params.palette_len;
-    uint map = item % params.palette_len;
-    if (instance >= params.instance_len) {
+    uint instance = gl_WorkGroupID.y;
+    uint transform = gl_GlobalInvocationID.x;
+    if (transform >= params.palette_len) {
         return;
     }
-    uint joint = map;
-    if (map >= params.joint_len) {
+    uint joint = transform;
+    if (transform >= params.joint_len) {
         // The group whose proxies, which follow the previous group's, include this one.
-        uint left = map - params.joint_len;
+        uint left = transform - params.joint_len;
         uint row = params.groups;
         uint proxy_len = blob[row + 2u] >> 16u;
         while (left >= proxy_len) {
@@ -35,7 +33,7 @@ void main() {
         joint = blob[row] & 0xffffu;
     }
     uint pose = params.poses_offset + instance * params.poses_stride + 12u * joint;
-    uint to = params.palettes_offset + instance * params.palettes_stride + 12u * map;
+    uint to = params.palettes_offset + instance * params.palettes_stride + 12u * transform;
     for (uint i = 0u; i < 12u; i++) {
         palettes[to + i] = poses[pose + i];
     }

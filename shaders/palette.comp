@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage 2: gradients and relative maps to palettes, t = c1 d + c2 q. One thread a map.
+// Stage 2: gradients and relative transforms to palettes, t = c1 d + c2 q. One thread a transform.
 
 #include "params.glsl"
 
@@ -8,49 +8,47 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Poses {
     float poses[];
 };
-layout(set = 0, binding = 3, std430) readonly buffer Work {
-    float work[];
+layout(set = 0, binding = 3, std430) readonly buffer Scratch {
+    float scratch[];
 };
 layout(set = 0, binding = 4, std430) buffer Palettes {
     float palettes[];
 };
 
 void main() {
-    uint item = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u
-        + gl_LocalInvocationIndex;
-    uint instance = item / params.proxy_len;
-    uint map = item % params.proxy_len;
-    if (instance >= params.instance_len) {
+    uint instance = gl_WorkGroupID.y;
+    uint transform = gl_GlobalInvocationID.x;
+    if (transform >= params.proxy_len) {
         return;
     }
     // Rows 4 l to 4 l + 3 of t, coordinate by coordinate.
     precise vec4 x = vec4(0.0);
     precise vec4 y = vec4(0.0);
     precise vec4 z = vec4(0.0);
-    uint base = params.work_offset + instance * params.work_stride;
+    uint base = params.scratch_offset + instance * params.scratch_stride;
     uint column = base + params.gradients;
-    // Blocks of 8 rows, column-major: two maps.
-    uint at = params.c1 + map / 2u * (24u * params.proxy_len) + 4u * (map % 2u);
+    // Blocks of 8 rows, column-major: two transforms.
+    uint at = params.c1 + transform / 2u * (24u * params.proxy_len) + 4u * (transform % 2u);
     for (uint i = 0u; i < 3u * params.proxy_len; i++) {
         vec4 coefficients = blob_vec4(at);
-        x += coefficients * work[column];
-        y += coefficients * work[column + 1u];
-        z += coefficients * work[column + 2u];
+        x += coefficients * scratch[column];
+        y += coefficients * scratch[column + 1u];
+        z += coefficients * scratch[column + 2u];
         column += 3u;
         at += 8u;
     }
     column = base + params.relative;
-    at = params.c2 + map / 2u * (32u * params.joint_len) + 4u * (map % 2u);
+    at = params.c2 + transform / 2u * (32u * params.joint_len) + 4u * (transform % 2u);
     for (uint i = 0u; i < 4u * params.joint_len; i++) {
         vec4 coefficients = blob_vec4(at);
-        x += coefficients * work[column];
-        y += coefficients * work[column + 1u];
-        z += coefficients * work[column + 2u];
+        x += coefficients * scratch[column];
+        y += coefficients * scratch[column + 1u];
+        z += coefficients * scratch[column + 2u];
         column += 3u;
         at += 8u;
     }
     uint root = params.poses_offset + instance * params.poses_stride + 12u * params.root;
-    uint to = params.palettes_offset + instance * params.palettes_stride + 12u * map;
+    uint to = params.palettes_offset + instance * params.palettes_stride + 12u * transform;
     for (uint r = 0u; r < 3u; r++) {
         uint of_root = root + 4u * r;
         precise vec4 row = poses[of_root] * x + poses[of_root + 1u] * y + poses[of_root + 2u] * z;

@@ -1,14 +1,14 @@
 // What every stage binds: where everything lies, in words of 4 bytes, and the model.
 
 layout(set = 0, binding = 0, std140) uniform Params {
-    // Counts, of the dispatch and of the model.
-    uint instance_len;
+    // Counts: vertices of the dispatch and of the skin, then the model's.
     uint vertex_first;
     uint vertex_len;
+    uint mesh_len;
+    uint influence_len;
     uint joint_len;
     uint proxy_len;
     uint palette_len;
-    uint influence_len;
     uint group_len;
     uint root;
     uint predictor;
@@ -26,33 +26,39 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint origins;
     uint groups;
     uint corrections;
-    // Arrays in the work of an instance.
+    // Arrays in the scratch of an instance; a group's own scratch, and from it to the next group's.
     uint relative;
     uint rotations;
     uint gradients;
     uint features;
-    uint certainties;
-    uint scratch;
+    uint group_confidences;
+    uint group_scratch;
+    uint group_stride;
+    // Arrays from the binding's start: the first instance's, and from an instance to the next.
+    uint scratch_offset;
     uint scratch_stride;
-    // Arrays with one stretch an instance, from the binding's start.
-    uint work_offset;
-    uint work_stride;
     uint poses_offset;
     uint poses_stride;
     uint palettes_offset;
     uint palettes_stride;
     uint confidences_offset;
     uint confidences_stride;
-    // Attributes: 0 for none, 1 for out_a, 2 for out_b; then from the binding's start.
-    uint positions_buffer;
+    // The same of what the host brings; an offset of NONE stands for what it does not bring.
+    uint host_remap_offset;
+    uint host_remap_stride;
+    uint host_positions_offset;
+    uint host_positions_stride;
+    uint host_normals_offset;
+    uint host_normals_stride;
+    uint host_tangents_offset;
+    uint host_tangents_stride;
+    // Attributes, from the binding's start; an offset of NONE stands for what is not written.
     uint positions_offset;
     uint positions_stride;
     uint positions_instance_stride;
-    uint normals_buffer;
     uint normals_offset;
     uint normals_stride;
     uint normals_instance_stride;
-    uint tangents_buffer;
     uint tangents_offset;
     uint tangents_stride;
     uint tangents_instance_stride;
@@ -63,6 +69,7 @@ layout(set = 0, binding = 1, std430) readonly buffer Blob {
 };
 
 const uint NO_JOINT = 0xffffu;
+const uint NONE = 0xffffffffu;
 
 float blob_float(uint word) {
     return uintBitsToFloat(blob[word]);

@@ -1,14 +1,14 @@
 // What every stage binds: where everything lies, in words of 4 bytes, and the model.
 
 struct Params {
-    // Counts, of the dispatch and of the model.
-    instance_len: u32,
+    // Counts: vertices of the dispatch and of the skin, then the model's.
     vertex_first: u32,
     vertex_len: u32,
+    mesh_len: u32,
+    influence_len: u32,
     joint_len: u32,
     proxy_len: u32,
     palette_len: u32,
-    influence_len: u32,
     group_len: u32,
     root: u32,
     predictor: u32,
@@ -26,33 +26,39 @@ struct Params {
     origins: u32,
     groups: u32,
     corrections: u32,
-    // Arrays in the work of an instance.
+    // Arrays in the scratch of an instance; a group's own scratch, and from it to the next group's.
     relative: u32,
     rotations: u32,
     gradients: u32,
     features: u32,
-    certainties: u32,
-    scratch: u32,
+    group_confidences: u32,
+    group_scratch: u32,
+    group_stride: u32,
+    // Arrays from the binding's start: the first instance's, and from an instance to the next.
+    scratch_offset: u32,
     scratch_stride: u32,
-    // Arrays with one stretch an instance, from the binding's start.
-    work_offset: u32,
-    work_stride: u32,
     poses_offset: u32,
     poses_stride: u32,
     palettes_offset: u32,
     palettes_stride: u32,
     confidences_offset: u32,
     confidences_stride: u32,
-    // Attributes: 0 for none, 1 for out_a, 2 for out_b; then from the binding's start.
-    positions_buffer: u32,
+    // The same of what the host brings; an offset of NONE stands for what it does not bring.
+    host_remap_offset: u32,
+    host_remap_stride: u32,
+    host_positions_offset: u32,
+    host_positions_stride: u32,
+    host_normals_offset: u32,
+    host_normals_stride: u32,
+    host_tangents_offset: u32,
+    host_tangents_stride: u32,
+    // Attributes, from the binding's start; an offset of NONE stands for what is not written.
     positions_offset: u32,
     positions_stride: u32,
     positions_instance_stride: u32,
-    normals_buffer: u32,
     normals_offset: u32,
     normals_stride: u32,
     normals_instance_stride: u32,
-    tangents_buffer: u32,
     tangents_offset: u32,
     tangents_stride: u32,
     tangents_instance_stride: u32,
@@ -62,6 +68,7 @@ struct Params {
 @group(0) @binding(1) var<storage, read> blob: array<u32>;
 
 const NO_JOINT: u32 = 0xffffu;
+const NONE: u32 = 0xffffffffu;
 
 fn blob_float(word: u32) -> f32 {
     return bitcast<f32>(blob[word]);

@@ -8,23 +8,47 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Palettes {
     vec4 palettes[];
 };
-layout(set = 0, binding = 3, std430) writeonly buffer OutA {
-    float out_a[];
+layout(set = 0, binding = 3, std430) readonly buffer Host {
+    uint host[];
 };
-layout(set = 0, binding = 4, std430) writeonly buffer OutB {
-    float out_b[];
+layout(set = 0, binding = 4, std430) writeonly buffer Out {
+    float out_floats[];
 };
 
-void put(uint buffer_, uint at, vec3 v) {
-    if (buffer_ == 1u) {
-        out_a[at] = v.x;
-        out_a[at + 1u] = v.y;
-        out_a[at + 2u] = v.z;
-    } else {
-        out_b[at] = v.x;
-        out_b[at + 1u] = v.y;
-        out_b[at + 2u] = v.z;
+vec3 host_vec3(uint word) {
+    return uintBitsToFloat(uvec3(host[word], host[word + 1u], host[word + 2u]));
+}
+
+// A vertex at rest: as the host's mesh has it where it brings one, or else as the file's has.
+vec3 rest_position(uint instance, uint vertex) {
+    if (params.host_positions_offset == NONE) {
+        return blob_vec3(params.rest_positions + 3u * vertex);
     }
+    uint first = params.host_positions_offset + instance * params.host_positions_stride;
+    return host_vec3(first + 3u * vertex);
+}
+
+vec3 rest_normal(uint instance, uint vertex) {
+    if (params.host_normals_offset == NONE) {
+        return blob_vec3(params.rest_normals + 3u * vertex);
+    }
+    uint first = params.host_normals_offset + instance * params.host_normals_stride;
+    return host_vec3(first + 3u * vertex);
+}
+
+// A direction and, last, the handedness.
+vec4 rest_tangent(uint instance, uint vertex) {
+    if (params.host_tangents_offset == NONE) {
+        return blob_vec4(params.rest_tangents + 4u * vertex);
+    }
+    uint at = params.host_tangents_offset + instance * params.host_tangents_stride + 4u * vertex;
+    return vec4(host_vec3(at), uintBitsToFloat(host[at + 3u]));
+}
+
+void put(uint at, vec3 v) {
+    out_floats[at] = v.x;
+    out_floats[at + 1u] = v.y;
+    out_floats[at + 2u] = v.z;
 }
 
 vec3 cross3(vec3 a, vec3 b) {
@@ -50,14 +74,17 @@ vec3 unit(vec3 v, vec3 rest) {
 }
 
 void main() {
-    uint item = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u
-        + gl_LocalInvocationIndex;
-    uint instance = item / params.vertex_len;
-    uint i = item % params.vertex_len;
-    if (instance >= params.instance_len) {
+    uint instance = gl_WorkGroupID.y;
+    uint i = gl_GlobalInvocationID.x;
+    if (i >= params.vertex_len) {
         return;
     }
     uint vertex = params.vertex_first + i;
+    if (params.host_remap_offset != NONE) {
+        uint at = params.host_remap_offset + instance * params.host_remap_stride + vertex;
+        // The host's own index: one beyond the mesh must not be followed.
+        vertex = min(host[at], params.mesh_len - 1u);
+    }
     uint palette = (params.palettes_offset + instance * params.palettes_stride) / 4u;
     precise vec4 row_x = vec4(0.0);
     precise vec4 row_y = vec4(0.0);
@@ -74,31 +101,24 @@ void main() {
     vec3 y = vec3(row_x.y, row_y.y, row_z.y);
     vec3 z = vec3(row_x.z, row_y.z, row_z.z);
 
-    if (params.positions_buffer != 0u) {
-        vec3 rest = blob_vec3(params.rest_positions + 3u * vertex);
+    if (params.positions_offset != NONE) {
+        vec3 rest = rest_position(instance, vertex);
         precise vec3 moved = along(x, y, z, rest) + vec3(row_x.w, row_y.w, row_z.w);
-        uint at = params.positions_offset + instance * params.positions_instance_stride
-            + i * params.positions_stride;
-        put(params.positions_buffer, at, moved);
+        uint at = params.positions_offset + instance * params.positions_instance_stride;
+        put(at + i * params.positions_stride, moved);
     }
-    if (params.normals_buffer != 0u) {
-        vec3 rest = blob_vec3(params.rest_normals + 3u * vertex);
+    if (params.normals_offset != NONE) {
+        vec3 rest = rest_normal(instance, vertex);
         // By the cofactors.
         vec3 turned = along(cross3(y, z), cross3(z, x), cross3(x, y), rest);
-        uint at = params.normals_offset + instance * params.normals_instance_stride
-            + i * params.normals_stride;
-        put(params.normals_buffer, at, unit(turned, rest));
+        uint at = params.normals_offset + instance * params.normals_instance_stride;
+        put(at + i * params.normals_stride, unit(turned, rest));
     }
-    if (params.tangents_buffer != 0u) {
-        vec3 rest = blob_vec3(params.rest_tangents + 4u * vertex);
+    if (params.tangents_offset != NONE) {
+        vec4 rest = rest_tangent(instance, vertex);
         uint at = params.tangents_offset + instance * params.tangents_instance_stride
             + i * params.tangents_stride;
-        put(params.tangents_buffer, at, unit(along(x, y, z, rest), rest));
-        float hand = blob_float(params.rest_tangents + 4u * vertex + 3u);
-        if (params.tangents_buffer == 1u) {
-            out_a[at + 3u] = hand;
-        } else {
-            out_b[at + 3u] = hand;
-        }
+        put(at, unit(along(x, y, z, rest.xyz), rest.xyz));
+        out_floats[at + 3u] = rest.w;
     }
 }

@@ -7,50 +7,51 @@
 use ash::{Device, Entry, Instance, vk};
 use sinew_gpu::layout::{ALIGNMENT, Batch, Plan, Resource};
 use sinew_gpu::vulkan::{Bound, Buffers, Pipelines, limits, pool_sizes, set_len, usage};
-use sinew_runtime::envelope::{Attribute, SkinJob};
-use sinew_runtime::{Envelope, Matrix3x4, Model};
+use sinew_runtime::skin::{Output, Rest, SkinJob, cells};
+use sinew_runtime::{Envelope, Matrix3x4, Model, Skin};
 use std::error::Error;
 
 const INSTANCES: usize = 3;
-const GOLDEN: &[u8] = include_bytes!("../../tests/golden/envelope-2-hybrid.snw");
+const GOLDEN: &[u8] = include_bytes!("../../tests/golden/envelope-3-hybrid.snw");
 
 fn main() -> Result<(), Box<dyn Error>> {
     let bytes = match std::env::args_os().nth(1) {
         Some(path) => std::fs::read(path)?,
         None => GOLDEN.to_vec(),
     };
-    let model = Model::from_bytes(&bytes)?;
+    let model = Model::from_bytes(bytes)?;
     let envelope = model.envelope().ok_or("the model has no envelope")?;
-    let batch = Batch::skinned(&envelope, INSTANCES);
+    let skin = model.skin().ok_or("the model has no skin")?;
+    let batch = Batch::skinned(&envelope, &skin, INSTANCES);
     let poses: Vec<_> = (0..INSTANCES).map(|n| bent(&envelope, 0.3 * n as f32)).collect();
     // SAFETY: each function below asks for nothing but what was made before it.
     let found = unsafe {
         let engine = Engine::new()?;
-        let found = skin(&engine, &model, &envelope, &batch, &poses);
+        let found = on_the_gpu(&engine, &model, &envelope, &batch, &poses);
         engine.destroy();
         found?
     };
     let mut differ = 0;
-    for (found, expected) in found.iter().zip(on_the_cpu(&envelope, &batch, &poses)?) {
+    for (found, expected) in found.iter().zip(on_the_cpu(&envelope, &skin, &poses)?) {
         assert_eq!(found.len(), expected.len());
         let pairs = found.iter().zip(&expected);
         let wrong = pairs.filter(|(found, expected)| found.to_bits() != expected.to_bits());
         differ += wrong.count();
     }
     let floats: usize = found.iter().map(Vec::len).sum();
-    println!("{INSTANCES} instances of {} vertices: {floats} floats", envelope.vertex_len());
+    println!("{INSTANCES} instances of {} vertices: {floats} floats", skin.vertex_len());
     println!("{differ} differ from the CPU's in any bit");
     Ok(())
 }
 
-/// Skins on the engine's device; returns palettes, confidences, out_a and out_b.
-unsafe fn skin(
+/// Skins on the engine's device; returns palettes, confidences and what is skinned.
+unsafe fn on_the_gpu(
     engine: &Engine,
-    model: &Model<'_>,
+    model: &Model<Vec<u8>>,
     envelope: &Envelope<'_>,
     batch: &Batch,
     poses: &[Vec<Matrix3x4>],
-) -> Result<[Vec<f32>; 4], Box<dyn Error>> {
+) -> Result<[Vec<f32>; 3], Box<dyn Error>> {
     let device = &engine.device;
     let plan = Plan::new(model, envelope, batch, &limits(&engine.limits))?;
 
@@ -106,7 +107,7 @@ unsafe fn skin(
             Ok(())
         })?;
 
-        let out = [Resource::Palettes, Resource::Confidences, Resource::OutA, Resource::OutB];
+        let out = [Resource::Palettes, Resource::Confidences, Resource::Out];
         let found = out.map(|resource| {
             let bytes = &mapped[places[resource as usize]..][..plan.bytes(resource) as usize];
             bytes.as_chunks::<4>().0.iter().map(|word| f32::from_le_bytes(*word)).collect()
@@ -119,38 +120,32 @@ unsafe fn skin(
     }
 }
 
-/// Does the same on the CPU.
+/// Does the same on the CPU: of each instance positions, normals and tangents one after the other.
 fn on_the_cpu(
     envelope: &Envelope<'_>,
-    batch: &Batch,
+    skin: &Skin<'_>,
     poses: &[Vec<Matrix3x4>],
-) -> Result<[Vec<f32>; 4], Box<dyn Error>> {
-    let mut out = [const { Vec::new() }; 4];
-    let mut workspace = vec![0.0; envelope.workspace_len()];
+) -> Result<[Vec<f32>; 3], Box<dyn Error>> {
+    let mut out = [const { Vec::new() }; 3];
+    let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
-    let skin = batch.skin.clone().ok_or("the batch has no skin")?;
+    let v = skin.vertex_len();
     for pose in poses {
-        let confidence = envelope.palette(pose, &mut workspace, &mut palette)?;
-        let [mut out_a, mut out_b] = [skin.positions, skin.normals]
-            .map(|own| vec![0.0; own.map_or(0, |own| own.instance_stride)]);
-        let [positions, normals, tangents] =
-            [skin.positions, skin.normals, skin.tangents].map(|own| {
-                let own = own?;
-                Some(Attribute { buffer: own.buffer, offset: own.offset, stride: own.stride })
-            });
+        let confidence = envelope.palette(pose, &mut scratch, &mut palette)?;
+        let mut skinned = vec![0.0; if skin.has_tangents() { 10 * v } else { 6 * v }];
+        let floats = cells(&mut skinned);
         SkinJob {
-            envelope: *envelope,
+            skin: *skin,
             palette: &palette,
-            vertices: skin.vertices.clone(),
-            positions,
-            normals,
-            tangents,
-            out_a: &mut out_a,
-            out_b: &mut out_b,
+            vertices: 0..v,
+            remap: None,
+            rest: Rest::default(),
+            positions: Some(Output { floats, stride: 3 }),
+            normals: Some(Output { floats: &floats[3 * v..], stride: 3 }),
+            tangents: skin.has_tangents().then(|| Output { floats: &floats[6 * v..], stride: 4 }),
         }
         .run()?;
-        for (all, own) in
-            out.iter_mut().zip([palette.concat().concat(), vec![confidence], out_a, out_b])
+        for (all, own) in out.iter_mut().zip([palette.concat().concat(), vec![confidence], skinned])
         {
             all.extend(own);
         }

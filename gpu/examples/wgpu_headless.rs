@@ -11,7 +11,7 @@ use std::error::Error;
 use wgpu::{BufferDescriptor, BufferUsages, CommandEncoderDescriptor};
 
 const INSTANCES: usize = 3;
-const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/envelope-2-hybrid.snw");
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/envelope-3-hybrid.snw");
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -19,6 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let driver = arguments.next();
     let model = Model::from_bytes(&file)?;
     let envelope = model.envelope().ok_or("the model has no envelope")?;
+    let skin = model.skin().ok_or("the model has no skin")?;
 
     // An engine has its own device and queue; the helper is for programs that have none.
     let wanted = |driver: Option<&str>, found: &str| driver.is_none_or(|driver| driver == found);
@@ -28,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (device, queue) = (headless.device(), headless.queue());
 
     // Once: what there is to evaluate, the pipelines for it, and buffers of the sizes it needs.
-    let batch = Batch::skinned(&envelope, INSTANCES);
+    let batch = Batch::skinned(&envelope, &skin, INSTANCES);
     let plan = Plan::new(&model, &envelope, &batch, &limits(&device.limits()))?;
     let pipelines = Pipelines::new(device, plan.stages())?;
     let buffer = |resource, usage| {
@@ -40,11 +41,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let params = buffer(Resource::Params, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
     let blob = buffer(Resource::Blob, input);
     let posed = buffer(Resource::Poses, input);
-    let work = buffer(Resource::Work, BufferUsages::STORAGE);
+    let scratch = buffer(Resource::Scratch, BufferUsages::STORAGE);
     let palettes = buffer(Resource::Palettes, output);
     let confidences = buffer(Resource::Confidences, output);
-    let positions = buffer(Resource::OutA, output);
-    let normals = buffer(Resource::OutB, output);
+    let out = buffer(Resource::Out, output);
     queue.write_buffer(&params, 0, &plan.params());
     let mut content = model.blob().to_vec();
     content.resize(plan.bytes(Resource::Blob) as usize, 0);
@@ -53,11 +53,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         .with(Resource::Params, &params, 0)
         .with(Resource::Blob, &blob, 0)
         .with(Resource::Poses, &posed, 0)
-        .with(Resource::Work, &work, 0)
+        .with(Resource::Scratch, &scratch, 0)
         .with(Resource::Palettes, &palettes, 0)
         .with(Resource::Confidences, &confidences, 0)
-        .with(Resource::OutA, &positions, 0)
-        .with(Resource::OutB, &normals, 0);
+        .with(Resource::Out, &out, 0);
     let bound = Bound::new(&pipelines, &plan, &buffers)?;
 
     // Each frame: poses in, dispatches recorded, the engine submits.
@@ -73,19 +72,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     // An engine draws from the buffers; here they are read back.
     let palettes = headless.read(&palettes)?;
     let confidences = headless.read(&confidences)?;
-    let positions = headless.read(&positions)?;
+    let out = headless.read(&out)?;
     let mut differing = 0;
-    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
-    let mut skinned = vec![[0.0; 3]; envelope.vertex_len()];
+    let mut skinned = vec![[0.0; 3]; skin.vertex_len()];
     for (n, pose) in poses.iter().enumerate() {
-        let confidence = envelope.palette(pose, &mut workspace, &mut palette)?;
-        envelope.skin_positions(&palette, &mut skinned)?;
+        let confidence = envelope.palette(pose, &mut scratch, &mut palette)?;
+        skin.skin_positions(&palette, &mut skinned)?;
         let cpu = palette.as_flattened().as_flattened();
         let gpu = &palettes[12 * palette.len() * n..];
         differing += bits(cpu, gpu);
         let cpu = skinned.as_flattened();
-        let gpu = &positions[cpu.len() * n..][..cpu.len()];
+        // Of each instance the positions come first.
+        let gpu = &out[out.len() / INSTANCES * n..][..cpu.len()];
         differing += bits(cpu, gpu) + bits(&[confidence], &confidences[n..]);
         let (low, high) = bounds(gpu);
         println!("instance {n}: confidence {confidence:.2}, from {low:.3?} to {high:.3?}");

@@ -2,7 +2,6 @@
 //! the rest of this crate leaves to the host. For tests, examples, and tools without an engine.
 
 use crate::layout::{DeviceLimits, LayoutError, Plan, Resource, Stage};
-use sinew_runtime::Model;
 use std::time::Duration;
 use thiserror::Error;
 
@@ -29,15 +28,12 @@ pub trait Device {
     /// Returns the limits to plan by.
     fn limits(&self) -> DeviceLimits;
 
-    /// Allocates every buffer of a batch and uploads blob and params. Buffers are zero at first.
+    /// Allocates every buffer of a batch and uploads the params and the model's blob. Other buffers are
+    /// zero at first.
     ///
     /// # Errors
     /// [`HeadlessError`]
-    fn upload(
-        &self,
-        model: &Model<'_>,
-        plan: &Plan,
-    ) -> Result<Box<dyn Uploaded + '_>, HeadlessError>;
+    fn upload(&self, blob: &[u8], plan: &Plan) -> Result<Box<dyn Uploaded + '_>, HeadlessError>;
 
     /// Measures how long it takes to copy so many bytes from one buffer of the device to another,
     /// `repeat_len` times in one submission.

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{GOLDEN, load};
+use common::{GOLDEN, load, parts};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Batch, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
@@ -69,7 +69,7 @@ fn counts(device: &Device, mut record: impl FnMut(&mut CommandEncoder)) -> Vec<[
 /// A stage as a host would record it without us.
 struct Raw {
     pipeline: ComputePipeline,
-    group: BindGroup,
+    bind_group: BindGroup,
     workgroups: [u32; 2],
 }
 
@@ -87,18 +87,18 @@ impl Raw {
             cache: None,
         });
         let entries = stage.bindings().iter().zip(0..).map(|(own_binding, binding)| {
-            let span = plan.chunks()[0].span(own_binding.resource).unwrap();
-            let buffer = &own[own_binding.resource as usize];
+            let (bound, span) = plan.chunks()[0].bound(own_binding.resource);
+            let (span, buffer) = (span.unwrap(), &own[bound as usize]);
             let (offset, size) = (span.offset, NonZero::new(span.bytes));
             let resource = BindingResource::Buffer(BufferBinding { buffer, offset, size });
             BindGroupEntry { binding, resource }
         });
         let entries: Vec<_> = entries.collect();
         let layout = &pipeline.get_bind_group_layout(0);
-        let group =
+        let bind_group =
             device.create_bind_group(&BindGroupDescriptor { label, layout, entries: &entries });
-        let workgroups = plan.groups(stage, &plan.chunks()[0], INSTANCES).unwrap();
-        Self { pipeline, group, workgroups }
+        let workgroups = plan.workgroups(stage, &plan.chunks()[0], INSTANCES).unwrap();
+        Self { pipeline, bind_group, workgroups }
     }
 }
 
@@ -107,13 +107,14 @@ fn a_frame_allocates_what_wgpu_does_and_no_more() {
     let device = Device::of_driver("llvmpipe", false)
         .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"));
     for bytes in GOLDEN {
-        let (model, envelope) = load(bytes);
-        let batch = Batch::skinned(&envelope, INSTANCES);
+        let model = load(bytes);
+        let (envelope, skin) = parts(&model);
+        let batch = Batch::skinned(&envelope, &skin, INSTANCES);
         let plan = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();
         let own = Resource::ALL.map(|resource| {
             device.device().create_buffer(&BufferDescriptor {
                 label: None,
-                size: plan.bytes(resource),
+                size: plan.bytes(resource).max(4),
                 usage: BufferUsages::STORAGE | BufferUsages::UNIFORM,
                 mapped_at_creation: false,
             })
@@ -127,9 +128,9 @@ fn a_frame_allocates_what_wgpu_does_and_no_more() {
 
         let expected = counts(&device, |encoder| {
             let mut pass = encoder.begin_compute_pass(&Default::default());
-            for Raw { pipeline, group, workgroups: [x, y] } in &raw {
+            for Raw { pipeline, bind_group, workgroups: [x, y] } in &raw {
                 pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, group, &[]);
+                pass.set_bind_group(0, bind_group, &[]);
                 pass.dispatch_workgroups(*x, *y, 1);
             }
         });

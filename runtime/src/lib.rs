@@ -3,6 +3,8 @@
 //! [`Model::from_bytes`] checks a file once; after that every evaluation reads it in place and can
 //! fail only for the caller's own arguments. The file is described in `FORMAT.md`.
 //!
+//! "METHOD" in these pages is the trainer's `METHOD.md`: the mathematics, with its sources.
+//!
 //! Arithmetic is plain IEEE single precision: no fused multiply-add, one fixed order of summation,
 //! and one polynomial for each transcendental function (METHOD §7).
 #![no_std]
@@ -15,19 +17,20 @@ pub mod kernel;
 mod limits;
 mod linear;
 mod model;
+mod names;
 mod numeric;
-pub mod pose;
+pub mod skin;
+pub mod stages;
 mod workspace;
 
-pub use envelope::Envelope;
-pub use error::{Argument, EvalError, FormatError};
-pub use limits::{Limits, Quantity};
+pub use envelope::{Envelope, LocalTransform, model_space_pose};
+pub use error::{Argument, CallError, CallErrorKind};
+pub use format::{FileError, FileErrorKind};
+pub use limits::Limits;
+pub use linear::Matrix3x4;
 pub use model::{Model, Section};
-pub use pose::{LocalTransform, model_space_pose};
+pub use skin::{Skin, SkinJob};
 pub use workspace::Workspace;
-
-/// A rigid or affine map as three rows of four: `y[r] = m[r][0..3] . x + m[r][3]`.
-pub type Matrix3x4 = [[f32; 4]; 3];
 
 /// The example of `README.md`, compiled.
 #[cfg(doctest)]

@@ -8,11 +8,15 @@
 pub struct Limits {
     /// Bytes of the file.
     pub file_bytes: u32,
-    /// Vertices of a part.
+    /// Parts of the file.
+    pub parts: u16,
+    /// Sections of the file: each is compared with every other.
+    pub sections: u16,
+    /// Vertices of a skin.
     pub vertices: u32,
-    /// Joints of a part; the format itself holds at most 65,535.
+    /// Joints of an envelope; the format itself holds at most 65,535.
     pub joints: u32,
-    /// Proxies of a part; the format itself holds at most 65,535.
+    /// Proxies of an envelope; the format itself holds at most 65,535.
     pub proxies: u32,
     /// Influences of a vertex.
     pub influences: u32,
@@ -22,45 +26,28 @@ impl Limits {
     /// Generous for any character: a film mesh, a full face rig, and c1 below 40 MB.
     pub const DEFAULT: Self = Self {
         file_bytes: 1 << 30,
+        parts: 64,
+        sections: 512,
         vertices: 1 << 22,
         joints: 4096,
         proxies: 1024,
         influences: 32,
+    };
+
+    /// What the format itself holds.
+    pub(crate) const FORMAT: Self = Self {
+        file_bytes: u32::MAX,
+        parts: u16::MAX,
+        sections: u16::MAX,
+        vertices: u32::MAX,
+        joints: u32::MAX,
+        proxies: u32::MAX,
+        influences: u32::MAX,
     };
 }
 
 impl Default for Limits {
     fn default() -> Self {
         Self::DEFAULT
-    }
-}
-
-/// What a [`Limits`] or the format bounds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// Bytes of the file.
-    FileBytes,
-    /// Vertices of a part.
-    Vertices,
-    /// Joints of a part.
-    Joints,
-    /// Proxies of a part.
-    Proxies,
-    /// Influences of a vertex.
-    Influences,
-    /// Groups of a part: each owns a proxy, so that their number needs no limit of its own.
-    Groups,
-}
-
-impl Quantity {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::FileBytes => "file bytes",
-            Self::Vertices => "vertices",
-            Self::Joints => "joints",
-            Self::Proxies => "proxies",
-            Self::Influences => "influences",
-            Self::Groups => "groups",
-        }
     }
 }

@@ -3,7 +3,8 @@
 //! Loops run over zipped rows and not over indices: optimised for size, an index keeps its check,
 //! and with it a panic that firmware would have to hold.
 
-use crate::Matrix3x4;
+/// A rigid or affine transform as three rows of four: `y[r] = m[r][0..3] . x + m[r][3]`.
+pub type Matrix3x4 = [[f32; 4]; 3];
 
 /// A 3x3 matrix as three columns.
 pub(crate) type Columns = [[f32; 3]; 3];
@@ -43,14 +44,14 @@ pub(crate) fn transform_transposed(m: &Columns, v: [f32; 3]) -> [f32; 3] {
     m.map(|column| dot(column, v))
 }
 
-/// Returns the four columns of a map.
+/// Returns the four columns of a transform.
 #[inline]
 pub(crate) fn columns(m: &Matrix3x4) -> [[f32; 3]; 4] {
     let [[x0, y0, z0, w0], [x1, y1, z1, w1], [x2, y2, z2, w2]] = *m;
     [[x0, x1, x2], [y0, y1, y2], [z0, z1, z2], [w0, w1, w2]]
 }
 
-/// Returns the map a b: first b, then a.
+/// Returns the transform a b: first b, then a.
 #[inline]
 pub(crate) fn compose(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {
     a.map(|[x, y, z, shift]| {
@@ -167,4 +168,21 @@ pub(crate) fn block_entry(
     }
     let le = blocks.get(row / 8 * column_len + column)?.get(row % 8)?;
     Some(f32::from_le_bytes(*le))
+}
+
+/// Cuts N = R C floats into R rows.
+pub(crate) fn rows<const N: usize, const C: usize, const R: usize>(
+    flat: &[f32; N],
+) -> [[f32; C]; R] {
+    const { assert!(N == R * C) };
+    let mut out = [[0.0; C]; R];
+    for (row, values) in out.iter_mut().zip(flat.as_chunks().0) {
+        *row = *values;
+    }
+    out
+}
+
+/// Splits memory whose length has been checked.
+pub(crate) fn split<T>(memory: &mut [T], len: usize) -> (&mut [T], &mut [T]) {
+    memory.split_at_mut(len.min(memory.len()))
 }

@@ -2,9 +2,9 @@
 
 use core::ops::{Deref, DerefMut};
 
-/// N floats of scratch; pass `&mut workspace` wherever a workspace is asked for.
+/// N floats of scratch; pass `&mut workspace` wherever scratch is asked for.
 ///
-/// [`crate::envelope::workspace_len`] gives N at compile time, so that the size can be a constant.
+/// [`crate::envelope::scratch_len`] gives N at compile time, so that the size can be a constant.
 #[derive(Clone, Copy, Debug)]
 pub struct Workspace<const N: usize>([f32; N]);
 

@@ -5,14 +5,13 @@ mod common;
 
 use common::groups::{GroupContent, sample_groups};
 use common::{
-    Builder, IDENTITY, Rng, SMALL, Shape, apart, confident_palette, max_difference, random_pose,
-    with_predictor,
+    Builder, IDENTITY, Rng, SMALL, Shape, apart, bits, confident_palette, max_difference,
+    random_pose, stage_error, with_predictor,
 };
-use sinew_runtime::envelope::{correction, joints};
-use sinew_runtime::format::{Predictor, SectionKind};
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::format::SectionKind;
 use sinew_runtime::kernel::Kernel;
-use sinew_runtime::pose::features;
-use sinew_runtime::{Envelope, EvalError, Matrix3x4, Model};
+use sinew_runtime::{Envelope, Matrix3x4, Model, stages};
 
 const BOTH: [Predictor; 2] = [Predictor::Kernel, Predictor::Hybrid];
 
@@ -138,19 +137,23 @@ fn corrected(
     base: &[Matrix3x4],
 ) -> (Vec<Matrix3x4>, f32) {
     let mut phi = vec![[[f32::NAN; 4]; 3]; envelope.joint_len()];
-    features::evaluate(envelope, pose, &mut phi).unwrap();
+    stages::features(envelope, pose, &mut phi).unwrap();
     let mut out = base.to_vec();
-    let mut scratch = vec![f32::NAN; envelope.scratch_len()];
-    let confidence = correction::evaluate(envelope, pose, &phi, &mut scratch, &mut out).unwrap();
+    let mut scratch = vec![f32::NAN; envelope.correction_len()];
+    let confidence = stages::correction(envelope, pose, &phi, &mut scratch, &mut out).unwrap();
     (out, confidence)
 }
 
-fn flat(maps: &[Matrix3x4]) -> &[f32] {
-    maps.as_flattened().as_flattened()
+fn flat(transforms: &[Matrix3x4]) -> &[f32] {
+    transforms.as_flattened().as_flattened()
 }
 
-fn narrow(maps: &[Wide]) -> Vec<f32> {
-    maps.as_flattened().as_flattened().iter().map(|&x| x as f32).collect()
+fn flat_bits(transforms: &[Matrix3x4]) -> Vec<u32> {
+    bits(flat(transforms))
+}
+
+fn narrow(transforms: &[Wide]) -> Vec<f32> {
+    transforms.as_flattened().as_flattened().iter().map(|&x| x as f32).collect()
 }
 
 #[test]
@@ -161,7 +164,7 @@ fn features_agree_with_f64() {
         for _ in (0..200).step_by(apart(50)) {
             let pose = random_pose(&envelope, &mut rng, 1.0);
             let mut found = vec![[[f32::NAN; 4]; 3]; 6];
-            features::evaluate(&envelope, &pose, &mut found).unwrap();
+            stages::features(&envelope, &pose, &mut found).unwrap();
             let expected = reference_features(&pose);
             let expected = expected.iter().map(|&x| x as f32).collect::<Vec<_>>();
             let difference = max_difference(flat(&found), &expected);
@@ -206,8 +209,8 @@ fn each_number_of_a_group_matters() {
     let mut builder = Builder::of(Predictor::Kernel, SMALL);
     let pose_of = |envelope: &Envelope<'_>| random_pose(envelope, &mut Rng(8), 0.2);
     let evaluate = |builder: &Builder| {
-        let bytes = builder.bytes();
-        let envelope = Model::from_bytes(&bytes).unwrap().envelope().unwrap();
+        let model = Model::from_bytes(builder.bytes()).unwrap();
+        let envelope = model.envelope().unwrap();
         let (palette, confidence) = confident_palette(&envelope, &pose_of(&envelope));
         [flat(&palette), &[confidence]].concat()
     };
@@ -241,14 +244,11 @@ fn the_rest_pose_is_exact_bit_for_bit() {
         with_predictor(predictor, SMALL, |envelope| {
             let rest = vec![IDENTITY; envelope.joint_len()];
             let mut phi = vec![[[f32::NAN; 4]; 3]; envelope.joint_len()];
-            features::evaluate(&envelope, &rest, &mut phi).unwrap();
+            stages::features(&envelope, &rest, &mut phi).unwrap();
             assert_eq!(phi, vec![[[0.0; 4]; 3]; envelope.joint_len()]);
             let (palette, confidence) = confident_palette(&envelope, &rest);
-            assert_eq!(
-                palette.map_bits(),
-                vec![IDENTITY; envelope.palette_len()].map_bits(),
-                "{predictor:?}"
-            );
+            let identity = vec![IDENTITY; envelope.palette_len()];
+            assert_eq!(flat_bits(&palette), flat_bits(&identity), "{predictor:?}");
             assert!(confidence > 0.0, "the maps have run");
         });
     }
@@ -263,20 +263,10 @@ fn the_rest_pose_is_exact_bit_for_bit() {
     let words = builder.section(section).as_chunks::<4>().0;
     let rest = f32::from_le_bytes(words[at]);
     builder.set_float(section, at, rest.next_up());
-    let bytes = builder.bytes();
-    let envelope = Model::from_bytes(&bytes).unwrap().envelope().unwrap();
+    let model = Model::from_bytes(builder.bytes()).unwrap();
+    let envelope = model.envelope().unwrap();
     let (palette, _) = confident_palette(&envelope, &vec![IDENTITY; envelope.joint_len()]);
     assert_ne!(palette, vec![IDENTITY; envelope.palette_len()]);
-}
-
-trait Bits {
-    fn map_bits(&self) -> Vec<u32>;
-}
-
-impl Bits for Vec<Matrix3x4> {
-    fn map_bits(&self) -> Vec<u32> {
-        flat(self).iter().map(|x| x.to_bits()).collect()
-    }
 }
 
 #[test]
@@ -295,7 +285,7 @@ fn far_poses_have_no_confidence_and_keep_their_base() {
             let kept = |pose: &[Matrix3x4]| {
                 let base = base(&envelope, &groups, pose);
                 let (palette, confidence) = corrected(&envelope, pose, &base);
-                assert_eq!((palette.map_bits(), confidence), (base.map_bits(), 0.0));
+                assert_eq!((flat_bits(&palette), confidence), (flat_bits(&base), 0.0));
             };
             kept(&far);
             // So far that distances overflow: nothing but the base is left of it either.
@@ -313,9 +303,9 @@ fn features_that_are_not_numbers_add_nothing() {
         let pose = vec![IDENTITY; 4];
         for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX] {
             let mut out = vec![IDENTITY; 7];
-            let mut scratch = vec![f32::NAN; envelope.scratch_len()];
+            let mut scratch = vec![f32::NAN; envelope.correction_len()];
             let phi = vec![[[value; 4]; 3]; 4];
-            let confidence = correction::evaluate(&envelope, &pose, &phi, &mut scratch, &mut out);
+            let confidence = stages::correction(&envelope, &pose, &phi, &mut scratch, &mut out);
             assert_eq!((confidence, out), (Ok(0.0), vec![IDENTITY; 7]));
         }
     });
@@ -328,11 +318,11 @@ fn joints_are_copied_bit_for_bit() {
         let mut pose = random_pose(&envelope, &mut Rng(2), 1.0);
         pose[2][1][1] = -0.0;
         let (palette, _) = confident_palette(&envelope, &pose);
-        assert_eq!(palette[..4].to_vec().map_bits(), pose.map_bits());
+        assert_eq!(flat_bits(&palette[..4]), flat_bits(&pose));
         assert_ne!(palette[4], pose[groups[0].joint], "the helpers are moved");
         let mut joints_only = vec![[[f32::NAN; 4]; 3]; 7];
-        joints::evaluate(&envelope, &pose, &mut joints_only).unwrap();
-        assert_eq!(joints_only.map_bits(), base(&envelope, &groups, &pose).map_bits());
+        stages::joints(&envelope, &pose, &mut joints_only).unwrap();
+        assert_eq!(flat_bits(&joints_only), flat_bits(&base(&envelope, &groups, &pose)));
     });
     // Without helpers it is linear blend skinning, of which nothing is uncertain.
     with_predictor(Predictor::Kernel, Shape { proxies: 0, ..SMALL }, |envelope| {
@@ -354,8 +344,8 @@ fn groups_without_centres_add_nothing_and_vouch_for_nothing() {
     }] {
         let mut builder = Builder::of(Predictor::Kernel, SMALL);
         builder.set_groups(&groups);
-        let bytes = builder.bytes();
-        let envelope = Model::from_bytes(&bytes).unwrap().envelope().unwrap();
+        let model = Model::from_bytes(builder.bytes()).unwrap();
+        let envelope = model.envelope().unwrap();
         let pose = random_pose(&envelope, &mut Rng(4), 0.3);
         let (palette, confidence) = confident_palette(&envelope, &pose);
         let base = base(&envelope, &groups, &pose);
@@ -378,12 +368,12 @@ fn whole_palettes_are_their_stages() {
                 base(&envelope, &groups, &pose)
             } else {
                 // The same reconstruction in a rotational model.
-                let bytes = Builder::sample(SMALL).bytes();
-                let rotational = Model::from_bytes(&bytes).unwrap().envelope().unwrap();
+                let model = Model::from_bytes(Builder::sample(SMALL).bytes()).unwrap();
+                let rotational = model.envelope().unwrap();
                 confident_palette(&rotational, &pose).0
             };
             let (parts, of_parts) = corrected(&envelope, &pose, &base);
-            assert_eq!((whole.map_bits(), confidence), (parts.map_bits(), of_parts));
+            assert_eq!((flat_bits(&whole), confidence), (flat_bits(&parts), of_parts));
             assert!(confidence > 0.0 && whole != base);
         });
     }
@@ -394,14 +384,14 @@ fn the_palette_without_kernel_maps_is_that_of_rotational_models_alone() {
     for predictor in Predictor::ALL {
         with_predictor(predictor, SMALL, |envelope| {
             let pose = random_pose(&envelope, &mut Rng(6), 2.0);
-            let mut workspace = vec![f32::NAN; envelope.workspace_len()];
+            let mut scratch = vec![f32::NAN; envelope.scratch_len()];
             let mut out = vec![IDENTITY; envelope.palette_len()];
-            let confidence = envelope.rotational_palette(&pose, &mut workspace, &mut out);
+            let confidence = envelope.rotational_palette(&pose, &mut scratch, &mut out);
             if predictor == Predictor::Rotational {
                 let (whole, expected) = confident_palette(&envelope, &pose);
-                assert_eq!((out.map_bits(), confidence), (whole.map_bits(), Ok(expected)));
+                assert_eq!((flat_bits(&out), confidence), (flat_bits(&whole), Ok(expected)));
             } else {
-                assert_eq!(confidence, Err(EvalError::Predictor { found: predictor }));
+                assert_eq!(confidence, Err(stage_error(predictor)));
                 assert!(out.iter().all(|map| *map == IDENTITY));
             }
         });

@@ -4,21 +4,24 @@
 mod common;
 
 use common::{
-    IDENTITY, Rng, SMALL, Shape, apart, attribute, max_difference, palette, random_pose, rest,
-    skin, with_envelope, with_predictor,
+    IDENTITY, Rng, SMALL, Shape, apart, bits, call_error, confident_palette, job, max_difference,
+    output, palette, random_pose, rest, run, skinned, with_envelope, with_predictor, with_skin,
 };
-use sinew_runtime::envelope::{Buffer, SkinJob, workspace_len};
-use sinew_runtime::format::Predictor;
-use sinew_runtime::{Envelope, EvalError, LocalTransform, Matrix3x4, Workspace, model_space_pose};
+use sinew_runtime::envelope::{Predictor, scratch_len};
+use sinew_runtime::skin::cells;
+use sinew_runtime::{
+    Argument, CallError, CallErrorKind, Envelope, LocalTransform, Matrix3x4, Skin, SkinJob,
+    Workspace, model_space_pose,
+};
 
 #[test]
 fn rest_pose_gives_rest_mesh() {
-    with_envelope(SMALL, |envelope| {
-        let maps = palette(&envelope, &vec![IDENTITY; envelope.joint_len()]);
+    with_skin(SMALL, |envelope, skin| {
+        let palette = palette(&envelope, &vec![IDENTITY; envelope.joint_len()]);
         // Dyadic coefficients make the sums exact.
-        assert_eq!(maps, vec![IDENTITY; envelope.palette_len()]);
-        let (skinned, rest) = (skin(envelope, &maps), rest(envelope));
-        let positions = 3 * envelope.vertex_len();
+        assert_eq!(palette, vec![IDENTITY; envelope.palette_len()]);
+        let (skinned, rest) = (skinned(skin, &palette), rest(skin));
+        let positions = 3 * skin.vertex_len();
         assert_eq!(skinned[..positions], rest[..positions]);
         assert!(max_difference(&skinned, &rest) < 2e-7);
     });
@@ -137,7 +140,7 @@ fn reference_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<[[f64; 
         });
         c1.chain(c2).sum::<f64>()
     };
-    let maps = (0..p_len).map(|l| {
+    let transforms = (0..p_len).map(|l| {
         let t = [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| entry(4 * l + c, r)));
         root.map(|row| {
             let mut out = [0, 1, 2, 3].map(|c| (0..3).map(|k| row[k] * t[k][c]).sum::<f64>());
@@ -145,7 +148,7 @@ fn reference_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<[[f64; 
             out
         })
     });
-    maps.collect()
+    transforms.collect()
 }
 
 #[test]
@@ -172,21 +175,21 @@ fn palette_agrees_with_f64() {
 #[test]
 fn skin_agrees_with_f64() {
     for influences in [1, 2, 4, 5] {
-        with_envelope(Shape { influences, ..SMALL }, |envelope| {
-            let maps = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
-            let v = envelope.vertex_len();
-            let found = skin(envelope, &maps);
+        with_skin(Shape { influences, ..SMALL }, |envelope, skin| {
+            let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
+            let v = skin.vertex_len();
+            let found = skinned(skin, &palette);
             for vertex in 0..v {
                 let mut m = [[0.0f64; 4]; 3];
-                for (index, weight) in envelope.influences(vertex) {
-                    for (m, map) in m.as_flattened_mut().iter_mut().zip(maps[index].as_flattened())
-                    {
-                        *m += f64::from(weight) * f64::from(*map);
+                for (index, weight) in skin.influences(vertex) {
+                    let transform = palette[index].as_flattened();
+                    for (m, x) in m.as_flattened_mut().iter_mut().zip(transform) {
+                        *m += f64::from(weight) * f64::from(*x);
                     }
                 }
                 let linear = m.map(|[x, y, z, _]| [x, y, z]);
                 let wide = |x: [f32; 3]| x.map(f64::from);
-                let position = apply(linear, wide(envelope.rest_position(vertex).unwrap()));
+                let position = apply(linear, wide(skin.rest_position(vertex).unwrap()));
                 let position = [0, 1, 2].map(|r| position[r] + m[r][3]);
                 // Cofactors by the adjugate's definition, minor by minor.
                 let minor = |r: usize, c: usize| {
@@ -198,8 +201,8 @@ fn skin_agrees_with_f64() {
                     let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
                     v.map(|x| x / length)
                 };
-                let normal = unit(apply(cofactors, wide(envelope.rest_normal(vertex).unwrap())));
-                let [x, y, z, hand] = envelope.rest_tangent(vertex).unwrap();
+                let normal = unit(apply(cofactors, wide(skin.rest_normal(vertex).unwrap())));
+                let [x, y, z, hand] = skin.rest_tangent(vertex).unwrap();
                 let tangent = unit(apply(linear, wide([x, y, z])));
                 let close = |found: &[f32], expected: [f64; 3], what: &str| {
                     let expected = expected.map(|x| x as f32);
@@ -218,26 +221,25 @@ fn skin_agrees_with_f64() {
 #[test]
 fn ranges_strides_and_buffers_change_places_only() {
     for influences in [2, 4] {
-        with_envelope(Shape { influences, ..SMALL }, ranges_strides_and_buffers);
+        with_skin(Shape { influences, ..SMALL }, ranges_strides_and_buffers);
     }
 }
 
-fn ranges_strides_and_buffers(envelope: Envelope<'_>) {
-    let maps = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
-    let v = envelope.vertex_len();
-    let whole = skin(envelope, &maps);
-    // Interleaved in A: position, a gap, normal; tangents in B. Two jobs, as a job system would.
+fn ranges_strides_and_buffers(envelope: Envelope<'_>, skin: Skin<'_>) {
+    let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
+    let v = skin.vertex_len();
+    let whole = skinned(skin, &palette);
+    // Interleaved in one buffer: a gap, position, a gap, normal; tangents in another. Two jobs, as a
+    // job system would.
     let (mut a, mut b) = (vec![-7.0; 1 + 8 * v], vec![-7.0; 4 * v]);
     for vertices in [0..3, 3..v] {
+        let a = cells(&mut a[8 * vertices.start..][..1 + 8 * vertices.len()]);
         SkinJob {
-            envelope,
-            palette: &maps,
-            vertices: vertices.clone(),
-            positions: attribute(Buffer::A, 1, 8),
-            normals: attribute(Buffer::A, 5, 8),
-            tangents: attribute(Buffer::B, 0, 4),
-            out_a: &mut a[8 * vertices.start..][..1 + 8 * vertices.len()],
-            out_b: &mut b[4 * vertices.start..4 * vertices.end],
+            positions: output(&a[1..], 8),
+            normals: output(&a[5..], 8),
+            tangents: output(cells(&mut b[4 * vertices.start..4 * vertices.end]), 4),
+            vertices,
+            ..job(skin, &palette)
         }
         .run()
         .unwrap();
@@ -252,60 +254,98 @@ fn ranges_strides_and_buffers(envelope: Envelope<'_>) {
     assert_eq!(b, whole[6 * v..]);
 
     let mut positions = vec![[0.0; 3]; v];
-    envelope.skin_positions(&maps, &mut positions).unwrap();
+    skin.skin_positions(&palette, &mut positions).unwrap();
     assert_eq!(positions.as_flattened(), &whole[..3 * v]);
 }
 
 #[test]
+fn a_whole_vertex_stands_in_one_buffer_and_the_later_attribute_wins() {
+    with_skin(SMALL, |envelope, skin| {
+        let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
+        let v = skin.vertex_len();
+        let whole = skinned(skin, &palette);
+        let of = |at: usize, len: usize| &whole[at..][..len];
+        let mut out = vec![-7.0; 12 * v];
+        let vertex = cells(&mut out);
+        let interleaved = SkinJob {
+            positions: output(vertex, 12),
+            normals: output(&vertex[4..], 12),
+            tangents: output(&vertex[8..], 12),
+            ..job(skin, &palette)
+        };
+        interleaved.run().unwrap();
+        for (i, vertex) in out.chunks(12).enumerate() {
+            let (normal, tangent) = (of(3 * (v + i), 3), of(6 * v + 4 * i, 4));
+            let expected = [of(3 * i, 3), &[-7.0], normal, &[-7.0], tangent].concat();
+            assert_eq!(vertex, expected);
+        }
+        // Positions at 0, normals at 2, tangents at 4: of each the later ones' floats are lost.
+        let mut out = vec![-7.0; 8 * v];
+        let vertex = cells(&mut out);
+        let overlapping = SkinJob {
+            positions: output(vertex, 8),
+            normals: output(&vertex[2..], 8),
+            tangents: output(&vertex[4..], 8),
+            ..job(skin, &palette)
+        };
+        overlapping.run().unwrap();
+        for (i, vertex) in out.chunks(8).enumerate() {
+            let expected = [of(3 * i, 2), of(3 * (v + i), 2), of(6 * v + 4 * i, 4)].concat();
+            assert_eq!(vertex, expected);
+        }
+    });
+}
+
+#[test]
+fn each_attribute_alone_has_the_same_bits() {
+    with_skin(SMALL, |envelope, skin| {
+        let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
+        let v = skin.vertex_len();
+        let whole = bits(&skinned(skin, &palette));
+        for (start, len) in [(0, 3), (3 * v, 3), (6 * v, 4)] {
+            let mut out = vec![f32::NAN; len * v];
+            let mut alone = job(skin, &palette);
+            let own = output(cells(&mut out), len);
+            match start / v {
+                0 => alone.positions = own,
+                3 => alone.normals = own,
+                _ => alone.tangents = own,
+            }
+            alone.run().unwrap();
+            assert_eq!(bits(&out), whole[start..start + len * v]);
+        }
+    });
+}
+
+#[test]
 fn no_vertex_and_one_vertex() {
-    with_envelope(Shape { vertices: 0, ..SMALL }, |envelope| {
-        let maps = palette(&envelope, &vec![IDENTITY; envelope.joint_len()]);
-        envelope.skin_positions(&maps, &mut []).unwrap();
-        assert_eq!(envelope.bounds(&maps), Ok(None));
+    with_skin(Shape { vertices: 0, ..SMALL }, |envelope, skin| {
+        let palette = palette(&envelope, &vec![IDENTITY; envelope.joint_len()]);
+        skin.skin_positions(&palette, &mut []).unwrap();
+        assert_eq!(skin.bounds(&palette, 0.0), Ok(None));
+        assert_eq!(skin.bounds(&palette, 1.0), Ok(None));
+        assert!(skinned(skin, &palette).is_empty());
     });
     let one = Shape { vertices: 1, joints: 1, proxies: 1, influences: 1, tangents: false };
-    with_envelope(one, |envelope| {
-        let maps = palette(&envelope, &[IDENTITY]);
+    with_skin(one, |envelope, skin| {
+        let palette = palette(&envelope, &[IDENTITY]);
         let mut out = [[0.0; 3]];
-        envelope.skin_positions(&maps, &mut out).unwrap();
-        assert_eq!(Some(out[0]), envelope.rest_position(0));
+        skin.skin_positions(&palette, &mut out).unwrap();
+        assert_eq!(Some(out[0]), skin.rest_position(0));
     });
 }
 
 #[test]
-fn bounds_hold_every_vertex() {
-    let shape = Shape { vertices: 60, joints: 6, proxies: 5, influences: 4, tangents: true };
-    with_envelope(shape, |envelope| {
-        let mut rng = Rng(23);
-        for _ in (0..300).step_by(apart(100)) {
-            let maps = palette(&envelope, &random_pose(&envelope, &mut rng, 2.0));
-            let mut out = vec![[0.0; 3]; envelope.vertex_len()];
-            envelope.skin_positions(&maps, &mut out).unwrap();
-            let bounds = envelope.bounds(&maps).unwrap().unwrap();
-            assert!(out.iter().all(|&x| bounds.contains(x)));
-            // The check can fail.
-            let top = bounds.max.map(|x| x + 1e-3);
-            assert!(!bounds.contains(top) && !bounds.contains([f32::NAN; 3]));
-        }
-        // Tight where the map is the identity: the mesh's own box, up to the slack.
-        let bounds = envelope.bounds(&vec![IDENTITY; envelope.palette_len()]).unwrap().unwrap();
-        let x = (0..envelope.vertex_len()).map(|v| envelope.rest_position(v).unwrap()[0]);
-        let max = x.fold(f32::MIN, f32::max);
-        assert!(bounds.max[0] >= max && bounds.max[0] < max + 1e-4);
-    });
-}
-
-#[test]
-fn degenerate_maps_give_finite_results() {
-    with_envelope(SMALL, |envelope| {
-        let v = envelope.vertex_len();
+fn degenerate_transforms_give_finite_results() {
+    with_skin(SMALL, |envelope, skin| {
+        let v = skin.vertex_len();
         let zero = vec![[[0.0; 4]; 3]; envelope.palette_len()];
-        let out = skin(envelope, &zero);
+        let out = skinned(skin, &zero);
         assert_eq!(out[..3 * v], vec![0.0; 3 * v]);
-        assert_eq!(out[3 * v..], rest(envelope)[3 * v..]);
+        assert_eq!(out[3 * v..], rest(skin)[3 * v..]);
         for scale in [1e-30, 1e-12, 1e12, 1e25] {
             let scaled = IDENTITY.map(|row| row.map(|x| x * scale));
-            let out = skin(envelope, &vec![scaled; envelope.palette_len()]);
+            let out = skinned(skin, &vec![scaled; envelope.palette_len()]);
             assert!(out.iter().all(|x| x.is_finite()), "{scale}");
         }
         // Flat, mirrored, zero and half-turned poses.
@@ -313,14 +353,73 @@ fn degenerate_maps_give_finite_results() {
         let mirrored = [[-1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
         let half = [[-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
         for joint in 0..envelope.joint_len() {
-            for map in [flat, mirrored, half, [[0.0; 4]; 3]] {
+            for transform in [flat, mirrored, half, [[0.0; 4]; 3]] {
                 let mut pose = vec![IDENTITY; envelope.joint_len()];
-                pose[joint] = map;
-                let out = skin(envelope, &palette(&envelope, &pose));
+                pose[joint] = transform;
+                let out = skinned(skin, &palette(&envelope, &pose));
                 assert!(out.iter().all(|x| x.is_finite()));
             }
         }
     });
+}
+
+#[test]
+fn a_batch_has_the_bits_of_its_poses_one_by_one() {
+    for predictor in Predictor::ALL {
+        with_predictor(predictor, SMALL, |envelope| {
+            let mut rng = Rng(17);
+            let turns = [0.0, 0.05, 0.2, 1.0, 8.0];
+            let poses = turns.map(|turn| random_pose(&envelope, &mut rng, turn));
+            let alone = poses.each_ref().map(|pose| confident_palette(&envelope, pose));
+            let expected = alone.each_ref().map(|(palette, _)| palette.as_slice()).concat();
+            let mut out = vec![[[f32::NAN; 4]; 3]; expected.len()];
+            let mut confidences = [f32::NAN; 5];
+            let mut scratch = vec![f32::NAN; envelope.scratch_len()];
+            let poses = poses.concat();
+            envelope.palettes(&poses, &mut scratch, &mut out, &mut confidences).unwrap();
+            let flat = |palettes: &[Matrix3x4]| bits(palettes.as_flattened().as_flattened());
+            assert_eq!(flat(&out), flat(&expected));
+            assert_eq!(bits(&confidences), bits(&alone.each_ref().map(|(_, found)| *found)));
+            // The poses tell each other apart.
+            let first = envelope.palette_len();
+            assert_ne!(out[..first], out[first..2 * first]);
+            assert_eq!(envelope.palettes(&[], &mut scratch, &mut [], &mut []), Ok(()));
+        });
+    }
+}
+
+#[test]
+fn a_remap_gives_the_bits_of_the_vertices_that_it_names() {
+    for influences in [2, 4] {
+        with_skin(Shape { influences, ..SMALL }, |envelope, skin| {
+            let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
+            // Twice, backwards, not at all, and more vertices than the mesh has.
+            let remap = [6, 0, 0, 5, 4, 6, 1, 1, 3, 0, 6];
+            let remapped =
+                SkinJob { vertices: 0..remap.len(), remap: Some(&remap), ..job(skin, &palette) };
+            let (found, n) = (run(&remapped), remap.len());
+            let (whole, v) = (skinned(skin, &palette), skin.vertex_len());
+            for (i, vertex) in remap.into_iter().map(|vertex| vertex as usize).enumerate() {
+                for (len, of_found, of_whole) in [(3, 0, 0), (3, 3 * n, 3 * v), (4, 6 * n, 6 * v)] {
+                    let found = &found[of_found + len * i..][..len];
+                    let expected = &whole[of_whole + len * vertex..][..len];
+                    assert_eq!(bits(found), bits(expected), "{vertex}");
+                }
+                // Alone, by a range of the mesh.
+                let alone = run(&SkinJob { vertices: vertex..vertex + 1, ..job(skin, &palette) });
+                assert_eq!(bits(&alone[..3]), bits(&found[3 * i..][..3]));
+                assert_eq!(bits(&alone[3..6]), bits(&found[3 * (n + i)..][..3]));
+            }
+            // A range is one of the remap.
+            let part = run(&SkinJob { vertices: 3..5, ..remapped.clone() });
+            assert_eq!(part[..6], found[9..15]);
+            // Positions alone, which have a loop of their own.
+            let mut positions = vec![f32::NAN; 3 * n];
+            let out = output(cells(&mut positions), 3);
+            SkinJob { positions: out, ..remapped }.run().unwrap();
+            assert_eq!(bits(&positions), bits(&found[..3 * n]));
+        });
+    }
 }
 
 #[test]
@@ -344,10 +443,11 @@ fn local_transforms_give_the_rest_pose_back() {
             assert_eq!(pose, vec![IDENTITY; j]);
             error
         };
-        let zero = EvalError::ZeroRotation { joint: 2 };
+        let error = |kind| CallError { index: 2, ..call_error(kind, Argument::Local) };
+        let zero = error(CallErrorKind::ZeroRotation);
         assert_eq!(refused(&|local| local.rotation = [0.0; 4]), zero);
         assert_eq!(refused(&|local| local.rotation = [1e30; 4]), zero);
-        let not_finite = EvalError::NonFinite { joint: 2 };
+        let not_finite = error(CallErrorKind::NonFinite);
         assert_eq!(refused(&|local| local.rotation[3] = f32::NAN), not_finite);
         assert_eq!(refused(&|local| local.translation[0] = f32::INFINITY), not_finite);
         assert!(model_space_pose(&envelope, &local[1..], &mut pose).is_err());
@@ -356,9 +456,9 @@ fn local_transforms_give_the_rest_pose_back() {
 
 #[test]
 fn a_workspace_on_the_stack_serves() {
-    const LEN: usize = workspace_len(4, 3, 0);
+    const LEN: usize = scratch_len(4, 3, 0);
     with_envelope(SMALL, |envelope| {
-        assert_eq!(envelope.workspace_len(), LEN);
+        assert_eq!(envelope.scratch_len(), LEN);
         let pose = vec![IDENTITY; envelope.joint_len()];
         let mut out = vec![IDENTITY; envelope.palette_len()];
         envelope.palette(&pose, &mut Workspace::<LEN>::new(), &mut out).unwrap();
@@ -366,22 +466,22 @@ fn a_workspace_on_the_stack_serves() {
 }
 
 #[test]
-fn base_and_correction_share_a_workspace() {
+fn base_and_correction_share_scratch() {
     // The greater of 12 J + 3 J + 9 P and of 12 J and the scratch.
-    assert_eq!(workspace_len(4, 3, 0), 87);
-    assert_eq!(workspace_len(4, 3, 39), 87);
-    assert_eq!(workspace_len(4, 3, 40), 88);
+    assert_eq!(scratch_len(4, 3, 0), 87);
+    assert_eq!(scratch_len(4, 3, 39), 87);
+    assert_eq!(scratch_len(4, 3, 40), 88);
     for predictor in Predictor::ALL {
         with_predictor(predictor, SMALL, |envelope| {
-            let scratch = if predictor.corrects() { 56 } else { 0 };
-            assert_eq!(envelope.scratch_len(), scratch);
-            assert_eq!(envelope.workspace_len(), workspace_len(4, 3, scratch));
+            let correction = if predictor.corrects() { 56 } else { 0 };
+            assert_eq!(envelope.correction_len(), correction);
+            assert_eq!(envelope.scratch_len(), scratch_len(4, 3, correction));
             // What it holds before does not matter.
             let pose = random_pose(&envelope, &mut Rng(9), 0.2);
             let palettes = [0.0, f32::NAN, -3.0].map(|content| {
-                let mut workspace = vec![content; envelope.workspace_len()];
+                let mut scratch = vec![content; envelope.scratch_len()];
                 let mut out = vec![[[content; 4]; 3]; envelope.palette_len()];
-                envelope.palette(&pose, &mut workspace, &mut out).unwrap();
+                envelope.palette(&pose, &mut scratch, &mut out).unwrap();
                 out
             });
             assert!(palettes[0] == palettes[1] && palettes[1] == palettes[2]);

@@ -10,9 +10,10 @@ use bits::{Found, GOLDEN, Golden, Memory, STAGES};
 use sinew_runtime::Model;
 
 fn hashes(golden: &Golden, nudge: f32) -> Found {
-    let envelope = Model::from_bytes(golden.file).unwrap().envelope().unwrap();
+    let model = Model::from_bytes(golden.file).unwrap();
+    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
     assert_eq!(envelope.predictor(), golden.predictor);
-    bits::hashes(envelope, nudge, &mut Box::new(Memory::new())).unwrap()
+    bits::hashes(envelope, skin, nudge, &mut Box::new(Memory::new())).unwrap()
 }
 
 #[test]

@@ -4,25 +4,30 @@
 mod common;
 
 use common::groups::{GroupContent, sample_groups};
-use common::{Builder, Rng, SMALL, Shape, apart, exercise, seal};
-use sinew_runtime::format::{CORRECTION_MAX, GroupRow, Predictor, SectionKind};
+use common::{Builder, Rng, SMALL, Shape, apart, envelope_error, exercise, file_error, seal};
+use sinew_runtime::envelope::{GroupRow, Predictor};
+use sinew_runtime::format::{CORRECTION_MAX, SectionKind};
 use sinew_runtime::kernel::Kernel;
-use sinew_runtime::{FormatError, Limits, Model, Quantity};
+use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
 
 const BOTH: [Predictor; 2] = [Predictor::Kernel, Predictor::Hybrid];
 
 /// Loads kernel and hybrid samples that `edit` has changed; they must agree.
-fn edited(edit: impl Fn(&mut Builder)) -> Result<(), FormatError> {
+fn edited(edit: impl Fn(&mut Builder)) -> Result<(), FileError> {
     let [kernel, hybrid] = BOTH.map(|predictor| {
         let mut builder = Builder::small(predictor);
         edit(&mut builder);
-        Model::from_bytes(&builder.bytes()).map(|_| ())
+        Model::from_bytes(builder.bytes()).map(|_| ())
     });
     assert_eq!(kernel, hybrid);
     kernel
 }
 
-fn row(edit: impl Fn(&mut GroupRow)) -> Result<(), FormatError> {
+fn counts(kind: Kind, index: u32) -> FileError {
+    FileError { index, ..envelope_error(kind, SectionKind::EnvelopeCounts) }
+}
+
+fn row(edit: impl Fn(&mut GroupRow)) -> Result<(), FileError> {
     edited(|b| b.edit_group(1, &edit))
 }
 
@@ -31,15 +36,15 @@ fn accessors_give_what_was_written() {
     let groups = sample_groups(SMALL.joints, SMALL.proxies);
     assert_eq!(groups.len(), 2);
     for predictor in BOTH {
-        let bytes = Builder::small(predictor).bytes();
-        let envelope = Model::from_bytes(&bytes).unwrap().envelope().unwrap();
+        let model = Model::from_bytes(Builder::small(predictor).bytes()).unwrap();
+        let envelope = model.envelope().unwrap();
         assert_eq!((envelope.predictor(), envelope.group_len()), (predictor, 2));
         let joints = if predictor == Predictor::Kernel { 4 } else { 0 };
         assert_eq!(envelope.palette_len(), joints + 3);
         // 8 (B(d) + B(n) + B(r) + B(12 p)): the first group 8 + 16 + 8 + 16, the second
         // 16 + 8 + 8 + 24.
-        assert_eq!(envelope.scratch_len(), 56);
-        assert_eq!(envelope.workspace_len(), 12 * 4 + 56);
+        assert_eq!(envelope.correction_len(), 56);
+        assert_eq!(envelope.scratch_len(), 12 * 4 + 56);
         assert_eq!(envelope.origin(0), Some([2.0, 0.0, 0.0]));
         assert_eq!((envelope.origin(4), envelope.key(3)), (None, None));
         assert_eq!(envelope.key(0).is_some(), predictor == Predictor::Hybrid);
@@ -81,13 +86,14 @@ fn accessors_give_what_was_written() {
 fn a_model_of_joints_alone_loads() {
     let shape = Shape { proxies: 0, ..SMALL };
     let bytes = Builder::of(Predictor::Kernel, shape).bytes();
-    let envelope = Model::from_bytes(&bytes).unwrap().envelope().unwrap();
-    assert_eq!((envelope.palette_len(), envelope.scratch_len()), (4, 0));
+    let model = Model::from_bytes(bytes.as_slice()).unwrap();
+    let envelope = model.envelope().unwrap();
+    assert_eq!((envelope.palette_len(), envelope.correction_len()), (4, 0));
     exercise(&bytes).unwrap();
     let mut builder = Builder::small(Predictor::Hybrid);
-    builder.parts[0].counts[2] = 0;
-    let quantity = Quantity::Proxies;
-    assert_eq!(Model::from_bytes(&builder.bytes()).err(), Some(FormatError::Empty { quantity }));
+    builder.set_word(SectionKind::EnvelopeCounts, 2, 0);
+    let empty = FileError { expected: 1, ..counts(Kind::Empty, 2) };
+    assert_eq!(Model::from_bytes(builder.bytes()).err(), Some(empty));
 }
 
 #[test]
@@ -102,7 +108,7 @@ fn every_truncation_and_every_changed_byte_is_harmless() {
         exercise(&bytes).unwrap();
         for len in (0..bytes.len()).step_by(apart(199)) {
             let mut short = bytes[..len].to_vec();
-            assert_eq!(Model::from_bytes(&short).err(), Some(FormatError::Malformed), "{len}");
+            assert_eq!(Model::from_bytes(&short).err(), Some(file_error(Kind::Malformed)), "{len}");
             seal(&mut short);
             assert!(exercise(&short).is_none(), "{len}");
         }
@@ -125,27 +131,31 @@ fn every_truncation_and_every_changed_byte_is_harmless() {
 fn each_field_of_a_group_is_checked() {
     assert_eq!(row(|_| {}), Ok(()));
     let section = SectionKind::Groups;
-    let index = FormatError::Index { section, index: 1, below: 4, found: 4 };
+    let group = |kind| FileError { index: 1, ..envelope_error(kind, section) };
+    let index = FileError { expected: 4, found: 4, ..group(Kind::Index) };
     assert_eq!(row(|r| r.joint = 4), Err(index));
-    for found in [0, 1, 7, 12, 255] {
-        assert_eq!(row(|r| r.kernel = found), Err(FormatError::Kernel { group: 1, found }));
+    let unknown = |found| Err(FileError { found, ..group(Kind::Unsupported) });
+    for kernel in [0, 1, 7, 12, 255] {
+        assert_eq!(row(|r| r.kernel = kernel), unknown(kernel.into()));
     }
     for kernel in Kernel::ALL {
         assert_eq!(row(|r| r.kernel = kernel.number()), Ok(()));
     }
-    assert_eq!(row(|r| r.reserved = 1), Err(FormatError::Reserved { group: 1 }));
+    assert_eq!(row(|r| r.reserved = 1), unknown(1));
+    let empty = FileError { expected: 1, ..group(Kind::Empty) };
     for edit in [(|r| r.proxy_len = 0) as fn(&mut GroupRow), |r| r.input_len = 0, |r| r.rank = 0] {
-        assert_eq!(row(edit), Err(FormatError::EmptyGroup { group: 1 }));
+        assert_eq!(row(edit), Err(empty));
     }
-    let offset = |expected, found| FormatError::GroupOffset { group: 1, expected, found };
-    let first = sample_groups(4, 3)[0].words().len() as u32 / 4;
-    for found in [0, first - 8, first + 1, u32::MAX] {
-        assert_eq!(row(|r| r.offset = found), Err(offset(first, found)));
+    let expected = sample_groups(4, 3)[0].words().len() as u32 / 4;
+    for found in [0, expected - 8, expected + 1, u32::MAX] {
+        let offset = FileError { expected, found, ..group(Kind::Mismatch) };
+        assert_eq!(row(|r| r.offset = found), Err(offset));
     }
     let late = edited(|b| b.edit_group(0, |r| r.offset = 8));
-    assert_eq!(late, Err(FormatError::GroupOffset { group: 0, expected: 0, found: 8 }));
-    assert_eq!(row(|r| r.proxy_len = 3), Err(FormatError::GroupProxies { expected: 3, found: 4 }));
-    assert_eq!(row(|r| r.proxy_len = 1), Err(FormatError::GroupProxies { expected: 3, found: 2 }));
+    assert_eq!(late, Err(FileError { found: 8, ..envelope_error(Kind::Mismatch, section) }));
+    let proxies = |expected| Err(FileError { expected, found: 3, ..counts(Kind::Mismatch, 2) });
+    assert_eq!(row(|r| r.proxy_len = 3), proxies(4));
+    assert_eq!(row(|r| r.proxy_len = 1), proxies(2));
     // Another size makes another length.
     for edit in [
         (|r| r.input_len += 8) as fn(&mut GroupRow),
@@ -153,44 +163,40 @@ fn each_field_of_a_group_is_checked() {
         |r| r.rank += 8,
         |r| (r.input_len, r.centre_len, r.rank) = (u16::MAX, u16::MAX, u16::MAX),
     ] {
-        let refused = row(edit);
-        let length = matches!(
-            refused,
-            Err(FormatError::SectionLength { section: SectionKind::Corrections, .. })
-        );
-        assert!(length, "{refused:?}");
+        let refused = row(edit).unwrap_err();
+        let length = envelope_error(Kind::Length, SectionKind::Corrections);
+        assert_eq!(FileError { expected: 0, found: 0, ..refused }, length);
     }
     for found in [0, 55, 57, u32::MAX] {
-        let scratch = FormatError::Scratch { expected: 56, found };
-        assert_eq!(edited(|b| b.parts[0].counts[6] = found), Err(scratch));
+        let scratch = FileError { expected: 56, found, ..counts(Kind::Mismatch, 5) };
+        assert_eq!(edited(|b| b.set_word(SectionKind::EnvelopeCounts, 5, found)), Err(scratch));
     }
-    let many = FormatError::Limit { quantity: Quantity::Groups, most: 3, found: 4 };
-    assert_eq!(edited(|b| b.parts[0].counts[5] = 4), Err(many));
+    let many = FileError { expected: 3, found: 4, ..counts(Kind::Limit, 4) };
+    assert_eq!(edited(|b| b.set_word(SectionKind::EnvelopeCounts, 4, 4)), Err(many));
 }
 
 #[test]
 fn a_rotational_model_has_no_groups_and_no_scratch() {
     let refused = |at: usize| {
         let mut builder = Builder::small(Predictor::Rotational);
-        builder.parts[0].counts[at] = 1;
-        Model::from_bytes(&builder.bytes()).unwrap_err()
+        builder.set_word(SectionKind::EnvelopeCounts, at, 1);
+        Model::from_bytes(builder.bytes()).unwrap_err()
     };
-    let (quantity, most) = (Quantity::Groups, 0);
-    assert_eq!(refused(5), FormatError::Limit { quantity, most, found: 1 });
-    assert_eq!(refused(6), FormatError::Scratch { expected: 0, found: 1 });
+    assert_eq!(refused(4), FileError { found: 1, ..counts(Kind::Limit, 4) });
+    assert_eq!(refused(5), FileError { found: 1, ..counts(Kind::Mismatch, 5) });
     // More groups than the format can hold proxies for are refused before they cost anything.
     let mut builder = Builder::small(Predictor::Kernel);
-    builder.parts[0].counts[2] = u32::MAX;
-    builder.parts[0].counts[5] = u32::MAX;
+    builder.set_word(SectionKind::EnvelopeCounts, 2, u32::MAX);
+    builder.set_word(SectionKind::EnvelopeCounts, 4, u32::MAX);
     let unlimited = Limits { proxies: u32::MAX, ..Limits::DEFAULT };
-    let found = Model::from_bytes_with(&builder.bytes(), &unlimited).map(|_| ());
-    let (quantity, most) = (Quantity::Proxies, 65_535);
-    assert_eq!(found.unwrap_err(), FormatError::Limit { quantity, most, found: u32::MAX });
+    let found = Model::from_bytes_with(builder.bytes(), &unlimited).map(|_| ());
+    let expected = FileError { expected: 65_535, found: u32::MAX, ..counts(Kind::Limit, 2) };
+    assert_eq!(found.unwrap_err(), expected);
 }
 
 #[test]
 fn fades_start_and_then_end() {
-    let wrong = Err(FormatError::Fade { group: 1 });
+    let wrong = Err(FileError { index: 1, ..envelope_error(Kind::Invalid, SectionKind::Groups) });
     let fade = |start, end| row(|r| (r.fade_start, r.fade_end) = (start, end));
     assert_eq!(fade(0.0, 1e-45), Ok(()));
     assert_eq!(fade(0.0, CORRECTION_MAX), Ok(()));
@@ -233,8 +239,9 @@ fn each_number_of_a_correction_is_checked() {
         if feature(index) {
             for found in [48, u32::MAX] {
                 let refused = edited(|b| b.set_float(section, index, f32::from_bits(found)));
-                let found = found as usize;
-                assert_eq!(refused, Err(FormatError::Index { section, index, below: 48, found }));
+                let error = envelope_error(Kind::Index, section);
+                let index = index as u32;
+                assert_eq!(refused, Err(FileError { index, expected: 48, found, ..error }));
             }
             assert_eq!(edited(|b| b.set_float(section, index, f32::from_bits(47))), Ok(()));
             continue;
@@ -242,25 +249,26 @@ fn each_number_of_a_correction_is_checked() {
         let limit = CORRECTION_MAX;
         for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.001 * limit, -1.001 * limit] {
             let refused = edited(|b| b.set_float(section, index, value));
-            assert_eq!(refused, Err(FormatError::Float { section: Some(section), index }));
+            let index = index as u32;
+            assert_eq!(refused, Err(FileError { index, ..envelope_error(Kind::Float, section) }));
         }
         assert_eq!(edited(|b| b.set_float(section, index, -limit)), Ok(()));
     }
     for value in [f32::NAN, 1.1e9] {
-        let section = Some(SectionKind::Origins);
         let refused = edited(|b| b.set_float(SectionKind::Origins, 7, value));
-        assert_eq!(refused, Err(FormatError::Float { section, index: 7 }));
+        let error = envelope_error(Kind::Float, SectionKind::Origins);
+        assert_eq!(refused, Err(FileError { index: 7, ..error }));
     }
 }
 
 #[test]
 fn errors_say_what_is_wrong_in_a_phrase() {
-    let phrase = |refused: Result<(), FormatError>| refused.unwrap_err().to_string();
-    assert_eq!(phrase(row(|r| r.kernel = 3)), "group 1: unknown kernel 3");
+    let phrase = |refused: Result<(), FileError>| refused.unwrap_err().to_string();
+    assert_eq!(phrase(row(|r| r.kernel = 3)), "part 0: element 1 of groups: unknown number 3");
     assert_eq!(
-        phrase(edited(|b| b.parts[0].counts[6] = 9)),
-        "scratch: expected 56 floats, found 9"
+        phrase(edited(|b| b.set_word(SectionKind::EnvelopeCounts, 5, 9))),
+        "part 0: floats of scratch: the groups need 56, found 9"
     );
     let offset = phrase(edited(|b| b.edit_group(0, |r| r.offset = 8)));
-    assert_eq!(offset, "group 0: expected at word 0, found at 8");
+    assert_eq!(offset, "part 0: group 0: expected at word 0, found at 8");
 }

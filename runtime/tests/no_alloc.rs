@@ -3,10 +3,10 @@
 
 mod common;
 
-use common::{Builder, SMALL, random_pose};
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
-use sinew_runtime::format::Predictor;
-use sinew_runtime::{LocalTransform, Model, model_space_pose};
+use common::{Builder, SMALL, job, output, random_pose};
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::skin::{Rest, cells};
+use sinew_runtime::{LocalTransform, Model, SkinJob, model_space_pose};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -46,35 +46,45 @@ fn nothing_is_allocated() {
 
 fn evaluate(predictor: Predictor) {
     let bytes = Builder::of(predictor, SMALL).bytes();
-    let envelope = Model::from_bytes(&bytes).unwrap().envelope().unwrap();
-    let v = envelope.vertex_len();
+    let model = Model::from_bytes(bytes.as_slice()).unwrap();
+    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let v = skin.vertex_len();
     let mut pose = random_pose(&envelope, &mut common::Rng(1), 0.5);
     let local = vec![
         LocalTransform { rotation: [0.0, 0.0, 0.6, 0.8], translation: [0.0; 3] };
         envelope.joint_len()
     ];
-    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let poses = [pose.as_slice(), &pose].concat();
+    let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![common::IDENTITY; envelope.palette_len()];
+    let (mut palettes, mut confidences) = ([palette.as_slice(), &palette].concat(), [0.0; 2]);
     let (mut a, mut b) = (vec![0.0; 6 * v], vec![0.0; 4 * v]);
+    let (positions, remap) = (vec![[0.5; 3]; v], vec![1; v]);
     let count = allocations(|| {
-        let envelope = Model::from_bytes(&bytes).unwrap().envelope_named("arm").unwrap();
+        let model = Model::from_bytes(bytes.as_slice()).unwrap();
+        let envelope = model.envelope_named("arm").unwrap();
+        let skin = model.skin_named("sleeve").unwrap();
+        assert!(model.envelope_of(&skin).is_some());
+        let (envelope, skin) = (envelope.layout().open(&bytes), skin.layout().open(&bytes));
+        let (envelope, skin) = (envelope.unwrap(), skin.unwrap());
+        assert_eq!((model.envelopes().count(), model.skins().count()), (1, 1));
         model_space_pose(&envelope, &local, &mut pose).unwrap();
-        let confidence = envelope.palette(&pose, &mut workspace, &mut palette).unwrap();
+        let confidence = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
         assert!(confidence.is_finite());
+        envelope.palettes(&poses, &mut scratch, &mut palettes, &mut confidences).unwrap();
         assert_eq!(envelope.group(0).is_some(), predictor.corrects());
-        envelope.bounds(&palette).unwrap();
-        SkinJob {
-            envelope,
-            palette: &palette,
-            vertices: 0..v,
-            positions: Some(Attribute { buffer: Buffer::A, offset: 0, stride: 6 }),
-            normals: Some(Attribute { buffer: Buffer::A, offset: 3, stride: 6 }),
-            tangents: Some(Attribute { buffer: Buffer::B, offset: 0, stride: 4 }),
-            out_a: &mut a,
-            out_b: &mut b,
-        }
-        .run()
-        .unwrap();
+        skin.bounds(&palette, 0.25).unwrap();
+        assert_eq!(skin.ranges().count(), 2);
+        let a = cells(&mut a);
+        let whole = SkinJob {
+            positions: output(a, 6),
+            normals: output(&a[3..], 6),
+            tangents: output(cells(&mut b), 4),
+            ..job(skin, &palette)
+        };
+        whole.run().unwrap();
+        let rest = Rest { positions: Some(&positions), ..Rest::default() };
+        SkinJob { remap: Some(&remap), rest, ..whole }.run().unwrap();
         assert!(Model::from_bytes(&bytes[1..]).is_err());
     });
     assert_eq!(count, 0);

@@ -8,10 +8,11 @@ mod rng;
 
 pub(crate) use rng::Rng;
 
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob, correction, gradients, joints, palette};
-use sinew_runtime::format::Predictor;
-use sinew_runtime::pose::features;
-use sinew_runtime::{Envelope, EvalError, LocalTransform, Matrix3x4, model_space_pose};
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{
+    CallError, Envelope, LocalTransform, Matrix3x4, Skin, SkinJob, model_space_pose, stages,
+};
 
 /// A golden file, and a hash of the bits of each of its stages.
 pub(crate) struct Golden {
@@ -29,7 +30,7 @@ pub(crate) const STAGES: [&str; 7] =
 pub(crate) const GOLDEN: [Golden; 3] = [
     Golden {
         predictor: Predictor::Rotational,
-        file: include_bytes!("envelope-2-rotational.snw"),
+        file: include_bytes!("envelope-3-rotational.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0x831c_b019_d3a8_7b88,
@@ -42,7 +43,7 @@ pub(crate) const GOLDEN: [Golden; 3] = [
     },
     Golden {
         predictor: Predictor::Kernel,
-        file: include_bytes!("envelope-2-kernel.snw"),
+        file: include_bytes!("envelope-3-kernel.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0,
@@ -55,7 +56,7 @@ pub(crate) const GOLDEN: [Golden; 3] = [
     },
     Golden {
         predictor: Predictor::Hybrid,
-        file: include_bytes!("envelope-2-hybrid.snw"),
+        file: include_bytes!("envelope-3-hybrid.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0x831c_b019_d3a8_7b88,
@@ -80,7 +81,7 @@ pub(crate) struct Memory {
     pub(crate) local: [LocalTransform; JOINTS],
     pub(crate) pose: [Matrix3x4; JOINTS],
     pub(crate) palette: [Matrix3x4; JOINTS + PROXIES],
-    pub(crate) workspace: [f32; 1024],
+    pub(crate) scratch: [f32; 1024],
     pub(crate) skin: [f32; 10 * VERTICES],
     relative: [[f32; 3]; 4 * JOINTS],
     rotations: [[f32; 3]; JOINTS],
@@ -94,7 +95,7 @@ impl Memory {
             local: [LocalTransform { rotation: [0.0; 4], translation: [0.0; 3] }; JOINTS],
             pose: [[[0.0; 4]; 3]; JOINTS],
             palette: [[[0.0; 4]; 3]; JOINTS + PROXIES],
-            workspace: [0.0; 1024],
+            scratch: [0.0; 1024],
             skin: [0.0; 10 * VERTICES],
             relative: [[0.0; 3]; 4 * JOINTS],
             rotations: [[0.0; 3]; JOINTS],
@@ -120,9 +121,10 @@ pub(crate) struct Found {
 /// Those of the stages; lengths, if the model is larger than the memory.
 pub(crate) fn hashes(
     envelope: Envelope<'_>,
+    skin: Skin<'_>,
     nudge: f32,
     memory: &mut Memory,
-) -> Result<Found, EvalError> {
+) -> Result<Found, CallError> {
     let mut found = Found { bits: [0; STAGES.len()], faded: 0, finite: true };
     let mut rng = Rng(2007);
     for i in 0..POSES {
@@ -134,62 +136,68 @@ pub(crate) fn hashes(
             first.translation[0] += nudge;
         }
         local.iter_mut().for_each(|local| local.rotation[0] += nudge);
-        frame(envelope, memory, &mut found)?;
+        frame(envelope, skin, memory, &mut found)?;
     }
     Ok(found)
 }
 
 /// Evaluates the pose of `memory.local`, and adds each stage to its hash.
-fn frame(envelope: Envelope<'_>, memory: &mut Memory, found: &mut Found) -> Result<(), EvalError> {
-    let (v, j, p) = (envelope.vertex_len(), envelope.joint_len(), envelope.proxy_len());
+fn frame(
+    envelope: Envelope<'_>,
+    skin: Skin<'_>,
+    memory: &mut Memory,
+    found: &mut Found,
+) -> Result<(), CallError> {
+    let (v, j, p) = (skin.vertex_len(), envelope.joint_len(), envelope.proxy_len());
     let Found { bits: [posed, gradient, base, feature, corrected, skinned, bounded], .. } = found;
     let pose = cut(&mut memory.pose, j);
     model_space_pose(&envelope, cut(&mut memory.local, j), pose)?;
     add(posed, pose.as_flattened().as_flattened());
-    let maps = cut(&mut memory.palette, envelope.palette_len());
+    let palette = cut(&mut memory.palette, envelope.palette_len());
     if envelope.predictor().reconstructs() {
         let (relative, rotations) =
             (cut(&mut memory.relative, 4 * j), cut(&mut memory.rotations, j));
         let d = cut(&mut memory.gradients, 3 * p);
-        gradients::evaluate(&envelope, pose, relative, rotations, d)?;
+        stages::gradients(&envelope, pose, relative, rotations, d)?;
         let root = pose.get(envelope.root()).unwrap_or(&[[0.0; 4]; 3]);
-        palette::evaluate(&envelope, root, relative, d, maps)?;
+        stages::palette(&envelope, root, relative, d, palette)?;
         add(gradient, relative.as_flattened());
         add(gradient, rotations.as_flattened());
         add(gradient, d.as_flattened());
     } else {
-        joints::evaluate(&envelope, pose, maps)?;
+        stages::joints(&envelope, pose, palette)?;
     }
-    add(base, maps.as_flattened().as_flattened());
+    add(base, palette.as_flattened().as_flattened());
     let confidence = if envelope.predictor().corrects() {
         let features = cut(&mut memory.features, j);
-        features::evaluate(&envelope, pose, features)?;
-        let scratch = cut(&mut memory.workspace, envelope.scratch_len());
-        let confidence = correction::evaluate(&envelope, pose, features, scratch, maps)?;
+        stages::features(&envelope, pose, features)?;
+        let scratch = cut(&mut memory.scratch, envelope.correction_len());
+        let confidence = stages::correction(&envelope, pose, features, scratch, palette)?;
         add(feature, features.as_flattened().as_flattened());
-        add(corrected, maps.as_flattened().as_flattened());
+        add(corrected, palette.as_flattened().as_flattened());
         confidence
     } else {
-        envelope.palette(pose, cut(&mut memory.workspace, envelope.workspace_len()), maps)?
+        envelope.palette(pose, cut(&mut memory.scratch, envelope.scratch_len()), palette)?
     };
     add(corrected, &[confidence]);
     found.faded += usize::from(confidence > 0.0 && confidence < 1.0);
-    let skin = cut(&mut memory.skin, 10 * v);
-    let attribute = |offset| Some(Attribute { buffer: Buffer::A, offset, stride: 10 });
+    let vertices = cut(&mut memory.skin, 10 * v);
+    let lent = cells(vertices);
+    let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
     SkinJob {
-        envelope,
-        palette: maps,
+        skin,
+        palette,
         vertices: 0..v,
+        remap: None,
+        rest: Rest::default(),
         positions: attribute(0),
         normals: attribute(3),
         tangents: attribute(6),
-        out_a: skin,
-        out_b: &mut [],
     }
     .run()?;
-    found.finite &= skin.iter().all(|x| x.is_finite());
-    add(skinned, skin);
-    if let Some(bounds) = envelope.bounds(maps)? {
+    found.finite &= vertices.iter().all(|x| x.is_finite());
+    add(skinned, vertices);
+    if let Some(bounds) = skin.bounds(palette, 0.0)? {
         add(bounded, &bounds.min);
         add(bounded, &bounds.max);
     }

@@ -7,7 +7,7 @@
 use faer::Mat;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
 use sinew_trainer::check::check;
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::motion::{Poses, trajectories};
@@ -159,9 +159,9 @@ fn errors() -> Result<(), Box<dyn Error>> {
         let proxies = if large { 60 } else { 40 };
         let [rotational, kernel, hybrid] = Predictor::ALL.map(|only| fixed(only, proxies));
         let mut rows = vec![
-            ("as published", Options { refine: false, ..rotational }),
+            ("as published", Options { refine: false, ..rotational.clone() }),
             ("rotational", rotational),
-            ("kernel", kernel),
+            ("kernel", kernel.clone()),
             ("hybrid", hybrid),
             ("auto", Options { predictor: Predict::Auto, ..kernel }),
             ("auto, P chosen", Options::default()),
@@ -179,7 +179,7 @@ fn errors() -> Result<(), Box<dyn Error>> {
             let model = train(&examples, &options, &Silent)?.model;
             for split in [Split::HeldOut, Split::Extreme] {
                 if !examples.frames_of(split).is_empty() {
-                    let found = evaluate(&model, &examples, Frames::Of(split))?;
+                    let found = evaluate(&model, None, &examples, Frames::Of(split))?;
                     error_row(name, row, options.influences, &found);
                 }
             }
@@ -219,7 +219,7 @@ fn ranges() -> Result<(), Box<dyn Error>> {
             let split = |angle: &f64| if *angle > bent { Split::HeldOut } else { Split::Train };
             examples.split = angles.iter().map(split).collect();
             let model = train(&examples, &Options::default(), &Silent)?.model;
-            let found = evaluate(&model, &examples, Frames::Of(Split::HeldOut))?;
+            let found = evaluate(&model, None, &examples, Frames::Of(Split::HeldOut))?;
             println!(
                 "{:<14} beyond {:>3.0} of {:>3.0} °: LBS {:.4} %, {} {:.4} %, confidence {:.3} on \
                  average, {:.3} at the least",
@@ -252,7 +252,7 @@ fn poses() -> Result<(), Box<dyn Error>> {
                 ..Options::default()
             };
             let model = train(&fewer, &options, &Silent)?.model;
-            Ok(evaluate(&model, &fewer, Frames::Of(Split::HeldOut))?.errors.rms_percent)
+            Ok(evaluate(&model, None, &fewer, Frames::Of(Split::HeldOut))?.errors.rms_percent)
         };
         println!("{name}: {:.4} % with all training poses", error(&[])?);
         let spare: Vec<usize> = found.spare.iter().map(|name| name.frame).collect();

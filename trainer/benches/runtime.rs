@@ -4,11 +4,11 @@
 //! Plain skinning is the same skin stage with the character's joints for a palette, and a loop as
 //! an engine without SIMD would write it.
 
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
-use sinew_runtime::format::{Certificate, Predictor};
+use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::kernel::Kernel;
-use sinew_runtime::{EvalError, Matrix3x4, Model};
-use sinew_trainer::bake::{EnvelopeParts, Group, bake};
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{CallError, Matrix3x4, Model, SkinJob};
+use sinew_trainer::bake::{EnvelopeParts, Group, ModelParts, bake};
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -35,26 +35,28 @@ fn main() -> Result<(), Box<dyn Error>> {
             .join()
             .map_err(|_| "the training panicked")
     })??;
-    let envelope = Model::from_bytes(&trained.model)?.envelope().ok_or("no envelope")?;
-    let vertices = envelope.vertex_len();
+    let model = Model::from_bytes(&trained.model)?;
+    let envelope = model.envelope().ok_or("no envelope")?;
+    let skin = model.skin().ok_or("no skin")?;
+    let vertices = skin.vertex_len();
     let pose: Vec<Matrix3x4> =
         examples.pose(65).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect();
-    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
-    envelope.palette(&pose, &mut workspace, &mut palette)?;
+    envelope.palette(&pose, &mut scratch, &mut palette)?;
     let mut positions = vec![[0.0; 3]; vertices];
     let mut plain = positions.clone();
     let mut normals = vec![0.0; 3 * vertices];
     let mut with_normals = vec![0.0; 3 * vertices];
     let influences: Vec<(usize, f32)> = (0..vertices)
         .flat_map(|v| {
-            let mut all: Vec<_> = envelope.influences(v).collect();
-            all.resize(envelope.influence_len(), (0, 0.0));
+            let mut all: Vec<_> = skin.influences(v).collect();
+            all.resize(skin.influence_len(), (0, 0.0));
             all
         })
         .collect();
     let rest: Vec<[f32; 3]> =
-        (0..vertices).map(|v| envelope.rest_position(v).unwrap_or_default()).collect();
+        (0..vertices).map(|v| skin.rest_position(v).unwrap_or_default()).collect();
 
     let mut predict_seconds = Vec::new();
     let mut skin_seconds = Vec::new();
@@ -63,22 +65,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     for _ in 0..RUNS {
         predict_seconds.push(timed(|| {
             for _ in 0..16 {
-                envelope.palette(black_box(&pose), &mut workspace, &mut palette)?;
+                envelope.palette(black_box(&pose), &mut scratch, &mut palette)?;
             }
             Ok(())
         })?);
-        skin_seconds.push(timed(|| envelope.skin_positions(black_box(&palette), &mut positions))?);
+        skin_seconds.push(timed(|| skin.skin_positions(black_box(&palette), &mut positions))?);
         normal_seconds.push(timed(|| {
-            let attribute = |buffer| Some(Attribute { buffer, offset: 0, stride: 3 });
             SkinJob {
-                envelope,
+                skin,
                 palette: black_box(&palette),
                 vertices: 0..vertices,
-                positions: attribute(Buffer::A),
-                normals: attribute(Buffer::B),
+                remap: None,
+                rest: Rest::default(),
+                positions: Some(Output { floats: cells(&mut with_normals), stride: 3 }),
+                normals: Some(Output { floats: cells(&mut normals), stride: 3 }),
                 tangents: None,
-                out_a: &mut with_normals,
-                out_b: &mut normals,
             }
             .run()
         })?);
@@ -90,13 +91,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     black_box((&positions, &normals, &with_normals, &plain));
     let per_vertex = |seconds: f64| 1e9 * seconds / vertices as f64;
     let predict = median(predict_seconds) / 16.0;
-    let (skin, normals, plain) =
+    let (skinning, normals, plain) =
         (median(skin_seconds), median(normal_seconds), median(plain_seconds));
     println!(
         "{vertices} vertices, {} joints, {} proxies, {} influences",
         envelope.joint_len(),
         envelope.proxy_len(),
-        envelope.influence_len()
+        skin.influence_len()
     );
     println!("pose to palette            {:>8.2} µs a character", 1e6 * predict);
     for kernel in Kernel::ALL {
@@ -106,11 +107,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             1e6 * correct(kernel)?
         );
     }
-    println!("skin positions             {:>8.2} ns a vertex", per_vertex(skin));
+    println!("skin positions             {:>8.2} ns a vertex", per_vertex(skinning));
     println!("skin positions and normals {:>8.2} ns a vertex", per_vertex(normals));
     println!("plain loop, positions      {:>8.2} ns a vertex", per_vertex(plain));
-    println!("skin / plain loop          {:>8.2}", skin / plain);
-    println!("(palette + skin) / skin    {:>8.2}", (predict + skin) / skin);
+    println!("skin / plain loop          {:>8.2}", skinning / plain);
+    println!("(palette + skin) / skin    {:>8.2}", (predict + skinning) / skinning);
     Ok(())
 }
 
@@ -132,35 +133,32 @@ fn correct(kernel: Kernel) -> Result<f64, Box<dyn Error>> {
         fade: (20.0, 40.0),
     };
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    let bytes = bake(&EnvelopeParts {
-        name: "skin".to_owned(),
+    let envelope = EnvelopeParts {
+        name: "kernel maps".to_owned(),
         joint_names: vec![String::new(); joints],
         parents: (0..joints).map(|joint| joint.checked_sub(1)).collect(),
         root: 0,
         rest_frames: vec![identity; joints],
-        rest_positions: vec![[0.0; 3]],
-        rest_normals: vec![[0.0; 3]],
-        rest_tangents: None,
-        influences: vec![vec![(0, 1.0)]],
         reconstruction: None,
         groups: (0..10).map(group).collect(),
         pose_ranges: vec![1.0; joints],
         certificate: Certificate::default(),
-    })?;
-    let envelope = Model::from_bytes(&bytes)?.envelope().ok_or("no envelope")?;
+    };
+    let parts = ModelParts { envelopes: vec![envelope], ..ModelParts::default() };
+    let model = Model::from_bytes(bake(&parts)?)?;
+    let envelope = model.envelope().ok_or("no envelope")?;
     let turned = |j: usize| {
         let (sin, cos) = (0.1 * number(j) as f32).sin_cos();
         [[cos, -sin, 0.0, 0.1], [sin, cos, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
     };
     let pose: Vec<Matrix3x4> = (0..joints).map(turned).collect();
-    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     let mut seconds = Vec::new();
     for _ in 0..RUNS {
         seconds.push(timed(|| {
             for _ in 0..16 {
-                let confidence =
-                    envelope.palette(black_box(&pose), &mut workspace, &mut palette)?;
+                let confidence = envelope.palette(black_box(&pose), &mut scratch, &mut palette)?;
                 assert!(confidence > 0.0, "the maps run");
             }
             Ok(())
@@ -191,7 +189,7 @@ fn skin_plainly(
     }
 }
 
-fn timed(run: impl FnOnce() -> Result<(), EvalError>) -> Result<f64, EvalError> {
+fn timed(run: impl FnOnce() -> Result<(), CallError>) -> Result<f64, CallError> {
     let start = Instant::now();
     run()?;
     Ok(start.elapsed().as_secs_f64())

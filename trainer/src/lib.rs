@@ -16,5 +16,6 @@ pub mod examples;
 pub mod export;
 pub mod files;
 pub mod kernel;
+pub mod posed;
 pub mod progress;
 pub mod report;

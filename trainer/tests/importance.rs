@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
-use sinew_trainer::evaluate::{Frames, evaluate, open, skin};
+use sinew_trainer::evaluate::{Character, Frames, evaluate, skin};
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::progress::Silent;
 
@@ -22,10 +22,10 @@ fn model(examples: &Examples, predictor: Predictor) -> Vec<u8> {
 
 /// RMS error of some vertices over the held-out frames.
 fn error(model: &[u8], examples: &Examples, of: impl Fn(usize) -> bool) -> f64 {
-    let envelope = open(model, examples).unwrap();
+    let character = Character::open(model, None, examples).unwrap();
     let (mut sum, mut count) = (0.0, 0);
     for frame in examples.frames_of(Split::HeldOut) {
-        let skin = skin(&envelope, examples, frame).unwrap();
+        let skin = skin(&character, examples, frame).unwrap();
         let found = skin.positions().chunks_exact(3).zip(examples.frame(frame)).enumerate();
         for (_, (found, truth)) in found.filter(|(vertex, _)| of(*vertex)) {
             sum += found.iter().zip(truth).map(|(&a, b)| (f64::from(a) - b).powi(2)).sum::<f64>();
@@ -71,12 +71,12 @@ fn figures_count_vertices_as_they_count() {
     let mut weighed = plain.clone();
     let counts = |vertex: usize| [1, 0, 3][vertex % 3];
     weighed.weigh((0..plain.vertex_len()).map(|v| counts(v) as f64).collect()).unwrap();
-    let found = evaluate(&model, &weighed, Frames::Of(Split::HeldOut)).unwrap().errors;
+    let found = evaluate(&model, None, &weighed, Frames::Of(Split::HeldOut)).unwrap().errors;
 
-    let envelope = open(&model, &plain).unwrap();
+    let character = Character::open(&model, None, &plain).unwrap();
     let mut distances = Vec::new();
     for frame in plain.frames_of(Split::HeldOut) {
-        let skin = skin(&envelope, &plain, frame).unwrap();
+        let skin = skin(&character, &plain, frame).unwrap();
         let positions = skin.positions().chunks_exact(3).zip(plain.frame(frame)).enumerate();
         for (vertex, (found, truth)) in positions {
             let squared = found.iter().zip(truth).map(|(&a, b)| (f64::from(a) - b).powi(2));

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -25,7 +25,7 @@ fn measured(examples: &Examples, predictor: Predict, proxies: usize, split: Spli
     let proxies = Some(ProxyCount::Fixed(proxies));
     let options = Options { predictor, proxies, ..Options::default() };
     let model = train(examples, &options, &Silent).unwrap().model;
-    evaluate(&model, examples, Frames::Of(split)).unwrap()
+    evaluate(&model, None, examples, Frames::Of(split)).unwrap()
 }
 
 fn scaled(mut examples: Examples, scale: f64) -> Examples {

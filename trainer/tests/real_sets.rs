@@ -5,7 +5,7 @@
 mod shared;
 
 use shared::shared;
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::motion::{Poses, trajectories};
 use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
 use sinew_trainer::envelope::rotational::surface::Surface;
@@ -23,7 +23,7 @@ fn set(file: &str) -> Option<Examples> {
 
 fn measured(examples: &Examples, options: &Options, split: Split) -> Evaluation {
     let model = train(examples, options, &Silent).unwrap().model;
-    evaluate(&model, examples, Frames::Of(split)).unwrap()
+    evaluate(&model, None, examples, Frames::Of(split)).unwrap()
 }
 
 fn only(predictor: Predictor) -> Options {
@@ -37,7 +37,7 @@ fn check(file: &str, lbs: f64, [published, refined, kernel, hybrid]: [f64; 4]) {
     let Some(examples) = set(file) else { return };
     let rotational = only(Predictor::Rotational);
     for (options, most) in [
-        (Options { refine: false, ..rotational }, published),
+        (Options { refine: false, ..rotational.clone() }, published),
         (rotational, refined),
         (only(Predictor::Kernel), kernel),
         (only(Predictor::Hybrid), hybrid),
@@ -63,7 +63,7 @@ fn dem_bones_by_every_predictor() {
 fn extreme_poses_and_a_small_file_of_mpfb_arm() {
     let Some(examples) = set("mpfb-arm/mpfb_arm.npz") else { return };
     let model = train(&examples, &only(Predictor::Kernel), &Silent).unwrap().model;
-    let extreme = evaluate(&model, &examples, Frames::Of(Split::Extreme)).unwrap();
+    let extreme = evaluate(&model, None, &examples, Frames::Of(Split::Extreme)).unwrap();
     assert!(extreme.errors.rms_percent <= 0.1, "{}", extreme.errors.rms_percent);
     let small = Options { budget: Some(160_000), ..only(Predictor::Kernel) };
     let small = measured(&examples, &small, Split::HeldOut);

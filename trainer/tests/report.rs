@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
-use sinew_runtime::format::{Certificate, Predictor};
+use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_trainer::bake::bake;
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::fitted::{Base, Fitted};
@@ -44,7 +44,7 @@ fn disturbed(examples: &Examples, vertex: usize, by: f64) -> Vec<u8> {
     let weights = training.lbs.weights.clone();
     let fitted = Fitted { weights, base: Base::Joints(Vec::new()), groups: Vec::new() };
     let mut parts = fitted.parts(&training, examples, Certificate::default());
-    parts.rest_positions[vertex][1] += by;
+    parts.skins[0].rest_positions[vertex][1] += by;
     bake(&parts).unwrap()
 }
 
@@ -53,7 +53,7 @@ fn source<'a>(examples: &'a Examples, clips: &'a [Clip]) -> Source<'a> {
 }
 
 fn file(bytes: &[u8]) -> File<'_> {
-    File { name: "a&b.sinew", bytes }
+    File { name: "a&b.sinew", bytes, skin: None }
 }
 
 fn page(subject: &Subject<'_>, sizes: bool) -> String {
@@ -113,7 +113,7 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
     let (examples, clips) = arm();
     let [bytes, other] = [Predictor::Kernel, Predictor::Rotational].map(|p| model(&examples, p));
     let mut subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
-    subject.compare(File { name: "other", bytes: &other }).unwrap();
+    subject.compare(File { name: "other", bytes: &other, skin: None }).unwrap();
     let html = page(&subject, true);
     let tags = tags(&html);
     let count = |name: &str| tags.iter().filter(|tag| *tag == name).count();
@@ -130,7 +130,7 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
     assert!(html.contains("&lt;/title&gt;&lt;img src=x&gt;"), "the clip of some frame");
 
     let rows = rows(&html);
-    let found = [&bytes, &other].map(|model| evaluate(model, &examples, HELD_OUT).unwrap());
+    let found = [&bytes, &other].map(|model| evaluate(model, None, &examples, HELD_OUT).unwrap());
     assert_eq!(subject.evaluations()[..].len(), 2);
     for (a, b) in subject.evaluations().iter().zip(&found) {
         assert_eq!(serde_json::to_value(a).unwrap(), serde_json::to_value(b).unwrap());
@@ -211,7 +211,8 @@ fn the_table_by_frame_averages_to_what_evaluate_measures() {
         ["frame", "clip", "split", "vertices", "rms", "p99", "max", "worst_vertex", "confidence"]
     );
     assert_eq!(rows.len(), examples.frame_len());
-    let [found, second] = [&bytes, &other].map(|m| evaluate(m, &examples, Frames::All).unwrap());
+    let [found, second] =
+        [&bytes, &other].map(|m| evaluate(m, None, &examples, Frames::All).unwrap());
     let errors = [("", found.errors), ("lbs_", found.lbs), ("other_", second.errors)];
     for (prefix, errors) in errors {
         let column = |name: &str| -> Vec<f64> {
@@ -259,7 +260,7 @@ fn the_mesh_holds_every_vertex_with_its_error() {
         squares += error * error;
         largest = if error > largest.1 { (k, error) } else { largest };
     }
-    let rms = evaluate(&bytes, &examples, HELD_OUT).unwrap().errors.rms_percent;
+    let rms = evaluate(&bytes, None, &examples, HELD_OUT).unwrap().errors.rms_percent;
     assert!(((squares / v as f64).sqrt() / rms - 1.0).abs() < 1e-6);
     assert_eq!(largest.0, vertex);
     let corners = &mesh[header_len + 19 * v..];

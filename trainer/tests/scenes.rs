@@ -5,10 +5,10 @@
 mod shared;
 
 use shared::shared;
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, Trained, train};
-use sinew_trainer::evaluate::{Frames, evaluate, open, skin};
+use sinew_trainer::evaluate::{Character, Frames, evaluate, skin};
 use sinew_trainer::examples::{Examples, Loaded, Source, Split, Warning, load, load_poses};
 use sinew_trainer::progress::Silent;
 
@@ -20,7 +20,7 @@ fn model(examples: &Examples, predictor: Predictor, proxies: usize) -> Trained {
 
 /// Farthest that two models skin a vertex apart in the held-out frames, as a share of the diagonal.
 fn apart(a: &Trained, b: &Trained, examples: &Examples) -> f64 {
-    let [a, b] = [a, b].map(|trained| open(&trained.model, examples).unwrap());
+    let [a, b] = [a, b].map(|trained| Character::open(&trained.model, None, examples).unwrap());
     let mut farthest: f64 = 0.0;
     for frame in examples.frames_of(Split::HeldOut) {
         let [a, b] = [&a, &b].map(|envelope| skin(envelope, examples, frame).unwrap());
@@ -55,7 +55,7 @@ fn joints_of_a_scene_with_meshes_of_arrays_give_the_model_of_the_arrays() {
     // Kernels are chosen from a list, where rounding can tip the balance between two that are as good.
     let [a, b] = [&joined, &whole].map(|examples| {
         let trained = model(examples, Predictor::Kernel, 20);
-        evaluate(&trained.model, examples, Frames::Of(Split::HeldOut)).unwrap().errors.rms
+        evaluate(&trained.model, None, examples, Frames::Of(Split::HeldOut)).unwrap().errors.rms
     });
     assert!((a / b - 1.0).abs() < 0.03, "{a} against {b}");
 }
@@ -71,11 +71,11 @@ fn poses_are_moved_to_where_a_model_is() {
     let whole = load(&Source::file(&arrays)).unwrap().examples;
     let mut poses = load_poses(&Source::file(&scene)).unwrap().examples;
     let trained = model(&whole, Predictor::Kernel, 4);
-    let refused = open(&trained.model, &poses).err().unwrap().to_string();
+    let refused = Character::open(&trained.model, None, &poses).err().unwrap().to_string();
     assert!(refused.starts_with("the model's rest mesh is not that of the examples"), "{refused}");
     let how = "(x, -z, y)".to_owned();
     assert_eq!(poses.move_to(&whole.rest).unwrap(), Some(Warning::Moved { what: "poses", how }));
-    assert!(open(&trained.model, &poses).is_ok());
+    assert!(Character::open(&trained.model, None, &poses).is_ok());
     let [found, expected] = [&poses, &whole].map(|examples| examples.transforms.as_flattened());
     let differences = found.as_flattened().iter().zip(expected.as_flattened());
     let most = differences.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

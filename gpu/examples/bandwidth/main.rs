@@ -8,7 +8,8 @@ mod model;
 use sinew_gpu::headless::{Device, Uploaded};
 use sinew_gpu::layout::{Batch, Plan, Resource, Stage};
 use sinew_gpu::{vulkan, wgpu};
-use sinew_runtime::{Envelope, Model};
+use sinew_runtime::{Envelope, Model, Skin};
+use sinew_trainer::bake::bake;
 use std::error::Error;
 use std::time::{Duration, Instant};
 
@@ -46,9 +47,9 @@ fn open(driver: Option<&str>) -> Result<[Box<dyn Device>; 2]> {
 
 /// Measures the skin stage, and a copy of as many bytes.
 fn bandwidth(devices: &[Box<dyn Device>], instances: usize, vertices: usize) -> Result<()> {
-    let file = model::model(vertices)?;
-    let (model, envelope) = loaded(&file)?;
-    let moved = Moved::new(&envelope, instances);
+    let model = loaded(vertices)?;
+    let (envelope, skin) = parts(&model)?;
+    let moved = Moved::new(&envelope, &skin, instances);
     println!("\nskin, {instances} instances of {vertices} vertices, positions and normals");
     println!(
         "counted once each, however often they are read: {:.1} MB of the model, {:.1} MB of \
@@ -59,7 +60,7 @@ fn bandwidth(devices: &[Box<dyn Device>], instances: usize, vertices: usize) -> 
     );
     println!("{:8} {:>9} {:>9} {:>10} {:>7}", "", "skin ms", "GB/s", "copy GB/s", "share");
     for device in devices {
-        let mut uploaded = posed(device.as_ref(), &model, &envelope, instances)?;
+        let mut uploaded = posed(device.as_ref(), &model, instances)?;
         uploaded.run(instances)?;
         let skin = each(|repeat_len| uploaded.time_stage(Stage::Skin, instances, repeat_len))?;
         // A copy reads as much as it writes.
@@ -88,10 +89,10 @@ struct Moved {
 }
 
 impl Moved {
-    fn new(envelope: &Envelope<'_>, instances: usize) -> Self {
-        let vertices = envelope.vertex_len();
+    fn new(envelope: &Envelope<'_>, skin: &Skin<'_>, instances: usize) -> Self {
+        let vertices = skin.vertex_len();
         Self {
-            model: vertices * (24 + 6 * envelope.influence_len()),
+            model: vertices * (24 + 6 * skin.influence_len()),
             palettes: instances * 48 * envelope.palette_len(),
             written: instances * vertices * 24,
         }
@@ -105,11 +106,10 @@ impl Moved {
 /// Measures all stages of a large batch through each API, in turns.
 fn side_by_side(devices: &[Box<dyn Device>]) -> Result<()> {
     let (instances, vertices) = (256, 10_000);
-    let file = model::model(vertices)?;
-    let (model, envelope) = loaded(&file)?;
+    let model = loaded(vertices)?;
     let mut batches = Vec::new();
     for device in devices {
-        batches.push(posed(device.as_ref(), &model, &envelope, instances)?);
+        batches.push(posed(device.as_ref(), &model, instances)?);
     }
     let mut times = vec![Vec::new(); batches.len()];
     for round in 0..=MEDIAN_OF {
@@ -133,13 +133,12 @@ fn side_by_side(devices: &[Box<dyn Device>]) -> Result<()> {
 /// Measures all stages of a small and of a large number of instances, in turns.
 fn by_instances(devices: &[Box<dyn Device>]) -> Result<()> {
     let (few, many, vertices) = (64, 1024, 1000);
-    let file = model::model(vertices)?;
-    let (model, envelope) = loaded(&file)?;
+    let model = loaded(vertices)?;
     println!("\nall stages, time for an instance of {vertices} vertices");
     println!("{:8} {:>7} us {:>7} us {:>7}", "", few, many, "ratio");
     for device in devices {
-        let mut small = posed(device.as_ref(), &model, &envelope, few)?;
-        let mut large = posed(device.as_ref(), &model, &envelope, many)?;
+        let mut small = posed(device.as_ref(), &model, few)?;
+        let mut large = posed(device.as_ref(), &model, many)?;
         let mut times = [Vec::new(), Vec::new()];
         for round in 0..=MEDIAN_OF {
             // As many instances in the end.
@@ -164,21 +163,24 @@ fn by_instances(devices: &[Box<dyn Device>]) -> Result<()> {
     Ok(())
 }
 
-fn loaded(file: &[u8]) -> Result<(Model<'_>, Envelope<'_>)> {
-    let model = Model::from_bytes(file)?;
-    Ok((model, model.envelope().ok_or("no envelope")?))
+fn loaded(vertices: usize) -> Result<Model<Vec<u8>>> {
+    Ok(Model::from_bytes(bake(&model::parts(vertices))?)?)
+}
+
+fn parts(model: &Model<Vec<u8>>) -> Result<(Envelope<'_>, Skin<'_>)> {
+    Ok((model.envelope().ok_or("no envelope")?, model.skin().ok_or("no skin")?))
 }
 
 /// Uploads a batch of instances at rest.
 fn posed<'d>(
     device: &'d dyn Device,
-    model: &Model<'_>,
-    envelope: &Envelope<'_>,
+    model: &Model<Vec<u8>>,
     instances: usize,
 ) -> Result<Box<dyn Uploaded + 'd>> {
-    let batch = Batch::skinned(envelope, instances);
-    let plan = Plan::new(model, envelope, &batch, &device.limits())?;
-    let mut uploaded = device.upload(model, &plan)?;
+    let (envelope, skin) = parts(model)?;
+    let batch = Batch::skinned(&envelope, &skin, instances);
+    let plan = Plan::new(model, &envelope, &batch, &device.limits())?;
+    let mut uploaded = device.upload(model.blob(), &plan)?;
     const REST: [f32; 12] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     uploaded.write(Resource::Poses, 0, &REST.repeat(instances * envelope.joint_len()))?;
     Ok(uploaded)

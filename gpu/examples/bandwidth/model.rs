@@ -1,8 +1,9 @@
 //! A model of the size that is asked for; what it does to a pose is of no interest here.
 
-use sinew_runtime::format::Certificate;
+use sinew_runtime::envelope::Certificate;
+use sinew_runtime::format::Space;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::bake::{BakeError, EnvelopeParts, Group, bake};
+use sinew_trainer::bake::{EnvelopeParts, Group, ModelParts, SkinParts};
 
 const JOINTS: usize = 20;
 /// Helpers in all, and of each group.
@@ -14,9 +15,36 @@ const CENTRES: usize = 24;
 const RANK: usize = 12;
 const INFLUENCES: usize = 4;
 
-/// Bakes a kernel model of so many vertices: 20 joints, 40 helpers, four influences, no tangents.
-pub(crate) fn model(vertices: usize) -> Result<Vec<u8>, BakeError> {
-    // A spiral; neighbours follow the same maps, as in a mesh.
+/// Makes a kernel model of so many vertices: 20 joints, 40 helpers, four influences, no tangents.
+pub(crate) fn parts(vertices: usize) -> ModelParts {
+    ModelParts { space: Space::default(), envelopes: vec![envelope()], skins: vec![skin(vertices)] }
+}
+
+fn envelope() -> EnvelopeParts {
+    let frame = |joint: usize| {
+        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.5 * joint as f64]]
+    };
+    EnvelopeParts {
+        name: "synthetic".to_owned(),
+        joint_names: (0..JOINTS).map(|joint| format!("joint {joint}")).collect(),
+        parents: (0..JOINTS).map(|joint| joint.checked_sub(1)).collect(),
+        root: 0,
+        rest_frames: (0..JOINTS).map(frame).collect(),
+        reconstruction: None,
+        groups: (0..HELPERS / GROUP).map(group).collect(),
+        pose_ranges: vec![1.0; JOINTS],
+        certificate: Certificate {
+            diagonal: 10.0,
+            training_rms: 0.0,
+            cross_validated_rms: 0.0,
+            lbs_training_rms: 0.0,
+            correction_error: 0.0,
+        },
+    }
+}
+
+fn skin(vertices: usize) -> SkinParts {
+    // A spiral; neighbours follow the same transforms, as in a mesh.
     let at = |vertex: usize| vertex as f64 / vertices as f64;
     let position = |vertex: usize| {
         let angle = 0.1 * vertex as f64;
@@ -28,33 +56,18 @@ pub(crate) fn model(vertices: usize) -> Result<Vec<u8>, BakeError> {
     };
     let influences = |vertex: usize| {
         let first = (at(vertex) * (JOINTS + HELPERS) as f64) as usize;
-        let map = |k: usize| ((first + k) % (JOINTS + HELPERS), 1.0 / INFLUENCES as f64);
-        (0..INFLUENCES).map(map).collect()
+        let own = |k: usize| ((first + k) % (JOINTS + HELPERS), 1.0 / INFLUENCES as f64);
+        (0..INFLUENCES).map(own).collect()
     };
-    let frame = |joint: usize| {
-        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.5 * joint as f64]]
-    };
-    bake(&EnvelopeParts {
-        name: "synthetic".to_owned(),
-        joint_names: (0..JOINTS).map(|joint| format!("joint {joint}")).collect(),
-        parents: (0..JOINTS).map(|joint| joint.checked_sub(1)).collect(),
-        root: 0,
-        rest_frames: (0..JOINTS).map(frame).collect(),
+    SkinParts {
+        name: "spiral".to_owned(),
+        envelope: Some(0),
         rest_positions: (0..vertices).map(position).collect(),
         rest_normals: (0..vertices).map(normal).collect(),
         rest_tangents: None,
         influences: (0..vertices).map(influences).collect(),
-        reconstruction: None,
-        groups: (0..HELPERS / GROUP).map(group).collect(),
-        pose_ranges: vec![1.0; JOINTS],
-        certificate: Certificate {
-            diagonal: 10.0,
-            training_rms: 0.0,
-            cross_validated_rms: 0.0,
-            lbs_training_rms: 0.0,
-            correction_error: 0.0,
-        },
-    })
+        ranges: Vec::new(),
+    }
 }
 
 fn group(group: usize) -> Group {

@@ -18,14 +18,14 @@ fn vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance:
     for (var k = 0u; k < params.influence_len; k++) {
         let influence = vertex * params.influence_len + k;
         let weight = blob_float(params.influence_weights + influence);
-        let map = palette + 3u * blob_half(params.influence_indices, influence);
-        x += weight * palettes[map];
-        y += weight * palettes[map + 1u];
-        z += weight * palettes[map + 2u];
+        let at = palette + 3u * blob_half(params.influence_indices, influence);
+        x += weight * palettes[at];
+        y += weight * palettes[at + 1u];
+        z += weight * palettes[at + 2u];
     }
     let rest = vec4<f32>(blob_vec3(params.rest_positions + 3u * vertex), 1.0);
     let position = vec3<f32>(dot(x, rest), dot(y, rest), dot(z, rest));
-    // Normals follow the cofactors of the blended map.
+    // Normals follow the cofactors of the blended transform.
     let normal = blob_vec3(params.rest_normals + 3u * vertex);
     let cofactors =
         mat3x3<f32>(cross(y.xyz, z.xyz), cross(z.xyz, x.xyz), cross(x.xyz, y.xyz));

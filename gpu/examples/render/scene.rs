@@ -1,8 +1,8 @@
 //! What is drawn: six arms of the demo character, each bent further than the one before it.
 
 use crate::Result;
-use sinew_gpu::layout::Batch;
-use sinew_runtime::format::Predictor;
+use sinew_gpu::layout::{Batch, DeviceLimits, Plan, SkinBatch};
+use sinew_runtime::envelope::Predictor;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, model_space_pose};
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
@@ -27,7 +27,7 @@ pub(crate) const BACKGROUND: [f64; 4] = [0.80, 0.82, 0.85, 1.0];
 
 /// What both APIs draw.
 pub(crate) struct Scene {
-    file: Vec<u8>,
+    pub(crate) model: Model<Vec<u8>>,
     /// Three vertex numbers a face.
     pub(crate) indices: Vec<u32>,
     /// The poses of all instances, one after the other.
@@ -45,25 +45,27 @@ impl Scene {
             proxies: Some(ProxyCount::Fixed(24)),
             ..Options::default()
         };
-        let file = train(&examples, &options, &Silent)?.model;
+        let model = Model::from_bytes(train(&examples, &options, &Silent)?.model)?;
         let indices = examples.triangles.as_flattened().iter().map(|index| *index as u32).collect();
         let mut poses = Vec::new();
-        let envelope = Model::from_bytes(&file)?.envelope().ok_or("no envelope")?;
+        let envelope = model.envelope().ok_or("no envelope")?;
         for n in 0..INSTANCES {
             let pose = pose(&envelope, n as f32 / (INSTANCES - 1) as f32)?;
             let (row, column) = (n / COLUMNS, n % COLUMNS);
             let placed = [0.92 * column as f32, 0.0, 0.66 * row as f32];
-            poses.extend(pose.iter().flat_map(|map| moved(map, placed)).flatten());
+            poses.extend(pose.iter().flat_map(|matrix| moved(matrix, placed)).flatten());
         }
-        Ok(Self { file, indices, poses, camera: camera() })
+        Ok(Self { model, indices, poses, camera: camera() })
     }
 
-    /// Returns the model, and all instances' palettes as what is wanted of it.
-    pub(crate) fn batch(&self) -> Result<(Model<'_>, Envelope<'_>, Batch)> {
-        let model = Model::from_bytes(&self.file)?;
-        let envelope = model.envelope().ok_or("no envelope")?;
-        let batch = Batch { confidences: None, ..Batch::palettes(&envelope, INSTANCES) };
-        Ok((model, envelope, batch))
+    /// Plans all instances' palettes. No vertex is skinned by a stage of ours, but the params tell the
+    /// host's shader where the skin lies.
+    pub(crate) fn plan(&self, limits: &DeviceLimits) -> Result<Plan> {
+        let envelope = self.model.envelope().ok_or("no envelope")?;
+        let skin = self.model.skin().ok_or("no skin")?;
+        let skin = Some(SkinBatch { vertices: 0..0, ..SkinBatch::new(&skin) });
+        let batch = Batch { confidences: None, skin, ..Batch::palettes(&envelope, INSTANCES) };
+        Ok(Plan::new(&self.model, &envelope, &batch, limits)?)
     }
 }
 
@@ -98,9 +100,9 @@ fn pose(envelope: &Envelope<'_>, amount: f32) -> Result<Vec<Matrix3x4>> {
     Ok(out)
 }
 
-/// Moves a map of a pose: whatever follows it moves likewise.
-fn moved(map: &Matrix3x4, by: [f32; 3]) -> Matrix3x4 {
-    let [x, y, z] = *map;
+/// Moves a joint of a pose: whatever follows it moves likewise.
+fn moved(matrix: &Matrix3x4, by: [f32; 3]) -> Matrix3x4 {
+    let [x, y, z] = *matrix;
     let row = |[a, b, c, d]: [f32; 4], by: f32| [a, b, c, d + by];
     [row(x, by[0]), row(y, by[1]), row(z, by[2])]
 }

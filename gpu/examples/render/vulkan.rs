@@ -6,7 +6,7 @@ use crate::scene::{BACKGROUND, HEIGHT, INSTANCES, SHADER, Scene, WIDTH};
 use crate::target::Target;
 use ash::vk::{self, AccessFlags as Access, PipelineStageFlags as Stages};
 use sinew_gpu::headless::{Device as _, Uploaded};
-use sinew_gpu::layout::{Plan, Resource};
+use sinew_gpu::layout::Resource;
 use sinew_gpu::vulkan::headless::{Commands, Device, Memory, VulkanBatch};
 
 /// Renders the scene on the first device there is; returns rows of RGBA8 from the top.
@@ -14,9 +14,8 @@ pub(crate) fn render(scene: &Scene) -> Result<Vec<u8>> {
     // Under the validation layer where it is installed.
     let open = |validation| Device::open(|_| true, "of any driver", validation);
     let headless = open(true).or_else(|_| open(false))?;
-    let (model, envelope, batch) = scene.batch()?;
-    let plan = Plan::new(&model, &envelope, &batch, &headless.limits())?;
-    let mut batch = headless.batch(&model, &plan)?;
+    let plan = scene.plan(&headless.limits())?;
+    let mut batch = headless.batch(scene.model.blob(), &plan)?;
     batch.write(Resource::Poses, 0, &scene.poses)?;
     let pixels = draw(&headless, &batch, scene)?;
     match headless.messages().unwrap_or_default() {

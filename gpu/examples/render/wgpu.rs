@@ -11,7 +11,7 @@ use ::wgpu::{
     TexelCopyBufferInfo, TexelCopyBufferLayout, TextureDescriptor, TextureDimension, TextureFormat,
     TextureUsages, VertexState,
 };
-use sinew_gpu::layout::{Plan, Resource};
+use sinew_gpu::layout::Resource;
 use sinew_gpu::wgpu::headless::Device as Headless;
 use sinew_gpu::wgpu::{Bound, Buffers, Pipelines, limits};
 
@@ -23,8 +23,7 @@ const SIZE: Extent3d = Extent3d { width: WIDTH, height: HEIGHT, depth_or_array_l
 pub(crate) fn render(scene: &Scene) -> Result<Vec<u8>> {
     let headless = Headless::open(|_| true, "of any driver", true)?;
     let device = headless.device();
-    let (model, envelope, batch) = scene.batch()?;
-    let plan = Plan::new(&model, &envelope, &batch, &limits(&device.limits()))?;
+    let plan = scene.plan(&limits(&device.limits()))?;
 
     let filled = |contents: &[u8], usage| {
         let label = None;
@@ -35,15 +34,15 @@ pub(crate) fn render(scene: &Scene) -> Result<Vec<u8>> {
         device.create_buffer(&BufferDescriptor { label, size, usage, mapped_at_creation: false })
     };
     let params = filled(&plan.params(), BufferUsages::UNIFORM);
-    let blob = filled(model.blob(), BufferUsages::STORAGE);
+    let blob = filled(scene.model.blob(), BufferUsages::STORAGE);
     let poses = filled(&bytes(&scene.poses), BufferUsages::STORAGE);
-    let work = empty(plan.bytes(Resource::Work), BufferUsages::STORAGE);
+    let scratch = empty(plan.bytes(Resource::Scratch), BufferUsages::STORAGE);
     let palettes = empty(plan.bytes(Resource::Palettes), BufferUsages::STORAGE);
     let buffers = Buffers::new()
         .with(Resource::Params, &params, 0)
         .with(Resource::Blob, &blob, 0)
         .with(Resource::Poses, &poses, 0)
-        .with(Resource::Work, &work, 0)
+        .with(Resource::Scratch, &scratch, 0)
         .with(Resource::Palettes, &palettes, 0);
     let pipelines = Pipelines::new(device, plan.stages())?;
     let bound = Bound::new(&pipelines, &plan, &buffers)?;

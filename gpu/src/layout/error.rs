@@ -1,6 +1,8 @@
 //! What a batch can have wrong, found before anything is recorded.
 
-use super::Resource;
+use super::resource::Resource;
+use super::stage::Stage;
+use sinew_runtime::format::PartKind;
 use thiserror::Error;
 
 /// A batch that cannot be evaluated on a device.
@@ -17,7 +19,25 @@ pub enum LayoutError {
         /// Instances asked for.
         found: usize,
     },
-    /// The vertices to skin are not inside the mesh, or the range ends before it starts.
+    /// The envelope or the skin is of another file than the model.
+    #[error("the {} is of another file than the model", .part.name())]
+    OtherFile {
+        /// Which of the two.
+        part: PartKind,
+    },
+    /// The skin does not follow the envelope.
+    #[error("a skin that follows {found:?}, expected part {expected}")]
+    OtherEnvelope {
+        /// The envelope's part.
+        expected: usize,
+        /// The part that the skin follows, if any.
+        found: Option<usize>,
+    },
+    /// A skin writes no attribute.
+    #[error("a skin without an attribute to write")]
+    NoOutput,
+    /// The vertices to skin are not inside the mesh, or the range ends before it starts, or a remap is
+    /// of a mesh without vertices.
     #[error("vertices {start}..{end} of a mesh of {vertex_len}")]
     VertexRange {
         /// First vertex.
@@ -27,8 +47,8 @@ pub enum LayoutError {
         /// Vertices of the mesh.
         vertex_len: usize,
     },
-    /// Tangents are asked for and the model has none.
-    #[error("tangents of a model that has none")]
+    /// Tangents are asked for, and neither the skin nor the host's rest mesh has them.
+    #[error("tangents of a rest mesh that has none")]
     NoTangents,
     /// A stride is shorter than what lies at each of its steps.
     #[error("a stride of {found} floats in {}, expected at least {least}", .resource.name())]
@@ -76,10 +96,12 @@ pub enum LayoutError {
         /// What the device asks for.
         found: u64,
     },
-    /// One instance alone needs more workgroups than can be counted.
-    #[error("{found} workgroups for one instance, more than {limit}")]
-    Threads {
-        /// The most.
+    /// One instance alone needs more workgroups than the device dispatches along an axis.
+    #[error("{found} workgroups for one instance of {}, more than {limit}", .stage.name())]
+    Workgroups {
+        /// The stage.
+        stage: Stage,
+        /// The device's most.
         limit: u64,
         /// Workgroups needed.
         found: u64,
@@ -107,5 +129,13 @@ pub enum LayoutError {
         resource: Resource,
         /// Where it starts.
         found: u64,
+    },
+    /// Two resources, of which a stage writes one, take the same bytes of a buffer.
+    #[error("{} and {} overlap", .first.name(), .second.name())]
+    Overlap {
+        /// One.
+        first: Resource,
+        /// The other.
+        second: Resource,
     },
 }

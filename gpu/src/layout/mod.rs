@@ -3,75 +3,31 @@
 //!
 //! 1. Upload [`sinew_runtime::Model::blob`] as it is: [`Resource::Blob`].
 //! 2. Say in a [`Batch`] how many instances there are and where their arrays lie; [`Plan::new`]
-//!    checks that, cuts it where a binding would be too large, and gives the bytes that each
-//!    [`Resource`] needs and the content of [`Resource::Params`].
+//!    checks that, cuts it where a binding or a dispatch would be too large, and gives the bytes that
+//!    each [`Resource`] needs and the content of [`Resource::Params`].
 //! 3. Make a pipeline of each of [`Plan::stages`], entry point `main`, bound as [`Stage::bindings`]
 //!    lists.
-//! 4. Each frame, for each stage and each of [`Plan::chunks`]: bind the chunk's [`Span`]s and
-//!    dispatch [`Plan::groups`]. What a stage writes must be visible to the next.
+//! 4. Each frame, for each stage and each of [`Plan::chunks`]: bind [`Chunk::bound`] and dispatch
+//!    [`Plan::workgroups`]. What a stage writes must be visible to the next that reads it.
+//!
+//! A dispatch's x counts the workgroups of one instance and its y the instances, so that every instance
+//! starts at a workgroup, and nothing is ever written for one that is not asked for.
 
 mod batch;
+mod check;
+mod chunk;
 mod error;
+mod extents;
+mod limits;
 mod params;
 mod plan;
+mod resource;
 mod stage;
 
-pub use batch::{Array, Attribute, Batch, Skin};
+pub use batch::{Array, Attribute, Batch, Rest, SkinBatch};
+pub use chunk::{Chunk, Param, Span};
 pub use error::LayoutError;
-pub use params::{Param, WorkLayout};
-pub use plan::{Chunk, DeviceLimits, Plan, Span};
-pub use sinew_runtime::envelope::Buffer;
+pub use limits::DeviceLimits;
+pub use plan::Plan;
+pub use resource::{ALIGNMENT, Resource};
 pub use stage::{Binding, Stage, WORKGROUP};
-
-/// Where a span of a buffer may start, in bytes: what every device allows.
-pub const ALIGNMENT: u64 = 256;
-
-/// The buffers of a batch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[repr(usize)]
-pub enum Resource {
-    /// Uniform: where everything lies. Written once, from [`Plan::params`].
-    Params,
-    /// The model's numbers, as they lie in the file. Written once.
-    Blob,
-    /// J skinning matrices an instance, 3x4 rows, rest to posed, in model space. Written each frame.
-    Poses,
-    /// What stages hand to each other. Never read or written by the host.
-    Work,
-    /// The palette of each instance, 3x4 rows.
-    Palettes,
-    /// One float an instance.
-    Confidences,
-    /// Skinned attributes.
-    OutA,
-    /// Skinned attributes.
-    OutB,
-}
-
-impl Resource {
-    /// Every resource.
-    pub const ALL: [Self; 8] = [
-        Self::Params,
-        Self::Blob,
-        Self::Poses,
-        Self::Work,
-        Self::Palettes,
-        Self::Confidences,
-        Self::OutA,
-        Self::OutB,
-    ];
-
-    /// Returns its name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Params => "params",
-            Self::Blob => "blob",
-            Self::Poses => "poses",
-            Self::Work => "work",
-            Self::Palettes => "palettes",
-            Self::Confidences => "confidences",
-            Self::OutA => "out_a",
-            Self::OutB => "out_b",
-        }
-    }
-}

@@ -1,28 +1,29 @@
-//! The stages: their shaders, what these bind, and how many threads they need.
+//! The stages: their shaders, what these bind, and how many workgroups they need.
 
-use super::Resource;
+use super::resource::Resource;
 use sinew_runtime::Envelope;
 
 /// Threads of a workgroup.
 pub const WORKGROUP: u32 = 64;
 
-/// A stage of the evaluation, by the name it has in the runtime.
+/// A stage of the evaluation, by the name it has in the runtime. Every instance has workgroups of its
+/// own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
-    /// Poses to relative maps, rotations and gradients: one workgroup an instance.
+    /// Poses to relative transforms, rotations and gradients: one workgroup.
     Gradients,
-    /// Gradients and relative maps to palettes: one thread a map.
+    /// Gradients and relative transforms to palettes: one thread a transform.
     Palette,
-    /// Poses to the palettes of the kernel predictor: one thread a map.
+    /// Poses to the palettes of the kernel predictor: one thread a transform.
     Joints,
     /// Poses to features: one thread a joint.
     Features,
     /// Features to what the kernel maps add to palettes: one workgroup a group of proxies.
     Correction,
-    /// Rotations, or what the correction has found, to one number: one thread an instance.
-    Confidence,
     /// Palettes to positions, normals and tangents: one thread a vertex.
     Skin,
+    /// Rotations, or what the correction has found, to one number: one workgroup.
+    Confidence,
 }
 
 /// One binding of a stage, in group (set) 0.
@@ -57,15 +58,16 @@ macro_rules! spirv {
 }
 
 impl Stage {
-    /// Every stage, in an order in which each comes after those that it reads from.
+    /// Every stage, in an order in which each comes after those that it reads from, and waits for no
+    /// other: nothing reads confidences, so they come last.
     pub const ALL: [Self; 7] = [
         Self::Gradients,
         Self::Palette,
         Self::Joints,
         Self::Features,
         Self::Correction,
-        Self::Confidence,
         Self::Skin,
+        Self::Confidence,
     ];
 
     /// Returns its name: the stem of its shaders and of its module in the runtime.
@@ -111,58 +113,37 @@ impl Stage {
     /// Lists what it binds: number 0 the uniform [`Resource::Params`], the others storage buffers,
     /// four at most.
     pub const fn bindings(self) -> &'static [Binding] {
-        use Resource::{Blob, Confidences, OutA, OutB, Palettes, Params, Poses, Work};
+        use Resource::{Blob, Confidences, Host, Out, Palettes, Params, Poses, Scratch};
         const PARAMS: Binding = Binding::read(Params);
         const BLOB: Binding = Binding::read(Blob);
         const POSES: Binding = Binding::read(Poses);
-        const WORK: Binding = Binding::read(Work);
+        const SCRATCH: Binding = Binding::read(Scratch);
         const PALETTES: Binding = Binding::read(Palettes);
-        const OUT_WORK: Binding = Binding::write(Work);
+        const HOST: Binding = Binding::read(Host);
+        const OUT_SCRATCH: Binding = Binding::write(Scratch);
         const OUT_PALETTES: Binding = Binding::write(Palettes);
         const OUT_CONFIDENCES: Binding = Binding::write(Confidences);
-        const OUT_A: Binding = Binding::write(OutA);
-        const OUT_B: Binding = Binding::write(OutB);
+        const OUT: Binding = Binding::write(Out);
         match self {
-            Self::Gradients | Self::Features => &[PARAMS, BLOB, POSES, OUT_WORK],
-            Self::Palette => &[PARAMS, BLOB, POSES, WORK, OUT_PALETTES],
+            Self::Gradients | Self::Features => &[PARAMS, BLOB, POSES, OUT_SCRATCH],
+            Self::Palette => &[PARAMS, BLOB, POSES, SCRATCH, OUT_PALETTES],
             Self::Joints => &[PARAMS, BLOB, POSES, OUT_PALETTES],
-            Self::Correction => &[PARAMS, BLOB, POSES, OUT_WORK, OUT_PALETTES],
-            Self::Confidence => &[PARAMS, BLOB, WORK, OUT_CONFIDENCES],
-            Self::Skin => &[PARAMS, BLOB, PALETTES, OUT_A, OUT_B],
+            Self::Correction => &[PARAMS, BLOB, POSES, OUT_SCRATCH, OUT_PALETTES],
+            Self::Skin => &[PARAMS, BLOB, PALETTES, HOST, OUT],
+            Self::Confidence => &[PARAMS, BLOB, SCRATCH, OUT_CONFIDENCES],
         }
     }
 
-    /// Counts what an instance of a batch is cut into, of `vertex_len` vertices to skin: whole
-    /// workgroups, or threads.
-    pub(crate) fn work_len(self, envelope: &Envelope<'_>, vertex_len: usize) -> WorkLen {
+    /// Counts the workgroups of one instance, of `vertex_len` vertices to skin.
+    pub(super) fn workgroups(self, envelope: &Envelope<'_>, vertex_len: usize) -> u64 {
+        let threads = |len: usize| (len as u64).div_ceil(WORKGROUP.into());
         match self {
-            Self::Gradients => WorkLen::Groups(1),
-            Self::Palette => WorkLen::Threads(envelope.proxy_len()),
-            Self::Joints => WorkLen::Threads(envelope.palette_len()),
-            Self::Features => WorkLen::Threads(envelope.joint_len()),
-            Self::Correction => WorkLen::Groups(envelope.group_len()),
-            Self::Confidence => WorkLen::Threads(1),
-            Self::Skin => WorkLen::Threads(vertex_len),
-        }
-    }
-}
-
-/// What one instance needs of a dispatch.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum WorkLen {
-    /// So many workgroups; workgroup w does item w mod n of instance w / n.
-    Groups(usize),
-    /// So many threads, of workgroups that instances share; thread t does item t mod n of instance
-    /// t / n.
-    Threads(usize),
-}
-
-impl WorkLen {
-    /// Counts the workgroups of a number of instances.
-    pub(crate) fn groups(self, instances: usize) -> u64 {
-        match self {
-            Self::Groups(n) => n as u64 * instances as u64,
-            Self::Threads(n) => (n as u64 * instances as u64).div_ceil(WORKGROUP.into()),
+            Self::Gradients | Self::Confidence => 1,
+            Self::Palette => threads(envelope.proxy_len()),
+            Self::Joints => threads(envelope.palette_len()),
+            Self::Features => threads(envelope.joint_len()),
+            Self::Correction => envelope.group_len() as u64,
+            Self::Skin => threads(vertex_len),
         }
     }
 }

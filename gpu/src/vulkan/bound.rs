@@ -1,12 +1,12 @@
 //! A plan with the host's buffers bound, ready to be recorded each frame.
 
-use super::pipelines::descriptor_type;
-use super::{Error, Pipelines};
+use super::error::Error;
+use super::pipelines::{Pipelines, descriptor_type};
 use crate::layout::{Chunk, Plan, Resource, Span, Stage};
 use ash::{Device, vk};
 
 /// The host's buffers, one for each resource of a plan. Several resources may share one, as long as
-/// none is written where another lies.
+/// none is written where another lies; that two buffers share memory cannot be seen here.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Buffers([Option<(vk::Buffer, Span)>; Resource::ALL.len()]);
 
@@ -54,7 +54,8 @@ impl Bound {
     /// # Errors
     /// - [`Error::NoPipeline`]: a stage of the plan was not among those of the pipelines.
     /// - [`Error::Sets`]
-    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned.
+    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned, or a stage writes where
+    ///   another resource lies.
     ///
     /// # Safety
     /// Everything must be valid and of this device; each buffer must be as long as said, have memory
@@ -72,9 +73,7 @@ impl Bound {
         if found != expected {
             return Err(Error::Sets { expected, found });
         }
-        for resource in Resource::ALL {
-            plan.check(resource, buffers.get(resource).map(|(_, span)| span))?;
-        }
+        plan.check_buffers(|resource| buffers.get(resource))?;
         let bound = Self { plan: plan.clone(), steps, sets: sets.to_vec() };
         for (index, step) in bound.steps.iter().enumerate() {
             for (chunk, set) in plan.chunks().iter().zip(bound.sets_of(index)) {
@@ -86,12 +85,11 @@ impl Bound {
     }
 
     /// Records all stages for the first `instance_len` instances, with a [`barrier`] before the first
-    /// and wherever one reads what another writes. The module says what must be visible before, and
+    /// and wherever one reads what another writes, and nowhere else. The module says what must be visible before, and
     /// what is to be waited for after. The last stage's pipeline and set 0 are left bound to the
     /// compute bind point. Allocates nothing.
     ///
-    /// Where fewer instances than the batch's are evaluated, what is left of a dispatch's last
-    /// workgroup, 63 threads at most, works on those that follow: what they hold is then undefined.
+    /// Nothing is written for the instances that follow.
     ///
     /// # Errors
     /// [`Error::Layout`]: no instances, or more than there is room for. Nothing has been recorded.
@@ -109,7 +107,7 @@ impl Bound {
         for (index, step) in self.steps.iter().enumerate() {
             // SAFETY: as our own caller promises.
             unsafe {
-                // The first waits for a record before: both use the same work.
+                // The first waits for a record before: both use the same scratch.
                 if step.waits || index == 0 {
                     barrier(device, command_buffer);
                 }
@@ -168,9 +166,9 @@ impl Bound {
         unsafe { device.cmd_bind_pipeline(command_buffer, COMPUTE, pipeline) };
         for (number, (chunk, set)) in self.plan.chunks().iter().zip(self.sets_of(index)).enumerate()
         {
-            let Some([x, y]) = self.plan.groups(stage, chunk, instance_len) else { continue };
+            let Some([x, y]) = self.plan.workgroups(stage, chunk, instance_len) else { continue };
             let sets = [*set];
-            // SAFETY: likewise; the plan keeps groups within the limits it was made with.
+            // SAFETY: likewise; the plan keeps workgroups within the limits it was made with.
             unsafe {
                 if meets && number > 0 {
                     barrier(device, command_buffer);
@@ -199,7 +197,8 @@ pub unsafe fn barrier(device: &Device, command_buffer: vk::CommandBuffer) {
     }
 }
 
-/// Lists what is recorded.
+/// Lists what is recorded. A stage waits for those before it where it reads what one of them writes, or
+/// writes what one of them uses, since the last barrier.
 fn steps(pipelines: &Pipelines, plan: &Plan) -> Result<Vec<Step>, Error> {
     let mut steps = Vec::with_capacity(plan.stages().len());
     // What has been bound since the last barrier, and whether it was written.

@@ -41,7 +41,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns what makes an error of a result.
+    /// Makes a function that turns a result into an error.
     pub(super) fn while_doing(doing: &'static str) -> impl Fn(vk::Result) -> Self {
         move |result| Self::Vulkan { doing, result }
     }

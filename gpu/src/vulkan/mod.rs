@@ -13,10 +13,10 @@
 //! 6. At the end it destroys pool and buffers, and calls [`Pipelines::destroy`].
 //!
 //! # What must be visible, and when
-//! Before: blob, params and the frame's poses to [`vk::PipelineStageFlags::COMPUTE_SHADER`] with
+//! Before: blob, params, host and the frame's poses to [`vk::PipelineStageFlags::COMPUTE_SHADER`] with
 //! [`vk::AccessFlags::SHADER_READ`], params with [`vk::AccessFlags::UNIFORM_READ`]; and whatever read
-//! the palettes, confidences, out_a and out_b of the frame before must be done. After:
-//! [`vk::PipelineStageFlags::COMPUTE_SHADER`] with [`vk::AccessFlags::SHADER_WRITE`] on these four is
+//! the palettes, confidences and out of the frame before must be done. After:
+//! [`vk::PipelineStageFlags::COMPUTE_SHADER`] with [`vk::AccessFlags::SHADER_WRITE`] on these three is
 //! to be waited for, by vertex input, a vertex shader, or what else uses them. Those two barriers are
 //! the host's; those between one stage and another, and between two records, are [`Bound::record`]'s.
 //!
@@ -24,7 +24,7 @@
 //! use ash::vk;
 //! use sinew_gpu::layout::{Batch, Plan, Resource};
 //! use sinew_gpu::vulkan::{Bound, Buffers, Error, Pipelines, limits, pool_sizes, set_len};
-//! use sinew_runtime::{Envelope, Model};
+//! use sinew_runtime::{Envelope, Model, Skin};
 //!
 //! # fn buffer_of(_: Resource, _bytes: u64) -> vk::Buffer { vk::Buffer::null() }
 //! # fn vulkan(doing: &'static str) -> impl Fn(vk::Result) -> Error {
@@ -34,10 +34,11 @@
 //! unsafe fn prepare(
 //!     device: &ash::Device,
 //!     properties: &vk::PhysicalDeviceProperties,
-//!     model: &Model<'_>,
+//!     model: &Model<Vec<u8>>,
 //!     envelope: &Envelope<'_>,
+//!     skin: &Skin<'_>,
 //! ) -> Result<Bound, Error> {
-//!     let batch = Batch::skinned(envelope, 64);
+//!     let batch = Batch::skinned(envelope, skin, 64);
 //!     let plan = Plan::new(model, envelope, &batch, &limits(&properties.limits))?;
 //!     let stages: Vec<_> = plan.stages().collect();
 //!     let pipelines = unsafe { Pipelines::new(device, &stages, vk::PipelineCache::null(), None) }?;
@@ -71,6 +72,15 @@
 //!     // The host's barrier goes here: the compute shaders, before what draws.
 //! }
 //! ```
+//!
+//! [`Plan::new`]: crate::layout::Plan::new
+//! [`Plan::bytes`]: crate::layout::Plan::bytes
+//! [`Plan::params`]: crate::layout::Plan::params
+//! [`Resource`]: crate::layout::Resource
+//! [`vk::PipelineStageFlags::COMPUTE_SHADER`]: ash::vk::PipelineStageFlags::COMPUTE_SHADER
+//! [`vk::AccessFlags::SHADER_READ`]: ash::vk::AccessFlags::SHADER_READ
+//! [`vk::AccessFlags::SHADER_WRITE`]: ash::vk::AccessFlags::SHADER_WRITE
+//! [`vk::AccessFlags::UNIFORM_READ`]: ash::vk::AccessFlags::UNIFORM_READ
 #![allow(unsafe_code, reason = "every call of Vulkan is")]
 
 mod bound;
@@ -78,50 +88,9 @@ mod error;
 #[cfg(feature = "headless")]
 pub mod headless;
 mod pipelines;
+mod requirements;
 
 pub use bound::{Bound, Buffers, barrier};
 pub use error::Error;
 pub use pipelines::Pipelines;
-
-use crate::layout::{DeviceLimits, Plan, Resource};
-use ash::vk;
-
-/// Returns what a device's limits are in terms of the layout.
-pub fn limits(device: &vk::PhysicalDeviceLimits) -> DeviceLimits {
-    let alignment =
-        device.min_storage_buffer_offset_alignment.max(device.min_uniform_buffer_offset_alignment);
-    let [x, y, _] = device.max_compute_work_group_count;
-    DeviceLimits {
-        storage_binding_bytes: device.max_storage_buffer_range.into(),
-        storage_buffers: device.max_per_stage_descriptor_storage_buffers,
-        offset_alignment: u32::try_from(alignment).unwrap_or(u32::MAX),
-        workgroup_threads: device
-            .max_compute_work_group_invocations
-            .min(device.max_compute_work_group_size[0]),
-        groups: x.min(y),
-    }
-}
-
-/// Returns the usage that a resource's buffer must have for us; the host adds its own, such as that
-/// of an upload or of vertex input.
-pub fn usage(resource: Resource) -> vk::BufferUsageFlags {
-    match resource {
-        Resource::Params => vk::BufferUsageFlags::UNIFORM_BUFFER,
-        _ => vk::BufferUsageFlags::STORAGE_BUFFER,
-    }
-}
-
-/// Counts the descriptors of a plan, by their type.
-pub fn pool_sizes(plan: &Plan) -> [vk::DescriptorPoolSize; 2] {
-    let storage = plan.stages().map(|stage| stage.bindings().len() - 1).sum::<usize>();
-    let size = |ty, len: usize| vk::DescriptorPoolSize { ty, descriptor_count: len as u32 };
-    [
-        size(vk::DescriptorType::UNIFORM_BUFFER, set_len(plan) as usize),
-        size(vk::DescriptorType::STORAGE_BUFFER, storage * plan.chunks().len()),
-    ]
-}
-
-/// Counts the descriptor sets of a plan: one a stage and chunk.
-pub fn set_len(plan: &Plan) -> u32 {
-    (plan.stages().len() * plan.chunks().len()) as u32
-}
+pub use requirements::{limits, pool_sizes, set_len, usage};

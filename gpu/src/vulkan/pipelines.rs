@@ -1,6 +1,6 @@
 //! The stages' pipelines on the host's device.
 
-use super::Error;
+use super::error::Error;
 use crate::layout::{Plan, Resource, Stage};
 use ash::{Device, vk};
 

@@ -1,7 +1,7 @@
 //! A batch bound to the host's buffers.
 
 use super::error::{Error, scoped};
-use super::{Pipelines, limits};
+use super::pipelines::{Pipelines, limits};
 use crate::layout::{Binding, Chunk, DeviceLimits, LayoutError, Plan, Resource, Span, Stage};
 use ::wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding,
@@ -29,6 +29,12 @@ impl<'a> Buffers<'a> {
     fn get(&self, resource: Resource) -> Option<(&'a Buffer, u64)> {
         self.0[resource as usize]
     }
+
+    /// Returns a resource's buffer, and the bytes of it from its offset on.
+    fn span(&self, resource: Resource) -> Option<(&'a Buffer, Span)> {
+        let (buffer, offset) = self.get(resource)?;
+        Some((buffer, Span { offset, bytes: buffer.size().saturating_sub(offset) }))
+    }
 }
 
 /// A plan bound to buffers: what there is to record each frame.
@@ -43,7 +49,7 @@ struct BoundStage {
     stage: Stage,
     pipeline: ComputePipeline,
     /// One for each of the plan's chunks.
-    groups: Vec<BindGroup>,
+    bind_groups: Vec<BindGroup>,
 }
 
 impl Bound {
@@ -54,22 +60,21 @@ impl Bound {
     /// wgpu tells it then. Nor can a buffer of another instance: wgpu panics.
     ///
     /// # Errors
-    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned; or the plan was made by
-    ///   the limits of a device that allows more.
+    /// - [`Error::Layout`]: a buffer is missing, too short or misaligned, or a stage writes where
+    ///   another resource lies; or the plan was made by the limits of a device that allows more.
     /// - [`Error::Usage`]
-    /// - [`Error::Shared`], [`Error::Overlap`]
+    /// - [`Error::Shared`]
     /// - [`Error::NoPipeline`]
-    /// - [`Error::Lost`], [`Error::OutOfMemory`]
+    /// - [`Error::OutOfMemory`]
     /// - [`Error::Refused`]: the device does not take a buffer, as of another device.
     pub fn new(pipelines: &Pipelines, plan: &Plan, buffers: &Buffers<'_>) -> Result<Self, Error> {
-        for resource in Resource::ALL {
-            check(plan, resource, buffers)?;
-        }
+        plan.check_buffers(|resource| buffers.span(resource))?;
+        check_usages(plan, buffers)?;
         let limits = limits(&pipelines.device.limits());
         for chunk in plan.chunks() {
             check_limits(plan, chunk, &limits)?;
             for stage in plan.stages() {
-                check_apart(stage, chunk, buffers)?;
+                check_shared(stage, chunk, buffers)?;
             }
         }
         let stages = plan.stages().map(|stage| BoundStage::new(pipelines, plan, stage, buffers));
@@ -82,8 +87,8 @@ impl Bound {
         &self.plan
     }
 
-    /// Records all stages for the batch's first `instance_len` instances, in one compute pass. Of what
-    /// lies at later instances some may be overwritten: dispatches are of whole workgroups.
+    /// Records all stages for the batch's first `instance_len` instances, in one compute pass. Nothing
+    /// is written for the instances that follow.
     ///
     /// # Errors
     /// Nothing is recorded then.
@@ -129,46 +134,43 @@ impl BoundStage {
         let own = pipelines.get(stage)?;
         let entries = plan.chunks().iter().map(|chunk| entries(stage, chunk, buffers));
         let entries = entries.collect::<Result<Vec<_>, _>>()?;
-        let groups = scoped(&pipelines.device, "bind groups", || {
-            let group = |entries: &Vec<_>| {
+        let bind_groups = scoped(&pipelines.device, "bind groups", || {
+            let make = |entries: &Vec<_>| {
                 let label = Some(stage.name());
                 let layout = &own.layout;
                 pipelines.device.create_bind_group(&BindGroupDescriptor { label, layout, entries })
             };
-            entries.iter().map(group).collect()
+            entries.iter().map(make).collect()
         })?;
-        Ok(Self { stage, pipeline: own.pipeline.clone(), groups })
+        Ok(Self { stage, pipeline: own.pipeline.clone(), bind_groups })
     }
 
     fn record(&self, plan: &Plan, pass: &mut ComputePass<'_>, instance_len: usize) {
         pass.set_pipeline(&self.pipeline);
-        for (chunk, group) in plan.chunks().iter().zip(&self.groups) {
-            if let Some([x, y]) = plan.groups(self.stage, chunk, instance_len) {
-                pass.set_bind_group(0, group, &[]);
+        for (chunk, bind_group) in plan.chunks().iter().zip(&self.bind_groups) {
+            if let Some([x, y]) = plan.workgroups(self.stage, chunk, instance_len) {
+                pass.set_bind_group(0, bind_group, &[]);
                 pass.dispatch_workgroups(x, y, 1);
             }
         }
     }
 }
 
-/// Checks what the host gives for a resource, if the plan needs it.
-fn check(plan: &Plan, resource: Resource, buffers: &Buffers<'_>) -> Result<(), Error> {
-    let given = buffers.get(resource);
-    let span = |(buffer, offset): (&Buffer, u64)| Span {
-        offset,
-        bytes: buffer.size().saturating_sub(offset),
-    };
-    plan.check(resource, given.map(span))?;
-    let expected = match resource {
-        Resource::Params => BufferUsages::UNIFORM,
-        _ => BufferUsages::STORAGE,
-    };
-    match given {
-        Some((buffer, _)) if plan.bytes(resource) > 0 && !buffer.usage().contains(expected) => {
-            Err(Error::Usage { resource, expected, found: buffer.usage() })
+/// Checks that each buffer was made for what it is used for.
+fn check_usages(plan: &Plan, buffers: &Buffers<'_>) -> Result<(), Error> {
+    for resource in Resource::ALL {
+        let expected = match resource {
+            Resource::Params => BufferUsages::UNIFORM,
+            _ => BufferUsages::STORAGE,
+        };
+        match buffers.get(resource) {
+            Some((own, _)) if plan.bytes(resource) > 0 && !own.usage().contains(expected) => {
+                return Err(Error::Usage { resource, expected, found: own.usage() });
+            }
+            _ => {}
         }
-        _ => Ok(()),
     }
+    Ok(())
 }
 
 /// Checks that a chunk was cut for a device that allows no more than this one.
@@ -182,36 +184,27 @@ fn check_limits(plan: &Plan, chunk: &Chunk, limits: &DeviceLimits) -> Result<(),
             _ => {}
         }
     }
-    let groups = plan.stages().filter_map(|stage| plan.groups(stage, chunk, plan.instance_len()));
-    let least = groups.flatten().max().unwrap_or(0);
-    if least > limits.groups {
-        let (least, found) = (least.into(), limits.groups.into());
+    let all = plan.instance_len();
+    let counts = plan.stages().filter_map(|stage| plan.workgroups(stage, chunk, all));
+    let least = counts.flatten().max().unwrap_or(0);
+    if least > limits.workgroups {
+        let (least, found) = (least.into(), limits.workgroups.into());
         return Err(LayoutError::Device { name: "number of workgroups a dispatch", least, found });
     }
     Ok(())
 }
 
-/// Checks that what a stage writes is apart from the rest of what it takes in a chunk.
-fn check_apart(stage: Stage, chunk: &Chunk, buffers: &Buffers<'_>) -> Result<(), Error> {
+/// Checks that a stage reads no buffer that it writes: wgpu tells uses apart by whole buffers.
+fn check_shared(stage: Stage, chunk: &Chunk, buffers: &Buffers<'_>) -> Result<(), Error> {
     let bound = |own: &Binding| {
-        let (resource, span) = chunk.bound(own.resource);
-        let (buffer, offset) = buffers.get(resource)?;
-        let Span { offset: from, bytes } = span?;
-        Some((resource, own.writable, buffer, offset + from..offset + from + bytes))
+        let (resource, _) = chunk.bound(own.resource);
+        Some((resource, own.writable, buffers.get(resource)?.0))
     };
-    let bound: Vec<_> = stage.bindings().iter().filter_map(bound).collect();
-    for (i, (first, writes_first, buffer, span)) in bound.iter().enumerate() {
-        for (second, writes_second, other, other_span) in bound.iter().skip(i + 1) {
-            let (first, second) = (*first, *second);
-            let meet = span.start < other_span.end && other_span.start < span.end;
-            match (writes_first, writes_second) {
-                _ if buffer != other => {}
-                (false, false) => {}
-                (true, false) => return Err(Error::Shared { stage, written: first, read: second }),
-                (false, true) => return Err(Error::Shared { stage, written: second, read: first }),
-                (true, true) if meet => return Err(Error::Overlap { first, second }),
-                (true, true) => {}
-            }
+    let bound = || stage.bindings().iter().filter_map(bound);
+    for (written, _, buffer) in bound().filter(|(_, writes, _)| *writes) {
+        let mut read = bound().filter(|(_, writes, other)| !writes && *other == buffer);
+        if let Some((read, ..)) = read.next() {
+            return Err(Error::Shared { stage, written, read });
         }
     }
     Ok(())

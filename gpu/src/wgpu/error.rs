@@ -1,7 +1,7 @@
 //! What can be wrong with a device, with the host's buffers, or with a call.
 
 use crate::layout::{LayoutError, Resource, Stage};
-use ::wgpu::{Backend, BufferDescriptor, BufferUsages, Device, ErrorFilter};
+use ::wgpu::{Backend, BufferUsages, Device, ErrorFilter};
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 use thiserror::Error;
@@ -33,14 +33,6 @@ pub enum Error {
         /// What it reads.
         read: Resource,
     },
-    /// Two resources that a stage writes take the same bytes.
-    #[error("{} and {} overlap", .first.name(), .second.name())]
-    Overlap {
-        /// One.
-        first: Resource,
-        /// The other.
-        second: Resource,
-    },
     /// The pipelines were made without a stage that the plan has.
     #[error("no pipeline of {}", .stage.name())]
     NoPipeline {
@@ -52,12 +44,6 @@ pub enum Error {
     NotPlanned {
         /// The stage.
         stage: Stage,
-    },
-    /// The device was lost or destroyed: whatever it makes is void.
-    #[error("the device was lost while making {making}")]
-    Lost {
-        /// What was being made.
-        making: &'static str,
     },
     /// The device has no memory left.
     #[error("out of memory while making {making}")]
@@ -76,7 +62,8 @@ pub enum Error {
 }
 
 /// Makes objects and returns what the device had against them, without waiting: natively it answers
-/// at once. A browser answers later, so there its own error scopes and handlers are left to tell.
+/// at once. A browser answers later, so there its own error scopes and handlers are left to tell. That
+/// a device was lost only the host's callback is told: whatever such a device makes is void.
 pub(super) fn scoped<T>(
     device: &Device,
     making: &'static str,
@@ -92,24 +79,10 @@ pub(super) fn scoped<T>(
     // In reverse order; the first that caught something tells it.
     let found = [ready(validation.pop()), ready(internal.pop()), ready(memory.pop())];
     match found.into_iter().flatten().flatten().next() {
-        None if is_lost(device) => Err(Error::Lost { making }),
         None => Ok(made),
         Some(::wgpu::Error::OutOfMemory { .. }) => Err(Error::OutOfMemory { making }),
         Some(error) => Err(Error::Refused { making, detail: error.to_string() }),
     }
-}
-
-/// Whether a device was lost. Only the host's own callback is told so; but a device that is there
-/// objects to a buffer without a usage, before its driver hears of it, and a lost one to nothing.
-fn is_lost(device: &Device) -> bool {
-    let scope = device.push_error_scope(ErrorFilter::Validation);
-    drop(device.create_buffer(&BufferDescriptor {
-        label: None,
-        size: 4,
-        usage: BufferUsages::empty(),
-        mapped_at_creation: false,
-    }));
-    matches!(ready(scope.pop()), Some(None))
 }
 
 /// Returns what a future has ready.

@@ -10,8 +10,9 @@
 //! | [`Params`](crate::layout::Resource::Params) | `UNIFORM` | writes [`Plan::params`](crate::layout::Plan::params) once |
 //! | [`Blob`](crate::layout::Resource::Blob) | `STORAGE` | writes [`Model::blob`](sinew_runtime::Model::blob) once, zeros up to a whole word |
 //! | [`Poses`](crate::layout::Resource::Poses) | `STORAGE` | writes J skinning matrices an instance each frame |
-//! | [`Work`](crate::layout::Resource::Work) | `STORAGE` | leaves it alone; batches encoded one after the other may share it |
-//! | [`Palettes`](crate::layout::Resource::Palettes), [`Confidences`](crate::layout::Resource::Confidences), [`OutA`](crate::layout::Resource::OutA), [`OutB`](crate::layout::Resource::OutB) | `STORAGE` | reads them |
+//! | [`Scratch`](crate::layout::Resource::Scratch) | `STORAGE` | leaves it alone; batches encoded one after the other may share it |
+//! | [`Palettes`](crate::layout::Resource::Palettes), [`Confidences`](crate::layout::Resource::Confidences), [`Out`](crate::layout::Resource::Out) | `STORAGE` | reads them |
+//! | [`Host`](crate::layout::Resource::Host) | `STORAGE` | writes a remap or a rest mesh, if it has one |
 //!
 //! Each usage stands beside those that the host needs for itself: `COPY_DST` to write, `VERTEX` to
 //! draw from. Outputs can be read by whatever is recorded or submitted later, as wgpu orders and
@@ -29,9 +30,10 @@
 //! # -> Result<(), Box<dyn std::error::Error>> {
 //! let model = sinew_runtime::Model::from_bytes(file)?;
 //! let envelope = model.envelope().ok_or("no envelope")?;
+//! let skin = model.skin().ok_or("no skin")?;
 //!
 //! // Once.
-//! let batch = Batch::skinned(&envelope, 64);
+//! let batch = Batch::skinned(&envelope, &skin, 64);
 //! let plan = Plan::new(&model, &envelope, &batch, &limits(&device.limits()))?;
 //! let pipelines = Pipelines::new(&device, plan.stages())?;
 //! let buffer = |resource, usage| {
@@ -47,11 +49,10 @@
 //! let params = buffer(Resource::Params, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
 //! let blob = buffer(Resource::Blob, written);
 //! let posed = buffer(Resource::Poses, written);
-//! let work = buffer(Resource::Work, BufferUsages::STORAGE);
+//! let scratch = buffer(Resource::Scratch, BufferUsages::STORAGE);
 //! let palettes = buffer(Resource::Palettes, BufferUsages::STORAGE);
 //! let confidences = buffer(Resource::Confidences, BufferUsages::STORAGE);
-//! let positions = buffer(Resource::OutA, drawn);
-//! let normals = buffer(Resource::OutB, drawn);
+//! let skinned = buffer(Resource::Out, drawn);
 //! queue.write_buffer(&params, 0, &plan.params());
 //! let mut content = model.blob().to_vec();
 //! content.resize(plan.bytes(Resource::Blob) as usize, 0);
@@ -60,11 +61,10 @@
 //!     .with(Resource::Params, &params, 0)
 //!     .with(Resource::Blob, &blob, 0)
 //!     .with(Resource::Poses, &posed, 0)
-//!     .with(Resource::Work, &work, 0)
+//!     .with(Resource::Scratch, &scratch, 0)
 //!     .with(Resource::Palettes, &palettes, 0)
 //!     .with(Resource::Confidences, &confidences, 0)
-//!     .with(Resource::OutA, &positions, 0)
-//!     .with(Resource::OutB, &normals, 0);
+//!     .with(Resource::Out, &skinned, 0);
 //! let bound = Bound::new(&pipelines, &plan, &buffers)?;
 //!
 //! // Each frame.

@@ -23,7 +23,7 @@ pub fn limits(limits: &::wgpu::Limits) -> DeviceLimits {
         workgroup_threads: limits
             .max_compute_invocations_per_workgroup
             .min(limits.max_compute_workgroup_size_x),
-        groups: limits.max_compute_workgroups_per_dimension,
+        workgroups: limits.max_compute_workgroups_per_dimension,
     }
 }
 
@@ -48,7 +48,7 @@ impl Pipelines {
     ///
     /// # Errors
     /// - [`Error::Layout`]: the device's limits are below what the shaders need.
-    /// - [`Error::Lost`], [`Error::OutOfMemory`]
+    /// - [`Error::OutOfMemory`]
     /// - [`Error::Refused`]: a shader or pipeline is refused.
     pub fn new(device: &Device, stages: impl IntoIterator<Item = Stage>) -> Result<Self, Error> {
         limits(&device.limits()).check()?;

@@ -1,21 +1,28 @@
-//! What the tests share: models, poses, and what the CPU makes of them.
-#![allow(dead_code, reason = "each test uses a part of it")]
+//! What the tests share: models, poses, batches, and one body that runs a batch on any device.
+#![allow(dead_code, unused_imports, reason = "each test uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
-use sinew_gpu::layout::{Attribute, Batch, Skin};
-use sinew_runtime::envelope::{Attribute as CpuAttribute, Buffer, SkinJob};
-use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, model_space_pose};
+mod case;
+
+pub(crate) use case::{Case, POISON, differing};
+
+use sinew_gpu::headless::Device;
+use sinew_gpu::layout::{Array, Attribute, Batch, Rest, SkinBatch};
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, Skin, model_space_pose};
 
 /// A small model of each predictor: rotational, kernel, hybrid.
 pub(crate) const GOLDEN: [&[u8]; 3] = [
-    include_bytes!("../../../tests/golden/envelope-2-rotational.snw"),
-    include_bytes!("../../../tests/golden/envelope-2-kernel.snw"),
-    include_bytes!("../../../tests/golden/envelope-2-hybrid.snw"),
+    include_bytes!("../../../tests/golden/envelope-3-rotational.snw"),
+    include_bytes!("../../../tests/golden/envelope-3-kernel.snw"),
+    include_bytes!("../../../tests/golden/envelope-3-hybrid.snw"),
 ];
 
-pub(crate) fn load(bytes: &[u8]) -> (Model<'_>, Envelope<'_>) {
-    let model = Model::from_bytes(bytes).unwrap();
-    (model, model.envelope().unwrap())
+pub(crate) fn load(bytes: &[u8]) -> Model<&[u8]> {
+    Model::from_bytes(bytes).unwrap()
+}
+
+pub(crate) fn parts<'a>(model: &'a Model<&[u8]>) -> (Envelope<'a>, Skin<'a>) {
+    (model.envelope().unwrap(), model.skin().unwrap())
 }
 
 /// Numbers from 0 to 1 that look random: xorshift.
@@ -65,73 +72,74 @@ fn rest_translation(envelope: &Envelope<'_>, joint: usize) -> [f32; 3] {
     [0, 1, 2].map(|i| own[i] - parent[i])
 }
 
-/// What the CPU makes of poses, in buffers laid out as a batch says; other floats stay as they are.
-pub(crate) struct Expected {
-    pub(crate) palettes: Vec<f32>,
-    pub(crate) confidences: Vec<f32>,
-    pub(crate) out_a: Vec<f32>,
-    pub(crate) out_b: Vec<f32>,
-}
-
-impl Expected {
-    /// Evaluates into buffers that are given.
-    pub(crate) fn evaluate(
-        &mut self,
-        envelope: &Envelope<'_>,
-        batch: &Batch,
-        poses: &[Vec<Matrix3x4>],
-    ) {
-        let mut workspace = vec![0.0; envelope.workspace_len()];
-        let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
-        for (n, pose) in poses.iter().enumerate() {
-            let confidence = envelope.palette(pose, &mut workspace, &mut palette).unwrap();
-            if let Some(array) = batch.confidences {
-                self.confidences[array.offset + n * array.stride] = confidence;
-            }
-            let flat = palette.as_flattened().as_flattened();
-            let at = batch.palettes.offset + n * batch.palettes.stride;
-            self.palettes[at..at + flat.len()].copy_from_slice(flat);
-            let Some(skin) = &batch.skin else { continue };
-            let Skin { vertices, positions, normals, tangents } = skin.clone();
-            let place = |attribute: Option<Attribute>| {
-                attribute.map(|Attribute { buffer, offset, stride, instance_stride }| {
-                    CpuAttribute { buffer, offset: offset + n * instance_stride, stride }
-                })
-            };
-            SkinJob {
-                envelope: *envelope,
-                palette: &palette,
-                vertices,
-                positions: place(positions),
-                normals: place(normals),
-                tangents: place(tangents),
-                out_a: &mut self.out_a,
-                out_b: &mut self.out_b,
-            }
-            .run()
-            .unwrap();
-        }
-    }
-}
-
-/// Positions and tangents in A, normals in B; odd offsets, odd strides, part of the vertices.
-pub(crate) fn odd_batch(envelope: &Envelope<'_>, instance_len: usize) -> Batch {
-    let vertices = 1..envelope.vertex_len() - 1;
-    let (len, tangents) = (vertices.len(), envelope.has_tangents());
-    let attribute = |buffer, offset, stride, gap| {
-        Some(Attribute { buffer, offset, stride, instance_stride: stride * len + gap })
-    };
+/// All attributes interleaved; odd offsets, odd strides, gaps, part of the vertices.
+pub(crate) fn odd_batch(envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len: usize) -> Batch {
     let mut batch = Batch::palettes(envelope, instance_len);
     batch.poses.offset = 13;
     batch.poses.stride += 5;
     batch.palettes.offset = 68;
     batch.palettes.stride += 4;
-    batch.confidences = Some(sinew_gpu::layout::Array { offset: 3, stride: 5 });
-    batch.skin = Some(Skin {
-        positions: attribute(Buffer::A, 101, 9, 11),
-        normals: attribute(Buffer::B, 5, 4, 3),
-        tangents: attribute(Buffer::A, 104, 9, 11).filter(|_| tangents),
-        vertices,
-    });
+    batch.confidences = Some(Array { offset: 3, stride: 5 });
+    batch.skin = Some(interleaved(skin, 1..skin.vertex_len() - 1));
     batch
+}
+
+/// The same, but the host brings a remap, longer than a workgroup and with an index beyond the mesh,
+/// and a rest mesh: some of it each instance's own, some of it for all.
+pub(crate) fn hosted_batch(envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len: usize) -> Batch {
+    let v = skin.vertex_len();
+    let mut own = interleaved(skin, 3..203);
+    own.remap = Some(Array { offset: 71, stride: 205 });
+    let after = 71 + 205 * instance_len;
+    let (normals, tangents) = (after + 3 * v, after + 6 * v);
+    own.rest = Rest {
+        positions: Some(Array { offset: tangents + 4 * v + 1, stride: 3 * v + 2 }),
+        normals: Some(Array { offset: normals, stride: 0 }),
+        tangents: Some(Array { offset: tangents, stride: 0 }).filter(|_| own.tangents.is_some()),
+    };
+    Batch { skin: Some(own), ..odd_batch(envelope, skin, instance_len) }
+}
+
+/// A batch that needs every resource, from its first byte on.
+pub(crate) fn remapped_batch(
+    envelope: &Envelope<'_>,
+    skin: &Skin<'_>,
+    instance_len: usize,
+) -> Batch {
+    let mut batch = Batch::skinned(envelope, skin, instance_len);
+    let own = batch.skin.as_mut().unwrap();
+    own.remap = Some(Array { offset: 0, stride: skin.vertex_len() });
+    batch
+}
+
+/// A vertex takes 17 floats: positions, a gap, normals, a gap, tangents, a gap.
+fn interleaved(skin: &Skin<'_>, vertices: std::ops::Range<usize>) -> SkinBatch {
+    let instance_stride = 17 * vertices.len() + 11;
+    let attribute = |offset| Some(Attribute { offset, stride: 17, instance_stride });
+    SkinBatch {
+        vertices,
+        positions: attribute(101),
+        normals: attribute(105),
+        tangents: attribute(110).filter(|_| skin.has_tangents()),
+        ..SkinBatch::new(skin)
+    }
+}
+
+/// Runs more instances than a dispatch has workgroups along an axis, all but the last five of a batch;
+/// behind each instance of each array is room that must stay as it was.
+pub(crate) fn past_65535_workgroups(device: &dyn Device, bytes: &[u8]) {
+    const INSTANCES: usize = 65_535 + 70;
+    let model = load(bytes);
+    let (envelope, skin) = parts(&model);
+    let mut batch = odd_batch(&envelope, &skin, INSTANCES);
+    let own = batch.skin.as_mut().unwrap();
+    // Two workgroups of vertices an instance, by one remap for all.
+    own.remap = Some(Array { offset: 0, stride: 0 });
+    own.vertices = 7..72;
+    let instance_stride = 3 * own.vertices.len() + 4;
+    own.positions = Some(Attribute { offset: 1, stride: 3, instance_stride });
+    (own.normals, own.tangents) = (None, None);
+    let limits = &device.limits();
+    let chunks = Case { bytes, batch: &batch, limits, instance_len: INSTANCES - 5 }.check(device);
+    assert!(chunks > 1, "{chunks} chunks");
 }

@@ -1,6 +1,6 @@
 //! Recording allocates nothing on the host's heap.
 
-use crate::common::{GOLDEN, load, odd_batch};
+use crate::common::{GOLDEN, load, odd_batch, parts};
 use crate::opened;
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{DeviceLimits, Plan};
@@ -37,11 +37,12 @@ fn recording_allocates_nothing() {
     // The layer allocates, in its own heap or not: without it.
     let device = opened(Device::of_driver("llvmpipe", false));
     for bytes in GOLDEN {
-        let (model, envelope) = load(bytes);
-        let batch = odd_batch(&envelope, 40);
+        let model = load(bytes);
+        let (envelope, skin) = parts(&model);
+        let batch = odd_batch(&envelope, &skin, 40);
         let limits = DeviceLimits { storage_binding_bytes: 12 << 10, ..device.limits() };
         let plan = Plan::new(&model, &envelope, &batch, &limits).unwrap();
-        let uploaded = device.batch(&model, &plan).unwrap();
+        let uploaded = device.batch(model.blob(), &plan).unwrap();
         assert!(plan.chunks().len() > 1);
         let commands = Commands::new(&device).unwrap();
         let frame = |instance_len| {

@@ -1,6 +1,6 @@
 //! The layer's word that barriers are needed where they stand, and that they are enough.
 
-use crate::common::{GOLDEN, load};
+use crate::common::{GOLDEN, hosted_batch, load, parts};
 use crate::{assert_silent, lavapipe};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Batch, Plan, Stage};
@@ -50,33 +50,45 @@ fn each_stage_that_reads_another_is_seen_without_its_barrier() {
 fn records_one_after_another_need_nothing_between() {
     let device = lavapipe();
     for bytes in GOLDEN {
-        let (model, envelope) = load(bytes);
-        let plan = plan(&device, bytes);
-        let batch = device.batch(&model, &plan).unwrap();
-        assert!(plan.stages().len() > 3 && envelope.vertex_len() > 0);
-        let commands = Commands::new(&device).unwrap();
-        // SAFETY: the command buffer is new; the batch is valid, and nothing else uses it.
-        unsafe {
-            commands.submit(|device, commands| {
-                batch.bound().record(device, commands, 3)?;
-                Ok(batch.bound().record(device, commands, 3)?)
-            })
+        let model = load(bytes);
+        let (envelope, skin) = parts(&model);
+        for batch in [Batch::skinned(&envelope, &skin, 3), hosted_batch(&envelope, &skin, 3)] {
+            let plan = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();
+            let batch = device.batch(model.blob(), &plan).unwrap();
+            assert!(plan.stages().len() > 3 && skin.vertex_len() > 0);
+            let commands = Commands::new(&device).unwrap();
+            // SAFETY: the command buffer is new; the batch is valid, and nothing else uses it.
+            unsafe {
+                commands.submit(|device, commands| {
+                    batch.bound().record(device, commands, 3)?;
+                    Ok(batch.bound().record(device, commands, 3)?)
+                })
+            }
+            .unwrap();
         }
-        .unwrap();
     }
     assert_silent(&device);
 }
 
-fn plan(device: &Device, bytes: &[u8]) -> Plan {
-    let (model, envelope) = load(bytes);
-    let batch = Batch::skinned(&envelope, 3);
-    Plan::new(&model, &envelope, &batch, &device.limits()).unwrap()
+/// Skins and confidences need no barrier between them, in either order.
+#[test]
+fn skin_and_confidence_do_not_wait_for_each_other() {
+    let device = lavapipe();
+    for bytes in GOLDEN {
+        for stages in [[Stage::Skin, Stage::Confidence], [Stage::Confidence, Stage::Skin]] {
+            record(&device, bytes, &stages, None);
+        }
+    }
+    assert_silent(&device);
 }
 
 /// Records stages in one command buffer, with a barrier before the one of that index.
 fn record(headless: &Device, bytes: &[u8], stages: &[Stage], guarded: Option<usize>) {
-    let (model, _) = load(bytes);
-    let batch = headless.batch(&model, &plan(headless, bytes)).unwrap();
+    let model = load(bytes);
+    let (envelope, skin) = parts(&model);
+    let batch = Batch::skinned(&envelope, &skin, 3);
+    let plan = Plan::new(&model, &envelope, &batch, &headless.limits()).unwrap();
+    let batch = headless.batch(model.blob(), &plan).unwrap();
     let commands = Commands::new(headless).unwrap();
     let record = |device: &ash::Device, commands| {
         for (index, stage) in stages.iter().enumerate() {

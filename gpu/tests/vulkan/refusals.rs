@@ -1,37 +1,49 @@
 //! Each mistake has its error, found before anything is written or recorded.
 
-use crate::common::{GOLDEN, load};
+use crate::common::{GOLDEN, hosted_batch, load, parts, remapped_batch};
 use crate::fake;
 use ash::vk::{self, Handle};
 use sinew_gpu::headless::HeadlessError;
-use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
+use sinew_gpu::layout::{Batch, Chunk, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::vulkan::headless::Device;
 use sinew_gpu::vulkan::{Bound, Buffers, Error, Pipelines, limits, pool_sizes, set_len, usage};
+use sinew_runtime::{Envelope, Skin};
 use std::process::Command;
 
 const INSTANCES: usize = 3;
 
 /// Returns a plan of several chunks.
 fn chunked() -> Plan {
-    let (model, envelope) = load(GOLDEN[0]);
+    let model = load(GOLDEN[0]);
+    let (envelope, skin) = parts(&model);
     let limits = DeviceLimits { storage_binding_bytes: 12 << 10, ..DeviceLimits::DOWNLEVEL };
-    let plan = Plan::new(&model, &envelope, &Batch::skinned(&envelope, 100), &limits).unwrap();
+    let batch = Batch::skinned(&envelope, &skin, 100);
+    let plan = Plan::new(&model, &envelope, &batch, &limits).unwrap();
     assert!(plan.chunks().len() > 1);
     plan
 }
 
 fn plan() -> Plan {
-    let (model, envelope) = load(GOLDEN[0]);
-    let batch = Batch::skinned(&envelope, INSTANCES);
+    planned(GOLDEN[0], Batch::skinned)
+}
+
+fn planned(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>, usize) -> Batch) -> Plan {
+    let model = load(bytes);
+    let (envelope, skin) = parts(&model);
+    let batch = batch(&envelope, &skin, INSTANCES);
     Plan::new(&model, &envelope, &batch, &DeviceLimits::DOWNLEVEL).unwrap()
 }
 
-/// Gives every resource a buffer as short as may be.
+/// Gives every resource a buffer of its own, as short as may be.
 fn buffers(plan: &Plan) -> Buffers {
     let all = Resource::ALL.into_iter().filter(|resource| plan.bytes(*resource) > 0);
     all.fold(Buffers::default(), |buffers, resource| {
-        buffers.with(resource, vk::Buffer::from_raw(7), 512, plan.bytes(resource))
+        buffers.with(resource, buffer(resource), 512, plan.bytes(resource))
     })
+}
+
+fn buffer(resource: Resource) -> vk::Buffer {
+    vk::Buffer::from_raw(100 + resource as u64)
 }
 
 fn bind(
@@ -52,9 +64,8 @@ fn bind(
 
 #[test]
 fn wrong_buffers_are_refused_and_nothing_is_written() {
-    let plan = plan();
+    let plan = planned(GOLDEN[0], remapped_batch);
     let (all, set_len) = (buffers(&plan), set_len(&plan) as usize);
-    let buffer = vk::Buffer::from_raw(7);
     let mut cases = vec![
         (Buffers::default(), LayoutError::Missing { resource: Resource::Params }),
         (
@@ -65,11 +76,11 @@ fn wrong_buffers_are_refused_and_nothing_is_written() {
     for resource in Resource::ALL {
         let least = plan.bytes(resource);
         cases.push((
-            all.with(resource, buffer, 0, least - 1),
+            all.with(resource, buffer(resource), 0, least - 1),
             LayoutError::TooShort { resource, least, found: least - 1 },
         ));
         cases.push((
-            all.with(resource, buffer, 128, least),
+            all.with(resource, buffer(resource), 128, least),
             LayoutError::Misaligned { resource, found: 128 },
         ));
     }
@@ -121,56 +132,113 @@ fn a_wrong_number_of_instances_records_nothing() {
 }
 
 #[test]
-fn what_is_recorded_is_as_documented() {
-    let plan = plan();
-    let (device, bound) = bind(&plan, &Stage::ALL, &buffers(&plan), set_len(&plan) as usize);
+fn resources_overlap_where_both_are_only_read() {
+    let plan = planned(GOLDEN[0], remapped_batch);
+    let all = buffers(&plan);
+    let set_len = set_len(&plan) as usize;
+    let written = [Resource::Scratch, Resource::Palettes, Resource::Confidences, Resource::Out];
+    for first in Resource::ALL {
+        for second in Resource::ALL.into_iter().filter(|second| first < *second) {
+            // Side by side in one buffer, and one alignment less.
+            let end = 512 + plan.bytes(first).next_multiple_of(256);
+            let at = |offset| all.with(second, buffer(first), offset, plan.bytes(second));
+            bind(&plan, &Stage::ALL, &at(end), set_len).1.unwrap();
+            let found = bind(&plan, &Stage::ALL, &at(end - 256), set_len).1;
+            if written.contains(&first) || written.contains(&second) {
+                let overlap = LayoutError::Overlap { first, second };
+                assert_eq!(found.unwrap_err(), Error::Layout(overlap));
+                assert!(fake::seen().recorded.is_empty());
+            } else {
+                found.unwrap();
+            }
+        }
+    }
+}
+
+/// Records a plan's first `instance_len` instances; returns what is recorded.
+fn recorded(plan: &Plan, instance_len: usize) -> Vec<&'static str> {
+    let (device, bound) = bind(plan, &Stage::ALL, &buffers(plan), set_len(plan) as usize);
     let written = fake::seen().recorded.len();
     // SAFETY: the device keeps nothing but counts.
-    unsafe { bound.unwrap().record(&device, vk::CommandBuffer::from_raw(9), 1) }.unwrap();
-    let dispatch = ["bind pipeline", "bind set", "dispatch"];
-    // Gradients; palette and confidence, which both read what they wrote; skin.
-    let mut expected = vec!["barrier"];
-    expected.extend(dispatch);
-    for guarded in [true, false, true] {
-        expected.extend(guarded.then_some("barrier"));
-        expected.extend(dispatch);
+    unsafe { bound.unwrap().record(&device, vk::CommandBuffer::from_raw(9), instance_len) }
+        .unwrap();
+    fake::seen().recorded.split_off(written)
+}
+
+#[test]
+fn barriers_stand_where_a_stage_reads_what_another_wrote_and_nowhere_else() {
+    let positions = |envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len| {
+        let mut batch = Batch::skinned(envelope, skin, instance_len);
+        let own = batch.skin.as_mut().unwrap();
+        (own.normals, own.tangents) = (None, None);
+        batch
+    };
+    type Of = fn(&Envelope<'_>, &Skin<'_>, usize) -> Batch;
+    // Gradients; palette; skin and, at the same time, confidence.
+    let rotational = vec![true, true, true, false];
+    // Joints and features; correction, which adds to palettes; skin and confidence.
+    let kernel = vec![true, false, true, true, false];
+    // Gradients; palette; features, which write to the scratch that it reads; correction; as above.
+    let hybrid = vec![true, true, true, true, true, false];
+    for (bytes, guarded) in GOLDEN.into_iter().zip([rotational, kernel, hybrid]) {
+        for batch in [Batch::skinned as Of, hosted_batch as Of, positions as Of] {
+            let plan = planned(bytes, batch);
+            let stages: Vec<_> = plan.stages().collect();
+            assert!(stages.ends_with(&[Stage::Skin, Stage::Confidence]));
+            let mut expected = Vec::new();
+            for guarded in &guarded {
+                expected.extend(guarded.then_some("barrier"));
+                expected.extend(["bind pipeline", "bind set", "dispatch"]);
+            }
+            assert_eq!(recorded(&plan, 1), expected);
+        }
     }
-    assert_eq!(fake::seen().recorded[written..], expected);
 }
 
 #[test]
 fn chunks_whose_bindings_meet_are_kept_apart() {
     let plan = chunked();
-    let (device, bound) = bind(&plan, &Stage::ALL, &buffers(&plan), set_len(&plan) as usize);
-    let written = fake::seen().recorded.len();
-    // SAFETY: the device keeps nothing but counts.
-    unsafe { bound.unwrap().record(&device, vk::CommandBuffer::from_raw(9), 100) }.unwrap();
+    let span = |chunk, resource| Chunk::span(chunk, resource).unwrap();
+    let meet = |resource| {
+        let mut pairs = plan.chunks().windows(2);
+        pairs.any(|two| {
+            let (a, b) = (span(&two[0], resource), span(&two[1], resource));
+            a.offset + a.bytes > b.offset
+        })
+    };
     let mut expected = Vec::new();
-    // Gradients; palette and confidence; skin.
-    for guarded in [true, true, false, true] {
+    // Gradients; palette; skin, whose chunks end where a span may start; confidence with it.
+    let steps = [
+        (true, Resource::Scratch, true),
+        (true, Resource::Palettes, true),
+        (true, Resource::Out, false),
+        (false, Resource::Confidences, true),
+    ];
+    for (guarded, written, meets) in steps {
+        assert_eq!(meet(written), meets, "{written:?}");
         expected.extend(guarded.then_some("barrier"));
         expected.push("bind pipeline");
         for chunk in 0..plan.chunks().len() {
-            expected.extend((chunk > 0).then_some("barrier"));
+            expected.extend((meets && chunk > 0).then_some("barrier"));
             expected.extend(["bind set", "dispatch"]);
         }
     }
-    assert_eq!(fake::seen().recorded[written..], expected);
+    assert_eq!(recorded(&plan, 100), expected);
 }
 
 #[test]
 fn requirements_are_those_of_the_plan() {
     let plan = plan();
-    // Gradients, palette, confidence, skin.
+    // Gradients, palette, skin, confidence.
     let [uniform, storage] = pool_sizes(&plan).map(|size| size.descriptor_count);
-    assert_eq!((set_len(&plan), uniform, storage), (4, 4, 3 + 4 + 3 + 4));
+    assert_eq!((set_len(&plan), uniform, storage), (4, 4, 3 + 4 + 4 + 3));
     let plan = chunked();
     let chunks = plan.chunks().len() as u32;
     let [uniform, storage] = pool_sizes(&plan).map(|size| size.descriptor_count);
     assert_eq!((set_len(&plan), uniform, storage), (4 * chunks, 4 * chunks, 14 * chunks));
     // Flags have no names without a feature of ash.
     assert!(usage(Resource::Params) == vk::BufferUsageFlags::UNIFORM_BUFFER);
-    assert!(usage(Resource::Work) == vk::BufferUsageFlags::STORAGE_BUFFER);
+    assert!(usage(Resource::Scratch) == vk::BufferUsageFlags::STORAGE_BUFFER);
 }
 
 #[test]
@@ -186,8 +254,9 @@ fn a_device_whose_limits_are_too_small_is_refused() {
         ..Default::default()
     };
     assert_eq!(limits(&enough), DeviceLimits::DOWNLEVEL);
-    let (model, envelope) = load(GOLDEN[0]);
-    let batch = Batch::skinned(&envelope, INSTANCES);
+    let model = load(GOLDEN[0]);
+    let (envelope, skin) = parts(&model);
+    let batch = Batch::skinned(&envelope, &skin, INSTANCES);
     let plan = |limits: vk::PhysicalDeviceLimits| {
         Plan::new(&model, &envelope, &batch, &self::limits(&limits)).map(|_| ())
     };

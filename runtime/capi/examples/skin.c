@@ -8,16 +8,19 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* What a skin needs from frame to frame. The model and the envelope are shared by all characters
+/* What a character needs from frame to frame. Model, envelope and skin are shared by all characters
  * of this shape; the rest is one character's own. */
 typedef struct {
     const sinew_envelope *envelope;
+    const sinew_skin *skin;
     sinew_envelope_info info;
-    sinew_transform *local;
+    sinew_skin_info mesh;
+    sinew_local_transform *local;
     sinew_matrix *pose;
     sinew_matrix *palette;
-    float *workspace;
+    float *scratch;
     float *vertices;
+    size_t vertices_len;
     size_t stride;
 } character;
 
@@ -37,10 +40,10 @@ static void check(sinew_status status, const sinew_error *error)
     if (status == SINEW_STATUS_OK) {
         return;
     }
-    fprintf(stderr, "skin: %s (status %d): %s, index %lu, expected %lu, found %lu\n",
-            sinew_status_text(status), (int)status, sinew_subject_text(error->subject),
-            (unsigned long)error->index, (unsigned long)error->expected,
-            (unsigned long)error->found);
+    fprintf(stderr, "skin: %s (status %d): %s, section %lu, index %lu, expected %lu, found %lu\n",
+            sinew_status_text(status), (int)status, sinew_argument_text(error->argument),
+            (unsigned long)error->section, (unsigned long)error->index,
+            (unsigned long)error->expected, (unsigned long)error->found);
     exit(1);
 }
 
@@ -81,7 +84,7 @@ static void animate(character *c, unsigned frame, uint64_t *state)
     static const float turns[4] = {0.01f, 0.3f, 1.0f, 8.0f};
     float turn = turns[frame % 4];
     for (size_t joint = 0; joint < c->info.joint_len; joint++) {
-        sinew_transform *local = &c->local[joint];
+        sinew_local_transform *local = &c->local[joint];
         for (int i = 0; i < 3; i++) {
             local->rotation[i] = next(state) * turn;
         }
@@ -97,27 +100,26 @@ static void frame(character *c, sinew_bounds *bounds, float *confidence)
 {
     sinew_error error;
     const sinew_envelope_info *info = &c->info;
+    const size_t palette_len = info->palette_len, stride = c->stride, len = c->vertices_len;
     sinew_skin_job job = {
-        .envelope = c->envelope,
+        .skin = c->skin,
         .palette = c->palette,
-        .palette_len = info->palette_len,
-        .end = info->vertex_len,
-        .positions = {SINEW_BUFFER_A, 0, c->stride},
-        .normals = {SINEW_BUFFER_A, 3, c->stride},
-        .tangents = {info->has_tangents ? SINEW_BUFFER_A : SINEW_BUFFER_NONE, 6, c->stride},
-        .out_a = c->vertices,
-        .out_a_len = info->vertex_len * c->stride,
+        .palette_len = palette_len,
+        .end = c->mesh.vertex_len,
+        .positions = {c->vertices, len, stride},
+        .normals = {c->vertices + 3, len - 3, stride},
     };
+    if (c->mesh.has_tangents) {
+        job.tangents = (sinew_output){c->vertices + 6, len - 6, stride};
+    }
     check(sinew_envelope_pose(c->envelope, c->local, info->joint_len, c->pose, info->joint_len,
                               &error),
           &error);
-    check(sinew_envelope_palette(c->envelope, c->pose, info->joint_len, c->workspace,
-                                 info->workspace_len, c->palette, info->palette_len, confidence,
-                                 &error),
+    check(sinew_envelope_palette(c->envelope, c->pose, info->joint_len, c->scratch,
+                                 info->scratch_len, c->palette, palette_len, confidence, &error),
           &error);
-    check(sinew_skin(&job, &error), &error);
-    check(sinew_envelope_bounds(c->envelope, c->palette, info->palette_len, bounds, &error),
-          &error);
+    check(sinew_skin_run(&job, &error), &error);
+    check(sinew_skin_bounds(c->skin, c->palette, palette_len, 0.0f, bounds, &error), &error);
 }
 
 /* FNV-1a over the bits of floats, the least significant byte first. */
@@ -138,7 +140,7 @@ static uint64_t hash(uint64_t state, const float *values, size_t len)
 int main(int argc, char **argv)
 {
     static uintptr_t model_memory[SINEW_MODEL_WORDS];
-    static uintptr_t envelope_memory[SINEW_ENVELOPE_WORDS];
+    static uintptr_t envelope_memory[SINEW_ENVELOPE_WORDS], skin_memory[SINEW_SKIN_WORDS];
     const sinew_model *model;
     character c;
     sinew_error error;
@@ -155,16 +157,24 @@ int main(int argc, char **argv)
 
     check(sinew_model_load(model_memory, sizeof model_memory, file, bytes, NULL, &model, &error),
           &error);
-    check(sinew_envelope_open(model, NULL, 0, envelope_memory, sizeof envelope_memory, &c.envelope,
-                              &error),
+    check(sinew_envelope_open(model, NULL, 0, 0, envelope_memory, sizeof envelope_memory,
+                              &c.envelope, &error),
+          &error);
+    check(sinew_skin_open(model, NULL, 0, 0, skin_memory, sizeof skin_memory, &c.skin, &error),
           &error);
     check(sinew_envelope_describe(c.envelope, &c.info, &error), &error);
-    c.stride = c.info.has_tangents ? 10 : 6;
+    check(sinew_skin_describe(c.skin, &c.mesh, &error), &error);
+    if (c.mesh.vertex_len == 0) {
+        fprintf(stderr, "skin: %s has no vertices\n", argv[1]);
+        return 1;
+    }
+    c.stride = c.mesh.has_tangents ? 10 : 6;
+    c.vertices_len = c.mesh.vertex_len * c.stride;
     c.local = allocate(c.info.joint_len, sizeof *c.local);
     c.pose = allocate(c.info.joint_len, sizeof *c.pose);
     c.palette = allocate(c.info.palette_len, sizeof *c.palette);
-    c.workspace = allocate(c.info.workspace_len, sizeof *c.workspace);
-    c.vertices = allocate(c.info.vertex_len * c.stride, sizeof *c.vertices);
+    c.scratch = allocate(c.info.scratch_len, sizeof *c.scratch);
+    c.vertices = allocate(c.vertices_len, sizeof *c.vertices);
 
     for (unsigned long i = 0; i < poses; i++) {
         animate(&c, (unsigned)i, &state);
@@ -172,12 +182,12 @@ int main(int argc, char **argv)
         least = confidence < least ? confidence : least;
         bits = hash(bits, (const float *)c.palette, 12 * c.info.palette_len);
         bits = hash(bits, &confidence, 1);
-        bits = hash(bits, c.vertices, c.info.vertex_len * c.stride);
+        bits = hash(bits, c.vertices, c.vertices_len);
         bits = hash(bits, bounds.min, 3);
         bits = hash(bits, bounds.max, 3);
     }
-    printf("model       %.*s: %lu vertices, %lu joints, %lu maps\n", (int)c.info.name_len,
-           c.info.name, (unsigned long)c.info.vertex_len, (unsigned long)c.info.joint_len,
+    printf("model       %.*s: %lu vertices, %lu joints, %lu transforms\n", (int)c.info.name_len,
+           c.info.name, (unsigned long)c.mesh.vertex_len, (unsigned long)c.info.joint_len,
            (unsigned long)c.info.palette_len);
     printf("bounds      %.6f %.6f %.6f to %.6f %.6f %.6f\n", bounds.min[0], bounds.min[1],
            bounds.min[2], bounds.max[0], bounds.max[1], bounds.max[2]);
@@ -186,7 +196,7 @@ int main(int argc, char **argv)
            (unsigned long)(bits & 0xffffffff));
 
     free(c.vertices);
-    free(c.workspace);
+    free(c.scratch);
     free(c.palette);
     free(c.pose);
     free(c.local);

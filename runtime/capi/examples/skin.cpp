@@ -16,7 +16,7 @@ void check(const sinew::Failure &failure)
 {
     if (failure) {
         std::fprintf(stderr, "skin: %s (status %d): %s\n", failure.text(), int(failure.status),
-                     failure.subject());
+                     failure.argument());
         std::exit(1);
     }
 }
@@ -31,10 +31,10 @@ float next(std::uint64_t &state)
 }
 
 /// Stands for an animation system: slight, usual and wild turns.
-void animate(std::vector<sinew_transform> &local, unsigned long frame, std::uint64_t &state)
+void animate(std::vector<sinew_local_transform> &local, unsigned long frame, std::uint64_t &state)
 {
     const float turn = std::array{0.01f, 0.3f, 1.0f, 8.0f}[frame % 4];
-    for (sinew_transform &joint : local) {
+    for (sinew_local_transform &joint : local) {
         for (int i = 0; i < 3; i++) {
             joint.rotation[i] = next(state) * turn;
         }
@@ -71,19 +71,25 @@ int main(int argc, char **argv)
     check(model.load({std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}));
     sinew::Envelope envelope;
     check(envelope.open(model));
+    sinew::Skin skin;
+    check(skin.open(model));
+    const std::size_t vertex_len = skin.info().vertex_len;
+    if (vertex_len == 0) {
+        std::fprintf(stderr, "skin: %s has no vertices\n", argv[1]);
+        return 1;
+    }
 
-    const sinew_envelope_info &info = envelope.info();
-    const std::size_t stride = info.has_tangents ? 10 : 6;
-    std::vector<sinew_transform> local(info.joint_len);
-    std::vector<float> vertices(info.vertex_len * stride);
+    const std::size_t stride = skin.info().has_tangents ? 10 : 6;
+    std::vector<sinew_local_transform> local(envelope.info().joint_len);
+    std::vector<float> vertices(vertex_len * stride);
     sinew::Character character(envelope);
     sinew_skin_job job{};
-    job.end = info.vertex_len;
-    job.positions = {SINEW_BUFFER_A, 0, stride};
-    job.normals = {SINEW_BUFFER_A, 3, stride};
-    job.tangents = {info.has_tangents ? SINEW_BUFFER_A : SINEW_BUFFER_NONE, 6, stride};
-    job.out_a = vertices.data();
-    job.out_a_len = vertices.size();
+    job.end = vertex_len;
+    job.positions = {vertices.data(), vertices.size(), stride};
+    job.normals = {vertices.data() + 3, vertices.size() - 3, stride};
+    if (skin.info().has_tangents) {
+        job.tangents = {vertices.data() + 6, vertices.size() - 6, stride};
+    }
 
     sinew_bounds bounds{};
     float least = 1.0f;
@@ -91,23 +97,23 @@ int main(int argc, char **argv)
     for (unsigned long i = 0; i < poses; i++) {
         animate(local, i, state);
         check(character.pose(local));
-        check(character.skin(job));
-        check(character.bounds(bounds));
+        check(skin.run(job, character.palette()));
+        check(skin.bounds(character.palette(), bounds));
         const float confidence = character.confidence();
         least = confidence < least ? confidence : least;
-        for (const sinew_matrix &map : character.palette()) {
-            hash(bits, map.rows[0], 4);
-            hash(bits, map.rows[1], 4);
-            hash(bits, map.rows[2], 4);
+        for (const sinew_matrix &transform : character.palette()) {
+            hash(bits, transform.rows[0], 4);
+            hash(bits, transform.rows[1], 4);
+            hash(bits, transform.rows[2], 4);
         }
         hash(bits, &confidence, 1);
         hash(bits, vertices.data(), vertices.size());
         hash(bits, bounds.min, 3);
         hash(bits, bounds.max, 3);
     }
-    std::printf("model       %.*s: %zu vertices, %zu joints, %zu maps\n",
-                int(envelope.name().size()), envelope.name().data(), info.vertex_len,
-                info.joint_len, info.palette_len);
+    std::printf("model       %s: %zu vertices, %zu joints, %zu transforms\n",
+                envelope.name().c_str(), vertex_len, envelope.info().joint_len,
+                envelope.info().palette_len);
     std::printf("bounds      %.6f %.6f %.6f to %.6f %.6f %.6f\n", bounds.min[0], bounds.min[1],
                 bounds.min[2], bounds.max[0], bounds.max[1], bounds.max[2]);
     std::printf("confidence  %.6f at least\n", least);

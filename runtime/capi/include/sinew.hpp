@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -16,12 +17,12 @@ namespace sinew {
 
 /// What a call came to: `if (auto failed = model.load(file)) { report(failed.text()); }`.
 struct [[nodiscard]] Failure {
-    sinew_error error{SINEW_STATUS_OK, SINEW_SUBJECT_NONE, 0, 0, 0};
+    sinew_error error{SINEW_STATUS_OK, SINEW_ARGUMENT_CALL, SINEW_NO_PART, 0, 0, 0, 0};
     sinew_status status = SINEW_STATUS_OK;
 
     explicit operator bool() const { return status != SINEW_STATUS_OK; }
     const char *text() const { return sinew_status_text(status); }
-    const char *subject() const { return sinew_subject_text(error.subject); }
+    const char *argument() const { return sinew_argument_text(error.argument); }
 };
 
 /// A pointer and a length; made of anything that has `data()` and `size()`.
@@ -36,7 +37,10 @@ template <class T> struct Span {
 };
 
 /// A loaded file. It keeps the file's bytes, or points to bytes that stay (flash, a mapped file).
-/// Immutable once loaded: share it between threads by reference.
+///
+/// Envelopes and skins point to it, and must not outlive it. Whatever replaces what it holds, a load,
+/// an assignment, a move from it, makes them stale: every call refuses them until they are opened
+/// again, which is all that a hot reload takes. Nobody may use a model while it is replaced.
 class Model {
   public:
     Model() = default;
@@ -51,8 +55,7 @@ class Model {
         return *this;
     }
 
-    /// Takes a file and loads it; on failure the model is what it was. Envelopes of a file that was
-    /// loaded before, or assigned to, have to be opened again.
+    /// Takes a file and loads it; on failure the model is what it was.
     Failure load(std::vector<std::uint8_t> file, const sinew_limits *limits = nullptr) {
         Failure failure = borrow(file, limits);
         if (!failure) {
@@ -71,6 +74,13 @@ class Model {
         return failure;
     }
 
+    /// Says what the file holds, and in which space.
+    Failure describe(sinew_model_info &out) const {
+        Failure failure;
+        failure.status = sinew_model_describe(get(), &out, &failure.error);
+        return failure;
+    }
+
     /// The handle; one that is not loaded is refused by every call.
     const sinew_model *get() const {
         return reinterpret_cast<const sinew_model *>(memory_.data());
@@ -81,44 +91,89 @@ class Model {
     std::vector<std::uint8_t> file_;
 };
 
-/// A skin of a model, which it must not outlive. Immutable once opened.
-class Envelope {
+/// What envelopes and skins have in common: memory, a name and what `describe` says. Its name is a copy,
+/// and `info()` has none, so that neither points into a file that is gone.
+template <class Handle, class Info, std::size_t Words> class Part {
   public:
-    /// Opens an envelope by name, or the first one.
-    Failure open(const Model &model, std::string_view name = {}) {
+    const Handle *get() const { return reinterpret_cast<const Handle *>(memory_.data()); }
+    const Info &info() const { return info_; }
+    const std::string &name() const { return name_; }
+
+  protected:
+    template <class Open, class Describe>
+    Failure open_by(Open open, Describe describe, const Model &model, std::string_view name,
+                    std::size_t index) {
         Failure failure;
-        const sinew_envelope *handle;
-        failure.status = sinew_envelope_open(model.get(), name.empty() ? nullptr : name.data(),
-                                             name.size(), memory_.data(), sizeof memory_, &handle,
-                                             &failure.error);
+        const Handle *handle;
+        failure.status = open(model.get(), name.empty() ? nullptr : name.data(), name.size(), index,
+                              memory_.data(), sizeof memory_, &handle, &failure.error);
         if (!failure) {
-            failure.status = sinew_envelope_describe(handle, &info_, &failure.error);
+            failure.status = describe(handle, &info_, &failure.error);
+        }
+        if (!failure) {
+            name_.assign(info_.name, info_.name_len);
+            info_.name = nullptr;
+            info_.name_len = 0;
         }
         return failure;
     }
 
-    const sinew_envelope *get() const {
-        return reinterpret_cast<const sinew_envelope *>(memory_.data());
-    }
-    const sinew_envelope_info &info() const { return info_; }
-    std::string_view name() const { return {info_.name, info_.name_len}; }
-
   private:
-    std::array<std::uintptr_t, SINEW_ENVELOPE_WORDS> memory_{};
-    sinew_envelope_info info_{};
+    std::array<std::uintptr_t, Words> memory_{};
+    Info info_{};
+    std::string name_;
 };
 
-/// One character that wears an envelope: its scratch, its palette and the confidence in it. For
-/// one thread at a time. Points to the envelope, which must stay where it is.
+/// Predicts palettes from poses. Points to its model.
+class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE_WORDS> {
+  public:
+    /// Opens the `index`-th envelope of a name, or of any; on failure it is what it was.
+    Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
+    Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
+        return open_by(sinew_envelope_open, sinew_envelope_describe, model, name, index);
+    }
+};
+
+/// A mesh that follows a palette. Points to its model.
+class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
+  public:
+    /// Opens the `index`-th skin of a name, or of any; on failure it is what it was.
+    Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
+    Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
+        return open_by(sinew_skin_open, sinew_skin_describe, model, name, index);
+    }
+
+    /// Runs a job; the skin and the palette are filled in here.
+    Failure run(sinew_skin_job job, Span<const sinew_matrix> palette) const {
+        Failure failure;
+        job.skin = get();
+        job.palette = palette.data;
+        job.palette_len = palette.len;
+        failure.status = sinew_skin_run(&job, &failure.error);
+        return failure;
+    }
+
+    /// Computes a box that holds the posed skin, of a rest mesh as far from the file's as that.
+    Failure bounds(Span<const sinew_matrix> palette, sinew_bounds &out,
+                   float rest_offset = 0.0f) const {
+        Failure failure;
+        failure.status = sinew_skin_bounds(get(), palette.data, palette.len, rest_offset, &out,
+                                           &failure.error);
+        return failure;
+    }
+};
+
+/// One character: its scratch, its palette and the confidence in it. For one thread at a time. Points
+/// to the envelope, which must stay where it is; once that was opened anew, so must this be made.
 class Character {
   public:
     explicit Character(const Envelope &&) = delete;
     explicit Character(const Envelope &envelope)
-        : envelope_(&envelope), workspace_(envelope.info().workspace_len),
+        : envelope_(&envelope), scratch_(envelope.info().scratch_len),
           pose_(envelope.info().joint_len), palette_(envelope.info().palette_len) {}
 
     /// Computes the palette of local transforms.
-    Failure pose(Span<const sinew_transform> local) {
+    Failure pose(Span<const sinew_local_transform> local) {
         Failure failure;
         failure.status = sinew_envelope_pose(envelope_->get(), local.data, local.len, pose_.data(),
                                              pose_.size(), &failure.error);
@@ -128,27 +183,9 @@ class Character {
     /// Computes the palette of skinning matrices: rest to posed, in model space.
     Failure pose_matrices(Span<const sinew_matrix> pose) {
         Failure failure;
-        failure.status = sinew_envelope_palette(
-            envelope_->get(), pose.data, pose.len, workspace_.data(), workspace_.size(),
-            palette_.data(), palette_.size(), &confidence_, &failure.error);
-        return failure;
-    }
-
-    /// Skins; the envelope and the palette are filled in here.
-    Failure skin(sinew_skin_job job) const {
-        Failure failure;
-        job.envelope = envelope_->get();
-        job.palette = palette_.data();
-        job.palette_len = palette_.size();
-        failure.status = sinew_skin(&job, &failure.error);
-        return failure;
-    }
-
-    /// Computes a box that holds the skin.
-    Failure bounds(sinew_bounds &out) const {
-        Failure failure;
-        failure.status = sinew_envelope_bounds(envelope_->get(), palette_.data(), palette_.size(),
-                                               &out, &failure.error);
+        failure.status = sinew_envelope_palette(envelope_->get(), pose.data, pose.len,
+                                                scratch_.data(), scratch_.size(), palette_.data(),
+                                                palette_.size(), &confidence_, &failure.error);
         return failure;
     }
 
@@ -157,7 +194,7 @@ class Character {
 
   private:
     const Envelope *envelope_;
-    std::vector<float> workspace_;
+    std::vector<float> scratch_;
     std::vector<sinew_matrix> pose_, palette_;
     float confidence_ = 0.0f;
 };

@@ -1,6 +1,9 @@
 //! The border: pointers of the caller are checked here, and become references only here.
 
-use crate::{sinew_error, sinew_status, sinew_subject};
+use crate::argument::sinew_argument;
+use crate::error::sinew_error;
+use crate::status::sinew_status;
+use core::cell::Cell;
 use core::mem::{align_of, size_of};
 use core::ptr;
 
@@ -33,7 +36,7 @@ pub(crate) unsafe fn call(
 pub(crate) struct Array<T> {
     at: *mut T,
     len: usize,
-    subject: sinew_subject,
+    argument: sinew_argument,
 }
 
 impl<T> Array<T> {
@@ -41,35 +44,37 @@ impl<T> Array<T> {
     pub(crate) fn new(
         at: *const T,
         len: usize,
-        subject: sinew_subject,
+        argument: sinew_argument,
     ) -> Result<Self, sinew_error> {
         if len == 0 {
-            return Ok(Self { at: ptr::dangling_mut(), len, subject });
+            return Ok(Self { at: ptr::dangling_mut(), len, argument });
         }
-        let array = Self::some(at, subject)?;
+        let array = Self::some(at, argument)?;
         let bytes = len.checked_mul(size_of::<T>()).filter(|bytes| *bytes <= isize::MAX as usize);
         match bytes.and_then(|bytes| at.addr().checked_add(bytes)) {
             Some(_) => Ok(Self { len, ..array }),
-            None => Err(sinew_error::new(sinew_status::TooLong, subject).found(len as u64)),
+            None => Err(sinew_error::new(sinew_status::TooLong, argument).values(0, len)),
         }
+    }
+
+    /// Checks an array that may be left out: a null pointer, and no length.
+    pub(crate) fn given(
+        at: *const T,
+        len: usize,
+        argument: sinew_argument,
+    ) -> Result<Option<Self>, sinew_error> {
+        let is_given = !at.is_null() || len > 0;
+        is_given.then(|| Self::new(at, len, argument)).transpose()
     }
 
     /// Checks a pointer to one value.
-    pub(crate) fn one(at: *const T, subject: sinew_subject) -> Result<Self, sinew_error> {
-        Self::new(at, 1, subject)
+    pub(crate) fn one(at: *const T, argument: sinew_argument) -> Result<Self, sinew_error> {
+        Self::new(at, 1, argument)
     }
 
     /// Checks a pointer to one value that may be null.
-    pub(crate) fn optional(at: *const T, subject: sinew_subject) -> Result<Self, sinew_error> {
-        Self::new(at, usize::from(!at.is_null()), subject)
-    }
-
-    /// Checks the length of an array that must be exact.
-    pub(crate) fn check_len(&self, expected: usize) -> Result<(), sinew_error> {
-        if self.len == expected {
-            return Ok(());
-        }
-        Err(self.error(sinew_status::Length, expected))
+    pub(crate) fn optional(at: *const T, argument: sinew_argument) -> Result<Self, sinew_error> {
+        Self::new(at, usize::from(!at.is_null()), argument)
     }
 
     /// Checks that an array is long enough.
@@ -77,30 +82,24 @@ impl<T> Array<T> {
         if self.len >= least {
             return Ok(());
         }
-        Err(self.error(sinew_status::TooShort, least))
+        Err(sinew_error::new(sinew_status::TooShort, self.argument).values(least, self.len))
     }
 
-    fn error(&self, status: sinew_status, expected: usize) -> sinew_error {
-        sinew_error::new(status, self.subject).expected(expected as u64).found(self.len as u64)
-    }
-
-    fn some(at: *const T, subject: sinew_subject) -> Result<Self, sinew_error> {
+    fn some(at: *const T, argument: sinew_argument) -> Result<Self, sinew_error> {
         if at.is_null() {
-            return Err(sinew_error::new(sinew_status::Null, subject));
+            return Err(sinew_error::new(sinew_status::Null, argument));
         }
         if !at.is_aligned() {
             let align = align_of::<T>();
-            return Err(sinew_error::new(sinew_status::Misaligned, subject)
-                .expected(align as u64)
-                .found((at.addr() % align) as u64));
+            let error = sinew_error::new(sinew_status::Misaligned, argument);
+            return Err(error.values(align, at.addr() % align));
         }
-        Ok(Self { at: at.cast_mut(), len: 1, subject })
+        Ok(Self { at: at.cast_mut(), len: 1, argument })
     }
 
     /// Returns where it lies.
     pub(crate) fn span(&self) -> Span {
-        let bytes = if self.len == 0 { 0 } else { self.len * size_of::<T>() };
-        Span { start: self.at.addr(), bytes, subject: self.subject }
+        Span { start: self.at.addr(), bytes: self.len * size_of::<T>(), argument: self.argument }
     }
 
     /// Refers to the array.
@@ -122,6 +121,17 @@ impl<T> Array<T> {
         unsafe { core::slice::from_raw_parts_mut(self.at, self.len) }
     }
 
+    /// Refers to the array to write to it beside others that refer to the same elements.
+    ///
+    /// # Safety
+    /// For `'a` the elements are used through references to cells alone, on this thread alone ([`apart`]
+    /// has compared it with all that is read), and T has no value that is not allowed.
+    pub(crate) unsafe fn share<'a>(self) -> &'a [Cell<T>] {
+        // SAFETY: not null, aligned, and of a length that fits, and a cell is laid out as what it
+        // holds; the rest is the caller's promise.
+        unsafe { core::slice::from_raw_parts(self.at.cast(), self.len) }
+    }
+
     /// Stores one value, without reading what was there.
     ///
     /// # Safety
@@ -137,10 +147,18 @@ impl<T> Array<T> {
 pub(crate) struct Span {
     start: usize,
     bytes: usize,
-    subject: sinew_subject,
+    argument: sinew_argument,
 }
 
 impl Span {
+    /// That of what was left out.
+    pub(crate) const NOWHERE: Self = Self { start: 0, bytes: 0, argument: sinew_argument::Call };
+
+    /// Returns where bytes lie that were checked before.
+    pub(crate) fn of(bytes: &[u8], argument: sinew_argument) -> Self {
+        Self { start: bytes.as_ptr().addr(), bytes: bytes.len(), argument }
+    }
+
     /// Whether the two have a byte in common.
     fn meets(&self, other: &Self) -> bool {
         let (a, b) = (self.start, other.start);
@@ -156,7 +174,7 @@ impl Span {
 pub(crate) fn apart(mut written: &[Span], read: &[Span]) -> Result<(), sinew_error> {
     while let Some((span, others)) = written.split_first() {
         if others.iter().chain(read).any(|other| span.meets(other)) {
-            return Err(sinew_error::new(sinew_status::Overlap, span.subject));
+            return Err(sinew_error::new(sinew_status::Overlap, span.argument));
         }
         written = others;
     }
@@ -169,13 +187,12 @@ pub(crate) fn apart(mut written: &[Span], read: &[Span]) -> Result<(), sinew_err
 pub(crate) struct Loaded<T> {
     tag: u32,
     value: T,
-    file: Span,
 }
 
 impl<T> Loaded<T> {
-    /// Marks a value, which borrows from the file, as an object.
-    pub(crate) fn new<O: Object<Value = T>>(value: T, file: Span) -> Self {
-        Self { tag: O::TAG, value, file }
+    /// Marks a value as an object.
+    pub(crate) const fn new<O: Object<Value = T>>(value: T) -> Self {
+        Self { tag: O::TAG, value }
     }
 }
 
@@ -186,31 +203,31 @@ pub(crate) trait Object: Sized {
     /// Marks memory that holds such an object.
     const TAG: u32;
     /// The handle's name as an argument.
-    const SUBJECT: sinew_subject;
+    const ARGUMENT: sinew_argument;
 
     /// Returns its only field.
     fn loaded(&self) -> &Loaded<Self::Value>;
 }
 
-/// Returns what a handle's object holds, and what a call with it reads: the object and the file.
+/// Returns what a handle's object holds, and where the object lies.
 ///
 /// # Safety
 /// `at` is null, or points to memory as large as the object, which for `'a` stays as it is.
 pub(crate) unsafe fn object<'a, T: Object + 'a>(
     at: *const T,
-) -> Result<(&'a T::Value, [Span; 2]), sinew_error> {
+) -> Result<(&'a T::Value, Span), sinew_error> {
     const { assert!(size_of::<T>() == size_of::<Loaded<T::Value>>()) };
-    let object = Array::one(at, T::SUBJECT)?;
-    let handle = object.span();
+    let object = Array::one(at, T::ARGUMENT)?;
+    let span = object.span();
     // SAFETY: aligned, not null, and the tag is an object's first four bytes.
     let tag = unsafe { at.cast::<u32>().read() };
-    let not_loaded = sinew_error::new(sinew_status::NotLoaded, T::SUBJECT);
+    let not_loaded = sinew_error::new(sinew_status::NotLoaded, T::ARGUMENT);
     if tag != T::TAG {
         return Err(not_loaded);
     }
     // SAFETY: aligned, not null, and its tag says that it was written by this library.
     let loaded = unsafe { object.read() }.first().ok_or(not_loaded)?.loaded();
-    Ok((&loaded.value, [handle, loaded.file]))
+    Ok((&loaded.value, span))
 }
 
 /// Checks memory that is to hold an object.
@@ -218,11 +235,10 @@ pub(crate) fn place<T: Object>(
     memory: *mut core::ffi::c_void,
     memory_bytes: usize,
 ) -> Result<Array<T>, sinew_error> {
-    let place = Array::one(memory.cast_const().cast::<T>(), sinew_subject::Memory)?;
+    let place = Array::one(memory.cast_const().cast::<T>(), sinew_argument::Memory)?;
     if memory_bytes < size_of::<T>() {
-        return Err(sinew_error::new(sinew_status::TooShort, sinew_subject::Memory)
-            .expected(size_of::<T>() as u64)
-            .found(memory_bytes as u64));
+        return Err(sinew_error::new(sinew_status::TooShort, sinew_argument::Memory)
+            .values(size_of::<T>(), memory_bytes));
     }
     Ok(place)
 }

@@ -1,31 +1,54 @@
-//! An envelope: a skin that follows joints, and what the file says of it.
+//! An envelope, and what the file says of it.
 
+use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded, Object};
-use crate::{sinew_error, sinew_matrix, sinew_model, sinew_status, sinew_subject};
+use crate::error::sinew_error;
+use crate::matrix::sinew_matrix;
+use crate::model::sinew_model;
+use crate::part::{self, Opened, Part, Wanted};
+use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
-use core::ops::Range;
-use sinew_runtime::Envelope;
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::{EnvelopeLayout, Predictor};
+use sinew_runtime::{Envelope, Model};
 
 /// Elements of a `uintptr_t` array that holds an envelope on every target:
 /// `uintptr_t memory[SINEW_ENVELOPE_WORDS]`.
-pub const SINEW_ENVELOPE_WORDS: usize = 72;
+pub const SINEW_ENVELOPE_WORDS: usize = 48;
 
 /// Stands for no joint: the parent of the root.
 pub const SINEW_NO_JOINT: u32 = u32::MAX;
 
-/// A skin of V vertices that follows J joints by a palette of maps: a view of the file's bytes,
-/// of which the model's rules hold. It does not need the model any more.
-pub struct sinew_envelope(Loaded<Envelope<'static>>);
+/// Predicts a palette of transforms from the J joints of a pose. It points to its model: where that
+/// has been loaded again with another file, or is loaded no more, every call refuses the envelope.
+pub struct sinew_envelope(Loaded<Opened<EnvelopeLayout>>);
 
 impl Object for sinew_envelope {
-    type Value = Envelope<'static>;
+    type Value = Opened<EnvelopeLayout>;
     const TAG: u32 = u32::from_le_bytes(*b"SnwE");
-    const SUBJECT: sinew_subject = sinew_subject::Envelope;
+    const ARGUMENT: sinew_argument = sinew_argument::Envelope;
 
     fn loaded(&self) -> &Loaded<Self::Value> {
         &self.0
+    }
+}
+
+impl Part for sinew_envelope {
+    type Layout = EnvelopeLayout;
+    type View<'a> = Envelope<'a>;
+
+    fn named(loaded: Loaded<Self::Value>) -> Self {
+        Self(loaded)
+    }
+
+    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<EnvelopeLayout> {
+        let mut found =
+            model.envelopes().filter(|each| name.is_none_or(|name| each.name() == name));
+        found.nth(index).map(|envelope| envelope.layout())
+    }
+
+    fn view<'a>(layout: &EnvelopeLayout, file: &'a [u8]) -> Option<Envelope<'a>> {
+        layout.open(file)
     }
 }
 
@@ -46,7 +69,7 @@ pub enum sinew_predictor {
     Hybrid = 3,
 }
 
-/// What the fit was measured to reach, in the units of the input.
+/// What the fit was measured to reach, in the units of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_certificate {
@@ -62,7 +85,7 @@ pub struct sinew_certificate {
     pub correction_error: f32,
 }
 
-/// What an envelope is made of: every length that a caller needs.
+/// What an envelope is made of: every length that its calls need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_envelope_info {
@@ -70,26 +93,20 @@ pub struct sinew_envelope_info {
     pub name: *const c_char,
     /// Bytes of the name.
     pub name_len: usize,
-    /// Its number among the file's parts, for `sinew_model_section`.
+    /// Its number among the file's parts.
     pub part: u32,
     /// How it predicts.
     pub predictor: sinew_predictor,
-    /// V, vertices.
-    pub vertex_len: usize,
     /// J, joints: skinning matrices of a pose.
     pub joint_len: usize,
     /// P, proxies or helpers.
     pub proxy_len: usize,
-    /// Matrices of the palette.
+    /// Transforms of the palette.
     pub palette_len: usize,
     /// Floats of scratch that `sinew_envelope_palette` needs.
-    pub workspace_len: usize,
-    /// K, influences of each vertex.
-    pub influence_len: usize,
+    pub scratch_len: usize,
     /// The joint without a parent.
     pub root: u32,
-    /// 1 with tangents, else 0.
-    pub has_tangents: u32,
     /// What the fit was measured to reach.
     pub certificate: sinew_certificate,
 }
@@ -119,7 +136,8 @@ pub extern "C" fn sinew_envelope_bytes() -> usize {
 
 /// Opens an envelope of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null for the first envelope.
+/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the envelope; at least `sinew_envelope_bytes()`, aligned as a
 ///   `uintptr_t`.
 /// - `out_envelope`: receives the handle, which is `memory`.
@@ -130,41 +148,22 @@ pub unsafe extern "C" fn sinew_envelope_open(
     model: *const sinew_model,
     name: *const c_char,
     name_len: usize,
+    index: usize,
     memory: *mut c_void,
     memory_bytes: usize,
     out_envelope: *mut *const sinew_envelope,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (model, [handle, file]) = unsafe { border::object(model) }?;
-        let place = border::place::<sinew_envelope>(memory, memory_bytes)?;
-        let out = Array::one(out_envelope, sinew_subject::Result)?;
-        let envelope = if name.is_null() {
-            border::apart(&[place.span(), out.span()], &[handle, file])?;
-            model.envelope()
-        } else {
-            let name = Array::new(name.cast::<u8>(), name_len, sinew_subject::Name)?;
-            border::apart(&[place.span(), out.span()], &[handle, file, name.span()])?;
-            // SAFETY: the caller's promise is passed on.
-            let name = core::str::from_utf8(unsafe { name.read() });
-            name.ok().and_then(|name| model.envelope_named(name))
-        };
-        let envelope =
-            envelope.ok_or(sinew_error::new(sinew_status::NotFound, sinew_subject::Envelope))?;
-        // SAFETY: memory large enough, aligned, apart from all that is read, and lent by the caller.
-        unsafe { place.store(sinew_envelope(Loaded::new::<sinew_envelope>(envelope, file))) };
-        // SAFETY: one element, which the caller lets be written.
-        unsafe { out.store(memory.cast_const().cast()) };
-        Ok(())
-    };
+    let wanted = Wanted { name, name_len, index };
+    // SAFETY: the caller's promise is passed on.
+    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_envelope) };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
 }
 
 /// Says what an envelope is made of.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_envelope_describe(
     envelope: *const sinew_envelope,
@@ -173,10 +172,10 @@ pub unsafe extern "C" fn sinew_envelope_describe(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let (envelope, reads) = unsafe { border::object(envelope) }?;
-        let out = Array::one(out_info, sinew_subject::Result)?;
+        let (envelope, reads) = unsafe { part::view(envelope) }?;
+        let out = Array::one(out_info, sinew_argument::Result)?;
         border::apart(&[out.span()], &reads)?;
-        let info = info(envelope);
+        let info = info(&envelope);
         // SAFETY: one element, which the caller lets be written.
         unsafe { out.store(info) };
         Ok(())
@@ -187,7 +186,7 @@ pub unsafe extern "C" fn sinew_envelope_describe(
 
 /// Describes a joint.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OVERLAP`, `OUT_OF_RANGE`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_envelope_joint(
     envelope: *const sinew_envelope,
@@ -197,14 +196,12 @@ pub unsafe extern "C" fn sinew_envelope_joint(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let (envelope, reads) = unsafe { border::object(envelope) }?;
-        let out = Array::one(out_joint, sinew_subject::Result)?;
+        let (envelope, reads) = unsafe { part::view(envelope) }?;
+        let out = Array::one(out_joint, sinew_argument::Result)?;
         border::apart(&[out.span()], &reads)?;
-        let found = describe(envelope, joint).ok_or(
-            sinew_error::new(sinew_status::OutOfRange, sinew_subject::Joints)
-                .at(joint)
-                .expected(envelope.joint_len() as u64)
-                .found(joint as u64),
+        let found = describe(&envelope, joint).ok_or(
+            sinew_error::new(sinew_status::OutOfRange, sinew_argument::Joint)
+                .values(envelope.joint_len().saturating_sub(1), joint),
         )?;
         // SAFETY: one element, which the caller lets be written.
         unsafe { out.store(found) };
@@ -218,7 +215,7 @@ pub unsafe extern "C" fn sinew_envelope_joint(
 ///
 /// - `out_order`, `order_len`: room for J numbers.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_envelope_order(
     envelope: *const sinew_envelope,
@@ -228,8 +225,8 @@ pub unsafe extern "C" fn sinew_envelope_order(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let (envelope, reads) = unsafe { border::object(envelope) }?;
-        let out = Array::new(out_order, order_len, sinew_subject::Order)?;
+        let (envelope, reads) = unsafe { part::view(envelope) }?;
+        let out = Array::new(out_order, order_len, sinew_argument::Order)?;
         out.check_least(envelope.joint_len())?;
         border::apart(&[out.span()], &reads)?;
         // SAFETY: apart from all that the call reads; lent by the caller.
@@ -243,21 +240,6 @@ pub unsafe extern "C" fn sinew_envelope_order(
     unsafe { border::call(out_error, body) }
 }
 
-/// Checks that vertices are in the mesh.
-pub(crate) fn check_vertices(
-    envelope: &Envelope<'_>,
-    vertices: &Range<usize>,
-) -> Result<(), sinew_error> {
-    let (Range { start, end }, vertex_len) = (vertices, envelope.vertex_len());
-    if start <= end && *end <= vertex_len {
-        return Ok(());
-    }
-    Err(sinew_error::new(sinew_status::OutOfRange, sinew_subject::Vertices)
-        .at(*start)
-        .expected(vertex_len as u64)
-        .found(*end as u64))
-}
-
 fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {
     let certificate = envelope.certificate();
     sinew_envelope_info {
@@ -269,14 +251,11 @@ fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {
             Predictor::Kernel => sinew_predictor::Kernel,
             Predictor::Hybrid => sinew_predictor::Hybrid,
         },
-        vertex_len: envelope.vertex_len(),
         joint_len: envelope.joint_len(),
         proxy_len: envelope.proxy_len(),
         palette_len: envelope.palette_len(),
-        workspace_len: envelope.workspace_len(),
-        influence_len: envelope.influence_len(),
+        scratch_len: envelope.scratch_len(),
         root: envelope.root() as u32,
-        has_tangents: u32::from(envelope.has_tangents()),
         certificate: sinew_certificate {
             diagonal: certificate.diagonal,
             training_rms: certificate.training_rms,

@@ -10,29 +10,37 @@
 )]
 
 mod border;
+mod part;
 
 // The header's functions come in the order of these groups.
 mod version;
 
+mod argument;
 mod error;
 mod status;
-mod subject;
 
+mod matrix;
 mod model;
 
 mod envelope;
-mod evaluate;
-mod mesh;
+mod palette;
+
 mod skin;
 
+mod mesh;
+
+mod job;
+
+pub use argument::*;
 pub use envelope::*;
 pub use error::*;
-pub use evaluate::*;
+pub use job::*;
+pub use matrix::*;
 pub use mesh::*;
 pub use model::*;
+pub use palette::*;
 pub use skin::*;
 pub use status::*;
-pub use subject::*;
 pub use version::*;
 
 /// Stops: nothing here panics, but a bare target's linker asks for it.

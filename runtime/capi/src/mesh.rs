@@ -1,19 +1,23 @@
-//! The mesh: rest pose and influences, copied for an engine's own buffers.
+//! The mesh of a skin: rest pose and influences, copied for an engine's own buffers.
 
+use crate::argument::sinew_argument;
 use crate::border::{self, Array};
-use crate::envelope::check_vertices;
-use crate::{sinew_envelope, sinew_error, sinew_status, sinew_subject};
+use crate::error::sinew_error;
+use crate::part;
+use crate::skin::sinew_skin;
+use crate::status::sinew_status;
 use core::ops::Range;
-use sinew_runtime::Envelope;
+use sinew_runtime::Skin;
 
 /// Copies the rest positions of the vertices from `start` to before `end`: 3 floats each, packed.
 ///
 /// - `out_positions`, `out_len`: room for `3 * (end - start)` floats.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`,
+/// `OVERLAP`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_envelope_rest_positions(
-    envelope: *const sinew_envelope,
+pub unsafe extern "C" fn sinew_skin_rest_positions(
+    skin: *const sinew_skin,
     start: usize,
     end: usize,
     out_positions: *mut f32,
@@ -21,9 +25,9 @@ pub unsafe extern "C" fn sinew_envelope_rest_positions(
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let body = || {
-        let out = Array::new(out_positions, out_len, sinew_subject::Positions);
+        let out = Array::new(out_positions, out_len, sinew_argument::Positions);
         // SAFETY: the caller's promise is passed on.
-        unsafe { copy(envelope, start..end, out, Envelope::rest_position) }
+        unsafe { copy(skin, start..end, out, Skin::rest_position) }
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
@@ -33,10 +37,11 @@ pub unsafe extern "C" fn sinew_envelope_rest_positions(
 ///
 /// - `out_normals`, `out_len`: room for `3 * (end - start)` floats.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`,
+/// `OVERLAP`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_envelope_rest_normals(
-    envelope: *const sinew_envelope,
+pub unsafe extern "C" fn sinew_skin_rest_normals(
+    skin: *const sinew_skin,
     start: usize,
     end: usize,
     out_normals: *mut f32,
@@ -44,9 +49,9 @@ pub unsafe extern "C" fn sinew_envelope_rest_normals(
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let body = || {
-        let out = Array::new(out_normals, out_len, sinew_subject::Normals);
+        let out = Array::new(out_normals, out_len, sinew_argument::Normals);
         // SAFETY: the caller's promise is passed on.
-        unsafe { copy(envelope, start..end, out, Envelope::rest_normal) }
+        unsafe { copy(skin, start..end, out, Skin::rest_normal) }
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
@@ -57,11 +62,11 @@ pub unsafe extern "C" fn sinew_envelope_rest_normals(
 ///
 /// - `out_tangents`, `out_len`: room for `4 * (end - start)` floats.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `NO_TANGENTS`, `OUT_OF_RANGE`, `TOO_SHORT`,
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_ATTRIBUTE`, `OUT_OF_RANGE`, `TOO_SHORT`,
 /// `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_envelope_rest_tangents(
-    envelope: *const sinew_envelope,
+pub unsafe extern "C" fn sinew_skin_rest_tangents(
+    skin: *const sinew_skin,
     start: usize,
     end: usize,
     out_tangents: *mut f32,
@@ -70,12 +75,12 @@ pub unsafe extern "C" fn sinew_envelope_rest_tangents(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        if !unsafe { border::object(envelope) }?.0.has_tangents() {
-            return Err(sinew_error::new(sinew_status::NoTangents, sinew_subject::Tangents));
+        if !unsafe { part::view(skin) }?.0.has_tangents() {
+            return Err(sinew_error::new(sinew_status::NoAttribute, sinew_argument::Tangents));
         }
-        let out = Array::new(out_tangents, out_len, sinew_subject::Tangents);
+        let out = Array::new(out_tangents, out_len, sinew_argument::Tangents);
         // SAFETY: the caller's promise is passed on.
-        unsafe { copy(envelope, start..end, out, Envelope::rest_tangent) }
+        unsafe { copy(skin, start..end, out, Skin::rest_tangent) }
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
@@ -87,10 +92,11 @@ pub unsafe extern "C" fn sinew_envelope_rest_tangents(
 /// - `out_indices`, `indices_len`: room for `K * (end - start)` indices into the palette.
 /// - `out_weights`, `weights_len`: room for as many weights.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`,
+/// `OVERLAP`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_envelope_influences(
-    envelope: *const sinew_envelope,
+pub unsafe extern "C" fn sinew_skin_influences(
+    skin: *const sinew_skin,
     start: usize,
     end: usize,
     out_indices: *mut u16,
@@ -101,18 +107,18 @@ pub unsafe extern "C" fn sinew_envelope_influences(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let (envelope, reads) = unsafe { border::object(envelope) }?;
-        let indices = Array::new(out_indices, indices_len, sinew_subject::Indices)?;
-        let weights = Array::new(out_weights, weights_len, sinew_subject::Weights)?;
+        let (skin, reads) = unsafe { part::view(skin) }?;
+        let indices = Array::new(out_indices, indices_len, sinew_argument::Indices)?;
+        let weights = Array::new(out_weights, weights_len, sinew_argument::Weights)?;
         let vertices = start..end;
-        check_vertices(envelope, &vertices)?;
-        let least = vertices.len().saturating_mul(envelope.influence_len());
+        check_vertices(&skin, &vertices)?;
+        let least = vertices.len().saturating_mul(skin.influence_len());
         indices.check_least(least)?;
         weights.check_least(least)?;
         border::apart(&[indices.span(), weights.span()], &reads)?;
         // SAFETY: apart from each other and from all that the call reads; lent by the caller.
         let (indices, weights) = unsafe { (indices.write(), weights.write()) };
-        let influences = vertices.flat_map(|vertex| envelope.influences(vertex));
+        let influences = vertices.flat_map(|vertex| skin.influences(vertex));
         for ((out_index, out_weight), (index, weight)) in
             indices.iter_mut().zip(weights).zip(influences)
         {
@@ -125,27 +131,36 @@ pub unsafe extern "C" fn sinew_envelope_influences(
     unsafe { border::call(out_error, body) }
 }
 
-/// Copies N floats of each vertex.
+/// Copies an attribute of N floats.
 ///
 /// # Safety
-/// The handle is null or points to memory as large as an envelope; the array is the caller's to
-/// write.
-unsafe fn copy<const N: usize>(
-    envelope: *const sinew_envelope,
+/// The handle is null or points to memory as large as a skin; the array is the caller's to write.
+unsafe fn copy<'a, const N: usize>(
+    skin: *const sinew_skin,
     vertices: Range<usize>,
     out: Result<Array<f32>, sinew_error>,
-    read: impl Fn(&Envelope<'static>, usize) -> Option<[f32; N]>,
+    attribute: impl Fn(&Skin<'a>, usize) -> Option<[f32; N]>,
 ) -> Result<(), sinew_error> {
     // SAFETY: the caller's promise is passed on.
-    let (envelope, reads) = unsafe { border::object(envelope) }?;
+    let (skin, reads) = unsafe { part::view(skin) }?;
     let out = out?;
-    check_vertices(envelope, &vertices)?;
+    check_vertices(&skin, &vertices)?;
     out.check_least(vertices.len().saturating_mul(N))?;
     border::apart(&[out.span()], &reads)?;
     // SAFETY: apart from all that the call reads; lent by the caller.
     let (out, _) = unsafe { out.write() }.as_chunks_mut::<N>();
-    for (out, value) in out.iter_mut().zip(vertices.map_while(|vertex| read(envelope, vertex))) {
-        *out = value;
+    for (out, vertex) in out.iter_mut().zip(vertices) {
+        *out = attribute(&skin, vertex).unwrap_or(*out);
     }
     Ok(())
+}
+
+/// Checks that vertices are in the mesh.
+fn check_vertices(skin: &Skin<'_>, vertices: &Range<usize>) -> Result<(), sinew_error> {
+    let (Range { start, end }, vertex_len) = (vertices, skin.vertex_len());
+    if start <= end && *end <= vertex_len {
+        return Ok(());
+    }
+    let error = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Vertices);
+    Err(error.at(*start).values(vertex_len, *end))
 }

@@ -1,25 +1,28 @@
 //! A loaded file.
 
-use crate::border::{self, Array, Loaded, Object};
-use crate::{sinew_error, sinew_status, sinew_subject};
+use crate::argument::sinew_argument;
+use crate::border::{self, Array, Loaded, Object, Span};
+use crate::error::sinew_error;
+use crate::status::sinew_status;
 use core::ffi::c_void;
 use core::mem::{align_of, size_of};
-use sinew_runtime::format::SectionKind;
+use sinew_runtime::format::{Axis, Handedness};
 use sinew_runtime::{Limits, Model};
 
 /// Elements of a `uintptr_t` array that holds a model on every target:
 /// `uintptr_t memory[SINEW_MODEL_WORDS]`.
-pub const SINEW_MODEL_WORDS: usize = 12;
+pub const SINEW_MODEL_WORDS: usize = 96;
 
-/// A loaded file: a view of its bytes, which must stay where they are and as they are for as long
-/// as the model or an envelope of it is used. It never changes and may be used on any number of
-/// threads at once. It may be moved with `memcpy`, and needs no destruction.
-pub struct sinew_model(Loaded<Model<'static>>);
+/// A loaded file: what was found in its bytes, which must stay where they are and as they are while
+/// the model is in use. Its memory may be loaded again at any time that no call uses it, with the same
+/// file or another, and filled with zeros it is loaded no more; it needs no other end. Its envelopes
+/// and skins point to it: it must stay in its place, and outlive them.
+pub struct sinew_model(Loaded<Model<&'static [u8]>>);
 
 impl Object for sinew_model {
-    type Value = Model<'static>;
+    type Value = Model<&'static [u8]>;
     const TAG: u32 = u32::from_le_bytes(*b"SnwM");
-    const SUBJECT: sinew_subject = sinew_subject::Model;
+    const ARGUMENT: sinew_argument = sinew_argument::Model;
 
     fn loaded(&self) -> &Loaded<Self::Value> {
         &self.0
@@ -38,21 +41,76 @@ const _: () = {
 pub struct sinew_limits {
     /// Bytes of the file.
     pub file_bytes: u32,
-    /// Vertices of a part.
+    /// Parts of the file.
+    pub parts: u16,
+    /// Sections of the file.
+    pub sections: u16,
+    /// Vertices of a skin.
     pub vertices: u32,
-    /// Joints of a part.
+    /// Joints of an envelope.
     pub joints: u32,
-    /// Proxies of a part.
+    /// Proxies of an envelope.
     pub proxies: u32,
     /// Influences of a vertex.
     pub influences: u32,
+}
+
+/// A direction along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum sinew_axis {
+    /// The file does not say.
+    Unknown = 0,
+    /// Along x.
+    X = 1,
+    /// Against x.
+    MinusX = 2,
+    /// Along y.
+    Y = 3,
+    /// Against y.
+    MinusY = 4,
+    /// Along z.
+    Z = 5,
+    /// Against z.
+    MinusZ = 6,
+}
+
+/// Which way the third axis points, seen from the first two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum sinew_handedness {
+    /// x cross y is z.
+    Right = 1,
+    /// x cross y is -z.
+    Left = 2,
+}
+
+/// What a file holds, and the space of its numbers: of its rest meshes, of the poses that it takes and
+/// of what it gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_model_info {
+    /// Parts, known to the library or not.
+    pub part_len: usize,
+    /// Envelopes.
+    pub envelope_len: usize,
+    /// Skins.
+    pub skin_len: usize,
+    /// Where a character's head is.
+    pub up: sinew_axis,
+    /// Where a character looks.
+    pub forward: sinew_axis,
+    /// The axes' handedness.
+    pub handedness: sinew_handedness,
+    /// Metres of a unit of length; 0 if the file does not say.
+    pub unit: f32,
 }
 
 /// A section of the file, known to the library or not, by its number in FORMAT.md.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_section {
-    /// Where it starts, in bytes from the blob's start; a multiple of the file's alignment.
+    /// Where it starts, in bytes from the blob's start; a multiple of 16.
     pub offset: u32,
     /// Its length in bytes.
     pub bytes: u32,
@@ -64,13 +122,6 @@ pub extern "C" fn sinew_model_bytes() -> usize {
     size_of::<sinew_model>()
 }
 
-/// Returns the alignment of the memory for models and envelopes: that of `uintptr_t`, or less.
-#[unsafe(no_mangle)]
-pub extern "C" fn sinew_object_alignment() -> usize {
-    let (model, envelope) = (align_of::<sinew_model>(), align_of::<crate::sinew_envelope>());
-    if model > envelope { model } else { envelope }
-}
-
 /// Writes the limits that `sinew_model_load` has without others: generous for any character.
 ///
 /// Returns `NULL`, `MISALIGNED`.
@@ -80,9 +131,11 @@ pub unsafe extern "C" fn sinew_limits_default(
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let body = || {
-        let out = Array::one(out_limits, sinew_subject::Result)?;
-        let Limits { file_bytes, vertices, joints, proxies, influences } = Limits::DEFAULT;
-        let limits = sinew_limits { file_bytes, vertices, joints, proxies, influences };
+        let out = Array::one(out_limits, sinew_argument::Result)?;
+        let Limits { file_bytes, parts, sections, vertices, joints, proxies, influences } =
+            Limits::DEFAULT;
+        let limits =
+            sinew_limits { file_bytes, parts, sections, vertices, joints, proxies, influences };
         // SAFETY: one element, which the caller lets be written.
         unsafe { out.store(limits) };
         Ok(())
@@ -93,6 +146,9 @@ pub unsafe extern "C" fn sinew_limits_default(
 
 /// Loads a model in place and checks all of it, in time bounded by the file's length. After that
 /// no evaluation fails for the file's sake.
+///
+/// Envelopes and skins of what the memory held before are refused from now on, unless the file is the
+/// same; if loading fails they are not.
 ///
 /// - `memory`, `memory_bytes`: for the model; at least `sinew_model_bytes()`, aligned as a
 ///   `uintptr_t`.
@@ -113,20 +169,54 @@ pub unsafe extern "C" fn sinew_model_load(
 ) -> sinew_status {
     let body = || {
         let place = border::place::<sinew_model>(memory, memory_bytes)?;
-        let file = Array::new(file, file_bytes, sinew_subject::File)?;
-        let limits = Array::optional(limits, sinew_subject::Limits)?;
-        let out = Array::one(out_model, sinew_subject::Result)?;
-        let span = file.span();
-        border::apart(&[place.span(), out.span()], &[span, limits.span()])?;
-        // SAFETY: the caller keeps the file for as long as anything made of it is used.
-        let file = unsafe { file.read::<'static>() };
-        // SAFETY: lent by the caller; the values are copied at once.
+        let file = Array::new(file, file_bytes, sinew_argument::File)?;
+        let limits = Array::optional(limits, sinew_argument::Limits)?;
+        let out = Array::one(out_model, sinew_argument::Result)?;
+        border::apart(&[place.span(), out.span()], &[file.span(), limits.span()])?;
+        // SAFETY: the caller keeps the file for as long as the model is in use.
+        let file = unsafe { file.read() };
+        // SAFETY: lent by the caller; copied at once.
         let limits = unsafe { limits.read() }.first().map_or(Limits::DEFAULT, Limits::from);
         let model = Model::from_bytes_with(file, &limits)?;
         // SAFETY: memory large enough, aligned, apart from the file, and lent by the caller.
-        unsafe { place.store(sinew_model(Loaded::new::<sinew_model>(model, span))) };
+        unsafe { place.store(sinew_model(Loaded::new::<sinew_model>(model))) };
         // SAFETY: one element, which the caller lets be written.
         unsafe { out.store(memory.cast_const().cast()) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Says what a file holds, and in which space.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_model_describe(
+    model: *const sinew_model,
+    out_info: *mut sinew_model_info,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (model, reads) = unsafe { loaded(model) }?;
+        let out = Array::one(out_info, sinew_argument::Result)?;
+        border::apart(&[out.span()], &reads)?;
+        let space = model.space();
+        let info = sinew_model_info {
+            part_len: model.parts().len(),
+            envelope_len: model.envelopes().count(),
+            skin_len: model.skins().count(),
+            up: axis(space.up),
+            forward: axis(space.forward),
+            handedness: match space.handedness {
+                Handedness::Right => sinew_handedness::Right,
+                Handedness::Left => sinew_handedness::Left,
+            },
+            unit: space.unit.unwrap_or(0.0),
+        };
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(info) };
         Ok(())
     };
     // SAFETY: the caller's promise is passed on.
@@ -146,9 +236,9 @@ pub unsafe extern "C" fn sinew_model_blob(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let (model, reads) = unsafe { border::object(model) }?;
-        let out = Array::one(out_blob, sinew_subject::Result)?;
-        let out_len = Array::one(out_bytes, sinew_subject::SecondResult)?;
+        let (model, reads) = unsafe { loaded(model) }?;
+        let out = Array::one(out_blob, sinew_argument::Result)?;
+        let out_len = Array::one(out_bytes, sinew_argument::SecondResult)?;
         border::apart(&[out.span(), out_len.span()], &reads)?;
         let blob = model.blob();
         // SAFETY: one element each, which the caller lets be written; the object is not read again.
@@ -161,8 +251,8 @@ pub unsafe extern "C" fn sinew_model_blob(
 
 /// Finds a section of a part.
 ///
-/// - `part`: `sinew_envelope_info.part`.
-/// - `kind`: its number in FORMAT.md; `SINEW_SUBJECT_SECTION_C1 - SINEW_SUBJECT_CERTIFICATE`, say.
+/// - `part`: `sinew_envelope_info.part` or `sinew_skin_info.part`.
+/// - `kind`: its number in FORMAT.md.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OVERLAP`, `NOT_FOUND`.
 #[unsafe(no_mangle)]
@@ -175,20 +265,14 @@ pub unsafe extern "C" fn sinew_model_section(
 ) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let (model, reads) = unsafe { border::object(model) }?;
-        let out = Array::one(out_section, sinew_subject::Result)?;
+        let (model, reads) = unsafe { loaded(model) }?;
+        let out = Array::one(out_section, sinew_argument::Result)?;
         border::apart(&[out.span()], &reads)?;
         let found = model.sections().find(|section| {
             u32::from(section.row.part) == part && u32::from(section.row.kind) == kind
         });
-        let row = found.map(|section| section.row).ok_or_else(|| {
-            let known = u16::try_from(kind).ok().and_then(SectionKind::from_number);
-            sinew_error::new(
-                sinew_status::NotFound,
-                known.map_or(sinew_subject::None, sinew_subject::from),
-            )
-            .found(u64::from(kind))
-        })?;
+        let not_found = sinew_error::new(sinew_status::NotFound, sinew_argument::Section);
+        let row = found.ok_or(sinew_error { part, section: kind, ..not_found })?.row;
         // SAFETY: one element, which the caller lets be written.
         unsafe { out.store(sinew_section { offset: row.offset, bytes: row.bytes }) };
         Ok(())
@@ -197,9 +281,34 @@ pub unsafe extern "C" fn sinew_model_section(
     unsafe { border::call(out_error, body) }
 }
 
+/// Returns a loaded model, and what a call with it reads: the object and the file.
+///
+/// # Safety
+/// `at` is null, or points to memory as large as a model, which for `'a` stays as it is.
+pub(crate) unsafe fn loaded<'a>(
+    at: *const sinew_model,
+) -> Result<(&'a Model<&'static [u8]>, [Span; 2]), sinew_error> {
+    // SAFETY: the caller's promise is passed on.
+    let (model, handle) = unsafe { border::object(at) }?;
+    Ok((model, [handle, Span::of(model.as_bytes(), sinew_argument::File)]))
+}
+
+fn axis(axis: Option<Axis>) -> sinew_axis {
+    match axis {
+        None => sinew_axis::Unknown,
+        Some(Axis::X) => sinew_axis::X,
+        Some(Axis::MinusX) => sinew_axis::MinusX,
+        Some(Axis::Y) => sinew_axis::Y,
+        Some(Axis::MinusY) => sinew_axis::MinusY,
+        Some(Axis::Z) => sinew_axis::Z,
+        Some(Axis::MinusZ) => sinew_axis::MinusZ,
+    }
+}
+
 impl From<&sinew_limits> for Limits {
     fn from(limits: &sinew_limits) -> Self {
-        let sinew_limits { file_bytes, vertices, joints, proxies, influences } = *limits;
-        Self { file_bytes, vertices, joints, proxies, influences }
+        let sinew_limits { file_bytes, parts, sections, vertices, joints, proxies, influences } =
+            *limits;
+        Self { file_bytes, parts, sections, vertices, joints, proxies, influences }
     }
 }

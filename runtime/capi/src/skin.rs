@@ -1,126 +1,190 @@
-//! Skinning on the CPU.
+//! A skin, and what the file says of it.
 
-use crate::border::{self, Array};
-use crate::{sinew_envelope, sinew_error, sinew_matrix, sinew_status, sinew_subject};
-use sinew_runtime::Matrix3x4;
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
+use crate::argument::sinew_argument;
+use crate::border::{self, Array, Loaded, Object};
+use crate::error::{SINEW_NO_PART, sinew_error};
+use crate::model::sinew_model;
+use crate::part::{self, Opened, Part, Wanted};
+use crate::status::sinew_status;
+use core::ffi::{c_char, c_void};
+use core::mem::{align_of, size_of};
+use sinew_runtime::skin::SkinLayout;
+use sinew_runtime::{Model, Skin};
 
-/// Which output buffer of a `sinew_skin_job` an attribute is written to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub enum sinew_buffer {
-    /// None: the attribute is not wanted.
-    None = 0,
-    /// `out_a`.
-    A = 1,
-    /// `out_b`.
-    B = 2,
+/// Elements of a `uintptr_t` array that holds a skin on every target:
+/// `uintptr_t memory[SINEW_SKIN_WORDS]`.
+pub const SINEW_SKIN_WORDS: usize = 48;
+
+/// A mesh of V vertices that follows an envelope's palette, or stays at rest if it follows none. It
+/// points to its model: where that has been loaded again with another file, or is loaded no more,
+/// every call refuses the skin.
+pub struct sinew_skin(Loaded<Opened<SkinLayout>>);
+
+impl Object for sinew_skin {
+    type Value = Opened<SkinLayout>;
+    const TAG: u32 = u32::from_le_bytes(*b"SnwS");
+    const ARGUMENT: sinew_argument = sinew_argument::Skin;
+
+    fn loaded(&self) -> &Loaded<Self::Value> {
+        &self.0
+    }
 }
 
-/// Where an attribute is written: that of the i-th vertex *of the range* at `offset + i * stride`.
-/// Zeros mean that it is not wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C)]
-pub struct sinew_attribute {
-    /// A `sinew_buffer`.
-    pub buffer: u32,
-    /// Where the range's first vertex goes, in floats.
-    pub offset: usize,
-    /// Floats from one vertex to the next; at least the attribute's own.
-    pub stride: usize,
+impl Part for sinew_skin {
+    type Layout = SkinLayout;
+    type View<'a> = Skin<'a>;
+
+    fn named(loaded: Loaded<Self::Value>) -> Self {
+        Self(loaded)
+    }
+
+    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<SkinLayout> {
+        let mut found = model.skins().filter(|each| name.is_none_or(|name| each.name() == name));
+        found.nth(index).map(|skin| skin.layout())
+    }
+
+    fn view<'a>(layout: &SkinLayout, file: &'a [u8]) -> Option<Skin<'a>> {
+        layout.open(file)
+    }
 }
 
-/// Skins a range of vertices. Floats between attributes are left alone; where attributes overlap,
-/// the later field of this structure wins.
-#[derive(Clone, Copy, Debug)]
+const _: () = {
+    assert!(size_of::<sinew_skin>() <= SINEW_SKIN_WORDS * size_of::<usize>());
+    assert!(align_of::<sinew_skin>() <= align_of::<usize>());
+};
+
+/// What a skin is made of: every length that its calls need.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
-pub struct sinew_skin_job {
-    /// The envelope.
-    pub envelope: *const sinew_envelope,
-    /// `sinew_envelope_info.palette_len` maps, rest to posed.
-    pub palette: *const sinew_matrix,
-    /// Their number.
+pub struct sinew_skin_info {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    pub name: *const c_char,
+    /// Bytes of the name.
+    pub name_len: usize,
+    /// Its number among the file's parts.
+    pub part: u32,
+    /// That of the envelope whose palette it follows, or `SINEW_NO_PART`.
+    pub envelope_part: u32,
+    /// V, vertices.
+    pub vertex_len: usize,
+    /// K, influences of each vertex.
+    pub influence_len: usize,
+    /// Transforms of the palette that it takes; 0 without an envelope.
     pub palette_len: usize,
+    /// Named ranges of vertices.
+    pub range_len: usize,
+    /// 1 with tangents, else 0.
+    pub has_tangents: u32,
+}
+
+/// A named range of vertices: one of the meshes that the skin was made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct sinew_range {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    pub name: *const c_char,
+    /// Bytes of the name.
+    pub name_len: usize,
     /// First vertex.
     pub start: usize,
     /// One more than the last vertex.
     pub end: usize,
-    /// Where to put positions: 3 floats, model space.
-    pub positions: sinew_attribute,
-    /// Where to put normals: 3 floats of length 1; where a map leaves one no direction, the rest
-    /// normal.
-    pub normals: sinew_attribute,
-    /// Where to put tangents: 3 floats of length 1 (the rest tangent where a map leaves one no
-    /// direction), then the handedness.
-    pub tangents: sinew_attribute,
-    /// Buffer A, as long as its attributes need: `offset + (n - 1) * stride + 3` floats for n
-    /// positions, say. Null if none is in it.
-    pub out_a: *mut f32,
-    /// Its length in floats.
-    pub out_a_len: usize,
-    /// Buffer B; likewise.
-    pub out_b: *mut f32,
-    /// Its length in floats.
-    pub out_b_len: usize,
 }
 
-/// Runs a skin job. Jobs may run at the same time, on any threads, if none of the buffers given to
-/// one overlaps those given to another.
-///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `LENGTH`, `OUT_OF_RANGE`, `BUFFER`, `NO_TANGENTS`,
-/// `STRIDE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+/// Returns the bytes of memory that a skin needs: at most those of `SINEW_SKIN_WORDS` words.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_skin(
-    job: *const sinew_skin_job,
+pub extern "C" fn sinew_skin_bytes() -> usize {
+    size_of::<sinew_skin>()
+}
+
+/// Opens a skin of a model.
+///
+/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `index`: which of those; 0 for the first.
+/// - `memory`, `memory_bytes`: for the skin; at least `sinew_skin_bytes()`, aligned as a `uintptr_t`.
+/// - `out_skin`: receives the handle, which is `memory`.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_open(
+    model: *const sinew_model,
+    name: *const c_char,
+    name_len: usize,
+    index: usize,
+    memory: *mut c_void,
+    memory_bytes: usize,
+    out_skin: *mut *const sinew_skin,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let wanted = Wanted { name, name_len, index };
+    // SAFETY: the caller's promise is passed on.
+    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_skin) };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Says what a skin is made of.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_describe(
+    skin: *const sinew_skin,
+    out_info: *mut sinew_skin_info,
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let body = || {
-        let job = Array::one(job, sinew_subject::Job)?;
-        let job_span = job.span();
-        // SAFETY: lent by the caller; copied at once.
-        let job = unsafe { job.read() }.first().copied();
-        let job = job.ok_or(sinew_error::new(sinew_status::Null, sinew_subject::Job))?;
         // SAFETY: the caller's promise is passed on.
-        let (envelope, [handle, file]) = unsafe { border::object(job.envelope) }?;
-        let palette =
-            Array::new(job.palette.cast::<Matrix3x4>(), job.palette_len, sinew_subject::Palette)?;
-        let out_a = Array::new(job.out_a, job.out_a_len, sinew_subject::OutA)?;
-        let out_b = Array::new(job.out_b, job.out_b_len, sinew_subject::OutB)?;
-        border::apart(&[out_a.span(), out_b.span()], &[handle, file, palette.span(), job_span])?;
-        let positions = attribute(job.positions, sinew_subject::Positions)?;
-        let normals = attribute(job.normals, sinew_subject::Normals)?;
-        let tangents = attribute(job.tangents, sinew_subject::Tangents)?;
-        // SAFETY: lent by the caller; what is written is apart from all else.
-        let (palette, out_a, out_b) = unsafe { (palette.read(), out_a.write(), out_b.write()) };
-        SkinJob {
-            envelope: *envelope,
-            palette,
-            vertices: job.start..job.end,
-            positions,
-            normals,
-            tangents,
-            out_a,
-            out_b,
-        }
-        .run()?;
+        let (skin, reads) = unsafe { part::view(skin) }?;
+        let out = Array::one(out_info, sinew_argument::Result)?;
+        border::apart(&[out.span()], &reads)?;
+        let info = sinew_skin_info {
+            name: skin.name().as_ptr().cast(),
+            name_len: skin.name().len(),
+            part: skin.part() as u32,
+            envelope_part: skin.envelope_part().map_or(SINEW_NO_PART, |part| part as u32),
+            vertex_len: skin.vertex_len(),
+            influence_len: skin.influence_len(),
+            palette_len: skin.palette_len(),
+            range_len: skin.counts().range_len as usize,
+            has_tangents: u32::from(skin.has_tangents()),
+        };
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(info) };
         Ok(())
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
 }
 
-fn attribute(
-    attribute: sinew_attribute,
-    subject: sinew_subject,
-) -> Result<Option<Attribute>, sinew_error> {
-    let sinew_attribute { buffer, offset, stride } = attribute;
-    let buffer = match buffer {
-        number if number == sinew_buffer::None as u32 => return Ok(None),
-        number if number == sinew_buffer::A as u32 => Buffer::A,
-        number if number == sinew_buffer::B as u32 => Buffer::B,
-        other => {
-            return Err(sinew_error::new(sinew_status::Buffer, subject).found(u64::from(other)));
-        }
+/// Describes a named range of vertices.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_range(
+    skin: *const sinew_skin,
+    range: usize,
+    out_range: *mut sinew_range,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (skin, reads) = unsafe { part::view(skin) }?;
+        let out = Array::one(out_range, sinew_argument::Result)?;
+        border::apart(&[out.span()], &reads)?;
+        let (name, vertices) = skin.ranges().nth(range).ok_or(
+            sinew_error::new(sinew_status::OutOfRange, sinew_argument::Range)
+                .values((skin.counts().range_len as usize).saturating_sub(1), range),
+        )?;
+        let found = sinew_range {
+            name: name.as_ptr().cast(),
+            name_len: name.len(),
+            start: vertices.start,
+            end: vertices.end,
+        };
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(found) };
+        Ok(())
     };
-    Ok(Some(Attribute { buffer, offset, stride }))
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
 }

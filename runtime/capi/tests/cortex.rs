@@ -34,11 +34,12 @@ fn the_m4f_has_the_bits_of_rust_and_no_panic() {
 #[test]
 fn the_readme_runs_on_the_m4f() {
     let file = std::fs::read(golden(GOLDEN[0])).unwrap();
-    let envelope = Model::from_bytes(&file).unwrap().envelope().unwrap();
-    let (j, p, v) = (envelope.joint_len(), envelope.palette_len(), envelope.vertex_len());
+    let model = Model::from_bytes(&*file).unwrap();
+    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (j, p, v) = (envelope.joint_len(), envelope.palette_len(), skin.vertex_len());
     let shown = readme(1);
     let code = shown.replacen("JOINTS = 20", &format!("JOINTS = {j}"), 1);
-    let code = code.replacen("MAPS = 20", &format!("MAPS = {p}"), 1);
+    let code = code.replacen("TRANSFORMS = 20", &format!("TRANSFORMS = {p}"), 1);
     let code = code.replacen("VERTICES = 1000", &format!("VERTICES = {v}"), 1);
     let source = scratch().join("readme-m4f.c");
     let bytes = file.iter().map(u8::to_string).collect::<Vec<_>>().join(",");
@@ -59,7 +60,7 @@ int main(void)
     );
     std::fs::write(&source, program).unwrap();
     let found = run(&link(&source, "readme-m4f"), "arg=readme");
-    let first = envelope.rest_position(0).unwrap();
+    let first = skin.rest_position(0).unwrap();
     assert_eq!(found, format!("0 0 {first:.6?}"));
     assert_ne!(code, shown);
 }

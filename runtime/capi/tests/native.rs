@@ -1,4 +1,4 @@
-//! The examples and the misuse test, by this machine's C and C++ compilers.
+//! The examples and what sinew.hpp promises, by this machine's C and C++ compilers.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod common;
@@ -53,7 +53,9 @@ fn cpp_has_the_bits_of_rust() {
 
 #[test]
 fn clang_has_the_bits_of_rust_where_there_is_clang() {
-    if Command::new("clang").arg("--version").output().is_err() {
+    let starts = |program| Command::new(program).arg("--version").output().is_ok();
+    if !starts("clang") || !starts("clang++") {
+        assert!(std::env::var_os("CI").is_none(), "clang was not found (Debian: clang)");
         eprintln!("clang was not found: gcc's tests stand alone");
         return;
     }
@@ -79,22 +81,12 @@ fn sanitizers_are_silent() {
 }
 
 #[test]
-fn every_misuse_is_a_status_and_writes_nothing() {
-    let library = static_library();
-    let flags = [&SANITIZERS[..], &[&library]].concat();
-    let program = compile("gcc", C, "tests/misuse.c", "misuse", &flags);
-    for name in GOLDEN {
-        let found = output(Command::new(&program).arg(golden(name)), GCC);
-        assert!(found.contains(" checks, 0 failures"), "{found}");
-    }
-}
-
-#[test]
-fn cpp_objects_own_move_and_fail() {
+fn cpp_objects_own_move_reload_and_fail() {
     let library = static_library();
     let flags = [&SANITIZERS[..], &["-fno-exceptions", &library]].concat();
     let program = compile("g++", CXX, "tests/raii.cpp", "raii", &flags);
-    assert_eq!(output(Command::new(program).arg(golden(GOLDEN[2])), GCC), "0 failures\n");
+    let found = output(Command::new(program).args([golden(GOLDEN[2]), golden(GOLDEN[0])]), GCC);
+    assert_eq!(found, "0 failures\n");
 }
 
 #[test]
@@ -114,5 +106,5 @@ fn a_file_that_is_no_model_is_refused_in_words() {
     let done = Command::new(program).arg(package().join("README.md")).output().unwrap();
     let said = String::from_utf8(done.stderr).unwrap();
     assert_eq!(done.status.code(), Some(1));
-    assert!(said.starts_with("skin: not a model (status 102): "), "{said}");
+    assert!(said.starts_with("skin: not a model (status 100): "), "{said}");
 }

@@ -1,6 +1,6 @@
-// What sinew.hpp promises of ownership, moves and failures.
+// What sinew.hpp promises of ownership, moves, hot reload and failures.
 //
-//     raii MODEL
+//     raii MODEL OTHER
 #include <sinew.hpp>
 
 #include <cmath>
@@ -33,23 +33,173 @@ template <class> constexpr bool can_borrow(long)
     return false;
 }
 
+/// Whether a part can be opened of what is given so.
+template <class Part, class Model>
+constexpr auto can_open(int)
+    -> decltype(std::declval<Part &>().open(std::declval<Model>()), bool())
+{
+    return true;
+}
+template <class, class> constexpr bool can_open(long)
+{
+    return false;
+}
+
+static std::vector<std::uint8_t> read(const char *path)
+{
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+static std::vector<sinew_matrix> rest(std::size_t joint_len)
+{
+    return std::vector<sinew_matrix>(
+        joint_len, sinew_matrix{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}});
+}
+
+/// A character as a scene has it: everything that a frame needs.
+struct Actor {
+    sinew::Envelope envelope;
+    sinew::Skin skin;
+    std::vector<sinew_matrix> pose, palette;
+    std::vector<float> scratch, positions;
+
+    explicit Actor(const sinew::Model &model)
+    {
+        EXPECT(!envelope.open(model));
+        EXPECT(!skin.open(model));
+        pose = rest(envelope.info().joint_len);
+        palette.resize(envelope.info().palette_len);
+        scratch.resize(envelope.info().scratch_len);
+        positions.resize(3 * skin.info().vertex_len);
+    }
+
+    /// Makes every call of a frame, and those that read the file; all must come to one status, about
+    /// the part itself or, where it is about the model, about that.
+    bool comes_to(sinew_status status, sinew_argument of_envelope, sinew_argument of_skin)
+    {
+        sinew_error error{};
+        bool all = true;
+        const auto came = [&](sinew_status found, sinew_argument argument) {
+            all = all && found == status && (found == SINEW_STATUS_OK || error.argument == argument);
+        };
+        const std::size_t j = pose.size(), p = palette.size(), v = skin.info().vertex_len;
+        const sinew_envelope *e = envelope.get();
+        const sinew_skin *s = skin.get();
+        std::vector<sinew_local_transform> local(j, sinew_local_transform{{0, 0, 0, 1}, {0, 0, 0}});
+        std::vector<sinew_matrix> out_pose(j);
+        std::vector<std::uint32_t> order(j);
+        sinew_envelope_info info;
+        sinew_joint joint;
+        sinew_skin_info mesh;
+        sinew_bounds bounds;
+        float confidence;
+        came(sinew_envelope_describe(e, &info, &error), of_envelope);
+        came(sinew_envelope_joint(e, 0, &joint, &error), of_envelope);
+        came(sinew_envelope_order(e, order.data(), j, &error), of_envelope);
+        came(sinew_envelope_pose(e, local.data(), j, out_pose.data(), j, &error), of_envelope);
+        came(sinew_envelope_palette(e, pose.data(), j, scratch.data(), scratch.size(),
+                                    palette.data(), p, &confidence, &error),
+             of_envelope);
+        came(sinew_envelope_palettes(e, pose.data(), j, scratch.data(), scratch.size(),
+                                     palette.data(), p, &confidence, 1, &error),
+             of_envelope);
+        came(sinew_skin_describe(s, &mesh, &error), of_skin);
+        came(sinew_skin_rest_positions(s, 0, v, positions.data(), 3 * v, &error), of_skin);
+        came(sinew_skin_rest_normals(s, 0, v, positions.data(), 3 * v, &error), of_skin);
+        came(sinew_skin_bounds(s, palette.data(), p, 0.0f, &bounds, &error), of_skin);
+        sinew_skin_job job{};
+        job.skin = s;
+        job.palette = palette.data();
+        job.palette_len = p;
+        job.end = v;
+        job.positions = {positions.data(), positions.size(), 3};
+        came(sinew_skin_run(&job, &error), of_skin);
+        return all;
+    }
+
+    bool works() { return comes_to(SINEW_STATUS_OK, SINEW_ARGUMENT_CALL, SINEW_ARGUMENT_CALL); }
+    bool is_stale()
+    {
+        return comes_to(SINEW_STATUS_STALE, SINEW_ARGUMENT_ENVELOPE, SINEW_ARGUMENT_SKIN);
+    }
+    bool has_lost_its_model()
+    {
+        return comes_to(SINEW_STATUS_NOT_LOADED, SINEW_ARGUMENT_MODEL, SINEW_ARGUMENT_MODEL);
+    }
+};
+
+/// A scene goes on while the files of its model are replaced: what was opened of a file that is gone
+/// is refused by every call, and nothing of that file is read, which the sanitizer would see.
+static void hot_reload(const std::vector<std::uint8_t> &file, const std::vector<std::uint8_t> &other)
+{
+    sinew::Model model;
+    EXPECT(!model.load(file));
+    Actor actor(model);
+    const Actor copied = actor;
+    EXPECT(actor.works());
+
+    EXPECT(model.load({1, 2, 3, 4}).status == SINEW_STATUS_FILE_NOT_A_MODEL);
+    EXPECT(actor.works());
+    EXPECT(!model.load(file)); // the same file elsewhere
+    EXPECT(actor.works());
+
+    EXPECT(!model.load(other));
+    EXPECT(actor.is_stale());
+    Actor again(model);
+    EXPECT(again.works());
+    const std::string name = actor.envelope.name();
+    EXPECT(!name.empty() && actor.envelope.info().name == nullptr);
+
+    sinew::Model fresh;
+    EXPECT(!fresh.load(file));
+    model = std::move(fresh);
+    EXPECT(again.is_stale());
+    EXPECT(actor.works()); // what it was made of is back
+    Actor late = copied;
+    EXPECT(late.works());
+
+    Actor of_fresh(model);
+    sinew::Model moved(std::move(model));
+    EXPECT(of_fresh.has_lost_its_model());
+    EXPECT(again.has_lost_its_model());
+    EXPECT(Actor(moved).works());
+    sinew::Character character(of_fresh.envelope);
+    EXPECT(character.pose_matrices(of_fresh.pose).status == SINEW_STATUS_NOT_LOADED);
+    EXPECT(!model.load(other));
+    EXPECT(character.pose_matrices(of_fresh.pose).status == SINEW_STATUS_STALE);
+    sinew_bounds bounds;
+    EXPECT(of_fresh.skin.bounds(of_fresh.palette, bounds).status == SINEW_STATUS_STALE);
+    EXPECT(of_fresh.skin.run({}, of_fresh.palette).status == SINEW_STATUS_STALE);
+}
+
 int main(int, char **argv)
 {
-    std::ifstream in(argv[1], std::ios::binary);
-    const std::vector<std::uint8_t> file{std::istreambuf_iterator<char>(in), {}};
+    const std::vector<std::uint8_t> file = read(argv[1]), other = read(argv[2]);
 
     sinew::Model model;
     sinew::Envelope envelope;
+    sinew::Skin skin;
     EXPECT(envelope.open(model).status == SINEW_STATUS_NOT_LOADED);
+    EXPECT(skin.open(model).status == SINEW_STATUS_NOT_LOADED);
     EXPECT(!model.load(file));
-    EXPECT(!envelope.open(model, "golden"));
-    EXPECT(envelope.name() == "golden");
+    sinew_model_info info{};
+    EXPECT(!model.describe(info));
+    EXPECT(info.envelope_len > 0 && info.skin_len > 0);
+    EXPECT(!envelope.open(model));
+    const std::string name = envelope.name();
+    EXPECT(!envelope.open(model, name));
+    EXPECT(envelope.name() == name);
     EXPECT(envelope.open(model, "nobody").status == SINEW_STATUS_NOT_FOUND);
-    EXPECT(envelope.name() == "golden");
+    EXPECT(envelope.open(model, {}, info.envelope_len).status == SINEW_STATUS_NOT_FOUND);
+    EXPECT(envelope.name() == name);
+    EXPECT(!skin.open(model));
+    EXPECT(!skin.open(model, std::string(skin.name())));
+    EXPECT(skin.open(model, {}, info.skin_len).status == SINEW_STATUS_NOT_FOUND);
 
     // A failed load leaves the model as it was.
     const sinew::Failure failed = model.load({1, 2, 3, 4});
-    EXPECT(failed.status == SINEW_STATUS_MAGIC);
+    EXPECT(failed.status == SINEW_STATUS_FILE_NOT_A_MODEL);
     EXPECT(std::strcmp(failed.text(), sinew_status_text(failed.error.status)) == 0);
     EXPECT(!envelope.open(model));
 
@@ -63,13 +213,10 @@ int main(int, char **argv)
     sinew::Model &itself = model;
     model = std::move(itself);
     EXPECT(!envelope.open(model));
-    EXPECT(model.load({}).status == SINEW_STATUS_MALFORMED);
+    EXPECT(model.load({}).status == SINEW_STATUS_FILE_MALFORMED);
     const sinew::Envelope copied = envelope;
 
-    std::vector<sinew_matrix> pose(copied.info().joint_len);
-    for (sinew_matrix &map : pose) {
-        map = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    }
+    std::vector<sinew_matrix> pose = rest(copied.info().joint_len);
     sinew::Character character(copied);
     EXPECT(!character.pose_matrices(pose));
     EXPECT(character.confidence() == 1.0f);
@@ -77,17 +224,23 @@ int main(int, char **argv)
     const sinew::Failure not_finite = character.pose_matrices(pose);
     EXPECT(not_finite.status == SINEW_STATUS_NON_FINITE);
     EXPECT(not_finite.error.index == pose.size() - 1);
-    EXPECT(std::strcmp(not_finite.subject(), "pose") == 0);
+    EXPECT(std::strcmp(not_finite.argument(), "pose") == 0);
     EXPECT(character.confidence() == 1.0f);
 
-    // Bytes that stay can be borrowed, others cannot; nor can an envelope that goes.
+    // Bytes that stay can be borrowed, others cannot; nor can an envelope or a model that goes.
     static_assert(!std::is_constructible_v<sinew::Character, sinew::Envelope>);
     static_assert(std::is_constructible_v<sinew::Character, const sinew::Envelope &>);
     static_assert(!can_borrow<std::vector<std::uint8_t>>(0));
     static_assert(can_borrow<const std::vector<std::uint8_t> &>(0));
+    static_assert(!can_open<sinew::Envelope, sinew::Model>(0));
+    static_assert(can_open<sinew::Envelope, const sinew::Model &>(0));
+    static_assert(!can_open<sinew::Skin, sinew::Model>(0));
+    static_assert(can_open<sinew::Skin, const sinew::Model &>(0));
     sinew::Model borrowed;
     EXPECT(!borrowed.borrow(file));
     EXPECT(!sinew::Envelope().open(borrowed));
+
+    hot_reload(file, other);
     std::printf("%d failures\n", failures);
     return failures != 0;
 }

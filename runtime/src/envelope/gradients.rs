@@ -1,13 +1,11 @@
 //! Stage 1: from a pose to the deformation gradients of the keys (METHOD §1.1, §1.4, §1.5).
 
-use super::{Envelope, Key};
-use crate::Matrix3x4;
-use crate::error::{Argument, EvalError};
-use crate::linear::{Columns, IDENTITY, columns, dot, product, transform_transposed};
+use super::view::{Envelope, Key};
+use crate::error::{Argument, CallError};
+use crate::linear::{Columns, IDENTITY, Matrix3x4, columns, dot, product, transform_transposed};
 use crate::numeric::{quadrant_angle, sin_versine, sqrt};
-use crate::pose;
 
-/// Computes the joints' maps relative to the root, their rotations, and the predicted gradients.
+/// Computes the joints' transforms relative to the root, their rotations, and the predicted gradients.
 ///
 /// - `pose`: J skinning matrices, rest to posed, in model space.
 /// - `out_relative`: 4 J columns, `[4 j + c]` column c of `B_r^-1 B_j`, with `B_r` taken as rigid;
@@ -17,18 +15,18 @@ use crate::pose;
 /// - `out_gradients`: 3 P columns, `[3 l + c]` column c of `D_l`, root motion removed. The stack d.
 ///
 /// # Errors
-/// - [`EvalError::Predictor`]: the model is of the kernel predictor and has no keys.
-/// - [`EvalError::Length`]: an argument has another length.
-/// - [`EvalError::NonFinite`]: a joint's matrix is not finite.
+/// - [`crate::CallErrorKind::NoStage`]: the model is of the kernel predictor and has no keys.
+/// - [`crate::CallErrorKind::Length`]: an argument has another length.
+/// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
 pub fn evaluate(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
     out_relative: &mut [[f32; 3]],
     out_rotations: &mut [[f32; 3]],
     out_gradients: &mut [[f32; 3]],
-) -> Result<(), EvalError> {
+) -> Result<(), CallError> {
     envelope.check_stage(envelope.predictor().reconstructs())?;
-    pose::check(envelope, pose)?;
+    envelope.check_pose(pose)?;
     let (joint_len, proxy_len) = (envelope.joint_len(), envelope.proxy_len());
     Argument::Relative.check_len(4 * joint_len, out_relative.len())?;
     Argument::Rotations.check_len(joint_len, out_rotations.len())?;
@@ -94,7 +92,7 @@ fn turned(twist: &[[f32; 3]; 3], theta: &[f32; 3], m: &Columns) -> Columns {
     product(&exp(twist.map(|row| dot(row, *theta))), m)
 }
 
-/// Returns the linear part of a joint's relative map.
+/// Returns the linear part of a joint's relative transform.
 fn rotation(relative: &[[[f32; 3]; 4]], joint: usize) -> &Columns {
     relative.get(joint).and_then(|map| map.first_chunk()).unwrap_or(&IDENTITY)
 }

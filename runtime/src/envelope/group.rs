@@ -1,7 +1,7 @@
 //! A group of proxies, read in place (METHOD §1.9).
 
-use super::Envelope;
-use crate::format::GroupRow;
+use super::group_row::GroupRow;
+use super::view::Envelope;
 use crate::kernel::{Kernel, Map, padded};
 use crate::linear::Le;
 use core::fmt;
@@ -101,9 +101,9 @@ impl fmt::Debug for Group<'_> {
 impl<'a> Envelope<'a> {
     /// Lists the G groups; their proxies follow each other.
     pub fn groups(&self) -> impl Iterator<Item = Group<'a>> + use<'a> {
-        let words = self.corrections.as_chunks::<4>().0;
+        let words = self.corrections();
         let mut end = 0;
-        self.groups.iter().map(GroupRow::from_bytes).map_while(move |row| {
+        self.group_rows().map_while(move |row| {
             let start = end;
             end += usize::from(row.proxy_len);
             Group::new(&row, start..end, words.get(row.offset as usize..)?)

@@ -1,29 +1,28 @@
 //! Stage 1 of the kernel predictor: the joints themselves, and the base of each helper (METHOD §1.9).
 
-use super::Envelope;
-use crate::Matrix3x4;
-use crate::error::{Argument, EvalError};
-use crate::pose;
+use super::view::Envelope;
+use crate::error::{Argument, CallError};
+use crate::linear::{Matrix3x4, split};
 
-/// Copies the joints' maps into the palette, bit for bit, and gives each helper that of its
+/// Copies the joints' transforms into the palette, bit for bit, and gives each helper that of its
 /// dominant joint.
 ///
 /// - `pose`: J skinning matrices, rest to posed, in model space.
-/// - `out_palette`: J + P maps.
+/// - `out_palette`: J + P transforms.
 ///
 /// # Errors
-/// - [`EvalError::Predictor`]: the model is not of the kernel predictor.
-/// - [`EvalError::Length`]: an argument has another length.
-/// - [`EvalError::NonFinite`]: a joint's matrix is not finite.
+/// - [`crate::CallErrorKind::NoStage`]: the model is not of the kernel predictor.
+/// - [`crate::CallErrorKind::Length`]: an argument has another length.
+/// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
 pub fn evaluate(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
     out_palette: &mut [Matrix3x4],
-) -> Result<(), EvalError> {
+) -> Result<(), CallError> {
     envelope.check_stage(!envelope.predictor().reconstructs())?;
-    pose::check(envelope, pose)?;
+    envelope.check_pose(pose)?;
     Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
-    let (joints, helpers) = super::split(out_palette, pose.len());
+    let (joints, helpers) = split(out_palette, pose.len());
     for (out, map) in joints.iter_mut().zip(pose) {
         *out = *map;
     }

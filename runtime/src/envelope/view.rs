@@ -1,79 +1,313 @@
-//! From a checked section table to the arrays of an envelope.
+//! An envelope in a loaded file: what loading found of it, and what it holds.
 
-use super::{Envelope, Names};
-use crate::error::FormatError;
-use crate::format::{Manifest, PartRow, Predictor, Presence, SectionKind};
+use super::counts::{
+    Certificate, ENVELOPE_SECTIONS, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor,
+};
+use super::group_row::GroupRow;
+use crate::error::{Argument, CallError, CallErrorKind};
+use crate::format::{FileId, SectionKind, Span};
+use crate::linear::{Le, Matrix3x4, block_entry, floats, rows};
+use crate::names::Names;
+use core::fmt;
+
+/// What loading found of an envelope: its counts, and where its arrays lie. It borrows nothing, so that
+/// it can be kept beside the model, and views be made of it each frame.
+#[derive(Clone, Copy, Debug)]
+pub struct EnvelopeLayout {
+    file: FileId,
+    part: u16,
+    counts: EnvelopeCounts,
+    /// Where its sections lie, in the order of [`ENVELOPE_SECTIONS`].
+    spans: [Span; ENVELOPE_SECTIONS.len()],
+}
+
+/// Returns the place of a section in [`ENVELOPE_SECTIONS`].
+const fn place(section: SectionKind) -> usize {
+    let mut at = 0;
+    while ENVELOPE_SECTIONS[at].number() != section.number() {
+        at += 1;
+    }
+    at
+}
+
+const CERTIFICATE: usize = place(SectionKind::Certificate);
+const NAMES: usize = place(SectionKind::Names);
+const HIERARCHY: usize = place(SectionKind::Hierarchy);
+const INVERSE_BINDS: usize = place(SectionKind::InverseBinds);
+const KEYS: usize = place(SectionKind::Keys);
+const C1: usize = place(SectionKind::C1);
+const C2: usize = place(SectionKind::C2);
+const POSE_RANGES: usize = place(SectionKind::PoseRanges);
+const ORIGINS: usize = place(SectionKind::Origins);
+const GROUPS: usize = place(SectionKind::Groups);
+const CORRECTIONS: usize = place(SectionKind::Corrections);
+
+impl EnvelopeLayout {
+    /// Makes the layout of a part; where its sections lie is to be found.
+    pub(crate) const fn new(file: FileId, part: u16, counts: EnvelopeCounts) -> Self {
+        Self { file, part, counts, spans: [Span::NONE; ENVELOPE_SECTIONS.len()] }
+    }
+
+    /// Lends where its sections lie, in the order of [`ENVELOPE_SECTIONS`].
+    pub(crate) const fn spans_mut(&mut self) -> &mut [Span; ENVELOPE_SECTIONS.len()] {
+        &mut self.spans
+    }
+
+    /// Returns the envelope; `None` if the bytes are not those of the file in which it was found, by
+    /// their length and the checksum that they state.
+    ///
+    /// Nothing is read again. Of bytes that have changed otherwise the envelope gives wrong numbers,
+    /// but never panics.
+    pub fn open<'a>(&self, file: &'a [u8]) -> Option<Envelope<'a>> {
+        (FileId::of(file) == Some(self.file)).then_some(Envelope { layout: *self, file })
+    }
+
+    /// Returns the counts.
+    pub const fn counts(&self) -> EnvelopeCounts {
+        self.counts
+    }
+}
+
+/// Predicts a palette from a pose of J joints, by P proxies or helpers; borrowed from a loaded model.
+///
+/// Accessors by number return `None` beyond their range.
+#[derive(Clone, Copy)]
+pub struct Envelope<'a> {
+    layout: EnvelopeLayout,
+    file: &'a [u8],
+}
+
+/// A key predictor: `D = Q_p exp(twist . theta_b) [exp(residual . theta_c)] (I + sym(H [theta_b; theta_p]))`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// The joint b that it follows; p is its parent.
+    pub joint: usize,
+    /// A = u W, rows (METHOD §1.4).
+    pub twist: [[f32; 3]; 3],
+    /// The residual joint c and its A', rows.
+    pub residual: Option<(usize, [[f32; 3]; 3])>,
+    /// H: a row for each of S - I's xx, xy, xz, yy, yz, zz; columns theta_b, then theta_p.
+    pub shear: [[f32; 6]; 6],
+}
 
 impl<'a> Envelope<'a> {
-    /// Checks that a part has the sections of its predictor, each of the length that its counts
-    /// give; reads none of their content.
-    ///
-    /// # Errors
-    /// - [`FormatError::Predictor`]
-    /// - [`FormatError::UnexpectedSection`]
-    /// - [`FormatError::MissingSection`]
-    /// - [`FormatError::SectionLength`]
-    pub(crate) fn check_sections(
-        manifest: &Manifest<'a>,
-        part: usize,
-        row: &PartRow,
-    ) -> Result<(), FormatError> {
-        let predictor = Predictor::from_number(row.predictor)
-            .ok_or(FormatError::Predictor { found: row.predictor })?;
-        let counts = row.envelope_counts();
-        for section in SectionKind::ALL {
-            match (section.presence(predictor), manifest.find(part, section)) {
-                (Presence::Required, None) => return Err(FormatError::MissingSection { section }),
-                (Presence::Absent, Some(_)) => {
-                    return Err(FormatError::UnexpectedSection { section });
-                }
-                (_, None) => {}
-                (_, Some(bytes)) => section.check_len(predictor, &counts, bytes.len())?,
-            }
-        }
-        Ok(())
+    /// Views an envelope in the file in which it was found.
+    pub(crate) const fn new(layout: EnvelopeLayout, file: &'a [u8]) -> Self {
+        Self { layout, file }
     }
 
-    /// Cuts the sections of a part into arrays, after [`Envelope::check_sections`]; `None` where the
-    /// part has no known predictor.
-    pub(crate) fn view(manifest: &Manifest<'a>, part: usize, row: &PartRow) -> Option<Self> {
-        let predictor = Predictor::from_number(row.predictor)?;
-        let counts = row.envelope_counts();
-        let bytes = SectionKind::ALL.map(|kind| manifest.find(part, kind).unwrap_or_default());
-        // In the order of `SectionKind::ALL`.
-        let [names, hierarchy, inverse_binds, positions, normals, tangents, bytes @ ..] = bytes;
-        let [indices, weights, keys, c1, c2, boxes, ranges, origins, groups, corrections] = bytes;
-        let words = |bytes: &'a [u8]| bytes.as_chunks::<4>().0;
+    /// Returns what loading found, to open it again.
+    pub const fn layout(&self) -> EnvelopeLayout {
+        self.layout
+    }
 
-        let joint_len = counts.joint_len as usize;
-        let (ends, text) = names.split_at_checked(4 * (joint_len + 1)).unwrap_or_default();
-        let hierarchy = hierarchy.as_chunks::<2>().0;
-        let (parents, order_ranks) = hierarchy.split_at_checked(joint_len).unwrap_or_default();
-        let (order, ranks) = order_ranks.split_at_checked(joint_len).unwrap_or_default();
-        let has_tangents = manifest.find(part, SectionKind::RestTangents).is_some();
-        Some(Self {
-            part,
-            predictor,
-            counts,
-            certificate: row.certificate(),
-            names: Names { ends: words(ends), text },
-            parents,
-            order,
-            ranks,
-            inverse_binds: words(inverse_binds).as_chunks().0,
-            positions: words(positions).as_chunks().0,
-            normals: words(normals).as_chunks().0,
-            tangents: has_tangents.then_some(words(tangents).as_chunks().0),
-            indices: indices.as_chunks().0,
-            weights: words(weights),
-            keys: words(keys).as_chunks().0,
-            c1: words(c1).as_chunks().0,
-            c2: words(c2).as_chunks().0,
-            boxes: words(boxes).as_chunks().0,
-            pose_ranges: words(ranges),
-            origins: words(origins).as_chunks().0,
-            groups: groups.as_chunks().0,
-            corrections,
+    /// Tells in which file it is.
+    pub const fn file(&self) -> FileId {
+        self.layout.file
+    }
+
+    /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told
+    /// apart.
+    pub fn part(&self) -> usize {
+        self.layout.part.into()
+    }
+
+    /// Returns the part's name.
+    pub fn name(&self) -> &'a str {
+        self.names().get(0).unwrap_or_default()
+    }
+
+    /// Returns its counts.
+    pub const fn counts(&self) -> EnvelopeCounts {
+        self.layout.counts
+    }
+
+    /// Returns J, the number of joints.
+    pub const fn joint_len(&self) -> usize {
+        self.layout.counts.joint_len as usize
+    }
+
+    /// Returns P, the number of proxies: for the kernel predictor, of helpers beside the joints.
+    pub const fn proxy_len(&self) -> usize {
+        self.layout.counts.proxy_len as usize
+    }
+
+    /// Returns the number of transforms in the palette: P, or J + P for the kernel predictor.
+    pub const fn palette_len(&self) -> usize {
+        self.layout.counts.palette_len()
+    }
+
+    /// Returns how the palette is predicted.
+    pub const fn predictor(&self) -> Predictor {
+        self.layout.counts.predictor
+    }
+
+    /// Returns G, the number of groups of proxies that share a kernel map.
+    pub const fn group_len(&self) -> usize {
+        self.layout.counts.group_len as usize
+    }
+
+    /// Returns the reference root: the joint without a parent.
+    pub const fn root(&self) -> usize {
+        self.layout.counts.root as usize
+    }
+
+    /// Returns what the fit was measured to reach.
+    pub fn certificate(&self) -> Certificate {
+        let figures = self.array(self.layout.spans[CERTIFICATE]).first().map(floats);
+        Certificate::from_figures(figures.unwrap_or_default())
+    }
+
+    /// Returns a joint's name.
+    pub fn joint_name(&self, joint: usize) -> Option<&'a str> {
+        self.names().get(joint.checked_add(1)?)
+    }
+
+    /// Returns a joint's parent; `None` for the root.
+    pub fn parent(&self, joint: usize) -> Option<usize> {
+        self.parents().get(joint).and_then(joint_index)
+    }
+
+    /// Lists the J joints so that each comes after its parent.
+    pub fn evaluation_order(&self) -> impl ExactSizeIterator<Item = usize> + use<'a> {
+        self.thirds()[1].iter().map(|le| usize::from(u16::from_le_bytes(*le)))
+    }
+
+    /// Returns a joint's inverse bind matrix: model space to the joint's rest frame.
+    pub fn inverse_bind(&self, joint: usize) -> Option<Matrix3x4> {
+        self.inverse_binds().get(joint).map(|m| rows(&floats(m)))
+    }
+
+    /// Returns a joint's origin in the rest pose, in model space; a rotational envelope holds none.
+    pub fn origin(&self, joint: usize) -> Option<[f32; 3]> {
+        self.array(self.layout.spans[ORIGINS]).get(joint).map(floats)
+    }
+
+    /// Returns the largest |theta| of a joint in training, in radians.
+    pub fn pose_range(&self, joint: usize) -> Option<f32> {
+        self.pose_ranges().get(joint).map(|[le]| f32::from_le_bytes(*le))
+    }
+
+    /// Returns the key predictor of a proxy; a kernel envelope has none.
+    pub fn key(&self, proxy: usize) -> Option<Key> {
+        let (joints, matrices) = self.keys().get(proxy)?.split_first()?;
+        let [b0, b1, c0, c1] = *joints;
+        let (twist, matrices) = matrices.split_first_chunk::<9>()?;
+        let (residual, shear) = matrices.split_first_chunk::<9>()?;
+        let shear = shear.first_chunk::<36>()?;
+        Some(Key {
+            joint: usize::from(u16::from_le_bytes([b0, b1])),
+            twist: rows(&floats(twist)),
+            residual: joint_index(&[c0, c1]).map(|joint| (joint, rows(&floats(residual)))),
+            shear: rows(&floats(shear)),
         })
     }
+
+    /// Returns a coefficient of c1 (4 P x 3 P).
+    pub fn c1(&self, row: usize, column: usize) -> Option<f32> {
+        let shape = (4 * self.proxy_len(), 3 * self.proxy_len());
+        block_entry(self.c1_blocks(), shape, row, column)
+    }
+
+    /// Returns a coefficient of c2 (4 P x 4 J).
+    pub fn c2(&self, row: usize, column: usize) -> Option<f32> {
+        let shape = (4 * self.proxy_len(), 4 * self.joint_len());
+        block_entry(self.c2_blocks(), shape, row, column)
+    }
+
+    /// Checks that a stage is part of the predictor.
+    pub(crate) fn check_stage(&self, is_part: bool) -> Result<(), CallError> {
+        if is_part {
+            return Ok(());
+        }
+        let found = self.predictor().number().into();
+        Err(CallError::new(CallErrorKind::NoStage, Argument::Call).values(0, found))
+    }
+
+    /// Checks that a pose has J matrices, all of them finite.
+    pub(crate) fn check_pose(&self, pose: &[Matrix3x4]) -> Result<(), CallError> {
+        Argument::Pose.check_len(self.joint_len(), pose.len())?;
+        let unsound = pose.iter().position(|m| !m.as_flattened().iter().all(|x| x.is_finite()));
+        unsound.map_or(Ok(()), |joint| {
+            Err(CallError::new(CallErrorKind::NonFinite, Argument::Pose).at(joint))
+        })
+    }
+
+    pub(crate) fn names(&self) -> Names<'a> {
+        Names::new(self.layout.spans[NAMES].bytes(self.file), self.joint_len() + 1)
+    }
+
+    pub(crate) fn parents(&self) -> &'a [[u8; 2]] {
+        self.thirds()[0]
+    }
+
+    pub(crate) fn ranks(&self) -> &'a [[u8; 2]] {
+        self.thirds()[2]
+    }
+
+    pub(crate) fn inverse_binds(&self) -> &'a [[Le; 12]] {
+        self.array(self.layout.spans[INVERSE_BINDS])
+    }
+
+    pub(crate) fn pose_ranges(&self) -> &'a [[Le; 1]] {
+        self.array(self.layout.spans[POSE_RANGES])
+    }
+
+    pub(crate) fn keys(&self) -> &'a [[Le; KEY_WORDS]] {
+        self.array(self.layout.spans[KEYS])
+    }
+
+    pub(crate) fn c1_blocks(&self) -> &'a [[Le; 8]] {
+        self.array(self.layout.spans[C1])
+    }
+
+    pub(crate) fn c2_blocks(&self) -> &'a [[Le; 8]] {
+        self.array(self.layout.spans[C2])
+    }
+
+    pub(crate) fn group_rows(&self) -> impl ExactSizeIterator<Item = GroupRow> + use<'a> {
+        self.layout.spans[GROUPS].bytes(self.file).as_chunks().0.iter().map(GroupRow::from_bytes)
+    }
+
+    pub(crate) fn corrections(&self) -> &'a [Le] {
+        self.layout.spans[CORRECTIONS].bytes(self.file).as_chunks().0
+    }
+
+    /// Returns the bytes of the corrections, of which a whole number of words is read.
+    pub(crate) fn corrections_len(&self) -> usize {
+        self.layout.spans[CORRECTIONS].len()
+    }
+
+    pub(crate) const fn spans(&self) -> &[Span] {
+        &self.layout.spans
+    }
+
+    pub(crate) const fn file_bytes(&self) -> &'a [u8] {
+        self.file
+    }
+
+    /// Returns the parents, the evaluation order and its inverse.
+    fn thirds(&self) -> [&'a [[u8; 2]]; 3] {
+        let all = self.layout.spans[HIERARCHY].bytes(self.file).as_chunks::<2>().0;
+        let (parents, rest) = all.split_at_checked(self.joint_len()).unwrap_or_default();
+        let (order, ranks) = rest.split_at_checked(self.joint_len()).unwrap_or_default();
+        [parents, order, ranks]
+    }
+
+    /// Cuts a section into arrays of N floats.
+    fn array<const N: usize>(&self, span: Span) -> &'a [[Le; N]] {
+        span.bytes(self.file).as_chunks().0.as_chunks().0
+    }
+}
+
+impl fmt::Debug for Envelope<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, counts) = (self.name(), self.counts());
+        f.debug_struct("Envelope").field("name", &name).field("counts", &counts).finish()
+    }
+}
+
+pub(crate) fn joint_index(le: &[u8; 2]) -> Option<usize> {
+    let index = u16::from_le_bytes(*le);
+    (index != NO_JOINT).then_some(usize::from(index))
 }

@@ -1,6 +1,6 @@
 //! One kernel map, read in place: `y = w outputs (C (G(s) - rest) + A x)`.
 
-use super::{Kernel, in_lanes};
+use super::function::{Kernel, in_lanes};
 use crate::linear::{Le, block_distances, block_entry, block_product, floats};
 use crate::numeric::smoothstep;
 

@@ -1,7 +1,8 @@
 //! Groups of proxies with their kernel maps, each field free to be wrong.
 
 use super::{Builder, Rng, blocks, floats};
-use sinew_runtime::format::{GroupRow, SectionKind};
+use sinew_runtime::envelope::GroupRow;
+use sinew_runtime::format::SectionKind;
 use sinew_runtime::kernel::Kernel;
 
 /// A group in plain lists.
@@ -109,8 +110,8 @@ impl Builder {
             words.extend(group.words());
         }
         let scratch = groups.iter().map(GroupContent::scratch).max().unwrap_or(0);
-        self.parts[0].counts[5] = groups.len() as u32;
-        self.parts[0].counts[6] = scratch as u32;
+        self.set_word(SectionKind::EnvelopeCounts, 4, groups.len() as u32);
+        self.set_word(SectionKind::EnvelopeCounts, 5, scratch as u32);
         *self.section(SectionKind::Groups) = rows;
         *self.section(SectionKind::Corrections) = words;
     }

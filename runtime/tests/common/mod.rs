@@ -15,12 +15,19 @@ pub use rng::Rng;
 
 use groups::sample_groups;
 use postcard::ser_flavors::Size;
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
-use sinew_runtime::format::{
-    CHECKSUM_OFFSET, Certificate, EnvelopeCounts, File, MAGIC, NO_JOINT, PartRow, Predictor,
-    Presence, SectionKind, SectionRow, VERSION, checksum,
+use sinew_runtime::envelope::{
+    Certificate, ENVELOPE_SECTIONS, EnvelopeCounts, NO_JOINT, Predictor,
 };
-use sinew_runtime::{Envelope, Matrix3x4, Model, model_space_pose};
+use sinew_runtime::format::{
+    ALIGNMENT, CHECKSUM_OFFSET, Element, File, MAGIC, PartKind, PartRow, SectionKind, SectionRow,
+    Space, VERSION, checksum,
+};
+use sinew_runtime::skin::{NO_ENVELOPE, Output, Rest, SKIN_SECTIONS, SkinCounts, cells};
+use sinew_runtime::{
+    Argument, CallError, CallErrorKind, Envelope, FileError, FileErrorKind, Matrix3x4, Model, Skin,
+    SkinJob, model_space_pose,
+};
+use std::cell::Cell;
 use std::sync::LazyLock;
 
 /// Every field of a file, each free to be wrong.
@@ -28,8 +35,8 @@ use std::sync::LazyLock;
 pub struct Builder {
     pub magic: [u8; 4],
     pub version: u8,
-    pub alignment_log2: u8,
     pub features: u32,
+    pub space: [u8; 8],
     pub parts: Vec<PartRow>,
     pub sections: Vec<Content>,
     /// Changes the section table just before it is written.
@@ -39,9 +46,25 @@ pub struct Builder {
 #[derive(Clone)]
 pub struct Content {
     pub kind: u16,
-    pub part: u8,
+    pub part: u16,
+    pub element: u8,
     pub flags: u8,
+    pub reserved: u16,
     pub bytes: Vec<u8>,
+}
+
+impl Content {
+    /// Makes a section that a reader must know.
+    pub fn new(kind: SectionKind, part: u16, bytes: Vec<u8>) -> Self {
+        let element = kind.element().number();
+        Self { kind: kind.number(), part, element, flags: 1, reserved: 0, bytes }
+    }
+
+    /// Makes one of a kind that no reader knows.
+    pub fn unknown(kind: u16, part: u16, flags: u8) -> Self {
+        let element = Element::Mixed.number();
+        Self { kind, part, element, flags, reserved: 0, bytes: vec![1; 5] }
+    }
 }
 
 /// Shape of a sample model: joints 0 -> 2 -> 1 (root), then a chain below joint 0.
@@ -63,9 +86,9 @@ impl Builder {
         Self::of(Predictor::Rotational, shape)
     }
 
-    /// Makes a model whose rest pose is exact: every coefficient is a multiple of 1/64, and the
-    /// rows of c1 and c2 together give [I | 0] for d = I, q = rest. Kernel maps are those of
-    /// [`sample_groups`].
+    /// Makes a model of an envelope, part 0, and its skin, part 1, whose rest pose is exact: every
+    /// coefficient is a multiple of 1/64, and the rows of c1 and c2 together give [I | 0] for d = I,
+    /// q = rest. Kernel maps are those of [`sample_groups`].
     pub fn of(predictor: Predictor, shape: Shape) -> Self {
         let Shape { vertices: v, joints: j, proxies: p, influences: k, tangents } = shape;
         let mut rng = Rng(7);
@@ -94,15 +117,19 @@ impl Builder {
         };
         let tangent_values = (0..v).flat_map(|_| tangent(&mut rng)).collect::<Vec<_>>();
         let counts = EnvelopeCounts {
-            vertex_len: v as u32,
+            predictor,
             joint_len: j as u32,
             proxy_len: p as u32,
-            influence_len: k as u32,
             root: root as u32,
             group_len: 0,
-            scratch_len: 0,
+            correction_len: 0,
         };
-        let palette_len = counts.palette_len(predictor);
+        // Two ranges, the second empty where there are few vertices, and a gap between.
+        let (cut, end) = (v as u32 / 2, v as u32);
+        let skin_counts =
+            SkinCounts { vertex_len: end, influence_len: k as u32, envelope: 0, range_len: 2 };
+        let ranges = [0, cut, end.min(cut + 1), end];
+        let palette_len = counts.palette_len();
         let mut indices = Vec::new();
         let mut weights = Vec::new();
         for vertex in 0..v {
@@ -145,30 +172,10 @@ impl Builder {
                 c2[4 * root + c] -= excess;
             }
         }
-        let ranges = vec![1.5; j];
+        let pose_ranges = vec![1.5; j];
         let origins = ranks.iter().flat_map(|&rank| [f32::from(rank), 0.0, 0.0]);
         let origins = origins.collect::<Vec<_>>();
         let names = (0..j).map(|joint| format!("joint {joint}")).collect::<Vec<_>>();
-        let mut sections = vec![
-            (SectionKind::Names, names_bytes("arm", &names)),
-            (SectionKind::Hierarchy, halves(&[parents, order, ranks].concat())),
-            (SectionKind::InverseBinds, floats(&inverse_binds)),
-            (SectionKind::RestPositions, floats(&positions)),
-            (SectionKind::RestNormals, floats(&normals)),
-            (SectionKind::RestTangents, floats(&tangent_values)),
-            (SectionKind::InfluenceIndices, halves(&indices)),
-            (SectionKind::InfluenceWeights, floats(&weights)),
-            (SectionKind::Keys, keys),
-            (SectionKind::C1, blocks(&c1)),
-            (SectionKind::C2, blocks(&c2)),
-            (SectionKind::RestBoxes, floats(boxes.as_flattened())),
-            (SectionKind::PoseRanges, floats(&ranges)),
-            (SectionKind::Origins, floats(&origins)),
-            (SectionKind::Groups, Vec::new()),
-            (SectionKind::Corrections, Vec::new()),
-        ];
-        sections.retain(|(kind, _)| tangents || *kind != SectionKind::RestTangents);
-        sections.retain(|(kind, _)| kind.presence(predictor) != Presence::Absent);
         let certificate = Certificate {
             diagonal: 3.0,
             training_rms: 0.01,
@@ -176,16 +183,45 @@ impl Builder {
             lbs_training_rms: 0.04,
             correction_error: 0.0,
         };
+        let mut contents = vec![
+            (0, SectionKind::EnvelopeCounts, words(&counts.words())),
+            (0, SectionKind::Certificate, floats(&certificate.figures())),
+            (0, SectionKind::Names, names_bytes("arm", &names)),
+            (0, SectionKind::Hierarchy, halves(&[parents, order, ranks].concat())),
+            (0, SectionKind::InverseBinds, floats(&inverse_binds)),
+            (0, SectionKind::Keys, keys),
+            (0, SectionKind::C1, blocks(&c1)),
+            (0, SectionKind::C2, blocks(&c2)),
+            (0, SectionKind::PoseRanges, floats(&pose_ranges)),
+            (0, SectionKind::Origins, floats(&origins)),
+            (0, SectionKind::Groups, Vec::new()),
+            (0, SectionKind::Corrections, Vec::new()),
+            (1, SectionKind::SkinCounts, words(&skin_counts.words())),
+            (1, SectionKind::Names, names_bytes("sleeve", &["upper".into(), "lower".into()])),
+            (1, SectionKind::RestPositions, floats(&positions)),
+            (1, SectionKind::RestNormals, floats(&normals)),
+            (1, SectionKind::RestTangents, floats(&tangent_values)),
+            (1, SectionKind::InfluenceIndices, halves(&indices)),
+            (1, SectionKind::InfluenceWeights, floats(&weights)),
+            (1, SectionKind::RestBoxes, floats(boxes.as_flattened())),
+            (1, SectionKind::Ranges, words(&ranges)),
+        ];
+        let written = contents.iter().map(|(_, kind, _)| *kind);
+        assert!(written.eq(ENVELOPE_SECTIONS.into_iter().chain(SKIN_SECTIONS)));
+        contents.retain(|(_, kind, _)| tangents || *kind != SectionKind::RestTangents);
+        contents.retain(|(part, kind, _)| *part == 1 || counts.has(*kind));
+        let content = |(part, kind, bytes)| {
+            // A skin may lack tangents, so that a reader may.
+            let flags = u8::from(kind != SectionKind::RestTangents);
+            Content { flags, ..Content::new(kind, part, bytes) }
+        };
         let mut builder = Self {
             magic: MAGIC,
             version: VERSION,
-            alignment_log2: 4,
             features: 0,
-            parts: vec![PartRow::envelope(predictor, counts, certificate)],
-            sections: sections
-                .into_iter()
-                .map(|(kind, bytes)| Content { kind: kind.number(), part: 0, flags: 1, bytes })
-                .collect(),
+            space: Space::default().to_bytes(),
+            parts: vec![PartRow::new(PartKind::Envelope), PartRow::new(PartKind::Skin)],
+            sections: contents.into_iter().map(content).collect(),
             edit_rows: |_| {},
         };
         if predictor.corrects() {
@@ -202,10 +238,62 @@ impl Builder {
         found.unwrap().1.clone()
     }
 
-    /// Returns a section's content, to be changed.
+    /// Makes a skin that follows no envelope, alone in its file.
+    pub fn loose(shape: Shape) -> Self {
+        let mut builder = Self::sample(shape);
+        builder.parts.remove(0);
+        builder.sections.retain(|content| content.part == 1);
+        let dropped =
+            [SectionKind::InfluenceIndices, SectionKind::InfluenceWeights, SectionKind::RestBoxes];
+        builder.sections.retain(|content| dropped.iter().all(|d| d.number() != content.kind));
+        builder.sections.iter_mut().for_each(|content| content.part = 0);
+        builder.set_word(SectionKind::SkinCounts, 1, 0);
+        builder.set_word(SectionKind::SkinCounts, 2, NO_ENVELOPE);
+        *builder.section(SectionKind::Names) = names_bytes("eye", &["white".into(), "iris".into()]);
+        builder
+    }
+
+    /// Makes two envelopes and three skins, one of which follows none: parts arm and sleeve, arm and
+    /// sleeve of the kernel predictor, eye.
+    pub fn several() -> Self {
+        let mut builder = Self::small(Predictor::Rotational);
+        builder.append(Self::small(Predictor::Kernel));
+        builder.append(Self::loose(Shape { vertices: 3, ..SMALL }));
+        builder
+    }
+
+    /// Appends the parts of another file; what its skins follow goes with them.
+    pub fn append(&mut self, other: Self) {
+        let first = self.parts.len() as u16;
+        self.parts.extend(other.parts);
+        for mut content in other.sections {
+            content.part += first;
+            if content.kind == SectionKind::SkinCounts.number() {
+                let envelope = &mut content.bytes.as_chunks_mut::<4>().0[2];
+                let number = u32::from_le_bytes(*envelope);
+                if number != NO_ENVELOPE {
+                    *envelope = (number + u32::from(first)).to_le_bytes();
+                }
+            }
+            self.sections.push(content);
+        }
+    }
+
+    /// Returns a section's content, to be changed: of the names, the envelope's.
     pub fn section(&mut self, kind: SectionKind) -> &mut Vec<u8> {
         let found = self.sections.iter_mut().find(|content| content.kind == kind.number());
         &mut found.unwrap().bytes
+    }
+
+    /// Returns the content of a part's section, to be changed.
+    pub fn section_of(&mut self, part: u16, kind: SectionKind) -> &mut Vec<u8> {
+        let is_it = |content: &&mut Content| (content.part, content.kind) == (part, kind.number());
+        &mut self.sections.iter_mut().find(is_it).unwrap().bytes
+    }
+
+    /// Replaces a word of a section, as a count.
+    pub fn set_word(&mut self, kind: SectionKind, index: usize, value: u32) {
+        self.section(kind)[4 * index..][..4].copy_from_slice(&value.to_le_bytes());
     }
 
     /// Replaces a float of a section.
@@ -225,43 +313,75 @@ impl Builder {
 
     /// Writes the file, its head changed by `edit` after everything else is laid out, and seals it.
     pub fn bytes_with(&self, edit: impl FnOnce(&mut File<'_>)) -> Vec<u8> {
-        let align = 1usize << self.alignment_log2.min(12);
         let (mut blob, mut rows) = (Vec::new(), Vec::new());
-        for Content { kind, part, flags, bytes } in &self.sections {
-            blob.resize(blob.len().next_multiple_of(align), 0);
+        for &Content { kind, part, element, flags, reserved, ref bytes } in &self.sections {
+            blob.resize(blob.len().next_multiple_of(ALIGNMENT), 0);
             let (offset, len) = (blob.len() as u32, bytes.len() as u32);
-            rows.push(SectionRow { kind: *kind, part: *part, flags: *flags, offset, bytes: len });
+            rows.push(SectionRow { kind, part, element, flags, reserved, offset, bytes: len });
             blob.extend(bytes);
         }
         (self.edit_rows)(&mut rows);
         let parts = self.parts.iter().flat_map(PartRow::to_bytes).collect::<Vec<_>>();
         let sections = rows.iter().flat_map(SectionRow::to_bytes).collect::<Vec<_>>();
-        let zeros = vec![0; align + 128];
+        let zeros = [0; 2 * ALIGNMENT];
         let file = File {
             magic: self.magic,
             version: self.version,
-            alignment_log2: self.alignment_log2,
             features: self.features.to_le_bytes(),
             checksum: [0; 4],
+            space: self.space,
             parts: &parts,
             sections: &sections,
             padding: &[],
             blob: &blob,
         };
         let serialize = |file: &File<'_>| postcard::to_extend(file, Vec::new()).unwrap();
-        // The padding's own length takes up to two bytes more than none: start a little below.
         let length =
             |file: &File<'_>| postcard::serialize_with_flavor(file, Size::default()).unwrap();
-        let head = length(&file) - blob.len();
-        let least = (head.next_multiple_of(align) - head).saturating_sub(2);
-        let mut padded = (least..zeros.len()).map(|len| File { padding: &zeros[..len], ..file });
-        let aligned = |file: &File<'_>| (length(file) - blob.len()).is_multiple_of(align);
+        let mut padded = (0..zeros.len()).map(|len| File { padding: &zeros[..len], ..file });
+        let aligned = |file: &File<'_>| (length(file) - blob.len()).is_multiple_of(ALIGNMENT);
         let mut file = padded.find(aligned).unwrap();
         edit(&mut file);
         let mut bytes = serialize(&file);
         seal(&mut bytes);
         bytes
     }
+}
+
+/// What is wrong with a call; fields that a kind does not use are 0.
+pub const fn call_error(kind: CallErrorKind, argument: Argument) -> CallError {
+    CallError { kind, argument, index: 0, expected: 0, found: 0 }
+}
+
+/// An argument of another length.
+pub const fn length_error(argument: Argument, expected: usize, found: usize) -> CallError {
+    CallError { expected, found, ..call_error(CallErrorKind::Length, argument) }
+}
+
+/// An argument that is too short.
+pub const fn short_error(argument: Argument, expected: usize, found: usize) -> CallError {
+    CallError { expected, found, ..call_error(CallErrorKind::TooShort, argument) }
+}
+
+/// A stage that a predictor does not have.
+pub fn stage_error(predictor: Predictor) -> CallError {
+    let found = predictor.number().into();
+    CallError { found, ..call_error(CallErrorKind::NoStage, Argument::Call) }
+}
+
+/// What is wrong with a file as a whole; fields that a kind does not use are 0.
+pub const fn file_error(kind: FileErrorKind) -> FileError {
+    FileError { kind, part: None, section: None, index: 0, expected: 0, found: 0 }
+}
+
+/// What is wrong with a section of the sample's envelope.
+pub const fn envelope_error(kind: FileErrorKind, section: SectionKind) -> FileError {
+    FileError { part: Some(0), section: Some(section), ..file_error(kind) }
+}
+
+/// What is wrong with a section of the sample's skin.
+pub const fn skin_error(kind: FileErrorKind, section: SectionKind) -> FileError {
+    FileError { part: Some(1), section: Some(section), ..file_error(kind) }
 }
 
 /// Joints in evaluation order: the root is 1, its child 2, then 0, then the rest in order.
@@ -290,13 +410,17 @@ pub fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
+pub fn words(values: &[u32]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
 pub fn halves(values: &[u16]) -> Vec<u8> {
     values.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
-fn names_bytes(part: &str, joints: &[String]) -> Vec<u8> {
+fn names_bytes(part: &str, others: &[String]) -> Vec<u8> {
     let (mut ends, mut text) = (Vec::new(), String::new());
-    for name in std::iter::once(part).chain(joints.iter().map(String::as_str)) {
+    for name in std::iter::once(part).chain(others.iter().map(String::as_str)) {
         text += name;
         ends.extend((text.len() as u32).to_le_bytes());
     }
@@ -339,9 +463,9 @@ pub fn palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
 
 /// The same, with the pose's confidence.
 pub fn confident_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
-    let mut workspace = vec![f32::NAN; envelope.workspace_len()];
+    let mut scratch = vec![f32::NAN; envelope.scratch_len()];
     let mut out = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
-    let confidence = envelope.palette(pose, &mut workspace, &mut out).unwrap();
+    let confidence = envelope.palette(pose, &mut scratch, &mut out).unwrap();
     (out, confidence)
 }
 
@@ -353,69 +477,120 @@ pub fn max_difference(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
+/// Returns the bits of floats, which tell -0 from 0.
+pub fn bits(floats: &[f32]) -> Vec<u32> {
+    floats.iter().map(|x| x.to_bits()).collect()
+}
+
 pub fn with_envelope(shape: Shape, test: impl FnOnce(Envelope<'_>)) {
     with_predictor(Predictor::Rotational, shape, test);
 }
 
 pub fn with_predictor(predictor: Predictor, shape: Shape, test: impl FnOnce(Envelope<'_>)) {
-    let bytes = Builder::of(predictor, shape).bytes();
-    test(Model::from_bytes(&bytes).unwrap().envelope().unwrap());
+    with_model(predictor, shape, |envelope, _| test(envelope));
 }
 
-pub fn attribute(buffer: Buffer, offset: usize, stride: usize) -> Option<Attribute> {
-    Some(Attribute { buffer, offset, stride })
+/// Runs a test on the sample's envelope and its skin.
+pub fn with_skin(shape: Shape, test: impl FnOnce(Envelope<'_>, Skin<'_>)) {
+    with_model(Predictor::Rotational, shape, test);
 }
 
-/// Positions, normals (3 each) and tangents (4) of every vertex, each in a run of its own.
-pub fn skin(envelope: Envelope<'_>, palette: &[Matrix3x4]) -> Vec<f32> {
-    let v = envelope.vertex_len();
-    let mut out = vec![f32::NAN; 10 * v];
+pub fn with_model(predictor: Predictor, shape: Shape, test: impl FnOnce(Envelope<'_>, Skin<'_>)) {
+    let model = Model::from_bytes(Builder::of(predictor, shape).bytes()).unwrap();
+    test(model.envelope().unwrap(), model.skin().unwrap());
+}
+
+/// Lends floats to an attribute.
+pub const fn output(floats: &[Cell<f32>], stride: usize) -> Option<Output<'_>> {
+    Some(Output { floats, stride })
+}
+
+/// Makes a job of all vertices that writes nothing yet.
+pub fn job<'a>(skin: Skin<'a>, palette: &'a [Matrix3x4]) -> SkinJob<'a> {
+    let (vertices, rest) = (0..skin.vertex_len(), Rest::default());
+    let (positions, normals, tangents) = (None, None, None);
+    SkinJob { skin, palette, vertices, remap: None, rest, positions, normals, tangents }
+}
+
+/// Runs a job with positions, normals (3 each) and tangents (4), each in a run of its own; without
+/// tangents where nothing has them.
+pub fn run(job: &SkinJob<'_>) -> Vec<f32> {
+    let n = job.vertices.len();
+    let has_tangents = job.skin.has_tangents() || job.rest.tangents.is_some();
+    let mut out = vec![f32::NAN; if has_tangents { 10 } else { 6 } * n];
+    let (positions, rest) = out.split_at_mut(3 * n);
+    let (normals, tangents) = rest.split_at_mut(3 * n);
     SkinJob {
-        envelope,
-        palette,
-        vertices: 0..v,
-        positions: attribute(Buffer::A, 0, 3),
-        normals: attribute(Buffer::A, 3 * v, 3),
-        tangents: attribute(Buffer::A, 6 * v, 4),
-        out_a: &mut out,
-        out_b: &mut [],
+        positions: output(cells(positions), 3),
+        normals: output(cells(normals), 3),
+        tangents: output(cells(tangents), 4).filter(|_| has_tangents),
+        ..job.clone()
     }
     .run()
     .unwrap();
     out
 }
 
-pub fn rest(envelope: Envelope<'_>) -> Vec<f32> {
-    let v = 0..envelope.vertex_len();
-    let positions = v.clone().flat_map(|v| envelope.rest_position(v).unwrap());
-    let normals = v.clone().flat_map(|v| envelope.rest_normal(v).unwrap());
-    positions.chain(normals).chain(v.flat_map(|v| envelope.rest_tangent(v).unwrap())).collect()
+/// Skins every vertex; see [`run`].
+pub fn skinned(skin: Skin<'_>, palette: &[Matrix3x4]) -> Vec<f32> {
+    run(&job(skin, palette))
+}
+
+/// The rest mesh, laid out as [`run`] does.
+pub fn rest(skin: Skin<'_>) -> Vec<f32> {
+    let v = 0..skin.vertex_len();
+    let positions = v.clone().flat_map(|v| skin.rest_position(v).unwrap());
+    let normals = v.clone().flat_map(|v| skin.rest_normal(v).unwrap());
+    positions.chain(normals).chain(v.filter_map(|v| skin.rest_tangent(v)).flatten()).collect()
 }
 
 /// Evaluates everything that a model offers: none of it may panic.
 pub fn exercise(bytes: &[u8]) -> Option<()> {
     let model = Model::from_bytes(bytes).ok()?;
     assert!(model.sections().all(|section| section.bytes.len() == section.row.bytes as usize));
-    let envelope = model.envelope()?;
-    let maps = palette(&envelope, &vec![IDENTITY; envelope.joint_len()]);
-    let mut out = vec![[0.0; 3]; envelope.vertex_len()];
-    envelope.skin_positions(&maps, &mut out).unwrap();
-    assert!(out.as_flattened().iter().all(|x| x.is_finite()));
-    assert!(envelope.bounds(&maps).is_ok());
+    let known = [PartKind::Envelope, PartKind::Skin].map(|kind| kind.number());
+    let found = model.envelopes().count() + model.skins().count();
+    assert_eq!(found, model.parts().filter(|row| known.contains(&row.kind)).count());
+    model.envelopes().for_each(|envelope| exercise_envelope(&envelope));
+    for skin in model.skins() {
+        let envelope = model.envelope_of(&skin);
+        assert_eq!(envelope.is_some(), skin.envelope_part().is_some());
+        let len = envelope.map_or(0, |envelope| envelope.palette_len());
+        assert_eq!(skin.palette_len(), len);
+        exercise_skin(skin, &vec![IDENTITY; len]);
+        if let Some(envelope) = envelope {
+            let pose = vec![IDENTITY; envelope.joint_len()];
+            exercise_skin(skin, &palette(&envelope, &pose));
+        }
+    }
+    Some(())
+}
+
+fn exercise_envelope(envelope: &Envelope<'_>) {
     assert!((0..envelope.joint_len()).all(|j| envelope.joint_name(j).is_some()));
     let reconstructs = envelope.predictor().reconstructs();
     assert!((0..envelope.proxy_len()).all(|l| envelope.key(l).is_some() == reconstructs));
     assert_eq!(envelope.groups().count(), envelope.group_len());
+    let (transforms, _) = confident_palette(envelope, &vec![IDENTITY; envelope.joint_len()]);
+    assert!(transforms.as_flattened().as_flattened().iter().all(|x| x.is_finite()));
     // A pose that turns gives the kernel maps something to do.
     let local = vec![Rng(1).local(0.2); envelope.joint_len()];
     let mut pose = vec![IDENTITY; envelope.joint_len()];
-    if model_space_pose(&envelope, &local, &mut pose).is_ok() && rigid(&pose) {
-        let (maps, confidence) = confident_palette(&envelope, &pose);
-        assert!(maps.as_flattened().as_flattened().iter().all(|x| x.is_finite()));
+    if model_space_pose(envelope, &local, &mut pose).is_ok() && rigid(&pose) {
+        let (transforms, confidence) = confident_palette(envelope, &pose);
+        assert!(transforms.as_flattened().as_flattened().iter().all(|x| x.is_finite()));
         assert!((0.0..=1.0).contains(&confidence));
     }
-    assert!((0..envelope.vertex_len()).all(|v| envelope.influences(v).all(|i| i.0 < maps.len())));
-    Some(())
+}
+
+fn exercise_skin(skin: Skin<'_>, palette: &[Matrix3x4]) {
+    assert!(skinned(skin, palette).iter().all(|x| x.is_finite()));
+    assert!(skin.bounds(palette, 0.0).is_ok());
+    let v = 0..skin.vertex_len();
+    assert!(v.clone().all(|v| skin.influences(v).all(|i| i.0 < palette.len())));
+    assert!(v.clone().all(|v| skin.influences(v).len() == skin.influence_len()));
+    assert_eq!(skin.ranges().count(), skin.counts().range_len as usize);
+    assert!(skin.ranges().all(|(_, range)| range.start <= range.end && range.end <= v.end));
 }
 
 /// Whether a pose's matrices are rotations, as those of a damaged file's bind matrices are not.

@@ -3,7 +3,7 @@
 use conformance::models::{Shape, random_with, trained};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::bake::Group;
 use std::path::PathBuf;

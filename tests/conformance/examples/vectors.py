@@ -13,7 +13,7 @@ import sys
 
 
 def skin(palette, positions, indices, weights, influence_len):
-    """Skins one pose: a palette of 12 floats a map, 3 floats a vertex, K influences of each."""
+    """Skins one pose: a palette of 12 floats a transform, 3 floats a vertex, K influences of each."""
     out = []
     for vertex in range(len(positions) // 3):
         x, y, z = positions[3 * vertex : 3 * vertex + 3]
@@ -41,11 +41,11 @@ def check(folder):
     arrays = {entry["name"]: read(folder, entry["file"]) for entry in case["arrays"]}
     stage = next(stage for stage in case["stages"] if stage["stage"] == "skin")
     output = next(output for output in stage["outputs"] if output["array"] == "positions")
-    poses, maps = case["counts"]["poses"], case["counts"]["palette"]
+    poses, transforms = case["counts"]["poses"], case["counts"]["palette"]
     mesh = [arrays[name] for name in ("rest_positions", "influence_indices", "influence_weights")]
     found = []
     for pose in range(poses):
-        palette = arrays["palette"][12 * maps * pose : 12 * maps * (pose + 1)]
+        palette = arrays["palette"][12 * transforms * pose : 12 * transforms * (pose + 1)]
         found += skin(palette, *mesh, case["counts"]["influences"])
     expected, tolerance = arrays["positions"], read(folder, output["tolerance"])
     if not len(found) == len(expected) == len(tolerance):

@@ -3,9 +3,9 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_runtime::format::{Certificate, Predictor};
+use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::bake::{EnvelopeParts, Group, Key, Reconstruction, bake};
+use sinew_trainer::bake::{EnvelopeParts, Group, Key, ModelParts, Reconstruction, SkinParts, bake};
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -122,26 +122,31 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
         let [x, y, z] = (turned(at(v)) * Vector3::x()).into();
         [x, y, z, if v.is_multiple_of(3) { -1.0 } else { 1.0 }]
     };
-    let maps = if predictor.reconstructs() { proxies } else { joints + proxies };
+    let palette_len = if predictor.reconstructs() { proxies } else { joints + proxies };
     let weights = |v: usize| {
         // The last vertex follows one proxy alone.
         let len = if v + 1 == vertices { 1 } else { influences };
-        (0..len).map(|k| ((v + k) % maps, 1.0 / (k + 1) as f64)).collect()
+        (0..len).map(|k| ((v + k) % palette_len, 1.0 / (k + 1) as f64)).collect()
     };
     let frame = |joint: usize| {
         let m = turned(joint as f64).to_rotation_matrix();
         [0, 1, 2].map(|r| [m[(r, 0)], m[(r, 1)], m[(r, 2)], 0.7 * (joint + r) as f64])
     };
-    let parts = EnvelopeParts {
+    let skin = SkinParts {
+        name: "random".to_owned(),
+        envelope: Some(0),
+        rest_positions: (0..vertices).map(|_| matrix(2.0)[0]).collect(),
+        rest_normals: (0..vertices).map(unit).collect(),
+        rest_tangents: tangents.then(|| (0..vertices).map(tangent).collect()),
+        influences: (0..vertices).map(weights).collect(),
+        ranges: Vec::new(),
+    };
+    let envelope = EnvelopeParts {
         name: "random".to_owned(),
         joint_names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
         parents: (0..joints).map(parent).collect(),
         root,
         rest_frames: (0..joints).map(frame).collect(),
-        rest_positions: (0..vertices).map(|_| matrix(2.0)[0]).collect(),
-        rest_normals: (0..vertices).map(unit).collect(),
-        rest_tangents: tangents.then(|| (0..vertices).map(tangent).collect()),
-        influences: (0..vertices).map(weights).collect(),
         reconstruction: predictor.reconstructs().then_some(Reconstruction { keys, c1, c2 }),
         groups,
         pose_ranges: vec![1.5; joints],
@@ -153,6 +158,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
             correction_error: 0.0,
         },
     };
+    let parts = ModelParts { envelopes: vec![envelope], skins: vec![skin], ..Default::default() };
     bake(&parts).expect("a random model can be baked")
 }
 

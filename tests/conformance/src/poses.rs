@@ -53,13 +53,13 @@ pub struct Pose {
     /// Whether it is moved as a whole.
     pub moved: bool,
     /// Skinning matrices, rest to posed, model space, as a backend takes them.
-    pub maps: Vec<sinew_runtime::Matrix3x4>,
+    pub transforms: Vec<sinew_runtime::Matrix3x4>,
 }
 
 impl Pose {
     /// Widens the matrices.
     pub fn widened(&self) -> Vec<Matrix3x4<f64>> {
-        self.maps.iter().map(widened).collect()
+        self.transforms.iter().map(widened).collect()
     }
 }
 
@@ -77,21 +77,21 @@ pub fn rigid_motion(diagonal: f64, random: &mut ChaCha8Rng) -> Matrix3x4<f64> {
     map(&turn, &shift)
 }
 
-/// Rounds a map to what a backend takes.
-pub fn rounded(map: &Matrix3x4<f64>) -> sinew_runtime::Matrix3x4 {
-    [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| map[(r, c)] as f32))
+/// Rounds a transform to what a backend takes.
+pub fn rounded(transform: &Matrix3x4<f64>) -> sinew_runtime::Matrix3x4 {
+    [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| transform[(r, c)] as f32))
 }
 
-/// Widens a map.
-pub fn widened(map: &sinew_runtime::Matrix3x4) -> Matrix3x4<f64> {
-    Matrix3x4::from_fn(|r, c| f64::from(map[r][c]))
+/// Widens a transform.
+pub fn widened(transform: &sinew_runtime::Matrix3x4) -> Matrix3x4<f64> {
+    Matrix3x4::from_fn(|r, c| f64::from(transform[r][c]))
 }
 
 fn pose(envelope: &Envelope<'_>, kind: Kind, moved: bool, random: &mut ChaCha8Rng) -> Pose {
     let joint_len = envelope.joint_len();
     let diagonal = f64::from(envelope.certificate().diagonal);
     let single = random.random_range(0..joint_len);
-    let mut maps = vec![Matrix3x4::identity(); joint_len];
+    let mut transforms = vec![Matrix3x4::identity(); joint_len];
     for joint in envelope.evaluation_order() {
         let trained = f64::from(envelope.pose_range(joint).unwrap_or_default());
         let angle = match kind {
@@ -109,21 +109,23 @@ fn pose(envelope: &Envelope<'_>, kind: Kind, moved: bool, random: &mut ChaCha8Rn
         let origin = origin.map_or(Vector3::zeros(), |frame| frame.column(3).into_owned());
         let shift = direction(random) * (displaced * random.random_range(0.0..1.0));
         let local = map(&turn, &(origin - turn * origin + shift));
-        maps[joint] = match envelope.parent(joint) {
-            Some(parent) => compose(&maps[parent], &local),
+        transforms[joint] = match envelope.parent(joint) {
+            Some(parent) => compose(&transforms[parent], &local),
             None => local,
         };
     }
     if kind == Kind::Stretched {
         let strain = |r: usize, c: usize| if c < 3 { (3 * r + c) as f64 / 8.0 - 0.5 } else { 0.0 };
         let size = power(-7..-4, random);
-        maps.iter_mut().for_each(|map| *map += Matrix3x4::from_fn(strain) * (0.3 * size));
+        transforms
+            .iter_mut()
+            .for_each(|transform| *transform += Matrix3x4::from_fn(strain) * (0.3 * size));
     }
     if moved {
         let motion = rigid_motion(diagonal, random);
-        maps.iter_mut().for_each(|map| *map = compose(&motion, map));
+        transforms.iter_mut().for_each(|transform| *transform = compose(&motion, transform));
     }
-    Pose { kind, moved, maps: maps.iter().map(rounded).collect() }
+    Pose { kind, moved, transforms: transforms.iter().map(rounded).collect() }
 }
 
 /// One of the three axes half of the time, which makes exact zeros; else any direction.
@@ -160,23 +162,24 @@ mod tests {
     use super::*;
     use crate::models::{self, shape_of};
     use sinew_runtime::Model;
-    use sinew_runtime::format::Predictor;
+    use sinew_runtime::envelope::Predictor;
 
     #[test]
     fn poses_are_rigid_and_the_same_every_time() {
         let bytes = models::random(shape_of(Predictor::Rotational));
-        let envelope = Model::from_bytes(&bytes).unwrap().envelope().unwrap();
+        let model = Model::from_bytes(bytes).unwrap();
+        let envelope = model.envelope().unwrap();
         let all = poses(&envelope, POSES);
         assert!(all.len() >= 1000);
-        assert!(all.iter().zip(poses(&envelope, POSES)).all(|(a, b)| a.maps == b.maps));
+        assert!(all.iter().zip(poses(&envelope, POSES)).all(|(a, b)| a.transforms == b.transforms));
         for pose in &all {
-            for map in pose.widened() {
-                let turn = map.fixed_columns::<3>(0).into_owned();
+            for transform in pose.widened() {
+                let turn = transform.fixed_columns::<3>(0).into_owned();
                 assert!((turn.transpose() * turn - Matrix3::identity()).amax() < 1.5e-4);
                 assert!(turn.determinant() > 0.0);
             }
         }
         let rest = vec![rounded(&Matrix3x4::identity()); envelope.joint_len()];
-        assert!(all[0].maps == rest && all[2].maps != rest);
+        assert!(all[0].transforms == rest && all[2].transforms != rest);
     }
 }

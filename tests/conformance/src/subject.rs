@@ -20,7 +20,7 @@ pub struct Subject<'a> {
     /// Poses of it.
     pub poses: Vec<Pose>,
     /// Their matrices, J of each.
-    pub maps: Vec<Matrix3x4>,
+    pub transforms: Vec<Matrix3x4>,
 }
 
 impl<'a> Subject<'a> {
@@ -31,8 +31,8 @@ impl<'a> Subject<'a> {
     pub fn new(name: &'static str, bytes: &'a [u8], pose_len: usize) -> Self {
         let loaded = Loaded::new(bytes);
         let poses = poses(&loaded.envelope, pose_len);
-        let maps = poses.iter().flat_map(|pose| pose.maps.iter().copied()).collect();
-        Self { name, oracle: Oracle::new(&loaded.envelope), loaded, poses, maps }
+        let transforms = poses.iter().flat_map(|pose| pose.transforms.iter().copied()).collect();
+        Self { name, oracle: loaded.oracle(), loaded, poses, transforms }
     }
 
     /// Says which it is.
@@ -45,7 +45,7 @@ impl<'a> Subject<'a> {
     #[must_use]
     pub fn shortened(mut self, pose_len: usize) -> Self {
         self.poses.truncate(pose_len);
-        self.maps.truncate(self.poses.len() * self.loaded.envelope.joint_len());
+        self.transforms.truncate(self.poses.len() * self.loaded.envelope.joint_len());
         self
     }
 }
@@ -69,6 +69,6 @@ pub fn shapes(pose_len: usize) -> impl Iterator<Item = Subject<'static>> {
 
 /// Those that have vertices.
 pub fn random() -> Vec<Subject<'static>> {
-    let has_vertices = |own: &Subject<'_>| own.loaded.envelope.vertex_len() > 0;
+    let has_vertices = |own: &Subject<'_>| own.loaded.skin.vertex_len() > 0;
     shapes(FEWER_POSES).filter(has_vertices).collect()
 }

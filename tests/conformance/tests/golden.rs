@@ -4,11 +4,12 @@
 //! version's golden files are never written again.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
-use sinew_runtime::format::{Certificate, Predictor};
+use sinew_runtime::envelope::{Certificate, Predictor};
+use sinew_runtime::format::{ALIGNMENT, Axis, Handedness, Space};
 use sinew_runtime::kernel::Kernel;
-use sinew_runtime::{Envelope, Model};
+use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::{
-    Alignment, BakeError, EnvelopeParts, Group, Key, Reconstruction, bake, bake_aligned,
+    BakeError, EnvelopeParts, Group, Key, ModelParts, Reconstruction, SkinParts, bake,
 };
 use sinew_trainer::files;
 use std::path::PathBuf;
@@ -32,8 +33,9 @@ impl Dyadic {
     }
 }
 
-/// A model of 24 vertices, 5 joints, 5 proxies, 4 influences; the root is joint 3.
-fn parts(predictor: Predictor) -> EnvelopeParts {
+/// A model of an envelope and its skin: 24 vertices, 5 joints, 5 proxies, 4 influences; the root is
+/// joint 3.
+fn parts(predictor: Predictor) -> ModelParts {
     let mut dyadic = Dyadic(7);
     let (v, j, p, root) = (24, 5, 5, 3);
     let rest_frames = (0..j).map(|joint| {
@@ -84,16 +86,21 @@ fn parts(predictor: Predictor) -> EnvelopeParts {
     });
     let groups = if predictor.corrects() { groups.collect() } else { Vec::new() };
     let reconstruction = Reconstruction { keys, c1, c2 };
-    EnvelopeParts {
+    let skin = SkinParts {
+        name: "golden skin".to_owned(),
+        envelope: Some(0),
+        rest_positions: (0..v).map(|_| [(); 3].map(|()| dyadic.next(2.0))).collect(),
+        rest_normals: (0..v).map(axis).collect(),
+        rest_tangents: Some((0..v).map(tangent).collect()),
+        influences: influences.collect(),
+        ranges: vec![("body".to_owned(), 0..20), ("eyes".to_owned(), 20..24)],
+    };
+    let envelope = EnvelopeParts {
         name: "golden".to_owned(),
         joint_names: ["hand", "elbow", "shoulder", "hip", "tail"].map(str::to_owned).to_vec(),
         parents: vec![Some(1), Some(2), Some(3), None, Some(3)],
         root,
         rest_frames: rest_frames.collect(),
-        rest_positions: (0..v).map(|_| [(); 3].map(|()| dyadic.next(2.0))).collect(),
-        rest_normals: (0..v).map(axis).collect(),
-        rest_tangents: Some((0..v).map(tangent).collect()),
-        influences: influences.collect(),
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,
         pose_ranges: vec![2.0, 1.0, 0.75, 0.0, 1.25],
@@ -104,11 +111,18 @@ fn parts(predictor: Predictor) -> EnvelopeParts {
             lbs_training_rms: 0.5,
             correction_error: if predictor.corrects() { 0.0625 } else { 0.0 },
         },
-    }
+    };
+    let space = Space {
+        up: Some(Axis::Y),
+        forward: Some(Axis::Z),
+        handedness: Handedness::Right,
+        unit: Some(1.0),
+    };
+    ModelParts { space, envelopes: vec![envelope], skins: vec![skin] }
 }
 
 fn golden_path(predictor: Predictor) -> PathBuf {
-    let name = format!("../golden/envelope-2-{}.snw", predictor.name());
+    let name = format!("../golden/envelope-3-{}.snw", predictor.name());
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
@@ -123,10 +137,11 @@ fn bake_writes_the_golden_files() {
         assert!(baked == golden, "the baked bytes differ from the golden file of {predictor:?}");
         // The comparison can fail.
         let mut other = parts(predictor);
-        if let Some(reconstruction) = &mut other.reconstruction {
+        let envelope = &mut other.envelopes[0];
+        if let Some(reconstruction) = &mut envelope.reconstruction {
             reconstruction.c1[0] += 1.0 / 64.0;
         } else {
-            other.groups[0].outputs[0] += 1.0 / 64.0;
+            envelope.groups[0].outputs[0] += 1.0 / 64.0;
         }
         assert!(bake(&other).unwrap() != golden);
     }
@@ -139,45 +154,60 @@ fn baked_parts_are_read_back() {
 
 fn read_back(predictor: Predictor) {
     let parts = parts(predictor);
-    for alignment in [Alignment::Bytes16, Alignment::Bytes256] {
-        let bytes = bake_aligned(&parts, alignment).unwrap();
-        let model = Model::from_bytes(&bytes).unwrap();
-        let step = if alignment == Alignment::Bytes16 { 16 } else { 256 };
-        let blob = bytes.as_ptr_range();
-        for section in model.sections() {
-            let offset = section.bytes.as_ptr() as usize - blob.start as usize;
-            assert_eq!(offset % step, 0, "sections are aligned in the file");
-        }
-        let envelope = model.envelope_named("golden").unwrap();
-        assert_eq!(envelope.parent(0), Some(1));
-        assert_eq!(envelope.joint_name(3), Some("hip"));
-        assert_eq!(envelope.evaluation_order().collect::<Vec<_>>(), [3, 2, 4, 1, 0]);
-        // The inverse of a quarter turn about z at (x, 0.5, 0).
-        let inverse = [[0.0, 1.0, 0.0, -0.5], [-1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 1.0, 0.0]];
-        assert_eq!(envelope.inverse_bind(2), Some(inverse));
-        assert_eq!(envelope.predictor(), predictor);
-        read_back_groups(&parts, envelope);
-        let keys = parts.reconstruction.as_ref().map_or(&[][..], |r| &r.keys);
-        for (l, key) in keys.iter().enumerate() {
-            let found = envelope.key(l).unwrap();
-            assert_eq!(found.joint, key.joint);
-            assert_eq!(found.twist.map(|row| row.map(f64::from)), key.twist);
-            assert_eq!(found.shear.map(|row| row.map(f64::from)), key.shear);
-            let residual = found.residual.map(|(j, m)| (j, m.map(|row| row.map(f64::from))));
-            assert_eq!(residual, key.residual);
-        }
-        let base = parts.reconstruction.as_ref();
-        for (row, column) in (0..20).flat_map(|row| (0..20).map(move |column| (row, column))) {
-            let c1 = base.filter(|_| column < 15).map(|base| base.c1[row * 15 + column]);
-            let c2 = base.map(|base| base.c2[row * 20 + column]);
-            assert_eq!(envelope.c1(row, column).map(f64::from), c1);
-            assert_eq!(envelope.c2(row, column).map(f64::from), c2);
-        }
-        for (vertex, influences) in parts.influences.iter().enumerate() {
-            let found = envelope.influences(vertex).filter(|(_, weight)| *weight > 0.0);
-            let found = found.map(|(index, weight)| (index, f64::from(weight)));
-            assert_eq!(&found.collect::<Vec<_>>(), influences);
-        }
+    let bytes = bake(&parts).unwrap();
+    let model = Model::from_bytes(bytes.as_slice()).unwrap();
+    assert_eq!(model.space(), parts.space);
+    for section in model.sections() {
+        let offset = section.bytes.as_ptr().addr() - bytes.as_ptr().addr();
+        assert!(offset.is_multiple_of(ALIGNMENT), "sections are aligned in the file");
+    }
+    read_back_envelope(&parts.envelopes[0], model.envelope_named("golden").unwrap());
+    let skin = model.skin_named("golden skin").unwrap();
+    read_back_skin(&parts.skins[0], skin);
+    assert_eq!(model.envelope_of(&skin).map(|found| found.part()), Some(0));
+}
+
+fn read_back_envelope(parts: &EnvelopeParts, envelope: Envelope<'_>) {
+    assert_eq!(envelope.parent(0), Some(1));
+    assert_eq!(envelope.joint_name(3), Some("hip"));
+    assert_eq!(envelope.evaluation_order().collect::<Vec<_>>(), [3, 2, 4, 1, 0]);
+    // The inverse of a quarter turn about z at (x, 0.5, 0).
+    let inverse = [[0.0, 1.0, 0.0, -0.5], [-1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 1.0, 0.0]];
+    assert_eq!(envelope.inverse_bind(2), Some(inverse));
+    assert_eq!(envelope.predictor(), parts.predictor());
+    assert_eq!(envelope.certificate(), parts.certificate);
+    read_back_groups(parts, envelope);
+    let keys = parts.reconstruction.as_ref().map_or(&[][..], |r| &r.keys);
+    for (l, key) in keys.iter().enumerate() {
+        let found = envelope.key(l).unwrap();
+        assert_eq!(found.joint, key.joint);
+        assert_eq!(found.twist.map(|row| row.map(f64::from)), key.twist);
+        assert_eq!(found.shear.map(|row| row.map(f64::from)), key.shear);
+        let residual = found.residual.map(|(j, m)| (j, m.map(|row| row.map(f64::from))));
+        assert_eq!(residual, key.residual);
+    }
+    let base = parts.reconstruction.as_ref();
+    for (row, column) in (0..20).flat_map(|row| (0..20).map(move |column| (row, column))) {
+        let c1 = base.filter(|_| column < 15).map(|base| base.c1[row * 15 + column]);
+        let c2 = base.map(|base| base.c2[row * 20 + column]);
+        assert_eq!(envelope.c1(row, column).map(f64::from), c1);
+        assert_eq!(envelope.c2(row, column).map(f64::from), c2);
+    }
+}
+
+fn read_back_skin(parts: &SkinParts, skin: Skin<'_>) {
+    let ranges = skin.ranges().map(|(name, range)| (name.to_owned(), range));
+    assert_eq!(ranges.collect::<Vec<_>>(), parts.ranges);
+    assert_eq!(skin.vertex_len(), parts.rest_positions.len());
+    for (vertex, influences) in parts.influences.iter().enumerate() {
+        let found = skin.influences(vertex).filter(|(_, weight)| *weight > 0.0);
+        let found = found.map(|(index, weight)| (index, f64::from(weight)));
+        assert_eq!(&found.collect::<Vec<_>>(), influences);
+        let wide = |x: [f32; 3]| x.map(f64::from);
+        assert_eq!(skin.rest_position(vertex).map(wide), Some(parts.rest_positions[vertex]));
+        assert_eq!(skin.rest_normal(vertex).map(wide), Some(parts.rest_normals[vertex]));
+        let tangent = skin.rest_tangent(vertex).map(|t| t.map(f64::from));
+        assert_eq!(tangent, parts.rest_tangents.as_ref().map(|tangents| tangents[vertex]));
     }
 }
 
@@ -214,40 +244,50 @@ fn read_back_groups(parts: &EnvelopeParts, envelope: Envelope<'_>) {
 
 #[test]
 fn parts_that_do_not_fit_are_refused() {
-    let refused = |edit: &dyn Fn(&mut EnvelopeParts)| {
+    let refused = |edit: &dyn Fn(&mut EnvelopeParts, &mut SkinParts)| {
         let mut parts = parts(Predictor::Hybrid);
-        edit(&mut parts);
+        edit(&mut parts.envelopes[0], &mut parts.skins[0]);
         bake(&parts).unwrap_err()
     };
     let length = |what, expected, found| BakeError::Length { what, expected, found };
-    let c1 = refused(&|p| p.reconstruction.as_mut().unwrap().c1.truncate(299));
+    let c1 = refused(&|p, _| p.reconstruction.as_mut().unwrap().c1.truncate(299));
     assert_eq!(c1, length("c1", 300, 299));
-    let centre = refused(&|p| p.groups[1].centres[3].truncate(8));
+    let centre = refused(&|p, _| p.groups[1].centres[3].truncate(8));
     assert_eq!(centre, length("centre of a group", 9, 8));
-    let coefficients = refused(&|p| p.groups[1].coefficients.truncate(2));
+    let coefficients = refused(&|p, _| p.groups[1].coefficients.truncate(2));
     assert_eq!(coefficients, length("coefficients of a group", 176, 2));
-    let outputs = refused(&|p| p.groups[1].outputs.truncate(2));
+    let outputs = refused(&|p, _| p.groups[1].outputs.truncate(2));
     assert_eq!(outputs, length("outputs of a group", 132, 2));
-    assert_eq!(refused(&|p| p.groups.truncate(2)), length("proxies of all groups", 5, 3));
-    let joint = refused(&|p| p.groups[0].joint = 70_000);
+    assert_eq!(refused(&|p, _| p.groups.truncate(2)), length("proxies of all groups", 5, 3));
+    let joint = refused(&|p, _| p.groups[0].joint = 70_000);
     assert_eq!(joint, BakeError::Size { what: "joint of a group", found: 70_000 });
-    assert_eq!(refused(&|p| p.rest_normals.truncate(1)), length("rest normals", 24, 1));
-    assert_eq!(refused(&|p| p.parents[2] = Some(0)), BakeError::Hierarchy { joint: 0 });
-    assert_eq!(refused(&|p| p.rest_frames[1] = [[0.0; 4]; 3]), BakeError::RestFrame { joint: 1 });
-    assert_eq!(refused(&|p| p.influences[7].clear()), BakeError::Weights { vertex: 7, sum: 0.0 });
+    assert_eq!(refused(&|_, s| s.rest_normals.truncate(1)), length("rest normals", 24, 1));
+    assert_eq!(refused(&|p, _| p.parents[2] = Some(0)), BakeError::Hierarchy { joint: 0 });
+    let frame = refused(&|p, _| p.rest_frames[1] = [[0.0; 4]; 3]);
+    assert_eq!(frame, BakeError::RestFrame { joint: 1 });
+    let weights = refused(&|_, s| s.influences[7].clear());
+    assert_eq!(weights, BakeError::Weights { vertex: 7, sum: 0.0 });
     assert_eq!(
-        refused(&|p| p.influences[7] = vec![(70_000, 1.0)]),
+        refused(&|_, s| s.influences[7] = vec![(70_000, 1.0)]),
         BakeError::Size { what: "palette index", found: 70_000 }
     );
+    assert_eq!(
+        refused(&|_, s| s.envelope = Some(1)),
+        BakeError::NoEnvelope { skin: 0, envelope: 1, found: 1 }
+    );
+    assert_eq!(refused(&|_, s| s.envelope = None), length("influences", 0, 24));
     for edit in [
-        (|p| p.reconstruction.as_mut().unwrap().c2[9] = f64::NAN) as fn(&mut EnvelopeParts),
-        |p| p.influences[7] = vec![(5, 1.0)],
-        |p| p.reconstruction.as_mut().unwrap().keys[0].joint = 9,
-        |p| p.groups[0].joint = 5,
-        |p| p.groups[0].inputs[0].0 = 60,
-        |p| p.groups[0].outputs[0] = 1e7,
-        |p| p.groups[0].fade = (2.0, 2.0),
-        |p| p.rest_positions[3][1] = 1e300,
+        (|p, _| p.reconstruction.as_mut().unwrap().c2[9] = f64::NAN)
+            as fn(&mut EnvelopeParts, &mut SkinParts),
+        |_, s| s.influences[7] = vec![(5, 1.0)],
+        |p, _| p.reconstruction.as_mut().unwrap().keys[0].joint = 9,
+        |p, _| p.groups[0].joint = 5,
+        |p, _| p.groups[0].inputs[0].0 = 60,
+        |p, _| p.groups[0].outputs[0] = 1e7,
+        |p, _| p.groups[0].fade = (2.0, 2.0),
+        |_, s| s.rest_positions[3][1] = 1e300,
+        |_, s| s.rest_normals[3] = [0.0, 1.1, 0.0],
+        |_, s| s.ranges[1].1 = 19..24,
     ] {
         assert!(matches!(refused(&edit), BakeError::Refused(_)));
     }

@@ -6,7 +6,6 @@
 use conformance::backend::Loaded;
 use conformance::vectors::{Folder, VectorError, write};
 use sinew_runtime::Matrix3x4;
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -126,25 +125,15 @@ fn skins_are_what_the_runtime_makes_of_the_palettes() {
     let mut values = 0;
     for case in cases(&out) {
         let bytes = fs::read(case.join("model.snw")).unwrap();
-        let envelope = Loaded::new(&bytes).envelope;
+        let Loaded { envelope, skin, .. } = Loaded::new(&bytes);
         let read = |name: &str| floats(case.join(name));
         let palettes = read("palette.f32");
         let palettes: &[Matrix3x4] = palettes.as_chunks::<4>().0.as_chunks().0;
         let mut skins = Vec::new();
         for palette in palettes.chunks(envelope.palette_len()) {
-            let mut out_a = vec![f32::NAN; 3 * envelope.vertex_len()];
-            let job = SkinJob {
-                envelope,
-                palette,
-                vertices: 0..envelope.vertex_len(),
-                positions: Some(Attribute { buffer: Buffer::A, offset: 0, stride: 3 }),
-                normals: None,
-                tangents: None,
-                out_a: &mut out_a,
-                out_b: &mut [],
-            };
-            job.run().unwrap();
-            skins.extend(out_a);
+            let mut positions = vec![[f32::NAN; 3]; skin.vertex_len()];
+            skin.skin_positions(palette, &mut positions).unwrap();
+            skins.extend(positions.into_flattened());
         }
         assert_eq!(skins, read("positions.f32"), "{}", case.display());
         values += skins.len();

@@ -5,8 +5,8 @@ use crate::memory::take;
 use crate::platform::{TICK, count_down, instructions_of, stack_of, start_timer};
 use crate::say;
 use core::hint::black_box;
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
-use sinew_runtime::{Envelope, Model, model_space_pose};
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{Envelope, Model, Skin, SkinJob, model_space_pose};
 
 /// Models of the shape that the budget is stated for.
 const BARS: [(&str, &[u8]); 2] = [
@@ -38,78 +38,84 @@ fn model(name: &str, file: &[u8], memory: &mut Memory) -> Option<()> {
     let mut loaded = None;
     let stack = stack_of(&mut || loaded = Model::from_bytes(file).ok());
     let loading = instructions_of(|| loaded = Model::from_bytes(file).ok());
-    let envelope = loaded?.envelope()?;
+    let model = loaded?;
+    let (envelope, skin) = (model.envelope()?, model.skin()?);
     say!("{name} load_instructions {loading}");
     say!("{name} load_stack {stack}");
-    say!("{name} scratch {}", 4 * envelope.workspace_len());
-    instructions(name, envelope, memory)?;
-    stacks(name, envelope, memory)
+    say!("{name} scratch {}", 4 * envelope.scratch_len());
+    instructions(name, envelope, skin, memory)?;
+    stacks(name, envelope, skin, memory)
 }
 
 /// Prints the instructions of the costliest of the poses, stage by stage and together.
-fn instructions(name: &str, envelope: Envelope<'_>, memory: &mut Memory) -> Option<()> {
+fn instructions(
+    name: &str,
+    envelope: Envelope<'_>,
+    skin: Skin<'_>,
+    memory: &mut Memory,
+) -> Option<()> {
     let mut rng = Rng(7);
-    let (mut posing, mut palette, mut skin, mut frame) = (0, 0, 0, 0);
+    let (mut posing, mut moving, mut skinning, mut frame) = (0, 0, 0, 0);
     let mut sound = true;
     for _ in 0..POSES {
         let local = cut(&mut memory.local, envelope.joint_len());
         local.iter_mut().for_each(|local| *local = rng.local(0.3));
         let pose = cut(&mut memory.pose, envelope.joint_len());
-        let maps = cut(&mut memory.palette, envelope.palette_len());
-        let scratch = cut(&mut memory.workspace, envelope.workspace_len());
-        let positions = cut(memory.skin.as_chunks_mut().0, envelope.vertex_len());
+        let palette = cut(&mut memory.palette, envelope.palette_len());
+        let scratch = cut(&mut memory.scratch, envelope.scratch_len());
+        let positions = cut(memory.skin.as_chunks_mut().0, skin.vertex_len());
         let mut is_sound = |done| sound &= done;
         let posed = instructions_of(|| {
             is_sound(model_space_pose(&envelope, local, pose).is_ok());
         });
         let moved = instructions_of(|| {
-            let confidence = envelope.palette(pose, scratch, maps);
+            let confidence = envelope.palette(pose, scratch, palette);
             // A kernel map that has faded would cost little.
             let whole = |confidence| confidence > 0.0 || !envelope.predictor().corrects();
             is_sound(confidence.is_ok_and(whole));
         });
         let skinned = instructions_of(|| {
-            is_sound(envelope.skin_positions(maps, positions).is_ok());
+            is_sound(skin.skin_positions(palette, positions).is_ok());
         });
         posing = posing.max(posed);
-        palette = palette.max(moved);
-        skin = skin.max(skinned);
+        moving = moving.max(moved);
+        skinning = skinning.max(skinned);
         frame = frame.max(moved + skinned);
     }
     say!("{name} pose_instructions {posing}");
-    say!("{name} palette_instructions {palette}");
-    say!("{name} skin_instructions {skin}");
+    say!("{name} palette_instructions {moving}");
+    say!("{name} skin_instructions {skinning}");
     say!("{name} frame_instructions {frame}");
     sound.then_some(())
 }
 
 /// Prints the deepest stack of each call.
-fn stacks(name: &str, envelope: Envelope<'_>, memory: &mut Memory) -> Option<()> {
+fn stacks(name: &str, envelope: Envelope<'_>, skin: Skin<'_>, memory: &mut Memory) -> Option<()> {
     let local = cut(&mut memory.local, envelope.joint_len());
     let pose = cut(&mut memory.pose, envelope.joint_len());
-    let maps = cut(&mut memory.palette, envelope.palette_len());
-    let scratch = cut(&mut memory.workspace, envelope.workspace_len());
-    let skin = cut(&mut memory.skin, 10 * envelope.vertex_len());
+    let palette = cut(&mut memory.palette, envelope.palette_len());
+    let scratch = cut(&mut memory.scratch, envelope.scratch_len());
+    let lent = cells(cut(&mut memory.skin, 10 * skin.vertex_len()));
     let mut sound = true;
     let posing = stack_of(&mut || sound &= model_space_pose(&envelope, local, pose).is_ok());
-    let palette = stack_of(&mut || sound &= envelope.palette(pose, scratch, maps).is_ok());
-    let attribute = |offset| Some(Attribute { buffer: Buffer::A, offset, stride: 10 });
+    let moving = stack_of(&mut || sound &= envelope.palette(pose, scratch, palette).is_ok());
+    let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
     let skinning = stack_of(&mut || {
         let job = SkinJob {
-            envelope,
-            palette: maps,
-            vertices: 0..envelope.vertex_len(),
+            skin,
+            palette,
+            vertices: 0..skin.vertex_len(),
+            remap: None,
+            rest: Rest::default(),
             positions: black_box(attribute(0)),
             normals: black_box(attribute(3)),
             tangents: black_box(attribute(6)),
-            out_a: skin,
-            out_b: &mut [],
         };
         sound &= job.run().is_ok();
     });
-    let bounds = stack_of(&mut || sound &= black_box(envelope.bounds(maps)).is_ok());
+    let bounds = stack_of(&mut || sound &= black_box(skin.bounds(palette, 0.0)).is_ok());
     say!("{name} pose_stack {posing}");
-    say!("{name} palette_stack {palette}");
+    say!("{name} palette_stack {moving}");
     say!("{name} skin_stack {skinning}");
     say!("{name} bounds_stack {bounds}");
     sound.then_some(())

@@ -1,4 +1,4 @@
-//! The one workspace of an image, in static memory.
+//! The one memory of an image, in static memory.
 
 use crate::bits::Memory;
 use core::cell::UnsafeCell;
@@ -12,7 +12,7 @@ unsafe impl Sync for Shared {}
 static MEMORY: Shared = Shared(UnsafeCell::new(Memory::new()));
 static TAKEN: AtomicBool = AtomicBool::new(false);
 
-/// Takes the workspace; `None` when it has been taken.
+/// Takes the memory; `None` when it has been taken.
 ///
 /// Load and store stand for a swap, which a Cortex-M0 has not: images have one thread and no
 /// interrupts.

@@ -21,11 +21,13 @@ pub fn bits() -> bool {
     let mut sound = true;
     let golden = GOLDEN.iter().map(|golden| (golden.predictor.name(), golden.file));
     for (name, file) in golden.chain(BAKED) {
-        let Some(envelope) = Model::from_bytes(file).ok().and_then(|model| model.envelope()) else {
+        let model = Model::from_bytes(file).ok();
+        let views = model.as_ref().and_then(|model| model.envelope().zip(model.skin()));
+        let Some((envelope, skin)) = views else {
             say!("{name}: not loaded");
             return false;
         };
-        match hashes(envelope, 0.0, memory) {
+        match hashes(envelope, skin, 0.0, memory) {
             Ok(Found { bits, faded, finite }) => {
                 for (stage, bits) in STAGES.iter().zip(bits) {
                     say!("{name} {stage} {bits:016x}");

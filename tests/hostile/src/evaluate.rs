@@ -1,9 +1,9 @@
 //! Everything that an accepted file offers, evaluated and held to what the runtime promises.
 
 use crate::poses::pose;
-use sinew_runtime::envelope::{Attribute, Bounds, Buffer, SkinJob};
-use sinew_runtime::format::{PartKind, SectionKind};
-use sinew_runtime::{Envelope, EvalError, Matrix3x4, Model};
+use sinew_runtime::envelope::{Predictor, ScratchLayout};
+use sinew_runtime::skin::{Bounds, Output, Rest, cells};
+use sinew_runtime::{CallError, Envelope, Limits, Matrix3x4, Model, Skin, SkinJob};
 use std::ops::Range;
 
 /// Reads all that a model's accessors give.
@@ -12,128 +12,162 @@ use std::ops::Range;
 /// Where an accessor lacks what a loaded model must have, or where the model asks for more work or
 /// memory than a file of its length may: every loop of loading and evaluating runs over these counts
 /// or over bytes of the file.
-pub fn read(model: &Model<'_>, file_bytes: usize) {
+pub fn read<B: AsRef<[u8]>>(model: &Model<B>) {
     assert!(model.sections().all(|section| section.bytes.len() == section.row.bytes as usize));
-    for envelope in envelopes(model) {
-        let (joint_len, palette_len) = (envelope.joint_len(), envelope.palette_len());
-        assert_eq!(envelope.evaluation_order().count(), joint_len);
-        for joint in 0..joint_len {
-            assert!(envelope.joint_name(joint).is_some() && envelope.inverse_bind(joint).is_some());
-            assert!(envelope.parent(joint).is_none_or(|parent| parent < joint_len));
-        }
-        let (v, k) = (envelope.vertex_len(), envelope.influence_len());
-        for cost in [24 * v, 6 * v * k, 58 * joint_len, 24 * palette_len, envelope.workspace_len()]
-        {
-            assert!(cost <= file_bytes, "a file of {file_bytes} bytes costs {cost}");
-        }
-        let reconstructs = envelope.predictor().reconstructs();
-        assert!((0..envelope.proxy_len()).all(|l| envelope.key(l).is_some() == reconstructs));
-        assert_eq!(envelope.groups().count(), envelope.group_len());
-        for vertex in 0..envelope.vertex_len() {
-            assert!(envelope.influences(vertex).all(|(index, _)| index < palette_len));
-        }
+    let followed: Vec<_> = model.skins().filter_map(|skin| skin.envelope_part()).collect();
+    for envelope in model.envelopes() {
+        read_envelope(&envelope, model.as_bytes(), followed.contains(&envelope.part()));
     }
+    for skin in model.skins() {
+        let envelope = model.envelope_of(&skin);
+        assert_eq!(envelope.map(|envelope| envelope.part()), skin.envelope_part());
+        let palette_len = envelope.map_or(0, |envelope| envelope.palette_len());
+        assert_eq!(skin.palette_len(), palette_len);
+        read_skin(&skin, model.as_bytes());
+    }
+    let part = |envelope: Envelope<'_>| envelope.part();
+    assert_eq!(model.envelope().map(part), model.envelopes().next().map(part));
+}
+
+fn read_envelope(envelope: &Envelope<'_>, file: &[u8], is_followed: bool) {
+    let (joint_len, palette_len) = (envelope.joint_len(), envelope.palette_len());
+    assert_eq!(envelope.evaluation_order().count(), joint_len);
+    for joint in 0..joint_len {
+        assert!(envelope.joint_name(joint).is_some() && envelope.inverse_bind(joint).is_some());
+        assert!(envelope.parent(joint).is_none_or(|parent| parent < joint_len));
+    }
+    let at_once = ScratchLayout::at_once(envelope).len;
+    let mut costs = vec![58 * joint_len];
+    if is_followed || envelope.predictor() != Predictor::Kernel {
+        costs.extend([24 * palette_len, envelope.scratch_len()]);
+    } else {
+        // Helpers of a group without centres take no bytes but a skin's: the limits hold them.
+        let most = (Limits::DEFAULT.joints + Limits::DEFAULT.proxies) as usize;
+        assert!(palette_len <= most && envelope.scratch_len() <= 16 * most);
+    }
+    for cost in costs {
+        assert!(cost <= file.len(), "a file of {} bytes costs {cost}", file.len());
+    }
+    // A group's share of it is counted once a group.
+    assert!(at_once <= 4 * file.len() * (1 + envelope.group_len()));
+    let reconstructs = envelope.predictor().reconstructs();
+    assert!((0..envelope.proxy_len()).all(|l| envelope.key(l).is_some() == reconstructs));
+    assert_eq!(envelope.groups().count(), envelope.group_len());
+    let opened = envelope.layout().open(file);
+    assert!(opened.is_some_and(|opened| opened.counts() == envelope.counts()));
+}
+
+fn read_skin(skin: &Skin<'_>, file: &[u8]) {
+    let (v, k) = (skin.vertex_len(), skin.influence_len());
+    for cost in [24 * v, 6 * v * k, 24 * skin.palette_len()] {
+        assert!(cost <= file.len(), "a file of {} bytes costs {cost}", file.len());
+    }
+    for vertex in 0..v {
+        assert!(skin.influences(vertex).all(|(index, _)| index < skin.palette_len()));
+        assert!(skin.rest_position(vertex).is_some() && skin.rest_normal(vertex).is_some());
+        assert_eq!(skin.rest_tangent(vertex).is_some(), skin.has_tangents());
+    }
+    let ranges: Vec<_> = skin.ranges().map(|(_, range)| range).collect();
+    assert_eq!(ranges.len(), skin.counts().range_len as usize);
+    assert!(ranges.iter().all(|range| range.start <= range.end && range.end <= v));
+    assert!(ranges.windows(2).all(|pair| pair[0].end <= pair[1].start));
+    let opened = skin.layout().open(file);
+    assert!(opened.is_some_and(|opened| opened.counts() == skin.counts()));
 }
 
 /// Evaluates every envelope of a model over poses within its certificate's ranges, by the numbers of
-/// [`pose`].
+/// [`pose`], and every skin.
 ///
 /// # Panics
 /// Where a call is refused, a result is not finite, a confidence is outside 0 and 1, or a vertex
 /// outside its bounds.
-pub fn evaluate(model: &Model<'_>, numbers: Range<usize>) {
-    for envelope in envelopes(model) {
+pub fn evaluate<B: AsRef<[u8]>>(model: &Model<B>, numbers: Range<usize>) {
+    for envelope in model.envelopes() {
         for number in numbers.clone() {
-            evaluate_pose(&envelope, number, &pose(&envelope, number));
+            evaluate_pose(model, &envelope, number, &pose(&envelope, number));
         }
+    }
+    for skin in model.skins().filter(|skin| skin.envelope_part().is_none()) {
+        evaluate_skin(&skin, &[], "at rest");
     }
 }
 
-/// Finds every envelope by its name; of several with one name, the first.
-fn envelopes<'a>(model: &Model<'a>) -> impl Iterator<Item = Envelope<'a>> + use<'a> {
-    let model = *model;
-    let parts: Vec<_> = model.parts().collect();
-    let names = model.sections().filter(|s| s.row.kind == SectionKind::Names.number());
-    names.filter_map(move |names| {
-        let part = parts.get(usize::from(names.row.part))?;
-        if part.kind != PartKind::Envelope.number() {
-            return None;
-        }
-        let text = names.bytes.get(4 * (part.envelope_counts().joint_len as usize + 1)..)?;
-        let end = u32::from_le_bytes(*names.bytes.first_chunk()?) as usize;
-        let name = std::str::from_utf8(text.get(..end)?).ok()?;
-        let found = model.envelope_named(name);
-        assert!(found.is_some(), "no envelope is named {name:?}");
-        found
-    })
-}
-
-/// Evaluates one pose; its number tells it from others.
+/// Evaluates one pose of an envelope, and the skins that follow it; its number tells it from others.
 ///
 /// # Panics
 /// As [`evaluate`] does.
-pub fn evaluate_pose(envelope: &Envelope<'_>, number: usize, pose: &[Matrix3x4]) {
-    let check = |what: &str, values: &[f32]| {
-        let unsound = values.iter().position(|x| !x.is_finite());
-        assert!(unsound.is_none(), "pose {number}: {what} {unsound:?} is not finite");
-    };
-    check("pose", pose.as_flattened().as_flattened());
-    let found = match evaluated(envelope, pose) {
-        Ok(found) => found,
-        Err(error) => panic!("pose {number}: {error}"),
-    };
-    let Evaluated { confidence, palette, skin, bounds } = found;
-    assert!((0.0..=1.0).contains(&confidence), "pose {number}: confidence {confidence}");
-    check("palette", palette.as_flattened().as_flattened());
-    if let Some(bounds) = bounds {
-        check("bounds", &[bounds.min, bounds.max].concat());
+pub fn evaluate_pose<B: AsRef<[u8]>>(
+    model: &Model<B>,
+    envelope: &Envelope<'_>,
+    number: usize,
+    pose: &[Matrix3x4],
+) {
+    let named = format!("pose {number} of part {}", envelope.part());
+    check(&named, "pose", pose.as_flattened().as_flattened());
+    let mut scratch = vec![f32::NAN; envelope.scratch_len()];
+    let mut palette = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
+    match envelope.palette(pose, &mut scratch, &mut palette) {
+        Ok(confidence) => {
+            assert!((0.0..=1.0).contains(&confidence), "{named}: confidence {confidence}");
+        }
+        Err(error) => panic!("{named}: {error}"),
     }
-    for (vertex, values) in skin.chunks_exact(stride(envelope.has_tangents())).enumerate() {
-        check("vertex", values);
+    check(&named, "palette", palette.as_flattened().as_flattened());
+    for skin in model.skins().filter(|skin| skin.envelope_part() == Some(envelope.part())) {
+        evaluate_skin(&skin, &palette, &named);
+    }
+}
+
+fn evaluate_skin(skin: &Skin<'_>, palette: &[Matrix3x4], named: &str) {
+    let (vertices, bounds) = match skinned(skin, palette) {
+        Ok(found) => found,
+        Err(error) => panic!("{named}: {error}"),
+    };
+    if let Some(bounds) = bounds {
+        check(named, "bounds", &[bounds.min, bounds.max].concat());
+    }
+    for (vertex, values) in vertices.chunks_exact(stride(skin)).enumerate() {
+        check(named, "vertex", values);
         let position = [values[0], values[1], values[2]];
         let within = bounds.is_some_and(|bounds| bounds.contains(position));
-        assert!(within, "pose {number}: vertex {vertex} at {position:?} is outside {bounds:?}");
+        assert!(within, "{named}: vertex {vertex} at {position:?} is outside {bounds:?}");
     }
 }
 
-/// What the runtime computes of a pose.
-pub(crate) struct Evaluated {
-    pub(crate) confidence: f32,
-    pub(crate) palette: Vec<Matrix3x4>,
-    /// Position, normal and, where there are any, tangent of each vertex; not a number where nothing was
-    /// written.
-    pub(crate) skin: Vec<f32>,
-    pub(crate) bounds: Option<Bounds>,
+fn check(named: &str, what: &str, values: &[f32]) {
+    let unsound = values.iter().position(|x| !x.is_finite());
+    assert!(unsound.is_none(), "{named}: {what} {unsound:?} is not finite");
 }
 
-/// Evaluates one pose.
-pub(crate) fn evaluated(
-    envelope: &Envelope<'_>,
-    pose: &[Matrix3x4],
-) -> Result<Evaluated, EvalError> {
-    let mut workspace = vec![f32::NAN; envelope.workspace_len()];
-    let mut palette = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
-    let confidence = envelope.palette(pose, &mut workspace, &mut palette)?;
-    let has_tangents = envelope.has_tangents();
-    let stride = stride(has_tangents);
-    let mut skin = vec![f32::NAN; stride * envelope.vertex_len()];
-    let attribute = |offset| Some(Attribute { buffer: Buffer::A, offset, stride });
+/// Skins a mesh: position, normal and, where there are any, tangent of each vertex; not a number where
+/// nothing was written. And its bounds.
+fn skinned(
+    skin: &Skin<'_>,
+    palette: &[Matrix3x4],
+) -> Result<(Vec<f32>, Option<Bounds>), CallError> {
+    let stride = stride(skin);
+    let mut out = vec![f32::NAN; stride * skin.vertex_len()];
+    let lent = cells(&mut out);
+    let attribute = |start: usize| {
+        let floats = lent.get(start..).unwrap_or_default();
+        Some(Output { floats, stride })
+    };
     SkinJob {
-        envelope: *envelope,
-        palette: &palette,
-        vertices: 0..envelope.vertex_len(),
+        skin: *skin,
+        palette,
+        vertices: 0..skin.vertex_len(),
+        remap: None,
+        rest: Rest::default(),
         positions: attribute(0),
         normals: attribute(3),
-        tangents: attribute(6).filter(|_| has_tangents),
-        out_a: &mut skin,
-        out_b: &mut [],
+        tangents: attribute(6).filter(|_| skin.has_tangents()),
     }
     .run()?;
-    let bounds = envelope.bounds(&palette)?;
-    Ok(Evaluated { confidence, palette, skin, bounds })
+    let bounds = skin.bounds(palette, 0.0)?;
+    Ok((out, bounds))
 }
 
-/// Returns the floats of a vertex in the skin.
-pub(crate) const fn stride(has_tangents: bool) -> usize {
-    if has_tangents { 10 } else { 6 }
+/// Counts the floats of a vertex.
+const fn stride(skin: &Skin<'_>) -> usize {
+    if skin.has_tangents() { 10 } else { 6 }
 }

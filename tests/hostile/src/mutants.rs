@@ -1,6 +1,6 @@
-//! Mutated goldens by number, the same every time.
+//! Mutated files by number, the same every time.
 
-use crate::{GOLDEN, pieces, recipe};
+use crate::{files, pieces, recipe};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -16,7 +16,8 @@ pub fn mutant(number: u64) -> Vec<u8> {
         random.fill_bytes(&mut bytes);
         return recipe::file(&bytes);
     }
-    let mut file = GOLDEN[random.random_range(0..GOLDEN.len())].to_vec();
+    let files = files();
+    let mut file = files[random.random_range(0..files.len())].clone();
     for _ in 0..random.random_range(1..=8) {
         let at = random.random_range(0..file.len());
         file[at] ^= 1 << random.random_range(0..8);

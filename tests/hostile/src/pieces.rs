@@ -2,14 +2,19 @@
 //!
 //! Written by hand after FORMAT.md, so that it shares no mistake with the trainer's `bake`.
 
-use sinew_runtime::format::{CHECKSUM_OFFSET, PartRow, SectionKind, SectionRow, checksum};
-use sinew_runtime::{FormatError, Model};
+use crate::GOLDEN;
+use crate::recipe::keep_vertices;
+use sinew_runtime::format::{
+    ALIGNMENT, CHECKSUM_OFFSET, PartRow, SectionKind, SectionRow, checksum,
+};
+use sinew_runtime::skin::NO_ENVELOPE;
+use sinew_runtime::{FileError, Model};
 
 /// The pieces of a file.
 #[derive(Clone)]
 pub struct Pieces {
-    /// Magic, version, alignment, features, checksum.
-    pub head: [u8; 14],
+    /// Magic, version, features, checksum, space.
+    pub head: [u8; 21],
     /// Rows of the part table.
     pub parts: Vec<PartRow>,
     /// Rows of the section table with their content; offset and length are written anew.
@@ -21,14 +26,12 @@ impl Pieces {
     ///
     /// # Errors
     /// Why the file is not sound.
-    pub fn of(file: &[u8]) -> Result<Self, FormatError> {
+    pub fn of(file: &[u8]) -> Result<Self, FileError> {
         let model = Model::from_bytes(file)?;
         let sections = model.sections().map(|section| (section.row, section.bytes.to_vec()));
-        Ok(Self {
-            head: *file.first_chunk().ok_or(FormatError::Malformed)?,
-            parts: model.parts().collect(),
-            sections: sections.collect(),
-        })
+        let mut head = [0; 21];
+        head.iter_mut().zip(file).for_each(|(own, byte)| *own = *byte);
+        Ok(Self { head, parts: model.parts().collect(), sections: sections.collect() })
     }
 
     /// Gives the content of the first section of a kind.
@@ -37,13 +40,54 @@ impl Pieces {
         found.map(|(_, bytes)| bytes)
     }
 
+    /// Reads a word of the first section of a kind, as a count.
+    pub fn word(&self, kind: SectionKind, index: usize) -> Option<u32> {
+        let (_, bytes) = self.sections.iter().find(|(row, _)| row.kind == kind.number())?;
+        bytes.as_chunks().0.get(index).map(|le| u32::from_le_bytes(*le))
+    }
+
+    /// Replaces a word of the first section of a kind, where there is one.
+    pub fn set_word(&mut self, kind: SectionKind, index: usize, value: u32) {
+        let words = self.section(kind).map(|bytes| bytes.as_chunks_mut().0);
+        if let Some(word) = words.and_then(|words| words.get_mut(index)) {
+            *word = value.to_le_bytes();
+        }
+    }
+
+    /// Appends the parts of another file; what its skins follow goes with them.
+    pub fn append(&mut self, other: Self) {
+        let first = self.parts.len() as u16;
+        self.parts.extend(other.parts);
+        for (mut row, mut bytes) in other.sections {
+            row.part += first;
+            if row.kind == SectionKind::SkinCounts.number()
+                && let Some(envelope) = bytes.as_chunks_mut().0.get_mut(2)
+                && u32::from_le_bytes(*envelope) != NO_ENVELOPE
+            {
+                *envelope = (u32::from_le_bytes(*envelope) + u32::from(first)).to_le_bytes();
+            }
+            self.sections.push((row, bytes));
+        }
+    }
+
+    /// Drops the envelope of a file of one, and all that follows from it.
+    pub fn loosen(&mut self) {
+        self.set_word(SectionKind::SkinCounts, 1, 0);
+        self.set_word(SectionKind::SkinCounts, 2, NO_ENVELOPE);
+        self.parts.remove(0);
+        let dropped =
+            [SectionKind::InfluenceIndices, SectionKind::InfluenceWeights, SectionKind::RestBoxes];
+        self.sections.retain(|(row, _)| {
+            row.part == 1 && dropped.iter().all(|kind| kind.number() != row.kind)
+        });
+        self.sections.iter_mut().for_each(|(row, _)| row.part = 0);
+    }
+
     /// Writes the file with its checksum; `edit` changes the section table after it is laid out.
     pub fn file(&self, edit: impl FnOnce(&mut [SectionRow])) -> Vec<u8> {
-        // A wild alignment moves nothing: what it says is refused.
-        let align = 1usize << self.head[5].clamp(4, 12);
         let (mut rows, mut blob) = (Vec::new(), Vec::new());
         for (row, bytes) in &self.sections {
-            blob.resize(blob.len().next_multiple_of(align), 0);
+            blob.resize(blob.len().next_multiple_of(ALIGNMENT), 0);
             rows.push(SectionRow { offset: blob.len() as u32, bytes: bytes.len() as u32, ..*row });
             blob.extend(bytes);
         }
@@ -52,16 +96,29 @@ impl Pieces {
         put(&mut out, &self.parts.iter().flat_map(PartRow::to_bytes).collect::<Vec<_>>());
         put(&mut out, &rows.iter().flat_map(SectionRow::to_bytes).collect::<Vec<_>>());
         let blob_len = varint(blob.len());
-        let before = out.len() + blob_len.len();
-        let fits = |len: &usize| (before + varint(*len).len() + len).is_multiple_of(align);
-        // Of three lengths a block apart, one fits: the length's own bytes grow once at most.
-        let padding = (0..3 * align).find(fits).unwrap_or_default();
-        put(&mut out, &vec![0; padding]);
+        // One byte is the padding's own length.
+        let before = out.len() + blob_len.len() + 1;
+        put(&mut out, &vec![0; before.next_multiple_of(ALIGNMENT) - before]);
         out.extend(blob_len);
         out.extend(blob);
         seal(&mut out);
         out
     }
+}
+
+/// Makes a file of two envelopes and three skins: those of a rotational and of a kernel model, and one
+/// that follows nothing.
+///
+/// # Errors
+/// Why a golden file is not sound.
+pub(crate) fn several() -> Result<Vec<u8>, FileError> {
+    let [rotational, kernel, hybrid] = GOLDEN.map(Pieces::of);
+    let (mut out, mut loose) = (rotational?, hybrid?);
+    out.append(kernel?);
+    keep_vertices(&mut loose, 3);
+    loose.loosen();
+    out.append(loose);
+    Ok(out.file(|_| {}))
 }
 
 /// Repairs the checksum of a file.

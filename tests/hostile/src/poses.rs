@@ -5,10 +5,10 @@ use rand_chacha::ChaCha8Rng;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, model_space_pose};
 use std::f64::consts::PI;
 
-/// A map in the precision that poses are made in.
-type Map = [[f64; 4]; 3];
+/// A transform in the precision that poses are made in.
+type Transform = [[f64; 4]; 3];
 
-const IDENTITY: Map = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+const IDENTITY: Transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 /// How far a pose may lie from where its character rests, in its diagonals.
 const FAR: f64 = 100.0;
@@ -62,7 +62,7 @@ pub fn from_local(envelope: &Envelope<'_>, local: &[LocalTransform]) -> Vec<Matr
 }
 
 /// Draws a rotation a joint, of an angle within its range, or at its end.
-fn turns(envelope: &Envelope<'_>, at_end: bool, random: &mut ChaCha8Rng) -> Vec<Map> {
+fn turns(envelope: &Envelope<'_>, at_end: bool, random: &mut ChaCha8Rng) -> Vec<Transform> {
     let ranges = (0..envelope.joint_len()).map(|j| envelope.pose_range(j).unwrap_or_default());
     let angle = |random: &mut ChaCha8Rng| if at_end { 1.0 } else { random.random_range(0.0..1.0) };
     ranges
@@ -74,34 +74,34 @@ fn turns(envelope: &Envelope<'_>, at_end: bool, random: &mut ChaCha8Rng) -> Vec<
 }
 
 /// Turns each joint about its rest origin, in the rest pose's axes, then moves the whole.
-fn skinning(envelope: &Envelope<'_>, turns: &[Map], motion: &Map) -> Vec<Matrix3x4> {
-    let mut maps = vec![*motion; envelope.joint_len()];
+fn skinning(envelope: &Envelope<'_>, turns: &[Transform], motion: &Transform) -> Vec<Matrix3x4> {
+    let mut transforms = vec![*motion; envelope.joint_len()];
     for joint in envelope.evaluation_order() {
         let origin = rest_frame(envelope, joint).map(|row| row[3]);
         let mut local = turns[joint];
         for (row, origin_r) in local.iter_mut().zip(origin) {
             row[3] = origin_r - (0..3).map(|c| row[c] * origin[c]).sum::<f64>();
         }
-        let parent = envelope.parent(joint).map_or(*motion, |parent| maps[parent]);
-        maps[joint] = compose(&parent, &local);
+        let parent = envelope.parent(joint).map_or(*motion, |parent| transforms[parent]);
+        transforms[joint] = compose(&parent, &local);
     }
-    maps.iter().map(|map| map.map(|row| row.map(|x| x as f32))).collect()
+    transforms.iter().map(|transform| transform.map(|row| row.map(|x| x as f32))).collect()
 }
 
 /// A joint's frame in the rest pose, its bind matrix taken as rigid.
-fn rest_frame(envelope: &Envelope<'_>, joint: usize) -> Map {
+fn rest_frame(envelope: &Envelope<'_>, joint: usize) -> Transform {
     let bind = envelope.inverse_bind(joint).unwrap_or([[0.0; 4]; 3]);
     inverse(&bind.map(|row| row.map(f64::from)))
 }
 
-fn inverse(m: &Map) -> Map {
+fn inverse(m: &Transform) -> Transform {
     [0, 1, 2].map(|r| {
         let t = (0..3).map(|k| m[k][r] * m[k][3]).sum::<f64>();
         [m[0][r], m[1][r], m[2][r], -t]
     })
 }
 
-fn compose(a: &Map, b: &Map) -> Map {
+fn compose(a: &Transform, b: &Transform) -> Transform {
     a.map(|row| {
         let mut out = [0, 1, 2, 3].map(|c| (0..3).map(|k| row[k] * b[k][c]).sum::<f64>());
         out[3] += row[3];
@@ -110,7 +110,7 @@ fn compose(a: &Map, b: &Map) -> Map {
 }
 
 /// Draws a rotation of an angle about any axis.
-fn rotation(random: &mut ChaCha8Rng, angle: f64) -> Map {
+fn rotation(random: &mut ChaCha8Rng, angle: f64) -> Transform {
     let axis: [f64; 3] = [(); 3].map(|()| random.random_range(-1.0..1.0));
     let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
     let [x, y, z] = axis.map(|x| x / length);
@@ -124,7 +124,7 @@ fn rotation(random: &mut ChaCha8Rng, angle: f64) -> Map {
 }
 
 /// The quaternion of a rotation, by the largest of its four components (Shepperd 1978).
-fn quaternion(m: &Map) -> [f32; 4] {
+fn quaternion(m: &Transform) -> [f32; 4] {
     let [[xx, xy, xz, _], [yx, yy, yz, _], [zx, zy, zz, _]] = *m;
     let q = if xx + yy + zz >= 0.0 {
         [zy - yz, xz - zx, yx - xy, 1.0 + xx + yy + zz]

@@ -1,12 +1,14 @@
-//! Bytes read as a recipe: a golden file, changed piece by piece behind a checksum that holds.
+//! Bytes read as a recipe: a sound file, changed piece by piece behind a checksum that holds.
 //!
 //! Most changes leave a file that may well be accepted, with numbers as far out as the format lets
 //! them be: what is refused at once tells little about evaluation.
 
-use crate::GOLDEN;
+use crate::files;
 use crate::pieces::{Pieces, seal};
 use arbitrary::{Result, Unstructured};
-use sinew_runtime::format::{CORRECTION_MAX, GroupRow, MAGNITUDE_MAX, PartRow, SectionKind};
+use sinew_runtime::envelope::GroupRow;
+use sinew_runtime::format::{CORRECTION_MAX, Element, MAGNITUDE_MAX, PartRow, SectionKind};
+use sinew_runtime::skin::NO_ENVELOPE;
 
 /// Floats at which something ends: ranges, exactness, what can be squared, what is a number.
 const FLOATS: [f32; 24] = [
@@ -59,9 +61,10 @@ const INTEGERS: [u32; 16] = [
 /// Makes the file that a recipe tells of; any bytes are a recipe.
 pub fn file(recipe: &[u8]) -> Vec<u8> {
     let mut u = Unstructured::new(recipe);
-    let golden = GOLDEN[u.choose_index(GOLDEN.len()).unwrap_or_default()];
-    let mut out = golden.to_vec();
-    if let Ok(pieces) = Pieces::of(golden) {
+    let files = files();
+    let sound = &files[u.choose_index(files.len()).unwrap_or_default()];
+    let mut out = sound.clone();
+    if let Ok(pieces) = Pieces::of(sound) {
         // A recipe that ends early has done what it could.
         let _ = follow(pieces, &mut u, &mut out);
     }
@@ -91,7 +94,7 @@ fn follow(mut pieces: Pieces, u: &mut Unstructured<'_>, out: &mut Vec<u8>) -> Re
         }
         2 => {
             // The head and the tables say most in the fewest bytes.
-            let at = u.choose_index(out.len().min(300))?;
+            let at = u.choose_index(out.len().min(400))?;
             out[at] ^= 1 << u.int_in_range(0..=7)?;
             seal(out);
         }
@@ -110,9 +113,9 @@ fn follow(mut pieces: Pieces, u: &mut Unstructured<'_>, out: &mut Vec<u8>) -> Re
 
 fn change(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     match u.int_in_range(0..=19)? {
-        0..=3 => with_section(pieces, u, |bytes, u| set_word(bytes, u)),
-        4..=6 => with_section(pieces, u, |bytes, u| fill(bytes, u)),
-        7..=9 => with_section(pieces, u, |bytes, u| scale(bytes, u)),
+        0..=3 => with_floats(pieces, u, |bytes, u| set_word(bytes, u)),
+        4..=6 => with_floats(pieces, u, |bytes, u| fill(bytes, u)),
+        7..=9 => with_floats(pieces, u, |bytes, u| scale(bytes, u)),
         10 => with_section(pieces, u, |bytes, u| {
             let at = u.choose_index(bytes.len().max(1))?;
             let value = u.arbitrary()?;
@@ -134,10 +137,12 @@ fn change(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
         14 => part_row(pieces, u),
         15 => vertices(pieces, u),
         16 => {
-            let at = u.int_in_range(4..=9)?;
+            // Not the magic; the checksum is written last.
+            let at = u.int_in_range(4..=20)?;
             pieces.head[at] = integer(u)? as u8;
             Ok(())
         }
+        17 => counts(pieces, u),
         _ => group(pieces, u),
     }
 }
@@ -150,6 +155,46 @@ fn with_section(
 ) -> Result<()> {
     let at = u.choose_index(pieces.sections.len().max(1))?;
     pieces.sections.get_mut(at).map_or(Ok(()), |(_, bytes)| change(bytes, u))
+}
+
+/// Changes the content of a section of floats, or of records with floats among them. Directions are
+/// mostly turned, for few changes leave them their length.
+fn with_floats(
+    pieces: &mut Pieces,
+    u: &mut Unstructured<'_>,
+    change: impl FnOnce(&mut Vec<u8>, &mut Unstructured<'_>) -> Result<()>,
+) -> Result<()> {
+    let elements = [Element::F32, Element::Mixed].map(Element::number);
+    let floats = pieces.sections.iter_mut().filter(|(row, _)| elements.contains(&row.element));
+    let mut floats: Vec<_> = floats.collect();
+    let at = u.choose_index(floats.len().max(1))?;
+    let Some((row, bytes)) = floats.get_mut(at) else { return Ok(()) };
+    let floats_of_one = match SectionKind::from_number(row.kind) {
+        Some(SectionKind::RestNormals) => 3,
+        Some(SectionKind::RestTangents) => 4,
+        _ => return change(bytes, u),
+    };
+    if u.int_in_range(0..=3)? == 0 {
+        return change(bytes, u);
+    }
+    turn(bytes, floats_of_one, u)
+}
+
+/// Turns directions by quarters, and mirrors them; now and then one of them is none.
+fn turn(bytes: &mut [u8], floats_of_one: usize, u: &mut Unstructured<'_>) -> Result<()> {
+    let words = bytes.as_chunks_mut::<4>().0;
+    let (by, is_mirrored) = (u.choose_index(3)?, bool(u)?);
+    for direction in words.chunks_exact_mut(floats_of_one) {
+        direction[..3].rotate_left(by);
+        let first = f32::from_le_bytes(direction[0]);
+        direction[0] = (if is_mirrored { -first } else { first }).to_le_bytes();
+    }
+    if u.int_in_range(0..=3)? == 0 {
+        let at = u.choose_index((words.len() / floats_of_one).max(1))?;
+        let none = words.chunks_exact_mut(floats_of_one).skip(at).take(1);
+        none.for_each(|direction| direction[..3].fill([0; 4]));
+    }
+    Ok(())
 }
 
 fn set_word(bytes: &mut [u8], u: &mut Unstructured<'_>) -> Result<()> {
@@ -193,12 +238,14 @@ fn run<'a>(bytes: &'a mut [u8], u: &mut Unstructured<'_>) -> Result<&'a mut [[u8
 fn section_row(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     let at = u.choose_index(pieces.sections.len().max(1))?;
     let value = integer(u)?;
-    match (u.int_in_range(0..=5)?, pieces.sections.get_mut(at)) {
+    match (u.int_in_range(0..=7)?, pieces.sections.get_mut(at)) {
         (0, Some((row, _))) => row.kind = value as u16,
-        (1, Some((row, _))) => row.part = value as u8,
+        (1, Some((row, _))) => row.part = value as u16,
         (2, Some((row, _))) => row.flags = value as u8,
-        (3, Some(_)) => drop(pieces.sections.remove(at)),
-        (4, Some(section)) => {
+        (3, Some((row, _))) => row.element = value as u8,
+        (4, Some((row, _))) => row.reserved = value as u16,
+        (5, Some(_)) => drop(pieces.sections.remove(at)),
+        (6, Some(section)) => {
             let again = section.clone();
             pieces.sections.push(again);
         }
@@ -212,45 +259,70 @@ fn section_row(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
 }
 
 fn part_row(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
-    let Some(row) = pieces.parts.first_mut() else { return Ok(()) };
-    match u.int_in_range(0..=6)? {
-        0 => {
-            let at = u.choose_index(row.counts.len())?;
-            row.counts[at] = integer(u)?;
+    let at = u.choose_index(pieces.parts.len().max(1))?;
+    let Some(row) = pieces.parts.get_mut(at) else { return Ok(()) };
+    match u.int_in_range(0..=4)? {
+        0 => row.kind = u.int_in_range(0..=5)?,
+        1 => row.flags = integer(u)? as u16,
+        2 => {
+            pieces.parts.remove(at);
         }
-        1 => {
-            let at = u.choose_index(row.counts.len())?;
-            row.counts[at] = row.counts[at].wrapping_add_signed(u.int_in_range(-2..=2)?);
+        3 => {
+            let other = u.choose_index(pieces.parts.len())?;
+            pieces.parts.swap(at, other);
         }
-        2 => row.predictor = u.int_in_range(0..=4)?,
-        3 => row.kind = u.int_in_range(0..=5)?,
-        4 => row.flags = integer(u)? as u16,
-        5 => row.figures[u.choose_index(5)?] = float(u)?,
         _ => {
-            let more =
-                PartRow { kind: u.int_in_range(0..=5)?, flags: u.int_in_range(0..=1)?, ..*row };
+            let more = PartRow { kind: u.int_in_range(0..=5)?, flags: u.int_in_range(0..=1)? };
             pieces.parts.push(more);
         }
     }
     Ok(())
 }
 
-/// Drops vertices or the tangents: a sound file of another shape.
-fn vertices(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
-    if bool(u)? {
-        pieces.sections.retain(|(row, _)| row.kind != SectionKind::RestTangents.number());
-        return Ok(());
-    }
-    let vertex_len = pieces.parts.first().map_or(0, |row| row.counts[0]);
-    keep_vertices(pieces, u.int_in_range(0..=vertex_len.min(64))?);
+/// Changes a count of an envelope or of a skin, or what a skin follows.
+fn counts(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
+    let kinds = [SectionKind::EnvelopeCounts, SectionKind::SkinCounts];
+    let is_counts = |kind: u16| kinds.iter().any(|own| own.number() == kind);
+    let own = pieces.sections.iter_mut().filter(|(row, _)| is_counts(row.kind));
+    let mut own: Vec<_> = own.map(|(_, bytes)| bytes.as_chunks_mut::<4>().0).collect();
+    let at = u.choose_index(own.len().max(1))?;
+    let Some(words) = own.get_mut(at) else { return Ok(()) };
+    let at = u.choose_index(words.len().max(1))?;
+    let Some(word) = words.get_mut(at) else { return Ok(()) };
+    let value = match u.int_in_range(0..=3)? {
+        0 => integer(u)?,
+        1 => NO_ENVELOPE,
+        2 => u.int_in_range(0..=5)?,
+        _ => u32::from_le_bytes(*word).wrapping_add_signed(u.int_in_range(-2..=2)?),
+    };
+    *word = value.to_le_bytes();
     Ok(())
 }
 
-/// Keeps the first vertices only, everywhere; of none there are no rest boxes.
+/// Drops vertices, the tangents, the ranges, or the envelope: a sound file of another shape.
+fn vertices(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
+    match u.int_in_range(0..=3)? {
+        0 => pieces.sections.retain(|(row, _)| row.kind != SectionKind::RestTangents.number()),
+        1 => {
+            let Some(ranges) = pieces.section(SectionKind::Ranges) else { return Ok(()) };
+            let words = ranges.as_chunks_mut::<4>().0;
+            let (at, value) = (u.choose_index(words.len().max(1))?, u.int_in_range(0..=32u32)?);
+            words.iter_mut().skip(at).take(1).for_each(|word| *word = value.to_le_bytes());
+        }
+        2 if pieces.parts.len() == 2 => pieces.loosen(),
+        _ => {
+            let vertex_len = pieces.word(SectionKind::SkinCounts, 0).unwrap_or(0);
+            keep_vertices(pieces, u.int_in_range(0..=vertex_len.min(64))?);
+        }
+    }
+    Ok(())
+}
+
+/// Keeps the first skin's first vertices only, everywhere; of none there are no rest boxes.
 pub(crate) fn keep_vertices(pieces: &mut Pieces, vertex_len: u32) {
-    let Some(row) = pieces.parts.first_mut() else { return };
-    row.counts[0] = vertex_len;
-    let influence_len = row.counts[3] as usize;
+    let Some(influence_len) = pieces.word(SectionKind::SkinCounts, 1) else { return };
+    pieces.set_word(SectionKind::SkinCounts, 0, vertex_len);
+    let influence_len = influence_len as usize;
     for (kind, bytes) in [
         (SectionKind::RestPositions, 12),
         (SectionKind::RestNormals, 12),
@@ -260,6 +332,11 @@ pub(crate) fn keep_vertices(pieces: &mut Pieces, vertex_len: u32) {
     ] {
         if let Some(content) = pieces.section(kind) {
             content.truncate((vertex_len as usize).saturating_mul(bytes));
+        }
+    }
+    if let Some(ranges) = pieces.section(SectionKind::Ranges) {
+        for word in ranges.as_chunks_mut::<4>().0 {
+            *word = u32::from_le_bytes(*word).min(vertex_len).to_le_bytes();
         }
     }
     if vertex_len == 0

@@ -2,11 +2,12 @@
 
 use crate::evaluate::{evaluate, read};
 use arbitrary::{Result, Unstructured};
-use sinew_runtime::format::{CORRECTION_MAX, Certificate, MAGNITUDE_MAX, Predictor, TWIST_MAX};
+use sinew_runtime::envelope::{Certificate, Predictor, TWIST_MAX};
+use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Space};
 use sinew_runtime::kernel::Kernel;
-use sinew_runtime::{Envelope, Model};
+use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::{
-    Alignment, BakeError, EnvelopeParts, Group, Key, Reconstruction, bake_aligned,
+    BakeError, EnvelopeParts, Group, Key, ModelParts, Reconstruction, SkinParts, bake,
 };
 
 /// Bakes what bytes describe, loads it, compares it and evaluates it.
@@ -20,22 +21,42 @@ pub fn round_trip(data: &[u8]) -> std::result::Result<(), BakeError> {
     let mut u = Unstructured::new(data);
     // Bytes that end early go on in zeros, so that any are a description.
     let Ok(parts) = parts(&mut u) else { return Ok(()) };
-    let even = data.len().is_multiple_of(2);
-    let alignment = if even { Alignment::Bytes16 } else { Alignment::Bytes256 };
-    let file = bake_aligned(&parts, alignment)?;
-    let model = Model::from_bytes(&file).map_err(BakeError::Refused)?;
-    read(&model, file.len());
-    match model.envelope_named(&parts.name) {
-        Some(envelope) => compare(&parts, &envelope),
-        None => panic!("the envelope has another name than {:?}", parts.name),
+    let model = Model::from_bytes(bake(&parts)?).map_err(BakeError::Refused)?;
+    read(&model);
+    assert_eq!(model.space(), parts.space);
+    let counts = (model.envelopes().count(), model.skins().count());
+    assert_eq!(counts, (parts.envelopes.len(), parts.skins.len()));
+    for (parts, envelope) in parts.envelopes.iter().zip(model.envelopes()) {
+        compare(parts, &envelope);
+    }
+    for (parts, skin) in parts.skins.iter().zip(model.skins()) {
+        assert_eq!(skin.envelope_part(), parts.envelope);
+        compare_skin(parts, &skin);
     }
     evaluate(&model, 0..crate::poses::KINDS);
     Ok(())
 }
 
-fn parts(u: &mut Unstructured<'_>) -> Result<EnvelopeParts> {
+fn parts(u: &mut Unstructured<'_>) -> Result<ModelParts> {
+    // The trainer's bake writes envelopes first, so that their numbers are those of their parts.
+    let envelope_len = u.int_in_range(0..=2)?;
+    let envelopes = list(envelope_len, || envelope(u))?;
+    let skin_len = u.int_in_range(usize::from(envelope_len == 0)..=3)?;
+    let skins = list(skin_len, || skin(&envelopes, u))?;
+    Ok(ModelParts { space: space(u)?, envelopes, skins })
+}
+
+fn space(u: &mut Unstructured<'_>) -> Result<Space> {
+    let up = if u.arbitrary()? { Some(*u.choose(&Axis::ALL)?) } else { None };
+    let forward = if u.arbitrary()? { Some(*u.choose(&Axis::ALL)?) } else { None };
+    let forward = forward.filter(|forward| up.is_none_or(|up| !up.is_along(*forward)));
+    let handedness = *u.choose(&[Handedness::Right, Handedness::Left])?;
+    let unit = if u.arbitrary()? { Some(*u.choose(&[1e-9, 0.01, 1.0, 1e9])?) } else { None };
+    Ok(Space { up, forward, handedness, unit })
+}
+
+fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeParts> {
     let joint_len = u.int_in_range(1..=6)?;
-    let vertex_len = u.int_in_range(0..=9)?;
     let proxy_len = u.int_in_range(1..=4)?;
     let predictor = Predictor::ALL[u.choose_index(3)?];
     // A tree whose joints have been renumbered by a turn.
@@ -60,33 +81,55 @@ fn parts(u: &mut Unstructured<'_>) -> Result<EnvelopeParts> {
         left -= group.proxies;
         groups.push(group);
     }
-    let joints = if predictor.reconstructs() { 0 } else { joint_len };
-    let influence_len = u.int_in_range(1..=5)?;
     Ok(EnvelopeParts {
         name: name(u)?,
         joint_names: list(joint_len, || name(u))?,
         parents,
         root: number(0),
         rest_frames: list(joint_len, || frame(u))?,
-        rest_positions: list(vertex_len, || vector(u, MAGNITUDE_MAX))?,
-        rest_normals: list(vertex_len, || direction(u))?,
-        rest_tangents: if u.arbitrary()? {
-            let tangent = |[x, y, z]: [f64; 3]| [x, y, z, if x < 0.5 { -1.0 } else { 1.0 }];
-            Some(list(vertex_len, || direction(u).map(tangent))?)
-        } else {
-            None
-        },
-        influences: list(vertex_len, || {
-            let len = u.int_in_range(1..=influence_len)?;
-            list(len, || {
-                let index = u.choose_index(joints + proxy_len)?;
-                Ok((index, f64::from(u.int_in_range(1..=1000u16)?)))
-            })
-        })?,
         reconstruction,
         groups,
         pose_ranges: list(joint_len, || float(u, 4.0).map(f64::abs))?,
         certificate: Certificate { diagonal: float(u, 1e3)? as f32, ..Certificate::default() },
+    })
+}
+
+/// Describes a skin of one of the envelopes, or of none.
+fn skin(envelopes: &[EnvelopeParts], u: &mut Unstructured<'_>) -> Result<SkinParts> {
+    let vertex_len = u.int_in_range(0..=9)?;
+    let number = u.choose_index(envelopes.len() + 1)?;
+    let envelope = envelopes.get(number);
+    let influence_len = u.int_in_range(1..=5)?;
+    let influences = match envelope.map(EnvelopeParts::palette_len) {
+        None => Vec::new(),
+        Some(palette_len) => list(vertex_len, || {
+            let len = u.int_in_range(1..=influence_len)?;
+            list(len, || {
+                let index = u.choose_index(palette_len)?;
+                Ok((index, f64::from(u.int_in_range(1..=1000u16)?)))
+            })
+        })?,
+    };
+    let mut start = 0;
+    let ranges = list(u.choose_index(3)?, || {
+        let first = u.int_in_range(start..=vertex_len)?;
+        start = u.int_in_range(first..=vertex_len)?;
+        Ok((name(u)?, first..start))
+    })?;
+    Ok(SkinParts {
+        name: name(u)?,
+        envelope: envelope.map(|_| number),
+        rest_positions: list(vertex_len, || vector(u, MAGNITUDE_MAX))?,
+        rest_normals: list(vertex_len, || Ok(direction(u)?.unwrap_or_default()))?,
+        rest_tangents: if u.arbitrary()? {
+            let tangent = |[x, y, z]: [f64; 3]| [x, y, z, if x < 0.5 { -1.0 } else { 1.0 }];
+            let along = [1.0, 0.0, 0.0];
+            Some(list(vertex_len, || Ok(tangent(direction(u)?.unwrap_or(along))))?)
+        } else {
+            None
+        },
+        influences,
+        ranges,
     })
 }
 
@@ -136,10 +179,11 @@ fn frame(u: &mut Unstructured<'_>) -> Result<[[f64; 4]; 3]> {
     })
 }
 
-fn direction(u: &mut Unstructured<'_>) -> Result<[f64; 3]> {
+/// A direction, of length 1; `None` one time in many.
+fn direction(u: &mut Unstructured<'_>) -> Result<Option<[f64; 3]>> {
     let v = vector(u, 1.0)?;
     let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    Ok(if length > 1e-3 { v.map(|x| x / length) } else { [0.0; 3] })
+    Ok((length > 1e-3).then(|| v.map(|x| x / length)))
 }
 
 fn vector(u: &mut Unstructured<'_>, most: f32) -> Result<[f64; 3]> {
@@ -164,7 +208,7 @@ fn list<T>(len: usize, mut make: impl FnMut() -> Result<T>) -> Result<Vec<T>> {
     (0..len).map(|_| make()).collect()
 }
 
-/// Compares each array with what was described, rounded.
+/// Compares each array of an envelope with what was described, rounded.
 fn compare(parts: &EnvelopeParts, envelope: &Envelope<'_>) {
     let round = |x: f64| x as f32;
     assert_eq!(envelope.name(), parts.name);
@@ -178,20 +222,29 @@ fn compare(parts: &EnvelopeParts, envelope: &Envelope<'_>) {
         let origin = parts.rest_frames[joint].map(|row| round(row[3]));
         assert_eq!(envelope.origin(joint), parts.predictor().corrects().then_some(origin));
     }
-    assert_eq!(envelope.vertex_len(), parts.rest_positions.len());
-    for (vertex, influences) in parts.influences.iter().enumerate() {
-        assert_eq!(envelope.rest_position(vertex), Some(parts.rest_positions[vertex].map(round)));
-        assert_eq!(envelope.rest_normal(vertex), Some(parts.rest_normals[vertex].map(round)));
-        let tangent = parts.rest_tangents.as_ref().map(|t| t[vertex].map(round));
-        assert_eq!(envelope.rest_tangent(vertex), tangent);
-        let sum = influences.iter().map(|&(_, weight)| weight).sum::<f64>();
-        let written = influences.iter().map(|&(index, weight)| (index, round(weight / sum)));
-        let unused = envelope.influence_len() - influences.len();
-        let expected = written.chain(std::iter::repeat_n((0, 0.0), unused));
-        assert!(envelope.influences(vertex).eq(expected), "influences of vertex {vertex}");
-    }
     compare_reconstruction(parts, envelope);
     compare_groups(parts, envelope);
+}
+
+/// Compares each array of a skin with what was described, rounded.
+fn compare_skin(parts: &SkinParts, skin: &Skin<'_>) {
+    let round = |x: f64| x as f32;
+    assert_eq!((skin.name(), skin.vertex_len()), (&*parts.name, parts.rest_positions.len()));
+    for vertex in 0..skin.vertex_len() {
+        assert_eq!(skin.rest_position(vertex), Some(parts.rest_positions[vertex].map(round)));
+        assert_eq!(skin.rest_normal(vertex), Some(parts.rest_normals[vertex].map(round)));
+        let tangent = parts.rest_tangents.as_ref().map(|t| t[vertex].map(round));
+        assert_eq!(skin.rest_tangent(vertex), tangent);
+    }
+    for (vertex, influences) in parts.influences.iter().enumerate() {
+        let sum = influences.iter().map(|&(_, weight)| weight).sum::<f64>();
+        let written = influences.iter().map(|&(index, weight)| (index, round(weight / sum)));
+        let unused = skin.influence_len() - influences.len();
+        let expected = written.chain(std::iter::repeat_n((0, 0.0), unused));
+        assert!(skin.influences(vertex).eq(expected), "influences of vertex {vertex}");
+    }
+    let ranges = skin.ranges().map(|(name, range)| (name.to_owned(), range));
+    assert!(ranges.eq(parts.ranges.iter().cloned()));
 }
 
 fn compare_reconstruction(parts: &EnvelopeParts, envelope: &Envelope<'_>) {

@@ -4,22 +4,22 @@ use crate::evaluate::{evaluate, read};
 use crate::pieces::seal;
 use crate::poses::KINDS;
 use crate::recipe;
-use sinew_runtime::{FormatError, Model};
+use sinew_runtime::{FileError, Model};
 use std::ops::Range;
 
 /// Loads any bytes, and reads what was accepted.
 ///
 /// # Errors
 /// Why the bytes were refused.
-pub fn load(data: &[u8]) -> Result<(), FormatError> {
-    Model::from_bytes(data).map(|model| read(&model, data.len()))
+pub fn load(data: &[u8]) -> Result<(), FileError> {
+    Model::from_bytes(data).map(|model| read(&model))
 }
 
 /// Loads any bytes, and evaluates what was accepted.
 ///
 /// # Errors
 /// Why the bytes were refused.
-pub fn run(data: &[u8]) -> Result<(), FormatError> {
+pub fn run(data: &[u8]) -> Result<(), FileError> {
     run_poses(data, 0..KINDS)
 }
 
@@ -27,9 +27,9 @@ pub fn run(data: &[u8]) -> Result<(), FormatError> {
 ///
 /// # Errors
 /// Why the bytes were refused.
-pub fn run_poses(data: &[u8], numbers: Range<usize>) -> Result<(), FormatError> {
+pub fn run_poses(data: &[u8], numbers: Range<usize>) -> Result<(), FileError> {
     let model = Model::from_bytes(data)?;
-    read(&model, data.len());
+    read(&model);
     evaluate(&model, numbers);
     Ok(())
 }
@@ -38,7 +38,7 @@ pub fn run_poses(data: &[u8], numbers: Range<usize>) -> Result<(), FormatError> 
 ///
 /// # Errors
 /// Why the file was refused.
-pub fn repaired(data: &[u8]) -> Result<(), FormatError> {
+pub fn repaired(data: &[u8]) -> Result<(), FileError> {
     let mut file = data.to_vec();
     seal(&mut file);
     run(&file)
@@ -48,7 +48,7 @@ pub fn repaired(data: &[u8]) -> Result<(), FormatError> {
 ///
 /// # Errors
 /// Why the file was refused.
-pub fn recipe(data: &[u8]) -> Result<(), FormatError> {
+pub fn recipe(data: &[u8]) -> Result<(), FileError> {
     run(&recipe::file(data))
 }
 

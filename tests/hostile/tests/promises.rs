@@ -4,70 +4,117 @@
 use hostile::GOLDEN;
 use hostile::evaluate::evaluate_pose;
 use hostile::pieces::Pieces;
-use sinew_runtime::format::{
-    CORRECTION_MAX, GroupRow, KEY_WORDS, MAGNITUDE_MAX, Predictor, SectionKind, TRAVEL_MAX,
-};
-use sinew_runtime::{FormatError, Limits, Matrix3x4, Model, Quantity};
+use sinew_runtime::envelope::{GroupRow, KEY_WORDS, Predictor};
+use sinew_runtime::format::{CORRECTION_MAX, MAGNITUDE_MAX, SectionKind, TRAVEL_MAX};
+use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Matrix3x4, Model};
 
 const UNLIMITED: Limits = Limits {
     file_bytes: u32::MAX,
+    parts: u16::MAX,
+    sections: u16::MAX,
     vertices: u32::MAX,
     joints: u32::MAX,
     proxies: u32::MAX,
     influences: u32::MAX,
 };
 
+/// Loads a golden in which a count is changed, and tells why it is refused.
+fn promised(golden: &[u8], counts: SectionKind, at: usize, count: u32) -> FileError {
+    let mut pieces = Pieces::of(golden).unwrap();
+    pieces.set_word(counts, at, count);
+    // A content that no check could pass: it would be the error if it were read first.
+    for kind in [SectionKind::RestNormals, SectionKind::InverseBinds] {
+        pieces.section(kind).unwrap().fill(0xff);
+    }
+    Model::from_bytes_with(pieces.file(|_| {}), &UNLIMITED).unwrap_err()
+}
+
 #[test]
 fn what_counts_promise_must_be_there_before_anything_is_read() {
+    use SectionKind::{EnvelopeCounts, SkinCounts};
+    let length = |section: SectionKind, expected: u64, error: FileError| {
+        let expected = u32::try_from(expected).unwrap_or(u32::MAX);
+        let found = (error.kind, error.section, error.expected);
+        assert_eq!(found, (Kind::Length, Some(section), expected), "{error}");
+    };
+    let limit = |section: SectionKind, index: u32, most: u32, error: FileError| {
+        let found = (error.kind, error.section, error.index, error.expected, error.found);
+        assert_eq!(found, (Kind::Limit, Some(section), index, most, u32::MAX), "{error}");
+    };
     for (golden, predictor) in GOLDEN.iter().zip(Predictor::ALL) {
-        // Counts: V, J, P, K, root, G, scratch.
-        let promised = |at: usize, count: u32| {
-            let mut pieces = Pieces::of(golden).unwrap();
-            pieces.parts[0].counts[at] = count;
-            // A content that no check could pass: it would be the error if it were read first.
-            pieces.section(SectionKind::RestNormals).unwrap().fill(0xff);
-            Model::from_bytes_with(&pieces.file(|_| {}), &UNLIMITED).unwrap_err()
-        };
-        let length = |section: SectionKind, expected: u64| {
-            move |error: FormatError| match error {
-                FormatError::SectionLength { section: found, expected: e, .. } => {
-                    let expected = u32::try_from(expected).unwrap_or(u32::MAX);
-                    assert_eq!((found, e), (section, expected));
-                }
-                error => panic!("{section:?}: {error}"),
-            }
-        };
-        let limit = |quantity, most| {
-            move |error| {
-                assert_eq!(error, FormatError::Limit { quantity, most, found: u32::MAX });
-            }
-        };
-        length(SectionKind::RestPositions, 12 * 0xffff_ffff)(promised(0, u32::MAX));
-        limit(Quantity::Joints, 65_535)(promised(1, u32::MAX));
-        length(SectionKind::Names, 4 * 65_536)(promised(1, 65_535));
-        limit(Quantity::Proxies, 65_535)(promised(2, u32::MAX));
-        let per_proxy = if predictor.reconstructs() {
-            length(SectionKind::Keys, 220 * 65_535)
-        } else {
-            length(SectionKind::RestBoxes, 24 * (65_535 + 5))
-        };
-        per_proxy(promised(2, 65_535));
-        limit(Quantity::Influences, 65_535)(promised(3, u32::MAX));
-        length(SectionKind::InfluenceIndices, 2 * 24 * 65_535)(promised(3, 65_535));
+        // Counts: predictor, J, P, root, G, floats of the correction.
+        let envelope = |at, count| promised(golden, EnvelopeCounts, at, count);
+        limit(EnvelopeCounts, 1, 65_535, envelope(1, u32::MAX));
+        length(SectionKind::Names, 4 * 65_536, envelope(1, 65_535));
+        limit(EnvelopeCounts, 2, 65_535, envelope(2, u32::MAX));
+        if predictor.reconstructs() {
+            length(SectionKind::Keys, 220 * 65_535, envelope(2, 65_535));
+        }
         let groups = if predictor.corrects() { 5 } else { 0 };
-        limit(Quantity::Groups, groups)(promised(5, u32::MAX));
+        limit(EnvelopeCounts, 4, groups, envelope(4, u32::MAX));
         if predictor.corrects() {
-            length(SectionKind::Groups, 24 * 5)(promised(5, 5));
+            length(SectionKind::Groups, 24 * 5, envelope(4, 5));
         }
         // What promises nothing is left for its own check.
-        for at in [4, 6] {
-            let error = promised(at, u32::MAX);
-            assert!(matches!(error, FormatError::Hierarchy { .. } | FormatError::Float { .. }));
+        for at in [3, 5] {
+            let error = envelope(at, u32::MAX);
+            let section = error.section.unwrap();
+            let expected =
+                [(Kind::Invalid, SectionKind::Hierarchy), (Kind::Float, SectionKind::InverseBinds)];
+            assert!(expected.contains(&(error.kind, section)), "{error}");
         }
+    }
+    // V, K, the envelope, R. What the envelope's sections hold is sound here.
+    for golden in GOLDEN {
+        let skin = |at, count| {
+            let mut pieces = Pieces::of(golden).unwrap();
+            pieces.set_word(SkinCounts, at, count);
+            pieces.section(SectionKind::RestNormals).unwrap().fill(0xff);
+            Model::from_bytes_with(pieces.file(|_| {}), &UNLIMITED).unwrap_err()
+        };
+        length(SectionKind::RestPositions, 12 * 0xffff_ffff, skin(0, u32::MAX));
+        limit(SkinCounts, 1, 65_535, skin(1, u32::MAX));
+        length(SectionKind::InfluenceIndices, 2 * 24 * 65_535, skin(1, 65_535));
+        length(SectionKind::Names, 4 * 0xffff_ffff, skin(3, 0xffff_fffe));
+        length(SectionKind::Names, u64::MAX, skin(3, u32::MAX));
     }
 }
 
-/// A golden whose every number is the largest that it may be, all of one sign.
+#[test]
+fn helpers_that_take_no_bytes_are_held_by_the_limits() {
+    // A kernel envelope without a skin, and one group without centres of as many helpers as there may
+    // be: of few bytes a palette of many transforms, but never of more than the caller allows.
+    let promise = |proxies: u32| {
+        let mut pieces = Pieces::of(GOLDEN[1]).unwrap();
+        pieces.parts.truncate(1);
+        pieces.sections.retain(|(row, _)| row.part == 0);
+        let row = GroupRow {
+            joint: 0,
+            kernel: 8,
+            reserved: 0,
+            input_len: 0,
+            centre_len: 0,
+            rank: 0,
+            proxy_len: proxies as u16,
+            offset: 0,
+            fade_start: 0.0,
+            fade_end: 0.0,
+        };
+        *pieces.section(SectionKind::Groups).unwrap() = row.to_bytes().to_vec();
+        pieces.section(SectionKind::Corrections).unwrap().clear();
+        pieces.set_word(SectionKind::EnvelopeCounts, 2, proxies);
+        pieces.set_word(SectionKind::EnvelopeCounts, 4, 1);
+        pieces.set_word(SectionKind::EnvelopeCounts, 5, row.scratch_len() as u32);
+        pieces.file(|_| {})
+    };
+    let most = Limits::DEFAULT.proxies;
+    assert_eq!(hostile::targets::run(&promise(most)), Ok(()));
+    let refused = hostile::targets::run(&promise(most + 1)).unwrap_err();
+    assert_eq!((refused.kind, refused.index, refused.expected), (Kind::Limit, 2, most));
+}
+
+/// A golden whose every number is the largest that it may be, all of one sign. Normals and tangents,
+/// which have a length, stay.
 fn largest(golden: &[u8]) -> Vec<u8> {
     let mut pieces = Pieces::of(golden).unwrap();
     let fill = |content: &mut [u8], value: f32| {
@@ -75,8 +122,6 @@ fn largest(golden: &[u8]) -> Vec<u8> {
     };
     for kind in [
         SectionKind::RestPositions,
-        SectionKind::RestNormals,
-        SectionKind::RestTangents,
         SectionKind::RestBoxes,
         SectionKind::C1,
         SectionKind::C2,
@@ -118,24 +163,25 @@ fn largest(golden: &[u8]) -> Vec<u8> {
 
 /// Half turns about z, each joint as far away as a pose may go.
 fn far(joint_len: usize, travel: f32) -> Vec<Matrix3x4> {
-    let map = |joint: usize| {
+    let transform = |joint: usize| {
         let sign = if joint.is_multiple_of(2) { 1.0 } else { -1.0 };
         [[sign, 0.0, 0.0, sign * travel], [0.0, sign, 0.0, travel], [0.0, 0.0, 1.0, -sign * travel]]
     };
-    (0..joint_len).map(map).collect()
+    (0..joint_len).map(transform).collect()
 }
 
 #[test]
 fn the_largest_numbers_evaluate_to_finite_values() {
     for golden in GOLDEN {
         let file = largest(golden);
-        let envelope = Model::from_bytes(&file).unwrap().envelope().unwrap();
-        evaluate_pose(&envelope, 0, &far(envelope.joint_len(), TRAVEL_MAX));
+        let model = Model::from_bytes(file).unwrap();
+        let envelope = model.envelope().unwrap();
+        evaluate_pose(&model, &envelope, 0, &far(envelope.joint_len(), TRAVEL_MAX));
         if envelope.predictor().corrects() {
             let pose = far(envelope.joint_len(), TRAVEL_MAX);
-            let mut workspace = vec![0.0; envelope.workspace_len()];
+            let mut scratch = vec![0.0; envelope.scratch_len()];
             let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
-            let confidence = envelope.palette(&pose, &mut workspace, &mut palette);
+            let confidence = envelope.palette(&pose, &mut scratch, &mut palette);
             assert!(confidence.unwrap() > 0.0, "the kernel maps have taken part");
             let most =
                 palette.as_flattened().as_flattened().iter().fold(0.0f32, |a, x| a.max(x.abs()));
@@ -147,9 +193,10 @@ fn the_largest_numbers_evaluate_to_finite_values() {
 #[test]
 fn the_check_sees_what_is_not_finite() {
     let file = largest(GOLDEN[0]);
-    let envelope = Model::from_bytes(&file).unwrap().envelope().unwrap();
+    let model = Model::from_bytes(file).unwrap();
+    let envelope = model.envelope().unwrap();
     let pose = far(envelope.joint_len(), 1e25);
-    let seen = std::panic::catch_unwind(|| evaluate_pose(&envelope, 0, &pose));
+    let seen = std::panic::catch_unwind(|| evaluate_pose(&model, &envelope, 0, &pose));
     let message = seen.unwrap_err();
     assert!(message.downcast_ref::<String>().unwrap().contains("is not finite"));
 }

@@ -109,12 +109,15 @@ fn members_of(module: &Module) -> Vec<String> {
 
 #[test]
 fn the_uniform_block_is_what_the_layout_writes() {
-    let bytes = fs::read(folder().join("../tests/golden/envelope-2-hybrid.snw")).unwrap();
-    let model = Model::from_bytes(&bytes).unwrap();
-    let envelope = model.envelope().unwrap();
-    let batch = Batch::skinned(&envelope, 1);
+    let bytes = fs::read(folder().join("../tests/golden/envelope-3-hybrid.snw")).unwrap();
+    let model = Model::from_bytes(bytes).unwrap();
+    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let batch = Batch::skinned(&envelope, &skin, 1);
     let plan = Plan::new(&model, &envelope, &batch, &DeviceLimits::DOWNLEVEL).unwrap();
-    let written: Vec<_> = plan.chunks()[0].params().iter().map(|(name, _)| *name).collect();
+    let chunk = &plan.chunks()[0];
+    let written: Vec<_> = chunk.params().iter().map(|(name, _)| *name).collect();
+    let bytes = chunk.span(Resource::Params).unwrap().bytes;
+    assert_eq!(bytes, (4 * written.len() as u64).next_multiple_of(16));
     for (stage, module) in modules() {
         assert_eq!(members_of(&module), written, "{}", stage.name());
     }

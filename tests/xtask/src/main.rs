@@ -4,11 +4,12 @@ mod capi;
 mod components;
 mod deep;
 mod firmware;
+mod modules;
 mod prepare;
 mod vulkan;
 
 use std::ffi::{OsStr, OsString};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
@@ -18,8 +19,9 @@ const TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "wasm32-unknown-unknown"];
 const HELP: &str = "\
 usage: cargo xtask COMMAND
 
-  test         prepare the machine, then format, lint, document, build for every target and run every
-               test; tests on real data read ../shared/data and must find it when CI is set
+  test         prepare the machine, then see that modules import one way, format, lint, document, build
+               for every target and run every test; tests on real data read ../shared/data and must find
+               it when CI is set
   shaders      make the SPIR-V in shaders/spirv of the GLSL
   header       make the C header in runtime/capi/include of the sources
   conformance  run every stage on every Vulkan device here and print how each compares with the CPU
@@ -64,6 +66,7 @@ fn test() -> Result<(), String> {
     prepare::programs()?;
     vulkan::prepare()?;
     capi::prepare()?;
+    modules::check(Path::new("."))?;
     cargo("fmt --all --check", &[])?;
     cargo("clippy --workspace --all-targets --locked -- -D warnings", &[])?;
     cargo("doc --workspace --no-deps --locked", &[("RUSTDOCFLAGS", "-D warnings".into())])?;

@@ -1,7 +1,7 @@
 //! The groups of proxies and their kernel maps, as a file holds them.
 
 use super::{BakeError, EnvelopeParts, blocks, check_len, floats, narrow};
-use sinew_runtime::format::GroupRow;
+use sinew_runtime::envelope::GroupRow;
 use sinew_runtime::kernel::Kernel;
 
 /// Proxies that share a dominant joint and one kernel map: `K = outputs (C (G(s) - G(s at rest)) +

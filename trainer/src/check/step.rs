@@ -7,6 +7,7 @@ use crate::envelope::motion::{Poses, trajectories};
 use crate::envelope::weights::{self, BASELINE_INFLUENCES};
 use crate::examples::spread;
 use crate::examples::{Examples, Split};
+use sinew_runtime::format::Space;
 
 /// Vertices that are looked at.
 const VERTICES: usize = 400;
@@ -67,6 +68,8 @@ fn sample(examples: &Examples) -> Examples {
         vertices: (0..examples.frame_len()).flat_map(|f| pick(examples.frame(f))).collect(),
         transforms: examples.transforms.clone(),
         split: examples.split.clone(),
+        ranges: Vec::new(),
+        space: Space::default(),
         importance: None,
     }
 }

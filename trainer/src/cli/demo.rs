@@ -7,6 +7,7 @@ use anyhow::{Context, bail};
 use clap::builder::RangedU64ValueParser;
 use serde_json::json;
 use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::Meshes;
 use sinew_trainer::evaluate::{Frames, evaluate};
 use sinew_trainer::examples::{Examples, Split, npz};
 use std::path::{Path, PathBuf};
@@ -69,9 +70,9 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let folder = arguments.output.as_deref();
     let model = folder.map(prepare).transpose()?;
     let examples = arguments.size.generate(output)?;
-    let trained = arguments.fit.train(&examples, "demo", output)?;
+    let trained = arguments.fit.train(&examples, "demo", Meshes::Skins(Vec::new()), output)?;
     let measuring = Bars::busy(output, "measuring");
-    let evaluation = evaluate(&trained.model, &examples, Frames::Of(Split::HeldOut))?;
+    let evaluation = evaluate(&trained.model, None, &examples, Frames::Of(Split::HeldOut))?;
     drop(measuring);
     let mut text = format!(
         "a procedural arm: {}\n{}{}",

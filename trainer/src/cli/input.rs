@@ -3,9 +3,10 @@
 use super::Output;
 use super::bars::Bars;
 use anyhow::{Context, bail};
+use sinew_runtime::Model;
 use sinew_trainer::examples::{
-    self, Clip, Examples, ExamplesError, LoadError, Loaded, Source, Split, hash_file, load,
-    load_importance,
+    self, Clip, Conversion, Examples, ExamplesError, LoadError, Loaded, Source, Split, hash_file,
+    load, load_importance,
 };
 use std::path::{Path, PathBuf};
 
@@ -76,15 +77,7 @@ impl ExampleArguments {
     /// Hashes every file that a load reads.
     pub(super) fn hashes(&self) -> anyhow::Result<Vec<InputFile>> {
         check(&self.examples)?;
-        self.files()
-            .iter()
-            .filter(|file| file.exists())
-            .map(|file| {
-                let sha256 = hash_file(file).with_context(|| file.display().to_string())?;
-                let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                Ok(InputFile { file: name, sha256 })
-            })
-            .collect()
+        self.files().iter().filter(|file| file.exists()).map(|file| hash(file)).collect()
     }
 
     /// Names every file that a load reads, where it is there.
@@ -104,14 +97,36 @@ impl ExampleArguments {
     }
 }
 
-/// Loads a file for its poses, and moves them to where their rest mesh is this one.
-pub(super) fn load_poses(file: &Path, rest: &[[f64; 3]], output: Output) -> anyhow::Result<Input> {
-    let mut input = read(Source::file(file), output, examples::load_poses)?;
+/// Hashes a file that is read.
+pub(super) fn hash(file: &Path) -> anyhow::Result<InputFile> {
+    let sha256 = hash_file(file).with_context(|| file.display().to_string())?;
+    let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(InputFile { file: name, sha256 })
+}
+
+/// Moves examples into the space of a model, as far as both are known. A model that cannot be loaded
+/// is left to who measures it.
+pub(super) fn convert_to_model(examples: &mut Examples, model: &[u8]) -> Option<Conversion> {
+    examples.convert_to(&Model::from_bytes(model).ok()?.space())
+}
+
+/// Loads a file for its poses.
+pub(super) fn load_poses(file: &Path, output: Output) -> anyhow::Result<Input> {
+    read(Source::file(file), output, examples::load_poses)
+}
+
+/// Moves poses from a file to where their rest mesh is this one.
+pub(super) fn move_to(
+    input: &mut Input,
+    file: &Path,
+    rest: &[[f64; 3]],
+    output: Output,
+) -> anyhow::Result<()> {
     let moved = input.examples.move_to(rest).with_context(|| file.display().to_string())?;
     if let Some(warning) = moved {
         output.warn(file.display(), warning);
     }
-    Ok(input)
+    Ok(())
 }
 
 /// Loads examples and tells what should be known about them.

@@ -1,13 +1,14 @@
 //! `sinew inspect`: what a model file holds.
 
-use super::{Output, input, printable, table};
+use super::{Output, input, printable, space, table};
 use anyhow::Context;
 use serde_json::{Value, json};
-use sinew_runtime::format::{PartKind, SectionKind};
-use sinew_runtime::{Envelope, Model};
+use sinew_runtime::format::{Element, PartKind, SectionKind};
+use sinew_runtime::{Envelope, Model, Section, Skin};
 use std::path::PathBuf;
 
-/// Shows the parts of MODEL, its bytes by section, and its accuracy certificate.
+/// Shows what MODEL holds: its parts (envelopes predict palettes, skins are meshes that follow them),
+/// the axes and the unit of its numbers, its bytes by section, and its accuracy certificate.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     /// A model that `sinew train` wrote
@@ -16,36 +17,89 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let bytes = input::read_model(&arguments.model)?;
-    let model = Model::from_bytes(&bytes).with_context(|| arguments.model.display().to_string())?;
-    let mut text = format!("{}: {} bytes\n", arguments.model.display(), bytes.len());
-    if let Some(envelope) = model.envelope() {
-        text += &describe(&envelope);
-    }
-    text += &format!("{:<24}{:<12}{:>12}\n", "section", "part", "bytes");
+    let model = Model::from_bytes(bytes).with_context(|| arguments.model.display().to_string())?;
+    let len = model.as_bytes().len();
+    let mut text = format!("{}: {len} bytes\n", arguments.model.display());
+    text += &format!("space: {}\n", space::describe(&model.space()));
+    model.envelopes().for_each(|envelope| text += &of_envelope(&envelope));
+    model.skins().for_each(|skin| text += &of_skin(&model, &skin));
+    let [section, part, element, bytes] = ["section", "part", "element", "bytes"];
+    let names = part_names(&model);
+    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(10) + 2;
+    text += &format!("{section:<24}{part:<width$}{element:<8}{bytes:>12}\n");
     for section in model.sections() {
-        let (kind, part) = names(&model, section.row.kind, section.row.part);
-        text += &format!("{kind:<24}{part:<12}{:>12}\n", section.bytes.len());
+        let (kind, element) = (kind_name(&section), element_name(&section));
+        let part = names.get(usize::from(section.row.part)).map_or("unknown", String::as_str);
+        text += &format!("{kind:<24}{part:<width$}{element:<8}{:>12}\n", section.bytes.len());
     }
-    text += &format!("{:<36}{:>12}\n", "head, tables and padding", around(&model, bytes.len()));
-    output.print(&as_json(&model, bytes.len()), &text)
+    text += &format!("{:<36}{:>12}\n", "head, tables and padding", around(&model));
+    output.print(&as_json(&model), &text)
 }
 
 /// Counts the bytes that belong to no section.
-fn around(model: &Model<'_>, bytes: usize) -> usize {
-    bytes.saturating_sub(model.sections().map(|section| section.bytes.len()).sum())
+fn around(model: &Model<Vec<u8>>) -> usize {
+    let own: usize = model.sections().map(|section| section.bytes.len()).sum();
+    model.as_bytes().len().saturating_sub(own)
 }
 
-fn describe(envelope: &Envelope<'_>) -> String {
+/// Names the parts, each by its kind and its own name.
+fn part_names(model: &Model<Vec<u8>>) -> Vec<String> {
+    let kind = |row: sinew_runtime::format::PartRow| match PartKind::from_number(row.kind) {
+        Some(kind) => kind.name().to_owned(),
+        None => format!("unknown {}", row.kind),
+    };
+    let mut names: Vec<String> = model.parts().map(kind).collect();
+    let envelopes = model.envelopes().map(|envelope| (envelope.part(), envelope.name()));
+    let named: Vec<_> =
+        envelopes.chain(model.skins().map(|skin| (skin.part(), skin.name()))).collect();
+    for (part, name) in named {
+        if let Some(whole) = names.get_mut(part) {
+            *whole += &format!(" \"{}\"", printable(name));
+        }
+    }
+    names
+}
+
+fn kind_name(section: &Section<'_>) -> String {
+    SectionKind::from_number(section.row.kind)
+        .map_or_else(|| format!("unknown {}", section.row.kind), |kind| kind.name().to_owned())
+}
+
+fn element_name(section: &Section<'_>) -> String {
+    let known = Element::ALL.into_iter().find(|element| element.number() == section.row.element);
+    known.map_or_else(
+        || format!("unknown {}", section.row.element),
+        |element| element.name().to_owned(),
+    )
+}
+
+fn of_skin(model: &Model<Vec<u8>>, skin: &Skin<'_>) -> String {
+    let follows = model.envelope_of(skin).map_or("follows no envelope".to_owned(), |envelope| {
+        format!("follows envelope \"{}\"", printable(envelope.name()))
+    });
     let mut out = format!(
-        "envelope \"{}\", {}: {} vertices, {} joints, {}, {} influences a vertex, {} bytes of \
-         workspace\n",
+        "skin \"{}\": {} vertices, {} influences a vertex, {}, {follows}\n",
+        printable(skin.name()),
+        skin.vertex_len(),
+        skin.influence_len(),
+        if skin.has_tangents() { "with tangents" } else { "without tangents" },
+    );
+    for (name, vertices) in skin.ranges() {
+        let name = printable(name);
+        out += &format!("  {name}: vertices {} to {}\n", vertices.start, vertices.end);
+    }
+    out
+}
+
+fn of_envelope(envelope: &Envelope<'_>) -> String {
+    let mut out = format!(
+        "envelope \"{}\", {}: {} joints, {}, a palette of {}, {} bytes of scratch\n",
         printable(envelope.name()),
         envelope.predictor().name(),
-        envelope.vertex_len(),
         envelope.joint_len(),
         table::count(envelope.proxy_len()),
-        envelope.influence_len(),
-        4 * envelope.workspace_len(),
+        envelope.palette_len(),
+        4 * envelope.scratch_len(),
     );
     let certificate = envelope.certificate();
     out += &format!("certificate: RMS error, % of the diagonal {:.4}\n", certificate.diagonal);
@@ -79,67 +133,88 @@ fn describe(envelope: &Envelope<'_>) -> String {
     out
 }
 
-fn as_json(model: &Model<'_>, bytes: usize) -> Value {
+fn as_json(model: &Model<Vec<u8>>) -> Value {
+    let parts: Vec<Value> = model
+        .parts()
+        .map(|row| json!({ "kind": PartKind::from_number(row.kind).map(PartKind::name) }))
+        .collect();
     let sections: Vec<Value> = model
         .sections()
         .map(|section| {
-            let (kind, part) = names(model, section.row.kind, section.row.part);
-            json!({ "kind": kind, "part": part, "bytes": section.bytes.len() })
+            json!({
+                "kind": kind_name(&section),
+                "part": section.row.part,
+                "element": element_name(&section),
+                "bytes": section.bytes.len(),
+            })
         })
         .collect();
-    let envelope = model.envelope().map(|envelope| {
-        let certificate = envelope.certificate();
-        let joints: Vec<Value> = (0..envelope.joint_len())
-            .map(|joint| {
-                json!({
-                    "name": envelope.joint_name(joint),
-                    "parent": envelope.parent(joint),
-                    "range": envelope.pose_range(joint),
-                })
-            })
-            .collect();
-        let groups: Vec<Value> = envelope
-            .groups()
-            .map(|group| {
-                json!({
-                    "joint": group.joint,
-                    "proxies": group.proxies.len(),
-                    "kernel": group.kernel.name(),
-                    "inputs": group.input_len(),
-                    "centres": group.centre_len(),
-                    "rank": group.rank(),
-                })
-            })
-            .collect();
-        json!({
-            "name": envelope.name(),
-            "predictor": envelope.predictor().name(),
-            "vertices": envelope.vertex_len(),
-            "proxies": envelope.proxy_len(),
-            "influences": envelope.influence_len(),
-            "workspace_bytes": 4 * envelope.workspace_len(),
-            "joints": joints,
-            "groups": groups,
-            "certificate": {
-                "diagonal": certificate.diagonal,
-                "training_rms": certificate.training_rms,
-                "cross_validated_rms": certificate.cross_validated_rms,
-                "lbs_training_rms": certificate.lbs_training_rms,
-                "correction_error": certificate.correction_error,
-            },
-        })
-    });
     json!({
-        "bytes": bytes,
-        "envelope": envelope,
+        "bytes": model.as_bytes().len(),
+        "space": space::as_json(&model.space()),
+        "parts": parts,
+        "envelopes": model.envelopes().map(|e| envelope_as_json(&e)).collect::<Vec<_>>(),
+        "skins": model.skins().map(|skin| skin_as_json(&skin)).collect::<Vec<_>>(),
         "sections": sections,
-        "other_bytes": around(model, bytes),
+        "other_bytes": around(model),
     })
 }
 
-fn names(model: &Model<'_>, kind: u16, part: u8) -> (String, String) {
-    let section = SectionKind::from_number(kind)
-        .map_or_else(|| format!("unknown {kind}"), |kind| kind.name().to_owned());
-    let part = model.parts().nth(usize::from(part)).and_then(|row| PartKind::from_number(row.kind));
-    (section, part.map_or_else(|| "unknown".to_owned(), |kind| kind.name().to_owned()))
+fn skin_as_json(skin: &Skin<'_>) -> Value {
+    let ranges: Vec<Value> = skin
+        .ranges()
+        .map(|(name, range)| json!({ "name": name, "start": range.start, "end": range.end }))
+        .collect();
+    json!({
+        "part": skin.part(),
+        "name": skin.name(),
+        "envelope_part": skin.envelope_part(),
+        "vertices": skin.vertex_len(),
+        "influences": skin.influence_len(),
+        "tangents": skin.has_tangents(),
+        "ranges": ranges,
+    })
+}
+
+fn envelope_as_json(envelope: &Envelope<'_>) -> Value {
+    let certificate = envelope.certificate();
+    let joints: Vec<Value> = (0..envelope.joint_len())
+        .map(|joint| {
+            json!({
+                "name": envelope.joint_name(joint),
+                "parent": envelope.parent(joint),
+                "range": envelope.pose_range(joint),
+            })
+        })
+        .collect();
+    let groups: Vec<Value> = envelope
+        .groups()
+        .map(|group| {
+            json!({
+                "joint": group.joint,
+                "proxies": group.proxies.len(),
+                "kernel": group.kernel.name(),
+                "inputs": group.input_len(),
+                "centres": group.centre_len(),
+                "rank": group.rank(),
+            })
+        })
+        .collect();
+    json!({
+        "part": envelope.part(),
+        "name": envelope.name(),
+        "predictor": envelope.predictor().name(),
+        "proxies": envelope.proxy_len(),
+        "palette": envelope.palette_len(),
+        "scratch_bytes": 4 * envelope.scratch_len(),
+        "joints": joints,
+        "groups": groups,
+        "certificate": {
+            "diagonal": certificate.diagonal,
+            "training_rms": certificate.training_rms,
+            "cross_validated_rms": certificate.cross_validated_rms,
+            "lbs_training_rms": certificate.lbs_training_rms,
+            "correction_error": certificate.correction_error,
+        },
+    })
 }

@@ -51,7 +51,7 @@ pub(super) fn blame(
                 input::describe_frames(examples)
             );
         }
-        EvaluateError::Frame { .. } | EvaluateError::Examples(_) => source,
+        EvaluateError::Frame(_) | EvaluateError::Examples(_) => source,
         _ => model.display(),
     };
     let at_fault = at_fault.to_string();

@@ -9,8 +9,10 @@ mod export_demo;
 mod files;
 mod input;
 mod inspect;
+mod levels;
 mod measured;
 mod report;
+mod space;
 mod table;
 mod train;
 

@@ -3,13 +3,12 @@
 use super::bars::Bars;
 use super::files::{self, Target};
 use super::measured::{SplitName, blame};
+use super::space::StatedSpace;
 use super::{Output, input, table};
 use anyhow::{Context, bail};
-use clap::ValueEnum;
 use serde_json::json;
-use sinew_trainer::evaluate::{Frames, open};
+use sinew_trainer::evaluate::{Character, Frames};
 use sinew_trainer::examples::{Examples, Split};
-use sinew_trainer::report::camera::Axis;
 use sinew_trainer::report::subject::{File, Source, Subject};
 use sinew_trainer::report::{Page, Wish, csv, ply};
 use std::path::{Path, PathBuf};
@@ -19,13 +18,19 @@ use std::path::{Path, PathBuf};
 /// The page shows the worst pose beside the truth and LBS, maps of the error on the skin, errors by
 /// frame, by joint and by size, the model's confidence, and what its predictor makes of the same
 /// examples with fewer and with more proxies, for which it is trained again. Every number is measured
-/// as `sinew eval` does. The page needs no network and no script.
+/// as `sinew eval` does. The page needs no network and no script. In the pictures the character stands
+/// along the axis that --up or the examples' file names, else along z if it is longest along z, else
+/// along y.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     /// A model that `sinew train` wrote
     model: PathBuf,
     #[command(flatten)]
     input: input::ExampleArguments,
+    /// The skin to show, whose mesh the examples' is; of both models, where there are two [default:
+    /// each model's first]
+    #[arg(long, value_name = "NAME")]
+    skin: Option<String>,
     /// Where to write the page
     #[arg(long, short = 'o', value_name = "REPORT.html")]
     output: PathBuf,
@@ -38,10 +43,6 @@ pub(super) struct Arguments {
     /// Train nothing: leave out what fewer and more proxies would give
     #[arg(long)]
     quick: bool,
-    /// The axis that points up in the pictures [default: z if the character is longest along z,
-    /// else y]
-    #[arg(long, value_enum, value_name = "AXIS")]
-    up: Option<Up>,
     /// Where the pictures are taken from, in degrees: about the up axis, and above the horizon
     /// [default: from before or behind, whichever side shows more of the error]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view)]
@@ -54,23 +55,8 @@ pub(super) struct Arguments {
     /// and as its colour
     #[arg(long, value_name = "FILE.ply")]
     ply: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Up {
-    X,
-    Y,
-    Z,
-}
-
-impl Up {
-    fn axis(self) -> Axis {
-        match self {
-            Up::X => Axis::X,
-            Up::Y => Axis::Y,
-            Up::Z => Axis::Z,
-        }
-    }
+    #[command(flatten)]
+    space: StatedSpace,
 }
 
 /// Parses two angles.
@@ -88,28 +74,30 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let targets = targets(arguments)?;
     let bytes = input::read_model(&arguments.model)?;
     let other = arguments.compare.as_deref().map(input::read_model).transpose()?;
-    let input::Input { examples, clips, .. } = arguments.input.load(output)?;
+    let input::Input { mut examples, clips, .. } = arguments.input.load(output)?;
+    arguments.space.say(&mut examples, &arguments.input.examples)?;
+    input::convert_to_model(&mut examples, &bytes);
+    let skin = arguments.skin.as_deref();
     let frames = frames(arguments.split, &examples);
     let blamed = |error, model| blame(error, model, &arguments.input, frames, &examples);
     // What will be refused is refused before LBS is fitted.
     let compared = arguments.compare.as_deref().zip(other.as_deref());
     if let Some((path, bytes)) = compared {
-        open(bytes, &examples).map_err(|error| blamed(error, path))?;
+        Character::open(bytes, skin, &examples).map_err(|error| blamed(error, path))?;
     }
     let measuring = Bars::busy(output, "measuring");
     let [name, other_name] = names(&arguments.model, arguments.compare.as_deref());
     let source_name = file_name(&arguments.input.examples);
     let source = Source { examples: &examples, clips: &clips, name: &source_name };
-    let file = File { name: &name, bytes: &bytes };
+    let file = File { name: &name, bytes: &bytes, skin };
     let mut subject =
         Subject::new(source, frames, file).map_err(|error| blamed(error, &arguments.model))?;
     if let Some((path, bytes)) = compared {
-        let file = File { name: &other_name, bytes };
+        let file = File { name: &other_name, bytes, skin };
         subject.compare(file).map_err(|error| blamed(error, path))?;
     }
     drop(measuring);
-    let (up, from) = (arguments.up.map(Up::axis), arguments.view);
-    let wish = Wish { up, from, ..Wish::default() };
+    let wish = Wish { from: arguments.view, ..Wish::default() };
     let page = Page { subject: &subject, wish, sizes: !arguments.quick };
     let page = page.html(&Bars::new(output))?;
     let mut written = vec![(&targets.page, page.into_bytes())];

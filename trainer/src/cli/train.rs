@@ -2,16 +2,17 @@
 
 use super::bars::Bars;
 use super::files::{self, Target};
-use super::{Output, input, table};
+use super::space::{self, StatedSpace, TargetSpace};
+use super::{Output, input, levels, table};
 use anyhow::{Context, bail};
 use clap::ValueEnum;
 use clap::builder::RangedU64ValueParser;
 use serde_json::json;
 use sinew_runtime::Limits;
-use sinew_runtime::format;
+use sinew_runtime::envelope;
 use sinew_trainer::envelope::blend::CANDIDATES;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
-use sinew_trainer::envelope::{Options, Predict, Trained, train};
+use sinew_trainer::envelope::{Meshes, Options, Predict, Trained, train};
 use sinew_trainer::examples::{Examples, Split};
 use std::path::PathBuf;
 
@@ -28,9 +29,32 @@ pub(super) struct Arguments {
     output: PathBuf,
     #[command(flatten)]
     fit: FitArguments,
+    #[command(flatten)]
+    meshes: MeshArguments,
     /// Write every choice, fold, candidate, score and input hash to FILE, as JSON
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
+    #[command(flatten)]
+    space: StatedSpace,
+    #[command(flatten)]
+    target: TargetSpace,
+}
+
+/// Which meshes a model holds.
+#[derive(clap::Args, serde::Serialize)]
+struct MeshArguments {
+    /// A further mesh in the model, as a skin called as its file: of any topology, in the rest pose,
+    /// axes and unit of EXAMPLES; may be given several times
+    ///
+    /// One prediction then drives all of them: levels of detail, garments. Weights come from the nearest
+    /// points of the examples' mesh and are fitted to where that carries them in the training frames, as
+    /// `sinew export --also` does it.
+    #[arg(long, value_name = "LOD.obj", conflicts_with = "no_skin")]
+    also: Vec<PathBuf>,
+    /// Leave the mesh out: a model of a palette alone, for an engine that keeps its own meshes with
+    /// their weights
+    #[arg(long)]
+    no_skin: bool,
 }
 
 /// What a fit may be told.
@@ -48,7 +72,7 @@ pub(super) struct FitArguments {
     /// diagonal, when fitted to each frame; the prediction from the pose adds to that
     #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
     max_error: Option<f64>,
-    /// Most maps of the palette a vertex follows
+    /// Most transforms of the palette a vertex follows
     #[arg(long, value_name = "K", value_parser = influences(), allow_negative_numbers = true)]
     #[arg(default_value_t = Options::default().influences)]
     influences: usize,
@@ -56,7 +80,7 @@ pub(super) struct FitArguments {
     /// training meshes
     #[arg(long)]
     published: bool,
-    /// Most bytes of the model's file; of them the mesh takes 48 a vertex with 4 influences, 16
+    /// Most bytes of the model's file; of them a mesh takes 48 a vertex with 4 influences, 16
     /// more with texture coordinates
     #[arg(long, value_name = "BYTES", value_parser = budget(), allow_negative_numbers = true)]
     budget: Option<usize>,
@@ -79,9 +103,9 @@ impl Predictor {
     fn predict(self) -> Predict {
         match self {
             Self::Auto => Predict::Auto,
-            Self::Rotational => Predict::Only(format::Predictor::Rotational),
-            Self::Kernel => Predict::Only(format::Predictor::Kernel),
-            Self::Hybrid => Predict::Only(format::Predictor::Hybrid),
+            Self::Rotational => Predict::Only(envelope::Predictor::Rotational),
+            Self::Kernel => Predict::Only(envelope::Predictor::Kernel),
+            Self::Hybrid => Predict::Only(envelope::Predictor::Hybrid),
         }
     }
 }
@@ -112,6 +136,7 @@ impl FitArguments {
         &self,
         examples: &Examples,
         source: &str,
+        meshes: Meshes,
         output: Output,
     ) -> anyhow::Result<Trained> {
         let triangles = examples.triangles.len();
@@ -128,6 +153,7 @@ impl FitArguments {
             influences: self.influences,
             refine: !self.published,
             budget: self.budget,
+            meshes,
         };
         let trained =
             train(examples, &options, &Bars::new(output)).with_context(|| source.to_owned())?;
@@ -147,17 +173,29 @@ impl FitArguments {
 }
 
 pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let inputs = arguments.input.files();
+    let mut inputs = arguments.input.files();
+    inputs.extend_from_slice(&arguments.meshes.also);
     let model = Target::new(&arguments.output, &inputs)?;
     let record_file = arguments.record.as_ref().map(|file| Target::new(file, &inputs));
     let record_file = record_file.transpose()?;
     if record_file.as_ref().is_some_and(|file| file.is(&model)) {
         bail!("cannot write {}: model and record are one file", arguments.output.display());
     }
-    let hashes = arguments.input.hashes()?;
-    let input::Input { examples, warnings, .. } = arguments.input.load(output)?;
-    let source = arguments.input.examples.display().to_string();
-    let trained = arguments.fit.train(&examples, &source, output)?;
+    let mut hashes = arguments.input.hashes()?;
+    let input::Input { mut examples, warnings, .. } = arguments.input.load(output)?;
+    let file = &arguments.input.examples;
+    arguments.space.say(&mut examples, file)?;
+    let from = examples.space;
+    let conversion = arguments.target.convert(&mut examples, file)?;
+    let also = &arguments.meshes.also;
+    let meshes = match arguments.meshes.no_skin {
+        true => Meshes::PaletteAlone,
+        false => Meshes::Skins(levels::load(also, conversion.as_ref())?),
+    };
+    hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
+    let source = file.display().to_string();
+    let trained = arguments.fit.train(&examples, &source, meshes, output)?;
+    levels::warn(&trained.levels, also, output);
     let record = json!({
         "sinew": env!("CARGO_PKG_VERSION"),
         "inputs": hashes,
@@ -172,7 +210,14 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
         "held_out_frames": examples.frames_of(Split::HeldOut),
         "extreme_frames": examples.frames_of(Split::Extreme),
         "diagonal": examples.diagonal(),
+        "ranges": examples.ranges.iter().map(|(name, range)| {
+            json!({ "name": name, "start": range.start, "end": range.end })
+        }).collect::<Vec<_>>(),
+        "source_space": space::as_json(&from),
+        "space": space::as_json(&examples.space),
         "options": arguments.fit,
+        "meshes": arguments.meshes,
+        "levels": trained.levels,
         "predictor": trained.report.chosen().predictor,
         "proxies": trained.report.chosen().proxies,
         "report": trained.report,
@@ -185,9 +230,10 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
         record_file.into_iter().chain([(&model, trained.model.as_slice())]).collect();
     files::write(&files)?;
     let text = format!(
-        "{}\n{}wrote {} ({} bytes)",
+        "{}\n{}{}wrote {} ({} bytes)",
         input::describe(&examples),
         table::report(&trained.report),
+        levels::table(&trained.levels),
         arguments.output.display(),
         trained.model.len()
     );

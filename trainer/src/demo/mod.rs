@@ -13,6 +13,7 @@ mod shape;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use sinew_runtime::format::Space;
 
 use crate::examples::{Examples, Matrix3x4, Skeleton, Split};
 use flesh::Flesh;
@@ -64,6 +65,8 @@ pub fn demo(options: &DemoOptions) -> Examples {
         vertices,
         transforms: frames.iter().flat_map(|(_, pose)| pose.maps()).collect(),
         split: frames.iter().map(|(split, _)| *split).collect(),
+        ranges: Vec::new(),
+        space: Space::default(),
         importance: None,
     }
 }

@@ -5,18 +5,19 @@ use super::fitted::{Base, Fitted, corrected};
 use super::helpers::candidates::GroupReport;
 use super::helpers::correction::{Search, Target};
 use super::helpers::fit::{self, Helpers};
+use super::levels::AddError;
 use super::rotational::proxies::ProxyCount;
 use super::rotational::validation::folds;
 use super::rotational::{self, Reconstruction, Rotational};
 use super::training::Training;
-use super::{FitError, Options, Predict, TrainError};
+use super::{FitError, Meshes, Options, Predict, TrainError, Trained, levels};
 use crate::bake::bake;
 use crate::examples::Examples;
 use crate::progress::Progress;
 use faer::Mat;
 use serde::Serialize;
 use sinew_runtime::Limits;
-use sinew_runtime::format::{Certificate, Predictor};
+use sinew_runtime::envelope::{Certificate, Predictor};
 use std::ops::Range;
 
 /// Fewest proxies to begin with, where nothing else is said.
@@ -88,16 +89,19 @@ struct Candidate {
     rotational: Option<rotational::Report>,
 }
 
-/// Fits every candidate that the options allow and takes the best; returns it as a file holds it.
+/// Fits every candidate that the options allow and takes the best.
 ///
 /// # Errors
-/// Those of the fits and of the bake, and [`TrainError::Budget`].
+/// Every [`TrainError`].
 pub fn choose(
     training: &Training,
     examples: &Examples,
     options: &Options,
     progress: &dyn Progress,
-) -> Result<(Vec<u8>, Report), TrainError> {
+) -> Result<Trained, TrainError> {
+    if let Meshes::Skins(further) = &options.meshes {
+        levels::check_names(further).map_err(AddError::from)?;
+    }
     let lbs = training.targets(&training.lbs.weights);
     let mut choice = Choice {
         training,
@@ -320,14 +324,18 @@ impl Choice<'_> {
 
     /// Bytes of the file.
     fn bytes(&mut self, fitted: &Fitted) -> Result<usize, TrainError> {
-        let parts = fitted.parts(self.training, self.examples, Certificate::default());
+        let mut parts = fitted.parts(self.training, self.examples, Certificate::default());
+        match &self.options.meshes {
+            Meshes::Skins(further) => levels::reserve(&mut parts, further),
+            Meshes::PaletteAlone => parts.skins.clear(),
+        }
         let bytes = bake(&parts)?.len();
         self.least_bytes = self.least_bytes.min(bytes);
         Ok(bytes)
     }
 
     /// Takes the candidate that scores best, with fewer proxies where that costs little.
-    fn take(self) -> Result<(Vec<u8>, Report), TrainError> {
+    fn take(self) -> Result<Trained, TrainError> {
         let Self { training, examples, lbs_rms, reports, candidates, .. } = self;
         let of = |c: &Candidate| (c.fitted.predictor(), reports[c.report].refined);
         let best = candidates.iter().min_by(|a, b| a.validated_rms.total_cmp(&b.validated_rms));
@@ -346,7 +354,15 @@ impl Choice<'_> {
             lbs_training_rms: lbs_rms as f32,
             ..Certificate::default()
         };
-        let model = bake(&chosen.fitted.parts(training, examples, certificate))?;
+        let mut parts = chosen.fitted.parts(training, examples, certificate);
+        let levels = match &self.options.meshes {
+            Meshes::Skins(further) => levels::add(&mut parts, further, examples)?,
+            Meshes::PaletteAlone => {
+                parts.skins.clear();
+                Vec::new()
+            }
+        };
+        let model = bake(&parts)?;
         let report = Report {
             lbs_rms,
             folds: folds(training.poses.len()),
@@ -356,6 +372,6 @@ impl Choice<'_> {
             angle_ranges: training.poses.angle_ranges(),
             candidates: reports,
         };
-        Ok((model, report))
+        Ok(Trained { model, report, levels })
     }
 }

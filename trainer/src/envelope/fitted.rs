@@ -3,16 +3,17 @@
 use super::blend::Weights;
 use super::helpers::correction::{Group, predict};
 use super::helpers::features::Input;
+use super::levels;
 use super::motion::Poses;
 use super::rotational::predictor::{GradientPredictor, predict_stacked};
 use super::rotational::reduce::Reduced;
 use super::rounding;
 use super::training::Training;
-use crate::bake::{self, EnvelopeParts, Key, Reconstruction};
+use crate::bake::{self, EnvelopeParts, Key, ModelParts, Reconstruction, SkinParts};
 use crate::examples::Examples;
 use faer::Mat;
 use nalgebra::Matrix3;
-use sinew_runtime::format::{Certificate, Predictor};
+use sinew_runtime::envelope::{Certificate, Predictor};
 
 /// A fitted envelope, in training units.
 pub struct Fitted {
@@ -72,20 +73,16 @@ impl Fitted {
         training: &Training,
         examples: &Examples,
         certificate: Certificate,
-    ) -> EnvelopeParts {
+    ) -> ModelParts {
         let skeleton = &examples.skeleton;
         let groups: Vec<bake::Group> = self.groups.iter().map(|g| baked(g, training)).collect();
         let length = |share: f32| (training.unit * f64::from(share)) as f32;
-        let mut parts = EnvelopeParts {
-            name: "skin".to_owned(),
+        let envelope = EnvelopeParts {
+            name: "envelope".to_owned(),
             joint_names: skeleton.names.clone(),
             parents: skeleton.parents.clone(),
             root: skeleton.root(),
             rest_frames: skeleton.rest.clone(),
-            rest_positions: examples.rest.clone(),
-            rest_normals: examples.rest_normals(),
-            rest_tangents: examples.rest_tangents(),
-            influences: (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect(),
             reconstruction: self.reconstruction(training),
             groups,
             pose_ranges: training.poses.angle_ranges(),
@@ -97,8 +94,22 @@ impl Fitted {
                 correction_error: 0.0,
             },
         };
-        parts.certificate.correction_error = rounding::farthest(self, training, &parts) as f32;
-        parts
+        let skin = SkinParts {
+            name: levels::OWN.to_owned(),
+            envelope: Some(0),
+            rest_positions: examples.rest.clone(),
+            rest_normals: examples.rest_normals(),
+            rest_tangents: examples.rest_tangents(),
+            influences: (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect(),
+            ranges: examples.ranges.clone(),
+        };
+        let farthest = rounding::farthest(self, training, &envelope, &skin);
+        let certificate = Certificate { correction_error: farthest as f32, ..envelope.certificate };
+        ModelParts {
+            space: examples.space,
+            envelopes: vec![EnvelopeParts { certificate, ..envelope }],
+            skins: vec![skin],
+        }
     }
 
     fn reconstruction(&self, training: &Training) -> Option<Reconstruction> {

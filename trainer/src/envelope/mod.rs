@@ -5,6 +5,7 @@ pub mod choose;
 mod columns;
 pub mod fitted;
 pub mod helpers;
+pub mod levels;
 pub mod motion;
 pub mod oracle;
 pub mod rotational;
@@ -17,8 +18,9 @@ pub mod weights;
 use crate::bake::BakeError;
 use crate::examples::Examples;
 use crate::progress::Progress;
+use levels::{AddError, Level, LevelReport};
 use rotational::proxies::ProxyCount;
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
 use training::Training;
 
 /// What predicts the palette from the pose.
@@ -31,7 +33,7 @@ pub enum Predict {
 }
 
 /// What a training is asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// What predicts.
     pub predictor: Predict,
@@ -41,13 +43,31 @@ pub struct Options {
     pub influences: usize,
     /// Whether c1 and c2 may be refined on the training meshes; S3 as published does not.
     pub refine: bool,
-    /// Most bytes of the file.
+    /// Most bytes of the file, all of its skins included.
     pub budget: Option<usize>,
+    /// The meshes that the file holds.
+    pub meshes: Meshes,
+}
+
+/// The meshes that a model's file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Meshes {
+    /// The examples' own, then further ones, each as a skin.
+    Skins(Vec<Level>),
+    /// None: a palette alone, for an engine that keeps its meshes and their weights.
+    PaletteAlone,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { predictor: Predict::Auto, proxies: None, influences: 4, refine: true, budget: None }
+        Self {
+            predictor: Predict::Auto,
+            proxies: None,
+            influences: 4,
+            refine: true,
+            budget: None,
+            meshes: Meshes::Skins(Vec::new()),
+        }
     }
 }
 
@@ -57,6 +77,8 @@ pub struct Trained {
     pub model: Vec<u8>,
     /// How it was fitted.
     pub report: choose::Report,
+    /// How the further meshes follow, in their order.
+    pub levels: Vec<LevelReport>,
 }
 
 /// A training that failed.
@@ -68,6 +90,9 @@ pub enum TrainError {
     /// The fit could not be written.
     #[error(transparent)]
     Bake(#[from] BakeError),
+    /// A further mesh cannot become a skin.
+    #[error(transparent)]
+    Level(#[from] AddError),
     /// No candidate's file is small enough.
     #[error(
         "a budget of {budget} bytes is too small: the smallest model that was tried takes {least}, \
@@ -86,15 +111,14 @@ pub enum TrainError {
 /// The same examples give the same bytes for any number of threads.
 ///
 /// # Errors
-/// [`TrainError::Fit`], [`TrainError::Bake`] and [`TrainError::Budget`].
+/// Every [`TrainError`].
 pub fn train(
     examples: &Examples,
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Trained, TrainError> {
     let training = Training::new(examples, progress)?;
-    let (model, report) = choose::choose(&training, examples, options, progress)?;
-    Ok(Trained { model, report })
+    choose::choose(&training, examples, options, progress)
 }
 
 /// A fit that could not be made.

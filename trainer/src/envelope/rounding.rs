@@ -3,16 +3,21 @@
 use super::fitted::{Base, Fitted};
 use super::helpers::correction::Group;
 use super::training::Training;
-use crate::bake::EnvelopeParts;
+use crate::bake::{EnvelopeParts, SkinParts};
 use crate::kernel::arithmetic::U;
 use crate::kernel::map::Value;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 
-/// Bounds the farthest that rounding may move any vertex, over the training poses and as many random
+/// Bounds the farthest that rounding may move any vertex of a skin, over the training poses and as many random
 /// ones within their box, in units of the input.
-pub(super) fn farthest(fitted: &Fitted, training: &Training, parts: &EnvelopeParts) -> f64 {
+pub(super) fn farthest(
+    fitted: &Fitted,
+    training: &Training,
+    parts: &EnvelopeParts,
+    skin: &SkinParts,
+) -> f64 {
     let first = match fitted.base {
         Base::Joints(_) => training.poses.joint_len(),
         Base::Reconstruction(..) => 0,
@@ -21,8 +26,8 @@ pub(super) fn farthest(fitted: &Fitted, training: &Training, parts: &EnvelopePar
         fitted.groups.par_iter().map(|group| latents(group, training)).collect();
     let inputs = errors.first().map_or(0, Vec::len);
     let of_vertex = |v: usize| {
-        let x = parts.rest_positions[v];
-        let followed = follow(fitted, parts, first, &parts.influences[v], [x[0], x[1], x[2], 1.0]);
+        let x = skin.rest_positions[v];
+        let followed = follow(fitted, parts, first, &skin.influences[v], [x[0], x[1], x[2], 1.0]);
         let at = |input: usize| {
             let moved = |r: usize| -> f64 {
                 let of = |(group, moves): &(usize, Vec<Moves>)| -> f64 {
@@ -35,7 +40,7 @@ pub(super) fn farthest(fitted: &Fitted, training: &Training, parts: &EnvelopePar
         };
         (0..inputs).map(at).fold(0.0, f64::max)
     };
-    let all: Vec<f64> = (0..parts.rest_positions.len()).into_par_iter().map(of_vertex).collect();
+    let all: Vec<f64> = (0..skin.rest_positions.len()).into_par_iter().map(of_vertex).collect();
     all.into_iter().fold(0.0, f64::max)
 }
 
@@ -82,8 +87,8 @@ fn follow(
     x: [f64; 4],
 ) -> Vec<(usize, Vec<Moves>)> {
     let mut out = Vec::<(usize, Vec<Moves>)>::new();
-    for &(map, alpha) in influences {
-        let Some(proxy) = map.checked_sub(first) else { continue };
+    for &(index, alpha) in influences {
+        let Some(proxy) = index.checked_sub(first) else { continue };
         let owner = fitted.groups.iter().position(|group| group.proxies.contains(&proxy));
         let Some(owner) = owner else { continue };
         let (group, rank) = (&parts.groups[owner], parts.groups[owner].rank);

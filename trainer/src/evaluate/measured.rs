@@ -1,11 +1,10 @@
 //! Distances of a skin from the truth, and every sum, mean and percentile that is made of them.
 
-use super::{EvaluateError, Lbs, skin};
+use super::{Character, EvaluateError, Lbs, skin};
 use crate::examples::{Examples, Importance};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;
-use sinew_runtime::Envelope;
 
 /// Errors over the vertices of some frames.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -61,12 +60,12 @@ impl Measured {
     /// # Errors
     /// [`EvaluateError::Frame`].
     pub fn model(
-        envelope: &Envelope<'_>,
+        character: &Character<'_>,
         examples: &Examples,
         frames: &[usize],
     ) -> Result<Self, EvaluateError> {
         let frames = frames.par_iter().map(|&frame| {
-            let skin = skin(envelope, examples, frame)?;
+            let skin = skin(character, examples, frame)?;
             let measured = MeasuredFrame::new(examples, frame, |v| skin.vertex(v));
             Ok(MeasuredFrame { confidence: skin.confidence(), ..measured })
         });

@@ -1,25 +1,39 @@
 //! Measures a baked model: the f32 runtime on the file's bytes against the examples, and LBS
 //! beside it.
 
+mod character;
 mod measured;
 mod skin;
 
+pub use character::Character;
 pub use measured::{Confidence, Errors, Measured, MeasuredFrame, largest};
-pub use skin::{Lbs, Skin, palette, skin, skin_on};
+pub use skin::{Lbs, Skinned, skin};
 
 use crate::examples::{Examples, ExamplesError, Split};
+use crate::posed::FrameError;
 use serde::Serialize;
-use sinew_runtime::{Envelope, EvalError, FormatError, Model};
+use sinew_runtime::FileError;
 
 /// A measurement that could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluateError {
     /// The model's bytes are refused.
     #[error("the model is refused: {0}")]
-    Format(#[from] FormatError),
-    /// The model holds no envelope.
-    #[error("the model holds no envelope")]
+    Format(#[from] FileError),
+    /// The model holds no envelope, or a skin that follows none.
+    #[error("the model holds no envelope that moves a skin")]
     NoEnvelope,
+    /// The model holds envelopes alone.
+    #[error("the model holds a palette alone, without a skin")]
+    PaletteAlone,
+    /// The model holds no skin of a name.
+    #[error("the model holds no skin called {name}; it has: {has}")]
+    NoSkin {
+        /// The name.
+        name: String,
+        /// The names that there are.
+        has: String,
+    },
     /// The model was made for another character.
     #[error("the model has {expected} {what}, the examples have {found}")]
     Mismatch {
@@ -43,7 +57,8 @@ pub enum EvaluateError {
     /// The model was made in another space, or for another mesh of as many vertices.
     #[error(
         "the model's rest mesh is not that of the examples: off by {percent:.1} % of the diagonal; \
-         give the examples as they were given in training, with the same --targets"
+         give the examples as they were given in training, with the same --targets, and say what their \
+         file does not by --up, --forward and --unit"
     )]
     RestMesh {
         /// RMS distance in % of the diagonal.
@@ -59,18 +74,9 @@ pub enum EvaluateError {
     #[error(transparent)]
     Examples(#[from] ExamplesError),
     /// A frame was refused.
-    #[error("frame {frame}: {error}")]
-    Frame {
-        /// The frame.
-        frame: usize,
-        /// Why.
-        error: EvalError,
-    },
+    #[error(transparent)]
+    Frame(#[from] FrameError),
 }
-
-/// Two rest meshes stand in one space within this share of the diagonal, RMS: other axes and units
-/// are further apart, a sculpt that was changed since shows as an error like any other.
-const SAME_SPACE: f64 = 0.05;
 
 /// What a model was measured to do.
 #[derive(Clone, Debug, Serialize)]
@@ -140,80 +146,37 @@ impl Frames {
     }
 }
 
-/// Reads a model's envelope.
+/// Measures a skin of a model, the first where no name is given, on frames of the examples.
 ///
 /// # Errors
-/// [`EvaluateError::Format`] and [`EvaluateError::NoEnvelope`].
-pub fn envelope(model: &[u8]) -> Result<Envelope<'_>, EvaluateError> {
-    Model::from_bytes(model)?.envelope().ok_or(EvaluateError::NoEnvelope)
-}
-
-/// Lists the rest positions of an envelope's V vertices.
-pub fn rest(envelope: &Envelope<'_>) -> Vec<[f64; 3]> {
-    let position = |vertex| envelope.rest_position(vertex).unwrap_or_default().map(f64::from);
-    (0..envelope.vertex_len()).map(position).collect()
-}
-
-/// Opens a model's envelope and checks that it was made for the examples' character.
-///
-/// # Errors
-/// Those of [`envelope`], [`EvaluateError::Mismatch`], [`EvaluateError::JointName`] and
-/// [`EvaluateError::RestMesh`].
-pub fn open<'a>(model: &'a [u8], examples: &Examples) -> Result<Envelope<'a>, EvaluateError> {
-    let envelope = envelope(model)?;
-    for (what, expected, found) in [
-        ("vertices", envelope.vertex_len(), examples.vertex_len()),
-        ("joints", envelope.joint_len(), examples.joint_len()),
-    ] {
-        if expected != found {
-            return Err(EvaluateError::Mismatch { what, expected, found });
-        }
-    }
-    for (joint, found) in examples.skeleton.names.iter().enumerate() {
-        let expected = envelope.joint_name(joint).unwrap_or_default();
-        if expected != found {
-            let (expected, found) = (expected.to_owned(), found.clone());
-            return Err(EvaluateError::JointName { joint, expected, found });
-        }
-    }
-    let squares = rest(&envelope).into_iter().zip(&examples.rest);
-    let squares = squares.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>());
-    let apart = (squares.sum::<f64>() / examples.vertex_len().max(1) as f64).sqrt();
-    if apart > SAME_SPACE * examples.diagonal() {
-        return Err(EvaluateError::RestMesh { percent: 100.0 * apart / examples.diagonal() });
-    }
-    Ok(envelope)
-}
-
-/// Measures a model on frames of the examples.
-///
-/// # Errors
-/// Those of [`open`], [`EvaluateError::NoFrames`], [`EvaluateError::Examples`] and
+/// Those of [`Character::open`], [`EvaluateError::NoFrames`], [`EvaluateError::Examples`] and
 /// [`EvaluateError::Frame`].
 pub fn evaluate(
     model: &[u8],
+    skin: Option<&str>,
     examples: &Examples,
     frames: Frames,
 ) -> Result<Evaluation, EvaluateError> {
-    let envelope = open(model, examples)?;
+    let character = Character::open(model, skin, examples)?;
     let chosen = frames.measurable(examples)?;
-    let measured = Measured::model(&envelope, examples, &chosen)?;
+    let measured = Measured::model(&character, examples, &chosen)?;
     let lbs = Measured::lbs(&Lbs::fit(examples), examples, &chosen);
-    Ok(Evaluation::new(frames, (&envelope, model.len()), &measured, &lbs))
+    Ok(Evaluation::new(frames, (&character, model.len()), &measured, &lbs))
 }
 
 impl Evaluation {
-    /// Summarises what was measured of an envelope in a file of so many bytes, and of LBS.
+    /// Summarises what was measured of a character in a file of so many bytes, and of LBS.
     pub fn new(
         frames: Frames,
-        (envelope, model_bytes): (&Envelope<'_>, usize),
+        (character, model_bytes): (&Character<'_>, usize),
         measured: &Measured,
         lbs: &Measured,
     ) -> Self {
+        let Character { envelope, skin, .. } = character;
         Self {
             split: frames.name(),
             frames: measured.frames.len(),
-            vertices: envelope.vertex_len(),
+            vertices: skin.vertex_len(),
             diagonal: measured.diagonal,
             errors: measured.errors(),
             confidence: measured.confidence(),

@@ -1,22 +1,21 @@
 //! Skins of one frame: the runtime's, and that of LBS.
 
-use super::EvaluateError;
+use super::{Character, EvaluateError};
 use crate::envelope::blend::Weights;
 use crate::envelope::motion::{Poses, trajectories};
 use crate::envelope::weights::{self, BASELINE_INFLUENCES};
 use crate::examples::{Examples, Split};
+use crate::posed::{palette, skin_on};
 use nalgebra::Vector3;
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
-use sinew_runtime::{Envelope, Matrix3x4};
 
 /// One frame's skin as the runtime writes it.
-pub struct Skin {
+pub struct Skinned {
     positions: Vec<f32>,
     normals: Vec<f32>,
     confidence: f64,
 }
 
-impl Skin {
+impl Skinned {
     /// Positions, 3V floats.
     pub fn positions(&self) -> &[f32] {
         &self.positions
@@ -37,63 +36,18 @@ impl Skin {
     }
 }
 
-/// Computes the palette of one frame of the examples with the runtime, and its confidence.
-///
-/// # Errors
-/// [`EvaluateError::Frame`].
-pub fn palette(
-    envelope: &Envelope<'_>,
-    examples: &Examples,
-    frame: usize,
-) -> Result<(Vec<Matrix3x4>, f32), EvaluateError> {
-    let pose: Vec<Matrix3x4> =
-        examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect();
-    let mut workspace = vec![0.0; envelope.workspace_len()];
-    let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
-    let confidence = envelope
-        .palette(&pose, &mut workspace, &mut palette)
-        .map_err(|error| EvaluateError::Frame { frame, error })?;
-    Ok((palette, confidence))
-}
-
 /// Skins one frame of the examples with the runtime.
 ///
 /// # Errors
 /// [`EvaluateError::Frame`].
 pub fn skin(
-    envelope: &Envelope<'_>,
+    character: &Character<'_>,
     examples: &Examples,
     frame: usize,
-) -> Result<Skin, EvaluateError> {
-    let (palette, confidence) = palette(envelope, examples, frame)?;
-    let [positions, normals] = skin_on(envelope, &palette, frame)?;
-    Ok(Skin { positions, normals, confidence: f64::from(confidence) })
-}
-
-/// Skins the mesh on the palette of a frame: positions and normals, 3V floats each.
-///
-/// # Errors
-/// [`EvaluateError::Frame`].
-pub fn skin_on(
-    envelope: &Envelope<'_>,
-    palette: &[Matrix3x4],
-    frame: usize,
-) -> Result<[Vec<f32>; 2], EvaluateError> {
-    let [mut positions, mut normals] = [0, 1].map(|_| vec![0.0; 3 * envelope.vertex_len()]);
-    let attribute = |buffer| Some(Attribute { buffer, offset: 0, stride: 3 });
-    SkinJob {
-        envelope: *envelope,
-        palette,
-        vertices: 0..envelope.vertex_len(),
-        positions: attribute(Buffer::A),
-        normals: attribute(Buffer::B),
-        tangents: None,
-        out_a: &mut positions,
-        out_b: &mut normals,
-    }
-    .run()
-    .map_err(|error| EvaluateError::Frame { frame, error })?;
-    Ok([positions, normals])
+) -> Result<Skinned, EvaluateError> {
+    let (palette, confidence) = palette(&character.envelope, examples, frame)?;
+    let [positions, normals] = skin_on(&character.skin, &palette, frame)?;
+    Ok(Skinned { positions, normals, confidence: f64::from(confidence) })
 }
 
 /// The baseline: LBS with 4 influences, fitted to the training frames.

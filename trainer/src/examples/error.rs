@@ -1,9 +1,11 @@
 //! What can be wrong with example poses, and what is only worth saying.
 
 use std::fmt;
+use std::ops::Range;
 use std::path::PathBuf;
 
 use super::rig::ImportError;
+use super::space::SpaceError;
 use super::targets::TargetsError;
 
 /// A file of examples that could not be used.
@@ -211,6 +213,25 @@ pub enum ExamplesError {
     /// No vertex counts.
     #[error("the importance of every vertex is 0")]
     NothingCounts,
+    /// Axes or unit cannot be.
+    #[error(transparent)]
+    Space(#[from] SpaceError),
+    /// A named range of vertices lies outside the mesh or not behind the one before it.
+    #[error(
+        "mesh {name} has the vertices {} to {} (exclusive), expected them from {least} to {vertex_len}",
+        range.start,
+        range.end
+    )]
+    Range {
+        /// Its name.
+        name: String,
+        /// Its vertices.
+        range: Range<usize>,
+        /// Where the one before it ends.
+        least: usize,
+        /// V.
+        vertex_len: usize,
+    },
     /// A scene cannot become examples.
     #[error(transparent)]
     Import(#[from] ImportError),

@@ -16,6 +16,7 @@ mod rig;
 mod roots;
 mod sample;
 mod source;
+mod space;
 mod surface;
 mod targets;
 #[cfg(test)]
@@ -29,9 +30,14 @@ pub use importance::{Importance, load_importance};
 pub use rig::ImportError;
 pub(crate) use sample::spread;
 pub use source::{Source, load, load_poses};
-pub(crate) use surface::normals;
+pub(crate) use space::direction;
+pub use space::{Conversion, SpaceError, SpaceWish};
+pub(crate) use surface::{normals, tangents};
 pub use targets::{TargetsError, save_pc2};
 pub use validate::RIGID;
+
+use sinew_runtime::format::Space;
+use std::ops::Range;
 
 /// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.
 pub type Matrix3x4 = [[f64; 4]; 3];
@@ -83,6 +89,11 @@ pub struct Examples {
     pub transforms: Vec<Matrix3x4>,
     /// Use of each frame, N.
     pub split: Vec<Split>,
+    /// The meshes that were joined, by name: ranges of vertices, one after the other; none where there
+    /// was one, or nothing is known of them.
+    pub ranges: Vec<(String, Range<usize>)>,
+    /// Axes, handedness and unit, as far as they are known.
+    pub space: Space,
     /// How much each vertex counts in a fit and in what is measured of it, V numbers of mean 1; all
     /// alike without. [`Examples::weigh`] sets it.
     pub importance: Option<Vec<f64>>,

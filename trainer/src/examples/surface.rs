@@ -26,35 +26,43 @@ impl Examples {
     /// A vertex whose texture coordinates give no direction gets any unit vector orthogonal to its
     /// normal. `None` without texture coordinates.
     pub fn rest_tangents(&self) -> Option<Vec<[f64; 4]>> {
-        let uv = self.uv.as_ref()?;
-        let mut along = vec![[Vector3::zeros(); 2]; self.vertex_len()];
-        for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|vertex| Vector3::from(self.rest[vertex]));
-            let [ta, tb, tc] = triangle.map(|vertex| uv[vertex]);
-            let (e1, e2) = (b - a, c - a);
-            let (u1, v1, u2, v2) = (tb[0] - ta[0], tb[1] - ta[1], tc[0] - ta[0], tc[1] - ta[1]);
-            // Dividing by the texture's area would weight by its inverse: only the sign is needed,
-            // and what remains grows with both areas.
-            let sign = (u1 * v2 - u2 * v1).signum();
-            let u = (e1 * v2 - e2 * v1) * sign;
-            let v = (e2 * u1 - e1 * u2) * sign;
-            for &vertex in triangle {
-                along[vertex][0] += u;
-                along[vertex][1] += v;
-            }
-        }
-        let tangents = self.rest_normals().into_iter().zip(along).map(|(normal, [u, v])| {
-            let normal = Vector3::from(normal);
-            let flat = u - normal * normal.dot(&u);
-            let tangent = match flat.try_normalize(1e-9 * u.norm()) {
-                Some(tangent) => tangent,
-                None => any_orthogonal(normal),
-            };
-            let handedness = if normal.cross(&tangent).dot(&v) < 0.0 { -1.0 } else { 1.0 };
-            [tangent.x, tangent.y, tangent.z, handedness]
-        });
-        Some(tangents.collect())
+        Some(tangents(&self.rest, &self.triangles, self.uv.as_ref()?))
     }
+}
+
+/// Computes a mesh's tangents, as [`Examples::rest_tangents`] has them.
+pub(crate) fn tangents(
+    positions: &[[f64; 3]],
+    triangles: &[[usize; 3]],
+    uv: &[[f64; 2]],
+) -> Vec<[f64; 4]> {
+    let mut along = vec![[Vector3::zeros(); 2]; positions.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|vertex| Vector3::from(positions[vertex]));
+        let [ta, tb, tc] = triangle.map(|vertex| uv[vertex]);
+        let (e1, e2) = (b - a, c - a);
+        let (u1, v1, u2, v2) = (tb[0] - ta[0], tb[1] - ta[1], tc[0] - ta[0], tc[1] - ta[1]);
+        // Dividing by the texture's area would weight by its inverse: only the sign is needed,
+        // and what remains grows with both areas.
+        let sign = (u1 * v2 - u2 * v1).signum();
+        let u = (e1 * v2 - e2 * v1) * sign;
+        let v = (e2 * u1 - e1 * u2) * sign;
+        for &vertex in triangle {
+            along[vertex][0] += u;
+            along[vertex][1] += v;
+        }
+    }
+    let tangents = normals(positions, triangles).into_iter().zip(along).map(|(normal, [u, v])| {
+        let normal = Vector3::from(normal);
+        let flat = u - normal * normal.dot(&u);
+        let tangent = match flat.try_normalize(1e-9 * u.norm()) {
+            Some(tangent) => tangent,
+            None => any_orthogonal(normal),
+        };
+        let handedness = if normal.cross(&tangent).dot(&v) < 0.0 { -1.0 } else { 1.0 };
+        [tangent.x, tangent.y, tangent.z, handedness]
+    });
+    tangents.collect()
 }
 
 /// Computes a mesh's unit normals, weighted by triangle area; zero where there is no area.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{Examples, Matrix3x4, Skeleton, Split};
+use sinew_runtime::format::Space;
 
 /// Gives the place of a file of `../shared/data`, which must be there where CI is set.
 pub(super) fn shared(file: &str) -> Option<PathBuf> {
@@ -33,6 +34,8 @@ pub(super) fn triangle(frame_len: usize) -> Examples {
         },
         transforms: vec![IDENTITY; 2 * frame_len],
         split: vec![Split::Train; frame_len],
+        ranges: Vec::new(),
+        space: Space::default(),
         importance: None,
     }
 }

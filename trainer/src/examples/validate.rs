@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use sinew_runtime::format::MAGNITUDE_MAX;
 
-use super::{Element, Examples, ExamplesError, Matrix3x4, Split, Warning};
+use super::{Element, Examples, ExamplesError, Matrix3x4, SpaceWish, Split, Warning};
 
 /// A map this near to rigid is rigid (METHOD §1.1): it is what single precision leaves.
 pub const RIGID: f64 = 1e-4;
@@ -27,6 +27,7 @@ impl Examples {
     ///   for counts that disagree or are zero, and without a training frame.
     /// - [`ExamplesError::DuplicateJoint`], [`ExamplesError::MissingParent`] and
     ///   [`ExamplesError::JointCycle`] for a skeleton that is no tree.
+    /// - [`ExamplesError::Space`] for axes along one line, [`ExamplesError::Range`] for a named range.
     /// - [`ExamplesError::NotFinite`] for NaN and infinity, in any frame, and
     ///   [`ExamplesError::TooLarge`] for what a model cannot hold.
     /// - [`ExamplesError::VertexOutOfRange`] and [`ExamplesError::NoArea`] for faces.
@@ -101,11 +102,27 @@ impl Examples {
         if let Some(uv) = &self.uv {
             same("vertices", "rest", vertices, "uv", uv.len())?;
         }
+        SpaceWish::all_of(&self.space).of(self.space)?;
+        self.check_ranges()?;
         if let Some(importance) = &self.importance {
             same("vertices", "rest", vertices, "importance", importance.len())?;
         }
         if !self.split.contains(&Split::Train) {
             return Err(ExamplesError::TooFewPoses { found: 0, needed: 1 });
+        }
+        Ok(())
+    }
+
+    /// Checks that the named ranges of vertices lie inside the mesh, one after the other.
+    fn check_ranges(&self) -> Result<(), ExamplesError> {
+        let vertex_len = self.vertex_len();
+        let mut least = 0;
+        for (name, range) in &self.ranges {
+            if range.start < least || range.end < range.start || range.end > vertex_len {
+                let (name, range) = (name.clone(), range.clone());
+                return Err(ExamplesError::Range { name, range, least, vertex_len });
+            }
+            least = range.end;
         }
         Ok(())
     }

@@ -6,24 +6,23 @@
 
 mod demo;
 mod glb;
-mod level;
-mod nearest;
 mod proxies;
 mod skeleton;
 mod stretch;
 
 use rayon::prelude::*;
 use sinew_runtime::Envelope;
+use sinew_runtime::format::{Axis, Handedness, Space};
 
 pub use self::demo::{by_use, demo_glb};
-pub use self::level::{Level, LevelReport};
 
 use self::glb::{Document, Placed, SkinnedMesh};
-use self::level::{Influences, Skinned};
 use self::proxies::Proxies;
-use self::skeleton::Joints;
-use crate::evaluate::{EvaluateError, open, palette, rest, skin_on};
-use crate::examples::{Clip, Examples};
+use self::skeleton::{Joints, quaternion, turned};
+use crate::envelope::levels::{Influences, Level, LevelError, LevelReport, Surface};
+use crate::evaluate::{Character, EvaluateError};
+use crate::examples::{Clip, Conversion, Examples, Matrix3x4, SpaceError, SpaceWish, normals};
+use crate::posed::{FrameError, influences, palette, rest, skin_on};
 
 /// Vertex numbers of a triangle.
 type Triangle = [usize; 3];
@@ -61,17 +60,18 @@ pub enum ExportError {
         /// Its time in seconds.
         time: f64,
     },
-    /// A further mesh does not lie on the model's surface.
-    #[error(
-        "mesh {name} is {percent:.0} % of the diagonal away from the model's surface, expected at \
-         most 10 % at the median: export it in the same rest pose, units and axes as the examples"
-    )]
-    LevelFar {
-        /// Its name.
-        name: String,
-        /// Median distance in % of the diagonal.
-        percent: f64,
-    },
+    /// A further mesh cannot follow the model.
+    #[error(transparent)]
+    Level(#[from] LevelError),
+    /// The runtime refuses a frame.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// The space that is asked for cannot be, or not be reached.
+    #[error(transparent)]
+    Space(#[from] SpaceError),
+    /// A space that is asked for is not that of the format.
+    #[error("glTF is right-handed: leave out --to-hand left, engines mirror it as they import it")]
+    LeftHanded,
     /// The file would be larger than binary glTF allows.
     #[error("the file takes {bytes} bytes, and binary glTF holds 4 GiB: export fewer frames")]
     TooLarge {
@@ -83,13 +83,15 @@ pub enum ExportError {
     Glb(#[from] gltf::Error),
 }
 
-/// The axis along which the examples' character stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Up {
-    /// y, as in glTF.
-    Y,
-    /// z: the armature turns the character upright.
-    Z,
+/// How the file's scene stands to the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stand {
+    /// As the model does.
+    AsModel,
+    /// Turned from z up to y up, about x.
+    Upright,
+    /// In this space, as far as it is said; the armature turns and scales the character.
+    In(SpaceWish),
 }
 
 /// An exported file.
@@ -104,19 +106,24 @@ pub struct Exported {
 /// runtime predicts, with the model's mesh and further ones on one skin.
 ///
 /// # Errors
-/// - [`ExportError::Model`]: the model is refused, was made for another character, or refuses a
-///   pose.
+/// - [`ExportError::Model`] and [`ExportError::Frame`]: the model is refused, was made for another
+///   character, or refuses a pose.
 /// - [`ExportError::NoFrames`] and [`ExportError::Times`]: a clip cannot be played.
-/// - [`ExportError::LevelFar`]: a further mesh lies elsewhere.
+/// - [`ExportError::Level`]: a further mesh lies elsewhere.
+/// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: it cannot stand as asked.
 /// - [`ExportError::TooLarge`] and [`ExportError::Glb`]: the file cannot be made.
 pub fn export(
     model: &[u8],
+    skin: Option<&str>,
     examples: &Examples,
     clips: &[Clip],
     levels: &[Level],
-    up: Up,
+    stand: Stand,
 ) -> Result<Exported, ExportError> {
-    let envelope = open(model, examples)?;
+    let character = Character::open(model, skin, examples)?;
+    let Character { envelope, skin, space } = character;
+    let hand = SpaceWish { handedness: Some(Handedness::Right), ..SpaceWish::default() };
+    let (right, mirror) = Conversion::to(space, &hand)?;
     let times = clips.iter().map(key_times).collect::<Result<Vec<_>, _>>()?;
     if clips.is_empty() {
         return Err(ExportError::NoFrames { clip: "the examples have no clip".to_owned() });
@@ -124,71 +131,87 @@ pub fn export(
     let frames: Vec<usize> =
         clips.iter().flat_map(|clip| clip.first..clip.first + clip.times.len()).collect();
     examples.check_rigid_in(&frames).map_err(EvaluateError::Examples)?;
-    let palettes = frames
+    let mut palettes = frames
         .par_iter()
         .map(|&frame| Ok(palette(&envelope, examples, frame)?.0))
-        .collect::<Result<Vec<_>, EvaluateError>>()?;
-    let rest = rest(&envelope);
-    let influences = level::influences(&envelope);
+        .collect::<Result<Vec<_>, FrameError>>()?;
+    let own_influences = influences(&skin);
+    let (mut levels, influences_of_levels, reports) = if levels.is_empty() {
+        Default::default()
+    } else {
+        let keys = palettes.par_iter().zip(&frames);
+        let posed = keys
+            .map(|(palette, &frame)| {
+                let [positions, _] = skin_on(&skin, palette, frame)?;
+                Ok(positions)
+            })
+            .collect::<Result<Vec<_>, FrameError>>()?;
+        let surface = Surface {
+            rest: &rest(&skin),
+            triangles: &examples.solid_triangles(),
+            influences: &own_influences,
+            most: skin.influence_len(),
+            diagonal: examples.diagonal(),
+            palettes: &palettes,
+            posed,
+        };
+        let followed = levels.iter().map(|level| surface.follow(level));
+        let followed = followed.collect::<Result<Vec<_>, _>>()?.into_iter();
+        let (influences, reports): (Vec<_>, Vec<_>) = followed.unzip();
+        (levels.to_vec(), influences, reports)
+    };
+
+    // What follows is in the model's space, mirrored where that is left-handed.
+    let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
+    let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
+    let (mut rest, mut triangles) = (rest(&skin), examples.triangles.clone());
+    let mut skeleton = examples.skeleton.clone();
+    let mut poses: Vec<_> = frames.iter().map(|&frame| examples.pose(frame).to_vec()).collect();
+    if let Some(mirror) = mirror {
+        rest.iter_mut().for_each(|x| *x = mirror.point(*x));
+        normals_at_rest.iter_mut().for_each(|n| *n = mirror.direction(*n));
+        mirror.triangles(&mut triangles);
+        let turn = |b: &mut Matrix3x4| *b = mirror.transform(b);
+        skeleton.rest.iter_mut().for_each(turn);
+        poses.iter_mut().flatten().for_each(turn);
+        for b in palettes.iter_mut().flatten() {
+            // Exact: entries change places and signs.
+            let turned = mirror.transform(&b.map(|row| row.map(f64::from)));
+            *b = turned.map(|row| row.map(|x| x as f32));
+        }
+        levels.iter_mut().for_each(|level| mirror.mesh(&mut level.mesh));
+    }
+    let poses: Vec<&[Matrix3x4]> = poses.iter().map(Vec::as_slice).collect();
 
     let mut document = Document::new(NOTE);
-    const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
-    let stands = match up {
-        Up::Y => Placed::AT_PARENT,
-        Up::Z => Placed { rotation: [-HALF, 0.0, 0.0, HALF], ..Placed::AT_PARENT },
-    };
-    let armature = document.node("armature".to_owned(), None, &stands);
-    let joints = Joints::new(&mut document, armature, &examples.skeleton);
-    let centres = centres(&envelope, &rest, &influences);
-    let poses: Vec<_> = frames.iter().map(|&frame| examples.pose(frame)).collect();
+    let armature = document.node("armature".to_owned(), None, &armature(&right, stand)?);
+    let joints = Joints::new(&mut document, armature, &skeleton);
+    let centres = centres(&envelope, &rest, &own_influences);
     let carriers = proxies::carriers(&palettes, &poses, &centres, REACH * examples.diagonal());
     let proxies = Proxies::new(&mut document, &joints, &centres, &carriers);
     let shown = envelope.palette_len() - envelope.proxy_len();
     let nodes = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
     let inverse_binds = [&joints.inverse_binds[..shown], &proxies.inverse_binds].concat();
     let palette_skin = document.skin(armature, nodes, &inverse_binds);
-
-    let rest_normal = |vertex| envelope.rest_normal(vertex).unwrap_or_default().map(f64::from);
     let mesh = SkinnedMesh {
-        name: envelope.name(),
+        name: skin.name(),
         positions: &rest,
-        normals: &(0..rest.len()).map(rest_normal).collect::<Vec<_>>(),
+        normals: &normals_at_rest,
         uv: examples.uv.as_deref(),
-        influences: &influences,
-        triangles: &examples.triangles,
+        influences: &own_influences,
+        triangles: &triangles,
     };
     document.mesh(&mesh, palette_skin);
-    let mut reports = Vec::new();
-    if !levels.is_empty() {
-        let keys = palettes.par_iter().zip(&frames);
-        let posed = keys
-            .map(|(palette, &frame)| {
-                let [positions, _] = skin_on(&envelope, palette, frame)?;
-                Ok(positions)
-            })
-            .collect::<Result<Vec<_>, EvaluateError>>()?;
-        let skinned = Skinned {
-            rest: &rest,
-            triangles: &examples.solid_triangles(),
-            influences: &influences,
-            most: envelope.influence_len(),
-            diagonal: examples.diagonal(),
-            palettes: &palettes,
-            posed,
+    for (level, influences) in levels.iter().zip(&influences_of_levels) {
+        let mesh = SkinnedMesh {
+            name: &level.name,
+            positions: &level.mesh.positions,
+            normals: &normals(&level.mesh.positions, &level.mesh.triangles),
+            uv: level.mesh.uv.as_deref(),
+            influences,
+            triangles: &level.mesh.triangles,
         };
-        for level in levels {
-            let (influences, report) = skinned.follow(level)?;
-            reports.push(report);
-            let mesh = SkinnedMesh {
-                name: &level.name,
-                positions: &level.mesh.positions,
-                normals: &level.normals(),
-                uv: level.mesh.uv.as_deref(),
-                influences: &influences,
-                triangles: &level.mesh.triangles,
-            };
-            document.mesh(&mesh, palette_skin);
-        }
+        document.mesh(&mesh, palette_skin);
     }
     let mut begin = 0;
     for (clip, times) in clips.iter().zip(&times) {
@@ -199,6 +222,27 @@ pub fn export(
         document.animation(&clip.name, times, tracks);
     }
     Ok(Exported { glb: document.finish()?, levels: reports })
+}
+
+/// Places the armature of a right-handed model, so that the character stands as asked.
+fn armature(model: &Space, stand: Stand) -> Result<Placed, ExportError> {
+    let conversion = match stand {
+        Stand::AsModel => None,
+        Stand::Upright => {
+            let space =
+                |up, forward| Space { up: Some(up), forward: Some(forward), ..Space::default() };
+            Conversion::between(&space(Axis::Z, Axis::MinusY), &space(Axis::Y, Axis::Z))
+        }
+        Stand::In(SpaceWish { handedness: Some(Handedness::Left), .. }) => {
+            return Err(ExportError::LeftHanded);
+        }
+        Stand::In(wish) => Conversion::to(*model, &wish)?.1,
+    };
+    Ok(conversion.map_or(Placed::AT_PARENT, |conversion| Placed {
+        rotation: quaternion(&turned(&conversion.axes())),
+        scale: [conversion.scale() as f32; 3],
+        ..Placed::AT_PARENT
+    }))
 }
 
 /// Rounds the times of a clip's frames.
@@ -229,8 +273,8 @@ fn centres(envelope: &Envelope<'_>, rest: &[[f64; 3]], influences: &Influences) 
                 *sum += weight * x;
             }
         };
-        for &(map, weight) in influences {
-            if let Some(sum) = map.checked_sub(first).and_then(|proxy| sums.get_mut(proxy)) {
+        for &(index, weight) in influences {
+            if let Some(sum) = index.checked_sub(first).and_then(|proxy| sums.get_mut(proxy)) {
                 add(sum, weight);
             }
         }

@@ -1,25 +1,18 @@
 //! Where a picture is taken from.
 
+use crate::examples::direction;
 use nalgebra::Vector3;
-
-/// An axis of model space.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// The first.
-    X,
-    /// The second.
-    Y,
-    /// The third.
-    Z,
-}
+use sinew_runtime::format::{Axis, Handedness};
 
 /// A direction to look from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// What points up in the picture.
     pub up: Axis,
+    /// The handedness of model space: what is in a left-handed one is not shown mirrored.
+    pub handedness: Handedness,
     /// Degrees about the up axis, counter-clockwise seen from above; at 0 the first axis that is not
-    /// up points to the right (for x up, y points to the left).
+    /// up points to the right (for x up, y points to the left); against it where up is against an axis.
     pub azimuth: f64,
     /// Degrees above the horizon.
     pub elevation: f64,
@@ -50,22 +43,27 @@ pub struct Camera {
 /// Share of a picture that is left empty at each side.
 const MARGIN: f64 = 0.03;
 
-impl Axis {
-    /// The unit vectors to the right and up, and toward the eye, at azimuth and elevation 0.
-    fn frame(self) -> [Vector3<f64>; 3] {
-        let (right, up) = match self {
-            Axis::X => (-Vector3::y(), Vector3::x()),
-            Axis::Y => (Vector3::x(), Vector3::y()),
-            Axis::Z => (Vector3::x(), Vector3::z()),
-        };
-        [right, up, right.cross(&up)]
-    }
-}
-
 impl View {
+    /// The unit vectors to the right and up, and toward the eye, at azimuth and elevation 0.
+    fn frame(&self) -> [Vector3<f64>; 3] {
+        let right = match self.up {
+            Axis::X => -Vector3::y(),
+            Axis::MinusX => Vector3::y(),
+            Axis::Y | Axis::Z => Vector3::x(),
+            Axis::MinusY | Axis::MinusZ => -Vector3::x(),
+        };
+        let up = direction(self.up);
+        let toward = right.cross(&up);
+        let toward = match self.handedness {
+            Handedness::Right => toward,
+            Handedness::Left => -toward,
+        };
+        [right, up, toward]
+    }
+
     /// Returns right, up and toward the eye, unit vectors.
     pub fn axes(&self) -> [Vector3<f64>; 3] {
-        let [right, up, toward] = self.up.frame();
+        let [right, up, toward] = self.frame();
         let (sin, cos) = libm::sincos(self.azimuth.to_radians());
         let [right, toward] = [cos * right - sin * toward, cos * toward + sin * right];
         let (sin, cos) = libm::sincos(self.elevation.to_radians());
@@ -75,7 +73,7 @@ impl View {
     /// Returns the view that sees `positions` as this one sees `rest`: turned about the up axis as
     /// the character is as a whole.
     pub fn following(&self, rest: &[[f64; 3]], positions: &[[f64; 3]]) -> Self {
-        let [right, _, toward] = self.up.frame();
+        let [right, _, toward] = self.frame();
         let flat = |all: &[[f64; 3]]| -> Vec<[f64; 2]> {
             let along =
                 |p: &[f64; 3]| [Vector3::from(*p).dot(&toward), Vector3::from(*p).dot(&right)];
@@ -152,7 +150,8 @@ impl Camera {
 mod tests {
     use super::*;
 
-    const FRONT: View = View { up: Axis::Y, azimuth: 0.0, elevation: 0.0 };
+    const FRONT: View =
+        View { up: Axis::Y, handedness: Handedness::Right, azimuth: 0.0, elevation: 0.0 };
 
     fn close(a: Vector3<f64>, b: Vector3<f64>) -> bool {
         (a - b).norm() < 1e-12
@@ -172,9 +171,29 @@ mod tests {
     }
 
     #[test]
+    fn a_left_handed_space_is_shown_as_its_mirror_image_is() {
+        let positions = [[0.5, 2.0, -1.0], [-1.5, 0.25, 3.0]];
+        let view = View { azimuth: 35.0, elevation: 20.0, ..FRONT };
+        let other = View { handedness: Handedness::Left, ..view };
+        // z is mirrored, up stays, so that right stays.
+        let mirrored = positions.map(|[x, y, z]| [x, y, -z]);
+        let seen = |view: &View, all: &[[f64; 3]; 2]| {
+            let camera = Camera::fit(view, all, 100);
+            all.map(|position| camera.project(&position))
+        };
+        for (a, b) in seen(&view, &positions).iter().zip(seen(&other, &mirrored)) {
+            assert!((Vector3::from(*a) - Vector3::from(b)).norm() < 1e-9, "{a:?} {b:?}");
+        }
+        for up in Axis::ALL {
+            let [right, above, toward] = View { up, ..FRONT }.axes();
+            assert!(close(right.cross(&above), toward) && close(above, direction(up)));
+        }
+    }
+
+    #[test]
     fn a_fitted_picture_holds_every_position_and_touches_its_margins() {
         let positions = [[0.0, 0.0, 0.0], [2.0, 3.0, -1.0], [1.0, -4.0, 9.0], [-3.0, 1.0, 2.0]];
-        let view = View { up: Axis::Z, azimuth: 30.0, elevation: 20.0 };
+        let view = View { up: Axis::Z, azimuth: 30.0, elevation: 20.0, ..FRONT };
         let camera = Camera::fit(&view, &positions, 200);
         let seen = positions.map(|position| camera.project(&position));
         let Size { width, height } = camera.size;
@@ -202,7 +221,7 @@ mod tests {
                 .iter()
                 .map(|p| (turn * Vector3::from(*p) + Vector3::new(5.0, -2.0, 1.0)).into())
                 .collect();
-            let view = View { up, azimuth: 10.0, elevation: 5.0 };
+            let view = View { up, azimuth: 10.0, elevation: 5.0, ..FRONT };
             let following = view.following(&rest, &moved);
             assert!((following.azimuth - 50.0).abs() < 1e-9, "{following:?}");
             // The same picture, but for where it is.

@@ -1,7 +1,7 @@
 //! The pictures of a report: which side they are taken from, and what is in them.
 
 use super::bars::colour_bar;
-use super::camera::{Axis, Camera, Size, View};
+use super::camera::{Camera, Size, View};
 use super::colour::{Colour, Scale};
 use super::html::{figure, text};
 use super::render::{Look, Mesh};
@@ -10,6 +10,7 @@ use crate::evaluate::{EvaluateError, skin};
 use crate::examples::{Examples, normals};
 use image::ImageError;
 use rayon::prelude::*;
+use sinew_runtime::format::Axis;
 use std::fmt::Write;
 
 /// Pixels in a row of a trial.
@@ -33,7 +34,8 @@ const CLAY: Colour = [0xd8, 0xcf, 0xc3];
 pub struct Wish {
     /// Pixels in a row of a picture.
     pub width: usize,
-    /// What points up; by default z if the character is longest along z, else y.
+    /// What points up; by default what the examples say, else z if the character is
+    /// longest along z, else y.
     pub up: Option<Axis>,
     /// Azimuth and elevation in degrees, as in [`View`]; by default from before or behind, whichever
     /// side shows more of the error.
@@ -79,11 +81,13 @@ pub(super) enum Paint<'a> {
 impl<'a> Shots<'a> {
     /// Finds the worst frame and where to look from.
     pub(super) fn new(subject: &'a Subject<'a>, wish: &Wish) -> Self {
-        let up = wish.up.unwrap_or_else(|| upright(subject.source.examples));
+        let space = subject.source.examples.space;
+        let up = wish.up.or(space.up).unwrap_or_else(|| upright(subject.source.examples));
         let (azimuth, elevation) = wish.from.unwrap_or_default();
         let worst = subject.model.measured.worst();
         let width = wish.width;
-        let mut shots = Self { subject, width, view: View { up, azimuth, elevation }, worst };
+        let view = View { up, handedness: space.handedness, azimuth, elevation };
+        let mut shots = Self { subject, width, view, worst };
         if wish.from.is_none() {
             shots.view = shots.best_side();
         }
@@ -107,7 +111,7 @@ impl<'a> Shots<'a> {
                     .map(|vertex| lbs.vertex(examples, frame, vertex).0.into())
                     .collect(),
                 Some(model) => {
-                    let skin = skin(&model.envelope, examples, frame)?;
+                    let skin = skin(&model.character, examples, frame)?;
                     (0..examples.vertex_len()).map(|vertex| skin.vertex(vertex).0.into()).collect()
                 }
             };

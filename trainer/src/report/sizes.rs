@@ -6,8 +6,8 @@ use crate::envelope::choose::choose;
 use crate::envelope::rotational::choose::near_rigid;
 use crate::envelope::rotational::proxies::ProxyCount;
 use crate::envelope::training::Training;
-use crate::envelope::{FitError, Options, Predict, TrainError};
-use crate::evaluate::{Errors, EvaluateError, Measured, open};
+use crate::envelope::{FitError, Options, Predict, TrainError, Trained};
+use crate::evaluate::{Character, Errors, EvaluateError, Measured};
 use crate::progress::Progress;
 use sinew_runtime::Limits;
 use std::time::Instant;
@@ -74,7 +74,7 @@ impl Sizes {
         let begun = Instant::now();
         let training = Training::new(examples, progress)?;
         let shared_seconds = begun.elapsed().as_secs_f64();
-        let counts = counts(subject.model.envelope.proxy_len(), &training);
+        let counts = counts(subject.model.character.envelope.proxy_len(), &training);
         let mut sizes = Self { shared_seconds, trials: Vec::new(), near_rigid: None };
         for (number, &proxies) in counts.iter().enumerate() {
             progress.part(number + 1, counts.len());
@@ -91,25 +91,26 @@ impl Sizes {
         proxies: usize,
         progress: &dyn Progress,
     ) -> Result<Outcome, SizeError> {
-        let (examples, envelope) = (subject.source.examples, &subject.model.envelope);
+        let examples = subject.source.examples;
+        let Character { envelope, skin, .. } = &subject.model.character;
         let options = Options {
             predictor: Predict::Only(envelope.predictor()),
             proxies: Some(ProxyCount::Fixed(proxies)),
-            influences: envelope.influence_len(),
+            influences: skin.influence_len(),
             ..Options::default()
         };
         let stopwatch = Stopwatch::new(progress);
         let begun = Instant::now();
-        let (model, report) = choose(training, examples, &options, &stopwatch)?;
+        let Trained { model, report, .. } = choose(training, examples, &options, &stopwatch)?;
         let (seconds, steps) = (begun.elapsed().as_secs_f64(), stopwatch.finish());
         if let (true, Some(fit)) = (proxies == envelope.proxy_len(), &report.rotational) {
             let fraction = fit.choice.near_rigid_fraction;
             self.near_rigid = Some(near_rigid(&training.lbs.errors, fraction));
         }
-        let trained = open(&model, examples)?;
+        let trained = Character::open(&model, None, examples)?;
         let errors = Measured::model(&trained, examples, &subject.measured_frames())?.errors();
         Ok(Outcome {
-            proxies: trained.proxy_len(),
+            proxies: trained.envelope.proxy_len(),
             bytes: model.len(),
             validated_percent: 100.0 * report.chosen().validated_rms.unwrap_or_default(),
             errors,

@@ -1,8 +1,7 @@
 //! What a report is about: models, examples, and what was measured of the ones on the other.
 
-use crate::evaluate::{EvaluateError, Evaluation, Frames, Lbs, Measured, open};
+use crate::evaluate::{Character, EvaluateError, Evaluation, Frames, Lbs, Measured};
 use crate::examples::{Clip, Examples, Split};
-use sinew_runtime::Envelope;
 
 /// Examples as a report names them.
 #[derive(Clone, Copy)]
@@ -22,6 +21,8 @@ pub struct File<'a> {
     pub name: &'a str,
     /// Its content.
     pub bytes: &'a [u8],
+    /// The name of the skin to measure; the first where none is given.
+    pub skin: Option<&'a str>,
 }
 
 /// One or two models, LBS beside them, and their errors on frames of the examples.
@@ -44,8 +45,8 @@ pub struct Subject<'a> {
 pub struct MeasuredModel<'a> {
     /// Its file.
     pub file: File<'a>,
-    /// Its envelope.
-    pub envelope: Envelope<'a>,
+    /// Its envelope and the skin that is measured.
+    pub character: Character<'a>,
     /// Its errors.
     pub measured: Measured,
 }
@@ -73,10 +74,10 @@ impl<'a> Subject<'a> {
     /// Those of [`crate::evaluate::evaluate`].
     pub fn new(source: Source<'a>, frames: Frames, file: File<'a>) -> Result<Self, EvaluateError> {
         let Source { examples, .. } = source;
-        let envelope = open(file.bytes, examples)?;
+        let character = Character::open(file.bytes, file.skin, examples)?;
         let chosen = frames.measurable(examples)?;
-        let measured = Measured::model(&envelope, examples, &chosen)?;
-        let model = MeasuredModel { file, envelope, measured };
+        let measured = Measured::model(&character, examples, &chosen)?;
+        let model = MeasuredModel { file, character, measured };
         let lbs = Lbs::fit(examples);
         let baseline = Measured::lbs(&lbs, examples, &chosen);
         Ok(Self { source, frames, lbs, baseline, model, other: None })
@@ -87,9 +88,9 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// Those of [`crate::evaluate::evaluate`].
     pub fn compare(&mut self, file: File<'a>) -> Result<(), EvaluateError> {
-        let envelope = open(file.bytes, self.source.examples)?;
-        let measured = Measured::model(&envelope, self.source.examples, &self.measured_frames())?;
-        self.other = Some(MeasuredModel { file, envelope, measured });
+        let character = Character::open(file.bytes, file.skin, self.source.examples)?;
+        let measured = Measured::model(&character, self.source.examples, &self.measured_frames())?;
+        self.other = Some(MeasuredModel { file, character, measured });
         Ok(())
     }
 
@@ -118,8 +119,8 @@ impl<'a> Subject<'a> {
     /// Summarises what was measured, a model each, as [`crate::evaluate::evaluate`] does.
     pub fn evaluations(&self) -> Vec<Evaluation> {
         let of = |model: &MeasuredModel<'_>| {
-            let envelope = (&model.envelope, model.file.bytes.len());
-            Evaluation::new(self.frames, envelope, &model.measured, &self.baseline)
+            let character = (&model.character, model.file.bytes.len());
+            Evaluation::new(self.frames, character, &model.measured, &self.baseline)
         };
         self.models().map(of).collect()
     }

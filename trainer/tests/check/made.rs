@@ -1,6 +1,7 @@
 //! Characters to be spoiled.
 
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Vector3};
+use sinew_runtime::format::Space;
 use sinew_trainer::check::Check;
 use sinew_trainer::check::finding::{Finding, Kind, Place};
 use sinew_trainer::demo::{DemoOptions, demo};
@@ -67,6 +68,8 @@ pub(crate) fn chain(bends: &[Bend]) -> Examples {
         vertices,
         transforms,
         split: bends.iter().map(|bend| bend.1).collect(),
+        ranges: Vec::new(),
+        space: Space::default(),
         importance: None,
     }
 }

@@ -5,7 +5,7 @@ use serde_json::json;
 use std::fs;
 
 /// Writes the demo's rest mesh, scaled, as an OBJ with polygons of three corners.
-fn write_obj(folder: &Folder, name: &str, scale: f64) {
+pub(crate) fn write_obj(folder: &Folder, name: &str, scale: f64) {
     let set = Set::demo();
     let mut text = "o arm\n".to_owned();
     for x in set.reals["rest"].1.chunks(3) {

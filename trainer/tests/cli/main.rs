@@ -8,6 +8,7 @@ mod import;
 mod outputs;
 mod refusals;
 mod report;
+mod skins;
 
 use common::{Folder, HELD_OUT, PROXIES, Set, TRAINING, read_npy};
 use serde_json::{Value, json};
@@ -52,7 +53,7 @@ fn eval_prints_one_object_with_the_keys_promised() {
     assert_eq!(found["model_bytes"], folder.read("demo.sinew").len());
     assert_eq!(
         found["predictor"],
-        folder.sinew("inspect demo.sinew --json").json()["envelope"]["predictor"]
+        folder.sinew("inspect demo.sinew --json").json()["envelopes"][0]["predictor"]
     );
     assert_eq!(found["proxies"], PROXIES);
     let confidence = ["least", "mean"].map(|key| number(&found["confidence"][key]));
@@ -228,10 +229,10 @@ fn inspect_accounts_for_every_byte_and_repeats_the_record() {
     let sum: u64 = sections.iter().map(|section| bytes(&section["bytes"])).sum();
     assert_eq!(sum + bytes(&found["other_bytes"]), folder.read("new.sinew").len() as u64);
     assert_eq!(found["bytes"], record["model_bytes"]);
-    let envelope = &found["envelope"];
+    let (envelope, skin) = (&found["envelopes"][0], &found["skins"][0]);
     let report = &record["report"];
     let chosen = &report["candidates"][report["chosen"].as_u64().unwrap() as usize];
-    assert_eq!((&envelope["proxies"], &envelope["vertices"]), (&json!(2), &record["vertices"]));
+    assert_eq!((&envelope["proxies"], &skin["vertices"]), (&json!(2), &record["vertices"]));
     for (in_file, in_record) in [
         ("diagonal", &record["diagonal"]),
         ("training_rms", &record["report"]["training_rms"]),
@@ -245,8 +246,11 @@ fn inspect_accounts_for_every_byte_and_repeats_the_record() {
     }
     let text = folder.sinew("inspect new.sinew").done().out;
     for section in sections {
-        let kind = section["kind"].as_str().unwrap();
-        let row = text.lines().find(|line| line.starts_with(kind)).unwrap();
+        let [kind, element] = ["kind", "element"].map(|key| section[key].as_str().unwrap());
+        let part = ["envelope \"envelope\"", "skin \"skin\""][bytes(&section["part"]) as usize];
+        let own = |line: &&str| line.starts_with(&format!("{kind} ")) && line.contains(part);
+        let row = text.lines().find(own).unwrap();
+        assert!(row.contains(&format!(" {element} ")), "{row}");
         assert!(row.ends_with(&format!(" {}", section["bytes"])), "{row}");
     }
     let joint = envelope["joints"][1]["name"].as_str().unwrap();

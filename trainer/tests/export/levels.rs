@@ -4,10 +4,11 @@ use super::scene::Scene;
 use super::{arm, clip, distances, farthest, model, pose, runtime_palette, vectors};
 use nalgebra::Matrix4;
 use sinew_runtime::Model;
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
+use sinew_trainer::envelope::levels::{Level, LevelError};
 use sinew_trainer::examples::Examples;
 use sinew_trainer::examples::obj::Mesh;
-use sinew_trainer::export::{ExportError, Exported, Level, Up, export};
+use sinew_trainer::export::{ExportError, Exported, Stand, export};
 
 fn level(name: &str, examples: &Examples) -> Level {
     let mesh = Mesh {
@@ -26,8 +27,8 @@ fn one(exported: &Exported) -> [f64; 3] {
 /// Skins a mesh of a file by the palettes that the runtime gives frames of the examples, and
 /// measures its RMS distance from where the flesh of the demo really puts it, in % of the diagonal.
 fn error(glb: &[u8], model: &[u8], examples: &Examples, truth: &Examples, frames: &[usize]) -> f64 {
-    let (scene, envelope) =
-        (Scene::read(glb), Model::from_bytes(model).unwrap().envelope().unwrap());
+    let (scene, model) = (Scene::read(glb), Model::from_bytes(model).unwrap());
+    let envelope = model.envelope().unwrap();
     let mut squares = 0.0;
     for &frame in frames {
         let square = |m: &[[f32; 4]; 3]| {
@@ -52,7 +53,8 @@ fn the_model_s_own_mesh_in_another_order_moves_as_the_model_does() {
     let last = examples.vertex_len() - 1;
     own.mesh.positions.reverse();
     own.mesh.triangles.iter_mut().flatten().for_each(|vertex| *vertex = last - *vertex);
-    let exported = export(&model, &examples, &[clip("all", 0, 20)], &[own], Up::Y).unwrap();
+    let exported =
+        export(&model, None, &examples, &[clip("all", 0, 20)], &[own], Stand::AsModel).unwrap();
     let scene = Scene::read(&exported.glb);
     for key in [0, 7, 19] {
         let palette = scene.palette(&scene.worlds(Some((0, key, 0.0))));
@@ -70,8 +72,15 @@ fn a_coarser_mesh_is_fitted_and_comes_near_its_own_flesh() {
     let (examples, coarse) = (arm(1500), arm(300));
     let model = model(&examples, Predictor::Kernel, 20, 4);
     let fit = |frames: usize| {
-        export(&model, &examples, &[clip("all", 0, frames)], &[level("lod1", &coarse)], Up::Y)
-            .unwrap()
+        export(
+            &model,
+            None,
+            &examples,
+            &[clip("all", 0, frames)],
+            &[level("lod1", &coarse)],
+            Stand::AsModel,
+        )
+        .unwrap()
     };
     let all = examples.frame_len();
     let exported = fit(all);
@@ -93,12 +102,14 @@ fn a_mesh_in_other_units_or_with_strays_is_told() {
     let clips = [clip("all", 0, 4)];
     let mut metres = level("lod1", &examples);
     metres.mesh.positions.iter_mut().flatten().for_each(|x| *x *= 100.0);
-    match export(&model, &examples, &clips, &[metres], Up::Y) {
-        Err(ExportError::LevelFar { name, percent }) => assert!(name == "lod1" && percent > 100.0),
+    match export(&model, None, &examples, &clips, &[metres], Stand::AsModel) {
+        Err(ExportError::Level(LevelError::Far { name, percent })) => {
+            assert!(name == "lod1" && percent > 100.0)
+        }
         other => panic!("{:?}", other.map(|exported| exported.levels)),
     }
     let mut stray = level("lod1", &examples);
     stray.mesh.positions[5] = [9.0, 9.0, 9.0];
-    let exported = export(&model, &examples, &clips, &[stray], Up::Y).unwrap();
+    let exported = export(&model, None, &examples, &clips, &[stray], Stand::AsModel).unwrap();
     assert_eq!(exported.levels[0].far, 1);
 }

@@ -7,12 +7,13 @@ mod rig;
 mod scene;
 #[path = "../shared/mod.rs"]
 mod shared;
+mod spaces;
 mod validator;
 
 use nalgebra::Vector3;
 use shared::shared;
-use sinew_runtime::format::Predictor;
-use sinew_runtime::{Envelope, Matrix3x4};
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{Envelope, Matrix3x4, Model};
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -56,16 +57,17 @@ fn pose(examples: &Examples, frame: usize) -> Vec<Matrix3x4> {
 
 /// Gives the palette of a pose by the runtime.
 fn runtime_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
-    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
-    envelope.palette(pose, &mut workspace, &mut palette).unwrap();
+    envelope.palette(pose, &mut scratch, &mut palette).unwrap();
     palette
 }
 
 /// Skins a pose by the runtime.
-fn runtime_skin(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Vector3<f64>> {
-    let mut positions = vec![[0.0; 3]; envelope.vertex_len()];
-    envelope.skin_positions(&runtime_palette(envelope, pose), &mut positions).unwrap();
+fn runtime_skin(model: &Model<&[u8]>, pose: &[Matrix3x4]) -> Vec<Vector3<f64>> {
+    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let mut positions = vec![[0.0; 3]; skin.vertex_len()];
+    skin.skin_positions(&runtime_palette(&envelope, pose), &mut positions).unwrap();
     positions.into_iter().map(|x| x.map(f64::from).into()).collect()
 }
 

@@ -3,12 +3,12 @@
 use super::scene::Scene;
 use super::{arm, clip, farthest, model, only, pose, runtime_skin, set, vectors};
 use nalgebra::{Matrix4, Vector3};
-use sinew_runtime::format::Predictor;
-use sinew_runtime::{Envelope, Matrix3x4, Model};
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{Matrix3x4, Model};
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Clip, Examples};
-use sinew_trainer::export::{Up, export};
+use sinew_trainer::export::{Stand, export};
 use sinew_trainer::progress::Silent;
 
 /// Greatest distance of the exported skin from the runtime's, as a share of the rest diagonal; the
@@ -25,7 +25,8 @@ struct Played<'a> {
 
 impl<'a> Played<'a> {
     fn new(examples: &'a Examples, model: Vec<u8>, clips: &'a [Clip]) -> Self {
-        let scene = Scene::read(&export(&model, examples, clips, &[], Up::Y).unwrap().glb);
+        let scene =
+            Scene::read(&export(&model, None, examples, clips, &[], Stand::AsModel).unwrap().glb);
         let played = Self { examples, model, clips, scene };
         assert_eq!(played.scene.gltf.animations().len(), clips.len());
         let rest = played.skinned(&played.scene.worlds(None));
@@ -33,12 +34,12 @@ impl<'a> Played<'a> {
         played
     }
 
-    fn envelope(&self) -> Envelope<'_> {
-        Model::from_bytes(&self.model).unwrap().envelope().unwrap()
+    fn loaded(&self) -> Model<&[u8]> {
+        Model::from_bytes(self.model.as_slice()).unwrap()
     }
 
     fn skinned(&self, worlds: &[Matrix4<f64>]) -> Vec<Vector3<f64>> {
-        self.scene.skinned(self.envelope().name(), &self.scene.palette(worlds))
+        self.scene.skinned(self.loaded().skin().unwrap().name(), &self.scene.palette(worlds))
     }
 
     /// Greatest distance from the runtime's skin at the keys, as a share of the diagonal.
@@ -50,7 +51,7 @@ impl<'a> Played<'a> {
             for key in 0..times.len() {
                 let found = self.skinned(&self.scene.worlds(Some((animation, key, 0.0))));
                 let pose = pose(self.examples, clip.first + key);
-                most = most.max(farthest(&found, &runtime_skin(&self.envelope(), &pose)));
+                most = most.max(farthest(&found, &runtime_skin(&self.loaded(), &pose)));
             }
         }
         most / self.examples.diagonal()
@@ -71,7 +72,7 @@ impl<'a> Played<'a> {
                     .map(|&node| worlds[node] * at_rest[node].try_inverse().unwrap())
                     .map(|m| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| m[(r, c)] as f32)))
                     .collect();
-                let expected = runtime_skin(&self.envelope(), &pose);
+                let expected = runtime_skin(&self.loaded(), &pose);
                 most = most.max(farthest(&self.skinned(&worlds), &expected));
             }
         }
@@ -144,7 +145,8 @@ fn wide_palettes_and_many_influences() {
     let model = train(&examples, &options, &Silent).unwrap().model;
     let clips = [clip("all", 0, 4)];
     let played = Played::new(&examples, model, &clips);
-    assert!(played.envelope().palette_len() > 256 && played.envelope().influence_len() > 4);
+    let skin = played.loaded().skin().map(|skin| (skin.palette_len(), skin.influence_len()));
+    assert!(skin.is_some_and(|(palette, influences)| palette > 256 && influences > 4));
     let off = played.off_at_keys();
     assert!(off < NEAR, "{off}");
 }
@@ -154,11 +156,11 @@ fn a_character_that_stands_along_z_is_turned_upright() {
     let examples = arm(300);
     let clips = [clip("all", 0, 3)];
     let model = model(&examples, Predictor::Kernel, 4, 4);
-    let skinned = |up| {
-        let scene = Scene::read(&export(&model, &examples, &clips, &[], up).unwrap().glb);
-        let name = Model::from_bytes(&model).unwrap().envelope().unwrap().name();
-        scene.skinned(name, &scene.palette(&scene.worlds(Some((0, 2, 0.0)))))
+    let skinned = |stand| {
+        let scene = Scene::read(&export(&model, None, &examples, &clips, &[], stand).unwrap().glb);
+        scene.skinned("skin", &scene.palette(&scene.worlds(Some((0, 2, 0.0)))))
     };
-    let upright: Vec<_> = skinned(Up::Y).iter().map(|x| Vector3::new(x.x, x.z, -x.y)).collect();
-    assert!(farthest(&skinned(Up::Z), &upright) < 1e-6 * examples.diagonal());
+    let upright: Vec<_> =
+        skinned(Stand::AsModel).iter().map(|x| Vector3::new(x.x, x.z, -x.y)).collect();
+    assert!(farthest(&skinned(Stand::Upright), &upright) < 1e-6 * examples.diagonal());
 }

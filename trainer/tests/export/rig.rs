@@ -3,7 +3,7 @@
 use super::scene::Scene;
 use super::{arm, farthest, vectors};
 use nalgebra::{Matrix4, Vector3};
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::evaluate::{Frames, evaluate};
@@ -103,7 +103,10 @@ fn the_rig_trains_to_the_model_of_the_demo() {
         let options = Options { predictor, proxies, ..Options::default() };
         let rms = [&examples, &read].map(|source| {
             let model = train(source, &options, &Silent).unwrap().model;
-            evaluate(&model, &examples, Frames::Of(Split::HeldOut)).unwrap().errors.rms_percent
+            evaluate(&model, None, &examples, Frames::Of(Split::HeldOut))
+                .unwrap()
+                .errors
+                .rms_percent
         });
         println!("held-out error of the demo {:.6} %, of its files {:.6} %", rms[0], rms[1]);
         assert!((rms[1] / rms[0] - 1.0).abs() < 1e-3, "{rms:?}");

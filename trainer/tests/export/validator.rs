@@ -2,9 +2,10 @@
 
 use super::{arm, clip, model};
 use serde_json::Value;
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
+use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::obj::Mesh;
-use sinew_trainer::export::{Level, Up, by_use, demo_glb, export};
+use sinew_trainer::export::{Stand, by_use, demo_glb, export};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -64,7 +65,8 @@ fn exports_of_every_predictor_are_valid() {
     for predictor in Predictor::ALL {
         for (proxies, influences) in [(8, 4), (20, 7)] {
             let model = model(&examples, predictor, proxies, influences);
-            let exported = export(&model, &examples, &clips, &levels, Up::Y).unwrap();
+            let exported =
+                export(&model, None, &examples, &clips, &levels, Stand::AsModel).unwrap();
             valid(&format!("{}-{influences}", predictor.name()), &exported.glb);
         }
     }
@@ -77,7 +79,8 @@ fn a_mesh_with_a_vertex_in_no_triangle_is_valid() {
     let last = examples.vertex_len() - 1;
     examples.triangles.retain(|triangle| !triangle.contains(&last));
     let model = model(&examples, Predictor::Kernel, 4, 4);
-    let exported = export(&model, &examples, &[clip("a", 0, 3)], &[], Up::Y).unwrap();
+    let exported =
+        export(&model, None, &examples, &[clip("a", 0, 3)], &[], Stand::AsModel).unwrap();
     valid("unused", &exported.glb);
 }
 

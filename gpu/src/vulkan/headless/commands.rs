@@ -1,6 +1,7 @@
 //! A command buffer that is recorded, submitted, and waited for.
 
-use super::{Device, while_doing};
+use super::device::Device;
+use super::error::while_doing;
 use crate::headless::HeadlessError;
 use ash::vk;
 

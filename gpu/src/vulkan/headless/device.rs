@@ -1,18 +1,15 @@
 //! A device that has been opened, its queue and its pipelines.
 
+use super::super::pipelines::Pipelines;
+use super::super::requirements::limits;
+use super::error::while_doing;
 use super::instance::Vulkan;
-use super::uploaded::VulkanBatch;
-use super::while_doing;
-use super::{Commands, Memory};
-use crate::headless::{self, DeviceInfo, HeadlessError, Uploaded};
-use crate::layout::{DeviceLimits, Plan, Stage};
-use crate::vulkan::{Pipelines, limits};
+use crate::headless::{DeviceInfo, HeadlessError};
+use crate::layout::{DeviceLimits, Stage};
 use ash::vk;
-use sinew_runtime::Model;
 use std::cell::Cell;
 use std::marker::PhantomData;
 use std::mem::take;
-use std::time::{Duration, Instant};
 
 /// Lists the devices that there are.
 ///
@@ -33,8 +30,8 @@ pub struct Device {
     queue: vk::Queue,
     family: u32,
     pub(super) commands: vk::CommandPool,
-    info: DeviceInfo,
-    limits: DeviceLimits,
+    pub(super) info: DeviceInfo,
+    pub(super) limits: DeviceLimits,
     vulkan: Vulkan,
     /// Command pool and queue are one thread's at a time.
     _not_sync: PhantomData<Cell<()>>,
@@ -143,74 +140,6 @@ impl Device {
     pub fn messages(&self) -> Option<Vec<String>> {
         self.vulkan.messages()
     }
-
-    /// Allocates the buffers of a batch: [`headless::Device::upload`] with a type that shows more.
-    ///
-    /// # Errors
-    /// [`HeadlessError`]
-    pub fn batch(&self, model: &Model<'_>, plan: &Plan) -> Result<VulkanBatch<'_>, HeadlessError> {
-        VulkanBatch::new(self, model, plan)
-    }
-}
-
-impl headless::Device for Device {
-    fn info(&self) -> &DeviceInfo {
-        &self.info
-    }
-
-    fn limits(&self) -> DeviceLimits {
-        self.limits
-    }
-
-    fn upload(
-        &self,
-        model: &Model<'_>,
-        plan: &Plan,
-    ) -> Result<Box<dyn Uploaded + '_>, HeadlessError> {
-        Ok(Box::new(self.batch(model, plan)?))
-    }
-
-    fn time_copy(&self, bytes: u64, repeat_len: usize) -> Result<Duration, HeadlessError> {
-        let bytes = bytes.next_multiple_of(4);
-        let none = vk::BufferUsageFlags::empty();
-        let [from, to] = [Memory::local(self, bytes, none)?, Memory::local(self, bytes, none)?];
-        let regions = [vk::BufferCopy::default().size(bytes)];
-        let memory = [vk::MemoryBarrier::default()
-            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-            .dst_access_mask(vk::AccessFlags::TRANSFER_READ | vk::AccessFlags::TRANSFER_WRITE)];
-        let (stage, flags) = (vk::PipelineStageFlags::TRANSFER, vk::DependencyFlags::empty());
-        let commands = Commands::new(self)?;
-        let copy = |count: usize| {
-            let record = |device: &ash::Device, commands| {
-                for _ in 0..count {
-                    // SAFETY: it is being recorded, and both buffers have these bytes.
-                    unsafe {
-                        device.cmd_pipeline_barrier(
-                            commands,
-                            stage,
-                            stage,
-                            flags,
-                            &memory,
-                            &[],
-                            &[],
-                        );
-                        device.cmd_copy_buffer(commands, from.buffer(), to.buffer(), &regions);
-                    }
-                }
-                Ok(())
-            };
-            // SAFETY: what is recorded is valid.
-            unsafe { commands.submit(record) }
-        };
-        copy(1)?;
-        let start = Instant::now();
-        copy(repeat_len)?;
-        Ok(start.elapsed())
-    }
-
-    fn message_len(&self) -> Option<usize> {
-        self.messages().map(|messages| messages.len())
-    }
 }
 
 impl Drop for Device {
@@ -231,6 +160,6 @@ fn at_most(own: DeviceLimits, other: DeviceLimits) -> DeviceLimits {
         storage_buffers: own.storage_buffers.min(other.storage_buffers),
         offset_alignment: own.offset_alignment.max(other.offset_alignment),
         workgroup_threads: own.workgroup_threads.min(other.workgroup_threads),
-        groups: own.groups.min(other.groups),
+        workgroups: own.workgroups.min(other.workgroups),
     }
 }

@@ -1,9 +1,13 @@
 //! What a batch holds on a device: buffers, descriptor pool and a command buffer to copy with.
 
-use super::{Commands, Device, Memory, while_doing};
+use super::super::bound::Buffers;
+use super::super::requirements::{pool_sizes, set_len, usage};
+use super::commands::Commands;
+use super::device::Device;
+use super::error::while_doing;
+use super::memory::Memory;
 use crate::headless::HeadlessError;
 use crate::layout::{LayoutError, Plan, Resource};
-use crate::vulkan::{Buffers, pool_sizes, set_len, usage};
 use ash::vk::{self, AccessFlags as Access, PipelineStageFlags as Stages};
 
 /// Freed when dropped.

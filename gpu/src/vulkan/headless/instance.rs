@@ -1,7 +1,7 @@
 //! An instance of Vulkan 1.1, with or without validation, and the devices that it sees.
 
+use super::error::while_doing;
 use super::messages::{Messages, Messenger};
-use super::while_doing;
 use crate::headless::{DeviceInfo, HeadlessError};
 use ash::{Entry, Instance, ext, khr, vk};
 use std::ffi::CStr;

@@ -1,6 +1,6 @@
 //! What validation layers say, kept.
 
-use super::while_doing;
+use super::error::while_doing;
 use crate::headless::HeadlessError;
 use ash::{Entry, Instance, ext::debug_utils, vk};
 use std::ffi::{CStr, c_void};

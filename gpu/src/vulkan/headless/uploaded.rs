@@ -1,11 +1,13 @@
 //! A batch whose buffers the helper owns.
 
+use super::super::bound::{Bound, barrier};
+use super::commands::Commands;
+use super::device::Device;
 use super::held::{Held, uploaded};
-use super::{Device, Memory};
-use crate::headless::{HeadlessError, Uploaded};
-use crate::layout::{Plan, Resource, Stage};
-use crate::vulkan::{Bound, barrier};
-use sinew_runtime::Model;
+use super::memory::Memory;
+use crate::headless::{self, DeviceInfo, HeadlessError, Uploaded};
+use crate::layout::{DeviceLimits, Plan, Resource, Stage};
+use ash::vk;
 use std::time::{Duration, Instant};
 
 /// A batch on a device, with its buffers in the device's own memory.
@@ -15,15 +17,11 @@ pub struct VulkanBatch<'d> {
 }
 
 impl<'d> VulkanBatch<'d> {
-    pub(super) fn new(
-        device: &'d Device,
-        model: &Model<'_>,
-        plan: &Plan,
-    ) -> Result<Self, HeadlessError> {
+    fn new(device: &'d Device, blob: &[u8], plan: &Plan) -> Result<Self, HeadlessError> {
         let mut held = Held::new(device, plan)?;
         held.write(Resource::Params, 0, &plan.params())?;
         // Words are bound.
-        let mut blob = model.blob().to_vec();
+        let mut blob = blob.to_vec();
         blob.resize(blob.len().next_multiple_of(4), 0);
         held.write(Resource::Blob, 0, &blob)?;
         let pipelines = device.pipelines();
@@ -102,5 +100,71 @@ impl Uploaded for VulkanBatch<'_> {
         let bytes = self.held.read(resource)?;
         let words = bytes.as_chunks::<4>().0;
         Ok(words.iter().map(|word| f32::from_le_bytes(*word)).collect())
+    }
+}
+
+impl Device {
+    /// Allocates the buffers of a batch: [`headless::Device::upload`] with a type that shows more.
+    ///
+    /// # Errors
+    /// [`HeadlessError`]
+    pub fn batch(&self, blob: &[u8], plan: &Plan) -> Result<VulkanBatch<'_>, HeadlessError> {
+        VulkanBatch::new(self, blob, plan)
+    }
+}
+
+impl headless::Device for Device {
+    fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    fn limits(&self) -> DeviceLimits {
+        self.limits
+    }
+
+    fn upload(&self, blob: &[u8], plan: &Plan) -> Result<Box<dyn Uploaded + '_>, HeadlessError> {
+        Ok(Box::new(self.batch(blob, plan)?))
+    }
+
+    fn time_copy(&self, bytes: u64, repeat_len: usize) -> Result<Duration, HeadlessError> {
+        let bytes = bytes.next_multiple_of(4);
+        let none = vk::BufferUsageFlags::empty();
+        let [from, to] = [Memory::local(self, bytes, none)?, Memory::local(self, bytes, none)?];
+        let regions = [vk::BufferCopy::default().size(bytes)];
+        let memory = [vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+            .dst_access_mask(vk::AccessFlags::TRANSFER_READ | vk::AccessFlags::TRANSFER_WRITE)];
+        let (stage, flags) = (vk::PipelineStageFlags::TRANSFER, vk::DependencyFlags::empty());
+        let commands = Commands::new(self)?;
+        let copy = |count: usize| {
+            let record = |device: &ash::Device, commands| {
+                for _ in 0..count {
+                    // SAFETY: it is being recorded, and both buffers have these bytes.
+                    unsafe {
+                        device.cmd_pipeline_barrier(
+                            commands,
+                            stage,
+                            stage,
+                            flags,
+                            &memory,
+                            &[],
+                            &[],
+                        );
+                        device.cmd_copy_buffer(commands, from.buffer(), to.buffer(), &regions);
+                    }
+                }
+                Ok(())
+            };
+            // SAFETY: what is recorded is valid.
+            unsafe { commands.submit(record) }
+        };
+        copy(1)?;
+        let start = Instant::now();
+        copy(repeat_len)?;
+        Ok(start.elapsed())
+    }
+
+    fn message_len(&self) -> Option<usize> {
+        self.messages().map(|messages| messages.len())
     }
 }

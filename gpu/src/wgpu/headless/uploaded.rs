@@ -1,17 +1,18 @@
 //! A batch on a device.
 
-use super::Device;
-use crate::headless::{self, HeadlessError};
-use crate::layout::{LayoutError, Resource, Stage};
-use crate::wgpu::Bound;
-use ::wgpu::Buffer;
+use super::super::bound::{Bound, Buffers};
+use super::super::pipelines::limits;
+use super::device::Device;
+use crate::headless::{self, DeviceInfo, HeadlessError};
+use crate::layout::{DeviceLimits, LayoutError, Plan, Resource, Stage};
+use ::wgpu::{Buffer, BufferUsages};
 use std::time::{Duration, Instant};
 
 /// The buffers of a batch.
-pub(super) struct Uploaded<'a> {
-    pub(super) device: &'a Device,
-    pub(super) bound: Bound,
-    pub(super) buffers: [Option<Buffer>; Resource::ALL.len()],
+struct Uploaded<'a> {
+    device: &'a Device,
+    bound: Bound,
+    buffers: [Option<Buffer>; Resource::ALL.len()],
 }
 
 impl Uploaded<'_> {
@@ -20,7 +21,7 @@ impl Uploaded<'_> {
         own.ok_or(LayoutError::Missing { resource }.into())
     }
 
-    pub(super) fn write_bytes(
+    fn write_bytes(
         &self,
         resource: Resource,
         offset: u64,
@@ -74,5 +75,71 @@ impl headless::Uploaded for Uploaded<'_> {
 
     fn read(&mut self, resource: Resource) -> Result<Vec<f32>, HeadlessError> {
         self.device.read(self.buffer(resource)?)
+    }
+}
+
+impl headless::Device for Device {
+    fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    fn limits(&self) -> DeviceLimits {
+        limits(&self.device().limits())
+    }
+
+    fn upload(
+        &self,
+        blob: &[u8],
+        plan: &Plan,
+    ) -> Result<Box<dyn headless::Uploaded + '_>, HeadlessError> {
+        let mut own: [Option<Buffer>; Resource::ALL.len()] = Default::default();
+        for resource in Resource::ALL {
+            let usage = match resource {
+                Resource::Params => BufferUsages::UNIFORM,
+                _ => BufferUsages::STORAGE,
+            };
+            let usage = usage | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+            if plan.bytes(resource) > 0 {
+                own[resource as usize] = Some(self.buffer(plan.bytes(resource), usage)?);
+            }
+        }
+        let mut buffers = Buffers::new();
+        for (resource, buffer) in Resource::ALL.into_iter().zip(&own) {
+            if let Some(buffer) = buffer {
+                buffers = buffers.with(resource, buffer, 0);
+            }
+        }
+        let bound = Bound::new(self.pipelines()?, plan, &buffers)?;
+        let uploaded = Uploaded { device: self, bound, buffers: own };
+        uploaded.write_bytes(Resource::Params, 0, &plan.params())?;
+        let mut blob = blob.to_vec();
+        // Copies are of whole words.
+        blob.resize(plan.bytes(Resource::Blob) as usize, 0);
+        uploaded.write_bytes(Resource::Blob, 0, &blob)?;
+        Ok(Box::new(uploaded))
+    }
+
+    fn time_copy(&self, bytes: u64, repeat_len: usize) -> Result<Duration, HeadlessError> {
+        let bytes = bytes.next_multiple_of(4);
+        let from = self.buffer(bytes, BufferUsages::COPY_SRC | BufferUsages::COPY_DST)?;
+        let to = self.buffer(bytes, BufferUsages::COPY_DST)?;
+        // Both are cleared before they are used for the first time.
+        let copy = |count: usize| {
+            self.submit(|encoder| {
+                for _ in 0..count {
+                    encoder.copy_buffer_to_buffer(&from, 0, &to, 0, bytes);
+                }
+                Ok(())
+            })
+        };
+        copy(1)?;
+        let start = Instant::now();
+        copy(repeat_len)?;
+        Ok(start.elapsed())
+    }
+
+    fn message_len(&self) -> Option<usize> {
+        // They go to `log`, whose one logger is the program's.
+        None
     }
 }

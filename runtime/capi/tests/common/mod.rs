@@ -7,13 +7,13 @@
     reason = "each test uses a part of it"
 )]
 
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
-use sinew_runtime::{LocalTransform, Model, model_space_pose};
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{LocalTransform, Model, SkinJob, model_space_pose};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 pub const GOLDEN: [&str; 3] =
-    ["envelope-2-rotational.snw", "envelope-2-kernel.snw", "envelope-2-hybrid.snw"];
+    ["envelope-3-rotational.snw", "envelope-3-kernel.snw", "envelope-3-hybrid.snw"];
 
 pub const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
 
@@ -74,43 +74,45 @@ fn cargo(arguments: &[&str]) -> PathBuf {
 
 /// Computes what the examples print, with the runtime itself; their poses are drawn the same way.
 pub fn printed(file: &[u8], poses: usize) -> String {
-    let envelope = Model::from_bytes(file).unwrap().envelope().unwrap();
-    let (v, j, p) = (envelope.vertex_len(), envelope.joint_len(), envelope.palette_len());
-    let stride = if envelope.has_tangents() { 10 } else { 6 };
-    let mut workspace = vec![0.0; envelope.workspace_len()];
+    let model = Model::from_bytes(file).unwrap();
+    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (v, j, p) = (skin.vertex_len(), envelope.joint_len(), envelope.palette_len());
+    let stride = if skin.has_tangents() { 10 } else { 6 };
+    let mut scratch = vec![0.0; envelope.scratch_len()];
     let (mut pose, mut palette) = (vec![[[0.0; 4]; 3]; j], vec![[[0.0; 4]; 3]; p]);
-    let mut skin = vec![0.0; stride * v];
+    let mut vertices = vec![0.0; stride * v];
     let (mut random, mut bits, mut least) = (2007, 0xcbf2_9ce4_8422_2325, 1.0f32);
     let mut bounds = None;
     for i in 0..poses {
         let turn = [0.01, 0.3, 1.0, 8.0][i % 4];
         let local = (0..j).map(|_| local(&mut random, turn)).collect::<Vec<_>>();
         model_space_pose(&envelope, &local, &mut pose).unwrap();
-        let confidence = envelope.palette(&pose, &mut workspace, &mut palette).unwrap();
-        let attribute = |offset| Some(Attribute { buffer: Buffer::A, offset, stride });
+        let confidence = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+        let floats = cells(&mut vertices);
+        let output = |first: usize| Some(Output { floats: &floats[first..], stride });
         SkinJob {
-            envelope,
+            skin,
             palette: &palette,
             vertices: 0..v,
-            positions: attribute(0),
-            normals: attribute(3),
-            tangents: attribute(6).filter(|_| envelope.has_tangents()),
-            out_a: &mut skin,
-            out_b: &mut [],
+            remap: None,
+            rest: Rest::default(),
+            positions: output(0),
+            normals: output(3),
+            tangents: skin.has_tangents().then(|| output(6)).flatten(),
         }
         .run()
         .unwrap();
-        let found = envelope.bounds(&palette).unwrap().unwrap();
+        let found = skin.bounds(&palette, 0.0).unwrap().unwrap();
         least = least.min(confidence);
         hash(&mut bits, palette.as_flattened().as_flattened());
         hash(&mut bits, &[confidence]);
-        hash(&mut bits, &skin);
+        hash(&mut bits, &vertices);
         hash(&mut bits, &[found.min, found.max].concat());
         bounds = Some(found);
     }
     let ([a, b, c], [d, e, f]) = bounds.map(|b| (b.min, b.max)).unwrap();
     format!(
-        "model       {}: {v} vertices, {j} joints, {p} maps\n\
+        "model       {}: {v} vertices, {j} joints, {p} transforms\n\
          bounds      {a:.6} {b:.6} {c:.6} to {d:.6} {e:.6} {f:.6}\n\
          confidence  {least:.6} at least\n\
          hash        {bits:016x}\n",

@@ -1,10 +1,11 @@
-//! Handles to a file's first envelope, and calls in Rust's types.
+//! Handles to the parts of a file, and calls in Rust's types.
 #![allow(missing_docs, unreachable_pub, reason = "a module of a test")]
 
 use sinew_capi::*;
 use sinew_runtime::{LocalTransform, Matrix3x4};
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
+use std::ops::Range;
 use std::ptr::{null, null_mut};
 
 /// No interest in the error.
@@ -23,72 +24,104 @@ pub type PaletteCall = unsafe extern "C" fn(
     *mut sinew_error,
 ) -> sinew_status;
 
-/// Memory of a model and of its first envelope, both loaded, and the file they borrow.
-#[derive(Clone)]
-pub struct Handles {
-    file: *const [u8],
-    model: Box<[MaybeUninit<usize>; SINEW_MODEL_WORDS]>,
-    envelope: Box<[MaybeUninit<usize>; SINEW_ENVELOPE_WORDS]>,
+/// Memory of an object. A vector's may be pointed to while the vector is moved.
+pub type Memory = Vec<MaybeUninit<usize>>;
+
+pub fn memory(words: usize) -> Memory {
+    vec![MaybeUninit::uninit(); words]
+}
+
+/// A loaded model, with the memory that it lies in; the tests keep its file.
+pub struct Loaded {
+    memory: Memory,
+    pub handle: *const sinew_model,
+}
+
+/// An envelope of a model.
+pub struct Envelope {
+    memory: Memory,
+    pub handle: *const sinew_envelope,
+}
+
+/// A skin of a model.
+pub struct Skin {
+    memory: Memory,
+    pub handle: *const sinew_skin,
 }
 
 // SAFETY: the library promises that loaded objects may be shared, and the tests that the file stays.
-unsafe impl Sync for Handles {}
+unsafe impl Sync for Skin {}
 
-impl Handles {
-    /// Loads a file, which must outlive the handles.
-    pub fn load(file: &[u8]) -> Self {
-        let mut model = Box::new([MaybeUninit::uninit(); SINEW_MODEL_WORDS]);
-        let mut envelope = Box::new([MaybeUninit::uninit(); SINEW_ENVELOPE_WORDS]);
-        let (mut out_model, mut out_envelope) = (null(), null());
-        let (memory, bytes) = (model.as_mut_ptr().cast(), size_of_val(&*model));
+impl Loaded {
+    /// Loads a file, which must outlive what is done with it.
+    pub fn new(file: &[u8]) -> Self {
+        let mut loaded = Self { memory: memory(SINEW_MODEL_WORDS), handle: null() };
+        done(loaded.load(file));
+        assert_eq!(loaded.handle.addr(), loaded.memory.as_ptr().addr());
+        loaded
+    }
+
+    /// Loads a file into the same memory.
+    pub fn load(&mut self, file: &[u8]) -> sinew_status {
+        let (at, bytes) = (self.memory.as_mut_ptr().cast(), size_of_val(&*self.memory));
+        let out = &raw mut self.handle;
         // SAFETY: memory and file with their lengths; the tests keep the file.
-        done(unsafe {
-            let (at, len) = (file.as_ptr(), file.len());
-            sinew_model_load(memory, bytes, at, len, null(), &raw mut out_model, NONE)
-        });
-        assert_eq!(out_model.addr(), memory.addr());
-        let (memory, bytes) = (envelope.as_mut_ptr().cast(), size_of_val(&*envelope));
-        // SAFETY: a loaded model, and memory with its length.
-        done(unsafe {
-            sinew_envelope_open(out_model, null(), 0, memory, bytes, &raw mut out_envelope, NONE)
-        });
-        assert_eq!(out_envelope.addr(), memory.addr());
-        Self { file, model, envelope }
+        unsafe { sinew_model_load(at, bytes, file.as_ptr(), file.len(), null(), out, NONE) }
     }
 
-    /// Copies the objects' memory elsewhere.
+    /// Fills the memory with zeros.
+    pub fn empty(&mut self) {
+        self.memory.fill(MaybeUninit::zeroed());
+    }
+
+    pub fn envelope(&self, name: Option<&str>, index: usize) -> Result<Envelope, sinew_status> {
+        let mut envelope = Envelope { memory: memory(SINEW_ENVELOPE_WORDS), handle: null() };
+        let (at, len) = name.map_or((null(), 0), |name| (name.as_ptr().cast(), name.len()));
+        let (place, bytes) = (envelope.memory.as_mut_ptr().cast(), size_of_val(&*envelope.memory));
+        let out = &raw mut envelope.handle;
+        // SAFETY: a loaded model, a name and memory with their lengths.
+        match unsafe { sinew_envelope_open(self.handle, at, len, index, place, bytes, out, NONE) } {
+            sinew_status::Ok => {
+                assert_eq!(envelope.handle.addr(), envelope.memory.as_ptr().addr());
+                Ok(envelope)
+            }
+            status => Err(status),
+        }
+    }
+
+    pub fn skin(&self, name: Option<&str>, index: usize) -> Result<Skin, sinew_status> {
+        let mut skin = Skin { memory: memory(SINEW_SKIN_WORDS), handle: null() };
+        let (at, len) = name.map_or((null(), 0), |name| (name.as_ptr().cast(), name.len()));
+        let (place, bytes) = (skin.memory.as_mut_ptr().cast(), size_of_val(&*skin.memory));
+        let out = &raw mut skin.handle;
+        // SAFETY: a loaded model, a name and memory with their lengths.
+        match unsafe { sinew_skin_open(self.handle, at, len, index, place, bytes, out, NONE) } {
+            sinew_status::Ok => {
+                assert_eq!(skin.handle.addr(), skin.memory.as_ptr().addr());
+                Ok(skin)
+            }
+            status => Err(status),
+        }
+    }
+}
+
+impl Envelope {
+    /// Copies the object's memory elsewhere.
     pub fn moved(&self) -> Self {
-        self.clone()
-    }
-
-    pub fn file(&self) -> &[u8] {
-        // SAFETY: the tests keep the file for as long as its handles.
-        unsafe { &*self.file }
-    }
-
-    pub fn model(&self) -> *const sinew_model {
-        self.model.as_ptr().cast()
-    }
-
-    pub fn envelope(&self) -> *const sinew_envelope {
-        self.envelope.as_ptr().cast()
+        let memory = self.memory.clone();
+        Self { handle: memory.as_ptr().cast(), memory }
     }
 
     pub fn info(&self) -> sinew_envelope_info {
-        let mut info = MaybeUninit::uninit();
-        // SAFETY: a loaded envelope and one structure to be written.
-        done(unsafe { sinew_envelope_describe(self.envelope(), info.as_mut_ptr(), NONE) });
-        // SAFETY: the call succeeded and has written it.
-        unsafe { info.assume_init() }
+        // SAFETY: an open envelope and one structure to be written.
+        get(|out| unsafe { sinew_envelope_describe(self.handle, out, NONE) })
     }
 
     pub fn pose(&self, local: &[LocalTransform]) -> Vec<Matrix3x4> {
         let mut pose = vec![[[f32::NAN; 4]; 3]; local.len()];
         let (at, out) = (local.as_ptr().cast(), pose.as_mut_ptr().cast());
-        // SAFETY: a loaded envelope and two arrays with their lengths.
-        done(unsafe {
-            sinew_envelope_pose(self.envelope(), at, local.len(), out, pose.len(), NONE)
-        });
+        // SAFETY: an open envelope and two arrays with their lengths.
+        done(unsafe { sinew_envelope_pose(self.handle, at, local.len(), out, pose.len(), NONE) });
         pose
     }
 
@@ -98,33 +131,115 @@ impl Handles {
 
     pub fn palette_by(&self, call: PaletteCall, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
         let info = self.info();
-        let mut workspace = vec![f32::NAN; info.workspace_len];
+        let mut scratch = vec![f32::NAN; info.scratch_len];
         let mut palette = vec![[[f32::NAN; 4]; 3]; info.palette_len];
         let mut confidence = f32::NAN;
-        // SAFETY: a loaded envelope, three arrays with their lengths, one value to be written.
-        done(unsafe {
-            call(
-                self.envelope(),
-                matrices(pose),
-                pose.len(),
-                workspace.as_mut_ptr(),
-                workspace.len(),
-                palette.as_mut_ptr().cast(),
-                palette.len(),
-                &raw mut confidence,
-                NONE,
-            )
-        });
+        let (at, out) = (matrices(pose), palette.as_mut_ptr().cast());
+        let (s, s_len, c) = (scratch.as_mut_ptr(), scratch.len(), &raw mut confidence);
+        // SAFETY: an open envelope, three arrays with their lengths, one value to be written.
+        done(unsafe { call(self.handle, at, pose.len(), s, s_len, out, palette.len(), c, NONE) });
         (palette, confidence)
+    }
+
+    /// Computes the palettes of several poses, one after the other.
+    pub fn palettes(&self, poses: &[Matrix3x4], pose_len: usize) -> (Vec<Matrix3x4>, Vec<f32>) {
+        let info = self.info();
+        let mut scratch = vec![f32::NAN; info.scratch_len];
+        let mut palettes = vec![[[f32::NAN; 4]; 3]; info.palette_len * pose_len];
+        let mut confidences = vec![f32::NAN; pose_len];
+        let (at, out) = (matrices(poses), palettes.as_mut_ptr().cast());
+        let (s, s_len, c) = (scratch.as_mut_ptr(), scratch.len(), confidences.as_mut_ptr());
+        let (e, len) = (self.handle, palettes.len());
+        // SAFETY: an open envelope and four arrays with their lengths.
+        done(unsafe {
+            sinew_envelope_palettes(e, at, poses.len(), s, s_len, out, len, c, pose_len, NONE)
+        });
+        (palettes, confidences)
     }
 }
 
-pub fn matrices(maps: &[Matrix3x4]) -> *const sinew_matrix {
-    maps.as_ptr().cast()
+impl Skin {
+    /// Copies the object's memory elsewhere.
+    pub fn moved(&self) -> Self {
+        let memory = self.memory.clone();
+        Self { handle: memory.as_ptr().cast(), memory }
+    }
+
+    pub fn info(&self) -> sinew_skin_info {
+        // SAFETY: an open skin and one structure to be written.
+        get(|out| unsafe { sinew_skin_describe(self.handle, out, NONE) })
+    }
+
+    pub fn range(&self, index: usize) -> sinew_range {
+        // SAFETY: an open skin and one structure to be written.
+        get(|out| unsafe { sinew_skin_range(self.handle, index, out, NONE) })
+    }
+
+    pub fn bounds(&self, palette: &[Matrix3x4], rest_offset: f32) -> sinew_bounds {
+        let (at, len) = (matrices(palette), palette.len());
+        // SAFETY: an open skin, an array with its length, a structure to be written.
+        get(|out| unsafe { sinew_skin_bounds(self.handle, at, len, rest_offset, out, NONE) })
+    }
+
+    /// Makes a job that writes nothing yet.
+    pub fn job(&self, palette: &[Matrix3x4], vertices: Range<usize>) -> sinew_skin_job {
+        let nothing = sinew_output { floats: null_mut(), len: 0, stride: 0 };
+        sinew_skin_job {
+            skin: self.handle,
+            palette: matrices(palette),
+            palette_len: palette.len(),
+            start: vertices.start,
+            end: vertices.end,
+            remap: null(),
+            remap_len: 0,
+            rest_positions: null(),
+            rest_normals: null(),
+            rest_tangents: null(),
+            rest_len: 0,
+            positions: nothing,
+            normals: nothing,
+            tangents: nothing,
+        }
+    }
+
+    /// Runs a job with positions, normals (3 each) and tangents (4), each in a run of its own; without
+    /// tangents where the skin has none.
+    pub fn run(&self, job: sinew_skin_job) -> Vec<f32> {
+        let n = job.end - job.start;
+        let mut out = [vec![f32::NAN; 3 * n], vec![f32::NAN; 3 * n], vec![f32::NAN; 4 * n]];
+        let [positions, normals, tangents] = &mut out;
+        let mut job =
+            sinew_skin_job { positions: output(positions, 3), normals: output(normals, 3), ..job };
+        if self.info().has_tangents == 1 {
+            job.tangents = output(tangents, 4);
+        } else {
+            tangents.clear();
+        }
+        // SAFETY: every pointer of the job comes with its length.
+        done(unsafe { sinew_skin_run(&raw const job, NONE) });
+        out.concat()
+    }
+}
+
+/// Puts an attribute into floats of its own.
+pub fn output(floats: &mut [f32], stride: usize) -> sinew_output {
+    sinew_output { floats: floats.as_mut_ptr(), len: floats.len(), stride }
+}
+
+pub fn matrices(transforms: &[Matrix3x4]) -> *const sinew_matrix {
+    transforms.as_ptr().cast()
 }
 
 pub fn done(status: sinew_status) {
     assert_eq!(status, sinew_status::Ok);
+}
+
+/// Gets a value that a function writes.
+pub fn get<T>(call: impl FnOnce(*mut T) -> sinew_status) -> T {
+    let mut out = MaybeUninit::uninit();
+    done(call(out.as_mut_ptr()));
+    // SAFETY: the call succeeded and has written its result.
+    unsafe { out.assume_init() }
 }
 
 /// Reads a name that a call has returned.

@@ -1,13 +1,10 @@
 //! The runtime as a backend.
 
-use super::{Backend, Buffers, Failure, Gradients, Loaded, Whole, part};
+use super::{Backend, Failure, Gradients, Loaded, Whole, part};
 use crate::compare::POISON;
-use sinew_gpu::layout::{self, Skin, Stage};
-use sinew_runtime::Matrix3x4;
-use sinew_runtime::envelope::{
-    Attribute, SkinJob, confidence, correction, gradients, joints, palette,
-};
-use sinew_runtime::pose::features;
+use sinew_gpu::layout::{Attribute, SkinBatch, Stage};
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{Matrix3x4, SkinJob, stages};
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 
 /// The runtime itself, one pose after the other.
@@ -25,7 +22,7 @@ impl Backend for Cpu {
             Stage::Joints => !predictor.reconstructs(),
             Stage::Features | Stage::Correction => predictor.corrects(),
             Stage::Confidence => !predictor.corrects(),
-            Stage::Skin => loaded.envelope.vertex_len() > 0,
+            Stage::Skin => loaded.skin.vertex_len() > 0,
         }
     }
 
@@ -37,7 +34,7 @@ impl Backend for Cpu {
     ) -> Result<(), Failure> {
         let n = poses.len() / loaded.envelope.joint_len();
         for i in 0..n {
-            gradients::evaluate(
+            stages::gradients(
                 &loaded.envelope,
                 part(poses, n, i),
                 part_mut(&mut out.relative, n, i),
@@ -57,7 +54,7 @@ impl Backend for Cpu {
     ) -> Result<(), Failure> {
         let n = poses.len() / loaded.envelope.joint_len();
         for i in 0..n {
-            palette::evaluate(
+            stages::palette(
                 &loaded.envelope,
                 &part(poses, n, i)[loaded.envelope.root()],
                 part(&input.relative, n, i),
@@ -77,7 +74,7 @@ impl Backend for Cpu {
         let n = poses.len() / loaded.envelope.joint_len();
         for i in 0..n {
             let out = part_mut(out_palettes, n, i);
-            joints::evaluate(&loaded.envelope, part(poses, n, i), out)?;
+            stages::joints(&loaded.envelope, part(poses, n, i), out)?;
         }
         Ok(())
     }
@@ -91,7 +88,7 @@ impl Backend for Cpu {
         let n = poses.len() / loaded.envelope.joint_len();
         for i in 0..n {
             let out = part_mut(out_features, n, i);
-            features::evaluate(&loaded.envelope, part(poses, n, i), out)?;
+            stages::features(&loaded.envelope, part(poses, n, i), out)?;
         }
         Ok(())
     }
@@ -105,9 +102,9 @@ impl Backend for Cpu {
         out_confidences: &mut [f32],
     ) -> Result<(), Failure> {
         let n = out_confidences.len();
-        let mut scratch = vec![POISON; loaded.envelope.scratch_len()];
+        let mut scratch = vec![POISON; loaded.envelope.correction_len()];
         for (i, confidence) in out_confidences.iter_mut().enumerate() {
-            *confidence = correction::evaluate(
+            *confidence = stages::correction(
                 &loaded.envelope,
                 part(poses, n, i),
                 part(features, n, i),
@@ -126,7 +123,7 @@ impl Backend for Cpu {
     ) -> Result<(), Failure> {
         let n = out_confidences.len();
         for (i, confidence) in out_confidences.iter_mut().enumerate() {
-            *confidence = confidence::evaluate(&loaded.envelope, part(rotations, n, i))?;
+            *confidence = stages::confidence(&loaded.envelope, part(rotations, n, i))?;
         }
         Ok(())
     }
@@ -135,29 +132,31 @@ impl Backend for Cpu {
         &self,
         loaded: &Loaded<'_>,
         palettes: &[Matrix3x4],
-        skin: &Skin,
-        out: &mut Buffers,
+        skin: &SkinBatch,
+        out: &mut [f32],
     ) -> Result<(), Failure> {
-        let envelope = loaded.envelope;
-        // A kernel model without helpers still has its joints: there is a map in every palette.
-        let n = palettes.len() / envelope.palette_len();
+        if skin.vertices.is_empty() {
+            return Ok(());
+        }
+        // A kernel model without helpers still has its joints: there is a transform in every palette.
+        let n = palettes.len() / loaded.envelope.palette_len();
+        let out = cells(out);
         for i in 0..n {
-            let at = |attribute: Option<layout::Attribute>| {
-                attribute.map(|own| Attribute {
-                    buffer: own.buffer,
-                    offset: own.offset + i * own.instance_stride,
+            let at = |attribute: Option<Attribute>| {
+                attribute.map(|own| Output {
+                    floats: &out[own.offset + i * own.instance_stride..],
                     stride: own.stride,
                 })
             };
             let job = SkinJob {
-                envelope,
+                skin: loaded.skin,
                 palette: part(palettes, n, i),
                 vertices: skin.vertices.clone(),
+                remap: None,
+                rest: Rest::default(),
                 positions: at(skin.positions),
                 normals: at(skin.normals),
                 tangents: at(skin.tangents),
-                out_a: &mut out.a,
-                out_b: &mut out.b,
             };
             job.run()?;
         }
@@ -168,15 +167,12 @@ impl Backend for Cpu {
         &self,
         loaded: &Loaded<'_>,
         poses: &[Matrix3x4],
-        skin: &Skin,
+        skin: &SkinBatch,
         out: &mut Whole,
     ) -> Result<(), Failure> {
-        let (n, mut workspace) =
-            (out.confidences.len(), vec![POISON; loaded.envelope.workspace_len()]);
-        for (i, confidence) in out.confidences.iter_mut().enumerate() {
-            let palette = part_mut(&mut out.palettes, n, i);
-            *confidence = loaded.envelope.palette(part(poses, n, i), &mut workspace, palette)?;
-        }
+        let mut scratch = vec![POISON; loaded.envelope.scratch_len()];
+        let (palettes, confidences) = (&mut out.palettes, &mut out.confidences);
+        loaded.envelope.palettes(poses, &mut scratch, palettes, confidences)?;
         self.skin(loaded, &out.palettes, skin, &mut out.skin)
     }
 }

@@ -6,28 +6,40 @@ pub use cpu::Cpu;
 
 use crate::compare::{POISON, poisoned};
 use sinew_gpu::headless::HeadlessError;
-use sinew_gpu::layout::{Attribute, Buffer, LayoutError, Skin, Stage};
-use sinew_runtime::{Envelope, EvalError, Matrix3x4, Model};
+use sinew_gpu::layout::{Attribute, LayoutError, SkinBatch, Stage};
+use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin};
+use sinew_trainer::envelope::oracle::Oracle;
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 use thiserror::Error;
 
-/// A file and the envelope in it.
+/// A file, and the envelope and the skin in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Loaded<'a> {
     /// The file.
-    pub model: Model<'a>,
+    pub model: Model<&'a [u8]>,
     /// Its envelope.
     pub envelope: Envelope<'a>,
+    /// The skin that follows it.
+    pub skin: Skin<'a>,
 }
 
 impl<'a> Loaded<'a> {
     /// Loads a model.
     ///
     /// # Panics
-    /// If the bytes are no model with an envelope.
+    /// If the bytes are no model with an envelope and a skin.
     pub fn new(bytes: &'a [u8]) -> Self {
         let model = Model::from_bytes(bytes).expect("a baked model loads");
-        Self { model, envelope: model.envelope().expect("it holds an envelope") }
+        let envelope = model.envelope().and_then(|envelope| envelope.layout().open(bytes));
+        let skin = model.skin().and_then(|skin| skin.layout().open(bytes));
+        let (envelope, skin) =
+            (envelope.expect("it holds an envelope"), skin.expect("it holds a skin"));
+        Self { model, envelope, skin }
+    }
+
+    /// Widens what the file holds.
+    pub fn oracle(&self) -> Oracle {
+        Oracle::new(&self.envelope, Some(&self.skin))
     }
 }
 
@@ -40,7 +52,7 @@ pub trait Backend {
     /// Whether it evaluates a stage of a model alone.
     fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool;
 
-    /// Evaluates the joints' relative maps, their rotations and the keys' gradients.
+    /// Evaluates the joints' relative transforms, their rotations and the keys' gradients.
     ///
     /// # Errors
     /// [`Failure`]
@@ -51,7 +63,7 @@ pub trait Backend {
         out: &mut Gradients,
     ) -> Result<(), Failure>;
 
-    /// Evaluates `t = c1 d + c2 q`, moved by the root's map.
+    /// Evaluates `t = c1 d + c2 q`, moved by the root's transform.
     ///
     /// # Errors
     /// [`Failure`]
@@ -63,7 +75,7 @@ pub trait Backend {
         out_palettes: &mut [Matrix3x4],
     ) -> Result<(), Failure>;
 
-    /// Copies the joints, and gives each helper the map of its dominant joint.
+    /// Copies the joints, and gives each helper the transform of its dominant joint.
     ///
     /// # Errors
     /// [`Failure`]
@@ -117,8 +129,8 @@ pub trait Backend {
         &self,
         loaded: &Loaded<'_>,
         palettes: &[Matrix3x4],
-        skin: &Skin,
-        out: &mut Buffers,
+        skin: &SkinBatch,
+        out: &mut [f32],
     ) -> Result<(), Failure>;
 
     /// Goes from poses to palettes, confidences and the skin.
@@ -129,7 +141,7 @@ pub trait Backend {
         &self,
         loaded: &Loaded<'_>,
         poses: &[Matrix3x4],
-        skin: &Skin,
+        skin: &SkinBatch,
         out: &mut Whole,
     ) -> Result<(), Failure>;
 }
@@ -139,7 +151,7 @@ pub trait Backend {
 pub enum Failure {
     /// The runtime refuses.
     #[error(transparent)]
-    Eval(#[from] EvalError),
+    Call(#[from] CallError),
     /// The device refuses.
     #[error(transparent)]
     Device(#[from] HeadlessError),
@@ -180,33 +192,19 @@ impl Gradients {
     }
 }
 
-/// The two buffers that skins are written to.
-#[derive(Clone, Debug)]
-pub struct Buffers {
-    /// Buffer A.
-    pub a: Vec<f32>,
-    /// Buffer B.
-    pub b: Vec<f32>,
-}
-
-impl Buffers {
-    /// Makes buffers for the skins of n instances, with room to spare that nobody may touch.
-    pub fn poisoned(skin: &Skin, n: usize) -> Self {
-        let mut lens = [5, 5];
-        for (attribute, own) in attributes(skin) {
-            if let (Some(attribute), Some(last)) = (attribute, skin.vertices.len().checked_sub(1)) {
-                let vertex = attribute.offset + last * attribute.stride + own;
-                let end = vertex + n.saturating_sub(1) * attribute.instance_stride;
-                let len = &mut lens[usize::from(attribute.buffer == Buffer::B)];
-                *len = (*len).max(end + 5);
-            }
-        }
-        Self { a: vec![POISON; lens[0]], b: vec![POISON; lens[1]] }
-    }
+/// Makes floats for the skins of n instances to be written to, with room to spare that nobody may
+/// touch.
+pub fn poisoned_out(skin: &SkinBatch, n: usize) -> Vec<f32> {
+    let last = skin.vertices.len().checked_sub(1);
+    let ends = attributes(skin).into_iter().filter_map(|(attribute, own)| {
+        let Attribute { offset, stride, instance_stride } = attribute?;
+        Some(offset + last? * stride + own + n.saturating_sub(1) * instance_stride)
+    });
+    vec![POISON; ends.max().unwrap_or(0) + 5]
 }
 
 /// Lists the attributes of a skin with the floats of each.
-pub fn attributes(skin: &Skin) -> [(Option<Attribute>, usize); 3] {
+pub fn attributes(skin: &SkinBatch) -> [(Option<Attribute>, usize); 3] {
     [(skin.positions, 3), (skin.normals, 3), (skin.tangents, 4)]
 }
 
@@ -218,22 +216,22 @@ pub struct Whole {
     /// Confidences, n.
     pub confidences: Vec<f32>,
     /// Skins.
-    pub skin: Buffers,
+    pub skin: Vec<f32>,
 }
 
 impl Whole {
     /// Makes outputs for n instances.
-    pub fn poisoned(envelope: &Envelope<'_>, skin: &Skin, n: usize) -> Self {
+    pub fn poisoned(envelope: &Envelope<'_>, skin: &SkinBatch, n: usize) -> Self {
         Self {
-            palettes: poisoned_maps(n * envelope.palette_len()),
+            palettes: poisoned_transforms(n * envelope.palette_len()),
             confidences: vec![POISON; n],
-            skin: Buffers::poisoned(skin, n),
+            skin: poisoned_out(skin, n),
         }
     }
 }
 
-/// Makes maps that a backend must write.
-pub fn poisoned_maps(len: usize) -> Vec<Matrix3x4> {
+/// Makes transforms that a backend must write.
+pub fn poisoned_transforms(len: usize) -> Vec<Matrix3x4> {
     vec![[[POISON; 4]; 3]; len]
 }
 
@@ -243,7 +241,7 @@ pub fn part<T>(list: &[T], n: usize, i: usize) -> &[T] {
     &list[i * len..][..len]
 }
 
-/// Lists the floats of maps, row by row.
-pub fn floats(maps: &[Matrix3x4]) -> &[f32] {
-    maps.as_flattened().as_flattened()
+/// Lists the floats of transforms, row by row.
+pub fn floats(transforms: &[Matrix3x4]) -> &[f32] {
+    transforms.as_flattened().as_flattened()
 }

@@ -1,21 +1,16 @@
 //! A batch on its device, whose buffers are poisoned, and watched.
 
-use crate::backend::{Buffers, Failure, Loaded, floats, part};
+use crate::backend::{Failure, Loaded, floats, part};
 use crate::compare::POISON;
 use sinew_gpu::headless::{Device, Uploaded};
-use sinew_gpu::layout::{Array, Batch, DeviceLimits, Plan, Resource, Skin, Stage, WorkLayout};
+use sinew_gpu::layout::{Array, Batch, DeviceLimits, Plan, Resource, SkinBatch, Stage};
+use sinew_runtime::envelope::ScratchLayout;
 use sinew_runtime::{Envelope, Matrix3x4};
 use std::ops::Range;
 
 /// What is poisoned and watched: all but what the helper itself uploads.
-const BUFFERS: [Resource; 6] = [
-    Resource::Poses,
-    Resource::Work,
-    Resource::Palettes,
-    Resource::Confidences,
-    Resource::OutA,
-    Resource::OutB,
-];
+const BUFFERS: [Resource; 5] =
+    [Resource::Poses, Resource::Scratch, Resource::Palettes, Resource::Confidences, Resource::Out];
 
 /// Where confidences lie.
 const CONFIDENCES: Array = Array { offset: 1, stride: 2 };
@@ -27,10 +22,10 @@ pub(super) type Own = (Resource, Array, usize);
 pub(super) struct Batched<'a> {
     uploaded: Box<dyn Uploaded + 'a>,
     batch: Batch,
-    pub(super) work: WorkLayout,
+    pub(super) scratch: ScratchLayout,
     instance_len: usize,
     palette_floats: usize,
-    buffers: [(Resource, Vec<f32>); 6],
+    buffers: [(Resource, Vec<f32>); BUFFERS.len()],
 }
 
 impl<'a> Batched<'a> {
@@ -43,19 +38,19 @@ impl<'a> Batched<'a> {
         limits: &DeviceLimits,
         loaded: &Loaded<'_>,
         instance_len: usize,
-        skin: Option<&Skin>,
+        skin: Option<&SkinBatch>,
     ) -> Result<Self, Failure> {
         let envelope = &loaded.envelope;
         let batch = batch(envelope, instance_len, skin);
         let plan = Plan::new(&loaded.model, envelope, &batch, limits)?;
-        let uploaded = device.upload(&loaded.model, &plan)?;
+        let uploaded = device.upload(loaded.model.blob(), &plan)?;
         let poisoned = |resource| (resource, vec![POISON; (plan.bytes(resource) / 4) as usize]);
         let buffers = BUFFERS.map(poisoned);
         let palette_floats = 12 * envelope.palette_len();
         Ok(Self {
             uploaded,
             batch,
-            work: WorkLayout::new(envelope),
+            scratch: ScratchLayout::at_once(envelope),
             instance_len,
             palette_floats,
             buffers,
@@ -85,18 +80,18 @@ impl<'a> Batched<'a> {
         self.put(Resource::Palettes, self.batch.palettes, floats(palettes));
     }
 
-    /// Where an array lies in the work.
-    pub(super) fn work(&self, offset: usize) -> Array {
-        Array { offset, stride: self.work.len }
+    /// Where an array lies in the scratch.
+    pub(super) fn scratch_at(&self, offset: usize) -> Array {
+        Array { offset, stride: self.scratch.len }
     }
 
     /// Uploads, runs some stages alone, or else all of them, and downloads. Only what `own` lists of
-    /// each instance may have changed.
+    /// each instance, and a range of the skins' floats, may have changed.
     pub(super) fn run(
         &mut self,
         stages: &[Stage],
         own: &[Own],
-        own_vertices: &[(Resource, Range<usize>)],
+        own_skin: Range<usize>,
     ) -> Result<(), Failure> {
         for (resource, floats) in self.buffers.iter().filter(|(_, floats)| !floats.is_empty()) {
             self.uploaded.write(*resource, 0, floats)?;
@@ -115,8 +110,8 @@ impl<'a> Batched<'a> {
                     may[array.offset + i * array.stride..][..*len].fill(true);
                 }
             }
-            for (_, range) in own_vertices.iter().filter(|(own, _)| own == resource) {
-                may[range.clone()].fill(true);
+            if *resource == Resource::Out {
+                may[own_skin.clone()].fill(true);
             }
             let stage = stages.first().map_or("the whole", |stage| stage.name());
             let changed = |(float, may): (usize, bool)| {
@@ -156,40 +151,29 @@ impl<'a> Batched<'a> {
         (Resource::Confidences, CONFIDENCES, 1)
     }
 
-    /// Copies the host's buffers for skins in: as much of them as the device has.
-    pub(super) fn put_skin(&mut self, out: &Buffers) {
-        for (resource, from) in [(Resource::OutA, &out.a), (Resource::OutB, &out.b)] {
-            let to = self.floats(resource);
-            let len = from.len().min(to.len());
-            to[..len].copy_from_slice(&from[..len]);
-        }
+    /// Copies the host's floats for skins in: as much of them as the device has.
+    pub(super) fn put_skin(&mut self, out: &[f32]) {
+        let to = self.floats(Resource::Out);
+        let len = out.len().min(to.len());
+        to[..len].copy_from_slice(&out[..len]);
     }
 
     /// Copies them out.
-    pub(super) fn take_skin(&mut self, out: &mut Buffers) {
-        for (resource, to) in [(Resource::OutA, &mut out.a), (Resource::OutB, &mut out.b)] {
-            let from = self.floats(resource);
-            let len = from.len().min(to.len());
-            to[..len].copy_from_slice(&from[..len]);
-        }
+    pub(super) fn take_skin(&mut self, out: &mut [f32]) {
+        let from = self.floats(Resource::Out);
+        let len = from.len().min(out.len());
+        out[..len].copy_from_slice(&from[..len]);
     }
 
-    /// The part of the buffers for skins that the body looks after.
-    pub(super) fn own_skin(&self, out: &Buffers) -> [(Resource, Range<usize>); 2] {
-        [(Resource::OutA, &out.a), (Resource::OutB, &out.b)]
-            .map(|(resource, host)| (resource, 0..self.within(resource, host.len())))
-    }
-
-    /// Counts the floats of a host's buffer that the device has as well.
-    fn within(&self, resource: Resource, host: usize) -> usize {
-        let device = self.buffers.iter().find(|(own, _)| *own == resource);
-        device.map_or(0, |(_, floats)| floats.len().min(host))
+    /// The part of the skins' floats, of which the host has so many, that the body looks after.
+    pub(super) fn own_skin(&mut self, host: usize) -> Range<usize> {
+        0..self.floats(Resource::Out).len().min(host)
     }
 }
 
 /// Describes a batch in which nothing starts at 0 and nothing follows closely; palettes in fours, as
 /// skins ask for.
-fn batch(envelope: &Envelope<'_>, instance_len: usize, skin: Option<&Skin>) -> Batch {
+fn batch(envelope: &Envelope<'_>, instance_len: usize, skin: Option<&SkinBatch>) -> Batch {
     Batch {
         instance_len,
         poses: Array { offset: 5, stride: 12 * envelope.joint_len() + 3 },

@@ -3,10 +3,10 @@
 
 mod batched;
 
-use crate::backend::{Backend, Buffers, Failure, Gradients, Loaded, Whole, floats};
+use crate::backend::{Backend, Failure, Gradients, Loaded, Whole, floats};
 use batched::Batched;
 use sinew_gpu::headless::Device;
-use sinew_gpu::layout::{Array, Batch, DeviceLimits, Plan, Resource, Skin, Stage};
+use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, SkinBatch, Stage};
 use sinew_runtime::Matrix3x4;
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 
@@ -28,7 +28,7 @@ impl<'a> Gpu<'a> {
         &self,
         loaded: &Loaded<'_>,
         instance_len: usize,
-        skin: Option<&Skin>,
+        skin: Option<&SkinBatch>,
     ) -> Result<Batched<'_>, Failure> {
         Batched::new(self.device, &self.limits, loaded, instance_len, skin)
     }
@@ -40,8 +40,9 @@ impl Backend for Gpu<'_> {
     }
 
     fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool {
-        let envelope = &loaded.envelope;
-        let plan = Plan::new(&loaded.model, envelope, &Batch::skinned(envelope, 1), &self.limits);
+        let Loaded { model, envelope, skin } = loaded;
+        let batch = Batch::skinned(envelope, skin, 1);
+        let plan = Plan::new(model, envelope, &batch, &self.limits);
         plan.is_ok_and(|plan| plan.stages().any(|own| own == stage))
     }
 
@@ -55,14 +56,15 @@ impl Backend for Gpu<'_> {
         let (j, p) = (envelope.joint_len(), envelope.proxy_len());
         let mut batched = self.begin(loaded, poses.len() / j, None)?;
         batched.put_poses(poses);
-        let (work, work_at) = (batched.work, |offset| Array { offset, stride: batched.work.len });
-        let [q, theta, d] = [work.relative, work.rotations, work.gradients].map(work_at);
+        let scratch = batched.scratch;
+        let [q, theta, d] = [scratch.relative, scratch.rotations, scratch.gradients]
+            .map(|offset| batched.scratch_at(offset));
         let own = [(q, 12 * j), (theta, 3 * j), (d, 9 * p)];
-        let own = own.map(|(array, len)| (Resource::Work, array, len));
-        batched.run(&[Stage::Gradients], &own, &[])?;
-        batched.take(Resource::Work, q, out.relative.as_flattened_mut());
-        batched.take(Resource::Work, theta, out.rotations.as_flattened_mut());
-        batched.take(Resource::Work, d, out.gradients.as_flattened_mut());
+        let own = own.map(|(array, len)| (Resource::Scratch, array, len));
+        batched.run(&[Stage::Gradients], &own, 0..0)?;
+        batched.take(Resource::Scratch, q, out.relative.as_flattened_mut());
+        batched.take(Resource::Scratch, theta, out.rotations.as_flattened_mut());
+        batched.take(Resource::Scratch, d, out.gradients.as_flattened_mut());
         Ok(())
     }
 
@@ -75,11 +77,12 @@ impl Backend for Gpu<'_> {
     ) -> Result<(), Failure> {
         let mut batched = self.begin(loaded, poses.len() / loaded.envelope.joint_len(), None)?;
         batched.put_poses(poses);
-        let [q, d] = [batched.work.relative, batched.work.gradients].map(|at| batched.work(at));
-        batched.put(Resource::Work, q, input.relative.as_flattened());
-        batched.put(Resource::Work, d, input.gradients.as_flattened());
+        let [q, d] = [batched.scratch.relative, batched.scratch.gradients]
+            .map(|offset| batched.scratch_at(offset));
+        batched.put(Resource::Scratch, q, input.relative.as_flattened());
+        batched.put(Resource::Scratch, d, input.gradients.as_flattened());
         let own = batched.own_palettes();
-        batched.run(&[Stage::Palette], &[own], &[])?;
+        batched.run(&[Stage::Palette], &[own], 0..0)?;
         batched.take_palettes(out_palettes);
         Ok(())
     }
@@ -93,7 +96,7 @@ impl Backend for Gpu<'_> {
         let mut batched = self.begin(loaded, poses.len() / loaded.envelope.joint_len(), None)?;
         batched.put_poses(poses);
         let own = batched.own_palettes();
-        batched.run(&[Stage::Joints], &[own], &[])?;
+        batched.run(&[Stage::Joints], &[own], 0..0)?;
         batched.take_palettes(out_palettes);
         Ok(())
     }
@@ -107,9 +110,9 @@ impl Backend for Gpu<'_> {
         let joint_len = loaded.envelope.joint_len();
         let mut batched = self.begin(loaded, poses.len() / joint_len, None)?;
         batched.put_poses(poses);
-        let at = batched.work(batched.work.features);
-        batched.run(&[Stage::Features], &[(Resource::Work, at, 12 * joint_len)], &[])?;
-        batched.take(Resource::Work, at, out_features.as_flattened_mut().as_flattened_mut());
+        let at = batched.scratch_at(batched.scratch.features);
+        batched.run(&[Stage::Features], &[(Resource::Scratch, at, 12 * joint_len)], 0..0)?;
+        batched.take(Resource::Scratch, at, out_features.as_flattened_mut().as_flattened_mut());
         Ok(())
     }
 
@@ -124,13 +127,13 @@ impl Backend for Gpu<'_> {
         let mut batched = self.begin(loaded, out_confidences.len(), None)?;
         batched.put_poses(poses);
         batched.put_palettes(out_palettes);
-        let at = batched.work(batched.work.features);
-        batched.put(Resource::Work, at, floats(features));
-        let scratch = batched.work(batched.work.certainties);
-        let scratch_len = batched.work.len - batched.work.certainties;
+        let at = batched.scratch_at(batched.scratch.features);
+        batched.put(Resource::Scratch, at, floats(features));
+        let scratch = batched.scratch_at(batched.scratch.confidences);
+        let scratch_len = batched.scratch.len - batched.scratch.confidences;
         let (own, confidences) = (batched.own_palettes(), batched.own_confidences());
-        let own = [own, confidences, (Resource::Work, scratch, scratch_len)];
-        batched.run(&[Stage::Correction, Stage::Confidence], &own, &[])?;
+        let own = [own, confidences, (Resource::Scratch, scratch, scratch_len)];
+        batched.run(&[Stage::Correction, Stage::Confidence], &own, 0..0)?;
         batched.take_palettes(out_palettes);
         batched.take(Resource::Confidences, confidences.1, out_confidences);
         Ok(())
@@ -143,10 +146,10 @@ impl Backend for Gpu<'_> {
         out_confidences: &mut [f32],
     ) -> Result<(), Failure> {
         let mut batched = self.begin(loaded, out_confidences.len(), None)?;
-        let at = batched.work(batched.work.rotations);
-        batched.put(Resource::Work, at, rotations.as_flattened());
+        let at = batched.scratch_at(batched.scratch.rotations);
+        batched.put(Resource::Scratch, at, rotations.as_flattened());
         let own = batched.own_confidences();
-        batched.run(&[Stage::Confidence], &[own], &[])?;
+        batched.run(&[Stage::Confidence], &[own], 0..0)?;
         batched.take(Resource::Confidences, own.1, out_confidences);
         Ok(())
     }
@@ -155,8 +158,8 @@ impl Backend for Gpu<'_> {
         &self,
         loaded: &Loaded<'_>,
         palettes: &[Matrix3x4],
-        skin: &Skin,
-        out: &mut Buffers,
+        skin: &SkinBatch,
+        out: &mut [f32],
     ) -> Result<(), Failure> {
         if skin.vertices.is_empty() {
             return Ok(());
@@ -165,8 +168,8 @@ impl Backend for Gpu<'_> {
         let mut batched = self.begin(loaded, n, Some(skin))?;
         batched.put_palettes(palettes);
         batched.put_skin(out);
-        let own = batched.own_skin(out);
-        batched.run(&[Stage::Skin], &[], &own)?;
+        let own = batched.own_skin(out.len());
+        batched.run(&[Stage::Skin], &[], own)?;
         batched.take_skin(out);
         Ok(())
     }
@@ -175,16 +178,16 @@ impl Backend for Gpu<'_> {
         &self,
         loaded: &Loaded<'_>,
         poses: &[Matrix3x4],
-        skin: &Skin,
+        skin: &SkinBatch,
         out: &mut Whole,
     ) -> Result<(), Failure> {
         let mut batched = self.begin(loaded, out.confidences.len(), Some(skin))?;
         batched.put_poses(poses);
         batched.put_skin(&out.skin);
-        let work = (Resource::Work, batched.work(0), batched.work.len);
+        let scratch = (Resource::Scratch, batched.scratch_at(0), batched.scratch.len);
         let (palettes, confidences) = (batched.own_palettes(), batched.own_confidences());
-        let own = batched.own_skin(&out.skin);
-        batched.run(&[], &[work, palettes, confidences], &own)?;
+        let own = batched.own_skin(out.skin.len());
+        batched.run(&[], &[scratch, palettes, confidences], own)?;
         batched.take_palettes(&mut out.palettes);
         batched.take(Resource::Confidences, confidences.1, &mut out.confidences);
         batched.take_skin(&mut out.skin);

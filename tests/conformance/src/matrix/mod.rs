@@ -107,7 +107,7 @@ fn rows(backend: &dyn Backend, subjects: &[Subject<'_>]) -> Vec<Row> {
         let own = subjects.iter().filter(|subject| applies(stage, backend, &subject.loaded));
         row(stage.name(), body(stage), backend, own)
     };
-    let skinned = subjects.iter().filter(|subject| subject.loaded.envelope.vertex_len() > 0);
+    let skinned = subjects.iter().filter(|subject| subject.loaded.skin.vertex_len() > 0);
     let whole = row("whole", whole::body, backend, skinned);
     Stage::ALL.into_iter().map(stage).chain([whole]).collect()
 }

@@ -7,10 +7,10 @@ use crate::finding::Finding;
 use crate::poses::Kind;
 use crate::subject::Subject;
 use crate::tolerance::{BOUNDS_AT_REST, BOUNDS_POSED};
-use sinew_runtime::envelope::Bounds;
+use sinew_runtime::skin::Bounds;
 
 /// Compares each position with the bounds, 0 apart, and prints how many times longer than the skin's
-/// own box they are at most, at rest and in trained poses; not of random models, whose maps have
+/// own box they are at most, at rest and in trained poses; not of random models, whose transforms have
 /// nothing to do with their vertices.
 ///
 /// # Errors
@@ -19,14 +19,14 @@ use sinew_runtime::envelope::Bounds;
 /// # Panics
 /// If the bounds are too large.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
-    let (envelope, n) = (&subject.loaded.envelope, subject.poses.len());
+    let (skin, n) = (&subject.loaded.skin, subject.poses.len());
     let whole = whole_of(backend, subject)?;
-    let positions = Skinned::gather(&whole.skin, &plain(envelope), n).positions;
+    let positions = Skinned::gather(&whole.skin, &plain(skin), n).positions;
     let mut held = Finding::new("bounds");
     let (mut at_rest, mut posed) = (0.0_f64, 0.0_f64);
     for (i, pose) in subject.poses.iter().enumerate() {
         let positions = part(&positions, n, i).as_chunks().0;
-        let bounds = envelope.bounds(part(&whole.palettes, n, i)).expect("the palette is whole");
+        let bounds = skin.bounds(part(&whole.palettes, n, i), 0.0).expect("the palette is whole");
         let bounds = bounds.expect("there are vertices");
         holds(&mut held, &bounds, positions);
         let ratio = f64::from(length(&bounds) / length(&box_of(positions)));

@@ -4,7 +4,7 @@ use super::features::features_of;
 use super::gradients::gradients_of;
 use super::joints::joints_of;
 use super::palette::palettes_on;
-use super::{compare_maps, exact};
+use super::{compare_transforms, exact};
 use crate::backend::{Backend, Cpu, Failure, part};
 use crate::compare::POISON;
 use crate::finding::Finding;
@@ -12,13 +12,13 @@ use crate::subject::Subject;
 use crate::tolerance;
 use sinew_runtime::Matrix3x4;
 
-/// Compares maps and confidences.
+/// Compares transforms and confidences.
 ///
 /// # Errors
 /// What the backend refuses.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (features, base) = (features_of(&Cpu, subject)?, base_of(&Cpu, subject)?);
-    Ok(on(backend, subject, &subject.maps, &features, &base)?.0.into())
+    Ok(on(backend, subject, &subject.transforms, &features, &base)?.0.into())
 }
 
 /// Evaluates what a correction adds to.
@@ -52,16 +52,16 @@ pub fn on(
         Ok::<_, Failure>((palettes, confidences))
     };
     let ((found, certain), (cpu, cpu_certain)) = (run(backend)?, run(&Cpu)?);
-    let [mut maps, mut confidences] = ["correction", "confidence"].map(Finding::new);
+    let [mut transforms, mut confidences] = ["correction", "confidence"].map(Finding::new);
     for i in 0..n {
         let (pose, features) = (exact(part(poses, n, i)), exact(part(features, n, i)));
         let base = exact(part(base, n, i));
         let arithmetic = backend.arithmetic();
         let (expected, confidence) =
             tolerance::correction(&subject.oracle, &pose, &features, base, arithmetic);
-        compare_maps(&mut maps, part(&found, n, i), part(&cpu, n, i), &expected);
+        compare_transforms(&mut transforms, part(&found, n, i), part(&cpu, n, i), &expected);
         let (found, cpu) = (&certain[i..=i], &cpu_certain[i..=i]);
         confidences.compare(found, cpu, &confidence.value, &confidence.error);
     }
-    Ok(([maps, confidences], certain))
+    Ok(([transforms, confidences], certain))
 }

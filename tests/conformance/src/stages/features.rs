@@ -1,7 +1,7 @@
 //! The pose features of models with a correction.
 
-use super::compare_maps;
-use crate::backend::{Backend, Cpu, Failure, part, poisoned_maps};
+use super::compare_transforms;
+use crate::backend::{Backend, Cpu, Failure, part, poisoned_transforms};
 use crate::finding::Finding;
 use crate::subject::Subject;
 use crate::tolerance::{self, Inexact};
@@ -17,7 +17,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     let mut features = Finding::new("features");
     for (i, pose) in subject.poses.iter().enumerate() {
         let expected = tolerance::features(&subject.oracle, &Inexact::exact(pose.widened()));
-        compare_maps(&mut features, part(&found, n, i), part(&cpu, n, i), &expected);
+        compare_transforms(&mut features, part(&found, n, i), part(&cpu, n, i), &expected);
     }
     Ok(vec![features])
 }
@@ -30,7 +30,7 @@ pub fn features_of(
     backend: &dyn Backend,
     subject: &Subject<'_>,
 ) -> Result<Vec<Matrix3x4>, Failure> {
-    let mut out = poisoned_maps(subject.maps.len());
-    backend.features(&subject.loaded, &subject.maps, &mut out)?;
+    let mut out = poisoned_transforms(subject.transforms.len());
+    backend.features(&subject.loaded, &subject.transforms, &mut out)?;
     Ok(out)
 }

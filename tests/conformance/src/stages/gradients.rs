@@ -6,7 +6,7 @@ use crate::subject::Subject;
 use crate::tolerance::{self, Inexact, UNDERFLOW};
 use nalgebra::{SMatrix, Vector3};
 
-/// Compares relative maps, rotations and gradients.
+/// Compares relative transforms, rotations and gradients.
 ///
 /// # Errors
 /// What the backend refuses.
@@ -47,7 +47,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
 /// What the backend refuses.
 pub fn gradients_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Gradients, Failure> {
     let mut out = Gradients::poisoned(&subject.loaded.envelope, subject.poses.len());
-    backend.gradients(&subject.loaded, &subject.maps, &mut out)?;
+    backend.gradients(&subject.loaded, &subject.transforms, &mut out)?;
     Ok(out)
 }
 

@@ -1,23 +1,23 @@
 //! Stage 1 of the kernel predictor: copies, bit for bit.
 
-use crate::backend::{Backend, Failure, floats, part, poisoned_maps};
+use crate::backend::{Backend, Failure, floats, part, poisoned_transforms};
 use crate::finding::Finding;
 use crate::poses::rounded;
 use crate::subject::Subject;
 use sinew_runtime::Matrix3x4;
 
-/// Compares the maps, which are equal or not.
+/// Compares the transforms, which are equal or not.
 ///
 /// # Errors
 /// What the backend refuses.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (found, n) = (joints_of(backend, subject)?, subject.poses.len());
-    let mut maps = Finding::new("joints");
+    let mut transforms = Finding::new("joints");
     for (i, pose) in subject.poses.iter().enumerate() {
         let expected: Vec<_> = subject.oracle.joints(&pose.widened()).iter().map(rounded).collect();
-        maps.equal(floats(part(&found, n, i)), floats(&expected));
+        transforms.equal(floats(part(&found, n, i)), floats(&expected));
     }
-    Ok(vec![maps])
+    Ok(vec![transforms])
 }
 
 /// Evaluates the base of every pose.
@@ -25,7 +25,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
 /// # Errors
 /// What the backend refuses.
 pub fn joints_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Matrix3x4>, Failure> {
-    let mut out = poisoned_maps(subject.poses.len() * subject.loaded.envelope.palette_len());
-    backend.joints(&subject.loaded, &subject.maps, &mut out)?;
+    let mut out = poisoned_transforms(subject.poses.len() * subject.loaded.envelope.palette_len());
+    backend.joints(&subject.loaded, &subject.transforms, &mut out)?;
     Ok(out)
 }

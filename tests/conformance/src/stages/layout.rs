@@ -3,12 +3,12 @@
 use super::correction::base_of;
 use super::features::features_of;
 use super::skin::{Skinned, places, plain, skinned_by, whole_of};
-use crate::backend::{Backend, Buffers, Failure, attributes, floats};
+use crate::backend::{Backend, Failure, attributes, floats, poisoned_out};
 use crate::compare::POISON;
 use crate::finding::Finding;
 use crate::subject::Subject;
-use sinew_gpu::layout::{Attribute, Buffer, Resource, Skin, Stage};
-use sinew_runtime::{Envelope, Matrix3x4};
+use sinew_gpu::layout::{Attribute, Resource, SkinBatch, Stage};
+use sinew_runtime::{Matrix3x4, Skin};
 use std::ops::Range;
 
 /// Compares palettes made stage by stage, and skins laid out otherwise: equal or not.
@@ -16,19 +16,19 @@ use std::ops::Range;
 /// # Errors
 /// What the backend refuses; [`Failure::Touched`] if a float between attributes is written to.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
-    let (envelope, n) = (&subject.loaded.envelope, subject.poses.len());
+    let (skin, n) = (&subject.loaded.skin, subject.poses.len());
     let whole = whole_of(backend, subject)?;
     let [mut palettes, mut confidences, mut skins] =
         ["palettes by stages", "confidences by stages", "skins otherwise"].map(Finding::new);
     let (found, certain) = by_stages(backend, subject)?;
     palettes.equal(floats(&found), floats(&whole.palettes));
     confidences.equal(&certain, &whole.confidences);
-    let plain_layout = plain(envelope);
+    let plain_layout = plain(skin);
     let plain = skinned_by(backend, subject, &whole.palettes)?;
     let end_to_end = Skinned::gather(&whole.skin, &plain_layout, n);
     same(&mut skins, &end_to_end, &plain);
     untouched(&whole.skin, &[plain_layout], n)?;
-    for layout in layouts(envelope, n) {
+    for layout in layouts(skin, n) {
         let skinned = pieces(backend, subject, &whole.palettes, &layout)?;
         let only = |list: &Vec<f32>, wanted: bool| if wanted { list.clone() } else { Vec::new() };
         let expected = Skinned {
@@ -48,7 +48,7 @@ fn by_stages(
 ) -> Result<(Vec<Matrix3x4>, Vec<f32>), Failure> {
     let n = subject.poses.len();
     let (mut palettes, mut confidences) = (base_of(backend, subject)?, vec![POISON; n]);
-    let (loaded, poses) = (&subject.loaded, &subject.maps);
+    let (loaded, poses) = (&subject.loaded, &subject.transforms);
     if !loaded.envelope.predictor().corrects() {
         let rotations = super::gradients::gradients_of(backend, subject)?.rotations;
         backend.confidence(loaded, &rotations, &mut confidences)?;
@@ -63,29 +63,30 @@ fn by_stages(
 }
 
 /// Lists layouts, each as the pieces that the mesh is skinned in: positions alone; interleaved with
-/// gaps and in pieces; instance by instance within each vertex.
-fn layouts(envelope: &Envelope<'_>, n: usize) -> [Vec<Skin>; 4] {
-    let vertex_len = envelope.vertex_len();
-    let attribute = |buffer, offset, stride, instance_stride| {
-        Some(Attribute { buffer, offset, stride, instance_stride })
-    };
-    let positions = Skin {
-        vertices: 0..vertex_len,
-        positions: attribute(Buffer::B, 0, 3, 3 * vertex_len),
+/// gaps, whole and in pieces; instance by instance within each vertex.
+fn layouts(skin: &Skin<'_>, n: usize) -> [Vec<SkinBatch>; 4] {
+    let vertex_len = skin.vertex_len();
+    let attribute =
+        |offset, stride, instance_stride| Some(Attribute { offset, stride, instance_stride });
+    let whole = plain(skin);
+    let positions = SkinBatch {
+        positions: attribute(0, 3, 3 * vertex_len),
         normals: None,
         tangents: None,
+        ..whole.clone()
     };
     let interleaved = |vertices: Range<usize>| {
-        let at =
-            |offset| attribute(Buffer::A, offset + 13 * vertices.start, 13, 13 * vertex_len + 4);
-        let tangents = at(8).filter(|_| envelope.has_tangents());
-        Skin { positions: at(1), normals: at(5), tangents, vertices }
+        let at = |offset| attribute(offset + 13 * vertices.start, 13, 13 * vertex_len + 4);
+        let tangents = at(8).filter(|_| skin.has_tangents());
+        SkinBatch { positions: at(1), normals: at(5), tangents, vertices, ..whole.clone() }
     };
-    let within = Skin {
-        vertices: 0..vertex_len,
-        positions: attribute(Buffer::B, 2, 3 * n, 3),
-        normals: attribute(Buffer::A, 0, 7 * n + 1, 7),
-        tangents: attribute(Buffer::A, 3, 7 * n + 1, 7).filter(|_| envelope.has_tangents()),
+    // A vertex of each instance after the other; between two vertices a float of nobody's.
+    let at = |offset| attribute(offset, 12 * n + 1, 12);
+    let within = SkinBatch {
+        positions: at(2),
+        normals: at(5),
+        tangents: at(8).filter(|_| skin.has_tangents()),
+        ..whole.clone()
     };
     let pieces = cuts(vertex_len).map(interleaved).to_vec();
     [vec![positions], vec![interleaved(0..vertex_len)], pieces, vec![within]]
@@ -103,11 +104,11 @@ fn pieces(
     backend: &dyn Backend,
     subject: &Subject<'_>,
     palettes: &[Matrix3x4],
-    pieces: &[Skin],
+    pieces: &[SkinBatch],
 ) -> Result<Skinned, Failure> {
     let n = subject.poses.len();
-    let all = Skin { vertices: 0..subject.loaded.envelope.vertex_len(), ..pieces[0].clone() };
-    let mut out = Buffers::poisoned(&all, n);
+    let all = SkinBatch { vertices: 0..subject.loaded.skin.vertex_len(), ..pieces[0].clone() };
+    let mut out = poisoned_out(&all, n);
     for piece in pieces {
         backend.skin(&subject.loaded, palettes, piece, &mut out)?;
     }
@@ -116,28 +117,22 @@ fn pieces(
 }
 
 /// Checks that every float which is no attribute's is as it was.
-fn untouched(out: &Buffers, pieces: &[Skin], n: usize) -> Result<(), Failure> {
-    for (buffer, resource, floats) in
-        [(Buffer::A, Resource::OutA, &out.a), (Buffer::B, Resource::OutB, &out.b)]
-    {
-        let mut own = vec![false; floats.len()];
-        for skin in pieces {
-            for (attribute, len) in attributes(skin) {
-                let Some(attribute) = attribute.filter(|own| own.buffer == buffer) else {
-                    continue;
-                };
-                for start in places(&attribute, skin, n) {
-                    own[start..start + len].fill(true);
-                }
-            }
-        }
-        let changed = |(x, own): (&f32, bool)| !own && x.to_bits() != POISON.to_bits();
-        if let Some(float) = floats.iter().zip(own).position(changed) {
-            let (stage, resource) = (Stage::Skin.name(), resource.name());
-            return Err(Failure::Touched { stage, resource, float });
+fn untouched(out: &[f32], pieces: &[SkinBatch], n: usize) -> Result<(), Failure> {
+    let mut own = vec![false; out.len()];
+    for skin in pieces {
+        for (attribute, len) in attributes(skin) {
+            let starts = attribute.iter().flat_map(|attribute| places(attribute, skin, n));
+            starts.for_each(|start| own[start..start + len].fill(true));
         }
     }
-    Ok(())
+    let changed = |(x, own): (&f32, bool)| !own && x.to_bits() != POISON.to_bits();
+    match out.iter().zip(own).position(changed) {
+        None => Ok(()),
+        Some(float) => {
+            let (stage, resource) = (Stage::Skin.name(), Resource::Out.name());
+            Err(Failure::Touched { stage, resource, float })
+        }
+    }
 }
 
 fn same(finding: &mut Finding, found: &Skinned, expected: &Skinned) {

@@ -16,7 +16,7 @@ use crate::backend::{Backend, Failure, Loaded, floats};
 use crate::finding::Finding;
 use crate::poses::widened;
 use crate::subject::Subject;
-use crate::tolerance::{Inexact, Map, UNDERFLOW};
+use crate::tolerance::{Inexact, Transform, UNDERFLOW};
 use sinew_gpu::layout::Stage;
 use sinew_runtime::Matrix3x4;
 
@@ -43,19 +43,19 @@ pub fn applies(stage: Stage, backend: &dyn Backend, loaded: &Loaded<'_>) -> bool
     !certain && backend.has(loaded, stage)
 }
 
-/// Takes maps as given.
-pub fn exact(maps: &[Matrix3x4]) -> Inexact<Map> {
-    Inexact::exact(maps.iter().map(widened).collect())
+/// Takes transforms as given.
+pub fn exact(transforms: &[Matrix3x4]) -> Inexact<Transform> {
+    Inexact::exact(transforms.iter().map(widened).collect())
 }
 
-/// Compares maps with the CPU's and with those expected.
-fn compare_maps(
+/// Compares transforms with the CPU's and with those expected.
+fn compare_transforms(
     finding: &mut Finding,
     found: &[Matrix3x4],
     cpu: &[Matrix3x4],
-    expected: &Inexact<Map>,
+    expected: &Inexact<Transform>,
 ) -> bool {
-    let flat = |list: &[Map]| -> Vec<f64> {
+    let flat = |list: &[Transform]| -> Vec<f64> {
         list.iter().flat_map(|m| m.transpose().iter().copied().collect::<Vec<_>>()).collect()
     };
     let tolerances: Vec<_> = flat(&expected.error).iter().map(|e| e + UNDERFLOW).collect();

@@ -1,15 +1,15 @@
 //! Stage 2: on the stacks that stage 1 gave.
 
-use super::compare_maps;
+use super::compare_transforms;
 use super::gradients::{columns, gradients_of};
-use crate::backend::{Backend, Cpu, Failure, Gradients, part, poisoned_maps};
+use crate::backend::{Backend, Cpu, Failure, Gradients, part, poisoned_transforms};
 use crate::finding::Finding;
 use crate::poses::widened;
 use crate::subject::Subject;
 use crate::tolerance::{self, Inexact};
 use sinew_runtime::Matrix3x4;
 
-/// Compares the maps.
+/// Compares the transforms.
 ///
 /// # Errors
 /// What the backend refuses.
@@ -18,15 +18,15 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     let input = gradients_of(&Cpu, subject)?;
     let (found, cpu) =
         (palettes_on(backend, subject, &input)?, palettes_on(&Cpu, subject, &input)?);
-    let mut maps = Finding::new("palette");
+    let mut transforms = Finding::new("palette");
     for (i, pose) in subject.poses.iter().enumerate() {
         let relative = Inexact::exact(columns::<4>(part(&input.relative, n, i)));
         let gradients = Inexact::exact(columns::<3>(part(&input.gradients, n, i)));
-        let root = Inexact::exact(vec![widened(&pose.maps[root])]);
+        let root = Inexact::exact(vec![widened(&pose.transforms[root])]);
         let expected = tolerance::palette(&subject.oracle, &root, &relative, &gradients);
-        compare_maps(&mut maps, part(&found, n, i), part(&cpu, n, i), &expected);
+        compare_transforms(&mut transforms, part(&found, n, i), part(&cpu, n, i), &expected);
     }
-    Ok(vec![maps])
+    Ok(vec![transforms])
 }
 
 /// Evaluates the reconstruction of every pose on what stage 1 gave.
@@ -38,7 +38,7 @@ pub fn palettes_on(
     subject: &Subject<'_>,
     input: &Gradients,
 ) -> Result<Vec<Matrix3x4>, Failure> {
-    let mut out = poisoned_maps(subject.poses.len() * subject.loaded.envelope.palette_len());
-    backend.palette(&subject.loaded, &subject.maps, input, &mut out)?;
+    let mut out = poisoned_transforms(subject.poses.len() * subject.loaded.envelope.palette_len());
+    backend.palette(&subject.loaded, &subject.transforms, input, &mut out)?;
     Ok(out)
 }

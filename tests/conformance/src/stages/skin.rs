@@ -1,12 +1,12 @@
 //! Stage 3: on the palettes that the poses have.
 
 use super::exact;
-use crate::backend::{Backend, Buffers, Cpu, Failure, Whole, part};
+use crate::backend::{Backend, Cpu, Failure, Whole, part, poisoned_out};
 use crate::finding::Finding;
 use crate::subject::Subject;
-use crate::tolerance::{self, Arithmetic, Inexact, Map, UNDERFLOW};
-use sinew_gpu::layout::{Attribute, Batch, Buffer, Skin};
-use sinew_runtime::{Envelope, Matrix3x4};
+use crate::tolerance::{self, Arithmetic, Inexact, Transform, UNDERFLOW};
+use sinew_gpu::layout::{Attribute, SkinBatch};
+use sinew_runtime::{Matrix3x4, Skin};
 use sinew_trainer::envelope::oracle::Oracle;
 
 /// Every attribute of every vertex of n instances, each in a run of its own.
@@ -29,7 +29,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     let palettes = whole_of(&Cpu, subject)?.palettes;
     let found = skinned_by(backend, subject, &palettes)?;
     let cpu = skinned_by(&Cpu, subject, &palettes)?;
-    let mut findings = findings(&subject.loaded.envelope);
+    let mut findings = findings(&subject.loaded.skin);
     for i in 0..n {
         let (found, cpu) = (found.at(n, i), cpu.at(n, i));
         let palette = exact(part(&palettes, n, i));
@@ -38,15 +38,15 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     Ok(findings)
 }
 
-/// Returns how [`Batch::skinned`] lays a skin out.
-pub fn plain(envelope: &Envelope<'_>) -> Skin {
-    Batch::skinned(envelope, 1).skin.expect("it is skinned")
+/// Returns how [`SkinBatch::new`] lays a skin out.
+pub fn plain(skin: &Skin<'_>) -> SkinBatch {
+    SkinBatch::new(skin)
 }
 
-/// Begins a finding of each attribute that a model has.
-pub fn findings(envelope: &Envelope<'_>) -> Vec<Finding> {
+/// Begins a finding of each attribute that a skin has.
+pub fn findings(skin: &Skin<'_>) -> Vec<Finding> {
     let all = ["positions", "normals", "tangents"].map(Finding::new);
-    all.into_iter().take(if envelope.has_tangents() { 3 } else { 2 }).collect()
+    all.into_iter().take(if skin.has_tangents() { 3 } else { 2 }).collect()
 }
 
 /// Evaluates every pose from end to end.
@@ -55,9 +55,9 @@ pub fn findings(envelope: &Envelope<'_>) -> Vec<Finding> {
 /// What the backend refuses.
 pub fn whole_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Whole, Failure> {
     let (envelope, n) = (&subject.loaded.envelope, subject.poses.len());
-    let skin = plain(envelope);
+    let skin = plain(&subject.loaded.skin);
     let mut out = Whole::poisoned(envelope, &skin, n);
-    backend.whole(&subject.loaded, &subject.maps, &skin, &mut out)?;
+    backend.whole(&subject.loaded, &subject.transforms, &skin, &mut out)?;
     Ok(out)
 }
 
@@ -70,21 +70,20 @@ pub fn skinned_by(
     subject: &Subject<'_>,
     palettes: &[Matrix3x4],
 ) -> Result<Skinned, Failure> {
-    let envelope = &subject.loaded.envelope;
-    let (skin, n) = (plain(envelope), palettes.len() / envelope.palette_len());
-    let mut out = Buffers::poisoned(&skin, n);
+    let n = palettes.len() / subject.loaded.envelope.palette_len();
+    let skin = plain(&subject.loaded.skin);
+    let mut out = poisoned_out(&skin, n);
     backend.skin(&subject.loaded, palettes, &skin, &mut out)?;
     Ok(Skinned::gather(&out, &skin, n))
 }
 
 impl Skinned {
-    /// Picks the attributes of n instances out of the buffers.
-    pub fn gather(out: &Buffers, skin: &Skin, n: usize) -> Self {
+    /// Picks the attributes of n instances out of the floats that they were written to.
+    pub fn gather(out: &[f32], skin: &SkinBatch, n: usize) -> Self {
         let pick = |attribute: Option<Attribute>, own: usize| -> Vec<f32> {
             let Some(attribute) = attribute else { return Vec::new() };
-            let buffer = if attribute.buffer == Buffer::A { &out.a } else { &out.b };
             let starts = places(&attribute, skin, n);
-            starts.flat_map(|start| buffer[start..start + own].iter().copied()).collect()
+            starts.flat_map(|start| out[start..start + own].iter().copied()).collect()
         };
         Self {
             positions: pick(skin.positions, 3),
@@ -100,9 +99,8 @@ impl Skinned {
 }
 
 /// Lists where an attribute of each vertex of each instance starts.
-pub fn places(attribute: &Attribute, skin: &Skin, n: usize) -> impl Iterator<Item = usize> {
-    let (Attribute { offset, stride, instance_stride, .. }, len) =
-        (*attribute, skin.vertices.len());
+pub fn places(attribute: &Attribute, skin: &SkinBatch, n: usize) -> impl Iterator<Item = usize> {
+    let (Attribute { offset, stride, instance_stride }, len) = (*attribute, skin.vertices.len());
     (0..n).flat_map(move |i| (0..len).map(move |v| offset + i * instance_stride + v * stride))
 }
 
@@ -111,7 +109,7 @@ pub fn compare(
     findings: &mut [Finding],
     (found, cpu): (&[&[f32]; 3], &[&[f32]; 3]),
     oracle: &Oracle,
-    palette: &Inexact<Map>,
+    palette: &Inexact<Transform>,
     arithmetic: Arithmetic,
 ) {
     let (mut expected, mut tolerances) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);

@@ -1,13 +1,13 @@
 //! From a pose to the skin: the stages' tolerances chained.
 
-use super::compare_maps;
+use super::compare_transforms;
 use super::gradients::gradients_of;
 use super::skin::{self, Skinned, findings, plain, whole_of};
 use crate::backend::{Backend, Cpu, Failure, part};
 use crate::finding::Finding;
 use crate::poses::{Kind, Pose, rigid_motion, rounded};
 use crate::subject::Subject;
-use crate::tolerance::{self, EXACT, Inexact, Map, UNDERFLOW};
+use crate::tolerance::{self, EXACT, Inexact, Transform, UNDERFLOW};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use sinew_trainer::envelope::oracle::{Oracle, after};
@@ -35,15 +35,16 @@ pub fn equivariance(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<
     let (mut carried, mut exact) = (Vec::new(), Vec::new());
     for pose in &subject.poses {
         let motion = rigid_motion(diagonal, &mut random);
-        let moved: Vec<_> = pose.widened().iter().map(|map| after(&motion, map)).collect();
+        let moved: Vec<_> =
+            pose.widened().iter().map(|transform| after(&motion, transform)).collect();
         oracle_is_equivariant(&subject.oracle, pose, &motion, &moved);
-        carried.push(Pose { maps: moved.iter().map(rounded).collect(), ..pose.clone() });
+        carried.push(Pose { transforms: moved.iter().map(rounded).collect(), ..pose.clone() });
         exact.push(Inexact::rounded(moved));
     }
-    let maps = carried.iter().flat_map(|pose| pose.maps.iter().copied()).collect();
+    let transforms = carried.iter().flat_map(|pose| pose.transforms.iter().copied()).collect();
     let Subject { name, loaded, .. } = *subject;
-    let oracle = Oracle::new(&loaded.envelope);
-    compare(backend, &Subject { name, loaded, oracle, poses: carried, maps }, &exact)
+    let oracle = loaded.oracle();
+    compare(backend, &Subject { name, loaded, oracle, poses: carried, transforms }, &exact)
 }
 
 /// Compares what the rest pose gives with the rest positions, although c1, c2 and the weights were
@@ -56,7 +57,7 @@ pub fn equivariance(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<
 /// If the first pose is not the rest pose.
 pub fn rest(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     assert_eq!(subject.poses[0].kind, Kind::Rest);
-    let (n, skin) = (subject.poses.len(), plain(&subject.loaded.envelope));
+    let (n, skin) = (subject.poses.len(), plain(&subject.loaded.skin));
     let positions = |backend: &dyn Backend| {
         Ok::<_, Failure>(Skinned::gather(&whole_of(backend, subject)?.skin, &skin, n).positions)
     };
@@ -75,7 +76,7 @@ pub fn rest(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
 fn compare(
     backend: &dyn Backend,
     subject: &Subject<'_>,
-    exact: &[Inexact<Map>],
+    exact: &[Inexact<Transform>],
 ) -> Result<Vec<Finding>, Failure> {
     let (envelope, n) = (&subject.loaded.envelope, subject.poses.len());
     let rotations = if envelope.predictor().reconstructs() {
@@ -83,16 +84,16 @@ fn compare(
     } else {
         Vec::new()
     };
-    let layout = plain(envelope);
+    let layout = plain(&subject.loaded.skin);
     let (found, cpu) = (whole_of(backend, subject)?, whole_of(&Cpu, subject)?);
     let skins = [&found, &cpu].map(|whole| Skinned::gather(&whole.skin, &layout, n));
     let [mut palette, mut certain] = ["palette", "confidence"].map(Finding::new);
-    let mut attributes = findings(envelope);
+    let mut attributes = findings(&subject.loaded.skin);
     for (i, pose) in exact.iter().enumerate() {
         let (rotations, arithmetic) = (part(&rotations, n, i), backend.arithmetic());
         let (expected, confidence) = tolerance::whole(&subject.oracle, pose, rotations, arithmetic);
-        let maps = (part(&found.palettes, n, i), part(&cpu.palettes, n, i));
-        compare_maps(&mut palette, maps.0, maps.1, &expected);
+        let transforms = (part(&found.palettes, n, i), part(&cpu.palettes, n, i));
+        compare_transforms(&mut palette, transforms.0, transforms.1, &expected);
         let confidences = (&found.confidences[i..=i], &cpu.confidences[i..=i]);
         certain.compare(confidences.0, confidences.1, &confidence.value, &confidence.error);
         let [found, cpu] = skins.each_ref().map(|skin| skin.at(n, i));
@@ -102,15 +103,17 @@ fn compare(
 }
 
 /// Equivariance is exact where nothing is rounded to f32; at a half turn f64 rounds too.
-fn oracle_is_equivariant(oracle: &Oracle, pose: &Pose, motion: &Map, moved: &[Map]) {
+fn oracle_is_equivariant(oracle: &Oracle, pose: &Pose, motion: &Transform, moved: &[Transform]) {
     if pose.kind == Kind::HalfTurn {
         return;
     }
     let (still, confidence) = oracle.evaluate(&pose.widened());
     let (carried, same) = oracle.evaluate(moved);
     assert!((confidence - same).abs() <= EXACT);
-    for (map, still) in carried.iter().zip(&still) {
+    for (transform, still) in carried.iter().zip(&still) {
         let expected = after(motion, still);
-        assert!((map - expected).amax() <= EXACT * expected.amax().max(map.amax()).max(1e3));
+        assert!(
+            (transform - expected).amax() <= EXACT * expected.amax().max(transform.amax()).max(1e3)
+        );
     }
 }

@@ -1,21 +1,21 @@
 //! Tolerances of what the kernel maps take part in, and of the confidence.
 
-use super::{Arithmetic, Inexact, Map, U, gamma, product, seen_from};
+use super::{Arithmetic, Inexact, Transform, U, gamma, product, seen_from};
 use nalgebra::{DVector, Matrix3, Vector3};
 use sinew_trainer::envelope::oracle::{Group, Oracle, linear};
 use sinew_trainer::kernel::map::{STEP_ERROR, Value};
 
 /// Joints: copies.
-pub fn joints(oracle: &Oracle, pose: &Inexact<Map>) -> Inexact<Map> {
+pub fn joints(oracle: &Oracle, pose: &Inexact<Transform>) -> Inexact<Transform> {
     Inexact { value: oracle.joints(&pose.value), error: oracle.joints(&pose.error) }
 }
 
 /// Features: `M = [Q_pᵀ Q_j | Q_pᵀ (t_j - t_p)]` is behind γ₄; 1 is taken off on the diagonal of
 /// R, and `(R - I) o + t` sums three products and one term.
-pub fn features(oracle: &Oracle, pose: &Inexact<Map>) -> Inexact<Map> {
+pub fn features(oracle: &Oracle, pose: &Inexact<Transform>) -> Inexact<Transform> {
     let value = oracle.features(&pose.value);
     let bound = |joint: usize| {
-        let Some(parent) = oracle.parents[joint] else { return Map::zeros() };
+        let Some(parent) = oracle.parents[joint] else { return Transform::zeros() };
         let at = |joint: usize| (&pose.value[joint], &pose.error[joint]);
         let (turn, origin) = (linear(&value[joint]), oracle.origins[joint]);
         let mut error = seen_from(at(parent), at(joint));
@@ -36,11 +36,11 @@ pub fn features(oracle: &Oracle, pose: &Inexact<Map>) -> Inexact<Map> {
 /// of three terms that is added to the base. Where w is 0 beyond doubt nothing is added.
 pub fn correction(
     oracle: &Oracle,
-    pose: &Inexact<Map>,
-    features: &Inexact<Map>,
-    base: Inexact<Map>,
+    pose: &Inexact<Transform>,
+    features: &Inexact<Transform>,
+    base: Inexact<Transform>,
     arithmetic: Arithmetic,
-) -> (Inexact<Map>, Inexact<f64>) {
+) -> (Inexact<Transform>, Inexact<f64>) {
     let first = oracle.first_proxy();
     let (value, confidence) = oracle.correct(&pose.value, &features.value, base.value.clone());
     let mut error = base.error;
@@ -53,8 +53,8 @@ pub fn correction(
             continue;
         }
         let turn = (&linear(&pose.value[group.joint]), &linear(&pose.error[group.joint]));
-        let maps = Group::maps(&k).zip(Group::maps(&k_error));
-        for (proxy, (k, k_error)) in group.proxies.clone().zip(maps) {
+        let transforms = Group::maps(&k).zip(Group::maps(&k_error));
+        for (proxy, (k, k_error)) in group.proxies.clone().zip(transforms) {
             let at = first + proxy;
             let inherited = error[at] + product(turn, (&k, &k_error), 3);
             error[at] = inherited + (value[at].abs() + inherited) * U;
@@ -70,7 +70,7 @@ pub fn correction(
 /// K of a group's proxies, 12 values each, its errors, and w with its error.
 fn added(
     group: &Group,
-    features: &Inexact<Map>,
+    features: &Inexact<Transform>,
     arithmetic: Arithmetic,
 ) -> (DVector<f64>, DVector<f64>, (f64, f64)) {
     let input = group.input(&features.value);

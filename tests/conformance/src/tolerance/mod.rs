@@ -38,12 +38,12 @@ pub const PSEUDO_SOLVED: f64 = 1e-9;
 /// then its own, widened by the runtime's slack of 1e-5 and 2(K + 8)u of sums of up to four extents.
 pub const BOUNDS_AT_REST: f64 = 1.001;
 /// Likewise in trained poses. Each proxy's box is moved as a whole: a turn makes it up to √3 longer,
-/// and a map is free to stretch where no vertex of its box follows it alone. Not derived: a guard
+/// and a transform is free to stretch where no vertex of its box follows it alone. Not derived: a guard
 /// against bounds that hold because they are enormous.
 pub const BOUNDS_POSED: f64 = 6.0;
 
-/// A map from rest to posed.
-pub type Map = Matrix3x4<f64>;
+/// A transform from rest to posed.
+pub type Transform = Matrix3x4<f64>;
 
 /// Values, and how far from each, entry by entry, an f32 evaluation may be.
 #[derive(Clone, Debug)]
@@ -68,17 +68,19 @@ impl<const R: usize, const C: usize> Inexact<SMatrix<f64, R, C>> {
 
 /// Gradients, first part: `[Q_rᵀ Q_j | Q_rᵀ (t_j - t_r)]`. Three products a sum, and one rounding
 /// of the difference: γ₄.
-pub fn relative(oracle: &Oracle, pose: &Inexact<Map>) -> Inexact<Map> {
+pub fn relative(oracle: &Oracle, pose: &Inexact<Transform>) -> Inexact<Transform> {
     let root = (&pose.value[oracle.root], &pose.error[oracle.root]);
-    let error =
-        pose.value.iter().zip(&pose.error).enumerate().map(|(joint, map)| {
-            if joint == oracle.root { Map::zeros() } else { seen_from(root, map) }
-        });
+    let error = pose.value.iter().zip(&pose.error).enumerate().map(|(joint, transform)| {
+        if joint == oracle.root { Transform::zeros() } else { seen_from(root, transform) }
+    });
     Inexact { error: error.collect(), value: oracle.relative(&pose.value) }
 }
 
-/// `[A⁻¹ B]` of maps, A taken as rigid.
-fn seen_from((a, a_error): (&Map, &Map), (b, b_error): (&Map, &Map)) -> Map {
+/// `[A⁻¹ B]` of transforms, A taken as rigid.
+fn seen_from(
+    (a, a_error): (&Transform, &Transform),
+    (b, b_error): (&Transform, &Transform),
+) -> Transform {
     let (inverse, inverse_error) = (linear(a).transpose(), linear(a_error).transpose());
     let (mut apart, mut apart_error) = (*b, *b_error);
     apart.column_mut(3).axpy(-1.0, &a.column(3), 1.0);
@@ -98,7 +100,7 @@ fn seen_from((a, a_error): (&Map, &Map), (b, b_error): (&Map, &Map)) -> Map {
 /// two roots and two divisions, here 8u. A tenth covers the second order in Δ ≤ 0.05.
 pub fn rotations(
     oracle: &Oracle,
-    relative: &Inexact<Map>,
+    relative: &Inexact<Transform>,
     arithmetic: Arithmetic,
 ) -> Inexact<Vector3<f64>, f64> {
     let of_angle = (8 + 2 * arithmetic.root + 2 * arithmetic.division) as f64 * U;
@@ -134,7 +136,7 @@ pub fn same_branch(rotations: &mut Inexact<Vector3<f64>, f64>, found: &[[f32; 3]
 /// Gradients, third part: `D = Q_p exp(A θ_b) [exp(A' θ_c)] S`, three products a sum: γ₃ each time.
 pub fn gradients(
     oracle: &Oracle,
-    relative: &Inexact<Map>,
+    relative: &Inexact<Transform>,
     rotations: &Inexact<Vector3<f64>, f64>,
     arithmetic: Arithmetic,
 ) -> Inexact<Matrix3<f64>> {
@@ -204,17 +206,17 @@ fn exponential(
 /// Palette: `t = c1 d + c2 q`, sums of 3P + 4J products; then `B_r t`, three products and one term.
 pub fn palette(
     oracle: &Oracle,
-    root: &Inexact<Map>,
-    relative: &Inexact<Map>,
+    root: &Inexact<Transform>,
+    relative: &Inexact<Transform>,
     gradients: &Inexact<Matrix3<f64>>,
-) -> Inexact<Map> {
+) -> Inexact<Transform> {
     let terms = oracle.c1.ncols() + oracle.c2.ncols();
-    let unmoved = oracle.palette(&Map::identity(), &relative.value, &gradients.value);
+    let unmoved = oracle.palette(&Transform::identity(), &relative.value, &gradients.value);
     let errors =
         stacked_error(&oracle.c1, gradients, terms) + stacked_error(&oracle.c2, relative, terms);
-    let error = unmoved.iter().enumerate().map(|(l, map)| {
+    let error = unmoved.iter().enumerate().map(|(l, transform)| {
         let error = errors.fixed_view::<4, 3>(4 * l, 0).transpose();
-        moved((&root.value[0], &root.error[0]), (map, &error))
+        moved((&root.value[0], &root.error[0]), (transform, &error))
     });
     let value = oracle.palette(&root.value[0], &relative.value, &gradients.value);
     Inexact { error: error.collect(), value }
@@ -234,8 +236,8 @@ fn stacked_error<const C: usize>(
     DMatrix::from_fn(sums.nrows(), 3, |r, c| sums[(r, c)])
 }
 
-/// A map `a` after a map `b`.
-fn moved(a: (&Map, &Map), b: (&Map, &Map)) -> Map {
+/// A transform `a` after a transform `b`.
+fn moved(a: (&Transform, &Transform), b: (&Transform, &Transform)) -> Transform {
     let mut error = product((&linear(a.0), &linear(a.1)), b, 4);
     let last = (a.0.column(3).abs() + a.1.column(3)) * gamma(4) + a.1.column(3);
     error.column_mut(3).axpy(1.0, &last, 1.0);
@@ -246,10 +248,10 @@ fn moved(a: (&Map, &Map), b: (&Map, &Map)) -> Map {
 /// which decide what joints at a half turn do; the kernel predictor has none.
 pub fn whole(
     oracle: &Oracle,
-    pose: &Inexact<Map>,
+    pose: &Inexact<Transform>,
     found: &[[f32; 3]],
     arithmetic: Arithmetic,
-) -> (Inexact<Map>, Inexact<f64>) {
+) -> (Inexact<Transform>, Inexact<f64>) {
     let corrected = |base| correction(oracle, pose, &features(oracle, pose), base, arithmetic);
     if !oracle.predictor.reconstructs() {
         return corrected(joints(oracle, pose));
@@ -273,12 +275,12 @@ pub fn whole(
 /// positions.
 pub fn rest(oracle: &Oracle) -> Vec<Vector3<f64>> {
     let (p, j) = (oracle.keys.len(), oracle.parents.len());
-    let (d, q) = (vec![Matrix3::identity(); p], vec![Map::identity(); j]);
+    let (d, q) = (vec![Matrix3::identity(); p], vec![Transform::identity(); j]);
     let sums = oracle.c1.abs() * stack(&d) + oracle.c2.abs() * stack(&q);
     let sums = sums * (gamma(p + j) + U);
     let palette = if oracle.predictor.reconstructs() {
         let error = (0..p).map(|l| sums.fixed_view::<4, 3>(4 * l, 0).transpose());
-        Inexact { error: error.collect(), value: vec![Map::identity(); p] }
+        Inexact { error: error.collect(), value: vec![Transform::identity(); p] }
     } else {
         Inexact::exact(oracle.joints(&q))
     };
@@ -300,20 +302,27 @@ pub struct SkinBounds {
 
 /// Skin: `M = Σ w_k T_k`, K products; `M x̂`, three products and one term; cofactors, two products
 /// an entry; a direction's three products; then its length.
-pub fn skin(vertex: &Vertex, palette: &Inexact<Map>, arithmetic: Arithmetic) -> SkinBounds {
+pub fn skin(vertex: &Vertex, palette: &Inexact<Transform>, arithmetic: Arithmetic) -> SkinBounds {
     let influences = vertex.influences.len();
-    let sum = |list: &[Map]| vertex.influences.iter().map(|&(l, w)| list[l].abs() * w).sum::<Map>();
+    let sum = |list: &[Transform]| {
+        vertex.influences.iter().map(|&(l, w)| list[l].abs() * w).sum::<Transform>()
+    };
     let inherited = sum(&palette.error);
-    let map_error = inherited * (1.0 + gamma(influences)) + sum(&palette.value) * gamma(influences);
-    let map = vertex.blend(&palette.value);
-    let (turn, turn_error) = (linear(&map), linear(&map_error));
+    let transform_error =
+        inherited * (1.0 + gamma(influences)) + sum(&palette.value) * gamma(influences);
+    let transform = vertex.blend(&palette.value);
+    let (turn, turn_error) = (linear(&transform), linear(&transform_error));
     let (cofactor, cofactor_error) = (cofactors(&turn), cofactor_error(&turn, &turn_error));
     let exact = Vector3::zeros();
     let along = |matrix: (&Matrix3<f64>, &Matrix3<f64>), rest: &Vector3<f64>| {
         direction(&(matrix.0 * rest), &product(matrix, (rest, &exact), 3), arithmetic)
     };
     SkinBounds {
-        position: product((&map, &map_error), (&vertex.position, &nalgebra::Vector4::zeros()), 4),
+        position: product(
+            (&transform, &transform_error),
+            (&vertex.position, &nalgebra::Vector4::zeros()),
+            4,
+        ),
         normal: along((&cofactor, &cofactor_error), &vertex.normal),
         tangent: vertex.tangent.map_or(0.0, |(rest, _)| along((&turn, &turn_error), &rest)),
     }

@@ -1,8 +1,8 @@
 //! One model with its poses, and what every stage makes of them.
 
-use super::tolerances::{Tolerance, maps_tolerance, numbers_tolerance};
+use super::tolerances::{Tolerance, numbers_tolerance, transforms_tolerance};
 use super::{Folder, VectorError};
-use crate::backend::{Cpu, Failure, floats, part};
+use crate::backend::{Cpu, Failure, Loaded, floats, part};
 use crate::poses::{Kind, Pose, poses};
 use crate::stages::correction::base_of;
 use crate::stages::exact;
@@ -10,7 +10,7 @@ use crate::stages::features::features_of;
 use crate::stages::gradients::{columns, exact_rotations, gradients_of};
 use crate::stages::skin::{Skinned, plain, whole_of};
 use crate::subject::Subject;
-use crate::tolerance::{self, Arithmetic, Inexact, Map};
+use crate::tolerance::{self, Arithmetic, Inexact, Transform};
 use serde::Serialize;
 use sinew_runtime::Matrix3x4;
 use std::f64::consts::PI;
@@ -80,21 +80,21 @@ pub(super) fn subject(bytes: &[u8], pose_len: usize) -> Subject<'_> {
     let all = poses(&out.loaded.envelope, pose_len).into_iter();
     let kept = all.filter(|pose| pose.kind != Kind::HalfTurn && !turned(pose));
     let kept: Vec<_> = kept.collect();
-    out.maps = kept.iter().flat_map(|pose| pose.maps.iter().copied()).collect();
+    out.transforms = kept.iter().flat_map(|pose| pose.transforms.iter().copied()).collect();
     out.poses = kept;
     out
 }
 
 impl<'a> Case<'a> {
     pub(super) fn new(name: &str, subject: &'a Subject<'a>) -> Self {
-        let envelope = &subject.loaded.envelope;
+        let Loaded { envelope, skin, .. } = &subject.loaded;
         let counts = Counts {
             poses: subject.poses.len(),
             joints: envelope.joint_len(),
             proxies: envelope.proxy_len(),
             palette: envelope.palette_len(),
-            vertices: envelope.vertex_len(),
-            influences: envelope.influence_len(),
+            vertices: skin.vertex_len(),
+            influences: skin.influence_len(),
         };
         let description = Description {
             version: 1,
@@ -124,18 +124,18 @@ impl<'a> Case<'a> {
 
     /// The mesh, which is in the model as well: a skin can be checked without reading that.
     fn mesh(&mut self) {
-        let envelope = self.subject.loaded.envelope;
-        let (v, k) = (envelope.vertex_len(), envelope.influence_len());
+        let skin = self.subject.loaded.skin;
+        let (v, k) = (skin.vertex_len(), skin.influence_len());
         let flat = |list: Vec<[f32; 3]>| list.into_flattened();
-        let positions = (0..v).filter_map(|vertex| envelope.rest_position(vertex)).collect();
+        let positions = (0..v).filter_map(|vertex| skin.rest_position(vertex)).collect();
         self.array("rest_positions", vec![v, 3], &flat(positions));
-        let normals = (0..v).filter_map(|vertex| envelope.rest_normal(vertex)).collect();
+        let normals = (0..v).filter_map(|vertex| skin.rest_normal(vertex)).collect();
         self.array("rest_normals", vec![v, 3], &flat(normals));
-        if envelope.has_tangents() {
-            let tangents = (0..v).filter_map(|vertex| envelope.rest_tangent(vertex));
+        if skin.has_tangents() {
+            let tangents = (0..v).filter_map(|vertex| skin.rest_tangent(vertex));
             self.array("rest_tangents", vec![v, 4], &tangents.flatten().collect::<Vec<_>>());
         }
-        let influences: Vec<_> = (0..v).flat_map(|vertex| envelope.influences(vertex)).collect();
+        let influences: Vec<_> = (0..v).flat_map(|vertex| skin.influences(vertex)).collect();
         let indices = influences.iter().flat_map(|(index, _)| (*index as u32).to_le_bytes());
         let (name, file) = ("influence_indices", "influence_indices.u32".to_owned());
         self.files.push((file.clone(), indices.collect()));
@@ -148,7 +148,7 @@ impl<'a> Case<'a> {
     fn poses(&mut self) -> Result<(), Failure> {
         let subject = self.subject;
         let Counts { poses: n, joints: j, palette: m, .. } = self.description.counts;
-        self.array("pose", vec![n, j, 3, 4], floats(&subject.maps));
+        self.array("pose", vec![n, j, 3, 4], floats(&subject.transforms));
         let whole = whole_of(&Cpu, subject)?;
         let (reconstructs, corrects) =
             (subject.oracle.predictor.reconstructs(), subject.oracle.predictor.corrects());
@@ -159,9 +159,10 @@ impl<'a> Case<'a> {
         if reconstructs {
             rotations = self.reconstruction(base_name, &base)?;
         } else {
-            let bounds: Vec<_> = subject.maps_of(|pose| tolerance::joints(&subject.oracle, &pose));
-            self.maps("base", vec![n, m, 3, 4], &base);
-            self.stage("joints", &["pose"], vec![("base", maps_tolerance(&base, &bounds))]);
+            let bounds: Vec<_> =
+                subject.transforms_of(|pose| tolerance::joints(&subject.oracle, &pose));
+            self.transforms("base", vec![n, m, 3, 4], &base);
+            self.stage("joints", &["pose"], vec![("base", transforms_tolerance(&base, &bounds))]);
         }
         if corrects {
             self.correction(&base, &whole.palettes, &whole.confidences)?;
@@ -174,7 +175,7 @@ impl<'a> Case<'a> {
             let tolerance = numbers_tolerance(&whole.confidences, &bounds.collect::<Vec<_>>());
             self.stage("confidence", &["rotations"], vec![("confidence", tolerance)]);
         }
-        let skin = plain(&subject.loaded.envelope);
+        let skin = plain(&subject.loaded.skin);
         let skinned = Skinned::gather(&whole.skin, &skin, n);
         self.skin(&whole.palettes, &skinned);
         self.end_to_end(&rotations, &whole.palettes, &whole.confidences, &skinned);
@@ -196,7 +197,7 @@ impl<'a> Case<'a> {
         let [mut relative, mut rotations, mut gradients, mut palette] =
             [const { Tolerance::new() }; 4];
         for i in 0..n {
-            let pose = exact(part(&subject.maps, n, i));
+            let pose = exact(part(&subject.transforms, n, i));
             let q = tolerance::relative(oracle, &pose);
             relative.columns(part(&all.relative, n, i), &q);
             let theta = tolerance::rotations(oracle, &q, ARITHMETIC);
@@ -216,12 +217,12 @@ impl<'a> Case<'a> {
                 &given(part(&all.relative, n, i)),
                 &Inexact::exact(given_d),
             );
-            palette.maps(part(base, n, i), &bounds);
+            palette.transforms(part(base, n, i), &bounds);
         }
         let outputs =
             vec![("relative", relative.0), ("rotations", rotations.0), ("gradients", gradients.0)];
         self.stage("gradients", &["pose"], outputs);
-        self.maps(base_name, vec![n, m, 3, 4], base);
+        self.transforms(base_name, vec![n, m, 3, 4], base);
         self.stage("palette", &["pose", "relative", "gradients"], vec![(base_name, palette.0)]);
         Ok(all.rotations)
     }
@@ -235,20 +236,20 @@ impl<'a> Case<'a> {
         let (subject, oracle) = (self.subject, &self.subject.oracle);
         let Counts { poses: n, joints: j, palette: m, .. } = self.description.counts;
         let features = features_of(&Cpu, subject)?;
-        self.maps("features", vec![n, j, 3, 4], &features);
-        let bounds = subject.maps_of(|pose| tolerance::features(oracle, &pose));
-        let tolerance = maps_tolerance(&features, &bounds);
+        self.transforms("features", vec![n, j, 3, 4], &features);
+        let bounds = subject.transforms_of(|pose| tolerance::features(oracle, &pose));
+        let tolerance = transforms_tolerance(&features, &bounds);
         self.stage("features", &["pose"], vec![("features", tolerance)]);
-        self.maps("palette", vec![n, m, 3, 4], palettes);
+        self.transforms("palette", vec![n, m, 3, 4], palettes);
         self.array("confidence", vec![n], confidences);
         let bounds = (0..n).map(|i| {
             let [pose, features, base] =
-                [&subject.maps, &features, base].map(|list| exact(part(list, n, i)));
+                [&subject.transforms, &features, base].map(|list| exact(part(list, n, i)));
             tolerance::correction(oracle, &pose, &features, base, ARITHMETIC)
         });
-        let (maps, certain): (Vec<_>, Vec<_>) = bounds.unzip();
+        let (transforms, certain): (Vec<_>, Vec<_>) = bounds.unzip();
         let outputs = vec![
-            ("palette", maps_tolerance(palettes, &maps)),
+            ("palette", transforms_tolerance(palettes, &transforms)),
             ("confidence", numbers_tolerance(confidences, &certain)),
         ];
         self.stage("correction", &["pose", "features", "base"], outputs);
@@ -259,7 +260,7 @@ impl<'a> Case<'a> {
         let Counts { poses: n, vertices: v, .. } = self.description.counts;
         self.array("positions", vec![n, v, 3], &skinned.positions);
         self.array("normals", vec![n, v, 3], &skinned.normals);
-        if self.subject.loaded.envelope.has_tangents() {
+        if self.subject.loaded.skin.has_tangents() {
             self.array("tangents", vec![n, v, 4], &skinned.tangents);
         }
         let given: Vec<_> = (0..n).map(|i| exact(part(palettes, n, i))).collect();
@@ -276,22 +277,22 @@ impl<'a> Case<'a> {
     ) {
         let (subject, n) = (self.subject, self.description.counts.poses);
         let bounds = (0..n).map(|i| {
-            let pose = exact(part(&subject.maps, n, i));
+            let pose = exact(part(&subject.transforms, n, i));
             tolerance::whole(&subject.oracle, &pose, part(rotations, n, i), ARITHMETIC)
         });
-        let (maps, certain): (Vec<_>, Vec<_>) = bounds.unzip();
+        let (transforms, certain): (Vec<_>, Vec<_>) = bounds.unzip();
         let mut outputs = vec![
-            ("palette", maps_tolerance(palettes, &maps)),
+            ("palette", transforms_tolerance(palettes, &transforms)),
             ("confidence", numbers_tolerance(confidences, &certain)),
         ];
-        outputs.extend(self.skin_tolerances(skinned, &maps));
+        outputs.extend(self.skin_tolerances(skinned, &transforms));
         self.stage("whole", &["pose"], outputs);
     }
 
     fn skin_tolerances(
         &self,
         skinned: &Skinned,
-        palettes: &[Inexact<Map>],
+        palettes: &[Inexact<Transform>],
     ) -> Vec<(&'static str, Vec<f32>)> {
         let (oracle, n) = (&self.subject.oracle, palettes.len());
         let [mut positions, mut normals, mut tangents] = [const { Tolerance::new() }; 3];
@@ -317,14 +318,14 @@ impl<'a> Case<'a> {
             }
         }
         let mut out = vec![("positions", positions.0), ("normals", normals.0)];
-        if self.subject.loaded.envelope.has_tangents() {
+        if self.subject.loaded.skin.has_tangents() {
             out.push(("tangents", tangents.0));
         }
         out
     }
 
-    fn maps(&mut self, name: &'static str, shape: Vec<usize>, maps: &[Matrix3x4]) {
-        self.array(name, shape, floats(maps));
+    fn transforms(&mut self, name: &'static str, shape: Vec<usize>, transforms: &[Matrix3x4]) {
+        self.array(name, shape, floats(transforms));
     }
 
     fn array(&mut self, name: &'static str, shape: Vec<usize>, values: &[f32]) {
@@ -352,7 +353,10 @@ impl<'a> Case<'a> {
 
 impl Subject<'_> {
     /// Bounds of every pose.
-    fn maps_of(&self, bound: impl Fn(Inexact<Map>) -> Inexact<Map>) -> Vec<Inexact<Map>> {
+    fn transforms_of(
+        &self,
+        bound: impl Fn(Inexact<Transform>) -> Inexact<Transform>,
+    ) -> Vec<Inexact<Transform>> {
         self.poses.iter().map(|pose| bound(Inexact::exact(pose.widened()))).collect()
     }
 }

@@ -20,9 +20,9 @@ const CHARACTER_POSES: usize = 77;
 
 /// The trained characters, as they are kept for the format's sake: the same bytes everywhere.
 const CHARACTERS: [(&str, &[u8]); 3] = [
-    ("rotational", include_bytes!("../../../golden/envelope-2-rotational.snw")),
-    ("kernel", include_bytes!("../../../golden/envelope-2-kernel.snw")),
-    ("hybrid", include_bytes!("../../../golden/envelope-2-hybrid.snw")),
+    ("rotational", include_bytes!("../../../golden/envelope-3-rotational.snw")),
+    ("kernel", include_bytes!("../../../golden/envelope-3-kernel.snw")),
+    ("hybrid", include_bytes!("../../../golden/envelope-3-hybrid.snw")),
 ];
 
 /// Writes the vectors into a folder that is not there or is empty; it appears whole or not at all.

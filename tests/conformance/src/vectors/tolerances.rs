@@ -1,6 +1,6 @@
 //! Tolerances as they are written.
 
-use crate::tolerance::{Inexact, Map, UNDERFLOW};
+use crate::tolerance::{Inexact, Transform, UNDERFLOW};
 use nalgebra::SMatrix;
 use sinew_runtime::Matrix3x4;
 
@@ -34,8 +34,8 @@ impl Tolerance {
         }
     }
 
-    /// Adds those of maps.
-    pub(super) fn maps(&mut self, found: &[Matrix3x4], bounds: &Inexact<Map>) {
+    /// Adds those of transforms.
+    pub(super) fn transforms(&mut self, found: &[Matrix3x4], bounds: &Inexact<Transform>) {
         for (found, (value, error)) in found.iter().zip(bounds.value.iter().zip(&bounds.error)) {
             for (r, row) in found.iter().enumerate() {
                 for (c, x) in row.iter().enumerate() {
@@ -46,11 +46,11 @@ impl Tolerance {
     }
 }
 
-/// Lists the tolerances of every pose's maps.
-pub(super) fn maps_tolerance(found: &[Matrix3x4], bounds: &[Inexact<Map>]) -> Vec<f32> {
+/// Lists the tolerances of every pose's transforms.
+pub(super) fn transforms_tolerance(found: &[Matrix3x4], bounds: &[Inexact<Transform>]) -> Vec<f32> {
     let mut out = Tolerance::new();
     for (i, bounds) in bounds.iter().enumerate() {
-        out.maps(&found[i * bounds.value.len()..], bounds);
+        out.transforms(&found[i * bounds.value.len()..], bounds);
     }
     out.0
 }

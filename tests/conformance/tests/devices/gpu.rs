@@ -10,7 +10,7 @@ use conformance::stages::{Body, applies, body, layout, whole};
 use conformance::subject::Subject;
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{DeviceLimits, Resource, Stage};
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
 
 fn fails(found: Result<Vec<Finding>, Failure>) -> bool {
     match found {
@@ -52,13 +52,13 @@ fn the_runtime_behind_the_trait_gives_the_runtimes_bits() {
 /// What each stage writes to, and a float of the first instance's that is not its own.
 fn places(stage: Stage) -> (Resource, usize, Resource, usize) {
     match stage {
-        Stage::Gradients => (Resource::Work, 1, Resource::Palettes, 2),
-        Stage::Palette => (Resource::Palettes, 5, Resource::Work, 0),
+        Stage::Gradients => (Resource::Scratch, 1, Resource::Palettes, 2),
+        Stage::Palette => (Resource::Palettes, 5, Resource::Scratch, 0),
         Stage::Joints => (Resource::Palettes, 5, Resource::Palettes, 1),
-        Stage::Features => (Resource::Work, 12, Resource::Poses, 5),
-        Stage::Correction => (Resource::Palettes, 4 + 12 * 6, Resource::Work, 0),
+        Stage::Features => (Resource::Scratch, 12, Resource::Poses, 5),
+        Stage::Correction => (Resource::Palettes, 4 + 12 * 6, Resource::Scratch, 0),
         Stage::Confidence => (Resource::Confidences, 1, Resource::Confidences, 2),
-        Stage::Skin => (Resource::OutA, 0, Resource::Palettes, 1),
+        Stage::Skin => (Resource::Out, 0, Resource::Palettes, 1),
     }
 }
 
@@ -93,7 +93,7 @@ fn a_float_between_attributes_is_seen() {
     let bytes = models::random(shape_of(Predictor::Rotational));
     let subject = Subject::new("random", &bytes, 3);
     // The first of the interleaved layout, which begins at 1.
-    let stray = Fault::Stray(Stage::Skin, Resource::OutA, 0);
+    let stray = Fault::Stray(Stage::Skin, Resource::Out, 0);
     let device = Software::new(&bytes, Some(stray));
     let found = layout::body(&Gpu::new(&device), &subject);
     assert!(matches!(found, Err(Failure::Touched { .. })), "{found:?}");

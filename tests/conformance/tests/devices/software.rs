@@ -1,13 +1,12 @@
 //! A device that is a program: the runtime behind the trait that the headless helpers implement. It
 //! finds everything by a plan's spans and params, as a shader does. It can be made to err.
 
+use conformance::backend::Loaded;
 use sinew_gpu::headless::{Device, DeviceInfo, HeadlessError, Uploaded};
-use sinew_gpu::layout::{Chunk, DeviceLimits, Plan, Resource, Stage, WorkLayout};
-use sinew_runtime::envelope::{
-    Attribute, Buffer, SkinJob, confidence, correction, gradients, joints, palette,
-};
-use sinew_runtime::pose::features;
-use sinew_runtime::{Envelope, EvalError, Matrix3x4, Model};
+use sinew_gpu::layout::{Chunk, DeviceLimits, Plan, Resource, Stage};
+use sinew_runtime::envelope::ScratchLayout;
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{CallError, Matrix3x4, SkinJob, stages};
 use std::time::Duration;
 
 /// What goes wrong, in the stage that it names.
@@ -48,17 +47,12 @@ impl Device for Software<'_> {
         DeviceLimits::DOWNLEVEL
     }
 
-    fn upload(
-        &self,
-        model: &Model<'_>,
-        plan: &Plan,
-    ) -> Result<Box<dyn Uploaded + '_>, HeadlessError> {
-        let own = Model::from_bytes(self.bytes).expect("it loads");
-        assert_eq!(own.blob(), model.blob(), "the device was made for another model");
-        let envelope = own.envelope().expect("it has an envelope");
+    fn upload(&self, blob: &[u8], plan: &Plan) -> Result<Box<dyn Uploaded + '_>, HeadlessError> {
+        let loaded = Loaded::new(self.bytes);
+        assert_eq!(loaded.model.blob(), blob, "the device was made for another model");
         let floats = |resource| vec![0.0; (plan.bytes(resource) / 4) as usize];
         let buffers = Resource::ALL.map(floats);
-        Ok(Box::new(Batch { envelope, plan: plan.clone(), buffers, fault: self.fault }))
+        Ok(Box::new(Batch { loaded, plan: plan.clone(), buffers, fault: self.fault }))
     }
 
     fn time_copy(&self, _: u64, _: usize) -> Result<Duration, HeadlessError> {
@@ -71,7 +65,7 @@ impl Device for Software<'_> {
 }
 
 struct Batch<'a> {
-    envelope: Envelope<'a>,
+    loaded: Loaded<'a>,
     plan: Plan,
     buffers: [Vec<f32>; Resource::ALL.len()],
     fault: Option<Fault>,
@@ -165,11 +159,13 @@ impl Instance<'_, '_> {
         self.batch.buffers[resource as usize][at..][..floats.len()].copy_from_slice(floats);
     }
 
-    fn run(&mut self, stage: Stage) -> Result<(), EvalError> {
-        let envelope = self.batch.envelope;
+    fn run(&mut self, stage: Stage) -> Result<(), CallError> {
+        let envelope = self.batch.loaded.envelope;
         let (j, p) = (envelope.joint_len(), envelope.proxy_len());
-        let work = WorkLayout::new(&envelope);
-        let own = self.place(Resource::Work, "work");
+        let scratch = ScratchLayout::at_once(&envelope);
+        // A kernel model without helpers needs none.
+        let needed = self.chunk.span(Resource::Scratch);
+        let own = needed.map_or(0, |_| self.place(Resource::Scratch, "scratch"));
         let poses: Vec<Matrix3x4> =
             self.take(Resource::Poses, self.place(Resource::Poses, "poses"), 12 * j);
         let palette_at = self.place(Resource::Palettes, "palettes");
@@ -178,51 +174,52 @@ impl Instance<'_, '_> {
             Stage::Gradients => {
                 let (mut q, mut theta, mut d) =
                     (vec![[0.0; 3]; 4 * j], vec![[0.0; 3]; j], vec![[0.0; 3]; 3 * p]);
-                gradients::evaluate(&envelope, &poses, &mut q, &mut theta, &mut d)?;
-                self.put(Resource::Work, own + work.relative, q.as_flattened());
-                self.put(Resource::Work, own + work.rotations, theta.as_flattened());
-                self.put(Resource::Work, own + work.gradients, d.as_flattened());
+                stages::gradients(&envelope, &poses, &mut q, &mut theta, &mut d)?;
+                self.put(Resource::Scratch, own + scratch.relative, q.as_flattened());
+                self.put(Resource::Scratch, own + scratch.rotations, theta.as_flattened());
+                self.put(Resource::Scratch, own + scratch.gradients, d.as_flattened());
             }
             Stage::Palette => {
-                let q: Vec<[f32; 3]> = self.take(Resource::Work, own + work.relative, 12 * j);
-                let d: Vec<[f32; 3]> = self.take(Resource::Work, own + work.gradients, 9 * p);
+                let q: Vec<[f32; 3]> = self.take(Resource::Scratch, own + scratch.relative, 12 * j);
+                let d: Vec<[f32; 3]> = self.take(Resource::Scratch, own + scratch.gradients, 9 * p);
                 let mut out = vec![[[0.0; 4]; 3]; envelope.palette_len()];
                 let root = &poses[envelope.root()];
-                palette::evaluate(&envelope, root, &q, &d, &mut out)?;
+                stages::palette(&envelope, root, &q, &d, &mut out)?;
                 self.put(Resource::Palettes, palette_at, out.as_flattened().as_flattened());
             }
             Stage::Joints => {
                 let mut out = vec![[[0.0; 4]; 3]; envelope.palette_len()];
-                joints::evaluate(&envelope, &poses, &mut out)?;
+                stages::joints(&envelope, &poses, &mut out)?;
                 self.put(Resource::Palettes, palette_at, out.as_flattened().as_flattened());
             }
             Stage::Features => {
                 let mut out = vec![[[0.0; 4]; 3]; j];
-                features::evaluate(&envelope, &poses, &mut out)?;
-                let at = own + work.features;
-                self.put(Resource::Work, at, out.as_flattened().as_flattened());
+                stages::features(&envelope, &poses, &mut out)?;
+                let at = own + scratch.features;
+                self.put(Resource::Scratch, at, out.as_flattened().as_flattened());
             }
             Stage::Correction => {
-                let phi: Vec<Matrix3x4> = self.take(Resource::Work, own + work.features, 12 * j);
+                let phi: Vec<Matrix3x4> =
+                    self.take(Resource::Scratch, own + scratch.features, 12 * j);
                 let mut out: Vec<Matrix3x4> =
                     self.take(Resource::Palettes, palette_at, palette_floats);
-                let mut scratch = vec![0.0; envelope.scratch_len()];
-                let certain =
-                    correction::evaluate(&envelope, &poses, &phi, &mut scratch, &mut out)?;
+                let mut own_scratch = vec![0.0; envelope.correction_len()];
+                let least =
+                    stages::correction(&envelope, &poses, &phi, &mut own_scratch, &mut out)?;
                 self.put(Resource::Palettes, palette_at, out.as_flattened().as_flattened());
                 // Each group's own is not known here; the least of all is what they are read for.
-                let certainties = vec![certain; envelope.group_len()];
-                self.put(Resource::Work, own + work.certainties, &certainties);
+                let confidences = vec![least; envelope.group_len()];
+                self.put(Resource::Scratch, own + scratch.confidences, &confidences);
             }
             Stage::Confidence => {
                 let value = if envelope.predictor().corrects() {
-                    let at = own + work.certainties;
-                    let all: Vec<f32> = self.take(Resource::Work, at, envelope.group_len());
+                    let at = own + scratch.confidences;
+                    let all: Vec<f32> = self.take(Resource::Scratch, at, envelope.group_len());
                     all.into_iter().fold(1.0, f32::min)
                 } else {
                     let theta: Vec<[f32; 3]> =
-                        self.take(Resource::Work, own + work.rotations, 3 * j);
-                    confidence::evaluate(&envelope, &theta)?
+                        self.take(Resource::Scratch, own + scratch.rotations, 3 * j);
+                    stages::confidence(&envelope, &theta)?
                 };
                 let at = self.place(Resource::Confidences, "confidences");
                 self.put(Resource::Confidences, at, &[value]);
@@ -232,32 +229,24 @@ impl Instance<'_, '_> {
         Ok(())
     }
 
-    fn skin(&mut self, palette_at: usize, palette_floats: usize) -> Result<(), EvalError> {
-        let envelope = self.batch.envelope;
+    fn skin(&mut self, palette_at: usize, palette_floats: usize) -> Result<(), CallError> {
         let palette: Vec<Matrix3x4> = self.take(Resource::Palettes, palette_at, palette_floats);
         let first = self.param("vertex_first");
         let vertices = first..first + self.param("vertex_len");
-        let attribute = |name: &str| {
+        let bound = self.chunk.span(Resource::Out).expect("it is bound").offset as usize / 4;
+        let place = |name: &str| {
             let of = |what: &str| self.param(&format!("{name}_{what}"));
-            let (buffer, resource) = match of("buffer") {
-                0 => return None,
-                1 => (Buffer::A, Resource::OutA),
-                _ => (Buffer::B, Resource::OutB),
-            };
-            let bound = self.chunk.span(resource).expect("it is bound").offset as usize / 4;
-            let offset = bound + of("offset") + self.local * of("instance_stride");
-            Some(Attribute { buffer, offset, stride: of("stride") })
+            let is_there = of("offset") != u32::MAX as usize;
+            let start = bound + of("offset") + self.local * of("instance_stride");
+            is_there.then(|| (start, of("stride")))
         };
-        let [positions, normals, tangents] = ["positions", "normals", "tangents"].map(attribute);
-        let [a, b] = [Resource::OutA, Resource::OutB].map(|own| own as usize);
-        let mut outs = [a, b].map(|own| std::mem::take(&mut self.batch.buffers[own]));
-        let [out_a, out_b] = &mut outs;
-        let palette = &palette[..];
-        let job =
-            SkinJob { envelope, palette, vertices, positions, normals, tangents, out_a, out_b };
-        job.run()?;
-        [self.batch.buffers[a], self.batch.buffers[b]] = outs;
-        Ok(())
+        let places = ["positions", "normals", "tangents"].map(place);
+        let skin = self.batch.loaded.skin;
+        let out = cells(&mut self.batch.buffers[Resource::Out as usize]);
+        let [positions, normals, tangents] = places
+            .map(|place| place.map(|(start, stride)| Output { floats: &out[start..], stride }));
+        let (remap, rest, palette) = (None, Rest::default(), &palette[..]);
+        SkinJob { skin, palette, vertices, remap, rest, positions, normals, tangents }.run()
     }
 }
 

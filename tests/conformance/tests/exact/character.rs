@@ -98,11 +98,11 @@ impl Character {
         self.sequences.iter().map(fit).collect()
     }
 
-    /// Moves every vertex by its blended maps.
-    pub(crate) fn skin(&self, maps: &[Matrix3x4<f64>]) -> Vec<Vector3<f64>> {
+    /// Moves every vertex by its blended transforms.
+    pub(crate) fn skin(&self, transforms: &[Matrix3x4<f64>]) -> Vec<Vector3<f64>> {
         let position = |v: usize| {
             let blended: Matrix3x4<f64> =
-                self.proxies.of(v).map(|(l, weight)| maps[l] * weight).sum();
+                self.proxies.of(v).map(|(l, weight)| transforms[l] * weight).sum();
             transform(&blended, &self.training.rest[v])
         };
         (0..self.training.rest.len()).map(position).collect()
@@ -120,9 +120,9 @@ pub(crate) fn moved_examples(examples: &Examples) -> (Examples, Vec<Matrix3x4<f6
     for (at, vertex) in moved.vertices.iter_mut().enumerate() {
         *vertex = transform(&motions[at / vertex_len], vertex).into();
     }
-    for (at, map) in moved.transforms.iter_mut().enumerate() {
-        let product = after(&motions[at / joint_len], &to_nalgebra(map));
-        *map = [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| product[(r, c)]));
+    for (at, transform) in moved.transforms.iter_mut().enumerate() {
+        let product = after(&motions[at / joint_len], &to_nalgebra(transform));
+        *transform = [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| product[(r, c)]));
     }
     (moved, motions)
 }

@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, Matrix3x4};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::Model;
-use sinew_runtime::format::Certificate;
+use sinew_runtime::envelope::Certificate;
 use sinew_trainer::bake::bake;
 use sinew_trainer::envelope::fitted::Fitted;
 use sinew_trainer::envelope::helpers::{self, correction::Search};
@@ -33,31 +33,35 @@ use sinew_trainer::envelope::training::Training;
 use sinew_trainer::examples::{Examples, Importance, Split};
 use sinew_trainer::progress::Silent;
 
-type Map = Matrix3x4<f64>;
+type Transform = Matrix3x4<f64>;
 
 /// Strong enough for a condition near 1e4, so that solving keeps the digits that are asked for.
 const ANCHORS: Anchors = Anchors { near_rigid: 1e3, patch: 1e-2 };
 
-/// Evaluates `t = c1 d + c2 q`: P maps.
-fn maps(reduced: &Reduced, gradients: &[Matrix3<f64>], joints: &[Map]) -> Vec<Map> {
+/// Evaluates `t = c1 d + c2 q`: P transforms.
+fn transforms(
+    reduced: &Reduced,
+    gradients: &[Matrix3<f64>],
+    joints: &[Transform],
+) -> Vec<Transform> {
     let d = Mat::from_fn(3 * gradients.len(), 3, |row, r| gradients[row / 3][(r, row % 3)]);
     let q = Mat::from_fn(4 * joints.len(), 3, |row, r| joints[row / 4][(r, row % 4)]);
     let t = &reduced.c1 * d + &reduced.c2 * q;
-    (0..t.nrows() / 4).map(|l| Map::from_fn(|r, c| t[(4 * l + c, r)])).collect()
+    (0..t.nrows() / 4).map(|l| Transform::from_fn(|r, c| t[(4 * l + c, r)])).collect()
 }
 
-/// The largest distance of a character's skin under maps from expected positions.
-fn largest_distance(character: &Character, maps: &[Map], expected: &[[f64; 3]]) -> f64 {
-    let skinned = character.skin(maps);
+/// The largest distance of a character's skin under transforms from expected positions.
+fn largest_distance(character: &Character, transforms: &[Transform], expected: &[[f64; 3]]) -> f64 {
+    let skinned = character.skin(transforms);
     assert!(skinned.len() == expected.len() && !expected.is_empty());
     let distances =
         skinned.iter().zip(expected).map(|(y, e)| (y - nalgebra::Vector3::from(*e)).norm());
     distances.map(|d| if d.is_nan() { f64::INFINITY } else { d }).fold(0.0, f64::max)
 }
 
-fn rest_pose(character: &Character) -> (Vec<Matrix3<f64>>, Vec<Map>) {
+fn rest_pose(character: &Character) -> (Vec<Matrix3<f64>>, Vec<Transform>) {
     let identity = vec![Matrix3::identity(); character.proxy_len()];
-    (identity, vec![Map::identity(); character.joint_len])
+    (identity, vec![Transform::identity(); character.joint_len])
 }
 
 #[test]
@@ -66,10 +70,10 @@ fn the_rest_pose_gives_the_rest_mesh() {
     let reduced = character.reduction(ANCHORS).run().unwrap();
     let (mut d, q) = rest_pose(&character);
     let rest = &character.training.rest;
-    assert!(largest_distance(&character, &maps(&reduced, &d, &q), rest) <= EXACT);
+    assert!(largest_distance(&character, &transforms(&reduced, &d, &q), rest) <= EXACT);
     // One gradient that is not at rest is seen.
     d[0] *= 1.0 + 1e-9;
-    assert!(largest_distance(&character, &maps(&reduced, &d, &q), rest) > EXACT);
+    assert!(largest_distance(&character, &transforms(&reduced, &d, &q), rest) > EXACT);
 }
 
 #[test]
@@ -85,9 +89,9 @@ fn a_rigid_motion_of_gradients_and_joints_passes_through() {
         let q: Vec<_> = (0..poses.joint_len()).map(|joint| *poses.map(pose, joint)).collect();
         let moved_d: Vec<_> = d.iter().map(|d| linear(&motion) * d).collect();
         let moved_q: Vec<_> = q.iter().map(|b| after(&motion, b)).collect();
-        let still = character.skin(&maps(&reduced, &d, &q));
+        let still = character.skin(&transforms(&reduced, &d, &q));
         let expected: Vec<[f64; 3]> = still.iter().map(|y| (motion * y.push(1.0)).into()).collect();
-        let found = maps(&reduced, &moved_d, &moved_q);
+        let found = transforms(&reduced, &moved_d, &moved_q);
         let distance = largest_distance(&character, &found, &expected);
         assert!(distance <= EXACT, "pose {pose}: {distance}");
     }
@@ -108,7 +112,7 @@ fn a_rigid_motion_of_the_examples_moves_the_palette_by_the_root() {
     for (i, frame) in examples.frames_of(Split::Train).into_iter().enumerate() {
         let at = |palette: &Mat<f64>, l: usize| {
             let scale = |c: usize| if c == 3 { *unit } else { 1.0 };
-            Map::from_fn(|r, c| palette[(3 * i + r, 4 * l + c)] * scale(c))
+            Transform::from_fn(|r, c| palette[(3 * i + r, 4 * l + c)] * scale(c))
         };
         let root_of = |pose: &[[[f64; 4]; 3]]| to_nalgebra(&pose[root]);
         let (still_root, moved_root) = (root_of(examples.pose(frame)), root_of(moved.pose(frame)));
@@ -136,7 +140,7 @@ fn refinement_keeps_the_rest_pose_and_lowers_the_error() {
     let (d, q) = rest_pose(&character);
     for strength in [1e-1, 1e-4, 1e-7] {
         let refined = regression.refine(&reduced, strength);
-        let distance = largest_distance(&character, &maps(&refined, &d, &q), rest);
+        let distance = largest_distance(&character, &transforms(&refined, &d, &q), rest);
         assert!(distance <= EXACT, "{strength}: {distance}");
         let moved = (&refined.c1 - &reduced.c1).norm_max();
         assert!(moved > 1e-6, "the refinement did something at {strength}");
@@ -168,7 +172,8 @@ fn a_file_evaluates_as_it_was_fitted() {
 
 fn evaluates_as_fitted(examples: &Examples, training: &Training, fitted: &Fitted) {
     let bytes = bake(&fitted.parts(training, examples, Certificate::default())).unwrap();
-    let oracle = Oracle::new(&Model::from_bytes(&bytes).unwrap().envelope().unwrap());
+    let model = Model::from_bytes(bytes).unwrap();
+    let oracle = Oracle::new(&model.envelope().unwrap(), None);
     let frames: Vec<_> = (0..examples.frame_len()).collect();
     let (poses, _) = training.view(examples, &frames);
     let expected = fitted.palette(training, &poses);
@@ -178,14 +183,14 @@ fn evaluates_as_fitted(examples: &Examples, training: &Training, fitted: &Fitted
         let root = pose[oracle.root];
         // The file's numbers are off by u each: less than what an evaluation in f32 rounds.
         let (found, _) = whole(&oracle, &Inexact::exact(pose), &none, Arithmetic::IEEE);
-        for (l, (map, error)) in found.value.iter().zip(&found.error).enumerate() {
-            let mut t = Map::from_fn(|r, c| expected[(3 * frame + r, 4 * l + c)]);
+        for (l, (transform, error)) in found.value.iter().zip(&found.error).enumerate() {
+            let mut t = Transform::from_fn(|r, c| expected[(3 * frame + r, 4 * l + c)]);
             // Training sees lengths in its unit, about its centre.
             let centre = nalgebra::Vector3::from(training.centre);
             let origin = t.column(3) * training.unit + centre - linear(&t) * centre;
             t.set_column(3, &origin);
-            let off = (map - after(&root, &t)).abs() - error;
-            assert!(off.max() <= EXACT, "frame {frame}, map {l}: {off}");
+            let off = (transform - after(&root, &t)).abs() - error;
+            assert!(off.max() <= EXACT, "frame {frame}, transform {l}: {off}");
         }
     }
 }

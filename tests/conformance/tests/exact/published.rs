@@ -36,7 +36,7 @@ impl Mesh {
             [0, second, third].map(|step| (k + step) % VERTICES)
         };
         let triangles = (0..TRIANGLES).map(triangle).collect();
-        let mut random = |items: usize, maps: usize| weights(items, maps, &mut random);
+        let mut random = |items: usize, transforms: usize| weights(items, transforms, &mut random);
         Self {
             rest,
             triangles,
@@ -115,7 +115,7 @@ impl System {
         Self { a, b1, b2 }
     }
 
-    /// METHOD's anchors: F at its LBS positions, then every patch at its LBS map, through the
+    /// METHOD's anchors: F at its LBS positions, then every patch at its LBS transform, through the
     /// corners of a tetrahedron about its centroid.
     fn anchor(&mut self, mesh: &Mesh, anchors: Anchors) {
         let edge = |a: usize, b: usize| {
@@ -178,22 +178,27 @@ impl System {
     }
 }
 
-fn weights(items: usize, maps: usize, random: &mut ChaCha8Rng) -> Weights {
+fn weights(items: usize, transforms: usize, random: &mut ChaCha8Rng) -> Weights {
     let list = |_| {
-        let mut list: Vec<_> = (0..maps).map(|l| (l, random.random_range(0.05..1.0))).collect();
+        let mut list: Vec<_> =
+            (0..transforms).map(|l| (l, random.random_range(0.05..1.0))).collect();
         let sum: f64 = list.iter().map(|(_, w)| w).sum();
         list.iter_mut().for_each(|(_, w)| *w /= sum);
         list.sort_by(|a, b| b.1.total_cmp(&a.1));
         list
     };
-    Weights::from_lists(maps, (0..items).map(list).collect::<Vec<_>>().into_iter())
+    Weights::from_lists(transforms, (0..items).map(list).collect::<Vec<_>>().into_iter())
 }
 
-/// `weights ⊗ [x 1] ⊗ I₃`: 3 x 12 maps.
-fn embed(weights: impl Iterator<Item = (usize, f64)>, x: &[f64; 3], maps: usize) -> DMatrix<f64> {
+/// `weights ⊗ [x 1] ⊗ I₃`: 3 x 12 transforms.
+fn embed(
+    weights: impl Iterator<Item = (usize, f64)>,
+    x: &[f64; 3],
+    transforms: usize,
+) -> DMatrix<f64> {
     let h = DMatrix::from_row_slice(1, 4, &[x[0], x[1], x[2], 1.0]);
     let h = h.kronecker(&DMatrix::<f64>::identity(3, 3));
-    let mut out = DMatrix::zeros(3, 12 * maps);
+    let mut out = DMatrix::zeros(3, 12 * transforms);
     for (l, weight) in weights {
         out.columns_mut(12 * l, 12).copy_from(&(&h * weight));
     }

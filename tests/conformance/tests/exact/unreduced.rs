@@ -29,7 +29,7 @@ fn grid() -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     (rest, quads.flat_map(|(x, y)| quad(x, y)).collect())
 }
 
-/// One map each.
+/// One transform each.
 fn own(items: usize) -> Weights {
     Weights::from_lists(1, (0..items).map(|item| vec![(item, 1.0)]))
 }
@@ -69,9 +69,9 @@ fn the_reduction_of_nothing_is_the_full_reconstruction() {
             let expected = poisson.reconstruct(&gradients, &known);
             let mut d = gradients;
             d.resize(reduction.proxy_len, Matrix3::zeros());
-            let maps = crate::maps(&reduced, &d, &q);
+            let transforms = crate::transforms(&reduced, &d, &q);
             for vertex in (0..rest.len()).filter(|&v| !fixed[v]) {
-                let found = transform(&maps[vertex], &rest[vertex]);
+                let found = transform(&transforms[vertex], &rest[vertex]);
                 let error = (found - expected[vertex]).norm();
                 assert!(error <= PSEUDO_SOLVED, "vertex {vertex}, F {share}: {error}");
             }

@@ -1,8 +1,8 @@
 //! The runtime as a backend that is wrong: what it gives is altered before anyone sees it.
 
-use conformance::backend::{Backend, Buffers, Cpu, Failure, Gradients, Loaded, Whole};
+use conformance::backend::{Backend, Cpu, Failure, Gradients, Loaded, Whole};
 use conformance::tolerance::Arithmetic;
-use sinew_gpu::layout::{Skin, Stage};
+use sinew_gpu::layout::{SkinBatch, Stage};
 use sinew_runtime::Matrix3x4;
 
 /// What a stage was given, and what it gives.
@@ -33,8 +33,8 @@ pub(crate) enum Step<'a> {
     },
     Skin {
         palettes: &'a [Matrix3x4],
-        skin: &'a Skin,
-        out: &'a mut Buffers,
+        skin: &'a SkinBatch,
+        out: &'a mut [f32],
     },
 }
 
@@ -122,8 +122,8 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         &self,
         loaded: &Loaded<'_>,
         palettes: &[Matrix3x4],
-        skin: &Skin,
-        out: &mut Buffers,
+        skin: &SkinBatch,
+        out: &mut [f32],
     ) -> Result<(), Failure> {
         Cpu.skin(loaded, palettes, skin, out)?;
         (self.0)(Step::Skin { palettes, skin, out });
@@ -134,7 +134,7 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         &self,
         loaded: &Loaded<'_>,
         poses: &[Matrix3x4],
-        skin: &Skin,
+        skin: &SkinBatch,
         out: &mut Whole,
     ) -> Result<(), Failure> {
         Cpu.whole(loaded, poses, skin, out)?;
@@ -202,8 +202,8 @@ impl Backend for Idle {
         &self,
         _: &Loaded<'_>,
         _: &[Matrix3x4],
-        _: &Skin,
-        _: &mut Buffers,
+        _: &SkinBatch,
+        _: &mut [f32],
     ) -> Result<(), Failure> {
         Ok(())
     }
@@ -212,7 +212,7 @@ impl Backend for Idle {
         &self,
         _: &Loaded<'_>,
         _: &[Matrix3x4],
-        _: &Skin,
+        _: &SkinBatch,
         _: &mut Whole,
     ) -> Result<(), Failure> {
         Ok(())

@@ -11,8 +11,8 @@ use conformance::stages::gradients::{columns, exact_rotations};
 use conformance::stages::{self, bounds, correction, exact, joints, layout, whole};
 use conformance::subject::{FEWER_POSES, Subject};
 use conformance::tolerance::{self, Arithmetic, Inexact};
-use sinew_gpu::layout::{Buffer, Stage};
-use sinew_runtime::format::Predictor;
+use sinew_gpu::layout::Stage;
+use sinew_runtime::envelope::Predictor;
 use std::cell::Cell;
 
 const IEEE: Arithmetic = Arithmetic::IEEE;
@@ -26,7 +26,7 @@ enum Output {
     Features,
     Correction,
     /// Of the correction.
-    Certainty,
+    CorrectionConfidence,
     /// Of a rotational model.
     Confidence,
     Positions,
@@ -41,7 +41,7 @@ const OUTPUTS: [Output; 11] = [
     Output::Palette,
     Output::Features,
     Output::Correction,
-    Output::Certainty,
+    Output::CorrectionConfidence,
     Output::Confidence,
     Output::Positions,
     Output::Normals,
@@ -52,7 +52,7 @@ impl Output {
     /// The predictor of a model to look at it on.
     fn predictor(self) -> Predictor {
         match self {
-            Self::Features | Self::Correction | Self::Certainty => Predictor::Kernel,
+            Self::Features | Self::Correction | Self::CorrectionConfidence => Predictor::Kernel,
             _ => Predictor::Rotational,
         }
     }
@@ -62,7 +62,7 @@ impl Output {
             Self::Relative | Self::Rotations | Self::Gradients => Stage::Gradients,
             Self::Palette => Stage::Palette,
             Self::Features => Stage::Features,
-            Self::Correction | Self::Certainty => Stage::Correction,
+            Self::Correction | Self::CorrectionConfidence => Stage::Correction,
             Self::Confidence => Stage::Confidence,
             Self::Positions | Self::Normals | Self::Tangents => Stage::Skin,
         }
@@ -140,22 +140,22 @@ impl Spoil<'_> {
                 }
             }
             (
-                Output::Correction | Output::Certainty,
+                Output::Correction | Output::CorrectionConfidence,
                 Step::Correction { poses, features, base, out, confidences },
             ) => {
                 let n = confidences.len();
                 for i in 0..n {
                     let [pose, features, base] =
                         [poses, features, &base].map(|list| exact(part(list, n, i)));
-                    let (maps, certainty) =
+                    let (transforms, confidence) =
                         tolerance::correction(oracle, &pose, &features, base, IEEE);
-                    let last = maps.value.len() - 1;
-                    let (value, error) = (maps.value[last], maps.error[last]);
-                    let map = &mut out[(i + 1) * maps.value.len() - 1];
+                    let last = transforms.value.len() - 1;
+                    let (value, error) = (transforms.value[last], transforms.error[last]);
+                    let transform = &mut out[(i + 1) * transforms.value.len() - 1];
                     if self.output == Output::Correction {
-                        self.off(&mut map[2][3], value[(2, 3)], error[(2, 3)]);
+                        self.off(&mut transform[2][3], value[(2, 3)], error[(2, 3)]);
                     } else {
-                        self.off(&mut confidences[i], certainty.value[0], certainty.error[0]);
+                        self.off(&mut confidences[i], confidence.value[0], confidence.error[0]);
                     }
                 }
             }
@@ -185,11 +185,10 @@ impl Spoil<'_> {
                         _ => (skin.normals, right.normal[0], bounds.normal),
                     };
                     let Some(own) = attribute else { continue };
-                    let buffer = if own.buffer == Buffer::A { &mut out.a } else { &mut out.b };
                     let place = own.offset
                         + i * own.instance_stride
                         + (skin.vertices.len() - 1) * own.stride;
-                    self.off(&mut buffer[place], expected, tolerance);
+                    self.off(&mut out[place], expected, tolerance);
                 }
             }
             _ => {}
@@ -294,8 +293,8 @@ fn a_float_between_attributes_is_watched() {
     let careless = Altered(
         |step: Step<'_>| {
             if let Step::Skin { out, .. } = step {
-                let last = out.a.len() - 1;
-                out.a[last] = 0.0;
+                let last = out.len() - 1;
+                out[last] = 0.0;
             }
         },
         IEEE,

@@ -7,7 +7,7 @@ use conformance::stages::correction::on;
 use conformance::stages::features::features_of;
 use conformance::subject::Subject;
 use sinew_runtime::Matrix3x4;
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
 
 const IDENTITY: Matrix3x4 = [[1.0, 0., 0., 0.], [0., 1.0, 0., 0.], [0., 0., 1.0, 0.]];
 

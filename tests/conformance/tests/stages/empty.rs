@@ -1,6 +1,6 @@
 //! Meshes without vertices.
 
-use conformance::backend::Cpu;
+use conformance::backend::{Cpu, Loaded};
 use conformance::compare::Mismatch;
 use conformance::finding::sound;
 use conformance::models::{self, SHAPES};
@@ -13,7 +13,7 @@ fn a_mesh_without_vertices_has_a_palette_and_nothing_to_skin() {
     for shape in SHAPES.into_iter().filter(|shape| shape.vertices == 0) {
         let bytes = models::random(shape);
         let subject = Subject::new("nothing", &bytes, 14);
-        let envelope = &subject.loaded.envelope;
+        let Loaded { envelope, skin: own, .. } = &subject.loaded;
         if shape.predictor.reconstructs() {
             assert_eq!(sound(&palette::body(&Cpu, &subject).unwrap()), Ok(()));
         }
@@ -21,9 +21,9 @@ fn a_mesh_without_vertices_has_a_palette_and_nothing_to_skin() {
             assert_eq!(sound(&correction::body(&Cpu, &subject).unwrap()), Ok(()));
         }
         let palettes = whole_of(&Cpu, &subject).unwrap().palettes;
-        assert!(plain(envelope).vertices.is_empty());
+        assert!(plain(own).vertices.is_empty());
         assert!(skinned_by(&Cpu, &subject, &palettes).unwrap().positions.is_empty());
-        assert_eq!(envelope.bounds(&palettes[..envelope.palette_len()]).unwrap(), None);
+        assert_eq!(own.bounds(&palettes[..envelope.palette_len()], 0.0).unwrap(), None);
         let findings = skin::body(&Cpu, &subject).unwrap();
         assert_eq!(sound(&findings), Err(Mismatch::Empty), "it proves nothing");
     }

@@ -1,19 +1,19 @@
 //! The least that firmware does: a model in flash, a pose, a palette, a skin.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
-use sinew_runtime::envelope::workspace_len;
+use sinew_runtime::envelope::scratch_len;
 use sinew_runtime::{LocalTransform, Matrix3x4, Model, Workspace, model_space_pose};
 
 firmware::image!(run);
 firmware::may_panic!();
 
 /// In flash: read where it lies, never copied.
-static MODEL: &[u8] = include_bytes!("../../../golden/envelope-2-rotational.snw");
+static MODEL: &[u8] = include_bytes!("../../../golden/envelope-3-rotational.snw");
 
-/// Joints, maps and vertices that this firmware has room for. A model with kernel maps has more maps,
-/// the joints among them, and its scratch is the last argument of `workspace_len`.
+/// Joints, transforms and vertices that this firmware has room for. A model with kernel maps has more
+/// transforms, the joints' among them, and its scratch is the last argument of `scratch_len`.
 const JOINTS: usize = 8;
-const MAPS: usize = 8;
+const TRANSFORMS: usize = 8;
 const VERTICES: usize = 32;
 
 const REST: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -26,10 +26,11 @@ fn run() -> bool {
 
 fn frame() -> Option<()> {
     // Once: all of the file is checked here, and evaluation cannot fail for its sake.
-    let envelope = Model::from_bytes(MODEL).ok()?.envelope()?;
+    let model = Model::from_bytes(MODEL).ok()?;
+    let (envelope, skin) = (model.envelope()?, model.skin()?);
     let (mut local, mut pose) = ([STILL; JOINTS], [REST; JOINTS]);
-    let (mut palette, mut positions) = ([REST; MAPS], [[0.0; 3]; VERTICES]);
-    let mut workspace = Workspace::<{ workspace_len(JOINTS, MAPS, 0) }>::new();
+    let (mut palette, mut positions) = ([REST; TRANSFORMS], [[0.0; 3]; VERTICES]);
+    let mut scratch = Workspace::<{ scratch_len(JOINTS, TRANSFORMS, 0) }>::new();
     let local = local.get_mut(..envelope.joint_len())?;
     let pose = pose.get_mut(..envelope.joint_len())?;
     let palette = palette.get_mut(..envelope.palette_len())?;
@@ -37,8 +38,8 @@ fn frame() -> Option<()> {
     // Each frame: the joints' rotations against their parents, then two calls.
     local.first_mut()?.rotation = [0.0, 0.0, 0.6, 0.8];
     model_space_pose(&envelope, local, pose).ok()?;
-    let confidence = envelope.rotational_palette(pose, &mut workspace, palette).ok()?;
-    envelope.skin_positions(palette, &mut positions).ok()?;
+    let confidence = envelope.rotational_palette(pose, &mut scratch, palette).ok()?;
+    skin.skin_positions(palette, &mut positions).ok()?;
 
     firmware::say!("confidence {confidence}, first vertex {:?}", positions.first()?);
     Some(())

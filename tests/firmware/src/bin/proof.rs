@@ -5,13 +5,16 @@
 use core::hint::black_box;
 use firmware::say;
 use sinew_runtime::envelope::{
-    Attribute, Buffer, SkinJob, confidence, correction, gradients, joints, palette,
+    Certificate, EnvelopeCounts, EnvelopeLayout, GroupRow, Predictor, ScratchLayout,
 };
-use sinew_runtime::format::{GroupRow, PartRow, SectionRow, checksum};
+use sinew_runtime::format::{
+    Axis, Element, FileId, PartKind, PartRow, SectionKind, SectionRow, checksum,
+};
 use sinew_runtime::kernel::Kernel;
-use sinew_runtime::pose::features;
+use sinew_runtime::skin::{Output, Rest, SkinCounts, SkinLayout, cells};
 use sinew_runtime::{
-    Envelope, EvalError, Limits, LocalTransform, Matrix3x4, Model, Workspace, model_space_pose,
+    CallError, Envelope, Limits, LocalTransform, Matrix3x4, Model, Skin, SkinJob, Workspace,
+    model_space_pose, stages,
 };
 
 firmware::image!(run);
@@ -26,19 +29,50 @@ fn run() -> bool {
             return true;
         }
     };
-    tables(model);
+    tables(&model);
     let name = core::str::from_utf8(bytes).unwrap_or_default();
-    for envelope in [model.envelope(), model.envelope_named(name)].into_iter().flatten() {
-        numbers(envelope);
-        arrays(envelope);
-        groups(envelope);
-        for outcome in [evaluate(envelope), base(envelope), stages(envelope)] {
-            if let Err(error) = outcome {
-                say!("{error}");
-            }
+    let first = [model.envelope(), model.envelope_named(name)].into_iter().flatten();
+    for envelope in first.chain(model.envelopes()) {
+        of_envelope(envelope);
+        let kept: EnvelopeLayout = envelope.layout();
+        black_box(kept.counts());
+        if let Some(envelope) = kept.open(some(&[])) {
+            of_envelope(envelope);
         }
     }
+    for skin in [model.skin(), model.skin_named(name)].into_iter().flatten().chain(model.skins()) {
+        black_box(model.envelope_of(&skin).is_some());
+        of_skin(skin);
+        let kept: SkinLayout = skin.layout();
+        black_box(kept.counts());
+        if let Some(skin) = kept.open(some(&[])) {
+            of_skin(skin);
+        }
+    }
+    black_box(model.into_bytes());
     true
+}
+
+#[inline(never)]
+fn of_envelope(envelope: Envelope<'_>) {
+    numbers(envelope);
+    arrays(envelope);
+    groups(envelope);
+    for outcome in [evaluate(envelope), base(envelope), correction(envelope)] {
+        tell(outcome);
+    }
+}
+
+#[inline(never)]
+fn of_skin(skin: Skin<'_>) {
+    mesh(skin);
+    tell(skinned(skin));
+}
+
+fn tell(outcome: Result<(), CallError>) {
+    if let Err(error) = outcome {
+        say!("{error}");
+    }
 }
 
 /// Returns a slice of which only the type is known.
@@ -56,39 +90,54 @@ fn index() -> usize {
     black_box(0)
 }
 
-fn tables(model: Model<'_>) {
+fn tables(model: &Model<&[u8]>) {
     for row in model.parts() {
-        black_box((row, row.required(), row.to_bytes(), row.envelope_counts(), row.certificate()));
+        black_box((row, row.required(), row.to_bytes(), PartKind::from_number(row.kind)));
     }
     for section in model.sections() {
-        black_box((section, section.row.to_bytes()));
+        black_box((section, section.row.required(), section.row.to_bytes()));
     }
-    black_box((model.blob(), PartRow::from_bytes(&black_box([0; PartRow::BYTES]))));
+    let space = model.space();
+    black_box((model.blob(), model.as_bytes(), model.id(), space, space.to_bytes()));
+    black_box((FileId::of(some(&[])), Axis::from_number(black_box(1)).map(Axis::name)));
+    black_box(PartRow::from_bytes(&black_box([0; PartRow::BYTES])));
     black_box(SectionRow::from_bytes(&black_box([0; SectionRow::BYTES])));
     let group = GroupRow::from_bytes(&black_box([0; GroupRow::BYTES]));
     black_box((group.words(), group.scratch_len(), group.to_bytes()));
+    if let Some(kind) = SectionKind::from_number(black_box(1)) {
+        black_box((kind.name(), kind.element().name(), Element::ALL));
+        counts(kind);
+    }
     if let Some(kernel) = Kernel::from_number(black_box(8)) {
         black_box((kernel.name(), kernel.value(black_box(1.0))));
         black_box(kernel.at_rest(some::<f32>(&[]).iter().copied()));
     }
 }
 
+fn counts(kind: SectionKind) {
+    if let Some(counts) = EnvelopeCounts::from_words(black_box([0; 6])) {
+        black_box((counts.has(kind), counts.section_bytes(kind), counts.palette_len()));
+        black_box((counts.words(), counts.predictor.name()));
+    }
+    let counts = SkinCounts::from_words(black_box([0; 4]));
+    black_box((counts.has(kind), counts.section_bytes(kind, index()), counts.envelope()));
+    black_box((counts.words(), Predictor::from_number(black_box(1))));
+    black_box(Certificate::from_figures(black_box([0.0; 5])).figures());
+}
+
 fn numbers(envelope: Envelope<'_>) {
     let e = envelope;
-    black_box([e.vertex_len(), e.joint_len(), e.proxy_len(), e.palette_len(), e.group_len()]);
-    black_box([e.scratch_len(), e.influence_len(), e.workspace_len(), e.root(), e.part()]);
-    black_box((e.name(), e.predictor(), e.certificate(), e.has_tangents()));
+    black_box([e.joint_len(), e.proxy_len(), e.palette_len(), e.group_len(), e.root(), e.part()]);
+    black_box([e.scratch_len(), e.correction_len()]);
+    black_box((e.name(), e.predictor(), e.certificate(), e.counts(), e.file()));
+    black_box(ScratchLayout::at_once(&e));
 }
 
 fn arrays(envelope: Envelope<'_>) {
     let e = envelope;
     black_box((e.joint_name(index()), e.parent(index()), e.inverse_bind(index())));
-    black_box((e.origin(index()), e.pose_range(index()), e.rest_position(index())));
-    black_box((e.rest_normal(index()), e.rest_tangent(index()), e.rest_box(index())));
+    black_box((e.origin(index()), e.pose_range(index())));
     black_box((e.key(index()), e.c1(index(), index()), e.c2(index(), index())));
-    for influence in e.influences(index()) {
-        black_box(influence);
-    }
     for joint in e.evaluation_order() {
         black_box(joint);
     }
@@ -102,47 +151,74 @@ fn groups(envelope: Envelope<'_>) {
     }
 }
 
-fn evaluate(envelope: Envelope<'_>) -> Result<(), EvalError> {
+fn evaluate(envelope: Envelope<'_>) -> Result<(), CallError> {
     let local = some::<LocalTransform>(&[]);
     let mut own = Workspace::<4>::new();
-    let (pose, maps) = (some_mut::<Matrix3x4>(&mut []), some_mut::<Matrix3x4>(&mut []));
+    let (pose, palette) = (some_mut::<Matrix3x4>(&mut []), some_mut::<Matrix3x4>(&mut []));
     model_space_pose(&envelope, local, pose)?;
-    black_box(envelope.palette(pose, some_mut(&mut own), maps)?);
-    black_box(envelope.rotational_palette(pose, some_mut(&mut own), maps)?);
-    black_box(envelope.bounds(maps)?.map(|bounds| bounds.contains(black_box([0.0; 3]))));
-    envelope.skin_positions(maps, some_mut(&mut []))?;
+    black_box(envelope.palette(pose, some_mut(&mut own), palette)?);
+    black_box(envelope.rotational_palette(pose, some_mut(&mut own), palette)?);
+    envelope.palettes(pose, some_mut(&mut own), palette, some_mut(&mut []))
+}
+
+fn base(envelope: Envelope<'_>) -> Result<(), CallError> {
+    let (pose, palette) = (some::<Matrix3x4>(&[]), some_mut::<Matrix3x4>(&mut []));
+    stages::joints(&envelope, pose, palette)?;
+    let (relative, rotations) = (some_mut::<[f32; 3]>(&mut []), some_mut::<[f32; 3]>(&mut []));
+    let d = some_mut::<[f32; 3]>(&mut []);
+    stages::gradients(&envelope, pose, relative, rotations, d)?;
+    stages::palette(&envelope, &black_box([[0.0; 4]; 3]), relative, d, palette)?;
+    black_box(stages::confidence(&envelope, rotations)?);
+    Ok(())
+}
+
+fn correction(envelope: Envelope<'_>) -> Result<(), CallError> {
+    let (pose, palette) = (some::<Matrix3x4>(&[]), some_mut::<Matrix3x4>(&mut []));
+    let phi = some_mut::<Matrix3x4>(&mut []);
+    stages::features(&envelope, pose, phi)?;
+    black_box(stages::correction(&envelope, pose, phi, some_mut(&mut []), palette)?);
+    Ok(())
+}
+
+fn mesh(skin: Skin<'_>) {
+    let s = skin;
+    black_box([s.vertex_len(), s.influence_len(), s.palette_len(), s.part()]);
+    black_box((s.name(), s.counts(), s.file(), s.envelope_part(), s.has_tangents()));
+    black_box((s.rest_position(index()), s.rest_normal(index()), s.rest_tangent(index())));
+    black_box(s.rest_box(index()));
+    for influence in s.influences(index()) {
+        black_box(influence);
+    }
+    for range in s.ranges() {
+        black_box(range);
+    }
+}
+
+/// Skins with and without a remap and a mesh of the caller's.
+fn skinned(skin: Skin<'_>) -> Result<(), CallError> {
+    let palette = some::<Matrix3x4>(&[]);
+    let bounds = skin.bounds(palette, black_box(0.5))?;
+    black_box(bounds.map(|bounds| bounds.contains(black_box([0.0; 3]))));
+    skin.skin_positions(palette, some_mut(&mut []))?;
+    let floats = cells(some_mut(&mut []));
     let attribute = || {
-        let attribute = Attribute { buffer: Buffer::A, offset: index(), stride: index() };
-        black_box(Some(attribute))
+        let floats = black_box(floats.get(index()..).unwrap_or_default());
+        black_box(Some(Output { floats, stride: index() }))
+    };
+    let rest = Rest {
+        positions: black_box(Some(some(&[]))),
+        normals: black_box(Some(some(&[]))),
+        tangents: black_box(Some(some(&[]))),
     };
     SkinJob {
-        envelope,
-        palette: maps,
+        skin,
+        palette,
         vertices: index()..index(),
+        remap: black_box(Some(some(&[]))),
+        rest,
         positions: attribute(),
         normals: attribute(),
         tangents: attribute(),
-        out_a: some_mut(&mut []),
-        out_b: some_mut(&mut []),
     }
     .run()
-}
-
-fn base(envelope: Envelope<'_>) -> Result<(), EvalError> {
-    let (pose, maps) = (some::<Matrix3x4>(&[]), some_mut::<Matrix3x4>(&mut []));
-    joints::evaluate(&envelope, pose, maps)?;
-    let (relative, rotations) = (some_mut::<[f32; 3]>(&mut []), some_mut::<[f32; 3]>(&mut []));
-    let d = some_mut::<[f32; 3]>(&mut []);
-    gradients::evaluate(&envelope, pose, relative, rotations, d)?;
-    palette::evaluate(&envelope, &black_box([[0.0; 4]; 3]), relative, d, maps)?;
-    black_box(confidence::evaluate(&envelope, rotations)?);
-    Ok(())
-}
-
-fn stages(envelope: Envelope<'_>) -> Result<(), EvalError> {
-    let (pose, maps) = (some::<Matrix3x4>(&[]), some_mut::<Matrix3x4>(&mut []));
-    let phi = some_mut::<Matrix3x4>(&mut []);
-    features::evaluate(&envelope, pose, phi)?;
-    black_box(correction::evaluate(&envelope, pose, phi, some_mut(&mut []), maps)?);
-    Ok(())
 }

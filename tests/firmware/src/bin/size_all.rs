@@ -2,8 +2,8 @@
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use core::hint::black_box;
-use sinew_runtime::envelope::{Attribute, Buffer, SkinJob};
-use sinew_runtime::{EvalError, LocalTransform, Matrix3x4, Model, model_space_pose};
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{CallError, LocalTransform, Matrix3x4, Model, SkinJob, model_space_pose};
 
 firmware::image!(run);
 
@@ -12,25 +12,27 @@ fn run() -> bool {
 }
 
 /// Loads, poses, skins positions, normals and tangents, and bounds; `None` where nothing is loaded.
-fn frame(bytes: &[u8]) -> Option<Result<(), EvalError>> {
-    let envelope = Model::from_bytes(bytes).ok()?.envelope()?;
+fn frame(bytes: &[u8]) -> Option<Result<(), CallError>> {
+    let model = Model::from_bytes(bytes).ok()?;
+    let (envelope, skin) = (model.envelope()?, model.skin()?);
     let local = black_box::<&[LocalTransform]>(&[]);
-    let (pose, maps) = black_box::<(&mut [Matrix3x4], &mut [Matrix3x4])>((&mut [], &mut []));
+    let (pose, palette) = black_box::<(&mut [Matrix3x4], &mut [Matrix3x4])>((&mut [], &mut []));
     let (scratch, out) = black_box::<(&mut [f32], &mut [f32])>((&mut [], &mut []));
-    let attribute = |offset| Some(Attribute { buffer: Buffer::A, offset, stride: 10 });
+    let lent = cells(out);
+    let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
     let mut frame = || {
         model_space_pose(&envelope, local, pose)?;
-        black_box(envelope.palette(pose, scratch, maps)?);
-        black_box(envelope.bounds(maps)?);
+        black_box(envelope.palette(pose, scratch, palette)?);
+        black_box(skin.bounds(palette, 0.0)?);
         SkinJob {
-            envelope,
-            palette: maps,
-            vertices: 0..envelope.vertex_len(),
+            skin,
+            palette,
+            vertices: 0..skin.vertex_len(),
+            remap: None,
+            rest: Rest::default(),
             positions: black_box(attribute(0)),
             normals: black_box(attribute(3)),
             tangents: black_box(attribute(6)),
-            out_a: out,
-            out_b: &mut [],
         }
         .run()
     };

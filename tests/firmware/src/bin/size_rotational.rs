@@ -3,10 +3,9 @@
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use firmware::frame::skinned_by;
-use sinew_runtime::Envelope;
 
 firmware::image!(run);
 
 fn run() -> bool {
-    skinned_by(Envelope::rotational_palette)
+    skinned_by(|envelope, pose, scratch, out| envelope.rotational_palette(pose, scratch, out))
 }

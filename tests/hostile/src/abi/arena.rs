@@ -2,17 +2,30 @@
 
 use super::arguments::RESULTS_APART;
 use super::frame::Frame;
+use crate::GOLDEN;
 use sinew_capi::*;
-use sinew_runtime::Model;
 use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::ptr::{null, null_mut};
 
 /// What memory holds that nothing was written to.
-const BLANK: u8 = 0xa5;
+pub(super) const BLANK: u8 = 0xa5;
 
 /// Places start on multiples of this, which suffices for every type.
-const ALIGNMENT: usize = align_of::<u128>();
+pub(super) const ALIGNMENT: usize = align_of::<u128>();
+
+/// Poses of a batch.
+pub(super) const BATCH: usize = 2;
+
+/// What became of the model after its parts were opened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Since {
+    Nothing,
+    /// Its memory was loaded with another file.
+    Reloaded,
+    /// Its memory was emptied.
+    Emptied,
+}
 
 /// All memory that a call is given, in one allocation: whatever it writes where it must not is seen,
 /// and arguments drawn anywhere in it overlap in every way. Places are bytes from its start.
@@ -20,30 +33,37 @@ pub(super) struct Arena {
     memory: Vec<u128>,
     /// The loaded model; blank where the file was refused.
     pub(super) model: Range<usize>,
-    /// Its first envelope; blank where it has none.
+    /// Its first envelope and its first skin; blank where it has none.
     pub(super) envelope: Range<usize>,
+    pub(super) skin: Range<usize>,
     pub(super) file: Range<usize>,
-    /// The frame's inputs.
+    /// The file that takes its place, where one does.
+    other: Range<usize>,
+    /// The frame's inputs; of poses as many as a batch has.
     pub(super) local: Range<usize>,
-    pub(super) pose: Range<usize>,
-    pub(super) palette: Range<usize>,
+    pub(super) poses: Range<usize>,
+    pub(super) skin_palette: Range<usize>,
+    pub(super) remap: Range<usize>,
+    pub(super) rest: [Range<usize>; 3],
     /// Room for a name, limits or a job.
     pub(super) argument: Range<usize>,
     /// Room for results.
     pub(super) results: Range<usize>,
-    /// A frame of the envelope, an empty one where there is none.
+    /// What the file gives; an empty frame of one that is refused.
     pub(super) frame: Frame,
+    pub(super) since: Since,
 }
 
 impl Arena {
-    /// Lays out a file, what is loaded of it, and a frame.
+    /// Lays out a file, what is loaded of it, and a frame; then lets happen what happens since.
     ///
     /// # Panics
     /// Where the C ABI refuses what the runtime accepts, or the other way round.
-    pub(super) fn new(file: &[u8], pose_number: usize) -> Self {
-        let loaded = Model::from_bytes(file).ok();
-        let envelope = loaded.and_then(|model| model.envelope());
-        let frame = envelope.map(|envelope| Frame::new(&envelope, pose_number)).unwrap_or_default();
+    pub(super) fn new(file: &[u8], pose_number: usize, since: Since) -> Self {
+        let frame = Frame::new(file, pose_number);
+        let other = GOLDEN.into_iter().find(|golden| *golden != file).unwrap_or_default();
+        // A file that was refused is none to begin with.
+        let since = if frame.refusal.is_some() { Since::Nothing } else { since };
         let mut end = 0;
         let mut place = |bytes: usize| {
             let start = end;
@@ -51,56 +71,113 @@ impl Arena {
             start..start + bytes
         };
         // More than the results of any one call.
-        let results = sinew_envelope_bytes()
-            + 4 * (2 * frame.skin.len() + frame.workspace_len)
-            + size_of_val(&*frame.palette)
+        let results = sinew_model_bytes()
+            + sinew_envelope_bytes()
+            + sinew_skin_bytes()
+            + 4 * (frame.scratch_len + 32 * 2 * (frame.vertex_len + 1))
+            + BATCH * size_of_val(&*frame.palette)
+            + size_of_val(&*frame.pose)
             + 6 * frame.vertex_len * frame.influence_len;
         let mut arena = Self {
             memory: Vec::new(),
             model: place(sinew_model_bytes()),
             envelope: place(sinew_envelope_bytes()),
+            skin: place(sinew_skin_bytes()),
             file: place(file.len()),
+            other: place(if since == Since::Reloaded { other.len() } else { 0 }),
             local: place(size_of_val(&*frame.local)),
-            pose: place(size_of_val(&*frame.pose)),
-            palette: place(size_of_val(&*frame.palette)),
-            argument: place(frame.name.len().max(size_of::<sinew_skin_job>())),
-            results: place(results + 4 * (RESULTS_APART + ALIGNMENT)),
+            poses: place(BATCH * size_of_val(&*frame.pose)),
+            skin_palette: place(size_of_val(&*frame.skin_palette)),
+            remap: place(size_of_val(&*frame.remap)),
+            rest: [12, 12, 16].map(|bytes| place(bytes * frame.vertex_len)),
+            argument: place(
+                frame
+                    .envelope_name
+                    .len()
+                    .max(frame.skin_name.len())
+                    .max(size_of::<sinew_skin_job>()),
+            ),
+            results: place(results + 6 * (RESULTS_APART + ALIGNMENT)),
             frame,
+            since,
         };
         arena.memory = vec![u128::from_ne_bytes([BLANK; ALIGNMENT]); end / ALIGNMENT];
         arena.write(arena.file.start, file);
-        let local = arena.frame.local.iter();
-        let local = local.flat_map(|l| l.rotation.into_iter().chain(l.translation));
-        arena.write(arena.local.start, &bytes(local));
-        arena.write(arena.pose.start, &bytes(floats(&arena.frame.pose)));
-        arena.write(arena.palette.start, &bytes(floats(&arena.frame.palette)));
-        assert_eq!(arena.load(), loaded.is_some(), "C and Rust do not agree on a file");
-        assert_eq!(arena.open(), envelope.is_some(), "C and Rust do not agree on an envelope");
+        arena.write_inputs();
+        arena.open();
+        match since {
+            Since::Nothing => {}
+            Since::Emptied => arena.write(arena.model.start, &vec![0; arena.model.len()]),
+            Since::Reloaded => {
+                arena.write(arena.other.start, other);
+                assert_eq!(arena.load(arena.other.clone()), sinew_status::Ok);
+                // The file that the parts were opened in is gone.
+                arena.write(arena.file.start, &vec![BLANK; file.len()]);
+            }
+        }
         arena
     }
 
-    /// Loads the model; whether that was possible.
-    fn load(&mut self) -> bool {
-        let (memory, file) = (self.at(self.model.start), self.at::<u8>(self.file.start));
-        let (memory_bytes, file_bytes) = (self.model.len(), self.file.len());
-        let (mut out, error) = (null(), null_mut());
-        // SAFETY: places of the arena with their lengths; the file stays as it is.
-        let status = unsafe {
-            let out = &raw mut out;
-            sinew_model_load(memory, memory_bytes, file, file_bytes, null(), out, error)
-        };
-        status == sinew_status::Ok
+    fn write_inputs(&mut self) {
+        let frame = std::mem::take(&mut self.frame);
+        let local = frame.local.iter().flat_map(|l| l.rotation.into_iter().chain(l.translation));
+        let poses = floats(&frame.pose).collect::<Vec<_>>().repeat(BATCH);
+        let remap = frame.remap.iter().flat_map(|vertex| vertex.to_ne_bytes());
+        let [positions, normals, tangents] = self.rest.clone().map(|place| place.start);
+        for (place, content) in [
+            (self.local.start, bytes(local)),
+            (self.poses.start, bytes(poses)),
+            (self.skin_palette.start, bytes(floats(&frame.skin_palette))),
+            (self.remap.start, remap.collect()),
+            (positions, bytes(frame.rest_positions.as_flattened().iter().copied())),
+            (normals, bytes(frame.rest_normals.as_flattened().iter().copied())),
+            (tangents, bytes(frame.rest_tangents.as_flattened().iter().copied())),
+        ] {
+            self.write(place, &content);
+        }
+        self.frame = frame;
     }
 
-    /// Opens the first envelope; whether that was possible.
-    fn open(&mut self) -> bool {
-        let (model, memory) = (self.at(self.model.start), self.at(self.envelope.start));
-        let (memory_bytes, mut out, error) = (self.envelope.len(), null(), null_mut());
+    /// Loads the model and opens its first envelope and skin, as far as there are any.
+    fn open(&mut self) {
+        let refusal = self.frame.refusal.map_or(sinew_status::Ok, |error| error.status);
+        assert_eq!(self.load(self.file.clone()), refusal, "C and Rust do not agree on a file");
+        let model = self.at(self.model.start);
+        let (place, bytes) = (self.at(self.envelope.start), self.envelope.len());
+        let (mut envelope, error) = (null(), null_mut());
         // SAFETY: places of the arena with their lengths; that of the model is blank or holds one.
-        let status = unsafe {
-            sinew_envelope_open(model, null(), 0, memory, memory_bytes, &raw mut out, error)
+        let opened = unsafe {
+            let out = &raw mut envelope;
+            sinew_envelope_open(model, null(), 0, 0, place, bytes, out, error)
         };
-        status == sinew_status::Ok
+        assert_eq!(opened == sinew_status::Ok, self.frame.has_envelope, "{opened:?}");
+        let (place, bytes) = (self.at(self.skin.start), self.skin.len());
+        let mut skin = null();
+        // SAFETY: the same.
+        let opened =
+            unsafe { sinew_skin_open(model, null(), 0, 0, place, bytes, &raw mut skin, error) };
+        assert_eq!(opened == sinew_status::Ok, self.frame.has_skin, "{opened:?}");
+    }
+
+    /// Loads the model.
+    fn load(&mut self, file: Range<usize>) -> sinew_status {
+        let (memory, at) = (self.at(self.model.start), self.at::<u8>(file.start));
+        let (bytes, mut out) = (self.model.len(), null());
+        // SAFETY: places of the arena with their lengths; the file stays as it is.
+        unsafe {
+            let out = &raw mut out;
+            sinew_model_load(memory, bytes, at, file.len(), null(), out, null_mut())
+        }
+    }
+
+    /// Returns the place of the file that the model holds.
+    pub(super) fn held(&self) -> Range<usize> {
+        if self.since == Since::Reloaded { self.other.clone() } else { self.file.clone() }
+    }
+
+    /// Returns the content of the file that the parts were opened in.
+    pub(super) fn file_bytes(&self) -> &[u8] {
+        &self.content().1[..self.file.len()]
     }
 
     /// Points to a place.
@@ -120,7 +197,7 @@ impl Arena {
     }
 
     /// Returns what lies behind the objects, and where that starts. Objects have padding, which nobody
-    /// may read; [`Arena::blob`] and [`Arena::info`] tell whether they are as they were.
+    /// may read; [`Arena::told`] tells whether they are as they were.
     pub(super) fn content(&self) -> (usize, &[u8]) {
         let (start, len) = (self.file.start, self.len() - self.file.start);
         let at = self.memory.as_ptr().wrapping_byte_add(start).cast();
@@ -128,23 +205,34 @@ impl Arena {
         (start, unsafe { std::slice::from_raw_parts(at, len) })
     }
 
-    /// Returns the model's blob, if the model is loaded.
-    pub(super) fn blob(&mut self) -> Option<(*const u8, usize)> {
-        let (mut blob, mut bytes) = (null(), 0);
-        let model = self.at(self.model.start);
-        // SAFETY: a place that is blank or holds a model, and two values to be written.
-        let status = unsafe { sinew_model_blob(model, &raw mut blob, &raw mut bytes, null_mut()) };
-        (status == sinew_status::Ok).then_some((blob, bytes))
-    }
-
-    /// Describes the envelope, if it is open.
-    pub(super) fn info(&mut self) -> Option<sinew_envelope_info> {
-        let mut info = MaybeUninit::uninit();
-        let envelope = self.at(self.envelope.start);
-        // SAFETY: a place that is blank or holds an envelope, and a structure to be written.
-        let status = unsafe { sinew_envelope_describe(envelope, info.as_mut_ptr(), null_mut()) };
-        // SAFETY: the call has succeeded and written it.
-        (status == sinew_status::Ok).then(|| unsafe { info.assume_init() })
+    /// Asks the objects that are as they were for what they tell of themselves: the model for its blob,
+    /// envelope and skin for what describes them. Of those that are not there it is nothing.
+    pub(super) fn told(&mut self, [model, envelope, skin]: [bool; 3]) -> Told {
+        let mut told = Told::default();
+        let (mut blob, mut blob_bytes, error) = (null(), 0, null_mut());
+        let (mut envelope_info, mut skin_info) = (MaybeUninit::uninit(), MaybeUninit::uninit());
+        let [at_model, at_envelope, at_skin] =
+            [&self.model, &self.envelope, &self.skin].map(|object| object.start);
+        let done = |status| status == sinew_status::Ok;
+        let at = self.at(at_model);
+        // SAFETY: a place that is blank, empty or holds a model, and two values to be written.
+        if model && done(unsafe { sinew_model_blob(at, &raw mut blob, &raw mut blob_bytes, error) })
+        {
+            told.blob = Some((blob, blob_bytes));
+        }
+        let (at, out) = (self.at(at_envelope), envelope_info.as_mut_ptr());
+        // SAFETY: a place that is blank or holds an envelope, whose model is as it was.
+        if model && envelope && done(unsafe { sinew_envelope_describe(at, out, error) }) {
+            // SAFETY: the call has succeeded and written it.
+            told.envelope = Some(unsafe { envelope_info.assume_init() });
+        }
+        let (at, out) = (self.at(at_skin), skin_info.as_mut_ptr());
+        // SAFETY: a place that is blank or holds a skin, whose model is as it was.
+        if model && skin && done(unsafe { sinew_skin_describe(at, out, error) }) {
+            // SAFETY: the call has succeeded and written it.
+            told.skin = Some(unsafe { skin_info.assume_init() });
+        }
+        told
     }
 
     /// Writes bytes to a place.
@@ -156,9 +244,17 @@ impl Arena {
     }
 }
 
-/// Lists the floats of maps.
-pub(super) fn floats(maps: &[sinew_runtime::Matrix3x4]) -> impl Iterator<Item = f32> {
-    maps.as_flattened().as_flattened().iter().copied()
+/// What objects tell of themselves.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Told {
+    blob: Option<(*const u8, usize)>,
+    envelope: Option<sinew_envelope_info>,
+    skin: Option<sinew_skin_info>,
+}
+
+/// Lists the floats of transforms.
+pub(super) fn floats(transforms: &[sinew_runtime::Matrix3x4]) -> impl Iterator<Item = f32> {
+    transforms.as_flattened().as_flattened().iter().copied()
 }
 
 /// Lists the bytes of floats.

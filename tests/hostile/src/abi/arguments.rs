@@ -1,13 +1,17 @@
 //! The arguments of a call: mostly as they should be, else with a fault that a library can see, or
 //! anywhere in the arena.
 
+use super::arena::Since;
 use super::call::Call;
 use crate::recipe;
 use arbitrary::Result;
-use sinew_capi::{sinew_envelope, sinew_model};
+use sinew_capi::*;
 use std::ffi::c_void;
 use std::ops::Range;
 use std::ptr::{null, null_mut};
+
+use sinew_argument as Argument;
+use sinew_status as Status;
 
 /// Numbers at which something ends.
 const NUMBERS: [usize; 8] =
@@ -16,140 +20,295 @@ const NUMBERS: [usize; 8] =
 /// Bytes between results: more than any element has.
 pub(super) const RESULTS_APART: usize = 64;
 
+/// How long an array must be.
+#[derive(Clone, Copy)]
+enum Must {
+    Be(usize),
+    HoldAtLeast(usize),
+    BeAny,
+}
+
 impl Call<'_, '_> {
     /// Draws a number that should be below another.
-    pub(super) fn number(&mut self, below: usize) -> Result<usize> {
+    pub(super) fn number(&mut self, below: usize, argument: Argument) -> Result<usize> {
         let number = match self.u.int_in_range(0..=7)? {
             0 => *self.u.choose(&NUMBERS)?,
             1 => self.u.arbitrary()?,
             2 => below,
             _ => self.u.choose_index(below.max(1))?,
         };
-        self.faultless &= number < below;
+        self.fault_if(number >= below, Status::OutOfRange, argument);
         Ok(number)
     }
 
     /// Draws the start and the end of a range of vertices, and how many it has if there are so many.
-    pub(super) fn vertices(&mut self) -> Result<(usize, usize, usize)> {
-        let vertex_len = self.arena.frame.vertex_len;
+    pub(super) fn vertices(&mut self, vertex_len: usize) -> Result<(usize, usize, usize)> {
         if self.one_in(2)? {
             return Ok((0, vertex_len, vertex_len));
         }
-        let (start, end) = (self.number(vertex_len + 1)?, self.number(vertex_len + 1)?);
-        self.faultless &= start <= end;
+        let mut end = || self.number(vertex_len.saturating_add(1), Argument::Vertices);
+        let (start, end) = (end()?, end()?);
+        self.fault_if(start > end, Status::OutOfRange, Argument::Vertices);
         Ok((start, end, end.saturating_sub(start).min(vertex_len)))
     }
 
     /// Draws any number; whether it is one of those that are right is not known.
     pub(super) fn any(&mut self) -> Result<u32> {
-        self.faultless = false;
+        self.vague = true;
         let small: bool = self.u.arbitrary()?;
         if small { self.u.int_in_range(0..=31) } else { self.u.arbitrary() }
     }
 
     /// Draws the handle of a model.
     pub(super) fn model(&mut self) -> Result<*const sinew_model> {
-        self.faultless &= self.arena.blob().is_some();
-        self.handle(self.arena.model.clone(), self.arena.envelope.clone())
+        let is_loaded = self.arena.frame.refusal.is_none() && self.arena.since != Since::Emptied;
+        let fault = (!is_loaded).then_some((Status::NotLoaded, Argument::Model));
+        let places = [self.arena.model.clone(), self.arena.envelope.clone()];
+        self.handle(places, fault, Argument::Model)
     }
 
     /// Draws the handle of an envelope.
     pub(super) fn envelope(&mut self) -> Result<*const sinew_envelope> {
-        self.faultless &= self.arena.info().is_some();
-        self.handle(self.arena.envelope.clone(), self.arena.model.clone())
+        let fault = self.part_fault(self.arena.frame.has_envelope, Argument::Envelope);
+        let places = [self.arena.envelope.clone(), self.arena.skin.clone()];
+        self.handle(places, fault, Argument::Envelope)
+    }
+
+    /// Draws the handle of a skin.
+    pub(super) fn skin(&mut self) -> Result<*const sinew_skin> {
+        let fault = self.part_fault(self.arena.frame.has_skin, Argument::Skin);
+        let places = [self.arena.skin.clone(), self.arena.model.clone()];
+        self.handle(places, fault, Argument::Skin)
+    }
+
+    /// Tells what is wrong with a part.
+    fn part_fault(&mut self, is_there: bool, own: Argument) -> Option<(Status, Argument)> {
+        match self.arena.since {
+            _ if !is_there => Some((Status::NotLoaded, own)),
+            Since::Nothing => None,
+            Since::Reloaded => Some((Status::Stale, own)),
+            Since::Emptied => Some((Status::NotLoaded, Argument::Model)),
+        }
     }
 
     /// Draws where a handle points: to its object, to one of another kind, to what was never loaded,
     /// beside it, or nowhere.
-    fn handle<T>(&mut self, own: Range<usize>, other: Range<usize>) -> Result<*const T> {
-        self.read.extend([own.clone(), self.arena.file.clone()]);
-        let drawn = self.u.int_in_range(0..=31)?;
-        self.faultless &= drawn > 3;
-        let place = match drawn {
-            0 => return Ok(null()),
-            1 => other.start,
-            2 => self.arena.results.start,
-            3 => own.start + self.u.int_in_range(1..=7)?,
-            _ => own.start,
+    fn handle<T>(
+        &mut self,
+        [own, other]: [Range<usize>; 2],
+        fault: Option<(Status, Argument)>,
+        argument: Argument,
+    ) -> Result<*const T> {
+        self.read.extend([own.clone(), self.arena.model.clone(), self.arena.held()]);
+        let (place, fault) = match self.u.int_in_range(0..=31)? {
+            0 => (None, Some((Status::Null, argument))),
+            1 => (Some(other.start), Some((Status::NotLoaded, argument))),
+            2 => (Some(self.arena.results.start), Some((Status::NotLoaded, argument))),
+            3 => {
+                let beside = own.start + self.u.int_in_range(1..=7)?;
+                (Some(beside), Some((Status::Misaligned, argument)))
+            }
+            _ => (Some(own.start), fault),
         };
-        Ok(self.arena.at::<T>(place).cast_const())
+        self.faults.extend(fault);
+        Ok(place.map_or(null(), |place| self.arena.at::<T>(place).cast_const()))
     }
 
-    /// Draws an array that is read, of a length that must be the place's.
-    pub(super) fn input<T>(&mut self, place: Range<usize>) -> Result<(*const T, usize)> {
-        let right = place.len() / size_of::<T>();
-        let (at, len) = self.input_any(place)?;
-        self.must_fail |= len != right;
-        Ok((at, len))
+    /// Draws an array that is read, of a length that must be right.
+    pub(super) fn input<T>(
+        &mut self,
+        place: Range<usize>,
+        right: usize,
+        argument: Argument,
+    ) -> Result<(*const T, usize)> {
+        let (at, len) = self.array::<T>(place, Must::Be(right), argument)?;
+        self.read.extend(self.arena.place(at, len));
+        Ok((at.cast_const(), len))
     }
 
     /// Draws an array that is read, of any length.
-    pub(super) fn input_any<T>(&mut self, place: Range<usize>) -> Result<(*const T, usize)> {
-        let (at, len) = self.array::<T>(place)?;
+    pub(super) fn input_any<T>(
+        &mut self,
+        place: Range<usize>,
+        argument: Argument,
+    ) -> Result<(*const T, usize)> {
+        let (at, len) = self.array::<T>(place, Must::BeAny, argument)?;
         self.read.extend(self.arena.place(at, len));
         Ok((at.cast_const(), len))
     }
 
     /// Draws one value that is read.
-    pub(super) fn input_one<T>(&mut self, place: usize) -> Result<*const T> {
-        let at = self.one::<T>(place)?;
+    pub(super) fn input_one<T>(&mut self, place: usize, argument: Argument) -> Result<*const T> {
+        let at = self.one::<T>(place, argument)?;
         self.read.extend(self.arena.place(at, 1));
         Ok(at.cast_const())
     }
 
     /// Draws one value that is read where it stands: no other bytes will do for it.
-    pub(super) fn input_fixed<T>(&mut self, place: usize) -> Result<*const T> {
+    pub(super) fn input_fixed<T>(&mut self, place: usize, argument: Argument) -> Result<*const T> {
         self.read.push(place..place + size_of::<T>());
-        let drawn = self.u.int_in_range(0..=31)?;
-        self.faultless &= drawn > 1;
-        Ok(match drawn {
-            0 => null(),
-            1 => self.arena.at(place + self.u.int_in_range(1..=7)?),
+        Ok(match self.u.int_in_range(0..=31)? {
+            0 => {
+                self.fault(Status::Null, argument);
+                null()
+            }
+            1 => {
+                self.fault(Status::Misaligned, argument);
+                self.arena.at(place + self.u.int_in_range(1..=7)?)
+            }
             _ => self.arena.at(place),
         })
     }
 
     /// Draws an array for `len` results, which must not be shorter.
-    pub(super) fn output<T>(&mut self, len: usize) -> Result<(*mut T, usize)> {
-        let (at, found) = self.output_any(len)?;
-        self.must_fail |= found < len;
-        Ok((at, found))
+    pub(super) fn output<T>(&mut self, len: usize, argument: Argument) -> Result<(*mut T, usize)> {
+        self.output_of(len, Must::HoldAtLeast(len), argument)
     }
 
-    /// Draws an array for exactly `len` results.
-    pub(super) fn output_exact<T>(&mut self, len: usize) -> Result<(*mut T, usize)> {
-        let (at, found) = self.output_any(len)?;
-        self.must_fail |= found != len;
-        Ok((at, found))
+    /// Draws an array for exactly `right` results; room is for `len`.
+    pub(super) fn output_exact<T>(
+        &mut self,
+        len: usize,
+        right: usize,
+        argument: Argument,
+    ) -> Result<(*mut T, usize)> {
+        self.output_of(len, Must::Be(right), argument)
     }
 
     /// Draws an array for about as many results.
-    pub(super) fn output_any<T>(&mut self, len: usize) -> Result<(*mut T, usize)> {
+    pub(super) fn output_any<T>(
+        &mut self,
+        len: usize,
+        argument: Argument,
+    ) -> Result<(*mut T, usize)> {
+        self.output_of(len, Must::BeAny, argument)
+    }
+
+    fn output_of<T>(
+        &mut self,
+        len: usize,
+        must: Must,
+        argument: Argument,
+    ) -> Result<(*mut T, usize)> {
         let place = self.result_place(len * size_of::<T>());
-        let (at, len) = self.array::<T>(place)?;
+        let over =
+            if self.one_in(16)? { self.over_inputs(place.len(), align_of::<T>())? } else { None };
+        let (at, len) = match over {
+            Some(place) => {
+                self.fault(Status::Overlap, argument);
+                self.check_len(len, must, argument);
+                (self.arena.at(place), len)
+            }
+            None => self.array::<T>(place, must, argument)?,
+        };
         self.written.extend(self.arena.place(at, len));
         Ok((at, len))
     }
 
     /// Draws where one result goes.
-    pub(super) fn output_one<T>(&mut self) -> Result<*mut T> {
+    pub(super) fn output_one<T>(&mut self, argument: Argument) -> Result<*mut T> {
         let place = self.result_place(size_of::<T>());
-        let at = self.one::<T>(place.start)?;
+        let over =
+            if self.one_in(16)? { self.over_inputs(place.len(), align_of::<T>())? } else { None };
+        let at = match over {
+            Some(place) => {
+                self.fault(Status::Overlap, argument);
+                self.arena.at(place)
+            }
+            None => self.one::<T>(place.start, argument)?,
+        };
         self.written.extend(self.arena.place(at, 1));
         Ok(at)
     }
 
     /// Draws memory for an object.
     pub(super) fn memory(&mut self, object_bytes: usize) -> Result<(*mut c_void, usize)> {
+        let argument = Argument::Memory;
         let place = self.result_place(object_bytes);
-        let (at, bytes) = self.array::<u8>(place)?;
-        self.must_fail |= bytes < object_bytes;
-        self.written.extend(self.arena.place(at, object_bytes.min(bytes)));
-        Ok((at.cast(), bytes))
+        let (at, bytes) = match self.u.int_in_range(0..=31)? {
+            0 => {
+                self.fault(Status::Null, argument);
+                return Ok((null_mut(), object_bytes));
+            }
+            1 => {
+                self.vague = true;
+                (self.u.int_in_range(0..=self.arena.len() - object_bytes)?, object_bytes)
+            }
+            2 => (self.beside(object_bytes)?, object_bytes),
+            3 => {
+                self.fault(Status::Misaligned, argument);
+                (place.start + self.u.int_in_range(1..=7)?, object_bytes)
+            }
+            4 => (place.start, self.u.int_in_range(0..=object_bytes)?),
+            5 => (place.start, usize::MAX),
+            6 => match self.over_inputs(object_bytes, align_of::<usize>())? {
+                Some(place) => {
+                    self.fault(Status::Overlap, argument);
+                    (place, object_bytes)
+                }
+                None => (place.start, object_bytes),
+            },
+            _ => (place.start, object_bytes),
+        };
+        self.fault_if(bytes < object_bytes, Status::TooShort, argument);
+        self.written.push(at..at + object_bytes.min(bytes));
+        Ok((self.arena.at(at), bytes))
+    }
+
+    /// Draws an array of a caller's rest mesh, whose length goes for three: all floats of it are read.
+    pub(super) fn rest_array(
+        &mut self,
+        place: usize,
+        len: usize,
+        argument: Argument,
+    ) -> Result<*const f32> {
+        let at = match self.u.int_in_range(0..=31)? {
+            0 => return Ok(null()),
+            1 if len > 0 => {
+                self.fault(Status::Misaligned, argument);
+                self.arena.at(place + self.u.int_in_range(1..=3)?)
+            }
+            2 => {
+                let place = self.beside(4 * len)?;
+                self.arena.at(place)
+            }
+            _ => self.arena.at::<f32>(place),
+        };
+        self.read.extend(self.arena.place(at, len));
+        Ok(at.cast_const())
+    }
+
+    /// Draws an output of a job within its room: at its place, with a length that is less than what
+    /// holds `least`, or elsewhere. A stride that is wrong is told first.
+    pub(super) fn output_at(
+        &mut self,
+        place: Range<usize>,
+        len: usize,
+        least: usize,
+        is_wrong: bool,
+        argument: Argument,
+    ) -> Result<(*mut f32, usize)> {
+        // Outputs of a job may overlap each other, and so lie over an input and on.
+        let end = self.arena.len();
+        let over = if self.one_in(16)? { self.over(place.len(), 4, end)? } else { None };
+        let (at, len) = match over {
+            Some(place) => {
+                self.fault(Status::Overlap, argument);
+                (self.arena.at(place), len)
+            }
+            None => self.array::<f32>(place, Must::BeAny, argument)?,
+        };
+        self.fault_if(
+            len < least && !is_wrong && !(at.is_null() && len == 0),
+            Status::TooShort,
+            argument,
+        );
+        self.written.extend(self.arena.place(at, len));
+        Ok((at, len))
     }
 
     /// Takes the next room for results, some way behind the last: one result too many is no overlap.
-    fn result_place(&mut self, bytes: usize) -> Range<usize> {
+    pub(super) fn result_place(&mut self, bytes: usize) -> Range<usize> {
         let start = self.next_result;
         self.next_result = (start + bytes).next_multiple_of(align_of::<u128>()) + RESULTS_APART;
         assert!(start + bytes <= self.arena.results.end);
@@ -158,13 +317,22 @@ impl Call<'_, '_> {
 
     /// Draws a pointer and a length: as they should be, or with a fault that a library can see, or
     /// anywhere else in the arena.
-    fn array<T>(&mut self, place: Range<usize>) -> Result<(*mut T, usize)> {
+    fn array<T>(
+        &mut self,
+        place: Range<usize>,
+        must: Must,
+        argument: Argument,
+    ) -> Result<(*mut T, usize)> {
         let (size, end) = (size_of::<T>(), self.arena.len());
         let len = place.len() / size;
         let drawn = self.u.int_in_range(0..=31)?;
-        self.faultless &= drawn > 6;
+        self.vague |= matches!(drawn, 1..=3);
         let (start, len) = match drawn {
-            0 => return Ok((null_mut(), len)),
+            0 => {
+                self.fault_if(len > 0, Status::Null, argument);
+                self.check_len(len, must, argument);
+                return Ok((null_mut(), len));
+            }
             1 => {
                 let start = self.u.int_in_range(0..=end)?;
                 (start, self.u.int_in_range(0..=(end - start) / size)?)
@@ -172,23 +340,57 @@ impl Call<'_, '_> {
             2 => (self.u.int_in_range(0..=end - place.len())?, len),
             3 => (self.beside(place.len())?, len),
             4 => (place.start, self.u.int_in_range(0..=len)?),
-            5 => (place.start, (isize::MAX as usize / size + 1).max(self.u.arbitrary()?)),
-            6 => (place.start, (len + 1).min((end - place.start) / size)),
+            5 => {
+                // A length that no array has is told before one that is not this array's.
+                self.fault(Status::TooLong, argument);
+                return Ok((
+                    self.arena.at(place.start),
+                    (isize::MAX as usize / size + 1).max(self.u.arbitrary()?),
+                ));
+            }
+            6 => {
+                self.vague = true;
+                (place.start, (len + 1).min((end - place.start) / size))
+            }
+            7 if align_of::<T>() > 1 && len > 0 => {
+                self.fault(Status::Misaligned, argument);
+                (place.start + self.u.int_in_range(1..=align_of::<T>() - 1)?, len)
+            }
             _ => (place.start, len),
         };
+        self.check_len(len, must, argument);
+        // A shorter array that need not be of any length is another array.
+        self.vague |= drawn == 4 && matches!(must, Must::BeAny);
         Ok((self.arena.at(start), len))
     }
 
+    fn check_len(&mut self, len: usize, must: Must, argument: Argument) {
+        match must {
+            Must::Be(right) => self.fault_if(len != right, Status::Length, argument),
+            Must::HoldAtLeast(least) => {
+                self.fault_if(len < least, Status::TooShort, argument);
+            }
+            Must::BeAny => {}
+        }
+    }
+
     /// Draws a pointer to one value.
-    fn one<T>(&mut self, place: usize) -> Result<*mut T> {
-        let drawn = self.u.int_in_range(0..=31)?;
-        self.faultless &= drawn > 3;
+    fn one<T>(&mut self, place: usize, argument: Argument) -> Result<*mut T> {
         let most = self.arena.len() - size_of::<T>();
-        let place = match drawn {
-            0 => return Ok(null_mut()),
-            1 => self.u.int_in_range(0..=most)?,
+        let place = match self.u.int_in_range(0..=31)? {
+            0 => {
+                self.fault(Status::Null, argument);
+                return Ok(null_mut());
+            }
+            1 => {
+                self.vague = true;
+                self.u.int_in_range(0..=most)?
+            }
             2 => self.beside(size_of::<T>())?,
-            3 => (place + self.u.int_in_range(1..=7)?).min(most),
+            3 if align_of::<T>() > 1 => {
+                self.fault(Status::Misaligned, argument);
+                place + self.u.int_in_range(1..=align_of::<T>() - 1)?
+            }
             _ => place,
         };
         Ok(self.arena.at(place))
@@ -196,6 +398,7 @@ impl Call<'_, '_> {
 
     /// Draws where some bytes touch an argument drawn before, or overlap it by a few bytes.
     fn beside(&mut self, bytes: usize) -> Result<usize> {
+        self.vague = true;
         let others = self.read.iter().chain(&self.written).cloned().collect::<Vec<_>>();
         let other = others.get(self.u.choose_index(others.len().max(1))?).cloned();
         let other = other.unwrap_or_else(|| self.arena.file.clone());
@@ -209,12 +412,26 @@ impl Call<'_, '_> {
         Ok(start.unwrap_or_default().min(self.arena.len() - bytes))
     }
 
+    /// Draws where some bytes lie over an argument that is read, and over none that is written.
+    fn over_inputs(&mut self, bytes: usize, align: usize) -> Result<Option<usize>> {
+        self.over(bytes, align, self.arena.results.start)
+    }
+
+    /// Draws where some bytes lie over an argument that is read, and end before a place.
+    fn over(&mut self, bytes: usize, align: usize, end: usize) -> Result<Option<usize>> {
+        let read = self.read.get(self.u.choose_index(self.read.len().max(1))?).cloned();
+        Ok(read
+            .filter(|read| !read.is_empty() && bytes > 0 && read.start + bytes <= end)
+            .filter(|read| read.start.is_multiple_of(align))
+            .map(|read| read.start))
+    }
+
     /// Puts something else into one of a place's floats, or not.
     pub(super) fn spoil(&mut self, place: Range<usize>) -> Result<()> {
         if self.one_in(4)? && !place.is_empty() {
             let at = place.start + 4 * self.u.choose_index(place.len() / 4)?;
             self.arena.write(at, &recipe::float(self.u)?.to_ne_bytes());
-            self.faultless = false;
+            self.vague = true;
         }
         Ok(())
     }

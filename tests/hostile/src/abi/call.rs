@@ -1,6 +1,6 @@
 //! One call: its arguments are drawn, then what it did is held to what the header promises.
 
-use super::arena::Arena;
+use super::arena::{Arena, Told};
 use super::header::promises;
 use arbitrary::{Result, Unstructured};
 use sinew_capi::*;
@@ -10,7 +10,9 @@ use std::ptr::null_mut;
 /// What an error holds before a call.
 const UNTOUCHED: sinew_error = sinew_error {
     status: sinew_status::NoStage,
-    subject: sinew_subject::SectionKeys,
+    argument: sinew_argument::Features,
+    part: 0xa3,
+    section: 0xa4,
     index: 0xa5,
     expected: 0xa6,
     found: 0xa7,
@@ -32,26 +34,20 @@ pub(super) struct Call<'a, 'b> {
     /// Two of them, so that an address between is the caller's memory.
     errors: Box<[sinew_error; 2]>,
     error_goes: ErrorGoes,
-    /// Places that a successful call reads, and those that it writes to.
+    /// Places that a successful call reads, and those that it writes to, which may meet each other
+    /// where they are shared.
     pub(super) read: Vec<Range<usize>>,
     pub(super) written: Vec<Range<usize>>,
+    pub(super) shared: bool,
     /// Where the next result belongs.
     pub(super) next_result: usize,
-    /// Whether every argument so far is as it should be.
-    pub(super) faultless: bool,
-    /// Whether an argument is one that must be refused.
-    pub(super) must_fail: bool,
+    /// What is wrong for sure, and what each fault must be called.
+    pub(super) faults: Vec<(sinew_status, sinew_argument)>,
+    /// Whether something may be wrong besides.
+    pub(super) vague: bool,
     /// What a faultless call writes to its results' place, as far as that is known.
     expected: Vec<u8>,
-    before: Before,
-}
-
-/// What the arena held and its objects told.
-#[derive(Default)]
-struct Before {
-    content: Vec<u8>,
-    blob: Option<(*const u8, usize)>,
-    info: Option<sinew_envelope_info>,
+    before: (Vec<u8>, Told),
 }
 
 impl<'a, 'b> Call<'a, 'b> {
@@ -62,21 +58,42 @@ impl<'a, 'b> Call<'a, 'b> {
             1..=4 => ErrorGoes::Nowhere,
             _ => ErrorGoes::Here,
         };
-        let (next_result, faultless) = (arena.results.start, error_goes != ErrorGoes::Astray);
-        let errors = Box::new([UNTOUCHED; 2]);
+        let next_result = arena.results.start;
         Ok(Self {
             u,
             arena,
-            errors,
+            errors: Box::new([UNTOUCHED; 2]),
             error_goes,
             read: Vec::new(),
             written: Vec::new(),
+            shared: false,
             next_result,
-            faultless,
-            must_fail: false,
+            faults: Vec::new(),
+            vague: false,
             expected: Vec::new(),
-            before: Before::default(),
+            before: Default::default(),
         })
+    }
+
+    /// Remembers what is wrong.
+    pub(super) fn fault(&mut self, status: sinew_status, argument: sinew_argument) {
+        self.faults.push((status, argument));
+    }
+
+    /// Remembers what is wrong, if it is.
+    pub(super) fn fault_if(
+        &mut self,
+        is_wrong: bool,
+        status: sinew_status,
+        argument: sinew_argument,
+    ) {
+        if is_wrong {
+            self.fault(status, argument);
+        }
+    }
+
+    fn faultless(&self) -> bool {
+        self.faults.is_empty() && !self.vague && self.error_goes != ErrorGoes::Astray
     }
 
     /// Ends the arguments: what the memory holds now is what the call must not touch. Returns where
@@ -84,11 +101,11 @@ impl<'a, 'b> Call<'a, 'b> {
     ///
     /// `expected` is what a faultless call writes to its results' place.
     pub(super) fn ready(&mut self, expected: impl FnOnce(&Arena) -> Vec<u8>) -> *mut sinew_error {
-        if self.faultless {
+        if self.faultless() {
             self.expected = expected(self.arena);
         }
-        let (blob, info) = (self.arena.blob(), self.arena.info());
-        self.before = Before { content: self.arena.content().1.to_vec(), blob, info };
+        let told = self.arena.told([true; 3]);
+        self.before = (self.arena.content().1.to_vec(), told);
         let error = self.errors.as_mut_ptr();
         match self.error_goes {
             ErrorGoes::Nowhere => null_mut(),
@@ -107,37 +124,56 @@ impl<'a, 'b> Call<'a, 'b> {
             done || promises()[function].contains(&(status as i32)),
             "{function} returned {status:?}, of which its comment says nothing"
         );
-        let told = !done && self.error_goes == ErrorGoes::Here;
-        let misplaced = self.errors[1] != UNTOUCHED || (self.errors[0] != UNTOUCHED) != told;
-        assert!(!misplaced, "{function} returned {status:?} and told {:?}", self.errors);
-        assert!(!told || self.errors[0].status == status, "{function}: {:?}", self.errors[0]);
-        assert!(!done || !self.must_fail, "{function} accepts a wrong length, or a wrong model");
-        let written = if done { &*self.written } else { &[] };
+        self.check_error(function, status);
+        let written = if done { std::mem::take(&mut self.written) } else { Vec::new() };
         for (i, place) in written.iter().enumerate() {
-            let apart = !self.read.iter().chain(&written[i + 1..]).any(|other| meets(place, other));
+            let others = if self.shared { &[] } else { &written[i + 1..] };
+            let apart = !self.read.iter().chain(others).any(|other| meets(place, other));
             assert!(apart, "{function} accepts that {place:?} is to be written to");
         }
         let (start, content) = self.arena.content();
-        let mut right = std::mem::take(&mut self.before.content);
-        for place in written {
-            let behind_objects = place.start.max(start) - start..place.end.max(start) - start;
-            right[behind_objects.clone()].copy_from_slice(&content[behind_objects]);
+        let results = self.arena.results.start - start;
+        let found = &content[results..results + self.expected.len()];
+        assert!(found == self.expected, "{function} gives other bits than the runtime");
+        // What may be written is put back unread, for an object or a structure has padding.
+        let (right, told) = std::mem::take(&mut self.before);
+        for place in &written {
+            let (from, to) = (place.start.max(start), place.end.max(start));
+            self.arena.write(from, &right[from - start..to - start]);
         }
+        let (_, content) = self.arena.content();
         if right != content {
             let at = right.iter().zip(content).position(|(right, found)| right != found);
             panic!("{function}, {status:?}, has written to byte {at:?} behind the objects");
         }
-        assert!(done || !self.faultless, "{function} refused a faultless call: {status:?}");
-        let results = self.arena.results.start - start;
-        let found = &content[results..results + self.expected.len()];
-        assert!(found == self.expected, "{function} gives other bits than the runtime");
-        // An object that the call does not read may be written to, and is one no more.
-        let lost = |object| written.iter().any(|place| meets(place, object));
-        let [model, envelope] = [lost(&self.arena.model), lost(&self.arena.envelope)];
-        assert!(model || self.arena.blob() == self.before.blob, "{function} changed the model");
+        // An object that the call does not read may be written to: it is one no more, and is not asked.
+        let spared = |place| !written.iter().any(|written| meets(written, place));
+        let kept = [&self.arena.model, &self.arena.envelope, &self.arena.skin].map(spared);
+        let found = self.arena.told(kept);
+        assert!(kept != [true; 3] || found == told, "{function} changed an object: {found:?}");
+    }
+
+    /// Holds the status, and what was told of it, to what is known of the arguments.
+    fn check_error(&self, function: &str, status: sinew_status) {
+        let done = status == sinew_status::Ok;
+        let told = !done && self.error_goes == ErrorGoes::Here;
+        let [error, other] = *self.errors;
+        let misplaced = other != UNTOUCHED || (error != UNTOUCHED) != told;
+        assert!(!misplaced, "{function} returned {status:?} and told {:?}", self.errors);
+        assert!(!told || error.status == status, "{function}: {error:?}");
+        if self.error_goes == ErrorGoes::Astray {
+            assert_eq!(status, sinew_status::Misaligned, "{function} writes an error astray");
+            return;
+        }
+        let faults = &self.faults;
+        assert!(!done || faults.is_empty(), "{function} accepts {faults:?}");
+        assert!(done || !self.faultless(), "{function} refused a faultless call: {status:?}");
+        let is_one = faults
+            .iter()
+            .any(|(fault, argument)| *fault == status && (!told || *argument == error.argument));
         assert!(
-            envelope || self.arena.info() == self.before.info,
-            "{function} changed the envelope"
+            done || self.vague || is_one,
+            "{function} returned {status:?}, {error:?}, for {faults:?}"
         );
     }
 }

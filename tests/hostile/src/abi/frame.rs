@@ -1,57 +1,150 @@
-//! What the runtime makes of one pose.
+//! What the runtime makes of a file: the inputs of its calls, and what they must give.
 
-use crate::evaluate::{evaluated, stride};
 use crate::poses;
-use sinew_runtime::envelope::Bounds;
-use sinew_runtime::format::Predictor;
-use sinew_runtime::{Envelope, LocalTransform, Matrix3x4};
+use sinew_capi::sinew_error;
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::skin::{Bounds, Output, Rest, SkinLayout, cells};
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, Skin, SkinJob};
+use std::ops::Range;
 
-/// A frame of an envelope: the inputs and results of its calls.
+/// The inputs of a file's first envelope and first skin, and results of its calls.
 #[derive(Default)]
 pub(super) struct Frame {
-    pub(super) vertex_len: usize,
-    pub(super) influence_len: usize,
-    pub(super) workspace_len: usize,
-    pub(super) has_tangents: bool,
+    /// Why the file is refused.
+    pub(super) refusal: Option<sinew_error>,
+    /// Whether there is an envelope, and a skin.
+    pub(super) has_envelope: bool,
+    pub(super) has_skin: bool,
+
+    pub(super) envelope_name: String,
     pub(super) predictor: Option<Predictor>,
-    pub(super) name: String,
+    pub(super) scratch_len: usize,
     pub(super) local: Vec<LocalTransform>,
     pub(super) pose: Vec<Matrix3x4>,
     pub(super) palette: Vec<Matrix3x4>,
-    pub(super) bounds: Option<Bounds>,
-    /// Position, normal and, where there are any, tangent of each vertex.
-    pub(super) skin: Vec<f32>,
+    pub(super) confidence: f32,
+
+    pub(super) skin_name: String,
+    layout: Option<SkinLayout>,
+    pub(super) vertex_len: usize,
+    pub(super) influence_len: usize,
+    pub(super) range_len: usize,
+    pub(super) has_tangents: bool,
+    /// The palette of the skin's own envelope.
+    pub(super) skin_palette: Vec<Matrix3x4>,
+    /// A remap, and a rest mesh of another shape.
+    pub(super) remap: Vec<u32>,
+    pub(super) rest_positions: Vec<[f32; 3]>,
+    pub(super) rest_normals: Vec<[f32; 3]>,
+    pub(super) rest_tangents: Vec<[f32; 4]>,
+}
+
+/// What a skin job is asked for.
+pub(super) struct Asked {
+    pub(super) vertices: Range<usize>,
+    pub(super) has_remap: bool,
+    /// Whether positions, normals and tangents have a rest mesh of the caller's.
+    pub(super) has_rest: [bool; 3],
+    /// First float and stride of the attributes wanted.
+    pub(super) outputs: [Option<(usize, usize)>; 3],
 }
 
 impl Frame {
-    /// Evaluates a pose.
+    /// Loads a file and evaluates a pose.
     ///
     /// # Panics
     /// Where a call is refused.
-    pub(super) fn new(envelope: &Envelope<'_>, pose_number: usize) -> Self {
-        let local = poses::local(envelope, pose_number);
-        let pose = poses::from_local(envelope, &local);
-        let found = match evaluated(envelope, &pose) {
-            Ok(found) => found,
-            Err(error) => panic!("the runtime refuses its own file's pose: {error}"),
+    pub(super) fn new(file: &[u8], pose_number: usize) -> Self {
+        let model = match Model::from_bytes(file) {
+            Ok(model) => model,
+            Err(error) => return Self { refusal: Some(error.into()), ..Self::default() },
         };
-        Self {
-            vertex_len: envelope.vertex_len(),
-            influence_len: envelope.influence_len(),
-            workspace_len: envelope.workspace_len(),
-            has_tangents: envelope.has_tangents(),
-            predictor: Some(envelope.predictor()),
-            name: envelope.name().to_owned(),
-            local,
-            pose,
-            palette: found.palette,
-            bounds: found.bounds,
-            skin: found.skin,
+        let mut frame = Self::default();
+        if let Some(envelope) = model.envelope() {
+            frame.add_envelope(&envelope, pose_number);
+        }
+        if let Some(skin) = model.skin() {
+            let envelope = model.envelope_of(&skin);
+            let palette = envelope.map(|envelope| {
+                let local = poses::local(&envelope, pose_number);
+                palette(&envelope, &poses::from_local(&envelope, &local)).0
+            });
+            frame.add_skin(&skin, palette.unwrap_or_default());
+        }
+        frame
+    }
+
+    fn add_envelope(&mut self, envelope: &Envelope<'_>, pose_number: usize) {
+        self.has_envelope = true;
+        self.envelope_name = envelope.name().to_owned();
+        self.predictor = Some(envelope.predictor());
+        self.scratch_len = envelope.scratch_len();
+        self.local = poses::local(envelope, pose_number);
+        self.pose = poses::from_local(envelope, &self.local);
+        (self.palette, self.confidence) = palette(envelope, &self.pose);
+    }
+
+    fn add_skin(&mut self, skin: &Skin<'_>, palette: Vec<Matrix3x4>) {
+        let v = skin.vertex_len();
+        self.has_skin = true;
+        self.skin_name = skin.name().to_owned();
+        self.layout = Some(skin.layout());
+        self.vertex_len = v;
+        self.influence_len = skin.influence_len();
+        self.range_len = skin.ranges().count();
+        self.has_tangents = skin.has_tangents();
+        self.skin_palette = palette;
+        // Every vertex twice, the last one first.
+        self.remap = (0..v as u32).rev().flat_map(|vertex| [vertex; 2]).collect();
+        let positions = (0..v).filter_map(|vertex| skin.rest_position(vertex));
+        self.rest_positions = positions.map(|[x, y, z]| [0.5 * y, x, z]).collect();
+        self.rest_normals = (0..v).filter_map(|vertex| skin.rest_normal(vertex)).collect();
+        self.rest_tangents = vec![[0.0, 1.0, 0.0, -1.0]; v];
+    }
+
+    /// Skins into floats that hold something.
+    ///
+    /// # Panics
+    /// Where the runtime refuses that.
+    pub(super) fn skin(&self, file: &[u8], asked: &Asked, floats: &mut [f32]) {
+        let Some(skin) = self.layout.and_then(|layout| layout.open(file)) else { return };
+        let floats = cells(floats);
+        let [positions, normals, tangents] = asked.outputs.map(|output| {
+            let (first, stride) = output?;
+            Some(Output { floats: floats.get(first..).unwrap_or_default(), stride })
+        });
+        let [has_positions, has_normals, has_tangents] = asked.has_rest;
+        let job = SkinJob {
+            skin,
+            palette: &self.skin_palette,
+            vertices: asked.vertices.clone(),
+            remap: asked.has_remap.then_some(&self.remap),
+            rest: Rest {
+                positions: has_positions.then_some(&self.rest_positions),
+                normals: has_normals.then_some(&self.rest_normals),
+                tangents: has_tangents.then_some(&self.rest_tangents),
+            },
+            positions,
+            normals,
+            tangents,
+        };
+        if let Err(error) = job.run() {
+            panic!("the runtime refuses a job without a fault: {error}");
         }
     }
 
-    /// Returns the floats of a vertex in the skin.
-    pub(super) fn stride(&self) -> usize {
-        stride(self.has_tangents)
+    /// Computes the bounds of the skin.
+    pub(super) fn bounds(&self, file: &[u8], rest_offset: f32) -> Option<Bounds> {
+        let skin = self.layout?.open(file)?;
+        skin.bounds(&self.skin_palette, rest_offset).ok()?
+    }
+}
+
+fn palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
+    let mut scratch = vec![f32::NAN; envelope.scratch_len()];
+    let mut palette = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
+    match envelope.palette(pose, &mut scratch, &mut palette) {
+        Ok(confidence) => (palette, confidence),
+        Err(error) => panic!("the runtime refuses its own file's pose: {error}"),
     }
 }

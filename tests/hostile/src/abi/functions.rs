@@ -1,35 +1,45 @@
 //! Every function that can fail, with the arguments that it takes.
 
-use super::arena::{Arena, bytes, floats};
+use super::arena::{Arena, BATCH, BLANK, bytes, floats};
 use super::call::Call;
+use super::frame::Asked;
+use crate::recipe;
 use arbitrary::Result;
 use sinew_capi::*;
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
 use std::ffi::c_char;
 use std::ptr::{null, null_mut};
+
+use sinew_argument as Argument;
+use sinew_status as Status;
 
 /// Draws a function's arguments and calls it.
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions by their names.
-pub(super) const FUNCTIONS: [(&str, Function); 17] = [
+pub(super) const FUNCTIONS: [(&str, Function); 22] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
+    ("sinew_model_describe", model_describe),
     ("sinew_model_blob", blob),
     ("sinew_model_section", section),
-    ("sinew_envelope_open", open),
-    ("sinew_envelope_describe", describe),
+    ("sinew_envelope_open", envelope_open),
+    ("sinew_envelope_describe", envelope_describe),
     ("sinew_envelope_joint", joint),
     ("sinew_envelope_order", order),
     ("sinew_envelope_pose", pose),
     ("sinew_envelope_palette", palette),
+    ("sinew_envelope_palettes", palettes),
     ("sinew_envelope_rotational_palette", rotational_palette),
-    ("sinew_envelope_bounds", bounds),
-    ("sinew_envelope_rest_positions", rest_positions),
-    ("sinew_envelope_rest_normals", rest_normals),
-    ("sinew_envelope_rest_tangents", rest_tangents),
-    ("sinew_envelope_influences", influences),
-    ("sinew_skin", skin),
+    ("sinew_skin_open", skin_open),
+    ("sinew_skin_describe", skin_describe),
+    ("sinew_skin_range", range),
+    ("sinew_skin_rest_positions", rest_positions),
+    ("sinew_skin_rest_normals", rest_normals),
+    ("sinew_skin_rest_tangents", rest_tangents),
+    ("sinew_skin_influences", influences),
+    ("sinew_skin_run", run),
+    ("sinew_skin_bounds", bounds),
 ];
 
 /// Nothing that this module compares: the C ABI's own tests do.
@@ -38,20 +48,25 @@ fn unknown(_: &Arena) -> Vec<u8> {
 }
 
 fn limits_default(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let out = call.output_one()?;
+    let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
     // SAFETY: as for each call of this module: pointers are null, misaligned, or into the arena, with
     // lengths that stay within it or reach beyond the address space; handles are null, misaligned, or
-    // point to enough of it, where an object is loaded or the memory is blank.
+    // point to enough of it, where an object is loaded or the memory is blank or empty.
     Ok(unsafe { sinew_limits_default(out, error) })
 }
 
 fn load(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    call.faultless &= call.arena.blob().is_some();
     let (memory, memory_bytes) = call.memory(sinew_model_bytes())?;
-    let (file, file_bytes) = call.input_any(call.arena.file.clone())?;
+    let (file, file_bytes) = call.input_any(call.arena.held(), Argument::File)?;
     let limits = if call.one_in(4)? { limits(call)? } else { null() };
-    let out = call.output_one()?;
+    match call.arena.frame.refusal {
+        // With other limits it may be refused for something else, or not.
+        Some(_) if !limits.is_null() => call.vague = true,
+        Some(refusal) => call.fault(refusal.status, refusal.argument),
+        None => {}
+    }
+    let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
     Ok(unsafe { sinew_model_load(memory, memory_bytes, file, file_bytes, limits, out, error) })
@@ -60,53 +75,107 @@ fn load(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 /// Draws limits, some of which the file may exceed.
 fn limits(call: &mut Call<'_, '_>) -> Result<*const sinew_limits> {
     let place = call.arena.argument.start;
-    let mut limits = [0; 5];
+    let mut limits = [u32::MAX; 5];
     for limit in &mut limits {
-        *limit = if call.one_in(4)? { call.any()? } else { u32::MAX };
+        if call.one_in(4)? {
+            *limit = call.any()?;
+        }
     }
-    call.arena.write(place, limits.map(u32::to_ne_bytes).as_flattened());
-    call.input_one(place)
+    let [file_bytes, tables, vertices, joints, proxies] = limits;
+    let tables = [tables as u16, (tables >> 16) as u16];
+    let mut content = file_bytes.to_ne_bytes().to_vec();
+    content.extend(tables.into_iter().flat_map(u16::to_ne_bytes));
+    content.extend([vertices, joints, proxies, u32::MAX].into_iter().flat_map(u32::to_ne_bytes));
+    call.arena.write(place, &content);
+    // Other bytes are other limits; and a null pointer is none.
+    let drawn = call.faults.len();
+    let limits = call.input_one::<sinew_limits>(place, Argument::Limits)?;
+    call.vague |= limits.is_null();
+    call.faults.truncate(if limits.is_null() { drawn } else { call.faults.len() });
+    Ok(limits)
+}
+
+fn model_describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let (model, out) = (call.model()?, call.output_one(Argument::Result)?);
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_model_describe(model, out, error) })
 }
 
 fn blob(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let (model, out, out_bytes) = (call.model()?, call.output_one()?, call.output_one()?);
+    let model = call.model()?;
+    let out = call.output_one(Argument::Result)?;
+    let out_bytes = call.output_one(Argument::SecondResult)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
     Ok(unsafe { sinew_model_blob(model, out, out_bytes, error) })
 }
 
 fn section(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let (model, part, kind, out) = (call.model()?, call.any()?, call.any()?, call.output_one()?);
+    let (model, part, kind) = (call.model()?, call.any()?, call.any()?);
+    let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
     Ok(unsafe { sinew_model_section(model, part, kind, out, error) })
 }
 
-fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+fn envelope_open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let (is_there, own) = (call.arena.frame.has_envelope, call.arena.frame.envelope_name.clone());
     let model = call.model()?;
-    call.faultless &= call.arena.info().is_some();
-    let (name, name_len) = if call.one_in(2)? { name(call)? } else { (null(), 0) };
-    let (memory, memory_bytes) = call.memory(sinew_envelope_bytes())?;
-    let out = call.output_one()?;
+    let (name, name_len, index) = wanted(call, is_there, own, Argument::Envelope)?;
+    let (memory, bytes) = call.memory(sinew_envelope_bytes())?;
+    let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
-    Ok(unsafe { sinew_envelope_open(model, name, name_len, memory, memory_bytes, out, error) })
+    Ok(unsafe { sinew_envelope_open(model, name, name_len, index, memory, bytes, out, error) })
 }
 
-/// Draws the envelope's name, or bytes that are none.
-fn name(call: &mut Call<'_, '_>) -> Result<(*const c_char, usize)> {
+fn skin_open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let (is_there, own) = (call.arena.frame.has_skin, call.arena.frame.skin_name.clone());
+    let model = call.model()?;
+    let (name, name_len, index) = wanted(call, is_there, own, Argument::Skin)?;
+    let (memory, bytes) = call.memory(sinew_skin_bytes())?;
+    let out = call.output_one(Argument::Result)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_skin_open(model, name, name_len, index, memory, bytes, out, error) })
+}
+
+/// Draws which part is wanted: any or one of the part's own name, or of bytes that are none; the first,
+/// or one beyond all.
+fn wanted(
+    call: &mut Call<'_, '_>,
+    is_there: bool,
+    own: String,
+    argument: Argument,
+) -> Result<(*const c_char, usize, usize)> {
+    // The other file has parts of its own, by the same names or others.
+    let is_other = call.arena.since != super::arena::Since::Nothing;
+    call.fault_if(!is_there && !is_other, Status::NotFound, argument);
+    call.vague |= is_other;
+    let index = if call.one_in(8)? { usize::MAX } else { 0 };
+    call.fault_if(index > 0, Status::NotFound, argument);
+    if call.one_in(2)? {
+        return Ok((null(), if call.one_in(2)? { 0 } else { usize::MAX }, index));
+    }
     let start = call.arena.argument.start;
-    let mut name = call.arena.frame.name.clone().into_bytes();
+    let mut name = own.into_bytes();
     if call.one_in(4)? {
         name.reverse();
-        call.faultless = false;
+        call.vague = true;
     }
     call.arena.write(start, &name);
-    call.input_any(start..start + name.len())
+    let drawn = call.faults.len();
+    let (at, len) = call.input_any::<c_char>(start..start + name.len(), Argument::Name)?;
+    if at.is_null() {
+        // That is any name, and no fault.
+        call.faults.truncate(drawn);
+    }
+    Ok((at, len, index))
 }
 
-fn describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let (envelope, out) = (call.envelope()?, call.output_one()?);
+fn envelope_describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let (envelope, out) = (call.envelope()?, call.output_one(Argument::Result)?);
     let error = call.ready(unknown);
     // SAFETY: as above.
     Ok(unsafe { sinew_envelope_describe(envelope, out, error) })
@@ -114,8 +183,8 @@ fn describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 
 fn joint(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let envelope = call.envelope()?;
-    let joint = call.number(call.arena.frame.pose.len())?;
-    let out = call.output_one()?;
+    let joint = call.number(call.arena.frame.pose.len(), Argument::Joint)?;
+    let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
     Ok(unsafe { sinew_envelope_joint(envelope, joint, out, error) })
@@ -123,7 +192,7 @@ fn joint(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 
 fn order(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let envelope = call.envelope()?;
-    let (out, out_len) = call.output(call.arena.frame.pose.len())?;
+    let (out, out_len) = call.output(call.arena.frame.pose.len(), Argument::Order)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
     Ok(unsafe { sinew_envelope_order(envelope, out, out_len, error) })
@@ -131,9 +200,9 @@ fn order(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 
 fn pose(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     call.spoil(call.arena.local.clone())?;
-    let envelope = call.envelope()?;
-    let (local, local_len) = call.input(call.arena.local.clone())?;
-    let (out, out_len) = call.output_exact(call.arena.frame.pose.len())?;
+    let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
+    let (local, local_len) = call.input(call.arena.local.clone(), j, Argument::Local)?;
+    let (out, out_len) = call.output_exact(j, j, Argument::Pose)?;
     let error = call.ready(|arena| bytes(floats(&arena.frame.pose)));
     // SAFETY: as above.
     Ok(unsafe { sinew_envelope_pose(envelope, local, local_len, out, out_len, error) })
@@ -145,8 +214,7 @@ fn palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 
 fn rotational_palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let is_rotational = call.arena.frame.predictor == Some(Predictor::Rotational);
-    call.faultless &= is_rotational;
-    call.must_fail |= !is_rotational;
+    call.fault_if(!is_rotational, Status::NoStage, Argument::Call);
     palette_by(call, sinew_envelope_rotational_palette)
 }
 
@@ -164,12 +232,15 @@ type PaletteCall = unsafe extern "C" fn(
 ) -> sinew_status;
 
 fn palette_by(call: &mut Call<'_, '_>, function: PaletteCall) -> Result<sinew_status> {
-    call.spoil(call.arena.pose.clone())?;
-    let envelope = call.envelope()?;
-    let (pose, pose_len) = call.input(call.arena.pose.clone())?;
-    let (out, out_len) = call.output_exact(call.arena.frame.palette.len())?;
-    let (scratch, scratch_len) = call.output(call.arena.frame.workspace_len)?;
-    let confidence = if call.one_in(4)? { null_mut() } else { call.output_one()? };
+    let one = call.arena.poses.start..call.arena.poses.start + call.arena.poses.len() / BATCH;
+    call.spoil(one.clone())?;
+    let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
+    let (pose, pose_len) = call.input(one, j, Argument::Pose)?;
+    let p = call.arena.frame.palette.len();
+    let (out, out_len) = call.output_exact(p, p, Argument::Palette)?;
+    let (scratch, scratch_len) = call.output(call.arena.frame.scratch_len, Argument::Scratch)?;
+    let confidence =
+        if call.one_in(4)? { null_mut() } else { optional(call, Argument::Confidences)? };
     let error = call.ready(|arena| bytes(floats(&arena.frame.palette)));
     // SAFETY: as above.
     Ok(unsafe {
@@ -177,34 +248,78 @@ fn palette_by(call: &mut Call<'_, '_>, function: PaletteCall) -> Result<sinew_st
     })
 }
 
-fn bounds(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    call.faultless &= call.arena.frame.bounds.is_some();
+/// Draws where one result goes that may go nowhere.
+fn optional<T>(call: &mut Call<'_, '_>, argument: Argument) -> Result<*mut T> {
+    let drawn = call.faults.len();
+    let out = call.output_one::<T>(argument)?;
+    if out.is_null() {
+        call.faults.truncate(drawn);
+    }
+    Ok(out)
+}
+
+fn palettes(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    call.spoil(call.arena.poses.clone())?;
     let envelope = call.envelope()?;
-    let (palette, palette_len) = call.input(call.arena.palette.clone())?;
-    let out = call.output_one()?;
-    let error = call.ready(|arena| {
-        bytes(arena.frame.bounds.into_iter().flat_map(|bounds| [bounds.min, bounds.max]).flatten())
-    });
+    let (j, p) = (call.arena.frame.pose.len(), call.arena.frame.palette.len());
+    // Their number says how many poses there are.
+    let (confidences, n) = call.output_any(BATCH, Argument::Confidences)?;
+    let n_or_more = n.min(usize::MAX / 2);
+    let (poses, poses_len) =
+        call.input(call.arena.poses.clone(), n_or_more.saturating_mul(j), Argument::Pose)?;
+    let right = n_or_more.saturating_mul(p);
+    let (out, out_len) = call.output_exact(BATCH * p, right, Argument::Palette)?;
+    let (scratch, scratch_len) = call.output(call.arena.frame.scratch_len, Argument::Scratch)?;
+    let error = call.ready(|arena| bytes([arena.frame.confidence; BATCH]));
     // SAFETY: as above.
-    Ok(unsafe { sinew_envelope_bounds(envelope, palette, palette_len, out, error) })
+    Ok(unsafe {
+        sinew_envelope_palettes(
+            envelope,
+            poses,
+            poses_len,
+            scratch,
+            scratch_len,
+            out,
+            out_len,
+            confidences,
+            n,
+            error,
+        )
+    })
+}
+
+fn skin_describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let (skin, out) = (call.skin()?, call.output_one(Argument::Result)?);
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_skin_describe(skin, out, error) })
+}
+
+fn range(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let skin = call.skin()?;
+    let range = call.number(call.arena.frame.range_len, Argument::Range)?;
+    let out = call.output_one(Argument::Result)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_skin_range(skin, range, out, error) })
 }
 
 fn rest_positions(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    rest(call, 3, sinew_envelope_rest_positions)
+    rest(call, 3, sinew_skin_rest_positions, Argument::Positions)
 }
 
 fn rest_normals(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    rest(call, 3, sinew_envelope_rest_normals)
+    rest(call, 3, sinew_skin_rest_normals, Argument::Normals)
 }
 
 fn rest_tangents(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    call.faultless &= call.arena.frame.has_tangents;
-    rest(call, 4, sinew_envelope_rest_tangents)
+    call.fault_if(!call.arena.frame.has_tangents, Status::NoAttribute, Argument::Tangents);
+    rest(call, 4, sinew_skin_rest_tangents, Argument::Tangents)
 }
 
 /// What copies an attribute of the rest pose.
 type RestCall = unsafe extern "C" fn(
-    *const sinew_envelope,
+    *const sinew_skin,
     usize,
     usize,
     *mut f32,
@@ -212,85 +327,169 @@ type RestCall = unsafe extern "C" fn(
     *mut sinew_error,
 ) -> sinew_status;
 
-fn rest(call: &mut Call<'_, '_>, floats: usize, function: RestCall) -> Result<sinew_status> {
-    let (envelope, (start, end, n)) = (call.envelope()?, call.vertices()?);
-    let (out, out_len) = call.output(floats * n)?;
+fn rest(
+    call: &mut Call<'_, '_>,
+    floats: usize,
+    function: RestCall,
+    argument: Argument,
+) -> Result<sinew_status> {
+    let skin = call.skin()?;
+    let (start, end, n) = call.vertices(call.arena.frame.vertex_len)?;
+    let (out, out_len) = call.output(floats * n, argument)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
-    Ok(unsafe { function(envelope, start, end, out, out_len, error) })
+    Ok(unsafe { function(skin, start, end, out, out_len, error) })
 }
 
 fn influences(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let (envelope, (start, end, n)) = (call.envelope()?, call.vertices()?);
+    let skin = call.skin()?;
+    let (start, end, n) = call.vertices(call.arena.frame.vertex_len)?;
     let len = n * call.arena.frame.influence_len;
-    let (indices, indices_len) = call.output(len)?;
-    let (weights, weights_len) = call.output(len)?;
+    let (indices, indices_len) = call.output(len, Argument::Indices)?;
+    let (weights, weights_len) = call.output(len, Argument::Weights)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
     Ok(unsafe {
-        sinew_envelope_influences(
-            envelope,
-            start,
-            end,
-            indices,
-            indices_len,
-            weights,
-            weights_len,
-            error,
-        )
+        sinew_skin_influences(skin, start, end, indices, indices_len, weights, weights_len, error)
     })
 }
 
-fn skin(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    call.spoil(call.arena.palette.clone())?;
-    let envelope = call.envelope()?;
-    let (palette, palette_len) = call.input(call.arena.palette.clone())?;
-    let (start, end, _) = call.vertices()?;
-    let (stride, whole) = (call.arena.frame.stride(), call.arena.frame.skin.len());
-    let (out_a, out_a_len) = call.output_any(whole)?;
-    let (out_b, out_b_len) =
-        if call.one_in(4)? { call.output_any(whole)? } else { (null_mut(), 0) };
-    let positions = attribute(call, Some(0))?;
-    let normals = attribute(call, Some(3))?;
-    let tangents = attribute(call, Some(6).filter(|_| call.arena.frame.has_tangents))?;
+fn run(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    call.spoil(call.arena.skin_palette.clone())?;
+    let skin = call.skin()?;
+    let p = call.arena.frame.skin_palette.len();
+    let (palette, palette_len) =
+        call.input(call.arena.skin_palette.clone(), p, Argument::Palette)?;
+    let (remap, remap_len) = if call.one_in(2)? { remap(call)? } else { (null(), 0) };
+    let vertex_len = call.arena.frame.vertex_len;
+    let most = if remap.is_null() { vertex_len } else { remap_len };
+    let (start, end, n) = call.vertices(most)?;
+    // Of more there is no room: such a remap is another than the frame's.
+    let n = n.min(2 * vertex_len);
+    let (rest, rest_len) = rest_mesh(call)?;
+    let has_tangents = call.arena.frame.has_tangents || !rest[2].is_null();
+    let (outputs, asked) = outputs(call, n, has_tangents)?;
+    let [positions, normals, tangents] = outputs;
     let place = call.arena.argument.start;
     let job = call.arena.at::<sinew_skin_job>(place);
-    // SAFETY: the place is aligned and large enough. Field by field leaves the padding as it was.
+    // SAFETY: the place is aligned and large enough, and the structure has no padding.
     unsafe {
-        (*job).envelope = envelope;
-        ((*job).palette, (*job).palette_len) = (palette, palette_len);
-        ((*job).start, (*job).end) = (start, end);
-        for (at, from) in [
-            (&raw mut (*job).positions, positions),
-            (&raw mut (*job).normals, normals),
-            (&raw mut (*job).tangents, tangents),
-        ] {
-            ((*at).buffer, (*at).offset, (*at).stride) = (from.buffer, from.offset, from.stride);
-        }
-        ((*job).out_a, (*job).out_a_len) = (out_a, out_a_len);
-        ((*job).out_b, (*job).out_b_len) = (out_b, out_b_len);
+        job.write(sinew_skin_job {
+            skin,
+            palette,
+            palette_len,
+            start,
+            end,
+            remap,
+            remap_len,
+            rest_positions: rest[0],
+            rest_normals: rest[1],
+            rest_tangents: rest[2],
+            rest_len,
+            positions,
+            normals,
+            tangents,
+        });
     }
     // Any other bytes would be pointers to no memory of the caller.
-    let job = call.input_fixed(place)?;
+    let job = call.input_fixed(place, Argument::Job)?;
+    call.shared = true;
+    let asked = Asked {
+        vertices: start..end,
+        has_remap: !remap.is_null(),
+        has_rest: rest.map(|array| !array.is_null()),
+        outputs: asked,
+    };
     let error = call.ready(|arena| {
-        let skin = arena.frame.skin.get(stride * start..stride * end);
-        bytes(skin.into_iter().flatten().copied())
+        let mut skin = vec![f32::from_ne_bytes([BLANK; 4]); FLOATS * n];
+        arena.frame.skin(arena.file_bytes(), &asked, &mut skin);
+        bytes(skin)
     });
     // SAFETY: as above.
-    Ok(unsafe { sinew_skin(job, error) })
+    Ok(unsafe { sinew_skin_run(job, error) })
 }
 
-/// Draws where an attribute goes: to its offset in buffer A, to none where it has no offset, or
-/// astray.
-fn attribute(call: &mut Call<'_, '_>, offset: Option<usize>) -> Result<sinew_attribute> {
-    if call.one_in(8)? {
-        let stride = call.number(call.arena.frame.stride() + 1)?;
-        let offset = call.number(call.arena.frame.skin.len() + 1)?;
-        return Ok(sinew_attribute { buffer: call.any()? % 4, offset, stride });
+/// Floats of a vertex in the outputs' room.
+const FLOATS: usize = 12;
+
+/// Draws a remap: the frame's, or a shorter one, or one with a vertex that is not there.
+fn remap(call: &mut Call<'_, '_>) -> Result<(*const u32, usize)> {
+    let place = call.arena.remap.clone();
+    if call.one_in(8)? && !place.is_empty() {
+        call.arena.write(place.start, &u32::MAX.to_ne_bytes());
+        call.vague = true;
     }
-    let stride = call.arena.frame.stride();
-    Ok(match offset {
-        Some(offset) => sinew_attribute { buffer: sinew_buffer::A as u32, offset, stride },
-        None => sinew_attribute { buffer: sinew_buffer::None as u32, offset: 0, stride: 0 },
-    })
+    call.input_any(place, Argument::Remap)
+}
+
+/// Draws a rest mesh of the caller's: each of its arrays may be left out.
+fn rest_mesh(call: &mut Call<'_, '_>) -> Result<([*const f32; 3], usize)> {
+    let v = call.arena.frame.vertex_len;
+    let len = if call.one_in(16)? { call.u.int_in_range(0..=v)? } else { v };
+    let mut rest = [null(); 3];
+    let arrays =
+        [(3, Argument::RestPositions), (3, Argument::RestNormals), (4, Argument::RestTangents)];
+    for (i, (floats, argument)) in arrays.into_iter().enumerate() {
+        if call.one_in(3)? {
+            let place = call.arena.rest[i].start;
+            rest[i] = call.rest_array(place, floats * len, argument)?;
+            call.fault_if(!rest[i].is_null() && len != v, Status::Length, argument);
+        }
+    }
+    Ok((rest, len))
+}
+
+type Outputs = ([sinew_output; 3], [Option<(usize, usize)>; 3]);
+
+/// Draws outputs: interleaved in one room, or over each other, some left out, or astray. Returns also
+/// the first float and the stride of each.
+fn outputs(call: &mut Call<'_, '_>, n: usize, has_tangents: bool) -> Result<Outputs> {
+    let room = call.result_place(4 * FLOATS * n);
+    let mut outputs = [sinew_output { floats: null_mut(), len: 0, stride: 0 }; 3];
+    let mut asked = [None; 3];
+    for (i, (own, first, argument)) in
+        [(3, 0, Argument::Positions), (3, 3, Argument::Normals), (4, 6, Argument::Tangents)]
+            .into_iter()
+            .enumerate()
+    {
+        if call.one_in(3)? || (own == 4 && !has_tangents && !call.one_in(8)?) {
+            continue;
+        }
+        let mut stride = call.u.int_in_range(own..=FLOATS - 2)?;
+        if call.one_in(16)? {
+            stride = call.u.int_in_range(0..=own)?;
+        }
+        // Within the room whatever the stride: of no vertex there is none.
+        let first = if call.one_in(8)? { call.u.int_in_range(0..=2)? } else { first };
+        let first = if n == 0 { 0 } else { first.min(FLOATS - own) };
+        let place = room.start + 4 * first..room.end;
+        let len = place.len() / 4;
+        let least = n.checked_sub(1).map_or(0, |last| last * stride + own);
+        let (floats, len) = call.output_at(place, len, least, stride < own, argument)?;
+        outputs[i] = sinew_output { floats, len, stride };
+        asked[i] = (!floats.is_null() || len > 0).then_some((first, stride));
+        let is_asked = asked[i].is_some();
+        call.fault_if(is_asked && stride < own, Status::Stride, argument);
+        call.fault_if(is_asked && own == 4 && !has_tangents, Status::NoAttribute, argument);
+    }
+    let nothing = asked.iter().all(Option::is_none);
+    call.fault_if(nothing, Status::NoOutput, Argument::Call);
+    Ok((outputs, asked))
+}
+
+fn bounds(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    call.fault_if(call.arena.frame.vertex_len == 0, Status::NoVertices, Argument::Skin);
+    let (skin, p) = (call.skin()?, call.arena.frame.skin_palette.len());
+    let (palette, palette_len) =
+        call.input(call.arena.skin_palette.clone(), p, Argument::Palette)?;
+    let rest_offset = if call.one_in(4)? { recipe::float(call.u)? } else { 0.25 };
+    let is_distance = (0.0..=f32::MAX).contains(&rest_offset);
+    call.fault_if(!is_distance, Status::OutOfRange, Argument::RestPositions);
+    let out = call.output_one(Argument::Result)?;
+    let error = call.ready(|arena| {
+        let bounds = arena.frame.bounds(arena.file_bytes(), rest_offset);
+        bytes(bounds.into_iter().flat_map(|bounds| [bounds.min, bounds.max]).flatten())
+    });
+    // SAFETY: as above.
+    Ok(unsafe { sinew_skin_bounds(skin, palette, palette_len, rest_offset, out, error) })
 }

@@ -13,12 +13,12 @@ mod header;
 
 use crate::recipe;
 use arbitrary::{Result, Unstructured};
-use arena::Arena;
+use arena::{Arena, Since};
 use call::Call;
 use functions::FUNCTIONS;
 
 use sinew_capi::sinew_status;
-use sinew_runtime::{FormatError, Model};
+use sinew_runtime::{FileError, Model};
 
 /// The last number of a pose that the frame may have.
 const POSES: usize = 7;
@@ -33,10 +33,11 @@ const CALLS: usize = 8;
 /// Why the file was refused; it is called all the same.
 ///
 /// # Panics
-/// Where a status is not one that the header names for the function, where a call that failed has
-/// written, where one that succeeded has written elsewhere than to its results, and where one
-/// without a fault fails or gives other bits than the runtime.
-pub fn calls(data: &[u8]) -> std::result::Result<(), FormatError> {
+/// Where a status is not one that the header names for the function, or not that of a fault among the
+/// arguments, or is told of another argument than the fault's; where a call that failed has written,
+/// where one that succeeded has written elsewhere than to its results, and where one with a fault
+/// succeeds, or one without fails or gives other bits than the runtime.
+pub fn calls(data: &[u8]) -> std::result::Result<(), FileError> {
     let (script, recipe) = data.split_at(data.len() / 2);
     let file = recipe::file(recipe);
     let mut u = Unstructured::new(script);
@@ -51,7 +52,13 @@ pub fn calls(data: &[u8]) -> std::result::Result<(), FormatError> {
 
 /// Makes one call in memory of its own; returns the function and what it said.
 fn one_call(u: &mut Unstructured<'_>, file: &[u8]) -> Result<(&'static str, sinew_status)> {
-    let mut arena = Arena::new(file, u.int_in_range(0..=POSES)?);
+    let pose_number = u.int_in_range(0..=POSES)?;
+    let since = match u.int_in_range(0..=15)? {
+        0 => Since::Reloaded,
+        1 => Since::Emptied,
+        _ => Since::Nothing,
+    };
+    let mut arena = Arena::new(file, pose_number, since);
     let (name, function) = FUNCTIONS[u.choose_index(FUNCTIONS.len())?];
     let mut call = Call::new(u, &mut arena)?;
     let status = function(&mut call)?;
@@ -70,6 +77,7 @@ mod tests {
     use arbitrary::Unstructured;
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
+    use sinew_runtime::format::SectionKind;
     use std::collections::BTreeSet;
 
     #[test]
@@ -80,17 +88,20 @@ mod tests {
 
     #[test]
     fn whatever_the_header_promises_of_calls_happens() {
-        let mut bare = Pieces::of(GOLDEN[0]).unwrap();
-        keep_vertices(&mut bare, 0);
+        let golden = || Pieces::of(GOLDEN[0]).unwrap();
+        let (mut empty, mut bare, mut loose) = (golden(), golden(), golden());
+        keep_vertices(&mut empty, 0);
+        bare.sections.retain(|(row, _)| row.kind != SectionKind::RestTangents.number());
+        loose.loosen();
         let mut files = GOLDEN.map(<[u8]>::to_vec).to_vec();
-        files.push(bare.file(|_| {}));
+        files.extend([empty, bare, loose].map(|pieces| pieces.file(|_| {})));
         let mut random = ChaCha8Rng::seed_from_u64(138);
         let mut seen = BTreeSet::new();
         for number in 0..60_000 {
             let mut bytes = [0; 160];
             random.fill_bytes(&mut bytes);
             let (script, recipe) = bytes.split_at(96);
-            let file = files.get(number % 8).cloned().unwrap_or_else(|| recipe::file(recipe));
+            let file = files.get(number % 10).cloned().unwrap_or_else(|| recipe::file(recipe));
             if let Ok((name, status)) = one_call(&mut Unstructured::new(script), &file) {
                 seen.insert((name, status as i32));
             }

@@ -11,7 +11,7 @@ use crate::kernel::ridge::{Choice, Fitted, Outputs, Samples, Trial, WIDTHS};
 use faer::Mat;
 use nalgebra::Matrix3;
 use serde::Serialize;
-use sinew_runtime::format::GroupRow;
+use sinew_runtime::envelope::GroupRow;
 use sinew_runtime::kernel::Kernel;
 use std::ops::Range;
 

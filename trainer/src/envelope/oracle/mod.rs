@@ -11,10 +11,10 @@ pub use correction::Group;
 use super::so3;
 use crate::kernel::map::step;
 use nalgebra::{DMatrix, Matrix3, Matrix3x4, Matrix4, Matrix6, Vector3, Vector4, Vector6};
-use sinew_runtime::Envelope;
-use sinew_runtime::format::Predictor;
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{Envelope, Skin};
 
-/// An envelope's arrays, widened.
+/// An envelope's arrays and those of a skin that follows it, widened.
 pub struct Oracle {
     /// What the palette is made of.
     pub predictor: Predictor,
@@ -34,7 +34,7 @@ pub struct Oracle {
     pub origins: Vec<Vector3<f64>>,
     /// Groups of proxies that share a kernel map.
     pub groups: Vec<Group>,
-    /// The vertices, V.
+    /// The skin's vertices, V; none without a skin.
     pub vertices: Vec<Vertex>,
 }
 
@@ -85,8 +85,8 @@ pub struct Skinned {
 }
 
 impl Oracle {
-    /// Widens the arrays of a loaded envelope.
-    pub fn new(envelope: &Envelope<'_>) -> Self {
+    /// Widens the arrays of a loaded envelope, and of a skin that follows it.
+    pub fn new(envelope: &Envelope<'_>, skin: Option<&Skin<'_>>) -> Self {
         let j = envelope.joint_len();
         let widened = |value: Option<f32>| value.map_or(f64::NAN, f64::from);
         let origin = |joint| Vector3::from(envelope.origin(joint).unwrap_or_default());
@@ -102,7 +102,7 @@ impl Oracle {
             c2: DMatrix::from_fn(4 * p, 4 * j, |r, c| widened(envelope.c2(r, c))),
             origins: (0..j).map(|joint| origin(joint).map(f64::from)).collect(),
             groups: envelope.groups().map(|group| Group::new(&group)).collect(),
-            vertices: (0..envelope.vertex_len()).map(|v| Vertex::new(envelope, v)).collect(),
+            vertices: skin.map_or(Vec::new(), Vertex::all),
         }
     }
 
@@ -230,15 +230,20 @@ impl Factors {
 }
 
 impl Vertex {
-    fn new(envelope: &Envelope<'_>, vertex: usize) -> Self {
+    /// Widens the vertices of a loaded skin.
+    fn all(skin: &Skin<'_>) -> Vec<Self> {
+        (0..skin.vertex_len()).map(|vertex| Self::new(skin, vertex)).collect()
+    }
+
+    fn new(skin: &Skin<'_>, vertex: usize) -> Self {
         let widened =
             |v: Option<[f32; 3]>| Vector3::from(v.unwrap_or([f32::NAN; 3])).map(f64::from);
         let tangent = |[x, y, z, hand]: [f32; 4]| (widened(Some([x, y, z])), f64::from(hand));
         Self {
-            position: widened(envelope.rest_position(vertex)).push(1.0),
-            normal: widened(envelope.rest_normal(vertex)),
-            tangent: envelope.rest_tangent(vertex).map(tangent),
-            influences: envelope.influences(vertex).map(|(l, w)| (l, f64::from(w))).collect(),
+            position: widened(skin.rest_position(vertex)).push(1.0),
+            normal: widened(skin.rest_normal(vertex)),
+            tangent: skin.rest_tangent(vertex).map(tangent),
+            influences: skin.influences(vertex).map(|(l, w)| (l, f64::from(w))).collect(),
         }
     }
 

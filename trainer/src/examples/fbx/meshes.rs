@@ -1,5 +1,6 @@
 //! The meshes of a scene that make the one mesh of a rig.
 
+use std::ops::Range;
 use ufbx::{Matrix, Mesh, Node, Scene, SkinDeformer};
 
 use super::super::polygons::{Polygons, uv_of_vertices};
@@ -20,6 +21,8 @@ pub(super) struct Geometry {
     pub(super) rest: Vec<[f64; 3]>,
     pub(super) triangles: Vec<[usize; 3]>,
     pub(super) uv: Option<Vec<[f64; 2]>>,
+    /// The parts by name, where there are several.
+    pub(super) ranges: Vec<(String, Range<usize>)>,
 }
 
 /// Chooses the skinned meshes of a scene, or all where none is skinned.
@@ -48,6 +51,7 @@ pub(super) fn join(scene: &Scene, parts: &[Part], warnings: &mut Vec<Warning>) -
     let mut triangles = Vec::new();
     let mut uv = Some(Vec::new());
     let mut uv_len = 0;
+    let mut ranges = Vec::new();
     for part in parts {
         let (mesh, first) = (&scene.meshes[part.mesh], rest.len());
         let positions: Vec<[f64; 3]> = mesh.vertices.iter().map(|v| [v.x, v.y, v.z]).collect();
@@ -61,6 +65,7 @@ pub(super) fn join(scene: &Scene, parts: &[Part], warnings: &mut Vec<Warning>) -
             [v.x, v.y, v.z]
         };
         rest.extend(mesh.vertices.iter().map(place));
+        ranges.push((scene.nodes[part.node].element.name.to_string(), first..rest.len()));
         uv_len += mesh.vertex_uv.values.len();
         uv = uv.zip(texture(mesh)).map(|(mut all, uv)| {
             all.extend(uv);
@@ -70,7 +75,10 @@ pub(super) fn join(scene: &Scene, parts: &[Part], warnings: &mut Vec<Warning>) -
     if uv.is_none() && uv_len > 0 {
         warnings.push(Warning::UvIgnored { uv_len, vertex_len: rest.len() });
     }
-    Geometry { rest, triangles, uv }
+    if parts.len() < 2 {
+        ranges.clear();
+    }
+    Geometry { rest, triangles, uv, ranges }
 }
 
 /// Tells whether the scene itself holds all that poses its meshes.

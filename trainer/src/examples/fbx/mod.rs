@@ -10,12 +10,16 @@ mod meshes;
 use std::path::Path;
 
 use nalgebra::Matrix4;
-use ufbx::{AllocatorOpts, FileFormat, IndexErrorHandling, LoadOpts, SceneRoot};
+use sinew_runtime::format::{Axis, Handedness, Space};
+use ufbx::{
+    AllocatorOpts, CoordinateAxis, FileFormat, IndexErrorHandling, LoadOpts, SceneRoot,
+    SceneSettings,
+};
 
 use self::frames::Posed;
 use self::joints::Joints;
 use super::rig::{Rig, Sampling};
-use super::{ExamplesError, ImportError};
+use super::{ExamplesError, ImportError, SpaceWish, direction};
 
 /// Memory that reading a file may take, whatever it claims to hold: as much for each byte of it as
 /// its compression can hide, up to a limit for all.
@@ -54,6 +58,8 @@ fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<Rig, ImportError> {
         rest: geometry.rest,
         triangles: geometry.triangles,
         uv: geometry.uv,
+        ranges: geometry.ranges,
+        space: space(&scene.settings),
         names,
         parents,
         binds,
@@ -79,6 +85,36 @@ fn open(bytes: &[u8]) -> Result<SceneRoot, ImportError> {
         ..Default::default()
     };
     ufbx::load_memory(bytes, options).map_err(fault)
+}
+
+/// Tells what a scene says of its axes and its unit.
+fn space(settings: &SceneSettings) -> Space {
+    let axis = |axis: CoordinateAxis| match axis {
+        CoordinateAxis::PositiveX => Some(Axis::X),
+        CoordinateAxis::NegativeX => Some(Axis::MinusX),
+        CoordinateAxis::PositiveY => Some(Axis::Y),
+        CoordinateAxis::NegativeY => Some(Axis::MinusY),
+        CoordinateAxis::PositiveZ => Some(Axis::Z),
+        CoordinateAxis::NegativeZ => Some(Axis::MinusZ),
+        CoordinateAxis::Unknown => None,
+    };
+    let [right, up, forward] =
+        [settings.axes.right, settings.axes.up, settings.axes.front].map(axis);
+    // A viewer's right: of one whom the character faces.
+    let volume = |right, up, forward| {
+        let [right, up, forward] = [right, up, forward].map(direction);
+        right.cross(&up).dot(&forward)
+    };
+    let known = right.zip(up).zip(forward).map(|((r, u), f)| (u, f, volume(r, u, f)));
+    let (up, forward, volume) = match known.filter(|(.., volume)| *volume != 0.0) {
+        Some((up, forward, volume)) => (Some(up), Some(forward), volume),
+        None => (up, None, 1.0),
+    };
+    let handedness = if volume < 0.0 { Handedness::Left } else { Handedness::Right };
+    let unit = (settings.unit_meters as f32 > 0.0).then_some(settings.unit_meters as f32);
+    SpaceWish { unit, ..SpaceWish::default() }
+        .of(Space { up, forward, handedness, unit: None })
+        .unwrap_or(Space { up, forward, handedness, unit: None })
 }
 
 fn fault(error: ufbx::Error) -> ImportError {

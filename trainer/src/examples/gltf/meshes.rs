@@ -166,6 +166,13 @@ impl Meshes {
         Ok(())
     }
 
+    /// The vertices of the instances by name, where there are several.
+    pub(super) fn ranges(&self) -> Vec<(String, std::ops::Range<usize>)> {
+        let named = |number: usize| (self.instances[number].name.clone(), self.vertices(number));
+        let count = self.instances.len();
+        if count < 2 { Vec::new() } else { (0..count).map(named).collect() }
+    }
+
     /// The vertices of an instance.
     pub(super) fn vertices(&self, instance: usize) -> std::ops::Range<usize> {
         let end = self.instances.get(instance + 1).map_or(self.positions.len(), |next| next.first);

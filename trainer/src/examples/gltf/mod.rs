@@ -12,6 +12,7 @@ use std::path::Path;
 use ::gltf::Document;
 use nalgebra::{Matrix4, Vector3};
 use rayon::prelude::*;
+use sinew_runtime::format::{Axis, Handedness, Space};
 
 use self::clips::Keys;
 use self::meshes::Meshes;
@@ -20,6 +21,14 @@ use self::skins::Skins;
 use super::rig::{ImportError, Rig, Sampling, sample_times};
 use super::targets::Targets;
 use super::{Clip, ExamplesError, Warning};
+
+/// The space of every glTF file.
+const SPACE: Space = Space {
+    up: Some(Axis::Y),
+    forward: Some(Axis::Z),
+    handedness: Handedness::Right,
+    unit: Some(1.0),
+};
 
 /// Reads a rigged character: every mesh that has a skin, its joints, and every clip that moves them.
 ///
@@ -59,11 +68,14 @@ pub(super) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<Rig, Examples
     let parents = skins.parents(&scene.nodes);
     let names = skins.joints.iter().map(|&node| scene.nodes.names[node].clone()).collect();
     let morphs = moments.iter().any(|moment| moment.clip.shapes(|node| scene.shows(node)));
+    let ranges = scene.meshes.ranges();
     let Scene { meshes: Meshes { positions, triangles, uv, .. }, .. } = scene;
     Ok(Rig {
         rest: positions,
         triangles,
         uv,
+        ranges,
+        space: SPACE,
         names,
         parents,
         binds: skins.binds,

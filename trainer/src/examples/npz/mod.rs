@@ -20,6 +20,7 @@ mod save;
 mod sidecar;
 mod targets;
 
+use sinew_runtime::format::Space;
 use std::path::Path;
 
 pub(super) use arrays::read_npy;
@@ -94,8 +95,18 @@ fn read(
         None => vec![identity; joint_len],
     };
     let skeleton = Skeleton { names, parents, rest: rest_frames };
-    let mut examples =
-        Examples { rest, triangles, uv, skeleton, vertices, transforms, split, importance: None };
+    let mut examples = Examples {
+        rest,
+        triangles,
+        uv,
+        skeleton,
+        vertices,
+        transforms,
+        split,
+        ranges: Vec::new(),
+        space: Space::default(),
+        importance: None,
+    };
     if frames.is_none() {
         place(&mut examples.skeleton, sidecar)?;
     }

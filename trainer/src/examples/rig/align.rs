@@ -3,10 +3,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
+use sinew_runtime::format::{Axis, Space};
 use std::fmt;
 
 use super::super::maps::{joined, parts};
 use super::super::sample::spread;
+use super::super::space::{UNITS, axis, direction};
 use super::super::validate::same;
 use super::super::{Examples, ExamplesError, Matrix3x4, Skeleton, Warning};
 use super::ImportError;
@@ -48,6 +50,7 @@ impl Examples {
         similarity.move_joints(&mut self.skeleton, &mut self.transforms);
         similarity.move_points(&mut self.rest);
         similarity.move_points(&mut self.vertices);
+        self.space = similarity.space(&self.space);
         let how = similarity.to_string();
         Ok((!similarity.is_identity()).then_some(Warning::Moved { what: "poses", how }))
     }
@@ -155,6 +158,18 @@ impl Similarity {
         if !self.is_identity() {
             points.par_iter_mut().for_each(|point| *point = self.point((*point).into()).into());
         }
+    }
+
+    /// Tells what becomes of a space.
+    pub(super) fn space(&self, from: &Space) -> Space {
+        if self.is_identity() {
+            return *from;
+        }
+        let turned = |from: Axis| axis(&(self.turn * direction(from)));
+        let unit = from.unit.map(|metres| metres / self.scale as f32);
+        let unit = unit.filter(|metres| UNITS.contains(metres));
+        let (up, forward) = (from.up.and_then(turned), from.forward.and_then(turned));
+        Space { up, forward, unit, ..*from }
     }
 
     /// Moves a skeleton and its maps from rest to posed.

@@ -8,6 +8,8 @@ pub use error::ImportError;
 pub(super) use times::{check_even, sample_times};
 
 use nalgebra::{Matrix3, Matrix4};
+use sinew_runtime::format::Space;
+use std::ops::Range;
 
 use self::align::Similarity;
 use super::targets::Targets;
@@ -21,6 +23,10 @@ pub(super) struct Rig {
     pub(super) triangles: Vec<[usize; 3]>,
     /// Texture coordinates, one per vertex, where the file has them so.
     pub(super) uv: Option<Vec<[f64; 2]>>,
+    /// The meshes that were joined, by name; none where there is one.
+    pub(super) ranges: Vec<(String, Range<usize>)>,
+    /// Axes and unit of the scene.
+    pub(super) space: Space,
     /// J names.
     pub(super) names: Vec<String>,
     /// Parent of each joint; several may have none.
@@ -138,6 +144,7 @@ impl Rig {
                         let similarity = align::meshes(&self.rest, &rest)
                             .map_err(|percent| ImportError::TargetsApart { percent })?;
                         similarity.move_joints(&mut skeleton, &mut transforms);
+                        self.space = similarity.space(&self.space);
                         self.tell(&similarity, "joints");
                         self.rest = rest;
                         self.triangles = targets.triangles.unwrap_or(self.triangles);
@@ -173,10 +180,19 @@ impl Rig {
         vertices: Vec<[f64; 3]>,
         split: Vec<Split>,
     ) -> (Examples, Vec<Clip>, Vec<Warning>) {
-        let Self { rest, triangles, uv, clips, warnings, .. } = self;
-        let importance = None;
-        let examples =
-            Examples { rest, triangles, uv, skeleton, vertices, transforms, split, importance };
+        let Self { rest, triangles, uv, ranges, space, clips, warnings, .. } = self;
+        let examples = Examples {
+            rest,
+            triangles,
+            uv,
+            skeleton,
+            vertices,
+            transforms,
+            split,
+            ranges,
+            space,
+            importance: None,
+        };
         (examples, clips, warnings)
     }
 

@@ -32,6 +32,8 @@ fn limb() -> (Rig, Vec<[f64; 3]>) {
         rest,
         triangles: vec![[0, 1, 2]],
         uv: None,
+        ranges: Vec::new(),
+        space: Space::default(),
         names: vec!["upper".into(), "lower".into()],
         parents: vec![None, Some(0)],
         binds: vec![bind(0.0), bind(1.0)],

@@ -144,7 +144,8 @@ fn accuracy(subject: &Subject<'_>) -> String {
         row.extend(match series.model {
             None => ["", "", ""].map(str::to_owned),
             Some(model) => {
-                let (confidence, envelope) = (series.measured.confidence(), &model.envelope);
+                let (confidence, envelope) =
+                    (series.measured.confidence(), &model.character.envelope);
                 let proxies = match envelope.proxy_len() {
                     0 => "joints alone".to_owned(),
                     count => format!("{}, {count} proxies", envelope.predictor().name()),

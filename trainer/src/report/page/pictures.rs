@@ -107,7 +107,7 @@ pub(super) fn palette(
     let mut pictures = Vec::new();
     let mut told = String::new();
     for (number, model) in subject.models().enumerate() {
-        let (name, alone) = (model.file.name, follow_joints(&model.envelope));
+        let (name, alone) = (model.file.name, follow_joints(&model.character));
         let (rigid, what) = match (&alone, near_rigid.filter(|_| number == 0)) {
             (Some(alone), _) => (Some(alone.as_slice()), "follow joints alone"),
             (None, given) => (given, "are near-rigid: the reconstruction holds them at LBS"),
@@ -126,10 +126,10 @@ pub(super) fn palette(
                  proxies, which this report was made without.",
             );
         }
-        let colours = dominant_colours(&model.envelope, examples);
+        let colours = dominant_colours(&model.character, examples);
         let caption = format!(
             "{name}: each vertex in the colour of the map that it follows most, of {}",
-            maps(&model.envelope)
+            maps(&model.character.envelope)
         );
         pictures.push(shots.take(&rest, &Paint::Kinds(&colours), &camera, None, &caption)?);
     }

@@ -12,7 +12,7 @@ const SIZE: (f64, f64) = (550.0, 250.0);
 
 /// Charts and a table of trainings with several numbers of proxies, and the times of their steps.
 pub(super) fn errors(subject: &Subject<'_>, sizes: Option<&Result<Sizes, FitError>>) -> String {
-    let predictor = subject.model.envelope.predictor().name();
+    let predictor = subject.model.character.envelope.predictor().name();
     let sizes = match sizes {
         None => return paragraph("The report was asked to train nothing."),
         Some(Err(error)) => {
@@ -41,9 +41,9 @@ fn charts(subject: &Subject<'_>, outcomes: &[&Outcome]) -> String {
     if outcomes.is_empty() {
         return String::new();
     }
-    let other = subject.other.as_ref().filter(|other| other.envelope.proxy_len() > 0);
+    let other = subject.other.as_ref().filter(|other| other.character.envelope.proxy_len() > 0);
     let other = other.map(|other| {
-        let proxies = other.envelope.proxy_len() as f64;
+        let proxies = other.character.envelope.proxy_len() as f64;
         let kilobytes = other.file.bytes.len() as f64 / 1000.0;
         [(proxies, other.measured.errors().rms_percent), (proxies, kilobytes)]
     });
@@ -109,8 +109,8 @@ fn trials(subject: &Subject<'_>, trials: &[Trial]) -> String {
         Err(error) => vec![trial.proxies.to_string(), text(&error.to_string())],
     };
     let other = subject.other.as_ref().map(|other| {
-        let name = format!("{} ({})", other.envelope.proxy_len(), text(other.file.name));
-        let certificate = other.envelope.certificate();
+        let name = format!("{} ({})", other.character.envelope.proxy_len(), text(other.file.name));
+        let certificate = other.character.envelope.certificate();
         let validated = 100.0 * f64::from(certificate.cross_validated_rms / certificate.diagonal);
         let (errors, bytes) = (other.measured.errors(), other.file.bytes.len());
         row(name, &errors, validated, bytes, String::new())

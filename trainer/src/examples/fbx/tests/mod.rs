@@ -205,9 +205,55 @@ fn meshes_are_joined_in_the_order_of_their_nodes() {
     let rig = arm.rig();
     near(&rig.rest, &[ARM, ARM].concat());
     assert_eq!(rig.triangles[3..], [[5, 6, 8], [5, 8, 9], [6, 7, 8]]);
+    assert_eq!(rig.ranges, [("body".to_owned(), 0..5), ("sleeve".to_owned(), 5..10)]);
     for shape in shapes(&rig) {
         assert_eq!(shape[..5], shape[5..]);
     }
+}
+
+/// The axes and the unit of a file, as it numbers them: right, up and front, with their signs.
+#[test]
+fn axes_and_unit_are_those_that_the_file_says() {
+    let space = |axes: [(u8, i8); 3], centimetres: f64| {
+        let [right, up, front] = axes;
+        let property = |name: &str, (axis, sign): (u8, i8)| {
+            format!(
+                "P: \"{name}Axis\", \"int\", \"Integer\", \"\",{axis}\n\
+                 P: \"{name}AxisSign\", \"int\", \"Integer\", \"\",{sign}\n"
+            )
+        };
+        let settings = format!(
+            "GlobalSettings: {{\nProperties70: {{\n{}{}{}\
+             P: \"UnitScaleFactor\", \"double\", \"Number\", \"\",{centimetres}\n}}\n}}\nObjects: {{",
+            property("Coord", right),
+            property("Up", up),
+            property("Front", front)
+        );
+        let text = Arm::skinned("Linear").scene.text().replacen("Objects: {", &settings, 1);
+        parse(text.as_bytes(), &KEYS).unwrap_or_else(|error| panic!("{error}")).space
+    };
+    let expected = |up, forward, handedness, unit| Space {
+        up: Some(up),
+        forward: Some(forward),
+        handedness,
+        unit: Some(unit),
+    };
+    // Maya's axes, those of 3ds Max in inches, and left-handed ones.
+    assert_eq!(
+        space([(0, 1), (1, 1), (2, 1)], 1.0),
+        expected(Axis::Y, Axis::Z, Handedness::Right, 0.01)
+    );
+    assert_eq!(
+        space([(0, 1), (2, 1), (1, -1)], 2.54),
+        expected(Axis::Z, Axis::MinusY, Handedness::Right, 0.0254)
+    );
+    assert_eq!(
+        space([(0, -1), (1, 1), (2, 1)], 100.0),
+        expected(Axis::Y, Axis::Z, Handedness::Left, 1.0)
+    );
+    // A file without settings says nothing of its axes.
+    let unsaid = Arm::skinned("Linear").rig().space;
+    assert_eq!((unsaid.up, unsaid.forward, unsaid.handedness), (None, None, Handedness::Right));
 }
 
 #[test]

@@ -158,6 +158,17 @@ fn meshes_are_joined_in_one_space() {
     assert_eq!(examples.rest[..3], examples.rest[3..]);
     assert_eq!(examples.frame(1)[..3], examples.frame(1)[3..]);
     assert!(warnings.contains(&Warning::UnskinnedMeshes { meshes: vec!["prop".into()] }));
+    let ranges = [("body".to_owned(), 0..3), ("sleeve".to_owned(), 3..6)];
+    assert_eq!(examples.ranges, ranges);
+    // What glTF says of every scene; one mesh has no ranges.
+    let plain = loaded(&Made::scene(), "plain").examples;
+    let space = Space {
+        up: Some(Axis::Y),
+        forward: Some(Axis::Z),
+        handedness: Handedness::Right,
+        unit: Some(1.0),
+    };
+    assert!(plain.ranges.is_empty() && plain.space == space && examples.space == space);
 }
 
 #[test]

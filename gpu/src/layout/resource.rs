@@ -1,0 +1,54 @@
+//! The buffers of a batch.
+
+/// Where a span of a buffer may start, in bytes: what every device allows.
+pub const ALIGNMENT: u64 = 256;
+
+/// A buffer of a batch, or a part of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(usize)]
+pub enum Resource {
+    /// Uniform: where everything lies. Written once, from [`super::Plan::params`].
+    Params,
+    /// The model's numbers, as they lie in the file. Written once.
+    Blob,
+    /// J skinning matrices an instance, 3x4 rows, rest to posed, in model space. Written each frame.
+    Poses,
+    /// What stages hand to each other. Never read or written by the host.
+    Scratch,
+    /// The palette of each instance, 3x4 rows.
+    Palettes,
+    /// One float an instance.
+    Confidences,
+    /// What the host brings to the skin: a remap, a rest mesh. Only a batch that names one needs it.
+    Host,
+    /// Skinned attributes.
+    Out,
+}
+
+impl Resource {
+    /// Every resource.
+    pub const ALL: [Self; 8] = [
+        Self::Params,
+        Self::Blob,
+        Self::Poses,
+        Self::Scratch,
+        Self::Palettes,
+        Self::Confidences,
+        Self::Host,
+        Self::Out,
+    ];
+
+    /// Returns its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Params => "params",
+            Self::Blob => "blob",
+            Self::Poses => "poses",
+            Self::Scratch => "scratch",
+            Self::Palettes => "palettes",
+            Self::Confidences => "confidences",
+            Self::Host => "host",
+            Self::Out => "out",
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! A device that has been opened, its queue and its pipelines.
+
+use super::super::error::{Error, scoped};
+use super::super::pipelines::Pipelines;
+use crate::headless::{DeviceInfo, HeadlessError};
+use crate::layout::Stage;
+use ::wgpu::{
+    Adapter, Backends, Buffer, BufferDescriptor, BufferUsages, CommandEncoder,
+    CommandEncoderDescriptor, DeviceDescriptor, DeviceType, Instance, InstanceDescriptor,
+    InstanceFlags, Limits, MapMode, PollType, Queue,
+};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
+
+/// Vulkan where there is Vulkan, so that both APIs can be compared on one driver.
+const BACKENDS: Backends = if Instance::enabled_backend_features().contains(Backends::VULKAN) {
+    Backends::VULKAN
+} else {
+    Backends::PRIMARY
+};
+
+/// What has the layer's messages go to `log`: without DEBUG wgpu does not listen to it. DEBUG also has
+/// shaders say that they were WGSL, to which layers of 1.3.239 and older object; labels, to which some
+/// versions object as well, are left out.
+const VALIDATING: InstanceFlags =
+    InstanceFlags::VALIDATION.union(InstanceFlags::DEBUG).union(InstanceFlags::DISCARD_HAL_LABELS);
+
+/// An open device, at exactly [`Limits::downlevel_defaults`].
+#[derive(Debug)]
+pub struct Device {
+    pub(super) info: DeviceInfo,
+    device: ::wgpu::Device,
+    pub(super) queue: Queue,
+    lost: Arc<Mutex<Option<String>>>,
+    pipelines: OnceLock<Pipelines>,
+}
+
+/// Lists the devices that there are.
+pub fn devices() -> Vec<DeviceInfo> {
+    adapters(InstanceFlags::empty()).into_iter().map(|(_, info)| info).collect()
+}
+
+impl Device {
+    /// Opens the first device that is wanted; `name` says in words what that is. With `validation`,
+    /// through the API's validation layer where it is installed, whose messages go to `log`.
+    ///
+    /// # Errors
+    /// - [`HeadlessError::NoDevice`]
+    /// - [`HeadlessError::Refused`]: it cannot be opened.
+    pub fn open(
+        wanted: impl Fn(&DeviceInfo) -> bool,
+        name: &str,
+        validation: bool,
+    ) -> Result<Self, HeadlessError> {
+        let flags = if validation { VALIDATING } else { InstanceFlags::empty() };
+        let adapters = adapters(flags);
+        let found = adapters.iter().map(|(_, info)| info.driver.clone()).collect();
+        let own = adapters.into_iter().find(|(_, info)| wanted(info));
+        let Some((adapter, info)) = own else {
+            return Err(HeadlessError::NoDevice { api: "wgpu", wanted: name.to_owned(), found });
+        };
+        let opened = pollster::block_on(adapter.request_device(&DeviceDescriptor {
+            label: Some("sinew headless"),
+            required_limits: Limits::downlevel_defaults(),
+            ..Default::default()
+        }));
+        let (device, queue) = opened.map_err(|error| HeadlessError::Refused {
+            doing: "opening the device",
+            detail: error.to_string(),
+        })?;
+        let lost = Arc::new(Mutex::new(None));
+        let told = Arc::clone(&lost);
+        device.set_device_lost_callback(move |reason, message| {
+            *told.lock().unwrap_or_else(PoisonError::into_inner) =
+                Some(format!("{reason:?} {message}").trim_end().to_owned());
+        });
+        Ok(Self { info, device, queue, lost, pipelines: OnceLock::new() })
+    }
+
+    /// Opens the device of a driver: `llvmpipe` (lavapipe), `SwiftShader driver`, `NVIDIA`, ...
+    ///
+    /// # Errors
+    /// As [`Device::open`].
+    pub fn of_driver(driver: &str, validation: bool) -> Result<Self, HeadlessError> {
+        Self::open(|info| info.driver == driver, driver, validation)
+    }
+
+    /// Returns wgpu's device.
+    pub fn device(&self) -> &::wgpu::Device {
+        &self.device
+    }
+
+    /// Returns its queue.
+    pub fn queue(&self) -> &Queue {
+        &self.queue
+    }
+
+    /// Submits what a closure records, and waits until it is done.
+    ///
+    /// # Errors
+    /// - [`HeadlessError::Lost`]
+    /// - What the closure returns.
+    pub fn submit(
+        &self,
+        record: impl FnOnce(&mut CommandEncoder) -> Result<(), HeadlessError>,
+    ) -> Result<(), HeadlessError> {
+        self.check_alive()?;
+        let mut encoder = self.device.create_command_encoder(&CommandEncoderDescriptor::default());
+        record(&mut encoder)?;
+        self.queue.submit([encoder.finish()]);
+        self.wait()
+    }
+
+    /// Reads a buffer's floats through a copy of it; the buffer must have `COPY_SRC`.
+    ///
+    /// # Errors
+    /// - [`HeadlessError::Lost`]
+    /// - [`HeadlessError::Refused`]: the copy cannot be mapped.
+    pub fn read(&self, buffer: &Buffer) -> Result<Vec<f32>, HeadlessError> {
+        let bytes = self.read_bytes(buffer)?;
+        Ok(bytes.as_chunks::<4>().0.iter().map(|le| f32::from_le_bytes(*le)).collect())
+    }
+
+    /// Reads a buffer's bytes likewise.
+    ///
+    /// # Errors
+    /// As [`Device::read`].
+    pub fn read_bytes(&self, buffer: &Buffer) -> Result<Vec<u8>, HeadlessError> {
+        let copy = self.buffer(buffer.size(), BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
+        self.submit(|encoder| {
+            encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+            Ok(())
+        })?;
+        let refused = |detail: String| HeadlessError::Refused { doing: "mapping a buffer", detail };
+        let (send, receive) = mpsc::channel();
+        // Nobody listens any more only if this function has returned.
+        copy.map_async(MapMode::Read, .., move |mapped| drop(send.send(mapped)));
+        self.wait()?;
+        let mapped = receive.recv().map_err(|error| refused(error.to_string()))?;
+        mapped.map_err(|error| refused(error.to_string()))?;
+        let view = copy.get_mapped_range(..).map_err(|error| refused(error.to_string()))?;
+        Ok(view.to_vec())
+    }
+
+    fn wait(&self) -> Result<(), HeadlessError> {
+        let polled = self.device.poll(PollType::wait_indefinitely());
+        self.check_alive()?;
+        polled.map(drop).map_err(|error| HeadlessError::Refused {
+            doing: "waiting for the device",
+            detail: error.to_string(),
+        })
+    }
+
+    pub(super) fn check_alive(&self) -> Result<(), HeadlessError> {
+        let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner);
+        lost.clone().map_or(Ok(()), |why| Err(HeadlessError::Lost(why)))
+    }
+
+    pub(super) fn buffer(&self, size: u64, usage: BufferUsages) -> Result<Buffer, HeadlessError> {
+        self.check_alive()?;
+        let label = None;
+        let descriptor = BufferDescriptor { label, size, usage, mapped_at_creation: false };
+        Ok(scoped(&self.device, "a buffer", || self.device.create_buffer(&descriptor))?)
+    }
+
+    pub(super) fn pipelines(&self) -> Result<&Pipelines, HeadlessError> {
+        self.check_alive()?;
+        if let Some(own) = self.pipelines.get() {
+            return Ok(own);
+        }
+        let made = Pipelines::new(&self.device, Stage::ALL)?;
+        Ok(self.pipelines.get_or_init(|| made))
+    }
+}
+
+fn adapters(flags: InstanceFlags) -> Vec<(Adapter, DeviceInfo)> {
+    let instance = Instance::new(InstanceDescriptor {
+        backends: BACKENDS,
+        flags,
+        ..InstanceDescriptor::new_without_display_handle()
+    });
+    let adapters = pollster::block_on(instance.enumerate_adapters(BACKENDS));
+    let named = adapters.into_iter().map(|adapter| {
+        let info = adapter.get_info();
+        let info = DeviceInfo {
+            api: "wgpu",
+            name: info.name,
+            driver: info.driver,
+            driver_info: info.driver_info,
+            software: info.device_type == DeviceType::Cpu,
+        };
+        (adapter, info)
+    });
+    named.collect()
+}
+
+impl From<Error> for HeadlessError {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Layout(error) => error.into(),
+            _ => Self::Refused { doing: "preparing a batch", detail: error.to_string() },
+        }
+    }
+}

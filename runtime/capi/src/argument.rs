@@ -1,0 +1,153 @@
+//! Arguments that an error can be about.
+
+use core::ffi::{CStr, c_char};
+use sinew_runtime::Argument;
+
+/// The argument that an error is about; from 50 on those that only C has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(u32)]
+pub enum sinew_argument {
+    /// No single one.
+    Call = 0,
+    /// Skinning matrices of the joints.
+    Pose = 1,
+    /// Local transforms of the joints.
+    Local = 2,
+    /// Scratch; lengths in floats.
+    Scratch = 3,
+    /// The palette; lengths in transforms.
+    Palette = 4,
+    /// Confidences.
+    Confidences = 5,
+    /// A stage's columns of the joints' transforms; no function of this library takes it.
+    Relative = 6,
+    /// A stage's rotation vectors; no function of this library takes it.
+    Rotations = 7,
+    /// A stage's columns of gradients; no function of this library takes it.
+    Gradients = 8,
+    /// A stage's pose features; no function of this library takes it.
+    Features = 9,
+    /// The range of vertices.
+    Vertices = 10,
+    /// The vertices that stand for others.
+    Remap = 11,
+    /// The caller's rest positions, or how far they are from the file's.
+    RestPositions = 12,
+    /// The caller's rest normals.
+    RestNormals = 13,
+    /// The caller's rest tangents.
+    RestTangents = 14,
+    /// Positions written; lengths in floats.
+    Positions = 15,
+    /// Normals written; lengths in floats.
+    Normals = 16,
+    /// Tangents written; lengths in floats.
+    Tangents = 17,
+
+    /// Memory for an object; lengths in bytes.
+    Memory = 50,
+    /// The file; lengths in bytes.
+    File = 51,
+    /// Limits.
+    Limits = 52,
+    /// A model.
+    Model = 53,
+    /// An envelope.
+    Envelope = 54,
+    /// A skin.
+    Skin = 55,
+    /// A name; lengths in bytes.
+    Name = 56,
+    /// The number of a joint.
+    Joint = 57,
+    /// The number of a named range.
+    Range = 58,
+    /// The part and kind of a section.
+    Section = 59,
+    /// A skin job.
+    Job = 60,
+    /// Palette indices of influences.
+    Indices = 61,
+    /// Weights of influences.
+    Weights = 62,
+    /// Evaluation order of the joints.
+    Order = 63,
+    /// Where a result goes.
+    Result = 64,
+    /// Where a second result goes.
+    SecondResult = 65,
+}
+
+/// The name of each argument.
+const NAMES: [(sinew_argument, &CStr); 34] = {
+    use sinew_argument as A;
+    [
+        (A::Call, c"call"),
+        (A::Pose, c"pose"),
+        (A::Local, c"local transforms"),
+        (A::Scratch, c"scratch"),
+        (A::Palette, c"palette"),
+        (A::Confidences, c"confidences"),
+        (A::Relative, c"relative transforms"),
+        (A::Rotations, c"rotations"),
+        (A::Gradients, c"gradients"),
+        (A::Features, c"features"),
+        (A::Vertices, c"vertices"),
+        (A::Remap, c"remap"),
+        (A::RestPositions, c"rest positions"),
+        (A::RestNormals, c"rest normals"),
+        (A::RestTangents, c"rest tangents"),
+        (A::Positions, c"positions"),
+        (A::Normals, c"normals"),
+        (A::Tangents, c"tangents"),
+        (A::Memory, c"memory"),
+        (A::File, c"file"),
+        (A::Limits, c"limits"),
+        (A::Model, c"model"),
+        (A::Envelope, c"envelope"),
+        (A::Skin, c"skin"),
+        (A::Name, c"name"),
+        (A::Joint, c"joint"),
+        (A::Range, c"range"),
+        (A::Section, c"section"),
+        (A::Job, c"job"),
+        (A::Indices, c"indices"),
+        (A::Weights, c"weights"),
+        (A::Order, c"order"),
+        (A::Result, c"result"),
+        (A::SecondResult, c"second result"),
+    ]
+};
+
+/// Returns the name of an argument, ended by a zero; of any other number, that it is unknown. Never
+/// null, valid for ever.
+#[unsafe(no_mangle)]
+pub extern "C" fn sinew_argument_text(argument: u32) -> *const c_char {
+    let found = NAMES.iter().find(|(known, _)| *known as u32 == argument);
+    found.map_or(c"unknown argument", |(_, name)| name).as_ptr()
+}
+
+impl From<Argument> for sinew_argument {
+    fn from(argument: Argument) -> Self {
+        match argument {
+            Argument::Call => Self::Call,
+            Argument::Pose => Self::Pose,
+            Argument::Local => Self::Local,
+            Argument::Scratch => Self::Scratch,
+            Argument::Palette => Self::Palette,
+            Argument::Confidences => Self::Confidences,
+            Argument::Relative => Self::Relative,
+            Argument::Rotations => Self::Rotations,
+            Argument::Gradients => Self::Gradients,
+            Argument::Features => Self::Features,
+            Argument::Vertices => Self::Vertices,
+            Argument::Remap => Self::Remap,
+            Argument::RestPositions => Self::RestPositions,
+            Argument::RestNormals => Self::RestNormals,
+            Argument::RestTangents => Self::RestTangents,
+            Argument::Positions => Self::Positions,
+            Argument::Normals => Self::Normals,
+            Argument::Tangents => Self::Tangents,
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! Skinning on the CPU, and the box that a posed skin stays within.
+
+use crate::argument::sinew_argument;
+use crate::border::{self, Array, Span};
+use crate::error::sinew_error;
+use crate::matrix::sinew_matrix;
+use crate::part;
+use crate::skin::sinew_skin;
+use crate::status::sinew_status;
+use sinew_runtime::skin::{Output, Rest};
+use sinew_runtime::{Matrix3x4, SkinJob};
+
+/// Where an attribute is written: that of the i-th vertex *of the range* at `floats[i * stride]`.
+/// Zeros mean that it is not wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct sinew_output {
+    /// Where the range's first vertex goes. Attributes may share a buffer, each from its own first
+    /// float on: so a vertex can be interleaved.
+    pub floats: *mut f32,
+    /// Floats from there on: `(n - 1) * stride` and the attribute's own, at least, for n vertices.
+    pub len: usize,
+    /// Floats from one vertex to the next; at least the attribute's own, 3 or 4.
+    pub stride: usize,
+}
+
+/// Skins a range of vertices. Floats between attributes are left alone; where attributes overlap, the
+/// later field of this structure wins.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct sinew_skin_job {
+    /// The skin.
+    pub skin: *const sinew_skin,
+    /// `sinew_skin_info.palette_len` transforms, rest to posed.
+    pub palette: *const sinew_matrix,
+    /// Their number.
+    pub palette_len: usize,
+    /// First vertex: of the remap where there is one, else of the skin.
+    pub start: usize,
+    /// One more than the last vertex.
+    pub end: usize,
+    /// Null, or for each vertex of the engine's the skin's that it is a copy of: so that vertices which
+    /// were split along seams, or put into another order, need no second pass.
+    pub remap: *const u32,
+    /// Their number.
+    pub remap_len: usize,
+    /// Null, or what stands for the file's rest positions: 3 floats for each of the skin's V vertices,
+    /// of another face or body of the same topology.
+    pub rest_positions: *const f32,
+    /// Null, or what stands for the file's rest normals: 3 floats of length 1 each.
+    pub rest_normals: *const f32,
+    /// Null, or what stands for the file's rest tangents: 3 floats of length 1, and the handedness.
+    pub rest_tangents: *const f32,
+    /// V, vertices of each of these three arrays that is not null.
+    pub rest_len: usize,
+    /// Where to put positions: 3 floats, model space.
+    pub positions: sinew_output,
+    /// Where to put normals: 3 floats of length 1; where the palette leaves one no direction, the rest
+    /// normal.
+    pub normals: sinew_output,
+    /// Where to put tangents: 3 floats of length 1 (the rest tangent where the palette leaves one no
+    /// direction), then the handedness.
+    pub tangents: sinew_output,
+}
+
+/// A box along the axes, in model space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_bounds {
+    /// Least coordinates.
+    pub min: [f32; 3],
+    /// Greatest coordinates.
+    pub max: [f32; 3],
+}
+
+/// Runs a skin job. Its outputs may overlap each other, but nothing that it reads. Jobs may run at the
+/// same time, on any threads, if no output of one overlaps an output of another.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `OUT_OF_RANGE`,
+/// `NO_ATTRIBUTE`, `STRIDE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_run(
+    job: *const sinew_skin_job,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let job = Array::one(job, sinew_argument::Job)?;
+        let job_span = job.span();
+        // SAFETY: lent by the caller; copied at once.
+        let job = unsafe { job.read() }.first().copied();
+        let job = job.ok_or(sinew_error::new(sinew_status::Null, sinew_argument::Job))?;
+        // SAFETY: the caller's promise is passed on.
+        let (skin, [own, model, file]) = unsafe { part::view(job.skin) }?;
+        let palette = job.palette.cast::<Matrix3x4>();
+        let palette = Array::new(palette, job.palette_len, sinew_argument::Palette)?;
+        let remap = Array::given(job.remap, job.remap_len, sinew_argument::Remap)?;
+        let rest_positions = rest(job.rest_positions, &job, sinew_argument::RestPositions)?;
+        let rest_normals = rest(job.rest_normals, &job, sinew_argument::RestNormals)?;
+        let rest_tangents = rest(job.rest_tangents, &job, sinew_argument::RestTangents)?;
+        let [positions, normals, tangents] = [
+            (job.positions, sinew_argument::Positions),
+            (job.normals, sinew_argument::Normals),
+            (job.tangents, sinew_argument::Tangents),
+        ]
+        .map(|(output, argument)| Array::given(output.floats, output.len, argument));
+        let (positions, normals, tangents) = (positions?, normals?, tangents?);
+        let reads = [
+            own,
+            model,
+            file,
+            job_span,
+            palette.span(),
+            remap.as_ref().map_or(Span::NOWHERE, Array::span),
+            rest_positions.as_ref().map_or(Span::NOWHERE, Array::span),
+            rest_normals.as_ref().map_or(Span::NOWHERE, Array::span),
+            rest_tangents.as_ref().map_or(Span::NOWHERE, Array::span),
+        ];
+        for output in [&positions, &normals, &tangents].into_iter().flatten() {
+            border::apart(&[output.span()], &reads)?;
+        }
+        // SAFETY: lent by the caller; what is written is apart from all of this.
+        let (palette, remap, rest) = unsafe {
+            let rest = Rest {
+                positions: rest_positions.map(|array| array.read()),
+                normals: rest_normals.map(|array| array.read()),
+                tangents: rest_tangents.map(|array| array.read()),
+            };
+            (palette.read(), remap.map(|array| array.read()), rest)
+        };
+        let output = |array: Option<Array<f32>>, stride| {
+            // SAFETY: lent by the caller for this call, apart from all that is read, and referred to by
+            // cells alone.
+            array.map(|array| Output { floats: unsafe { array.share() }, stride })
+        };
+        let job = SkinJob {
+            skin,
+            palette,
+            vertices: job.start..job.end,
+            remap,
+            rest,
+            positions: output(positions, job.positions.stride),
+            normals: output(normals, job.normals.stride),
+            tangents: output(tangents, job.tangents.stride),
+        };
+        Ok(job.run()?)
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Computes a box that holds every vertex of the posed skin, from the palette alone.
+///
+/// - `palette`, `palette_len`: `sinew_skin_info.palette_len` transforms.
+/// - `rest_offset`: how far a rest mesh of the caller's has any position from the file's, along each
+///   axis at most; 0 for the file's own.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NO_VERTICES`,
+/// `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_bounds(
+    skin: *const sinew_skin,
+    palette: *const sinew_matrix,
+    palette_len: usize,
+    rest_offset: f32,
+    out_bounds: *mut sinew_bounds,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (skin, [own, model, file]) = unsafe { part::view(skin) }?;
+        let palette =
+            Array::new(palette.cast::<Matrix3x4>(), palette_len, sinew_argument::Palette)?;
+        let out = Array::one(out_bounds, sinew_argument::Result)?;
+        border::apart(&[out.span()], &[own, model, file, palette.span()])?;
+        // SAFETY: lent by the caller.
+        let bounds = skin.bounds(unsafe { palette.read() }, rest_offset)?;
+        let bounds =
+            bounds.ok_or(sinew_error::new(sinew_status::NoVertices, sinew_argument::Skin))?;
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(sinew_bounds { min: bounds.min, max: bounds.max }) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Checks an attribute of the caller's rest mesh, which may be left out.
+fn rest<const N: usize>(
+    at: *const f32,
+    job: &sinew_skin_job,
+    argument: sinew_argument,
+) -> Result<Option<Array<[f32; N]>>, sinew_error> {
+    let len = if at.is_null() { 0 } else { job.rest_len };
+    Array::given(at.cast(), len, argument)
+}

@@ -1,0 +1,223 @@
+//! Each frame: from local transforms to a pose, and from a pose to the palette.
+
+use crate::argument::sinew_argument;
+use crate::border::{self, Array};
+use crate::envelope::sinew_envelope;
+use crate::error::sinew_error;
+use crate::matrix::sinew_matrix;
+use crate::part;
+use crate::status::sinew_status;
+use core::mem::{align_of, offset_of, size_of};
+use sinew_runtime::{CallError, Envelope, LocalTransform, Matrix3x4, model_space_pose};
+
+/// A joint's frame in its parent's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_local_transform {
+    /// Quaternion x, y, z, w; it is normalised by the call.
+    pub rotation: [f32; 4],
+    /// Origin in the parent's frame, in the units of the model.
+    pub translation: [f32; 3],
+}
+
+const _: () = {
+    assert!(size_of::<sinew_local_transform>() == size_of::<LocalTransform>());
+    assert!(align_of::<sinew_local_transform>() == align_of::<LocalTransform>());
+    assert!(
+        offset_of!(sinew_local_transform, translation) == offset_of!(LocalTransform, translation)
+            && offset_of!(LocalTransform, rotation) == 0
+    );
+};
+
+/// Computes the skinning matrices of a pose from local transforms and the hierarchy. An engine that
+/// has skinning matrices (rest to posed, model space) does not need this.
+///
+/// - `local`, `local_len`: J local transforms, the root's in model space.
+/// - `out_pose`, `pose_len`: J matrices.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `NON_FINITE`, `ZERO_ROTATION`,
+/// `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_pose(
+    envelope: *const sinew_envelope,
+    local: *const sinew_local_transform,
+    local_len: usize,
+    out_pose: *mut sinew_matrix,
+    pose_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (envelope, [own, model, file]) = unsafe { part::view(envelope) }?;
+        let local = Array::new(local.cast::<LocalTransform>(), local_len, sinew_argument::Local)?;
+        let out = Array::new(out_pose.cast::<Matrix3x4>(), pose_len, sinew_argument::Pose)?;
+        border::apart(&[out.span()], &[own, model, file, local.span()])?;
+        // SAFETY: lent by the caller; what is written is apart from all else.
+        let (local, out) = unsafe { (local.read(), out.write()) };
+        Ok(model_space_pose(&envelope, local, out)?)
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Computes the palette of a pose and the confidence in it.
+///
+/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space; rigid to 1e-4.
+/// - `scratch`, `scratch_len`: at least `sinew_envelope_info.scratch_len` floats, of any content; its
+///   content afterwards means nothing. One for each thread.
+/// - `out_palette`, `palette_len`: `sinew_envelope_info.palette_len` transforms, rest to posed, in
+///   model space: for `sinew_skin_run`, or with `sinew_skin_influences` for a shader.
+/// - `out_confidence`: null, or receives 1 within what was seen in training down to 0 far from it.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_palette(
+    envelope: *const sinew_envelope,
+    pose: *const sinew_matrix,
+    pose_len: usize,
+    scratch: *mut f32,
+    scratch_len: usize,
+    out_palette: *mut sinew_matrix,
+    palette_len: usize,
+    out_confidence: *mut f32,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
+        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
+        let out = Array::new(out_palette.cast(), palette_len, sinew_argument::Palette);
+        let confidence = Array::optional(out_confidence, sinew_argument::Confidences);
+        // SAFETY: the caller's promise is passed on.
+        unsafe {
+            evaluate(envelope, pose, scratch, out, confidence, |envelope, arrays| {
+                let Arrays { pose, scratch, palette, confidences } = arrays;
+                let found = envelope.palette(pose, scratch, palette)?;
+                confidences.fill(found);
+                Ok(())
+            })
+        }
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Computes the palettes of a batch of poses, with the bits of `sinew_envelope_palette` for each.
+///
+/// - `poses`, `poses_len`: J skinning matrices a pose, one pose after the other.
+/// - `scratch`, `scratch_len`: as for one pose.
+/// - `out_palettes`, `palettes_len`: `sinew_envelope_info.palette_len` transforms a pose.
+/// - `out_confidences`, `confidences_len`: one a pose; their number is that of the poses.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_palettes(
+    envelope: *const sinew_envelope,
+    poses: *const sinew_matrix,
+    poses_len: usize,
+    scratch: *mut f32,
+    scratch_len: usize,
+    out_palettes: *mut sinew_matrix,
+    palettes_len: usize,
+    out_confidences: *mut f32,
+    confidences_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let poses = Array::new(poses.cast(), poses_len, sinew_argument::Pose);
+        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
+        let out = Array::new(out_palettes.cast(), palettes_len, sinew_argument::Palette);
+        let confidences = Array::new(out_confidences, confidences_len, sinew_argument::Confidences);
+        // SAFETY: the caller's promise is passed on.
+        unsafe {
+            evaluate(envelope, poses, scratch, out, confidences, |envelope, arrays| {
+                let Arrays { pose, scratch, palette, confidences } = arrays;
+                envelope.palettes(pose, scratch, palette, confidences)
+            })
+        }
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Computes what `sinew_envelope_palette` does, with the same arguments, of a rotational envelope
+/// alone: any other is `NO_STAGE`. A program that calls this and not the other is linked without kernel
+/// maps: on a Cortex-M4F 6 kB less if optimised for size, 15 kB if for speed.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`,
+/// `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_rotational_palette(
+    envelope: *const sinew_envelope,
+    pose: *const sinew_matrix,
+    pose_len: usize,
+    scratch: *mut f32,
+    scratch_len: usize,
+    out_palette: *mut sinew_matrix,
+    palette_len: usize,
+    out_confidence: *mut f32,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
+        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
+        let out = Array::new(out_palette.cast(), palette_len, sinew_argument::Palette);
+        let confidence = Array::optional(out_confidence, sinew_argument::Confidences);
+        // SAFETY: the caller's promise is passed on.
+        unsafe {
+            evaluate(envelope, pose, scratch, out, confidence, |envelope, arrays| {
+                let Arrays { pose, scratch, palette, confidences } = arrays;
+                let found = envelope.rotational_palette(pose, scratch, palette)?;
+                confidences.fill(found);
+                Ok(())
+            })
+        }
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// An array, or what is wrong with it, which is told after what is wrong with the envelope.
+type Checked<T> = Result<Array<T>, sinew_error>;
+
+/// What a palette is computed of and into: of one pose, whose confidence goes where there is room for
+/// it, or of several.
+struct Arrays<'a> {
+    pose: &'a [Matrix3x4],
+    scratch: &'a mut [f32],
+    palette: &'a mut [Matrix3x4],
+    confidences: &'a mut [f32],
+}
+
+/// Computes palettes by one of the runtime's ways.
+///
+/// # Safety
+/// The handle is null or points to memory as large as an envelope; the arrays are the caller's to
+/// read and to write.
+unsafe fn evaluate(
+    envelope: *const sinew_envelope,
+    pose: Checked<Matrix3x4>,
+    scratch: Checked<f32>,
+    palette: Checked<Matrix3x4>,
+    confidences: Checked<f32>,
+    way: impl FnOnce(&Envelope<'_>, Arrays<'_>) -> Result<(), CallError>,
+) -> Result<(), sinew_error> {
+    // SAFETY: the caller's promise is passed on.
+    let (envelope, [own, model, file]) = unsafe { part::view(envelope) }?;
+    let (pose, scratch, palette, confidences) = (pose?, scratch?, palette?, confidences?);
+    border::apart(
+        &[scratch.span(), palette.span(), confidences.span()],
+        &[own, model, file, pose.span()],
+    )?;
+    // SAFETY: lent by the caller; what is written is apart from all else.
+    let arrays = unsafe {
+        Arrays {
+            pose: pose.read(),
+            scratch: scratch.write(),
+            palette: palette.write(),
+            confidences: confidences.write(),
+        }
+    };
+    Ok(way(&envelope, arrays)?)
+}

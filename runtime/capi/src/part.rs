@@ -1,0 +1,93 @@
+//! Envelopes and skins as parts of a model: how they are opened, and refused once the model holds
+//! another file.
+
+use crate::argument::sinew_argument;
+use crate::border::{self, Array, Loaded, Object, Span};
+use crate::error::sinew_error;
+use crate::model::{self, sinew_model};
+use crate::status::sinew_status;
+use core::ffi::{c_char, c_void};
+use sinew_runtime::Model;
+
+/// What the memory of a part holds: what loading found of it, and the handle of its model.
+pub(crate) struct Opened<L> {
+    layout: L,
+    model: *const sinew_model,
+}
+
+/// An object that is a part of a model.
+pub(crate) trait Part: Object<Value = Opened<Self::Layout>> {
+    /// What loading found of it.
+    type Layout: 'static;
+    /// What evaluates it, in the file's bytes.
+    type View<'a>;
+
+    /// Gives an object its name in C.
+    fn named(loaded: Loaded<Self::Value>) -> Self;
+
+    /// Finds the `index`-th part of a name, or of any.
+    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<Self::Layout>;
+
+    /// Views it; `None` if the bytes are another file's.
+    fn view<'a>(layout: &Self::Layout, file: &'a [u8]) -> Option<Self::View<'a>>;
+}
+
+/// Which part is wanted: the `index`-th of those of a name, or of all if the name is null.
+pub(crate) struct Wanted {
+    pub(crate) name: *const c_char,
+    pub(crate) name_len: usize,
+    pub(crate) index: usize,
+}
+
+/// Opens a part of a model in the caller's memory.
+///
+/// # Safety
+/// The handle is null or points to memory as large as a model; the name is the caller's to be read, and
+/// the memory and where the handle goes are the caller's to be written.
+pub(crate) unsafe fn open<T: Part>(
+    model: *const sinew_model,
+    wanted: &Wanted,
+    memory: *mut c_void,
+    memory_bytes: usize,
+    out_part: *mut *const T,
+) -> Result<(), sinew_error> {
+    // SAFETY: the caller's promise is passed on.
+    let (loaded, [handle, file]) = unsafe { model::loaded(model) }?;
+    let name_len = if wanted.name.is_null() { 0 } else { wanted.name_len };
+    let name = Array::new(wanted.name.cast::<u8>(), name_len, sinew_argument::Name)?;
+    let place = border::place::<T>(memory, memory_bytes)?;
+    let out = Array::one(out_part, sinew_argument::Result)?;
+    border::apart(&[place.span(), out.span()], &[handle, file, name.span()])?;
+    let layout = if wanted.name.is_null() {
+        T::find(loaded, None, wanted.index)
+    } else {
+        // SAFETY: lent by the caller. What is no text is the name of nothing.
+        let name = core::str::from_utf8(unsafe { name.read() });
+        name.ok().and_then(|name| T::find(loaded, Some(name), wanted.index))
+    };
+    let layout = layout.ok_or(sinew_error::new(sinew_status::NotFound, T::ARGUMENT))?;
+    let object = T::named(Loaded::new::<T>(Opened { layout, model }));
+    // SAFETY: memory large enough, aligned, apart from all that is read, and lent by the caller.
+    unsafe { place.store(object) };
+    // SAFETY: one element, which the caller lets be written.
+    unsafe { out.store(memory.cast_const().cast()) };
+    Ok(())
+}
+
+/// Views a part in its model's file; returns also what a call with it reads: the part's object, the
+/// model's, and the file.
+///
+/// # Safety
+/// `at` is null, or points to memory as large as the object, which for `'a` stays as it is; and if it
+/// is open, so does its model's memory.
+pub(crate) unsafe fn view<'a, T: Part + 'a>(
+    at: *const T,
+) -> Result<(T::View<'a>, [Span; 3]), sinew_error> {
+    // SAFETY: the caller's promise is passed on.
+    let (part, own) = unsafe { border::object(at) }?;
+    // SAFETY: the caller's promise is passed on.
+    let (model, [handle, file]) = unsafe { model::loaded(part.model) }?;
+    let view = T::view(&part.layout, model.as_bytes());
+    let view = view.ok_or(sinew_error::new(sinew_status::Stale, T::ARGUMENT))?;
+    Ok((view, [own, handle, file]))
+}

@@ -1,0 +1,187 @@
+//! The numbers of an envelope: how it predicts, how large it is, how good it is.
+
+use super::group_row::GroupRow;
+use crate::format::SectionKind;
+use crate::format::rule::{ALWAYS, Rule};
+use crate::numeric::HALF_TURNS_MAX;
+
+/// Stands for no joint: the parent of the root, the residual joint of a key that has none.
+pub const NO_JOINT: u16 = u16::MAX;
+/// 4-byte words of a key: two joints (u16), twist 9, residual twist 9, shear 36.
+pub const KEY_WORDS: usize = 1 + 9 + 9 + 36;
+/// How far the products of an inverse bind matrix's rows may be from those of a rotation: what
+/// singular values within 1e-2 of 1 leave, which is the least rigid that is trained on, and half of
+/// it again. Of other matrices a pose would be no rigid motion, and its logarithm no number.
+pub const BIND_TOLERANCE: f32 = 0.03;
+/// Largest Frobenius norm of a twist matrix; angles stay accurate to 4e-4 even there.
+pub const TWIST_MAX: f32 = HALF_TURNS_MAX;
+
+/// How an envelope predicts its palette (METHOD §1.9).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Predictor {
+    /// Rotational regression and reconstruction (S3): the palette is the P proxies alone.
+    Rotational = 1,
+    /// The J joints, and P helpers that a kernel map moves against their dominant joints.
+    Kernel = 2,
+    /// The P proxies of the reconstruction, and a kernel map for what it leaves over.
+    Hybrid = 3,
+}
+
+impl Predictor {
+    /// Every predictor.
+    pub const ALL: [Self; 3] = [Self::Rotational, Self::Kernel, Self::Hybrid];
+
+    /// Returns its number in the file.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// Returns its name, the same as on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rotational => "rotational",
+            Self::Kernel => "kernel",
+            Self::Hybrid => "hybrid",
+        }
+    }
+
+    /// Returns the predictor of this number.
+    pub fn from_number(number: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|predictor| u32::from(predictor.number()) == number)
+    }
+
+    /// Whether the proxies' base is the reconstruction `c1 d + c2 q`.
+    pub const fn reconstructs(self) -> bool {
+        matches!(self, Self::Rotational | Self::Hybrid)
+    }
+
+    /// Whether kernel maps correct the proxies.
+    pub const fn corrects(self) -> bool {
+        matches!(self, Self::Kernel | Self::Hybrid)
+    }
+}
+
+/// What the fit was measured to reach, in the units of the file.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Certificate {
+    /// Diagonal of the rest pose's box.
+    pub diagonal: f32,
+    /// RMS error over vertices and training frames.
+    pub training_rms: f32,
+    /// The same, each frame predicted by a fit that had not seen its fold.
+    pub cross_validated_rms: f32,
+    /// The same, of linear blend skinning.
+    pub lbs_training_rms: f32,
+    /// The farthest that single precision may move a vertex through the correction; 0 without one.
+    pub correction_error: f32,
+}
+
+impl Certificate {
+    /// Bytes of section `certificate`.
+    pub const BYTES: usize = 20;
+
+    /// Lists its figures in the order of the file.
+    pub const fn figures(&self) -> [f32; 5] {
+        let Self { diagonal, training_rms, cross_validated_rms, .. } = *self;
+        let Self { lbs_training_rms, correction_error, .. } = *self;
+        [diagonal, training_rms, cross_validated_rms, lbs_training_rms, correction_error]
+    }
+
+    /// Makes it of its figures.
+    pub const fn from_figures(figures: [f32; 5]) -> Self {
+        let [diagonal, training_rms, cross_validated_rms, lbs_training_rms, correction_error] =
+            figures;
+        Self { diagonal, training_rms, cross_validated_rms, lbs_training_rms, correction_error }
+    }
+}
+
+/// Counts of an envelope, from which every section's length follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EnvelopeCounts {
+    /// How the palette is predicted.
+    pub predictor: Predictor,
+    /// Joints, J.
+    pub joint_len: u32,
+    /// Proxies, P.
+    pub proxy_len: u32,
+    /// The reference root joint.
+    pub root: u32,
+    /// Groups, G.
+    pub group_len: u32,
+    /// Floats of scratch that the correction needs beside the features.
+    pub correction_len: u32,
+}
+
+impl EnvelopeCounts {
+    /// Bytes of section `envelope_counts`.
+    pub const BYTES: usize = 24;
+
+    /// Returns the number of transforms in the palette: P, or J + P for the kernel predictor.
+    pub const fn palette_len(&self) -> usize {
+        let joints = if self.predictor.reconstructs() { 0 } else { self.joint_len as usize };
+        joints.saturating_add(self.proxy_len as usize)
+    }
+
+    /// Lists the counts in the order of the file.
+    pub const fn words(&self) -> [u32; 6] {
+        let Self { predictor, joint_len, proxy_len, root, group_len, correction_len } = *self;
+        [predictor as u32, joint_len, proxy_len, root, group_len, correction_len]
+    }
+
+    /// Makes them of their words; `None` if the predictor is unknown.
+    pub fn from_words(words: [u32; 6]) -> Option<Self> {
+        let [predictor, joint_len, proxy_len, root, group_len, correction_len] = words;
+        let predictor = Predictor::from_number(predictor)?;
+        Some(Self { predictor, joint_len, proxy_len, root, group_len, correction_len })
+    }
+
+    /// Whether an envelope of these counts has a section: one without does not.
+    pub fn has(&self, section: SectionKind) -> bool {
+        Rule::of(&RULES, section).is_some_and(|rule| self.bits() & rule.has != 0)
+    }
+
+    /// Computes a section's length in bytes; `None` if the product overflows, or no envelope has it.
+    /// The least length, where the content states its own: of names by their table, of corrections by
+    /// the groups.
+    pub fn section_bytes(&self, section: SectionKind) -> Option<u64> {
+        Rule::of(&RULES, section)?.bytes(&self.sizes())
+    }
+
+    /// Returns the bits of what it has, as [`RULES`] has them.
+    pub(crate) const fn bits(&self) -> u8 {
+        let reconstructs = if self.predictor.reconstructs() { RECONSTRUCTS } else { 0 };
+        let corrects = if self.predictor.corrects() { CORRECTS } else { 0 };
+        ALWAYS | reconstructs | corrects
+    }
+
+    /// Returns the sizes, as [`RULES`] has them.
+    pub(crate) const fn sizes(&self) -> [u32; 5] {
+        let Self { joint_len: j, proxy_len: p, group_len: g, .. } = *self;
+        [1, j, p, p.div_ceil(2), g]
+    }
+}
+
+/// Bit of an envelope with keys, c1 and c2.
+const RECONSTRUCTS: u8 = 4;
+/// Bit of an envelope with kernel maps.
+const CORRECTS: u8 = 8;
+
+/// The sections of an envelope, in the order in which the trainer writes them.
+pub const ENVELOPE_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
+
+/// What an envelope asks of its sections. Sizes: 1, J, P, blocks of 8 rows in 4 P, G.
+pub(crate) const RULES: [Rule; 12] = [
+    Rule::new(SectionKind::EnvelopeCounts, EnvelopeCounts::BYTES as u8, [0, 0]),
+    Rule::floats(SectionKind::Certificate, Certificate::BYTES as u8, [0, 0]),
+    Rule::new(SectionKind::Names, 4, [1, 0]).or_more(4),
+    Rule::new(SectionKind::Hierarchy, 6, [1, 0]),
+    Rule::floats(SectionKind::InverseBinds, 48, [1, 0]),
+    Rule::new(SectionKind::Keys, 4 * KEY_WORDS as u8, [2, 0]).with(RECONSTRUCTS),
+    Rule::floats(SectionKind::C1, 32 * 3, [3, 2]).with(RECONSTRUCTS),
+    Rule::floats(SectionKind::C2, 32 * 4, [3, 1]).with(RECONSTRUCTS),
+    Rule::floats(SectionKind::PoseRanges, 4, [1, 0]).unsigned(),
+    Rule::floats(SectionKind::Origins, 12, [1, 0]).with(CORRECTS),
+    Rule::new(SectionKind::Groups, GroupRow::BYTES as u8, [4, 0]).with(CORRECTS),
+    Rule::new(SectionKind::Corrections, 0, [0, 0]).with(CORRECTS).or_more(0),
+];

@@ -1,0 +1,155 @@
+//! From a pose to the palette: the stages of each predictor, one after the other.
+
+use super::counts::Predictor;
+use super::scratch::ScratchLayout;
+use super::view::Envelope;
+use super::{confidence, correction, features, gradients, joints, palette};
+use crate::error::{Argument, CallError};
+use crate::linear::Matrix3x4;
+
+impl Envelope<'_> {
+    /// Returns the floats of scratch that [`Envelope::palette`] needs.
+    pub const fn scratch_len(&self) -> usize {
+        self.scratch_layout().len
+    }
+
+    /// Returns the floats of scratch that the stage `correction` needs; 0 without groups.
+    pub const fn correction_len(&self) -> usize {
+        self.counts().correction_len as usize
+    }
+
+    const fn scratch_layout(&self) -> ScratchLayout {
+        ScratchLayout::in_turn(self.joint_len(), self.proxy_len(), self.correction_len())
+    }
+
+    /// Computes the palette of a pose, and returns the confidence in it, in [0, 1]: 1 within what
+    /// was seen in training, 0 far from it.
+    ///
+    /// Where a kernel map is not confident it fades, and its proxies tend to their base. A
+    /// rotational envelope has nothing to fade: its confidence tells only how far joints turn beyond
+    /// their trained ranges. An envelope without any kernel map is certain.
+    ///
+    /// - `pose`: J skinning matrices, rest to posed, in model space; rigid to 1e-4.
+    /// - `scratch`: at least [`Envelope::scratch_len`] floats, of any content.
+    /// - `out_palette`: [`Envelope::palette_len`] transforms, rest to posed, in model space: what an
+    ///   engine's own skinning shader takes together with [`crate::Skin::influences`].
+    ///
+    /// # Errors
+    /// - [`crate::CallErrorKind::Length`]: `pose` or `out_palette` has another length.
+    /// - [`crate::CallErrorKind::TooShort`]: `scratch` is too short.
+    /// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
+    pub fn palette(
+        &self,
+        pose: &[Matrix3x4],
+        scratch: &mut [f32],
+        out_palette: &mut [Matrix3x4],
+    ) -> Result<f32, CallError> {
+        self.check_lengths(1, pose, scratch, out_palette)?;
+        self.any_palette(pose, scratch, out_palette)
+    }
+
+    /// Computes the palettes of a batch of poses, with the bits of [`Envelope::palette`] for each.
+    ///
+    /// - `poses`: J skinning matrices a pose, one pose after the other.
+    /// - `scratch`: as for one pose.
+    /// - `out_palettes`: [`Envelope::palette_len`] transforms a pose.
+    /// - `out_confidences`: one a pose; their number is that of the poses.
+    ///
+    /// # Errors
+    /// - [`crate::CallErrorKind::Length`]: `poses` or `out_palettes` has another length than
+    ///   `out_confidences` asks for.
+    /// - [`crate::CallErrorKind::TooShort`]: `scratch` is too short.
+    /// - [`crate::CallErrorKind::NonFinite`]: a matrix is not finite; its index counts through all poses.
+    pub fn palettes(
+        &self,
+        poses: &[Matrix3x4],
+        scratch: &mut [f32],
+        out_palettes: &mut [Matrix3x4],
+        out_confidences: &mut [f32],
+    ) -> Result<(), CallError> {
+        self.check_lengths(out_confidences.len(), poses, scratch, out_palettes)?;
+        // Counts of a loaded envelope are at least one; chunks of zero would panic.
+        let (joint_len, palette_len) = (self.joint_len().max(1), self.palette_len().max(1));
+        for (number, pose) in poses.chunks(joint_len).enumerate() {
+            self.check_pose(pose).map_err(|error| error.at(number * joint_len + error.index))?;
+        }
+        let palettes = out_palettes.chunks_mut(palette_len);
+        let poses = poses.chunks(joint_len).zip(palettes);
+        for ((pose, palette), confidence) in poses.zip(out_confidences) {
+            *confidence = self.any_palette(pose, scratch, palette)?;
+        }
+        Ok(())
+    }
+
+    /// Computes what [`Envelope::palette`] does, of a rotational envelope alone. A program that calls
+    /// this and not the other is linked without kernel maps: on a Cortex-M4F 6 kB less at opt-level s,
+    /// 15 kB at 3.
+    ///
+    /// # Errors
+    /// - [`crate::CallErrorKind::NoStage`]: the envelope is not rotational.
+    /// - Those of [`Envelope::palette`].
+    pub fn rotational_palette(
+        &self,
+        pose: &[Matrix3x4],
+        scratch: &mut [f32],
+        out_palette: &mut [Matrix3x4],
+    ) -> Result<f32, CallError> {
+        self.check_stage(self.predictor() == Predictor::Rotational)?;
+        self.check_lengths(1, pose, scratch, out_palette)?;
+        self.reconstruct(pose, scratch, out_palette)
+    }
+
+    fn check_lengths(
+        &self,
+        pose_len: usize,
+        poses: &[Matrix3x4],
+        scratch: &[f32],
+        palettes: &[Matrix3x4],
+    ) -> Result<(), CallError> {
+        let all = |each: usize| pose_len.saturating_mul(each);
+        Argument::Pose.check_len(all(self.joint_len()), poses.len())?;
+        Argument::Palette.check_len(all(self.palette_len()), palettes.len())?;
+        Argument::Scratch.check_least(self.scratch_len(), scratch.len())
+    }
+
+    /// Computes a palette by the stages of the predictor.
+    fn any_palette(
+        &self,
+        pose: &[Matrix3x4],
+        scratch: &mut [f32],
+        out_palette: &mut [Matrix3x4],
+    ) -> Result<f32, CallError> {
+        let mut confidence = 1.0;
+        if self.predictor().reconstructs() {
+            confidence = self.reconstruct(pose, scratch, out_palette)?;
+        } else {
+            joints::evaluate(self, pose, out_palette)?;
+        }
+        if self.group_len() > 0 {
+            // What the base needed of the scratch is free again.
+            let (features, scratch) = self.scratch_layout().correction(scratch);
+            features::evaluate(self, pose, features)?;
+            confidence = correction::evaluate(self, pose, features, scratch, out_palette)?;
+        }
+        Ok(confidence)
+    }
+
+    /// Computes the palette by rotational regression, and the confidence in it, which is 1 where a
+    /// correction follows.
+    fn reconstruct(
+        &self,
+        pose: &[Matrix3x4],
+        scratch: &mut [f32],
+        out_palette: &mut [Matrix3x4],
+    ) -> Result<f32, CallError> {
+        let base = self.scratch_layout().base(scratch, self.proxy_len());
+        gradients::evaluate(self, pose, base.relative, base.rotations, base.gradients)?;
+        let root = pose.get(self.root()).unwrap_or(&[[0.0; 4]; 3]);
+        palette::evaluate(self, root, base.relative, base.gradients, out_palette)?;
+        if self.predictor().corrects() {
+            Ok(1.0)
+        } else {
+            confidence::evaluate(self, base.rotations)
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Skinning matrices from local transforms and the hierarchy.
+
+use super::view::Envelope;
+use crate::error::{Argument, CallError, CallErrorKind};
+use crate::linear::{Matrix3x4, compose, dot};
+
+/// A joint's frame in its parent's, laid out as in C.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct LocalTransform {
+    /// Quaternion x, y, z, w; it is normalised here.
+    pub rotation: [f32; 4],
+    /// Origin in the parent's frame, in the units of the model.
+    pub translation: [f32; 3],
+}
+
+/// Computes the J skinning matrices of a pose given by J local transforms, in the joints' order.
+///
+/// `out_pose[j] = frame_j inverse_bind_j`, where `frame_j = frame_parent local_j`, the root's local
+/// transform being its frame in model space.
+///
+/// # Errors
+/// - [`CallErrorKind::Length`]: `local` or `out_pose` does not hold J elements.
+/// - [`CallErrorKind::NonFinite`]: a rotation or translation is not finite.
+/// - [`CallErrorKind::ZeroRotation`]: a quaternion's squared length is zero, subnormal or overflows.
+pub fn model_space_pose(
+    envelope: &Envelope<'_>,
+    local: &[LocalTransform],
+    out_pose: &mut [Matrix3x4],
+) -> Result<(), CallError> {
+    let expected = envelope.joint_len();
+    Argument::Local.check_len(expected, local.len())?;
+    Argument::Pose.check_len(expected, out_pose.len())?;
+    for (joint, transform) in local.iter().enumerate() {
+        if !transform.rotation.iter().chain(&transform.translation).all(|x| x.is_finite()) {
+            return Err(CallError::new(CallErrorKind::NonFinite, Argument::Local).at(joint));
+        }
+        if !squared_length(transform.rotation).is_normal() {
+            return Err(CallError::new(CallErrorKind::ZeroRotation, Argument::Local).at(joint));
+        }
+    }
+    for joint in envelope.evaluation_order() {
+        let parent = envelope.parent(joint).and_then(|p| out_pose.get(p)).copied();
+        if let (Some(local), Some(out)) = (local.get(joint), out_pose.get_mut(joint)) {
+            let frame = frame(local);
+            *out = parent.map_or(frame, |parent| compose(&parent, &frame));
+        }
+    }
+    for (joint, out) in out_pose.iter_mut().enumerate() {
+        if let Some(inverse_bind) = envelope.inverse_bind(joint) {
+            *out = compose(out, &inverse_bind);
+        }
+    }
+    Ok(())
+}
+
+/// Returns the matrix of a local transform; dividing by the squared length stands for normalising.
+fn frame(local: &LocalTransform) -> Matrix3x4 {
+    let [x, y, z, w] = local.rotation;
+    let [tx, ty, tz] = local.translation;
+    let s = 2.0 / squared_length(local.rotation);
+    let (xs, ys, zs) = (x * s, y * s, z * s);
+    [
+        [1.0 - (y * ys + z * zs), x * ys - w * zs, x * zs + w * ys, tx],
+        [x * ys + w * zs, 1.0 - (x * xs + z * zs), y * zs - w * xs, ty],
+        [x * zs - w * ys, y * zs + w * xs, 1.0 - (x * xs + y * ys), tz],
+    ]
+}
+
+fn squared_length([x, y, z, w]: [f32; 4]) -> f32 {
+    dot([x, y, z], [x, y, z]) + w * w
+}

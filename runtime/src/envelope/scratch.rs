@@ -1,0 +1,97 @@
+//! Where the arrays of an evaluation lie in its scratch, on a CPU and on a GPU.
+
+use super::view::Envelope;
+use crate::linear::{Matrix3x4, split};
+
+/// Where the arrays of a pose's evaluation lie in its scratch, in floats from its start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ScratchLayout {
+    /// The stack q: 4 J columns of 3.
+    pub relative: usize,
+    /// J rotation vectors of 3.
+    pub rotations: usize,
+    /// The stack d: 3 P columns of 3.
+    pub gradients: usize,
+    /// The features: J matrices of 12.
+    pub features: usize,
+    /// The confidence of each of the G groups; only where groups are evaluated at once.
+    pub confidences: usize,
+    /// The first group's own scratch.
+    pub groups: usize,
+    /// From a group's scratch to the next group's; 0 where they take turns.
+    pub group_stride: usize,
+    /// The length of all of it.
+    pub len: usize,
+}
+
+/// Returns the floats of scratch that [`Envelope::palette`] needs: the greater of 12 J + 3 J + 9 P
+/// for the base, and, with a correction, 12 J and [`super::EnvelopeCounts::correction_len`] for it.
+pub const fn scratch_len(joint_len: usize, proxy_len: usize, correction_len: usize) -> usize {
+    ScratchLayout::in_turn(joint_len, proxy_len, correction_len).len
+}
+
+impl ScratchLayout {
+    /// Lays out stages and groups that take turns, as on a CPU: in as little as they can share.
+    pub const fn in_turn(joint_len: usize, proxy_len: usize, correction_len: usize) -> Self {
+        let (rotations, gradients) = (12 * joint_len, 15 * joint_len);
+        let base = gradients + 9 * proxy_len;
+        let all = correction_len.saturating_add(12 * joint_len);
+        let correction = if correction_len > 0 { all } else { 0 };
+        Self {
+            relative: 0,
+            rotations,
+            gradients,
+            features: 0,
+            confidences: 0,
+            groups: 12 * joint_len,
+            group_stride: 0,
+            len: if base > correction { base } else { correction },
+        }
+    }
+
+    /// Lays out stages that keep what they computed, and groups that are evaluated at once, as on a
+    /// GPU: a group's scratch is x (d), g (n), 1 - b (n) and z (r), each in whole blocks of 8.
+    pub fn at_once(envelope: &Envelope<'_>) -> Self {
+        let (joint_len, group_len) = (envelope.joint_len(), envelope.group_len());
+        let base = usize::from(envelope.predictor().reconstructs());
+        let correction = usize::from(group_len > 0);
+        let padded = |len: usize| len.next_multiple_of(8);
+        let sizes = envelope.groups().map(|group| {
+            let (d, n, r) = (group.input_len(), group.centre_len(), group.rank());
+            padded(d) + 2 * padded(n) + padded(r)
+        });
+        let group_stride = sizes.max().unwrap_or(0);
+        let rotations = base * 12 * joint_len;
+        let gradients = rotations + base * 3 * joint_len;
+        let features = gradients + base * 9 * envelope.proxy_len();
+        let confidences = features + correction * 12 * joint_len;
+        let groups = confidences + group_len;
+        let len = groups.saturating_add(group_len.saturating_mul(group_stride));
+        Self { relative: 0, rotations, gradients, features, confidences, groups, group_stride, len }
+    }
+
+    /// Cuts what the base needs: 4 J columns, J rotation vectors, 3 P columns.
+    pub(crate) fn base<'a>(&self, scratch: &'a mut [f32], proxy_len: usize) -> Base<'a> {
+        let (columns, _) = scratch.as_chunks_mut::<3>();
+        let (relative, columns) = split(columns, self.rotations / 3);
+        let (rotations, columns) = split(columns, (self.gradients - self.rotations) / 3);
+        let (gradients, _) = split(columns, 3 * proxy_len);
+        Base { relative, rotations, gradients }
+    }
+
+    /// Cuts what the correction needs: J features, and scratch of a group.
+    pub(crate) fn correction<'a>(
+        &self,
+        scratch: &'a mut [f32],
+    ) -> (&'a mut [Matrix3x4], &'a mut [f32]) {
+        let (features, group) = split(scratch, self.groups);
+        (features.as_chunks_mut::<4>().0.as_chunks_mut::<3>().0, group)
+    }
+}
+
+/// Scratch of the reconstruction, stacks of columns.
+pub(crate) struct Base<'a> {
+    pub(crate) relative: &'a mut [[f32; 3]],
+    pub(crate) rotations: &'a mut [[f32; 3]],
+    pub(crate) gradients: &'a mut [[f32; 3]],
+}

@@ -1,0 +1,217 @@
+//! Why a file is refused.
+
+use super::SectionKind;
+use core::fmt;
+
+/// Why a file was refused, and where; FORMAT.md lists the checks in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FileError {
+    /// What is wrong.
+    pub kind: FileErrorKind,
+    /// The part, a row of the part table; `None` for the file as a whole.
+    pub part: Option<u16>,
+    /// The section; `None` for the message and its tables.
+    pub section: Option<SectionKind>,
+    /// Which element: of the section, in what its table counts, or of a table, in rows.
+    pub index: u32,
+    /// What should be there, or the most or the least that may; `u32::MAX` also stands for more.
+    pub expected: u32,
+    /// What is there; `u32::MAX` also stands for more.
+    pub found: u32,
+}
+
+/// What can be wrong with a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum FileErrorKind {
+    /// The first four bytes, `found`, are not those of a model.
+    NotAModel,
+    /// Written in version `found`; this reader knows `expected`.
+    Version,
+    /// The file ends early, or has bytes left over, or states a length, padding or a space that
+    /// cannot be.
+    Malformed,
+    /// The file was changed after it was written: it states checksum `expected`, and has `found`.
+    Checksum,
+    /// More of something than the caller's [`crate::Limits`] or the format allow. Without a section
+    /// `index` 0 is bytes of the file, 1 parts, 2 sections; else it is a count of the section.
+    Limit,
+    /// `found` is nothing that this reader knows: feature bits; flags or the kind of a part or of a
+    /// section; an element type, a predictor, a kernel, a reserved number that is not 0.
+    Unsupported,
+    /// Row `index` of the section table names part `found` of `expected`.
+    PartIndex,
+    /// Row `index` of the section table starts off the alignment.
+    Alignment,
+    /// Row `index` of the section table starts before the one before it ends.
+    Overlap,
+    /// Row `index` of the section table reaches beyond the blob.
+    Bounds,
+    /// Row `index` of the section table repeats a kind of its part.
+    Duplicate,
+    /// The part lacks the section.
+    Missing,
+    /// The section is not one that the part, as its counts describe it, has.
+    Unexpected,
+    /// The section should have `expected` bytes.
+    Length,
+    /// A count that must be at least one is zero: `index` of the section.
+    Empty,
+    /// Float `index` is not finite, or larger than [`super::MAGNITUDE_MAX`], or in a correction than
+    /// [`super::CORRECTION_MAX`]; or negative where it may not be.
+    Float,
+    /// Element `index` should be less than `expected`.
+    Index,
+    /// Element `index` should be `expected`, which follows from the rest of the file.
+    Mismatch,
+    /// Element `index` breaks a rule of its section: a name is not UTF-8 or out of place, a joint not
+    /// of the tree, an inverse bind matrix not rigid, a normal or tangent not of its length, a
+    /// twist too large, weights do not sum to one, a fade does not start and then end, vertices lie
+    /// outside a rest box (`found` is the vertex), a range is not inside the mesh.
+    Invalid,
+}
+
+impl FileError {
+    /// Makes an error of the file as a whole, with an index and the values expected and found.
+    #[cold]
+    pub(crate) fn of_file(kind: FileErrorKind, index: usize, values: [u32; 2]) -> Self {
+        let ([expected, found], index) = (values, saturated(index as u64));
+        Self { kind, part: None, section: None, index, expected, found }
+    }
+
+    /// Makes an error of a section. Never inlined: there are many, and none of them is in a hurry.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn of(
+        kind: FileErrorKind,
+        section: SectionKind,
+        index: usize,
+        [expected, found]: [u32; 2],
+    ) -> Self {
+        let index = saturated(index as u64);
+        Self { kind, part: None, section: Some(section), index, expected, found }
+    }
+
+    /// Says which part it is about.
+    #[cold]
+    pub(crate) const fn part(self, part: u16) -> Self {
+        Self { part: Some(part), ..self }
+    }
+}
+
+/// Returns a number, or the most that an error holds.
+pub(crate) fn saturated(value: u64) -> u32 {
+    u32::try_from(value).unwrap_or(u32::MAX)
+}
+
+/// Names what an index counts where a section, or the file as a whole, has counts.
+fn counted(section: Option<SectionKind>, index: u32) -> &'static str {
+    let names: &[&str] = match section {
+        None => &["file bytes", "parts", "sections"],
+        Some(SectionKind::EnvelopeCounts) => {
+            &["predictor", "joints", "proxies", "root", "groups", "floats of scratch"]
+        }
+        Some(SectionKind::SkinCounts) => &["vertices", "influences", "envelope", "ranges"],
+        Some(_) => &[],
+    };
+    names.get(index as usize).copied().unwrap_or("elements")
+}
+
+impl core::error::Error for FileError {}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { kind, part, section, index, expected, found } = *self;
+        let name = section.map_or("the file", SectionKind::name);
+        if let Some(part) = part {
+            write!(f, "part {part}: ")?;
+        }
+        match kind {
+            FileErrorKind::NotAModel => {
+                write!(f, "not a model: it starts with {:?}", found.to_le_bytes())
+            }
+            FileErrorKind::Version => {
+                write!(f, "format version: expected {expected}, found {found}")
+            }
+            FileErrorKind::Malformed => {
+                f.write_str("the file ends early or states something impossible")
+            }
+            FileErrorKind::Checksum => {
+                write!(f, "damaged file: expected checksum {expected:08x}, found {found:08x}")
+            }
+            FileErrorKind::Limit => {
+                write!(f, "{}: at most {expected} allowed, found {found}", counted(section, index))
+            }
+            FileErrorKind::Unsupported => match section {
+                Some(_) => write!(f, "element {index} of {name}: unknown number {found}"),
+                None if part.is_some() => {
+                    write!(f, "unknown required kind, type or flags: {found}")
+                }
+                None => write!(f, "needs unknown features {found:#x}"),
+            },
+            FileErrorKind::PartIndex => {
+                write!(f, "section row {index} belongs to part {found} of {expected}")
+            }
+            FileErrorKind::Alignment => write!(f, "section row {index} is not aligned"),
+            FileErrorKind::Overlap => write!(f, "section row {index} starts inside another"),
+            FileErrorKind::Bounds => write!(f, "section row {index} reaches beyond the blob"),
+            FileErrorKind::Duplicate => write!(f, "section row {index} repeats a kind"),
+            FileErrorKind::Missing => write!(f, "section {name} is missing"),
+            FileErrorKind::Unexpected => write!(f, "section {name} is not one of this part's"),
+            FileErrorKind::Length => {
+                write!(f, "section {name}: expected {expected} bytes, found {found}")
+            }
+            FileErrorKind::Empty => match section {
+                Some(SectionKind::Groups) => write!(
+                    f,
+                    "group {index} lacks proxies, or has centres but no inputs or no rank"
+                ),
+                _ => write!(f, "{}: expected at least 1, found 0", counted(section, index)),
+            },
+            FileErrorKind::Float => write!(f, "float {index} of {name} is out of range"),
+            FileErrorKind::Index => {
+                write!(f, "index {index} of {name}: expected less than {expected}, found {found}")
+            }
+            FileErrorKind::Mismatch => match section {
+                Some(SectionKind::Groups) => {
+                    write!(f, "group {index}: expected at word {expected}, found at {found}")
+                }
+                _ => {
+                    let what = counted(section, index);
+                    write!(f, "{what}: the groups need {expected}, found {found}")
+                }
+            },
+            FileErrorKind::Invalid => match section {
+                Some(SectionKind::Names) => write!(f, "name {index} is not valid"),
+                Some(SectionKind::Hierarchy) => write!(f, "joint {index} is not part of one tree"),
+                Some(SectionKind::InverseBinds) => {
+                    write!(f, "the inverse bind matrix of joint {index} is not rigid")
+                }
+                Some(SectionKind::RestNormals) => {
+                    write!(f, "the normal of vertex {index} has a length other than 1 and 0")
+                }
+                Some(SectionKind::RestTangents) => write!(
+                    f,
+                    "the tangent of vertex {index} has a length other than 1, or no handedness"
+                ),
+                Some(SectionKind::InfluenceWeights) => {
+                    write!(f, "the weights of vertex {index} do not sum to one")
+                }
+                Some(SectionKind::Keys) => {
+                    write!(f, "a twist matrix of key {index} is too large")
+                }
+                Some(SectionKind::Groups) => {
+                    write!(f, "group {index}: the fade does not start and end")
+                }
+                Some(SectionKind::RestBoxes) => write!(
+                    f,
+                    "rest box {index} does not hold vertex {found}, which its transform moves"
+                ),
+                Some(SectionKind::Ranges) => {
+                    write!(f, "range {index} of vertices is not inside the mesh, or out of order")
+                }
+                _ => write!(f, "element {index} of {name} is not valid"),
+            },
+        }
+    }
+}

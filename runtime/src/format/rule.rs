@@ -1,0 +1,95 @@
+//! What a part asks of its sections, as a table: presence, length, and what floats may be.
+
+use super::message::MAGNITUDE_MAX;
+use super::tables::SectionKind;
+
+/// What a part asks of its section of one kind.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rule {
+    pub(crate) section: SectionKind,
+    /// Bit of what a part must have for the section to be there; [`ALWAYS`] and [`OPTIONAL`] are any
+    /// part's.
+    pub(crate) has: u8,
+    /// Bytes of an element.
+    pub(crate) each: u8,
+    /// Which two of the part's sizes multiply to the number of elements.
+    pub(crate) sizes: [u8; 2],
+    /// Bytes of what its content states its own length in, so that it may be longer; `None` where the
+    /// length is exact.
+    pub(crate) or_more: Option<u8>,
+    /// The least and the greatest of its floats; `None` where it is not of floats alone.
+    pub(crate) floats: Option<Floats>,
+}
+
+/// What floats may be, [`MAGNITUDE_MAX`] apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Floats {
+    Signed,
+    Unsigned,
+}
+
+/// A section that every part of its kind has.
+pub(crate) const ALWAYS: u8 = 1;
+/// A section that a part may have.
+pub(crate) const OPTIONAL: u8 = 2;
+
+impl Rule {
+    /// Makes the rule of a section that is always there, and not of floats alone.
+    pub(crate) const fn new(section: SectionKind, each: u8, sizes: [u8; 2]) -> Self {
+        Self { section, has: ALWAYS, each, sizes, or_more: None, floats: None }
+    }
+
+    /// Makes the rule of a section of floats.
+    pub(crate) const fn floats(section: SectionKind, each: u8, sizes: [u8; 2]) -> Self {
+        Self { floats: Some(Floats::Signed), ..Self::new(section, each, sizes) }
+    }
+
+    /// Says what a part must have for the section to be there.
+    pub(crate) const fn with(self, has: u8) -> Self {
+        Self { has, ..self }
+    }
+
+    /// Says that the content states its own length, in so many bytes beside its elements.
+    pub(crate) const fn or_more(self, bytes: u8) -> Self {
+        Self { or_more: Some(bytes), ..self }
+    }
+
+    /// Says that no float may be negative.
+    pub(crate) const fn unsigned(self) -> Self {
+        Self { floats: Some(Floats::Unsigned), ..self }
+    }
+
+    /// Computes the length in bytes, the least if it may be longer; `None` if the product overflows.
+    pub(crate) fn bytes(&self, sizes: &[u32]) -> Option<u64> {
+        let size = |at: u8| u64::from(sizes.get(usize::from(at)).copied().unwrap_or_default());
+        let [a, b] = self.sizes;
+        let elements = (size(a) * size(b)).checked_mul(self.each.into())?;
+        elements.checked_add(self.or_more.unwrap_or_default().into())
+    }
+
+    /// Lists the sections of rules.
+    pub(crate) const fn sections<const N: usize>(rules: &[Self; N]) -> [SectionKind; N] {
+        let mut out = [SectionKind::Names; N];
+        let mut at = 0;
+        while at < N {
+            out[at] = rules[at].section;
+            at += 1;
+        }
+        out
+    }
+
+    /// Finds the rule of a section.
+    pub(crate) fn of(rules: &[Self], section: SectionKind) -> Option<&Self> {
+        rules.iter().find(|rule| rule.section == section)
+    }
+}
+
+impl Floats {
+    /// Returns the least and the greatest.
+    pub(crate) const fn range(self) -> [f32; 2] {
+        match self {
+            Self::Signed => [-MAGNITUDE_MAX, MAGNITUDE_MAX],
+            Self::Unsigned => [0.0, MAGNITUDE_MAX],
+        }
+    }
+}

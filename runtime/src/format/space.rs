@@ -1,0 +1,112 @@
+//! The space that a file's numbers are in: which way its axes point, and how long its unit is.
+
+/// A direction along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Axis {
+    /// Along x.
+    X = 1,
+    /// Against x.
+    MinusX = 2,
+    /// Along y.
+    Y = 3,
+    /// Against y.
+    MinusY = 4,
+    /// Along z.
+    Z = 5,
+    /// Against z.
+    MinusZ = 6,
+}
+
+impl Axis {
+    /// Every direction.
+    pub const ALL: [Self; 6] =
+        [Self::X, Self::MinusX, Self::Y, Self::MinusY, Self::Z, Self::MinusZ];
+
+    /// Returns its number in the file.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// Returns the direction of this number.
+    pub fn from_number(number: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
+    }
+
+    /// Returns its name, the same as on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::X => "x",
+            Self::MinusX => "-x",
+            Self::Y => "y",
+            Self::MinusY => "-y",
+            Self::Z => "z",
+            Self::MinusZ => "-z",
+        }
+    }
+
+    /// Whether the two lie along one line.
+    pub const fn is_along(self, other: Self) -> bool {
+        (self as u8 - 1) / 2 == (other as u8 - 1) / 2
+    }
+}
+
+/// Which way the third axis points, seen from the first two.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Handedness {
+    /// x cross y is z, as in glTF.
+    #[default]
+    Right = 1,
+    /// x cross y is -z, as in Unity and Unreal.
+    Left = 2,
+}
+
+/// The space of a file: of its rest meshes, of the poses it takes, and of what it gives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Space {
+    /// Where a character's head is; `None` where the examples did not tell.
+    pub up: Option<Axis>,
+    /// Where a character looks.
+    pub forward: Option<Axis>,
+    /// The axes' handedness.
+    pub handedness: Handedness,
+    /// Metres of a unit of length.
+    pub unit: Option<f32>,
+}
+
+impl Space {
+    /// Writes it as the file has it.
+    pub fn to_bytes(&self) -> [u8; 8] {
+        let axis = |axis: Option<Axis>| axis.map_or(0, Axis::number);
+        let [a, b, c, d] = self.unit.unwrap_or_default().to_le_bytes();
+        [axis(self.up), axis(self.forward), self.handedness as u8, 0, a, b, c, d]
+    }
+
+    /// Reads it; `Err` is the first byte of a value that it cannot have.
+    pub(crate) fn from_bytes(bytes: [u8; 8]) -> Result<Self, u8> {
+        let [up, forward, handedness, reserved, unit @ ..] = bytes;
+        let axis = |at: u8, number: u8| match Axis::from_number(number) {
+            None if number != 0 => Err(at),
+            axis => Ok(axis),
+        };
+        let (up, forward) = (axis(0, up)?, axis(1, forward)?);
+        if up.zip(forward).is_some_and(|(up, forward)| up.is_along(forward)) {
+            return Err(1);
+        }
+        let handedness = match handedness {
+            1 => Handedness::Right,
+            2 => Handedness::Left,
+            _ => return Err(2),
+        };
+        if reserved != 0 {
+            return Err(3);
+        }
+        let unit = f32::from_le_bytes(unit);
+        let unit = if unit.to_bits() == 0 { None } else { Some(unit) };
+        if unit.is_some_and(|unit| !(1e-9..=1e9).contains(&unit)) {
+            return Err(4);
+        }
+        Ok(Self { up, forward, handedness, unit })
+    }
+}

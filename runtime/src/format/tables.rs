@@ -1,0 +1,277 @@
+//! Rows of the two tables, and the names and numbers of what they list.
+
+/// A kind of part. A number never changes meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u16)]
+pub enum PartKind {
+    /// Predicts a palette from a pose (METHOD §1).
+    Envelope = 1,
+    /// A mesh that follows a palette.
+    Skin = 2,
+}
+
+impl PartKind {
+    /// Every kind.
+    pub const ALL: [Self; 2] = [Self::Envelope, Self::Skin];
+
+    /// Returns its number in the file.
+    pub const fn number(self) -> u16 {
+        self as u16
+    }
+
+    /// Returns its name, the same as on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Envelope => "envelope",
+            Self::Skin => "skin",
+        }
+    }
+
+    /// Returns the kind of this number.
+    pub fn from_number(number: u16) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.number() == number)
+    }
+}
+
+/// A row of the part table. What a part consists of stands in its sections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PartRow {
+    /// Number of a [`PartKind`].
+    pub kind: u16,
+    /// Bit 0: a reader that does not know the kind must refuse the file.
+    pub flags: u16,
+}
+
+impl PartRow {
+    /// Bytes of a row.
+    pub const BYTES: usize = 4;
+
+    /// Makes the row of a part that a reader must know.
+    pub const fn new(kind: PartKind) -> Self {
+        Self { kind: kind.number(), flags: REQUIRED }
+    }
+
+    /// Whether a reader that does not know this part must refuse the file.
+    pub const fn required(&self) -> bool {
+        self.flags & REQUIRED != 0
+    }
+
+    /// Writes the row, little-endian.
+    pub const fn to_bytes(&self) -> [u8; Self::BYTES] {
+        let ([k0, k1], [f0, f1]) = (self.kind.to_le_bytes(), self.flags.to_le_bytes());
+        [k0, k1, f0, f1]
+    }
+
+    /// Reads a row.
+    pub const fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
+        let [k0, k1, f0, f1] = *bytes;
+        Self { kind: u16::from_le_bytes([k0, k1]), flags: u16::from_le_bytes([f0, f1]) }
+    }
+}
+
+/// What a section is an array of. A number never changes meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Element {
+    /// Records or text, whose layout the section's kind gives.
+    Mixed = 0,
+    /// IEEE 754 single precision.
+    F32 = 1,
+    /// Unsigned, 16 bits.
+    U16 = 2,
+    /// Unsigned, 32 bits.
+    U32 = 3,
+}
+
+impl Element {
+    /// Every type.
+    pub const ALL: [Self; 4] = [Self::Mixed, Self::F32, Self::U16, Self::U32];
+
+    /// Returns its number in the file.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// Returns its name, as FORMAT.md has it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Mixed => "mixed",
+            Self::F32 => "f32",
+            Self::U16 => "u16",
+            Self::U32 => "u32",
+        }
+    }
+}
+
+/// A row of the section table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SectionRow {
+    /// Number of a [`SectionKind`].
+    pub kind: u16,
+    /// Row of the part table that it belongs to.
+    pub part: u16,
+    /// Number of an [`Element`].
+    pub element: u8,
+    /// Bit 0: a reader that does not know the kind must refuse the file.
+    pub flags: u8,
+    /// Zero.
+    pub reserved: u16,
+    /// Where it starts, in bytes from the blob's start.
+    pub offset: u32,
+    /// Its length in bytes.
+    pub bytes: u32,
+}
+
+impl SectionRow {
+    /// Bytes of a row.
+    pub const BYTES: usize = 16;
+
+    /// Whether a reader that does not know this section must refuse the file.
+    pub const fn required(&self) -> bool {
+        self.flags as u16 & REQUIRED != 0
+    }
+
+    /// Writes the row, little-endian.
+    pub const fn to_bytes(&self) -> [u8; Self::BYTES] {
+        let ([k0, k1], [p0, p1]) = (self.kind.to_le_bytes(), self.part.to_le_bytes());
+        let ([r0, r1], [e, f]) = (self.reserved.to_le_bytes(), [self.element, self.flags]);
+        let [o0, o1, o2, o3] = self.offset.to_le_bytes();
+        let [b0, b1, b2, b3] = self.bytes.to_le_bytes();
+        [k0, k1, p0, p1, e, f, r0, r1, o0, o1, o2, o3, b0, b1, b2, b3]
+    }
+
+    /// Reads a row.
+    pub const fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
+        let [k0, k1, p0, p1, element, flags, r0, r1, o0, o1, o2, o3, b0, b1, b2, b3] = *bytes;
+        Self {
+            kind: u16::from_le_bytes([k0, k1]),
+            part: u16::from_le_bytes([p0, p1]),
+            element,
+            flags,
+            reserved: u16::from_le_bytes([r0, r1]),
+            offset: u32::from_le_bytes([o0, o1, o2, o3]),
+            bytes: u32::from_le_bytes([b0, b1, b2, b3]),
+        }
+    }
+}
+
+/// Flag bit of a row that must be understood.
+pub(crate) const REQUIRED: u16 = 1;
+
+/// A kind of section. A number never changes meaning; which part has which is the part's affair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u16)]
+pub enum SectionKind {
+    /// Name of the part, and of what it consists of: joints, or ranges of vertices.
+    Names = 1,
+    /// Parent of each joint, evaluation order, and rank of each joint in it.
+    Hierarchy = 2,
+    /// Inverse bind matrices.
+    InverseBinds = 3,
+    /// Rest positions.
+    RestPositions = 4,
+    /// Rest normals.
+    RestNormals = 5,
+    /// Rest tangents with handedness.
+    RestTangents = 6,
+    /// Palette index of each influence.
+    InfluenceIndices = 7,
+    /// Weight of each influence.
+    InfluenceWeights = 8,
+    /// Key predictors.
+    Keys = 9,
+    /// Gradients to palette.
+    C1 = 10,
+    /// Joints to palette.
+    C2 = 11,
+    /// Rest box of what each transform of the palette moves.
+    RestBoxes = 12,
+    /// Largest rotation of each joint in training.
+    PoseRanges = 13,
+    /// Origin of each joint in the rest pose.
+    Origins = 14,
+    /// Groups of proxies that share a kernel map.
+    Groups = 15,
+    /// Numbers of the kernel maps, group by group.
+    Corrections = 16,
+    /// Counts of an envelope.
+    EnvelopeCounts = 17,
+    /// What an envelope's fit was measured to reach.
+    Certificate = 18,
+    /// Counts of a skin.
+    SkinCounts = 19,
+    /// Ranges of vertices: the meshes that the artist made.
+    Ranges = 20,
+}
+
+impl SectionKind {
+    /// Every kind, by number.
+    pub const ALL: [Self; 20] = [
+        Self::Names,
+        Self::Hierarchy,
+        Self::InverseBinds,
+        Self::RestPositions,
+        Self::RestNormals,
+        Self::RestTangents,
+        Self::InfluenceIndices,
+        Self::InfluenceWeights,
+        Self::Keys,
+        Self::C1,
+        Self::C2,
+        Self::RestBoxes,
+        Self::PoseRanges,
+        Self::Origins,
+        Self::Groups,
+        Self::Corrections,
+        Self::EnvelopeCounts,
+        Self::Certificate,
+        Self::SkinCounts,
+        Self::Ranges,
+    ];
+
+    /// Returns its number in the file.
+    pub const fn number(self) -> u16 {
+        self as u16
+    }
+
+    /// Returns the kind of this number.
+    pub fn from_number(number: u16) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.number() == number)
+    }
+
+    /// Returns its name, as FORMAT.md has it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Names => "names",
+            Self::Hierarchy => "hierarchy",
+            Self::InverseBinds => "inverse_binds",
+            Self::RestPositions => "rest_positions",
+            Self::RestNormals => "rest_normals",
+            Self::RestTangents => "rest_tangents",
+            Self::InfluenceIndices => "influence_indices",
+            Self::InfluenceWeights => "influence_weights",
+            Self::Keys => "keys",
+            Self::C1 => "c1",
+            Self::C2 => "c2",
+            Self::RestBoxes => "rest_boxes",
+            Self::PoseRanges => "pose_ranges",
+            Self::Origins => "origins",
+            Self::Groups => "groups",
+            Self::Corrections => "corrections",
+            Self::EnvelopeCounts => "envelope_counts",
+            Self::Certificate => "certificate",
+            Self::SkinCounts => "skin_counts",
+            Self::Ranges => "ranges",
+        }
+    }
+
+    /// Returns the type of its elements.
+    pub const fn element(self) -> Element {
+        match self {
+            Self::Names | Self::Keys | Self::Groups | Self::Corrections => Element::Mixed,
+            Self::Hierarchy | Self::InfluenceIndices => Element::U16,
+            Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => Element::U32,
+            _ => Element::F32,
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! Skins: from a palette to positions, normals and tangents (METHOD §1.8).
+
+mod bounds;
+pub(crate) mod check;
+mod counts;
+mod job;
+mod posed_bounds;
+mod view;
+
+pub use bounds::Bounds;
+pub use counts::{LENGTH_TOLERANCE, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts, WEIGHT_SUM_TOLERANCE};
+pub use job::{Output, Rest, SkinJob, cells};
+pub use view::{Skin, SkinLayout};

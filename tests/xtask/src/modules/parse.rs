@@ -1,0 +1,275 @@
+//! What the modules of a crate define, and the paths in them.
+
+use super::tokens::tokens;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// The modules of a crate; the first is its root.
+pub(super) struct Crate {
+    pub(super) modules: Vec<Module>,
+}
+
+/// A module: a file's, or one inside of a file.
+pub(super) struct Module {
+    pub(super) file: PathBuf,
+    pub(super) parent: Option<usize>,
+    pub(super) children: BTreeMap<String, usize>,
+    /// Names that it defines.
+    pub(super) items: BTreeSet<String>,
+    /// What its `use`s bring in.
+    pub(super) uses: Vec<Use>,
+    /// Other paths in it.
+    pub(super) paths: Vec<Vec<String>>,
+}
+
+/// A leaf of a `use`.
+pub(super) struct Use {
+    /// The name that it brings in; of `*`, none.
+    pub(super) name: Option<String>,
+    pub(super) path: Vec<String>,
+}
+
+/// Words that a definition begins with, the name after it.
+const DEFINING: [&str; 8] = ["fn", "struct", "enum", "union", "trait", "type", "const", "static"];
+
+impl Crate {
+    /// Reads the root file and those of its modules.
+    pub(super) fn parse(
+        root: &Path,
+        read: &dyn Fn(&Path) -> Option<String>,
+    ) -> Result<Self, String> {
+        let mut out = Self { modules: Vec::new() };
+        let folder = root.parent().unwrap_or(Path::new("")).to_owned();
+        out.file(None, root, &folder, read)?;
+        Ok(out)
+    }
+
+    /// Lists the files.
+    pub(super) fn files(&self) -> BTreeSet<&Path> {
+        self.modules.iter().map(|module| module.file.as_path()).collect()
+    }
+
+    /// Reads a file and what is below it; returns its module.
+    fn file(
+        &mut self,
+        parent: Option<usize>,
+        file: &Path,
+        folder: &Path,
+        read: &dyn Fn(&Path) -> Option<String>,
+    ) -> Result<usize, String> {
+        let text = read(file).ok_or_else(|| format!("cannot read {}", file.display()))?;
+        let tokens = tokens(&text);
+        let mut walk = Walk { tokens: &tokens, at: 0, file, read };
+        let module = self.add(parent, file);
+        walk.module(self, module, folder)?;
+        Ok(module)
+    }
+
+    fn add(&mut self, parent: Option<usize>, file: &Path) -> usize {
+        self.modules.push(Module {
+            file: file.to_owned(),
+            parent,
+            children: BTreeMap::new(),
+            items: BTreeSet::new(),
+            uses: Vec::new(),
+            paths: Vec::new(),
+        });
+        self.modules.len() - 1
+    }
+}
+
+/// A place in a file.
+struct Walk<'a> {
+    tokens: &'a [String],
+    at: usize,
+    file: &'a Path,
+    read: &'a dyn Fn(&Path) -> Option<String>,
+}
+
+impl Walk<'_> {
+    fn peek(&self, ahead: usize) -> &str {
+        self.tokens.get(self.at + ahead).map_or("", String::as_str)
+    }
+
+    fn is_name(token: &str) -> bool {
+        token.starts_with(|sign: char| sign.is_alphabetic() || sign == '_')
+    }
+
+    /// Reads a module up to its end; `folder` is where files of its children lie.
+    fn module(&mut self, all: &mut Crate, own: usize, folder: &Path) -> Result<(), String> {
+        let mut depth = 0;
+        while self.at < self.tokens.len() {
+            match self.peek(0) {
+                "#" => {
+                    if self.attribute() {
+                        self.skip_item();
+                    }
+                    continue;
+                }
+                "{" => depth += 1,
+                "}" if depth == 0 => return Ok(()),
+                "}" => depth -= 1,
+                "use" => {
+                    self.at += 1;
+                    self.use_tree(&mut all.modules[own], Vec::new());
+                    continue;
+                }
+                "mod" if depth == 0 && Self::is_name(self.peek(1)) => {
+                    self.child(all, own, folder)?;
+                    continue;
+                }
+                "macro_rules" if depth == 0 => {
+                    all.modules[own].items.insert(self.peek(2).to_owned());
+                }
+                word if depth == 0 && DEFINING.contains(&word) => {
+                    let ahead = if self.peek(1) == "mut" { 2 } else { 1 };
+                    let name = self.peek(ahead);
+                    if Self::is_name(name) && !DEFINING.contains(&name) {
+                        all.modules[own].items.insert(name.to_owned());
+                    }
+                }
+                word if Self::is_name(word) && self.peek(1) == "::" => {
+                    let path = self.path();
+                    all.modules[own].paths.push(path);
+                    continue;
+                }
+                _ => {}
+            }
+            self.at += 1;
+        }
+        Ok(())
+    }
+
+    /// Reads `mod name;` or `mod name { ... }`.
+    fn child(&mut self, all: &mut Crate, own: usize, folder: &Path) -> Result<(), String> {
+        let name = self.peek(1).to_owned();
+        let below = folder.join(&name);
+        let child = if self.peek(2) == "{" {
+            self.at += 3;
+            let child = all.add(Some(own), self.file);
+            self.module(all, child, &below)?;
+            child
+        } else {
+            let (beside, inside) = (folder.join(format!("{name}.rs")), below.join("mod.rs"));
+            let file = if (self.read)(&beside).is_some() { beside } else { inside };
+            all.file(Some(own), &file, &below, self.read)?
+        };
+        // The brace, or the semicolon and the two words before it.
+        self.at += if self.peek(0) == "}" { 1 } else { 3 };
+        all.modules[own].children.insert(name, child);
+        Ok(())
+    }
+
+    /// Reads an attribute; returns whether what follows it is there in tests alone.
+    fn attribute(&mut self) -> bool {
+        let start = self.at;
+        self.at += if self.peek(1) == "!" { 2 } else { 1 };
+        self.skip_group();
+        let words = &self.tokens[start..self.at];
+        let has = |word: &str| words.iter().any(|token| token == word);
+        has("cfg") && has("test") && !has("not")
+    }
+
+    /// Skips a bracket and all that is in it, or a single token.
+    fn skip_group(&mut self) {
+        let mut depth = 0;
+        while self.at < self.tokens.len() {
+            match self.peek(0) {
+                "(" | "[" | "{" => depth += 1,
+                ")" | "]" | "}" => depth -= 1,
+                _ => {}
+            }
+            self.at += 1;
+            if depth == 0 {
+                return;
+            }
+        }
+    }
+
+    /// Skips an item: up to its semicolon, or its body, which a `use` has not.
+    fn skip_item(&mut self) {
+        let mut is_use = false;
+        while self.at < self.tokens.len() {
+            match self.peek(0) {
+                ";" => {
+                    self.at += 1;
+                    return;
+                }
+                "{" => {
+                    self.skip_group();
+                    if !is_use {
+                        return;
+                    }
+                }
+                "(" | "[" => self.skip_group(),
+                word => {
+                    is_use |= word == "use";
+                    self.at += 1;
+                }
+            }
+        }
+    }
+
+    /// Reads names with `::` between; a `::` before what is no name ends it.
+    fn path(&mut self) -> Vec<String> {
+        let mut out = vec![self.peek(0).to_owned()];
+        self.at += 1;
+        while self.peek(0) == "::" && Self::is_name(self.peek(1)) {
+            out.push(self.peek(1).to_owned());
+            self.at += 2;
+        }
+        // What follows `::<...>` belongs to what has been named.
+        if self.peek(0) == "::" {
+            self.at += 1;
+        }
+        out
+    }
+
+    /// Reads a tree of a `use`, after the names that lead to it.
+    fn use_tree(&mut self, own: &mut Module, mut path: Vec<String>) {
+        if self.peek(0) == "::" {
+            // Another crate's.
+            self.at += 1;
+        }
+        loop {
+            match self.peek(0) {
+                "{" => {
+                    self.at += 1;
+                    while !["}", ""].contains(&self.peek(0)) {
+                        self.use_tree(own, path.clone());
+                        if self.peek(0) == "," {
+                            self.at += 1;
+                        }
+                    }
+                    self.at += 1;
+                    return;
+                }
+                "*" => {
+                    self.at += 1;
+                    own.uses.push(Use { name: None, path });
+                    return;
+                }
+                word if Self::is_name(word) => {
+                    path.push(word.to_owned());
+                    self.at += 1;
+                }
+                _ => return,
+            }
+            if self.peek(0) == "::" {
+                self.at += 1;
+                continue;
+            }
+            // `{self}` names what leads to it.
+            if path.len() > 1 && path.last().is_some_and(|last| last == "self") {
+                path.pop();
+            }
+            let mut name = path.last().cloned();
+            if self.peek(0) == "as" {
+                name = Some(self.peek(1).to_owned());
+                self.at += 2;
+            }
+            own.uses.push(Use { name, path });
+            return;
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Further meshes as skins of a model's file.
+
+use super::follow::{Influences, Level, LevelError, LevelReport, Surface};
+use crate::bake::{BakeError, ModelParts, SkinParts, bake};
+use crate::examples::{Examples, Split, normals, tangents};
+use crate::posed::{FrameError, influences, palette, rest, skin_on};
+use rayon::prelude::*;
+use sinew_runtime::{FileError, Model};
+
+/// Further meshes that cannot become skins.
+#[derive(Debug, thiserror::Error)]
+pub enum AddError {
+    /// A mesh cannot follow the model.
+    #[error(transparent)]
+    Level(#[from] LevelError),
+    /// The model that they are to follow cannot be written.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    /// The model that they are to follow cannot be loaded.
+    #[error("the model is refused: {0}")]
+    Model(#[from] FileError),
+    /// The runtime refuses a frame.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+}
+
+/// What the examples' own skin is called.
+pub const OWN: &str = "skin";
+
+/// Checks that no two skins of a file would have one name.
+///
+/// # Errors
+/// [`LevelError::Duplicate`].
+pub fn check_names(levels: &[Level]) -> Result<(), LevelError> {
+    let names = levels.iter().map(|level| level.name.as_str());
+    let names: Vec<&str> = std::iter::once(OWN).chain(names).collect();
+    let again = (1..names.len()).find(|&number| names[..number].contains(&names[number]));
+    again.map_or(Ok(()), |number| Err(LevelError::Duplicate { name: names[number].to_owned() }))
+}
+
+/// Adds meshes as skins that follow a model's first envelope, as its first skin does in the training
+/// frames by the runtime.
+///
+/// # Errors
+/// Every [`AddError`].
+pub fn add(
+    parts: &mut ModelParts,
+    levels: &[Level],
+    examples: &Examples,
+) -> Result<Vec<LevelReport>, AddError> {
+    if levels.is_empty() {
+        return Ok(Vec::new());
+    }
+    let model = Model::from_bytes(bake(parts)?)?;
+    let Some((envelope, skin)) = model.envelope().zip(model.skin()) else { return Ok(Vec::new()) };
+    let frames = examples.frames_of(Split::Train);
+    let posed = frames.par_iter().map(|&frame| {
+        let (palette, _) = palette(&envelope, examples, frame)?;
+        let [positions, _] = skin_on(&skin, &palette, frame)?;
+        Ok((palette, positions))
+    });
+    let (palettes, posed): (Vec<_>, Vec<_>) =
+        posed.collect::<Result<Vec<_>, FrameError>>()?.into_iter().unzip();
+    let surface = Surface {
+        rest: &rest(&skin),
+        triangles: &examples.solid_triangles(),
+        influences: &influences(&skin),
+        most: skin.influence_len(),
+        diagonal: examples.diagonal(),
+        palettes: &palettes,
+        posed,
+    };
+    let followed: Vec<_> =
+        levels.iter().map(|level| surface.follow(level)).collect::<Result<_, _>>()?;
+    let (influences, reports): (Vec<_>, Vec<_>) = followed.into_iter().unzip();
+    for (level, influences) in levels.iter().zip(influences) {
+        parts.skins.push(skin_parts(level, influences));
+    }
+    Ok(reports)
+}
+
+/// Adds as many bytes as meshes can take at the most: before it is known what they follow.
+pub fn reserve(parts: &mut ModelParts, levels: &[Level]) {
+    let all = parts.skins.first().map_or(&[][..], |skin| &skin.influences);
+    let most = all.iter().map(Vec::len).max().unwrap_or(0);
+    for level in levels {
+        let any = vec![(0, 1.0); most];
+        parts.skins.push(skin_parts(level, vec![any; level.mesh.positions.len()]));
+    }
+}
+
+fn skin_parts(level: &Level, influences: Influences) -> SkinParts {
+    let Level { name, mesh } = level;
+    let tangents = mesh.uv.as_ref().map(|uv| tangents(&mesh.positions, &mesh.triangles, uv));
+    SkinParts {
+        name: name.clone(),
+        envelope: Some(0),
+        rest_positions: mesh.positions.clone(),
+        rest_normals: normals(&mesh.positions, &mesh.triangles),
+        rest_tangents: tangents,
+        influences,
+        ranges: Vec::new(),
+    }
+}

@@ -1,0 +1,8 @@
+//! Further meshes on a model's palette, so that one prediction drives every level of detail.
+
+mod add;
+mod follow;
+mod nearest;
+
+pub use add::{AddError, OWN, add, check_names, reserve};
+pub use follow::{Influences, Level, LevelError, LevelReport, Surface};

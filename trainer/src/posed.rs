@@ -1,0 +1,72 @@
+//! The runtime on frames of the examples: palettes, and skins on them.
+
+use crate::examples::Examples;
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{CallError, Envelope, Matrix3x4, Skin, SkinJob};
+
+/// The runtime refuses a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("frame {frame}: {error}")]
+pub struct FrameError {
+    /// The frame.
+    pub frame: usize,
+    /// Why.
+    pub error: CallError,
+}
+
+/// Lists a skin's V rest positions.
+pub fn rest(skin: &Skin<'_>) -> Vec<[f64; 3]> {
+    let position = |vertex| skin.rest_position(vertex).unwrap_or_default().map(f64::from);
+    (0..skin.vertex_len()).map(position).collect()
+}
+
+/// Lists the influences of a skin's V vertices that weigh something: palette index and weight.
+pub fn influences(skin: &Skin<'_>) -> Vec<Vec<(usize, f64)>> {
+    let of = |vertex| skin.influences(vertex).filter(|&(_, weight)| weight > 0.0);
+    let wide = |(index, weight): (usize, f32)| (index, f64::from(weight));
+    (0..skin.vertex_len()).map(|vertex| of(vertex).map(wide).collect()).collect()
+}
+
+/// Computes the palette of one frame of the examples with the runtime, and its confidence.
+///
+/// # Errors
+/// [`FrameError`]
+pub fn palette(
+    envelope: &Envelope<'_>,
+    examples: &Examples,
+    frame: usize,
+) -> Result<(Vec<Matrix3x4>, f32), FrameError> {
+    let pose: Vec<Matrix3x4> =
+        examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect();
+    let mut scratch = vec![0.0; envelope.scratch_len()];
+    let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
+    let confidence = envelope
+        .palette(&pose, &mut scratch, &mut palette)
+        .map_err(|error| FrameError { frame, error })?;
+    Ok((palette, confidence))
+}
+
+/// Skins a mesh on the palette of a frame: positions and normals, 3V floats each.
+///
+/// # Errors
+/// [`FrameError`]
+pub fn skin_on(
+    skin: &Skin<'_>,
+    palette: &[Matrix3x4],
+    frame: usize,
+) -> Result<[Vec<f32>; 2], FrameError> {
+    let [mut positions, mut normals] = [0, 1].map(|_| vec![0.0; 3 * skin.vertex_len()]);
+    SkinJob {
+        skin: *skin,
+        palette,
+        vertices: 0..skin.vertex_len(),
+        remap: None,
+        rest: Rest::default(),
+        positions: Some(Output { floats: cells(&mut positions), stride: 3 }),
+        normals: Some(Output { floats: cells(&mut normals), stride: 3 }),
+        tangents: None,
+    }
+    .run()
+    .map_err(|error| FrameError { frame, error })?;
+    Ok([positions, normals])
+}

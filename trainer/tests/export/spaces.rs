@@ -1,0 +1,104 @@
+//! Exports of models in the axes and the unit of an engine.
+
+use super::scene::Scene;
+use super::{arm, clip, farthest, model, pose, runtime_skin};
+use nalgebra::Vector3;
+use sinew_runtime::Model;
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::format::{Axis, Handedness, Space};
+use sinew_trainer::examples::{Examples, SpaceError, SpaceWish};
+use sinew_trainer::export::{ExportError, Stand, export};
+
+const GLTF: Space = Space {
+    up: Some(Axis::Y),
+    forward: Some(Axis::Z),
+    handedness: Handedness::Right,
+    unit: Some(1.0),
+};
+const UNREAL: Space = Space {
+    up: Some(Axis::Z),
+    forward: Some(Axis::X),
+    handedness: Handedness::Left,
+    unit: Some(0.01),
+};
+
+fn examples(space: Space) -> Examples {
+    let mut arm = Examples { space: GLTF, ..arm(300) };
+    arm.convert_to(&space);
+    arm
+}
+
+fn to_gltf() -> Stand {
+    Stand::In(SpaceWish::all_of(&GLTF))
+}
+
+#[test]
+fn a_left_handed_model_is_mirrored_back() {
+    let examples = examples(UNREAL);
+    let clips = [clip("all", 0, 6)];
+    let bytes = model(&examples, Predictor::Kernel, 5, 4);
+    let runtime = Model::from_bytes(bytes.as_slice()).unwrap();
+    let skinned = |stand, key| {
+        let exported = export(&bytes, None, &examples, &clips, &[], stand).unwrap();
+        let scene = Scene::read(&exported.glb);
+        scene.skinned("skin", &scene.palette(&scene.worlds(Some((0, key, 0.0)))))
+    };
+    for key in [0, 5] {
+        let unreal = runtime_skin(&runtime, &pose(&examples, key));
+        // x forward, y right, z up in centimetres: glTF has x left, y up, z forward in metres.
+        let metres: Vec<_> = unreal.iter().map(|x| Vector3::new(-x.y, x.z, x.x) * 0.01).collect();
+        let near = 1e-4 * 0.01 * examples.diagonal();
+        assert!(farthest(&skinned(to_gltf(), key), &metres) < near);
+        // Untold it stands as in the model, right-handed: forward and up stay.
+        let own: Vec<_> = unreal.iter().map(|x| Vector3::new(x.x, -x.y, x.z)).collect();
+        assert!(farthest(&skinned(Stand::AsModel, key), &own) < 1e-4 * examples.diagonal());
+    }
+}
+
+#[test]
+fn triangles_of_an_export_face_outward() {
+    for space in [GLTF, UNREAL] {
+        let examples = examples(space);
+        let bytes = model(&examples, Predictor::Kernel, 4, 4);
+        let exported =
+            export(&bytes, None, &examples, &[clip("all", 0, 2)], &[], to_gltf()).unwrap();
+        let gltf = gltf::Gltf::from_slice(&exported.glb).unwrap();
+        let primitive = gltf.meshes().next().unwrap().primitives().next().unwrap();
+        let reader = primitive.reader(|_| gltf.blob.as_deref());
+        let points: Vec<Vector3<f32>> =
+            reader.read_positions().unwrap().map(Vector3::from).collect();
+        let corners: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+        let volume: f32 = corners
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|t| t.map(|v| points[v as usize]))
+            .map(|[a, b, c]| a.dot(&b.cross(&c)))
+            .sum();
+        assert!(volume > 0.0, "{volume}");
+    }
+}
+
+#[test]
+fn spaces_that_gltf_cannot_have_are_refused() {
+    let clips = [clip("all", 0, 2)];
+    let refused = |space: Space, wish: SpaceWish| {
+        let mut examples = examples(GLTF);
+        examples.space = space;
+        let bytes = model(&examples, Predictor::Kernel, 4, 4);
+        let exported = export(&bytes, None, &examples, &clips, &[], Stand::In(wish));
+        exported.map(|exported| exported.glb.len()).unwrap_err()
+    };
+    let all = SpaceWish::all_of(&UNREAL);
+    assert!(matches!(refused(GLTF, all), ExportError::LeftHanded));
+    let right = SpaceWish { handedness: None, ..all };
+    assert!(matches!(
+        refused(Space::default(), right),
+        ExportError::Space(SpaceError::UnknownAxis { what: "up", .. })
+    ));
+    let flat = SpaceWish { up: Some(Axis::X), forward: Some(Axis::MinusX), ..Default::default() };
+    assert!(matches!(
+        refused(GLTF, flat),
+        ExportError::Space(SpaceError::Parallel { up: Axis::X, forward: Axis::MinusX })
+    ));
+}
