@@ -139,7 +139,7 @@ static void hot_reload(const std::vector<std::uint8_t> &file, const std::vector<
     const Actor copied = actor;
     EXPECT(actor.works());
 
-    EXPECT(model.load({1, 2, 3, 4}).status == SINEW_STATUS_FILE_NOT_A_MODEL);
+    EXPECT(model.load(std::vector<std::uint8_t>(64, 7)).status == SINEW_STATUS_FILE_NOT_A_MODEL);
     EXPECT(actor.works());
     EXPECT(!model.load(file)); // the same file elsewhere
     EXPECT(actor.works());
@@ -198,7 +198,7 @@ int main(int, char **argv)
     EXPECT(skin.open(model, {}, info.skin_len).status == SINEW_STATUS_NOT_FOUND);
 
     // A failed load leaves the model as it was.
-    const sinew::Failure failed = model.load({1, 2, 3, 4});
+    const sinew::Failure failed = model.load(std::vector<std::uint8_t>(64, 7));
     EXPECT(failed.status == SINEW_STATUS_FILE_NOT_A_MODEL);
     EXPECT(std::strcmp(failed.text(), sinew_status_text(failed.error.status)) == 0);
     EXPECT(!envelope.open(model));

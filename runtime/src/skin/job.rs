@@ -5,6 +5,7 @@ use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{Le, Matrix3x4, dot, floats};
 use crate::numeric::sqrt;
 use core::cell::Cell;
+use core::iter;
 use core::ops::Range;
 use glam::{Mat4, Vec4, Vec4Swizzles};
 
@@ -38,7 +39,7 @@ pub struct Rest<'a> {
 /// Skins a range of vertices.
 ///
 /// Each vertex blends its K transforms in the file's order, `sum w_k T_k`, and then moves by columns,
-/// `((m_0 x + m_1 y) + m_2 z) + m_3`. Without an envelope it stays as it is at rest. Floats between
+/// `((m_0 x + m_1 y) + m_2 z) + m_3`. Without an envelope it stays at rest, directions made of length 1. Floats between
 /// attributes are left alone; where attributes overlap, the later field of this job wins.
 #[derive(Clone, Debug)]
 pub struct SkinJob<'a> {
@@ -101,22 +102,25 @@ impl SkinJob<'_> {
     /// - [`CallErrorKind::TooShort`]: an output is too short for its attribute.
     pub fn run(&self) -> Result<(), CallError> {
         self.check()?;
-        let Self { skin, palette, ref vertices, .. } = *self;
-        let influences = Influences::new(&skin);
-        let blended = |vertex: usize| Some((vertex, influences.blend(palette, vertex)?));
-        match (self.positions, self.normals, self.tangents, self.remap) {
-            (Some(out), None, None, None) if self.rest.positions.is_none() => {
+        let Self { skin, palette, ref vertices, remap, .. } = *self;
+        let influences = Influences::new(&skin, palette);
+        match (self.positions, self.normals, self.tangents) {
+            (Some(out), None, None) if remap.is_none() && self.rest.positions.is_none() => {
                 positions_alone(&skin, palette, vertices.clone(), out);
+                return Ok(());
             }
-            (.., Some(remap)) => {
-                let remap = remap.get(vertices.clone()).unwrap_or_default();
-                self.skin(remap.iter().map_while(|vertex| blended(*vertex as usize)));
-            }
-            (.., None) => match influences.blend_by_four(palette, vertices.clone()) {
-                Some(transforms) => self.skin(vertices.clone().zip(transforms)),
-                None => self.skin(vertices.clone().map_while(blended)),
-            },
+            _ => {}
         }
+        if remap.is_none()
+            && let Some(transforms) = influences.blend_by_four(vertices.clone())
+        {
+            self.skin(vertices.clone().zip(transforms));
+            return Ok(());
+        }
+        self.skin(vertices.clone().map_while(|at| {
+            let vertex = remap.map_or(Some(at), |remap| Some(*remap.get(at)? as usize))?;
+            Some((vertex, influences.blend(vertex)?))
+        }));
         Ok(())
     }
 
@@ -189,28 +193,32 @@ impl SkinJob<'_> {
 }
 
 /// Skins positions of the file's rest mesh: a loop of its own, which fits the registers.
-#[inline(always)]
+#[cfg_attr(target_os = "none", inline(never))]
 fn positions_alone(
     skin: &Skin<'_>,
     palette: &[Matrix3x4],
     vertices: Range<usize>,
     out: Output<'_>,
 ) {
-    let influences = Influences::new(skin);
     let rest = skin.positions().get(vertices.clone()).unwrap_or_default();
-    if skin.envelope_part().is_none() {
-        for (i, rest) in rest.iter().enumerate() {
-            out.put(i, moved(&Mat4::IDENTITY, floats(rest)));
-        }
-    } else if let Some(transforms) = influences.blend_by_four(palette, vertices.clone()) {
+    let influences = Influences::new(skin, palette);
+    if let Some(transforms) = influences.blend_by_four(vertices.clone()) {
         for (i, (rest, transform)) in rest.iter().zip(transforms).enumerate() {
             out.put(i, moved(&transform, floats(rest)));
         }
-    } else {
-        for ((i, vertex), rest) in vertices.enumerate().zip(rest) {
-            let Some(transform) = influences.blend(palette, vertex) else { return };
-            out.put(i, moved(&transform, floats(rest)));
+        return;
+    }
+    if skin.envelope_part().is_none() {
+        for (i, rest) in rest.iter().enumerate() {
+            // A way out of the loop: else it would be unrolled, which it is not worth.
+            if out.put(i, moved(&Mat4::IDENTITY, floats(rest))).is_none() {
+                return;
+            }
         }
+        return;
+    }
+    for (i, (rest, transform)) in rest.iter().zip(influences.blend_each(vertices)).enumerate() {
+        out.put(i, moved(&transform, floats(rest)));
     }
 }
 
@@ -239,18 +247,19 @@ impl Output<'_> {
     }
 
     #[inline(always)]
-    fn put<const N: usize>(&self, i: usize, value: [f32; N]) {
-        let out = self.floats.get(i * self.stride..).and_then(<[_]>::first_chunk::<N>);
-        if let Some(out) = out {
-            out.iter().zip(value).for_each(|(out, value)| out.set(value));
-        }
+    fn put<const N: usize>(&self, i: usize, value: [f32; N]) -> Option<()> {
+        let out = self.floats.get(i * self.stride..)?.first_chunk::<N>()?;
+        out.iter().zip(value).for_each(|(out, value)| out.set(value));
+        Some(())
     }
 }
 
-/// The influences of all vertices.
+/// The influences of all vertices, and the palette that they refer to.
 struct Influences<'a> {
+    palette: &'a [Matrix3x4],
     indices: &'a [[u8; 2]],
     weights: &'a [Le],
+    /// How many a vertex has; 0 without an envelope.
     len: usize,
 }
 
@@ -259,45 +268,57 @@ struct Influences<'a> {
 const UNROLL: bool = cfg!(any(target_pointer_width = "64", target_family = "wasm"));
 
 impl<'a> Influences<'a> {
-    fn new(skin: &Skin<'a>) -> Self {
+    fn new(skin: &Skin<'a>, palette: &'a [Matrix3x4]) -> Self {
         let (indices, weights) = (skin.indices(), skin.weights());
-        Self { indices, weights, len: skin.influence_len() }
+        Self { palette, indices, weights, len: skin.influence_len() }
     }
 
     /// Blends the transforms of vertices of which each has four; `None` where they have not.
     #[inline(always)]
-    fn blend_by_four(
-        &self,
-        palette: &[Matrix3x4],
-        vertices: Range<usize>,
-    ) -> Option<impl Iterator<Item = Mat4>> {
+    fn blend_by_four(&self, vertices: Range<usize>) -> Option<impl Iterator<Item = Mat4>> {
         if !UNROLL || self.len != 4 {
             return None;
         }
         let indices = self.indices.as_chunks::<4>().0.get(vertices.clone())?;
         let weights = self.weights.as_chunks::<4>().0.get(vertices)?;
-        Some(indices.iter().zip(weights).map_while(|(i, w)| blend(palette, i, w)))
+        Some(indices.iter().zip(weights).map_while(|(i, w)| blend(self.palette, i, w)))
     }
 
-    /// Blends the transforms of a vertex, first to last, and returns the columns of the sum; the
-    /// identity without influences. `None` stands for an index beyond the palette, or a vertex beyond
-    /// the mesh, which a loaded skin does not have.
+    /// Blends the transforms of vertices; of none where they have no influences.
     #[inline(always)]
-    fn blend(&self, palette: &[Matrix3x4], vertex: usize) -> Option<Mat4> {
+    fn blend_each(&self, vertices: Range<usize>) -> impl Iterator<Item = Mat4> {
+        let all = vertices.start * self.len..vertices.end * self.len;
+        let influences = self.indices.get(all.clone()).zip(self.weights.get(all));
+        let (mut indices, mut weights) = influences.unwrap_or_default();
+        // At least one, so that the loop over a vertex's influences needs no way around it.
+        let len = self.len.max(1);
+        iter::from_fn(move || {
+            let (first_indices, more_indices) = indices.split_at_checked(len)?;
+            let (first_weights, more_weights) = weights.split_at_checked(len)?;
+            (indices, weights) = (more_indices, more_weights);
+            blend(self.palette, first_indices, first_weights)
+        })
+    }
+
+    /// Blends the transforms of a vertex; the identity without influences. `None` as by [`blend`], or
+    /// for a vertex beyond the mesh.
+    #[inline(always)]
+    fn blend(&self, vertex: usize) -> Option<Mat4> {
         if UNROLL && self.len == 4 {
             let indices = self.indices.as_chunks::<4>().0.get(vertex)?;
-            return blend(palette, indices, self.weights.as_chunks::<4>().0.get(vertex)?);
+            return blend(self.palette, indices, self.weights.as_chunks::<4>().0.get(vertex)?);
         }
         if self.len == 0 {
             return Some(Mat4::IDENTITY);
         }
         let start = vertex * self.len;
         let indices = self.indices.get(start..).and_then(|rest| rest.get(..self.len))?;
-        blend(palette, indices, self.weights.get(start..)?)
+        blend(self.palette, indices, self.weights.get(start..)?)
     }
 }
 
-/// Blends the transforms of a vertex's influences.
+/// Blends the transforms of a vertex, first to last, and returns the columns of the sum. `None` stands
+/// for an index beyond the palette, which a loaded skin does not have.
 #[inline(always)]
 fn blend(palette: &[Matrix3x4], indices: &[[u8; 2]], weights: &[Le]) -> Option<Mat4> {
     let [mut x, mut y, mut z] = [Vec4::ZERO; 3];

@@ -5,9 +5,10 @@ use super::components::{self, Component, starts};
 use std::path::Path;
 use std::process::Command;
 
-const COMPONENTS: [Component; 5] = [
+const COMPONENTS: [Component; 6] = [
     Component { what: "gcc", package: "gcc", found: || starts("gcc") },
     Component { what: "g++", package: "g++", found: || starts("g++") },
+    Component { what: "clang", package: "clang", found: || starts("clang") },
     Component {
         what: "arm-none-eabi-gcc",
         package: "gcc-arm-none-eabi",

@@ -1,5 +1,5 @@
-//! What the tests on GPUs need of a machine without one: lavapipe, the validation layers and
-//! spirv-val; and SwiftShader, where a browser has brought it.
+//! What the tests on GPUs need of a machine without one: lavapipe, SwiftShader, the validation layers and
+//! spirv-val.
 
 use crate::components::{Component, install, succeeds};
 use std::ffi::OsString;
@@ -28,11 +28,16 @@ const LOADER: [&str; 6] = [
     "/opt/homebrew/etc/vulkan",
 ];
 
-const COMPONENTS: [Component; 3] = [
+const COMPONENTS: [Component; 4] = [
     Component {
         what: "lavapipe, Mesa's Vulkan driver on the CPU",
         package: "mesa-vulkan-drivers",
         found: || described(&["VK_DRIVER_FILES", "VK_ICD_FILENAMES"], "icd.d", "lvp_icd"),
+    },
+    Component {
+        what: "SwiftShader, a second Vulkan driver on the CPU, which Chromium brings",
+        package: "chromium",
+        found: || swiftshader().is_some(),
     },
     Component {
         what: "the Khronos validation layers for Vulkan",
@@ -51,12 +56,17 @@ pub(super) fn prepare() -> Result<(), String> {
     install(&COMPONENTS)
 }
 
+/// Finds SwiftShader in a browser's folder.
+fn swiftshader() -> Option<PathBuf> {
+    let mut all = BROWSERS.iter().map(|folder| Path::new(folder).join("vk_swiftshader_icd.json"));
+    all.find(|path| path.is_file())
+}
+
 /// Returns the variable that adds SwiftShader to the drivers that the Vulkan loader finds by itself;
 /// nothing where no browser has brought it.
 pub(super) fn drivers() -> Option<(&'static str, OsString)> {
     const NAME: &str = "VK_ADD_DRIVER_FILES";
-    let all = BROWSERS.iter().map(|folder| Path::new(folder).join("vk_swiftshader_icd.json"));
-    let swiftshader = all.into_iter().find(|path| path.is_file())?;
+    let swiftshader = swiftshader()?;
     let own = std::env::var_os(NAME).unwrap_or_default();
     let mut paths: Vec<PathBuf> =
         std::env::split_paths(&own).filter(|path| !path.as_os_str().is_empty()).collect();
