@@ -1,5 +1,6 @@
 //! The message: what a file is as a whole, and the numbers that hold for all of it.
 
+use super::crc;
 use serde::{Serialize, Serializer};
 
 /// First bytes of every file.
@@ -72,22 +73,9 @@ fn at_once<S: Serializer>(bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error
     serializer.serialize_bytes(bytes)
 }
 
-/// How the checksum is computed: 16 bytes at a time by tables of 16 KiB; on bare targets, where flash is
-/// dear and a file is loaded once, bit by bit.
-#[cfg(not(target_os = "none"))]
-type Steps = crc::Table<16>;
-#[cfg(target_os = "none")]
-type Steps = crc::NoTable;
-
 /// Computes the CRC-32 (ISO-HDLC) of a file with its own checksum field taken as zero.
 pub fn checksum(file: &[u8]) -> u32 {
-    static CRC: crc::Crc<u32, Steps> = crc::Crc::<u32, Steps>::new(&crc::CRC_32_ISO_HDLC);
-    let mut digest = CRC.digest();
     let (head, rest) = file.split_at_checked(CHECKSUM_OFFSET).unwrap_or((file, &[]));
-    digest.update(head);
-    if let Some((_, rest)) = rest.split_at_checked(4) {
-        digest.update(&[0; 4]);
-        digest.update(rest);
-    }
-    digest.finalize()
+    let (zeros, rest) = rest.split_at_checked(4).map_or((0, rest), |(_, rest)| (4, rest));
+    crc::of(&[head, [0; 4].get(..zeros).unwrap_or_default(), rest])
 }

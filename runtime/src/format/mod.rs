@@ -4,6 +4,7 @@
 //! parts and one of sections; what the sections of a part hold is the part's affair.
 
 pub(crate) mod content;
+mod crc;
 mod error;
 mod manifest;
 mod message;
