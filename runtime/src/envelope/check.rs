@@ -24,8 +24,8 @@ pub(crate) fn layout(
     limits: &Limits,
 ) -> Result<EnvelopeLayout, FileError> {
     manifest.check_known(file, part, &RULES)?;
-    let words = manifest.counts(file, part, SectionKind::EnvelopeCounts)?;
-    let section = SectionKind::EnvelopeCounts;
+    let (section, mut words) = (SectionKind::EnvelopeCounts, [0; 6]);
+    manifest.counts(file, part, section, &mut words)?;
     let Some(counts) = EnvelopeCounts::from_words(words) else {
         return Err(FileError::of(Kind::Unsupported, section, 0, [0, words[0]]));
     };

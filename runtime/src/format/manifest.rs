@@ -68,7 +68,7 @@ impl FileId {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Manifest {
     id: FileId,
-    space: Space,
+    space: [u8; 8],
     parts: Span,
     sections: Span,
     blob: Span,
@@ -78,8 +78,9 @@ impl Manifest {
     /// Reads and checks what stands before the blob: steps 1 to 4 of FORMAT.md.
     pub(crate) fn read(file: &[u8], limits: &Limits) -> Result<Self, FileError> {
         let (space, (parts, sections, _, blob)) = message(file, limits)?;
-        let space = Space::from_bytes(space)
-            .map_err(|at| FileError::of_file(Kind::Malformed, at.into(), [0; 2]))?;
+        if let Err(at) = Space::from_bytes(space) {
+            return Err(FileError::of_file(Kind::Malformed, at.into(), [0; 2]));
+        }
         // A file that has been decoded is long enough to have one.
         let id = FileId::of(file).unwrap_or(FileId { len: 0, checksum: 0 });
         let manifest = Self {
@@ -100,8 +101,9 @@ impl Manifest {
     }
 
     /// Returns the space of its numbers.
-    pub(crate) const fn space(&self) -> Space {
-        self.space
+    pub(crate) fn space(&self) -> Space {
+        // It has been read before.
+        Space::from_bytes(self.space).unwrap_or_default()
     }
 
     /// Returns the blob.
@@ -136,25 +138,31 @@ impl Manifest {
         self.sections(file).find(is_it).map_or(Span::NONE, |row| self.span(&row))
     }
 
-    /// Reads the N counts of a part.
+    /// Reads the counts of a part.
     ///
     /// # Errors
     /// [`Kind::Missing`] and [`Kind::Length`] of their section.
-    pub(crate) fn counts<const N: usize>(
+    #[inline(never)]
+    pub(crate) fn counts(
         &self,
         file: &[u8],
         part: u16,
         section: SectionKind,
-    ) -> Result<[u32; N], FileError> {
+        out_counts: &mut [u32],
+    ) -> Result<(), FileError> {
         let found = self.find(file, part, section);
-        let words = found.bytes(file).as_chunks().0.as_chunks().0.first();
-        if let Some(words) = words.filter(|_| found.len() == 4 * N) {
-            return Ok(words.map(u32::from_le_bytes));
-        }
         if !found.is_some() {
             return Err(FileError::of(Kind::Missing, section, 0, [0; 2]));
         }
-        Err(FileError::of(Kind::Length, section, 0, [4 * N as u32, found.len() as u32]))
+        let expected = 4 * out_counts.len();
+        if found.len() != expected {
+            let values = [expected as u32, found.len() as u32];
+            return Err(FileError::of(Kind::Length, section, 0, values));
+        }
+        for (count, word) in out_counts.iter_mut().zip(found.bytes(file).as_chunks().0) {
+            *count = u32::from_le_bytes(*word);
+        }
+        Ok(())
     }
 
     /// Finds the sections of a part, and holds them to its rules.

@@ -19,8 +19,9 @@ pub(crate) fn layout(
     palette_len: impl Fn(u16) -> Option<usize>,
 ) -> Result<SkinLayout, FileError> {
     manifest.check_known(file, part, &RULES)?;
-    let counts = SkinCounts::from_words(manifest.counts(file, part, SectionKind::SkinCounts)?);
-    let section = SectionKind::SkinCounts;
+    let (section, mut words) = (SectionKind::SkinCounts, [0; 4]);
+    manifest.counts(file, part, section, &mut words)?;
+    let counts = SkinCounts::from_words(words);
     // More influences than indices can tell apart have no transforms to be of.
     let most = limits.influences.min(u16::MAX.into());
     let influences = if counts.envelope == NO_ENVELOPE { 0..=0 } else { 1..=most };

@@ -31,17 +31,18 @@ impl Skin<'_> {
         }
         // A weighted mean of K terms and a product of 4 err by less than K + 8 roundings.
         let slack = WEIGHT_SUM_TOLERANCE + (self.influence_len() as f32 + 8.0) * f32::EPSILON;
-        let join = |union: Option<Bounds>, own: Bounds| {
-            Some(union.map_or(own, |union| union.joined(&own)))
-        };
+        let mut union: Option<Bounds> = None;
+        let mut join = |own: Bounds| union = Some(union.map_or(own, |union| union.joined(&own)));
         if self.envelope_part().is_none() {
-            let positions = self.positions().iter().map(|x| Bounds::of(floats(x)));
-            return Ok(positions.fold(None, join).map(|union| union.widened(rest_offset)));
+            let positions = self.positions().iter();
+            positions.for_each(|x| join(Bounds::of(floats(x)).widened(rest_offset)));
+            return Ok(union);
         }
-        let boxes = self.boxes().iter().map(Bounds::from_corners).zip(palette);
-        let moved = boxes.filter_map(|(rest, transform)| {
-            Some(rest?.widened(rest_offset).moved(transform, slack))
-        });
-        Ok(moved.fold(None, join))
+        for (rest, transform) in self.boxes().iter().zip(palette) {
+            if let Some(rest) = Bounds::from_corners(rest) {
+                join(rest.widened(rest_offset).moved(transform, slack));
+            }
+        }
+        Ok(union)
     }
 }
