@@ -5,7 +5,7 @@
 use nalgebra::Vector3;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::format::{Axis, Handedness, Space};
+use sinew_runtime::format::Space;
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::proxies::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -13,19 +13,9 @@ use sinew_trainer::evaluate::{Character, EvaluateError, Evaluation, Frames, eval
 use sinew_trainer::examples::{Conversion, Examples, Split};
 use sinew_trainer::progress::Silent;
 
-const GLTF: Space = Space {
-    up: Some(Axis::Y),
-    forward: Some(Axis::Z),
-    handedness: Handedness::Right,
-    unit: Some(1.0),
-};
-const UNREAL: Space = Space {
-    up: Some(Axis::Z),
-    forward: Some(Axis::X),
-    handedness: Handedness::Left,
-    unit: Some(0.01),
-};
-const UNITY: Space = Space { handedness: Handedness::Left, ..GLTF };
+const GLTF: Space = Space::GLTF;
+const UNREAL: Space = Space::UNREAL;
+const UNITY: Space = Space::UNITY;
 
 fn arm() -> Examples {
     let arm = demo(&DemoOptions { vertices: 400, poses: 40, held_out: 12, seed: 2 });

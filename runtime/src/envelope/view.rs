@@ -1,10 +1,9 @@
 //! An envelope in a loaded file: what loading found of it, and what it holds.
 
-use super::counts::{
-    Certificate, ENVELOPE_SECTIONS, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor,
-};
+use super::counts::{Certificate, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor, RULES};
 use super::group_row::GroupRow;
 use crate::error::{Argument, CallError, CallErrorKind};
+use crate::format::rule::Rule;
 use crate::format::{FileId, SectionKind, Span};
 use crate::linear::{Le, Matrix3x4, block_entry, floats, rows};
 use crate::names::Names;
@@ -17,39 +16,30 @@ pub struct EnvelopeLayout {
     file: FileId,
     part: u16,
     counts: EnvelopeCounts,
-    /// Where its sections lie, in the order of [`ENVELOPE_SECTIONS`].
-    spans: [Span; ENVELOPE_SECTIONS.len()],
+    /// Where its sections lie, in the order of [`super::ENVELOPE_SECTIONS`].
+    spans: [Span; RULES.len()],
 }
 
-/// Returns the place of a section in [`ENVELOPE_SECTIONS`].
-const fn place(section: SectionKind) -> usize {
-    let mut at = 0;
-    while ENVELOPE_SECTIONS[at].number() != section.number() {
-        at += 1;
-    }
-    at
-}
-
-const CERTIFICATE: usize = place(SectionKind::Certificate);
-const NAMES: usize = place(SectionKind::Names);
-const HIERARCHY: usize = place(SectionKind::Hierarchy);
-const INVERSE_BINDS: usize = place(SectionKind::InverseBinds);
-const KEYS: usize = place(SectionKind::Keys);
-const C1: usize = place(SectionKind::C1);
-const C2: usize = place(SectionKind::C2);
-const POSE_RANGES: usize = place(SectionKind::PoseRanges);
-const ORIGINS: usize = place(SectionKind::Origins);
-const GROUPS: usize = place(SectionKind::Groups);
-const CORRECTIONS: usize = place(SectionKind::Corrections);
+const CERTIFICATE: usize = Rule::place(&RULES, SectionKind::Certificate);
+const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
+const HIERARCHY: usize = Rule::place(&RULES, SectionKind::Hierarchy);
+const INVERSE_BINDS: usize = Rule::place(&RULES, SectionKind::InverseBinds);
+const KEYS: usize = Rule::place(&RULES, SectionKind::Keys);
+const C1: usize = Rule::place(&RULES, SectionKind::C1);
+const C2: usize = Rule::place(&RULES, SectionKind::C2);
+const POSE_RANGES: usize = Rule::place(&RULES, SectionKind::PoseRanges);
+const ORIGINS: usize = Rule::place(&RULES, SectionKind::Origins);
+const GROUPS: usize = Rule::place(&RULES, SectionKind::Groups);
+const CORRECTIONS: usize = Rule::place(&RULES, SectionKind::Corrections);
 
 impl EnvelopeLayout {
     /// Makes the layout of a part; where its sections lie is to be found.
     pub(crate) const fn new(file: FileId, part: u16, counts: EnvelopeCounts) -> Self {
-        Self { file, part, counts, spans: [Span::NONE; ENVELOPE_SECTIONS.len()] }
+        Self { file, part, counts, spans: [Span::NONE; RULES.len()] }
     }
 
-    /// Lends where its sections lie, in the order of [`ENVELOPE_SECTIONS`].
-    pub(crate) const fn spans_mut(&mut self) -> &mut [Span; ENVELOPE_SECTIONS.len()] {
+    /// Lends where its sections lie, in the order of [`super::ENVELOPE_SECTIONS`].
+    pub(crate) const fn spans_mut(&mut self) -> &mut [Span; RULES.len()] {
         &mut self.spans
     }
 

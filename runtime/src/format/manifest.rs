@@ -171,7 +171,7 @@ impl Manifest {
     /// - `sizes`: what rules multiply to the number of elements.
     ///
     /// # Errors
-    /// [`Kind::Unsupported`], [`Kind::Missing`], [`Kind::Unexpected`] and [`Kind::Length`].
+    /// [`Kind::Missing`], [`Kind::Unexpected`] and [`Kind::Length`].
     #[inline(never)]
     pub(crate) fn find_all(
         &self,

@@ -78,6 +78,15 @@ impl Rule {
         out
     }
 
+    /// Returns the place of a section's rule, at compile time: one that has none does not compile.
+    pub(crate) const fn place(rules: &[Self], section: SectionKind) -> usize {
+        let mut at = 0;
+        while rules[at].section.number() != section.number() {
+            at += 1;
+        }
+        at
+    }
+
     /// Finds the rule of a section.
     pub(crate) fn of(rules: &[Self], section: SectionKind) -> Option<&Self> {
         rules.iter().find(|rule| rule.section == section)

@@ -76,6 +76,23 @@ pub struct Space {
 }
 
 impl Space {
+    /// That of glTF.
+    pub const GLTF: Self = Self {
+        up: Some(Axis::Y),
+        forward: Some(Axis::Z),
+        handedness: Handedness::Right,
+        unit: Some(1.0),
+    };
+    /// That of Unity.
+    pub const UNITY: Self = Self { handedness: Handedness::Left, ..Self::GLTF };
+    /// That of Unreal.
+    pub const UNREAL: Self = Self {
+        up: Some(Axis::Z),
+        forward: Some(Axis::X),
+        handedness: Handedness::Left,
+        unit: Some(0.01),
+    };
+
     /// Writes it as the file has it.
     pub fn to_bytes(&self) -> [u8; 8] {
         let axis = |axis: Option<Axis>| axis.map_or(0, Axis::number);

@@ -1,7 +1,8 @@
 //! A skin in a loaded file: what loading found of it, and what it holds.
 
 use super::bounds::Bounds;
-use super::counts::{SKIN_SECTIONS, SkinCounts};
+use super::counts::{RULES, SkinCounts};
+use crate::format::rule::Rule;
 use crate::format::{FileId, SectionKind, Span};
 use crate::linear::{Le, floats};
 use crate::names::Names;
@@ -16,37 +17,28 @@ pub struct SkinLayout {
     part: u16,
     counts: SkinCounts,
     palette_len: u32,
-    /// Where its sections lie, in the order of [`SKIN_SECTIONS`].
-    spans: [Span; SKIN_SECTIONS.len()],
+    /// Where its sections lie, in the order of [`super::SKIN_SECTIONS`].
+    spans: [Span; RULES.len()],
 }
 
-/// Returns the place of a section in [`SKIN_SECTIONS`].
-const fn place(section: SectionKind) -> usize {
-    let mut at = 0;
-    while SKIN_SECTIONS[at].number() != section.number() {
-        at += 1;
-    }
-    at
-}
-
-const NAMES: usize = place(SectionKind::Names);
-const POSITIONS: usize = place(SectionKind::RestPositions);
-const NORMALS: usize = place(SectionKind::RestNormals);
-const TANGENTS: usize = place(SectionKind::RestTangents);
-const INDICES: usize = place(SectionKind::InfluenceIndices);
-const WEIGHTS: usize = place(SectionKind::InfluenceWeights);
-const BOXES: usize = place(SectionKind::RestBoxes);
-const RANGES: usize = place(SectionKind::Ranges);
+const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
+const POSITIONS: usize = Rule::place(&RULES, SectionKind::RestPositions);
+const NORMALS: usize = Rule::place(&RULES, SectionKind::RestNormals);
+const TANGENTS: usize = Rule::place(&RULES, SectionKind::RestTangents);
+const INDICES: usize = Rule::place(&RULES, SectionKind::InfluenceIndices);
+const WEIGHTS: usize = Rule::place(&RULES, SectionKind::InfluenceWeights);
+const BOXES: usize = Rule::place(&RULES, SectionKind::RestBoxes);
+const RANGES: usize = Rule::place(&RULES, SectionKind::Ranges);
 
 impl SkinLayout {
     /// Makes the layout of a part, of an envelope with a palette of so many; where its sections lie
     /// is to be found.
     pub(crate) const fn new(file: FileId, part: u16, counts: SkinCounts, palette_len: u32) -> Self {
-        Self { file, part, counts, palette_len, spans: [Span::NONE; SKIN_SECTIONS.len()] }
+        Self { file, part, counts, palette_len, spans: [Span::NONE; RULES.len()] }
     }
 
-    /// Lends where its sections lie, in the order of [`SKIN_SECTIONS`].
-    pub(crate) const fn spans_mut(&mut self) -> &mut [Span; SKIN_SECTIONS.len()] {
+    /// Lends where its sections lie, in the order of [`super::SKIN_SECTIONS`].
+    pub(crate) const fn spans_mut(&mut self) -> &mut [Span; RULES.len()] {
         &mut self.spans
     }
 

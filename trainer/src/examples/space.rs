@@ -249,19 +249,9 @@ mod tests {
     use super::super::testing::triangle;
     use super::*;
 
-    const GLTF: Space = Space {
-        up: Some(Axis::Y),
-        forward: Some(Axis::Z),
-        handedness: Handedness::Right,
-        unit: Some(1.0),
-    };
-    const UNREAL: Space = Space {
-        up: Some(Axis::Z),
-        forward: Some(Axis::X),
-        handedness: Handedness::Left,
-        unit: Some(0.01),
-    };
-    const UNITY: Space = Space { handedness: Handedness::Left, ..GLTF };
+    const GLTF: Space = Space::GLTF;
+    const UNREAL: Space = Space::UNREAL;
+    const UNITY: Space = Space::UNITY;
 
     fn wish(space: Space) -> SpaceWish {
         SpaceWish::all_of(&space)

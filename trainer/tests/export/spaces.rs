@@ -5,22 +5,12 @@ use super::{arm, clip, farthest, model, pose, runtime_skin};
 use nalgebra::Vector3;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::format::{Axis, Handedness, Space};
+use sinew_runtime::format::{Axis, Space};
 use sinew_trainer::examples::{Examples, SpaceError, SpaceWish};
 use sinew_trainer::export::{ExportError, Stand, export};
 
-const GLTF: Space = Space {
-    up: Some(Axis::Y),
-    forward: Some(Axis::Z),
-    handedness: Handedness::Right,
-    unit: Some(1.0),
-};
-const UNREAL: Space = Space {
-    up: Some(Axis::Z),
-    forward: Some(Axis::X),
-    handedness: Handedness::Left,
-    unit: Some(0.01),
-};
+const GLTF: Space = Space::GLTF;
+const UNREAL: Space = Space::UNREAL;
 
 fn examples(space: Space) -> Examples {
     let mut arm = Examples { space: GLTF, ..arm(300) };

@@ -12,7 +12,7 @@ use std::path::Path;
 use ::gltf::Document;
 use nalgebra::{Matrix4, Vector3};
 use rayon::prelude::*;
-use sinew_runtime::format::{Axis, Handedness, Space};
+use sinew_runtime::format::Space;
 
 use self::clips::Keys;
 use self::meshes::Meshes;
@@ -21,14 +21,6 @@ use self::skins::Skins;
 use super::rig::{ImportError, Rig, Sampling, sample_times};
 use super::targets::Targets;
 use super::{Clip, ExamplesError, Warning};
-
-/// The space of every glTF file.
-const SPACE: Space = Space {
-    up: Some(Axis::Y),
-    forward: Some(Axis::Z),
-    handedness: Handedness::Right,
-    unit: Some(1.0),
-};
 
 /// Reads a rigged character: every mesh that has a skin, its joints, and every clip that moves them.
 ///
@@ -75,7 +67,7 @@ pub(super) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<Rig, Examples
         triangles,
         uv,
         ranges,
-        space: SPACE,
+        space: Space::GLTF,
         names,
         parents,
         binds: skins.binds,

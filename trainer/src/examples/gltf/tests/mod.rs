@@ -6,6 +6,7 @@ use super::super::{Loaded, Source, Split, Warning, load};
 use super::*;
 use made::{Made, NO_TURN, QUARTER, moved_by};
 use serde_json::json;
+use sinew_runtime::format::{Axis, Handedness};
 
 fn near(found: [f64; 3], expected: [f64; 3], tolerance: f64) {
     let far = found.iter().zip(expected).any(|(a, b)| (a - b).abs() > tolerance);
