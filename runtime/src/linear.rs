@@ -28,20 +28,22 @@ pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 /// Returns a b.
-pub(crate) fn product(a: &Columns, b: &Columns) -> Columns {
-    b.map(|[x, y, z]| {
-        let [mut out, a1, a2] = *a;
-        for ((a0, a1), a2) in out.iter_mut().zip(a1).zip(a2) {
-            *a0 = *a0 * x + a1 * y + a2 * z;
-        }
-        out
-    })
+pub(crate) fn product(a: &Columns, [x, y, z]: &Columns) -> Columns {
+    [transform(a, *x), transform(a, *y), transform(a, *z)]
 }
 
-/// Returns transpose(m) v.
-#[inline]
-pub(crate) fn transform_transposed(m: &Columns, v: [f32; 3]) -> [f32; 3] {
-    m.map(|column| dot(column, v))
+/// Returns m v.
+fn transform([a, b, c]: &Columns, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    let row = |i: usize| a[i] * x + b[i] * y + c[i] * z;
+    [row(0), row(1), row(2)]
+}
+
+/// Replaces each column v by transpose(m) v.
+#[cfg_attr(target_os = "none", inline(never))]
+pub(crate) fn turn_back([a, b, c]: &Columns, columns: &mut [[f32; 3]]) {
+    for column in columns {
+        *column = [dot(*a, *column), dot(*b, *column), dot(*c, *column)];
+    }
 }
 
 /// Returns the four columns of a transform.
@@ -53,15 +55,15 @@ pub(crate) fn columns(m: &Matrix3x4) -> [[f32; 3]; 4] {
 
 /// Returns the transform a b: first b, then a.
 #[inline]
-pub(crate) fn compose(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {
-    a.map(|[x, y, z, shift]| {
-        let [mut out, b1, b2] = *b;
-        for ((b0, b1), b2) in out.iter_mut().zip(b1).zip(b2) {
-            *b0 = x * *b0 + y * b1 + z * b2;
+pub(crate) fn compose(a: &Matrix3x4, [x, y, z]: &Matrix3x4) -> Matrix3x4 {
+    let mut out = [[0.0; 4]; 3];
+    for (row, [a0, a1, a2, shift]) in out.iter_mut().zip(a) {
+        for (((out, x), y), z) in row.iter_mut().zip(x).zip(y).zip(z) {
+            *out = a0 * x + a1 * y + a2 * z;
         }
-        out[3] += shift;
-        out
-    })
+        row[3] += shift;
+    }
+    out
 }
 
 /// Adds to 8 rows of 3 sums the product of one block of 8 rows with its input.

@@ -1,9 +1,13 @@
 //! A loaded file: what it holds, by kind and by name.
 
-use crate::envelope::{self, Envelope, EnvelopeLayout};
-use crate::format::{FileError, FileId, Manifest, PartKind, PartRow, SectionRow, Space};
+use crate::envelope::{self, Envelope, EnvelopeCounts};
+use crate::format::loading::{Checked, Loading, Refused};
+use crate::format::part::{Asked, Part, PartLayout};
+use crate::format::{
+    FileError, FileId, Manifest, PartKind, PartRow, SectionKind, SectionRow, Space,
+};
 use crate::limits::Limits;
-use crate::skin::{self, Skin, SkinLayout};
+use crate::skin::{self, Skin};
 use core::fmt;
 
 /// A validated model in whatever its bytes are kept: `&[u8]`, `Vec<u8>`, `Arc<[u8]>`, a mapped file.
@@ -14,9 +18,15 @@ use core::fmt;
 #[derive(Clone, Copy)]
 pub struct Model<B> {
     bytes: B,
+    found: Found,
+}
+
+/// What loading finds in a file.
+#[derive(Clone, Copy)]
+struct Found {
     manifest: Manifest,
-    envelope: Option<EnvelopeLayout>,
-    skin: Option<SkinLayout>,
+    /// The first part of each kind, by the order of [`PartKind::ALL`].
+    firsts: [PartLayout; PartKind::ALL.len()],
 }
 
 /// One section of a file, known to this reader or not.
@@ -45,48 +55,33 @@ impl<B: AsRef<[u8]>> Model<B> {
     /// # Errors
     /// Every kind of [`FileError`]; each says what makes it.
     pub fn from_bytes_with(bytes: B, limits: &Limits) -> Result<Self, FileError> {
-        let file = bytes.as_ref();
-        let manifest = Manifest::read(file, limits)?;
-        let (mut envelope, mut skin) = (None, None);
-        for kind in PartKind::ALL {
-            for part in parts_of(&manifest, file, kind) {
-                let checked = match kind {
-                    PartKind::Envelope => {
-                        check_envelope(&manifest, file, part, limits, &mut envelope)
-                    }
-                    PartKind::Skin => check_skin(&manifest, file, part, limits, &mut skin),
-                };
-                checked.map_err(|error| error.part(part))?;
-            }
+        let mut model = Self { bytes, found: Found::NOTHING };
+        let loading = Loading::new(model.bytes.as_ref(), limits);
+        match model.found.read(&loading) {
+            Ok(()) => Ok(model),
+            Err(Refused) => Err(loading.error()),
         }
-        Ok(Self { bytes, manifest, envelope, skin })
     }
 
     /// Returns the first envelope; `None` if the file has none.
     pub fn envelope(&self) -> Option<Envelope<'_>> {
-        self.envelope.map(|layout| Envelope::new(layout, self.bytes.as_ref()))
+        self.found.first(PartKind::Envelope, self.bytes.as_ref()).map(Envelope)
     }
 
     /// Returns the first skin; `None` if the file has none, as one of a palette alone.
     pub fn skin(&self) -> Option<Skin<'_>> {
-        self.skin.map(|layout| Skin::new(layout, self.bytes.as_ref()))
+        self.found.first(PartKind::Skin, self.bytes.as_ref()).map(Skin)
     }
 
     /// Lists the envelopes. What is found of each is read from its sections' rows: keep
     /// [`Envelope::layout`] of those that are needed each frame.
     pub fn envelopes(&self) -> impl Iterator<Item = Envelope<'_>> {
-        let file = self.bytes.as_ref();
-        parts_of(&self.manifest, file, PartKind::Envelope)
-            .filter_map(move |part| envelope_at(&self.manifest, file, part))
+        self.parts_of(PartKind::Envelope).map(Envelope)
     }
 
     /// Lists the skins; keep [`Skin::layout`] likewise.
     pub fn skins(&self) -> impl Iterator<Item = Skin<'_>> {
-        let file = self.bytes.as_ref();
-        parts_of(&self.manifest, file, PartKind::Skin).filter_map(move |part| {
-            let layout = skin_layout(&self.manifest, file, part, &Limits::FORMAT).ok()?;
-            Some(Skin::new(layout, file))
-        })
+        self.parts_of(PartKind::Skin).map(Skin)
     }
 
     /// Returns the envelope of this name.
@@ -104,36 +99,37 @@ impl<B: AsRef<[u8]>> Model<B> {
         let part = skin.counts().envelope()?;
         match self.envelope() {
             Some(first) if first.part() == usize::from(part) => Some(first),
-            _ => envelope_at(&self.manifest, self.bytes.as_ref(), part),
+            _ => self.part(PartKind::Envelope, part).map(Envelope),
         }
     }
 
     /// Lists the parts, unknown ones included.
     pub fn parts(&self) -> impl ExactSizeIterator<Item = PartRow> {
-        self.manifest.parts(self.bytes.as_ref())
+        self.found.manifest.parts(self.bytes.as_ref())
     }
 
     /// Lists the sections, unknown ones included, in the order of the file.
     pub fn sections(&self) -> impl ExactSizeIterator<Item = Section<'_>> {
         let file = self.bytes.as_ref();
-        self.manifest
+        self.found
+            .manifest
             .sections(file)
-            .map(move |row| Section { row, bytes: self.manifest.span(&row).bytes(file) })
+            .map(move |row| Section { row, bytes: self.found.manifest.section(&row, file) })
     }
 
     /// Returns the blob: all sections, at the offsets that their rows state. What a GPU is given.
     pub fn blob(&self) -> &[u8] {
-        self.manifest.blob(self.bytes.as_ref())
+        self.found.manifest.blob(self.bytes.as_ref())
     }
 
     /// Returns the space of the file's numbers: its axes and its unit.
     pub fn space(&self) -> Space {
-        self.manifest.space()
+        Space::of(self.bytes.as_ref())
     }
 
     /// Tells which file it is, for layouts and plans that were made of it.
     pub fn id(&self) -> FileId {
-        self.manifest.id()
+        self.found.manifest.id()
     }
 
     /// Returns the bytes.
@@ -145,36 +141,103 @@ impl<B: AsRef<[u8]>> Model<B> {
     pub fn into_bytes(self) -> B {
         self.bytes
     }
+
+    /// Lists the parts of a kind.
+    fn parts_of(&self, kind: PartKind) -> impl Iterator<Item = Part<'_>> {
+        let parts = parts_of(&self.found.manifest, self.bytes.as_ref(), kind);
+        parts.filter_map(move |part| self.part(kind, part))
+    }
+
+    /// Finds a part of a kind at a place in the part table.
+    fn part(&self, kind: PartKind, part: u16) -> Option<Part<'_>> {
+        let file = self.bytes.as_ref();
+        let loading = Loading::new(file, &Limits::FORMAT);
+        let mut view = Part::new(file);
+        find_part(&loading, &self.found.manifest, (kind, part), &mut view).ok()?;
+        Some(view)
+    }
 }
 
-/// Checks an envelope, and keeps the first.
-#[inline(never)]
-fn check_envelope(
-    manifest: &Manifest,
-    file: &[u8],
-    part: u16,
-    limits: &Limits,
-    first: &mut Option<EnvelopeLayout>,
-) -> Result<(), FileError> {
-    let envelope = Envelope::new(envelope::check::layout(manifest, file, part, limits)?, file);
-    envelope::check::content(&envelope)?;
-    first.get_or_insert(envelope.layout());
-    Ok(())
+impl Found {
+    const NOTHING: Self =
+        Self { manifest: Manifest::NOTHING, firsts: [PartLayout::NOTHING; PartKind::ALL.len()] };
+
+    /// Reads and checks all of a file.
+    #[inline(never)]
+    fn read(&mut self, loading: &Loading<'_>) -> Checked {
+        let Self { manifest, firsts } = self;
+        manifest.read(loading)?;
+        for (kind, first) in PartKind::ALL.iter().zip(firsts) {
+            for part in parts_of(manifest, loading.file, *kind) {
+                loading.of_part(part);
+                let view = Part::new(loading.file);
+                // One view at a time, so that they share their place on the stack.
+                match kind {
+                    PartKind::Envelope => {
+                        let mut view = Envelope(view);
+                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
+                        first.keep(&view.0.layout);
+                        envelope::check::content(&view, loading)?;
+                    }
+                    PartKind::Skin => {
+                        let mut view = Skin(view);
+                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
+                        first.keep(&view.0.layout);
+                        skin::check::content(&view, loading)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the first part of a kind.
+    fn first<'a>(&self, kind: PartKind, file: &'a [u8]) -> Option<Part<'a>> {
+        let [envelope, skin] = &self.firsts;
+        let layout = match kind {
+            PartKind::Envelope => envelope,
+            PartKind::Skin => skin,
+        };
+        layout.is_some().then_some(Part { layout: *layout, file })
+    }
 }
 
-/// Checks a skin, and keeps the first.
+/// Finds a part's counts and sections, after checking what they say of each other.
 #[inline(never)]
-fn check_skin(
+fn find_part(
+    loading: &Loading<'_>,
     manifest: &Manifest,
-    file: &[u8],
-    part: u16,
-    limits: &Limits,
-    first: &mut Option<SkinLayout>,
-) -> Result<(), FileError> {
-    let skin = Skin::new(skin_layout(manifest, file, part, limits)?, file);
-    skin::check::content(&skin)?;
-    first.get_or_insert(skin.layout());
-    Ok(())
+    (kind, part): (PartKind, u16),
+    out: &mut Part<'_>,
+) -> Checked {
+    let file = loading.file;
+    let rules = match kind {
+        PartKind::Envelope => &envelope::RULES[..],
+        PartKind::Skin => &skin::RULES,
+    };
+    out.enter(loading, manifest, part, rules)?;
+    // The counts are the first of the rules.
+    out.find_sections(loading, manifest, rules.get(..1).unwrap_or_default(), &Asked::COUNTS)?;
+    out.read_counts();
+    let asked = match kind {
+        PartKind::Envelope => envelope::check::counts(out.layout.counts, loading)?,
+        PartKind::Skin => {
+            let palette_len = |part| palette_len(loading, manifest, part);
+            let part_len = manifest.parts(file).len();
+            skin::check::counts(&mut out.layout.counts, loading, part_len, palette_len)?
+        }
+    };
+    out.find_sections(loading, manifest, rules, &asked)
+}
+
+/// Counts the palette of a part, if that is an envelope; all of them have been checked.
+fn palette_len(loading: &Loading<'_>, manifest: &Manifest, part: u16) -> Option<u32> {
+    let row = manifest.parts(loading.file).nth(part.into())?;
+    let (number, _) = manifest.find(loading.file, part, SectionKind::EnvelopeCounts.number())?;
+    let counts = manifest.tables().section(number.get(), loading.file)?;
+    let words = counts.as_chunks().0.first_chunk()?.map(u32::from_le_bytes);
+    let len = EnvelopeCounts::from_words(words)?.palette_len() as u32;
+    (row.kind == PartKind::Envelope.number()).then_some(len)
 }
 
 /// Lists the parts of a kind; a reader's limits keep their number below 65,536.
@@ -185,25 +248,6 @@ fn parts_of<'a>(
 ) -> impl Iterator<Item = u16> + use<'a> {
     let rows = (0..).zip(manifest.parts(file));
     rows.filter(move |(_, row)| row.kind == kind.number()).map(|(part, _)| part)
-}
-
-/// Finds the envelope at a place in the part table.
-fn envelope_at<'a>(manifest: &Manifest, file: &'a [u8], part: u16) -> Option<Envelope<'a>> {
-    let row = manifest.parts(file).nth(part.into())?;
-    let is_envelope = row.kind == PartKind::Envelope.number();
-    let layout = envelope::check::layout(manifest, file, part, &Limits::FORMAT).ok();
-    layout.filter(|_| is_envelope).map(|layout| Envelope::new(layout, file))
-}
-
-/// Finds the skin at a place in the part table.
-fn skin_layout(
-    manifest: &Manifest,
-    file: &[u8],
-    part: u16,
-    limits: &Limits,
-) -> Result<SkinLayout, FileError> {
-    let palette_len = |part| Some(envelope_at(manifest, file, part)?.palette_len());
-    skin::check::layout(manifest, file, part, limits, palette_len)
 }
 
 impl<B: AsRef<[u8]>> fmt::Debug for Model<B> {

@@ -52,11 +52,10 @@ pub(crate) fn sin_versine(angle: f32) -> (f32, f32) {
 ///
 /// Error: 2.1 ULP. The origin gives 0.
 pub(crate) fn quadrant_angle(y: f32, x: f32) -> f32 {
-    if y <= x {
-        if x > 0.0 { atan_unit(y / x) } else { 0.0 }
-    } else {
-        core::f32::consts::FRAC_PI_2 - atan_unit(x / y)
-    }
+    let is_steep = y > x;
+    let (lesser, greater) = if is_steep { (x, y) } else { (y, x) };
+    let angle = atan_unit(if greater > 0.0 { lesser / greater } else { 0.0 });
+    if is_steep { core::f32::consts::FRAC_PI_2 - angle } else { angle }
 }
 
 /// Where [`exp_negative`] stops falling, above the least normal number.
@@ -65,8 +64,10 @@ pub(crate) const EXP_MAX: f32 = 87.0;
 /// Returns `e^-a` of `a >= 0`: 1 at 0, and from [`EXP_MAX`] on 1.6e-38, also where `a` is not a
 /// number.
 ///
-/// Error: 1 ULP. Without branches and in integer steps that GLSL and WGSL have; lanes vectorise.
-#[inline(always)]
+/// Error: 1 ULP. Without branches and in integer steps that GLSL and WGSL have; lanes vectorise. On bare
+/// targets it is one function: its copies made 2 kB.
+#[cfg_attr(not(target_os = "none"), inline(always))]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(crate) fn exp_negative(a: f32) -> f32 {
     // 1.5 * 2^23: its last place is 1, so that adding it rounds to a whole number.
     const ROUND: f32 = 12_582_912.0;
@@ -105,6 +106,7 @@ pub(crate) fn smoothstep(u: f32) -> f32 {
 }
 
 /// Returns the arc tangent of `0 <= z <= 1`.
+#[cfg_attr(target_os = "none", inline(never))]
 fn atan_unit(z: f32) -> f32 {
     let x = z * z;
     let tail = 0.043_211_833 + x * (-0.016_367_91 + x * 2.920_688e-3);

@@ -2,9 +2,150 @@
 //!
 //! [`crate::Envelope::palette`] composes them; [`crate::SkinJob`] is the last stage.
 
-pub use crate::envelope::confidence::evaluate as confidence;
-pub use crate::envelope::correction::evaluate as correction;
-pub use crate::envelope::features::evaluate as features;
-pub use crate::envelope::gradients::evaluate as gradients;
-pub use crate::envelope::joints::evaluate as joints;
-pub use crate::envelope::palette::evaluate as palette;
+use crate::envelope::{self, Envelope};
+use crate::error::{Argument, CallError};
+use crate::linear::Matrix3x4;
+
+/// Stage 1 of rotational regression: computes the joints' transforms relative to the root, their
+/// rotations, and the predicted gradients.
+///
+/// - `pose`: J skinning matrices, rest to posed, in model space.
+/// - `out_relative`: 4 J columns, `[4 j + c]` column c of `B_r^-1 B_j`, with `B_r` taken as rigid;
+///   the root's is exactly `[I | 0]`. The stack q of METHOD §1.7.3.
+/// - `out_rotations`: J rotation vectors theta_j in radians, each relative to its parent; 0 for
+///   the root. A matrix that is not a rotation gives that of the nearest quaternion.
+/// - `out_gradients`: 3 P columns, `[3 l + c]` column c of `D_l`, root motion removed. The stack d.
+///
+/// # Errors
+/// - [`crate::CallErrorKind::NoStage`]: the model is of the kernel predictor and has no keys.
+/// - [`crate::CallErrorKind::Length`]: an argument has another length.
+/// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
+pub fn gradients(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    out_relative: &mut [[f32; 3]],
+    out_rotations: &mut [[f32; 3]],
+    out_gradients: &mut [[f32; 3]],
+) -> Result<(), CallError> {
+    envelope.check_stage(envelope.predictor().reconstructs())?;
+    envelope.check_pose(pose)?;
+    Argument::Relative.check_len(4 * envelope.joint_len(), out_relative.len())?;
+    Argument::Rotations.check_len(envelope.joint_len(), out_rotations.len())?;
+    Argument::Gradients.check_len(3 * envelope.proxy_len(), out_gradients.len())?;
+    envelope::gradients::evaluate(envelope, pose, out_relative, out_rotations, out_gradients);
+    Ok(())
+}
+
+/// Stage 2 of rotational regression: computes the palette from what [`gradients`] gives.
+///
+/// - `root`: the root's skinning matrix B_r, which moves the result back: `T_l <- B_r T_l`.
+/// - `relative`: the stack q, 4 J columns.
+/// - `gradients`: the stack d, 3 P columns.
+/// - `out_palette`: P transforms, rest to posed, in model space; `T_l[r][c]` is row 4 l + c of t.
+///
+/// # Errors
+/// - [`crate::CallErrorKind::NoStage`]: the model is of the kernel predictor and has no c1 and c2.
+/// - [`crate::CallErrorKind::Length`]: an argument has another length.
+pub fn palette(
+    envelope: &Envelope<'_>,
+    root: &Matrix3x4,
+    relative: &[[f32; 3]],
+    gradients: &[[f32; 3]],
+    out_palette: &mut [Matrix3x4],
+) -> Result<(), CallError> {
+    envelope.check_stage(envelope.predictor().reconstructs())?;
+    Argument::Relative.check_len(4 * envelope.joint_len(), relative.len())?;
+    Argument::Gradients.check_len(3 * envelope.proxy_len(), gradients.len())?;
+    Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
+    envelope::palette::evaluate(envelope, root, relative, gradients, out_palette);
+    Ok(())
+}
+
+/// Stage 1 of the kernel predictor: copies the joints' transforms into the palette, bit for bit, and
+/// gives each helper that of its dominant joint.
+///
+/// - `pose`: J skinning matrices, rest to posed, in model space.
+/// - `out_palette`: J + P transforms.
+///
+/// # Errors
+/// - [`crate::CallErrorKind::NoStage`]: the model is not of the kernel predictor.
+/// - [`crate::CallErrorKind::Length`]: an argument has another length.
+/// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
+pub fn joints(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    out_palette: &mut [Matrix3x4],
+) -> Result<(), CallError> {
+    envelope.check_stage(!envelope.predictor().reconstructs())?;
+    envelope.check_pose(pose)?;
+    Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
+    envelope::joints::evaluate(envelope, pose, out_palette);
+    Ok(())
+}
+
+/// Computes the features phi of a pose: 12 of a joint, exactly 0 in the rest pose.
+///
+/// A joint j with parent p moves by `M = B_p^-1 B_j = [R | t]`, `B_p` taken as rigid. Its features
+/// are the rows of `[R - I | M o - o]`, o its rest origin: the displacement of the origin in the
+/// parent's frame. Feature `12 j + 4 r + c` is entry r, c; the root's are 0.
+///
+/// - `pose`: J skinning matrices, rest to posed, in model space; [`crate::model_space_pose`] makes
+///   them from local rotations.
+/// - `out_features`: J matrices.
+///
+/// # Errors
+/// - [`crate::CallErrorKind::NoStage`]: the envelope is rotational and has no features.
+/// - [`crate::CallErrorKind::Length`]: an argument has another length.
+/// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
+pub fn features(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    out_features: &mut [Matrix3x4],
+) -> Result<(), CallError> {
+    envelope.check_stage(envelope.predictor().corrects())?;
+    envelope.check_pose(pose)?;
+    Argument::Features.check_len(envelope.joint_len(), out_features.len())?;
+    envelope::features::evaluate(envelope, pose, out_features);
+    Ok(())
+}
+
+/// Stage 3: adds `Q_dom(l) K_l(phi)` to the P proxies' transforms, and returns the pose's confidence: the
+/// least of the groups that have centres; 1 if there are none.
+///
+/// Where a group's confidence is 0 its proxies keep their bits.
+///
+/// - `pose`: J skinning matrices; Q is a joint's 3x3.
+/// - `features`: phi, J matrices, of [`features`].
+/// - `scratch`: at least [`Envelope::correction_len`] floats, of any content.
+/// - `out_palette`: [`Envelope::palette_len`] transforms, of which the last P are added to.
+///
+/// # Errors
+/// - [`crate::CallErrorKind::NoStage`]: the model is rotational and has no correction.
+/// - [`crate::CallErrorKind::Length`]: `pose`, `features` or `out_palette` has another length.
+/// - [`crate::CallErrorKind::TooShort`]: `scratch` is too short.
+pub fn correction(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    features: &[Matrix3x4],
+    scratch: &mut [f32],
+    out_palette: &mut [Matrix3x4],
+) -> Result<f32, CallError> {
+    envelope.check_stage(envelope.predictor().corrects())?;
+    Argument::Pose.check_len(envelope.joint_len(), pose.len())?;
+    Argument::Features.check_len(envelope.joint_len(), features.len())?;
+    Argument::Scratch.check_least(envelope.correction_len(), scratch.len())?;
+    Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
+    Ok(envelope::correction::evaluate(envelope, pose, features, scratch, out_palette))
+}
+
+/// Returns the least confidence over the joints of a rotational envelope: 1 within a joint's trained
+/// range, 0 from half the range and 0.1 rad beyond it, a quintic step between.
+///
+/// - `rotations`: J rotation vectors, of [`gradients`].
+///
+/// # Errors
+/// - [`crate::CallErrorKind::Length`]: `rotations` has another length.
+pub fn confidence(envelope: &Envelope<'_>, rotations: &[[f32; 3]]) -> Result<f32, CallError> {
+    Argument::Rotations.check_len(envelope.joint_len(), rotations.len())?;
+    Ok(envelope::confidence::evaluate(envelope, rotations))
+}

@@ -2,37 +2,18 @@
 
 use super::group::Group;
 use super::view::Envelope;
-use crate::error::{Argument, CallError};
 use crate::kernel::padded;
 use crate::linear::{Matrix3x4, split};
 use crate::numeric::lesser;
 
-/// Adds `Q_dom(l) K_l(phi)` to the P proxies' transforms, and returns the pose's confidence: the least of
-/// the groups that have centres; 1 if there are none.
-///
-/// Where a group's confidence is 0 its proxies keep their bits.
-///
-/// - `pose`: J skinning matrices; Q is a joint's 3x3.
-/// - `features`: phi, J matrices, of [`crate::stages::features`].
-/// - `scratch`: at least [`Envelope::correction_len`] floats, of any content.
-/// - `out_palette`: [`Envelope::palette_len`] transforms, of which the last P are added to.
-///
-/// # Errors
-/// - [`crate::CallErrorKind::NoStage`]: the model is rotational and has no correction.
-/// - [`crate::CallErrorKind::Length`]: `pose`, `features` or `out_palette` has another length.
-/// - [`crate::CallErrorKind::TooShort`]: `scratch` is too short.
-pub fn evaluate(
+/// Evaluates the stage: [`crate::stages::correction`] of arguments that have been checked.
+pub(crate) fn evaluate(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
     features: &[Matrix3x4],
     scratch: &mut [f32],
     out_palette: &mut [Matrix3x4],
-) -> Result<f32, CallError> {
-    envelope.check_stage(envelope.predictor().corrects())?;
-    Argument::Pose.check_len(envelope.joint_len(), pose.len())?;
-    Argument::Features.check_len(envelope.joint_len(), features.len())?;
-    Argument::Scratch.check_least(envelope.correction_len(), scratch.len())?;
-    Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
+) -> f32 {
     let first = out_palette.len().saturating_sub(envelope.proxy_len());
     let (_, proxies) = split(out_palette, first);
     let features = features.as_flattened().as_flattened();
@@ -42,7 +23,7 @@ pub fn evaluate(
         let dominant = pose.get(group.joint).unwrap_or(&[[0.0; 4]; 3]);
         confidence = lesser(confidence, add(&group, dominant, features, scratch, out));
     }
-    Ok(confidence)
+    confidence
 }
 
 /// Adds a group's correction to its proxies, and returns the group's confidence.

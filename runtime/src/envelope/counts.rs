@@ -2,6 +2,7 @@
 
 use super::group_row::GroupRow;
 use crate::format::SectionKind;
+use crate::format::part::{Asked, COUNTS, SECTIONS};
 use crate::format::rule::{ALWAYS, Rule};
 use crate::numeric::HALF_TURNS_MAX;
 
@@ -47,8 +48,13 @@ impl Predictor {
     }
 
     /// Returns the predictor of this number.
-    pub fn from_number(number: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|predictor| u32::from(predictor.number()) == number)
+    pub const fn from_number(number: u32) -> Option<Self> {
+        match number {
+            1 => Some(Self::Rotational),
+            2 => Some(Self::Kernel),
+            3 => Some(Self::Hybrid),
+            _ => None,
+        }
     }
 
     /// Whether the proxies' base is the reconstruction `c1 d + c2 q`.
@@ -130,36 +136,56 @@ impl EnvelopeCounts {
     }
 
     /// Makes them of their words; `None` if the predictor is unknown.
-    pub fn from_words(words: [u32; 6]) -> Option<Self> {
+    pub const fn from_words(words: [u32; 6]) -> Option<Self> {
         let [predictor, joint_len, proxy_len, root, group_len, correction_len] = words;
-        let predictor = Predictor::from_number(predictor)?;
+        let Some(predictor) = Predictor::from_number(predictor) else { return None };
         Some(Self { predictor, joint_len, proxy_len, root, group_len, correction_len })
+    }
+
+    /// Makes them of words that have been checked.
+    pub(crate) const fn read(words: [u32; COUNTS]) -> Self {
+        match Self::from_words(words) {
+            Some(counts) => counts,
+            None => Self {
+                predictor: Predictor::Rotational,
+                joint_len: 0,
+                proxy_len: 0,
+                root: 0,
+                group_len: 0,
+                correction_len: 0,
+            },
+        }
     }
 
     /// Whether an envelope of these counts has a section: one without does not.
     pub fn has(&self, section: SectionKind) -> bool {
-        Rule::of(&RULES, section).is_some_and(|rule| self.bits() & rule.has != 0)
+        Rule::of(&RULES, section).is_some_and(|rule| self.asked().has & rule.has != 0)
     }
 
     /// Computes a section's length in bytes; `None` if the product overflows, or no envelope has it.
     /// The least length, where the content states its own: of names by their table, of corrections by
     /// the groups.
     pub fn section_bytes(&self, section: SectionKind) -> Option<u64> {
-        Rule::of(&RULES, section)?.bytes(&self.sizes())
+        Rule::of(&RULES, section)?.bytes(&self.asked().sizes)
     }
 
-    /// Returns the bits of what it has, as [`RULES`] has them.
-    pub(crate) const fn bits(&self) -> u8 {
+    /// Returns what they ask of the sections, as [`RULES`] have it.
+    pub(crate) const fn asked(&self) -> Asked {
         let reconstructs = if self.predictor.reconstructs() { RECONSTRUCTS } else { 0 };
         let corrects = if self.predictor.corrects() { CORRECTS } else { 0 };
-        ALWAYS | reconstructs | corrects
-    }
-
-    /// Returns the sizes, as [`RULES`] has them.
-    pub(crate) const fn sizes(&self) -> [u32; 5] {
         let Self { joint_len: j, proxy_len: p, group_len: g, .. } = *self;
-        [1, j, p, p.div_ceil(2), g]
+        Asked { has: ALWAYS | reconstructs | corrects, sizes: [1, j, p, p.div_ceil(2), g] }
     }
+}
+
+/// Where the counts stand in their section.
+pub(crate) mod place {
+    pub(crate) const PREDICTOR: usize = 0;
+    pub(crate) const JOINTS: usize = 1;
+    pub(crate) const PROXIES: usize = 2;
+    pub(crate) const ROOT: usize = 3;
+    pub(crate) const GROUPS: usize = 4;
+    pub(crate) const CORRECTION: usize = 5;
 }
 
 /// Bit of an envelope with keys, c1 and c2.
@@ -170,6 +196,8 @@ const CORRECTS: u8 = 8;
 /// The sections of an envelope, in the order in which the trainer writes them.
 pub const ENVELOPE_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
+const _: () = assert!(RULES.len() <= SECTIONS && EnvelopeCounts::BYTES <= 4 * COUNTS);
+
 /// What an envelope asks of its sections. Sizes: 1, J, P, blocks of 8 rows in 4 P, G.
 pub(crate) const RULES: [Rule; 12] = [
     Rule::new(SectionKind::EnvelopeCounts, EnvelopeCounts::BYTES as u8, [0, 0]),
@@ -177,7 +205,7 @@ pub(crate) const RULES: [Rule; 12] = [
     Rule::new(SectionKind::Names, 4, [1, 0]).or_more(4),
     Rule::new(SectionKind::Hierarchy, 6, [1, 0]),
     Rule::floats(SectionKind::InverseBinds, 48, [1, 0]),
-    Rule::new(SectionKind::Keys, 4 * KEY_WORDS as u8, [2, 0]).with(RECONSTRUCTS),
+    Rule::new(SectionKind::Keys, 4 * KEY_WORDS as u8, [2, 0]).with(RECONSTRUCTS).floats_after(1),
     Rule::floats(SectionKind::C1, 32 * 3, [3, 2]).with(RECONSTRUCTS),
     Rule::floats(SectionKind::C2, 32 * 4, [3, 1]).with(RECONSTRUCTS),
     Rule::floats(SectionKind::PoseRanges, 4, [1, 0]).unsigned(),

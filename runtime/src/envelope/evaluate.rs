@@ -1,6 +1,6 @@
 //! From a pose to the palette: the stages of each predictor, one after the other.
 
-use super::counts::Predictor;
+use super::counts::{Predictor, place};
 use super::scratch::ScratchLayout;
 use super::view::Envelope;
 use super::{confidence, correction, features, gradients, joints, palette};
@@ -15,7 +15,7 @@ impl Envelope<'_> {
 
     /// Returns the floats of scratch that the stage `correction` needs; 0 without groups.
     pub const fn correction_len(&self) -> usize {
-        self.counts().correction_len as usize
+        self.0.layout.counts[place::CORRECTION] as usize
     }
 
     const fn scratch_layout(&self) -> ScratchLayout {
@@ -45,7 +45,8 @@ impl Envelope<'_> {
         out_palette: &mut [Matrix3x4],
     ) -> Result<f32, CallError> {
         self.check_lengths(1, pose, scratch, out_palette)?;
-        self.any_palette(pose, scratch, out_palette)
+        self.check_pose(pose)?;
+        Ok(self.any_palette(pose, scratch, out_palette))
     }
 
     /// Computes the palettes of a batch of poses, with the bits of [`Envelope::palette`] for each.
@@ -76,7 +77,7 @@ impl Envelope<'_> {
         let palettes = out_palettes.chunks_mut(palette_len);
         let poses = poses.chunks(joint_len).zip(palettes);
         for ((pose, palette), confidence) in poses.zip(out_confidences) {
-            *confidence = self.any_palette(pose, scratch, palette)?;
+            *confidence = self.any_palette(pose, scratch, palette);
         }
         Ok(())
     }
@@ -96,7 +97,8 @@ impl Envelope<'_> {
     ) -> Result<f32, CallError> {
         self.check_stage(self.predictor() == Predictor::Rotational)?;
         self.check_lengths(1, pose, scratch, out_palette)?;
-        self.reconstruct(pose, scratch, out_palette)
+        self.check_pose(pose)?;
+        Ok(self.reconstruct(pose, scratch, out_palette))
     }
 
     fn check_lengths(
@@ -118,20 +120,20 @@ impl Envelope<'_> {
         pose: &[Matrix3x4],
         scratch: &mut [f32],
         out_palette: &mut [Matrix3x4],
-    ) -> Result<f32, CallError> {
+    ) -> f32 {
         let mut confidence = 1.0;
         if self.predictor().reconstructs() {
-            confidence = self.reconstruct(pose, scratch, out_palette)?;
+            confidence = self.reconstruct(pose, scratch, out_palette);
         } else {
-            joints::evaluate(self, pose, out_palette)?;
+            joints::evaluate(self, pose, out_palette);
         }
         if self.group_len() > 0 {
             // What the base needed of the scratch is free again.
             let (features, scratch) = self.scratch_layout().correction(scratch);
-            features::evaluate(self, pose, features)?;
-            confidence = correction::evaluate(self, pose, features, scratch, out_palette)?;
+            features::evaluate(self, pose, features);
+            confidence = correction::evaluate(self, pose, features, scratch, out_palette);
         }
-        Ok(confidence)
+        confidence
     }
 
     /// Computes the palette by rotational regression, and the confidence in it, which is 1 where a
@@ -141,15 +143,11 @@ impl Envelope<'_> {
         pose: &[Matrix3x4],
         scratch: &mut [f32],
         out_palette: &mut [Matrix3x4],
-    ) -> Result<f32, CallError> {
+    ) -> f32 {
         let base = self.scratch_layout().base(scratch, self.proxy_len());
-        gradients::evaluate(self, pose, base.relative, base.rotations, base.gradients)?;
+        gradients::evaluate(self, pose, base.relative, base.rotations, base.gradients);
         let root = pose.get(self.root()).unwrap_or(&[[0.0; 4]; 3]);
-        palette::evaluate(self, root, base.relative, base.gradients, out_palette)?;
-        if self.predictor().corrects() {
-            Ok(1.0)
-        } else {
-            confidence::evaluate(self, base.rotations)
-        }
+        palette::evaluate(self, root, base.relative, base.gradients, out_palette);
+        if self.predictor().corrects() { 1.0 } else { confidence::evaluate(self, base.rotations) }
     }
 }

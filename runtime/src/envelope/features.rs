@@ -1,37 +1,20 @@
 //! The pose features: how each joint has turned and moved against its parent (METHOD §1.9).
 
+use super::key::joint_index;
 use super::view::Envelope;
-use crate::error::{Argument, CallError};
-use crate::linear::{IDENTITY, Matrix3x4, columns, dot};
+use crate::linear::{IDENTITY, Matrix3x4, columns, dot, floats};
 
-/// Computes the features phi of a pose: 12 of a joint, exactly 0 in the rest pose.
-///
-/// A joint j with parent p moves by `M = B_p^-1 B_j = [R | t]`, `B_p` taken as rigid. Its features
-/// are the rows of `[R - I | M o - o]`, o its rest origin: the displacement of the origin in the
-/// parent's frame. Feature `12 j + 4 r + c` is entry r, c; the root's are 0.
-///
-/// - `pose`: J skinning matrices, rest to posed, in model space; [`crate::model_space_pose`] makes
-///   them from local rotations.
-/// - `out_features`: J matrices.
-///
-/// # Errors
-/// - [`crate::CallErrorKind::NoStage`]: the envelope is rotational and has no features.
-/// - [`crate::CallErrorKind::Length`]: an argument has another length.
-/// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
-pub fn evaluate(
+/// Evaluates the stage: [`crate::stages::features`] of arguments that have been checked.
+pub(crate) fn evaluate(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
     out_features: &mut [Matrix3x4],
-) -> Result<(), CallError> {
-    envelope.check_stage(envelope.predictor().corrects())?;
-    envelope.check_pose(pose)?;
-    Argument::Features.check_len(envelope.joint_len(), out_features.len())?;
-    for (joint, (map, out)) in pose.iter().zip(out_features).enumerate() {
-        let parent = envelope.parent(joint).and_then(|parent| pose.get(parent));
-        let origin = envelope.origin(joint).unwrap_or_default();
-        *out = parent.map_or([[0.0; 4]; 3], |parent| relative(parent, map, origin));
+) {
+    let joints = envelope.parents().iter().zip(envelope.origins());
+    for ((map, out), (parent, origin)) in pose.iter().zip(out_features).zip(joints) {
+        let parent = joint_index(parent).and_then(|parent| pose.get(parent));
+        *out = parent.map_or([[0.0; 4]; 3], |parent| relative(parent, map, floats(origin)));
     }
-    Ok(())
 }
 
 /// Returns `[R - I | (R - I) o + t]`; the difference is taken first, so that rest is exactly 0.

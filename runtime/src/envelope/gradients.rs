@@ -1,86 +1,69 @@
 //! Stage 1: from a pose to the deformation gradients of the keys (METHOD §1.1, §1.4, §1.5).
 
-use super::view::{Envelope, Key};
-use crate::error::{Argument, CallError};
-use crate::linear::{Columns, IDENTITY, Matrix3x4, columns, dot, product, transform_transposed};
+use super::key::{KeyRow, joint_index};
+use super::view::Envelope;
+use crate::linear::{
+    Columns, IDENTITY, Le, Matrix3x4, columns, dot, floats, product, rows, turn_back,
+};
 use crate::numeric::{quadrant_angle, sin_versine, sqrt};
 
-/// Computes the joints' transforms relative to the root, their rotations, and the predicted gradients.
-///
-/// - `pose`: J skinning matrices, rest to posed, in model space.
-/// - `out_relative`: 4 J columns, `[4 j + c]` column c of `B_r^-1 B_j`, with `B_r` taken as rigid;
-///   the root's is exactly `[I | 0]`. The stack q of METHOD §1.7.3.
-/// - `out_rotations`: J rotation vectors theta_j in radians, each relative to its parent; 0 for
-///   the root. A matrix that is not a rotation gives that of the nearest quaternion.
-/// - `out_gradients`: 3 P columns, `[3 l + c]` column c of `D_l`, root motion removed. The stack d.
-///
-/// # Errors
-/// - [`crate::CallErrorKind::NoStage`]: the model is of the kernel predictor and has no keys.
-/// - [`crate::CallErrorKind::Length`]: an argument has another length.
-/// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
-pub fn evaluate(
+/// Evaluates the stage: [`crate::stages::gradients`] of arguments that have been checked.
+pub(crate) fn evaluate(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
     out_relative: &mut [[f32; 3]],
     out_rotations: &mut [[f32; 3]],
     out_gradients: &mut [[f32; 3]],
-) -> Result<(), CallError> {
-    envelope.check_stage(envelope.predictor().reconstructs())?;
-    envelope.check_pose(pose)?;
-    let (joint_len, proxy_len) = (envelope.joint_len(), envelope.proxy_len());
-    Argument::Relative.check_len(4 * joint_len, out_relative.len())?;
-    Argument::Rotations.check_len(joint_len, out_rotations.len())?;
-    Argument::Gradients.check_len(3 * proxy_len, out_gradients.len())?;
-
+) {
     let (relative, _) = out_relative.as_chunks_mut::<4>();
     remove_root_motion(pose, envelope.root(), relative);
-    for (joint, out) in out_rotations.iter_mut().enumerate() {
-        *out = match envelope.parent(joint) {
+    let parents = envelope.parents();
+    for (joint, (out, parent)) in out_rotations.iter_mut().zip(parents).enumerate() {
+        *out = match joint_index(parent) {
             None => [0.0; 3],
             Some(parent) => {
-                let parent = rotation(relative, parent);
-                log(&rotation(relative, joint).map(|c| transform_transposed(parent, c)))
+                let mut own = *rotation(relative, joint);
+                turn_back(rotation(relative, parent), &mut own);
+                log(&own)
             }
         };
     }
-    for (proxy, out) in out_gradients.as_chunks_mut().0.iter_mut().enumerate() {
-        if let Some(key) = envelope.key(proxy) {
-            *out = gradient(envelope, &key, relative, out_rotations);
-        }
+    let keys = envelope.keys().iter().filter_map(KeyRow::new);
+    for (out, key) in out_gradients.as_chunks_mut().0.iter_mut().zip(keys) {
+        *out = gradient(parents, &key, relative, out_rotations);
     }
-    Ok(())
 }
 
 fn remove_root_motion(pose: &[Matrix3x4], root: usize, out_relative: &mut [[[f32; 3]; 4]]) {
     let Some([x, y, z, origin]) = pose.get(root).map(columns) else { return };
     let rotation = [x, y, z];
-    for (joint, (out, map)) in out_relative.iter_mut().zip(pose).enumerate() {
-        if joint == root {
-            let [x, y, z] = IDENTITY;
-            *out = [x, y, z, [0.0; 3]];
-            continue;
-        }
+    for (out, map) in out_relative.iter_mut().zip(pose) {
         let [x, y, z, t] = columns(map);
         let t = [t[0] - origin[0], t[1] - origin[1], t[2] - origin[2]];
-        *out = [x, y, z, t].map(|column| transform_transposed(&rotation, column));
+        *out = [x, y, z, t];
+        turn_back(&rotation, out);
+    }
+    if let Some(out) = out_relative.get_mut(root) {
+        let [x, y, z] = IDENTITY;
+        *out = [x, y, z, [0.0; 3]];
     }
 }
 
 /// Evaluates `D = Q_p exp(A theta_b) [exp(A' theta_c)] S`.
 fn gradient(
-    envelope: &Envelope<'_>,
-    key: &Key,
+    parents: &[[u8; 2]],
+    key: &KeyRow<'_>,
     relative: &[[[f32; 3]; 4]],
     rotations: &[[f32; 3]],
 ) -> Columns {
     let theta = |joint: usize| rotations.get(joint).unwrap_or(&[0.0; 3]);
-    let parent = envelope.parent(key.joint);
+    let parent = parents.get(key.joint).and_then(joint_index);
     let theta_p = parent.map_or(&[0.0; 3], theta);
-    let mut out = scale_shear(&key.shear, theta(key.joint), theta_p);
-    if let Some((joint, twist)) = &key.residual {
-        out = turned(twist, theta(*joint), &out);
+    let mut out = scale_shear(key.shear, theta(key.joint), theta_p);
+    if let Some((joint, twist)) = key.residual {
+        out = turned(twist, theta(joint), &out);
     }
-    out = turned(&key.twist, theta(key.joint), &out);
+    out = turned(key.twist, theta(key.joint), &out);
     if let Some(parent) = parent {
         out = product(rotation(relative, parent), &out);
     }
@@ -88,8 +71,9 @@ fn gradient(
 }
 
 /// Returns `exp(twist theta) m`.
-fn turned(twist: &[[f32; 3]; 3], theta: &[f32; 3], m: &Columns) -> Columns {
-    product(&exp(twist.map(|row| dot(row, *theta))), m)
+fn turned(twist: &[Le; 9], theta: &[f32; 3], m: &Columns) -> Columns {
+    let [x, y, z] = rows(&floats(twist));
+    product(&exp([dot(x, *theta), dot(y, *theta), dot(z, *theta)]), m)
 }
 
 /// Returns the linear part of a joint's relative transform.
@@ -98,9 +82,13 @@ fn rotation(relative: &[[[f32; 3]; 4]], joint: usize) -> &Columns {
 }
 
 /// Returns S = I + sym(H [theta_b; theta_p]).
-fn scale_shear(shear: &[[f32; 6]; 6], b: &[f32; 3], p: &[f32; 3]) -> Columns {
-    let [xx, xy, xz, yy, yz, zz] =
-        shear.map(|[h0, h1, h2, h3, h4, h5]| dot([h0, h1, h2], *b) + dot([h3, h4, h5], *p));
+fn scale_shear(shear: &[Le], b: &[f32; 3], p: &[f32; 3]) -> Columns {
+    let mut sums = [0.0; 6];
+    for (sum, row) in sums.iter_mut().zip(shear.as_chunks::<6>().0) {
+        let [h0, h1, h2, h3, h4, h5] = floats(row);
+        *sum = dot([h0, h1, h2], *b) + dot([h3, h4, h5], *p);
+    }
+    let [xx, xy, xz, yy, yz, zz] = sums;
     [[1.0 + xx, xy, xz], [xy, 1.0 + yy, yz], [xz, yz, 1.0 + zz]]
 }
 
@@ -120,7 +108,8 @@ fn log(m: &Columns) -> [f32; 3] {
         ([xz + zx, yz + zy, 1.0 + (zz - xx - yy)], yx - xy)
     };
     if w < 0.0 {
-        (v, w) = (v.map(|x| -x), -w);
+        let [x, y, z] = v;
+        (v, w) = ([-x, -y, -z], -w);
     }
     let length = sqrt(dot(v, v));
     // A length that underflows belongs to a rotation of nothing.
@@ -128,7 +117,8 @@ fn log(m: &Columns) -> [f32; 3] {
         return [0.0; 3];
     }
     let scale = 2.0 * quadrant_angle(length, w) / length;
-    v.map(|x| x * scale)
+    let [x, y, z] = v;
+    [x * scale, y * scale, z * scale]
 }
 
 /// Returns the rotation of a rotation vector: Rodrigues' formula, with the versine.
@@ -185,7 +175,8 @@ mod tests {
     fn exp_is_a_rotation() {
         for v in vectors() {
             let m = exp(v);
-            let gram = m.map(|c| transform_transposed(&m, c));
+            let mut gram = m;
+            turn_back(&m, &mut gram);
             for (column, unit) in gram.iter().zip(&IDENTITY) {
                 assert!(error(*column, *unit) < 1e-6, "{v:?}");
             }

@@ -1,8 +1,9 @@
 //! Skinning matrices from local transforms and the hierarchy.
 
+use super::key::joint_index;
 use super::view::Envelope;
 use crate::error::{Argument, CallError, CallErrorKind};
-use crate::linear::{Matrix3x4, compose, dot};
+use crate::linear::{Matrix3x4, compose, dot, floats, rows};
 
 /// A joint's frame in its parent's, laid out as in C.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,17 +40,19 @@ pub fn model_space_pose(
             return Err(CallError::new(CallErrorKind::ZeroRotation, Argument::Local).at(joint));
         }
     }
+    let parents = envelope.parents();
     for joint in envelope.evaluation_order() {
-        let parent = envelope.parent(joint).and_then(|p| out_pose.get(p)).copied();
-        if let (Some(local), Some(out)) = (local.get(joint), out_pose.get_mut(joint)) {
-            let frame = frame(local);
-            *out = parent.map_or(frame, |parent| compose(&parent, &frame));
+        let (Some(local), Some(parent)) = (local.get(joint), parents.get(joint)) else { continue };
+        let mut frame = frame(local);
+        if let Some(parent) = joint_index(parent).and_then(|parent| out_pose.get(parent)) {
+            frame = compose(parent, &frame);
+        }
+        if let Some(out) = out_pose.get_mut(joint) {
+            *out = frame;
         }
     }
-    for (joint, out) in out_pose.iter_mut().enumerate() {
-        if let Some(inverse_bind) = envelope.inverse_bind(joint) {
-            *out = compose(out, &inverse_bind);
-        }
+    for (out, inverse_bind) in out_pose.iter_mut().zip(envelope.inverse_binds()) {
+        *out = compose(out, &rows(&floats(inverse_bind)));
     }
     Ok(())
 }

@@ -20,17 +20,20 @@ pub(crate) mod gradients;
 mod group;
 mod group_row;
 pub(crate) mod joints;
+mod key;
 mod local;
 pub(crate) mod palette;
 mod scratch;
 mod view;
 
+pub(crate) use counts::RULES;
 pub use counts::{
     BIND_TOLERANCE, Certificate, ENVELOPE_SECTIONS, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor,
     TWIST_MAX,
 };
 pub use group::Group;
 pub use group_row::GroupRow;
+pub use key::Key;
 pub use local::{LocalTransform, model_space_pose};
 pub use scratch::{ScratchLayout, scratch_len};
-pub use view::{Envelope, EnvelopeLayout, Key};
+pub use view::{Envelope, EnvelopeLayout};

@@ -1,10 +1,12 @@
 //! An envelope in a loaded file: what loading found of it, and what it holds.
 
-use super::counts::{Certificate, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor, RULES};
+use super::counts::{Certificate, EnvelopeCounts, KEY_WORDS, Predictor, RULES, place};
 use super::group_row::GroupRow;
+use super::key::{Key, KeyRow, joint_index};
 use crate::error::{Argument, CallError, CallErrorKind};
+use crate::format::part::{Part, PartLayout};
 use crate::format::rule::Rule;
-use crate::format::{FileId, SectionKind, Span};
+use crate::format::{FileId, SectionKind};
 use crate::linear::{Le, Matrix3x4, block_entry, floats, rows};
 use crate::names::Names;
 use core::fmt;
@@ -12,13 +14,7 @@ use core::fmt;
 /// What loading found of an envelope: its counts, and where its arrays lie. It borrows nothing, so that
 /// it can be kept beside the model, and views be made of it each frame.
 #[derive(Clone, Copy, Debug)]
-pub struct EnvelopeLayout {
-    file: FileId,
-    part: u16,
-    counts: EnvelopeCounts,
-    /// Where its sections lie, in the order of [`super::ENVELOPE_SECTIONS`].
-    spans: [Span; RULES.len()],
-}
+pub struct EnvelopeLayout(pub(crate) PartLayout);
 
 const CERTIFICATE: usize = Rule::place(&RULES, SectionKind::Certificate);
 const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
@@ -33,28 +29,18 @@ const GROUPS: usize = Rule::place(&RULES, SectionKind::Groups);
 const CORRECTIONS: usize = Rule::place(&RULES, SectionKind::Corrections);
 
 impl EnvelopeLayout {
-    /// Makes the layout of a part; where its sections lie is to be found.
-    pub(crate) const fn new(file: FileId, part: u16, counts: EnvelopeCounts) -> Self {
-        Self { file, part, counts, spans: [Span::NONE; RULES.len()] }
-    }
-
-    /// Lends where its sections lie, in the order of [`super::ENVELOPE_SECTIONS`].
-    pub(crate) const fn spans_mut(&mut self) -> &mut [Span; RULES.len()] {
-        &mut self.spans
-    }
-
     /// Returns the envelope; `None` if the bytes are not those of the file in which it was found, by
     /// their length and the checksum that they state.
     ///
     /// Nothing is read again. Of bytes that have changed otherwise the envelope gives wrong numbers,
     /// but never panics.
     pub fn open<'a>(&self, file: &'a [u8]) -> Option<Envelope<'a>> {
-        (FileId::of(file) == Some(self.file)).then_some(Envelope { layout: *self, file })
+        self.0.open(file).map(Envelope)
     }
 
     /// Returns the counts.
     pub const fn counts(&self) -> EnvelopeCounts {
-        self.counts
+        EnvelopeCounts::read(self.0.counts)
     }
 }
 
@@ -62,44 +48,23 @@ impl EnvelopeLayout {
 ///
 /// Accessors by number return `None` beyond their range.
 #[derive(Clone, Copy)]
-pub struct Envelope<'a> {
-    layout: EnvelopeLayout,
-    file: &'a [u8],
-}
-
-/// A key predictor: `D = Q_p exp(twist . theta_b) [exp(residual . theta_c)] (I + sym(H [theta_b; theta_p]))`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Key {
-    /// The joint b that it follows; p is its parent.
-    pub joint: usize,
-    /// A = u W, rows (METHOD §1.4).
-    pub twist: [[f32; 3]; 3],
-    /// The residual joint c and its A', rows.
-    pub residual: Option<(usize, [[f32; 3]; 3])>,
-    /// H: a row for each of S - I's xx, xy, xz, yy, yz, zz; columns theta_b, then theta_p.
-    pub shear: [[f32; 6]; 6],
-}
+pub struct Envelope<'a>(pub(crate) Part<'a>);
 
 impl<'a> Envelope<'a> {
-    /// Views an envelope in the file in which it was found.
-    pub(crate) const fn new(layout: EnvelopeLayout, file: &'a [u8]) -> Self {
-        Self { layout, file }
-    }
-
     /// Returns what loading found, to open it again.
     pub const fn layout(&self) -> EnvelopeLayout {
-        self.layout
+        EnvelopeLayout(self.0.layout)
     }
 
     /// Tells in which file it is.
     pub const fn file(&self) -> FileId {
-        self.layout.file
+        self.0.id()
     }
 
     /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told
     /// apart.
-    pub fn part(&self) -> usize {
-        self.layout.part.into()
+    pub const fn part(&self) -> usize {
+        self.0.index()
     }
 
     /// Returns the part's name.
@@ -109,42 +74,42 @@ impl<'a> Envelope<'a> {
 
     /// Returns its counts.
     pub const fn counts(&self) -> EnvelopeCounts {
-        self.layout.counts
+        self.layout().counts()
     }
 
     /// Returns J, the number of joints.
     pub const fn joint_len(&self) -> usize {
-        self.layout.counts.joint_len as usize
+        self.0.layout.counts[place::JOINTS] as usize
     }
 
     /// Returns P, the number of proxies: for the kernel predictor, of helpers beside the joints.
     pub const fn proxy_len(&self) -> usize {
-        self.layout.counts.proxy_len as usize
+        self.0.layout.counts[place::PROXIES] as usize
     }
 
     /// Returns the number of transforms in the palette: P, or J + P for the kernel predictor.
     pub const fn palette_len(&self) -> usize {
-        self.layout.counts.palette_len()
+        self.counts().palette_len()
     }
 
     /// Returns how the palette is predicted.
     pub const fn predictor(&self) -> Predictor {
-        self.layout.counts.predictor
+        self.counts().predictor
     }
 
     /// Returns G, the number of groups of proxies that share a kernel map.
     pub const fn group_len(&self) -> usize {
-        self.layout.counts.group_len as usize
+        self.0.layout.counts[place::GROUPS] as usize
     }
 
     /// Returns the reference root: the joint without a parent.
     pub const fn root(&self) -> usize {
-        self.layout.counts.root as usize
+        self.0.layout.counts[place::ROOT] as usize
     }
 
     /// Returns what the fit was measured to reach.
     pub fn certificate(&self) -> Certificate {
-        let figures = self.array(self.layout.spans[CERTIFICATE]).first().map(floats);
+        let figures = self.0.array(CERTIFICATE).first().map(floats);
         Certificate::from_figures(figures.unwrap_or_default())
     }
 
@@ -170,7 +135,7 @@ impl<'a> Envelope<'a> {
 
     /// Returns a joint's origin in the rest pose, in model space; a rotational envelope holds none.
     pub fn origin(&self, joint: usize) -> Option<[f32; 3]> {
-        self.array(self.layout.spans[ORIGINS]).get(joint).map(floats)
+        self.origins().get(joint).map(floats)
     }
 
     /// Returns the largest |theta| of a joint in training, in radians.
@@ -180,17 +145,7 @@ impl<'a> Envelope<'a> {
 
     /// Returns the key predictor of a proxy; a kernel envelope has none.
     pub fn key(&self, proxy: usize) -> Option<Key> {
-        let (joints, matrices) = self.keys().get(proxy)?.split_first()?;
-        let [b0, b1, c0, c1] = *joints;
-        let (twist, matrices) = matrices.split_first_chunk::<9>()?;
-        let (residual, shear) = matrices.split_first_chunk::<9>()?;
-        let shear = shear.first_chunk::<36>()?;
-        Some(Key {
-            joint: usize::from(u16::from_le_bytes([b0, b1])),
-            twist: rows(&floats(twist)),
-            residual: joint_index(&[c0, c1]).map(|joint| (joint, rows(&floats(residual)))),
-            shear: rows(&floats(shear)),
-        })
+        KeyRow::new(self.keys().get(proxy)?)?.to_key()
     }
 
     /// Returns a coefficient of c1 (4 P x 3 P).
@@ -224,7 +179,7 @@ impl<'a> Envelope<'a> {
     }
 
     pub(crate) fn names(&self) -> Names<'a> {
-        Names::new(self.layout.spans[NAMES].bytes(self.file), self.joint_len() + 1)
+        Names::new(self.0.bytes(NAMES), self.joint_len() + 1)
     }
 
     pub(crate) fn parents(&self) -> &'a [[u8; 2]] {
@@ -236,57 +191,48 @@ impl<'a> Envelope<'a> {
     }
 
     pub(crate) fn inverse_binds(&self) -> &'a [[Le; 12]] {
-        self.array(self.layout.spans[INVERSE_BINDS])
+        self.0.array(INVERSE_BINDS)
+    }
+
+    pub(crate) fn origins(&self) -> &'a [[Le; 3]] {
+        self.0.array(ORIGINS)
     }
 
     pub(crate) fn pose_ranges(&self) -> &'a [[Le; 1]] {
-        self.array(self.layout.spans[POSE_RANGES])
+        self.0.array(POSE_RANGES)
     }
 
     pub(crate) fn keys(&self) -> &'a [[Le; KEY_WORDS]] {
-        self.array(self.layout.spans[KEYS])
+        self.0.array(KEYS)
     }
 
     pub(crate) fn c1_blocks(&self) -> &'a [[Le; 8]] {
-        self.array(self.layout.spans[C1])
+        self.0.array(C1)
     }
 
     pub(crate) fn c2_blocks(&self) -> &'a [[Le; 8]] {
-        self.array(self.layout.spans[C2])
+        self.0.array(C2)
     }
 
     pub(crate) fn group_rows(&self) -> impl ExactSizeIterator<Item = GroupRow> + use<'a> {
-        self.layout.spans[GROUPS].bytes(self.file).as_chunks().0.iter().map(GroupRow::from_bytes)
+        self.0.bytes(GROUPS).as_chunks().0.iter().map(GroupRow::from_bytes)
     }
 
     pub(crate) fn corrections(&self) -> &'a [Le] {
-        self.layout.spans[CORRECTIONS].bytes(self.file).as_chunks().0
+        self.0.bytes(CORRECTIONS).as_chunks().0
     }
 
     /// Returns the bytes of the corrections, of which a whole number of words is read.
     pub(crate) fn corrections_len(&self) -> usize {
-        self.layout.spans[CORRECTIONS].len()
-    }
-
-    pub(crate) const fn spans(&self) -> &[Span] {
-        &self.layout.spans
-    }
-
-    pub(crate) const fn file_bytes(&self) -> &'a [u8] {
-        self.file
+        self.0.bytes(CORRECTIONS).len()
     }
 
     /// Returns the parents, the evaluation order and its inverse.
     fn thirds(&self) -> [&'a [[u8; 2]]; 3] {
-        let all = self.layout.spans[HIERARCHY].bytes(self.file).as_chunks::<2>().0;
+        let all = self.0.bytes(HIERARCHY).as_chunks::<2>().0;
         let (parents, rest) = all.split_at_checked(self.joint_len()).unwrap_or_default();
         let (order, ranks) = rest.split_at_checked(self.joint_len()).unwrap_or_default();
         [parents, order, ranks]
-    }
-
-    /// Cuts a section into arrays of N floats.
-    fn array<const N: usize>(&self, span: Span) -> &'a [[Le; N]] {
-        span.bytes(self.file).as_chunks().0.as_chunks().0
     }
 }
 
@@ -295,9 +241,4 @@ impl fmt::Debug for Envelope<'_> {
         let (name, counts) = (self.name(), self.counts());
         f.debug_struct("Envelope").field("name", &name).field("counts", &counts).finish()
     }
-}
-
-pub(crate) fn joint_index(le: &[u8; 2]) -> Option<usize> {
-    let index = u16::from_le_bytes(*le);
-    (index != NO_JOINT).then_some(usize::from(index))
 }

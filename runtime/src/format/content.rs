@@ -1,38 +1,52 @@
 //! Checks that every part's content shares.
 
-use super::error::{FileError, FileErrorKind as Kind, saturated};
-use super::manifest::Span;
+use super::error::FileErrorKind as Kind;
+use super::loading::{Checked, Loading};
+use super::part::Part;
 use super::rule::Rule;
 use super::tables::SectionKind;
-use core::ops::RangeInclusive;
+use crate::names::Names;
+
+/// Checks the names of a part.
+pub(crate) fn check_names(loading: &Loading<'_>, names: Names<'_>) -> Checked {
+    names.unsound().map_or(Ok(()), |index| loading.invalid(SectionKind::Names, index))
+}
 
 /// Checks that the floats of a part's sections are within what its rules say.
 #[inline(never)]
-pub(crate) fn check_floats(file: &[u8], rules: &[Rule], spans: &[Span]) -> Result<(), FileError> {
-    for (rule, span) in rules.iter().zip(spans) {
+pub(crate) fn check_floats(loading: &Loading<'_>, part: &Part<'_>, rules: &[Rule]) -> Checked {
+    for (place, rule) in rules.iter().enumerate() {
         let Some(floats) = rule.floats else { continue };
-        if let Some(index) = outside(span.bytes(file).as_chunks().0, floats.range()) {
-            return Err(FileError::of(Kind::Float, rule.section, index, [0; 2]));
+        let (words, after) = (part.bytes(place).as_chunks().0, usize::from(floats.after));
+        // Floats alone are looked at as one element.
+        let each = if after == 0 { words.len() } else { usize::from(rule.each) / 4 };
+        for (element, words) in words.chunks(each.max(1)).enumerate() {
+            if let Some(at) = outside(words.get(after..).unwrap_or_default(), floats.range()) {
+                let index = element * (each - after) + at;
+                return Err(loading.refuse(Kind::Float, Some(rule.section), index, [0; 2]));
+            }
         }
     }
     Ok(())
 }
 
-/// Checks a count of a section, by its place there.
+/// Checks counts of a section: the place of each, and the least and the most that it may be.
 #[inline(never)]
-pub(crate) fn check_count(
+pub(crate) fn check_counts(
+    loading: &Loading<'_>,
     section: SectionKind,
-    index: usize,
-    range: RangeInclusive<u32>,
-    found: u32,
-) -> Result<(), FileError> {
-    let (least, most) = range.into_inner();
-    let kind = if found > most { Kind::Limit } else { Kind::Empty };
-    if least <= found && found <= most {
-        return Ok(());
+    counts: &[u32],
+    ranges: &[(usize, u32, u32)],
+) -> Checked {
+    for &(place, least, most) in ranges {
+        let found = counts.get(place).copied().unwrap_or_default();
+        let (kind, expected) =
+            if found > most { (Kind::Limit, most) } else { (Kind::Empty, least) };
+        if found < least || found > most {
+            return Err(loading.refuse(kind, Some(section), place, [expected, found]));
+        }
     }
-    let expected = if found > most { most } else { least };
-    Err(FileError::of(kind, section, index, [expected, found]))
+    Ok(())
 }
 
 /// Finds the first float that is not within `[least, greatest]`, as none is that is no number.
@@ -44,19 +58,14 @@ pub(crate) fn outside(floats: &[[u8; 4]], [least, greatest]: [f32; 2]) -> Option
 
 /// Checks that element `index` of a section points to less than `below`.
 pub(crate) fn check_index(
+    loading: &Loading<'_>,
     section: SectionKind,
     index: usize,
-    below: usize,
-    found: usize,
-) -> Result<(), FileError> {
+    below: u32,
+    found: u32,
+) -> Checked {
     if found < below {
         return Ok(());
     }
-    let values = [below as u64, found as u64].map(saturated);
-    Err(FileError::of(Kind::Index, section, index, values))
-}
-
-/// Refuses an element that breaks a rule of its section.
-pub(crate) fn invalid(section: SectionKind, index: usize) -> Result<(), FileError> {
-    Err(FileError::of(Kind::Invalid, section, index, [0; 2]))
+    Err(loading.refuse(Kind::Index, Some(section), index, [below, found]))
 }

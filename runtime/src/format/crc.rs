@@ -28,18 +28,16 @@ pub(crate) fn by_nibbles(parts: &[&[u8]]) -> u32 {
         }
         table
     };
-    let step = |sum: u32, bits: u32| {
-        let at = (sum ^ bits) & 15;
-        (sum >> 4) ^ TABLE.get(at as usize).copied().unwrap_or_default()
-    };
-    let mut sum = u32::MAX;
-    for part in parts {
-        for byte in *part {
-            let bits = u32::from(*byte);
-            sum = step(step(sum, bits), bits >> 4);
-        }
+    // Not inlined, or the loop would be unrolled to ten times its length.
+    #[inline(never)]
+    fn step(sum: u32, byte: u8) -> u32 {
+        let next = |sum: u32| {
+            let at = sum & 15;
+            (sum >> 4) ^ TABLE.get(at as usize).copied().unwrap_or_default()
+        };
+        next(next(sum ^ u32::from(byte)))
     }
-    !sum
+    parts.iter().copied().flatten().fold(u32::MAX, |sum, byte| step(sum, *byte)) ^ u32::MAX
 }
 
 #[cfg(target_os = "none")]

@@ -71,34 +71,6 @@ pub enum FileErrorKind {
     Invalid,
 }
 
-impl FileError {
-    /// Makes an error of the file as a whole, with an index and the values expected and found.
-    #[cold]
-    pub(crate) fn of_file(kind: FileErrorKind, index: usize, values: [u32; 2]) -> Self {
-        let ([expected, found], index) = (values, saturated(index as u64));
-        Self { kind, part: None, section: None, index, expected, found }
-    }
-
-    /// Makes an error of a section. Never inlined: there are many, and none of them is in a hurry.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn of(
-        kind: FileErrorKind,
-        section: SectionKind,
-        index: usize,
-        [expected, found]: [u32; 2],
-    ) -> Self {
-        let index = saturated(index as u64);
-        Self { kind, part: None, section: Some(section), index, expected, found }
-    }
-
-    /// Says which part it is about.
-    #[cold]
-    pub(crate) const fn part(self, part: u16) -> Self {
-        Self { part: Some(part), ..self }
-    }
-}
-
 /// Returns a number, or the most that an error holds.
 pub(crate) fn saturated(value: u64) -> u32 {
     u32::try_from(value).unwrap_or(u32::MAX)

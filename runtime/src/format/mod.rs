@@ -6,8 +6,10 @@
 pub(crate) mod content;
 mod crc;
 mod error;
+pub(crate) mod loading;
 mod manifest;
 mod message;
+pub(crate) mod part;
 pub(crate) mod rule;
 mod space;
 mod tables;
@@ -15,7 +17,7 @@ mod tables;
 pub(crate) use error::saturated;
 pub use error::{FileError, FileErrorKind};
 pub use manifest::FileId;
-pub(crate) use manifest::{Manifest, Span};
+pub(crate) use manifest::Manifest;
 pub use message::{
     ALIGNMENT, CHECKSUM_OFFSET, CORRECTION_MAX, FEATURES, File, MAGIC, MAGNITUDE_MAX, TRAVEL_MAX,
     VERSION, checksum,

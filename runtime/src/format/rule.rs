@@ -17,15 +17,16 @@ pub(crate) struct Rule {
     /// Bytes of what its content states its own length in, so that it may be longer; `None` where the
     /// length is exact.
     pub(crate) or_more: Option<u8>,
-    /// The least and the greatest of its floats; `None` where it is not of floats alone.
+    /// Its floats; `None` where they are not all of an element's words, or of all but the first.
     pub(crate) floats: Option<Floats>,
 }
 
-/// What floats may be, [`MAGNITUDE_MAX`] apart.
+/// Where the floats of an element stand, and what they may be, [`MAGNITUDE_MAX`] apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Floats {
-    Signed,
-    Unsigned,
+pub(crate) struct Floats {
+    /// Words before them that are none.
+    pub(crate) after: u8,
+    unsigned: bool,
 }
 
 /// A section that every part of its kind has.
@@ -41,7 +42,12 @@ impl Rule {
 
     /// Makes the rule of a section of floats.
     pub(crate) const fn floats(section: SectionKind, each: u8, sizes: [u8; 2]) -> Self {
-        Self { floats: Some(Floats::Signed), ..Self::new(section, each, sizes) }
+        Self::new(section, each, sizes).floats_after(0)
+    }
+
+    /// Says that all of an element but so many words are floats.
+    pub(crate) const fn floats_after(self, after: u8) -> Self {
+        Self { floats: Some(Floats { after, unsigned: false }), ..self }
     }
 
     /// Says what a part must have for the section to be there.
@@ -56,7 +62,7 @@ impl Rule {
 
     /// Says that no float may be negative.
     pub(crate) const fn unsigned(self) -> Self {
-        Self { floats: Some(Floats::Unsigned), ..self }
+        Self { floats: Some(Floats { after: 0, unsigned: true }), ..self }
     }
 
     /// Computes the length in bytes, the least if it may be longer; `None` if the product overflows.
@@ -96,9 +102,6 @@ impl Rule {
 impl Floats {
     /// Returns the least and the greatest.
     pub(crate) const fn range(self) -> [f32; 2] {
-        match self {
-            Self::Signed => [-MAGNITUDE_MAX, MAGNITUDE_MAX],
-            Self::Unsigned => [0.0, MAGNITUDE_MAX],
-        }
+        [if self.unsigned { 0.0 } else { -MAGNITUDE_MAX }, MAGNITUDE_MAX]
     }
 }

@@ -1,5 +1,7 @@
 //! The space that a file's numbers are in: which way its axes point, and how long its unit is.
 
+use super::message::SPACE_OFFSET;
+
 /// A direction along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -100,30 +102,41 @@ impl Space {
         [axis(self.up), axis(self.forward), self.handedness as u8, 0, a, b, c, d]
     }
 
-    /// Reads it; `Err` is the first byte of a value that it cannot have.
-    pub(crate) fn from_bytes(bytes: [u8; 8]) -> Result<Self, u8> {
-        let [up, forward, handedness, reserved, unit @ ..] = bytes;
-        let axis = |at: u8, number: u8| match Axis::from_number(number) {
-            None if number != 0 => Err(at),
-            axis => Ok(axis),
-        };
-        let (up, forward) = (axis(0, up)?, axis(1, forward)?);
-        if up.zip(forward).is_some_and(|(up, forward)| up.is_along(forward)) {
-            return Err(1);
-        }
-        let handedness = match handedness {
-            1 => Handedness::Right,
-            2 => Handedness::Left,
-            _ => return Err(2),
-        };
-        if reserved != 0 {
-            return Err(3);
-        }
+    /// Returns its bytes in a file; zeros of one that is too short.
+    pub(crate) fn bytes(file: &[u8]) -> [u8; 8] {
+        file.get(SPACE_OFFSET..).and_then(<[u8]>::first_chunk).copied().unwrap_or_default()
+    }
+
+    /// Reads that of a file; what it cannot have is taken for what it need not have.
+    pub(crate) fn of(file: &[u8]) -> Self {
+        let [up, forward, handedness, _, unit @ ..] = Self::bytes(file);
         let unit = f32::from_le_bytes(unit);
-        let unit = if unit.to_bits() == 0 { None } else { Some(unit) };
-        if unit.is_some_and(|unit| !(1e-9..=1e9).contains(&unit)) {
-            return Err(4);
+        Self {
+            up: Axis::from_number(up),
+            forward: Axis::from_number(forward),
+            handedness: if handedness == 2 { Handedness::Left } else { Handedness::Right },
+            unit: if unit.to_bits() == 0 { None } else { Some(unit) },
         }
-        Ok(Self { up, forward, handedness, unit })
+    }
+
+    /// Finds the first byte of a value that a space cannot have.
+    pub(crate) fn unsound(bytes: [u8; 8]) -> Option<usize> {
+        let [up, forward, handedness, reserved, unit @ ..] = bytes;
+        let unit = f32::from_le_bytes(unit);
+        // Of the numbers of an axis the even one is against it; 0 stands for none.
+        let along = up > 0 && forward > 0 && up.div_ceil(2) == forward.div_ceil(2);
+        if up > 6 {
+            Some(0)
+        } else if forward > 6 || along {
+            Some(1)
+        } else if handedness.wrapping_sub(1) > 1 {
+            Some(2)
+        } else if reserved != 0 {
+            Some(3)
+        } else if unit.to_bits() != 0 && !(1e-9..=1e9).contains(&unit) {
+            Some(4)
+        } else {
+            None
+        }
     }
 }

@@ -28,8 +28,12 @@ impl PartKind {
     }
 
     /// Returns the kind of this number.
-    pub fn from_number(number: u16) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.number() == number)
+    pub const fn from_number(number: u16) -> Option<Self> {
+        match number {
+            1 => Some(Self::Envelope),
+            2 => Some(Self::Skin),
+            _ => None,
+        }
     }
 }
 
@@ -236,7 +240,7 @@ impl SectionKind {
 
     /// Returns the kind of this number.
     pub fn from_number(number: u16) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.number() == number)
+        Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
     }
 
     /// Returns its name, as FORMAT.md has it.

@@ -40,7 +40,7 @@ impl Kernel {
 
     /// Returns the kernel of this number.
     pub fn from_number(number: u8) -> Option<Self> {
-        Self::ALL.into_iter().find(|kernel| kernel.number() == number)
+        Self::ALL.get(usize::from(number).checked_sub(Self::Gaussian as usize)?).copied()
     }
 
     /// Evaluates the kernel at a squared distance `s >= 0`: 1 at 0, finite and positive everywhere.
@@ -73,18 +73,18 @@ impl Kernel {
     /// Evaluates the kernel in N lanes.
     #[inline(always)]
     pub(crate) fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
-        match self {
-            Self::Gaussian => in_lanes(s, exp_negative),
-            Self::Matern12 => in_lanes(in_lanes(s, sqrt), exp_negative),
-            Self::Matern32 => in_lanes(in_lanes(s, |s| sqrt(3.0 * s)), |a| {
-                let a = bounded(a);
-                (1.0 + a) * exp_negative(a)
-            }),
-            Self::Matern52 => in_lanes(in_lanes(s, |s| sqrt(5.0 * s)), |a| {
-                let a = bounded(a);
-                (1.0 + a + a * a * (1.0 / 3.0)) * exp_negative(a)
-            }),
-        }
+        // A Matérn kernel is `(1 + p a + q a²) e^-a`, a = √(scale s); p and q are exact where they
+        // are 0 or 1.
+        let (scale, p, q) = match self {
+            Self::Gaussian => return in_lanes(s, exp_negative),
+            Self::Matern12 => (1.0, 0.0, 0.0),
+            Self::Matern32 => (3.0, 1.0, 0.0),
+            Self::Matern52 => (5.0, 1.0, 1.0 / 3.0),
+        };
+        in_lanes(in_lanes(s, |s| sqrt(scale * s)), |a| {
+            let a = bounded(a);
+            (1.0 + p * a + a * a * q) * exp_negative(a)
+        })
     }
 }
 

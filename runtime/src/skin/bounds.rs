@@ -29,20 +29,18 @@ impl Bounds {
         Self { min: point, max: point }
     }
 
-    /// Returns the least box that holds both.
-    pub(crate) fn joined(mut self, other: &Self) -> Self {
+    /// Grows to the least box that holds both.
+    pub(crate) fn join(&mut self, other: &Self) {
         self.min.iter_mut().zip(&other.min).for_each(|(a, b)| *a = lesser(*a, *b));
         self.max.iter_mut().zip(&other.max).for_each(|(a, b)| *a = greater(*a, *b));
-        self
     }
 
     /// Widens the box to every side, rounded outward; by 0 it stays as it is.
-    pub(crate) fn widened(mut self, by: f32) -> Self {
+    pub(crate) fn widen(&mut self, by: f32) {
         // Two roundings, and one of whoever measured `by`.
         let rounding = |x: f32| if by > 0.0 { 2.0 * f32::EPSILON * (x.abs() + by) } else { 0.0 };
         self.min.iter_mut().for_each(|x| *x = (*x - by) - rounding(*x));
         self.max.iter_mut().for_each(|x| *x = (*x + by) + rounding(*x));
-        self
     }
 
     /// Moves the box by a transform and widens it by `slack` of the largest magnitude that its sums can

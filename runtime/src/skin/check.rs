@@ -1,82 +1,95 @@
 //! The checks of a skin, in the order that FORMAT.md lists.
 
-use super::bounds::Bounds;
-use super::counts::{LENGTH_TOLERANCE, NO_ENVELOPE, RULES, SkinCounts, WEIGHT_SUM_TOLERANCE};
-use super::view::{Skin, SkinLayout};
-use crate::format::content::{check_count, check_floats, check_index, invalid};
-use crate::format::{FileError, FileErrorKind as Kind, Manifest, SectionKind};
-use crate::limits::Limits;
-use crate::linear::{dot, floats};
+use super::counts::{
+    LENGTH_TOLERANCE, NO_ENVELOPE, RULES, SkinCounts, WEIGHT_SUM_TOLERANCE, place,
+};
+use super::view::Skin;
+use crate::format::content::{check_counts, check_floats, check_index, check_names};
+use crate::format::loading::{Checked, Loading};
+use crate::format::part::{Asked, COUNTS};
+use crate::format::{FileErrorKind as Kind, SectionKind};
+use crate::linear::{Le, dot, floats};
 
-/// Finds a part's counts and arrays, after checking its counts and its sections' lengths.
+/// Checks a skin's counts, adds the length of its palette to them, and returns what they ask of its
+/// sections.
 ///
+/// - `part_len`: parts of the file.
 /// - `palette_len`: counts the palette of a part, if that is an envelope.
-pub(crate) fn layout(
-    manifest: &Manifest,
-    file: &[u8],
-    part: u16,
-    limits: &Limits,
-    palette_len: impl Fn(u16) -> Option<usize>,
-) -> Result<SkinLayout, FileError> {
-    manifest.check_known(file, part, &RULES)?;
-    let (section, mut words) = (SectionKind::SkinCounts, [0; 4]);
-    manifest.counts(file, part, section, &mut words)?;
-    let counts = SkinCounts::from_words(words);
+pub(crate) fn counts(
+    words: &mut [u32; COUNTS],
+    loading: &Loading<'_>,
+    part_len: usize,
+    palette_len: impl Fn(u16) -> Option<u32>,
+) -> Checked<Asked> {
+    let section = SectionKind::SkinCounts;
+    let [vertex_len, influence_len, envelope, range_len, ..] = *words;
+    let counts = SkinCounts { vertex_len, influence_len, envelope, range_len };
     // More influences than indices can tell apart have no transforms to be of.
-    let most = limits.influences.min(u16::MAX.into());
-    let influences = if counts.envelope == NO_ENVELOPE { 0..=0 } else { 1..=most };
-    check_count(section, 0, 0..=limits.vertices, counts.vertex_len)?;
-    check_count(section, 1, influences, counts.influence_len)?;
+    let most = loading.limits.influences.min(u16::MAX.into());
+    let (least, most) = if counts.envelope == NO_ENVELOPE { (0, 0) } else { (1, most) };
+    let ranges = [(place::VERTICES, 0, loading.limits.vertices), (place::INFLUENCES, least, most)];
+    check_counts(loading, section, words, &ranges)?;
     let palette_len = match counts.envelope {
         NO_ENVELOPE => Some(0),
         _ => counts.envelope().and_then(palette_len),
     };
     let Some(palette_len) = palette_len else {
-        let values = [manifest.parts(file).len() as u32, counts.envelope];
-        return Err(FileError::of(Kind::Index, section, 2, values));
+        let values = [part_len as u32, counts.envelope];
+        return Err(loading.refuse(Kind::Index, Some(section), place::ENVELOPE, values));
     };
-    // A palette has at most twice 65,535 transforms.
-    let palette_len = palette_len as u32;
-    let mut layout = SkinLayout::new(manifest.id(), part, counts, palette_len);
-    let asked = (counts.bits(), &counts.sizes(palette_len)[..]);
-    manifest.find_all((file, part), &RULES, asked, layout.spans_mut())?;
-    Ok(layout)
+    words[place::PALETTE] = palette_len;
+    Ok(counts.asked(palette_len))
 }
 
 /// Checks the content of a skin whose sections all have their length.
-pub(crate) fn content(skin: &Skin<'_>) -> Result<(), FileError> {
-    if let Some(index) = skin.names().unsound() {
-        return invalid(SectionKind::Names, index);
-    }
-    check_floats(skin.file_bytes(), &RULES, skin.spans())?;
-    check_directions(skin)?;
-    check_ranges(skin)?;
-    check_influences(skin)
+pub(crate) fn content(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
+    CHECKS.iter().try_for_each(|check| check(skin, loading))
 }
 
-/// Checks that normals have length 1 or 0, tangents length 1 and a handedness of 1 or -1.
-fn check_directions(skin: &Skin<'_>) -> Result<(), FileError> {
-    let is_unit = |v: [f32; 3]| (dot(v, v) - 1.0).abs() <= LENGTH_TOLERANCE;
-    let fits = |n: [f32; 3]| is_unit(n) || n == [0.0; 3];
-    let unfit = skin.normals().iter().position(|n| !fits(floats(n)));
-    if let Some(vertex) = unfit {
-        return invalid(SectionKind::RestNormals, vertex);
-    }
-    let fits = |[x, y, z, hand]: [f32; 4]| is_unit([x, y, z]) && hand.abs() == 1.0;
-    let unfit = skin.tangents().iter().position(|t| !fits(floats(t)));
-    if let Some(vertex) = unfit {
-        return invalid(SectionKind::RestTangents, vertex);
+/// The checks of the content, in their order, likewise as an envelope's.
+static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked; 6] = [
+    |skin, loading| check_names(loading, skin.names()),
+    |skin, loading| check_floats(loading, &skin.0, &RULES),
+    |skin, loading| {
+        check_directions(loading, SectionKind::RestNormals, skin.normals().as_flattened(), 3)
+    },
+    |skin, loading| {
+        check_directions(loading, SectionKind::RestTangents, skin.tangents().as_flattened(), 4)
+    },
+    check_ranges,
+    check_influences,
+];
+
+/// Checks that directions of so many floats have length 1, or if they are normals 0, and if they are
+/// tangents a handedness of 1 or -1.
+fn check_directions(
+    loading: &Loading<'_>,
+    section: SectionKind,
+    words: &[Le],
+    len: usize,
+) -> Checked {
+    for (vertex, words) in words.chunks_exact(len.max(1)).enumerate() {
+        let Some((direction, hand)) = words.split_first_chunk::<3>() else { continue };
+        let direction = floats(direction);
+        let is_unit = (dot(direction, direction) - 1.0).abs() <= LENGTH_TOLERANCE;
+        let fits = match hand.first() {
+            None => is_unit || direction == [0.0; 3],
+            Some(hand) => is_unit && f32::from_le_bytes(*hand).abs() == 1.0,
+        };
+        if !fits {
+            return loading.invalid(section, vertex);
+        }
     }
     Ok(())
 }
 
 /// Checks that ranges lie inside the mesh, one after the other.
-fn check_ranges(skin: &Skin<'_>) -> Result<(), FileError> {
+fn check_ranges(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
     let mut last = 0;
     for (index, row) in skin.range_rows().iter().enumerate() {
         let [start, end] = row.map(u32::from_le_bytes);
         if start < last || end < start || end as usize > skin.vertex_len() {
-            return invalid(SectionKind::Ranges, index);
+            return loading.invalid(SectionKind::Ranges, index);
         }
         last = end;
     }
@@ -84,28 +97,41 @@ fn check_ranges(skin: &Skin<'_>) -> Result<(), FileError> {
 }
 
 /// Checks that influences point into the palette, sum to one, and stay in their transforms' boxes.
-fn check_influences(skin: &Skin<'_>) -> Result<(), FileError> {
+fn check_influences(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
     // Without an envelope there are none; chunks of zero would panic.
-    let (below, k) = (skin.palette_len(), skin.influence_len().max(1));
+    let (below, k) = (skin.palette_len() as u32, skin.influence_len().max(1));
     let boxes = skin.boxes();
     let influences = skin.indices().chunks_exact(k).zip(skin.weights().chunks_exact(k));
     let vertices = skin.positions().iter().map(floats).zip(influences).enumerate();
     for (vertex, (position, (indices, weights))) in vertices {
         let mut sum = 0.0;
         for ((index, weight), at) in indices.iter().zip(weights).zip(vertex * k..) {
-            let found = usize::from(u16::from_le_bytes(*index));
-            check_index(SectionKind::InfluenceIndices, at, below, found)?;
+            let found = u16::from_le_bytes(*index);
+            check_index(loading, SectionKind::InfluenceIndices, at, below, found.into())?;
+            let found = usize::from(found);
             let weight = f32::from_le_bytes(*weight);
             sum += weight;
-            let inside = boxes.get(found).and_then(Bounds::from_corners);
-            if weight > 0.0 && !inside.is_some_and(|rest| rest.contains(position)) {
+            let inside = boxes.get(found).is_some_and(|rest| is_inside(rest, position));
+            if weight > 0.0 && !inside {
                 let values = [0, vertex as u32];
-                return Err(FileError::of(Kind::Invalid, SectionKind::RestBoxes, found, values));
+                return Err(loading.refuse(
+                    Kind::Invalid,
+                    Some(SectionKind::RestBoxes),
+                    found,
+                    values,
+                ));
             }
         }
         if (sum - 1.0).abs() > WEIGHT_SUM_TOLERANCE {
-            return invalid(SectionKind::InfluenceWeights, vertex);
+            return loading.invalid(SectionKind::InfluenceWeights, vertex);
         }
     }
     Ok(())
+}
+
+/// Whether a point lies in a box or on its faces; in one that holds nothing no point does.
+fn is_inside(corners: &[Le; 6], point: [f32; 3]) -> bool {
+    let (min, max) = corners.split_at(3);
+    let mut sides = point.iter().zip(min.iter().zip(max));
+    sides.all(|(x, (min, max))| f32::from_le_bytes(*min) <= *x && *x <= f32::from_le_bytes(*max))
 }

@@ -1,6 +1,7 @@
 //! The numbers of a skin.
 
 use crate::format::SectionKind;
+use crate::format::part::{Asked, COUNTS, SECTIONS};
 use crate::format::rule::{ALWAYS, OPTIONAL, Rule};
 
 /// How far the weights of a vertex may sum from one: rounding of 32 influences is below 4e-6.
@@ -48,7 +49,7 @@ impl SkinCounts {
     /// Whether a skin of these counts must have a section, may have it (`None`), or must not.
     pub fn has(&self, section: SectionKind) -> Option<bool> {
         let rule = Rule::of(&RULES, section);
-        let has = rule.is_some_and(|rule| self.bits() & rule.has != 0);
+        let has = rule.is_some_and(|rule| self.asked(0).has & rule.has != 0);
         if rule.is_some_and(|rule| rule.has == OPTIONAL) { None } else { Some(has) }
     }
 
@@ -57,19 +58,23 @@ impl SkinCounts {
     ///
     /// - `palette_len`: transforms of the envelope's palette, L.
     pub fn section_bytes(&self, section: SectionKind, palette_len: usize) -> Option<u64> {
-        Rule::of(&RULES, section)?.bytes(&self.sizes(u32::try_from(palette_len).ok()?))
+        Rule::of(&RULES, section)?.bytes(&self.asked(u32::try_from(palette_len).ok()?).sizes)
     }
 
-    /// Returns the bits of what it has, as [`RULES`] has them.
-    pub(crate) const fn bits(&self) -> u8 {
-        if self.envelope == NO_ENVELOPE { ALWAYS } else { ALWAYS | FOLLOWS }
-    }
-
-    /// Returns the sizes, as [`RULES`] has them.
-    pub(crate) const fn sizes(&self, palette_len: u32) -> [u32; 5] {
+    /// Returns what they ask of the sections, as [`RULES`] have it.
+    pub(crate) const fn asked(&self, palette_len: u32) -> Asked {
+        let follows = if self.envelope == NO_ENVELOPE { 0 } else { FOLLOWS };
         let Self { vertex_len: v, influence_len: k, range_len: r, .. } = *self;
-        [1, v, k, palette_len, r]
+        Asked { has: ALWAYS | follows, sizes: [1, v, k, palette_len, r] }
     }
+}
+
+/// Where the counts stand in their section, and behind them what follows from the envelope.
+pub(crate) mod place {
+    pub(crate) const VERTICES: usize = 0;
+    pub(crate) const INFLUENCES: usize = 1;
+    pub(crate) const ENVELOPE: usize = 2;
+    pub(crate) const PALETTE: usize = 4;
 }
 
 /// Bit of a skin with an envelope.
@@ -77,6 +82,8 @@ const FOLLOWS: u8 = 4;
 
 /// The sections of a skin, in the order in which the trainer writes them.
 pub const SKIN_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
+
+const _: () = assert!(RULES.len() <= SECTIONS && place::PALETTE < COUNTS);
 
 /// What a skin asks of its sections. Sizes: 1, V, K, L, R.
 pub(crate) const RULES: [Rule; 9] = [

@@ -210,8 +210,9 @@ fn positions_alone(
     }
     if skin.envelope_part().is_none() {
         for (i, rest) in rest.iter().enumerate() {
-            // A way out of the loop: else it would be unrolled, which it is not worth.
-            if out.put(i, moved(&Mat4::IDENTITY, floats(rest))).is_none() {
+            // What the identity makes of it: -0 becomes 0. A way out of the loop, which else would be
+            // unrolled and is not worth it.
+            if out.put(i, floats(rest).map(|x| x + 0.0)).is_none() {
                 return;
             }
         }

@@ -8,6 +8,7 @@ mod posed_bounds;
 mod view;
 
 pub use bounds::Bounds;
+pub(crate) use counts::RULES;
 pub use counts::{LENGTH_TOLERANCE, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts, WEIGHT_SUM_TOLERANCE};
 pub use job::{Output, Rest, SkinJob, cells};
 pub use view::{Skin, SkinLayout};

@@ -32,16 +32,21 @@ impl Skin<'_> {
         // A weighted mean of K terms and a product of 4 err by less than K + 8 roundings.
         let slack = WEIGHT_SUM_TOLERANCE + (self.influence_len() as f32 + 8.0) * f32::EPSILON;
         let mut union: Option<Bounds> = None;
-        let mut join = |own: Bounds| union = Some(union.map_or(own, |union| union.joined(&own)));
-        if self.envelope_part().is_none() {
-            let positions = self.positions().iter();
-            positions.for_each(|x| join(Bounds::of(floats(x)).widened(rest_offset)));
-            return Ok(union);
-        }
+        let mut join = |own: &Bounds| match &mut union {
+            Some(union) => union.join(own),
+            None => union = Some(*own),
+        };
         for (rest, transform) in self.boxes().iter().zip(palette) {
-            if let Some(rest) = Bounds::from_corners(rest) {
-                join(rest.widened(rest_offset).moved(transform, slack));
+            if let Some(mut rest) = Bounds::from_corners(rest) {
+                rest.widen(rest_offset);
+                join(&rest.moved(transform, slack));
             }
+        }
+        let fixed = if self.envelope_part().is_none() { self.positions() } else { &[] };
+        for position in fixed {
+            let mut rest = Bounds::of(floats(position));
+            rest.widen(rest_offset);
+            join(&rest);
         }
         Ok(union)
     }

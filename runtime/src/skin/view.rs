@@ -1,9 +1,10 @@
 //! A skin in a loaded file: what loading found of it, and what it holds.
 
 use super::bounds::Bounds;
-use super::counts::{RULES, SkinCounts};
+use super::counts::{RULES, SkinCounts, place};
+use crate::format::part::{Part, PartLayout};
 use crate::format::rule::Rule;
-use crate::format::{FileId, SectionKind, Span};
+use crate::format::{FileId, SectionKind};
 use crate::linear::{Le, floats};
 use crate::names::Names;
 use core::fmt;
@@ -12,14 +13,7 @@ use core::ops::Range;
 /// What loading found of a skin: its counts, and where its arrays lie. It borrows nothing, so that it
 /// can be kept beside the model, and views be made of it each frame.
 #[derive(Clone, Copy, Debug)]
-pub struct SkinLayout {
-    file: FileId,
-    part: u16,
-    counts: SkinCounts,
-    palette_len: u32,
-    /// Where its sections lie, in the order of [`super::SKIN_SECTIONS`].
-    spans: [Span; RULES.len()],
-}
+pub struct SkinLayout(pub(crate) PartLayout);
 
 const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
 const POSITIONS: usize = Rule::place(&RULES, SectionKind::RestPositions);
@@ -31,29 +25,19 @@ const BOXES: usize = Rule::place(&RULES, SectionKind::RestBoxes);
 const RANGES: usize = Rule::place(&RULES, SectionKind::Ranges);
 
 impl SkinLayout {
-    /// Makes the layout of a part, of an envelope with a palette of so many; where its sections lie
-    /// is to be found.
-    pub(crate) const fn new(file: FileId, part: u16, counts: SkinCounts, palette_len: u32) -> Self {
-        Self { file, part, counts, palette_len, spans: [Span::NONE; RULES.len()] }
-    }
-
-    /// Lends where its sections lie, in the order of [`super::SKIN_SECTIONS`].
-    pub(crate) const fn spans_mut(&mut self) -> &mut [Span; RULES.len()] {
-        &mut self.spans
-    }
-
     /// Returns the skin; `None` if the bytes are not those of the file in which it was found, by their
     /// length and the checksum that they state.
     ///
     /// Nothing is read again. Of bytes that have changed otherwise the skin gives wrong numbers, but
     /// never panics.
     pub fn open<'a>(&self, file: &'a [u8]) -> Option<Skin<'a>> {
-        (FileId::of(file) == Some(self.file)).then_some(Skin { layout: *self, file })
+        self.0.open(file).map(Skin)
     }
 
     /// Returns the counts.
     pub const fn counts(&self) -> SkinCounts {
-        self.counts
+        let [vertex_len, influence_len, envelope, range_len, ..] = self.0.counts;
+        SkinCounts { vertex_len, influence_len, envelope, range_len }
     }
 }
 
@@ -61,31 +45,23 @@ impl SkinLayout {
 ///
 /// Accessors by number return `None` beyond their range.
 #[derive(Clone, Copy)]
-pub struct Skin<'a> {
-    layout: SkinLayout,
-    file: &'a [u8],
-}
+pub struct Skin<'a>(pub(crate) Part<'a>);
 
 impl<'a> Skin<'a> {
-    /// Views a skin in the file in which it was found.
-    pub(crate) const fn new(layout: SkinLayout, file: &'a [u8]) -> Self {
-        Self { layout, file }
-    }
-
     /// Returns what loading found, to open it again.
     pub const fn layout(&self) -> SkinLayout {
-        self.layout
+        SkinLayout(self.0.layout)
     }
 
     /// Tells in which file it is.
     pub const fn file(&self) -> FileId {
-        self.layout.file
+        self.0.id()
     }
 
     /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told
     /// apart.
-    pub fn part(&self) -> usize {
-        self.layout.part.into()
+    pub const fn part(&self) -> usize {
+        self.0.index()
     }
 
     /// Returns the part's name.
@@ -95,7 +71,7 @@ impl<'a> Skin<'a> {
 
     /// Returns its counts.
     pub const fn counts(&self) -> SkinCounts {
-        self.layout.counts
+        self.layout().counts()
     }
 
     /// Returns the part whose palette it follows; `None` if it follows none, as a face without joints.
@@ -105,22 +81,22 @@ impl<'a> Skin<'a> {
 
     /// Returns V, the number of vertices.
     pub const fn vertex_len(&self) -> usize {
-        self.layout.counts.vertex_len as usize
+        self.0.layout.counts[place::VERTICES] as usize
     }
 
     /// Returns K, the number of influences of a vertex.
     pub const fn influence_len(&self) -> usize {
-        self.layout.counts.influence_len as usize
+        self.0.layout.counts[place::INFLUENCES] as usize
     }
 
     /// Returns the number of transforms of the palette that it takes; 0 without an envelope.
     pub const fn palette_len(&self) -> usize {
-        self.layout.palette_len as usize
+        self.0.layout.counts[place::PALETTE] as usize
     }
 
     /// Whether it has tangents.
     pub const fn has_tangents(&self) -> bool {
-        self.layout.spans[TANGENTS].is_some()
+        self.0.layout.has(TANGENTS)
     }
 
     /// Lists the named ranges of vertices: the meshes that it was made of.
@@ -168,53 +144,35 @@ impl<'a> Skin<'a> {
     }
 
     pub(crate) fn names(&self) -> Names<'a> {
-        Names::new(self.bytes(NAMES), self.range_rows().len() + 1)
+        Names::new(self.0.bytes(NAMES), self.range_rows().len() + 1)
     }
 
     pub(crate) fn positions(&self) -> &'a [[Le; 3]] {
-        self.array(POSITIONS)
+        self.0.array(POSITIONS)
     }
 
     pub(crate) fn normals(&self) -> &'a [[Le; 3]] {
-        self.array(NORMALS)
+        self.0.array(NORMALS)
     }
 
     pub(crate) fn tangents(&self) -> &'a [[Le; 4]] {
-        self.array(TANGENTS)
+        self.0.array(TANGENTS)
     }
 
     pub(crate) fn indices(&self) -> &'a [[u8; 2]] {
-        self.bytes(INDICES).as_chunks().0
+        self.0.bytes(INDICES).as_chunks().0
     }
 
     pub(crate) fn weights(&self) -> &'a [Le] {
-        self.bytes(WEIGHTS).as_chunks().0
+        self.0.bytes(WEIGHTS).as_chunks().0
     }
 
     pub(crate) fn boxes(&self) -> &'a [[Le; 6]] {
-        self.array(BOXES)
+        self.0.array(BOXES)
     }
 
     pub(crate) fn range_rows(&self) -> &'a [[Le; 2]] {
-        self.array(RANGES)
-    }
-
-    pub(crate) const fn spans(&self) -> &[Span] {
-        &self.layout.spans
-    }
-
-    pub(crate) const fn file_bytes(&self) -> &'a [u8] {
-        self.file
-    }
-
-    /// Cuts a section into arrays of N words.
-    fn array<const N: usize>(&self, place: usize) -> &'a [[Le; N]] {
-        self.bytes(place).as_chunks().0.as_chunks().0
-    }
-
-    /// Returns a section's bytes; none of one that it has not.
-    fn bytes(&self, place: usize) -> &'a [u8] {
-        self.layout.spans.get(place).unwrap_or(&Span::NONE).bytes(self.file)
+        self.0.array(RANGES)
     }
 }
 

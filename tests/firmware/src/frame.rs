@@ -1,7 +1,7 @@
 //! The least that a frame needs, of which sizes are measured.
 
 use core::hint::black_box;
-use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin};
+use sinew_runtime::{CallError, Envelope, Matrix3x4, Model};
 
 /// Loads, computes the palette of a pose and skins positions, all of them unknown to the compiler.
 #[inline(always)]
@@ -14,13 +14,10 @@ pub fn skinned_by(
     ) -> Result<f32, CallError>,
 ) -> bool {
     let Ok(model) = Model::from_bytes(black_box::<&[u8]>(&[])) else { return false };
-    let frame = |envelope: Envelope<'_>, skin: Skin<'_>| {
-        let (pose, out_palette) = black_box::<(&[Matrix3x4], &mut [Matrix3x4])>((&[], &mut []));
-        let (scratch, out) = black_box::<(&mut [f32], &mut [[f32; 3]])>((&mut [], &mut []));
-        let confidence = palette(&envelope, pose, scratch, out_palette)?;
-        skin.skin_positions(out_palette, out)?;
-        Ok::<_, CallError>(confidence)
-    };
-    let views = model.envelope().zip(model.skin());
-    views.is_some_and(|(envelope, skin)| black_box(frame(envelope, skin)).is_ok())
+    let Some(envelope) = model.envelope() else { return false };
+    let Some(skin) = model.skin() else { return false };
+    let (pose, out_palette) = black_box::<(&[Matrix3x4], &mut [Matrix3x4])>((&[], &mut []));
+    let (scratch, out) = black_box::<(&mut [f32], &mut [[f32; 3]])>((&mut [], &mut []));
+    let done = palette(&envelope, pose, scratch, out_palette);
+    black_box(done).is_ok() && black_box(skin.skin_positions(out_palette, out)).is_ok()
 }

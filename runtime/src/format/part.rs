@@ -1,0 +1,173 @@
+//! A part: what loading finds of it, whatever its kind, and how it is read.
+
+use super::error::{FileErrorKind as Kind, saturated};
+use super::loading::{Checked, Loading};
+use super::manifest::{FileId, Manifest, Tables};
+use super::rule::{ALWAYS, OPTIONAL, Rule};
+use crate::linear::Le;
+use core::num::NonZeroU16;
+
+/// The most counts of a part, of any kind.
+pub(crate) const COUNTS: usize = 6;
+/// The most sections that rules ask of a part, of any kind.
+pub(crate) const SECTIONS: usize = 12;
+
+/// What loading finds of a part. It borrows nothing, so that it can be kept beside the model, and views
+/// be made of it each frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PartLayout {
+    file: FileId,
+    part: u16,
+    /// Its counts, in the order of the file; behind them what follows from other parts.
+    pub(crate) counts: [u32; COUNTS],
+    /// Which rows of the section table its sections have, in the order of its rules, counted from 1.
+    rows: [Option<NonZeroU16>; SECTIONS],
+    tables: Tables,
+}
+
+/// What a part of certain counts has, in the terms of its rules.
+pub(crate) struct Asked {
+    /// Bits of what it has, [`ALWAYS`] among them.
+    pub(crate) has: u8,
+    /// What rules multiply to the number of elements; the first is 1.
+    pub(crate) sizes: [u32; 5],
+}
+
+impl Asked {
+    /// What is asked of the counts themselves.
+    pub(crate) const COUNTS: Self = Self { has: ALWAYS, sizes: [1, 0, 0, 0, 0] };
+}
+
+impl PartLayout {
+    /// That of no part, which opens nothing.
+    pub(crate) const NOTHING: Self = Self {
+        file: FileId::NONE,
+        part: 0,
+        counts: [0; COUNTS],
+        rows: [None; SECTIONS],
+        tables: Tables::NOTHING,
+    };
+
+    /// Takes another for the first of its kind, if it is that of no part yet.
+    pub(crate) fn keep(&mut self, other: &Self) {
+        if !self.is_some() {
+            *self = *other;
+        }
+    }
+
+    /// Whether it is that of a part.
+    pub(crate) const fn is_some(&self) -> bool {
+        self.tables.is_some()
+    }
+
+    /// Whether it has the section of a rule, if only an empty one.
+    pub(crate) const fn has(&self, place: usize) -> bool {
+        self.rows[place].is_some()
+    }
+
+    /// Returns the part; `None` if the bytes are not those of the file in which it was found.
+    pub(crate) fn open<'a>(&self, file: &'a [u8]) -> Option<Part<'a>> {
+        (FileId::of(file) == Some(self.file)).then_some(Part { layout: *self, file })
+    }
+}
+
+/// A part in the file in which it was found.
+#[derive(Clone, Copy)]
+pub(crate) struct Part<'a> {
+    pub(crate) layout: PartLayout,
+    pub(crate) file: &'a [u8],
+}
+
+impl<'a> Part<'a> {
+    /// Makes that of no part, to be found in a file.
+    pub(crate) const fn new(file: &'a [u8]) -> Self {
+        Self { layout: PartLayout::NOTHING, file }
+    }
+
+    /// Enters a part, whose sections are to be found.
+    ///
+    /// # Errors
+    /// [`Kind::Unsupported`] of a section that a reader must know and that is not in the rules.
+    #[inline(never)]
+    pub(crate) fn enter(
+        &mut self,
+        loading: &Loading<'_>,
+        manifest: &Manifest,
+        part: u16,
+        rules: &[Rule],
+    ) -> Checked {
+        for (index, row) in manifest.sections(self.file).enumerate() {
+            let is_known = rules.iter().any(|rule| rule.section.number() == row.kind);
+            if row.part == part && row.required() && !is_known {
+                return Err(loading.refuse(Kind::Unsupported, None, index, [0, row.kind.into()]));
+            }
+        }
+        let layout = &mut self.layout;
+        (layout.file, layout.part, layout.tables) = (manifest.id(), part, manifest.tables());
+        Ok(())
+    }
+
+    /// Reads the counts, of which the section has been found.
+    pub(crate) fn read_counts(&mut self) {
+        let words = self.bytes(0).as_chunks().0;
+        for (count, word) in self.layout.counts.iter_mut().zip(words) {
+            *count = u32::from_le_bytes(*word);
+        }
+    }
+
+    /// Finds the part's sections, and holds them to its rules.
+    ///
+    /// # Errors
+    /// [`Kind::Missing`], [`Kind::Unexpected`] and [`Kind::Length`].
+    #[inline(never)]
+    pub(crate) fn find_sections(
+        &mut self,
+        loading: &Loading<'_>,
+        manifest: &Manifest,
+        rules: &[Rule],
+        asked: &Asked,
+    ) -> Checked {
+        for (rule, out) in rules.iter().zip(&mut self.layout.rows) {
+            let row = manifest.find(self.file, self.layout.part, rule.section.number());
+            let (number, found) = row.unzip();
+            let expected = rule.bytes(&asked.sizes).map_or(u32::MAX, saturated);
+            let has = asked.has & rule.has != 0;
+            let (kind, values) = match found {
+                Some(_) if !has && rule.has != OPTIONAL => (Kind::Unexpected, [0; 2]),
+                Some(found) if found < expected || found > expected && rule.or_more.is_none() => {
+                    (Kind::Length, [expected, found])
+                }
+                None if has => (Kind::Missing, [0; 2]),
+                _ => {
+                    *out = number;
+                    continue;
+                }
+            };
+            return Err(loading.refuse(kind, Some(rule.section), 0, values));
+        }
+        Ok(())
+    }
+
+    /// Tells in which file it is.
+    pub(crate) const fn id(&self) -> FileId {
+        self.layout.file
+    }
+
+    /// Returns its place in the part table.
+    pub(crate) const fn index(&self) -> usize {
+        self.layout.part as usize
+    }
+
+    /// Returns the bytes of a rule's section; none of one that it has not.
+    #[cfg_attr(target_os = "none", inline(never))]
+    pub(crate) fn bytes(&self, place: usize) -> &'a [u8] {
+        let PartLayout { rows, tables, .. } = &self.layout;
+        let row = rows.get(place).copied().flatten();
+        row.and_then(|row| tables.section(row.get(), self.file)).unwrap_or_default()
+    }
+
+    /// Cuts the section of a rule into arrays of N words.
+    pub(crate) fn array<const N: usize>(&self, place: usize) -> &'a [[Le; N]] {
+        self.bytes(place).as_chunks().0.as_chunks().0
+    }
+}
