@@ -203,8 +203,11 @@ fn positions_alone(
     let rest = skin.positions().get(vertices.clone()).unwrap_or_default();
     let influences = Influences::new(skin, palette);
     if let Some(transforms) = influences.blend_by_four(vertices.clone()) {
-        for (i, (rest, transform)) in rest.iter().zip(transforms).enumerate() {
-            out.put(i, moved(&transform, floats(rest)));
+        // By chunks: faster where this path is taken, and slower on small processors. A stride is at
+        // least that of its attribute; chunks of zero would panic.
+        let chunks = out.floats.chunks(out.stride.max(1));
+        for ((rest, out), transform) in rest.iter().zip(chunks).zip(transforms) {
+            put(out, moved(&transform, floats(rest)));
         }
         return;
     }
@@ -247,12 +250,18 @@ impl Output<'_> {
         argument.check_least(least.unwrap_or(usize::MAX), self.floats.len())
     }
 
+    /// Writes the attribute of the i-th vertex of the range.
     #[inline(always)]
     fn put<const N: usize>(&self, i: usize, value: [f32; N]) -> Option<()> {
-        let out = self.floats.get(i * self.stride..)?.first_chunk::<N>()?;
-        out.iter().zip(value).for_each(|(out, value)| out.set(value));
-        Some(())
+        put(self.floats.get(i * self.stride..)?, value)
     }
+}
+
+/// Writes an attribute to its first floats.
+#[inline(always)]
+fn put<const N: usize>(out: &[Cell<f32>], value: [f32; N]) -> Option<()> {
+    out.first_chunk::<N>()?.iter().zip(value).for_each(|(out, value)| out.set(value));
+    Some(())
 }
 
 /// The influences of all vertices, and the palette that they refer to.
