@@ -83,8 +83,8 @@ impl Envelope<'_> {
     }
 
     /// Computes what [`Envelope::palette`] does, of a rotational envelope alone. A program that calls
-    /// this and not the other is linked without kernel maps: on a Cortex-M4F 6 kB less at opt-level s,
-    /// 15 kB at 3.
+    /// this and not the other is linked without kernel maps: on a Cortex-M4F 5 kB less at opt-level s,
+    /// 9 kB at 3.
     ///
     /// # Errors
     /// - [`crate::CallErrorKind::NoStage`]: the envelope is not rotational.
