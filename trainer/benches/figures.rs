@@ -159,7 +159,7 @@ fn errors() -> Result<(), Box<dyn Error>> {
         let proxies = if large { 60 } else { 40 };
         let [rotational, kernel, hybrid] = Predictor::ALL.map(|only| fixed(only, proxies));
         let mut rows = vec![
-            ("as published", Options { refine: false, ..rotational.clone() }),
+            ("unrefined", Options { refine: false, ..rotational.clone() }),
             ("rotational", rotational),
             ("kernel", kernel.clone()),
             ("hybrid", hybrid),
@@ -238,11 +238,11 @@ fn ranges() -> Result<(), Box<dyn Error>> {
 }
 
 /// What `check` says of mpfb-arm's training poses, held to account: the held-out error without the
-/// spare ones, without the lonely ones, and without as many at random.
+/// redundant ones, without the isolated ones, and without as many at random.
 fn poses() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets()?.into_iter().filter(|set| set.0 == "mpfb-arm") {
         let clips = [];
-        let Some(found) = check(&examples, &clips, &Silent)?.foretold else { continue };
+        let Some(found) = check(&examples, &clips, &Silent)?.predicted else { continue };
         let error = |left_out: &[usize]| -> Result<f64, Box<dyn Error>> {
             let mut fewer = examples.clone();
             left_out.iter().for_each(|&frame| fewer.split[frame] = Split::Extreme);
@@ -255,9 +255,10 @@ fn poses() -> Result<(), Box<dyn Error>> {
             Ok(evaluate(&model, None, &fewer, Frames::Of(Split::HeldOut))?.errors.rms_percent)
         };
         println!("{name}: {:.4} % with all training poses", error(&[])?);
-        let spare: Vec<usize> = found.spare.iter().map(|name| name.frame).collect();
-        let lonely: Vec<usize> = found.lonely.iter().map(|lonely| lonely.frame.frame).collect();
-        for (what, named) in [("spare", spare), ("lonely", lonely)] {
+        let redundant: Vec<usize> = found.redundant.iter().map(|name| name.frame).collect();
+        let isolated: Vec<usize> =
+            found.isolated.iter().map(|isolated| isolated.frame.frame).collect();
+        for (what, named) in [("redundant", redundant), ("isolated", isolated)] {
             println!("without {} that are {what}: {:.4} %", named.len(), error(&named)?);
             let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
             for _ in 0..5 {

@@ -2,22 +2,22 @@
 
 use super::coverage::{Apart, Coverage};
 use super::finding::{FrameName, count, listed};
-use super::thin::Foretold;
+use super::thin::Predicted;
 use super::thresholds::{FEW, MUCH};
 
 /// Gives the advice that the poses ask for, what matters most first.
 pub(super) fn advice(
     joints: &[Coverage],
     apart: &[Apart],
-    foretold: Option<&Foretold>,
+    predicted: Option<&Predicted>,
 ) -> Vec<String> {
     let mut advice = Vec::new();
     advice.extend(beyond(joints));
     advice.extend(few(joints));
     advice.extend(together(apart));
-    if let Some(foretold) = foretold {
-        advice.extend(lonely(foretold));
-        advice.extend(spare(foretold));
+    if let Some(predicted) = predicted {
+        advice.extend(isolated(predicted));
+        advice.extend(redundant(predicted));
     }
     advice
 }
@@ -62,26 +62,26 @@ fn together(apart: &[Apart]) -> Option<String> {
     })
 }
 
-fn lonely(foretold: &Foretold) -> Option<String> {
-    let line = |lonely: &super::thin::Lonely| {
-        format!("frame {} ({:.3} % off at {})", lonely.frame, lonely.percent, lonely.joint)
+fn isolated(predicted: &Predicted) -> Option<String> {
+    let line = |isolated: &super::thin::Isolated| {
+        format!("frame {} ({:.3} % off at {})", isolated.frame, isolated.percent, isolated.joint)
     };
-    (!foretold.lonely.is_empty()).then(|| {
+    (!predicted.isolated.is_empty()).then(|| {
         format!(
-            "add poses like these, which the others do not foretell: {}",
-            listed(foretold.lonely.iter().map(line))
+            "add poses like these, which the others do not predict: {}",
+            listed(predicted.isolated.iter().map(line))
         )
     })
 }
 
-fn spare(foretold: &Foretold) -> Option<String> {
-    let Foretold { compared, spare, .. } = foretold;
-    (!spare.is_empty()).then(|| {
+fn redundant(predicted: &Predicted) -> Option<String> {
+    let Predicted { compared, redundant, .. } = predicted;
+    (!redundant.is_empty()).then(|| {
         format!(
-            "{} of {compared} training poses may be left out together, as the others foretell \
+            "{} of {compared} training poses may be left out together, as the others predict \
              them: {}",
-            spare.len(),
-            ranges(spare)
+            redundant.len(),
+            ranges(redundant)
         )
     })
 }

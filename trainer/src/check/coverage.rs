@@ -1,7 +1,7 @@
 //! What the training poses do with each joint, and which other frames go beyond.
 
+use super::context::Context;
 use super::finding::FrameName;
-use super::seen::Seen;
 use super::thresholds::{BENT, BEYOND, DISTINCT, MUCH, STILL};
 use super::turns::{Turn, Turns};
 use crate::envelope::motion::Poses;
@@ -61,26 +61,27 @@ impl Coverage {
 }
 
 /// Measures every joint but the reference root, in their order.
-pub(super) fn coverage(seen: &Seen<'_>) -> Vec<Coverage> {
-    let root = seen.examples.skeleton.root();
-    let others: Vec<usize> = (0..seen.examples.frame_len())
-        .filter(|&frame| seen.examples.split[frame] != Split::Train)
+pub(super) fn coverage(context: &Context<'_>) -> Vec<Coverage> {
+    let root = context.examples.skeleton.root();
+    let others: Vec<usize> = (0..context.examples.frame_len())
+        .filter(|&frame| context.examples.split[frame] != Split::Train)
         .collect();
-    let poses = Poses::new(seen.examples, &others);
-    let poses = poses.about(seen.training.centre).in_units_of(seen.training.unit);
-    let others = (others, Turns::new(&poses, seen.training.joints()));
-    let skins = seen.skins();
-    let joints: Vec<usize> = (0..seen.examples.joint_len()).filter(|&j| j != root).collect();
-    joints.into_par_iter().map(|joint| of(seen, joint, &skins[joint], &others)).collect()
+    let poses = Poses::new(context.examples, &others);
+    let poses = poses.about(context.training.centre).in_units_of(context.training.unit);
+    let others = (others, Turns::new(&poses, context.training.joints()));
+    let skins = context.skins();
+    let joints: Vec<usize> = (0..context.examples.joint_len()).filter(|&j| j != root).collect();
+    joints.into_par_iter().map(|joint| of(context, joint, &skins[joint], &others)).collect()
 }
 
 fn of(
-    seen: &Seen<'_>,
+    context: &Context<'_>,
     joint: usize,
     skin: &[usize],
     (others, turns): &(Vec<usize>, Turns),
 ) -> Coverage {
-    let training: Vec<&Turn> = (0..seen.turns.len()).map(|i| seen.turns.of(i, joint)).collect();
+    let training: Vec<&Turn> =
+        (0..context.turns.len()).map(|i| context.turns.of(i, joint)).collect();
     let axis = main_axis(&training);
     let about: Vec<(f64, f64)> = training.iter().map(|turn| twist_and_swing(turn, &axis)).collect();
     let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
@@ -90,22 +91,22 @@ fn of(
         .iter()
         .enumerate()
         .map(|(i, &frame)| Beyond {
-            frame: FrameName::new(seen.clips, frame),
-            degrees: seen.turns.nearest(joint, turns.of(i, joint)),
+            frame: FrameName::new(context.clips, frame),
+            degrees: context.turns.nearest(joint, turns.of(i, joint)),
         })
         .filter(|beyond| beyond.degrees > BEYOND)
         .collect();
     beyond.sort_by(|a, b| b.degrees.total_cmp(&a.degrees));
     Coverage {
-        joint: seen.joint(joint).to_owned(),
+        joint: context.joint(joint).to_owned(),
         vertices: skin.len(),
-        lbs_percent: 100.0 * seen.rms_of(skin),
+        lbs_percent: 100.0 * context.rms_of(skin),
         degrees: most(&mut training.iter().map(|turn| turn.rotation.angle().to_degrees())),
         axis: axis.into(),
         twist: [least(&mut twists()), twists().fold(f64::NEG_INFINITY, f64::max)],
         swing: most(&mut about.iter().map(|(_, swing)| *swing)),
         slide_percent: 100.0 * most(&mut training.iter().map(|turn| turn.slide.norm())),
-        distinct: distinct(&training, DISTINCT * seen.turns.farthest(joint)),
+        distinct: distinct(&training, DISTINCT * context.turns.farthest(joint)),
         beyond,
     }
 }
@@ -142,21 +143,21 @@ fn distinct(turns: &[&Turn], gap: f64) -> usize {
 }
 
 /// Lists joints that never bend together with their parent, those whose skin errs most first.
-pub(super) fn apart(seen: &Seen<'_>) -> Vec<Apart> {
-    let parents = &seen.examples.skeleton.parents;
-    let skins = seen.skins();
-    let error = |joint: usize| seen.rms_of(&skins[joint]);
+pub(super) fn apart(context: &Context<'_>) -> Vec<Apart> {
+    let parents = &context.examples.skeleton.parents;
+    let skins = context.skins();
+    let error = |joint: usize| context.rms_of(&skins[joint]);
     let pairs = (0..parents.len()).filter(|&joint| {
         let Some(parent) = parents[joint] else { return false };
-        let both = [joint, parent].map(|j| (j, seen.turns.usual(j)));
-        let bent = |i: usize| both.iter().all(|&(j, most)| seen.turns.bend(i, j) > BENT * most);
-        both.iter().all(|&(_, most)| most > MUCH) && !(0..seen.turns.len()).any(bent)
+        let both = [joint, parent].map(|j| (j, context.turns.usual(j)));
+        let bent = |i: usize| both.iter().all(|&(j, most)| context.turns.bend(i, j) > BENT * most);
+        both.iter().all(|&(_, most)| most > MUCH) && !(0..context.turns.len()).any(bent)
     });
-    super::seen::worst_first(pairs, error)
+    super::context::worst_first(pairs, error)
         .into_iter()
         .filter_map(|joint| {
-            let parent = seen.joint(parents[joint]?).to_owned();
-            Some(Apart { joint: seen.joint(joint).to_owned(), parent })
+            let parent = context.joint(parents[joint]?).to_owned();
+            Some(Apart { joint: context.joint(joint).to_owned(), parent })
         })
         .collect()
 }

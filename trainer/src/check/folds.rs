@@ -1,17 +1,17 @@
 //! The faces in the training frames: triangles that collapse, fold over, or look inward.
 
+use super::context::{Context, worst_first};
 use super::faces::edges;
 use super::finding::{Finding, Kind, Place, Severity, count, listed};
-use super::seen::{Seen, worst_first};
 use super::thresholds::{COLLAPSED, FLIPPED, MANY};
 use crate::envelope::weights::cofactors;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-pub(super) fn folds(seen: &Seen<'_>, findings: &mut Vec<Finding>) {
-    let surface = Surface::new(seen);
+pub(super) fn folds(context: &Context<'_>, findings: &mut Vec<Finding>) {
+    let surface = Surface::new(context);
     let frames: Vec<Faults> =
-        (0..seen.frames.len()).into_par_iter().map(|i| surface.faults(seen, i)).collect();
+        (0..context.frames.len()).into_par_iter().map(|i| surface.faults(context, i)).collect();
     let part = |of: fn(&Faults) -> &Vec<usize>| frames.iter().map(of).cloned().collect::<Vec<_>>();
     let inward = Words {
         kind: Kind::Flipped,
@@ -29,9 +29,9 @@ pub(super) fn folds(seen: &Seen<'_>, findings: &mut Vec<Finding>) {
         meaning: "less than a hundredth of the area at rest",
     };
     let len = surface.triangles.len();
-    findings.extend(inward.report(seen, len, &part(|faults| &faults.flipped)));
-    findings.extend(over.report(seen, len, &part(|faults| &faults.folded)));
-    findings.extend(lost.report(seen, len, &part(|faults| &faults.collapsed)));
+    findings.extend(inward.report(context, len, &part(|faults| &faults.flipped)));
+    findings.extend(over.report(context, len, &part(|faults| &faults.folded)));
+    findings.extend(lost.report(context, len, &part(|faults| &faults.collapsed)));
 }
 
 /// The triangles that have an area at rest.
@@ -51,8 +51,8 @@ struct Faults {
 }
 
 impl Surface {
-    fn new(seen: &Seen<'_>) -> Self {
-        let examples = seen.examples;
+    fn new(context: &Context<'_>) -> Self {
+        let examples = context.examples;
         let mut place = vec![None; examples.triangles.len()];
         let flat = examples.degenerate_triangles();
         let triangles: Vec<usize> =
@@ -71,10 +71,10 @@ impl Surface {
         Self { triangles, neighbours, rest }
     }
 
-    fn faults(&self, seen: &Seen<'_>, i: usize) -> Faults {
-        let (examples, weights) = (seen.examples, &seen.training.lbs.weights);
-        let posed = examples.frame(seen.frames[i]);
-        let pose = examples.pose(seen.frames[i]);
+    fn faults(&self, context: &Context<'_>, i: usize) -> Faults {
+        let (examples, weights) = (context.examples, &context.training.lbs.weights);
+        let posed = examples.frame(context.frames[i]);
+        let pose = examples.pose(context.frames[i]);
         let linear = |joint: usize| Matrix3::from_fn(|r, c| pose[joint][r][c]);
         let of = |&t: &usize| normal(posed, examples.triangles[t]);
         let now: Vec<Vector3<f64>> = self.triangles.iter().map(of).collect();
@@ -132,11 +132,11 @@ struct Words {
 impl Words {
     fn report(
         &self,
-        seen: &Seen<'_>,
+        context: &Context<'_>,
         triangle_len: usize,
         frames: &[Vec<usize>],
     ) -> Option<Finding> {
-        let mut times = vec![0usize; seen.examples.triangles.len()];
+        let mut times = vec![0usize; context.examples.triangles.len()];
         frames.iter().flatten().for_each(|&triangle| times[triangle] += 1);
         let at_fault = (0..times.len()).filter(|&triangle| times[triangle] > 0);
         let triangles = worst_first(at_fault, |triangle| times[triangle] as f64);
@@ -155,13 +155,13 @@ impl Words {
                 self.meaning,
                 count(order.len(), "training frame", "training frames"),
                 frames[worst].len(),
-                seen.frame(worst),
+                context.frame(worst),
                 listed(triangles.iter().map(line))
             ),
             places: triangles
                 .iter()
                 .map(|&triangle| Place::Triangle(triangle))
-                .chain(seen.frames(order))
+                .chain(context.frames(order))
                 .collect(),
         })
     }

@@ -1,22 +1,22 @@
 //! Joints by themselves: rigidity, half turns, and those that do nothing.
 
+use super::context::{Context, worst_first};
 use super::finding::{Finding, Kind, Place, Severity, count, listed};
-use super::seen::{Seen, worst_first};
 use super::thresholds::{IDLE, SCALED, STILL};
 use crate::envelope::choose::SEAM;
 use crate::examples::{Matrix3x4, Warning};
 use nalgebra::Matrix3;
 
-pub(super) fn joints(seen: &Seen<'_>, warnings: &[Warning], findings: &mut Vec<Finding>) {
+pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut Vec<Finding>) {
     for warning in warnings {
         if let Warning::NonRigidJoint { joint, worst_frame, .. } = warning {
-            findings.push(non_rigid(seen, warning, joint, *worst_frame));
+            findings.push(non_rigid(context, warning, joint, *worst_frame));
         }
     }
-    half_turns(seen, findings);
-    let joints = 0..seen.examples.joint_len();
-    let root = seen.examples.skeleton.root();
-    let still = |&j: &usize| j != root && seen.turns.farthest(j) < STILL;
+    half_turns(context, findings);
+    let joints = 0..context.examples.joint_len();
+    let root = context.examples.skeleton.root();
+    let still = |&j: &usize| j != root && context.turns.farthest(j) < STILL;
     let still: Vec<usize> = joints.clone().filter(still).collect();
     if !still.is_empty() {
         findings.push(Finding {
@@ -27,13 +27,13 @@ pub(super) fn joints(seen: &Seen<'_>, warnings: &[Warning], findings: &mut Vec<F
                 count(still.len(), "joint never moves", "joints never move"),
                 if still.len() == 1 { "its parent" } else { "their parents" },
                 if still.len() == 1 { "it" } else { "them" },
-                names(seen, &still)
+                names(context, &still)
             ),
-            places: places(seen, &still),
+            places: places(context, &still),
         });
     }
-    let mut used = vec![false; seen.examples.joint_len()];
-    let weights = &seen.training.lbs.weights;
+    let mut used = vec![false; context.examples.joint_len()];
+    let weights = &context.training.lbs.weights;
     for vertex in 0..weights.len() {
         weights.of(vertex).for_each(|(joint, weight)| used[joint] |= weight > IDLE);
     }
@@ -46,26 +46,26 @@ pub(super) fn joints(seen: &Seen<'_>, warnings: &[Warning], findings: &mut Vec<F
             text: format!(
                 "{} no vertex: {}",
                 count(idle.len(), "joint moves", "joints move"),
-                names(seen, &idle)
+                names(context, &idle)
             ),
-            places: places(seen, &idle),
+            places: places(context, &idle),
         });
     }
 }
 
 fn non_rigid(
-    seen: &Seen<'_>,
+    context: &Context<'_>,
     warning: &Warning,
     joint: &str,
     worst_frame: Option<usize>,
 ) -> Finding {
-    let number = seen.examples.skeleton.names.iter().position(|name| name == joint).unwrap_or(0);
+    let number = context.examples.skeleton.names.iter().position(|name| name == joint).unwrap_or(0);
     let map = match worst_frame {
-        Some(frame) => &seen.examples.pose(frame)[number],
-        None => &seen.examples.skeleton.rest[number],
+        Some(frame) => &context.examples.pose(frame)[number],
+        None => &context.examples.skeleton.rest[number],
     };
     let mut places = vec![Place::Joint(joint.to_owned())];
-    let frame = worst_frame.map(|frame| super::finding::FrameName::new(seen.clips, frame));
+    let frame = worst_frame.map(|frame| super::finding::FrameName::new(context.clips, frame));
     places.extend(frame.map(Place::Frame));
     Finding {
         kind: Kind::NonRigid,
@@ -86,20 +86,24 @@ fn stretch(map: &Matrix3x4) -> String {
     format!("it is stretched by {least:.4} to {most:.4}")
 }
 
-fn half_turns(seen: &Seen<'_>, findings: &mut Vec<Finding>) {
-    let ranges = seen.training.poses.angle_ranges();
+fn half_turns(context: &Context<'_>, findings: &mut Vec<Finding>) {
+    let ranges = context.training.poses.angle_ranges();
     let over = (0..ranges.len()).filter(|&joint| ranges[joint] > SEAM);
     let over = worst_first(over, |joint| ranges[joint]);
     if over.is_empty() {
         return;
     }
     let worst = |joint: usize| {
-        let angle = |i: usize| seen.training.poses.angle(i, joint).norm();
-        (0..seen.frames.len()).max_by(|&a, &b| angle(a).total_cmp(&angle(b))).unwrap_or(0)
+        let angle = |i: usize| context.training.poses.angle(i, joint).norm();
+        (0..context.frames.len()).max_by(|&a, &b| angle(a).total_cmp(&angle(b))).unwrap_or(0)
     };
     let line = |&joint: &usize| {
         let degrees = ranges[joint].to_degrees();
-        format!("{} by {degrees:.0}° in frame {}", seen.joint(joint), seen.frame(worst(joint)))
+        format!(
+            "{} by {degrees:.0}° in frame {}",
+            context.joint(joint),
+            context.frame(worst(joint))
+        )
     };
     findings.push(Finding {
         kind: Kind::HalfTurn,
@@ -111,15 +115,17 @@ fn half_turns(seen: &Seen<'_>, findings: &mut Vec<Finding>) {
         ),
         places: over
             .iter()
-            .flat_map(|&joint| [seen.joint_place(joint), Place::Frame(seen.frame(worst(joint)))])
+            .flat_map(|&joint| {
+                [context.joint_place(joint), Place::Frame(context.frame(worst(joint)))]
+            })
             .collect(),
     });
 }
 
-fn names(seen: &Seen<'_>, joints: &[usize]) -> String {
-    listed(joints.iter().map(|&joint| seen.joint(joint)))
+fn names(context: &Context<'_>, joints: &[usize]) -> String {
+    listed(joints.iter().map(|&joint| context.joint(joint)))
 }
 
-fn places(seen: &Seen<'_>, joints: &[usize]) -> Vec<Place> {
-    joints.iter().map(|&joint| seen.joint_place(joint)).collect()
+fn places(context: &Context<'_>, joints: &[usize]) -> Vec<Place> {
+    joints.iter().map(|&joint| context.joint_place(joint)).collect()
 }

@@ -4,16 +4,16 @@
 //! Held-out and extreme frames are read for their poses alone, to compare them with training.
 
 mod advice;
+mod context;
 pub mod convention;
 pub mod coverage;
 pub mod faces;
 pub mod finding;
 mod folds;
-mod foretold;
 mod joints;
+mod prediction;
 mod repeats;
 pub mod rest;
-mod seen;
 pub mod size;
 mod step;
 pub mod thin;
@@ -24,8 +24,8 @@ use crate::envelope::FitError;
 use crate::envelope::training::Training;
 use crate::examples::{Clip, Examples, ExamplesError};
 use crate::progress::Progress;
+use context::{Context, worst_first};
 use finding::{Finding, FrameName, Kind, Severity};
-use seen::{Seen, worst_first};
 use serde::Serialize;
 
 /// What a check tells of examples.
@@ -43,8 +43,8 @@ pub struct Check {
     pub joints: Vec<coverage::Coverage>,
     /// Joints that never bend together with their parent.
     pub never_together: Vec<coverage::Apart>,
-    /// How the training poses foretell each other; none where LBS leaves nothing.
-    pub foretold: Option<thin::Foretold>,
+    /// How the training poses predict each other; none where LBS leaves nothing.
+    pub predicted: Option<thin::Predicted>,
     /// What was found, warnings first.
     pub findings: Vec<Finding>,
     /// What to add and to leave out.
@@ -93,28 +93,28 @@ pub fn check(
     progress.step("units and axes", 1);
     convention::convention(examples, &mut findings);
     let faces = faces::faces(examples, &warnings, &mut findings);
-    let seen = Seen::new(examples, clips, Training::new(examples, progress)?);
-    let rest = rest::rest(&seen, &mut findings);
-    joints::joints(&seen, &warnings, &mut findings);
+    let context = Context::new(examples, clips, Training::new(examples, progress)?);
+    let rest = rest::rest(&context, &mut findings);
+    joints::joints(&context, &warnings, &mut findings);
     progress.step("faces in poses", 1);
-    folds::folds(&seen, &mut findings);
+    folds::folds(&context, &mut findings);
     progress.step("frames", 1);
-    repeats::repeats(&seen, &mut findings);
-    step::steps(&seen, &mut findings);
-    let joints = coverage::coverage(&seen);
-    let never_together = coverage::apart(&seen);
+    repeats::repeats(&context, &mut findings);
+    step::steps(&context, &mut findings);
+    let joints = coverage::coverage(&context);
+    let never_together = coverage::apart(&context);
     progress.step("poses", 1);
-    let foretold = thin::foretell(&seen);
+    let predicted = thin::predict(&context);
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     Ok(Check {
         size,
         rest,
         faces,
-        lbs: floor(&seen),
-        advice: advice::advice(&joints, &never_together, foretold.as_ref()),
+        lbs: floor(&context),
+        advice: advice::advice(&joints, &never_together, predicted.as_ref()),
         joints,
         never_together,
-        foretold,
+        predicted,
         findings,
     })
 }
@@ -131,15 +131,15 @@ impl Check {
     }
 }
 
-fn floor(seen: &Seen<'_>) -> Floor {
-    let all: Vec<usize> = (0..seen.dominant.len()).collect();
-    let of_frame = |i: usize| 100.0 * seen.rms(i, &all);
-    let of_vertex = |v: usize| 100.0 * seen.rms_of(&[v]);
-    let frames = worst_first(0..seen.frames.len(), of_frame).into_iter().take(WORST);
+fn floor(context: &Context<'_>) -> Floor {
+    let all: Vec<usize> = (0..context.dominant.len()).collect();
+    let of_frame = |i: usize| 100.0 * context.rms(i, &all);
+    let of_vertex = |v: usize| 100.0 * context.rms_of(&[v]);
+    let frames = worst_first(0..context.frames.len(), of_frame).into_iter().take(WORST);
     let vertices = worst_first(all.iter().copied(), of_vertex).into_iter().take(WORST);
     Floor {
-        rms_percent: 100.0 * seen.lbs_rms(),
-        frames: frames.map(|i| (seen.frame(i), of_frame(i))).collect(),
+        rms_percent: 100.0 * context.lbs_rms(),
+        frames: frames.map(|i| (context.frame(i), of_frame(i))).collect(),
         vertices: vertices.map(|v| (v, of_vertex(v))).collect(),
     }
 }

@@ -1,8 +1,8 @@
 //! Whether the rest mesh belongs to the poses: near rest, the joints alone must give the meshes.
 
+use super::context::{Context, worst_first};
 use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
-use super::foretold::HOPS;
-use super::seen::{Seen, worst_first};
+use super::prediction::HOPS;
 use super::thresholds::{NEAR_REST, REST_ERROR, VISIBLE};
 use crate::envelope::helpers::features::near;
 use serde::Serialize;
@@ -22,25 +22,25 @@ pub struct Rest {
     pub tested: usize,
 }
 
-pub(super) fn rest(seen: &Seen<'_>, findings: &mut Vec<Finding>) -> Rest {
-    let poses = 0..seen.frames.len();
-    let joint_len = seen.examples.joint_len();
-    let bend = |i: usize| (0..joint_len).map(|j| seen.turns.bend(i, j)).fold(0.0, f64::max);
+pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
+    let poses = 0..context.frames.len();
+    let joint_len = context.examples.joint_len();
+    let bend = |i: usize| (0..joint_len).map(|j| context.turns.bend(i, j)).fold(0.0, f64::max);
     let nearest = poses.clone().min_by(|&a, &b| bend(a).total_cmp(&bend(b))).unwrap_or(0);
-    let all: Vec<usize> = (0..seen.dominant.len()).collect();
+    let all: Vec<usize> = (0..context.dominant.len()).collect();
 
     let (mut joints, mut tested) = (0, 0);
     let mut off = Vec::new();
-    for (joint, skin) in seen.skins().iter().enumerate().filter(|(_, skin)| !skin.is_empty()) {
+    for (joint, skin) in context.skins().iter().enumerate().filter(|(_, skin)| !skin.is_empty()) {
         joints += 1;
-        let around = near(&seen.training.parents, joint, HOPS);
-        let bend = |i: usize| around.iter().map(|&j| seen.turns.bend(i, j)).fold(0.0, f64::max);
+        let around = near(&context.training.parents, joint, HOPS);
+        let bend = |i: usize| around.iter().map(|&j| context.turns.bend(i, j)).fold(0.0, f64::max);
         let least = poses.clone().min_by(|&a, &b| bend(a).total_cmp(&bend(b))).unwrap_or(0);
         if bend(least) > NEAR_REST {
             continue;
         }
         tested += 1;
-        let (here, overall) = (seen.rms(least, skin), seen.rms_of(skin));
+        let (here, overall) = (context.rms(least, skin), context.rms_of(skin));
         if here > VISIBLE && here > REST_ERROR * overall {
             off.push((joint, least, bend(least), here));
         }
@@ -49,7 +49,7 @@ pub(super) fn rest(seen: &Seen<'_>, findings: &mut Vec<Finding>) -> Rest {
         let order = worst_first(0..off.len(), |k| off[k].3);
         let line = |&k: &usize| {
             let (joint, frame, bend, error) = off[k];
-            let (name, frame, error) = (seen.joint(joint), seen.frame(frame), 100.0 * error);
+            let (name, frame, error) = (context.joint(joint), context.frame(frame), 100.0 * error);
             format!("{name} by {error:.2} % of the diagonal in frame {frame}, {bend:.0}° from rest")
         };
         findings.push(Finding {
@@ -59,7 +59,7 @@ pub(super) fn rest(seen: &Seen<'_>, findings: &mut Vec<Finding>) -> Rest {
                 "the meshes near rest are not the rest mesh, as if it were another sculpt: {}",
                 listed(order.iter().map(line))
             ),
-            places: order.iter().map(|&k| seen.joint_place(off[k].0)).collect(),
+            places: order.iter().map(|&k| context.joint_place(off[k].0)).collect(),
         });
     }
     if tested == 0 {
@@ -69,16 +69,16 @@ pub(super) fn rest(seen: &Seen<'_>, findings: &mut Vec<Finding>) -> Rest {
             text: format!(
                 "no training frame is near rest (the nearest is frame {}, {:.0}° away), so that \
                  nothing shows whether the rest mesh belongs to the poses: add the rest pose",
-                seen.frame(nearest),
+                context.frame(nearest),
                 bend(nearest)
             ),
-            places: vec![Place::Frame(seen.frame(nearest))],
+            places: vec![Place::Frame(context.frame(nearest))],
         });
     }
     Rest {
-        nearest: seen.frame(nearest),
+        nearest: context.frame(nearest),
         nearest_degrees: bend(nearest),
-        nearest_lbs_percent: 100.0 * seen.rms(nearest, &all),
+        nearest_lbs_percent: 100.0 * context.rms(nearest, &all),
         joints,
         tested,
     }

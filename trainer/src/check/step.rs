@@ -1,7 +1,7 @@
 //! Whether the meshes belong to their frames, or to those before or after.
 
+use super::context::Context;
 use super::finding::{Finding, FrameName, Kind, Place, Severity};
-use super::seen::Seen;
 use super::thresholds::{SHIFT_FRAMES, SHIFTED, VISIBLE};
 use crate::envelope::motion::{Poses, trajectories};
 use crate::envelope::weights::{self, BASELINE_INFLUENCES};
@@ -15,10 +15,10 @@ const VERTICES: usize = 400;
 /// The longest clip's frames that are looked at.
 const FRAMES: usize = 200;
 
-pub(super) fn steps(seen: &Seen<'_>, findings: &mut Vec<Finding>) {
-    let sample = sample(seen.examples);
-    for (number, clip) in seen.clips.iter().enumerate() {
-        let end = seen.clips.get(number + 1).map_or(sample.frame_len(), |next| next.first);
+pub(super) fn steps(context: &Context<'_>, findings: &mut Vec<Finding>) {
+    let sample = sample(context.examples);
+    for (number, clip) in context.clips.iter().enumerate() {
+        let end = context.clips.get(number + 1).map_or(sample.frame_len(), |next| next.first);
         let trains = |frame: usize| sample.split[frame] == Split::Train;
         let between = |&frame: &usize| [frame - 1, frame, frame + 1].into_iter().all(trains);
         let inner: Vec<usize> =
@@ -43,7 +43,7 @@ pub(super) fn steps(seen: &Seen<'_>, findings: &mut Vec<Finding>) {
                 100.0 * now / sample.diagonal(),
                 100.0 * shifted / sample.diagonal()
             ),
-            places: vec![Place::Frame(FrameName::new(seen.clips, clip.first))],
+            places: vec![Place::Frame(FrameName::new(context.clips, clip.first))],
         });
     }
 }

@@ -1,48 +1,48 @@
 //! Which poses the others make superfluous, and which stand alone.
 
+use super::context::{Context, worst_first};
 use super::finding::FrameName;
-use super::foretold::{Errors, Region, compared, regions};
-use super::seen::{Seen, worst_first};
+use super::prediction::{Errors, Region, compared, regions};
 use super::thresholds::{LONELY, NEGLIGIBLE, REDUNDANT, VISIBLE};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// How the training poses foretell each other.
+/// How the training poses predict each other.
 #[derive(Clone, Debug, Serialize)]
-pub struct Foretold {
+pub struct Predicted {
     /// Poses that were compared: all, or some, evenly apart.
     pub compared: usize,
     /// RMS error of LBS in them, in % of the diagonal.
     pub lbs_percent: f64,
     /// RMS error to be expected in poses never seen, in % of the diagonal: each contiguous block of
-    /// poses foretold by the others.
+    /// poses predicted by the others.
     pub expected_percent: f64,
-    /// Poses that foretell all others, in order.
+    /// Poses that predict all others, in order.
     pub enough: Vec<FrameName>,
-    /// The others, that which is foretold best first.
-    pub spare: Vec<FrameName>,
+    /// The others, that which is predicted best first.
+    pub redundant: Vec<FrameName>,
     /// Poses that no other is like, the loneliest first.
-    pub lonely: Vec<Lonely>,
+    pub isolated: Vec<Isolated>,
 }
 
 /// A pose that no other is like.
 #[derive(Clone, Debug, Serialize)]
-pub struct Lonely {
+pub struct Isolated {
     /// The frame.
     pub frame: FrameName,
-    /// The joint whose skin is foretold worst.
+    /// The joint whose skin is predicted worst.
     pub joint: String,
-    /// RMS error when it is foretold by all others, in % of the diagonal.
+    /// RMS error when it is predicted by all others, in % of the diagonal.
     pub percent: f64,
 }
 
-/// Compares the training poses; none where LBS leaves nothing to foretell, or no joint moves.
-pub(super) fn foretell(seen: &Seen<'_>) -> Option<Foretold> {
-    if seen.lbs_rms() < VISIBLE {
+/// Compares the training poses; none where LBS leaves nothing to predict, or no joint moves.
+pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
+    if context.lbs_rms() < VISIBLE {
         return None;
     }
-    let poses = compared(seen);
-    let mut regions = regions(seen, &poses);
+    let poses = compared(context);
+    let mut regions = regions(context, &poses);
     if regions.is_empty() {
         return None;
     }
@@ -53,35 +53,35 @@ pub(super) fn foretell(seen: &Seen<'_>) -> Option<Foretold> {
     let alone: Vec<f64> = (0..poses.len()).map(|i| sum(&|e| e.alone[i])).collect();
 
     // Sums over the vertices of the regions, to RMS over all.
-    let all: Vec<usize> = (0..seen.dominant.len()).collect();
-    let whole: f64 = poses.iter().map(|&i| seen.rms(i, &all).powi(2)).sum();
+    let all: Vec<usize> = (0..context.dominant.len()).collect();
+    let whole: f64 = poses.iter().map(|&i| context.rms(i, &all).powi(2)).sum();
     let percent = |squared: f64| 100.0 * (squared / lbs * whole).sqrt();
     let mean = |squared: f64| percent(squared / poses.len() as f64);
 
     let usual = alone.iter().sum::<f64>() / poses.len() as f64;
     let mean_lbs = lbs / poses.len() as f64;
     let tolerance = (REDUNDANT.powi(2) * usual).max(NEGLIGIBLE.powi(2) * mean_lbs);
-    let Enough { mut kept, spare } = enough(&mut regions, tolerance);
+    let Enough { mut kept, redundant } = enough(&mut regions, tolerance);
     kept.sort_unstable();
     let stands_alone =
         |&i: &usize| alone[i] > LONELY.powi(2) * usual && percent(alone[i]) > 100.0 * VISIBLE;
-    let lonely = (0..poses.len()).filter(stands_alone);
-    let lonely = worst_first(lonely, |i| alone[i]);
-    let name = |i: usize| seen.frame(poses[i]);
+    let isolated = (0..poses.len()).filter(stands_alone);
+    let isolated = worst_first(isolated, |i| alone[i]);
+    let name = |i: usize| context.frame(poses[i]);
     let worst_joint = |i: usize| {
         let of = |r: &usize| errors[*r].alone[i];
         let worst = (0..regions.len()).max_by(|a, b| of(a).total_cmp(&of(b)));
-        worst.map_or(String::new(), |r| seen.joint(regions[r].joint).to_owned())
+        worst.map_or(String::new(), |r| context.joint(regions[r].joint).to_owned())
     };
-    Some(Foretold {
+    Some(Predicted {
         compared: poses.len(),
         lbs_percent: mean(lbs),
         expected_percent: mean(block),
         enough: kept.iter().map(|&i| name(i)).collect(),
-        spare: spare.iter().map(|&i| name(i)).collect(),
-        lonely: lonely
+        redundant: redundant.iter().map(|&i| name(i)).collect(),
+        isolated: isolated
             .into_iter()
-            .map(|i| Lonely { frame: name(i), joint: worst_joint(i), percent: percent(alone[i]) })
+            .map(|i| Isolated { frame: name(i), joint: worst_joint(i), percent: percent(alone[i]) })
             .collect(),
     })
 }
@@ -89,11 +89,11 @@ pub(super) fn foretell(seen: &Seen<'_>) -> Option<Foretold> {
 /// Poses by their number among those compared.
 struct Enough {
     kept: Vec<usize>,
-    /// Best foretold first.
-    spare: Vec<usize>,
+    /// Best predicted first.
+    redundant: Vec<usize>,
 }
 
-/// Takes the pose that those taken foretell worst, until all others are foretold to within a squared
+/// Takes the pose that those taken predict worst, until all others are predicted to within a squared
 /// error.
 fn enough(regions: &mut [Region], tolerance: f64) -> Enough {
     let n = regions.first().map_or(0, |region| region.gram.nrows());
@@ -101,16 +101,16 @@ fn enough(regions: &mut [Region], tolerance: f64) -> Enough {
     loop {
         let error = |i: usize| regions.iter().map(|region| region.gram[(i, i)]).sum::<f64>();
         let errors: Vec<f64> = (0..n).map(error).collect();
-        let mut spare: Vec<usize> = (0..n).filter(|i| !kept.contains(i)).collect();
+        let mut redundant: Vec<usize> = (0..n).filter(|i| !kept.contains(i)).collect();
         let by_error = |&a: &usize, &b: &usize| errors[a].total_cmp(&errors[b]);
-        match spare.iter().copied().max_by(by_error) {
+        match redundant.iter().copied().max_by(by_error) {
             Some(worst) if errors[worst] > tolerance => {
                 regions.par_iter_mut().for_each(|region| region.learn(worst));
                 kept.push(worst);
             }
             _ => {
-                spare.sort_by(by_error);
-                return Enough { kept, spare };
+                redundant.sort_by(by_error);
+                return Enough { kept, redundant };
             }
         }
     }

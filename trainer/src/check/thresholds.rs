@@ -81,13 +81,13 @@ pub const FEW: usize = 5;
 /// Poses of a joint are distinct that are further apart than this share of its largest angle.
 pub const DISTINCT: f64 = 0.1;
 
-/// Poses may be left out together while those that stay foretell none of them worse than this share
-/// of the RMS error at which all poses foretell each other. Measured on held-out frames of models
+/// Poses may be left out together while those that stay predict none of them worse than this share
+/// of the RMS error at which all poses predict each other. Measured on held-out frames of models
 /// trained without them: 0 % more on mpfb-arm (37 of 180 poses), 2 % on dem-bones (222 of 300).
 pub const REDUNDANT: f64 = 0.5;
 
-/// What is less than this share of LBS's RMS error need not be foretold: in an animation the
-/// neighbours of a frame foretell it so well that half of their error is next to nothing.
+/// What is less than this share of LBS's RMS error need not be predicted: in an animation the
+/// neighbours of a frame predict it so well that half of their error is next to nothing.
 pub const NEGLIGIBLE: f64 = 0.005;
 
 /// A pose stands alone where the others miss it by more than this many times the RMS over all poses.

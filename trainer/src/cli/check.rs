@@ -5,7 +5,7 @@ use super::{Output, input, printable};
 use anyhow::Context;
 use sinew_trainer::check::coverage::Coverage;
 use sinew_trainer::check::finding::{Severity, Subject, count};
-use sinew_trainer::check::thin::Foretold;
+use sinew_trainer::check::thin::Predicted;
 use sinew_trainer::check::{Check, check};
 use std::fmt::Write;
 
@@ -50,8 +50,8 @@ fn describe(check: &Check) -> String {
     }
     out += &table(&check.joints);
     out += &floor(check);
-    if let Some(foretold) = &check.foretold {
-        out += &poses(foretold);
+    if let Some(predicted) = &check.predicted {
+        out += &poses(predicted);
     }
     out += "advice\n";
     for line in &check.advice {
@@ -179,11 +179,11 @@ fn floor(check: &Check) -> String {
     )
 }
 
-fn poses(foretold: &Foretold) -> String {
-    let Foretold { compared, lbs_percent, expected_percent, enough, .. } = foretold;
+fn poses(predicted: &Predicted) -> String {
+    let Predicted { compared, lbs_percent, expected_percent, enough, .. } = predicted;
     format!(
-        "poses\n  frames are foretold by those of other blocks to {expected_percent:.4} %, {:.1} % of \
-         what LBS leaves; {} of {compared} foretell the rest\n",
+        "poses\n  frames are predicted by those of other blocks to {expected_percent:.4} %, {:.1} % of \
+         what LBS leaves; {} of {compared} predict the rest\n",
         100.0 * expected_percent / lbs_percent,
         enough.len()
     )

@@ -33,8 +33,8 @@ fn kind(candidate: &CandidateReport) -> String {
     if candidate.proxies == 0 {
         return "joints alone (LBS)".to_owned();
     }
-    let published = if candidate.refined == Some(false) { ", as published" } else { "" };
-    format!("{}{published}", candidate.predictor)
+    let unrefined = if candidate.refined == Some(false) { ", unrefined" } else { "" };
+    format!("{}{unrefined}", candidate.predictor)
 }
 
 /// Describes a measurement, with LBS beside it.

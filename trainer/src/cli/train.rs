@@ -76,10 +76,10 @@ pub(super) struct FitArguments {
     #[arg(long, value_name = "K", value_parser = influences(), allow_negative_numbers = true)]
     #[arg(default_value_t = Options::default().influences)]
     influences: usize,
-    /// Keep the reconstruction of rotational and hybrid as published: do not refine it on the
-    /// training meshes
+    /// Leave out the refinement: rotational and hybrid keep the reconstruction that S3 gives, which has
+    /// not been fitted to the training meshes
     #[arg(long)]
-    published: bool,
+    unrefined: bool,
     /// Most bytes of the model's file; of them a mesh takes 48 a vertex with 4 influences, 16
     /// more with texture coordinates
     #[arg(long, value_name = "BYTES", value_parser = budget(), allow_negative_numbers = true)]
@@ -151,7 +151,7 @@ impl FitArguments {
             predictor: self.predictor.predict(),
             proxies,
             influences: self.influences,
-            refine: !self.published,
+            refine: !self.unrefined,
             budget: self.budget,
             meshes,
         };

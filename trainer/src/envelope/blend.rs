@@ -287,8 +287,9 @@ fn fit_item(
 
 /// Fits the maps to given weights; a map moves from `previous` only as far as the items ask.
 ///
-/// The proximal term, `PROXIMAL` of the mean diagonal, decides what no item sees (a map without
-/// items, the direction out of a flat patch) and keeps the system positive definite.
+/// - `pull`: weight of the proximal term, as a share of the mean diagonal. It decides what no item
+///   determines (a map without items, the direction out of a flat patch) and keeps the system positive
+///   definite.
 pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps, pull: f64) -> Maps {
     let m = items.width;
     let (size, rank) = (previous.columns.ncols(), items.y.nrows());

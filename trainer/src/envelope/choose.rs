@@ -176,7 +176,7 @@ impl Choice<'_> {
                         self.rotational(&fitted)?;
                     }
                     if wanted(Predictor::Hybrid) {
-                        self.hybrid(&fitted, &fitted.published, Some(false))?;
+                        self.hybrid(&fitted, &fitted.unrefined, Some(false))?;
                         if let Some(refined) = &fitted.refined {
                             self.hybrid(&fitted, refined, Some(true))?;
                         }
@@ -195,7 +195,7 @@ impl Choice<'_> {
 
     fn rotational(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
         let refined = rotational.refined.as_ref();
-        let best = refined.unwrap_or(&rotational.published);
+        let best = refined.unwrap_or(&rotational.unrefined);
         let fitted = rotational.fitted(best);
         let bytes = self.bytes(&fitted)?;
         self.add(

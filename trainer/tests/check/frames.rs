@@ -18,8 +18,11 @@ fn a_frame_that_repeats_another_is_noted() {
     let repeated = only(&examples, Kind::Repeated);
     assert_eq!((repeated.severity, frames(&repeated)), (Severity::Note, vec![30]));
     assert!(repeated.text.ends_with("30 as 13"), "{}", repeated.text);
-    let spare = check(&examples).foretold.unwrap().spare;
-    assert!(spare.iter().any(|frame| [13, 30].contains(&frame.frame)), "one of the two is enough");
+    let redundant = check(&examples).predicted.unwrap().redundant;
+    assert!(
+        redundant.iter().any(|frame| [13, 30].contains(&frame.frame)),
+        "one of the two is enough"
+    );
 }
 
 #[test]

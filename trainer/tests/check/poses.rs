@@ -57,14 +57,14 @@ fn a_joint_with_few_poses_is_named() {
 }
 
 #[test]
-fn a_pose_apart_is_lonely_and_poses_between_others_are_spare() {
+fn a_pose_apart_is_isolated_and_poses_between_others_are_redundant() {
     let mut dense: Vec<Bend> =
         (0..31).map(|k| ([2.0 * f64::from(k), f64::from(k * k % 17)], Split::Train)).collect();
     dense.push(([115.0, 40.0], Split::Train));
-    let found = check(&chain(&dense)).foretold.unwrap();
-    assert_eq!(found.lonely[0].frame.frame, 31);
-    assert!(found.spare.len() > 10, "{found:?}");
-    assert!(found.spare.iter().all(|frame| frame.frame != 31));
-    let all = found.enough.len() + found.spare.len();
+    let found = check(&chain(&dense)).predicted.unwrap();
+    assert_eq!(found.isolated[0].frame.frame, 31);
+    assert!(found.redundant.len() > 10, "{found:?}");
+    assert!(found.redundant.iter().all(|frame| frame.frame != 31));
+    let all = found.enough.len() + found.redundant.len();
     assert_eq!((all, found.compared), (32, 32));
 }

@@ -18,8 +18,8 @@ fn mpfb_arm_is_good_but_for_vertices_without_faces() {
     assert_eq!(found.count(Severity::Warning), 0, "{:?}", found.findings);
     assert_eq!(found.find(Kind::Unreferenced).unwrap().places.len(), 8);
     // METHOD §1.9: kernel maps reach 0.068 % on held-out frames with 40 helpers.
-    let foretold = found.foretold.unwrap();
-    assert!((0.05..0.12).contains(&foretold.expected_percent), "{}", foretold.expected_percent);
+    let predicted = found.predicted.unwrap();
+    assert!((0.05..0.12).contains(&predicted.expected_percent), "{}", predicted.expected_percent);
     assert!((0.7..0.9).contains(&found.lbs.rms_percent));
 }
 

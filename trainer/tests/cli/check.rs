@@ -30,10 +30,10 @@ fn a_check_prints_its_sections_and_succeeds() {
 fn a_check_prints_one_object_with_the_keys_promised() {
     let folder = Folder::with_demo("check-json");
     let found = folder.sinew("check demo.npz --json").json();
-    let promised = ["advice", "faces", "findings", "foretold", "joints", "lbs", "never_together"];
+    let promised = ["advice", "faces", "findings", "joints", "lbs", "never_together", "predicted"];
     assert_eq!(keys(&found), [&promised[..], &["rest", "size"]].concat());
     assert_eq!(found["joints"].as_array().unwrap().len(), Set::demo().joint_len() - 1);
-    assert_eq!(found["foretold"]["compared"], TRAINING);
+    assert_eq!(found["predicted"]["compared"], TRAINING);
     let lbs = folder.sinew("eval demo.sinew demo.npz --json --split train").json();
     let [a, b] = [&found["lbs"], &lbs["lbs"]].map(|lbs| lbs["rms_percent"].as_f64().unwrap());
     assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");

@@ -142,7 +142,7 @@ fn the_record_holds_hashes_folds_candidates_and_the_choice() {
     assert_eq!(record["proxies"], 2);
     let asked = json!({
         "predictor": "auto", "proxies": 2, "max_error": null, "influences": 4,
-        "published": false, "budget": null,
+        "unrefined": false, "budget": null,
     });
     assert_eq!(record["options"], asked);
     assert_eq!(record["model_bytes"], folder.read("new.sinew").len());

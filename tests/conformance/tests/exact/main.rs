@@ -156,7 +156,7 @@ fn a_file_evaluates_as_it_was_fitted() {
     let training = Training::new(&examples, &Silent).unwrap();
     let rotational = rotational::fit(&training, &options, &Silent).unwrap();
     let helpers = helpers::fit::fit(&training, 9, 4).unwrap();
-    let base = &rotational.published;
+    let base = &rotational.unrefined;
     let corrected = |mut fitted: Fitted, target| {
         fitted.groups = Search::new(target, &Silent).fit(usize::MAX).unwrap().groups;
         fitted

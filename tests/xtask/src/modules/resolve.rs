@@ -15,99 +15,89 @@ enum Named {
     Item(usize),
 }
 
-/// How many re-exports a name may pass through.
-const MOST_STEPS: usize = 32;
+/// What each module calls by which name: what it defines, and what its `use`s bring in.
+struct Names<'a> {
+    all: &'a Crate,
+    of: Vec<BTreeMap<String, Named>>,
+}
 
 /// Finds each file's imports.
 pub(super) fn imports(all: &Crate) -> Imports {
+    let names = Names::new(all);
     let mut out = Imports::new();
     for (number, module) in all.modules.iter().enumerate() {
-        let mut found = Vec::new();
-        for Use { name, path } in &module.uses {
-            match (name, resolve(all, number, path, MOST_STEPS)) {
-                (None, Some(Named::Module(target))) => {
-                    everything(all, target, &mut found, MOST_STEPS)
-                }
-                (_, Some(Named::Item(target))) => found.push(target),
-                // A module by itself is nothing yet: what is taken of it is.
-                _ => {}
-            }
-        }
-        for path in &module.paths {
-            if let Some(Named::Item(target)) = resolve(all, number, path, MOST_STEPS) {
-                found.push(target);
-            }
-        }
-        let files = found.into_iter().map(|target| all.modules[target].file.clone());
-        let others = files.filter(|file| *file != module.file);
+        let used = module.uses.iter().flat_map(|own| names.used(number, own));
+        let used = used.map(|(_, named)| named);
+        let others = module.paths.iter().filter_map(|path| names.resolve(number, path));
+        let files = used.chain(others).filter_map(|named| match named {
+            Named::Item(target) => Some(all.modules[target].file.clone()),
+            // A module by itself is nothing yet: what is taken of it is.
+            Named::Module(_) => None,
+        });
         let own = out.entry(module.file.clone()).or_default();
-        own.extend(others);
+        own.extend(files.filter(|file| *file != module.file));
     }
     out.retain(|_, targets| !targets.is_empty());
     out
 }
 
-/// Lists who defines what a module offers: itself, and what it re-exports.
-fn everything(all: &Crate, target: usize, found: &mut Vec<usize>, steps: usize) {
-    let module = &all.modules[target];
-    if !module.items.is_empty() {
-        found.push(target);
+impl<'a> Names<'a> {
+    /// Starts from what the modules define, and adds what they bring in until nothing is new: a name may
+    /// pass through any number of re-exports, and modules may bring in all of each other.
+    fn new(all: &'a Crate) -> Self {
+        let of = all.modules.iter().enumerate().map(|(number, module)| {
+            let items = module.items.iter().map(|name| (name.clone(), Named::Item(number)));
+            let children = module.children.iter();
+            items
+                .chain(children.map(|(name, child)| (name.clone(), Named::Module(*child))))
+                .collect()
+        });
+        let mut names = Self { all, of: of.collect() };
+        while (0..all.modules.len()).fold(false, |grew, module| names.grow(module) || grew) {}
+        names
     }
-    for Use { name, path } in &module.uses {
-        let Some(steps) = steps.checked_sub(1) else { return };
-        match (name, resolve(all, target, path, steps)) {
-            (None, Some(Named::Module(target))) => everything(all, target, found, steps),
-            (_, Some(Named::Item(target))) => found.push(target),
-            _ => {}
+
+    /// Adds what a module's `use`s bring in; returns whether that is more than before.
+    fn grow(&mut self, module: usize) -> bool {
+        let uses = self.all.modules[module].uses.iter();
+        let brought: Vec<_> = uses.flat_map(|own| self.used(module, own)).collect();
+        let before = self.of[module].len();
+        for (name, named) in brought {
+            self.of[module].entry(name).or_insert(named);
+        }
+        self.of[module].len() > before
+    }
+
+    /// Lists what a `use` of a module brings in.
+    fn used(&self, module: usize, Use { name, path }: &Use) -> Vec<(String, Named)> {
+        match (name, self.resolve(module, path)) {
+            (None, Some(Named::Module(target))) => {
+                self.of[target].iter().map(|(name, named)| (name.clone(), *named)).collect()
+            }
+            // `use name;` brings in what another crate is called.
+            (Some(name), Some(named)) if path.len() > 1 => vec![(name.clone(), named)],
+            _ => Vec::new(),
         }
     }
-}
 
-/// Follows a path from a module; `None` where it leads out of the crate.
-fn resolve(all: &Crate, from: usize, path: &[String], steps: usize) -> Option<Named> {
-    let steps = steps.checked_sub(1)?;
-    let (first, rest) = path.split_first()?;
-    let mut at = match first.as_str() {
-        "crate" => Named::Module(0),
-        "self" => Named::Module(from),
-        "super" => Named::Module(all.modules[from].parent?),
-        name => named(all, from, name, steps)?,
-    };
-    for name in rest {
-        at = match at {
-            // A method, a variant: they are where their type is.
-            Named::Item(_) => return Some(at),
-            Named::Module(module) if name == "super" => Named::Module(all.modules[module].parent?),
-            Named::Module(module) => named(all, module, name, steps)?,
+    /// Follows a path from a module; `None` where it leads out of the crate.
+    fn resolve(&self, from: usize, path: &[String]) -> Option<Named> {
+        let parent = |module: usize| self.all.modules[module].parent.map(Named::Module);
+        let (first, rest) = path.split_first()?;
+        let mut at = match first.as_str() {
+            "crate" => Named::Module(0),
+            "self" => Named::Module(from),
+            "super" => parent(from)?,
+            name => *self.of[from].get(name)?,
         };
-    }
-    Some(at)
-}
-
-/// Finds what a module calls by a name.
-fn named(all: &Crate, module: usize, name: &str, steps: usize) -> Option<Named> {
-    let own = &all.modules[module];
-    if let Some(child) = own.children.get(name) {
-        return Some(Named::Module(*child));
-    }
-    if own.items.contains(name) {
-        return Some(Named::Item(module));
-    }
-    let brought = own.uses.iter().filter(|own| own.name.as_deref() == Some(name));
-    let brought = brought.filter_map(|own| {
-        // `use name;` brings in what another crate is called.
-        let is_itself = own.path.len() == 1;
-        if is_itself { None } else { resolve(all, module, &own.path, steps) }
-    });
-    brought.chain(from_globs(all, module, name, steps)).next()
-}
-
-fn from_globs(all: &Crate, module: usize, name: &str, steps: usize) -> impl Iterator<Item = Named> {
-    let globs = all.modules[module].uses.iter().filter(|own| own.name.is_none());
-    globs.filter_map(move |own| match resolve(all, module, &own.path, steps)? {
-        Named::Module(target) if target != module => {
-            named(all, target, name, steps.checked_sub(1)?)
+        for name in rest {
+            at = match at {
+                // A method, a variant: they are where their type is.
+                Named::Item(_) => return Some(at),
+                Named::Module(module) if name == "super" => parent(module)?,
+                Named::Module(module) => *self.of[module].get(name)?,
+            };
         }
-        _ => None,
-    })
+        Some(at)
+    }
 }

@@ -18,7 +18,8 @@ use std::ops::Range;
 /// Name of the step.
 const STEP: &str = "kernel maps";
 
-/// What is to be corrected.
+/// What a correction is fitted to: on n training poses, the part of P proxies' transforms that a base
+/// (joints, or a reconstruction) does not predict.
 #[derive(Clone, Copy)]
 pub struct Target<'a> {
     /// n training poses.
@@ -27,9 +28,10 @@ pub struct Target<'a> {
     pub joints: Joints<'a>,
     /// Dominant joint of each of the P proxies; those of one joint stand together.
     pub dominant: &'a [usize],
-    /// What the base leaves over, 3n x 4P.
+    /// The transforms less those of the base, 3n x 4P.
     pub left_over: &'a Mat<f64>,
-    /// The same of a base that has not seen each fold, where the base is fitted.
+    /// The same for each fold, of a base fitted without the fold; empty where nothing of the base is
+    /// fitted.
     pub without: &'a [Mat<f64>],
     /// Σ φ φᵀ over the vertices, 4P x 4P.
     pub gram: &'a Mat<f64>,
@@ -180,7 +182,8 @@ impl Group {
     }
 }
 
-/// The folds, and where the base does not depend on them, folds between: more of them choose better.
+/// Returns the folds of the cross-validation. Where the base is the same for all of them, further folds
+/// that lie halfway between two are added: more folds choose better.
 fn blocks(target: &Target<'_>) -> Vec<Range<usize>> {
     let mut blocks = folds(target.poses.len());
     if target.without.is_empty() {

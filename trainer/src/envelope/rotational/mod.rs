@@ -62,8 +62,8 @@ pub struct Rotational {
     pub keys: Vec<GradientPredictor>,
     /// Σ φ φᵀ over the vertices, 4P x 4P.
     pub gram: Mat<f64>,
-    /// The reconstruction as published.
-    pub published: Reconstruction,
+    /// The reconstruction as S3 gives it.
+    pub unrefined: Reconstruction,
     /// The same, refined on the training meshes.
     pub refined: Option<Reconstruction>,
     /// How it was fitted.
@@ -186,14 +186,14 @@ pub fn fit(
     let predicted = predict_stacked(&predictors, poses);
     let fixed = choose::near_rigid(lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
-    let published = system.run().ok_or(FitError::Singular)?;
+    let unrefined = system.run().ok_or(FitError::Singular)?;
     let refined = choice.refinement.map(|strength| {
-        let residual = projection.residual(&published.palette(&predicted, poses));
+        let residual = projection.residual(&unrefined.palette(&predicted, poses));
         let regression = Regression::new(&predicted, poses, &residual, &(0..0));
-        (regression.refine(&published, strength), strength)
+        (regression.refine(&unrefined, strength), strength)
     });
     let reconstruction = |reduced: Reduced, refinement| {
-        let of_folds = validation.maps(&published, &projection, refinement);
+        let of_folds = validation.maps(&unrefined, &projection, refinement);
         Reconstruction {
             validated: validation.join(&of_folds),
             left_over: projection.residual(&reduced.palette(&predicted, poses)),
@@ -201,7 +201,7 @@ pub fn fit(
             reduced,
         }
     };
-    let maps = refined.as_ref().map_or(&published, |refined| &refined.0).palette(&predicted, poses);
+    let maps = refined.as_ref().map_or(&unrefined, |refined| &refined.0).palette(&predicted, poses);
     let report = Report {
         basis_rank,
         basis_residual,
@@ -221,7 +221,7 @@ pub fn fit(
         ),
     };
     Ok(Rotational {
-        published: reconstruction(published.clone(), None),
+        unrefined: reconstruction(unrefined.clone(), None),
         refined: refined.map(|(reduced, strength)| reconstruction(reduced, Some(strength))),
         weights: proxies.weights,
         dominant,

@@ -164,7 +164,7 @@ impl Reduction<'_> {
         };
         let mean = (0..p).map(|l| stiffness(e, l)).sum::<f64>() / p.max(1) as f64;
         for l in 0..p {
-            // A proxy that no vertex uses rests where the root is.
+            // A proxy that no vertex uses follows the first joint.
             let weight = mass[l].max(f64::MIN_POSITIVE);
             let centroid = moment[l] / weight;
             let spread = (square[l] / weight - centroid.norm_squared()).max(0.0);

@@ -132,7 +132,7 @@ fn deform(posed: &Scene, part: &Part, positions: &mut Vec<[f64; 3]>) -> bool {
     !linear || keyframes.any(|keyframe| keyframe.effective_weight != 0.0)
 }
 
-/// What keys must be on to count, by the numbers of the elements.
+/// Elements whose animation the examples need, by their numbers: keys of others do not count as frames.
 struct Watched {
     /// Joints and all nodes above them.
     placed: Vec<bool>,

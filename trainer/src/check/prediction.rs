@@ -1,7 +1,7 @@
-//! How well the training poses foretell each other: kernel ridge regression of what LBS leaves, each
+//! How well the training poses predict each other: kernel ridge regression of what LBS leaves, each
 //! joint's skin from the joints near it, in Gram matrices over the poses (METHOD §1.9, §2.2).
 
-use super::seen::Seen;
+use super::context::Context;
 use crate::envelope::rotational::validation::folds;
 use crate::examples::spread;
 use faer::linalg::solvers::DenseSolveCore;
@@ -35,7 +35,7 @@ pub(super) struct Region {
     pub(super) ridge: f64,
 }
 
-/// Squared errors of each pose, summed over the vertices, foretold by the others.
+/// Squared errors of each pose, summed over the vertices, predicted by the others.
 pub(super) struct Errors {
     /// Without the pose alone.
     pub(super) alone: Vec<f64>,
@@ -44,29 +44,29 @@ pub(super) struct Errors {
 }
 
 /// Chooses the training poses that are compared, by their number among the training frames.
-pub(super) fn compared(seen: &Seen<'_>) -> Vec<usize> {
-    spread(seen.frames.len(), POSES)
+pub(super) fn compared(context: &Context<'_>) -> Vec<usize> {
+    spread(context.frames.len(), POSES)
 }
 
 /// Makes the regions of all joints with skin that moves.
-pub(super) fn regions(seen: &Seen<'_>, poses: &[usize]) -> Vec<Region> {
-    let stride = seen.dominant.len().div_ceil(VERTICES);
-    let skins = seen.skins();
+pub(super) fn regions(context: &Context<'_>, poses: &[usize]) -> Vec<Region> {
+    let stride = context.dominant.len().div_ceil(VERTICES);
+    let skins = context.skins();
     let own = |joint: usize| {
         let skin: Vec<usize> = skins[joint].iter().copied().step_by(stride).collect();
-        Region::new(seen, joint, &skin, poses)
+        Region::new(context, joint, &skin, poses)
     };
     (0..skins.len()).into_par_iter().filter_map(own).collect()
 }
 
 impl Region {
-    fn new(seen: &Seen<'_>, joint: usize, skin: &[usize], poses: &[usize]) -> Option<Self> {
-        let (training, joints) = (&seen.training, seen.training.joints());
+    fn new(context: &Context<'_>, joint: usize, skin: &[usize], poses: &[usize]) -> Option<Self> {
+        let (training, joints) = (&context.training, context.training.joints());
         let inputs = joints.inputs(&training.poses, joint, HOPS);
         let all = joints.evaluate(&training.poses, &inputs);
         let inputs = Mat::from_fn(all.nrows(), poses.len(), |r, i| all[(r, poses[i])]);
         let squared = Squared::new(&inputs)?;
-        let gram = gram(seen, joint, skin, poses);
+        let gram = gram(context, joint, skin, poses);
         let kernels = WIDTHS.map(|width| squared.kernel(width));
         let some = spread(poses.len(), TRIED);
         let pick =
@@ -96,7 +96,7 @@ impl Region {
         Errors::new(&self.kernel, &self.gram, self.ridge, &folds(self.gram.nrows()))
     }
 
-    /// Takes what one pose foretells from the others: the regression's own update, kernel and
+    /// Takes what one pose predicts from the others: the regression's own update, kernel and
     /// residuals conditioned on the pose.
     pub(super) fn learn(&mut self, pose: usize) {
         let n = self.gram.nrows();
@@ -188,13 +188,13 @@ impl Squared {
 }
 
 /// Inner products of what LBS leaves, in the joint's own frame.
-fn gram(seen: &Seen<'_>, joint: usize, skin: &[usize], poses: &[usize]) -> Mat<f64> {
+fn gram(context: &Context<'_>, joint: usize, skin: &[usize], poses: &[usize]) -> Mat<f64> {
     let mut left = Mat::zeros(3 * skin.len(), poses.len());
     for (i, &pose) in poses.iter().enumerate() {
         let turn: Matrix3<f64> =
-            seen.training.poses.map(pose, joint).fixed_columns::<3>(0).transpose();
+            context.training.poses.map(pose, joint).fixed_columns::<3>(0).transpose();
         for (k, &vertex) in skin.iter().enumerate() {
-            let column = seen.residuals.col_as_slice(vertex);
+            let column = context.residuals.col_as_slice(vertex);
             let own = turn * Vector3::from_column_slice(&column[3 * pose..3 * pose + 3]);
             (0..3).for_each(|axis| left[(3 * k + axis, i)] = own[axis]);
         }
@@ -221,17 +221,17 @@ mod tests {
         (Region { joint: 0, gram, kernel, ridge: RIDGE }, outputs)
     }
 
-    /// Squared error of a pose foretold by some others, by solving for them.
+    /// Squared error of a pose predicted by some others, by solving for them.
     fn missed(kernel: &Mat<f64>, outputs: &Mat<f64>, pose: usize, by: &[usize]) -> f64 {
         let among = Mat::from_fn(by.len(), by.len(), |i, j| {
             kernel[(by[i], by[j])] + if i == j { RIDGE } else { 0.0 }
         });
         let truth = Mat::from_fn(by.len(), 2, |i, o| outputs[(by[i], o)]);
         let solution = among.partial_piv_lu().inverse() * truth;
-        let foretold = |o: usize| -> f64 {
+        let predicted = |o: usize| -> f64 {
             (0..by.len()).map(|k| kernel[(pose, by[k])] * solution[(k, o)]).sum()
         };
-        (0..2).map(|o| (outputs[(pose, o)] - foretold(o)).powi(2)).sum()
+        (0..2).map(|o| (outputs[(pose, o)] - predicted(o)).powi(2)).sum()
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::examples::{Clip, Examples, Split};
 use faer::Mat;
 
 /// The examples, their training frames, and what LBS leaves of them.
-pub(super) struct Seen<'a> {
+pub(super) struct Context<'a> {
     pub(super) examples: &'a Examples,
     pub(super) clips: &'a [Clip],
     /// The n training frames.
@@ -21,7 +21,7 @@ pub(super) struct Seen<'a> {
     pub(super) turns: Turns,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> Context<'a> {
     pub(super) fn new(examples: &'a Examples, clips: &'a [Clip], training: Training) -> Self {
         let weights = &training.lbs.weights;
         Self {
