@@ -130,22 +130,22 @@ impl<'a> Envelope<'a> {
 
     /// Returns a joint's inverse bind matrix: model space to the joint's rest frame.
     pub fn inverse_bind(&self, joint: usize) -> Option<Matrix3x4> {
-        self.inverse_binds().get(joint).map(|m| rows(&floats(m)))
+        self.0.entry::<12>(INVERSE_BINDS, self.joint_len(), joint).map(|m| rows(&floats(m)))
     }
 
     /// Returns a joint's origin in the rest pose, in model space; a rotational envelope holds none.
     pub fn origin(&self, joint: usize) -> Option<[f32; 3]> {
-        self.origins().get(joint).map(floats)
+        self.0.entry(ORIGINS, self.joint_len(), joint).map(floats)
     }
 
     /// Returns the largest |theta| of a joint in training, in radians.
     pub fn pose_range(&self, joint: usize) -> Option<f32> {
-        self.pose_ranges().get(joint).map(|[le]| f32::from_le_bytes(*le))
+        self.0.entry(POSE_RANGES, self.joint_len(), joint).map(|[le]| f32::from_le_bytes(*le))
     }
 
     /// Returns the key predictor of a proxy; a kernel envelope has none.
     pub fn key(&self, proxy: usize) -> Option<Key> {
-        KeyRow::new(self.keys().get(proxy)?)?.to_key()
+        KeyRow::new(self.0.entry(KEYS, self.proxy_len(), proxy)?)?.to_key()
     }
 
     /// Returns a coefficient of c1 (4 P x 3 P).

@@ -166,6 +166,17 @@ impl<'a> Part<'a> {
         row.and_then(|row| tables.section(row.get(), self.file)).unwrap_or_default()
     }
 
+    /// Returns an array of N words, by its number, in the section of a rule that has `len` of them: also of
+    /// bytes that have changed, where the section may be longer by now.
+    pub(crate) fn entry<const N: usize>(
+        &self,
+        place: usize,
+        len: usize,
+        number: usize,
+    ) -> Option<&'a [Le; N]> {
+        self.array(place).get(number).filter(|_| number < len)
+    }
+
     /// Cuts the section of a rule into arrays of N words.
     pub(crate) fn array<const N: usize>(&self, place: usize) -> &'a [[Le; N]] {
         self.bytes(place).as_chunks().0.as_chunks().0

@@ -110,17 +110,17 @@ impl<'a> Skin<'a> {
 
     /// Returns a vertex's rest position.
     pub fn rest_position(&self, vertex: usize) -> Option<[f32; 3]> {
-        self.positions().get(vertex).map(floats)
+        self.0.entry(POSITIONS, self.vertex_len(), vertex).map(floats)
     }
 
     /// Returns a vertex's rest normal.
     pub fn rest_normal(&self, vertex: usize) -> Option<[f32; 3]> {
-        self.normals().get(vertex).map(floats)
+        self.0.entry(NORMALS, self.vertex_len(), vertex).map(floats)
     }
 
     /// Returns a vertex's rest tangent and, last, its handedness.
     pub fn rest_tangent(&self, vertex: usize) -> Option<[f32; 4]> {
-        self.tangents().get(vertex).map(floats)
+        self.0.entry(TANGENTS, self.vertex_len(), vertex).map(floats)
     }
 
     /// Lists a vertex's K influences: palette index and weight. Unused ones weigh 0.
@@ -140,7 +140,7 @@ impl<'a> Skin<'a> {
     /// Returns the box of the rest positions that a transform of the palette moves; `None` if it moves
     /// none.
     pub fn rest_box(&self, index: usize) -> Option<Bounds> {
-        self.boxes().get(index).and_then(Bounds::from_corners)
+        self.0.entry(BOXES, self.palette_len(), index).and_then(Bounds::from_corners)
     }
 
     pub(crate) fn names(&self) -> Names<'a> {

@@ -1,0 +1,109 @@
+//! The container: parts in a file, sealed with its checksum.
+
+use super::envelope::EnvelopeParts;
+use super::error::BakeError;
+use super::sections::{Sections, narrow};
+use super::skin::SkinParts;
+use sinew_runtime::Model;
+use sinew_runtime::format::{
+    ALIGNMENT, CHECKSUM_OFFSET, FEATURES, File, MAGIC, PartKind, PartRow, SectionRow, Space,
+    VERSION, checksum,
+};
+
+/// Everything that a file holds, in f64 and in the examples' order.
+#[derive(Clone, Debug, Default)]
+pub struct ModelParts {
+    /// The space of all its numbers.
+    pub space: Space,
+    /// What predicts palettes.
+    pub envelopes: Vec<EnvelopeParts>,
+    /// The meshes that follow them.
+    pub skins: Vec<SkinParts>,
+}
+
+/// Bakes a model into a file and loads it once, so that what is returned is known to load.
+///
+/// Weights are divided by their sum, then rounded; all else is rounded as it is.
+///
+/// # Errors
+/// - [`BakeError::Length`]: arrays do not fit each other.
+/// - [`BakeError::Size`]: an index or a size does not fit the file.
+/// - [`BakeError::Hierarchy`]: joints do not form one tree.
+/// - [`BakeError::RestFrame`]: a rest frame is singular.
+/// - [`BakeError::Weights`]: a vertex has no positive sum of weights.
+/// - [`BakeError::NoEnvelope`]: a skin follows an envelope that is not there.
+/// - [`BakeError::Refused`]: anything else that the runtime would refuse, as a number that is not
+///   finite.
+pub fn bake(parts: &ModelParts) -> Result<Vec<u8>, BakeError> {
+    let mut written = Vec::new();
+    for envelope in &parts.envelopes {
+        written.push((PartKind::Envelope, envelope.sections()?));
+    }
+    for (number, skin) in parts.skins.iter().enumerate() {
+        let envelope = match skin.envelope {
+            None => None,
+            Some(envelope) => Some(parts.envelopes.get(envelope).ok_or(BakeError::NoEnvelope {
+                skin: number,
+                envelope,
+                found: parts.envelopes.len(),
+            })?),
+        };
+        written.push((PartKind::Skin, skin.sections(envelope)?));
+    }
+    let bytes = assemble(parts.space, &written)?;
+    Model::from_bytes(&bytes).map_err(BakeError::Refused)?;
+    Ok(bytes)
+}
+
+/// Lays sections out in a blob, writes the message, and seals it with its checksum.
+fn assemble(space: Space, parts: &[(PartKind, Sections)]) -> Result<Vec<u8>, BakeError> {
+    let (mut part_rows, mut rows, mut blob) = (Vec::new(), Vec::new(), Vec::new());
+    for (part, (kind, sections)) in parts.iter().enumerate() {
+        part_rows.extend(PartRow::new(*kind).to_bytes());
+        for (kind, required, content) in sections {
+            blob.resize(blob.len().next_multiple_of(ALIGNMENT), 0);
+            let row = SectionRow {
+                kind: kind.number(),
+                part: narrow("parts", part)?,
+                element: kind.element().number(),
+                flags: u8::from(*required),
+                reserved: 0,
+                offset: narrow("blob bytes", blob.len())?,
+                bytes: narrow("section bytes", content.len())?,
+            };
+            rows.extend(row.to_bytes());
+            blob.extend(content);
+        }
+    }
+    let mut file = File {
+        magic: MAGIC,
+        version: VERSION,
+        features: FEATURES.to_le_bytes(),
+        checksum: [0; 4],
+        space: space.to_bytes(),
+        parts: &part_rows,
+        sections: &rows,
+        padding: &[],
+        blob: &[],
+    };
+    let zeros = [0; ALIGNMENT];
+    let blob_len = serialize(&blob.len()).len();
+    let padding = (0..zeros.len()).map(|len| &zeros[..len]).find(|&padding| {
+        // One byte of the head is the length of its empty blob.
+        (serialize(&File { padding, ..file }).len() - 1 + blob_len).is_multiple_of(ALIGNMENT)
+    });
+    file.padding = padding.unwrap_or_default();
+    file.blob = &blob;
+    let mut bytes = serialize(&file);
+    let sum = checksum(&bytes).to_le_bytes();
+    if let Some(field) = bytes.get_mut(CHECKSUM_OFFSET..CHECKSUM_OFFSET + 4) {
+        field.copy_from_slice(&sum);
+    }
+    Ok(bytes)
+}
+
+fn serialize(value: &impl serde::Serialize) -> Vec<u8> {
+    // A Vec takes any number of bytes, and every length here is known, so this cannot fail; if it
+    // did, the runtime would refuse the empty file.
+    postcard::to_extend(value, Vec::new()).unwrap_or_default()
+}
