@@ -1,7 +1,8 @@
 //! An envelope's parts, and how a file holds them.
 
+use super::error::BakeError;
 use super::groups::{self, Group};
-use super::{BakeError, Sections, blocks, check_len, floats, names, narrow, words};
+use super::sections::{Sections, blocks, check_len, floats, names, narrow, words};
 use crate::examples::Matrix3x4;
 use nalgebra::Matrix4;
 use sinew_runtime::envelope::{
@@ -69,7 +70,7 @@ impl EnvelopeParts {
 
     /// Writes its sections.
     pub(super) fn sections(&self) -> Result<Sections, BakeError> {
-        let groups = groups::write(self)?;
+        let groups = groups::write(&self.groups)?;
         let counts = self.counts(groups.scratch_len)?;
         let reconstruction = self.reconstruction.as_ref();
         let contents = [
@@ -88,7 +89,7 @@ impl EnvelopeParts {
                 reconstruction.map_or(Vec::new(), |r| blocks(&r.c2, 4 * self.parents.len())),
             ),
             (SectionKind::PoseRanges, floats(&self.pose_ranges)),
-            (SectionKind::Origins, groups::origins(self)),
+            (SectionKind::Origins, origins(self)),
             (SectionKind::Groups, groups.rows),
             (SectionKind::Corrections, groups.words),
         ];
@@ -184,4 +185,10 @@ fn keys(keys: &[Key]) -> Result<Vec<u8>, BakeError> {
         out.extend(floats(key.shear.as_flattened()));
     }
     Ok(out)
+}
+
+/// Writes each joint's rest origin: its rest frame's last column.
+fn origins(parts: &EnvelopeParts) -> Vec<u8> {
+    let origins = parts.rest_frames.iter().flat_map(|rows| rows.map(|row| row[3]));
+    floats(&origins.collect::<Vec<_>>())
 }

@@ -1,6 +1,7 @@
 //! The groups of proxies and their kernel maps, as a file holds them.
 
-use super::{BakeError, EnvelopeParts, blocks, check_len, floats, narrow};
+use super::error::BakeError;
+use super::sections::{blocks, check_len, narrow};
 use sinew_runtime::envelope::GroupRow;
 use sinew_runtime::kernel::Kernel;
 
@@ -36,9 +37,9 @@ pub(super) struct Groups {
 }
 
 /// Writes all groups.
-pub(super) fn write(parts: &EnvelopeParts) -> Result<Groups, BakeError> {
+pub(super) fn write(groups: &[Group]) -> Result<Groups, BakeError> {
     let mut out = Groups { rows: Vec::new(), words: Vec::new(), scratch_len: 0 };
-    for group in &parts.groups {
+    for group in groups {
         let row = group.row(out.words.len() / 4)?;
         group.check()?;
         out.scratch_len = out.scratch_len.max(row.scratch_len());
@@ -90,10 +91,4 @@ impl Group {
         out.extend(blocks(&self.outputs, self.rank));
         Ok(out)
     }
-}
-
-/// Writes each joint's rest origin: its rest frame's last column.
-pub(super) fn origins(parts: &EnvelopeParts) -> Vec<u8> {
-    let origins = parts.rest_frames.iter().flat_map(|rows| rows.map(|row| row[3]));
-    floats(&origins.collect::<Vec<_>>())
 }

@@ -1,6 +1,8 @@
 //! A skin's parts, and how a file holds them.
 
-use super::{BakeError, EnvelopeParts, Sections, check_len, floats, names, narrow, words};
+use super::envelope::EnvelopeParts;
+use super::error::BakeError;
+use super::sections::{Sections, check_len, floats, names, narrow, words};
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::skin::{NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
 use std::ops::Range;

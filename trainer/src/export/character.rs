@@ -2,12 +2,13 @@
 
 use super::error::ExportError;
 use super::glb::{Document, Placed, SkinnedMesh};
-use super::proxies::Proxies;
+use super::proxies::{self, Proxies};
 use super::skeleton::{Joints, quaternion, turned};
+use super::times::key_times;
 use crate::envelope::levels::{Influences, Level, LevelReport, Surface};
-use crate::evaluate::Character;
+use crate::evaluate::{Character, EvaluateError};
 use crate::examples::{Clip, Conversion, Examples, Matrix3x4, SpaceWish, normals};
-use crate::posed::{influences, palette, rest, skin_on};
+use crate::posed::{FrameError, influences, palette, rest, skin_on};
 use rayon::prelude::*;
 use sinew_runtime::Envelope;
 use sinew_runtime::format::{Axis, Handedness, Space};
@@ -180,23 +181,6 @@ fn armature(model: &Space, stand: Stand) -> Result<Placed, ExportError> {
         scale: [conversion.scale() as f32; 3],
         ..Placed::AT_PARENT
     }))
-}
-
-/// Rounds the times of a clip's frames.
-fn key_times(clip: &Clip) -> Result<Vec<f32>, ExportError> {
-    let name = || clip.name.clone();
-    if clip.times.is_empty() {
-        return Err(ExportError::NoFrames { clip: format!("clip {} has none", name()) });
-    }
-    let times: Vec<f32> = clip.times.iter().map(|&time| time as f32).collect();
-    let bad = (0..times.len()).find(|&key| {
-        let after = key == 0 || times[key] > times[key - 1];
-        !(after && times[key] >= 0.0 && times[key].is_finite())
-    });
-    match bad {
-        Some(frame) => Err(ExportError::Times { clip: name(), frame, time: clip.times[frame] }),
-        None => Ok(times),
-    }
 }
 
 /// Gives the centre of what each proxy moves; of the mesh, where it moves nothing.

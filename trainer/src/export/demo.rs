@@ -1,8 +1,9 @@
 //! The demo character as an artist would hand it over: a skeleton, LBS weights, and animations.
 
-use super::ExportError;
+use super::error::ExportError;
 use super::glb::{Document, Placed, SkinnedMesh};
 use super::skeleton::Joints;
+use super::times::key_times;
 use crate::envelope::motion::{Poses, trajectories};
 use crate::envelope::weights::{self, BASELINE_INFLUENCES};
 use crate::evaluate::Frames;
@@ -57,7 +58,7 @@ pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportEr
     for clip in clips {
         let frames = clip.first..clip.first + clip.times.len();
         let poses: Vec<_> = frames.map(|frame| examples.pose(frame)).collect();
-        document.animation(&clip.name, &super::key_times(clip)?, joints.tracks(&poses).0);
+        document.animation(&clip.name, &key_times(clip)?, joints.tracks(&poses).0);
     }
     document.finish()
 }

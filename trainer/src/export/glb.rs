@@ -14,7 +14,10 @@ use gltf::json::{
 };
 use serde_json::json;
 
-use super::{ExportError, Triangle};
+use super::error::ExportError;
+
+/// Vertex numbers of a triangle.
+type Triangle = [usize; 3];
 
 /// A node of the document.
 pub(super) type NodeIndex = Index<Node>;

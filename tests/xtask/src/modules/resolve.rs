@@ -53,8 +53,12 @@ impl<'a> Names<'a> {
                 .collect()
         });
         let mut names = Self { all, of: of.collect() };
-        while (0..all.modules.len()).fold(false, |grew, module| names.grow(module) || grew) {}
-        names
+        loop {
+            let grown = (0..all.modules.len()).filter(|&module| names.grow(module));
+            if grown.count() == 0 {
+                return names;
+            }
+        }
     }
 
     /// Adds what a module's `use`s bring in; returns whether that is more than before.

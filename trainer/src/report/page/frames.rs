@@ -1,6 +1,6 @@
 //! Errors and confidence by frame.
 
-use super::{entries, legend, names};
+use super::series::{entries, legend, names};
 use crate::examples::Split;
 use crate::report::chart::{Chart, Range};
 use crate::report::html::{paragraph, percent, table, text};

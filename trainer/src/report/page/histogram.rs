@@ -1,6 +1,6 @@
 //! How many vertices err how much.
 
-use super::legend;
+use super::series::legend;
 use crate::report::chart::{Chart, Range};
 use crate::report::html::paragraph;
 use crate::report::subject::Subject;

@@ -1,6 +1,6 @@
 //! Errors by joint.
 
-use super::{legend, names};
+use super::series::{legend, names};
 use crate::report::bars::bars;
 use crate::report::html::{grouped, paragraph, percent, table, text};
 use crate::report::joints::by_joint;

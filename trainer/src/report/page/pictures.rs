@@ -1,6 +1,6 @@
 //! The sections made of pictures.
 
-use super::ReportError;
+use super::error::ReportError;
 use crate::evaluate::Measured;
 use crate::report::camera::Camera;
 use crate::report::colour::{Colour, Scale};

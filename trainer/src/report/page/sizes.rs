@@ -1,6 +1,6 @@
 //! What more or fewer proxies would give.
 
-use super::{errors as cells, legend};
+use super::series::{errors as cells, legend};
 use crate::envelope::FitError;
 use crate::evaluate::Errors;
 use crate::report::chart::{Chart, Range};
