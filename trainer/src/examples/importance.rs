@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::source::{extension, unknown_format};
+use super::extension::{extension, unknown_format};
 use super::validate::same;
 use super::{Examples, ExamplesError, LoadError};
 

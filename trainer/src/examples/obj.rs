@@ -2,22 +2,13 @@
 
 use std::path::Path;
 
+pub use super::mesh::Mesh;
+
 use super::polygons::{Polygons, uv_of_vertices};
 use super::{ExamplesError, LoadError, TargetsError};
 
 /// Characters of a faulty line that a message shows.
 const SHOWN: usize = 60;
-
-/// A mesh of V vertices, in the file's order and units.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mesh {
-    /// Positions, V.
-    pub positions: Vec<[f64; 3]>,
-    /// Vertex numbers of each triangle; quads are split along their first diagonal.
-    pub triangles: Vec<[usize; 3]>,
-    /// Texture coordinates, V, where all corners of each vertex have the same.
-    pub uv: Option<Vec<[f64; 2]>>,
-}
 
 /// Reads a mesh: all vertices and faces of the file, whatever object or group they are in.
 ///

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::extension::{extension, unknown_format};
 use super::rig::{ImportError, Rig, Sampling};
 use super::{ExamplesError, LoadError, Loaded, fbx, gltf, npz, targets};
 
@@ -102,18 +103,4 @@ pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
     let (examples, clips, mut warnings) = rig.still().map_err(|error| blame(error.into()))?;
     warnings.extend(examples.validate().map_err(&blame)?);
     Ok(Loaded { examples, clips, warnings })
-}
-
-/// The end of a file's name, in lower case, without the dot.
-pub(super) fn extension(path: &Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
-}
-
-/// Says which formats are read instead of this file's.
-pub(super) fn unknown_format(path: &Path, expected: &'static str) -> ExamplesError {
-    let found = match extension(path) {
-        none if none.is_empty() => "none".to_owned(),
-        found => format!(".{found}"),
-    };
-    ImportError::UnknownFormat { expected, found }.into()
 }

@@ -1,6 +1,6 @@
 //! The space that examples are in, and how they are moved into another.
 
-use super::obj::Mesh;
+use super::mesh::Mesh;
 use super::{Examples, Matrix3x4};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;

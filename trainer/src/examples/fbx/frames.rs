@@ -6,8 +6,8 @@ use ufbx::{AnimStack, EvaluateOpts, Scene, SceneRoot, SkinningMethod};
 
 use super::super::rig::{Sampling, sample_times};
 use super::super::{Clip, ImportError, Warning};
+use super::convert::{fault, matrix};
 use super::meshes::{Part, skin};
-use super::{fault, matrix};
 
 /// The properties of a node that place it.
 const PLACING: [&str; 3] = ["Lcl Translation", "Lcl Rotation", "Lcl Scaling"];

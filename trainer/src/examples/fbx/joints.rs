@@ -4,7 +4,7 @@ use nalgebra::{Matrix4, Vector4};
 use ufbx::{Mesh, Node, Scene};
 
 use super::super::ImportError;
-use super::matrix;
+use super::convert::matrix;
 use super::meshes::{Part, skin};
 
 /// How far apart the places may be where two meshes are bound to a joint, as a share of the size of

@@ -16,6 +16,7 @@
 //! else in either file is left alone. Numbers may be of any width and order.
 
 mod arrays;
+mod fields;
 mod save;
 mod sidecar;
 mod targets;
@@ -28,6 +29,7 @@ pub use save::save_npz;
 pub(super) use targets::read_targets;
 
 use self::arrays::{Archive, Rows};
+use self::fields::{read_split, read_triangles};
 use self::sidecar::{Parent, Sidecar};
 use super::validate::{REPAIRABLE, same};
 use super::{
@@ -122,42 +124,6 @@ fn read(
     Ok((examples, warnings))
 }
 
-fn read_triangles(
-    archive: &mut Archive,
-    vertex_len: usize,
-) -> Result<Option<Vec<[usize; 3]>>, ExamplesError> {
-    let quads = archive.rows::<i64, 4>("quads", &[4])?;
-    let tris = archive.rows::<i64, 3>("tris", &[3])?;
-    if quads.is_none() && tris.is_none() {
-        return Ok(None);
-    }
-    let mut triangles = Vec::new();
-    for (face, quad) in quads.iter().flat_map(|quads| &quads.data).enumerate() {
-        let [a, b, c, d] = corners("quads", face, quad, vertex_len)?;
-        triangles.extend([[a, b, c], [a, c, d]]);
-    }
-    for (face, triangle) in tris.iter().flat_map(|tris| &tris.data).enumerate() {
-        triangles.push(corners("tris", face, triangle, vertex_len)?);
-    }
-    Ok(Some(triangles))
-}
-
-fn corners<const K: usize>(
-    array: &'static str,
-    face: usize,
-    corners: &[i64; K],
-    vertex_len: usize,
-) -> Result<[usize; K], ExamplesError> {
-    let mut checked = [0; K];
-    for (corner, &vertex) in checked.iter_mut().zip(corners) {
-        match usize::try_from(vertex) {
-            Ok(inside) if inside < vertex_len => *corner = inside,
-            _ => return Err(ExamplesError::VertexOutOfRange { array, face, vertex, vertex_len }),
-        }
-    }
-    Ok(checked)
-}
-
 fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, ExamplesError> {
     match &sidecar.bone_names {
         Some(names) => Ok(names.clone()),
@@ -232,23 +198,6 @@ fn place(skeleton: &mut Skeleton, sidecar: &Sidecar) -> Result<(), ExamplesError
         }
     }
     Ok(())
-}
-
-/// Reads the use of each frame.
-fn read_split(
-    archive: &mut Archive,
-    frame_len: usize,
-) -> Result<Option<Vec<Split>>, ExamplesError> {
-    let Some(codes) = archive.rows::<i64, 1>("split", &[])? else { return Ok(None) };
-    same("frames", "vertices", frame_len, "split", codes.data.len())?;
-    let codes = codes.data.iter().enumerate();
-    let split = codes.map(|(frame, &[code])| match code {
-        0 => Ok(Split::Train),
-        1 => Ok(Split::HeldOut),
-        2 => Ok(Split::Extreme),
-        _ => Err(ExamplesError::UnknownSplit { frame, code }),
-    });
-    split.collect::<Result<_, _>>().map(Some)
 }
 
 fn translation([x, y, z]: [f64; 3]) -> Matrix3x4 {

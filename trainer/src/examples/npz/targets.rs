@@ -4,7 +4,9 @@ use std::path::Path;
 
 use super::super::targets::Targets;
 use super::arrays::{Archive, Rows};
-use super::{ExamplesError, read_split, read_triangles, same};
+use super::fields::{read_split, read_triangles};
+use crate::examples::ExamplesError;
+use crate::examples::validate::same;
 
 /// Reads `vertices`, and `rest`, `split` and the faces where they are there.
 pub(in super::super) fn read_targets(path: &Path) -> Result<Targets, ExamplesError> {

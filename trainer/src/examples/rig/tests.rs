@@ -1,7 +1,10 @@
 use super::*;
-use nalgebra::{Rotation3, Vector3};
+use crate::examples::targets::Targets;
+use crate::examples::{Clip, Examples, Split, Warning};
+use nalgebra::{Matrix4, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use sinew_runtime::format::Space;
 
 const FRAMES: usize = 6;
 const VERTICES: usize = 60;

@@ -1,7 +1,7 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::super::testing::{Folder, spoil, triangle};
-use super::super::{Split, npz};
+use super::super::{ExamplesError, Split, npz};
 use super::*;
 
 /// Two frames of three points, as numbers that single precision holds.

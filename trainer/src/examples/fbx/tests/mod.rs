@@ -1,6 +1,11 @@
+use super::super::rig::{Rig, Sampling};
 use super::super::testing::{Folder, spoil};
-use super::super::{ImportError, Warning};
+use super::super::{ExamplesError, ImportError, Warning};
+use super::read::{open, parse};
 use super::*;
+use nalgebra::Matrix4;
+use sinew_runtime::format::{Axis, Handedness, Space};
+use std::path::Path;
 
 mod faults;
 mod real;

@@ -1,0 +1,135 @@
+//! Examples: posed meshes of one character, and its joints.
+
+use sinew_runtime::format::Space;
+use std::ops::Range;
+
+/// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.
+pub type Matrix3x4 = [[f64; 4]; 3];
+
+/// Which use a frame is put to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// Read by the fit and by every choice.
+    Train,
+    /// Read only to report, after every choice is made.
+    HeldOut,
+    /// Reported apart: poses beyond the range of motion of the training frames.
+    Extreme,
+}
+
+/// The joints of a character: one reference root, every other joint with one parent.
+#[derive(Clone, Debug)]
+pub struct Skeleton {
+    /// J names.
+    pub names: Vec<String>,
+    /// Parent of each joint; `None` for the reference root alone. Parents may follow children.
+    pub parents: Vec<Option<usize>>,
+    /// Model-space rest frame of each joint (rigid); its last column is the rest origin.
+    pub rest: Vec<Matrix3x4>,
+}
+
+impl Skeleton {
+    /// Gives the reference root, the first joint without a parent.
+    pub fn root(&self) -> usize {
+        self.parents.iter().position(Option::is_none).unwrap_or(0)
+    }
+}
+
+/// N poses of one mesh of V vertices and T triangles on J joints, in the units of the input.
+#[derive(Clone, Debug)]
+pub struct Examples {
+    /// Rest positions, V.
+    pub rest: Vec<[f64; 3]>,
+    /// Vertex numbers of each triangle, T; quads are split along their first diagonal.
+    pub triangles: Vec<[usize; 3]>,
+    /// Texture coordinates, one per vertex, where the source has them so; v grows upward, as in most
+    /// formats but glTF.
+    pub uv: Option<Vec<[f64; 2]>>,
+    /// The joints.
+    pub skeleton: Skeleton,
+    /// Posed positions, N x V, frame-major.
+    pub vertices: Vec<[f64; 3]>,
+    /// Map from the rest pose to the pose of each joint, N x J, frame-major, model space.
+    pub transforms: Vec<Matrix3x4>,
+    /// Use of each frame, N.
+    pub split: Vec<Split>,
+    /// The meshes that were joined, by name: ranges of vertices, one after the other; none where there
+    /// was one, or nothing is known of them.
+    pub ranges: Vec<(String, Range<usize>)>,
+    /// Axes, handedness and unit, as far as they are known.
+    pub space: Space,
+    /// How much each vertex counts in a fit and in what is measured of it, V numbers of mean 1; all
+    /// alike without. [`Examples::weigh`] sets it.
+    pub importance: Option<Vec<f64>>,
+}
+
+impl Examples {
+    /// Counts the vertices, V.
+    pub fn vertex_len(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// Counts the frames, N.
+    pub fn frame_len(&self) -> usize {
+        self.split.len()
+    }
+
+    /// Counts the joints, J.
+    pub fn joint_len(&self) -> usize {
+        self.skeleton.names.len()
+    }
+
+    /// Measures the diagonal of the rest pose's bounding box, to which every error is related.
+    pub fn diagonal(&self) -> f64 {
+        let [low, high] = self.bounds();
+        let extent = [0, 1, 2].map(|axis| (high[axis] - low[axis]).max(0.0));
+        extent.iter().map(|length| length * length).sum::<f64>().sqrt()
+    }
+
+    /// Gives the lowest and the highest corner of the rest pose's bounding box.
+    pub fn bounds(&self) -> [[f64; 3]; 2] {
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        for position in &self.rest {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(position[axis]);
+                high[axis] = high[axis].max(position[axis]);
+            }
+        }
+        [low, high]
+    }
+
+    /// Gives the mean of the rest positions.
+    pub fn centroid(&self) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for position in &self.rest {
+            for axis in 0..3 {
+                sum[axis] += position[axis];
+            }
+        }
+        sum.map(|sum| sum / self.vertex_len().max(1) as f64)
+    }
+
+    /// Gives the V posed positions of frame `index`.
+    ///
+    /// # Panics
+    /// If `index` is not a frame.
+    pub fn frame(&self, index: usize) -> &[[f64; 3]] {
+        let vertex_len = self.vertex_len();
+        &self.vertices[index * vertex_len..][..vertex_len]
+    }
+
+    /// Gives the J maps from the rest pose to the pose of frame `index`.
+    ///
+    /// # Panics
+    /// If `index` is not a frame.
+    pub fn pose(&self, index: usize) -> &[Matrix3x4] {
+        let joint_len = self.joint_len();
+        &self.transforms[index * joint_len..][..joint_len]
+    }
+
+    /// Lists the frames put to one use, in order.
+    pub fn frames_of(&self, split: Split) -> Vec<usize> {
+        (0..self.frame_len()).filter(|&frame| self.split[frame] == split).collect()
+    }
+}
