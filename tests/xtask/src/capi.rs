@@ -1,6 +1,6 @@
 //! Compilers and the emulator that the tests of the C ABI run, and its header.
 
-use super::cargo;
+use super::call::cargo;
 use super::components::{self, Component, starts};
 use std::path::Path;
 use std::process::Command;

@@ -1,6 +1,6 @@
 //! What the tests need beyond Rust, as packages of the system.
 
-use crate::run;
+use crate::call::run;
 use std::process::{Command, Stdio};
 
 /// Something that the tests need.

@@ -1,6 +1,6 @@
 //! What needs nightly or long: miri, a million mutated files, and every fuzz target for a while.
 
-use crate::{cargo, run};
+use crate::call::{cargo, run};
 use std::path::Path;
 use std::process::{Command, Stdio};
 

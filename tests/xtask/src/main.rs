@@ -1,5 +1,6 @@
 //! Project commands. `cargo xtask test` is the one that says whether all is well.
 
+mod call;
 mod capi;
 mod components;
 mod deep;
@@ -8,13 +9,9 @@ mod modules;
 mod prepare;
 mod vulkan;
 
-use std::ffi::{OsStr, OsString};
-use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
-use std::time::Instant;
-
-/// Bare targets that the runtime must build for.
-const TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "wasm32-unknown-unknown"];
+use call::{TARGETS, cargo, cargo_with, run};
+use std::path::Path;
+use std::process::ExitCode;
 
 const HELP: &str = "\
 usage: cargo xtask COMMAND
@@ -80,37 +77,9 @@ fn test() -> Result<(), String> {
     firmware::firmware()
 }
 
-/// Returns the folder that builds go to.
-fn target_folder() -> Result<PathBuf, String> {
-    let folder = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
-    std::path::absolute(folder).map_err(|error| error.to_string())
-}
-
 /// Runs a program of the conformance package with arguments of its own.
 fn conformance(program: &str, own: &[&str]) -> Result<(), String> {
     let environment: Vec<_> = vulkan::drivers().into_iter().collect();
     let arguments = format!("run --release --locked -p conformance --bin {program} --");
     run(cargo_with(&arguments, &environment).args(own))
-}
-
-fn cargo(arguments: &str, environment: &[(&str, OsString)]) -> Result<(), String> {
-    run(&mut cargo_with(arguments, environment))
-}
-
-fn cargo_with(arguments: &str, environment: &[(&str, OsString)]) -> Command {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsStr::new("cargo").to_owned());
-    let mut command = Command::new(cargo);
-    let environment = environment.iter().map(|(name, value)| (name, value));
-    command.args(arguments.split_whitespace()).envs(environment);
-    command
-}
-
-fn run(command: &mut Command) -> Result<(), String> {
-    let shown: Vec<_> = command.get_args().map(|a| a.to_string_lossy().into_owned()).collect();
-    let shown = format!("{} {}", command.get_program().to_string_lossy(), shown.join(" "));
-    eprintln!("xtask: {shown}");
-    let start = Instant::now();
-    let status = command.status().map_err(|error| format!("`{shown}`: {error}"))?;
-    eprintln!("xtask: {:.0} s", start.elapsed().as_secs_f64());
-    if status.success() { Ok(()) } else { Err(format!("`{shown}` failed")) }
 }

@@ -1,6 +1,6 @@
 //! Programs that the tests need.
 
-use super::{TARGETS, run, target_folder};
+use super::call::{TARGETS, run, target_folder};
 use std::process::Command;
 
 /// Blender as a Python module.

@@ -2,7 +2,7 @@
 //! joint's skin from the joints near it, in Gram matrices over the poses (METHOD §1.9, §2.2).
 
 use super::context::Context;
-use crate::envelope::rotational::validation::folds;
+use crate::envelope::folds::folds;
 use crate::examples::spread;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};

@@ -1,16 +1,19 @@
 //! The choice of predictor and number of proxies by cross-validation inside the training split
 //! (METHOD §1.9).
 
+use super::error::{FitError, TrainError};
 use super::fitted::{Base, Fitted, corrected};
+use super::folds::folds;
 use super::helpers::candidates::GroupReport;
-use super::helpers::correction::{Search, Target};
+use super::helpers::correction::Search;
 use super::helpers::fit::{self, Helpers};
+use super::helpers::target::Target;
 use super::levels::AddError;
+use super::levels::{self, LevelReport};
+use super::options::{Meshes, Options, Predict};
 use super::rotational::proxies::ProxyCount;
-use super::rotational::validation::folds;
 use super::rotational::{self, Reconstruction, Rotational};
 use super::training::Training;
-use super::{FitError, Meshes, Options, Predict, TrainError, Trained, levels};
 use crate::bake::bake;
 use crate::examples::Examples;
 use crate::progress::Progress;
@@ -26,6 +29,16 @@ const PROXIES: usize = 40;
 const QUARTERS: [usize; 4] = [1, 2, 4, 8];
 /// Fewer proxies are taken where their error is within this of the best.
 const FEWER: f64 = 1.02;
+
+/// A trained model.
+pub struct Trained {
+    /// The file's bytes.
+    pub model: Vec<u8>,
+    /// How it was fitted.
+    pub report: Report,
+    /// How the further meshes follow, in their order.
+    pub levels: Vec<LevelReport>,
+}
 
 /// What was tried and what was taken; errors are RMS, as shares of the rest diagonal.
 #[derive(Clone, Debug, Serialize)]

@@ -1,7 +1,7 @@
 //! How far rounding of the correction to f32 may move a vertex (METHOD §2.7).
 
 use super::fitted::{Base, Fitted};
-use super::helpers::correction::Group;
+use super::helpers::group::Group;
 use super::training::Training;
 use crate::bake::{EnvelopeParts, SkinParts};
 use crate::kernel::arithmetic::U;

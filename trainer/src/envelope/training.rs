@@ -4,7 +4,7 @@ use super::FitError;
 use super::blend::Weights;
 use super::helpers::features::Joints;
 use super::motion::{Poses, trajectories};
-use super::rotational::validation::Targets;
+use super::targets::Targets;
 use super::weights::{self, BASELINE_INFLUENCES};
 use crate::examples::{Examples, Importance, Split};
 use crate::progress::Progress;

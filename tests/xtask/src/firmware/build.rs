@@ -63,7 +63,7 @@ pub(super) fn build(
     profile: Profile,
     image: Image,
 ) -> Result<PathBuf, String> {
-    crate::run(&mut command(folder, target, profile, image))?;
+    crate::call::run(&mut command(folder, target, profile, image))?;
     let name = match target.triple {
         "wasm32-unknown-unknown" => format!("{}.wasm", image.name()),
         _ => image.name().to_owned(),
@@ -90,11 +90,11 @@ pub(super) fn control_fails(folder: &Path, target: Target, profile: Profile) -> 
 /// Checks the format of the images, and lints them for the one target that has all of them.
 pub(super) fn lint(folder: &Path) -> Result<(), String> {
     let fmt = ["fmt", "--manifest-path", MANIFEST, "--check"];
-    crate::run(cargo(folder, M4F).args(fmt))?;
+    crate::call::run(cargo(folder, M4F).args(fmt))?;
     let mut command = cargo(folder, M4F);
     command.args(["clippy", "--quiet", "--locked", "--manifest-path", MANIFEST]);
     command.args(["--bins", "--features", "control,cortex-m"]).args(triple(M4F));
-    crate::run(command.args(["--", "-D", "warnings"]))
+    crate::call::run(command.args(["--", "-D", "warnings"]))
 }
 
 const MANIFEST: &str = "tests/firmware/Cargo.toml";

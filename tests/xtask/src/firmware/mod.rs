@@ -16,7 +16,7 @@ use targets::{M4F, TARGETS};
 /// Builds, runs, compares, proves and weighs.
 pub(crate) fn firmware() -> Result<(), String> {
     prepare::prepare()?;
-    let folder = crate::target_folder()?.join("firmware");
+    let folder = crate::call::target_folder()?.join("firmware");
     bake_models(&folder.join("models"))?;
     build::lint(&folder)?;
     same_bits(&folder)?;
@@ -30,9 +30,9 @@ pub(crate) fn firmware() -> Result<(), String> {
 fn bake_models(folder: &Path) -> Result<(), String> {
     std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     // As part of the workspace, so that it shares what `cargo test --workspace` builds.
-    crate::cargo("build --locked --workspace --example firmware_models", &[])?;
-    let program = crate::target_folder()?.join("debug/examples/firmware_models");
-    crate::run(Command::new(program).arg(folder))
+    crate::call::cargo("build --locked --workspace --example firmware_models", &[])?;
+    let program = crate::call::target_folder()?.join("debug/examples/firmware_models");
+    crate::call::run(Command::new(program).arg(folder))
 }
 
 /// Runs the poses on every target and compares each with the first, which builds here.

@@ -1,10 +1,11 @@
 //! The candidates for a group's kernel map, chosen by folds of the training poses.
 
 use super::super::motion::Poses;
-use super::correction::{Group, Target};
 use super::features::{Input, Joints};
-use super::fit::map_of;
+use super::group::Group;
 use super::metric::Metric;
+use super::stacked::map_of;
+use super::target::Target;
 use crate::kernel::function::SMOOTHEST_FIRST;
 use crate::kernel::map::KernelMap;
 use crate::kernel::ridge::{Choice, Fitted, Outputs, Samples, Trial, WIDTHS};

@@ -4,54 +4,17 @@
 //! kernel map, which listens to the joints within some hops of that joint. Its outputs are a few
 //! latent ones, the leading directions of what is left over, measured where the skin is.
 
-use super::super::motion::Poses;
-use super::super::rotational::validation::folds;
+use super::super::folds::folds;
 use super::candidates::{Candidates, GroupReport};
-use super::features::{Input, Joints};
-use crate::kernel::map::{KernelMap, Value};
+use super::group::Group;
+use super::target::Target;
 use crate::progress::Progress;
 use faer::Mat;
-use nalgebra::{Matrix3, Matrix3x4};
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// Name of the step.
 const STEP: &str = "kernel maps";
-
-/// What a correction is fitted to: on n training poses, the part of P proxies' transforms that a base
-/// (joints, or a reconstruction) does not predict.
-#[derive(Clone, Copy)]
-pub struct Target<'a> {
-    /// n training poses.
-    pub poses: &'a Poses,
-    /// The joints' rest geometry.
-    pub joints: Joints<'a>,
-    /// Dominant joint of each of the P proxies; those of one joint stand together.
-    pub dominant: &'a [usize],
-    /// The transforms less those of the base, 3n x 4P.
-    pub left_over: &'a Mat<f64>,
-    /// The same for each fold, of a base fitted without the fold; empty where nothing of the base is
-    /// fitted.
-    pub without: &'a [Mat<f64>],
-    /// Σ φ φᵀ over the vertices, 4P x 4P.
-    pub gram: &'a Mat<f64>,
-    /// V.
-    pub vertices: usize,
-}
-
-/// A group's kernel map.
-pub struct Group {
-    /// The dominant joint that the proxies share.
-    pub joint: usize,
-    /// The proxies.
-    pub proxies: Range<usize>,
-    /// What the map listens to.
-    pub inputs: Vec<Input>,
-    /// The map to r latent outputs.
-    pub map: KernelMap,
-    /// Entries of the proxies' maps from the latent outputs, 12p x r, row 12 l + 4 r + c.
-    pub outputs: Mat<f64>,
-}
 
 /// The maps of all groups, each in several sizes, before one is taken.
 pub struct Search<'a> {
@@ -148,40 +111,6 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Predicts the correction of n poses, 3n x 4P.
-pub fn predict(groups: &[Group], poses: &Poses, joints: Joints<'_>) -> Mat<f64> {
-    let count = groups.iter().map(|group| group.proxies.len()).sum::<usize>();
-    let mut out = Mat::zeros(3 * poses.len(), 4 * count);
-    for group in groups {
-        let inputs = joints.evaluate(poses, &group.inputs);
-        for pose in 0..poses.len() {
-            let Value { outputs, confidence } = group.map.evaluate(inputs.col_as_slice(pose));
-            let latents: Vec<f64> = outputs.iter().map(|z| confidence * z).collect();
-            group.add(&latents, poses, pose, &mut out);
-        }
-    }
-    out
-}
-
-impl Group {
-    /// Adds `Q_dom K` of latent outputs to a pose's row of maps.
-    fn add(&self, latents: &[f64], poses: &Poses, pose: usize, out: &mut Mat<f64>) {
-        let turn: Matrix3<f64> = poses.map(pose, self.joint).fixed_columns::<3>(0).into();
-        for (k, proxy) in self.proxies.clone().enumerate() {
-            let local = Matrix3x4::from_fn(|r, c| {
-                let row = self.outputs.row(12 * k + 4 * r + c);
-                row.iter().zip(latents).map(|(a, z)| a * z).sum::<f64>()
-            });
-            let added = turn * local;
-            for c in 0..4 {
-                for r in 0..3 {
-                    out[(3 * pose + r, 4 * proxy + c)] += added[(r, c)];
-                }
-            }
-        }
-    }
-}
-
 /// Returns the folds of the cross-validation. Where the base is the same for all of them, further folds
 /// that lie halfway between two are added: more folds choose better.
 fn blocks(target: &Target<'_>) -> Vec<Range<usize>> {
@@ -201,7 +130,10 @@ mod tests {
     use super::super::fit;
     use super::*;
     use crate::demo::{DemoOptions, demo};
-    use crate::envelope::rotational::validation::Targets;
+    use crate::envelope::helpers::group::predict;
+    use crate::envelope::helpers::stacked::bases;
+    use crate::envelope::motion::Poses;
+    use crate::envelope::targets::Targets;
     use crate::envelope::training::Training;
     use crate::examples::Importance;
     use crate::examples::Split;
@@ -226,7 +158,7 @@ mod tests {
             };
             let joints = poses.stacked();
             let added = predict(&correction.groups, &poses, training.joints());
-            let maps = fit::bases(&joints, &helpers.dominant) + added;
+            let maps = bases(&joints, &helpers.dominant) + added;
             (targets.rms(&faer::concat![[joints, maps]]), correction.bytes)
         };
         let (best, all) = of(usize::MAX);

@@ -8,7 +8,8 @@ use super::super::rotational::reduce::homogeneous;
 use super::super::rotational::refine::gram;
 use super::super::training::Training;
 use super::cluster::cluster;
-use super::correction::Target;
+use super::stacked::{bases, set_map};
+use super::target::Target;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3};
 
@@ -188,27 +189,6 @@ impl Helpers {
         let helpers = bases(&joints, &self.dominant) + &self.left_over;
         faer::concat![[joints, helpers]]
     }
-}
-
-/// The map of a helper in a pose of stacked maps.
-pub fn map_of(maps: &Mat<f64>, pose: usize, helper: usize) -> Matrix3x4<f64> {
-    Matrix3x4::from_fn(|r, c| maps[(3 * pose + r, 4 * helper + c)])
-}
-
-/// Writes the map of a helper in a pose of stacked maps.
-fn set_map(maps: &mut Mat<f64>, pose: usize, helper: usize, map: &Matrix3x4<f64>) {
-    for c in 0..4 {
-        for r in 0..3 {
-            maps[(3 * pose + r, 4 * helper + c)] = map[(r, c)];
-        }
-    }
-}
-
-/// The maps of the given joints: 3n x 4P from 3n x 4J.
-pub fn bases(stacked: &Mat<f64>, dominant: &[usize]) -> Mat<f64> {
-    Mat::from_fn(stacked.nrows(), 4 * dominant.len(), |row, column| {
-        stacked[(row, 4 * dominant[column / 4] + column % 4)]
-    })
 }
 
 #[cfg(test)]

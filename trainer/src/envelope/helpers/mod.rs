@@ -6,4 +6,7 @@ pub mod cluster;
 pub mod correction;
 pub mod features;
 pub mod fit;
+pub mod group;
 pub mod metric;
+pub mod stacked;
+pub mod target;

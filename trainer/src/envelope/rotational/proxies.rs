@@ -1,9 +1,11 @@
 //! Proxies: P affine maps a pose and the vertices' weights on them (METHOD §1.7.1, S3 §3.1).
 
+pub use super::options::ProxyCount;
+
 use super::super::FitError;
 use super::super::blend::{Alternation, Blend, Items, Maps, Weights};
-use super::Options;
 use super::merge::{MergeTree, regular_inverse};
+use super::options::Options;
 use super::reduce::homogeneous;
 use super::surface::Surface;
 use crate::progress::Progress;
@@ -14,16 +16,6 @@ use sinew_runtime::Limits;
 /// Name of the step.
 const STEP: &str = "proxies";
 const ALTERNATION: Alternation = Alternation { rounds: 12, gain: 2e-3 };
-
-/// How many proxies.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ProxyCount {
-    /// Exactly so many.
-    Fixed(usize),
-    /// The fewest whose RMS error on the training frames is at most this share of the diagonal.
-    MaxError(f64),
-}
 
 /// A number of proxies that was tried, and the error it leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -200,9 +192,9 @@ fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
 mod tests {
     use super::super::super::training::Training;
     use super::super::basis::basis;
-    use super::super::validation::Targets;
     use super::*;
     use crate::demo::{DemoOptions, demo};
+    use crate::envelope::targets::Targets;
     use crate::examples::Importance;
     use crate::progress::Silent;
 

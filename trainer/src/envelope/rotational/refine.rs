@@ -7,8 +7,8 @@
 //! of c2, which multiplies a constant, takes up what that subtracts: the rest pose stays exact.
 
 use super::super::motion::Poses;
+use super::super::targets::Targets;
 use super::reduce::{Reduced, homogeneous};
-use super::validation::Targets;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use std::ops::Range;

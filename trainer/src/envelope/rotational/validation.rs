@@ -2,35 +2,17 @@
 //! almost the same pose, so single frames left out would prove nothing (METHOD §1.1).
 
 use super::super::blend::Weights;
-use super::super::columns;
+use super::super::folds::folds;
 use super::super::motion::Poses;
+use super::super::targets::{Targets, skin};
 use super::predictor::{self, GradientPredictor};
-use super::reduce::{Reduced, homogeneous};
+use super::reduce::Reduced;
 use super::refine::{Projection, Regression};
-use crate::examples::Importance;
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// Folds of the training poses, fewer where they would be short.
-const FOLDS: usize = 10;
-/// Poses of a fold, so that it holds more than neighbours of what is left.
-const FOLD_LEN: usize = 2;
-
-/// The training meshes, as the palette's vertices.
-#[derive(Clone, Copy)]
-pub struct Targets<'a> {
-    /// V rest positions.
-    pub rest: &'a [[f64; 3]],
-    /// Their weights on the palette.
-    pub weights: &'a Weights,
-    /// Their trajectories, 3n x V.
-    pub trajectories: &'a Mat<f64>,
-    /// How much each vertex counts.
-    pub importance: Importance<'a>,
-}
 
 /// Key gradients of every training pose, predicted without each fold in turn.
 pub struct Validation<'a> {
@@ -148,38 +130,6 @@ impl<'a> Validation<'a> {
     }
 }
 
-impl Targets<'_> {
-    /// RMS error over vertices and poses under maps, 3n x 4P.
-    pub fn rms(&self, maps: &Mat<f64>) -> f64 {
-        let errors: Vec<f64> = (0..self.rest.len())
-            .into_par_iter()
-            .map(|vertex| {
-                let blended = skin(&self.rest[vertex], self.weights, vertex, maps);
-                let truth = self.trajectories.col_as_slice(vertex);
-                let error: f64 = blended.iter().zip(truth).map(|(a, b)| (a - b).powi(2)).sum();
-                self.importance.of(vertex) * error
-            })
-            .collect();
-        (errors.iter().sum::<f64>() / (self.rest.len() * maps.nrows() / 3).max(1) as f64).sqrt()
-    }
-
-    /// What maps (3n x 4P) leave of the trajectories, 3n x V.
-    pub fn residuals(&self, maps: &Mat<f64>) -> Mat<f64> {
-        let mut left = self.trajectories.clone();
-        columns::fill(&mut left, |vertex, column| {
-            let blended = skin(&self.rest[vertex], self.weights, vertex, maps);
-            column.iter_mut().zip(blended).for_each(|(y, skinned)| *y -= skinned);
-        });
-        left
-    }
-}
-
-/// Splits n poses into contiguous folds of nearly equal length, two at least.
-pub fn folds(n: usize) -> Vec<Range<usize>> {
-    let count = (n / FOLD_LEN).clamp(2, FOLDS);
-    (0..count).map(|f| f * n / count..(f + 1) * n / count).collect()
-}
-
 /// Largest distance between two skinnings of the marked vertices over the poses.
 pub fn largest_distance(
     rest: &[[f64; 3]],
@@ -200,21 +150,6 @@ pub fn largest_distance(
         })
         .collect();
     distances.into_iter().fold(0.0, f64::max).sqrt()
-}
-
-/// The trajectory of one vertex under maps, 3n long.
-fn skin(rest: &[f64; 3], weights: &Weights, vertex: usize, maps: &Mat<f64>) -> Vec<f64> {
-    let h = homogeneous(rest);
-    let mut out = vec![0.0; maps.nrows()];
-    for (l, weight) in weights.of(vertex) {
-        for (c, x) in h.iter().enumerate() {
-            let factor = weight * x;
-            for (o, m) in out.iter_mut().zip(maps.col_as_slice(4 * l + c)) {
-                *o += factor * m;
-            }
-        }
-    }
-    out
 }
 
 #[cfg(test)]

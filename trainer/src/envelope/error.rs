@@ -1,0 +1,67 @@
+//! Why a training failed.
+
+use super::levels::AddError;
+use super::rotational::poisson::PoissonError;
+use crate::bake::BakeError;
+
+/// A training that failed.
+#[derive(Debug, thiserror::Error)]
+pub enum TrainError {
+    /// The fit could not be made.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// The fit could not be written.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    /// A further mesh cannot become a skin.
+    #[error(transparent)]
+    Level(#[from] AddError),
+    /// No candidate's file is small enough.
+    #[error(
+        "a budget of {budget} bytes is too small: the smallest model that was tried takes {least}, \
+         most of which is the mesh itself"
+    )]
+    Budget {
+        /// Bytes allowed.
+        budget: usize,
+        /// Bytes of the smallest candidate.
+        least: usize,
+    },
+}
+
+/// A fit that could not be made.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum FitError {
+    /// Fewer training poses than the fit has unknowns for.
+    #[error("the fit needs {needed} training poses, found {found}")]
+    TooFewPoses {
+        /// Training poses found.
+        found: usize,
+        /// Training poses needed.
+        needed: usize,
+    },
+    /// No triangle has an area.
+    #[error("no triangle of the rest mesh has an area")]
+    NoTriangles,
+    /// No number of proxies comes as near as was asked.
+    #[error(
+        "{} % is out of reach: {proxies} proxies, the most there can be, come to {:.4} % of the \
+         diagonal",
+        100.0 * limit,
+        100.0 * reached
+    )]
+    MaxError {
+        /// RMS asked for, as a share of the diagonal.
+        limit: f64,
+        /// RMS reached.
+        reached: f64,
+        /// With so many.
+        proxies: usize,
+    },
+    /// The full reconstruction could not be set up.
+    #[error(transparent)]
+    Poisson(#[from] PoissonError),
+    /// No candidate gives a regular system.
+    #[error("the reduced reconstruction is singular for every choice of near-rigid vertices")]
+    Singular,
+}

@@ -1,0 +1,26 @@
+//! What a correction is fitted to.
+
+use super::super::motion::Poses;
+use super::features::Joints;
+use faer::Mat;
+
+/// What a correction is fitted to: on n training poses, the part of P proxies' transforms that a base
+/// (joints, or a reconstruction) does not predict.
+#[derive(Clone, Copy)]
+pub struct Target<'a> {
+    /// n training poses.
+    pub poses: &'a Poses,
+    /// The joints' rest geometry.
+    pub joints: Joints<'a>,
+    /// Dominant joint of each of the P proxies; those of one joint stand together.
+    pub dominant: &'a [usize],
+    /// The transforms less those of the base, 3n x 4P.
+    pub left_over: &'a Mat<f64>,
+    /// The same for each fold, of a base fitted without the fold; empty where nothing of the base is
+    /// fitted.
+    pub without: &'a [Mat<f64>],
+    /// Σ φ φᵀ over the vertices, 4P x 4P.
+    pub gram: &'a Mat<f64>,
+    /// V.
+    pub vertices: usize,
+}

@@ -1,0 +1,53 @@
+//! What a training is asked for.
+
+use super::levels::Level;
+use super::rotational::proxies::ProxyCount;
+use sinew_runtime::envelope::Predictor;
+
+/// What predicts the palette from the pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Predict {
+    /// Whatever cross-validation finds best.
+    Auto,
+    /// This one.
+    Only(Predictor),
+}
+
+/// What a training is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// What predicts.
+    pub predictor: Predict,
+    /// P, or the error that decides it; chosen by cross-validation where none is given.
+    pub proxies: Option<ProxyCount>,
+    /// K, the most maps of the palette that a vertex follows.
+    pub influences: usize,
+    /// Whether c1 and c2 may be refined on the training meshes; S3 as published does not.
+    pub refine: bool,
+    /// Most bytes of the file, all of its skins included.
+    pub budget: Option<usize>,
+    /// The meshes that the file holds.
+    pub meshes: Meshes,
+}
+
+/// The meshes that a model's file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Meshes {
+    /// The examples' own, then further ones, each as a skin.
+    Skins(Vec<Level>),
+    /// None: a palette alone, for an engine that keeps its meshes and their weights.
+    PaletteAlone,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            predictor: Predict::Auto,
+            proxies: None,
+            influences: 4,
+            refine: true,
+            budget: None,
+            meshes: Meshes::Skins(Vec::new()),
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! The fit: proxies, keys, and the reduced reconstruction.
+
+use super::basis;
+use super::choose::{Candidates, Choice, Trial};
+use super::options::Options;
+use super::predictor::{GradientPredictor, predict_stacked};
+use super::proxies::CountTrial;
+use super::reduce::{Reduced, Reduction};
+use super::refine::{Projection, Regression};
+use super::surface::Surface;
+use super::validation::Validation;
+use super::{choose, keys, merge, proxies, validation};
+use crate::envelope::FitError;
+use crate::envelope::blend::Weights;
+use crate::envelope::fitted::{Base, Fitted};
+use crate::envelope::folds::folds;
+use crate::envelope::helpers::target::Target;
+use crate::envelope::motion::Poses;
+use crate::envelope::training::Training;
+use crate::progress::Progress;
+use faer::Mat;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// A fitted envelope of P proxies, in training units.
+pub struct Rotational {
+    /// α of each vertex on the proxies.
+    pub weights: Weights,
+    /// Dominant joint of each proxy, P, ascending.
+    pub dominant: Vec<usize>,
+    /// The key predictors, P.
+    pub keys: Vec<GradientPredictor>,
+    /// Σ φ φᵀ over the vertices, 4P x 4P.
+    pub gram: Mat<f64>,
+    /// The reconstruction as S3 gives it.
+    pub unrefined: Reconstruction,
+    /// The same, refined on the training meshes.
+    pub refined: Option<Reconstruction>,
+    /// How it was fitted.
+    pub report: Report,
+}
+
+/// A reduced reconstruction, and how far it comes.
+pub struct Reconstruction {
+    /// c1 and c2.
+    pub reduced: Reduced,
+    /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
+    pub validated: Mat<f64>,
+    /// What it leaves over of the training meshes, as maps, 3n x 4P.
+    pub left_over: Mat<f64>,
+    /// The same in all poses, of fits that have not seen one fold.
+    pub left_over_without: Vec<Mat<f64>>,
+}
+
+/// What a fit did and measured; errors are RMS, as shares of the rest diagonal.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Dimensions of the trajectory basis.
+    pub basis_rank: usize,
+    /// What the basis leaves out.
+    pub basis_residual: f64,
+    /// Every number of proxies that was tried.
+    pub proxy_counts: Vec<CountTrial>,
+    /// The proxies' true maps on the training frames.
+    pub proxy_rms: f64,
+    /// The edges under the keys' true gradients on the training frames.
+    pub key_rms: f64,
+    /// The joints that each key follows, and how every other joint would have done.
+    pub keys: Vec<KeyChoice>,
+    /// The contiguous folds, as ranges of the training frames.
+    pub folds: Vec<std::ops::Range<usize>>,
+    /// Every candidate of F, γ, μ and the refinement, and its cross-validated error.
+    pub trials: Vec<Trial>,
+    /// The candidate taken.
+    pub choice: Choice,
+    /// Condition number of the reduced system.
+    pub condition: f64,
+    /// Largest distance of a vertex of F from its LBS position on the training frames.
+    pub near_rigid_deviation: f64,
+}
+
+/// Which joints a key follows.
+#[derive(Clone, Debug, Serialize)]
+pub struct KeyChoice {
+    /// b.
+    pub joint: usize,
+    /// c.
+    pub residual_joint: Option<usize>,
+    /// Σ|R - R_pred|² of each joint as b, J.
+    pub errors: Vec<f64>,
+    /// Σ|R - R_pred|² of each joint as c, J; b's own is that without c.
+    pub residual_errors: Vec<f64>,
+}
+
+impl KeyChoice {
+    fn new(predictor: &GradientPredictor) -> Self {
+        let rotation = &predictor.rotation;
+        Self {
+            joint: rotation.joint,
+            residual_joint: rotation.residual.map(|(joint, _)| joint),
+            errors: rotation.errors.clone(),
+            residual_errors: rotation.residual_errors.clone(),
+        }
+    }
+}
+
+/// Fits an envelope to the training frames.
+///
+/// # Errors
+/// [`FitError::MaxError`] and [`FitError::Singular`].
+pub fn fit(
+    training: &Training,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Rotational, FitError> {
+    let Training { rest, triangles, parents, poses, trajectories: moved, lbs, .. } = training;
+    let (joints, lbs_errors) = (&lbs.weights, &lbs.errors);
+    progress.step("trajectory basis", 1);
+    let basis = basis::basis(moved);
+    let (basis_rank, basis_residual) = (basis.vectors.ncols(), basis.residual);
+    let (surface, basis) =
+        Surface::new(rest, triangles.clone(), moved, basis, training.importance());
+    progress.step("merging triangles", surface.triangles.len());
+    let tree = merge::MergeTree::build(&surface, || progress.advance(1));
+    let followed = basis.transpose() * joint_maps(joints, poses);
+    let mut proxies = proxies::fit(&surface, &tree, &followed, options, progress)?;
+    let dominant = proxies.sort_by_joint(joints, poses.joint_len());
+    let keys = keys::fit(&surface, &proxies, options.influences, progress);
+    let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis)).collect();
+
+    let targets = training.targets(&proxies.weights);
+    let validation = Validation::new(&targets, poses, parents, &sequences, progress);
+    let projection = Projection::new(&targets, proxies.len());
+    let candidates = Candidates {
+        reduction: Reduction {
+            rest,
+            triangles: &surface.triangles,
+            proxies: &proxies.weights,
+            keys: &keys.weights,
+            joints,
+            proxy_len: proxies.len(),
+            joint_len: poses.joint_len(),
+            fixed: &[],
+            anchors: None,
+        },
+        lbs_errors,
+        validation: &validation,
+        projection: options.refine.then_some(&projection),
+    };
+    let (chosen, trials) = candidates.choose(progress)?;
+    let choice = chosen.choice;
+
+    progress.step("key predictors", 1);
+    let predictors: Vec<_> =
+        sequences.par_iter().map(|d| GradientPredictor::fit(poses, parents, d)).collect();
+    let predicted = predict_stacked(&predictors, poses);
+    let fixed = choose::near_rigid(lbs_errors, choice.near_rigid_fraction);
+    let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
+    let unrefined = system.run().ok_or(FitError::Singular)?;
+    let refined = choice.refinement.map(|strength| {
+        let residual = projection.residual(&unrefined.palette(&predicted, poses));
+        let regression = Regression::new(&predicted, poses, &residual, &(0..0));
+        (regression.refine(&unrefined, strength), strength)
+    });
+    let reconstruction = |reduced: Reduced, refinement| {
+        let of_folds = validation.maps(&unrefined, &projection, refinement);
+        Reconstruction {
+            validated: validation.join(&of_folds),
+            left_over: projection.residual(&reduced.palette(&predicted, poses)),
+            left_over_without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
+            reduced,
+        }
+    };
+    let maps = refined.as_ref().map_or(&unrefined, |refined| &refined.0).palette(&predicted, poses);
+    let report = Report {
+        basis_rank,
+        basis_residual,
+        proxy_counts: proxies.trials,
+        proxy_rms: proxies.rms,
+        key_rms: keys.rms,
+        keys: predictors.iter().map(KeyChoice::new).collect(),
+        folds: folds(poses.len()),
+        trials,
+        choice,
+        condition: system.equations().condition(),
+        near_rigid_deviation: validation::largest_distance(
+            rest,
+            (&proxies.weights, &maps),
+            (joints, &poses.stacked()),
+            &fixed,
+        ),
+    };
+    Ok(Rotational {
+        unrefined: reconstruction(unrefined.clone(), None),
+        refined: refined.map(|(reduced, strength)| reconstruction(reduced, Some(strength))),
+        weights: proxies.weights,
+        dominant,
+        keys: predictors,
+        gram: projection.gram.clone(),
+        report,
+    })
+}
+
+/// Stacks the maps of the joints that some vertex follows: 3n x 4 per joint.
+fn joint_maps(joints: &Weights, poses: &Poses) -> Mat<f64> {
+    let mut used = vec![false; poses.joint_len()];
+    (0..joints.len()).flat_map(|v| joints.of(v)).for_each(|(joint, _)| used[joint] = true);
+    let followed: Vec<usize> = (0..used.len()).filter(|&joint| used[joint]).collect();
+    let stacked = poses.stacked();
+    Mat::from_fn(stacked.nrows(), 4 * followed.len(), |row, column| {
+        stacked[(row, 4 * followed[column / 4] + column % 4)]
+    })
+}
+
+impl Rotational {
+    /// The envelope with one of its reconstructions.
+    pub fn fitted(&self, base: &Reconstruction) -> Fitted {
+        Fitted {
+            weights: self.weights.clone(),
+            base: Base::Reconstruction(self.keys.clone(), base.reduced.clone()),
+            groups: Vec::new(),
+        }
+    }
+
+    /// What one of its reconstructions leaves over for a correction to learn.
+    pub fn target<'a>(&'a self, base: &'a Reconstruction, training: &'a Training) -> Target<'a> {
+        Target {
+            poses: &training.poses,
+            joints: training.joints(),
+            dominant: &self.dominant,
+            left_over: &base.left_over,
+            without: &base.left_over_without,
+            gram: &self.gram,
+            vertices: training.rest.len(),
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! The training, from examples to a file.
+
+use super::choose::{self, Trained};
+use super::error::TrainError;
+use super::options::Options;
+use super::training::Training;
+use crate::examples::Examples;
+use crate::progress::Progress;
+
+/// Fits an envelope to the training frames of the examples and bakes it.
+///
+/// The same examples give the same bytes for any number of threads.
+///
+/// # Errors
+/// Every [`TrainError`].
+pub fn train(
+    examples: &Examples,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Trained, TrainError> {
+    let training = Training::new(examples, progress)?;
+    choose::choose(&training, examples, options, progress)
+}
