@@ -2,10 +2,9 @@
 //!
 //! Written by hand after FORMAT.md, so that it shares no mistake with the trainer's `bake`.
 
-use crate::GOLDEN;
-use crate::recipe::keep_vertices;
+use crate::golden::GOLDEN;
 use sinew_runtime::format::{
-    ALIGNMENT, CHECKSUM_OFFSET, PartRow, SectionKind, SectionRow, checksum,
+    ALIGNMENT, CHECKSUM_OFFSET, MAGNITUDE_MAX, PartRow, SectionKind, SectionRow, checksum,
 };
 use sinew_runtime::skin::NO_ENVELOPE;
 use sinew_runtime::{FileError, Model};
@@ -119,6 +118,36 @@ pub(crate) fn several() -> Result<Vec<u8>, FileError> {
     loose.loosen();
     out.append(loose);
     Ok(out.file(|_| {}))
+}
+
+/// Keeps the first skin's first vertices only, everywhere; of none there are no rest boxes.
+pub(crate) fn keep_vertices(pieces: &mut Pieces, vertex_len: u32) {
+    let Some(influence_len) = pieces.word(SectionKind::SkinCounts, 1) else { return };
+    pieces.set_word(SectionKind::SkinCounts, 0, vertex_len);
+    let influence_len = influence_len as usize;
+    for (kind, bytes) in [
+        (SectionKind::RestPositions, 12),
+        (SectionKind::RestNormals, 12),
+        (SectionKind::RestTangents, 16),
+        (SectionKind::InfluenceIndices, influence_len.saturating_mul(2)),
+        (SectionKind::InfluenceWeights, influence_len.saturating_mul(4)),
+    ] {
+        if let Some(content) = pieces.section(kind) {
+            content.truncate((vertex_len as usize).saturating_mul(bytes));
+        }
+    }
+    if let Some(ranges) = pieces.section(SectionKind::Ranges) {
+        for word in ranges.as_chunks_mut::<4>().0 {
+            *word = u32::from_le_bytes(*word).min(vertex_len).to_le_bytes();
+        }
+    }
+    if vertex_len == 0
+        && let Some(boxes) = pieces.section(SectionKind::RestBoxes)
+    {
+        // Least x is above greatest x: a box around nothing.
+        let (words, _) = boxes.as_chunks_mut::<4>();
+        words.chunks_mut(6).for_each(|rest_box| rest_box[0] = MAGNITUDE_MAX.to_le_bytes());
+    }
 }
 
 /// Repairs the checksum of a file.

@@ -4,7 +4,7 @@
 //! them be: what is refused at once tells little about evaluation.
 
 use crate::files;
-use crate::pieces::{Pieces, seal};
+use crate::pieces::{Pieces, keep_vertices, seal};
 use arbitrary::{Result, Unstructured};
 use sinew_runtime::envelope::GroupRow;
 use sinew_runtime::format::{CORRECTION_MAX, Element, MAGNITUDE_MAX, PartRow, SectionKind};
@@ -316,36 +316,6 @@ fn vertices(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// Keeps the first skin's first vertices only, everywhere; of none there are no rest boxes.
-pub(crate) fn keep_vertices(pieces: &mut Pieces, vertex_len: u32) {
-    let Some(influence_len) = pieces.word(SectionKind::SkinCounts, 1) else { return };
-    pieces.set_word(SectionKind::SkinCounts, 0, vertex_len);
-    let influence_len = influence_len as usize;
-    for (kind, bytes) in [
-        (SectionKind::RestPositions, 12),
-        (SectionKind::RestNormals, 12),
-        (SectionKind::RestTangents, 16),
-        (SectionKind::InfluenceIndices, influence_len.saturating_mul(2)),
-        (SectionKind::InfluenceWeights, influence_len.saturating_mul(4)),
-    ] {
-        if let Some(content) = pieces.section(kind) {
-            content.truncate((vertex_len as usize).saturating_mul(bytes));
-        }
-    }
-    if let Some(ranges) = pieces.section(SectionKind::Ranges) {
-        for word in ranges.as_chunks_mut::<4>().0 {
-            *word = u32::from_le_bytes(*word).min(vertex_len).to_le_bytes();
-        }
-    }
-    if vertex_len == 0
-        && let Some(boxes) = pieces.section(SectionKind::RestBoxes)
-    {
-        // Least x is above greatest x: a box around nothing.
-        let (words, _) = boxes.as_chunks_mut::<4>();
-        words.chunks_mut(6).for_each(|rest_box| rest_box[0] = MAGNITUDE_MAX.to_le_bytes());
-    }
 }
 
 fn group(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {

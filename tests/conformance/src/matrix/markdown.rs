@@ -1,6 +1,6 @@
 //! The matrix as Markdown.
 
-use super::{Matrix, grouped, ratio};
+use super::table::{Matrix, grouped, ratio};
 use std::fmt::Write;
 
 /// Writes a table of every backend, device and stage, and what failed under it.

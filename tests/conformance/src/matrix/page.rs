@@ -1,6 +1,6 @@
 //! The matrix as a page in one file.
 
-use super::{Column, Matrix, Row, grouped, ratio};
+use super::table::{Column, Matrix, Row, grouped, ratio};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("style.css");

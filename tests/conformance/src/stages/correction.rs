@@ -4,7 +4,7 @@ use super::features::features_of;
 use super::gradients::gradients_of;
 use super::joints::joints_of;
 use super::palette::palettes_on;
-use super::{compare_transforms, exact};
+use super::transforms::{compare_transforms, exact};
 use crate::backend::{Backend, Cpu, Failure, part};
 use crate::compare::POISON;
 use crate::finding::Finding;

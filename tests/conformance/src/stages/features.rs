@@ -1,6 +1,6 @@
 //! The pose features of models with a correction.
 
-use super::compare_transforms;
+use super::transforms::compare_transforms;
 use crate::backend::{Backend, Cpu, Failure, part, poisoned_transforms};
 use crate::finding::Finding;
 use crate::subject::Subject;

@@ -1,7 +1,7 @@
 //! Stage 2: on the stacks that stage 1 gave.
 
-use super::compare_transforms;
 use super::gradients::{columns, gradients_of};
+use super::transforms::compare_transforms;
 use crate::backend::{Backend, Cpu, Failure, Gradients, part, poisoned_transforms};
 use crate::finding::Finding;
 use crate::poses::widened;

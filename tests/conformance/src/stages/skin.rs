@@ -1,6 +1,6 @@
 //! Stage 3: on the palettes that the poses have.
 
-use super::exact;
+use super::transforms::exact;
 use crate::backend::{Backend, Cpu, Failure, Whole, part, poisoned_out};
 use crate::finding::Finding;
 use crate::subject::Subject;

@@ -1,8 +1,8 @@
 //! From a pose to the skin: the stages' tolerances chained.
 
-use super::compare_transforms;
 use super::gradients::gradients_of;
 use super::skin::{self, Skinned, findings, plain, whole_of};
+use super::transforms::compare_transforms;
 use crate::backend::{Backend, Cpu, Failure, part};
 use crate::finding::Finding;
 use crate::poses::{Kind, Pose, rigid_motion, rounded};

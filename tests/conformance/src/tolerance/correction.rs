@@ -1,8 +1,9 @@
 //! Tolerances of what the kernel maps take part in, and of the confidence.
 
-use super::{Arithmetic, Inexact, Transform, U, gamma, product, seen_from};
+use super::reconstruction::{Inexact, Transform, product, seen_from};
 use nalgebra::{DVector, Matrix3, Vector3};
 use sinew_trainer::envelope::oracle::{Group, Oracle, linear};
+use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
 use sinew_trainer::kernel::map::{STEP_ERROR, Value};
 
 /// Joints: copies.

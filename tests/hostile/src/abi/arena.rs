@@ -1,12 +1,14 @@
 //! The memory of one call.
 
-use super::arguments::RESULTS_APART;
 use super::frame::Frame;
 use crate::GOLDEN;
 use sinew_capi::*;
 use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::ptr::{null, null_mut};
+
+/// Bytes between results: more than any element has.
+pub(super) const RESULTS_APART: usize = 64;
 
 /// What memory holds that nothing was written to.
 pub(super) const BLANK: u8 = 0xa5;

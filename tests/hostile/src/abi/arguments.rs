@@ -1,7 +1,7 @@
 //! The arguments of a call: mostly as they should be, else with a fault that a library can see, or
 //! anywhere in the arena.
 
-use super::arena::Since;
+use super::arena::{RESULTS_APART, Since};
 use super::call::Call;
 use crate::recipe;
 use arbitrary::Result;
@@ -16,9 +16,6 @@ use sinew_status as Status;
 /// Numbers at which something ends.
 const NUMBERS: [usize; 8] =
     [0, 1, 2, 0xffff, u32::MAX as usize, isize::MAX as usize, usize::MAX - 1, usize::MAX];
-
-/// Bytes between results: more than any element has.
-pub(super) const RESULTS_APART: usize = 64;
 
 /// How long an array must be.
 #[derive(Clone, Copy)]

@@ -72,8 +72,8 @@ mod tests {
     use super::header::promises;
     use super::one_call;
     use crate::GOLDEN;
-    use crate::pieces::Pieces;
-    use crate::recipe::{self, keep_vertices};
+    use crate::pieces::{Pieces, keep_vertices};
+    use crate::recipe;
     use arbitrary::Unstructured;
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;

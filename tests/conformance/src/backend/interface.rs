@@ -1,0 +1,243 @@
+//! What a backend gives, and what it is asked.
+
+use crate::compare::{POISON, poisoned};
+use sinew_gpu::headless::HeadlessError;
+use sinew_gpu::layout::{Attribute, LayoutError, SkinBatch, Stage};
+use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin};
+use sinew_trainer::envelope::oracle::Oracle;
+use sinew_trainer::kernel::arithmetic::Arithmetic;
+use thiserror::Error;
+
+/// A file, and the envelope and the skin in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Loaded<'a> {
+    /// The file.
+    pub model: Model<&'a [u8]>,
+    /// Its envelope.
+    pub envelope: Envelope<'a>,
+    /// The skin that follows it.
+    pub skin: Skin<'a>,
+}
+
+impl<'a> Loaded<'a> {
+    /// Loads a model.
+    ///
+    /// # Panics
+    /// If the bytes are no model with an envelope and a skin.
+    pub fn new(bytes: &'a [u8]) -> Self {
+        let model = Model::from_bytes(bytes).expect("a baked model loads");
+        let envelope = model.envelope().and_then(|envelope| envelope.layout().open(bytes));
+        let skin = model.skin().and_then(|skin| skin.layout().open(bytes));
+        let (envelope, skin) =
+            (envelope.expect("it holds an envelope"), skin.expect("it holds a skin"));
+        Self { model, envelope, skin }
+    }
+
+    /// Widens what the file holds.
+    pub fn oracle(&self) -> Oracle {
+        Oracle::new(&self.envelope, Some(&self.skin))
+    }
+}
+
+/// An implementation of the stages. `poses` are n J matrices, one instance after the other, as are
+/// all inputs and outputs; outputs come poisoned, and every float of them is to be written.
+pub trait Backend {
+    /// Returns how exactly it computes.
+    fn arithmetic(&self) -> Arithmetic;
+
+    /// Whether it evaluates a stage of a model alone.
+    fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool;
+
+    /// Evaluates the joints' relative transforms, their rotations and the keys' gradients.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn gradients(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out: &mut Gradients,
+    ) -> Result<(), Failure>;
+
+    /// Evaluates `t = c1 d + c2 q`, moved by the root's transform.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn palette(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        input: &Gradients,
+        out_palettes: &mut [Matrix3x4],
+    ) -> Result<(), Failure>;
+
+    /// Copies the joints, and gives each helper the transform of its dominant joint.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn joints(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out_palettes: &mut [Matrix3x4],
+    ) -> Result<(), Failure>;
+
+    /// Evaluates the joints' features, n J matrices.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn features(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        out_features: &mut [Matrix3x4],
+    ) -> Result<(), Failure>;
+
+    /// Adds what the kernel maps give to the palettes, which hold their base.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn correction(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        features: &[Matrix3x4],
+        out_palettes: &mut [Matrix3x4],
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure>;
+
+    /// Evaluates the confidences of a rotational model, of n J rotations.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn confidence(
+        &self,
+        loaded: &Loaded<'_>,
+        rotations: &[[f32; 3]],
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure>;
+
+    /// Skins vertices by n palettes; leaves every float between and beyond the attributes alone.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn skin(
+        &self,
+        loaded: &Loaded<'_>,
+        palettes: &[Matrix3x4],
+        skin: &SkinBatch,
+        out: &mut [f32],
+    ) -> Result<(), Failure>;
+
+    /// Goes from poses to palettes, confidences and the skin.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn whole(
+        &self,
+        loaded: &Loaded<'_>,
+        poses: &[Matrix3x4],
+        skin: &SkinBatch,
+        out: &mut Whole,
+    ) -> Result<(), Failure>;
+}
+
+/// Why a backend gives nothing.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Failure {
+    /// The runtime refuses.
+    #[error(transparent)]
+    Call(#[from] CallError),
+    /// The device refuses.
+    #[error(transparent)]
+    Device(#[from] HeadlessError),
+    /// The batch cannot be evaluated on the device.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// A float that is not the stage's to write has changed.
+    #[error("{stage} has written to float {float} of {resource}, which is not its own")]
+    Touched {
+        /// What ran.
+        stage: &'static str,
+        /// The buffer.
+        resource: &'static str,
+        /// The float's place in it.
+        float: usize,
+    },
+}
+
+/// What the first stage writes and the second reads.
+#[derive(Clone, Debug)]
+pub struct Gradients {
+    /// The stack q, 4J columns an instance.
+    pub relative: Vec<[f32; 3]>,
+    /// θ, J an instance.
+    pub rotations: Vec<[f32; 3]>,
+    /// The stack d, 3P columns an instance.
+    pub gradients: Vec<[f32; 3]>,
+}
+
+impl Gradients {
+    /// Makes outputs for n instances.
+    pub fn poisoned(envelope: &Envelope<'_>, n: usize) -> Self {
+        Self {
+            relative: poisoned(4 * n * envelope.joint_len()),
+            rotations: poisoned(n * envelope.joint_len()),
+            gradients: poisoned(3 * n * envelope.proxy_len()),
+        }
+    }
+}
+
+/// Makes floats for the skins of n instances to be written to, with room to spare that nobody may
+/// touch.
+pub fn poisoned_out(skin: &SkinBatch, n: usize) -> Vec<f32> {
+    let last = skin.vertices.len().checked_sub(1);
+    let ends = attributes(skin).into_iter().filter_map(|(attribute, own)| {
+        let Attribute { offset, stride, instance_stride } = attribute?;
+        Some(offset + last? * stride + own + n.saturating_sub(1) * instance_stride)
+    });
+    vec![POISON; ends.max().unwrap_or(0) + 5]
+}
+
+/// Lists the attributes of a skin with the floats of each.
+pub fn attributes(skin: &SkinBatch) -> [(Option<Attribute>, usize); 3] {
+    [(skin.positions, 3), (skin.normals, 3), (skin.tangents, 4)]
+}
+
+/// What comes out at the far end.
+#[derive(Clone, Debug)]
+pub struct Whole {
+    /// Palettes.
+    pub palettes: Vec<Matrix3x4>,
+    /// Confidences, n.
+    pub confidences: Vec<f32>,
+    /// Skins.
+    pub skin: Vec<f32>,
+}
+
+impl Whole {
+    /// Makes outputs for n instances.
+    pub fn poisoned(envelope: &Envelope<'_>, skin: &SkinBatch, n: usize) -> Self {
+        Self {
+            palettes: poisoned_transforms(n * envelope.palette_len()),
+            confidences: vec![POISON; n],
+            skin: poisoned_out(skin, n),
+        }
+    }
+}
+
+/// Makes transforms that a backend must write.
+pub fn poisoned_transforms(len: usize) -> Vec<Matrix3x4> {
+    vec![[[POISON; 4]; 3]; len]
+}
+
+/// Returns instance i's part of a list that holds as much for each of n.
+pub fn part<T>(list: &[T], n: usize, i: usize) -> &[T] {
+    let len = list.len() / n;
+    &list[i * len..][..len]
+}
+
+/// Lists the floats of transforms, row by row.
+pub fn floats(transforms: &[Matrix3x4]) -> &[f32] {
+    transforms.as_flattened().as_flattened()
+}

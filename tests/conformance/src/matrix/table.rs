@@ -1,0 +1,166 @@
+//! The table: a column a backend, a row a stage.
+
+use crate::backend::{Backend, Cpu};
+use crate::finding::{Finding, sound};
+use crate::gpu::Gpu;
+use crate::stages::{Body, applies, body, whole};
+use crate::subject::Subject;
+use serde::Serialize;
+use sinew_gpu::headless::{Device, DeviceInfo};
+use sinew_gpu::layout::Stage;
+
+/// All that was measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct Matrix {
+    /// Version of the project.
+    pub version: &'static str,
+    /// How many models there were.
+    pub model_len: usize,
+    /// How many poses of all of them together.
+    pub pose_len: usize,
+    /// What evaluated them; the CPU first.
+    pub backends: Vec<Column>,
+}
+
+/// A device by one API, or the CPU.
+#[derive(Clone, Debug, Serialize)]
+pub struct Column {
+    /// `cpu`, `wgpu` or `vulkan`.
+    pub api: &'static str,
+    /// The device's name.
+    pub device: String,
+    /// Driver and version.
+    pub driver: String,
+    /// Its stages, and last what goes from a pose to the skin.
+    pub stages: Vec<Row>,
+}
+
+/// A stage on a device.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Its name.
+    pub stage: &'static str,
+    /// Values compared.
+    pub cases: usize,
+    /// How many of them have other bits than the CPU's.
+    pub differing: usize,
+    /// The largest deviation from the oracle, in units of the tolerance; infinite, in JSON null, where
+    /// it cannot be measured.
+    pub worst: f64,
+    /// What went wrong.
+    pub failure: Option<String>,
+}
+
+impl Matrix {
+    /// Begins with the CPU.
+    pub fn new(subjects: &[Subject<'_>]) -> Self {
+        let mut out = Self {
+            version: env!("CARGO_PKG_VERSION"),
+            model_len: subjects.len(),
+            pose_len: subjects.iter().map(|subject| subject.poses.len()).sum(),
+            backends: Vec::new(),
+        };
+        let (device, driver) = (std::env::consts::ARCH.to_owned(), "sinew-runtime".to_owned());
+        out.backends.push(Column { api: "cpu", device, driver, stages: rows(&Cpu, subjects) });
+        out
+    }
+
+    /// Adds a device.
+    pub fn add(&mut self, device: &dyn Device, subjects: &[Subject<'_>]) {
+        let rows = rows(&Gpu::new(device), subjects);
+        self.backends.push(Column::of(device.info(), rows));
+    }
+
+    /// Adds a device that cannot be opened.
+    pub fn add_unopened(&mut self, info: &DeviceInfo, failure: &dyn std::fmt::Display) {
+        let failure = Some(failure.to_string());
+        let row = Row { stage: "opening", cases: 0, differing: 0, worst: f64::INFINITY, failure };
+        self.backends.push(Column::of(info, vec![row]));
+    }
+
+    /// Whether every stage holds on every device.
+    pub fn holds(&self) -> bool {
+        self.backends.iter().all(Column::holds)
+    }
+}
+
+impl Column {
+    fn of(info: &DeviceInfo, stages: Vec<Row>) -> Self {
+        let driver = format!("{} {}", info.driver, info.driver_info).trim_end().to_owned();
+        Self { api: info.api, device: info.name.clone(), driver, stages }
+    }
+
+    fn holds(&self) -> bool {
+        self.stages.iter().all(|row| row.failure.is_none())
+    }
+}
+
+/// Runs every body on every model that has the stage.
+fn rows(backend: &dyn Backend, subjects: &[Subject<'_>]) -> Vec<Row> {
+    let stage = |stage: Stage| {
+        let own = subjects.iter().filter(|subject| applies(stage, backend, &subject.loaded));
+        row(stage.name(), body(stage), backend, own)
+    };
+    let skinned = subjects.iter().filter(|subject| subject.loaded.skin.vertex_len() > 0);
+    let whole = row("whole", whole::body, backend, skinned);
+    Stage::ALL.into_iter().map(stage).chain([whole]).collect()
+}
+
+fn row<'a>(
+    stage: &'static str,
+    body: Body,
+    backend: &dyn Backend,
+    subjects: impl Iterator<Item = &'a Subject<'a>>,
+) -> Row {
+    let mut row = Row { stage, cases: 0, differing: 0, worst: 0.0, failure: None };
+    for subject in subjects {
+        let failure = match body(backend, subject) {
+            Ok(findings) => {
+                row.add(&findings);
+                sound(&findings).err().map(|mismatch| mismatch.to_string())
+            }
+            Err(failure) => {
+                row.worst = f64::INFINITY;
+                Some(failure.to_string())
+            }
+        };
+        let named = |failure| format!("{}: {failure}", subject.described());
+        row.failure = row.failure.or(failure.map(named));
+    }
+    if row.cases == 0 && row.failure.is_none() {
+        row.failure = Some("nothing was compared".to_owned());
+    }
+    row
+}
+
+impl Row {
+    fn add(&mut self, findings: &[Finding]) {
+        for finding in findings {
+            self.cases += finding.values;
+            self.differing += finding.differing;
+            self.worst = self.worst.max(finding.worst);
+        }
+    }
+}
+
+/// A count with a thin space before each three digits.
+pub(super) fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut out = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            out.push('\u{202f}');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// A deviation to three digits.
+pub(super) fn ratio(worst: f64) -> String {
+    match worst {
+        0.0 => "0".to_owned(),
+        worst if worst.is_finite() => format!("{worst:.3}"),
+        _ => "∞".to_owned(),
+    }
+}

@@ -1,0 +1,30 @@
+//! Which body is which stage's.
+
+use super::{confidence, correction, features, gradients, joints, palette, skin};
+use crate::backend::{Backend, Failure, Loaded};
+use crate::finding::Finding;
+use crate::subject::Subject;
+use sinew_gpu::layout::Stage;
+
+/// What is compared of a stage, or of several.
+pub type Body = fn(&dyn Backend, &Subject<'_>) -> Result<Vec<Finding>, Failure>;
+
+/// Returns the body of a stage.
+pub fn body(stage: Stage) -> Body {
+    match stage {
+        Stage::Gradients => gradients::body,
+        Stage::Palette => palette::body,
+        Stage::Joints => joints::body,
+        Stage::Features => features::body,
+        Stage::Correction => correction::body,
+        Stage::Confidence => confidence::body,
+        Stage::Skin => skin::body,
+    }
+}
+
+/// Whether a model has a stage to compare by itself. The confidence of models with a correction is
+/// compared as an output of that.
+pub fn applies(stage: Stage, backend: &dyn Backend, loaded: &Loaded<'_>) -> bool {
+    let certain = stage == Stage::Confidence && loaded.envelope.predictor().corrects();
+    !certain && backend.has(loaded, stage)
+}
