@@ -16,6 +16,7 @@ pub mod examples;
 pub mod export;
 pub mod files;
 pub mod kernel;
+pub mod numeric;
 pub mod posed;
 pub mod progress;
 pub mod report;

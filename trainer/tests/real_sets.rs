@@ -9,12 +9,13 @@ use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::motion::{Poses, trajectories};
 use sinew_trainer::envelope::rotational::proxies::{self, ProxyCount};
 use sinew_trainer::envelope::rotational::surface::Surface;
-use sinew_trainer::envelope::rotational::{self, basis, merge};
+use sinew_trainer::envelope::rotational::{self, merge};
 use sinew_trainer::envelope::targets::Targets;
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::{Options, Predict, train, weights};
 use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::examples::{Examples, Importance, Split, npz};
+use sinew_trainer::numeric::basis;
 use sinew_trainer::progress::Silent;
 
 fn set(file: &str) -> Option<Examples> {

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::Envelope;
 use sinew_trainer::envelope::motion::{compose, rigid_inverse};
-use sinew_trainer::envelope::so3;
+use sinew_trainer::numeric::so3;
 use std::f64::consts::PI;
 
 /// Poses that a conformance test runs over.

@@ -4,8 +4,8 @@
 //! R^r each; l maps `M_l` (r x m) are blended with weights w: `y ≈ Σ_l w_l M_l h`, w ≥ 0, Σw = 1,
 //! at most K of them not zero. Weights and maps are fitted in turn (METHOD §1.2, §1.7).
 
-use super::simplex::{self, Gram, MAX_COLUMNS};
 use crate::examples::Importance;
+use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
 use crate::progress::Progress;
 use faer::linalg::matmul::matmul;
 use faer::prelude::*;

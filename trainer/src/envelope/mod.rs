@@ -3,7 +3,6 @@
 mod bake;
 pub mod blend;
 pub mod choose;
-mod columns;
 mod error;
 pub mod fitted;
 pub mod folds;
@@ -14,8 +13,6 @@ mod options;
 pub mod oracle;
 pub mod rotational;
 mod rounding;
-pub mod simplex;
-pub mod so3;
 pub mod targets;
 mod train;
 pub mod training;

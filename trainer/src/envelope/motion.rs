@@ -1,7 +1,7 @@
 //! Poses and surface trajectories with the reference root's motion removed (METHOD §1.1).
 
-use super::{columns, so3};
 use crate::examples::{Examples, RIGID};
+use crate::numeric::{columns, so3};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use std::ops::Range;

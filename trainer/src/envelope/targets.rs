@@ -1,9 +1,9 @@
 //! The training meshes that a fit is held against.
 
 use super::blend::Weights;
-use super::columns;
 use super::rotational::reduce::homogeneous;
 use crate::examples::Importance;
+use crate::numeric::columns;
 use faer::Mat;
 use rayon::prelude::*;
 

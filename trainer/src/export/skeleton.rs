@@ -3,8 +3,8 @@
 use nalgebra::{Isometry3, Matrix3, Matrix4, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::glb::{Document, Keys, NodeIndex, Placed, Track};
-use crate::envelope::so3;
 use crate::examples::{Matrix3x4, Skeleton};
+use crate::numeric::so3;
 
 /// The joints of a skeleton as nodes of a document.
 pub(super) struct Joints {

@@ -109,7 +109,7 @@ fn rotation(columns: &Matrix3<f64>) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envelope::so3::{exp, polar};
+    use crate::numeric::so3::{exp, polar};
     use rand::{RngExt, SeedableRng};
 
     fn whole(s: &Stretch) -> Matrix3<f64> {

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, Matrix3, Matrix3x4, SMatrix, Vector3, Vector6};
 use sinew_trainer::envelope::oracle::{Key, Oracle, Vertex, cofactors, linear, stack, symmetric};
-use sinew_trainer::envelope::so3;
 use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
+use sinew_trainer::numeric::so3;
 use std::f64::consts::PI;
 
 /// Room for products that underflow: each loses less than 2⁻¹²⁶ even where subnormals are flushed,

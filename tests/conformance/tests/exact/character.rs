@@ -9,7 +9,6 @@ use sinew_trainer::envelope::blend::Weights;
 use sinew_trainer::envelope::motion::{to_nalgebra, transform};
 use sinew_trainer::envelope::oracle::after;
 use sinew_trainer::envelope::rotational::Options;
-use sinew_trainer::envelope::rotational::basis::basis;
 use sinew_trainer::envelope::rotational::keys;
 use sinew_trainer::envelope::rotational::merge::MergeTree;
 use sinew_trainer::envelope::rotational::predictor::GradientPredictor;
@@ -19,6 +18,7 @@ use sinew_trainer::envelope::rotational::surface::Surface;
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::weights;
 use sinew_trainer::examples::{Examples, Importance};
+use sinew_trainer::numeric::basis::basis;
 use sinew_trainer::progress::Silent;
 
 const PROXIES: usize = 9;

@@ -3,13 +3,13 @@
 use super::super::blend::{Items, Maps, Weights, fit_maps, fit_weights};
 use super::super::fitted::{Base, Fitted};
 use super::super::motion::Poses;
-use super::super::rotational::basis::basis;
 use super::super::rotational::reduce::homogeneous;
 use super::super::rotational::refine::gram;
 use super::super::training::Training;
-use super::cluster::cluster;
 use super::stacked::{bases, set_map};
 use super::target::Target;
+use crate::numeric::basis::basis;
+use crate::numeric::cluster::cluster;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3};
 

@@ -2,7 +2,6 @@
 //! local kernel maps, are added where it errs.
 
 pub mod candidates;
-pub mod cluster;
 pub mod correction;
 pub mod features;
 pub mod fit;

@@ -1,8 +1,8 @@
 //! Weights of a further mesh: those of the nearest surface, fitted to where it is carried.
 
 use super::nearest::{Foot, Tree, Triangle};
-use crate::envelope::simplex::{self, Gram, MAX_COLUMNS};
 use crate::examples::obj::Mesh;
+use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::Matrix3x4;

@@ -2,8 +2,8 @@
 
 use super::group::Group;
 use super::maps::{after, cofactors, linear, seen_from, stack, symmetric};
-use crate::envelope::so3;
 use crate::kernel::map::step;
+use crate::numeric::so3;
 use nalgebra::{DMatrix, Matrix3, Matrix3x4, Matrix6, Vector3, Vector4, Vector6};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::{Envelope, Skin};

@@ -1,6 +1,5 @@
 //! The fit: proxies, keys, and the reduced reconstruction.
 
-use super::basis;
 use super::choose::{Candidates, Choice, Trial};
 use super::options::Options;
 use super::predictor::{GradientPredictor, predict_stacked};
@@ -17,6 +16,7 @@ use crate::envelope::folds::folds;
 use crate::envelope::helpers::target::Target;
 use crate::envelope::motion::Poses;
 use crate::envelope::training::Training;
+use crate::numeric::basis;
 use crate::progress::Progress;
 use faer::Mat;
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! Deformation gradients of triangles and their polar decomposition (METHOD §1.3, S3 §1).
 
-use super::super::so3;
+use crate::numeric::so3;
 use nalgebra::{Matrix3, Vector3};
 
 /// The frame `[e1 e2 n]` of a triangle, n = (e1 x e2)/√|e1 x e2|, zero where the cross product is.

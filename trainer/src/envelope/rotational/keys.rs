@@ -96,11 +96,11 @@ fn edge_targets(surface: &Surface<'_>) -> Mat<f64> {
 mod tests {
     use super::super::super::training::Training;
     use super::super::Options;
-    use super::super::basis::basis;
     use super::super::merge::MergeTree;
     use super::super::proxies::{self, ProxyCount};
     use super::*;
     use crate::demo::{DemoOptions, demo};
+    use crate::numeric::basis::basis;
     use crate::progress::Silent;
 
     #[test]

@@ -271,8 +271,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envelope::rotational::basis::basis;
     use crate::examples::Importance;
+    use crate::numeric::basis::basis;
     use faer::Mat;
 
     /// A strip of quads along x whose right half turns about the middle, over a few frames.

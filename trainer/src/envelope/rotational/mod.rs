@@ -1,7 +1,6 @@
 //! Enveloping as published (S3): key gradients by rotational regression, vertices by a reduced
 //! Poisson reconstruction, refined on the training meshes.
 
-pub mod basis;
 pub mod choose;
 mod fit;
 pub mod full;

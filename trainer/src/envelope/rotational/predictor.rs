@@ -56,7 +56,7 @@ pub fn predict_stacked(predictors: &[GradientPredictor], poses: &Poses) -> Mat<f
 mod tests {
     use super::*;
     use crate::demo::{DemoOptions, demo};
-    use crate::envelope::so3;
+    use crate::numeric::so3;
 
     #[test]
     fn the_joint_and_the_residual_joint_of_a_made_sequence_are_found() {

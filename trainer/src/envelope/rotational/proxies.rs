@@ -191,11 +191,11 @@ fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
 #[cfg(test)]
 mod tests {
     use super::super::super::training::Training;
-    use super::super::basis::basis;
     use super::*;
     use crate::demo::{DemoOptions, demo};
     use crate::envelope::targets::Targets;
     use crate::examples::Importance;
+    use crate::numeric::basis::basis;
     use crate::progress::Silent;
 
     #[test]

@@ -1,9 +1,9 @@
 //! The moving surface in coordinates on its trajectory basis: what proxies and keys are fitted to.
 
-use super::basis::Basis;
 use super::gradient::edge_frame;
-use crate::envelope::columns;
 use crate::examples::Importance;
+use crate::numeric::basis::Basis;
+use crate::numeric::columns;
 use faer::Mat;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};

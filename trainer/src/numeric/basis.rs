@@ -6,7 +6,7 @@
 //! iteration (Halko, Martinsson, Tropp 2011, algorithm 4.4), which reads the trajectories a few
 //! times and needs memory linear in V and in N.
 
-use crate::envelope::columns;
+use super::columns;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par, Side};
 use rand::{RngExt, SeedableRng};

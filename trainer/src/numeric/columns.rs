@@ -5,7 +5,7 @@ use faer::Mat;
 use rayon::prelude::*;
 
 /// Writes every column of a matrix, in parallel.
-pub(super) fn fill(matrix: &mut Mat<f64>, write: impl Fn(usize, &mut [f64]) + Sync) {
+pub(crate) fn fill(matrix: &mut Mat<f64>, write: impl Fn(usize, &mut [f64]) + Sync) {
     let columns: Vec<_> = matrix.col_iter_mut().enumerate().collect();
     columns.into_par_iter().for_each(|(index, column)| {
         if let Some(column) = column.try_as_col_major_mut() {

@@ -1,0 +1,7 @@
+//! What several fits compute with, and that knows nothing of a character.
+
+pub mod basis;
+pub mod cluster;
+pub(crate) mod columns;
+pub mod simplex;
+pub mod so3;
