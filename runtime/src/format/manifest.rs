@@ -63,8 +63,14 @@ impl Tables {
     pub(crate) fn section(self, number: u16, file: &[u8]) -> Option<&[u8]> {
         let start = (self.sections as usize).wrapping_add(SectionRow::BYTES * usize::from(number));
         let row = file.get(..start)?.last_chunk()?;
-        let SectionRow { offset, bytes, .. } = SectionRow::from_bytes(row);
-        file.get(self.blob as usize..)?.get(offset as usize..)?.get(..bytes as usize)
+        self.content(&SectionRow::from_bytes(row), file)
+    }
+
+    /// Returns the content of the section of a row; `None` of a file that does not reach so far.
+    #[inline]
+    fn content<'a>(self, row: &SectionRow, file: &'a [u8]) -> Option<&'a [u8]> {
+        let blob = file.get(self.blob as usize..)?;
+        blob.get(row.offset as usize..)?.get(..row.bytes as usize)
     }
 }
 
@@ -141,7 +147,7 @@ impl Manifest {
 
     /// Returns the content of a section.
     pub(crate) fn section<'a>(&self, row: &SectionRow, file: &'a [u8]) -> &'a [u8] {
-        Span { start: self.blob.start.saturating_add(row.offset), len: row.bytes }.bytes(file)
+        self.tables().content(row, file).unwrap_or_default()
     }
 
     /// Returns where tables and blob start.

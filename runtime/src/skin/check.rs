@@ -23,7 +23,7 @@ pub(crate) fn counts(
 ) -> Checked<Asked> {
     let section = SectionKind::SkinCounts;
     let [vertex_len, influence_len, envelope, range_len, ..] = *words;
-    let counts = SkinCounts { vertex_len, influence_len, envelope, range_len };
+    let counts = SkinCounts::from_words([vertex_len, influence_len, envelope, range_len]);
     // More influences than indices can tell apart have no transforms to be of.
     let most = loading.limits.influences.min(u16::MAX.into());
     let (least, most) = if counts.envelope == NO_ENVELOPE { (0, 0) } else { (1, most) };

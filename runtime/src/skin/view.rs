@@ -37,7 +37,7 @@ impl SkinLayout {
     /// Returns the counts.
     pub const fn counts(&self) -> SkinCounts {
         let [vertex_len, influence_len, envelope, range_len, ..] = self.0.counts;
-        SkinCounts { vertex_len, influence_len, envelope, range_len }
+        SkinCounts::from_words([vertex_len, influence_len, envelope, range_len])
     }
 }
 
