@@ -10,7 +10,7 @@ use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{CallError, Matrix3x4, Model, SkinJob};
 use sinew_trainer::bake::{EnvelopeParts, Group, ModelParts, bake};
 use sinew_trainer::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::progress::Silent;
 use std::error::Error;

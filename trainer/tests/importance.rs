@@ -4,7 +4,7 @@
 
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::evaluate::{Character, Frames, evaluate, skin};
 use sinew_trainer::examples::{Examples, Split};

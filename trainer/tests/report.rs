@@ -6,7 +6,7 @@ use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_trainer::bake::bake;
 use sinew_trainer::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::fitted::{Base, Fitted};
-use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};

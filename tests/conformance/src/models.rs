@@ -7,7 +7,7 @@ use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::bake::{EnvelopeParts, Group, Key, ModelParts, Reconstruction, SkinParts, bake};
 use sinew_trainer::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Examples, npz};
 use sinew_trainer::progress::Silent;

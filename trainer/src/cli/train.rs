@@ -11,7 +11,7 @@ use serde_json::json;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope;
 use sinew_trainer::envelope::blend::CANDIDATES;
-use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Meshes, Options, Predict, Trained, train};
 use sinew_trainer::examples::{Examples, Split};
 use std::path::PathBuf;

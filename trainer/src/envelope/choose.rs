@@ -11,7 +11,7 @@ use super::helpers::target::Target;
 use super::levels::AddError;
 use super::levels::{self, LevelReport};
 use super::options::{Meshes, Options, Predict};
-use super::rotational::proxies::ProxyCount;
+use super::rotational::ProxyCount;
 use super::rotational::{self, Reconstruction, Rotational};
 use super::training::Training;
 use crate::bake::bake;

@@ -1,7 +1,7 @@
 //! What a training is asked for.
 
 use super::levels::Level;
-use super::rotational::proxies::ProxyCount;
+use super::rotational::ProxyCount;
 use sinew_runtime::envelope::Predictor;
 
 /// What predicts the palette from the pose.

@@ -33,6 +33,7 @@ pub use error::{Element, ExamplesError, LoadError, Warning};
 pub use hash::hash_file;
 pub use importance::{Importance, load_importance};
 pub use loaded::Loaded;
+pub use mesh::Mesh;
 pub use rig::ImportError;
 pub(crate) use sample::spread;
 pub use source::{Source, load, load_poses};

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-pub use super::mesh::Mesh;
-
+use super::mesh::Mesh;
 use super::polygons::{Polygons, uv_of_vertices};
 use super::{ExamplesError, LoadError, TargetsError};
 

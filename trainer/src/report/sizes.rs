@@ -3,8 +3,8 @@
 use super::stopwatch::Stopwatch;
 use super::subject::Subject;
 use crate::envelope::choose::choose;
+use crate::envelope::rotational::ProxyCount;
 use crate::envelope::rotational::choose::near_rigid;
-use crate::envelope::rotational::proxies::ProxyCount;
 use crate::envelope::training::Training;
 use crate::envelope::{FitError, Options, Predict, TrainError, Trained};
 use crate::evaluate::{Character, Errors, EvaluateError, Measured};

@@ -7,7 +7,7 @@ use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::levels::{Level, LevelError};
 use sinew_trainer::examples::Examples;
-use sinew_trainer::examples::obj::Mesh;
+use sinew_trainer::examples::Mesh;
 use sinew_trainer::export::{ExportError, Exported, Stand, export};
 
 fn level(name: &str, examples: &Examples) -> Level {

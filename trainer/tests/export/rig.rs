@@ -4,7 +4,7 @@ use super::scene::Scene;
 use super::{arm, farthest, vectors};
 use nalgebra::{Matrix4, Vector3};
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::rotational::proxies::ProxyCount;
+use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::evaluate::{Frames, evaluate};
 use sinew_trainer::examples::{Examples, Loaded, Source, Split, load, save_pc2};

@@ -97,7 +97,7 @@ mod tests {
     use super::super::super::training::Training;
     use super::super::Options;
     use super::super::merge::MergeTree;
-    use super::super::proxies::{self, ProxyCount};
+    use super::super::{ProxyCount, proxies};
     use super::*;
     use crate::demo::{DemoOptions, demo};
     use crate::numeric::basis::basis;

@@ -19,4 +19,4 @@ pub mod surface;
 pub mod validation;
 
 pub use fit::{KeyChoice, Reconstruction, Report, Rotational, fit};
-pub use options::Options;
+pub use options::{Options, ProxyCount};

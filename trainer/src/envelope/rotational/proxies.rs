@@ -1,11 +1,9 @@
 //! Proxies: P affine maps a pose and the vertices' weights on them (METHOD §1.7.1, S3 §3.1).
 
-pub use super::options::ProxyCount;
-
 use super::super::FitError;
 use super::super::blend::{Alternation, Blend, Items, Maps, Weights};
 use super::merge::{MergeTree, regular_inverse};
-use super::options::Options;
+use super::options::{Options, ProxyCount};
 use super::reduce::homogeneous;
 use super::surface::Surface;
 use crate::progress::Progress;
