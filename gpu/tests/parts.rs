@@ -6,18 +6,17 @@ mod model;
 
 use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, SkinBatch};
 use sinew_runtime::Model;
-use sinew_trainer::bake::bake;
 
 #[test]
 fn a_skin_that_follows_another_envelope_or_none_is_refused() {
-    let mut parts = model::parts(5);
+    let mut parts = model::file_model(5);
     parts.envelopes.push(parts.envelopes[0].clone());
     let mut second = parts.skins[0].clone();
     (second.name, second.envelope) = ("second".to_owned(), Some(1));
     let mut none = parts.skins[0].clone();
     (none.name, none.envelope, none.influences) = ("none".to_owned(), None, Vec::new());
     parts.skins.extend([second, none]);
-    let model = Model::from_bytes(bake(&parts).unwrap()).unwrap();
+    let model = Model::from_bytes(parts.bake().unwrap()).unwrap();
     let envelopes: Vec<_> = model.envelopes().collect();
     let planned = |envelope: usize, skin: &str| {
         let skin = SkinBatch::new(&model.skin_named(skin).unwrap());

@@ -4,14 +4,17 @@
 //! Plain skinning is the same skin stage with the character's joints for a palette, and a loop as
 //! an engine without SIMD would write it.
 
+use faer::Mat;
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{CallError, Matrix3x4, Model, SkinJob};
-use sinew_trainer::bake::{EnvelopeParts, Group, ModelParts, bake};
 use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::examples::Skeleton;
+use sinew_trainer::kernel::map::{Fade, KernelMap};
 use sinew_trainer::progress::Silent;
 use std::error::Error;
 use std::hint::black_box;
@@ -120,32 +123,38 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn correct(kernel: Kernel) -> Result<f64, Box<dyn Error>> {
     let (joints, inputs, centres, rank, proxies) = (20, 45, 64, 24, 4);
     let number = |i: usize| (0.37 * i as f64).sin();
-    let list = |from: usize, len: usize| (from..from + len).map(number).collect::<Vec<_>>();
+    let matrix = |from: usize, rows, columns| {
+        Mat::from_fn(rows, columns, |r, c| number(from + r * columns + c))
+    };
     let group = |g: usize| Group {
         joint: 2 * g,
-        kernel,
-        proxies,
-        inputs: (0..inputs).map(|i| ((12 * g + 5 * i) % (12 * joints), 0.5)).collect(),
-        centres: (0..centres).map(|k| list(k, inputs)).collect(),
-        coefficients: list(g, rank * (inputs + centres)),
-        rank,
-        outputs: list(g, 12 * proxies * rank),
-        fade: (20.0, 40.0),
+        proxies: g * proxies..(g + 1) * proxies,
+        inputs: (0..inputs)
+            .map(|i| Input { feature: (12 * g + 5 * i) % (12 * joints), weight: 0.5 })
+            .collect(),
+        map: KernelMap {
+            kernel,
+            centres: Mat::from_fn(inputs, centres, |i, k| number(k + i)),
+            coefficients: matrix(g, rank, inputs + centres),
+            fade: Fade { start: 20.0, end: 40.0 },
+        },
+        outputs: matrix(g, 12 * proxies, rank),
     };
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    let envelope = EnvelopeParts {
+    let envelope = EnvelopeModel {
         name: "kernel maps".to_owned(),
-        joint_names: vec![String::new(); joints],
-        parents: (0..joints).map(|joint| joint.checked_sub(1)).collect(),
-        root: 0,
-        rest_frames: vec![identity; joints],
+        skeleton: Skeleton {
+            names: vec![String::new(); joints],
+            parents: (0..joints).map(|joint| joint.checked_sub(1)).collect(),
+            rest: vec![identity; joints],
+        },
         reconstruction: None,
         groups: (0..10).map(group).collect(),
         pose_ranges: vec![1.0; joints],
         certificate: Certificate::default(),
     };
-    let parts = ModelParts { envelopes: vec![envelope], ..ModelParts::default() };
-    let model = Model::from_bytes(bake(&parts)?)?;
+    let file = FileModel { envelopes: vec![envelope], ..FileModel::default() };
+    let model = Model::from_bytes(file.bake()?)?;
     let envelope = model.envelope().ok_or("no envelope")?;
     let turned = |j: usize| {
         let (sin, cos) = (0.1 * number(j) as f32).sin_cos();

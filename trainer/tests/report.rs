@@ -3,9 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 use sinew_runtime::envelope::{Certificate, Predictor};
-use sinew_trainer::bake::bake;
 use sinew_trainer::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::fitted::{Base, Fitted};
+use sinew_trainer::envelope::fitted::Fitted;
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -42,10 +41,10 @@ fn model(examples: &Examples, predictor: Predictor) -> Vec<u8> {
 fn disturbed(examples: &Examples, vertex: usize, by: f64) -> Vec<u8> {
     let training = Training::new(examples, &Silent).unwrap();
     let weights = training.lbs.weights.clone();
-    let fitted = Fitted { weights, base: Base::Joints(Vec::new()), groups: Vec::new() };
-    let mut parts = fitted.parts(&training, examples, Certificate::default());
-    parts.skins[0].rest_positions[vertex][1] += by;
-    bake(&parts).unwrap()
+    let fitted = Fitted::new(&training, weights, None);
+    let mut model = fitted.file_model(&training, examples, Certificate::default());
+    model.skins[0].rest_positions[vertex][1] += by;
+    model.bake().unwrap()
 }
 
 fn source<'a>(examples: &'a Examples, clips: &'a [Clip]) -> Source<'a> {

@@ -9,7 +9,6 @@ use sinew_gpu::headless::{Device, Uploaded};
 use sinew_gpu::layout::{Batch, Plan, Resource, Stage};
 use sinew_gpu::{vulkan, wgpu};
 use sinew_runtime::{Envelope, Model, Skin};
-use sinew_trainer::bake::bake;
 use std::error::Error;
 use std::time::{Duration, Instant};
 
@@ -164,7 +163,7 @@ fn by_instances(devices: &[Box<dyn Device>]) -> Result<()> {
 }
 
 fn loaded(vertices: usize) -> Result<Model<Vec<u8>>> {
-    Ok(Model::from_bytes(bake(&model::parts(vertices))?)?)
+    Ok(Model::from_bytes(model::file_model(vertices).bake()?)?)
 }
 
 fn parts(model: &Model<Vec<u8>>) -> Result<(Envelope<'_>, Skin<'_>)> {

@@ -1,9 +1,12 @@
 //! A model of the size that is asked for; what it does to a pose is of no interest here.
 
+use faer::Mat;
 use sinew_runtime::envelope::Certificate;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::bake::{EnvelopeParts, Group, ModelParts, SkinParts};
+use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input, SkinModel};
+use sinew_trainer::examples::Skeleton;
+use sinew_trainer::kernel::map::{Fade, KernelMap};
 
 const JOINTS: usize = 20;
 /// Helpers in all, and of each group.
@@ -16,20 +19,21 @@ const RANK: usize = 12;
 const INFLUENCES: usize = 4;
 
 /// Makes a kernel model of so many vertices: 20 joints, 40 helpers, four influences, no tangents.
-pub(crate) fn parts(vertices: usize) -> ModelParts {
-    ModelParts { space: Space::default(), envelopes: vec![envelope()], skins: vec![skin(vertices)] }
+pub(crate) fn file_model(vertices: usize) -> FileModel {
+    FileModel { space: Space::default(), envelopes: vec![envelope()], skins: vec![skin(vertices)] }
 }
 
-fn envelope() -> EnvelopeParts {
+fn envelope() -> EnvelopeModel {
     let frame = |joint: usize| {
         [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.5 * joint as f64]]
     };
-    EnvelopeParts {
+    EnvelopeModel {
         name: "synthetic".to_owned(),
-        joint_names: (0..JOINTS).map(|joint| format!("joint {joint}")).collect(),
-        parents: (0..JOINTS).map(|joint| joint.checked_sub(1)).collect(),
-        root: 0,
-        rest_frames: (0..JOINTS).map(frame).collect(),
+        skeleton: Skeleton {
+            names: (0..JOINTS).map(|joint| format!("joint {joint}")).collect(),
+            parents: (0..JOINTS).map(|joint| joint.checked_sub(1)).collect(),
+            rest: (0..JOINTS).map(frame).collect(),
+        },
         reconstruction: None,
         groups: (0..HELPERS / GROUP).map(group).collect(),
         pose_ranges: vec![1.0; JOINTS],
@@ -43,7 +47,7 @@ fn envelope() -> EnvelopeParts {
     }
 }
 
-fn skin(vertices: usize) -> SkinParts {
+fn skin(vertices: usize) -> SkinModel {
     // A spiral; neighbours follow the same transforms, as in a mesh.
     let at = |vertex: usize| vertex as f64 / vertices as f64;
     let position = |vertex: usize| {
@@ -59,7 +63,7 @@ fn skin(vertices: usize) -> SkinParts {
         let own = |k: usize| ((first + k) % (JOINTS + HELPERS), 1.0 / INFLUENCES as f64);
         (0..INFLUENCES).map(own).collect()
     };
-    SkinParts {
+    SkinModel {
         name: "spiral".to_owned(),
         envelope: Some(0),
         rest_positions: (0..vertices).map(position).collect(),
@@ -72,18 +76,20 @@ fn skin(vertices: usize) -> SkinParts {
 
 fn group(group: usize) -> Group {
     let wave = |i: usize| (0.7 * i as f64).sin();
+    let small = |rows, columns| Mat::from_fn(rows, columns, |r, c| 0.01 * wave(r * columns + c));
     let joint = 1 + group % (JOINTS - 1);
     Group {
         joint,
-        kernel: Kernel::Gaussian,
-        proxies: GROUP,
-        inputs: (0..INPUTS).map(|i| (12 * joint + i % 12, 1.0 + i as f64)).collect(),
-        centres: (0..CENTRES)
-            .map(|k| (0..INPUTS).map(|i| wave(k * INPUTS + i)).collect())
+        proxies: group * GROUP..(group + 1) * GROUP,
+        inputs: (0..INPUTS)
+            .map(|i| Input { feature: 12 * joint + i % 12, weight: 1.0 + i as f64 })
             .collect(),
-        coefficients: (0..RANK * (CENTRES + INPUTS)).map(|i| 0.01 * wave(i)).collect(),
-        rank: RANK,
-        outputs: (0..12 * GROUP * RANK).map(|i| 0.01 * wave(i)).collect(),
-        fade: (1e3, 1e4),
+        map: KernelMap {
+            kernel: Kernel::Gaussian,
+            centres: Mat::from_fn(INPUTS, CENTRES, |i, k| wave(k * INPUTS + i)),
+            coefficients: small(RANK, CENTRES + INPUTS),
+            fade: Fade { start: 1e3, end: 1e4 },
+        },
+        outputs: small(12 * GROUP, RANK),
     }
 }

@@ -1,11 +1,13 @@
 //! Bakes the models that `tests/firmware` holds in flash: `firmware_models FOLDER`.
 
-use conformance::models::{Shape, random_with, trained};
+use conformance::models::{Shape, random_with, row_major, trained};
+use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::bake::Group;
+use sinew_trainer::envelope::model::{Group, Input};
+use sinew_trainer::kernel::map::{Fade, KernelMap};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -51,20 +53,25 @@ fn groups(shape: Shape) -> Vec<Group> {
         let joint = 2 * g;
         let heard = joint.saturating_sub(2).min(shape.joints - 5)..;
         let rotation = |j: usize| (0..3).flat_map(move |r| (0..3).map(move |c| 12 * j + 4 * r + c));
-        let inputs: Vec<_> =
-            heard.take(5).flat_map(rotation).map(|feature| (feature, 0.5)).collect();
+        let inputs: Vec<_> = heard
+            .take(5)
+            .flat_map(rotation)
+            .map(|feature| Input { feature, weight: 0.5 })
+            .collect();
         let d = inputs.len();
+        let coordinates = list(centres * d, 0.3);
         Group {
             joint,
-            kernel: Kernel::Gaussian,
-            proxies,
+            proxies: g * proxies..(g + 1) * proxies,
             inputs,
-            centres: (0..centres).map(|_| list(d, 0.3)).collect(),
-            coefficients: list(rank * (centres + d), 0.1),
-            rank,
-            outputs: list(12 * proxies * rank, 0.1),
-            // Every pose is near, so that none is cheaper for being far.
-            fade: (100.0, 200.0),
+            map: KernelMap {
+                kernel: Kernel::Gaussian,
+                centres: Mat::from_fn(d, centres, |i, k| coordinates[k * d + i]),
+                coefficients: row_major(&list(rank * (centres + d), 0.1), rank, centres + d),
+                // Every pose is near, so that none is cheaper for being far.
+                fade: Fade { start: 100.0, end: 200.0 },
+            },
+            outputs: row_major(&list(12 * proxies * rank, 0.1), 12 * proxies, rank),
         }
     };
     (0..shape.proxies / proxies).map(group).collect()

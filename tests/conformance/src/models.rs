@@ -1,15 +1,19 @@
 //! Models to run on: random ones of every shape, the demo character, and a real arm.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use faer::{Mat, MatRef};
+use nalgebra::{SMatrix, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::bake::{EnvelopeParts, Group, Key, ModelParts, Reconstruction, SkinParts, bake};
 use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::model::{
+    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, SkinModel,
+};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
-use sinew_trainer::examples::{Examples, npz};
+use sinew_trainer::examples::{Examples, Skeleton, npz};
+use sinew_trainer::kernel::map::{Fade, KernelMap};
 use sinew_trainer::progress::Silent;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -110,11 +114,15 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
     let mut matrix = |size: f64| [(); 3].map(|()| [(); 3].map(|()| within(size)));
     let keys = (0..proxies).map(|l| Key {
         joint: (l + 1) % joints,
-        twist: matrix(1.0),
-        residual: (l % 2 == 0).then(|| (l % joints, matrix(0.5))),
-        shear: [(); 6].map(|()| [(); 6].map(|()| matrix(0.2)[0][0])),
+        twist: by_rows(matrix(1.0)),
+        residual: (l % 2 == 0).then(|| (l % joints, by_rows(matrix(0.5)))),
+        shear: by_rows([(); 6].map(|()| [(); 6].map(|()| matrix(0.2)[0][0]))),
     });
-    let keys = keys.collect();
+    let reconstruction = Reconstruction {
+        keys: keys.collect(),
+        c1: row_major(&c1, 4 * proxies, 3 * proxies),
+        c2: row_major(&c2, 4 * proxies, 4 * joints),
+    };
     let turned = |x: f64| UnitQuaternion::from_euler_angles(x, 2.0 * x, 3.0 * x);
     let at = |v: usize| v as f64 + 0.5;
     let unit = |v: usize| (turned(at(v)) * Vector3::z()).into();
@@ -132,7 +140,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
         let m = turned(joint as f64).to_rotation_matrix();
         [0, 1, 2].map(|r| [m[(r, 0)], m[(r, 1)], m[(r, 2)], 0.7 * (joint + r) as f64])
     };
-    let skin = SkinParts {
+    let skin = SkinModel {
         name: "random".to_owned(),
         envelope: Some(0),
         rest_positions: (0..vertices).map(|_| matrix(2.0)[0]).collect(),
@@ -141,13 +149,14 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
         influences: (0..vertices).map(weights).collect(),
         ranges: Vec::new(),
     };
-    let envelope = EnvelopeParts {
+    let envelope = EnvelopeModel {
         name: "random".to_owned(),
-        joint_names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
-        parents: (0..joints).map(parent).collect(),
-        root,
-        rest_frames: (0..joints).map(frame).collect(),
-        reconstruction: predictor.reconstructs().then_some(Reconstruction { keys, c1, c2 }),
+        skeleton: Skeleton {
+            names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
+            parents: (0..joints).map(parent).collect(),
+            rest: (0..joints).map(frame).collect(),
+        },
+        reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,
         pose_ranges: vec![1.5; joints],
         certificate: Certificate {
@@ -158,8 +167,18 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
             correction_error: 0.0,
         },
     };
-    let parts = ModelParts { envelopes: vec![envelope], skins: vec![skin], ..Default::default() };
-    bake(&parts).expect("a random model can be baked")
+    let model = FileModel { envelopes: vec![envelope], skins: vec![skin], ..Default::default() };
+    model.bake().expect("a random model can be baked")
+}
+
+/// A matrix of rows.
+fn by_rows<const N: usize>(rows: [[f64; N]; N]) -> SMatrix<f64, N, N> {
+    SMatrix::from_fn(|r, c| rows[r][c])
+}
+
+/// A matrix of rows, one after the other.
+pub fn row_major(values: &[f64], rows: usize, columns: usize) -> Mat<f64> {
+    MatRef::from_row_major_slice(values, rows, columns).to_owned()
 }
 
 /// Makes random groups of one proxy, then two, one, ..., each of another kernel, until there are P:
@@ -186,18 +205,24 @@ fn groups(shape: Shape) -> Vec<Group> {
         };
         // Each latent value alone, or all of them mixed.
         let picked = (0..12 * own * r).map(|i| f64::from(u8::from(i / r % r == i % r)));
+        let feature = |i: usize| (7 * i + 12 * (g + 1)) % (12 * joints);
+        let inputs = (0..d).map(|i| Input { feature: feature(i), weight: list(1, 1.0)[0] });
+        let inputs = inputs.collect();
+        // Centre by centre, as a column each.
+        let centres = list(n * d, 0.6);
+        let coefficients = list(r * (n + d), 0.5);
+        let outputs = if g == 0 { picked.collect() } else { list(12 * own * r, 0.2) };
         out.push(Group {
             joint: g % joints,
-            kernel: Kernel::ALL[(first + g) % 4],
-            proxies: own,
-            inputs: (0..d)
-                .map(|i| ((7 * i + 12 * (g + 1)) % (12 * joints), list(1, 1.0)[0]))
-                .collect(),
-            centres: (0..n).map(|_| list(d, 0.6)).collect(),
-            coefficients: list(r * (n + d), 0.5),
-            rank: r,
-            outputs: if g == 0 { picked.collect() } else { list(12 * own * r, 0.2) },
-            fade: (0.13 * d as f64 + 0.2, 0.18 * d as f64 + 0.5),
+            proxies: proxies - left - own..proxies - left,
+            inputs,
+            map: KernelMap {
+                kernel: Kernel::ALL[(first + g) % 4],
+                centres: Mat::from_fn(d, n, |i, k| centres[k * d + i]),
+                coefficients: row_major(&coefficients, r, n + d),
+                fade: Fade { start: 0.13 * d as f64 + 0.2, end: 0.18 * d as f64 + 0.5 },
+            },
+            outputs: row_major(&outputs, 12 * own, r),
         });
     }
     out

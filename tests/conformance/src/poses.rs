@@ -5,7 +5,8 @@ use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::Envelope;
-use sinew_trainer::envelope::motion::{compose, rigid_inverse};
+use sinew_trainer::envelope::motion::rigid_inverse;
+use sinew_trainer::numeric::affine::after;
 use sinew_trainer::numeric::so3;
 use std::f64::consts::PI;
 
@@ -110,7 +111,7 @@ fn pose(envelope: &Envelope<'_>, kind: Kind, moved: bool, random: &mut ChaCha8Rn
         let shift = direction(random) * (displaced * random.random_range(0.0..1.0));
         let local = map(&turn, &(origin - turn * origin + shift));
         transforms[joint] = match envelope.parent(joint) {
-            Some(parent) => compose(&transforms[parent], &local),
+            Some(parent) => after(&transforms[parent], &local),
             None => local,
         };
     }
@@ -123,7 +124,7 @@ fn pose(envelope: &Envelope<'_>, kind: Kind, moved: bool, random: &mut ChaCha8Rn
     }
     if moved {
         let motion = rigid_motion(diagonal, random);
-        transforms.iter_mut().for_each(|transform| *transform = compose(&motion, transform));
+        transforms.iter_mut().for_each(|transform| *transform = after(&motion, transform));
     }
     Pose { kind, moved, transforms: transforms.iter().map(rounded).collect() }
 }

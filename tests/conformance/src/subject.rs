@@ -4,7 +4,7 @@ use crate::backend::Loaded;
 use crate::models;
 use crate::poses::{POSES, Pose, poses};
 use sinew_runtime::Matrix3x4;
-use sinew_trainer::envelope::oracle::Oracle;
+use sinew_trainer::envelope::model::{EnvelopeModel, SkinModel};
 
 /// Poses of a model that is not the main one: ten rounds of every kind.
 pub const FEWER_POSES: usize = 140;
@@ -16,7 +16,9 @@ pub struct Subject<'a> {
     /// The model.
     pub loaded: Loaded<'a>,
     /// Its oracle.
-    pub oracle: Oracle,
+    pub oracle: EnvelopeModel,
+    /// That of its skin.
+    pub skin: SkinModel,
     /// Poses of it.
     pub poses: Vec<Pose>,
     /// Their matrices, J of each.
@@ -32,7 +34,8 @@ impl<'a> Subject<'a> {
         let loaded = Loaded::new(bytes);
         let poses = poses(&loaded.envelope, pose_len);
         let transforms = poses.iter().flat_map(|pose| pose.transforms.iter().copied()).collect();
-        Self { name, oracle: loaded.oracle(), loaded, poses, transforms }
+        let (oracle, skin) = loaded.widened();
+        Self { name, oracle, skin, loaded, poses, transforms }
     }
 
     /// Says which it is.

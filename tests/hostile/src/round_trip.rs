@@ -2,13 +2,19 @@
 
 use crate::evaluate::{evaluate, read};
 use arbitrary::{Result, Unstructured};
+use faer::Mat;
+use nalgebra::{Matrix3, Matrix6, SMatrix};
 use sinew_runtime::envelope::{Certificate, Predictor, TWIST_MAX};
 use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Space};
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::{Envelope, Model, Skin};
-use sinew_trainer::bake::{
-    BakeError, EnvelopeParts, Group, Key, ModelParts, Reconstruction, SkinParts, bake,
+use sinew_trainer::bake::BakeError;
+use sinew_trainer::envelope::model::{
+    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, SkinModel,
 };
+use sinew_trainer::examples::Skeleton;
+use sinew_trainer::kernel::map::{Fade, KernelMap};
+use std::ops::Range;
 
 /// Bakes what bytes describe, loads it, compares it and evaluates it.
 ///
@@ -20,8 +26,8 @@ use sinew_trainer::bake::{
 pub fn round_trip(data: &[u8]) -> std::result::Result<(), BakeError> {
     let mut u = Unstructured::new(data);
     // Bytes that end early go on in zeros, so that any are a description.
-    let Ok(parts) = parts(&mut u) else { return Ok(()) };
-    let model = Model::from_bytes(bake(&parts)?).map_err(BakeError::Refused)?;
+    let Ok(parts) = file_model(&mut u) else { return Ok(()) };
+    let model = Model::from_bytes(parts.bake()?).map_err(BakeError::Refused)?;
     read(&model);
     assert_eq!(model.space(), parts.space);
     let counts = (model.envelopes().count(), model.skins().count());
@@ -37,13 +43,13 @@ pub fn round_trip(data: &[u8]) -> std::result::Result<(), BakeError> {
     Ok(())
 }
 
-fn parts(u: &mut Unstructured<'_>) -> Result<ModelParts> {
+fn file_model(u: &mut Unstructured<'_>) -> Result<FileModel> {
     // The trainer's bake writes envelopes first, so that their numbers are those of their parts.
     let envelope_len = u.int_in_range(0..=2)?;
     let envelopes = list(envelope_len, || envelope(u))?;
     let skin_len = u.int_in_range(usize::from(envelope_len == 0)..=3)?;
     let skins = list(skin_len, || skin(&envelopes, u))?;
-    Ok(ModelParts { space: space(u)?, envelopes, skins })
+    Ok(FileModel { space: space(u)?, envelopes, skins })
 }
 
 fn space(u: &mut Unstructured<'_>) -> Result<Space> {
@@ -55,7 +61,7 @@ fn space(u: &mut Unstructured<'_>) -> Result<Space> {
     Ok(Space { up, forward, handedness, unit })
 }
 
-fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeParts> {
+fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
     let joint_len = u.int_in_range(1..=6)?;
     let proxy_len = u.int_in_range(1..=4)?;
     let predictor = Predictor::ALL[u.choose_index(3)?];
@@ -68,25 +74,26 @@ fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeParts> {
     }
     let reconstruction = if predictor.reconstructs() {
         let keys = list(proxy_len, || key(joint_len, u))?;
-        let c1 = list(12 * proxy_len * proxy_len, || float(u, MAGNITUDE_MAX))?;
-        let c2 = list(16 * proxy_len * joint_len, || float(u, MAGNITUDE_MAX))?;
+        let c1 = matrix(4 * proxy_len, 3 * proxy_len, || float(u, MAGNITUDE_MAX))?;
+        let c2 = matrix(4 * proxy_len, 4 * joint_len, || float(u, MAGNITUDE_MAX))?;
         Some(Reconstruction { keys, c1, c2 })
     } else {
         None
     };
     let mut groups = Vec::new();
-    let mut left = if predictor.corrects() { proxy_len } else { 0 };
-    while left > 0 {
-        let group = group(joint_len, left, u)?;
-        left -= group.proxies;
+    let mut first = if predictor.corrects() { 0 } else { proxy_len };
+    while first < proxy_len {
+        let group = group(joint_len, first..proxy_len, u)?;
+        first = group.proxies.end;
         groups.push(group);
     }
-    Ok(EnvelopeParts {
+    Ok(EnvelopeModel {
         name: name(u)?,
-        joint_names: list(joint_len, || name(u))?,
-        parents,
-        root: number(0),
-        rest_frames: list(joint_len, || frame(u))?,
+        skeleton: Skeleton {
+            names: list(joint_len, || name(u))?,
+            parents,
+            rest: list(joint_len, || frame(u))?,
+        },
         reconstruction,
         groups,
         pose_ranges: list(joint_len, || float(u, 4.0).map(f64::abs))?,
@@ -95,12 +102,12 @@ fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeParts> {
 }
 
 /// Describes a skin of one of the envelopes, or of none.
-fn skin(envelopes: &[EnvelopeParts], u: &mut Unstructured<'_>) -> Result<SkinParts> {
+fn skin(envelopes: &[EnvelopeModel], u: &mut Unstructured<'_>) -> Result<SkinModel> {
     let vertex_len = u.int_in_range(0..=9)?;
     let number = u.choose_index(envelopes.len() + 1)?;
     let envelope = envelopes.get(number);
     let influence_len = u.int_in_range(1..=5)?;
-    let influences = match envelope.map(EnvelopeParts::palette_len) {
+    let influences = match envelope.map(EnvelopeModel::palette_len) {
         None => Vec::new(),
         Some(palette_len) => list(vertex_len, || {
             let len = u.int_in_range(1..=influence_len)?;
@@ -116,7 +123,7 @@ fn skin(envelopes: &[EnvelopeParts], u: &mut Unstructured<'_>) -> Result<SkinPar
         start = u.int_in_range(first..=vertex_len)?;
         Ok((name(u)?, first..start))
     })?;
-    Ok(SkinParts {
+    Ok(SkinModel {
         name: name(u)?,
         envelope: envelope.map(|_| number),
         rest_positions: list(vertex_len, || vector(u, MAGNITUDE_MAX))?,
@@ -136,36 +143,63 @@ fn skin(envelopes: &[EnvelopeParts], u: &mut Unstructured<'_>) -> Result<SkinPar
 fn key(joint_len: usize, u: &mut Unstructured<'_>) -> Result<Key> {
     // Nine entries of a third of the norm reach it.
     let most = 0.33 * TWIST_MAX;
-    let matrix = |u: &mut Unstructured<'_>| -> Result<[[f64; 3]; 3]> {
-        Ok([vector(u, most)?, vector(u, most)?, vector(u, most)?])
+    let matrix = |u: &mut Unstructured<'_>| -> Result<Matrix3<f64>> {
+        let rows = [vector(u, most)?, vector(u, most)?, vector(u, most)?];
+        Ok(Matrix3::from_fn(|r, c| rows[r][c]))
     };
     let twist = matrix(u)?;
     let residual =
         if u.arbitrary()? { Some((u.choose_index(joint_len)?, matrix(u)?)) } else { None };
-    let mut shear = [[0.0; 6]; 6];
-    for entry in shear.as_flattened_mut() {
+    let mut shear = Matrix6::zeros();
+    for entry in &mut shear {
         *entry = float(u, MAGNITUDE_MAX)?;
     }
     Ok(Key { joint: u.choose_index(joint_len)?, twist, residual, shear })
 }
 
-fn group(joint_len: usize, left: usize, u: &mut Unstructured<'_>) -> Result<Group> {
-    let proxies = u.int_in_range(1..=left)?;
+fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Result<Group> {
+    let proxies = left.start..left.start + u.int_in_range(1..=left.len())?;
+    let rows = 12 * proxies.len();
     let [d, r] = [u.int_in_range(1..=10)?, u.int_in_range(1..=9)?];
     let n = u.int_in_range(0..=10)?;
     let start = float(u, 0.4 * CORRECTION_MAX)?.abs();
     Ok(Group {
         joint: u.choose_index(joint_len)?,
-        kernel: *u.choose(&Kernel::ALL)?,
         proxies,
-        inputs: list(d, || Ok((u.choose_index(12 * joint_len)?, float(u, CORRECTION_MAX)?)))?,
-        // Squared, added up and rooted again, a far centre's kernel at rest stays a number.
-        centres: list(n, || list(d, || float(u, CORRECTION_MAX)))?,
-        coefficients: list(r * (n + d), || float(u, CORRECTION_MAX))?,
-        rank: r,
-        outputs: list(12 * proxies * r, || float(u, CORRECTION_MAX))?,
-        fade: (start, 1.5 * start + 1.0),
+        inputs: list(d, || {
+            let feature = u.choose_index(12 * joint_len)?;
+            Ok(Input { feature, weight: float(u, CORRECTION_MAX)? })
+        })?,
+        map: KernelMap {
+            kernel: *u.choose(&Kernel::ALL)?,
+            // Squared, added up and rooted again, a far centre's kernel at rest stays a number.
+            centres: matrix(d, n, || float(u, CORRECTION_MAX))?,
+            coefficients: matrix(r, n + d, || float(u, CORRECTION_MAX))?,
+            fade: Fade { start, end: 1.5 * start + 1.0 },
+        },
+        outputs: matrix(rows, r, || float(u, CORRECTION_MAX))?,
     })
+}
+
+/// Compares a matrix with the file's, entry by entry.
+fn compare_entries(what: &str, expected: &Mat<f64>, found: impl Fn(usize, usize) -> Option<f32>) {
+    for (r, c) in (0..expected.nrows()).flat_map(|r| (0..expected.ncols()).map(move |c| (r, c))) {
+        assert_eq!(found(r, c), Some(expected[(r, c)] as f32), "{what}, row {r}, column {c}");
+    }
+}
+
+/// The rows of a matrix, rounded.
+fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> [[f32; N]; N] {
+    std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)] as f32))
+}
+
+/// A matrix, drawn row by row.
+fn matrix(rows: usize, columns: usize, mut entry: impl FnMut() -> Result<f64>) -> Result<Mat<f64>> {
+    let mut out = Mat::zeros(rows, columns);
+    for (r, c) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
+        out[(r, c)] = entry()?;
+    }
+    Ok(out)
 }
 
 /// A rigid frame: a rotation about an axis of the three, and an origin.
@@ -209,17 +243,18 @@ fn list<T>(len: usize, mut make: impl FnMut() -> Result<T>) -> Result<Vec<T>> {
 }
 
 /// Compares each array of an envelope with what was described, rounded.
-fn compare(parts: &EnvelopeParts, envelope: &Envelope<'_>) {
+fn compare(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
     let round = |x: f64| x as f32;
     assert_eq!(envelope.name(), parts.name);
-    assert_eq!((envelope.predictor(), envelope.root()), (parts.predictor(), parts.root));
-    assert_eq!(envelope.joint_len(), parts.parents.len());
+    assert_eq!((envelope.predictor(), envelope.root()), (parts.predictor(), parts.skeleton.root()));
+    let Skeleton { names, parents, rest } = &parts.skeleton;
+    assert_eq!(envelope.joint_len(), parents.len());
     assert_eq!(envelope.certificate(), parts.certificate);
-    for (joint, parent) in parts.parents.iter().enumerate() {
-        assert_eq!(envelope.joint_name(joint), Some(parts.joint_names[joint].as_str()));
+    for (joint, parent) in parents.iter().enumerate() {
+        assert_eq!(envelope.joint_name(joint), Some(names[joint].as_str()));
         assert_eq!(envelope.parent(joint), *parent);
         assert_eq!(envelope.pose_range(joint), Some(round(parts.pose_ranges[joint])));
-        let origin = parts.rest_frames[joint].map(|row| round(row[3]));
+        let origin = rest[joint].map(|row| round(row[3]));
         assert_eq!(envelope.origin(joint), parts.predictor().corrects().then_some(origin));
     }
     compare_reconstruction(parts, envelope);
@@ -227,7 +262,7 @@ fn compare(parts: &EnvelopeParts, envelope: &Envelope<'_>) {
 }
 
 /// Compares each array of a skin with what was described, rounded.
-fn compare_skin(parts: &SkinParts, skin: &Skin<'_>) {
+fn compare_skin(parts: &SkinModel, skin: &Skin<'_>) {
     let round = |x: f64| x as f32;
     assert_eq!((skin.name(), skin.vertex_len()), (&*parts.name, parts.rest_positions.len()));
     for vertex in 0..skin.vertex_len() {
@@ -247,8 +282,7 @@ fn compare_skin(parts: &SkinParts, skin: &Skin<'_>) {
     assert!(ranges.eq(parts.ranges.iter().cloned()));
 }
 
-fn compare_reconstruction(parts: &EnvelopeParts, envelope: &Envelope<'_>) {
-    let round = |x: f64| x as f32;
+fn compare_reconstruction(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
     let Some(Reconstruction { keys, c1, c2 }) = &parts.reconstruction else {
         assert_eq!((envelope.key(0), envelope.c1(0, 0), envelope.c2(0, 0)), (None, None, None));
         return;
@@ -257,41 +291,31 @@ fn compare_reconstruction(parts: &EnvelopeParts, envelope: &Envelope<'_>) {
         let found = envelope.key(proxy);
         let expected = sinew_runtime::envelope::Key {
             joint: key.joint,
-            twist: key.twist.map(|row| row.map(round)),
-            residual: key.residual.map(|(joint, m)| (joint, m.map(|row| row.map(round)))),
-            shear: key.shear.map(|row| row.map(round)),
+            twist: rows(&key.twist),
+            residual: key.residual.map(|(joint, m)| (joint, rows(&m))),
+            shear: rows(&key.shear),
         };
         assert_eq!(found, Some(expected), "key {proxy}");
     }
-    let (p, j) = (keys.len(), parts.parents.len());
-    for (at, &value) in c1.iter().enumerate() {
-        assert_eq!(envelope.c1(at / (3 * p), at % (3 * p)), Some(round(value)), "c1 {at}");
-    }
-    for (at, &value) in c2.iter().enumerate() {
-        assert_eq!(envelope.c2(at / (4 * j), at % (4 * j)), Some(round(value)), "c2 {at}");
-    }
+    compare_entries("c1", c1, |r, c| envelope.c1(r, c));
+    compare_entries("c2", c2, |r, c| envelope.c2(r, c));
 }
 
-fn compare_groups(parts: &EnvelopeParts, envelope: &Envelope<'_>) {
+fn compare_groups(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
     let round = |x: f64| x as f32;
     assert_eq!(envelope.group_len(), parts.groups.len());
     for (group, found) in parts.groups.iter().zip(envelope.groups()) {
-        let (d, n, r) = (group.inputs.len(), group.centres.len(), group.rank);
-        assert_eq!((found.joint, found.kernel), (group.joint, group.kernel));
-        assert_eq!(found.proxies.len(), group.proxies);
+        let Group { inputs, map: KernelMap { kernel, centres, coefficients, fade }, .. } = group;
+        let (d, n, r) = (inputs.len(), centres.ncols(), group.outputs.ncols());
+        assert_eq!((found.joint, found.kernel), (group.joint, *kernel));
+        assert_eq!(found.proxies, group.proxies);
         assert_eq!((found.input_len(), found.centre_len(), found.rank()), (d, n, r));
-        assert_eq!(found.fade, (round(group.fade.0), round(group.fade.1)));
-        for (i, &(feature, weight)) in group.inputs.iter().enumerate() {
+        assert_eq!(found.fade, (round(fade.start), round(fade.end)));
+        for (i, &Input { feature, weight }) in inputs.iter().enumerate() {
             assert_eq!(found.input(i), Some((feature, round(weight))));
         }
-        for (k, centre) in group.centres.iter().enumerate() {
-            assert!((0..d).all(|i| found.centre(k, i) == Some(round(centre[i]))), "centre {k}");
-        }
-        for (at, &value) in group.coefficients.iter().enumerate() {
-            assert_eq!(found.coefficient(at / (n + d), at % (n + d)), Some(round(value)));
-        }
-        for (at, &value) in group.outputs.iter().enumerate() {
-            assert_eq!(found.output(at / r, at % r), Some(round(value)));
-        }
+        compare_entries("centres", centres, |i, k| found.centre(k, i));
+        compare_entries("coefficients", coefficients, |r, c| found.coefficient(r, c));
+        compare_entries("outputs", &group.outputs, |r, c| found.output(r, c));
     }
 }

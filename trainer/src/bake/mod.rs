@@ -1,14 +1,10 @@
-//! The only writer of the file that [`sinew_runtime`] reads.
+//! The container: the only writer of the file that [`sinew_runtime`] reads. It knows a part as its kind
+//! and its sections; what they hold is the part's own to say.
 
-mod envelope;
+mod container;
 mod error;
-mod groups;
-mod model;
-mod sections;
-mod skin;
+pub(crate) mod sections;
 
-pub use envelope::{EnvelopeParts, Key, Reconstruction};
+pub use container::{Part, bake};
 pub use error::BakeError;
-pub use groups::Group;
-pub use model::{ModelParts, bake};
-pub use skin::SkinParts;
+pub use sections::Sections;

@@ -6,8 +6,8 @@
 use super::finding::{Finding, Kind, Severity};
 use super::thresholds::{MISPLACED, RIGHTED};
 use crate::axes;
-use crate::envelope::motion::to_nalgebra;
 use crate::examples::{Examples, Split, spread};
+use crate::numeric::affine::from_rows;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rayon::prelude::*;
 
@@ -97,7 +97,7 @@ impl Sample {
             rest: at(&examples.rest),
             joints: frames
                 .iter()
-                .map(|&frame| examples.pose(frame).iter().map(to_nalgebra).collect())
+                .map(|&frame| examples.pose(frame).iter().map(from_rows).collect())
                 .collect(),
             unit: (high.unwrap_or_default() - low.unwrap_or_default()).norm(),
             posed,

@@ -4,7 +4,7 @@ use super::context::{Context, worst_first};
 use super::faces::edges;
 use super::finding::{Finding, Kind, Place, Severity, count, listed};
 use super::thresholds::{COLLAPSED, FLIPPED, MANY};
-use crate::envelope::weights::cofactors;
+use crate::numeric::affine::cofactors;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 

@@ -33,7 +33,7 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
     let mut off = Vec::new();
     for (joint, skin) in context.skins().iter().enumerate().filter(|(_, skin)| !skin.is_empty()) {
         joints += 1;
-        let around = near(&context.training.parents, joint, HOPS);
+        let around = near(&context.training.skeleton.parents, joint, HOPS);
         let bend = |i: usize| around.iter().map(|&j| context.turns.bend(i, j)).fold(0.0, f64::max);
         let least = poses.clone().min_by(|&a, &b| bend(a).total_cmp(&bend(b))).unwrap_or(0);
         if bend(least) > NEAR_REST {

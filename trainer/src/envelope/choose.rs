@@ -2,7 +2,7 @@
 //! (METHOD §1.9).
 
 use super::error::{FitError, TrainError};
-use super::fitted::{Base, Fitted, corrected};
+use super::fitted::{Fitted, corrected};
 use super::folds::folds;
 use super::helpers::candidates::GroupReport;
 use super::helpers::correction::Search;
@@ -12,9 +12,8 @@ use super::levels::AddError;
 use super::levels::{self, LevelReport};
 use super::options::{Meshes, Options, Predict};
 use super::rotational::ProxyCount;
-use super::rotational::{self, Reconstruction, Rotational};
+use super::rotational::{self, Rotational, Variant};
 use super::training::Training;
-use crate::bake::bake;
 use crate::examples::Examples;
 use crate::progress::Progress;
 use faer::Mat;
@@ -209,7 +208,7 @@ impl Choice<'_> {
     fn rotational(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
         let refined = rotational.refined.as_ref();
         let best = refined.unwrap_or(&rotational.unrefined);
-        let fitted = rotational.fitted(best);
+        let fitted = rotational.fitted(self.training, best);
         let bytes = self.bytes(&fitted)?;
         self.add(
             fitted,
@@ -223,10 +222,11 @@ impl Choice<'_> {
     fn hybrid(
         &mut self,
         rotational: &Rotational,
-        base: &Reconstruction,
+        base: &Variant,
         refined: Option<bool>,
     ) -> Result<(), TrainError> {
-        let (fitted, target) = (rotational.fitted(base), rotational.target(base, self.training));
+        let (fitted, target) =
+            (rotational.fitted(self.training, base), rotational.target(base, self.training));
         self.corrected(fitted, &target, &base.validated, refined, Some(&rotational.report))
     }
 
@@ -238,18 +238,14 @@ impl Choice<'_> {
             ProxyCount::MaxError(limit) => self.fewest_helpers(limit)?,
         };
         let Some(helpers) = helpers else { return self.joints_alone() };
-        let fitted = helpers.fitted();
-        let base = fitted.palette(self.training, &self.training.poses);
+        let fitted = helpers.fitted(self.training, Vec::new());
+        let base = helpers.base(&self.training.poses);
         self.corrected(fitted, &helpers.target(self.training), &base, None, None)
     }
 
     /// Plain LBS: a palette of joints without helpers.
     fn joints_alone(&mut self) -> Result<(), TrainError> {
-        let fitted = Fitted {
-            weights: self.training.lbs.weights.clone(),
-            base: Base::Joints(Vec::new()),
-            groups: Vec::new(),
-        };
+        let fitted = Fitted::new(self.training, self.training.lbs.weights.clone(), None);
         let bytes = self.bytes(&fitted)?;
         let palette = self.training.poses.stacked();
         let fits = bytes <= self.budget();
@@ -290,7 +286,7 @@ impl Choice<'_> {
         report: Option<&rotational::Report>,
     ) -> Result<(), TrainError> {
         let search = Search::new(*target, self.progress);
-        fitted.groups = search.nothing();
+        fitted = fitted.with(search.nothing());
         let without = self.bytes(&fitted)?;
         let room = self.budget().saturating_sub(without);
         let correction = if without > self.budget() { None } else { search.fit(room) };
@@ -298,7 +294,7 @@ impl Choice<'_> {
             self.add(fitted, refined, None, report);
             return Ok(());
         };
-        fitted.groups = correction.groups;
+        fitted = fitted.with(correction.groups);
         let palette = corrected(validated.clone(), &correction.validated);
         let bytes = without + correction.bytes;
         self.add(fitted, refined, Some((bytes, &palette, correction.reports)), report);
@@ -313,9 +309,9 @@ impl Choice<'_> {
         rotational: Option<&rotational::Report>,
     ) {
         let mut report = CandidateReport {
-            predictor: fitted.predictor().name(),
+            predictor: fitted.envelope.predictor().name(),
             refined,
-            proxies: fitted.proxies(),
+            proxies: fitted.envelope.proxy_len(),
             bytes: None,
             validated_rms: None,
             groups: Vec::new(),
@@ -337,12 +333,12 @@ impl Choice<'_> {
 
     /// Bytes of the file.
     fn bytes(&mut self, fitted: &Fitted) -> Result<usize, TrainError> {
-        let mut parts = fitted.parts(self.training, self.examples, Certificate::default());
+        let mut model = fitted.file_model(self.training, self.examples, Certificate::default());
         match &self.options.meshes {
-            Meshes::Skins(further) => levels::reserve(&mut parts, further),
-            Meshes::PaletteAlone => parts.skins.clear(),
+            Meshes::Skins(further) => levels::reserve(&mut model, further),
+            Meshes::PaletteAlone => model.skins.clear(),
         }
-        let bytes = bake(&parts)?.len();
+        let bytes = model.bake()?.len();
         self.least_bytes = self.least_bytes.min(bytes);
         Ok(bytes)
     }
@@ -350,7 +346,7 @@ impl Choice<'_> {
     /// Takes the candidate that scores best, with fewer proxies where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
         let Self { training, examples, lbs_rms, reports, candidates, .. } = self;
-        let of = |c: &Candidate| (c.fitted.predictor(), reports[c.report].refined);
+        let of = |c: &Candidate| (c.fitted.envelope.predictor(), reports[c.report].refined);
         let best = candidates.iter().min_by(|a, b| a.validated_rms.total_cmp(&b.validated_rms));
         let Some(best) = best else {
             let budget = self.options.budget.unwrap_or(usize::MAX);
@@ -359,7 +355,7 @@ impl Choice<'_> {
         let (kind, most) = (of(best), FEWER * best.validated_rms);
         let mut alike = candidates.iter().filter(|c| of(c) == kind && c.validated_rms <= most);
         let chosen = alike.next().unwrap_or(best);
-        let palette = chosen.fitted.palette(training, &training.poses);
+        let palette = chosen.fitted.envelope.palettes(&training.poses);
         let training_rms = training.targets(&chosen.fitted.weights).rms(&palette);
         let certificate = Certificate {
             training_rms: training_rms as f32,
@@ -367,15 +363,15 @@ impl Choice<'_> {
             lbs_training_rms: lbs_rms as f32,
             ..Certificate::default()
         };
-        let mut parts = chosen.fitted.parts(training, examples, certificate);
+        let mut model = chosen.fitted.file_model(training, examples, certificate);
         let levels = match &self.options.meshes {
-            Meshes::Skins(further) => levels::add(&mut parts, further, examples)?,
+            Meshes::Skins(further) => levels::add(&mut model, further, examples)?,
             Meshes::PaletteAlone => {
-                parts.skins.clear();
+                model.skins.clear();
                 Vec::new()
             }
         };
-        let model = bake(&parts)?;
+        let model = model.bake()?;
         let report = Report {
             lbs_rms,
             folds: folds(training.poses.len()),

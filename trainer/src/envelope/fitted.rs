@@ -1,63 +1,78 @@
-//! A fitted envelope of any predictor, and its palette in f64.
+//! A fitted envelope and the skin that follows it, as training sees them.
 
 use super::blend::Weights;
-use super::helpers::group::{Group, predict};
-use super::motion::Poses;
-use super::rotational::predictor::{GradientPredictor, predict_stacked};
-use super::rotational::reduce::Reduced;
+use super::model::{EnvelopeModel, FileModel, Group, Reconstruction, SkinModel};
 use super::training::Training;
+use super::{levels, rounding};
+use crate::examples::Examples;
 use faer::Mat;
-use sinew_runtime::envelope::Predictor;
+use sinew_runtime::envelope::Certificate;
 
 /// A fitted envelope, in training units.
 pub struct Fitted {
-    /// The vertices' weights on the palette.
+    /// What predicts the palette.
+    pub envelope: EnvelopeModel,
+    /// The vertices' weights on it.
     pub weights: Weights,
-    /// What moves the proxies before any correction.
-    pub base: Base,
-    /// The correction.
-    pub groups: Vec<Group>,
-}
-
-/// What moves the proxies before any correction.
-pub enum Base {
-    /// `c1 d + c2 q` of key gradients.
-    Reconstruction(Vec<GradientPredictor>, Reduced),
-    /// The dominant joint of each helper; the palette holds the joints too.
-    Joints(Vec<usize>),
 }
 
 impl Fitted {
-    /// The kind of predictor.
-    pub fn predictor(&self) -> Predictor {
-        match self.base {
-            Base::Joints(_) => Predictor::Kernel,
-            Base::Reconstruction(..) if self.groups.is_empty() => Predictor::Rotational,
-            Base::Reconstruction(..) => Predictor::Hybrid,
-        }
-    }
-
-    /// Returns P.
-    pub fn proxies(&self) -> usize {
-        match &self.base {
-            Base::Joints(dominant) => dominant.len(),
-            Base::Reconstruction(keys, _) => keys.len(),
-        }
-    }
-
-    /// The palette of n poses, 3n x 4 a map.
-    pub fn palette(&self, training: &Training, poses: &Poses) -> Mat<f64> {
-        let base = match &self.base {
-            Base::Joints(dominant) => {
-                let joints = poses.stacked();
-                let helpers = super::helpers::stacked::bases(&joints, dominant);
-                faer::concat![[joints, helpers]]
-            }
-            Base::Reconstruction(keys, reduced) => {
-                reduced.palette(&predict_stacked(keys, poses), poses)
-            }
+    /// Makes an envelope on the joints of a training, without a correction.
+    ///
+    /// - `reconstruction`: none for joints and helpers, whose groups are still to be given.
+    pub fn new(
+        training: &Training,
+        weights: Weights,
+        reconstruction: Option<Reconstruction>,
+    ) -> Self {
+        let envelope = EnvelopeModel {
+            name: "envelope".to_owned(),
+            skeleton: training.skeleton.clone(),
+            reconstruction,
+            groups: Vec::new(),
+            pose_ranges: training.poses.angle_ranges(),
+            certificate: Certificate::default(),
         };
-        corrected(base, &predict(&self.groups, poses, training.joints()))
+        Self { envelope, weights }
+    }
+
+    /// The same with a correction.
+    #[must_use]
+    pub fn with(mut self, groups: Vec<Group>) -> Self {
+        self.envelope.groups = groups;
+        self
+    }
+
+    /// Gives what a file holds of it, in the units of the input. The certificate's figures are RMS
+    /// errors as shares of the diagonal; that of the correction is added here.
+    pub fn file_model(
+        &self,
+        training: &Training,
+        examples: &Examples,
+        certificate: Certificate,
+    ) -> FileModel {
+        let mut envelope = self.envelope.restated(training.unit, training.centre);
+        // As they were given, to the last digit.
+        envelope.skeleton = examples.skeleton.clone();
+        let skin = SkinModel {
+            name: levels::OWN.to_owned(),
+            envelope: Some(0),
+            rest_positions: examples.rest.clone(),
+            rest_normals: examples.rest_normals(),
+            rest_tangents: examples.rest_tangents(),
+            influences: (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect(),
+            ranges: examples.ranges.clone(),
+        };
+        let groups = &self.envelope.groups;
+        let length = |share: f32| (training.unit * f64::from(share)) as f32;
+        envelope.certificate = Certificate {
+            diagonal: training.unit as f32,
+            training_rms: length(certificate.training_rms),
+            cross_validated_rms: length(certificate.cross_validated_rms),
+            lbs_training_rms: length(certificate.lbs_training_rms),
+            correction_error: rounding::farthest(groups, training, &envelope, &skin) as f32,
+        };
+        FileModel { space: examples.space, envelopes: vec![envelope], skins: vec![skin] }
     }
 }
 

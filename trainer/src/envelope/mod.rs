@@ -8,6 +8,7 @@ pub mod fitted;
 pub mod folds;
 pub mod helpers;
 pub mod levels;
+pub mod model;
 pub mod motion;
 mod options;
 pub mod oracle;

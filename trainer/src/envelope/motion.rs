@@ -1,6 +1,7 @@
 //! Poses and surface trajectories with the reference root's motion removed (METHOD §1.1).
 
 use crate::examples::{Examples, RIGID};
+use crate::numeric::affine::{after, from_rows, homogeneous, joined, linear};
 use crate::numeric::{columns, so3};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
@@ -32,9 +33,9 @@ impl Poses {
             roots: Vec::with_capacity(frames.len()),
         };
         for &frame in frames {
-            let pose: Vec<_> = examples.pose(frame).iter().map(to_nalgebra).collect();
+            let pose: Vec<_> = examples.pose(frame).iter().map(from_rows).collect();
             let inverse = rigid_inverse(&pose[root]);
-            let maps: Vec<_> = pose.iter().map(|b| compose(&inverse, b)).collect();
+            let maps: Vec<_> = pose.iter().map(|b| after(&inverse, b)).collect();
             let rotations: Vec<_> = maps.iter().map(nearest_rotation).collect();
             for (joint, parent) in parents.iter().enumerate() {
                 let frame_of_parent = parent.map_or(Matrix3::identity(), |p| rotations[p]);
@@ -71,6 +72,11 @@ impl Poses {
     /// Returns `B_r⁻¹ B_j` of a pose.
     pub fn map(&self, pose: usize, joint: usize) -> &Matrix3x4<f64> {
         &self.maps[pose * self.joint_len + joint]
+    }
+
+    /// Returns the J maps `B_r⁻¹ B_j` of a pose.
+    pub fn pose(&self, pose: usize) -> &[Matrix3x4<f64>] {
+        &self.maps[pose * self.joint_len..][..self.joint_len]
     }
 
     /// Returns θ_j of a pose: the joint's rotation relative to its parent's, as axis times angle.
@@ -139,42 +145,21 @@ pub fn trajectories(examples: &Examples, frames: &[usize], poses: &Poses) -> Mat
     let inverses: Vec<_> = poses.roots.iter().map(rigid_inverse).collect();
     columns::fill(&mut all, |v, column| {
         for (i, &frame) in frames.iter().enumerate() {
-            let y = transform(&inverses[i], &examples.frame(frame)[v]);
+            let y = inverses[i] * homogeneous(&examples.frame(frame)[v]);
             column[3 * i..3 * i + 3].copy_from_slice(y.as_slice());
         }
     });
     all
 }
 
-/// Converts an array to a matrix.
-pub fn to_nalgebra(m: &crate::examples::Matrix3x4) -> Matrix3x4<f64> {
-    Matrix3x4::from_fn(|r, c| m[r][c])
-}
-
-/// Applies a map to a point.
-pub fn transform(m: &Matrix3x4<f64>, x: &[f64; 3]) -> Vector3<f64> {
-    m * nalgebra::Vector4::new(x[0], x[1], x[2], 1.0)
-}
-
-/// Composes two maps: `a` after `b`.
-pub fn compose(a: &Matrix3x4<f64>, b: &Matrix3x4<f64>) -> Matrix3x4<f64> {
-    let mut out = a.fixed_columns::<3>(0) * b;
-    let moved = out.column(3) + a.column(3);
-    out.set_column(3, &moved);
-    out
-}
-
 /// Inverts a rigid map.
 pub fn rigid_inverse(m: &Matrix3x4<f64>) -> Matrix3x4<f64> {
     let transposed = nearest_rotation(m).transpose();
-    let mut out = Matrix3x4::zeros();
-    out.fixed_columns_mut::<3>(0).copy_from(&transposed);
-    out.set_column(3, &(-transposed * m.column(3)));
-    out
+    joined(&transposed, &(-transposed * m.column(3)))
 }
 
 fn nearest_rotation(m: &Matrix3x4<f64>) -> Matrix3<f64> {
-    let q: Matrix3<f64> = m.fixed_columns::<3>(0).into();
+    let q = linear(m);
     let deviation = (q.transpose() * q - Matrix3::identity()).amax();
     if deviation <= RIGID {
         return q;
@@ -186,6 +171,7 @@ fn nearest_rotation(m: &Matrix3x4<f64>) -> Matrix3<f64> {
 mod tests {
     use super::*;
     use crate::demo::{DemoOptions, demo};
+    use crate::numeric::affine::to_rows;
 
     #[test]
     fn a_global_motion_of_each_frame_changes_nothing() {
@@ -200,12 +186,12 @@ mod tests {
             global.set_column(3, &Vector3::new(angle, 2.0, -1.0));
             for v in 0..moved.vertex_len() {
                 let at = frame * moved.vertex_len() + v;
-                moved.vertices[at] = transform(&global, &moved.vertices[at]).into();
+                moved.vertices[at] = (global * homogeneous(&moved.vertices[at])).into();
             }
             for j in 0..moved.joint_len() {
                 let at = frame * moved.joint_len() + j;
-                let joint = compose(&global, &to_nalgebra(&moved.transforms[at]));
-                moved.transforms[at] = [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| joint[(r, c)]));
+                let joint = after(&global, &from_rows(&moved.transforms[at]));
+                moved.transforms[at] = to_rows(&joint);
             }
         }
         let frames: Vec<usize> = (0..still.frame_len()).collect();
@@ -225,7 +211,7 @@ mod tests {
         let clean = Poses::new(&examples, &[2]);
         let joint = (0..examples.joint_len()).find(|&j| clean.angle(0, j).norm() > 0.1).unwrap();
         let at = 2 * examples.joint_len() + joint;
-        let q: Matrix3<f64> = to_nalgebra(&examples.transforms[at]).fixed_columns::<3>(0).into();
+        let q: Matrix3<f64> = from_rows(&examples.transforms[at]).fixed_columns::<3>(0).into();
         let stretched = q * Matrix3::from_diagonal(&Vector3::new(1.005, 1.0, 0.995));
         for r in 0..3 {
             for c in 0..3 {

@@ -1,9 +1,7 @@
 //! How far rounding of the correction to f32 may move a vertex (METHOD §2.7).
 
-use super::fitted::{Base, Fitted};
-use super::helpers::group::Group;
+use super::model::{EnvelopeModel, Group, SkinModel};
 use super::training::Training;
-use crate::bake::{EnvelopeParts, SkinParts};
 use crate::kernel::arithmetic::U;
 use crate::kernel::map::Value;
 use faer::Mat;
@@ -13,21 +11,17 @@ use rayon::prelude::*;
 /// Bounds the farthest that rounding may move any vertex of a skin, over the training poses and as many random
 /// ones within their box, in units of the input.
 pub(super) fn farthest(
-    fitted: &Fitted,
+    groups: &[Group],
     training: &Training,
-    parts: &EnvelopeParts,
-    skin: &SkinParts,
+    restated: &EnvelopeModel,
+    skin: &SkinModel,
 ) -> f64 {
-    let first = match fitted.base {
-        Base::Joints(_) => training.poses.joint_len(),
-        Base::Reconstruction(..) => 0,
-    };
     let errors: Vec<Vec<Latents>> =
-        fitted.groups.par_iter().map(|group| latents(group, training)).collect();
+        groups.par_iter().map(|group| latents(group, training)).collect();
     let inputs = errors.first().map_or(0, Vec::len);
     let of_vertex = |v: usize| {
         let x = skin.rest_positions[v];
-        let followed = follow(fitted, parts, first, &skin.influences[v], [x[0], x[1], x[2], 1.0]);
+        let followed = follow(restated, &skin.influences[v], [x[0], x[1], x[2], 1.0]);
         let at = |input: usize| {
             let moved = |r: usize| -> f64 {
                 let of = |(group, moves): &(usize, Vec<Moves>)| -> f64 {
@@ -80,19 +74,17 @@ fn latents(group: &Group, training: &Training) -> Vec<Latents> {
 
 /// Lists the groups that a vertex follows, and how their latent outputs move it.
 fn follow(
-    fitted: &Fitted,
-    parts: &EnvelopeParts,
-    first: usize,
+    restated: &EnvelopeModel,
     influences: &[(usize, f64)],
     x: [f64; 4],
 ) -> Vec<(usize, Vec<Moves>)> {
     let mut out = Vec::<(usize, Vec<Moves>)>::new();
     for &(index, alpha) in influences {
-        let Some(proxy) = index.checked_sub(first) else { continue };
-        let owner = fitted.groups.iter().position(|group| group.proxies.contains(&proxy));
+        let Some(proxy) = index.checked_sub(restated.first_proxy()) else { continue };
+        let owner = restated.groups.iter().position(|group| group.proxies.contains(&proxy));
         let Some(owner) = owner else { continue };
-        let (group, rank) = (&parts.groups[owner], parts.groups[owner].rank);
-        let rows = &group.outputs[12 * (proxy - fitted.groups[owner].proxies.start) * rank..];
+        let Group { proxies, outputs, .. } = &restated.groups[owner];
+        let (rank, own) = (outputs.ncols(), 12 * (proxy - proxies.start));
         let at = out.iter().position(|known| known.0 == owner).unwrap_or_else(|| {
             out.push((owner, vec![Moves::default(); rank]));
             out.len() - 1
@@ -100,7 +92,7 @@ fn follow(
         for (z, moves) in out[at].1.iter_mut().enumerate() {
             for r in 0..3 {
                 for (c, x) in x.iter().enumerate() {
-                    let term = alpha * rows[(4 * r + c) * rank + z] * x;
+                    let term = alpha * outputs[(own + 4 * r + c, z)] * x;
                     moves.sum[r] += term;
                     moves.size[r] += term.abs();
                 }

@@ -1,8 +1,8 @@
 //! The training meshes that a fit is held against.
 
 use super::blend::Weights;
-use super::rotational::reduce::homogeneous;
 use crate::examples::Importance;
+use crate::numeric::affine::homogeneous;
 use crate::numeric::columns;
 use faer::Mat;
 use rayon::prelude::*;

@@ -6,7 +6,7 @@ use super::helpers::features::Joints;
 use super::motion::{Poses, trajectories};
 use super::targets::Targets;
 use super::weights::{self, BASELINE_INFLUENCES};
-use crate::examples::{Examples, Importance, Split};
+use crate::examples::{Examples, Importance, Matrix3x4, Skeleton, Split};
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Vector3;
@@ -26,8 +26,8 @@ pub struct Training {
     pub rest: Vec<[f64; 3]>,
     /// The triangles that have an area.
     pub triangles: Vec<[usize; 3]>,
-    /// Parent of each joint.
-    pub parents: Vec<Option<usize>>,
+    /// The joints.
+    pub skeleton: Skeleton,
     /// Rest origin of each joint.
     pub origins: Vec<Vector3<f64>>,
     /// n poses.
@@ -67,7 +67,7 @@ impl Training {
             centre: examples.centroid(),
             rest: Vec::new(),
             triangles,
-            parents: examples.skeleton.parents.clone(),
+            skeleton: examples.skeleton.clone(),
             origins: Vec::new(),
             poses: Poses::new(examples, &[]),
             trajectories: Mat::zeros(0, 0),
@@ -75,8 +75,11 @@ impl Training {
             importance: examples.importance.clone(),
         };
         training.rest = examples.rest.iter().map(|x| training.local(x)).collect();
-        let origins = examples.skeleton.rest.iter().map(|m| [m[0][3], m[1][3], m[2][3]]);
-        training.origins = origins.map(|x| training.local(&x).into()).collect();
+        let origin = |frame: &Matrix3x4| training.local(&frame.map(|row| row[3]));
+        training.origins = training.skeleton.rest.iter().map(|m| origin(m).into()).collect();
+        for (frame, origin) in training.skeleton.rest.iter_mut().zip(&training.origins) {
+            frame.iter_mut().zip(origin).for_each(|(row, x)| row[3] = *x);
+        }
         (training.poses, training.trajectories) = training.view(examples, &frames);
         progress.step("LBS weights", 1);
         let Self { rest, trajectories, poses, .. } = &training;
@@ -114,7 +117,7 @@ impl Training {
 
     /// The joints' rest geometry, as the pose features see it.
     pub fn joints(&self) -> Joints<'_> {
-        Joints { parents: &self.parents, origins: &self.origins }
+        Joints { parents: &self.skeleton.parents, origins: &self.origins }
     }
 
     fn local(&self, x: &[f64; 3]) -> [f64; 3] {

@@ -2,10 +2,11 @@
 //! the baseline that every report compares with.
 
 use super::blend::{Items, Maps, Weights, fit_weights};
-use super::motion::{Poses, to_nalgebra, transform};
-use crate::examples::{Importance, Matrix3x4};
+use super::motion::{Poses, trajectories};
+use crate::examples::{Examples, Importance, Matrix3x4, Split};
+use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
 use faer::Mat;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// Influences of the baseline, as most engines skin.
 pub const BASELINE_INFLUENCES: usize = 4;
@@ -22,6 +23,14 @@ pub fn fit(
     fit_weights(&items, &Maps { width: 4, columns: poses.stacked() }, most, None)
 }
 
+/// Fits the baseline's weights to the training frames of examples.
+pub fn baseline(examples: &Examples) -> Weights {
+    let frames = examples.frames_of(Split::Train);
+    let poses = Poses::new(examples, &frames);
+    let moved = trajectories(examples, &frames, &poses);
+    fit(&examples.rest, &moved, &poses, BASELINE_INFLUENCES).0
+}
+
 /// Skins one vertex by LBS: its position and the normal that the blended map's cofactors give.
 pub fn skin(
     weights: &Weights,
@@ -31,14 +40,7 @@ pub fn skin(
     normal: &[f64; 3],
 ) -> (Vector3<f64>, Vector3<f64>) {
     let blended: nalgebra::Matrix3x4<f64> =
-        weights.of(vertex).map(|(joint, weight)| to_nalgebra(&pose[joint]) * weight).sum();
-    let cofactors = cofactors(&blended.fixed_columns::<3>(0).into());
-    (transform(&blended, rest), cofactors * Vector3::from(*normal))
-}
-
-/// Returns the cofactors of a blended map's linear part, which move normals: the blend shrinks between
-/// joints, but they still point outward.
-pub fn cofactors(linear: &Matrix3<f64>) -> Matrix3<f64> {
-    let [a, b, c] = [0, 1, 2].map(|k| linear.column(k).into_owned());
-    Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
+        weights.of(vertex).map(|(joint, weight)| from_rows(&pose[joint]) * weight).sum();
+    let cofactors = cofactors(&linear(&blended));
+    (blended * homogeneous(rest), cofactors * Vector3::from(*normal))
 }

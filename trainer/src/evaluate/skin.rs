@@ -2,9 +2,8 @@
 
 use super::{Character, EvaluateError};
 use crate::envelope::blend::Weights;
-use crate::envelope::motion::{Poses, trajectories};
-use crate::envelope::weights::{self, BASELINE_INFLUENCES};
-use crate::examples::{Examples, Split};
+use crate::envelope::weights;
+use crate::examples::Examples;
 use crate::posed::{palette, skin_on};
 use nalgebra::Vector3;
 
@@ -60,11 +59,7 @@ pub struct Lbs {
 impl Lbs {
     /// Fits the weights.
     pub fn fit(examples: &Examples) -> Self {
-        let training = examples.frames_of(Split::Train);
-        let poses = Poses::new(examples, &training);
-        let moved = trajectories(examples, &training, &poses);
-        let (weights, _) = weights::fit(&examples.rest, &moved, &poses, BASELINE_INFLUENCES);
-        Self { weights, normals: examples.rest_normals() }
+        Self { weights: weights::baseline(examples), normals: examples.rest_normals() }
     }
 
     /// Gives a vertex's position and normal in a frame.

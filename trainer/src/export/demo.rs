@@ -4,8 +4,7 @@ use super::error::ExportError;
 use super::glb::{Document, Placed, SkinnedMesh};
 use super::skeleton::Joints;
 use super::times::key_times;
-use crate::envelope::motion::{Poses, trajectories};
-use crate::envelope::weights::{self, BASELINE_INFLUENCES};
+use crate::envelope::weights;
 use crate::evaluate::Frames;
 use crate::examples::{Clip, Examples, Split};
 
@@ -36,10 +35,7 @@ pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
 /// # Errors
 /// [`ExportError::TooLarge`] and [`ExportError::Glb`].
 pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportError> {
-    let training = examples.frames_of(Split::Train);
-    let poses = Poses::new(examples, &training);
-    let moved = trajectories(examples, &training, &poses);
-    let (weights, _) = weights::fit(&examples.rest, &moved, &poses, BASELINE_INFLUENCES);
+    let weights = weights::baseline(examples);
     let influences: Vec<_> = (0..weights.len()).map(|v| weights.of(v).collect()).collect();
 
     let mut document = Document::new(NOTE);

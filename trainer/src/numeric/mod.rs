@@ -1,5 +1,6 @@
 //! What several fits compute with, and that knows nothing of a character.
 
+pub mod affine;
 pub mod basis;
 pub mod cluster;
 pub(crate) mod columns;

@@ -4,7 +4,7 @@ use crate::compare::{POISON, poisoned};
 use sinew_gpu::headless::HeadlessError;
 use sinew_gpu::layout::{Attribute, LayoutError, SkinBatch, Stage};
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin};
-use sinew_trainer::envelope::oracle::Oracle;
+use sinew_trainer::envelope::model::{EnvelopeModel, SkinModel};
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 use thiserror::Error;
 
@@ -34,8 +34,8 @@ impl<'a> Loaded<'a> {
     }
 
     /// Widens what the file holds.
-    pub fn oracle(&self) -> Oracle {
-        Oracle::new(&self.envelope, Some(&self.skin))
+    pub fn widened(&self) -> (EnvelopeModel, SkinModel) {
+        (EnvelopeModel::from_file(&self.envelope), SkinModel::from_file(&self.skin))
     }
 }
 

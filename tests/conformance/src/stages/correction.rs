@@ -26,7 +26,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
 /// # Errors
 /// What the backend refuses.
 pub fn base_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Matrix3x4>, Failure> {
-    if subject.oracle.predictor.reconstructs() {
+    if subject.oracle.predictor().reconstructs() {
         return palettes_on(backend, subject, &gradients_of(backend, subject)?);
     }
     joints_of(backend, subject)

@@ -14,7 +14,7 @@ use sinew_runtime::Matrix3x4;
 /// # Errors
 /// What the backend refuses.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
-    let (root, n) = (subject.oracle.root, subject.poses.len());
+    let (root, n) = (subject.oracle.skeleton.root(), subject.poses.len());
     let input = gradients_of(&Cpu, subject)?;
     let (found, cpu) =
         (palettes_on(backend, subject, &input)?, palettes_on(&Cpu, subject, &input)?);

@@ -10,7 +10,8 @@ use crate::subject::Subject;
 use crate::tolerance::{self, EXACT, Inexact, Transform, UNDERFLOW};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use sinew_trainer::envelope::oracle::{Oracle, after};
+use sinew_trainer::envelope::model::EnvelopeModel;
+use sinew_trainer::numeric::affine::after;
 
 /// Compares palettes, confidences, positions, normals and tangents.
 ///
@@ -43,8 +44,8 @@ pub fn equivariance(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<
     }
     let transforms = carried.iter().flat_map(|pose| pose.transforms.iter().copied()).collect();
     let Subject { name, loaded, .. } = *subject;
-    let oracle = loaded.oracle();
-    compare(backend, &Subject { name, loaded, oracle, poses: carried, transforms }, &exact)
+    let (oracle, skin) = loaded.widened();
+    compare(backend, &Subject { name, loaded, oracle, skin, poses: carried, transforms }, &exact)
 }
 
 /// Compares what the rest pose gives with the rest positions, although c1, c2 and the weights were
@@ -62,13 +63,11 @@ pub fn rest(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
         Ok::<_, Failure>(Skinned::gather(&whole_of(backend, subject)?.skin, &skin, n).positions)
     };
     let (found, cpu) = (positions(backend)?, positions(&Cpu)?);
-    let vertices = &subject.oracle.vertices;
-    let expected: Vec<f64> =
-        vertices.iter().flat_map(|v| <[f64; 3]>::from(v.position.xyz())).collect();
-    let bounds = tolerance::rest(&subject.oracle);
+    let expected = subject.skin.rest_positions.as_flattened();
+    let bounds = tolerance::rest(&subject.oracle, &subject.skin);
     let tolerances: Vec<_> = bounds.iter().flat_map(|e| e.iter().map(|e| e + UNDERFLOW)).collect();
     let mut rest = Finding::new("rest");
-    rest.compare(part(&found, n, 0), part(&cpu, n, 0), &expected, &tolerances);
+    rest.compare(part(&found, n, 0), part(&cpu, n, 0), expected, &tolerances);
     Ok(vec![rest])
 }
 
@@ -97,13 +96,18 @@ fn compare(
         let confidences = (&found.confidences[i..=i], &cpu.confidences[i..=i]);
         certain.compare(confidences.0, confidences.1, &confidence.value, &confidence.error);
         let [found, cpu] = skins.each_ref().map(|skin| skin.at(n, i));
-        skin::compare(&mut attributes, (&found, &cpu), &subject.oracle, &expected, arithmetic);
+        skin::compare(&mut attributes, (&found, &cpu), &subject.skin, &expected, arithmetic);
     }
     Ok([palette, certain].into_iter().chain(attributes).collect())
 }
 
 /// Equivariance is exact where nothing is rounded to f32; at a half turn f64 rounds too.
-fn oracle_is_equivariant(oracle: &Oracle, pose: &Pose, motion: &Transform, moved: &[Transform]) {
+fn oracle_is_equivariant(
+    oracle: &EnvelopeModel,
+    pose: &Pose,
+    motion: &Transform,
+    moved: &[Transform],
+) {
     if pose.kind == Kind::HalfTurn {
         return;
     }

@@ -1,24 +1,25 @@
 //! Tolerances of what the kernel maps take part in, and of the confidence.
 
 use super::reconstruction::{Inexact, Transform, product, seen_from};
-use nalgebra::{DVector, Matrix3, Vector3};
-use sinew_trainer::envelope::oracle::{Group, Oracle, linear};
+use nalgebra::{Matrix3, Vector3};
+use sinew_trainer::envelope::model::{EnvelopeModel, Group};
 use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
 use sinew_trainer::kernel::map::{STEP_ERROR, Value};
+use sinew_trainer::numeric::affine::linear;
 
 /// Joints: copies.
-pub fn joints(oracle: &Oracle, pose: &Inexact<Transform>) -> Inexact<Transform> {
+pub fn joints(oracle: &EnvelopeModel, pose: &Inexact<Transform>) -> Inexact<Transform> {
     Inexact { value: oracle.joints(&pose.value), error: oracle.joints(&pose.error) }
 }
 
 /// Features: `M = [Q_pᵀ Q_j | Q_pᵀ (t_j - t_p)]` is behind γ₄; 1 is taken off on the diagonal of
 /// R, and `(R - I) o + t` sums three products and one term.
-pub fn features(oracle: &Oracle, pose: &Inexact<Transform>) -> Inexact<Transform> {
+pub fn features(oracle: &EnvelopeModel, pose: &Inexact<Transform>) -> Inexact<Transform> {
     let value = oracle.features(&pose.value);
     let bound = |joint: usize| {
-        let Some(parent) = oracle.parents[joint] else { return Transform::zeros() };
+        let Some(parent) = oracle.skeleton.parents[joint] else { return Transform::zeros() };
         let at = |joint: usize| (&pose.value[joint], &pose.error[joint]);
-        let (turn, origin) = (linear(&value[joint]), oracle.origins[joint]);
+        let (turn, origin) = (linear(&value[joint]), oracle.origin(joint));
         let mut error = seen_from(at(parent), at(joint));
         let shift = value[joint].column(3) - turn * origin;
         let shift_error = error.column(3).into_owned();
@@ -36,7 +37,7 @@ pub fn features(oracle: &Oracle, pose: &Inexact<Transform>) -> Inexact<Transform
 /// kernel map says, `K = w (outputs z)` sums r products and rounds once more, and `Q K` is a product
 /// of three terms that is added to the base. Where w is 0 beyond doubt nothing is added.
 pub fn correction(
-    oracle: &Oracle,
+    oracle: &EnvelopeModel,
     pose: &Inexact<Transform>,
     features: &Inexact<Transform>,
     base: Inexact<Transform>,
@@ -54,10 +55,9 @@ pub fn correction(
             continue;
         }
         let turn = (&linear(&pose.value[group.joint]), &linear(&pose.error[group.joint]));
-        let transforms = Group::maps(&k).zip(Group::maps(&k_error));
-        for (proxy, (k, k_error)) in group.proxies.clone().zip(transforms) {
+        for (proxy, (k, k_error)) in group.proxies.clone().zip(k.iter().zip(&k_error)) {
             let at = first + proxy;
-            let inherited = error[at] + product(turn, (&k, &k_error), 3);
+            let inherited = error[at] + product(turn, (k, k_error), 3);
             error[at] = inherited + (value[at].abs() + inherited) * U;
         }
     }
@@ -68,12 +68,12 @@ pub fn correction(
     (Inexact { value, error }, confidence)
 }
 
-/// K of a group's proxies, 12 values each, its errors, and w with its error.
+/// K of a group's proxies, its errors, and w with its error.
 fn added(
     group: &Group,
     features: &Inexact<Transform>,
     arithmetic: Arithmetic,
-) -> (DVector<f64>, DVector<f64>, (f64, f64)) {
+) -> (Vec<Transform>, Vec<Transform>, (f64, f64)) {
     let input = group.input(&features.value);
     let inherited = group.input(&features.error);
     let input_error: Vec<_> = input
@@ -83,21 +83,27 @@ fn added(
         .collect();
     let Value { outputs, confidence: w } = group.map.evaluate(&input);
     let (error, w_error) = group.map.error_from(&input, &input_error, arithmetic);
-    let (z, z_error) = (DVector::from_vec(outputs), DVector::from_vec(error));
-    let y = &group.outputs * &z;
-    let sums = group.outputs.abs() * (z.abs() + &z_error) * gamma(z.len());
-    let y_error = group.outputs.abs() * z_error + sums;
-    let k_error = y.abs() * w_error + y_error * (w + w_error);
-    let k = y * w;
-    let k_error = (k.abs() + &k_error) * U + k_error;
-    (k, k_error, (w, w_error))
+    // Errors grow by magnitudes.
+    let mut magnitudes = group.clone();
+    magnitudes.outputs.col_iter_mut().flat_map(|c| c.iter_mut()).for_each(|x| *x = x.abs());
+    let rounding = gamma(outputs.len());
+    let off = |(z, error): (&f64, &f64)| error + (z.abs() + error) * rounding;
+    let latent_error: Vec<_> = outputs.iter().zip(&error).map(off).collect();
+    let y: Vec<_> = group.maps(&outputs).collect();
+    let y_error = magnitudes.maps(&latent_error);
+    let faded = |(y, y_error): (&Transform, Transform)| {
+        let error = y.abs() * w_error + y_error * (w + w_error);
+        ((y * w).abs() + error) * U + error
+    };
+    let k_error = y.iter().zip(y_error).map(faded).collect();
+    (y.iter().map(|y| y * w).collect(), k_error, (w, w_error))
 }
 
 /// Confidence of a rotational model: `|θ|` is behind half of three roundings and the root's, the
 /// excess, its scale and their quotient behind one, two and a division's; a step's relative error is
 /// known, and the difference from 1 rounds once.
 pub fn confidence(
-    oracle: &Oracle,
+    oracle: &EnvelopeModel,
     rotations: &Inexact<Vector3<f64>, f64>,
     arithmetic: Arithmetic,
 ) -> Inexact<f64> {

@@ -1,8 +1,13 @@
 //! The stages but those of the correction.
 
-use nalgebra::{DMatrix, Matrix3, Matrix3x4, SMatrix, Vector3, Vector6};
-use sinew_trainer::envelope::oracle::{Key, Oracle, Vertex, cofactors, linear, stack, symmetric};
+use faer::Mat;
+use nalgebra::{Matrix3, Matrix3x4, SMatrix, Vector3};
+use sinew_trainer::envelope::model::{
+    EnvelopeModel, Key, Reconstruction, SkinModel, Vertex, angles, symmetric,
+};
+use sinew_trainer::envelope::oracle::stack;
 use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
+use sinew_trainer::numeric::affine::{cofactors, linear};
 use sinew_trainer::numeric::so3;
 use std::f64::consts::PI;
 
@@ -50,10 +55,11 @@ impl<const R: usize, const C: usize> Inexact<SMatrix<f64, R, C>> {
 
 /// Gradients, first part: `[Q_rᵀ Q_j | Q_rᵀ (t_j - t_r)]`. Three products a sum, and one rounding
 /// of the difference: γ₄.
-pub fn relative(oracle: &Oracle, pose: &Inexact<Transform>) -> Inexact<Transform> {
-    let root = (&pose.value[oracle.root], &pose.error[oracle.root]);
+pub fn relative(oracle: &EnvelopeModel, pose: &Inexact<Transform>) -> Inexact<Transform> {
+    let root = oracle.skeleton.root();
+    let moving = (&pose.value[root], &pose.error[root]);
     let error = pose.value.iter().zip(&pose.error).enumerate().map(|(joint, transform)| {
-        if joint == oracle.root { Transform::zeros() } else { seen_from(root, transform) }
+        if joint == root { Transform::zeros() } else { seen_from(moving, transform) }
     });
     Inexact { error: error.collect(), value: oracle.relative(&pose.value) }
 }
@@ -81,25 +87,29 @@ pub(super) fn seen_from(
 /// which u is its division; the scale by |v| once more, a division and a product: in all 7.2u|θ|,
 /// two roots and two divisions, here 8u. A tenth covers the second order in Δ ≤ 0.05.
 pub fn rotations(
-    oracle: &Oracle,
+    oracle: &EnvelopeModel,
     relative: &Inexact<Transform>,
     arithmetic: Arithmetic,
 ) -> Inexact<Vector3<f64>, f64> {
     let of_angle = (8 + 2 * arithmetic.root + 2 * arithmetic.division) as f64 * U;
     let value = oracle.rotations(&relative.value);
-    let error = oracle.parents.iter().zip(&value).enumerate().map(|(joint, (parent, theta))| {
-        let Some(parent) = *parent else { return 0.0 };
-        let turn = |j: usize| (linear(&relative.value[j]), linear(&relative.error[j]));
-        let ((p, p_error), (q, q_error)) = (turn(parent), turn(joint));
-        let (p, p_error) = (p.transpose(), p_error.transpose());
-        let nearest = so3::polar(&(p * q)).map_or(Matrix3::zeros(), |(rotation, _)| rotation);
-        let error = product((&p, &p_error), (&q, &q_error), 3);
-        let delta = error.norm() + (p * q - nearest).norm();
-        assert!(delta <= 0.05, "joint {joint} is not rigid, or its error is not small: {delta}");
-        let half = theta.norm() / 2.0;
-        let steepness = if half > 0.0 { half / half.sin() } else { 1.0 };
-        1.1 * steepness * (3f64.sqrt() * delta + 8.0 * U) + of_angle * theta.norm()
-    });
+    let error =
+        oracle.skeleton.parents.iter().zip(&value).enumerate().map(|(joint, (parent, theta))| {
+            let Some(parent) = *parent else { return 0.0 };
+            let turn = |j: usize| (linear(&relative.value[j]), linear(&relative.error[j]));
+            let ((p, p_error), (q, q_error)) = (turn(parent), turn(joint));
+            let (p, p_error) = (p.transpose(), p_error.transpose());
+            let nearest = so3::polar(&(p * q)).map_or(Matrix3::zeros(), |(rotation, _)| rotation);
+            let error = product((&p, &p_error), (&q, &q_error), 3);
+            let delta = error.norm() + (p * q - nearest).norm();
+            assert!(
+                delta <= 0.05,
+                "joint {joint} is not rigid, or its error is not small: {delta}"
+            );
+            let half = theta.norm() / 2.0;
+            let steepness = if half > 0.0 { half / half.sin() } else { 1.0 };
+            1.1 * steepness * (3f64.sqrt() * delta + 8.0 * U) + of_angle * theta.norm()
+        });
     Inexact { error: error.collect(), value }
 }
 
@@ -117,7 +127,7 @@ pub fn same_branch(rotations: &mut Inexact<Vector3<f64>, f64>, found: &[[f32; 3]
 
 /// Gradients, third part: `D = Q_p exp(A θ_b) [exp(A' θ_c)] S`, three products a sum: γ₃ each time.
 pub fn gradients(
-    oracle: &Oracle,
+    oracle: &EnvelopeModel,
     relative: &Inexact<Transform>,
     rotations: &Inexact<Vector3<f64>, f64>,
     arithmetic: Arithmetic,
@@ -131,11 +141,12 @@ pub fn gradients(
             exponential(angles, from_product + from_theta, arithmetic)
         };
         let error_of = |joint: usize| Vector3::repeat(rotations.error[joint]);
-        let above = oracle.parents[key.joint];
+        let above = oracle.skeleton.parents[key.joint];
         let own = error_of(key.joint);
         let of_parent = above.map_or(Vector3::zeros(), error_of);
-        let theta_error = Vector6::from_fn(|i, _| if i < 3 { own[i] } else { of_parent[i - 3] });
-        let theta = oracle.joint_and_parent(key, &rotations.value).abs();
+        let theta_error = angles(&own, &of_parent);
+        let theta = |joint: usize| rotations.value[joint].abs();
+        let theta = angles(&theta(key.joint), &above.map_or(Vector3::zeros(), theta));
         // Two sums of three and their sum; then 1 is added on the diagonal.
         let shear = theta * gamma(4) + theta_error * (1.0 + gamma(4));
         let diagonal = Matrix3::from_diagonal(&factors.stretch.diagonal().abs());
@@ -154,7 +165,7 @@ pub fn gradients(
         }
         error
     };
-    let error = oracle.keys.iter().map(bound).collect();
+    let error = oracle.keys().iter().map(bound).collect();
     Inexact { error, value: oracle.gradients(&relative.value, &rotations.value) }
 }
 
@@ -187,17 +198,19 @@ fn exponential(
 
 /// Palette: `t = c1 d + c2 q`, sums of 3P + 4J products; then `B_r t`, three products and one term.
 pub fn palette(
-    oracle: &Oracle,
+    oracle: &EnvelopeModel,
     root: &Inexact<Transform>,
     relative: &Inexact<Transform>,
     gradients: &Inexact<Matrix3<f64>>,
 ) -> Inexact<Transform> {
-    let terms = oracle.c1.ncols() + oracle.c2.ncols();
+    let Some(Reconstruction { c1, c2, .. }) = &oracle.reconstruction else {
+        return Inexact::exact(Vec::new());
+    };
+    let terms = c1.ncols() + c2.ncols();
     let unmoved = oracle.palette(&Transform::identity(), &relative.value, &gradients.value);
-    let errors =
-        stacked_error(&oracle.c1, gradients, terms) + stacked_error(&oracle.c2, relative, terms);
+    let errors = stacked_error(c1, gradients, terms) + stacked_error(c2, relative, terms);
     let error = unmoved.iter().enumerate().map(|(l, transform)| {
-        let error = errors.fixed_view::<4, 3>(4 * l, 0).transpose();
+        let error = Transform::from_fn(|r, c| errors[(4 * l + c, r)]);
         moved((&root.value[0], &root.error[0]), (transform, &error))
     });
     let value = oracle.palette(&root.value[0], &relative.value, &gradients.value);
@@ -206,16 +219,19 @@ pub fn palette(
 
 /// `|c| E + γₙ |c| (|x| + E)` of a stack x of blocks.
 fn stacked_error<const C: usize>(
-    coefficients: &DMatrix<f64>,
+    coefficients: &Mat<f64>,
     blocks: &Inexact<SMatrix<f64, 3, C>>,
     terms: usize,
-) -> DMatrix<f64> {
+) -> Mat<f64> {
     let weigh = |(value, error): (&SMatrix<f64, 3, C>, &SMatrix<f64, 3, C>)| {
         value.abs() * gamma(terms) + error * (1.0 + gamma(terms))
     };
     let blocks: Vec<_> = blocks.value.iter().zip(&blocks.error).map(weigh).collect();
-    let sums = coefficients.abs() * stack(&blocks);
-    DMatrix::from_fn(sums.nrows(), 3, |r, c| sums[(r, c)])
+    magnitudes(coefficients) * stack(&blocks)
+}
+
+fn magnitudes(matrix: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(matrix.nrows(), matrix.ncols(), |r, c| matrix[(r, c)].abs())
 }
 
 /// A transform `a` after a transform `b`.
@@ -230,20 +246,20 @@ fn moved(a: (&Transform, &Transform), b: (&Transform, &Transform)) -> Transform 
 /// each sum only P + J terms are not 0; a correction adds 0. Coefficients and weights, exact before
 /// they were rounded for the file, are off by u of themselves each. Returns the bounds of the V
 /// positions.
-pub fn rest(oracle: &Oracle) -> Vec<Vector3<f64>> {
-    let (p, j) = (oracle.keys.len(), oracle.parents.len());
+pub fn rest(oracle: &EnvelopeModel, own: &SkinModel) -> Vec<Vector3<f64>> {
+    let (p, j) = (oracle.proxy_len(), oracle.joint_len());
     let (d, q) = (vec![Matrix3::identity(); p], vec![Transform::identity(); j]);
-    let sums = oracle.c1.abs() * stack(&d) + oracle.c2.abs() * stack(&q);
-    let sums = sums * (gamma(p + j) + U);
-    let palette = if oracle.predictor.reconstructs() {
-        let error = (0..p).map(|l| sums.fixed_view::<4, 3>(4 * l, 0).transpose());
-        Inexact { error: error.collect(), value: vec![Transform::identity(); p] }
+    let palette = if let Some(Reconstruction { c1, c2, .. }) = &oracle.reconstruction {
+        let sums = magnitudes(c1) * stack(&d) + magnitudes(c2) * stack(&q);
+        let factor = gamma(p + j) + U;
+        let error = |l: usize| Transform::from_fn(|r, c| sums[(4 * l + c, r)] * factor);
+        Inexact { error: (0..p).map(error).collect(), value: vec![Transform::identity(); p] }
     } else {
         Inexact::exact(oracle.joints(&q))
     };
-    let of_weights = |vertex: &Vertex| vertex.position.xyz().abs() * U;
-    let position = |v: &Vertex| skin(v, &palette, Arithmetic::IEEE).position + of_weights(v);
-    oracle.vertices.iter().map(position).collect()
+    let of_weights = |vertex: &Vertex<'_>| vertex.position.xyz().abs() * U;
+    let position = |v: Vertex<'_>| skin(&v, &palette, Arithmetic::IEEE).position + of_weights(&v);
+    own.vertices().map(position).collect()
 }
 
 /// Bounds of one skinned vertex.
@@ -259,7 +275,11 @@ pub struct SkinBounds {
 
 /// Skin: `M = Σ w_k T_k`, K products; `M x̂`, three products and one term; cofactors, two products
 /// an entry; a direction's three products; then its length.
-pub fn skin(vertex: &Vertex, palette: &Inexact<Transform>, arithmetic: Arithmetic) -> SkinBounds {
+pub fn skin(
+    vertex: &Vertex<'_>,
+    palette: &Inexact<Transform>,
+    arithmetic: Arithmetic,
+) -> SkinBounds {
     let influences = vertex.influences.len();
     let sum = |list: &[Transform]| {
         vertex.influences.iter().map(|&(l, w)| list[l].abs() * w).sum::<Transform>()

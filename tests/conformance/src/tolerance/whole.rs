@@ -4,29 +4,30 @@ use super::correction::{confidence, correction, features, joints};
 use super::reconstruction::{
     Inexact, Transform, gradients, palette, relative, rotations, same_branch,
 };
-use sinew_trainer::envelope::oracle::Oracle;
+use sinew_trainer::envelope::model::EnvelopeModel;
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 
 /// The whole way from a pose to the palette and the confidence, beside a backend's own rotations,
 /// which decide what joints at a half turn do; the kernel predictor has none.
 pub fn whole(
-    oracle: &Oracle,
+    oracle: &EnvelopeModel,
     pose: &Inexact<Transform>,
     found: &[[f32; 3]],
     arithmetic: Arithmetic,
 ) -> (Inexact<Transform>, Inexact<f64>) {
     let corrected = |base| correction(oracle, pose, &features(oracle, pose), base, arithmetic);
-    if !oracle.predictor.reconstructs() {
+    if !oracle.predictor().reconstructs() {
         return corrected(joints(oracle, pose));
     }
     let relative = relative(oracle, pose);
     let mut rotations = rotations(oracle, &relative, arithmetic);
     same_branch(&mut rotations, found);
     let gradients = gradients(oracle, &relative, &rotations, arithmetic);
-    let (value, error) = (pose.value[oracle.root], pose.error[oracle.root]);
+    let root = oracle.skeleton.root();
+    let (value, error) = (pose.value[root], pose.error[root]);
     let root = Inexact { value: vec![value], error: vec![error] };
     let palette = palette(oracle, &root, &relative, &gradients);
-    if oracle.predictor.corrects() {
+    if oracle.predictor().corrects() {
         return corrected(palette);
     }
     (palette, confidence(oracle, &rotations, arithmetic))

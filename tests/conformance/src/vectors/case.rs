@@ -151,7 +151,7 @@ impl<'a> Case<'a> {
         self.array("pose", vec![n, j, 3, 4], floats(&subject.transforms));
         let whole = whole_of(&Cpu, subject)?;
         let (reconstructs, corrects) =
-            (subject.oracle.predictor.reconstructs(), subject.oracle.predictor.corrects());
+            (subject.oracle.predictor().reconstructs(), subject.oracle.predictor().corrects());
         // What the correction adds to has a name of its own.
         let base_name = if corrects { "base" } else { "palette" };
         let base = base_of(&Cpu, subject)?;
@@ -209,7 +209,7 @@ impl<'a> Case<'a> {
             let d = tolerance::gradients(oracle, &q, &theta, ARITHMETIC);
             gradients.columns(part(&all.gradients, n, i), &d);
             let given = |list: &[[f32; 3]]| Inexact::exact(columns(list));
-            let root = Inexact::exact(vec![pose.value[oracle.root]]);
+            let root = Inexact::exact(vec![pose.value[oracle.skeleton.root()]]);
             let given_d = columns(part(&all.gradients, n, i));
             let bounds = tolerance::palette(
                 oracle,
@@ -294,15 +294,13 @@ impl<'a> Case<'a> {
         skinned: &Skinned,
         palettes: &[Inexact<Transform>],
     ) -> Vec<(&'static str, Vec<f32>)> {
-        let (oracle, n) = (&self.subject.oracle, palettes.len());
+        let n = palettes.len();
         let [mut positions, mut normals, mut tangents] = [const { Tolerance::new() }; 3];
         for (i, palette) in palettes.iter().enumerate() {
             let found = skinned.at(n, i);
-            for (v, vertex) in oracle.vertices.iter().enumerate() {
-                let (right, bounds) = (
-                    oracle.skin(vertex, &palette.value),
-                    tolerance::skin(vertex, palette, ARITHMETIC),
-                );
+            for (v, vertex) in self.subject.skin.vertices().enumerate() {
+                let right = vertex.skinned(&palette.value);
+                let bounds = tolerance::skin(&vertex, palette, ARITHMETIC);
                 for c in 0..3 {
                     let at = 3 * v + c;
                     positions.add(found[0][at], right.position[c], bounds.position[c]);

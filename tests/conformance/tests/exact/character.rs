@@ -6,8 +6,6 @@ use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use sinew_trainer::envelope::blend::Weights;
-use sinew_trainer::envelope::motion::{to_nalgebra, transform};
-use sinew_trainer::envelope::oracle::after;
 use sinew_trainer::envelope::rotational::Options;
 use sinew_trainer::envelope::rotational::keys;
 use sinew_trainer::envelope::rotational::merge::MergeTree;
@@ -18,6 +16,7 @@ use sinew_trainer::envelope::rotational::{ProxyCount, proxies};
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::weights;
 use sinew_trainer::examples::{Examples, Importance};
+use sinew_trainer::numeric::affine::{after, from_rows, homogeneous, to_rows};
 use sinew_trainer::numeric::basis::basis;
 use sinew_trainer::progress::Silent;
 
@@ -103,7 +102,7 @@ impl Character {
         let position = |v: usize| {
             let blended: Matrix3x4<f64> =
                 self.proxies.of(v).map(|(l, weight)| transforms[l] * weight).sum();
-            transform(&blended, &self.training.rest[v])
+            blended * homogeneous(&self.training.rest[v])
         };
         (0..self.training.rest.len()).map(position).collect()
     }
@@ -118,11 +117,10 @@ pub(crate) fn moved_examples(examples: &Examples) -> (Examples, Vec<Matrix3x4<f6
     let mut moved = examples.clone();
     let (vertex_len, joint_len) = (examples.vertex_len(), examples.joint_len());
     for (at, vertex) in moved.vertices.iter_mut().enumerate() {
-        *vertex = transform(&motions[at / vertex_len], vertex).into();
+        *vertex = (motions[at / vertex_len] * homogeneous(vertex)).into();
     }
     for (at, transform) in moved.transforms.iter_mut().enumerate() {
-        let product = after(&motions[at / joint_len], &to_nalgebra(transform));
-        *transform = [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| product[(r, c)]));
+        *transform = to_rows(&after(&motions[at / joint_len], &from_rows(transform)));
     }
     (moved, motions)
 }

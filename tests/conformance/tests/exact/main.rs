@@ -18,11 +18,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Certificate;
-use sinew_trainer::bake::bake;
 use sinew_trainer::envelope::fitted::Fitted;
 use sinew_trainer::envelope::helpers::{self, correction::Search};
-use sinew_trainer::envelope::motion::to_nalgebra;
-use sinew_trainer::envelope::oracle::{Oracle, after, linear};
+use sinew_trainer::envelope::model::EnvelopeModel;
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::rotational::predictor::predict_stacked;
 use sinew_trainer::envelope::rotational::reduce::{Anchors, Reduced};
@@ -31,6 +29,7 @@ use sinew_trainer::envelope::rotational::{self, Options};
 use sinew_trainer::envelope::targets::Targets;
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::examples::{Examples, Importance, Split};
+use sinew_trainer::numeric::affine::{after, from_rows, linear};
 use sinew_trainer::progress::Silent;
 
 type Transform = Matrix3x4<f64>;
@@ -114,7 +113,7 @@ fn a_rigid_motion_of_the_examples_moves_the_palette_by_the_root() {
             let scale = |c: usize| if c == 3 { *unit } else { 1.0 };
             Transform::from_fn(|r, c| palette[(3 * i + r, 4 * l + c)] * scale(c))
         };
-        let root_of = |pose: &[[[f64; 4]; 3]]| to_nalgebra(&pose[root]);
+        let root_of = |pose: &[[[f64; 4]; 3]]| from_rows(&pose[root]);
         let (still_root, moved_root) = (root_of(examples.pose(frame)), root_of(moved.pose(frame)));
         for l in 0..character.proxy_len() {
             let expected = after(&motions[frame], &after(&still_root, &at(&palettes[0], l)));
@@ -157,30 +156,28 @@ fn a_file_evaluates_as_it_was_fitted() {
     let rotational = rotational::fit(&training, &options, &Silent).unwrap();
     let helpers = helpers::fit::fit(&training, 9, 4).unwrap();
     let base = &rotational.unrefined;
-    let corrected = |mut fitted: Fitted, target| {
-        fitted.groups = Search::new(target, &Silent).fit(usize::MAX).unwrap().groups;
-        fitted
-    };
+    let groups = |target| Search::new(target, &Silent).fit(usize::MAX).unwrap().groups;
+    let fitted = || rotational.fitted(&training, base);
     for fitted in [
-        rotational.fitted(base),
-        corrected(helpers.fitted(), helpers.target(&training)),
-        corrected(rotational.fitted(base), rotational.target(base, &training)),
+        fitted(),
+        helpers.fitted(&training, groups(helpers.target(&training))),
+        fitted().with(groups(rotational.target(base, &training))),
     ] {
         evaluates_as_fitted(&examples, &training, &fitted);
     }
 }
 
 fn evaluates_as_fitted(examples: &Examples, training: &Training, fitted: &Fitted) {
-    let bytes = bake(&fitted.parts(training, examples, Certificate::default())).unwrap();
+    let bytes = fitted.file_model(training, examples, Certificate::default()).bake().unwrap();
     let model = Model::from_bytes(bytes).unwrap();
-    let oracle = Oracle::new(&model.envelope().unwrap(), None);
+    let oracle = EnvelopeModel::from_file(&model.envelope().unwrap());
     let frames: Vec<_> = (0..examples.frame_len()).collect();
     let (poses, _) = training.view(examples, &frames);
-    let expected = fitted.palette(training, &poses);
+    let expected = fitted.envelope.palettes(&poses);
     for frame in frames {
-        let pose: Vec<_> = examples.pose(frame).iter().map(to_nalgebra).collect();
+        let pose: Vec<_> = examples.pose(frame).iter().map(from_rows).collect();
         let none = vec![[0.0; 3]; pose.len()];
-        let root = pose[oracle.root];
+        let root = pose[oracle.skeleton.root()];
         // The file's numbers are off by u each: less than what an evaluation in f32 rounds.
         let (found, _) = whole(&oracle, &Inexact::exact(pose), &none, Arithmetic::IEEE);
         for (l, (transform, error)) in found.value.iter().zip(&found.error).enumerate() {

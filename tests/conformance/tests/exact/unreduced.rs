@@ -6,9 +6,9 @@ use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_trainer::envelope::blend::Weights;
-use sinew_trainer::envelope::motion::transform;
 use sinew_trainer::envelope::rotational::poisson::Poisson;
 use sinew_trainer::envelope::rotational::reduce::Reduction;
+use sinew_trainer::numeric::affine::homogeneous;
 
 const COLUMNS: usize = 5;
 const ROWS: usize = 6;
@@ -63,7 +63,7 @@ fn the_reduction_of_nothing_is_the_full_reconstruction() {
                 triangles.iter().map(|_| Matrix3::from_fn(|_, _| entry())).collect();
             let q: Vec<_> = (0..JOINTS).map(|_| Matrix3x4::from_fn(|_, _| entry())).collect();
             let lbs = |v: usize| -> Vector3<f64> {
-                joints.of(v).map(|(j, w)| transform(&q[j], &rest[v]) * w).sum()
+                joints.of(v).map(|(j, w)| q[j] * homogeneous(&rest[v]) * w).sum()
             };
             let known: Vec<_> = (0..rest.len()).map(lbs).collect();
             let expected = poisson.reconstruct(&gradients, &known);
@@ -71,7 +71,7 @@ fn the_reduction_of_nothing_is_the_full_reconstruction() {
             d.resize(reduction.proxy_len, Matrix3::zeros());
             let transforms = crate::transforms(&reduced, &d, &q);
             for vertex in (0..rest.len()).filter(|&v| !fixed[v]) {
-                let found = transform(&transforms[vertex], &rest[vertex]);
+                let found = transforms[vertex] * homogeneous(&rest[vertex]);
                 let error = (found - expected[vertex]).norm();
                 assert!(error <= PSEUDO_SOLVED, "vertex {vertex}, F {share}: {error}");
             }

@@ -170,11 +170,11 @@ impl Spoil<'_> {
                 Step::Skin { palettes, skin, out },
             ) => {
                 let Some(vertex) = skin.vertices.clone().last() else { return };
-                let vertex = &oracle.vertices[vertex];
+                let vertex = self.subject.skin.vertex(vertex);
                 for (i, palette) in palettes.chunks(envelope.palette_len()).enumerate() {
                     let palette = exact(palette);
-                    let right = oracle.skin(vertex, &palette.value);
-                    let bounds = tolerance::skin(vertex, &palette, IEEE);
+                    let right = vertex.skinned(&palette.value);
+                    let bounds = tolerance::skin(&vertex, &palette, IEEE);
                     let (attribute, expected, tolerance) = match (self.output, right.tangent) {
                         (Output::Positions, _) => {
                             (skin.positions, right.position[0], bounds.position[0])

@@ -1,13 +1,12 @@
 //! The candidates for a group's kernel map, chosen by folds of the training poses.
 
+use super::super::model::{Group, Input};
 use super::super::motion::Poses;
-use super::features::{Input, Joints};
-use super::group::Group;
+use super::features::Joints;
 use super::metric::Metric;
 use super::stacked::map_of;
 use super::target::Target;
 use crate::kernel::function::SMOOTHEST_FIRST;
-use crate::kernel::map::KernelMap;
 use crate::kernel::ridge::{Choice, Fitted, Outputs, Samples, Trial, WIDTHS};
 use faer::Mat;
 use nalgebra::Matrix3;
@@ -109,13 +108,7 @@ impl Candidates {
 
     /// Returns a group without a map.
     pub fn nothing(&self) -> Group {
-        Group {
-            joint: self.joint,
-            proxies: self.proxies.clone(),
-            inputs: Vec::new(),
-            map: KernelMap::nothing(),
-            outputs: Mat::zeros(12 * self.proxies.len(), 0),
-        }
+        Group::nothing(self.joint, self.proxies.clone())
     }
 
     /// Fits a size; also gives what each pose's latent outputs are predicted to be without its

@@ -5,9 +5,11 @@
 //! latent ones, the leading directions of what is left over, measured where the skin is.
 
 use super::super::folds::folds;
+use super::super::model::Group;
+use super::super::motion::Poses;
 use super::candidates::{Candidates, GroupReport};
-use super::group::Group;
 use super::target::Target;
+use crate::numeric::affine::linear;
 use crate::progress::Progress;
 use faer::Mat;
 use rayon::prelude::*;
@@ -101,13 +103,26 @@ impl<'a> Search<'a> {
         for (group, report, predicted) in fitted {
             for pose in 0..poses.len() {
                 let latents: Vec<f64> = predicted.row(pose).iter().copied().collect();
-                group.add(&latents, poses, pose, &mut out.validated);
+                add(&group, &latents, (poses, pose), &mut out.validated);
             }
             out.bytes += report.bytes;
             out.groups.push(group);
             out.reports.push(report);
         }
         Some(out)
+    }
+}
+
+/// Adds `Q_dom K` of latent values to a pose's row of maps.
+fn add(group: &Group, latents: &[f64], (poses, pose): (&Poses, usize), out: &mut Mat<f64>) {
+    let turn = linear(poses.map(pose, group.joint));
+    for (proxy, map) in group.proxies.clone().zip(group.maps(latents)) {
+        let added = turn * map;
+        for c in 0..4 {
+            for r in 0..3 {
+                out[(3 * pose + r, 4 * proxy + c)] += added[(r, c)];
+            }
+        }
     }
 }
 
@@ -130,9 +145,6 @@ mod tests {
     use super::super::fit;
     use super::*;
     use crate::demo::{DemoOptions, demo};
-    use crate::envelope::helpers::group::predict;
-    use crate::envelope::helpers::stacked::bases;
-    use crate::envelope::motion::Poses;
     use crate::envelope::targets::Targets;
     use crate::envelope::training::Training;
     use crate::examples::Importance;
@@ -156,10 +168,8 @@ mod tests {
                 trajectories: &moved,
                 importance: Importance::ALIKE,
             };
-            let joints = poses.stacked();
-            let added = predict(&correction.groups, &poses, training.joints());
-            let maps = bases(&joints, &helpers.dominant) + added;
-            (targets.rms(&faer::concat![[joints, maps]]), correction.bytes)
+            let fitted = helpers.fitted(&training, correction.groups);
+            (targets.rms(&fitted.envelope.palettes(&poses)), correction.bytes)
         };
         let (best, all) = of(usize::MAX);
         let (smaller, some) = of(all / 3);
@@ -180,8 +190,12 @@ mod tests {
         let mut still = examples.clone();
         still.transforms.fill([[1.0, 0., 0., 0.], [0., 1.0, 0., 0.], [0., 0., 1.0, 0.]]);
         let rest = Poses::new(&still, &[0]);
-        let groups = search.fit(usize::MAX).unwrap().groups;
-        assert!(predict(&groups, &rest, training.joints()).norm_max() < 1e-12);
+        let fitted = helpers.fitted(&training, search.fit(usize::MAX).unwrap().groups);
+        let palette = fitted.envelope.palettes(&rest);
+        let len = palette.ncols() / 4;
+        let identity = |row: usize, column: usize| f64::from(u8::from(row % 3 == column % 4));
+        let off = palette - Mat::from_fn(3, 4 * len, identity);
+        assert!(off.norm_max() < 1e-12);
     }
 
     #[test]

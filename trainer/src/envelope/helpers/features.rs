@@ -1,9 +1,9 @@
 //! Pose features: what the kernel maps take for inputs (METHOD §1.9).
 
+use super::super::model::Input;
 use super::super::motion::Poses;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
-use serde::Serialize;
 
 /// Weight of a displacement, in diagonals, against a rotation's entries.
 const DISPLACEMENT: f64 = 3.0;
@@ -19,22 +19,6 @@ pub struct Joints<'a> {
     pub parents: &'a [Option<usize>],
     /// Rest origin of each joint, as the training sees it.
     pub origins: &'a [Vector3<f64>],
-}
-
-/// One weighted feature.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Input {
-    /// 12 j + 4 r + c: entry r, c of joint j's `[R - I | displacement]`.
-    pub feature: usize,
-    /// What it is multiplied by, in training units.
-    pub weight: f64,
-}
-
-impl Input {
-    /// Whether it is a coordinate of a displacement.
-    pub fn is_displacement(&self) -> bool {
-        self.feature % 4 == 3
-    }
 }
 
 impl Joints<'_> {

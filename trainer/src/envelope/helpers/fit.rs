@@ -1,13 +1,14 @@
 //! The fit of helpers to the training frames (METHOD §1.9).
 
 use super::super::blend::{Items, Maps, Weights, fit_maps, fit_weights};
-use super::super::fitted::{Base, Fitted};
+use super::super::fitted::Fitted;
+use super::super::model::Group;
 use super::super::motion::Poses;
-use super::super::rotational::reduce::homogeneous;
 use super::super::rotational::refine::gram;
 use super::super::training::Training;
 use super::stacked::{bases, set_map};
 use super::target::Target;
+use crate::numeric::affine::homogeneous;
 use crate::numeric::basis::basis;
 use crate::numeric::cluster::cluster;
 use faer::Mat;
@@ -161,13 +162,16 @@ fn split(weights: &Weights, joint_len: usize) -> (Weights, Weights) {
 }
 
 impl Helpers {
-    /// The envelope before any correction.
-    pub fn fitted(&self) -> Fitted {
-        Fitted {
-            weights: self.weights.clone(),
-            base: Base::Joints(self.dominant.clone()),
-            groups: Vec::new(),
-        }
+    /// The envelope with a correction, whose groups hold the helpers.
+    pub fn fitted(&self, training: &Training, groups: Vec<Group>) -> Fitted {
+        Fitted::new(training, self.weights.clone(), None).with(groups)
+    }
+
+    /// The palette of poses before any correction, 3n x 4(J + P).
+    pub fn base(&self, poses: &Poses) -> Mat<f64> {
+        let joints = poses.stacked();
+        let helpers = bases(&joints, &self.dominant);
+        faer::concat![[joints, helpers]]
     }
 
     /// What the joints leave over for a correction to learn.

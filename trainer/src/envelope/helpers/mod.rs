@@ -5,7 +5,6 @@ pub mod candidates;
 pub mod correction;
 pub mod features;
 pub mod fit;
-pub mod group;
 pub mod metric;
 pub mod stacked;
 pub mod target;

@@ -1,7 +1,8 @@
 //! Further meshes as skins of a model's file.
 
 use super::follow::{Influences, Level, LevelError, LevelReport, Surface};
-use crate::bake::{BakeError, ModelParts, SkinParts, bake};
+use crate::bake::BakeError;
+use crate::envelope::model::{FileModel, SkinModel};
 use crate::examples::{Examples, Split, normals, tangents};
 use crate::posed::{FrameError, influences, palette, rest, skin_on};
 use rayon::prelude::*;
@@ -44,15 +45,17 @@ pub fn check_names(levels: &[Level]) -> Result<(), LevelError> {
 /// # Errors
 /// Every [`AddError`].
 pub fn add(
-    parts: &mut ModelParts,
+    model: &mut FileModel,
     levels: &[Level],
     examples: &Examples,
 ) -> Result<Vec<LevelReport>, AddError> {
     if levels.is_empty() {
         return Ok(Vec::new());
     }
-    let model = Model::from_bytes(bake(parts)?)?;
-    let Some((envelope, skin)) = model.envelope().zip(model.skin()) else { return Ok(Vec::new()) };
+    let loaded = Model::from_bytes(model.bake()?)?;
+    let Some((envelope, skin)) = loaded.envelope().zip(loaded.skin()) else {
+        return Ok(Vec::new());
+    };
     let frames = examples.frames_of(Split::Train);
     let posed = frames.par_iter().map(|&frame| {
         let (palette, _) = palette(&envelope, examples, frame)?;
@@ -74,25 +77,25 @@ pub fn add(
         levels.iter().map(|level| surface.follow(level)).collect::<Result<_, _>>()?;
     let (influences, reports): (Vec<_>, Vec<_>) = followed.into_iter().unzip();
     for (level, influences) in levels.iter().zip(influences) {
-        parts.skins.push(skin_parts(level, influences));
+        model.skins.push(skin_of(level, influences));
     }
     Ok(reports)
 }
 
 /// Adds as many bytes as meshes can take at the most: before it is known what they follow.
-pub fn reserve(parts: &mut ModelParts, levels: &[Level]) {
-    let all = parts.skins.first().map_or(&[][..], |skin| &skin.influences);
+pub fn reserve(model: &mut FileModel, levels: &[Level]) {
+    let all = model.skins.first().map_or(&[][..], |skin| &skin.influences);
     let most = all.iter().map(Vec::len).max().unwrap_or(0);
     for level in levels {
         let any = vec![(0, 1.0); most];
-        parts.skins.push(skin_parts(level, vec![any; level.mesh.positions.len()]));
+        model.skins.push(skin_of(level, vec![any; level.mesh.positions.len()]));
     }
 }
 
-fn skin_parts(level: &Level, influences: Influences) -> SkinParts {
+fn skin_of(level: &Level, influences: Influences) -> SkinModel {
     let Level { name, mesh } = level;
     let tangents = mesh.uv.as_ref().map(|uv| tangents(&mesh.positions, &mesh.triangles, uv));
-    SkinParts {
+    SkinModel {
         name: name.clone(),
         envelope: Some(0),
         rest_positions: mesh.positions.clone(),

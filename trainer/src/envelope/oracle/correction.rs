@@ -1,12 +1,11 @@
-//! The stages of the correction.
+//! The stages of the correction (METHOD §1.9).
 
-use super::group::Group;
-use super::maps::{linear, seen_from};
-use super::model::Oracle;
+use crate::envelope::model::{EnvelopeModel, Group};
 use crate::kernel::map::Value;
-use nalgebra::{DVector, Matrix3x4};
+use crate::numeric::affine::{linear, seen_from};
+use nalgebra::{Matrix3x4, Vector3};
 
-impl Oracle {
+impl EnvelopeModel {
     /// Returns the base of the kernel predictor's palette: the J joints, then for each helper its
     /// dominant joint.
     pub fn joints(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
@@ -19,14 +18,15 @@ impl Oracle {
     pub fn features(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
         let of_joint = |(joint, parent): (usize, &Option<usize>)| {
             parent.map_or(Matrix3x4::zeros(), |parent| {
+                let origin = self.origin(joint);
                 let mut apart = seen_from(&pose[parent], &pose[joint]);
-                let moved = apart * self.origins[joint].push(1.0) - self.origins[joint];
+                let moved = apart * origin.push(1.0) - origin;
                 apart -= Matrix3x4::identity();
                 apart.set_column(3, &moved);
                 apart
             })
         };
-        self.parents.iter().enumerate().map(of_joint).collect()
+        self.skeleton.parents.iter().enumerate().map(of_joint).collect()
     }
 
     /// Adds `Q_dom K` to the palette's last P maps; returns them all, and the least confidence of
@@ -41,18 +41,17 @@ impl Oracle {
         let mut least = 1.0;
         for group in self.groups.iter().filter(|group| group.has_centres()) {
             let Value { outputs, confidence } = group.map.evaluate(&group.input(features));
-            let maps = &group.outputs * DVector::from_vec(outputs) * confidence;
             let proxies = &mut palette[first..][group.proxies.clone()];
-            for (out, map) in proxies.iter_mut().zip(Group::maps(&maps)) {
-                *out += linear(&pose[group.joint]) * map;
+            for (out, map) in proxies.iter_mut().zip(group.maps(&outputs)) {
+                *out += linear(&pose[group.joint]) * map * confidence;
             }
             least = confidence.min(least);
         }
         (palette, least)
     }
 
-    /// Returns the place of the first proxy in the palette.
-    pub fn first_proxy(&self) -> usize {
-        if self.predictor.reconstructs() { 0 } else { self.parents.len() }
+    /// Returns a joint's rest origin.
+    pub fn origin(&self, joint: usize) -> Vector3<f64> {
+        self.skeleton.rest[joint].map(|row| row[3]).into()
     }
 }

@@ -11,9 +11,10 @@ use super::validation::Validation;
 use super::{choose, keys, merge, proxies, validation};
 use crate::envelope::FitError;
 use crate::envelope::blend::Weights;
-use crate::envelope::fitted::{Base, Fitted};
+use crate::envelope::fitted::Fitted;
 use crate::envelope::folds::folds;
 use crate::envelope::helpers::target::Target;
+use crate::envelope::model::{Key, Reconstruction};
 use crate::envelope::motion::Poses;
 use crate::envelope::training::Training;
 use crate::numeric::basis;
@@ -28,20 +29,20 @@ pub struct Rotational {
     pub weights: Weights,
     /// Dominant joint of each proxy, P, ascending.
     pub dominant: Vec<usize>,
-    /// The key predictors, P.
-    pub keys: Vec<GradientPredictor>,
+    /// The keys, P.
+    pub keys: Vec<Key>,
     /// Σ φ φᵀ over the vertices, 4P x 4P.
     pub gram: Mat<f64>,
     /// The reconstruction as S3 gives it.
-    pub unrefined: Reconstruction,
+    pub unrefined: Variant,
     /// The same, refined on the training meshes.
-    pub refined: Option<Reconstruction>,
+    pub refined: Option<Variant>,
     /// How it was fitted.
     pub report: Report,
 }
 
 /// A reduced reconstruction, and how far it comes.
-pub struct Reconstruction {
+pub struct Variant {
     /// c1 and c2.
     pub reduced: Reduced,
     /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
@@ -94,12 +95,11 @@ pub struct KeyChoice {
 
 impl KeyChoice {
     fn new(predictor: &GradientPredictor) -> Self {
-        let rotation = &predictor.rotation;
         Self {
-            joint: rotation.joint,
-            residual_joint: rotation.residual.map(|(joint, _)| joint),
-            errors: rotation.errors.clone(),
-            residual_errors: rotation.residual_errors.clone(),
+            joint: predictor.key.joint,
+            residual_joint: predictor.key.residual.map(|(joint, _)| joint),
+            errors: predictor.errors.clone(),
+            residual_errors: predictor.residual_errors.clone(),
         }
     }
 }
@@ -113,7 +113,8 @@ pub fn fit(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Rotational, FitError> {
-    let Training { rest, triangles, parents, poses, trajectories: moved, lbs, .. } = training;
+    let Training { rest, triangles, poses, trajectories: moved, lbs, .. } = training;
+    let parents = &training.skeleton.parents;
     let (joints, lbs_errors) = (&lbs.weights, &lbs.errors);
     progress.step("trajectory basis", 1);
     let basis = basis::basis(moved);
@@ -164,7 +165,7 @@ pub fn fit(
     });
     let reconstruction = |reduced: Reduced, refinement| {
         let of_folds = validation.maps(&unrefined, &projection, refinement);
-        Reconstruction {
+        Variant {
             validated: validation.join(&of_folds),
             left_over: projection.residual(&reduced.palette(&predicted, poses)),
             left_over_without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
@@ -195,7 +196,7 @@ pub fn fit(
         refined: refined.map(|(reduced, strength)| reconstruction(reduced, Some(strength))),
         weights: proxies.weights,
         dominant,
-        keys: predictors,
+        keys: predictors.into_iter().map(|predictor| predictor.key).collect(),
         gram: projection.gram.clone(),
         report,
     })
@@ -214,16 +215,14 @@ fn joint_maps(joints: &Weights, poses: &Poses) -> Mat<f64> {
 
 impl Rotational {
     /// The envelope with one of its reconstructions.
-    pub fn fitted(&self, base: &Reconstruction) -> Fitted {
-        Fitted {
-            weights: self.weights.clone(),
-            base: Base::Reconstruction(self.keys.clone(), base.reduced.clone()),
-            groups: Vec::new(),
-        }
+    pub fn fitted(&self, training: &Training, base: &Variant) -> Fitted {
+        let Reduced { c1, c2 } = base.reduced.clone();
+        let reconstruction = Reconstruction { keys: self.keys.clone(), c1, c2 };
+        Fitted::new(training, self.weights.clone(), Some(reconstruction))
     }
 
     /// What one of its reconstructions leaves over for a correction to learn.
-    pub fn target<'a>(&'a self, base: &'a Reconstruction, training: &'a Training) -> Target<'a> {
+    pub fn target<'a>(&'a self, base: &'a Variant, training: &'a Training) -> Target<'a> {
         Target {
             poses: &training.poses,
             joints: training.joints(),

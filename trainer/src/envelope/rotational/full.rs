@@ -3,13 +3,14 @@
 
 use super::super::FitError;
 use super::super::blend::Weights;
-use super::super::motion::{Poses, to_nalgebra, trajectories};
+use super::super::motion::{Poses, trajectories};
 use super::super::weights::{self, BASELINE_INFLUENCES};
 use super::choose::near_rigid;
 use super::gradient::gradient;
 use super::poisson::{Poisson, PoissonError};
 use super::predictor::GradientPredictor;
 use crate::examples::{Examples, Split};
+use crate::numeric::affine::from_rows;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
@@ -61,8 +62,7 @@ impl<'a> Full<'a> {
     pub fn reconstruct(&self, frame: usize) -> Vec<Vector3<f64>> {
         let poses = Poses::new(self.examples, &[frame]);
         let pose = self.examples.pose(frame);
-        let root: Matrix3<f64> =
-            to_nalgebra(&pose[poses.root()]).fixed_columns::<3>(0).into_owned();
+        let root: Matrix3<f64> = from_rows(&pose[poses.root()]).fixed_columns::<3>(0).into_owned();
         let gradients: Vec<_> =
             self.predictors.iter().map(|predictor| root * predictor.predict(&poses, 0)).collect();
         let skinned: Vec<_> = (0..self.examples.vertex_len())

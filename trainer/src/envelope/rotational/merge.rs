@@ -5,8 +5,8 @@
 //! neighbour B, by `E_{A→B} = Σ_{a∈A} |y_a - T_B x̂_a|²`, is made again and again, and B's map is
 //! refitted. A group is known by the sums of its points' outer products, so a merge adds them.
 
-use super::reduce::homogeneous;
 use super::surface::Surface;
+use crate::numeric::affine::homogeneous;
 use nalgebra::Matrix4;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};

@@ -1,21 +1,24 @@
 //! The gradient predictor of one sequence: rotation times scale and shear (METHOD §1.5).
 
-use super::super::motion::Poses;
 use super::gradient::polar_sequence;
 use super::rotation::{RotationPredictor, Solver};
-use super::scale_shear::{self, ShearMatrix};
+use super::scale_shear;
+use crate::envelope::model::Key;
+use crate::envelope::motion::Poses;
 use faer::Mat;
 use nalgebra::Matrix3;
 
-/// `D(q) = Q_p exp(u W θ_b) [exp(u' W' θ_c)] S(q)`.
+/// A key, and how every joint would have done in its place.
 #[derive(Clone, Debug)]
 pub struct GradientPredictor {
-    /// The rotation's part.
-    pub rotation: RotationPredictor,
+    /// `D(q) = Q_p exp(u W θ_b) [exp(u' W' θ_c)] S(q)`.
+    pub key: Key,
     /// b's parent.
     pub parent: Option<usize>,
-    /// The scale and shear's part.
-    pub shear: ShearMatrix,
+    /// Σ|R - R_pred|² of each joint as b, J.
+    pub errors: Vec<f64>,
+    /// Σ|R - R_pred|² of each joint as c, J; b's own is that without c.
+    pub residual_errors: Vec<f64>,
 }
 
 impl GradientPredictor {
@@ -23,17 +26,17 @@ impl GradientPredictor {
     pub fn fit(poses: &Poses, parents: &[Option<usize>], gradients: &[Matrix3<f64>]) -> Self {
         let (rotations, stretches): (Vec<_>, Vec<_>) =
             polar_sequence(gradients).into_iter().unzip();
-        let rotation = RotationPredictor::fit(poses, &rotations, Solver::ClosedForm);
-        let parent = parents[rotation.joint];
-        let shear = scale_shear::fit(poses, rotation.joint, parent, stretches.into_iter());
-        Self { rotation, parent, shear }
+        let RotationPredictor { joint, twist, residual, errors, residual_errors } =
+            RotationPredictor::fit(poses, &rotations, Solver::ClosedForm);
+        let parent = parents[joint];
+        let shear = scale_shear::fit(poses, joint, parent, stretches.into_iter());
+        Self { key: Key { joint, twist, residual, shear }, parent, errors, residual_errors }
     }
 
     /// Predicts the gradient of a pose, relative to the root.
     pub fn predict(&self, poses: &Poses, pose: usize) -> Matrix3<f64> {
-        let joint = self.rotation.joint;
-        let stretch = scale_shear::predict(&self.shear, poses, pose, joint, self.parent);
-        self.rotation.predict(poses, pose) * stretch
+        let parent = *poses.parent_rotation(pose, self.key.joint);
+        self.key.factors(parent, |joint| poses.angle(pose, joint), self.parent).gradient()
     }
 }
 
@@ -80,10 +83,11 @@ mod tests {
             (sum / poses.len() as f64).sqrt()
         };
         let error = rms(&|i| fitted.predict(&poses, i));
-        let one_joint = RotationPredictor { residual: None, ..fitted.rotation.clone() };
+        let mut one_joint = fitted.clone();
+        one_joint.key.residual = None;
         let alone = rms(&|i| one_joint.predict(&poses, i));
         assert!(error < 0.5 * alone, "{error} against {alone}");
-        let used = [Some(fitted.rotation.joint), fitted.rotation.residual.map(|(j, _)| j)];
+        let used = [Some(fitted.key.joint), fitted.key.residual.map(|(j, _)| j)];
         assert!(used.contains(&Some(joint)) && used.contains(&Some(residual)), "{used:?}");
         let stacked = predict_stacked(std::slice::from_ref(&fitted), &poses);
         assert_eq!(stacked[(3 * 7 + 1, 2)], fitted.predict(&poses, 7)[(1, 2)]);

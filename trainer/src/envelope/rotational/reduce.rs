@@ -5,6 +5,7 @@
 
 use super::super::blend::Weights;
 use super::super::motion::Poses;
+use crate::numeric::affine::homogeneous;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use nalgebra::{Matrix4, Vector3, Vector4};
@@ -202,51 +203,6 @@ impl Reduction<'_> {
 }
 
 impl Reduced {
-    /// Restates c1 and c2, fitted with lengths in a unit, for lengths in units of the input.
-    pub fn from_units_of(mut self, unit: f64) -> Self {
-        let is_translation = |index: usize| index % 4 == 3;
-        for row in 0..self.c2.nrows() {
-            let scale = if is_translation(row) { unit } else { 1.0 };
-            for column in 0..self.c1.ncols() {
-                self.c1[(row, column)] *= scale;
-            }
-            for column in 0..self.c2.ncols() {
-                self.c2[(row, column)] *= scale / if is_translation(column) { unit } else { 1.0 };
-            }
-        }
-        self
-    }
-
-    /// Restates c1 and c2, fitted with positions measured from a centre, for those of the input.
-    ///
-    /// About the centre o, a map `[Q | d]` is `[Q | d + Qo - o]`. The root's block of q is `[I | 0]`,
-    /// so it carries the constant o.
-    pub fn from_centre(mut self, centre: [f64; 3], root: usize) -> Self {
-        let (c1, c2) = (&mut self.c1, &mut self.c2);
-        for row in 0..c2.nrows() {
-            for joint in 0..c2.ncols() / 4 {
-                let shift = c2[(row, 4 * joint + 3)];
-                for (axis, o) in centre.iter().enumerate() {
-                    c2[(row, 4 * joint + axis)] += o * shift;
-                    c2[(row, 4 * root + axis)] -= o * shift;
-                }
-            }
-        }
-        for proxy in 0..c2.nrows() / 4 {
-            let shift = 4 * proxy + 3;
-            for (axis, o) in centre.iter().enumerate() {
-                for column in 0..c1.ncols() {
-                    c1[(shift, column)] -= o * c1[(4 * proxy + axis, column)];
-                }
-                for column in 0..c2.ncols() {
-                    c2[(shift, column)] -= o * c2[(4 * proxy + axis, column)];
-                }
-                c2[(shift, 4 * root + axis)] += o;
-            }
-        }
-        self
-    }
-
     /// Evaluates `t = c1 d + c2 q` of n poses: gradients 3n x 3P (columns 3l..3l+3 are key l) to
     /// maps 3n x 4P (columns 4l..4l+4 are proxy l).
     pub fn palette(&self, gradients: &Mat<f64>, poses: &Poses) -> Mat<f64> {
@@ -265,11 +221,6 @@ impl NormalEquations {
             Err(_) => f64::INFINITY,
         }
     }
-}
-
-/// `[x 1]`.
-pub fn homogeneous(x: &[f64; 3]) -> Vector4<f64> {
-    Vector4::new(x[0], x[1], x[2], 1.0)
 }
 
 /// Σ h hᵀ over the corners of a regular tetrahedron of a given radius about a centre.

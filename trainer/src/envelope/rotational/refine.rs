@@ -8,7 +8,8 @@
 
 use super::super::motion::Poses;
 use super::super::targets::Targets;
-use super::reduce::{Reduced, homogeneous};
+use super::reduce::Reduced;
+use crate::numeric::affine::homogeneous;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use std::ops::Range;

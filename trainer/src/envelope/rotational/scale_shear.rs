@@ -1,22 +1,20 @@
 //! Scale and shear regression: `vec(S) - vec(I) = H [θ_b1; θ_b2]`, without bias, so that the rest
 //! pose gives S = I (METHOD §1.5, S3 §1.3).
 
+use super::super::model::angles;
 use super::super::motion::Poses;
-use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector6};
+use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector3, Vector6};
 
 /// Ridge on H, in squared radians per example.
 const RIDGE: f64 = 1e-3;
 
-/// H: rows are the entries xx, xy, xz, yy, yz, zz of S, columns θ_b1 and θ_b2.
-pub type ShearMatrix = Matrix6<f64>;
-
-/// Fits H to the stretches of one sequence; `parent` is b2, none for the root.
+/// Fits H (rows are the entries xx, xy, xz, yy, yz, zz of S, columns θ_b1 and θ_b2) to the stretches of one sequence; `parent` is b2, none for the root.
 pub fn fit(
     poses: &Poses,
     joint: usize,
     parent: Option<usize>,
     stretches: impl Iterator<Item = Matrix3<f64>>,
-) -> ShearMatrix {
+) -> Matrix6<f64> {
     let mut gram = Matrix6::zeros();
     let mut right = Matrix6::zeros();
     for (pose, stretch) in stretches.enumerate() {
@@ -32,22 +30,9 @@ pub fn fit(
     right * q * Matrix6::from_diagonal(&inverse) * q.transpose()
 }
 
-/// Predicts S for a pose.
-pub fn predict(
-    h: &ShearMatrix,
-    poses: &Poses,
-    pose: usize,
-    joint: usize,
-    parent: Option<usize>,
-) -> Matrix3<f64> {
-    let v = h * features(poses, pose, joint, parent);
-    Matrix3::new(v[0], v[1], v[2], v[1], v[3], v[4], v[2], v[4], v[5]) + Matrix3::identity()
-}
-
 fn features(poses: &Poses, pose: usize, joint: usize, parent: Option<usize>) -> Vector6<f64> {
-    let own = poses.angle(pose, joint);
-    let above = parent.map_or_else(nalgebra::Vector3::zeros, |p| *poses.angle(pose, p));
-    Vector6::new(own.x, own.y, own.z, above.x, above.y, above.z)
+    let above = parent.map_or_else(Vector3::zeros, |p| *poses.angle(pose, p));
+    angles(poses.angle(pose, joint), &above)
 }
 
 fn to_vector(s: &Matrix3<f64>) -> Vector6<f64> {
@@ -58,7 +43,7 @@ fn to_vector(s: &Matrix3<f64>) -> Vector6<f64> {
 mod tests {
     use super::*;
     use crate::demo::{DemoOptions, demo};
-    use nalgebra::Vector3;
+    use crate::envelope::model::stretch;
 
     #[test]
     fn a_stretch_linear_in_two_joints_is_recovered_and_rest_gives_none() {
@@ -77,7 +62,7 @@ mod tests {
         };
         let h = fit(&poses, joint, parents[joint], (0..poses.len()).map(truth));
         for pose in 0..poses.len() {
-            let found = predict(&h, &poses, pose, joint, parents[joint]);
+            let found = stretch(&h, &features(&poses, pose, joint, parents[joint]));
             assert!((found - truth(pose)).amax() < 5e-3, "pose {pose}");
         }
         assert_eq!(h * Vector6::zeros(), Vector6::zeros());

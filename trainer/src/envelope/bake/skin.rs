@@ -1,37 +1,16 @@
-//! A skin's parts, and how a file holds them.
+//! How a file holds a skin.
 
-use super::envelope::EnvelopeParts;
-use super::error::BakeError;
-use super::sections::{Sections, check_len, floats, names, narrow, words};
-use sinew_runtime::format::SectionKind;
+use crate::bake::sections::{check_len, floats, names, narrow, words};
+use crate::bake::{BakeError, Part};
+use crate::envelope::model::{EnvelopeModel, SkinModel};
+use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::skin::{NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
-use std::ops::Range;
 
-/// Everything that a skin holds: a mesh, and how it follows a palette.
-#[derive(Clone, Debug)]
-pub struct SkinParts {
-    /// Name of the part.
-    pub name: String,
-    /// Its envelope's number in [`super::ModelParts::envelopes`]; `None` for a mesh that follows none.
-    pub envelope: Option<usize>,
-    /// Rest positions, V.
-    pub rest_positions: Vec<[f64; 3]>,
-    /// Rest normals, V, of length 1 or 0.
-    pub rest_normals: Vec<[f64; 3]>,
-    /// Rest tangents of length 1 and, last, handedness, V.
-    pub rest_tangents: Option<Vec<[f64; 4]>>,
-    /// Influences of each vertex, V: palette index and weight. K is the longest list's length. Empty
-    /// without an envelope.
-    pub influences: Vec<Vec<(usize, f64)>>,
-    /// The meshes that it was made of, by name: ranges of vertices, one after the other.
-    pub ranges: Vec<(String, Range<usize>)>,
-}
-
-impl SkinParts {
-    /// Writes its sections.
+impl SkinModel {
+    /// Writes the part.
     ///
     /// - `envelope`: the one that it follows; it is the part of the number that [`Self::envelope`] has.
-    pub(super) fn sections(&self, envelope: Option<&EnvelopeParts>) -> Result<Sections, BakeError> {
+    pub(super) fn part(&self, envelope: Option<&EnvelopeModel>) -> Result<Part, BakeError> {
         let v = self.rest_positions.len();
         check_len("rest normals", v, self.rest_normals.len())?;
         check_len("rest tangents", v, self.rest_tangents.as_ref().map_or(v, Vec::len))?;
@@ -50,7 +29,7 @@ impl SkinParts {
             ranges.extend([narrow::<u32>("vertex", range.start)?, narrow("vertex", range.end)?]);
         }
         let all_names = [&self.name].into_iter().chain(self.ranges.iter().map(|(name, _)| name));
-        let palette_len = envelope.map_or(0, EnvelopeParts::palette_len);
+        let palette_len = envelope.map_or(0, EnvelopeModel::palette_len);
         let contents = [
             (SectionKind::SkinCounts, Some(words(&counts.words()))),
             (SectionKind::Names, Some(names(all_names)?)),
@@ -69,14 +48,14 @@ impl SkinParts {
         let own = contents.into_iter().filter(|(kind, _)| counts.has(*kind) != Some(false));
         let own = own
             .filter_map(|(kind, content)| Some((kind, counts.has(kind) == Some(true), content?)));
-        Ok(own.collect())
+        Ok(Part { kind: PartKind::Skin, sections: own.collect() })
     }
 }
 
 /// Writes K palette indices a vertex; those that are not used point to transform 0.
-fn indices(parts: &SkinParts, k: usize) -> Result<Vec<u8>, BakeError> {
+fn indices(skin: &SkinModel, k: usize) -> Result<Vec<u8>, BakeError> {
     let mut out = Vec::new();
-    for influences in &parts.influences {
+    for influences in &skin.influences {
         for slot in 0..k {
             let index = influences.get(slot).map_or(0, |&(index, _)| index);
             out.extend(narrow::<u16>("palette index", index)?.to_le_bytes());
@@ -86,9 +65,9 @@ fn indices(parts: &SkinParts, k: usize) -> Result<Vec<u8>, BakeError> {
 }
 
 /// Writes K weights a vertex, those that are not used as 0.
-fn weights(parts: &SkinParts, k: usize) -> Result<Vec<u8>, BakeError> {
+fn weights(skin: &SkinModel, k: usize) -> Result<Vec<u8>, BakeError> {
     let mut out = Vec::new();
-    for (vertex, influences) in parts.influences.iter().enumerate() {
+    for (vertex, influences) in skin.influences.iter().enumerate() {
         let sum = influences.iter().map(|&(_, weight)| weight).sum::<f64>();
         if !(sum > 0.0 && sum.is_finite()) {
             return Err(BakeError::Weights { vertex, sum });
@@ -101,9 +80,9 @@ fn weights(parts: &SkinParts, k: usize) -> Result<Vec<u8>, BakeError> {
 
 /// Computes the box of the rounded rest positions that each transform of the palette moves; min > max if
 /// it moves none.
-fn rest_boxes(parts: &SkinParts, rest_positions: &[[f32; 3]], palette_len: usize) -> Vec<u8> {
+fn rest_boxes(skin: &SkinModel, rest_positions: &[[f32; 3]], palette_len: usize) -> Vec<u8> {
     let mut boxes = vec![None::<([f32; 3], [f32; 3])>; palette_len];
-    for (influences, &x) in parts.influences.iter().zip(rest_positions) {
+    for (influences, &x) in skin.influences.iter().zip(rest_positions) {
         for &(index, weight) in influences {
             let Some(rest_box) = boxes.get_mut(index).filter(|_| weight > 0.0) else { continue };
             let (min, max) = rest_box.unwrap_or((x, x));

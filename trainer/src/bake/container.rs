@@ -1,64 +1,37 @@
 //! The container: parts in a file, sealed with its checksum.
 
-use super::envelope::EnvelopeParts;
 use super::error::BakeError;
 use super::sections::{Sections, narrow};
-use super::skin::SkinParts;
 use sinew_runtime::Model;
 use sinew_runtime::format::{
     ALIGNMENT, CHECKSUM_OFFSET, FEATURES, File, MAGIC, PartKind, PartRow, SectionRow, Space,
     VERSION, checksum,
 };
 
-/// Everything that a file holds, in f64 and in the examples' order.
-#[derive(Clone, Debug, Default)]
-pub struct ModelParts {
-    /// The space of all its numbers.
-    pub space: Space,
-    /// What predicts palettes.
-    pub envelopes: Vec<EnvelopeParts>,
-    /// The meshes that follow them.
-    pub skins: Vec<SkinParts>,
+/// A part of a file, written.
+pub struct Part {
+    /// Its kind.
+    pub kind: PartKind,
+    /// Its sections, in the order of its kind.
+    pub sections: Sections,
 }
 
-/// Bakes a model into a file and loads it once, so that what is returned is known to load.
-///
-/// Weights are divided by their sum, then rounded; all else is rounded as it is.
+/// Writes a file of parts and loads it once, so that what is returned is known to load.
 ///
 /// # Errors
-/// - [`BakeError::Length`]: arrays do not fit each other.
 /// - [`BakeError::Size`]: an index or a size does not fit the file.
-/// - [`BakeError::Hierarchy`]: joints do not form one tree.
-/// - [`BakeError::RestFrame`]: a rest frame is singular.
-/// - [`BakeError::Weights`]: a vertex has no positive sum of weights.
-/// - [`BakeError::NoEnvelope`]: a skin follows an envelope that is not there.
 /// - [`BakeError::Refused`]: anything else that the runtime would refuse, as a number that is not
 ///   finite.
-pub fn bake(parts: &ModelParts) -> Result<Vec<u8>, BakeError> {
-    let mut written = Vec::new();
-    for envelope in &parts.envelopes {
-        written.push((PartKind::Envelope, envelope.sections()?));
-    }
-    for (number, skin) in parts.skins.iter().enumerate() {
-        let envelope = match skin.envelope {
-            None => None,
-            Some(envelope) => Some(parts.envelopes.get(envelope).ok_or(BakeError::NoEnvelope {
-                skin: number,
-                envelope,
-                found: parts.envelopes.len(),
-            })?),
-        };
-        written.push((PartKind::Skin, skin.sections(envelope)?));
-    }
-    let bytes = assemble(parts.space, &written)?;
+pub fn bake(space: Space, parts: &[Part]) -> Result<Vec<u8>, BakeError> {
+    let bytes = assemble(space, parts)?;
     Model::from_bytes(&bytes).map_err(BakeError::Refused)?;
     Ok(bytes)
 }
 
 /// Lays sections out in a blob, writes the message, and seals it with its checksum.
-fn assemble(space: Space, parts: &[(PartKind, Sections)]) -> Result<Vec<u8>, BakeError> {
+fn assemble(space: Space, parts: &[Part]) -> Result<Vec<u8>, BakeError> {
     let (mut part_rows, mut rows, mut blob) = (Vec::new(), Vec::new(), Vec::new());
-    for (part, (kind, sections)) in parts.iter().enumerate() {
+    for (part, Part { kind, sections }) in parts.iter().enumerate() {
         part_rows.extend(PartRow::new(*kind).to_bytes());
         for (kind, required, content) in sections {
             blob.resize(blob.len().next_multiple_of(ALIGNMENT), 0);

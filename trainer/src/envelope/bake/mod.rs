@@ -1,0 +1,6 @@
+//! How a file holds envelopes and the skins that follow them.
+
+mod envelope;
+mod file;
+mod groups;
+mod skin;

@@ -1,0 +1,77 @@
+//! A key: the gradient of a patch of the skin, from the rotations of a joint or two (METHOD §1.4, §1.5).
+
+use crate::numeric::so3;
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+
+/// A key predictor: `D = Q_p exp(A θ_b) [exp(A' θ_c)] (I + sym(H [θ_b; θ_p]))`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// The joint b that it follows; p is b's parent.
+    pub joint: usize,
+    /// A = u W.
+    pub twist: Matrix3<f64>,
+    /// The residual joint c, and A' = u' W'.
+    pub residual: Option<(usize, Matrix3<f64>)>,
+    /// H, rows xx, xy, xz, yy, yz, zz.
+    pub shear: Matrix6<f64>,
+}
+
+/// What a key's gradient is the product of.
+pub struct Factors {
+    /// Q_p, I for the root.
+    pub parent: Matrix3<f64>,
+    /// A θ_b, radians.
+    pub twist: Vector3<f64>,
+    /// A' θ_c, radians.
+    pub residual: Option<Vector3<f64>>,
+    /// S.
+    pub stretch: Matrix3<f64>,
+}
+
+impl Key {
+    /// Evaluates the factors of its gradient.
+    ///
+    /// - `parent`: Q_p, I for the root.
+    /// - `angle`: θ of a joint; what stands for that of the root's parent is 0.
+    /// - `above`: b's parent.
+    pub fn factors<'a>(
+        &self,
+        parent: Matrix3<f64>,
+        angle: impl Fn(usize) -> &'a Vector3<f64>,
+        above: Option<usize>,
+    ) -> Factors {
+        let own = angle(self.joint);
+        let over = above.map_or(Vector3::zeros(), |p| *angle(p));
+        Factors {
+            parent,
+            twist: self.twist * own,
+            residual: self.residual.map(|(joint, twist)| twist * angle(joint)),
+            stretch: stretch(&self.shear, &angles(own, &over)),
+        }
+    }
+}
+
+impl Factors {
+    /// Multiplies them.
+    pub fn gradient(&self) -> Matrix3<f64> {
+        let turn = self.parent * so3::exp(&self.twist);
+        let turn = self.residual.map_or(turn, |angles| turn * so3::exp(&angles));
+        turn * self.stretch
+    }
+}
+
+/// Returns `[θ_b; θ_p]` of a joint b and its parent p.
+pub fn angles(own: &Vector3<f64>, above: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(own.x, own.y, own.z, above.x, above.y, above.z)
+}
+
+/// Returns S of the angles that H multiplies.
+pub fn stretch(shear: &Matrix6<f64>, angles: &Vector6<f64>) -> Matrix3<f64> {
+    Matrix3::identity() + symmetric(&(shear * angles))
+}
+
+/// Returns `[xx xy xz; xy yy yz; xz yz zz]`.
+pub fn symmetric(s: &Vector6<f64>) -> Matrix3<f64> {
+    let [xx, xy, xz, yy, yz, zz] = (*s).into();
+    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+}

@@ -1,0 +1,14 @@
+//! What a fit makes, in f64: what is baked, what the oracle evaluates, and what a file loads back into.
+
+mod envelope;
+mod file;
+mod group;
+mod key;
+mod restated;
+mod skin;
+
+pub use envelope::{EnvelopeModel, Reconstruction};
+pub use file::FileModel;
+pub use group::{Group, Input};
+pub use key::{Factors, Key, angles, stretch, symmetric};
+pub use skin::{SkinModel, Vertex};

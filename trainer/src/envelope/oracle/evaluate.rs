@@ -1,0 +1,39 @@
+//! From pose to palette.
+
+use crate::envelope::model::EnvelopeModel;
+use crate::envelope::motion::Poses;
+use faer::Mat;
+use nalgebra::Matrix3x4;
+
+impl EnvelopeModel {
+    /// Evaluates a pose of J skinning matrices from end to end: the palette, and the confidence in
+    /// it.
+    pub fn evaluate(&self, pose: &[Matrix3x4<f64>]) -> (Vec<Matrix3x4<f64>>, f64) {
+        if !self.predictor().reconstructs() {
+            return self.correct(pose, &self.features(pose), self.joints(pose));
+        }
+        let relative = self.relative(pose);
+        let rotations = self.rotations(&relative);
+        let gradients = self.gradients(&relative, &rotations);
+        let palette = self.palette(&pose[self.skeleton.root()], &relative, &gradients);
+        if self.predictor().corrects() {
+            return self.correct(pose, &self.features(pose), palette);
+        }
+        (palette, self.confidence(&rotations))
+    }
+
+    /// Evaluates n poses without the root's motion: palettes, 3n x 4 a transform.
+    pub fn palettes(&self, poses: &Poses) -> Mat<f64> {
+        let mut out = Mat::zeros(3 * poses.len(), 4 * self.palette_len());
+        for index in 0..poses.len() {
+            let (palette, _) = self.evaluate(poses.pose(index));
+            for (l, map) in palette.iter().enumerate() {
+                for c in 0..4 {
+                    let column = &mut out.col_as_slice_mut(4 * l + c)[3 * index..3 * index + 3];
+                    column.copy_from_slice(map.column(c).as_slice());
+                }
+            }
+        }
+        out
+    }
+}

@@ -1,0 +1,79 @@
+//! The stages of the reconstruction (METHOD §1.1 to §1.7).
+
+use crate::envelope::model::{EnvelopeModel, Factors, Key};
+use crate::kernel::map::step;
+use crate::numeric::affine::{after, linear, seen_from};
+use crate::numeric::so3;
+use faer::Mat;
+use nalgebra::{Matrix3, Matrix3x4, SMatrix, Vector3};
+
+impl EnvelopeModel {
+    /// Removes the root's motion from J maps: `B_r⁻¹ B_j`, B_r taken as rigid (METHOD §1.1).
+    pub fn relative(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
+        let root = self.skeleton.root();
+        let unmoved = |(joint, map): (usize, &Matrix3x4<f64>)| match joint == root {
+            true => Matrix3x4::identity(),
+            false => seen_from(&pose[root], map),
+        };
+        pose.iter().enumerate().map(unmoved).collect()
+    }
+
+    /// Returns θ_j = log(Q_pᵀ Q_j) of J relative maps, of the nearest rotation, 0 for the root.
+    pub fn rotations(&self, relative: &[Matrix3x4<f64>]) -> Vec<Vector3<f64>> {
+        let angle = |(joint, parent): (usize, &Option<usize>)| {
+            let Some(parent) = parent else { return Vector3::zeros() };
+            let turn = linear(&relative[*parent]).transpose() * linear(&relative[joint]);
+            so3::polar(&turn).map_or(Vector3::zeros(), |(rotation, _)| so3::log(&rotation))
+        };
+        self.skeleton.parents.iter().enumerate().map(angle).collect()
+    }
+
+    /// Evaluates the factors of a key's gradient (METHOD §1.4, §1.5).
+    pub fn factors(
+        &self,
+        key: &Key,
+        relative: &[Matrix3x4<f64>],
+        rotations: &[Vector3<f64>],
+    ) -> Factors {
+        let above = self.skeleton.parents[key.joint];
+        let parent = above.map_or(Matrix3::identity(), |p| linear(&relative[p]));
+        key.factors(parent, |joint| &rotations[joint], above)
+    }
+
+    /// Predicts the P gradients, root motion removed.
+    pub fn gradients(
+        &self,
+        relative: &[Matrix3x4<f64>],
+        rotations: &[Vector3<f64>],
+    ) -> Vec<Matrix3<f64>> {
+        let gradient = |key| self.factors(key, relative, rotations).gradient();
+        self.keys().iter().map(gradient).collect()
+    }
+
+    /// Evaluates `t = c1 d + c2 q` and moves it by the root's map: P maps (METHOD §1.7.3).
+    pub fn palette(
+        &self,
+        root: &Matrix3x4<f64>,
+        relative: &[Matrix3x4<f64>],
+        gradients: &[Matrix3<f64>],
+    ) -> Vec<Matrix3x4<f64>> {
+        let Some(reconstruction) = &self.reconstruction else { return Vec::new() };
+        let t = &reconstruction.c1 * stack(gradients) + &reconstruction.c2 * stack(relative);
+        let map = |l: usize| Matrix3x4::from_fn(|r, c| t[(4 * l + c, r)]);
+        (0..reconstruction.keys.len()).map(|l| after(root, &map(l))).collect()
+    }
+
+    /// Returns the confidence in J rotations of a rotational model, the least over the joints: 1
+    /// within a joint's trained range, 0 from half of it and 0.1 rad beyond (FORMAT.md).
+    pub fn confidence(&self, rotations: &[Vector3<f64>]) -> f64 {
+        let of_joint = |(theta, range): (&Vector3<f64>, &f64)| {
+            1.0 - step((theta.norm() - range) / (range / 2.0 + 0.1))
+        };
+        rotations.iter().zip(&self.pose_ranges).map(of_joint).fold(1.0, f64::min)
+    }
+}
+
+/// Stacks transposed blocks: row C l + c, column r is entry r, c of block l.
+pub fn stack<const C: usize>(blocks: &[SMatrix<f64, 3, C>]) -> Mat<f64> {
+    Mat::from_fn(C * blocks.len(), 3, |row, r| blocks[row / C][(r, row % C)])
+}
