@@ -9,7 +9,7 @@ use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{CallError, Matrix3x4, Model, SkinJob};
-use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};

@@ -8,15 +8,10 @@
 
 mod axes;
 pub mod bake;
-pub mod check;
-pub mod demo;
 pub mod envelope;
-pub mod evaluate;
 pub mod examples;
-pub mod export;
 pub mod files;
 pub mod kernel;
 pub mod numeric;
-pub mod posed;
+pub mod page;
 pub mod progress;
-pub mod report;

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
-use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, train};
 use sinew_trainer::examples::{Examples, Split, npz};

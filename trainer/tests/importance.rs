@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::evaluate::{Character, Frames, evaluate, skin};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
-use sinew_trainer::evaluate::{Character, Frames, evaluate, skin};
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::progress::Silent;
 

@@ -6,6 +6,7 @@ mod shared;
 
 use shared::shared;
 use sinew_runtime::envelope::Predictor;
+use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::envelope::motion::{Poses, trajectories};
 use sinew_trainer::envelope::rotational::surface::Surface;
 use sinew_trainer::envelope::rotational::{self, merge};
@@ -13,7 +14,6 @@ use sinew_trainer::envelope::rotational::{ProxyCount, proxies};
 use sinew_trainer::envelope::targets::Targets;
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::{Options, Predict, train, weights};
-use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::examples::{Examples, Importance, Split, npz};
 use sinew_trainer::numeric::basis;
 use sinew_trainer::progress::Silent;
@@ -128,7 +128,8 @@ fn proxies_alone_on_dem_bones() {
 
 #[test]
 fn the_demo_arm_by_every_predictor_and_by_the_best() {
-    let examples = sinew_trainer::demo::demo(&sinew_trainer::demo::DemoOptions::default());
+    let examples =
+        sinew_trainer::envelope::demo::demo(&sinew_trainer::envelope::demo::DemoOptions::default());
     let published = Options { refine: false, ..only(Predictor::Rotational) };
     let plain = measured(&examples, &published, Split::HeldOut);
     assert!((0.6..1.5).contains(&plain.lbs.rms_percent), "{}", plain.lbs.rms_percent);

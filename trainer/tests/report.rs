@@ -3,16 +3,16 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
 use sinew_runtime::envelope::{Certificate, Predictor};
-use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::envelope::fitted::Fitted;
+use sinew_trainer::envelope::report::subject::{File, Source, Subject};
+use sinew_trainer::envelope::report::{Page, Wish, csv, ply};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::training::Training;
 use sinew_trainer::envelope::{Options, Predict, train};
-use sinew_trainer::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::examples::{Clip, Examples, Split};
 use sinew_trainer::progress::Silent;
-use sinew_trainer::report::subject::{File, Source, Subject};
-use sinew_trainer::report::{Page, Wish, csv, ply};
 use std::collections::HashMap;
 
 const HELD_OUT: Frames = Frames::Of(Split::HeldOut);

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::model::{
     EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, SkinModel,
 };

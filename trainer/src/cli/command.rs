@@ -1,7 +1,7 @@
 //! The command that was given.
 
+use super::envelope::{check, demo, eval, export, export_demo, inspect, report, train};
 use super::output::{Output, in_a_line, tell};
-use super::{check, demo, eval, export, export_demo, inspect, report, train};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 

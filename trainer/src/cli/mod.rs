@@ -1,22 +1,13 @@
-//! The command line: one file a subcommand.
+//! The command line: what all commands share, and a folder for the commands of each part.
 
 mod bars;
-mod check;
 mod command;
-mod demo;
-mod eval;
-mod export;
-mod export_demo;
+mod envelope;
 mod files;
 mod input;
-mod inspect;
-mod levels;
-mod measured;
 mod output;
-mod report;
 mod space;
 mod table;
-mod train;
 
 pub(crate) use command::main;
 use output::{Output, printable};

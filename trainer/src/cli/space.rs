@@ -1,6 +1,6 @@
 //! Axes, handedness and unit as the command line says them.
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use serde_json::{Value, json};
 use sinew_runtime::format::{Axis, Handedness, Space};
 use sinew_trainer::examples::{Conversion, Examples, SpaceWish};
@@ -126,26 +126,4 @@ pub(super) fn as_json(space: &Space) -> Value {
         "handedness": name(space.handedness),
         "unit_metres": space.unit.map(|unit| unit.to_string().parse::<f64>().ok()),
     })
-}
-
-/// How a GLB is to stand, by what `export` was told.
-pub(super) fn stand(
-    stated: &StatedSpace,
-    target: &TargetSpace,
-    model: &Space,
-) -> anyhow::Result<sinew_trainer::export::Stand> {
-    use sinew_trainer::export::Stand;
-    let wish = target.wish();
-    if !wish.is_empty() {
-        return Ok(Stand::In(wish));
-    }
-    match stated.up.map(|up| model.up.unwrap_or(up)) {
-        None | Some(Axis::Y) => Ok(Stand::AsModel),
-        Some(Axis::Z) => Ok(Stand::Upright),
-        Some(up) => bail!(
-            "the character stands along {}: say how it is to stand in the file, with --to-up y \
-             --to-forward z",
-            up.name()
-        ),
-    }
 }

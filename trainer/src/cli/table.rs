@@ -1,7 +1,7 @@
 //! Results as a person reads them.
 
 use sinew_trainer::envelope::choose::{CandidateReport, Report};
-use sinew_trainer::evaluate::{Confidence, Errors, Evaluation};
+use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
 
 /// Describes what was tried, what was taken, and how it does on the training frames.
 pub(super) fn report(report: &Report) -> String {

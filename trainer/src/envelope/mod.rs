@@ -2,8 +2,12 @@
 
 mod bake;
 pub mod blend;
+pub mod check;
 pub mod choose;
+pub mod demo;
 mod error;
+pub mod evaluate;
+pub mod export;
 pub mod fitted;
 pub mod folds;
 pub mod helpers;
@@ -12,6 +16,8 @@ pub mod model;
 pub mod motion;
 mod options;
 pub mod oracle;
+pub mod posed;
+pub mod report;
 pub mod rotational;
 mod rounding;
 pub mod targets;

@@ -170,7 +170,7 @@ fn nearest_rotation(m: &Matrix3x4<f64>) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::demo::{DemoOptions, demo};
     use crate::numeric::affine::to_rows;
 
     #[test]

@@ -104,7 +104,7 @@ fn sum_over_chunks(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::training::Training;
     use crate::progress::Silent;
 

@@ -1,7 +1,7 @@
 //! Frames against each other.
 
 use super::made::{arm, check, frames, only};
-use sinew_trainer::check::finding::{Kind, Severity};
+use sinew_trainer::envelope::check::finding::{Kind, Severity};
 use sinew_trainer::examples::{Clip, Examples, Split};
 use sinew_trainer::progress::Silent;
 
@@ -71,7 +71,7 @@ fn frames_are_named_by_clip_and_held_out_frames_are_no_repeats() {
         times: (0..len).map(f64::from).collect(),
     };
     let clips = [clip("walk", 0, 25), clip("run", 25, 15)];
-    let found = sinew_trainer::check::check(&examples, &clips, &Silent).unwrap();
+    let found = sinew_trainer::envelope::check::check(&examples, &clips, &Silent).unwrap();
     let repeated = found.find(Kind::Repeated).unwrap();
     assert!(
         repeated.text.ends_with("another, and may be left out: 30 (run 5) as 13 (walk 13)"),

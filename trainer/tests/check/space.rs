@@ -2,7 +2,7 @@
 
 use super::made::{arm, check, only};
 use nalgebra::{Matrix3, Vector3};
-use sinew_trainer::check::finding::{Kind, Severity};
+use sinew_trainer::envelope::check::finding::{Kind, Severity};
 use sinew_trainer::examples::{Examples, Matrix3x4};
 
 type Points = [[f64; 3]];

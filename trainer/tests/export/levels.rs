@@ -5,10 +5,10 @@ use super::{arm, clip, distances, farthest, model, pose, runtime_palette, vector
 use nalgebra::Matrix4;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
+use sinew_trainer::envelope::export::{ExportError, Exported, Stand, export};
 use sinew_trainer::envelope::levels::{Level, LevelError};
 use sinew_trainer::examples::Examples;
 use sinew_trainer::examples::Mesh;
-use sinew_trainer::export::{ExportError, Exported, Stand, export};
 
 fn level(name: &str, examples: &Examples) -> Level {
     let mesh = Mesh {

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use shared::shared;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::{Envelope, Matrix3x4, Model};
-use sinew_trainer::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Clip, Examples, npz};

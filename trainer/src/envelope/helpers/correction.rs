@@ -144,7 +144,7 @@ fn blocks(target: &Target<'_>) -> Vec<Range<usize>> {
 mod tests {
     use super::super::fit;
     use super::*;
-    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::targets::Targets;
     use crate::envelope::training::Training;
     use crate::examples::Importance;

@@ -104,7 +104,7 @@ pub fn near(parents: &[Option<usize>], joint: usize, hops: usize) -> Vec<usize> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::demo::{DemoOptions, demo};
 
     #[test]
     fn hops_run_along_the_tree_both_ways() {

@@ -198,7 +198,7 @@ impl Helpers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::demo::{DemoOptions, demo};
     use crate::progress::Silent;
 
     fn arm() -> Training {

@@ -3,8 +3,8 @@
 use super::follow::{Influences, Level, LevelError, LevelReport, Surface};
 use crate::bake::BakeError;
 use crate::envelope::model::{FileModel, SkinModel};
+use crate::envelope::posed::{FrameError, influences, palette, rest, skin_on};
 use crate::examples::{Examples, Split, normals, tangents};
-use crate::posed::{FrameError, influences, palette, rest, skin_on};
 use rayon::prelude::*;
 use sinew_runtime::{FileError, Model};
 

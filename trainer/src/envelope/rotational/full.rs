@@ -75,7 +75,7 @@ impl<'a> Full<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::demo::{DemoOptions, demo};
 
     #[test]
     fn an_arm_is_reconstructed_from_poses_that_were_not_seen() {

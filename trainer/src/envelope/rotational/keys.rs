@@ -99,7 +99,7 @@ mod tests {
     use super::super::merge::MergeTree;
     use super::super::{ProxyCount, proxies};
     use super::*;
-    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::demo::{DemoOptions, demo};
     use crate::numeric::basis::basis;
     use crate::progress::Silent;
 

@@ -135,7 +135,7 @@ fn floating(triangles: &[[usize; 3]], fixed: &[bool]) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::rotational::gradient::gradient;
 
     #[test]

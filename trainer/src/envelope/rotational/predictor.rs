@@ -58,7 +58,7 @@ pub fn predict_stacked(predictors: &[GradientPredictor], poses: &Poses) -> Mat<f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::demo::{DemoOptions, demo};
     use crate::numeric::so3;
 
     #[test]

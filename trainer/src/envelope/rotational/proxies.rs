@@ -190,7 +190,7 @@ fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
 mod tests {
     use super::super::super::training::Training;
     use super::*;
-    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::targets::Targets;
     use crate::examples::Importance;
     use crate::numeric::basis::basis;

@@ -42,7 +42,7 @@ fn to_vector(s: &Matrix3<f64>) -> Vector6<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{DemoOptions, demo};
+    use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::model::stretch;
 
     #[test]

@@ -1,0 +1,100 @@
+//! `sinew demo`: the whole way on a character that needs no download.
+
+use super::train;
+use crate::cli::bars::Bars;
+use crate::cli::files::{self, Target};
+use crate::cli::{Output, input, table};
+use anyhow::{Context, bail};
+use clap::builder::RangedU64ValueParser;
+use serde_json::json;
+use sinew_trainer::envelope::Meshes;
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::evaluate::{Frames, evaluate};
+use sinew_trainer::examples::{Examples, Split, npz};
+use std::path::{Path, PathBuf};
+
+/// Most positions in all frames together: 2.4 GB of them.
+const POSITIONS_MAX: usize = 100_000_000;
+
+/// Generates a procedural arm, trains an envelope on it, bakes it, and measures the baked model on
+/// poses that the training has not seen.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Arguments {
+    #[command(flatten)]
+    size: SizeArguments,
+    #[command(flatten)]
+    fit: train::FitArguments,
+    /// Write the examples (demo.npz, demo.json) and the model (demo.sinew) to DIR, which is made
+    /// if it is not there
+    #[arg(long, short = 'o', value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+/// What to generate.
+#[derive(clap::Args)]
+pub(in crate::cli) struct SizeArguments {
+    /// Vertices of the arm, about; at least 200 are made
+    #[arg(long, value_name = "V", value_parser = some())]
+    #[arg(default_value_t = DemoOptions::default().vertices)]
+    vertices: usize,
+    /// Training poses
+    #[arg(long, value_name = "N", value_parser = some())]
+    #[arg(default_value_t = DemoOptions::default().poses)]
+    poses: usize,
+    /// Held-out poses
+    #[arg(long, value_name = "N", value_parser = some())]
+    #[arg(default_value_t = DemoOptions::default().held_out)]
+    held_out: usize,
+    /// Seed of the poses
+    #[arg(long, default_value_t = DemoOptions::default().seed)]
+    seed: u64,
+}
+
+impl SizeArguments {
+    /// Generates the demo's examples.
+    pub(in crate::cli) fn generate(&self, output: Output) -> anyhow::Result<Examples> {
+        let &Self { vertices, poses, held_out, seed } = self;
+        let positions = (poses + held_out).checked_mul(vertices);
+        if positions.is_none_or(|positions| positions > POSITIONS_MAX) {
+            bail!("--vertices x (--poses + --held-out): expected at most {POSITIONS_MAX}");
+        }
+        let _generating = Bars::busy(output, "generating");
+        Ok(demo(&DemoOptions { vertices, poses, held_out, seed }))
+    }
+}
+
+fn some() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(1..=POSITIONS_MAX as u64)
+}
+
+pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let folder = arguments.output.as_deref();
+    let model = folder.map(prepare).transpose()?;
+    let examples = arguments.size.generate(output)?;
+    let trained = arguments.fit.train(&examples, "demo", Meshes::Skins(Vec::new()), output)?;
+    let measuring = Bars::busy(output, "measuring");
+    let evaluation = evaluate(&trained.model, None, &examples, Frames::Of(Split::HeldOut))?;
+    drop(measuring);
+    let mut text = format!(
+        "a procedural arm: {}\n{}{}",
+        input::describe(&examples),
+        table::report(&trained.report),
+        table::evaluation(&evaluation)
+    );
+    if let (Some(folder), Some(model)) = (folder, &model) {
+        npz::save_npz(&folder.join("demo.npz"), &examples)?;
+        files::write(&[(model, &trained.model)])?;
+        text += &format!("wrote demo.npz, demo.json and demo.sinew to {}\n", folder.display());
+    }
+    output.print(&json!({ "report": trained.report, "evaluation": evaluation }), &text)
+}
+
+/// Makes the folder, tries the places of its three files, and gives that of the model.
+fn prepare(folder: &Path) -> anyhow::Result<Target> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    for examples in ["demo.npz", "demo.json"] {
+        Target::new(&folder.join(examples), &[])?;
+    }
+    Target::new(&folder.join("demo.sinew"), &[])
+}

@@ -1,0 +1,78 @@
+//! `sinew eval`: the f32 runtime on the file's bytes against examples.
+
+use super::measured::{SplitName, blame};
+use crate::cli::bars::Bars;
+use crate::cli::files::{self, Target};
+use crate::cli::space::StatedSpace;
+use crate::cli::{Output, input, table};
+use anyhow::Context;
+use sinew_trainer::envelope::evaluate::{Character, Frames, evaluate, skin};
+use sinew_trainer::examples::Examples;
+use std::path::PathBuf;
+
+/// Runs MODEL on the poses of EXAMPLES and measures its distance from their meshes.
+///
+/// The runtime evaluates the file's bytes in f32, as an engine would. LBS with 4 influences, fitted
+/// on the training frames, is measured on the same frames. Examples in other axes or another unit than
+/// the model's are converted, where both are known. Errors in % of the diagonal do not depend on them.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Arguments {
+    /// A model that `sinew train` wrote
+    model: PathBuf,
+    #[command(flatten)]
+    input: input::ExampleArguments,
+    /// The skin to measure, whose mesh the examples' is [default: the model's first]
+    #[arg(long, value_name = "NAME")]
+    skin: Option<String>,
+    /// Which frames
+    #[arg(long, value_enum, default_value_t = SplitName::HeldOut)]
+    split: SplitName,
+    /// Write the frames' skinned positions to OUT.npy, f32, frames x vertices x 3, in the model's axes
+    /// and unit
+    #[arg(long, value_name = "OUT.npy")]
+    write_vertices: Option<PathBuf>,
+    #[command(flatten)]
+    space: StatedSpace,
+}
+
+pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let mut inputs = arguments.input.files();
+    inputs.push(arguments.model.clone());
+    let vertices = arguments.write_vertices.as_ref().map(|file| Target::new(file, &inputs));
+    let vertices = vertices.transpose()?;
+    let model = input::read_model(&arguments.model)?;
+    let mut examples = arguments.input.load(output)?.examples;
+    arguments.space.say(&mut examples, &arguments.input.examples)?;
+    input::convert_to_model(&mut examples, &model);
+    let (frames, skin) = (arguments.split.frames(), arguments.skin.as_deref());
+    let measuring = Bars::busy(output, "measuring");
+    let blamed = |error| blame(error, &arguments.model, &arguments.input, frames, &examples);
+    let evaluation = evaluate(&model, skin, &examples, frames).map_err(blamed)?;
+    if let Some(target) = &vertices {
+        let bytes = skinned(&model, skin, &examples, frames).context("cannot skin")?;
+        files::write(&[(target, &bytes)])?;
+    }
+    drop(measuring);
+    output.print(&evaluation, &table::evaluation(&evaluation))
+}
+
+/// Skins frames into the bytes of an npy file.
+fn skinned(
+    model: &[u8],
+    name: Option<&str>,
+    examples: &Examples,
+    frames: Frames,
+) -> anyhow::Result<Vec<u8>> {
+    use npyz::WriterBuilder;
+    let character = Character::open(model, name, examples)?;
+    let chosen = frames.of(examples);
+    let shape = [chosen.len() as u64, examples.vertex_len() as u64, 3];
+    let mut bytes = Vec::new();
+    let mut writer =
+        npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut bytes).begin_nd()?;
+    for frame in chosen {
+        writer.extend(skin(&character, examples, frame)?.positions().iter().copied())?;
+    }
+    writer.finish()?;
+    Ok(bytes)
+}

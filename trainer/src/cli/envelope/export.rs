@@ -1,0 +1,143 @@
+//! `sinew export`: a model and a clip as a GLB that needs no runtime of ours.
+
+use super::levels;
+use crate::cli::bars::Bars;
+use crate::cli::files::{self, Target};
+use crate::cli::space::{StatedSpace, TargetSpace};
+use crate::cli::{Output, input, printable};
+use anyhow::bail;
+use serde_json::json;
+use sinew_runtime::format::{Axis, Space};
+use sinew_trainer::envelope::evaluate::{Character, EvaluateError};
+use sinew_trainer::envelope::export::{ExportError, Stand, export};
+use sinew_trainer::envelope::posed::rest;
+use sinew_trainer::examples::{Clip, Source};
+use std::path::PathBuf;
+
+/// Bakes a model and a clip into a GLB that plays in any engine
+///
+/// Proxies become ordinary joints under the skeleton's, the runtime's prediction for every frame
+/// becomes their keys, and the mesh is skinned to them: an animation a clip, at the clip's times, in
+/// the units of the examples (glTF takes metres). A proxy scales along axes of its own, which takes
+/// two nodes: proxy_N moves, turns and scales, and proxy_N_axes, the joint of the skin, turns the
+/// axes back. An engine must multiply the nodes' matrices, as glTF asks; one that keeps only a move,
+/// a turn and a scale of each joint in model space loses the shear.
+///
+/// Meshes given with --also hang on the same joints, so that one prediction drives every level of
+/// detail. Their weights come from the nearest points of the model's surface and are then fitted to
+/// where that surface carries them in the clip's frames.
+///
+/// glTF is right-handed: what a left-handed model moves is mirrored back. The character stands as in
+/// the model; `--up z` turns one that stands along z upright, and with --to-up, --to-forward and
+/// --to-unit the armature turns and scales it from the model's axes and unit, where they are known. glTF
+/// takes `--to-up y --to-forward z --to-unit 1`.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Arguments {
+    /// A model that `sinew train` wrote
+    model: PathBuf,
+    /// Poses to play, of the character that the model was trained on: a file as `sinew train` takes, all clips of it
+    #[arg(long, value_name = "CLIP")]
+    clip: PathBuf,
+    /// The skin whose mesh it plays [default: the model's first]
+    #[arg(long, value_name = "NAME")]
+    skin: Option<String>,
+    /// A further mesh on the same joints, of any topology, in the rest pose, axes and unit of CLIP; may
+    /// be given several times
+    #[arg(long, value_name = "LOD.obj")]
+    also: Vec<PathBuf>,
+    /// Where to write the file
+    #[arg(long, short = 'o', value_name = "OUT.glb")]
+    output: PathBuf,
+    #[command(flatten)]
+    space: StatedSpace,
+    #[command(flatten)]
+    target: TargetSpace,
+}
+
+/// Influences that every engine reads; more come in further sets, which many leave out.
+const USUAL_INFLUENCES: usize = 4;
+
+pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let mut inputs = Source::file(&arguments.clip).files();
+    inputs.push(arguments.model.clone());
+    inputs.extend_from_slice(&arguments.also);
+    let target = Target::new(&arguments.output, &inputs)?;
+    let model = input::read_model(&arguments.model)?;
+    let skin = arguments.skin.as_deref();
+    let character =
+        Character::find(&model, skin).map_err(|error| blame(error.into(), arguments))?;
+    let mut input = input::load_poses(&arguments.clip, output)?;
+    arguments.space.say(&mut input.examples, &arguments.clip)?;
+    let conversion = input.examples.convert_to(&character.space);
+    let levels = levels::load(&arguments.also, conversion.as_ref())?;
+    input::move_to(&mut input, &arguments.clip, &rest(&character.skin), output)?;
+    let input::Input { examples, clips, .. } = input;
+    let stand = stand(&arguments.space, &arguments.target, &character.space)?;
+    let exporting = Bars::busy(output, "exporting");
+    let exported = export(&model, skin, &examples, &clips, &levels, stand)
+        .map_err(|error| blame(error, arguments))?;
+    files::write(&[(&target, &exported.glb)])?;
+    drop(exporting);
+    levels::warn(&exported.levels, &arguments.also, output);
+    let influences = character.skin.influence_len();
+    if influences > USUAL_INFLUENCES {
+        let sets = format!(
+            "vertices follow up to {influences} joints, and many engines read {USUAL_INFLUENCES} of \
+             them: train with --influences {USUAL_INFLUENCES} for those"
+        );
+        output.warn(arguments.output.display(), sets);
+    }
+    let text = format!(
+        "{}wrote {} ({} bytes), animations: {}",
+        levels::table(&exported.levels),
+        arguments.output.display(),
+        exported.glb.len(),
+        names(&clips)
+    );
+    let record = json!({
+        "bytes": exported.glb.len(),
+        "animations": clips.iter().map(|clip| {
+            json!({ "name": clip.name, "frames": clip.times.len() })
+        }).collect::<Vec<_>>(),
+        "levels": exported.levels,
+    });
+    output.print(&record, &text)
+}
+
+/// Names the file that an error is about.
+fn blame(error: ExportError, arguments: &Arguments) -> anyhow::Error {
+    let at_fault = match &error {
+        ExportError::Model(EvaluateError::Frame(_) | EvaluateError::Examples(_))
+        | ExportError::Frame(_)
+        | ExportError::NoFrames { .. }
+        | ExportError::Times { .. } => arguments.clip.display().to_string(),
+        ExportError::Model(_) | ExportError::Space(_) => arguments.model.display().to_string(),
+        ExportError::Level(_) | ExportError::LeftHanded => return error.into(),
+        ExportError::TooLarge { .. } | ExportError::Glb(_) => {
+            arguments.output.display().to_string()
+        }
+    };
+    anyhow::Error::new(error).context(at_fault)
+}
+
+fn names(clips: &[Clip]) -> String {
+    let name = |clip: &Clip| format!("{} ({} frames)", printable(&clip.name), clip.times.len());
+    clips.iter().map(name).collect::<Vec<_>>().join(", ")
+}
+
+/// How a GLB is to stand, by what `export` was told.
+fn stand(stated: &StatedSpace, target: &TargetSpace, model: &Space) -> anyhow::Result<Stand> {
+    let wish = target.wish();
+    if !wish.is_empty() {
+        return Ok(Stand::In(wish));
+    }
+    match stated.up.map(|up| model.up.unwrap_or(up)) {
+        None | Some(Axis::Y) => Ok(Stand::AsModel),
+        Some(Axis::Z) => Ok(Stand::Upright),
+        Some(up) => bail!(
+            "the character stands along {}: say how it is to stand in the file, with --to-up y \
+             --to-forward z",
+            up.name()
+        ),
+    }
+}

@@ -1,0 +1,63 @@
+//! Further meshes as the command line names them, and how they follow.
+
+use crate::cli::{Output, printable};
+use anyhow::bail;
+use sinew_trainer::envelope::levels::{Level, LevelReport};
+use sinew_trainer::examples::{Conversion, obj};
+use std::path::{Path, PathBuf};
+
+/// Reads further meshes, each called as its file, and converts them as the examples were.
+pub(in crate::cli) fn load(
+    files: &[PathBuf],
+    conversion: Option<&Conversion>,
+) -> anyhow::Result<Vec<Level>> {
+    let mut levels = files.iter().map(|file| level(file)).collect::<anyhow::Result<Vec<_>>>()?;
+    for level in &mut levels {
+        if let Some(conversion) = conversion {
+            conversion.mesh(&mut level.mesh);
+        }
+    }
+    Ok(levels)
+}
+
+fn level(file: &Path) -> anyhow::Result<Level> {
+    if file.is_dir() {
+        bail!("{}: is a folder, expected an .obj file", file.display());
+    }
+    let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Level { name, mesh: obj::load(file)? })
+}
+
+/// Warns of vertices that do not belong to the model's surface.
+pub(in crate::cli) fn warn(levels: &[LevelReport], files: &[PathBuf], output: Output) {
+    for (level, file) in levels.iter().zip(files) {
+        if level.far > 0 {
+            let far = format!(
+                "vertices further than 10 % of the diagonal from the model's surface, which follow \
+                 their nearest point: {}",
+                level.far
+            );
+            output.warn(file.display(), far);
+        }
+    }
+}
+
+/// Describes how meshes follow; nothing where there is none.
+pub(in crate::cli) fn table(levels: &[LevelReport]) -> String {
+    if levels.is_empty() {
+        return String::new();
+    }
+    let [name, vertices, distance, transferred, fitted] =
+        ["RMS error, % of the diagonal", "vertices", "distance", "transferred", "fitted"];
+    let mut out = format!("{name:<30}{vertices:>10}{distance:>12}{transferred:>14}{fitted:>10}\n");
+    for level in levels {
+        let LevelReport { vertices, distance_percent, transferred_percent, fitted_percent, .. } =
+            level;
+        let name = printable(&level.name);
+        out += &format!(
+            "{name:<30}{vertices:>10}{distance_percent:>12.4}{transferred_percent:>14.4}\
+             {fitted_percent:>10.4}\n"
+        );
+    }
+    out
+}

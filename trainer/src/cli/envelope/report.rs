@@ -1,0 +1,163 @@
+//! `sinew report`: the page that shows where the error is.
+
+use super::measured::{SplitName, blame};
+use crate::cli::bars::Bars;
+use crate::cli::files::{self, Target};
+use crate::cli::space::StatedSpace;
+use crate::cli::{Output, input, table};
+use anyhow::{Context, bail};
+use serde_json::json;
+use sinew_trainer::envelope::evaluate::{Character, Frames};
+use sinew_trainer::envelope::report::subject::{File, Source, Subject};
+use sinew_trainer::envelope::report::{Page, Wish, csv, ply};
+use sinew_trainer::examples::{Examples, Split};
+use std::path::{Path, PathBuf};
+
+/// Shows where MODEL errs on EXAMPLES: pictures, charts and tables in one HTML file.
+///
+/// The page shows the worst pose beside the truth and LBS, maps of the error on the skin, errors by
+/// frame, by joint and by size, the model's confidence, and what its predictor makes of the same
+/// examples with fewer and with more proxies, for which it is trained again. Every number is measured
+/// as `sinew eval` does. The page needs no network and no script. In the pictures the character stands
+/// along the axis that --up or the examples' file names, else along z if it is longest along z, else
+/// along y.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Arguments {
+    /// A model that `sinew train` wrote
+    model: PathBuf,
+    #[command(flatten)]
+    input: input::ExampleArguments,
+    /// The skin to show, whose mesh the examples' is; of both models, where there are two [default:
+    /// each model's first]
+    #[arg(long, value_name = "NAME")]
+    skin: Option<String>,
+    /// Where to write the page
+    #[arg(long, short = 'o', value_name = "REPORT.html")]
+    output: PathBuf,
+    /// Another model of the same character, to stand beside it in every table, chart and picture
+    #[arg(long, value_name = "MODEL")]
+    compare: Option<PathBuf>,
+    /// Which frames [default: held-out; train where none is held out]
+    #[arg(long, value_enum)]
+    split: Option<SplitName>,
+    /// Train nothing: leave out what fewer and more proxies would give
+    #[arg(long)]
+    quick: bool,
+    /// Where the pictures are taken from, in degrees: about the up axis, and above the horizon
+    /// [default: from before or behind, whichever side shows more of the error]
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view)]
+    #[arg(allow_hyphen_values = true)]
+    view: Option<(f64, f64)>,
+    /// Write the errors of every frame to FILE: a row each, errors in % of the diagonal
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Write the rest mesh to FILE with each vertex's RMS error, in % of the diagonal, as `error`
+    /// and as its colour
+    #[arg(long, value_name = "FILE.ply")]
+    ply: Option<PathBuf>,
+    #[command(flatten)]
+    space: StatedSpace,
+}
+
+/// Parses two angles.
+fn view(text: &str) -> Result<(f64, f64), String> {
+    let angles: Option<Vec<f64>> = text.split(',').map(|angle| angle.trim().parse().ok()).collect();
+    match angles.as_deref() {
+        Some(&[azimuth, elevation]) if azimuth.is_finite() && elevation.abs() <= 90.0 => {
+            Ok((azimuth, elevation))
+        }
+        _ => Err("expected AZIMUTH,ELEVATION in degrees, the latter from -90 to 90".to_owned()),
+    }
+}
+
+pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let targets = targets(arguments)?;
+    let bytes = input::read_model(&arguments.model)?;
+    let other = arguments.compare.as_deref().map(input::read_model).transpose()?;
+    let input::Input { mut examples, clips, .. } = arguments.input.load(output)?;
+    arguments.space.say(&mut examples, &arguments.input.examples)?;
+    input::convert_to_model(&mut examples, &bytes);
+    let skin = arguments.skin.as_deref();
+    let frames = frames(arguments.split, &examples);
+    let blamed = |error, model| blame(error, model, &arguments.input, frames, &examples);
+    // What will be refused is refused before LBS is fitted.
+    let compared = arguments.compare.as_deref().zip(other.as_deref());
+    if let Some((path, bytes)) = compared {
+        Character::open(bytes, skin, &examples).map_err(|error| blamed(error, path))?;
+    }
+    let measuring = Bars::busy(output, "measuring");
+    let [name, other_name] = names(&arguments.model, arguments.compare.as_deref());
+    let source_name = file_name(&arguments.input.examples);
+    let source = Source { examples: &examples, clips: &clips, name: &source_name };
+    let file = File { name: &name, bytes: &bytes, skin };
+    let mut subject =
+        Subject::new(source, frames, file).map_err(|error| blamed(error, &arguments.model))?;
+    if let Some((path, bytes)) = compared {
+        let file = File { name: &other_name, bytes, skin };
+        subject.compare(file).map_err(|error| blamed(error, path))?;
+    }
+    drop(measuring);
+    let wish = Wish { from: arguments.view, ..Wish::default() };
+    let page = Page { subject: &subject, wish, sizes: !arguments.quick };
+    let page = page.html(&Bars::new(output))?;
+    let mut written = vec![(&targets.page, page.into_bytes())];
+    if let Some(target) = &targets.csv {
+        written.push((target, csv::by_frame(&subject).context("cannot write the table")?));
+    }
+    if let Some(target) = &targets.ply {
+        written.push((target, ply::rest_mesh(&subject)));
+    }
+    written.reverse();
+    let files: Vec<_> = written.iter().map(|(target, bytes)| (*target, bytes.as_slice())).collect();
+    files::write(&files)?;
+    let evaluations = subject.evaluations();
+    let mut text: String = evaluations.iter().map(table::evaluation).collect();
+    for (target, bytes) in files.iter().rev() {
+        text += &format!("wrote {} ({} bytes)\n", target.named().display(), bytes.len());
+    }
+    output.print(&json!({ "model": evaluations[0], "compared": evaluations.get(1) }), &text)
+}
+
+struct Targets {
+    page: Target,
+    csv: Option<Target>,
+    ply: Option<Target>,
+}
+
+/// Tries every place to write to.
+fn targets(arguments: &Arguments) -> anyhow::Result<Targets> {
+    let mut inputs = arguments.input.files();
+    inputs.push(arguments.model.clone());
+    inputs.extend(arguments.compare.clone());
+    let target = |path: &PathBuf| Target::new(path, &inputs);
+    let page = target(&arguments.output)?;
+    let csv = arguments.csv.as_ref().map(target).transpose()?;
+    let ply = arguments.ply.as_ref().map(target).transpose()?;
+    let all: Vec<&Target> = std::iter::once(&page).chain(&csv).chain(&ply).collect();
+    for (number, one) in all.iter().enumerate() {
+        if all[..number].iter().any(|other| other.is(one)) {
+            bail!("cannot write {}: two outputs are one file", one.named().display());
+        }
+    }
+    Ok(Targets { page, csv, ply })
+}
+
+/// The frames asked for; where nothing is said and none is held out, those that train.
+fn frames(split: Option<SplitName>, examples: &Examples) -> Frames {
+    match split {
+        Some(split) => split.frames(),
+        None if examples.frames_of(Split::HeldOut).is_empty() => Frames::Of(Split::Train),
+        None => Frames::Of(Split::HeldOut),
+    }
+}
+
+/// What the page calls the models: their files' names, or their paths where those are the same.
+fn names(model: &Path, other: Option<&Path>) -> [String; 2] {
+    let other = other.unwrap_or(Path::new(""));
+    let names = [model, other].map(file_name);
+    if names[0] == names[1] { [model, other].map(|path| path.display().to_string()) } else { names }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}

@@ -1,0 +1,242 @@
+//! `sinew train`: examples in, baked model out.
+
+use super::levels;
+use crate::cli::bars::Bars;
+use crate::cli::files::{self, Target};
+use crate::cli::space::{self, StatedSpace, TargetSpace};
+use crate::cli::{Output, input, table};
+use anyhow::{Context, bail};
+use clap::ValueEnum;
+use clap::builder::RangedU64ValueParser;
+use serde_json::json;
+use sinew_runtime::Limits;
+use sinew_runtime::envelope;
+use sinew_trainer::envelope::blend::CANDIDATES;
+use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::{Meshes, Options, Predict, Trained, train};
+use sinew_trainer::examples::{Examples, Split};
+use std::path::PathBuf;
+
+/// Fits an envelope to the training frames of EXAMPLES and bakes it into MODEL.
+///
+/// Held-out and extreme frames are never read by the fit: every choice is made by cross-validation
+/// inside the training frames. The same input gives the same bytes for any number of threads.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Arguments {
+    #[command(flatten)]
+    input: input::ExampleArguments,
+    /// Where to write the model
+    #[arg(long, short = 'o', value_name = "MODEL")]
+    output: PathBuf,
+    #[command(flatten)]
+    fit: FitArguments,
+    #[command(flatten)]
+    meshes: MeshArguments,
+    /// Write every choice, fold, candidate, score and input hash to FILE, as JSON
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    #[command(flatten)]
+    space: StatedSpace,
+    #[command(flatten)]
+    target: TargetSpace,
+}
+
+/// Which meshes a model holds.
+#[derive(clap::Args, serde::Serialize)]
+struct MeshArguments {
+    /// A further mesh in the model, as a skin called as its file: of any topology, in the rest pose,
+    /// axes and unit of EXAMPLES; may be given several times
+    ///
+    /// One prediction then drives all of them: levels of detail, garments. Weights come from the nearest
+    /// points of the examples' mesh and are fitted to where that carries them in the training frames, as
+    /// `sinew export --also` does it.
+    #[arg(long, value_name = "LOD.obj", conflicts_with = "no_skin")]
+    also: Vec<PathBuf>,
+    /// Leave the mesh out: a model of a palette alone, for an engine that keeps its own meshes with
+    /// their weights
+    #[arg(long)]
+    no_skin: bool,
+}
+
+/// What a fit may be told.
+#[derive(clap::Args, serde::Serialize)]
+pub(in crate::cli) struct FitArguments {
+    /// What predicts the palette from the pose
+    #[arg(long, value_enum, default_value_t = Predictor::Auto)]
+    predictor: Predictor,
+    /// Number of proxies, or of helpers beside the joints [default: chosen by
+    /// cross-validation, from half to twice the number of joints, or of 40 where that is greater]
+    #[arg(long, value_name = "P", value_parser = proxies(), allow_negative_numbers = true)]
+    #[arg(conflicts_with = "max_error")]
+    proxies: Option<usize>,
+    /// Take so many proxies that they come this near to the training frames, RMS in % of the rest
+    /// diagonal, when fitted to each frame; the prediction from the pose adds to that
+    #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
+    max_error: Option<f64>,
+    /// Most transforms of the palette a vertex follows
+    #[arg(long, value_name = "K", value_parser = influences(), allow_negative_numbers = true)]
+    #[arg(default_value_t = Options::default().influences)]
+    influences: usize,
+    /// Leave out the refinement: rotational and hybrid keep the reconstruction that S3 gives, which has
+    /// not been fitted to the training meshes
+    #[arg(long)]
+    unrefined: bool,
+    /// Most bytes of the model's file; of them a mesh takes 48 a vertex with 4 influences, 16
+    /// more with texture coordinates
+    #[arg(long, value_name = "BYTES", value_parser = budget(), allow_negative_numbers = true)]
+    budget: Option<usize>,
+}
+
+#[derive(Clone, Copy, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Predictor {
+    /// The one of the three that cross-validation inside the training frames finds best
+    Auto,
+    /// Rotational regression of key gradients, reduced Poisson reconstruction
+    Rotational,
+    /// The joints themselves, and helpers driven by local kernel maps where LBS errs
+    Kernel,
+    /// The reconstruction, and local kernel maps for what it leaves over
+    Hybrid,
+}
+
+impl Predictor {
+    fn predict(self) -> Predict {
+        match self {
+            Self::Auto => Predict::Auto,
+            Self::Rotational => Predict::Only(envelope::Predictor::Rotational),
+            Self::Kernel => Predict::Only(envelope::Predictor::Kernel),
+            Self::Hybrid => Predict::Only(envelope::Predictor::Hybrid),
+        }
+    }
+}
+
+/// Accepts what the runtime loads by default.
+fn proxies() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(1..=u64::from(Limits::DEFAULT.proxies))
+}
+
+fn budget() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(1..=u64::from(Limits::DEFAULT.file_bytes))
+}
+
+fn influences() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(1..=CANDIDATES as u64)
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(percent) if percent > 0.0 && f64::is_finite(percent) => Ok(percent),
+        _ => Err("expected a number of more than 0 %".to_owned()),
+    }
+}
+
+impl FitArguments {
+    /// Fits an envelope to examples that came from `source`.
+    pub(in crate::cli) fn train(
+        &self,
+        examples: &Examples,
+        source: &str,
+        meshes: Meshes,
+        output: Output,
+    ) -> anyhow::Result<Trained> {
+        let triangles = examples.triangles.len();
+        let proxies = match (self.max_error, self.proxies) {
+            (Some(percent), _) => Some(ProxyCount::MaxError(percent / 100.0)),
+            (None, Some(count)) if count > triangles => {
+                bail!("--proxies: {source} has {triangles} triangles, {count} proxies are too many")
+            }
+            (None, count) => count.map(ProxyCount::Fixed),
+        };
+        let options = Options {
+            predictor: self.predictor.predict(),
+            proxies,
+            influences: self.influences,
+            refine: !self.unrefined,
+            budget: self.budget,
+            meshes,
+        };
+        let trained =
+            train(examples, &options, &Bars::new(output)).with_context(|| source.to_owned())?;
+        for joint in trained.report.joints_near_the_seam() {
+            let degrees = trained.report.angle_ranges[joint].to_degrees();
+            let name = &examples.skeleton.names[joint];
+            output.warn(
+                source,
+                format_args!(
+                    "joint {name} turns by up to {degrees:.0}° against its parent: near 180° its \
+                     rotation vector jumps, and what follows it there is not to be trusted"
+                ),
+            );
+        }
+        Ok(trained)
+    }
+}
+
+pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let mut inputs = arguments.input.files();
+    inputs.extend_from_slice(&arguments.meshes.also);
+    let model = Target::new(&arguments.output, &inputs)?;
+    let record_file = arguments.record.as_ref().map(|file| Target::new(file, &inputs));
+    let record_file = record_file.transpose()?;
+    if record_file.as_ref().is_some_and(|file| file.is(&model)) {
+        bail!("cannot write {}: model and record are one file", arguments.output.display());
+    }
+    let mut hashes = arguments.input.hashes()?;
+    let input::Input { mut examples, warnings, .. } = arguments.input.load(output)?;
+    let file = &arguments.input.examples;
+    arguments.space.say(&mut examples, file)?;
+    let from = examples.space;
+    let conversion = arguments.target.convert(&mut examples, file)?;
+    let also = &arguments.meshes.also;
+    let meshes = match arguments.meshes.no_skin {
+        true => Meshes::PaletteAlone,
+        false => Meshes::Skins(levels::load(also, conversion.as_ref())?),
+    };
+    hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
+    let source = file.display().to_string();
+    let trained = arguments.fit.train(&examples, &source, meshes, output)?;
+    levels::warn(&trained.levels, also, output);
+    let record = json!({
+        "sinew": env!("CARGO_PKG_VERSION"),
+        "inputs": hashes,
+        "warnings": warnings,
+        "vertices": examples.vertex_len(),
+        "joints": examples.joint_len(),
+        "hold_out": arguments.input.hold_out,
+        "hold_out_clips": arguments.input.hold_out_clip,
+        "fps": arguments.input.fps,
+        "clip": arguments.input.clip,
+        "training_frames": examples.frames_of(Split::Train),
+        "held_out_frames": examples.frames_of(Split::HeldOut),
+        "extreme_frames": examples.frames_of(Split::Extreme),
+        "diagonal": examples.diagonal(),
+        "ranges": examples.ranges.iter().map(|(name, range)| {
+            json!({ "name": name, "start": range.start, "end": range.end })
+        }).collect::<Vec<_>>(),
+        "source_space": space::as_json(&from),
+        "space": space::as_json(&examples.space),
+        "options": arguments.fit,
+        "meshes": arguments.meshes,
+        "levels": trained.levels,
+        "predictor": trained.report.chosen().predictor,
+        "proxies": trained.report.chosen().proxies,
+        "report": trained.report,
+        "model_bytes": trained.model.len(),
+    });
+    // The model last, so that none ever stands without its record.
+    let record_bytes = serde_json::to_vec_pretty(&record)?;
+    let record_file = record_file.as_ref().map(|file| (file, record_bytes.as_slice()));
+    let files: Vec<_> =
+        record_file.into_iter().chain([(&model, trained.model.as_slice())]).collect();
+    files::write(&files)?;
+    let text = format!(
+        "{}\n{}{}wrote {} ({} bytes)",
+        input::describe(&examples),
+        table::report(&trained.report),
+        levels::table(&trained.levels),
+        arguments.output.display(),
+        trained.model.len()
+    );
+    output.print(&record, &text)
+}

@@ -1,0 +1,69 @@
+//! Why a measurement could not be made.
+
+use crate::envelope::posed::FrameError;
+use crate::examples::ExamplesError;
+use sinew_runtime::FileError;
+
+/// A measurement that could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum EvaluateError {
+    /// The model's bytes are refused.
+    #[error("the model is refused: {0}")]
+    Format(#[from] FileError),
+    /// The model holds no envelope, or a skin that follows none.
+    #[error("the model holds no envelope that moves a skin")]
+    NoEnvelope,
+    /// The model holds envelopes alone.
+    #[error("the model holds a palette alone, without a skin")]
+    PaletteAlone,
+    /// The model holds no skin of a name.
+    #[error("the model holds no skin called {name}; it has: {has}")]
+    NoSkin {
+        /// The name.
+        name: String,
+        /// The names that there are.
+        has: String,
+    },
+    /// The model was made for another character.
+    #[error("the model has {expected} {what}, the examples have {found}")]
+    Mismatch {
+        /// Vertices or joints.
+        what: &'static str,
+        /// In the model.
+        expected: usize,
+        /// In the examples.
+        found: usize,
+    },
+    /// A joint of the model has another name in the examples.
+    #[error("joint {joint} is called {expected} in the model, {found} in the examples")]
+    JointName {
+        /// The joint.
+        joint: usize,
+        /// In the model.
+        expected: String,
+        /// In the examples.
+        found: String,
+    },
+    /// The model was made in another space, or for another mesh of as many vertices.
+    #[error(
+        "the model's rest mesh is not that of the examples: off by {percent:.1} % of the diagonal; \
+         give the examples as they were given in training, with the same --targets, and say what their \
+         file does not by --up, --forward and --unit"
+    )]
+    RestMesh {
+        /// RMS distance in % of the diagonal.
+        percent: f64,
+    },
+    /// There is no frame to measure.
+    #[error("the examples have no {split} frame")]
+    NoFrames {
+        /// Which were asked for.
+        split: &'static str,
+    },
+    /// A frame has a joint that is not rigid.
+    #[error(transparent)]
+    Examples(#[from] ExamplesError),
+    /// A frame was refused.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+}

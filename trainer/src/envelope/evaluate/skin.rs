@@ -1,0 +1,78 @@
+//! Skins of one frame: the runtime's, and that of LBS.
+
+use super::{Character, EvaluateError};
+use crate::envelope::blend::Weights;
+use crate::envelope::posed::{palette, skin_on};
+use crate::envelope::weights;
+use crate::examples::Examples;
+use nalgebra::Vector3;
+
+/// One frame's skin as the runtime writes it.
+pub struct Skinned {
+    positions: Vec<f32>,
+    normals: Vec<f32>,
+    confidence: f64,
+}
+
+impl Skinned {
+    /// Positions, 3V floats.
+    pub fn positions(&self) -> &[f32] {
+        &self.positions
+    }
+
+    /// The model's confidence in the pose.
+    pub fn confidence(&self) -> f64 {
+        self.confidence
+    }
+
+    /// Gives a vertex's position and normal.
+    ///
+    /// # Panics
+    /// If `vertex` is not one.
+    pub fn vertex(&self, vertex: usize) -> (Vector3<f64>, Vector3<f64>) {
+        let of = |floats: &[f32]| Vector3::from_fn(|axis, _| f64::from(floats[3 * vertex + axis]));
+        (of(&self.positions), of(&self.normals))
+    }
+}
+
+/// Skins one frame of the examples with the runtime.
+///
+/// # Errors
+/// [`EvaluateError::Frame`].
+pub fn skin(
+    character: &Character<'_>,
+    examples: &Examples,
+    frame: usize,
+) -> Result<Skinned, EvaluateError> {
+    let (palette, confidence) = palette(&character.envelope, examples, frame)?;
+    let [positions, normals] = skin_on(&character.skin, &palette, frame)?;
+    Ok(Skinned { positions, normals, confidence: f64::from(confidence) })
+}
+
+/// The baseline: LBS with 4 influences, fitted to the training frames.
+pub struct Lbs {
+    /// The joint weights of each vertex.
+    pub weights: Weights,
+    normals: Vec<[f64; 3]>,
+}
+
+impl Lbs {
+    /// Fits the weights.
+    pub fn fit(examples: &Examples) -> Self {
+        Self { weights: weights::baseline(examples), normals: examples.rest_normals() }
+    }
+
+    /// Gives a vertex's position and normal in a frame.
+    ///
+    /// # Panics
+    /// If the examples have no such frame or vertex.
+    pub fn vertex(
+        &self,
+        examples: &Examples,
+        frame: usize,
+        vertex: usize,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let (rest, normal) = (&examples.rest[vertex], &self.normals[vertex]);
+        weights::skin(&self.weights, examples.pose(frame), vertex, rest, normal)
+    }
+}

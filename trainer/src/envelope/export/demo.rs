@@ -1,0 +1,60 @@
+//! The demo character as an artist would hand it over: a skeleton, LBS weights, and animations.
+
+use super::error::ExportError;
+use super::glb::{Document, Placed, SkinnedMesh};
+use super::skeleton::Joints;
+use super::times::key_times;
+use crate::envelope::evaluate::Frames;
+use crate::envelope::weights;
+use crate::examples::{Clip, Examples, Split};
+
+/// What the file says of itself.
+const NOTE: &str = "A procedural arm: what a rig exports of its skeleton, with the weights of \
+    linear blend skinning. The meshes that its flesh really takes are in the point cache beside it.";
+
+/// Orders frames by use, so that each use is one clip: training frames, held-out, extreme ones.
+pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
+    let uses = [Split::Train, Split::HeldOut, Split::Extreme].map(Frames::Of);
+    let (mut frames, mut clips) = (Vec::new(), Vec::new());
+    for (name, own) in uses.map(|of| (of.name(), of.of(&examples))) {
+        if !own.is_empty() {
+            clips.push(Clip::regular(name.to_owned(), frames.len(), own.len()));
+            frames.extend(own);
+        }
+    }
+    let vertices = frames.iter().flat_map(|&frame| examples.frame(frame)).copied().collect();
+    let transforms = frames.iter().flat_map(|&frame| examples.pose(frame)).copied().collect();
+    let split = frames.iter().map(|&frame| examples.split[frame]).collect();
+    examples = Examples { vertices, transforms, split, ..examples };
+    (examples, clips)
+}
+
+/// Writes examples as a rigged character: its skeleton, its rest mesh with four LBS weights a vertex,
+/// fitted to the training frames, and an animation a clip. The rest pose is the bind pose.
+///
+/// # Errors
+/// [`ExportError::TooLarge`] and [`ExportError::Glb`].
+pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportError> {
+    let weights = weights::baseline(examples);
+    let influences: Vec<_> = (0..weights.len()).map(|v| weights.of(v).collect()).collect();
+
+    let mut document = Document::new(NOTE);
+    let armature = document.node("armature".to_owned(), None, &Placed::AT_PARENT);
+    let joints = Joints::new(&mut document, armature, &examples.skeleton);
+    let skin = document.skin(armature, joints.nodes.clone(), &joints.inverse_binds);
+    let mesh = SkinnedMesh {
+        name: "skin",
+        positions: &examples.rest,
+        normals: &examples.rest_normals(),
+        uv: examples.uv.as_deref(),
+        influences: &influences,
+        triangles: &examples.triangles,
+    };
+    document.mesh(&mesh, skin);
+    for clip in clips {
+        let frames = clip.first..clip.first + clip.times.len();
+        let poses: Vec<_> = frames.map(|frame| examples.pose(frame)).collect();
+        document.animation(&clip.name, &key_times(clip)?, joints.tracks(&poses).0);
+    }
+    document.finish()
+}

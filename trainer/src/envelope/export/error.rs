@@ -1,0 +1,54 @@
+//! Why an export could not be made.
+
+use crate::envelope::evaluate::EvaluateError;
+use crate::envelope::levels::LevelError;
+use crate::envelope::posed::FrameError;
+use crate::examples::SpaceError;
+
+/// An export that could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The model is refused, or does not fit the examples.
+    #[error(transparent)]
+    Model(#[from] EvaluateError),
+    /// There is no clip, or one without frames.
+    #[error("there is no frame to export: {clip}")]
+    NoFrames {
+        /// The clip.
+        clip: String,
+    },
+    /// The times of a clip's frames do not ascend from zero on in single precision.
+    #[error(
+        "clip {clip}: frame {frame} plays at {time} s, expected times from 0 on that ascend by more \
+         than single precision rounds"
+    )]
+    Times {
+        /// The clip.
+        clip: String,
+        /// The frame, counted from the clip's first.
+        frame: usize,
+        /// Its time in seconds.
+        time: f64,
+    },
+    /// A further mesh cannot follow the model.
+    #[error(transparent)]
+    Level(#[from] LevelError),
+    /// The runtime refuses a frame.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// The space that is asked for cannot be, or not be reached.
+    #[error(transparent)]
+    Space(#[from] SpaceError),
+    /// A space that is asked for is not that of the format.
+    #[error("glTF is right-handed: leave out --to-hand left, engines mirror it as they import it")]
+    LeftHanded,
+    /// The file would be larger than binary glTF allows.
+    #[error("the file takes {bytes} bytes, and binary glTF holds 4 GiB: export fewer frames")]
+    TooLarge {
+        /// Bytes needed.
+        bytes: usize,
+    },
+    /// The file could not be put together.
+    #[error("cannot be put together: {0}")]
+    Glb(#[from] gltf::Error),
+}

@@ -1,0 +1,146 @@
+//! What more or fewer proxies would give.
+
+use super::series::{errors as cells, legend};
+use crate::envelope::FitError;
+use crate::envelope::evaluate::Errors;
+use crate::envelope::report::sizes::{Outcome, Sizes, Trial};
+use crate::envelope::report::subject::Subject;
+use crate::page::chart::{Chart, Range};
+use crate::page::html::{grouped, paragraph, percent, table, text};
+
+const SIZE: (f64, f64) = (550.0, 250.0);
+
+/// Charts and a table of trainings with several numbers of proxies, and the times of their steps.
+pub(super) fn errors(subject: &Subject<'_>, sizes: Option<&Result<Sizes, FitError>>) -> String {
+    let predictor = subject.model.character.envelope.predictor().name();
+    let sizes = match sizes {
+        None => return paragraph("The report was asked to train nothing."),
+        Some(Err(error)) => {
+            return paragraph(&format!(
+                "On these examples {predictor} cannot be trained: {}.",
+                text(&error.to_string())
+            ));
+        }
+        Some(Ok(sizes)) if sizes.trials.is_empty() => {
+            return paragraph("The model has no proxies: its palette is the joints alone.");
+        }
+        Some(Ok(sizes)) => sizes,
+    };
+    let outcomes: Vec<&Outcome> =
+        sizes.trials.iter().filter_map(|trial| trial.outcome.as_ref().ok()).collect();
+    paragraph(&format!(
+        "The predictor of {}, <b>{predictor}</b>, trained on the training frames of these examples \
+         with other numbers of proxies, and measured on the same frames as above.",
+        text(subject.model.file.name)
+    )) + &charts(subject, &outcomes)
+        + &trials(subject, &sizes.trials)
+        + &times(sizes, &outcomes)
+}
+
+fn charts(subject: &Subject<'_>, outcomes: &[&Outcome]) -> String {
+    if outcomes.is_empty() {
+        return String::new();
+    }
+    let other = subject.other.as_ref().filter(|other| other.character.envelope.proxy_len() > 0);
+    let other = other.map(|other| {
+        let proxies = other.character.envelope.proxy_len() as f64;
+        let kilobytes = other.file.bytes.len() as f64 / 1000.0;
+        [(proxies, other.measured.errors().rms_percent), (proxies, kilobytes)]
+    });
+    let counts = outcomes.iter().map(|o| o.proxies as f64).chain(other.map(|of| of[0].0));
+    let along = || Range::log(counts.clone());
+    let of = |value: fn(&Outcome) -> f64| -> Vec<(f64, f64)> {
+        outcomes.iter().map(|o| (o.proxies as f64, value(o))).collect()
+    };
+    let lbs = subject.baseline.errors().rms_percent;
+    let rms = of(|o| o.errors.rms_percent);
+    let validated = of(|o| o.validated_percent);
+    let every = rms.iter().chain(&validated).map(|point| point.1).chain([lbs]);
+    let every = every.chain(other.map(|of| of[0].1));
+    let mut errors = Chart::new(SIZE, along(), Range::log(every));
+    errors.sides("proxies (logarithmic)", "RMS error, % (logarithmic)");
+    if let (Some(first), Some(last)) = (rms.first(), rms.last()) {
+        errors.line("lbs", &[(first.0, lbs), (last.0, lbs)]);
+    }
+    errors.line("model dashed", &validated);
+    errors.line("model", &rms);
+    errors.dots("model", &rms);
+    let bytes = of(|o| o.bytes as f64 / 1000.0);
+    let every = bytes.iter().chain(other.as_ref().map(|of| &of[1]));
+    let most = every.map(|point| point.1).fold(0.0, f64::max);
+    let mut size = Chart::new(SIZE, along(), Range::linear(0.0, 1.1 * most));
+    size.sides("proxies (logarithmic)", "file, kB");
+    size.line("model", &bytes);
+    size.dots("model", &bytes);
+    for (chart, place) in [(&mut errors, 0), (&mut size, 1)] {
+        other.iter().for_each(|of| chart.dots("other", &of[place..=place]));
+        outcomes.iter().for_each(|o| chart.mark(o.proxies as f64, &o.proxies.to_string()));
+    }
+    legend(subject)
+        + "<div class=\"pair\">"
+        + &errors.finish("RMS error against the number of proxies")
+        + &size.finish("size of the file against the number of proxies")
+        + "</div>\n"
+        + &paragraph("Dashed: cross-validated inside the training frames.")
+}
+
+fn trials(subject: &Subject<'_>, trials: &[Trial]) -> String {
+    let head = [
+        "proxies",
+        "RMS",
+        "99 % are below",
+        "largest",
+        "normals, RMS",
+        "cross-validated",
+        "file",
+        "training",
+    ];
+    let row = |name: String, errors: &Errors, validated: f64, bytes: usize, seconds: String| {
+        let mut row = vec![name];
+        row.extend(cells(errors));
+        row.extend([format!("{} %", percent(validated)), format!("{} B", grouped(bytes)), seconds]);
+        row
+    };
+    let trial = |trial: &Trial| match &trial.outcome {
+        Ok(of) => {
+            let seconds = format!("{:.1} s", of.seconds);
+            row(of.proxies.to_string(), &of.errors, of.validated_percent, of.bytes, seconds)
+        }
+        Err(error) => vec![trial.proxies.to_string(), text(&error.to_string())],
+    };
+    let other = subject.other.as_ref().map(|other| {
+        let name = format!("{} ({})", other.character.envelope.proxy_len(), text(other.file.name));
+        let certificate = other.character.envelope.certificate();
+        let validated = 100.0 * f64::from(certificate.cross_validated_rms / certificate.diagonal);
+        let (errors, bytes) = (other.measured.errors(), other.file.bytes.len());
+        row(name, &errors, validated, bytes, String::new())
+    });
+    let rows: Vec<_> = trials.iter().map(trial).chain(other).collect();
+    table(&head.map(str::to_owned), &rows)
+}
+
+fn times(sizes: &Sizes, outcomes: &[&Outcome]) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for (name, _) in outcomes.iter().flat_map(|outcome| &outcome.steps) {
+        if !names.contains(name) {
+            names.push(name);
+        }
+    }
+    let mut head = vec!["seconds of each step".to_owned()];
+    head.extend(outcomes.iter().map(|o| format!("{} proxies", o.proxies)));
+    let row = |name: &&str| {
+        let mut row = vec![text(name)];
+        row.extend(outcomes.iter().map(|outcome| {
+            let step = outcome.steps.iter().find(|step| step.0 == *name);
+            step.map_or(String::new(), |step| format!("{:.2}", step.1))
+        }));
+        row
+    };
+    let rows: Vec<_> = names.iter().map(row).collect();
+    table(&head, &rows)
+        + &paragraph(&format!(
+            "Wall-clock time of this machine. Before them, and once for all: {:.2} s to read the \
+             frames and to fit LBS.",
+            sizes.shared_seconds
+        ))
+}

@@ -1,0 +1,255 @@
+//! The pictures of a report: which side they are taken from, and what is in them.
+
+use super::bars::colour_bar;
+use super::subject::{Series, Subject};
+use crate::envelope::evaluate::{EvaluateError, skin};
+use crate::examples::{Examples, normals};
+use crate::page::camera::{Camera, Size, View};
+use crate::page::colour::{Colour, Scale};
+use crate::page::html::{figure, text};
+use crate::page::render::{Look, Mesh};
+use image::ImageError;
+use rayon::prelude::*;
+use sinew_runtime::format::Axis;
+use std::fmt::Write;
+
+/// Pixels in a row of a trial.
+const TRIAL: usize = 160;
+/// What lies around the worst vertex in a close-up, in diagonals on each side.
+const NEAR: f64 = 0.12;
+/// A picture of a shape takes light and shadow in full; where colours stand for something, only as
+/// much as tells the shape.
+const SHAPE: Look = Look { relief: 1.0, borders: false };
+const ERRORS: Look = Look { relief: 0.35, borders: false };
+const KINDS: Look = Look { relief: 0.6, borders: true };
+/// Radius of a ring around a vertex, in pictures.
+const RING: f64 = 0.032;
+/// What lies before a vertex by less than this does not hide it, in diagonals.
+const SLACK: f64 = 0.01;
+/// Clay.
+const CLAY: Colour = [0xd8, 0xcf, 0xc3];
+
+/// How a report's pictures are taken; what is not given is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wish {
+    /// Pixels in a row of a picture.
+    pub width: usize,
+    /// What points up; by default what the examples say, else z if the character is
+    /// longest along z, else y.
+    pub up: Option<Axis>,
+    /// Azimuth and elevation in degrees, as in [`View`]; by default from before or behind, whichever
+    /// side shows more of the error.
+    pub from: Option<(f64, f64)>,
+}
+
+impl Default for Wish {
+    fn default() -> Self {
+        Self { width: 620, up: None, from: None }
+    }
+}
+
+/// Takes a report's pictures.
+pub(super) struct Shots<'a> {
+    subject: &'a Subject<'a>,
+    width: usize,
+    /// From where.
+    pub(super) view: View,
+    /// The frame with the model's largest RMS error: its place among those measured.
+    pub(super) worst: usize,
+}
+
+/// A shape of the character.
+pub(super) struct Shape {
+    /// What it is called.
+    pub(super) name: String,
+    /// V positions.
+    pub(super) positions: Vec<[f64; 3]>,
+    /// V normals.
+    normals: Vec<[f64; 3]>,
+}
+
+/// What a vertex's colour stands for.
+pub(super) enum Paint<'a> {
+    /// Nothing.
+    Clay,
+    /// Errors in % of the diagonal.
+    Heat(&'a [f64], Scale),
+    /// Kinds of vertices.
+    Kinds(&'a [Colour]),
+}
+
+impl<'a> Shots<'a> {
+    /// Finds the worst frame and where to look from.
+    pub(super) fn new(subject: &'a Subject<'a>, wish: &Wish) -> Self {
+        let space = subject.source.examples.space;
+        let up = wish.up.or(space.up).unwrap_or_else(|| upright(subject.source.examples));
+        let (azimuth, elevation) = wish.from.unwrap_or_default();
+        let worst = subject.model.measured.worst();
+        let width = wish.width;
+        let view = View { up, handedness: space.handedness, azimuth, elevation };
+        let mut shots = Self { subject, width, view, worst };
+        if wish.from.is_none() {
+            shots.view = shots.best_side();
+        }
+        shots
+    }
+
+    /// Shapes one frame: the truth, then each of the series.
+    ///
+    /// # Errors
+    /// [`EvaluateError::Frame`].
+    pub(super) fn frame(
+        &self,
+        frame: usize,
+        series: &[Series<'_>],
+    ) -> Result<Vec<Shape>, EvaluateError> {
+        let (examples, lbs) = (self.subject.source.examples, &self.subject.lbs);
+        let mut shapes = vec![self.shape("truth", examples.frame(frame).to_vec())];
+        for series in series {
+            let positions = match series.model {
+                None => (0..examples.vertex_len())
+                    .map(|vertex| lbs.vertex(examples, frame, vertex).0.into())
+                    .collect(),
+                Some(model) => {
+                    let skin = skin(&model.character, examples, frame)?;
+                    (0..examples.vertex_len()).map(|vertex| skin.vertex(vertex).0.into()).collect()
+                }
+            };
+            shapes.push(self.shape(series.name, positions));
+        }
+        Ok(shapes)
+    }
+
+    /// The rest pose.
+    pub(super) fn rest(&self) -> Shape {
+        self.shape("rest", self.subject.source.examples.rest.clone())
+    }
+
+    /// A camera that sees the whole of some shapes.
+    pub(super) fn whole(&self, shapes: &[&Shape]) -> Camera {
+        let all = shapes.iter().flat_map(|shape| &shape.positions);
+        Camera::fit(&self.following(shapes[0]), all, self.width)
+    }
+
+    /// A camera that sees the surroundings of a vertex from where most of its error is seen.
+    pub(super) fn near(&self, shape: &Shape, vertex: usize, errors: &[f64]) -> Camera {
+        let centre = shape.positions[vertex];
+        let radius = NEAR * self.subject.model.measured.diagonal;
+        let weights: Vec<f64> = shape
+            .positions
+            .iter()
+            .zip(errors)
+            .map(|(p, error)| {
+                let squared = (0..3).map(|k| (p[k] - centre[k]).powi(2)).sum::<f64>();
+                error * error / (1.0 + squared / (0.2 * radius).powi(2)).powi(2)
+            })
+            .collect();
+        let following = self.following(shape);
+        let turns =
+            (0..12).flat_map(|turn| [10.0, -25.0, 45.0].map(|e| (30.0 * f64::from(turn), e)));
+        let views: Vec<View> = turns
+            .map(|(azimuth, elevation)| View {
+                azimuth: following.azimuth + azimuth,
+                elevation,
+                ..following
+            })
+            .collect();
+        let side = |width| Size { width, height: width };
+        let seen = views.par_iter().map(|view| {
+            let camera = Camera::around(view, &centre, radius, side(TRIAL));
+            self.mesh(shape).seen(&weights, &camera)
+        });
+        let best = crate::envelope::evaluate::largest(&seen.collect::<Vec<_>>());
+        Camera::around(&views[best], &centre, radius, side(self.width))
+    }
+
+    /// Takes a picture, with a caption and, where a vertex is named, a ring around it, broken where
+    /// something hides it.
+    ///
+    /// # Errors
+    /// Those of the encoder.
+    pub(super) fn take(
+        &self,
+        shape: &Shape,
+        paint: &Paint<'_>,
+        camera: &Camera,
+        ring: Option<usize>,
+        caption: &str,
+    ) -> Result<String, ImageError> {
+        let mesh = self.mesh(shape);
+        let picture = match paint {
+            Paint::Clay => mesh.draw(&vec![CLAY; shape.positions.len()], SHAPE, camera),
+            Paint::Kinds(colours) => mesh.draw(colours, KINDS, camera),
+            Paint::Heat(errors, scale) => {
+                let colours: Vec<Colour> = errors.iter().map(|e| scale.colour(*e)).collect();
+                mesh.draw(&colours, ERRORS, camera)
+            }
+        };
+        let mut over = String::new();
+        if let Some(vertex) = ring {
+            let [x, y, _] = camera.project(&shape.positions[vertex]);
+            let Size { width, height } = camera.size;
+            let ring = RING * width as f64;
+            let slack = SLACK * self.subject.model.measured.diagonal;
+            let class = if mesh.hides(vertex, slack, camera) { "hidden" } else { "seen" };
+            let _ = write!(
+                over,
+                "<svg viewBox=\"0 0 {width} {height}\" aria-hidden=\"true\"><g \
+                 class=\"{class}\"><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{ring:.1}\"/><circle cx=\"{x:.1}\" \
+                 cy=\"{y:.1}\" r=\"{ring:.1}\"/></g></svg>"
+            );
+        }
+        let bar = match paint {
+            Paint::Heat(_, scale) => colour_bar(scale),
+            _ => String::new(),
+        };
+        let under = bar + &text(caption);
+        figure(&picture, caption, &over, &under)
+    }
+
+    fn shape(&self, name: &str, positions: Vec<[f64; 3]>) -> Shape {
+        let normals = normals(&positions, &self.subject.source.examples.triangles);
+        Shape { name: name.to_owned(), positions, normals }
+    }
+
+    fn mesh<'b>(&'b self, shape: &'b Shape) -> Mesh<'b> {
+        let Shape { positions, normals, .. } = shape;
+        Mesh { positions, normals, triangles: &self.subject.source.examples.triangles }
+    }
+
+    /// The view, turned as the character is.
+    fn following(&self, shape: &Shape) -> View {
+        self.view.following(&self.subject.source.examples.rest, &shape.positions)
+    }
+
+    /// Tries both sides along the lesser extent, a little from the left and from the right.
+    fn best_side(&self) -> View {
+        let (examples, measured) = (self.subject.source.examples, &self.subject.model.measured);
+        let level = View { elevation: 0.0, azimuth: 0.0, ..self.view };
+        let [width, depth] = [0, 2].map(|axis| {
+            let along = level.axes()[axis];
+            let places = examples.rest.iter().map(|p| along.dot(&nalgebra::Vector3::from(*p)));
+            places.clone().fold(f64::MIN, f64::max) - places.fold(f64::MAX, f64::min)
+        });
+        let front = if depth <= width { 0.0 } else { 90.0 };
+        let views: Vec<View> = [25.0, -25.0, 205.0, 155.0]
+            .map(|turn| View { azimuth: front + turn, elevation: 8.0, ..self.view })
+            .into();
+        let squares: Vec<f64> = measured.percent_in(self.worst).iter().map(|e| e * e).collect();
+        let frame = measured.frames[self.worst].frame;
+        let shape = self.shape("truth", examples.frame(frame).to_vec());
+        let seen = views.par_iter().map(|view| {
+            let view = view.following(&examples.rest, &shape.positions);
+            let camera = Camera::fit(&view, &shape.positions, TRIAL);
+            self.mesh(&shape).seen(&squares, &camera) / (camera.scale * camera.scale)
+        });
+        views[crate::envelope::evaluate::largest(&seen.collect::<Vec<_>>())]
+    }
+}
+
+/// Guesses what points up: z for what is longest along z, as y for all others.
+fn upright(examples: &Examples) -> Axis {
+    let [low, high] = examples.bounds();
+    let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+    if extent[2] > extent[0] && extent[2] > extent[1] { Axis::Z } else { Axis::Y }
+}

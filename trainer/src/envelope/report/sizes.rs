@@ -1,0 +1,132 @@
+//! What more or fewer proxies would give: the model's predictor, trained again.
+
+use super::stopwatch::Stopwatch;
+use super::subject::Subject;
+use crate::envelope::choose::choose;
+use crate::envelope::evaluate::{Character, Errors, EvaluateError, Measured};
+use crate::envelope::rotational::ProxyCount;
+use crate::envelope::rotational::choose::near_rigid;
+use crate::envelope::training::Training;
+use crate::envelope::{FitError, Options, Predict, TrainError, Trained};
+use crate::progress::Progress;
+use sinew_runtime::Limits;
+use std::time::Instant;
+
+/// Most vertices x training frames x proxies of a training with twice the proxies: some 20 s of work
+/// for kernel maps, thrice that for a hybrid.
+const TWICE_MOST: usize = 300_000_000;
+
+/// Trainings with several numbers of proxies.
+pub(super) struct Sizes {
+    /// Seconds that they share: reading the frames, LBS.
+    pub(super) shared_seconds: f64,
+    /// The trainings, by ascending number of proxies.
+    pub(super) trials: Vec<Trial>,
+    /// The near-rigid vertices of the one with as many proxies as the model, V; none where it has no
+    /// reconstruction.
+    pub(super) near_rigid: Option<Vec<bool>>,
+}
+
+/// A training.
+pub(super) struct Trial {
+    /// P, as asked for.
+    pub(super) proxies: usize,
+    /// What came of it.
+    pub(super) outcome: Result<Outcome, SizeError>,
+}
+
+/// What came of a training.
+pub(super) struct Outcome {
+    /// P.
+    pub(super) proxies: usize,
+    /// Length of the file.
+    pub(super) bytes: usize,
+    /// Cross-validated RMS error, in % of the rest diagonal.
+    pub(super) validated_percent: f64,
+    /// On the frames that the report measures.
+    pub(super) errors: Errors,
+    /// Of the whole training, without what is shared.
+    pub(super) seconds: f64,
+    /// Of each step.
+    pub(super) steps: Vec<(&'static str, f64)>,
+}
+
+/// A training, or its measurement, that failed.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum SizeError {
+    /// It could not be trained.
+    #[error(transparent)]
+    Train(#[from] TrainError),
+    /// It could not be measured.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+}
+
+impl Sizes {
+    /// Trains the model's predictor with a quarter and a half of its proxies, with as many, and,
+    /// where that takes no more than seconds, with twice as many; measures each on the report's
+    /// frames. A training that fails says so in its place.
+    ///
+    /// # Errors
+    /// [`FitError`], where the examples allow no training at all.
+    pub(super) fn train(subject: &Subject<'_>, progress: &dyn Progress) -> Result<Self, FitError> {
+        let examples = subject.source.examples;
+        let begun = Instant::now();
+        let training = Training::new(examples, progress)?;
+        let shared_seconds = begun.elapsed().as_secs_f64();
+        let counts = counts(subject.model.character.envelope.proxy_len(), &training);
+        let mut sizes = Self { shared_seconds, trials: Vec::new(), near_rigid: None };
+        for (number, &proxies) in counts.iter().enumerate() {
+            progress.part(number + 1, counts.len());
+            let outcome = sizes.attempt(subject, &training, proxies, progress);
+            sizes.trials.push(Trial { proxies, outcome });
+        }
+        Ok(sizes)
+    }
+
+    fn attempt(
+        &mut self,
+        subject: &Subject<'_>,
+        training: &Training,
+        proxies: usize,
+        progress: &dyn Progress,
+    ) -> Result<Outcome, SizeError> {
+        let examples = subject.source.examples;
+        let Character { envelope, skin, .. } = &subject.model.character;
+        let options = Options {
+            predictor: Predict::Only(envelope.predictor()),
+            proxies: Some(ProxyCount::Fixed(proxies)),
+            influences: skin.influence_len(),
+            ..Options::default()
+        };
+        let stopwatch = Stopwatch::new(progress);
+        let begun = Instant::now();
+        let Trained { model, report, .. } = choose(training, examples, &options, &stopwatch)?;
+        let (seconds, steps) = (begun.elapsed().as_secs_f64(), stopwatch.finish());
+        if let (true, Some(fit)) = (proxies == envelope.proxy_len(), &report.rotational) {
+            let fraction = fit.choice.near_rigid_fraction;
+            self.near_rigid = Some(near_rigid(&training.lbs.errors, fraction));
+        }
+        let trained = Character::open(&model, None, examples)?;
+        let errors = Measured::model(&trained, examples, &subject.measured_frames())?.errors();
+        Ok(Outcome {
+            proxies: trained.envelope.proxy_len(),
+            bytes: model.len(),
+            validated_percent: 100.0 * report.chosen().validated_rms.unwrap_or_default(),
+            errors,
+            seconds,
+            steps,
+        })
+    }
+}
+
+/// The numbers of proxies to try, ascending; none for a model without any.
+fn counts(own: usize, training: &Training) -> Vec<usize> {
+    let most = training.triangles.len().min(Limits::DEFAULT.proxies as usize);
+    let cost = training.rest.len() * training.poses.len() * 2 * own;
+    let twice = (cost <= TWICE_MOST).then_some(2 * own);
+    let mut counts: Vec<usize> = [own / 4, own / 2, own].into_iter().chain(twice).collect();
+    counts.retain(|count| (1..=most).contains(count));
+    counts.dedup();
+    counts
+}

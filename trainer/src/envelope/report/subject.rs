@@ -1,0 +1,149 @@
+//! What a report is about: models, examples, and what was measured of the ones on the other.
+
+use crate::envelope::evaluate::{Character, EvaluateError, Evaluation, Frames, Lbs, Measured};
+use crate::examples::{Clip, Examples, Split};
+
+/// Examples as a report names them.
+#[derive(Clone, Copy)]
+pub struct Source<'a> {
+    /// The examples.
+    pub examples: &'a Examples,
+    /// The clips that their frames come from, in order; they cover all frames.
+    pub clips: &'a [Clip],
+    /// What they are called.
+    pub name: &'a str,
+}
+
+/// A model's file as a report names it.
+#[derive(Clone, Copy)]
+pub struct File<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// Its content.
+    pub bytes: &'a [u8],
+    /// The name of the skin to measure; the first where none is given.
+    pub skin: Option<&'a str>,
+}
+
+/// One or two models, LBS beside them, and their errors on frames of the examples.
+pub struct Subject<'a> {
+    /// The examples.
+    pub source: Source<'a>,
+    /// Which of their frames are measured.
+    pub frames: Frames,
+    /// The baseline.
+    pub lbs: Lbs,
+    /// Its errors.
+    pub baseline: Measured,
+    /// The model.
+    pub model: MeasuredModel<'a>,
+    /// The one that it is compared with.
+    pub other: Option<MeasuredModel<'a>>,
+}
+
+/// A model and its errors.
+pub struct MeasuredModel<'a> {
+    /// Its file.
+    pub file: File<'a>,
+    /// Its envelope and the skin that is measured.
+    pub character: Character<'a>,
+    /// Its errors.
+    pub measured: Measured,
+}
+
+/// One of the skins that stand side by side.
+#[derive(Clone, Copy)]
+pub struct Series<'a> {
+    /// What it is called.
+    pub name: &'a str,
+    /// Its class in the page's style.
+    pub class: &'static str,
+    /// Its errors.
+    pub measured: &'a Measured,
+    /// Its model; none for LBS.
+    pub model: Option<&'a MeasuredModel<'a>>,
+}
+
+/// What the baseline is called.
+pub const LBS: &str = "LBS, 4 influences";
+
+impl<'a> Subject<'a> {
+    /// Measures a model and the baseline.
+    ///
+    /// # Errors
+    /// Those of [`crate::envelope::evaluate::evaluate`].
+    pub fn new(source: Source<'a>, frames: Frames, file: File<'a>) -> Result<Self, EvaluateError> {
+        let Source { examples, .. } = source;
+        let character = Character::open(file.bytes, file.skin, examples)?;
+        let chosen = frames.measurable(examples)?;
+        let measured = Measured::model(&character, examples, &chosen)?;
+        let model = MeasuredModel { file, character, measured };
+        let lbs = Lbs::fit(examples);
+        let baseline = Measured::lbs(&lbs, examples, &chosen);
+        Ok(Self { source, frames, lbs, baseline, model, other: None })
+    }
+
+    /// Measures a second model, to stand beside the first.
+    ///
+    /// # Errors
+    /// Those of [`crate::envelope::evaluate::evaluate`].
+    pub fn compare(&mut self, file: File<'a>) -> Result<(), EvaluateError> {
+        let character = Character::open(file.bytes, file.skin, self.source.examples)?;
+        let measured = Measured::model(&character, self.source.examples, &self.measured_frames())?;
+        self.other = Some(MeasuredModel { file, character, measured });
+        Ok(())
+    }
+
+    /// Lists the numbers of the measured frames.
+    pub fn measured_frames(&self) -> Vec<usize> {
+        self.baseline.frames.iter().map(|frame| frame.frame).collect()
+    }
+
+    /// Lists the models, one or two.
+    pub fn models(&self) -> impl Iterator<Item = &MeasuredModel<'a>> {
+        std::iter::once(&self.model).chain(&self.other)
+    }
+
+    /// Lists LBS and the models.
+    pub fn series(&self) -> Vec<Series<'_>> {
+        let lbs = Series { name: LBS, class: "lbs", measured: &self.baseline, model: None };
+        let models = self.models().zip(["model", "other"]).map(|(model, class)| Series {
+            name: model.file.name,
+            class,
+            measured: &model.measured,
+            model: Some(model),
+        });
+        std::iter::once(lbs).chain(models).collect()
+    }
+
+    /// Summarises what was measured, a model each, as [`crate::envelope::evaluate::evaluate`] does.
+    pub fn evaluations(&self) -> Vec<Evaluation> {
+        let of = |model: &MeasuredModel<'_>| {
+            let character = (&model.character, model.file.bytes.len());
+            Evaluation::new(self.frames, character, &model.measured, &self.baseline)
+        };
+        self.models().map(of).collect()
+    }
+}
+
+impl Source<'_> {
+    /// Returns the number of the clip that a frame belongs to.
+    pub fn clip_of(&self, frame: usize) -> Option<usize> {
+        self.clips.iter().rposition(|clip| clip.first <= frame)
+    }
+
+    /// Names a frame: its number and, where there are several clips, its place in one.
+    pub fn label(&self, frame: usize) -> String {
+        match self.clip_of(frame).map(|clip| &self.clips[clip]) {
+            Some(clip) if self.clips.len() > 1 => {
+                format!("frame {frame} ({}, {})", clip.name, frame - clip.first)
+            }
+            _ => format!("frame {frame}"),
+        }
+    }
+}
+
+/// Names what a frame is put to.
+pub fn use_of(split: Split) -> &'static str {
+    Frames::Of(split).name()
+}

@@ -1,0 +1,278 @@
+//! Charts as inline SVG, coloured by the page's style.
+
+use super::html::text;
+use std::fmt::Write;
+
+/// A range of numbers along one side of a chart.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Range {
+    low: f64,
+    high: f64,
+    log: bool,
+}
+
+/// A chart that is being drawn.
+pub(crate) struct Chart {
+    width: f64,
+    height: f64,
+    x: Range,
+    y: Range,
+    body: String,
+}
+
+/// Room for the numbers at the left, and for the others around.
+const LEFT: f64 = 52.0;
+const RIGHT: f64 = 12.0;
+const TOP: f64 = 26.0;
+const BOTTOM: f64 = 40.0;
+/// Fewest pixels from one number to the next.
+const APART: f64 = 26.0;
+
+impl Range {
+    /// Even steps.
+    pub(crate) fn linear(low: f64, high: f64) -> Self {
+        Self { low, high: if high > low { high } else { low + 1.0 }, log: false }
+    }
+
+    /// Even ratios, from one positive number to a greater one.
+    pub(crate) fn between(low: f64, high: f64) -> Self {
+        Self { low, high, log: true }
+    }
+
+    /// Even ratios, over the positive ones of these numbers, of at most four decades.
+    pub(crate) fn log(numbers: impl IntoIterator<Item = f64>) -> Self {
+        let (mut low, mut high) = (f64::INFINITY, 0.0);
+        for number in numbers.into_iter().filter(|number| *number > 0.0) {
+            low = low.min(number);
+            high = f64::max(high, number);
+        }
+        if high == 0.0 {
+            (low, high) = (1.0, 1.0);
+        }
+        Self { low: low.max(1e-4 * high) / 1.2, high: 1.2 * high, log: true }
+    }
+
+    fn place(&self, value: f64) -> f64 {
+        let Self { low, high, log } = *self;
+        let share = if log {
+            (value.max(low) / low).ln() / (high / low).ln()
+        } else {
+            (value - low) / (high - low)
+        };
+        share.clamp(0.0, 1.0)
+    }
+
+    /// Lists round numbers of the range, at most so many.
+    fn ticks(&self, most: usize) -> Vec<(f64, String)> {
+        let steps: [&[f64]; 3] = [&[1.0, 2.0, 5.0], &[1.0, 3.0], &[1.0]];
+        if self.log {
+            let decades = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
+            let of = |steps: &[f64]| -> Vec<(f64, String)> {
+                let all = decades.clone().flat_map(|d| steps.iter().map(move |s| number(*s, d)));
+                all.filter(|tick| (self.low..=self.high).contains(&tick.0)).collect()
+            };
+            let few = steps.iter().map(|steps| of(steps)).find(|ticks| ticks.len() <= most);
+            return few.unwrap_or_else(|| of(&[1.0]));
+        }
+        let decade = ((self.high - self.low) / most as f64).log10().floor() as i32;
+        let step = [1.0, 2.0, 5.0, 10.0, 20.0].map(|step| number(step, decade).0);
+        let room = |step: &&f64| (self.high - self.low) / **step <= most as f64;
+        let step = *step.iter().find(room).unwrap_or(&step[4]);
+        let (first, last) = ((self.low / step).ceil() as i64, (self.high / step).floor() as i64);
+        let places = usize::try_from(-decade).unwrap_or(0);
+        (first..=last).map(|k| k as f64 * step).map(|v| (v, format!("{v:.places$}"))).collect()
+    }
+}
+
+/// `step` times a power of ten, and how it is written.
+fn number(step: f64, decade: i32) -> (f64, String) {
+    let places = usize::try_from(-decade).unwrap_or(0);
+    let value = step * 10_f64.powi(decade);
+    (value, format!("{value:.places$}"))
+}
+
+impl Chart {
+    /// Begins a chart of a width and height in pixels.
+    pub(crate) fn new((width, height): (f64, f64), x: Range, y: Range) -> Self {
+        Self { width, height, x, y, body: String::new() }
+    }
+
+    fn at(&self, x: f64, y: f64) -> (f64, f64) {
+        let (width, height) = (self.width - LEFT - RIGHT, self.height - TOP - BOTTOM);
+        (LEFT + width * self.x.place(x), TOP + height * (1.0 - self.y.place(y)))
+    }
+
+    fn push(&mut self, item: std::fmt::Arguments<'_>) {
+        // Writing to a string cannot fail.
+        let _ = self.body.write_fmt(item);
+    }
+
+    /// Names the sides, and draws the numbers and lines of the left one.
+    pub(crate) fn sides(&mut self, x: &str, y: &str) {
+        let most = ((self.height - TOP - BOTTOM) / APART).max(2.0) as usize;
+        for (value, name) in self.y.ticks(most) {
+            let ((left, at), right) = (self.at(self.x.low, value), self.width - RIGHT);
+            self.push(format_args!(
+                "<line class=\"grid\" x1=\"{left:.1}\" x2=\"{right:.1}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>\
+                 <text class=\"end\" x=\"{:.1}\" y=\"{:.1}\">{name}</text>",
+                left - 7.0,
+                at + 4.0
+            ));
+        }
+        let (foot, middle) = (self.height - 4.0, 0.5 * (LEFT + self.width - RIGHT));
+        let (x, y) = (text(x), text(y));
+        self.push(format_args!(
+            "<text class=\"side\" x=\"0\" y=\"12\">{y}</text>\
+             <text class=\"side middle\" x=\"{middle:.1}\" y=\"{foot:.1}\">{x}</text>"
+        ));
+    }
+
+    /// Writes round numbers under the chart.
+    pub(crate) fn numbers(&mut self) {
+        let most = ((self.width - LEFT - RIGHT) / (2.5 * APART)).max(2.0) as usize;
+        for (value, name) in self.x.ticks(most) {
+            self.mark(value, &name);
+        }
+    }
+
+    /// Writes something under a place.
+    pub(crate) fn mark(&mut self, x: f64, name: &str) {
+        let (at, foot) = self.at(x, self.y.low);
+        let name = text(name);
+        self.push(format_args!(
+            "<line class=\"tick\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{foot:.1}\" y2=\"{:.1}\"/>\
+             <text class=\"middle\" x=\"{at:.1}\" y=\"{:.1}\">{name}</text>",
+            foot + 4.0,
+            foot + 17.0
+        ));
+    }
+
+    /// Draws a line through points.
+    pub(crate) fn line(&mut self, class: &str, points: &[(f64, f64)]) {
+        let path = self.path(points);
+        self.push(format_args!("<path class=\"line {class}\" d=\"{path}\"/>"));
+    }
+
+    /// Fills what lies under a line through points.
+    pub(crate) fn area(&mut self, class: &str, points: &[(f64, f64)]) {
+        let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
+        let path = self.path(points);
+        let (left, foot) = self.at(first.0, self.y.low);
+        let (right, _) = self.at(last.0, self.y.low);
+        self.push(format_args!(
+            "<path class=\"area {class}\" d=\"{path}L{right:.1} {foot:.1}L{left:.1} {foot:.1}Z\"/>"
+        ));
+    }
+
+    /// Draws a dot at each point.
+    pub(crate) fn dots(&mut self, class: &str, points: &[(f64, f64)]) {
+        for &(x, y) in points {
+            let (x, y) = self.at(x, y);
+            self.push(format_args!(
+                "<circle class=\"dot {class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>"
+            ));
+        }
+    }
+
+    /// Colours the background from one place to another and names it at the top.
+    pub(crate) fn band(&mut self, class: &str, (from, to): (f64, f64), name: &str) {
+        let ((left, foot), (right, _)) = (self.at(from, self.y.low), self.at(to, self.y.low));
+        let (name, width, height) = (text(name), right - left, foot - TOP);
+        self.push(format_args!(
+            "<g class=\"band {class}\"><rect x=\"{left:.1}\" y=\"{TOP}\" width=\"{width:.1}\" \
+             height=\"{height:.1}\"/>"
+        ));
+        // What has no room would lie over its neighbour; it is still told under the pointer.
+        if 6.5 * name.chars().count() as f64 <= width {
+            self.push(format_args!(
+                "<text x=\"{:.1}\" y=\"{:.1}\">{name}</text>",
+                left + 4.0,
+                TOP + 13.0
+            ));
+        }
+        self.push(format_args!("<title>{name}</title></g>"));
+    }
+
+    /// Tells something where the pointer rests between two places.
+    pub(crate) fn tell(&mut self, (from, to): (f64, f64), what: &str) {
+        let ((left, foot), (right, _)) = (self.at(from, self.y.low), self.at(to, self.y.low));
+        let (what, width, height) = (text(what), right - left, foot - TOP);
+        self.push(format_args!(
+            "<rect class=\"tell\" x=\"{left:.1}\" y=\"{TOP}\" width=\"{width:.2}\" \
+             height=\"{height:.1}\"><title>{what}</title></rect>"
+        ));
+    }
+
+    /// Ends the chart; `description` says what it shows to those who cannot see it.
+    pub(crate) fn finish(self, description: &str) -> String {
+        let Self { width, height, body, .. } = self;
+        let description = text(description);
+        format!(
+            "<svg class=\"chart\" role=\"img\" aria-label=\"{description}\" viewBox=\"0 0 {width} \
+             {height}\">{body}</svg>\n"
+        )
+    }
+
+    fn path(&self, points: &[(f64, f64)]) -> String {
+        let mut path = String::new();
+        for (number, &(x, y)) in points.iter().enumerate() {
+            let (x, y) = self.at(x, y);
+            let _ = write!(path, "{}{x:.1} {y:.1}", if number == 0 { 'M' } else { 'L' });
+        }
+        if points.len() == 1 {
+            // Round ends make a dot of it.
+            path += "h0";
+        }
+        path
+    }
+}
+
+/// The legend of lines: their classes and names.
+pub(crate) fn legend(entries: &[(&str, &str)]) -> String {
+    let of = |(class, name): &(&str, &str)| {
+        format!("<span><i class=\"{class}\"></i>{}</span>", text(name))
+    };
+    format!("<p class=\"legend\">{}</p>\n", entries.iter().map(of).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(range: Range, most: usize) -> Vec<String> {
+        range.ticks(most).into_iter().map(|tick| tick.1).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_no_more_than_asked() {
+        assert_eq!(names(Range::linear(0.0, 1.0), 5), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(
+            names(Range::linear(0.0, 730.0), 8),
+            ["0", "100", "200", "300", "400", "500", "600", "700"]
+        );
+        let log = Range::between(0.004, 2.5);
+        assert_eq!(names(log, 9), ["0.005", "0.01", "0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"]);
+        assert_eq!(names(log, 6), ["0.01", "0.03", "0.1", "0.3", "1"]);
+        assert_eq!(names(log, 4), ["0.01", "0.1", "1"]);
+    }
+
+    #[test]
+    fn places_are_proportional_or_by_ratios() {
+        assert_eq!(Range::linear(2.0, 6.0).place(3.0), 0.25);
+        let log = Range::between(0.01, 100.0);
+        assert!((log.place(1.0) - 0.5).abs() < 1e-12);
+        assert_eq!((log.place(0.0), log.place(1e9)), (0.0, 1.0));
+        // What is zero has no place on a logarithmic side and does not stretch it.
+        assert!((Range::log([0.0, 1.0, 100.0]).place(10.0) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn lines_go_through_their_points() {
+        let mut chart =
+            Chart::new((100.0, 100.0), Range::linear(0.0, 1.0), Range::linear(0.0, 1.0));
+        chart.line("model", &[(0.0, 0.0), (1.0, 1.0)]);
+        let (left, right, top, foot) = (LEFT, 100.0 - RIGHT, TOP, 100.0 - BOTTOM);
+        let path = format!("d=\"M{left:.1} {foot:.1}L{right:.1} {top:.1}\"");
+        assert!(chart.finish("a <chart>").contains(&path));
+    }
+}

@@ -1,0 +1,128 @@
+//! The page's parts: text, tables, pictures.
+
+use super::render::Picture;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use image::ImageError;
+
+const STYLE: &str = include_str!("style.css");
+
+/// A page in one file.
+pub(crate) fn page(title: &str, body: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{body}</main>\n\
+         </body>\n</html>\n",
+        text(title)
+    )
+}
+
+/// Text as HTML: names come from files and may hold anything.
+pub(crate) fn text(text: &str) -> String {
+    text.chars().fold(String::with_capacity(text.len()), |mut out, character| {
+        match character {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            c if c.is_control() => out.extend(c.escape_default()),
+            c => out.push(c),
+        }
+        out
+    })
+}
+
+/// A section under a heading.
+pub(crate) fn section(heading: &str, content: &str) -> String {
+    format!("<section>\n<h2>{}</h2>\n{content}</section>\n", text(heading))
+}
+
+/// A paragraph; `content` is HTML.
+pub(crate) fn paragraph(content: &str) -> String {
+    format!("<p>{content}</p>\n")
+}
+
+/// A table of HTML cells: the first column is text, figures stand to the right.
+pub(crate) fn table(head: &[String], rows: &[Vec<String>]) -> String {
+    let mut out = String::from("<div class=\"wide\"><table>\n<thead><tr>");
+    for cell in head {
+        out += &format!("<th scope=\"col\">{cell}</th>");
+    }
+    out += "</tr></thead>\n<tbody>\n";
+    for row in rows {
+        out += "<tr>";
+        for (column, cell) in row.iter().enumerate() {
+            out += &match column {
+                0 => format!("<th scope=\"row\">{cell}</th>"),
+                _ => format!("<td>{cell}</td>"),
+            };
+        }
+        out += "</tr>\n";
+    }
+    out + "</tbody>\n</table></div>\n"
+}
+
+/// Pictures side by side, so many in a row; each is HTML.
+pub(crate) fn side_by_side(columns: usize, figures: &[String]) -> String {
+    format!("<div class=\"row\" style=\"--n:{columns}\">\n{}</div>\n", figures.concat())
+}
+
+/// A picture, HTML that lies over it, and HTML under it.
+///
+/// # Errors
+/// Those of the encoder.
+pub(crate) fn figure(
+    picture: &Picture,
+    description: &str,
+    over: &str,
+    caption: &str,
+) -> Result<String, ImageError> {
+    let (width, height) = (picture.size.width, picture.size.height);
+    Ok(format!(
+        "<figure><div class=\"picture\"><img alt=\"{}\" width=\"{width}\" height=\"{height}\" \
+         src=\"data:image/png;base64,{}\">{over}</div><figcaption>{caption}</figcaption></figure>\n",
+        text(description),
+        STANDARD.encode(picture.png()?)
+    ))
+}
+
+/// An error in % of the diagonal, as `sinew eval` prints it.
+pub(crate) fn percent(value: f64) -> String {
+    format!("{value:.4}")
+}
+
+/// A number with a thin space before each three digits.
+pub(crate) fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let first = (digits.len() + 2) % 3 + 1;
+    let mut out = digits[..first].to_owned();
+    for start in (first..digits.len()).step_by(3) {
+        out.push('\u{202f}');
+        out += &digits[start..start + 3];
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_cannot_become_markup() {
+        assert_eq!(
+            text("<b a=\"1\" b='2'>&\u{7}é"),
+            "&lt;b a=&quot;1&quot; b=&#39;2&#39;&gt;&amp;\\u{7}é"
+        );
+    }
+
+    #[test]
+    fn digits_stand_in_threes() {
+        for (number, expected) in [(0, "0"), (999, "999"), (1000, "1 000"), (26_756, "26 756")] {
+            assert_eq!(grouped(number).replace('\u{202f}', " "), expected);
+        }
+        assert_eq!(grouped(1_622_480).replace('\u{202f}', " "), "1 622 480");
+    }
+}

@@ -1,0 +1,8 @@
+//! What every report is made of: the page itself, charts, colours, and pictures of meshes. Nothing
+//! here knows what is reported.
+
+pub mod camera;
+pub(crate) mod chart;
+pub mod colour;
+pub(crate) mod html;
+pub mod render;

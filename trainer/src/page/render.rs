@@ -1,0 +1,349 @@
+//! A small rasteriser: z-buffer, smooth shading, four samples a pixel.
+
+use super::camera::{Camera, Size};
+use super::colour::Colour;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+use nalgebra::Vector3;
+
+/// Samples along each side of a pixel.
+const SAMPLES: usize = 2;
+/// Directions of the key and the fill light, to the right, up and toward the eye, and their shares;
+/// the rest comes from everywhere.
+const LIGHTS: [([f64; 3], f64); 2] = [([-0.45, 0.65, 0.62], 0.66), ([0.75, 0.15, 0.64], 0.24)];
+/// Light that comes from everywhere, more of it from above.
+const AMBIENT: (f64, f64) = (0.27, 0.06);
+/// How much darker the inside of an open mesh is.
+const INSIDE: f64 = 0.55;
+
+/// A surface to draw.
+#[derive(Clone, Copy)]
+pub struct Mesh<'a> {
+    /// V positions.
+    pub positions: &'a [[f64; 3]],
+    /// V normals; where one is zero, the triangle's serves.
+    pub normals: &'a [[f64; 3]],
+    /// Vertex numbers.
+    pub triangles: &'a [[usize; 3]],
+}
+
+/// How a surface shows its colours.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// How far light and shadow change them, in [0, 1].
+    pub relief: f64,
+    /// Whether every point has the colour of its nearest corner, with a border between them.
+    pub borders: bool,
+}
+
+/// A point of the surface that is seen at a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The triangle.
+    pub triangle: usize,
+    /// Share of each corner.
+    pub weights: [f64; 3],
+    /// Distance toward the eye.
+    pub depth: f64,
+}
+
+/// Pixels from the upper left, row by row: red, green, blue, and how far each is covered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Width and height.
+    pub size: Size,
+    /// Pixels, 4 bytes each.
+    pub rgba: Vec<u8>,
+}
+
+impl Mesh<'_> {
+    /// Draws the surface in V colours.
+    pub fn draw(&self, colours: &[Colour], look: Look, camera: &Camera) -> Picture {
+        let hits = self.hits(&camera.resized(SAMPLES as f64));
+        let linear: Vec<[f64; 3]> =
+            colours.iter().map(|c| c.map(|part| to_linear(f64::from(part)))).collect();
+        let steps = steps();
+        let Size { width, height } = camera.size;
+        let mut rgba = Vec::with_capacity(4 * width * height);
+        for pixel in 0..width * height {
+            let (x, y) = (SAMPLES * (pixel % width), SAMPLES * (pixel / width));
+            let mut sum = [0.0; 3];
+            let mut covered = 0_usize;
+            for sample in 0..SAMPLES * SAMPLES {
+                let (x, y) = (x + sample % SAMPLES, y + sample / SAMPLES);
+                let Some(hit) = &hits[y * SAMPLES * width + x] else { continue };
+                let light = 1.0 - look.relief * (1.0 - self.light(hit, camera));
+                let colour = match look.borders {
+                    true => linear[self.nearest(hit)],
+                    false => self.mix(hit, &linear),
+                };
+                sum = [0, 1, 2].map(|c| sum[c] + light * colour[c]);
+                covered += 1;
+            }
+            let colour = match covered {
+                0 => [0; 3],
+                _ => sum.map(|part| from_linear(part / covered as f64, &steps)),
+            };
+            let alpha = 255 * covered / (SAMPLES * SAMPLES);
+            rgba.extend([colour[0], colour[1], colour[2], alpha as u8]);
+        }
+        Picture { size: camera.size, rgba }
+    }
+
+    /// Tells whether something lies before a vertex, by more than `slack`.
+    pub fn hides(&self, vertex: usize, slack: f64, camera: &Camera) -> bool {
+        let [x, y, depth] = camera.project(&self.positions[vertex]);
+        let Size { width, height } = camera.size;
+        if !(x >= 0.0 && y >= 0.0 && x < width as f64 && y < height as f64) {
+            return true;
+        }
+        let seen = self.hits(camera)[y as usize * width + x as usize];
+        seen.is_some_and(|hit| hit.depth > depth + slack)
+    }
+
+    /// Adds up a number a vertex over all of the outside that is seen, in pixels.
+    pub fn seen(&self, numbers: &[f64], camera: &Camera) -> f64 {
+        let at = |hit: &Hit| {
+            if self.face(hit).dot(&camera.axes[2]) < 0.0 {
+                return 0.0;
+            }
+            let corners = self.triangles[hit.triangle].iter().zip(hit.weights);
+            corners.map(|(&vertex, weight)| weight * numbers[vertex]).sum::<f64>()
+        };
+        self.hits(camera).iter().flatten().map(at).sum()
+    }
+
+    /// Finds what is seen at the middle of every pixel, row by row.
+    pub fn hits(&self, camera: &Camera) -> Vec<Option<Hit>> {
+        let Size { width, height } = camera.size;
+        let mut hits: Vec<Option<Hit>> = vec![None; width * height];
+        let seen: Vec<[f64; 3]> = self.positions.iter().map(|p| camera.project(p)).collect();
+        for (triangle, corners) in self.triangles.iter().enumerate() {
+            let corners = corners.map(|vertex| seen[vertex]);
+            let [a, b, c] = corners;
+            let area = cross(a, b, c);
+            if area == 0.0 || !area.is_finite() {
+                continue;
+            }
+            for y in span(corners.map(|corner| corner[1]), height) {
+                for x in span(corners.map(|corner| corner[0]), width) {
+                    let p = [x as f64 + 0.5, y as f64 + 0.5, 0.0];
+                    let weights =
+                        [cross(b, c, p), cross(c, a, p), cross(a, b, p)].map(|w| w / area);
+                    if weights.iter().any(|weight| *weight < 0.0) {
+                        continue;
+                    }
+                    let depth = (0..3).map(|k| weights[k] * corners[k][2]).sum();
+                    let nearest = &mut hits[y * width + x];
+                    if nearest.is_none_or(|hit| hit.depth < depth) {
+                        *nearest = Some(Hit { triangle, weights, depth });
+                    }
+                }
+            }
+        }
+        hits
+    }
+
+    fn nearest(&self, hit: &Hit) -> usize {
+        self.triangles[hit.triangle][crate::envelope::evaluate::largest(&hit.weights)]
+    }
+
+    fn mix(&self, hit: &Hit, of: &[[f64; 3]]) -> [f64; 3] {
+        let corners = self.triangles[hit.triangle];
+        [0, 1, 2].map(|c| (0..3).map(|k| hit.weights[k] * of[corners[k]][c]).sum())
+    }
+
+    /// Points out of the triangle, as long as twice its area.
+    fn face(&self, hit: &Hit) -> Vector3<f64> {
+        let corners = self.triangles[hit.triangle].map(|v| Vector3::from(self.positions[v]));
+        (corners[1] - corners[0]).cross(&(corners[2] - corners[0]))
+    }
+
+    fn light(&self, hit: &Hit, camera: &Camera) -> f64 {
+        let face = self.face(hit);
+        let normal = Vector3::from(self.mix(hit, self.normals));
+        let normal = normal.try_normalize(1e-9).or_else(|| face.try_normalize(0.0));
+        let mut normal = normal.unwrap_or_default();
+        let inside = face.dot(&camera.axes[2]) < 0.0;
+        if inside {
+            normal = -normal;
+        }
+        let [right, up, toward] = camera.axes.map(|axis| axis.dot(&normal));
+        let mut light = AMBIENT.0 + AMBIENT.1 * up;
+        for ([x, y, z], share) in LIGHTS {
+            let length = (x * x + y * y + z * z).sqrt();
+            light += share * ((right * x + up * y + toward * z) / length).max(0.0);
+        }
+        if inside { INSIDE * light } else { light }
+    }
+}
+
+impl Picture {
+    /// Encodes the picture as PNG.
+    ///
+    /// # Errors
+    /// Those of the encoder.
+    pub fn png(&self) -> Result<Vec<u8>, ImageError> {
+        let mut bytes = Vec::new();
+        let Size { width, height } = self.size;
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
+            .write_image(&self.rgba, width as u32, height as u32, ExtendedColorType::Rgba8)?;
+        Ok(bytes)
+    }
+}
+
+/// Twice the area of a triangle in the picture.
+fn cross(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// The pixels whose middle may lie between the corners.
+fn span(corners: [f64; 3], len: usize) -> std::ops::Range<usize> {
+    let low = corners.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    // A negative or huge number becomes the nearest one that an integer can hold.
+    let (first, end) = ((low - 0.5).ceil() as usize, (high + 0.5).floor() as usize);
+    first.min(len)..end.min(len)
+}
+
+/// Returns the light of a byte of sRGB, in [0, 1].
+fn to_linear(byte: f64) -> f64 {
+    let part = byte / 255.0;
+    if part <= 0.040_45 { part / 12.92 } else { libm::pow((part + 0.055) / 1.055, 2.4) }
+}
+
+/// Returns the byte whose light is nearest: `steps` are where each byte gives way to the next.
+fn from_linear(part: f64, steps: &[f64]) -> u8 {
+    steps.partition_point(|step| *step <= part) as u8
+}
+
+/// The light half-way between each byte and the next, 255 values.
+fn steps() -> Vec<f64> {
+    (0..255).map(|byte| to_linear(f64::from(byte) + 0.5)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A camera whose pixels are model units, x to the right and y down from the upper left corner.
+    fn camera(width: usize, height: usize) -> Camera {
+        Camera {
+            axes: [Vector3::x(), -Vector3::y(), Vector3::z()],
+            centre: [0.5 * width as f64, -0.5 * height as f64],
+            scale: 1.0,
+            size: Size { width, height },
+        }
+    }
+
+    fn mesh<'a>(positions: &'a [[f64; 3]], triangles: &'a [[usize; 3]]) -> Mesh<'a> {
+        Mesh { positions, normals: &[[0.0; 3]; 6], triangles }
+    }
+
+    const FLAT: Look = Look { relief: 0.0, borders: false };
+    const RED: Colour = [200, 10, 30];
+    const BLUE: Colour = [5, 60, 220];
+
+    fn pixel(picture: &Picture, x: usize, y: usize) -> [u8; 4] {
+        let first = 4 * (y * picture.size.width + x);
+        [0, 1, 2, 3].map(|part| picture.rgba[first + part])
+    }
+
+    #[test]
+    fn a_triangle_covers_the_pixels_whose_middle_it_holds() {
+        let corners = [[0.2, 0.2, 0.0], [8.2, 0.2, 0.0], [0.2, 8.2, 0.0]];
+        for triangle in [[0, 1, 2], [0, 2, 1]] {
+            let hits = mesh(&corners, &[triangle]).hits(&camera(10, 9));
+            for (place, hit) in hits.iter().enumerate() {
+                let (x, y) = ((place % 10) as f64 + 0.5, (place / 10) as f64 + 0.5);
+                assert_eq!(hit.is_some(), x > 0.2 && y > 0.2 && x + y < 8.4, "{x} {y}");
+                let Some(hit) = hit else { continue };
+                let shares = triangle.map(|vertex| match vertex {
+                    0 => 1.0 - (x - 0.2 + y - 0.2) / 8.0,
+                    1 => (x - 0.2) / 8.0,
+                    _ => (y - 0.2) / 8.0,
+                });
+                assert!((0..3).all(|k| (hit.weights[k] - shares[k]).abs() < 1e-12));
+            }
+        }
+    }
+
+    #[test]
+    fn nearer_hides_farther_in_any_order() {
+        let corners = [
+            [0.0, 0.0, 1.0],
+            [9.0, 0.0, 1.0],
+            [0.0, 9.0, 1.0],
+            [0.0, 0.0, 2.0],
+            [4.0, 0.0, 2.0],
+            [0.0, 4.0, 0.0],
+        ];
+        let colours = [BLUE, BLUE, BLUE, RED, RED, RED];
+        for triangles in [[[0, 1, 2], [3, 4, 5]], [[3, 4, 5], [0, 1, 2]]] {
+            let picture = mesh(&corners, &triangles).draw(&colours, FLAT, &camera(9, 9));
+            // The second falls from 2 at the top to 0 at y = 4, through the first at y = 2.
+            assert_eq!(pixel(&picture, 0, 0)[..3], RED);
+            assert_eq!(pixel(&picture, 0, 1)[..3], RED);
+            assert_eq!(pixel(&picture, 0, 2)[..3], BLUE);
+            assert_eq!(pixel(&picture, 5, 1)[..3], BLUE);
+        }
+        let both = mesh(&corners, &[[0, 1, 2], [3, 4, 5]]);
+        assert!(both.hides(0, 0.5, &camera(9, 9)) && !both.hides(3, 0.5, &camera(9, 9)));
+        assert!(!both.hides(0, 2.0, &camera(9, 9)));
+    }
+
+    #[test]
+    fn colours_are_exact_blend_in_linear_light_or_meet_at_a_border() {
+        let corners = [[0.0, 0.0, 0.0], [40.0, 0.0, 0.0], [0.0, 40.0, 0.0]];
+        let whole = mesh(&corners, &[[0, 1, 2]]);
+        let plain = whole.draw(&[RED; 3], FLAT, &camera(40, 40));
+        assert_eq!(pixel(&plain, 7, 9), [RED[0], RED[1], RED[2], 255]);
+        assert_eq!(pixel(&plain, 39, 39)[3], 0);
+        // Three of the four samples of a pixel on the diagonal lie on the near side of it or on it.
+        assert_eq!(pixel(&plain, 20, 19)[3], 191);
+
+        let ends = [[0, 0, 0], [255, 255, 255], [0, 0, 0]];
+        let blended = whole.draw(&ends, FLAT, &camera(40, 40));
+        // Half of the light is 188 of sRGB: 0.5 = ((188 / 255 + 0.055) / 1.055)^2.4.
+        assert!((184..=188).contains(&pixel(&blended, 19, 5)[0]));
+        assert!((188..=192).contains(&pixel(&blended, 20, 5)[0]));
+        let kinds = Look { borders: true, ..FLAT };
+        let kinds = whole.draw(&ends, kinds, &camera(40, 40));
+        assert_eq!((pixel(&kinds, 18, 1)[0], pixel(&kinds, 21, 1)[0]), (0, 255));
+    }
+
+    #[test]
+    fn light_comes_from_the_upper_left_and_the_inside_is_darker() {
+        let corners = [[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0]];
+        let shade = |normal: [f64; 3], triangle: [usize; 3]| {
+            let normals = [normal; 3];
+            let mesh = Mesh { positions: &corners, normals: &normals, triangles: &[triangle] };
+            let look = Look { relief: 1.0, borders: false };
+            pixel(&mesh.draw(&[[128; 3]; 3], look, &camera(9, 9)), 1, 1)[0]
+        };
+        // y points down in this camera; a triangle is seen from outside that turns left as seen.
+        let outside = [0, 1, 2];
+        let [left, right] = [[-0.6, -0.5, 0.6], [0.6, 0.5, 0.6]].map(|n| shade(n, outside));
+        assert!(left > right, "{left} {right}");
+        assert!(shade([0.0, 0.0, 1.0], outside) > shade([0.0, 0.0, -1.0], [0, 2, 1]));
+        // Without a normal the triangle's own serves.
+        assert_eq!(shade([0.0; 3], outside), shade([0.0, 0.0, 1.0], outside));
+    }
+
+    #[test]
+    fn what_is_seen_counts_by_pixels_on_the_outside_alone() {
+        let corners = [[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0]];
+        let seen = |triangle| mesh(&corners, &[triangle]).seen(&[3.0; 3], &camera(9, 9));
+        // Middles with x + y <= 8: 8 + 7 + … + 1.
+        assert_eq!(seen([0, 1, 2]).max(seen([0, 2, 1])), 3.0 * 36.0);
+        assert_eq!(seen([0, 1, 2]).min(seen([0, 2, 1])), 0.0);
+    }
+
+    #[test]
+    fn png_reads_back() {
+        let size = Size { width: 2, height: 1 };
+        let picture = Picture { size, rgba: vec![1, 2, 3, 255, 4, 5, 6, 128] };
+        let image = image::load_from_memory(&picture.png().unwrap()).unwrap().into_rgba8();
+        assert_eq!((image.dimensions(), image.into_raw()), ((2, 1), picture.rgba));
+    }
+}
