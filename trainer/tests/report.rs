@@ -9,7 +9,7 @@ use sinew_trainer::envelope::fitted::Fitted;
 use sinew_trainer::envelope::report::subject::{File, Source, Subject};
 use sinew_trainer::envelope::report::{Page, Wish, csv, ply};
 use sinew_trainer::envelope::rotational::ProxyCount;
-use sinew_trainer::envelope::training::Training;
+use sinew_trainer::envelope::skin::training::Training;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Clip, Examples, Split};
 use sinew_trainer::progress::Silent;

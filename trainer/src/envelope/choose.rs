@@ -3,17 +3,17 @@
 
 use super::error::{FitError, TrainError};
 use super::fitted::{Fitted, corrected};
-use super::folds::folds;
-use super::helpers::candidates::GroupReport;
-use super::helpers::correction::Search;
 use super::helpers::fit::{self, Helpers};
-use super::helpers::target::Target;
 use super::levels::AddError;
 use super::levels::{self, LevelReport};
 use super::options::{Meshes, Options, Predict};
 use super::rotational::ProxyCount;
 use super::rotational::{self, Rotational, Variant};
-use super::training::Training;
+use crate::envelope::correction::candidates::GroupReport;
+use crate::envelope::correction::search::Search;
+use crate::envelope::correction::target::Target;
+use crate::envelope::skin::folds::folds;
+use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
 use crate::progress::Progress;
 use faer::Mat;

@@ -1,9 +1,10 @@
 //! A fitted envelope and the skin that follows it, as training sees them.
 
-use super::blend::Weights;
+use super::correction::rounding;
+use super::levels;
 use super::model::{EnvelopeModel, FileModel, Group, Reconstruction, SkinModel};
-use super::training::Training;
-use super::{levels, rounding};
+use crate::envelope::skin::blend::Weights;
+use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
 use faer::Mat;
 use sinew_runtime::envelope::Certificate;

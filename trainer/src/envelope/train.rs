@@ -3,7 +3,7 @@
 use super::choose::{self, Trained};
 use super::error::TrainError;
 use super::options::Options;
-use super::training::Training;
+use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
 use crate::progress::Progress;
 

@@ -105,7 +105,7 @@ fn sum_over_chunks(
 mod tests {
     use super::*;
     use crate::envelope::demo::{DemoOptions, demo};
-    use crate::envelope::training::Training;
+    use crate::envelope::skin::training::Training;
     use crate::progress::Silent;
 
     #[test]

@@ -4,5 +4,6 @@ pub mod affine;
 pub mod basis;
 pub mod cluster;
 pub(crate) mod columns;
+pub(crate) mod ridge;
 pub mod simplex;
 pub mod so3;

@@ -2,7 +2,8 @@
 
 use super::finding::{FrameName, Place};
 use super::turns::Turns;
-use crate::envelope::training::Training;
+use crate::envelope::correction::features::Features;
+use crate::envelope::skin::training::Training;
 use crate::examples::{Clip, Examples, Split};
 use faer::Mat;
 
@@ -32,7 +33,7 @@ impl<'a> Context<'a> {
             dominant: (0..examples.vertex_len())
                 .map(|vertex| weights.strongest(vertex).unwrap_or(0))
                 .collect(),
-            turns: Turns::new(&training.poses, training.joints()),
+            turns: Turns::new(&training.poses, Features::of(&training)),
             training,
         }
     }

@@ -4,7 +4,8 @@ use super::context::Context;
 use super::finding::FrameName;
 use super::thresholds::{BENT, BEYOND, DISTINCT, MUCH, STILL};
 use super::turns::{Turn, Turns};
-use crate::envelope::motion::Poses;
+use crate::envelope::correction::features::Features;
+use crate::envelope::skin::poses::Poses;
 use crate::examples::Split;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -68,7 +69,7 @@ pub(super) fn coverage(context: &Context<'_>) -> Vec<Coverage> {
         .collect();
     let poses = Poses::new(context.examples, &others);
     let poses = poses.about(context.training.centre).in_units_of(context.training.unit);
-    let others = (others, Turns::new(&poses, context.training.joints()));
+    let others = (others, Turns::new(&poses, Features::of(&context.training)));
     let skins = context.skins();
     let joints: Vec<usize> = (0..context.examples.joint_len()).filter(|&j| j != root).collect();
     joints.into_par_iter().map(|joint| of(context, joint, &skins[joint], &others)).collect()

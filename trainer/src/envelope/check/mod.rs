@@ -21,7 +21,7 @@ pub mod thresholds;
 mod turns;
 
 use crate::envelope::FitError;
-use crate::envelope::training::Training;
+use crate::envelope::skin::training::Training;
 use crate::examples::{Clip, Examples, ExamplesError};
 use crate::progress::Progress;
 use context::{Context, worst_first};

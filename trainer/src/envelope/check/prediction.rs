@@ -2,7 +2,8 @@
 //! joint's skin from the joints near it, in Gram matrices over the poses (METHOD §1.9, §2.2).
 
 use super::context::Context;
-use crate::envelope::folds::folds;
+use crate::envelope::correction::features::Features;
+use crate::envelope::skin::folds::folds;
 use crate::examples::spread;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
@@ -61,9 +62,9 @@ pub(super) fn regions(context: &Context<'_>, poses: &[usize]) -> Vec<Region> {
 
 impl Region {
     fn new(context: &Context<'_>, joint: usize, skin: &[usize], poses: &[usize]) -> Option<Self> {
-        let (training, joints) = (&context.training, context.training.joints());
-        let inputs = joints.inputs(&training.poses, joint, HOPS);
-        let all = joints.evaluate(&training.poses, &inputs);
+        let (training, features) = (&context.training, Features::of(&context.training));
+        let inputs = features.inputs(&training.poses, joint, HOPS);
+        let all = features.evaluate(&training.poses, &inputs);
         let inputs = Mat::from_fn(all.nrows(), poses.len(), |r, i| all[(r, poses[i])]);
         let squared = Squared::new(&inputs)?;
         let gram = gram(context, joint, skin, poses);

@@ -4,7 +4,7 @@ use super::context::{Context, worst_first};
 use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
 use super::prediction::HOPS;
 use super::thresholds::{NEAR_REST, REST_ERROR, VISIBLE};
-use crate::envelope::helpers::features::near;
+use crate::envelope::correction::features::near;
 use serde::Serialize;
 
 /// How the rest mesh was tested.

@@ -3,8 +3,8 @@
 use super::context::Context;
 use super::finding::{Finding, FrameName, Kind, Place, Severity};
 use super::thresholds::{SHIFT_FRAMES, SHIFTED, VISIBLE};
-use crate::envelope::motion::{Poses, trajectories};
-use crate::envelope::weights::{self, BASELINE_INFLUENCES};
+use crate::envelope::skin::poses::{Poses, trajectories};
+use crate::envelope::skin::weights::{self, BASELINE_INFLUENCES};
 use crate::examples::spread;
 use crate::examples::{Examples, Split};
 use sinew_runtime::format::Space;

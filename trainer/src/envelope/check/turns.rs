@@ -1,8 +1,8 @@
 //! How far poses are from each other, joint by joint, in degrees.
 
 use super::thresholds::SLIDE;
-use crate::envelope::helpers::features::Joints;
-use crate::envelope::motion::Poses;
+use crate::envelope::correction::features::Features;
+use crate::envelope::skin::poses::Poses;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// Each joint of each pose against its parent, at rest the identity.
@@ -20,7 +20,7 @@ pub(super) struct Turn {
 }
 
 impl Turns {
-    pub(super) fn new(poses: &Poses, joints: Joints<'_>) -> Self {
+    pub(super) fn new(poses: &Poses, joints: Features<'_>) -> Self {
         let joint_len = poses.joint_len();
         let of = |at: usize| {
             let f = joints.feature(poses, at / joint_len, at % joint_len);

@@ -1,9 +1,9 @@
 //! Skins of one frame: the runtime's, and that of LBS.
 
 use super::{Character, EvaluateError};
-use crate::envelope::blend::Weights;
 use crate::envelope::posed::{palette, skin_on};
-use crate::envelope::weights;
+use crate::envelope::skin::blend::Weights;
+use crate::envelope::skin::weights;
 use crate::examples::Examples;
 use nalgebra::Vector3;
 

@@ -5,7 +5,7 @@ use super::glb::{Document, Placed, SkinnedMesh};
 use super::skeleton::Joints;
 use super::times::key_times;
 use crate::envelope::evaluate::Frames;
-use crate::envelope::weights;
+use crate::envelope::skin::weights;
 use crate::examples::{Clip, Examples, Split};
 
 /// What the file says of itself.

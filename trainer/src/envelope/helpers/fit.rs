@@ -1,13 +1,14 @@
 //! The fit of helpers to the training frames (METHOD §1.9).
 
-use super::super::blend::{Items, Maps, Weights, fit_maps, fit_weights};
-use super::super::fitted::Fitted;
-use super::super::model::Group;
-use super::super::motion::Poses;
-use super::super::rotational::refine::gram;
-use super::super::training::Training;
-use super::stacked::{bases, set_map};
-use super::target::Target;
+use crate::envelope::correction::features::Features;
+use crate::envelope::correction::target::Target;
+use crate::envelope::fitted::Fitted;
+use crate::envelope::model::Group;
+use crate::envelope::skin::blend::{Items, Maps, Weights, fit_maps, fit_weights};
+use crate::envelope::skin::poses::Poses;
+use crate::envelope::skin::projection::gram;
+use crate::envelope::skin::stacked::{bases, set_map};
+use crate::envelope::skin::training::Training;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::basis::basis;
 use crate::numeric::cluster::cluster;
@@ -178,7 +179,7 @@ impl Helpers {
     pub fn target<'a>(&'a self, training: &'a Training) -> Target<'a> {
         Target {
             poses: &training.poses,
-            joints: training.joints(),
+            features: Features::of(training),
             dominant: &self.dominant,
             left_over: &self.left_over,
             without: &[],

@@ -1,10 +1,4 @@
 //! Joints and helpers (METHOD §1.9): LBS stays where it is right, and helper proxies, driven by
 //! local kernel maps, are added where it errs.
 
-pub mod candidates;
-pub mod correction;
-pub mod features;
 pub mod fit;
-pub mod metric;
-pub mod stacked;
-pub mod target;

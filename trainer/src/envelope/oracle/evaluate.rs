@@ -1,7 +1,7 @@
 //! From pose to palette.
 
 use crate::envelope::model::EnvelopeModel;
-use crate::envelope::motion::Poses;
+use crate::envelope::skin::poses::Poses;
 use faer::Mat;
 use nalgebra::Matrix3x4;
 

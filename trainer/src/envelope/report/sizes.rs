@@ -6,7 +6,7 @@ use crate::envelope::choose::choose;
 use crate::envelope::evaluate::{Character, Errors, EvaluateError, Measured};
 use crate::envelope::rotational::ProxyCount;
 use crate::envelope::rotational::choose::near_rigid;
-use crate::envelope::training::Training;
+use crate::envelope::skin::training::Training;
 use crate::envelope::{FitError, Options, Predict, TrainError, Trained};
 use crate::progress::Progress;
 use sinew_runtime::Limits;

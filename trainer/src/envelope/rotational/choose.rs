@@ -1,10 +1,10 @@
 //! The choice of near-rigid vertices, anchors and refinement by validation inside the training
 //! split (METHOD §1.6, §1.7).
 
-use super::super::FitError;
 use super::reduce::{Anchors, Reduced, Reduction};
-use super::refine::Projection;
 use super::validation::Validation;
+use crate::envelope::FitError;
+use crate::envelope::skin::projection::Projection;
 use crate::progress::Progress;
 use serde::Serialize;
 

@@ -5,18 +5,20 @@ use super::options::Options;
 use super::predictor::{GradientPredictor, predict_stacked};
 use super::proxies::CountTrial;
 use super::reduce::{Reduced, Reduction};
-use super::refine::{Projection, Regression};
+use super::refine::Regression;
 use super::surface::Surface;
 use super::validation::Validation;
 use super::{choose, keys, merge, proxies, validation};
 use crate::envelope::FitError;
-use crate::envelope::blend::Weights;
+use crate::envelope::correction::features::Features;
+use crate::envelope::correction::target::Target;
 use crate::envelope::fitted::Fitted;
-use crate::envelope::folds::folds;
-use crate::envelope::helpers::target::Target;
 use crate::envelope::model::{Key, Reconstruction};
-use crate::envelope::motion::Poses;
-use crate::envelope::training::Training;
+use crate::envelope::skin::blend::Weights;
+use crate::envelope::skin::folds::folds;
+use crate::envelope::skin::poses::Poses;
+use crate::envelope::skin::projection::Projection;
+use crate::envelope::skin::training::Training;
 use crate::numeric::basis;
 use crate::progress::Progress;
 use faer::Mat;
@@ -225,7 +227,7 @@ impl Rotational {
     pub fn target<'a>(&'a self, base: &'a Variant, training: &'a Training) -> Target<'a> {
         Target {
             poses: &training.poses,
-            joints: training.joints(),
+            features: Features::of(training),
             dominant: &self.dominant,
             left_over: &base.left_over,
             without: &base.left_over_without,

@@ -1,14 +1,14 @@
 //! The envelope without reduction: one predictor a triangle, every vertex reconstructed (S3 §1, §2;
 //! METHOD §1.4 to §1.6). Too slow for run time; it is what the reduction is measured against.
 
-use super::super::FitError;
-use super::super::blend::Weights;
-use super::super::motion::{Poses, trajectories};
-use super::super::weights::{self, BASELINE_INFLUENCES};
 use super::choose::near_rigid;
 use super::gradient::gradient;
 use super::poisson::{Poisson, PoissonError};
 use super::predictor::GradientPredictor;
+use crate::envelope::FitError;
+use crate::envelope::skin::blend::Weights;
+use crate::envelope::skin::poses::{Poses, trajectories};
+use crate::envelope::skin::weights::{self, BASELINE_INFLUENCES};
 use crate::examples::{Examples, Split};
 use crate::numeric::affine::from_rows;
 use nalgebra::{Matrix3, Vector3};

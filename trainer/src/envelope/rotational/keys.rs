@@ -1,8 +1,8 @@
 //! Keys: P gradient sequences whose blends move every triangle's edges (METHOD §1.7.2, S3 §3.2).
 
-use super::super::blend::{Alternation, Blend, Items, Maps, Weights};
 use super::proxies::Proxies;
 use super::surface::Surface;
+use crate::envelope::skin::blend::{Alternation, Blend, Items, Maps, Weights};
 use crate::examples::Importance;
 use crate::progress::Progress;
 use faer::Mat;
@@ -94,12 +94,11 @@ fn edge_targets(surface: &Surface<'_>) -> Mat<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::training::Training;
-    use super::super::Options;
     use super::super::merge::MergeTree;
-    use super::super::{ProxyCount, proxies};
+    use super::super::{Options, ProxyCount, proxies};
     use super::*;
     use crate::envelope::demo::{DemoOptions, demo};
+    use crate::envelope::skin::training::Training;
     use crate::numeric::basis::basis;
     use crate::progress::Silent;
 

@@ -4,7 +4,7 @@ use super::gradient::polar_sequence;
 use super::rotation::{RotationPredictor, Solver};
 use super::scale_shear;
 use crate::envelope::model::Key;
-use crate::envelope::motion::Poses;
+use crate::envelope::skin::poses::Poses;
 use faer::Mat;
 use nalgebra::Matrix3;
 

@@ -1,10 +1,10 @@
 //! Proxies: P affine maps a pose and the vertices' weights on them (METHOD §1.7.1, S3 §3.1).
 
-use super::super::FitError;
-use super::super::blend::{Alternation, Blend, Items, Maps, Weights};
 use super::merge::{MergeTree, regular_inverse};
 use super::options::{Options, ProxyCount};
 use super::surface::Surface;
+use crate::envelope::FitError;
+use crate::envelope::skin::blend::{Alternation, Blend, Items, Maps, Weights};
 use crate::numeric::affine::homogeneous;
 use crate::progress::Progress;
 use faer::Mat;
@@ -188,10 +188,10 @@ fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::training::Training;
     use super::*;
     use crate::envelope::demo::{DemoOptions, demo};
-    use crate::envelope::targets::Targets;
+    use crate::envelope::skin::targets::Targets;
+    use crate::envelope::skin::training::Training;
     use crate::examples::Importance;
     use crate::numeric::basis::basis;
     use crate::progress::Silent;

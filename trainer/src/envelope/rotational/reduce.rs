@@ -3,8 +3,8 @@
 //! The three coordinates separate, so c1 is 4P x 3P and c2 4P x 4J; S3's C1 and C2 are c1 ⊗ I₃ and
 //! c2 ⊗ I₃.
 
-use super::super::blend::Weights;
-use super::super::motion::Poses;
+use crate::envelope::skin::blend::Weights;
+use crate::envelope::skin::poses::Poses;
 use crate::numeric::affine::homogeneous;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};

@@ -1,6 +1,6 @@
 //! Rotational regression: `ρ = u W θ_b` in the frame of b's parent (METHOD §1.4, S3 §1.2).
 
-use super::super::motion::Poses;
+use crate::envelope::skin::poses::Poses;
 use crate::numeric::so3;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;

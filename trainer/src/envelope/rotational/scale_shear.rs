@@ -1,8 +1,8 @@
 //! Scale and shear regression: `vec(S) - vec(I) = H [θ_b1; θ_b2]`, without bias, so that the rest
 //! pose gives S = I (METHOD §1.5, S3 §1.3).
 
-use super::super::model::angles;
-use super::super::motion::Poses;
+use crate::envelope::model::angles;
+use crate::envelope::skin::poses::Poses;
 use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector3, Vector6};
 
 /// Ridge on H, in squared radians per example.

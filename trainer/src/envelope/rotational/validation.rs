@@ -1,13 +1,14 @@
 //! Cross-validation inside the training split, by contiguous folds: neighbours in an animation are
 //! almost the same pose, so single frames left out would prove nothing (METHOD §1.1).
 
-use super::super::blend::Weights;
-use super::super::folds::folds;
-use super::super::motion::Poses;
-use super::super::targets::{Targets, skin};
 use super::predictor::{self, GradientPredictor};
 use super::reduce::Reduced;
-use super::refine::{Projection, Regression};
+use super::refine::Regression;
+use crate::envelope::skin::blend::Weights;
+use crate::envelope::skin::folds::folds;
+use crate::envelope::skin::poses::Poses;
+use crate::envelope::skin::projection::Projection;
+use crate::envelope::skin::targets::{Targets, skin};
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Matrix3;

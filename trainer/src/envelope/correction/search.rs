@@ -4,11 +4,11 @@
 //! kernel map, which listens to the joints within some hops of that joint. Its outputs are a few
 //! latent ones, the leading directions of what is left over, measured where the skin is.
 
-use super::super::folds::folds;
-use super::super::model::Group;
-use super::super::motion::Poses;
 use super::candidates::{Candidates, GroupReport};
 use super::target::Target;
+use crate::envelope::model::Group;
+use crate::envelope::skin::folds::folds;
+use crate::envelope::skin::poses::Poses;
 use crate::numeric::affine::linear;
 use crate::progress::Progress;
 use faer::Mat;
@@ -142,11 +142,11 @@ fn blocks(target: &Target<'_>) -> Vec<Range<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fit;
     use super::*;
     use crate::envelope::demo::{DemoOptions, demo};
-    use crate::envelope::targets::Targets;
-    use crate::envelope::training::Training;
+    use crate::envelope::helpers::fit;
+    use crate::envelope::skin::targets::Targets;
+    use crate::envelope::skin::training::Training;
     use crate::examples::Importance;
     use crate::examples::Split;
     use crate::progress::Silent;

@@ -47,7 +47,7 @@ impl Targets<'_> {
 }
 
 /// The trajectory of one vertex under maps, 3n long.
-pub(super) fn skin(rest: &[f64; 3], weights: &Weights, vertex: usize, maps: &Mat<f64>) -> Vec<f64> {
+pub fn skin(rest: &[f64; 3], weights: &Weights, vertex: usize, maps: &Mat<f64>) -> Vec<f64> {
     let h = homogeneous(rest);
     let mut out = vec![0.0; maps.nrows()];
     for (l, weight) in weights.of(vertex) {

@@ -2,7 +2,7 @@
 //! the baseline that every report compares with.
 
 use super::blend::{Items, Maps, Weights, fit_weights};
-use super::motion::{Poses, trajectories};
+use super::poses::{Poses, trajectories};
 use crate::examples::{Examples, Importance, Matrix3x4, Split};
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
 use faer::Mat;

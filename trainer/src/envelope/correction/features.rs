@@ -1,7 +1,8 @@
 //! Pose features: what the kernel maps take for inputs (METHOD §1.9).
 
-use super::super::model::Input;
-use super::super::motion::Poses;
+use crate::envelope::model::Input;
+use crate::envelope::skin::poses::Poses;
+use crate::envelope::skin::training::Training;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
@@ -14,14 +15,19 @@ const CONSTANT: f64 = 1e-5;
 
 /// The joints' rest geometry, as the features see it.
 #[derive(Clone, Copy)]
-pub struct Joints<'a> {
+pub struct Features<'a> {
     /// Parent of each joint.
     pub parents: &'a [Option<usize>],
     /// Rest origin of each joint, as the training sees it.
     pub origins: &'a [Vector3<f64>],
 }
 
-impl Joints<'_> {
+impl<'a> Features<'a> {
+    /// Takes the joints of a training.
+    pub fn of(training: &'a Training) -> Self {
+        Self { parents: &training.skeleton.parents, origins: &training.origins }
+    }
+
     /// Lists the inputs that the joints within some hops of a joint give, those that vary over the
     /// poses.
     pub fn inputs(&self, poses: &Poses, joint: usize, hops: usize) -> Vec<Input> {
@@ -83,7 +89,7 @@ impl Joints<'_> {
     }
 }
 
-/// Joints within some hops of a joint, the root left out; all of them where that leaves none.
+/// Features within some hops of a joint, the root left out; all of them where that leaves none.
 pub fn near(parents: &[Option<usize>], joint: usize, hops: usize) -> Vec<usize> {
     let mut found = vec![false; parents.len()];
     found[joint] = true;
@@ -125,7 +131,7 @@ mod tests {
                 .iter()
                 .map(|m| Vector3::new(m[0][3], m[1][3], m[2][3]))
                 .collect();
-            let joints = Joints { parents: &examples.skeleton.parents, origins: &origins };
+            let joints = Features { parents: &examples.skeleton.parents, origins: &origins };
             joints.inputs(&Poses::new(examples, &frames), examples.skeleton.root(), 9)
         };
         assert!(inputs(&examples).len() > 9);

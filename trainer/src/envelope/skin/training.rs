@@ -1,11 +1,10 @@
 //! The training frames as the fit sees them.
 
-use super::FitError;
 use super::blend::Weights;
-use super::helpers::features::Joints;
-use super::motion::{Poses, trajectories};
+use super::poses::{Poses, trajectories};
 use super::targets::Targets;
 use super::weights::{self, BASELINE_INFLUENCES};
+use crate::envelope::error::FitError;
 use crate::examples::{Examples, Importance, Matrix3x4, Skeleton, Split};
 use crate::progress::Progress;
 use faer::Mat;
@@ -113,11 +112,6 @@ impl Training {
     /// How much each vertex counts.
     pub fn importance(&self) -> Importance<'_> {
         Importance::by(self.importance.as_deref())
-    }
-
-    /// The joints' rest geometry, as the pose features see it.
-    pub fn joints(&self) -> Joints<'_> {
-        Joints { parents: &self.skeleton.parents, origins: &self.origins }
     }
 
     fn local(&self, x: &[f64; 3]) -> [f64; 3] {

@@ -1,7 +1,7 @@
 //! What a correction is fitted to.
 
-use super::super::motion::Poses;
-use super::features::Joints;
+use super::features::Features;
+use crate::envelope::skin::poses::Poses;
 use faer::Mat;
 
 /// What a correction is fitted to: on n training poses, the part of P proxies' transforms that a base
@@ -11,7 +11,7 @@ pub struct Target<'a> {
     /// n training poses.
     pub poses: &'a Poses,
     /// The joints' rest geometry.
-    pub joints: Joints<'a>,
+    pub features: Features<'a>,
     /// Dominant joint of each of the P proxies; those of one joint stand together.
     pub dominant: &'a [usize],
     /// The transforms less those of the base, 3n x 4P.

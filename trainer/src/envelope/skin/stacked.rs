@@ -9,7 +9,7 @@ pub fn map_of(maps: &Mat<f64>, pose: usize, helper: usize) -> Matrix3x4<f64> {
 }
 
 /// Writes the map of a helper in a pose of stacked maps.
-pub(super) fn set_map(maps: &mut Mat<f64>, pose: usize, helper: usize, map: &Matrix3x4<f64>) {
+pub fn set_map(maps: &mut Mat<f64>, pose: usize, helper: usize, map: &Matrix3x4<f64>) {
     for c in 0..4 {
         for r in 0..3 {
             maps[(3 * pose + r, 4 * helper + c)] = map[(r, c)];

@@ -1,7 +1,8 @@
 //! How far rounding of the correction to f32 may move a vertex (METHOD §2.7).
 
-use super::model::{EnvelopeModel, Group, SkinModel};
-use super::training::Training;
+use super::features::Features;
+use crate::envelope::model::{EnvelopeModel, Group, SkinModel};
+use crate::envelope::skin::training::Training;
 use crate::kernel::arithmetic::U;
 use crate::kernel::map::Value;
 use faer::Mat;
@@ -10,7 +11,7 @@ use rayon::prelude::*;
 
 /// Bounds the farthest that rounding may move any vertex of a skin, over the training poses and as many random
 /// ones within their box, in units of the input.
-pub(super) fn farthest(
+pub(in crate::envelope) fn farthest(
     groups: &[Group],
     training: &Training,
     restated: &EnvelopeModel,
@@ -57,7 +58,7 @@ struct Moves {
 
 /// The errors of a group's latent outputs at every input.
 fn latents(group: &Group, training: &Training) -> Vec<Latents> {
-    let samples = training.joints().evaluate(&training.poses, &group.inputs);
+    let samples = Features::of(training).evaluate(&training.poses, &group.inputs);
     let at = |input: Vec<f64>| {
         let Value { outputs, confidence } = group.map.evaluate(&input);
         let (errors, of_confidence) = group.map.error(&input);

@@ -1,11 +1,11 @@
 //! The candidates for a group's kernel map, chosen by folds of the training poses.
 
-use super::super::model::{Group, Input};
-use super::super::motion::Poses;
-use super::features::Joints;
+use super::features::Features;
 use super::metric::Metric;
-use super::stacked::map_of;
 use super::target::Target;
+use crate::envelope::model::{Group, Input};
+use crate::envelope::skin::poses::Poses;
+use crate::envelope::skin::stacked::map_of;
 use crate::kernel::function::SMOOTHEST_FIRST;
 use crate::kernel::ridge::{Choice, Fitted, Outputs, Samples, Trial, WIDTHS};
 use faer::Mat;
@@ -80,7 +80,7 @@ pub struct Size {
 impl Candidates {
     /// Tries all there is to choose for some proxies of one dominant joint.
     pub fn new(target: &Target<'_>, proxies: Range<usize>, blocks: &[Range<usize>]) -> Self {
-        let Target { poses, joints, .. } = *target;
+        let Target { poses, features, .. } = *target;
         let joint = target.dominant[proxies.start];
         let metric = Metric::new(target.gram, &proxies);
         let seen = |left_over: &Mat<f64>| metric.weigh(&local(left_over, poses, joint, &proxies));
@@ -96,7 +96,7 @@ impl Candidates {
         let before = nothing.score;
         let mut found = vec![nothing];
         let (mut hops, mut inputs) = (0, Vec::new());
-        if let Some(heard) = listen(&outputs, poses, joints, joint) {
+        if let Some(heard) = listen(&outputs, poses, features, joint) {
             found.extend(choose(&heard, &sizes, proxies.len()));
             (hops, inputs) = (heard.hops, heard.inputs);
         }
@@ -114,7 +114,7 @@ impl Candidates {
     /// Fits a size; also gives what each pose's latent outputs are predicted to be without its
     /// fold, n x r.
     pub fn fit(&self, target: &Target<'_>, size: &Size) -> (Group, GroupReport, Mat<f64>) {
-        let Target { poses, joints, .. } = *target;
+        let Target { poses, features, .. } = *target;
         let mut report = GroupReport {
             joint: self.joint,
             proxies: self.proxies.len(),
@@ -127,7 +127,7 @@ impl Candidates {
             after: self.before,
         };
         let mut group = self.nothing();
-        let values = joints.evaluate(poses, &self.inputs);
+        let values = features.evaluate(poses, &self.inputs);
         let fitted = size
             .trial
             .as_ref()
@@ -162,16 +162,16 @@ struct Heard<'a> {
 fn listen<'a>(
     outputs: &'a Outputs,
     poses: &Poses,
-    joints: Joints<'_>,
+    features: Features<'_>,
     joint: usize,
 ) -> Option<Heard<'a>> {
     let mut tried = Vec::<Heard<'a>>::new();
     for hops in HOPS {
-        let inputs = joints.inputs(poses, joint, hops);
+        let inputs = features.inputs(poses, joint, hops);
         if tried.last().is_some_and(|last| last.inputs == inputs) {
             continue;
         }
-        let samples = Samples::new(joints.evaluate(poses, &inputs), outputs);
+        let samples = Samples::new(features.evaluate(poses, &inputs), outputs);
         let Some(samples) = samples else { continue };
         if let Some(best) = widest(&samples, SMOOTHEST_FIRST[0]) {
             tried.push(Heard { hops, inputs, samples, best });
