@@ -1,17 +1,18 @@
 //! Learns how a character's skin moves from examples, and bakes what it learned into a model for
 //! [`sinew_runtime`].
 //!
-//! The way through: [`examples`] are loaded, a [`check`] tells what is wrong with them, an
-//! [`envelope`] is fitted to them, [`bake`] writes the file, [`evaluate`] measures that file with the
-//! runtime, [`report`] shows where the error is, and [`export`] hands it to engines.
+//! The way through: files are read by their [`formats`] and become [`examples`]; an [`envelope`] is
+//! checked, fitted to them and baked into a file by [`bake`]; the runtime measures that file, a report
+//! made of [`page`] shows where the error is, and an export hands it to engines.
 #![forbid(unsafe_code)]
 
-mod axes;
 pub mod bake;
 pub mod envelope;
 pub mod examples;
 pub mod files;
+pub mod formats;
 pub mod kernel;
 pub mod numeric;
 pub mod page;
 pub mod progress;
+pub mod space;

@@ -10,8 +10,8 @@ use sinew_trainer::envelope::evaluate::{EvaluateError, Frames, evaluate};
 use sinew_trainer::envelope::levels::{AddError, Level, LevelError};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Meshes, Options, Predict, TrainError, Trained, train};
-use sinew_trainer::examples::Mesh;
 use sinew_trainer::examples::{Examples, Split};
+use sinew_trainer::formats::Mesh;
 use sinew_trainer::progress::Silent;
 use std::collections::BTreeMap;
 

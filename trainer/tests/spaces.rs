@@ -12,8 +12,9 @@ use sinew_trainer::envelope::evaluate::{
 };
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
-use sinew_trainer::examples::{Conversion, Examples, Split};
+use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::progress::Silent;
+use sinew_trainer::space::Conversion;
 
 const GLTF: Space = Space::GLTF;
 const UNREAL: Space = Space::UNREAL;

@@ -5,9 +5,10 @@ use super::bars::Bars;
 use anyhow::{Context, bail};
 use sinew_runtime::Model;
 use sinew_trainer::examples::{
-    self, Clip, Conversion, Examples, ExamplesError, LoadError, Loaded, Source, Split, hash_file,
-    load, load_importance,
+    self, Clip, Examples, ExamplesError, LoadError, Loaded, Source, Split, hash_file, load,
+    load_importance,
 };
+use sinew_trainer::space::Conversion;
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.

@@ -3,7 +3,8 @@
 use anyhow::Context;
 use serde_json::{Value, json};
 use sinew_runtime::format::{Axis, Handedness, Space};
-use sinew_trainer::examples::{Conversion, Examples, SpaceWish};
+use sinew_trainer::examples::Examples;
+use sinew_trainer::space::{Conversion, SpaceWish};
 use std::path::Path;
 
 /// What the file of the examples does not say of their space, or says wrongly.

@@ -1,12 +1,12 @@
-//! What can be wrong with example poses, and what is only worth saying.
+//! What can be wrong with example poses.
 
 use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
 
-use super::rig::ImportError;
-use super::space::SpaceError;
-use super::targets::TargetsError;
+use super::import::ImportError;
+use crate::formats::{FileError, FormatError};
+use crate::space::SpaceError;
 
 /// A file of examples that could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -18,60 +18,20 @@ pub struct LoadError {
     pub error: ExamplesError,
 }
 
+impl From<FileError> for LoadError {
+    fn from(FileError { file, error }: FileError) -> Self {
+        Self { file, error: error.into() }
+    }
+}
+
 /// A fault in examples, with its place.
 #[derive(Debug, thiserror::Error)]
 pub enum ExamplesError {
-    /// The file cannot be opened or read.
-    #[error("cannot be read: {0}")]
-    Read(std::io::Error),
-    /// The file cannot be written.
-    #[error("cannot be written: {0}")]
-    Write(std::io::Error),
-    /// The archive is truncated or is no npz at all.
-    #[error("is not a whole npz archive: {reason}")]
-    Archive {
-        /// What the archive's reader says.
-        reason: String,
-    },
-    /// An array inside the archive is damaged or is no npy data.
-    #[error("array {array} is damaged: {reason}")]
-    DamagedArray {
-        /// The array.
-        array: String,
-        /// What the array's reader says.
-        reason: String,
-    },
     /// The description beside the arrays is not the JSON expected.
     #[error("is not a description of examples: {reason}")]
     Json {
         /// What the parser says, with line and column.
         reason: String,
-    },
-    /// Something that every set of examples has is absent.
-    #[error("array {array} is missing")]
-    MissingArray {
-        /// The array, or the arrays of which one must be present.
-        array: &'static str,
-    },
-    /// An array holds another kind of number.
-    #[error("array {array} must hold {expected}, found dtype {found}")]
-    WrongType {
-        /// The array.
-        array: String,
-        /// The kind of number expected.
-        expected: &'static str,
-        /// The dtype found.
-        found: String,
-    },
-    /// An array has another shape.
-    #[error("array {array} must have shape {expected}, found {found:?}")]
-    WrongShape {
-        /// The array.
-        array: String,
-        /// The shape expected; letters stand for any count.
-        expected: String,
-        /// The shape found.
-        found: Vec<u64>,
     },
     /// Two arrays disagree about a count.
     #[error("{first} has {first_len} {what}, {second} has {second_len}")]
@@ -232,12 +192,12 @@ pub enum ExamplesError {
         /// V.
         vertex_len: usize,
     },
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    Format(#[from] FormatError),
     /// A scene cannot become examples.
     #[error(transparent)]
     Import(#[from] ImportError),
-    /// A mesh, or posed meshes, cannot be read.
-    #[error(transparent)]
-    Targets(#[from] TargetsError),
 }
 
 /// The part of an example that an error points at.
@@ -249,73 +209,6 @@ pub enum Element {
     Joint(String),
 }
 
-/// Something that does not stop a fit but that the user should know.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Warning {
-    /// A joint's maps are not quite rigid; a fit uses the rotation nearest to each.
-    NonRigidJoint {
-        /// The array.
-        array: &'static str,
-        /// The joint.
-        joint: String,
-        /// How many of its matrices are off.
-        matrix_len: usize,
-        /// The frame of the worst, for arrays that have one.
-        worst_frame: Option<usize>,
-        /// How far the worst is off.
-        deviation: f64,
-    },
-    /// Triangles that name a vertex twice; they carry no equation.
-    RepeatedVertex {
-        /// The triangles.
-        triangles: Vec<usize>,
-    },
-    /// Triangles without area in the rest pose; they carry no equation.
-    ZeroArea {
-        /// The triangles.
-        triangles: Vec<usize>,
-    },
-    /// Texture coordinates are not one per vertex and are ignored, so there are no tangents.
-    UvIgnored {
-        /// Texture coordinates found.
-        uv_len: usize,
-        /// Vertices.
-        vertex_len: usize,
-    },
-    /// Several joints have no parent: the first is the reference, the others become its children.
-    SeveralRoots {
-        /// The roots, the reference first.
-        joints: Vec<String>,
-    },
-    /// Meshes without a skin stand beside meshes that have one, and are left out.
-    UnskinnedMeshes {
-        /// The meshes.
-        meshes: Vec<String>,
-    },
-    /// Clips that move no joint and no shape of the mesh are left out.
-    IdleClips {
-        /// The clips.
-        clips: Vec<String>,
-    },
-    /// Meshes that a point cache outside the scene deforms, which is not read with it.
-    CacheIgnored {
-        /// The meshes.
-        meshes: Vec<String>,
-    },
-    /// The meshes to learn are the scene's own linear blend skinning.
-    PlainSkin,
-    /// Joints or targets came in other axes or units and were moved.
-    Moved {
-        /// What was moved.
-        what: &'static str,
-        /// Where to.
-        how: String,
-    },
-}
-
-/// How many triangles a message lists before it only counts.
-const LISTED: usize = 8;
-
 impl fmt::Display for Element {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -325,84 +218,7 @@ impl fmt::Display for Element {
     }
 }
 
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Warning::NonRigidJoint { array, joint, matrix_len, worst_frame, deviation } => {
-                let place = in_frame(*worst_frame);
-                write!(
-                    f,
-                    "array {array} is not rigid at {place}joint {joint}: off by {deviation:.1e} at \
-                     worst, matrices off in all: {matrix_len}"
-                )
-            }
-            Warning::RepeatedVertex { triangles } => {
-                write!(
-                    f,
-                    "triangles that name a vertex twice are left out of the fit: {}",
-                    Listed(triangles)
-                )
-            }
-            Warning::ZeroArea { triangles } => {
-                write!(
-                    f,
-                    "triangles without area at rest are left out of the fit: {}",
-                    Listed(triangles)
-                )
-            }
-            Warning::UvIgnored { uv_len, vertex_len } => {
-                write!(f, "uv is ignored: {uv_len} coordinates for {vertex_len} vertices")
-            }
-            Warning::SeveralRoots { joints } => {
-                let (reference, others) =
-                    joints.split_first().map_or(("", &[][..]), |(a, b)| (a, b));
-                write!(
-                    f,
-                    "{} joints have no parent: {reference} is the root, {} now hang under it",
-                    joints.len(),
-                    others.join(", ")
-                )
-            }
-            Warning::UnskinnedMeshes { meshes } => {
-                write!(f, "meshes without a skin are left out: {}", meshes.join(", "))
-            }
-            Warning::IdleClips { clips } => {
-                write!(
-                    f,
-                    "clips that move neither a joint nor a shape of the mesh are left out: {}",
-                    clips.join(", ")
-                )
-            }
-            Warning::CacheIgnored { meshes } => {
-                write!(
-                    f,
-                    "point caches of meshes are not read with the scene: {}; give them as --targets",
-                    meshes.join(", ")
-                )
-            }
-            Warning::PlainSkin => f.write_str(
-                "no shapes move and no targets are given: the meshes are the scene's own linear \
-                 blend skinning, of which there is nothing to learn; give the posed meshes as \
-                 --targets",
-            ),
-            Warning::Moved { what, how } => {
-                write!(f, "the {what} came in other axes or units and were moved: {how}")
-            }
-        }
-    }
-}
-
-struct Listed<'a>(&'a [usize]);
-
-impl fmt::Display for Listed<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (place, number) in self.0.iter().take(LISTED).enumerate() {
-            write!(f, "{}{number}", if place == 0 { "" } else { ", " })?;
-        }
-        if self.0.len() > LISTED { f.write_str(", ...") } else { Ok(()) }
-    }
-}
-
-fn in_frame(frame: Option<usize>) -> String {
+/// Says in which frame, before a place in it.
+pub(super) fn in_frame(frame: Option<usize>) -> String {
     frame.map(|frame| format!("frame {frame}, ")).unwrap_or_default()
 }

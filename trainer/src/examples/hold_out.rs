@@ -1,6 +1,7 @@
 //! Setting frames aside for sets that come without a split.
 
-use super::{Clip, Examples, ExamplesError, ImportError, Split};
+use super::{Clip, Examples, ExamplesError, Split};
+use crate::formats::{FormatError, SceneError};
 
 /// Runs of consecutive frames of which each gives its end. Neighbours in an animation are almost
 /// the same pose, so frames are held out in blocks; a few blocks sample the whole animation.
@@ -41,7 +42,7 @@ impl Examples {
     /// Holds out the frames of the clips with these names; the others keep their use.
     ///
     /// # Errors
-    /// [`ImportError::UnknownClip`] for a name that none of `clips` has.
+    /// [`SceneError::UnknownClip`] for a name that none of `clips` has.
     pub fn hold_out_clips(
         &mut self,
         clips: &[Clip],
@@ -51,7 +52,8 @@ impl Examples {
             let named: Vec<&Clip> = clips.iter().filter(|clip| clip.name == *name).collect();
             if named.is_empty() {
                 let known = clips.iter().map(|clip| clip.name.clone()).collect();
-                return Err(ImportError::UnknownClip { name: name.clone(), known }.into());
+                let unknown = SceneError::UnknownClip { name: name.clone(), known };
+                return Err(FormatError::from(unknown).into());
             }
             for clip in named {
                 self.split[clip.first..][..clip.times.len()].fill(Split::HeldOut);

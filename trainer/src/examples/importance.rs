@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::extension::{extension, unknown_format};
 use super::validate::same;
 use super::{Examples, ExamplesError, LoadError};
+use crate::formats::numbers;
 
 /// How much each item counts: all alike, or by numbers whose mean is 1.
 #[derive(Clone, Copy, Debug)]
@@ -61,24 +61,8 @@ impl Examples {
 /// # Errors
 /// [`LoadError`] for a file that cannot be read or holds anything else.
 pub fn load_importance(path: &Path) -> Result<Vec<f64>, LoadError> {
-    let read = || -> Result<Vec<f64>, ExamplesError> {
-        let damaged = |reason| ExamplesError::DamagedArray { array: "importance".into(), reason };
-        match extension(path).as_str() {
-            "npy" => super::npz::read_npy(path),
-            "txt" | "csv" => {
-                let text = std::fs::read_to_string(path).map_err(ExamplesError::Read)?;
-                let numbers = text.split(|c: char| c == ',' || c == ';' || c.is_whitespace());
-                let numbers = numbers.filter(|word| !word.is_empty());
-                let parse = |(place, word): (usize, &str)| {
-                    let unread = |_| damaged(format!("number {place} is {word:?}"));
-                    word.parse().map_err(unread)
-                };
-                numbers.enumerate().map(parse).collect()
-            }
-            _ => Err(unknown_format(path, ".npy, .txt or .csv")),
-        }
-    };
-    read().map_err(|error| LoadError { file: path.to_owned(), error })
+    let numbers = numbers::read(path, "importance");
+    numbers.map_err(|error| LoadError { file: path.to_owned(), error: error.into() })
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 use sinew_runtime::format::MAGNITUDE_MAX;
 
-use super::{Element, Examples, ExamplesError, Matrix3x4, SpaceWish, Split, Warning};
+use super::{Element, Examples, ExamplesError, Matrix3x4, Split, Warning};
+use crate::space::SpaceWish;
 
 /// A map this near to rigid is rigid (METHOD §1.1): it is what single precision leaves.
 pub const RIGID: f64 = 1e-4;

@@ -1,6 +1,6 @@
 //! Where a picture is taken from.
 
-use crate::examples::direction;
+use crate::space::axes::direction;
 use nalgebra::Vector3;
 use sinew_runtime::format::{Axis, Handedness};
 

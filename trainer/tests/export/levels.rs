@@ -8,7 +8,7 @@ use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::export::{ExportError, Exported, Stand, export};
 use sinew_trainer::envelope::levels::{Level, LevelError};
 use sinew_trainer::examples::Examples;
-use sinew_trainer::examples::Mesh;
+use sinew_trainer::formats::Mesh;
 
 fn level(name: &str, examples: &Examples) -> Level {
     let mesh = Mesh {

@@ -8,7 +8,8 @@ use sinew_trainer::envelope::evaluate::{Frames, evaluate};
 use sinew_trainer::envelope::export::{by_use, demo_glb};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
-use sinew_trainer::examples::{Examples, Loaded, Source, Split, load, save_pc2};
+use sinew_trainer::examples::{Examples, Loaded, Source, Split, load};
+use sinew_trainer::formats::save_pc2;
 use sinew_trainer::progress::Silent;
 
 /// Reads a point cache: points a sample, and the samples' positions.

@@ -7,7 +7,8 @@ use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Axis, Space};
 use sinew_trainer::envelope::export::{ExportError, Stand, export};
-use sinew_trainer::examples::{Examples, SpaceError, SpaceWish};
+use sinew_trainer::examples::Examples;
+use sinew_trainer::space::{SpaceError, SpaceWish};
 
 const GLTF: Space = Space::GLTF;
 const UNREAL: Space = Space::UNREAL;

@@ -5,7 +5,7 @@ use serde_json::Value;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::export::{Stand, by_use, demo_glb, export};
 use sinew_trainer::envelope::levels::Level;
-use sinew_trainer::examples::Mesh;
+use sinew_trainer::formats::Mesh;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;

@@ -6,7 +6,7 @@ use crate::cli::{Output, input};
 use anyhow::Context;
 use serde_json::json;
 use sinew_trainer::envelope::export::{by_use, demo_glb};
-use sinew_trainer::examples::save_pc2;
+use sinew_trainer::formats::save_pc2;
 use std::path::PathBuf;
 
 /// Writes the demo's rig and meshes as an artist would export them, to show what input looks like

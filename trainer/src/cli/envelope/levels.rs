@@ -3,7 +3,8 @@
 use crate::cli::{Output, printable};
 use anyhow::bail;
 use sinew_trainer::envelope::levels::{Level, LevelReport};
-use sinew_trainer::examples::{Conversion, obj};
+use sinew_trainer::formats::obj;
+use sinew_trainer::space::Conversion;
 use std::path::{Path, PathBuf};
 
 /// Reads further meshes, each called as its file, and converts them as the examples were.
@@ -14,7 +15,7 @@ pub(in crate::cli) fn load(
     let mut levels = files.iter().map(|file| level(file)).collect::<anyhow::Result<Vec<_>>>()?;
     for level in &mut levels {
         if let Some(conversion) = conversion {
-            conversion.mesh(&mut level.mesh);
+            level.mesh.convert(conversion);
         }
     }
     Ok(levels)

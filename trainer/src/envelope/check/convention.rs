@@ -5,9 +5,9 @@
 
 use super::finding::{Finding, Kind, Severity};
 use super::thresholds::{MISPLACED, RIGHTED};
-use crate::axes;
 use crate::examples::{Examples, Split, spread};
 use crate::numeric::affine::from_rows;
+use crate::space::axes;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rayon::prelude::*;
 

@@ -8,7 +8,8 @@ use super::times::key_times;
 use crate::envelope::evaluate::{Character, EvaluateError};
 use crate::envelope::levels::{Influences, Level, LevelReport, Surface};
 use crate::envelope::posed::{FrameError, influences, palette, rest, skin_on};
-use crate::examples::{Clip, Conversion, Examples, Matrix3x4, SpaceWish, normals};
+use crate::examples::{Clip, Examples, Matrix3x4, normals};
+use crate::space::{Conversion, SpaceWish};
 use rayon::prelude::*;
 use sinew_runtime::Envelope;
 use sinew_runtime::format::{Axis, Handedness, Space};
@@ -117,7 +118,7 @@ pub fn export(
             let turned = mirror.transform(&b.map(|row| row.map(f64::from)));
             *b = turned.map(|row| row.map(|x| x as f32));
         }
-        levels.iter_mut().for_each(|level| mirror.mesh(&mut level.mesh));
+        levels.iter_mut().for_each(|level| level.mesh.convert(&mirror));
     }
     let poses: Vec<&[Matrix3x4]> = poses.iter().map(Vec::as_slice).collect();
 

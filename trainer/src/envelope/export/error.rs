@@ -3,7 +3,7 @@
 use crate::envelope::evaluate::EvaluateError;
 use crate::envelope::levels::LevelError;
 use crate::envelope::posed::FrameError;
-use crate::examples::SpaceError;
+use crate::space::SpaceError;
 
 /// An export that could not be made.
 #[derive(Debug, thiserror::Error)]

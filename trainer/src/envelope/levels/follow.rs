@@ -1,7 +1,7 @@
 //! Weights of a further mesh: those of the nearest surface, fitted to where it is carried.
 
 use super::nearest::{Foot, Tree, Triangle};
-use crate::examples::Mesh;
+use crate::formats::Mesh;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;

@@ -1,0 +1,89 @@
+//! What keeps a scene from becoming examples, and what to export instead.
+
+/// A scene and posed meshes that do not go together, or are not enough.
+#[derive(Debug, thiserror::Error)]
+pub enum ImportError {
+    /// What only goes with a scene was given with examples that are complete.
+    #[error(
+        "{option} goes with a scene (.glb, .gltf, .fbx); an .npz holds its own poses and meshes"
+    )]
+    NotAScene {
+        /// What was given.
+        option: &'static str,
+    },
+    /// Posed meshes follow at one rate, the clip's keys do not.
+    #[error(
+        "clip {clip} has non-uniform key times: a step of {step:.4} s at {at:.4} s, elsewhere \
+         {usual:.4} s; bake a key at every frame when exporting, or give the frames a second that \
+         the meshes were exported at as --fps"
+    )]
+    UnevenKeys {
+        /// The clip.
+        clip: String,
+        /// Where the uneven step begins, in seconds.
+        at: f64,
+        /// How long it is, in seconds.
+        step: f64,
+        /// How long the others are, in seconds.
+        usual: f64,
+    },
+    /// There are poses but no meshes to learn.
+    #[error(
+        "holds poses but neither a skin nor shapes: give the posed meshes as --targets (.pc2, .mdd, \
+         .npz, or a numbered sequence of .obj)"
+    )]
+    NoShapes,
+    /// The posed meshes are of another mesh.
+    #[error(
+        "holds meshes of {found} vertices, the scene's mesh has {expected}: export both from one mesh \
+         without modifiers that change its vertices; glTF splits vertices along seams of texture and \
+         normals, FBX does not"
+    )]
+    TargetVertices {
+        /// In the scene.
+        expected: usize,
+        /// In the file.
+        found: usize,
+    },
+    /// There are not as many posed meshes as poses.
+    #[error(
+        "holds {found} meshes, the scene's clips have {expected} frames ({clips}): export both over \
+         the same frames, choose the clip with --clip, or sample it at the meshes' rate with --fps"
+    )]
+    TargetFrames {
+        /// Frames of the clips.
+        expected: usize,
+        /// Meshes in the file.
+        found: usize,
+        /// The clips and their frames.
+        clips: String,
+    },
+    /// The rest mesh is another one.
+    #[error(
+        "its rest mesh is not that of the model in any axes and unit: off by {percent:.1} % of the \
+         diagonal at best"
+    )]
+    OtherMesh {
+        /// RMS distance in % of the diagonal.
+        percent: f64,
+    },
+    /// The posed meshes are not where the joints are.
+    #[error(
+        "its meshes do not lie on the scene's joints in any axes and unit: off by {percent:.0} % of \
+         the diagonal at best; export them in world space, and over the same frames as the clip"
+    )]
+    TargetsApart {
+        /// RMS distance from the nearest rigid skin, in % of the diagonal.
+        percent: f64,
+    },
+}
+
+impl ImportError {
+    /// Tells whether the posed meshes are at fault, not the scene.
+    pub(super) fn is_about_targets(&self) -> bool {
+        matches!(
+            self,
+            Self::TargetVertices { .. } | Self::TargetFrames { .. } | Self::TargetsApart { .. }
+        )
+    }
+}

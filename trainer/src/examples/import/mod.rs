@@ -1,0 +1,19 @@
+//! Files become examples: poses and posed meshes of one or of two files, joined and checked.
+
+mod align;
+mod error;
+mod loaded;
+mod maps;
+pub mod npz;
+mod origins;
+mod rate;
+mod roots;
+mod scene;
+mod source;
+mod targets;
+#[cfg(test)]
+mod tests;
+
+pub use error::ImportError;
+pub use loaded::Loaded;
+pub use source::{Source, load, load_poses};

@@ -1,0 +1,211 @@
+//! Examples as NumPy arrays: `X.npz`, with `X.json` beside it for names and parents.
+//!
+//! | array | shape | |
+//! |---|---|---|
+//! | `rest` | V, 3 | rest positions |
+//! | `quads`, `tris` | F, 4 and F, 3 | faces, one of the two at least; quads come first and are split into corners 0 1 2 and 0 2 3 |
+//! | `vertices` | N, V, 3 | posed positions |
+//! | `bone_transforms` | N, J, 4, 4 | rest to posed, for column vectors |
+//! | `bone_names`, `bone_parents` | J | unless the JSON has them; parent -1 is a root |
+//! | `split` | N | optional: 0 train, 1 held out, 2 extreme; all train without it |
+//! | `joint_world_rest` | J, 4, 4 | optional: rest frames of the joints |
+//! | `uv` | V, 2 | optional; v grows upward |
+//!
+//! The JSON may hold `bone_names`, `bone_parents` (numbers or names), and `joint_rest_positions`
+//! (name to x y z), which serves where there is no `joint_world_rest`. It is read first; anything
+//! else in either file is left alone. Numbers may be of any width and order.
+
+mod fields;
+mod posed_meshes;
+mod save;
+mod sidecar;
+
+use sinew_runtime::format::Space;
+use std::path::Path;
+
+pub(super) use posed_meshes::read_posed_meshes;
+pub use save::save_npz;
+
+use self::fields::{read_split, read_triangles};
+use self::sidecar::{Parent, Sidecar};
+use super::loaded::Loaded;
+use super::{origins, roots};
+use crate::examples::validate::{REPAIRABLE, same};
+use crate::examples::{
+    Clip, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
+};
+use crate::formats::npz::{Archive, Rows};
+use crate::formats::{ArrayError, FormatError, FormatWarning};
+
+/// Reads examples from `path` and the JSON of the same name beside it, if there is one.
+///
+/// Of several roots the first is the reference and the others become its children. A joint whose
+/// rest origin neither file gives gets the point that it and its parent move together best.
+///
+/// # Errors
+/// A [`LoadError`] that names the file at fault: it cannot be read, lacks an array, holds one of
+/// another type or shape, or fails [`Examples::validate`].
+pub fn load(path: &Path) -> Result<Loaded, LoadError> {
+    let beside = path.with_extension("json");
+    let sidecar =
+        Sidecar::read(&beside).map_err(|error| LoadError { file: beside.clone(), error })?;
+    let blame = |error| LoadError { file: path.to_owned(), error };
+    let read = |archive| read(archive, &sidecar);
+    let archive = Archive::open(path).map_err(ExamplesError::from);
+    let (examples, warnings) = archive.and_then(read).map_err(blame)?;
+    let clips = vec![Clip::whole(path, examples.frame_len())];
+    Ok(Loaded { examples, clips, warnings })
+}
+
+fn read(
+    mut archive: Archive,
+    sidecar: &Sidecar,
+) -> Result<(Examples, Vec<Warning>), ExamplesError> {
+    let rest = archive.required::<f64, 3>("rest", &[3])?.data;
+    let triangles =
+        read_triangles(&mut archive, rest.len())?.ok_or_else(|| missing("quads or tris"))?;
+
+    let Rows { lead, data: vertices } = archive.required::<f64, 3>("vertices", &[0, 3])?;
+    let (frame_len, posed_len) = (lead[0], lead[1]);
+    same("vertices", "rest", rest.len(), "vertices", posed_len)?;
+    let Rows { lead, data: matrices } =
+        archive.required::<f64, 16>("bone_transforms", &[0, 4, 4])?;
+    same("frames", "vertices", frame_len, "bone_transforms", lead[0])?;
+    let joint_len = lead[1];
+
+    let mut warnings = Vec::new();
+    let names = read_names(&mut archive, sidecar)?;
+    same("joints", "bone_names", names.len(), "bone_transforms", joint_len)?;
+    let parents = read_parents(&mut archive, sidecar, &names, &mut warnings)?;
+    let frames = archive.rows::<f64, 16>("joint_world_rest", &[4, 4])?;
+    if let Some(frames) = &frames {
+        same("joints", "bone_names", joint_len, "joint_world_rest", frames.data.len())?;
+    }
+    let split = read_split(&mut archive, frame_len)?;
+    let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
+    let transforms = affine("bone_transforms", &matrices, Some(&split), &names)?;
+    drop(matrices);
+    let uv = archive.rows::<f64, 2>("uv", &[2])?.map(|uv| uv.data);
+    let (uv_len, vertex_len) = (uv.as_ref().map_or(0, Vec::len), rest.len());
+    let uv = uv.filter(|_| uv_len == vertex_len);
+    if uv.is_none() && uv_len != 0 {
+        warnings.push(FormatWarning::UvIgnored { uv_len, vertex_len }.into());
+    }
+
+    let identity = translation([0.0; 3]);
+    let rest_frames = match &frames {
+        Some(frames) => affine("joint_world_rest", &frames.data, None, &names)?,
+        None => vec![identity; joint_len],
+    };
+    let skeleton = Skeleton { names, parents, rest: rest_frames };
+    let mut examples = Examples {
+        rest,
+        triangles,
+        uv,
+        skeleton,
+        vertices,
+        transforms,
+        split,
+        ranges: Vec::new(),
+        space: Space::default(),
+        importance: None,
+    };
+    if frames.is_none() {
+        place(&mut examples.skeleton, sidecar)?;
+    }
+    warnings.extend(examples.validate()?);
+    if frames.is_none() {
+        for joint in 0..joint_len {
+            if !sidecar.joint_rest_positions.contains_key(&examples.skeleton.names[joint]) {
+                let origin = origins::rest_origin(&examples, joint);
+                examples.skeleton.rest[joint] = translation(origin);
+            }
+        }
+    }
+    Ok((examples, warnings))
+}
+
+fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, ExamplesError> {
+    match &sidecar.bone_names {
+        Some(names) => Ok(names.clone()),
+        None => archive.texts("bone_names")?.ok_or_else(|| missing("bone_names")),
+    }
+}
+
+/// Reads one parent a joint, and hangs every root but the first under the first.
+fn read_parents(
+    archive: &mut Archive,
+    sidecar: &Sidecar,
+    names: &[String],
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<Option<usize>>, ExamplesError> {
+    let parents = match &sidecar.bone_parents {
+        Some(parents) => parents.clone(),
+        None => {
+            let numbers = archive.required::<i64, 1>("bone_parents", &[])?.data;
+            numbers.into_iter().map(|[number]| Some(Parent::Number(number))).collect()
+        }
+    };
+    same("joints", "bone_names", names.len(), "bone_parents", parents.len())?;
+    let mut found = Vec::with_capacity(names.len());
+    for (joint, parent) in names.iter().zip(parents) {
+        let missing = |parent| ExamplesError::MissingParent { joint: joint.clone(), parent };
+        found.push(match parent {
+            None | Some(Parent::Number(-1)) => None,
+            Some(Parent::Number(number)) => match usize::try_from(number) {
+                Ok(inside) if inside < names.len() => Some(inside),
+                _ => return Err(missing(number.to_string())),
+            },
+            Some(Parent::Name(name)) => match names.iter().position(|other| *other == name) {
+                Some(number) => Some(number),
+                None => return Err(missing(name)),
+            },
+        });
+    }
+    Ok(roots::joined(names, found, warnings))
+}
+
+/// Drops the last row of 4 x 4 matrices, which must be 0 0 0 1 in the training frames.
+fn affine(
+    array: &'static str,
+    matrices: &[[f64; 16]],
+    frames: Option<&[Split]>,
+    names: &[String],
+) -> Result<Vec<Matrix3x4>, ExamplesError> {
+    let mut maps = Vec::with_capacity(matrices.len());
+    for (number, matrix) in matrices.iter().enumerate() {
+        let row = |row: usize| [0, 1, 2, 3].map(|column| matrix[4 * row + column]);
+        let last = row(3).into_iter().zip([0.0, 0.0, 0.0, 1.0]);
+        let deviation = last.map(|(found, wanted)| (found - wanted).abs()).fold(0.0, f64::max);
+        let frame = frames.map(|_| number / names.len());
+        let read = frames.is_none_or(|split| split[number / names.len()] == Split::Train);
+        if deviation > REPAIRABLE && read {
+            let joint = names[number % names.len()].clone();
+            return Err(ExamplesError::NonRigidJoint { array, frame, joint, deviation });
+        }
+        maps.push([row(0), row(1), row(2)]);
+    }
+    Ok(maps)
+}
+
+/// Puts the joints whose rest position is described where it says.
+fn place(skeleton: &mut Skeleton, sidecar: &Sidecar) -> Result<(), ExamplesError> {
+    for (name, &position) in &sidecar.joint_rest_positions {
+        match skeleton.names.iter().position(|joint| joint == name) {
+            Some(joint) => skeleton.rest[joint] = translation(position),
+            None => return Err(ExamplesError::UnknownJoint { name: name.clone() }),
+        }
+    }
+    Ok(())
+}
+
+fn missing(array: &'static str) -> ExamplesError {
+    FormatError::from(ArrayError::Missing { array }).into()
+}
+
+fn translation([x, y, z]: [f64; 3]) -> Matrix3x4 {
+    [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]
+}
+
+#[cfg(test)]
+mod tests;

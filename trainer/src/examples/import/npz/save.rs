@@ -1,0 +1,82 @@
+//! Writes examples as NumPy arrays.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use super::sidecar::{Parent, Sidecar};
+use crate::examples::{Examples, LoadError, Matrix3x4, Split};
+use crate::files::Part;
+use crate::formats::FormatError;
+use crate::formats::npz::Writer;
+
+/// Writes examples to `path`, whole in double precision, and names and parents also to the JSON of
+/// the same name. Each file is written beside its place and moved there when complete, the JSON
+/// first. The same examples give the same bytes.
+///
+/// # Errors
+/// A [`LoadError`] with the file that could not be written.
+pub fn save_npz(path: &Path, examples: &Examples) -> Result<(), LoadError> {
+    let skeleton = &examples.skeleton;
+    let number = |parent: &Option<usize>| Some(Parent::Number(parent_number(*parent)));
+    let sidecar = Sidecar {
+        bone_names: Some(skeleton.names.clone()),
+        bone_parents: Some(skeleton.parents.iter().map(number).collect()),
+        ..Sidecar::default()
+    };
+    replace(&path.with_extension("json"), |file| {
+        let mut file = BufWriter::new(file);
+        serde_json::to_writer_pretty(&mut file, &sidecar)?;
+        file.write_all(b"\n")?;
+        file.flush()
+    })?;
+    replace(path, |file| write(file, examples))
+}
+
+fn write(file: &mut File, examples: &Examples) -> io::Result<()> {
+    let [v, n, j, t] = [
+        examples.vertex_len(),
+        examples.frame_len(),
+        examples.joint_len(),
+        examples.triangles.len(),
+    ]
+    .map(|len| len as u64);
+    let mut archive = Writer::new(file);
+    let skeleton = &examples.skeleton;
+    archive.numbers("rest", &[v, 3], examples.rest.as_flattened().iter().copied())?;
+    let corners = examples.triangles.as_flattened().iter().map(|&vertex| vertex as i64);
+    archive.numbers("tris", &[t, 3], corners)?;
+    if let Some(uv) = &examples.uv {
+        archive.numbers("uv", &[v, 2], uv.as_flattened().iter().copied())?;
+    }
+    let parents = skeleton.parents.iter().map(|&parent| parent_number(parent));
+    archive.numbers("bone_parents", &[j], parents)?;
+    archive.texts("bone_names", &skeleton.names)?;
+    archive.numbers("joint_world_rest", &[j, 4, 4], square(&skeleton.rest))?;
+    archive.numbers("split", &[n], examples.split.iter().map(|&split| code(split)))?;
+    archive.numbers("bone_transforms", &[n, j, 4, 4], square(&examples.transforms))?;
+    archive.numbers("vertices", &[n, v, 3], examples.vertices.as_flattened().iter().copied())?;
+    archive.finish()
+}
+
+fn square(maps: &[Matrix3x4]) -> impl Iterator<Item = f64> {
+    maps.iter().flat_map(|map| map.iter().copied().chain([[0.0, 0.0, 0.0, 1.0]])).flatten()
+}
+
+fn parent_number(parent: Option<usize>) -> i64 {
+    parent.map_or(-1, |parent| parent as i64)
+}
+
+fn code(split: Split) -> u8 {
+    match split {
+        Split::Train => 0,
+        Split::HeldOut => 1,
+        Split::Extreme => 2,
+    }
+}
+
+fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), LoadError> {
+    Part::create(path).and_then(|mut part| write(part.file()).and_then(|()| part.finish())).map_err(
+        |error| LoadError { file: path.to_owned(), error: FormatError::Write(error).into() },
+    )
+}

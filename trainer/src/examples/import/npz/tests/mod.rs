@@ -1,0 +1,259 @@
+//! Sets of arrays that load, and what they become.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::PathBuf;
+
+use npyz::{AutoSerialize, DType, Order, WriteOptions, WriterBuilder};
+use serde_json::json;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+use super::*;
+use crate::examples::testing::{IDENTITY, triangle};
+use crate::formats::npz::Writer;
+use crate::formats::testing::Folder;
+
+mod faults;
+mod real;
+
+/// A good set, as the arrays of its file: a quad and a triangle on two joints, four frames.
+struct Set {
+    reals: BTreeMap<&'static str, (Vec<u64>, Vec<f64>)>,
+    wholes: BTreeMap<&'static str, (Vec<u64>, Vec<i64>)>,
+    json: String,
+}
+
+impl Folder {
+    fn npz(&self) -> PathBuf {
+        self.0.join("set.npz")
+    }
+
+    fn create(&self) -> ZipWriter<File> {
+        ZipWriter::new(File::create(self.npz()).unwrap())
+    }
+}
+
+impl Set {
+    fn good() -> Self {
+        let rest =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.5, 0.0]];
+        let identity = [1.0, 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
+        Self {
+            reals: BTreeMap::from([
+                ("rest", (vec![5, 3], rest.as_flattened().to_vec())),
+                ("vertices", (vec![4, 5, 3], rest.repeat(4).as_flattened().to_vec())),
+                ("bone_transforms", (vec![4, 2, 4, 4], identity.repeat(8))),
+            ]),
+            wholes: BTreeMap::from([
+                ("quads", (vec![1, 4], vec![0, 1, 2, 3])),
+                ("tris", (vec![1, 3], vec![1, 4, 2])),
+                ("split", (vec![4], vec![0, 0, 1, 2])),
+            ]),
+            json: json!({"bone_names": ["root", "tip"], "bone_parents": [-1, 0]}).to_string(),
+        }
+    }
+
+    fn real(mut self, array: &'static str, place: usize, number: f64) -> Self {
+        self.reals.get_mut(array).unwrap().1[place] = number;
+        self
+    }
+
+    fn whole(mut self, array: &'static str, place: usize, number: i64) -> Self {
+        self.wholes.get_mut(array).unwrap().1[place] = number;
+        self
+    }
+
+    fn json(mut self, json: serde_json::Value) -> Self {
+        self.json = json.to_string();
+        self
+    }
+
+    fn write(&self, folder: &Folder) -> PathBuf {
+        let mut file = File::create(folder.npz()).unwrap();
+        let mut archive = Writer::new(&mut file);
+        for (name, (shape, numbers)) in &self.reals {
+            archive.numbers(name, shape, numbers.iter().copied()).unwrap();
+        }
+        for (name, (shape, numbers)) in &self.wholes {
+            archive.numbers(name, shape, numbers.iter().copied()).unwrap();
+        }
+        archive.finish().unwrap();
+        std::fs::write(folder.npz().with_extension("json"), &self.json).unwrap();
+        folder.npz()
+    }
+
+    fn load(&self, test: &str) -> Result<Loaded, LoadError> {
+        load(&self.write(&Folder::new(test)))
+    }
+
+    fn fault(&self, test: &str) -> ExamplesError {
+        let error = self.load(test).expect_err("the set should be refused");
+        assert!(error.file.ends_with("set.npz"), "{error}");
+        let text = error.error.to_string();
+        assert!(!text.ends_with('.'), "{text}");
+        error.error
+    }
+}
+
+/// Adds an array as its numbers are, in C order.
+fn add<T: AutoSerialize>(
+    zip: &mut ZipWriter<File>,
+    name: &str,
+    shape: &[u64],
+    numbers: impl Iterator<Item = T>,
+) {
+    zip.start_file(format!("{name}.npy"), SimpleFileOptions::DEFAULT).unwrap();
+    let mut array =
+        WriteOptions::new().default_dtype().shape(shape).writer(zip).begin_nd().unwrap();
+    array.extend(numbers).unwrap();
+    array.finish().unwrap();
+}
+
+#[test]
+fn a_good_set_loads_without_a_warning() {
+    let Loaded { examples, warnings, .. } = Set::good().load("good").unwrap();
+    assert_eq!(warnings, []);
+    assert_eq!(examples.triangles, [[0, 1, 2], [0, 2, 3], [1, 4, 2]]);
+    assert_eq!(examples.split, [Split::Train, Split::Train, Split::HeldOut, Split::Extreme]);
+    assert_eq!(examples.skeleton.parents, [None, Some(0)]);
+    assert_eq!((examples.vertex_len(), examples.frame_len(), examples.joint_len()), (5, 4, 2));
+    assert_eq!(examples.diagonal(), 5f64.sqrt());
+    assert_eq!(examples.frame(1), examples.rest);
+    assert_eq!(examples.pose(3), [IDENTITY; 2]);
+}
+
+#[test]
+fn without_a_split_every_frame_trains() {
+    let mut set = Set::good();
+    set.wholes.remove("split");
+    assert_eq!(set.load("no-split").unwrap().examples.frames_of(Split::Train).len(), 4);
+}
+
+#[test]
+fn what_is_saved_loads_the_same_with_and_without_the_json() {
+    let folder = Folder::new("round");
+    let mut saved = triangle(3);
+    saved.vertices[4] = [0.1, 1.0 / 3.0, -7e-9];
+    saved.transforms[3] = [[0.0, -1.0, 0.0, 0.1], [1.0, 0.0, 0.0, 0.2], [0.0, 0.0, 1.0, 0.3]];
+    saved.skeleton.rest[1][2][3] = 0.7;
+    saved.split = vec![Split::Extreme, Split::Train, Split::HeldOut];
+    saved.uv = Some(vec![[0.25, 0.5]; 3]);
+    save_npz(&folder.npz(), &saved).unwrap();
+    let first = std::fs::read(folder.npz()).unwrap();
+    for _ in 0..2 {
+        let loaded = load(&folder.npz()).unwrap();
+        assert_eq!(format!("{:?}", loaded.examples), format!("{saved:?}"));
+        assert_eq!(loaded.warnings, []);
+        let _ = std::fs::remove_file(folder.npz().with_extension("json"));
+    }
+    save_npz(&folder.npz(), &saved).unwrap();
+    assert_eq!(std::fs::read(folder.npz()).unwrap(), first, "same examples, same bytes");
+    assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 2, "nothing is left beside");
+}
+
+#[test]
+fn saving_where_nothing_can_be_written_names_the_file() {
+    let error = save_npz(Path::new("no such folder/x.npz"), &triangle(1)).unwrap_err();
+    assert!(
+        matches!(error.error, ExamplesError::Format(FormatError::Write(_)))
+            && error.file.ends_with("x.json")
+    );
+}
+
+#[test]
+fn numbers_of_any_width_and_order_are_read() {
+    let folder = Folder::new("widths");
+    let mut zip = folder.create();
+    let rest = [0.5f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    zip.start_file("rest.npy", SimpleFileOptions::DEFAULT).unwrap();
+    let big_endian = DType::Plain(">f4".parse().unwrap());
+    let options = WriteOptions::new().dtype(big_endian).order(Order::Fortran).shape(&[3, 3]);
+    let mut numbers = options.writer(&mut zip).begin_nd().unwrap();
+    numbers.extend([0, 3, 6, 1, 4, 7, 2, 5, 8].map(|place| rest[place])).unwrap();
+    numbers.finish().unwrap();
+    add(&mut zip, "vertices", &[1, 3, 3], 1..=9i16);
+    add(&mut zip, "tris", &[1, 3], 0..=2u8);
+    zip.start_file("bone_transforms.npy", SimpleFileOptions::DEFAULT).unwrap();
+    let options = WriteOptions::new().default_dtype().order(Order::Fortran).shape(&[1, 1, 4, 4]);
+    let mut numbers = options.writer(&mut zip).begin_nd().unwrap();
+    numbers.extend([1.0, 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 7., 8., 9., 1.]).unwrap();
+    numbers.finish().unwrap();
+    zip.finish().unwrap();
+    let json = json!({"bone_names": ["root"], "bone_parents": [null]}).to_string();
+    std::fs::write(folder.npz().with_extension("json"), json).unwrap();
+    let examples = load(&folder.npz()).unwrap().examples;
+    assert_eq!(examples.rest.as_flattened(), rest.map(f64::from));
+    assert_eq!(examples.vertices[2], [7.0, 8.0, 9.0]);
+    assert_eq!(examples.pose(0)[0].map(|row| row[3]), [7.0, 8.0, 9.0]);
+}
+
+/// Rewrites the archive as `numpy.savez` does: not compressed, with sizes of 64 bits.
+fn store(folder: &Folder) {
+    let bytes = std::fs::read(folder.npz()).unwrap();
+    let mut compressed = ZipArchive::new(std::io::Cursor::new(bytes)).unwrap();
+    let options = SimpleFileOptions::DEFAULT.compression_method(CompressionMethod::Stored);
+    let mut stored = folder.create();
+    for index in 0..compressed.len() {
+        let mut file = compressed.by_index(index).unwrap();
+        assert_eq!(file.compression(), CompressionMethod::Deflated);
+        stored.start_file(file.name().unwrap(), options.large_file(true)).unwrap();
+        std::io::copy(&mut file, &mut stored).unwrap();
+    }
+    stored.finish().unwrap();
+}
+
+#[test]
+fn what_is_not_compressed_loads_the_same() {
+    let folder = Folder::new("stored");
+    let compressed = load(&Set::good().write(&folder)).unwrap();
+    store(&folder);
+    let stored = load(&folder.npz()).unwrap();
+    assert_eq!(format!("{stored:?}"), format!("{compressed:?}"));
+}
+
+#[test]
+fn parents_may_be_names_and_positions_may_be_described() {
+    let json = json!({"bone_names": ["tip", "root"], "bone_parents": ["root", null],
+        "joint_rest_positions": {"tip": [1, 2, 3]}, "units": "anything"});
+    let examples = Set::good().json(json).load("names").unwrap().examples;
+    assert_eq!(examples.skeleton.parents, [Some(1), None]);
+    assert_eq!(examples.skeleton.rest[0].map(|row| row[3]), [1.0, 2.0, 3.0]);
+    assert_eq!(examples.skeleton.rest[1].map(|row| row[3]), [0.8, 0.5, 0.0], "the centroid");
+}
+
+#[test]
+fn further_roots_become_children_of_the_first() {
+    let json = json!({"bone_names": ["a", "b"], "bone_parents": [-1, -1]});
+    let loaded = Set::good().json(json).load("roots").unwrap();
+    assert_eq!(loaded.examples.skeleton.parents, [None, Some(0)]);
+    let joints = vec!["a".to_owned(), "b".to_owned()];
+    assert_eq!(loaded.warnings, [Warning::SeveralRoots { joints }]);
+}
+
+#[test]
+fn noise_in_held_out_frames_loads() {
+    let mut set = Set::good();
+    for (place, number) in set.reals.get_mut("vertices").unwrap().1[30..].iter_mut().enumerate() {
+        *number = 1e30 * (place as f64).sin();
+    }
+    assert_eq!(set.load("noise").unwrap().warnings, []);
+    let maps = &mut set.reals.get_mut("bone_transforms").unwrap().1;
+    for (place, number) in maps[64..].iter_mut().enumerate() {
+        *number = 1e30 * (place as f64).sin();
+    }
+    let loaded = set.load("noise").unwrap();
+    assert!(matches!(loaded.warnings[..], [Warning::NonRigidJoint { matrix_len: 2, .. }, _]));
+    let fault = loaded.examples.check_rigid_in(&[0, 3]).unwrap_err();
+    assert!(matches!(fault, ExamplesError::NonRigidJoint { frame: Some(3), .. }), "{fault}");
+    assert!(loaded.examples.check_rigid_in(&[0, 1]).is_ok());
+}
+
+#[test]
+fn uv_per_corner_is_ignored_and_said() {
+    let mut set = Set::good();
+    set.reals.insert("uv", (vec![7, 2], vec![0.0; 14]));
+    let loaded = set.load("uv").unwrap();
+    assert!(loaded.examples.uv.is_none());
+    assert_eq!(loaded.warnings, [FormatWarning::UvIgnored { uv_len: 7, vertex_len: 5 }.into()]);
+}

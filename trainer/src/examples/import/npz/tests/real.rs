@@ -1,0 +1,77 @@
+//! The real sets beside the repository.
+
+use super::*;
+use crate::formats::testing;
+
+/// Loads a set of `../shared/data`, which must be there where CI is set.
+fn shared(set: &str) -> Option<Loaded> {
+    testing::shared(set).map(|set| load(&set).unwrap())
+}
+
+fn counts(examples: &Examples) -> [usize; 7] {
+    [
+        examples.frame_len(),
+        examples.vertex_len(),
+        examples.triangles.len(),
+        examples.joint_len(),
+        examples.frames_of(Split::Train).len(),
+        examples.frames_of(Split::HeldOut).len(),
+        examples.frames_of(Split::Extreme).len(),
+    ]
+}
+
+#[test]
+fn dem_bones_loads() {
+    let Some(Loaded { mut examples, warnings, .. }) = shared("dem-bones/bone.npz") else { return };
+    assert_eq!(counts(&examples), [400, 754, 1504, 6, 300, 100, 0]);
+    let joints = vec!["joint1".to_owned(), "joint4".to_owned()];
+    assert_eq!(warnings, [Warning::SeveralRoots { joints }]);
+    let parents = [None, Some(0), Some(0), Some(0), Some(3), Some(3)];
+    assert_eq!(examples.skeleton.parents, parents);
+    let split = examples.split.clone();
+    examples.hold_out(0.25).unwrap();
+    assert_eq!(examples.split, split);
+}
+
+#[test]
+fn mpfb_arm_loads_and_its_origins_can_be_found_again() {
+    let Some(Loaded { mut examples, warnings, .. }) = shared("mpfb-arm/mpfb_arm.npz") else {
+        return;
+    };
+    assert_eq!(counts(&examples), [264, 899, 1666, 5, 180, 70, 14]);
+    assert_eq!(warnings, []);
+    // Ball joints: the elbow is a hinge with pronation, whose origin the data gives as well.
+    let diagonal = examples.diagonal();
+    for joint in 1..5 {
+        let given = examples.skeleton.rest[joint].map(|row| row[3]);
+        let found = origins::rest_origin(&examples, joint);
+        // A hinge's origin may slide along its axis: what counts is that both maps agree there.
+        let mut worst: f64 = 0.0;
+        for frame in examples.frames_of(Split::Train) {
+            let pose = examples.pose(frame);
+            let parent = examples.skeleton.parents[joint].unwrap();
+            for row in 0..3 {
+                let at = |map: &Matrix3x4| {
+                    map[row][3] + (0..3).map(|axis| map[row][axis] * found[axis]).sum::<f64>()
+                };
+                worst = worst.max((at(&pose[joint]) - at(&pose[parent])).abs());
+            }
+        }
+        assert!(
+            worst < 1e-5 * diagonal,
+            "joint {joint}: {worst}, given {given:?}, found {found:?}"
+        );
+    }
+    examples.uv = None;
+    assert!(examples.rest_tangents().is_none());
+}
+
+#[test]
+fn mpfb_body_loads() {
+    let Some(Loaded { examples, warnings, .. }) = shared("mpfb-body/mpfb_body.npz") else { return };
+    assert_eq!(counts(&examples), [220, 13380, 26756, 53, 160, 60, 0]);
+    assert_eq!(warnings, [FormatWarning::UvIgnored { uv_len: 14517, vertex_len: 13380 }.into()]);
+    assert!(examples.uv.is_none());
+    let normals = examples.rest_normals();
+    assert!(normals.iter().all(|n| (n.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-12));
+}

@@ -1,0 +1,186 @@
+//! A scene, and the posed meshes beside it, become examples.
+
+use nalgebra::{Matrix3, Matrix4};
+
+use super::align::{self, Similarity};
+use super::error::ImportError;
+use super::rate::check_even;
+use super::roots;
+use super::targets::Targets;
+use crate::examples::{Clip, Examples, ExamplesError, Matrix3x4, RIGID, Skeleton, Split, Warning};
+use crate::formats::FormatError;
+use crate::formats::posed_meshes::PosedMeshes;
+use crate::formats::scene::{SampledScene, Sampling, SceneError};
+
+/// Examples that are not checked yet, the clips of their frames, and what was done to them.
+type Joined = (Examples, Vec<Clip>, Vec<Warning>);
+
+/// Joins poses and posed meshes, those of `targets` where they are given, else the scene's own.
+///
+/// Targets that bring a rest mesh of their own decide space and units, and the joints are moved
+/// there; targets without one are moved to the joints.
+///
+/// # Errors
+/// [`SceneError::SingularBind`], [`ImportError::NoShapes`]; and for targets
+/// [`ImportError::UnevenKeys`], [`ImportError::TargetVertices`], [`ImportError::TargetFrames`] and
+/// [`ImportError::TargetsApart`].
+pub(super) fn join(
+    mut scene: SampledScene,
+    targets: Option<Targets>,
+    sampling: &Sampling<'_>,
+) -> Result<Joined, ExamplesError> {
+    let mut poses = Poses::of(&mut scene)?;
+    let Some(Targets { meshes, split }) = targets else {
+        if !scene.morphs {
+            poses.warnings.push(Warning::PlainSkin);
+        }
+        let vertices = scene.shapes.take().ok_or(ImportError::NoShapes)?;
+        return Ok(joined(scene, poses, vertices, None));
+    };
+    if sampling.fps.is_none() {
+        check_even(&scene.clips)?;
+    }
+    check_counts(&scene, &meshes)?;
+    let PosedMeshes { mut vertices, rest, triangles, .. } = meshes;
+    match rest {
+        Some(rest) => {
+            let similarity = align::meshes(&scene.rest, &rest)
+                .map_err(|percent| ImportError::TargetsApart { percent })?;
+            similarity.move_joints(&mut poses.skeleton, &mut poses.transforms);
+            scene.space = similarity.space(&scene.space);
+            poses.tell(&similarity, "joints");
+            scene.rest = rest;
+            scene.triangles = triangles.unwrap_or(scene.triangles);
+        }
+        None => {
+            let similarity = align::poses(&scene.rest, &poses.transforms, &vertices)?;
+            similarity.move_points(&mut vertices);
+            poses.tell(&similarity, "targets");
+        }
+    }
+    Ok(joined(scene, poses, vertices, split))
+}
+
+/// Gives the poses, with the rest mesh in place of every posed one.
+///
+/// # Errors
+/// [`SceneError::SingularBind`]
+pub(super) fn still(mut scene: SampledScene) -> Result<Joined, ExamplesError> {
+    let poses = Poses::of(&mut scene)?;
+    let vertices = scene.rest.repeat(frame_len(&scene));
+    Ok(joined(scene, poses, vertices, None))
+}
+
+/// The poses of a scene in the form of examples.
+struct Poses {
+    skeleton: Skeleton,
+    transforms: Vec<Matrix3x4>,
+    warnings: Vec<Warning>,
+}
+
+impl Poses {
+    /// Moves the poses alone into the form of examples: maps from the rest pose, rigid where the
+    /// scene's are, about a skeleton of one root.
+    ///
+    /// A scene may hold mesh and joints in different units; the scale between them goes into the rest
+    /// mesh.
+    ///
+    /// # Errors
+    /// [`SceneError::SingularBind`]
+    fn of(scene: &mut SampledScene) -> Result<Self, FormatError> {
+        let mut inverses = Vec::with_capacity(scene.binds.len());
+        for (bind, name) in scene.binds.iter().zip(&scene.names) {
+            let singular = || SceneError::SingularBind { joint: name.clone() };
+            inverses.push(bind.try_inverse().ok_or_else(singular)?);
+        }
+        let joint_len = scene.binds.len().max(1);
+        let maps = scene.frames.iter().enumerate();
+        let mut maps: Vec<_> =
+            maps.map(|(number, frame)| frame * inverses[number % joint_len]).collect();
+        let scale = common_scale(&maps);
+        for position in scene.rest.as_flattened_mut() {
+            *position *= scale;
+        }
+        for map in &mut maps {
+            map.fixed_view_mut::<3, 3>(0, 0).unscale_mut(scale);
+        }
+        let mut warnings = scene.warnings.drain(..).map(Warning::from).collect();
+        let parents = roots::joined(&scene.names, scene.parents.clone(), &mut warnings);
+        let rest = scene.binds.iter().map(|bind| rows(&rest_frame(bind, scale))).collect();
+        let skeleton = Skeleton { names: scene.names.clone(), parents, rest };
+        Ok(Self { skeleton, transforms: maps.iter().map(rows).collect(), warnings })
+    }
+
+    fn tell(&mut self, similarity: &Similarity, what: &'static str) {
+        if !similarity.is_identity() {
+            self.warnings.push(Warning::Moved { what, how: similarity.to_string() });
+        }
+    }
+}
+
+fn joined(
+    scene: SampledScene,
+    poses: Poses,
+    vertices: Vec<[f64; 3]>,
+    split: Option<Vec<Split>>,
+) -> Joined {
+    let split = split.unwrap_or_else(|| vec![Split::Train; frame_len(&scene)]);
+    let SampledScene { rest, triangles, uv, ranges, space, clips, .. } = scene;
+    let Poses { skeleton, transforms, warnings } = poses;
+    let examples = Examples {
+        rest,
+        triangles,
+        uv,
+        skeleton,
+        vertices,
+        transforms,
+        split,
+        ranges,
+        space,
+        importance: None,
+    };
+    (examples, clips, warnings)
+}
+
+fn frame_len(scene: &SampledScene) -> usize {
+    scene.clips.iter().map(|clip| clip.times.len()).sum()
+}
+
+fn check_counts(scene: &SampledScene, meshes: &PosedMeshes) -> Result<(), ImportError> {
+    let (expected, found) = (scene.rest.len(), meshes.vertex_len);
+    if expected != found {
+        return Err(ImportError::TargetVertices { expected, found });
+    }
+    let (expected, found) = (frame_len(scene), meshes.vertices.len() / meshes.vertex_len.max(1));
+    if expected != found {
+        let clips: Vec<_> = scene.clips.iter().map(Clip::describe).collect();
+        return Err(ImportError::TargetFrames { expected, found, clips: clips.join(", ") });
+    }
+    Ok(())
+}
+
+/// The scale that all maps share, as 1 where they share none or are rigid: what is left is for the
+/// examples' own checks to judge.
+fn common_scale(maps: &[Matrix4<f64>]) -> f64 {
+    let scale = |map: &Matrix4<f64>| map.fixed_view::<3, 3>(0, 0).determinant().abs().cbrt();
+    let Some(first) = maps.first().map(scale) else { return 1.0 };
+    let shared = maps.iter().all(|map| (scale(map) / first - 1.0).abs() < RIGID);
+    if shared && (first - 1.0).abs() > RIGID && first.is_normal() { first } else { 1.0 }
+}
+
+/// The rigid part of a joint's bind matrix, in the units of the scaled rest mesh.
+fn rest_frame(bind: &Matrix4<f64>, scale: f64) -> Matrix4<f64> {
+    let mut frame = Matrix4::identity();
+    let svd = bind.fixed_view::<3, 3>(0, 0).into_owned().svd(true, true);
+    if let (Some(u), Some(v)) = (svd.u, svd.v_t) {
+        let turn: Matrix3<f64> = u * v;
+        frame.fixed_view_mut::<3, 3>(0, 0).copy_from(&(turn * turn.determinant().signum()));
+    }
+    let origin = bind.fixed_view::<3, 1>(0, 3) * scale;
+    frame.fixed_view_mut::<3, 1>(0, 3).copy_from(&origin);
+    frame
+}
+
+fn rows(map: &Matrix4<f64>) -> Matrix3x4 {
+    std::array::from_fn(|row| std::array::from_fn(|column| map[(row, column)]))
+}

@@ -1,0 +1,111 @@
+//! Where examples come from: one way in for every format.
+
+use std::path::{Path, PathBuf};
+
+use super::error::ImportError;
+use super::loaded::Loaded;
+use super::{npz, scene, targets};
+use crate::examples::{ExamplesError, LoadError};
+use crate::formats::extension::{extension, unknown_format};
+use crate::formats::scene::{SampledScene, Sampling};
+use crate::formats::{fbx, gltf};
+
+/// The files that examples are read from, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// Skeleton, rest mesh and poses: `.npz` with everything, or a scene in `.glb`, `.gltf` or
+    /// `.fbx`.
+    pub file: &'a Path,
+    /// Posed meshes of a scene from another file, one a frame of the poses.
+    pub targets: Option<&'a Path>,
+    /// Frames a second at which a scene's clips are sampled; at their keys where none is given.
+    pub fps: Option<f64>,
+    /// The one clip to read of a scene; all of them where none is given.
+    pub clip: Option<&'a str>,
+}
+
+impl<'a> Source<'a> {
+    /// Names a file that needs nothing beside it.
+    pub fn file(file: &'a Path) -> Self {
+        Self { file, targets: None, fps: None, clip: None }
+    }
+
+    /// Lists the files that a load reads, where they are there.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let mut files = vec![self.file.to_owned()];
+        if extension(self.file) == "npz" {
+            files.push(self.file.with_extension("json"));
+        }
+        files.extend(self.targets.into_iter().flat_map(targets::files));
+        files
+    }
+
+    /// Gives the skeleton, mesh and clips of a scene; none where the file is complete in itself.
+    fn scene(&self, sampling: &Sampling<'_>) -> Result<Option<SampledScene>, ExamplesError> {
+        let read = match extension(self.file).as_str() {
+            "npz" => {
+                let given = [
+                    ("--targets", self.targets.is_some()),
+                    ("--fps", self.fps.is_some()),
+                    ("--clip", self.clip.is_some()),
+                ];
+                return match given.into_iter().find(|(_, given)| *given) {
+                    Some((option, _)) => Err(ImportError::NotAScene { option }.into()),
+                    None => Ok(None),
+                };
+            }
+            "glb" | "gltf" => gltf::read(self.file, sampling),
+            "fbx" => fbx::read(self.file, sampling),
+            _ => Err(unknown_format(self.file, ".npz, .glb, .gltf or .fbx")),
+        };
+        Ok(Some(read?))
+    }
+
+    fn sampling(&self, shapes: bool) -> Sampling<'a> {
+        Sampling { fps: self.fps, clip: self.clip, shapes }
+    }
+
+    fn blame(&self) -> impl Fn(ExamplesError) -> LoadError {
+        |error| LoadError { file: self.file.to_owned(), error }
+    }
+}
+
+/// Reads examples.
+///
+/// # Errors
+/// A [`LoadError`] that names the file at fault: it cannot be read, does not hold what is needed, or
+/// holds what fails [`Examples::validate`](crate::examples::Examples::validate).
+pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
+    let blame = source.blame();
+    let sampling = source.sampling(source.targets.is_none());
+    let scene = source.scene(&sampling).map_err(&blame)?;
+    let Some(scene) = scene else { return npz::load(source.file) };
+    let targets = source.targets.map(targets::read).transpose()?;
+    let at_fault = source.targets.unwrap_or(source.file);
+    let join = || {
+        let (examples, clips, mut warnings) = scene::join(scene, targets, &sampling)?;
+        warnings.extend(examples.validate()?);
+        Ok(Loaded { examples, clips, warnings })
+    };
+    join().map_err(|error| match error {
+        ExamplesError::Import(error) => {
+            let file = if error.is_about_targets() { at_fault } else { source.file };
+            LoadError { file: file.to_owned(), error: error.into() }
+        }
+        error => blame(error),
+    })
+}
+
+/// Reads poses; of a scene without a skin the rest mesh stands in for every posed one. The source's
+/// targets are not read.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
+    let blame = source.blame();
+    let scene = source.scene(&source.sampling(false)).map_err(&blame)?;
+    let Some(scene) = scene else { return npz::load(source.file) };
+    let (examples, clips, mut warnings) = scene::still(scene).map_err(&blame)?;
+    warnings.extend(examples.validate().map_err(&blame)?);
+    Ok(Loaded { examples, clips, warnings })
+}

@@ -1,0 +1,54 @@
+//! The posed meshes beside a scene, by the formats of their files.
+
+use super::npz;
+use crate::examples::{LoadError, Split};
+use crate::formats::extension::{extension, unknown_format};
+use crate::formats::gltf;
+use crate::formats::posed_meshes::{PosedMeshes, mdd, pc2, sequence};
+use std::path::{Path, PathBuf};
+
+/// Posed meshes, and what they are for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Targets {
+    /// The meshes.
+    pub(super) meshes: PosedMeshes,
+    /// Use of each frame, N, of a file that tells it.
+    pub(super) split: Option<Vec<Split>>,
+}
+
+/// Reads posed meshes: a point cache (`.pc2`, `.mdd`), arrays (`.npz`), one of a sequence of numbered
+/// `.obj` files, a folder that holds one, or a scene's own shapes (`.glb`, `.gltf`).
+///
+/// # Errors
+/// A [`LoadError`] that names the file at fault: it cannot be read, is none of these or is damaged;
+/// or it does not have the vertices and faces of the first of its sequence.
+pub(super) fn read(path: &Path) -> Result<Targets, LoadError> {
+    let blame = |error| LoadError { file: path.to_owned(), error };
+    let ending = extension(path);
+    let read = match ending.as_str() {
+        _ if path.is_dir() => return Ok(sequence::read(path)?.into()),
+        "obj" => return Ok(sequence::read(path)?.into()),
+        "npz" => {
+            let (meshes, split) = npz::read_posed_meshes(path).map_err(blame)?;
+            return Ok(Targets { meshes, split });
+        }
+        "pc2" => pc2::read(path),
+        "mdd" => mdd::read(path),
+        "glb" | "gltf" => gltf::read_posed_meshes(path),
+        _ => Err(unknown_format(path, ".pc2, .mdd, .npz, .glb, .gltf or .obj")),
+    };
+    read.map(Targets::from).map_err(|error| blame(error.into()))
+}
+
+/// Lists the files that [`read`] reads; the path itself where it would fail.
+pub(super) fn files(path: &Path) -> Vec<PathBuf> {
+    let is_sequence = path.is_dir() || extension(path) == "obj";
+    let files = is_sequence.then(|| sequence::files(path).ok()).flatten();
+    files.unwrap_or_else(|| vec![path.to_owned()])
+}
+
+impl From<PosedMeshes> for Targets {
+    fn from(meshes: PosedMeshes) -> Self {
+        Self { meshes, split: None }
+    }
+}

@@ -1,0 +1,4 @@
+//! Scenes and posed meshes, joined.
+
+mod scene;
+mod targets;

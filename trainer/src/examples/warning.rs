@@ -1,0 +1,117 @@
+//! What does not stop a fit and is worth saying.
+
+use super::error::in_frame;
+use crate::formats::FormatWarning;
+use std::fmt;
+
+/// How many triangles a message lists before it only counts.
+const LISTED: usize = 8;
+
+/// Something that does not stop a fit but that the user should know.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// What a file holds was left out.
+    Format(FormatWarning),
+    /// A joint's maps are not quite rigid; a fit uses the rotation nearest to each.
+    NonRigidJoint {
+        /// The array.
+        array: &'static str,
+        /// The joint.
+        joint: String,
+        /// How many of its matrices are off.
+        matrix_len: usize,
+        /// The frame of the worst, for arrays that have one.
+        worst_frame: Option<usize>,
+        /// How far the worst is off.
+        deviation: f64,
+    },
+    /// Triangles that name a vertex twice; they carry no equation.
+    RepeatedVertex {
+        /// The triangles.
+        triangles: Vec<usize>,
+    },
+    /// Triangles without area in the rest pose; they carry no equation.
+    ZeroArea {
+        /// The triangles.
+        triangles: Vec<usize>,
+    },
+    /// Several joints have no parent: the first is the reference, the others become its children.
+    SeveralRoots {
+        /// The roots, the reference first.
+        joints: Vec<String>,
+    },
+    /// The meshes to learn are the scene's own linear blend skinning.
+    PlainSkin,
+    /// Joints or targets came in other axes or units and were moved.
+    Moved {
+        /// What was moved.
+        what: &'static str,
+        /// Where to.
+        how: String,
+    },
+}
+
+impl From<FormatWarning> for Warning {
+    fn from(warning: FormatWarning) -> Self {
+        Self::Format(warning)
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Warning::Format(warning) => warning.fmt(f),
+            Warning::NonRigidJoint { array, joint, matrix_len, worst_frame, deviation } => {
+                let place = in_frame(*worst_frame);
+                write!(
+                    f,
+                    "array {array} is not rigid at {place}joint {joint}: off by {deviation:.1e} at \
+                     worst, matrices off in all: {matrix_len}"
+                )
+            }
+            Warning::RepeatedVertex { triangles } => {
+                write!(
+                    f,
+                    "triangles that name a vertex twice are left out of the fit: {}",
+                    Listed(triangles)
+                )
+            }
+            Warning::ZeroArea { triangles } => {
+                write!(
+                    f,
+                    "triangles without area at rest are left out of the fit: {}",
+                    Listed(triangles)
+                )
+            }
+            Warning::SeveralRoots { joints } => {
+                let (reference, others) =
+                    joints.split_first().map_or(("", &[][..]), |(a, b)| (a, b));
+                write!(
+                    f,
+                    "{} joints have no parent: {reference} is the root, {} now hang under it",
+                    joints.len(),
+                    others.join(", ")
+                )
+            }
+            Warning::PlainSkin => f.write_str(
+                "no shapes move and no targets are given: the meshes are the scene's own linear \
+                 blend skinning, of which there is nothing to learn; give the posed meshes as \
+                 --targets",
+            ),
+            Warning::Moved { what, how } => {
+                write!(f, "the {what} came in other axes or units and were moved: {how}")
+            }
+        }
+    }
+}
+
+struct Listed<'a>(&'a [usize]);
+
+impl fmt::Display for Listed<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (place, number) in self.0.iter().take(LISTED).enumerate() {
+            write!(f, "{}{number}", if place == 0 { "" } else { ", " })?;
+        }
+        if self.0.len() > LISTED { f.write_str(", ...") } else { Ok(()) }
+    }
+}

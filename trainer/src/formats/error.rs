@@ -1,0 +1,51 @@
+//! What can be wrong with a file, whatever its format.
+
+use super::npz::ArrayError;
+use super::obj::ObjError;
+use super::posed_meshes::{PointCacheError, SequenceError};
+use super::scene::SceneError;
+use std::path::PathBuf;
+
+/// A file that cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {error}", file.display())]
+pub struct FileError {
+    /// The file at fault.
+    pub file: PathBuf,
+    /// What is wrong with it.
+    pub error: FormatError,
+}
+
+/// What is wrong with a file.
+#[derive(Debug, thiserror::Error)]
+pub enum FormatError {
+    /// The file cannot be opened or read.
+    #[error("cannot be read: {0}")]
+    Read(std::io::Error),
+    /// The file cannot be written.
+    #[error("cannot be written: {0}")]
+    Write(std::io::Error),
+    /// The file's name does not end as any format that is read here.
+    #[error("expected a file that ends in {expected}, found {found}")]
+    UnknownFormat {
+        /// The endings that are read.
+        expected: &'static str,
+        /// The ending found.
+        found: String,
+    },
+    /// A scene is damaged, or lacks what a rigged character has.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Arrays are missing, damaged or others than expected.
+    #[error(transparent)]
+    Array(#[from] ArrayError),
+    /// A point cache is damaged or none.
+    #[error(transparent)]
+    PointCache(#[from] PointCacheError),
+    /// Meshes do not follow one another.
+    #[error(transparent)]
+    Sequence(#[from] SequenceError),
+    /// The file is no OBJ.
+    #[error(transparent)]
+    Obj(#[from] ObjError),
+}

@@ -1,0 +1,18 @@
+//! Formats by the endings of their files.
+
+use super::error::FormatError;
+use std::path::Path;
+
+/// The end of a file's name, in lower case, without the dot.
+pub(crate) fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+/// Says which formats are read instead of this file's.
+pub(crate) fn unknown_format(path: &Path, expected: &'static str) -> FormatError {
+    let found = match extension(path) {
+        none if none.is_empty() => "none".to_owned(),
+        found => format!(".{found}"),
+    };
+    FormatError::UnknownFormat { expected, found }
+}

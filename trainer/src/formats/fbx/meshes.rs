@@ -1,0 +1,140 @@
+//! The meshes of a scene, joined into one.
+
+use std::ops::Range;
+use ufbx::{Matrix, Mesh, Node, Scene, SkinDeformer};
+
+use crate::formats::polygons::{Polygons, uv_of_vertices};
+use crate::formats::scene::SceneError;
+use crate::formats::warning::FormatWarning;
+
+/// A mesh as a node shows it.
+pub(super) struct Part {
+    /// The node, by its place in the scene.
+    pub(super) node: usize,
+    /// The mesh, by its place in the scene.
+    pub(super) mesh: usize,
+    /// From the mesh to the space in which the joints are bound.
+    pub(super) rest: Matrix,
+}
+
+/// The parts as one mesh.
+pub(super) struct Geometry {
+    pub(super) rest: Vec<[f64; 3]>,
+    pub(super) triangles: Vec<[usize; 3]>,
+    pub(super) uv: Option<Vec<[f64; 2]>>,
+    /// The parts by name, where there are several.
+    pub(super) ranges: Vec<(String, Range<usize>)>,
+}
+
+/// Chooses the skinned meshes of a scene, or all where none is skinned.
+pub(super) fn parts(
+    scene: &Scene,
+    warnings: &mut Vec<FormatWarning>,
+) -> Result<Vec<Part>, SceneError> {
+    let shown = scene.nodes.iter().filter_map(|node| Some((&**node, &**node.mesh.as_ref()?)));
+    let shown: Vec<(&Node, &Mesh)> = shown.filter(|(_, mesh)| mesh.num_vertices > 0).collect();
+    if shown.is_empty() {
+        return Err(SceneError::NoMesh);
+    }
+    let (skinned, other): (Vec<_>, Vec<_>) =
+        shown.iter().copied().partition(|(_, mesh)| !mesh.skin_deformers.is_empty());
+    if skinned.is_empty() {
+        let part = |(node, mesh): (&Node, &Mesh)| part(node, mesh, node.geometry_to_world);
+        return Ok(other.into_iter().map(part).collect());
+    }
+    if !other.is_empty() {
+        let meshes = other.iter().map(|(node, _)| node.element.name.to_string()).collect();
+        warnings.push(FormatWarning::UnskinnedMeshes { meshes });
+    }
+    skinned.into_iter().map(|(node, mesh)| bound(node, mesh)).collect()
+}
+
+/// Joins the parts, in their order.
+pub(super) fn join(scene: &Scene, parts: &[Part], warnings: &mut Vec<FormatWarning>) -> Geometry {
+    let mut rest = Vec::new();
+    let mut triangles = Vec::new();
+    let mut uv = Some(Vec::new());
+    let mut uv_len = 0;
+    let mut ranges = Vec::new();
+    for part in parts {
+        let (mesh, first) = (&scene.meshes[part.mesh], rest.len());
+        let positions: Vec<[f64; 3]> = mesh.vertices.iter().map(|v| [v.x, v.y, v.z]).collect();
+        let mirrored = ufbx::matrix_determinant(&part.rest) < 0.0;
+        for [a, b, c] in polygons(mesh).triangles(&positions) {
+            let [b, c] = if mirrored { [c, b] } else { [b, c] };
+            triangles.push([a + first, b + first, c + first]);
+        }
+        let place = |&v: &ufbx::Vec3| {
+            let v = ufbx::transform_position(&part.rest, v);
+            [v.x, v.y, v.z]
+        };
+        rest.extend(mesh.vertices.iter().map(place));
+        ranges.push((scene.nodes[part.node].element.name.to_string(), first..rest.len()));
+        uv_len += mesh.vertex_uv.values.len();
+        uv = uv.zip(texture(mesh)).map(|(mut all, uv)| {
+            all.extend(uv);
+            all
+        });
+    }
+    if uv.is_none() && uv_len > 0 {
+        warnings.push(FormatWarning::UvIgnored { uv_len, vertex_len: rest.len() });
+    }
+    if parts.len() < 2 {
+        ranges.clear();
+    }
+    Geometry { rest, triangles, uv, ranges }
+}
+
+/// Tells whether the scene itself holds all that poses its meshes.
+pub(super) fn are_posed(scene: &Scene, parts: &[Part], warnings: &mut Vec<FormatWarning>) -> bool {
+    let cached = parts.iter().filter(|part| !scene.meshes[part.mesh].cache_deformers.is_empty());
+    let meshes: Vec<String> =
+        cached.map(|part| scene.nodes[part.node].element.name.to_string()).collect();
+    let whole = meshes.is_empty();
+    if !whole {
+        warnings.push(FormatWarning::CacheIgnored { meshes });
+    }
+    whole && parts.iter().all(|part| skin(&scene.meshes[part.mesh]).is_some())
+}
+
+/// Gives the skin of a mesh.
+pub(super) fn skin(mesh: &Mesh) -> Option<&SkinDeformer> {
+    mesh.skin_deformers.into_iter().next()
+}
+
+fn part(node: &Node, mesh: &Mesh, rest: Matrix) -> Part {
+    Part { node: node.element.typed_id as usize, mesh: mesh.element.typed_id as usize, rest }
+}
+
+/// Makes a part of a skinned mesh, which stands where it is bound, whatever its node does.
+fn bound(node: &Node, mesh: &Mesh) -> Result<Part, SceneError> {
+    let name = || node.element.name.to_string();
+    let found = mesh.skin_deformers.len();
+    if found > 1 {
+        return Err(SceneError::SeveralSkins { mesh: name(), found });
+    }
+    let clusters = skin(mesh).into_iter().flat_map(|skin| &skin.clusters);
+    let Some(cluster) = clusters.into_iter().find(|cluster| cluster.bone_node.is_some()) else {
+        return Err(SceneError::EmptySkin { mesh: name() });
+    };
+    let rest = ufbx::matrix_mul(&cluster.bind_to_world, &cluster.geometry_to_bone);
+    Ok(part(node, mesh, rest))
+}
+
+fn polygons(mesh: &Mesh) -> Polygons {
+    let mut polygons = Polygons::default();
+    for face in &mesh.faces {
+        let corners = mesh.vertex_indices.iter().skip(face.index_begin as usize);
+        polygons.push(corners.take(face.num_indices as usize).map(|&vertex| vertex as usize));
+    }
+    polygons
+}
+
+fn texture(mesh: &Mesh) -> Option<Vec<[f64; 2]>> {
+    let uv = &mesh.vertex_uv;
+    let corner = |(corner, &vertex): (usize, &u32)| {
+        let value = uv.indices.get(corner).and_then(|&place| uv.values.get(place as usize));
+        (vertex as usize, value.map(|uv| [uv.x, uv.y]))
+    };
+    uv_of_vertices(mesh.num_vertices, mesh.vertex_indices.iter().enumerate().map(corner))
+}

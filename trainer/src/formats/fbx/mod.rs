@@ -1,0 +1,14 @@
+//! FBX: skinned meshes, or a mesh beside a skeleton, and their animations.
+//!
+//! Units and axes stay as they are in the file. Vertices are its control points, in their order; the
+//! meshes of several nodes follow one another in the order of the nodes.
+
+mod convert;
+mod frames;
+mod joints;
+mod meshes;
+mod read;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use read::read;

@@ -1,0 +1,114 @@
+//! Reads a scene: what is in it, sampled.
+
+use std::path::Path;
+
+use sinew_runtime::format::{Axis, Handedness, Space};
+use ufbx::{
+    AllocatorOpts, CoordinateAxis, FileFormat, IndexErrorHandling, LoadOpts, SceneRoot,
+    SceneSettings,
+};
+
+use super::convert::fault;
+use super::frames::{self, Posed};
+use super::joints::{self, Joints};
+use super::meshes;
+use crate::formats::error::FormatError;
+use crate::formats::scene::{SampledScene, Sampling, SceneError};
+use crate::space::SpaceWish;
+use crate::space::axes::direction;
+
+/// Memory that reading a file may take, whatever it claims to hold: as much for each byte of it as
+/// its compression can hide, up to a limit for all.
+const MEMORY_A_BYTE: usize = 1100;
+const MEMORY_LEAST: usize = 64 << 20;
+const MEMORY_MOST: usize = 4 << 30;
+
+/// Deepest hierarchy of nodes.
+const DEPTH_MOST: u32 = 4096;
+
+/// Reads a scene.
+///
+/// Joints are the nodes that skins name and the bones above them; without a skin, all bones. Each
+/// animation that has keys on them or above them is a clip, sampled where its keys are or as
+/// `sampling` says. Posed positions are those of the skin, linear or by dual quaternions, over the
+/// blendshapes; there are none without a skin or where a point cache outside the file deforms a mesh.
+///
+/// # Errors
+/// [`FormatError::Read`], and [`FormatError::Scene`] with what is not in it and what to export.
+pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene, FormatError> {
+    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+    Ok(parse(&bytes, sampling)?)
+}
+
+pub(super) fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScene, SceneError> {
+    let scene = open(bytes)?;
+    let mut warnings = Vec::new();
+    let parts = meshes::parts(&scene, &mut warnings)?;
+    let geometry = meshes::join(&scene, &parts, &mut warnings);
+    let Joints { nodes, names, parents, binds } = joints::find(&scene, &parts)?;
+    let takes = frames::takes(&scene, &nodes, &parts, sampling, &mut warnings)?;
+    let posed = meshes::are_posed(&scene, &parts, &mut warnings);
+    let shown = (posed && sampling.shapes).then_some(parts.as_slice());
+    let Posed { joints: frames, shapes, morphs } = frames::posed(&scene, &takes, &nodes, shown)?;
+    Ok(SampledScene {
+        rest: geometry.rest,
+        triangles: geometry.triangles,
+        uv: geometry.uv,
+        ranges: geometry.ranges,
+        space: space(&scene.settings),
+        names,
+        parents,
+        binds,
+        frames,
+        shapes,
+        morphs,
+        clips: frames::clips(takes),
+        warnings,
+    })
+}
+
+pub(super) fn open(bytes: &[u8]) -> Result<SceneRoot, SceneError> {
+    let memory_limit = bytes.len().saturating_mul(MEMORY_A_BYTE).clamp(MEMORY_LEAST, MEMORY_MOST);
+    let allocator = || AllocatorOpts { memory_limit, ..Default::default() };
+    let options = LoadOpts {
+        file_format: FileFormat::Fbx,
+        temp_allocator: allocator(),
+        result_allocator: allocator(),
+        ignore_embedded: true,
+        skip_mesh_parts: true,
+        index_error_handling: IndexErrorHandling::AbortLoading,
+        node_depth_limit: DEPTH_MOST,
+        ..Default::default()
+    };
+    ufbx::load_memory(bytes, options).map_err(fault)
+}
+
+/// Tells what a scene says of its axes and its unit.
+fn space(settings: &SceneSettings) -> Space {
+    let axis = |axis: CoordinateAxis| match axis {
+        CoordinateAxis::PositiveX => Some(Axis::X),
+        CoordinateAxis::NegativeX => Some(Axis::MinusX),
+        CoordinateAxis::PositiveY => Some(Axis::Y),
+        CoordinateAxis::NegativeY => Some(Axis::MinusY),
+        CoordinateAxis::PositiveZ => Some(Axis::Z),
+        CoordinateAxis::NegativeZ => Some(Axis::MinusZ),
+        CoordinateAxis::Unknown => None,
+    };
+    let [right, up, forward] =
+        [settings.axes.right, settings.axes.up, settings.axes.front].map(axis);
+    // A viewer's right: of one whom the character faces.
+    let volume = |right, up, forward| {
+        let [right, up, forward] = [right, up, forward].map(direction);
+        right.cross(&up).dot(&forward)
+    };
+    let known = right.zip(up).zip(forward).map(|((r, u), f)| (u, f, volume(r, u, f)));
+    let (up, forward, volume) = match known.filter(|(.., volume)| *volume != 0.0) {
+        Some((up, forward, volume)) => (Some(up), Some(forward), volume),
+        None => (up, None, 1.0),
+    };
+    let handedness = if volume < 0.0 { Handedness::Left } else { Handedness::Right };
+    let unit = (settings.unit_meters as f32 > 0.0).then_some(settings.unit_meters as f32);
+    SpaceWish { unit, ..SpaceWish::default() }
+        .of(Space { up, forward, handedness, unit: None })
+        .unwrap_or(Space { up, forward, handedness, unit: None })
+}

@@ -1,0 +1,169 @@
+//! The skins of a glTF file, joined into one skeleton.
+
+use std::collections::HashMap;
+
+use gltf::Document;
+use nalgebra::Matrix4;
+
+use super::accessor::numbers;
+use super::file::Buffers;
+use super::meshes::Meshes;
+use super::nodes::Nodes;
+use crate::formats::scene::SceneError;
+
+/// Two bind matrices of one joint agree within this share of their largest entry; files round them.
+const AGREE: f64 = 1e-4;
+
+/// The joints of every skin that is read, each once.
+pub(super) struct Skins {
+    /// Node of each joint, J.
+    pub(super) joints: Vec<usize>,
+    /// World frame of each joint where the joined rest mesh is bound, J.
+    pub(super) binds: Vec<Matrix4<f64>>,
+    /// Their inverses.
+    pub(super) inverse_binds: Vec<Matrix4<f64>>,
+    /// Each skin that a mesh has.
+    pub(super) members: HashMap<usize, Member>,
+}
+
+/// One skin among them.
+pub(super) struct Member {
+    /// Numbers of its joints among the J.
+    pub(super) joints: Vec<usize>,
+    /// Where its meshes stand in the space of the first skin.
+    shift: Matrix4<f64>,
+}
+
+impl Skins {
+    /// Joins the skins of the meshes and moves each mesh to where the first one's joints bind it:
+    /// exporters differ in whether all skins of a character share one space.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSkin`], [`SceneError::SingularBind`], [`SceneError::OtherBind`] and those
+    /// of the bind matrices' accessor.
+    pub(super) fn read(
+        document: &Document,
+        buffers: &Buffers,
+        nodes: &Nodes,
+        meshes: &mut Meshes,
+    ) -> Result<Self, SceneError> {
+        let mut all = Self {
+            joints: Vec::new(),
+            binds: Vec::new(),
+            inverse_binds: Vec::new(),
+            members: HashMap::new(),
+        };
+        for instance in 0..meshes.instances.len() {
+            let mesh = meshes.instances[instance].name.clone();
+            let number = meshes.instances[instance].skin;
+            let skin = number.and_then(|number| document.skins().nth(number));
+            let skin = skin.ok_or(SceneError::NoSkin)?;
+            let joined = match all.members.remove(&skin.index()) {
+                Some(joined) => joined,
+                None => all.join(&skin, buffers, nodes, &mesh)?,
+            };
+            let influences = &meshes.influences[meshes.vertices(instance)];
+            check_influences(influences, joined.joints.len(), &mesh)?;
+            move_mesh(meshes, instance, &joined.shift);
+            all.members.insert(skin.index(), joined);
+        }
+        Ok(all)
+    }
+
+    /// Takes up the joints of a skin.
+    fn join(
+        &mut self,
+        skin: &gltf::Skin<'_>,
+        buffers: &Buffers,
+        nodes: &Nodes,
+        mesh: &str,
+    ) -> Result<Member, SceneError> {
+        let (joint_nodes, own) = read_one(skin, buffers, mesh)?;
+        let known = |joints: &[usize], node| joints.iter().position(|&joint| joint == node);
+        let shared = joint_nodes.iter().zip(&own).find_map(|(&node, own)| {
+            known(&self.joints, node).map(|joint| self.binds[joint] * own)
+        });
+        let shift = shared.unwrap_or_else(Matrix4::identity);
+        let mut joints = Vec::with_capacity(joint_nodes.len());
+        for (&node, own) in joint_nodes.iter().zip(&own) {
+            let name = || nodes.names[node].clone();
+            let singular = || SceneError::SingularBind { joint: name() };
+            let inverse = own * shift.try_inverse().ok_or_else(singular)?;
+            let joint = match known(&self.joints, node) {
+                Some(joint) if !agree(&self.inverse_binds[joint], &inverse) => {
+                    return Err(SceneError::OtherBind { mesh: mesh.to_owned(), joint: name() });
+                }
+                Some(joint) => joint,
+                None => {
+                    self.joints.push(node);
+                    self.binds.push(inverse.try_inverse().ok_or_else(singular)?);
+                    self.inverse_binds.push(inverse);
+                    self.joints.len() - 1
+                }
+            };
+            joints.push(joint);
+        }
+        Ok(Member { joints, shift })
+    }
+
+    /// Gives the nearest joint above each joint; several may have none.
+    pub(super) fn parents(&self, nodes: &Nodes) -> Vec<Option<usize>> {
+        let of = |node: usize| self.joints.iter().position(|&joint| joint == node);
+        self.joints.iter().map(|&node| nodes.upwards(node).skip(1).find_map(of)).collect()
+    }
+}
+
+fn check_influences(
+    influences: &[Vec<(usize, f64)>],
+    joint_len: usize,
+    mesh: &str,
+) -> Result<(), SceneError> {
+    for (vertex, influences) in influences.iter().enumerate() {
+        if influences.is_empty() {
+            return Err(SceneError::Unbound { mesh: mesh.to_owned(), vertex });
+        }
+        if let Some(&(joint, _)) = influences.iter().find(|(joint, _)| *joint >= joint_len) {
+            let (place, what) = (format!("mesh {mesh}"), "joint");
+            return Err(SceneError::NoSuch { place, what, found: joint, len: joint_len });
+        }
+    }
+    Ok(())
+}
+
+/// Reads the joints of a skin and their inverse bind matrices, which are none at all or one each.
+fn read_one(
+    skin: &gltf::Skin<'_>,
+    buffers: &Buffers,
+    mesh: &str,
+) -> Result<(Vec<usize>, Vec<Matrix4<f64>>), SceneError> {
+    let joints: Vec<usize> = skin.joints().map(|joint| joint.index()).collect();
+    let Some(accessor) = skin.inverse_bind_matrices() else {
+        let own = vec![Matrix4::identity(); joints.len()];
+        return Ok((joints, own));
+    };
+    let own = numbers(&accessor, buffers, 16)?;
+    let own: Vec<_> = own.chunks_exact(16).map(Matrix4::from_column_slice).collect();
+    if own.len() < joints.len() {
+        let (expected, found) = (joints.len(), own.len());
+        let place = format!("the skin of mesh {mesh}");
+        return Err(SceneError::Count { place, what: "inverse bind matrices", expected, found });
+    }
+    Ok((joints, own))
+}
+
+fn agree(a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
+    (a - b).amax() <= AGREE * a.amax()
+}
+
+fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f64>) {
+    if *shift == Matrix4::identity() {
+        return;
+    }
+    let vertices = meshes.vertices(instance);
+    for position in &mut meshes.positions[vertices] {
+        *position = shift.transform_point(&(*position).into()).into();
+    }
+    for displacement in meshes.instances[instance].morphs.iter_mut().flatten() {
+        *displacement = shift.transform_vector(&(*displacement).into()).into();
+    }
+}

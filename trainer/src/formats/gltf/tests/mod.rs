@@ -1,0 +1,217 @@
+//! What becomes of files, all the way to examples.
+
+mod faults;
+mod made;
+
+use super::*;
+use crate::examples::{Loaded, Source, Split, Warning, load};
+use crate::formats::testing::shared;
+use made::{Made, NO_TURN, QUARTER, moved_by};
+use serde_json::json;
+use sinew_runtime::format::{Axis, Handedness};
+
+fn near(found: [f64; 3], expected: [f64; 3], tolerance: f64) {
+    let far = found.iter().zip(expected).any(|(a, b)| (a - b).abs() > tolerance);
+    assert!(!far, "{found:?}, expected {expected:?}");
+}
+
+fn loaded(made: &Made, test: &str) -> Loaded {
+    load(&Source::file(&made.write(test))).unwrap()
+}
+
+/// The expected positions were computed by a script from the format's specification.
+#[test]
+fn the_fox_runs() {
+    let Some(fox) = shared("gltf-loader/Fox.glb") else { return };
+    let Loaded { examples, clips, warnings } = load(&Source::file(&fox)).unwrap();
+    let counts = [examples.vertex_len(), examples.triangles.len(), examples.joint_len()];
+    assert_eq!(counts, [1728, 576, 24]);
+    let clips: Vec<_> = clips.iter().map(|c| (c.name.as_str(), c.first, c.times.len())).collect();
+    assert_eq!(clips, [("Survey", 0, 83), ("Walk", 83, 18), ("Run", 101, 25)]);
+    assert_eq!(warnings, [Warning::PlainSkin]);
+    assert_eq!(examples.skeleton.names[2], "b_Hip_01");
+    assert_eq!(examples.uv.as_ref().map(Vec::len), Some(1728));
+    near(examples.frame(40)[17], [15.320872317, 55.945745005, 48.748890049], 1e-6);
+    near(examples.frame(101 + 7)[1000], [7.038239042, 38.832917685, 44.744594341], 1e-6);
+    let run = Source { clip: Some("Run"), fps: Some(60.0), ..Source::file(&fox) };
+    assert_eq!(load(&run).unwrap().examples.frame_len(), 70);
+}
+
+/// It has no skin, so it serves as the shapes of another scene; expected values as above.
+#[test]
+fn morph_targets_pass_through_their_keys() {
+    let Some(file) = shared("gltf-loader/MorphStressTest.gltf") else { return };
+    let meshes = read_posed_meshes(&file).unwrap();
+    assert_eq!(meshes.vertex_len, 24 + 1504);
+    assert_eq!(meshes.vertices.len(), (225 + 153 + 48) * meshes.vertex_len);
+    let vertex = (225 + 153 + 20) * meshes.vertex_len + 24 + 700;
+    near(meshes.vertices[vertex], [-0.200665787, 1.346000016, 0.246193975], 1e-8);
+    let error = load(&Source::file(&file)).unwrap_err();
+    assert!(error.to_string().contains("no mesh has a skin"), "{error}");
+}
+
+#[test]
+fn a_joint_carries_its_vertices() {
+    let Loaded { examples, clips, .. } = loaded(&Made::scene(), "carries");
+    assert_eq!(clips, [Clip { name: "bend".into(), first: 0, times: vec![0.0, 0.5, 1.0] }]);
+    assert_eq!(examples.split, [Split::Train; 3]);
+    assert_eq!(examples.skeleton.parents, [None, Some(0)]);
+    assert_eq!(examples.skeleton.rest[1].map(|row| row[3]), [2.0, 0.0, 0.0]);
+    assert_eq!(examples.frame(0), examples.rest);
+    let bent = examples.frame(1);
+    near(bent[0], [1.0, 0.0, 0.0], 1e-7);
+    near(bent[1], [2.0, 1.0, 0.0], 1e-7);
+    // Half way between (2, 1, 0) and its image (1, 0, 0).
+    near(bent[2], [1.5, 0.5, 0.0], 1e-7);
+    let bend = examples.pose(1)[1];
+    near(bend[0][..3].try_into().unwrap(), [0.0, -1.0, 0.0], 1e-7);
+    near(bend.map(|row| row[3]), [2.0, -2.0, 0.0], 1e-7);
+}
+
+#[test]
+fn morph_targets_are_skinned() {
+    let mut made = Made::scene();
+    let (times, weights) = (made.floats(&[[0.0], [1.0]]), made.floats(&[[0.0], [0.5]]));
+    let target = json!({ "node": 0, "path": "weights" });
+    made.clip("raise", target, times, weights, "LINEAR");
+    let Loaded { examples, clips, warnings } = loaded(&made, "skinned");
+    assert_eq!((clips[1].first, clips[1].times.len()), (3, 2));
+    assert_eq!(warnings, []);
+    near(examples.frame(4)[1], [3.0, 0.0, 0.5], 1e-12);
+    assert_eq!(examples.frame(3), examples.rest);
+}
+
+#[test]
+fn keys_are_interpolated_as_they_say() {
+    let mut made = Made::scene();
+    let times = made.floats(&[[0.0], [1.0]]);
+    let ends = made.floats(&[[2.0, 0.0, 0.0], [2.0, 4.0, 0.0]]);
+    let cubic = made.floats(&[
+        [0.0; 3],
+        [2.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 3.0, 0.0],
+        [2.0, 4.0, 0.0],
+        [0.0; 3],
+    ]);
+    let turns = made.floats(&[NO_TURN, QUARTER]);
+    let target = |path| json!({ "node": 2, "path": path });
+    made.clip("line", target("translation"), times, ends, "LINEAR");
+    made.clip("step", target("translation"), times, ends, "STEP");
+    made.clip("cubic", target("translation"), times, cubic, "CUBICSPLINE");
+    made.clip("turn", target("rotation"), times, turns, "LINEAR");
+    let file = made.write("interpolated");
+    let quarter = |clip| {
+        let source = Source { clip: Some(clip), fps: Some(4.0), ..Source::file(&file) };
+        let Loaded { examples, clips, .. } = load(&source).unwrap();
+        assert_eq!(clips[0].times, [0.0, 0.25, 0.5, 0.75, 1.0]);
+        examples.pose(1)[1]
+    };
+    let height = |clip| quarter(clip)[1][3];
+    assert!((height("line") - 1.0).abs() < 1e-12);
+    assert_eq!(height("step"), 0.0);
+    // Hermite at t = 1/4: h01 4 + h10 1 + h11 3.
+    let (t, t2, t3) = (0.25, 0.0625, 0.015625);
+    let hermite = 4.0 * (3.0 * t2 - 2.0 * t3) + (t3 - 2.0 * t2 + t) + 3.0 * (t3 - t2);
+    assert!((height("cubic") - hermite).abs() < 1e-12);
+    let angle = std::f64::consts::FRAC_PI_8;
+    assert!((quarter("turn")[0][0] - angle.cos()).abs() < 1e-7);
+    assert!((quarter("turn")[1][0] - angle.sin()).abs() < 1e-7);
+}
+
+/// An armature in centimetres under a node that makes metres of them.
+#[test]
+fn a_common_scale_goes_into_the_rest_mesh() {
+    let mut made = Made::scene();
+    let inverses = made.floats(&[moved_by(0.0), moved_by(-2.0)]);
+    made.json["nodes"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "name": "metres", "children": [1], "scale": [0.01, 0.01, 0.01] }));
+    made.json["scenes"][0]["nodes"] = json!([0, 3]);
+    made.json["skins"][0]["inverseBindMatrices"] = json!(inverses);
+    let Loaded { examples, .. } = loaded(&made, "scaled");
+    near(examples.rest[1], [0.03, 0.0, 0.0], 1e-9);
+    near(examples.frame(1)[1], [0.02, 0.01, 0.0], 1e-9);
+    near(examples.skeleton.rest[1].map(|row| row[3]), [0.02, 0.0, 0.0], 1e-9);
+    assert!((examples.pose(1)[1][1][0] - 1.0).abs() < 1e-7);
+}
+
+/// A second mesh, half as far along x in a space of its own, with a skin of its own for it.
+#[test]
+fn meshes_are_joined_in_one_space() {
+    let mut made = Made::scene();
+    let inverses = made.floats(&[moved_by(5.0), moved_by(3.0)]);
+    let positions = made.floats(&[[-4.0, 0.0, 0.0], [-2.0, 0.0, 0.0], [-3.0, 1.0, 0.0]]);
+    let mut mesh = made.json["meshes"][0].clone();
+    mesh["primitives"][0]["attributes"]["POSITION"] = json!(positions);
+    made.json["meshes"].as_array_mut().unwrap().push(mesh);
+    made.json["skins"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "joints": [1, 2], "inverseBindMatrices": inverses }));
+    made.json["nodes"].as_array_mut().unwrap().extend([
+        json!({ "name": "sleeve", "mesh": 1, "skin": 1 }),
+        json!({ "name": "prop", "mesh": 0 }),
+    ]);
+    made.json["scenes"][0]["nodes"] = json!([0, 1, 3, 4]);
+    let Loaded { examples, warnings, .. } = loaded(&made, "joined");
+    assert_eq!((examples.vertex_len(), examples.triangles.len()), (6, 2));
+    assert_eq!(examples.triangles[1], [3, 4, 5]);
+    assert_eq!(examples.rest[..3], examples.rest[3..]);
+    assert_eq!(examples.frame(1)[..3], examples.frame(1)[3..]);
+    assert!(
+        warnings.contains(&FormatWarning::UnskinnedMeshes { meshes: vec!["prop".into()] }.into())
+    );
+    let ranges = [("body".to_owned(), 0..3), ("sleeve".to_owned(), 3..6)];
+    assert_eq!(examples.ranges, ranges);
+    // What glTF says of every scene; one mesh has no ranges.
+    let plain = loaded(&Made::scene(), "plain").examples;
+    let space = Space {
+        up: Some(Axis::Y),
+        forward: Some(Axis::Z),
+        handedness: Handedness::Right,
+        unit: Some(1.0),
+    };
+    assert!(plain.ranges.is_empty() && plain.space == space && examples.space == space);
+}
+
+#[test]
+fn texture_coordinates_grow_upward() {
+    let mut made = Made::scene();
+    let uv = made.floats(&[[0.25, 0.0], [0.5, 0.25], [0.0, 1.0]]);
+    made.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(uv);
+    let uv = loaded(&made, "uv").examples.uv.unwrap();
+    assert_eq!(uv, [[0.25, 1.0], [0.5, 0.75], [0.0, 0.0]]);
+}
+
+#[test]
+fn clips_that_move_nothing_are_left_out() {
+    let mut made = Made::scene();
+    let (times, ends) = (made.floats(&[[0.0], [1.0]]), made.floats(&[[0.0_f32; 3]; 2]));
+    made.json["nodes"].as_array_mut().unwrap().push(json!({ "name": "camera" }));
+    made.clip("pan", json!({ "node": 3, "path": "translation" }), times, ends, "LINEAR");
+    let Loaded { clips, warnings, .. } = loaded(&made, "idle");
+    assert_eq!(clips.len(), 1);
+    assert!(warnings.contains(&FormatWarning::IdleClips { clips: vec!["pan".into()] }.into()));
+}
+
+#[test]
+fn integers_are_scaled_and_sparse_values_replace() {
+    let mut made = Made::scene();
+    let weights = made.bytes(&[[255, 0, 0, 0], [0, 255, 0, 0], [51, 204, 0, 0]]);
+    made.json["accessors"][weights]["normalized"] = json!(true);
+    made.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = json!(weights);
+    let (places, values) = (made.bytes(&[[1_u8]]), made.floats(&[[3.0, 0.0, 7.0]]));
+    let view = |accessor: usize| made.json["accessors"][accessor]["bufferView"].clone();
+    let sparse = json!({
+        "count": 1,
+        "indices": { "bufferView": view(places), "componentType": 5121 },
+        "values": { "bufferView": view(values) },
+    });
+    made.json["accessors"][0]["sparse"] = sparse;
+    let Loaded { examples, .. } = loaded(&made, "sparse");
+    near(examples.rest[1], [3.0, 0.0, 7.0], 0.0);
+    // A fifth at (2, 1, 0), four at (1, 0, 0).
+    near(examples.frame(1)[2], [1.2, 0.2, 0.0], 1e-7);
+}

@@ -1,0 +1,36 @@
+//! Formats of files: what a file holds, as plain structs, and what can be wrong with it. Nothing here
+//! knows of examples; [`examples`](crate::examples) joins what is read here.
+//!
+//! A new format takes these steps:
+//! 1. A file or folder of its own here, whose `read` makes of a path one of the structs that other
+//!    formats make too: a `SampledScene` (a character, its joints and clips), `PosedMeshes`, a [`Mesh`].
+//!    It checks all that the file says of itself, so that no bytes make it panic, and has a test that
+//!    spoils them.
+//! 2. An error that says what to export instead. A scene adds to [`SceneError`]; what is new has an
+//!    enum of its own, a variant of [`FormatError`]. What is left out is a [`FormatWarning`].
+//! 3. Its ending, where the reader is chosen by it and in the message beside: of scenes
+//!    `examples/import/source.rs`, of posed meshes `examples/import/targets.rs`.
+//! 4. Its ending in the help of `sinew train` (`cli/input.rs`) and in the README.
+
+mod error;
+pub(crate) mod extension;
+pub(crate) mod fbx;
+pub(crate) mod gltf;
+mod mesh;
+pub(crate) mod npz;
+pub(crate) mod numbers;
+pub mod obj;
+mod polygons;
+pub(crate) mod posed_meshes;
+pub(crate) mod scene;
+#[cfg(test)]
+pub(crate) mod testing;
+mod warning;
+
+pub use error::{FileError, FormatError};
+pub use mesh::Mesh;
+pub use npz::ArrayError;
+pub use posed_meshes::pc2::save_pc2;
+pub use posed_meshes::{PointCacheError, SequenceError};
+pub use scene::SceneError;
+pub use warning::FormatWarning;

@@ -1,0 +1,9 @@
+//! Arrays of NumPy: `.npz` archives of them, read and written, and `.npy` files of one.
+
+mod error;
+mod read;
+mod write;
+
+pub use error::ArrayError;
+pub(crate) use read::{Archive, Rows, read_npy};
+pub(crate) use write::Writer;

@@ -1,0 +1,156 @@
+//! Meshes that are read, and lines that are refused.
+
+use super::read::{load, parse};
+use crate::formats::testing::{Folder, spoil};
+use crate::formats::{FileError, FormatError, Mesh};
+use std::path::Path;
+
+const SQUARE: &str = "\
+# a comment
+mtllib square.mtl
+v 0 0 0
+v 1 0 0 0.5 0.5 0.5
+v 1 1 0
+v 0 1 0.125
+vt 0 0
+vt 0.5 0.25
+vn 0 0 1
+usemtl grey
+s off
+f 4/2/1 2/1/1 1/1/1
+f -1//1 -2//1 -3//1
+";
+
+fn mesh(text: &str) -> Result<Mesh, FileError> {
+    let name = text.len().to_string() + &text.lines().count().to_string();
+    load(&Folder::new(&format!("obj-{name}")).write("mesh.obj", text))
+}
+
+#[track_caller]
+fn refused(text: &str, expected: &str) {
+    let error = mesh(text).expect_err("the mesh should be refused");
+    assert!(error.file.ends_with("mesh.obj"), "{error}");
+    assert_eq!(error.error.to_string(), expected);
+}
+
+#[test]
+fn vertices_keep_their_order_and_numbers_count_from_either_end() {
+    let mesh = mesh(SQUARE).unwrap();
+    let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.125]];
+    assert_eq!(mesh.positions, positions);
+    assert_eq!(mesh.triangles, [[3, 1, 0], [3, 2, 1]]);
+    assert_eq!(mesh.uv, None, "the second face has none");
+}
+
+#[test]
+fn texture_coordinates_are_kept_where_there_is_no_seam() {
+    let whole = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\nvt 1 0\n";
+    let uv = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+    let faces = "f 1/1 2/2 3/3\nf 2/5 4/4 3/3\n";
+    assert_eq!(mesh(&format!("{whole}{faces}")).unwrap().uv, Some(uv));
+    let seam = "f 1/1 2/2 3/3\nf 2/4 4/4 3/3\n";
+    assert_eq!(mesh(&format!("{whole}{seam}")).unwrap().uv, None);
+}
+
+#[test]
+fn faces_of_every_group_and_object_are_kept_in_order() {
+    // The crate obj drops the face before `o`, and panics on the names in wide spaces.
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\ng a\nf 1 2 3\ng\no b\nf 2 3 1\ng\u{2003}name\n\u{3000}o\n\
+                usemtl m\nf 3 1 2\ncurv 0 1 2\n";
+    assert_eq!(mesh(text).unwrap().triangles, [[0, 1, 2], [1, 2, 0], [2, 0, 1]]);
+}
+
+#[test]
+fn a_comment_in_another_encoding_does_no_harm() {
+    let folder = Folder::new("obj-latin");
+    let mut text = b"# caf\xe9\n".to_vec();
+    text.extend(SQUARE.as_bytes());
+    assert_eq!(load(&folder.write("a.obj", text)).unwrap(), mesh(SQUARE).unwrap());
+}
+
+#[test]
+fn bad_lines_are_named() {
+    let line = |line: usize, text: &str| {
+        format!("line {line} is no vertex, texture coordinate or face of numbers: {text}")
+    };
+    for bad in [
+        "v 0 0",
+        "v 0 0 x",
+        "v",
+        "vt 0",
+        "vt a b",
+        "f a b c",
+        "f 0 1 2",
+        "f 1 2 /3",
+        "f 1/x 2 3",
+        "f 1 2 \\",
+    ] {
+        refused(&format!("{SQUARE}{bad}\n# more"), &line(14, bad));
+    }
+    let long = format!("f {}", "x".repeat(1000));
+    refused(&format!("{SQUARE}\n{long}"), &line(15, &long[..60]));
+}
+
+#[test]
+fn faces_that_name_what_is_not_there_are_named() {
+    for bad in
+        ["f 1 2 5", "f -5 1 2", &format!("f 1 2 {}", i64::MAX), &format!("f 1 2 {}", i64::MIN)]
+    {
+        refused(
+            &format!("{SQUARE}{bad}\n"),
+            "face 3 names a vertex that is none of the 4 there are",
+        );
+    }
+    let expected = "face 3 names a texture coordinate that is none of the 2 there are";
+    refused(&format!("{SQUARE}f 1/1 2/3 3/1\n"), expected);
+}
+
+#[test]
+fn a_mesh_without_faces_is_refused() {
+    for text in ["", "v 0 0 0\nv 1 0 0\nl 1 2\n", "v 0 0 0\nv 1 0 0\nf 1 2\n"] {
+        refused(text, "has no face of three corners or more; export a polygon mesh");
+    }
+    let error = load(Path::new("no such.obj")).unwrap_err();
+    assert!(matches!(error.error, FormatError::Read(_)));
+}
+
+#[test]
+fn spoiled_files_do_not_panic() {
+    spoil(SQUARE.as_bytes(), |bytes| {
+        if let Ok(parsed) = parse(bytes) {
+            parsed.polygons.triangles(&parsed.positions);
+        }
+    });
+}
+
+#[test]
+fn a_real_head_is_as_another_reader_sees_it() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    if !data.is_dir() {
+        assert!(std::env::var_os("CI").is_none(), "CI is set, but there is no {}", data.display());
+        eprintln!("not run: there is no {}", data.display());
+        return;
+    }
+    let file = data.join("ict-facekit/generic_neutral_mesh.obj");
+    let mesh = load(&file).unwrap();
+    let options = ufbx::LoadOpts {
+        file_format: ufbx::FileFormat::Obj,
+        obj_merge_objects: true,
+        obj_merge_groups: true,
+        ..Default::default()
+    };
+    let scene = ufbx::load_memory(&std::fs::read(&file).unwrap(), options).unwrap();
+    let other = &scene.meshes[0];
+    assert_eq!(mesh.positions.len(), other.num_vertices);
+    assert_eq!(mesh.triangles.len(), other.num_triangles);
+    for (position, v) in mesh.positions.iter().zip(&other.vertices) {
+        assert_eq!(*position, [v.x, v.y, v.z]);
+    }
+    let mut corners = Vec::new();
+    for face in &other.faces {
+        let corner =
+            |corner: u32| other.vertex_indices[(face.index_begin + corner) as usize] as usize;
+        corners.extend((2..face.num_indices).map(|last| [0, last - 1, last].map(corner)));
+    }
+    assert_eq!(mesh.triangles, corners);
+}

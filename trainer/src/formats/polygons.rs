@@ -1,0 +1,258 @@
+//! Faces of any number of corners, and what their corners say of vertices.
+
+use nalgebra::Vector3;
+
+/// Most corners of a polygon that is clipped; clipping takes the square of them, and what has more is
+/// the cap of a tube, which a fan cuts well.
+const CLIPPED_MAX: usize = 1024;
+
+/// Share of a polygon's area below which a corner turns nowhere.
+const FLAT: f64 = 1e-9;
+
+/// Polygons by the vertices of their corners.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(in crate::formats) struct Polygons {
+    corners: Vec<usize>,
+    /// Where the corners of each polygon end.
+    ends: Vec<usize>,
+}
+
+impl Polygons {
+    /// Adds a polygon.
+    pub(in crate::formats) fn push(&mut self, corners: impl IntoIterator<Item = usize>) {
+        self.corners.extend(corners);
+        self.ends.push(self.corners.len());
+    }
+
+    /// Gives the corners of each polygon, in order.
+    pub(in crate::formats) fn iter(&self) -> impl Iterator<Item = &[usize]> {
+        let begins = std::iter::once(0).chain(self.ends.iter().copied());
+        begins.zip(&self.ends).map(|(begin, &end)| &self.corners[begin..end])
+    }
+
+    /// Splits the polygons into triangles: a quad into its corners 0 1 2 and 0 2 3, one of more
+    /// corners by clipping its ears, seen along its normal, so that concave polygons keep their
+    /// outline. One that has no area, or crosses itself, becomes a fan; one of fewer than three
+    /// corners becomes nothing.
+    ///
+    /// # Panics
+    /// If a corner is none of `positions`.
+    pub(in crate::formats) fn triangles(&self, positions: &[[f64; 3]]) -> Vec<[usize; 3]> {
+        let mut triangles = Vec::new();
+        for corners in self.iter() {
+            match corners.len() {
+                5..=CLIPPED_MAX => clip(corners, positions, &mut triangles),
+                _ => fan(corners, &mut triangles),
+            }
+        }
+        triangles
+    }
+}
+
+/// Gives each vertex the texture coordinates that all its corners have, or `None` where they differ
+/// or are absent. A vertex without a corner gets 0 0.
+///
+/// # Panics
+/// If a corner is none of `vertex_len` vertices.
+pub(in crate::formats) fn uv_of_vertices(
+    vertex_len: usize,
+    corners: impl Iterator<Item = (usize, Option<[f64; 2]>)>,
+) -> Option<Vec<[f64; 2]>> {
+    let mut found = vec![None; vertex_len];
+    for (vertex, uv) in corners {
+        let uv = uv?;
+        if *found[vertex].get_or_insert(uv) != uv {
+            return None;
+        }
+    }
+    Some(found.into_iter().map(Option::unwrap_or_default).collect())
+}
+
+fn fan(corners: &[usize], triangles: &mut Vec<[usize; 3]>) {
+    for pair in corners.windows(2).skip(1) {
+        triangles.push([corners[0], pair[0], pair[1]]);
+    }
+}
+
+fn clip(corners: &[usize], positions: &[[f64; 3]], triangles: &mut Vec<[usize; 3]>) {
+    let (flat, twice_area) = flatten(corners, positions);
+    let slack = FLAT * twice_area;
+    // Corners still there, by their place in the polygon.
+    let mut ring: Vec<usize> = (0..corners.len()).collect();
+    let mut at = 0;
+    while ring.len() > 3 {
+        let len = ring.len();
+        let ear = (at..at + len).map(|at| at % len).find(|&at| is_ear(&flat, &ring, at, slack));
+        let Some(ear) = ear else { break };
+        triangles.push(around(&ring, ear).map(|place| corners[place]));
+        ring.remove(ear);
+        at = ear;
+    }
+    let rest: Vec<usize> = ring.into_iter().map(|place| corners[place]).collect();
+    fan(&rest, triangles);
+}
+
+/// Projects a polygon along the axis nearest to its normal, so that it turns left, and gives twice
+/// the area that it then has.
+fn flatten(corners: &[usize], positions: &[[f64; 3]]) -> (Vec<[f64; 2]>, f64) {
+    let relative =
+        |vertex: usize| Vector3::from(positions[vertex]) - Vector3::from(positions[corners[0]]);
+    let mut normal = Vector3::zeros();
+    for (place, &corner) in corners.iter().enumerate() {
+        normal += relative(corner).cross(&relative(corners[(place + 1) % corners.len()]));
+    }
+    let axis = normal.iamax();
+    let (mut u, mut v) = ((axis + 1) % 3, (axis + 2) % 3);
+    if normal[axis] < 0.0 {
+        (u, v) = (v, u);
+    }
+    let project = |&corner: &usize| [relative(corner)[u], relative(corner)[v]];
+    (corners.iter().map(project).collect(), normal[axis].abs())
+}
+
+/// Tells whether a corner can be cut off: it turns left, and no corner that does not lies in the
+/// triangle that goes.
+fn is_ear(flat: &[[f64; 2]], ring: &[usize], at: usize, slack: f64) -> bool {
+    let turn = |at: usize| {
+        let [a, b, c] = around(ring, at).map(|place| flat[place]);
+        cross(a, b, c)
+    };
+    let [a, b, c] = around(ring, at).map(|place| flat[place]);
+    let inside = |p| [(a, b), (b, c), (c, a)].iter().all(|&(a, b)| cross(a, b, p) >= -slack);
+    turn(at) > slack
+        && (0..ring.len()).all(|other| {
+            let p = flat[ring[other]];
+            [a, b, c].contains(&p) || turn(other) > slack || !inside(p)
+        })
+}
+
+fn around(ring: &[usize], at: usize) -> [usize; 3] {
+    let len = ring.len();
+    [ring[(at + len - 1) % len], ring[at], ring[(at + 1) % len]]
+}
+
+/// Twice the area of a triangle, positive where it turns left.
+fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Rotation3;
+
+    use super::*;
+
+    fn triangles(outline: &[[f64; 3]]) -> Vec<[usize; 3]> {
+        let mut polygons = Polygons::default();
+        polygons.push(0..outline.len());
+        polygons.triangles(outline)
+    }
+
+    /// Signed areas along a direction.
+    fn areas(triangles: &[[usize; 3]], positions: &[[f64; 3]], along: [f64; 3]) -> Vec<f64> {
+        let area = |&triangle: &[usize; 3]| {
+            let [a, b, c] = triangle.map(|vertex| Vector3::from(positions[vertex]));
+            (b - a).cross(&(c - a)).dot(&Vector3::from(along)) / 2.0
+        };
+        triangles.iter().map(area).collect()
+    }
+
+    /// A rotation by no special angles, applied to points of the plane z = 0.
+    fn turned(points: &[[f64; 2]]) -> (Vec<[f64; 3]>, [f64; 3]) {
+        let turn = Rotation3::from_euler_angles(0.7, -1.9, 2.3);
+        let at = |&[x, y]: &[f64; 2]| (turn * Vector3::new(x, y, 0.0)).into();
+        (points.iter().map(at).collect(), (turn * Vector3::z()).into())
+    }
+
+    #[test]
+    fn triangles_and_quads_are_split_as_everywhere() {
+        let mut polygons = Polygons::default();
+        for corners in [&[3, 1, 2][..], &[0, 1, 2, 3], &[], &[1], &[1, 2]] {
+            polygons.push(corners.iter().copied());
+        }
+        // The quad is concave at its corner 3: its diagonal is the first all the same.
+        let positions = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [1.0, 1.0, 0.0]];
+        assert_eq!(polygons.triangles(&positions), [[3, 1, 2], [0, 1, 2], [0, 2, 3]]);
+        assert_eq!(polygons.iter().map(<[usize]>::len).collect::<Vec<_>>(), [3, 4, 0, 1, 2]);
+    }
+
+    #[test]
+    fn concave_polygons_keep_their_outline_in_any_plane() {
+        let spiral = |corner: usize, len: usize| {
+            let (turn, out) = match corner < len / 2 {
+                true => (corner, 1.0),
+                false => (len - 1 - corner, 0.8),
+            };
+            let (angle, radius) = (turn as f64 * 0.4, 1.0 + turn as f64);
+            [out * radius * angle.cos(), out * radius * angle.sin()]
+        };
+        let star = |corner: usize| {
+            let (angle, radius) = (corner as f64 * std::f64::consts::PI / 7.0, (corner % 2) as f64);
+            [(1.0 + 4.0 * radius) * angle.cos(), (1.0 + 4.0 * radius) * angle.sin()]
+        };
+        let outlines = [
+            vec![[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [2.0, 1.0], [0.0, 3.0]],
+            vec![[0., 0.], [3., 0.], [3., 3.], [2., 3.], [2., 1.], [1., 1.], [1., 3.], [0., 3.]],
+            (0..14).map(star).collect(),
+            (0..40).map(|corner| spiral(corner, 40)).collect(),
+        ];
+        for outline in outlines {
+            // The shoelace formula, which knows nothing of triangles.
+            let next = outline.iter().cycle().skip(1);
+            let twice: f64 = outline.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum();
+            for reversed in [false, true] {
+                let mut outline = outline.clone();
+                if reversed {
+                    outline.reverse();
+                }
+                let (positions, normal) = turned(&outline);
+                let found = triangles(&positions);
+                assert_eq!(found.len(), outline.len() - 2);
+                let areas = areas(&found, &positions, normal);
+                let sign = if reversed { -1.0 } else { 1.0 } * twice.signum();
+                assert!(areas.iter().all(|area| area * sign > 1e-6), "{areas:?}");
+                let sum: f64 = areas.iter().map(|area| area.abs()).sum();
+                assert!((sum - twice.abs() / 2.0).abs() < 1e-9 * sum, "{sum}, {twice}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_corner_on_an_edge_makes_no_triangle_without_area() {
+        let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+        for side in 0..4 {
+            let mut outline = square.to_vec();
+            let (a, b) = (square[side], square[(side + 1) % 4]);
+            outline.insert(side + 1, [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]);
+            let (positions, normal) = turned(&outline);
+            let areas = areas(&triangles(&positions), &positions, normal);
+            assert!(areas.len() == 3 && areas.iter().all(|&area| area > 0.5), "{areas:?}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_area_or_crosses_itself_becomes_as_many_triangles() {
+        let star = |corner: usize| {
+            let angle = corner as f64 * 0.8 * std::f64::consts::PI;
+            [angle.cos(), angle.sin(), 0.0]
+        };
+        let fanned = [[0, 1, 2], [0, 2, 3], [0, 3, 4]];
+        assert_eq!(triangles(&[[1.0, 2.0, 3.0]; 5]), fanned);
+        assert_eq!(triangles(&[[f64::NAN; 3]; 5]), fanned);
+        assert_eq!(triangles(&[[1e300, -1e300, 0.0]; 5]), fanned);
+        let line: Vec<[f64; 3]> = (0..5).map(|corner| [corner as f64, 0.0, 0.0]).collect();
+        assert_eq!(triangles(&line), fanned);
+        assert_eq!(triangles(&(0..5).map(star).collect::<Vec<_>>()).len(), 3);
+        assert_eq!(triangles(&vec![[0.0; 3]; CLIPPED_MAX + 1]).len(), CLIPPED_MAX - 1);
+    }
+
+    #[test]
+    fn texture_coordinates_are_a_vertex_s_where_its_corners_agree() {
+        let corner = |vertex, u| (vertex, Some([u, 0.5]));
+        let agreed = [corner(2, 0.25), corner(0, 1.0), corner(2, 0.25)];
+        let expected = vec![[1.0, 0.5], [0.0, 0.0], [0.25, 0.5]];
+        assert_eq!(uv_of_vertices(3, agreed.into_iter()), Some(expected));
+        assert_eq!(uv_of_vertices(3, [corner(2, 0.25), corner(2, 0.5)].into_iter()), None);
+        assert_eq!(uv_of_vertices(3, [corner(2, 0.25), (0, None)].into_iter()), None);
+    }
+}

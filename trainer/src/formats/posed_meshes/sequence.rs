@@ -1,0 +1,112 @@
+//! Sequences of OBJ files, one a frame, by the numbers in their names.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use super::data::PosedMeshes;
+use super::error::SequenceError;
+use crate::formats::error::{FileError, FormatError};
+use crate::formats::obj;
+use crate::formats::polygons::Polygons;
+
+/// Reads the sequence that [`files`] finds. Triangles are those of the first file.
+pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FileError> {
+    let files = files(path)?;
+    let Some((first, others)) = files.split_first() else {
+        return Err(blame(path, SequenceError::NoObj));
+    };
+    let obj::Parsed { positions, polygons, .. } = obj::read(first)?;
+    let read = |file: &PathBuf| {
+        let found = obj::read(file)?;
+        same(first, positions.len(), &polygons, &found).map_err(|error| blame(file, error))?;
+        Ok(found.positions)
+    };
+    let shapes: Vec<Result<Vec<[f64; 3]>, FileError>> = others.par_iter().map(read).collect();
+    let mut vertices = positions.clone();
+    vertices.reserve_exact(others.len() * positions.len());
+    for shape in shapes {
+        vertices.extend(shape?);
+    }
+    let triangles = Some(polygons.triangles(&positions)).filter(|triangles| !triangles.is_empty());
+    Ok(PosedMeshes { vertex_len: positions.len(), vertices, rest: None, triangles })
+}
+
+/// Lists the files of a sequence in the order of their numbers: all `.obj` files of a folder, or
+/// those beside a file whose names differ from its own in the number at the end alone.
+pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
+    let whole = path.is_dir();
+    let folder = if whole { path } else { path.parent().unwrap_or(path) };
+    let stem = match (whole, numbered(path)) {
+        (true, _) => None,
+        (false, Some((stem, _))) => Some(stem),
+        (false, None) => return Err(blame(path, SequenceError::NoNumber)),
+    };
+    // The folder of a bare name is the empty path, which is not listed.
+    let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let unread = |error| FileError { file: listed.to_owned(), error: FormatError::Read(error) };
+    let mut files = BTreeMap::new();
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(listed).map_err(unread)? {
+        names.push(entry.map_err(unread)?.file_name());
+    }
+    // Folders are listed in no order of their own.
+    names.sort();
+    for name in names {
+        let file = folder.join(&name);
+        let is_obj = file.extension().is_some_and(|found| found.eq_ignore_ascii_case("obj"));
+        // Hidden files are what systems keep beside files.
+        if !is_obj || name.as_encoded_bytes().starts_with(b".") {
+            continue;
+        }
+        let number = match (numbered(&file), &stem) {
+            (Some((found, _)), Some(stem)) if found != *stem => continue,
+            (None, Some(_)) => continue,
+            (None, None) => return Err(blame(&file, SequenceError::NoNumber)),
+            (Some((_, number)), _) => number,
+        };
+        if let Some(other) = files.insert(number, file.clone()) {
+            let other = name_of(&other);
+            return Err(blame(&file, SequenceError::SameNumber { number, other }));
+        }
+    }
+    Ok(files.into_values().collect())
+}
+
+/// Parts a file's name, without its extension, into what stands before the number at its end, and
+/// the number.
+fn numbered(file: &Path) -> Option<(String, u64)> {
+    let name = file.file_stem()?.to_string_lossy().into_owned();
+    let stem = name.trim_end_matches(|digit: char| digit.is_ascii_digit());
+    Some((stem.to_owned(), name[stem.len()..].parse().ok()?))
+}
+
+/// Checks that a mesh has the vertices and faces of the first.
+fn same(
+    first: &Path,
+    vertex_len: usize,
+    polygons: &Polygons,
+    found: &obj::Parsed,
+) -> Result<(), SequenceError> {
+    let first = name_of(first);
+    if found.positions.len() != vertex_len {
+        let found = found.positions.len();
+        return Err(SequenceError::OtherVertices { found, expected: vertex_len, first });
+    }
+    if found.polygons != *polygons {
+        let pairs = found.polygons.iter().zip(polygons.iter());
+        let face = pairs.take_while(|(found, expected)| found == expected).count() + 1;
+        let (found_len, expected_len) = (found.polygons.iter().count(), polygons.iter().count());
+        return Err(SequenceError::OtherFaces { first, face, found_len, expected_len });
+    }
+    Ok(())
+}
+
+fn name_of(file: &Path) -> String {
+    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn blame(file: &Path, error: SequenceError) -> FileError {
+    FileError { file: file.to_owned(), error: error.into() }
+}

@@ -1,0 +1,215 @@
+//! Posed meshes that are read, and files that are refused.
+
+use std::path::{Path, PathBuf};
+
+use super::pc2::save_pc2;
+use super::sequence::read;
+use super::{PointCacheError, PosedMeshes, mdd, pc2};
+use crate::formats::FormatError;
+use crate::formats::testing::{Folder, spoil};
+
+/// Two frames of three points, as numbers that single precision holds.
+const FRAMES: [[f64; 3]; 6] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.5, -0.25, 1024.0],
+    [1.5, -0.0, 3e-5f32 as f64],
+    [-7.0, 8.0, 9.0],
+];
+
+fn pc2_bytes(points: i32, frames: i32, version: i32) -> Vec<u8> {
+    let mut bytes = b"POINTCACHE2\0".to_vec();
+    bytes.extend([version, points].map(i32::to_le_bytes).as_flattened());
+    bytes.extend([1.0f32, 0.5].map(f32::to_le_bytes).as_flattened());
+    bytes.extend(frames.to_le_bytes());
+    bytes.extend(FRAMES.as_flattened().iter().flat_map(|&number| (number as f32).to_le_bytes()));
+    bytes
+}
+
+fn mdd_bytes(points: i32, frames: i32) -> Vec<u8> {
+    let mut bytes = [frames, points].map(i32::to_be_bytes).as_flattened().to_vec();
+    bytes.extend([0.0f32, 0.04].map(f32::to_be_bytes).as_flattened());
+    bytes.extend(FRAMES.as_flattened().iter().flat_map(|&number| (number as f32).to_be_bytes()));
+    bytes
+}
+
+fn bare(vertex_len: usize, vertices: &[[f64; 3]]) -> PosedMeshes {
+    let vertices = vertices.to_vec();
+    PosedMeshes { vertex_len, vertices, rest: None, triangles: None }
+}
+
+#[track_caller]
+fn refused(path: &Path, at: &Path, expected: &str) {
+    let error = read(path).expect_err("the file should be refused");
+    assert_eq!((error.file.as_path(), error.error.to_string().as_str()), (at, expected));
+}
+
+#[test]
+fn point_caches_are_read_in_either_order_of_bytes() {
+    let folder = Folder::new("caches");
+    let little = folder.write("a.pc2", pc2_bytes(3, 2, 1));
+    assert_eq!(pc2::read(&little).unwrap(), bare(3, &FRAMES));
+    let big = folder.write("a.mdd", mdd_bytes(3, 2));
+    assert_eq!(mdd::read(&big).unwrap(), bare(3, &FRAMES));
+    assert_eq!(pc2::parse(&pc2_bytes(2, 3, 1)).unwrap().vertex_len, 2);
+}
+
+#[test]
+fn what_is_saved_as_pc2_is_read_again() {
+    let folder = Folder::new("save-pc2");
+    let file = folder.0.join("b.pc2");
+    save_pc2(&file, 3, &FRAMES).unwrap();
+    assert_eq!(pc2::read(&file).unwrap(), bare(3, &FRAMES));
+    let bytes = std::fs::read(&file).unwrap();
+    // First frame 0 and step 1; all else as in the bytes above.
+    assert_eq!(bytes[20..28], [0, 0, 0, 0, 0, 0, 0x80, 0x3f]);
+    let expected = pc2_bytes(3, 2, 1);
+    assert!(bytes[..20] == expected[..20] && bytes[28..] == expected[28..]);
+    for vertex_len in [0, 4, 12] {
+        let error = save_pc2(&file, vertex_len, &FRAMES).unwrap_err().error.to_string();
+        let expected =
+            format!("cannot be written: 6 positions are no whole frames of {vertex_len}");
+        assert_eq!(error, expected);
+    }
+    assert!(save_pc2(&file, 3, &[]).is_err());
+    assert_eq!(std::fs::read(&file).unwrap(), bytes, "what cannot be written leaves the old file");
+    let error = save_pc2(&folder.0.join("none/c.pc2"), 3, &FRAMES).unwrap_err();
+    assert!(matches!(error.error, FormatError::Write(_)) && error.file.ends_with("c.pc2"));
+}
+
+#[test]
+fn headers_that_lie_are_refused_before_anything_is_made() {
+    let fault = |result: Result<PosedMeshes, PointCacheError>| result.unwrap_err().to_string();
+    let found = fault(pc2::parse(&pc2_bytes(4, 2, 1)));
+    assert_eq!(
+        found,
+        "should have 128 bytes by its header, found 104; export the point cache again"
+    );
+    let found = fault(mdd::parse(&mdd_bytes(3, 3)));
+    assert_eq!(
+        found,
+        "should have 128 bytes by its header, found 88; export the point cache again"
+    );
+    let found = fault(pc2::parse(&pc2_bytes(i32::MAX, i32::MAX, 1)));
+    assert!(found.contains("should have 18446744073709551615 bytes"), "{found}");
+    assert!(matches!(
+        mdd::parse(&mdd_bytes(i32::MAX, i32::MAX)),
+        Err(PointCacheError::Length { found: 88, .. })
+    ));
+    for (points, frames, what) in [(0, 2, "0 points"), (3, -2, "-2 frames"), (-1, 0, "-1 points")] {
+        for found in
+            [pc2::parse(&pc2_bytes(points, frames, 1)), mdd::parse(&mdd_bytes(points, frames))]
+        {
+            let expected =
+                format!("counts {what}, expected 1 at least; export the point cache again");
+            assert_eq!(fault(found), expected);
+        }
+    }
+    let expected =
+        "is no PointCache2 file of version 1: it is of version 2; export it as .pc2 again";
+    assert_eq!(fault(pc2::parse(&pc2_bytes(3, 2, 2))), expected);
+    let expected = "is no PointCache2 file of version 1: it does not begin with POINTCACHE2; export \
+                    it as .pc2 again";
+    assert_eq!(fault(pc2::parse(&mdd_bytes(3, 2))), expected);
+}
+
+#[test]
+fn cut_caches_and_bytes_after_the_end_are_refused_and_none_panics() {
+    let (mut pc2, mut mdd) = (pc2_bytes(3, 2, 1), mdd_bytes(3, 2));
+    for len in 0..pc2.len() {
+        assert!(pc2::parse(&pc2[..len]).is_err(), "{len}");
+    }
+    for len in 0..mdd.len() {
+        assert!(mdd::parse(&mdd[..len]).is_err(), "{len}");
+    }
+    spoil(&pc2, |bytes| drop(pc2::parse(bytes)));
+    spoil(&mdd, |bytes| drop(mdd::parse(bytes)));
+    pc2.push(0);
+    mdd.push(0);
+    let (expected, found) = (104, 105);
+    let fault = pc2::parse(&pc2).unwrap_err();
+    assert!(
+        matches!(fault, PointCacheError::Length { expected: e, found: f } if (e, f) == (expected, found))
+    );
+    assert!(mdd::parse(&mdd).is_err());
+}
+
+fn shape(number: usize) -> String {
+    format!("v 0 0 {number}\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+}
+
+/// Writes the shapes of some numbers under names of a pattern.
+fn sequence(test: &str, files: &[(&str, usize)]) -> (Folder, Vec<PathBuf>) {
+    let folder = Folder::new(test);
+    let files = files.iter().map(|&(name, number)| folder.write(name, shape(number))).collect();
+    (folder, files)
+}
+
+fn heights(meshes: &PosedMeshes) -> Vec<f64> {
+    meshes.vertices.iter().step_by(meshes.vertex_len).map(|vertex| vertex[2]).collect()
+}
+
+#[test]
+fn numbered_meshes_are_read_by_number() {
+    let (folder, files) = sequence(
+        "numbers",
+        &[("pose_10.obj", 10), ("pose_9.obj", 9), ("pose_0002.OBJ", 2), ("pose_400.obj", 400)],
+    );
+    folder.write("pose_3.txt", "no mesh");
+    folder.write("._pose_4.obj", "what a system keeps");
+    for path in [&folder.0, &files[0], &files[2]] {
+        let meshes = read(path).unwrap();
+        assert_eq!(heights(&meshes), [2.0, 9.0, 10.0, 400.0]);
+        assert_eq!(meshes.vertex_len, 4);
+        assert_eq!(meshes.triangles, Some(vec![[0, 1, 2], [0, 2, 3]]));
+        assert_eq!(meshes.rest, None);
+    }
+    folder.write("run5.obj", shape(5));
+    folder.write("rest.obj", shape(0));
+    assert_eq!(heights(&read(&files[1]).unwrap()), [2.0, 9.0, 10.0, 400.0], "of its own name");
+    assert_eq!(heights(&read(&folder.0.join("run5.obj")).unwrap()), [5.0]);
+    let expected =
+        "has no frame number before .obj; export one file a frame: pose_1.obj, pose_2.obj";
+    refused(&folder.0, &folder.0.join("rest.obj"), expected);
+    refused(&folder.0.join("rest.obj"), &folder.0.join("rest.obj"), expected);
+    let beyond = folder.write("pose_99999999999999999999.obj", shape(1));
+    refused(&beyond, &beyond, expected);
+}
+
+#[test]
+fn two_meshes_of_one_number_are_refused() {
+    let (folder, files) = sequence("twice", &[("pose_1.obj", 1), ("pose_01.obj", 2)]);
+    let expected =
+        "has the frame number of pose_01.obj, 1; keep one of them, or one sequence a folder";
+    refused(&folder.0, &files[0], expected);
+    refused(&files[1], &files[0], expected);
+}
+
+#[test]
+fn every_mesh_must_have_the_vertices_and_faces_of_the_first() {
+    let (folder, files) = sequence("others", &[("p1.obj", 1), ("p2.obj", 2), ("p3.obj", 3)]);
+    folder.write("p2.obj", format!("v 7 7 7\n{}", shape(2)));
+    let expected = "has 5 vertices, expected 4 as in p1.obj; export every frame with the same \
+                    vertices in the same order";
+    refused(&files[2], &files[1], expected);
+    folder.write("p2.obj", shape(2) + "f 1 2 3\n");
+    let expected = "has other faces than p1.obj, from face 2 on (2 in all, expected 1); export every \
+                    frame with the same faces, not triangulated anew";
+    refused(&files[2], &files[1], expected);
+    folder.write("p2.obj", shape(2).replace("1 2 3 4", "2 3 4 1"));
+    assert!(read(&files[2]).unwrap_err().error.to_string().contains("from face 1 on (1 in all"));
+    // The first in order is told of, whichever thread finds another first.
+    folder.write("p3.obj", "v 1\n");
+    assert!(read(&files[2]).unwrap_err().file.ends_with("p2.obj"));
+    folder.write("p2.obj", shape(2));
+    let expected = "line 1 is no vertex, texture coordinate or face of numbers: v 1";
+    refused(&files[0], &files[2], expected);
+}
+
+#[test]
+fn points_without_faces_are_shapes_too() {
+    let folder = Folder::new("points");
+    let file = folder.write("p1.obj", "v 1 2 3\n");
+    assert_eq!(read(&file).unwrap(), bare(1, &[[1.0, 2.0, 3.0]]));
+}

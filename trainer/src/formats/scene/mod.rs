@@ -1,0 +1,14 @@
+//! Scenes: rigged characters and their clips, whichever format they come in.
+
+mod clip;
+mod error;
+mod sampled;
+mod sampling;
+mod times;
+
+pub use clip::Clip;
+pub use error::SceneError;
+pub(crate) use sampled::SampledScene;
+pub(crate) use sampling::Sampling;
+pub(crate) use times::EVEN;
+pub(super) use times::sample_times;

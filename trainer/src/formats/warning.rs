@@ -1,0 +1,57 @@
+//! What a file holds and a reader leaves out.
+
+use std::fmt;
+
+/// Something that a file holds and that is left out, which the user should know.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FormatWarning {
+    /// Texture coordinates are not one per vertex and are ignored, so there are no tangents.
+    UvIgnored {
+        /// Texture coordinates found.
+        uv_len: usize,
+        /// Vertices.
+        vertex_len: usize,
+    },
+    /// Meshes without a skin stand beside meshes that have one, and are left out.
+    UnskinnedMeshes {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+    /// Clips that move no joint and no shape of the mesh are left out.
+    IdleClips {
+        /// The clips.
+        clips: Vec<String>,
+    },
+    /// Meshes that a point cache outside the scene deforms, which is not read with it.
+    CacheIgnored {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+}
+
+impl fmt::Display for FormatWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FormatWarning::UvIgnored { uv_len, vertex_len } => {
+                write!(f, "uv is ignored: {uv_len} coordinates for {vertex_len} vertices")
+            }
+            FormatWarning::UnskinnedMeshes { meshes } => {
+                write!(f, "meshes without a skin are left out: {}", meshes.join(", "))
+            }
+            FormatWarning::IdleClips { clips } => {
+                write!(
+                    f,
+                    "clips that move neither a joint nor a shape of the mesh are left out: {}",
+                    clips.join(", ")
+                )
+            }
+            FormatWarning::CacheIgnored { meshes } => {
+                write!(
+                    f,
+                    "point caches of meshes are not read with the scene: {}; give them as --targets",
+                    meshes.join(", ")
+                )
+            }
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The change from one space to another.
+
+use super::axes::direction;
+use super::wish::{SpaceError, SpaceWish};
+use nalgebra::{Matrix3, Vector3};
+use sinew_runtime::format::{Handedness, Space};
+
+/// A change of axes and unit: `x' = scale axes x`, where the axes are those of the old space in
+/// another order or sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conversion {
+    axes: Matrix3<f64>,
+    scale: f64,
+}
+
+impl Conversion {
+    /// Finds what leads from one space to what is asked for, and that space; no conversion where it is
+    /// the same.
+    ///
+    /// # Errors
+    /// Those of [`SpaceWish::of`]; [`SpaceError::UnknownAxis`] and [`SpaceError::UnknownUnit`] where
+    /// axes or unit are asked for and not known of the space that it starts from.
+    pub fn to(from: Space, wish: &SpaceWish) -> Result<(Space, Option<Self>), SpaceError> {
+        let turns = wish.up.is_some()
+            || wish.forward.is_some()
+            || wish.handedness.is_some_and(|handedness| handedness != from.handedness);
+        if turns {
+            for (axis, what, flag, like) in
+                [(from.up, "up", "--up", "y"), (from.forward, "forward", "--forward", "z")]
+            {
+                if axis.is_none() {
+                    return Err(SpaceError::UnknownAxis { what, flag, like });
+                }
+            }
+        }
+        if wish.unit.is_some() && from.unit.is_none() {
+            return Err(SpaceError::UnknownUnit);
+        }
+        let to = wish.of(from)?;
+        Ok((to, Self::between(&from, &to)))
+    }
+
+    /// Finds what leads from one space to another, by what is known of both; `None` where they are
+    /// the same as far as is known.
+    pub fn between(from: &Space, to: &Space) -> Option<Self> {
+        let axes = match (frame(from), frame(to)) {
+            (Some(from), Some(to)) => to * from.transpose(),
+            _ => Matrix3::identity(),
+        };
+        let scale = match (from.unit, to.unit) {
+            (Some(from), Some(to)) if from != to => metres(from) / metres(to),
+            _ => 1.0,
+        };
+        let conversion = Self { axes, scale };
+        (conversion != Self { axes: Matrix3::identity(), scale: 1.0 }).then_some(conversion)
+    }
+
+    /// Whether left and right change places.
+    pub fn is_mirrored(&self) -> bool {
+        self.axes.determinant() < 0.0
+    }
+
+    /// Returns the change of axes.
+    pub fn axes(&self) -> Matrix3<f64> {
+        self.axes
+    }
+
+    /// Returns the new units in an old one.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Converts a point.
+    pub fn point(&self, x: [f64; 3]) -> [f64; 3] {
+        (self.axes * Vector3::from(x) * self.scale).into()
+    }
+
+    /// Converts a direction.
+    pub fn direction(&self, x: [f64; 3]) -> [f64; 3] {
+        (self.axes * Vector3::from(x)).into()
+    }
+
+    /// Converts a transform of three rows of four: `S B S⁻¹`, S the change of axes and unit.
+    pub fn transform(&self, b: &[[f64; 4]; 3]) -> [[f64; 4]; 3] {
+        let linear = Matrix3::from_fn(|row, column| b[row][column]);
+        let linear = self.axes * linear * self.axes.transpose();
+        let offset = self.point(b.map(|row| row[3]));
+        std::array::from_fn(|r| [linear[(r, 0)], linear[(r, 1)], linear[(r, 2)], offset[r]])
+    }
+
+    /// Converts triangles: those of a mirrored mesh are turned over, so that normals stay outward.
+    pub fn triangles(&self, triangles: &mut [[usize; 3]]) {
+        if self.is_mirrored() {
+            triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
+        }
+    }
+}
+
+/// Returns the directions of up, forward and the character's left; `None` where one is not known.
+fn frame(space: &Space) -> Option<Matrix3<f64>> {
+    let (up, forward) = (direction(space.up?), direction(space.forward?));
+    let left = up.cross(&forward);
+    let left = match space.handedness {
+        Handedness::Right => left,
+        Handedness::Left => -left,
+    };
+    Some(Matrix3::from_columns(&[up, forward, left]))
+}
+
+/// Widens a unit to the decimal number that was meant: 0.01, not what single precision makes of it.
+fn metres(unit: f32) -> f64 {
+    unit.to_string().parse().unwrap_or(f64::from(unit))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_runtime::format::Axis;
+
+    const GLTF: Space = Space::GLTF;
+    const UNREAL: Space = Space::UNREAL;
+    const UNITY: Space = Space::UNITY;
+
+    fn wish(space: Space) -> SpaceWish {
+        SpaceWish::all_of(&space)
+    }
+
+    #[test]
+    fn gltf_s_axes_become_those_of_engines() {
+        let to = |space| Conversion::between(&GLTF, &space).unwrap();
+        // glTF: x to the character's left, y up, z forward. Unity: x to its right. Unreal: x forward,
+        // y to its right, z up, centimetres.
+        assert_eq!(to(UNITY).point([1.0, 2.0, 3.0]), [-1.0, 2.0, 3.0]);
+        assert_eq!(to(UNREAL).point([1.0, 2.0, 3.0]), [300.0, -100.0, 200.0]);
+        let blender = Space { up: Some(Axis::Z), forward: Some(Axis::MinusY), ..GLTF };
+        assert_eq!(to(blender).point([1.0, 2.0, 3.0]), [1.0, -3.0, 2.0]);
+        assert!(to(UNITY).is_mirrored() && to(UNREAL).is_mirrored() && !to(blender).is_mirrored());
+        assert_eq!(Conversion::to(GLTF, &wish(UNREAL)), Ok((UNREAL, Some(to(UNREAL)))));
+    }
+
+    #[test]
+    fn a_transform_moves_a_converted_point_as_it_moved_the_point() {
+        let quarter = [[0.0, -1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 1.0, 3.0]];
+        let moved = |b: &[[f64; 4]; 3], x: [f64; 3]| {
+            b.map(|[a, b, c, d]| a * x[0] + b * x[1] + c * x[2] + d)
+        };
+        let x = [0.5, -2.0, 4.0];
+        for space in [UNITY, UNREAL] {
+            let to = Conversion::between(&GLTF, &space).unwrap();
+            let b = to.transform(&quarter);
+            assert_eq!(moved(&b, to.point(x)), to.point(moved(&quarter, x)));
+        }
+        // A quarter turn about glTF's z, forward, from left to up is one about Unreal's x.
+        let to = Conversion::between(&GLTF, &UNREAL).unwrap();
+        let expected = [[1.0, 0.0, 0.0, 300.0], [0.0, 0.0, 1.0, -100.0], [0.0, -1.0, 0.0, 200.0]];
+        assert_eq!(to.transform(&quarter), expected);
+    }
+
+    #[test]
+    fn what_is_not_known_is_not_guessed() {
+        let unknown = Space::default();
+        assert_eq!(Conversion::between(&unknown, &UNREAL), None);
+        assert_eq!(Conversion::between(&UNREAL, &unknown), None);
+        let up_alone = Space { up: Some(Axis::Z), ..unknown };
+        let to = |from, wish| Conversion::to(from, &wish).map(|(space, _)| space);
+        let left = SpaceWish { handedness: Some(Handedness::Left), ..SpaceWish::default() };
+        let error = |from, wish| to(from, wish).unwrap_err().to_string();
+        assert!(error(unknown, wish(UNREAL)).contains("--up AXIS"));
+        assert!(error(unknown, left).contains("--up AXIS"));
+        assert!(error(up_alone, wish(UNREAL)).contains("--forward AXIS"));
+        let no_unit = Space { unit: None, ..GLTF };
+        assert!(error(no_unit, wish(UNREAL)).contains("--unit METRES"));
+        // What is not asked for needs no knowledge.
+        let right = SpaceWish { handedness: Some(Handedness::Right), ..SpaceWish::default() };
+        assert_eq!(to(unknown, right), Ok(unknown));
+        assert_eq!(to(GLTF, left), Ok(UNITY));
+    }
+}
