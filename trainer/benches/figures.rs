@@ -104,8 +104,10 @@ fn proxies_alone() -> Result<(), Box<dyn Error>> {
         let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
         let tree = merge::MergeTree::build(&surface, || ());
         for count in [10, 20, 30] {
-            let options =
-                rotational::Options { proxies: ProxyCount::Fixed(count), ..Default::default() };
+            let options = rotational::RotationalOptions {
+                proxies: ProxyCount::Fixed(count),
+                ..Default::default()
+            };
             let fitted = proxies::fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent)?;
             println!("{name}: P = {}, RMSE {:.5}", fitted.len(), unit * fitted.rms);
         }

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 
 /// A file that is written beside its place and moved there when it is whole; until then whoever
 /// opens the place finds the old content. Dropped unfinished, it leaves nothing.
-pub struct Part {
+pub struct PendingFile {
     file: File,
     path: PathBuf,
     place: PathBuf,
     moved: bool,
 }
 
-impl Part {
+impl PendingFile {
     /// Begins a file, under a name of this process's own.
     ///
     /// # Errors
@@ -43,7 +43,7 @@ impl Part {
     }
 }
 
-impl Drop for Part {
+impl Drop for PendingFile {
     fn drop(&mut self) {
         if !self.moved {
             // The error that led here is the one to report.
@@ -57,7 +57,7 @@ impl Drop for Part {
 /// # Errors
 /// Any of the file system; the old content is then still there.
 pub fn write(place: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut part = Part::create(place)?;
+    let mut part = PendingFile::create(place)?;
     part.file().write_all(bytes)?;
     part.finish()
 }

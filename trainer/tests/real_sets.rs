@@ -120,7 +120,8 @@ fn proxies_alone_on_dem_bones() {
     let tree = merge::MergeTree::build(&surface, || ());
     for (count, most) in [(10, 0.0020), (20, 0.0013), (30, 0.0009)] {
         let proxies = ProxyCount::Fixed(count);
-        let options = rotational::Options { proxies, ..rotational::Options::default() };
+        let options =
+            rotational::RotationalOptions { proxies, ..rotational::RotationalOptions::default() };
         let none = faer::Mat::zeros(0, 0);
         let fitted = proxies::fit(&surface, &tree, &none, &options, &Silent).unwrap();
         assert!(unit * fitted.rms <= most, "P = {count}: {}", unit * fitted.rms);

@@ -6,8 +6,8 @@ use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::envelope::fitted::Fitted;
-use sinew_trainer::envelope::report::subject::{File, Source, Subject};
-use sinew_trainer::envelope::report::{Page, Wish, csv, ply};
+use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
+use sinew_trainer::envelope::report::{Page, PictureOptions, csv, ply};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::skin::training::Training;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -47,17 +47,17 @@ fn disturbed(examples: &Examples, vertex: usize, by: f64) -> Vec<u8> {
     model.bake().unwrap()
 }
 
-fn source<'a>(examples: &'a Examples, clips: &'a [Clip]) -> Source<'a> {
-    Source { examples, clips, name: "arm <1>.npz" }
+fn source<'a>(examples: &'a Examples, clips: &'a [Clip]) -> NamedExamples<'a> {
+    NamedExamples { examples, clips, name: "arm <1>.npz" }
 }
 
-fn file(bytes: &[u8]) -> File<'_> {
-    File { name: "a&b.sinew", bytes, skin: None }
+fn file(bytes: &[u8]) -> NamedModel<'_> {
+    NamedModel { name: "a&b.sinew", bytes, skin: None }
 }
 
-fn page(subject: &Subject<'_>, sizes: bool) -> String {
-    let wish = Wish { width: 90, ..Wish::default() };
-    Page { subject, wish, sizes }.html(&Silent).unwrap()
+fn page(comparison: &Comparison<'_>, sizes: bool) -> String {
+    let options = PictureOptions { width: 90, ..PictureOptions::default() };
+    Page { comparison, options, sizes }.html(&Silent).unwrap()
 }
 
 /// Checks that tags are balanced and that attributes and text hold no bare `<`; lists the tags.
@@ -111,9 +111,10 @@ fn accuracy(of: &Evaluation, lbs: bool) -> [String; 4] {
 fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
     let (examples, clips) = arm();
     let [bytes, other] = [Predictor::Kernel, Predictor::Rotational].map(|p| model(&examples, p));
-    let mut subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
-    subject.compare(File { name: "other", bytes: &other, skin: None }).unwrap();
-    let html = page(&subject, true);
+    let mut comparison =
+        Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    comparison.compare(NamedModel { name: "other", bytes: &other, skin: None }).unwrap();
+    let html = page(&comparison, true);
     let tags = tags(&html);
     let count = |name: &str| tags.iter().filter(|tag| *tag == name).count();
     assert_eq!(
@@ -130,8 +131,8 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
 
     let rows = rows(&html);
     let found = [&bytes, &other].map(|model| evaluate(model, None, &examples, HELD_OUT).unwrap());
-    assert_eq!(subject.evaluations()[..].len(), 2);
-    for (a, b) in subject.evaluations().iter().zip(&found) {
+    assert_eq!(comparison.evaluations()[..].len(), 2);
+    for (a, b) in comparison.evaluations().iter().zip(&found) {
         assert_eq!(serde_json::to_value(a).unwrap(), serde_json::to_value(b).unwrap());
     }
     assert_eq!(row(&rows, "LBS, 4 influences")[1..5], accuracy(&found[0], true));
@@ -176,8 +177,8 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     let (examples, clips) = arm();
     let (vertex, by) = (123, 0.2 * examples.diagonal());
     let bytes = disturbed(&examples, vertex, by);
-    let subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
-    let html = page(&subject, false);
+    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let html = page(&comparison, false);
     tags(&html);
     let sentence = format!("Vertex {vertex}, where the model is off by ");
     let (_, after) = html.split_once(&sentence).expect("the worst vertex is named");
@@ -186,22 +187,23 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     assert!((10.0..21.0).contains(&percent), "{percent}");
     assert!(html.contains(&format!("The vertices with the largest: {vertex} (")));
     assert!(html.contains("asked to train nothing"));
-    for record in ::csv::Reader::from_reader(&csv::by_frame(&subject).unwrap()[..]).records() {
+    for record in ::csv::Reader::from_reader(&csv::by_frame(&comparison).unwrap()[..]).records() {
         assert_eq!(&record.unwrap()[7], vertex.to_string());
     }
     // Undisturbed, another one is.
     let bytes = disturbed(&examples, vertex, 0.0);
-    let subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
-    assert!(!page(&subject, false).contains(&sentence));
+    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    assert!(!page(&comparison, false).contains(&sentence));
 }
 
 #[test]
 fn the_table_by_frame_averages_to_what_evaluate_measures() {
     let (examples, clips) = arm();
     let [bytes, other] = [disturbed(&examples, 5, 0.01), disturbed(&examples, 6, 0.02)];
-    let mut subject = Subject::new(source(&examples, &clips), Frames::All, file(&bytes)).unwrap();
-    subject.compare(file(&other)).unwrap();
-    let table = csv::by_frame(&subject).unwrap();
+    let mut comparison =
+        Comparison::new(source(&examples, &clips), Frames::All, file(&bytes)).unwrap();
+    comparison.compare(file(&other)).unwrap();
+    let table = csv::by_frame(&comparison).unwrap();
     let mut reader = ::csv::Reader::from_reader(&table[..]);
     let names: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
     let rows: Vec<HashMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
@@ -237,8 +239,8 @@ fn the_mesh_holds_every_vertex_with_its_error() {
     let (examples, clips) = arm();
     let vertex = 77;
     let bytes = disturbed(&examples, vertex, 0.1);
-    let subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
-    let mesh = ply::rest_mesh(&subject);
+    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let mesh = ply::rest_mesh(&comparison);
     let end = "end_header\n";
     let header_len = mesh.windows(end.len()).position(|w| w == end.as_bytes()).unwrap() + end.len();
     let header = std::str::from_utf8(&mesh[..header_len]).unwrap();
@@ -276,8 +278,9 @@ fn a_page_is_the_same_for_any_number_of_threads() {
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
-            page(&subject, false)
+            let comparison =
+                Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+            page(&comparison, false)
         })
     };
     assert!(on(1) == on(3));
@@ -289,12 +292,12 @@ fn training_frames_are_told_for_what_they_are() {
     examples.split.fill(Split::Train);
     let bytes = disturbed(&examples, 9, 0.0);
     let train = Frames::Of(Split::Train);
-    let subject = Subject::new(source(&examples, &clips), train, file(&bytes)).unwrap();
-    assert!(page(&subject, false).contains("because the examples hold none out"));
+    let comparison = Comparison::new(source(&examples, &clips), train, file(&bytes)).unwrap();
+    assert!(page(&comparison, false).contains("because the examples hold none out"));
     // Without any of them nothing can be trained, and the rest of the page is still there.
     examples.split.fill(Split::HeldOut);
-    let subject = Subject::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
-    let html = page(&subject, true);
+    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let html = page(&comparison, true);
     assert!(html.contains("cannot be trained: the fit needs 6 training poses, found 0."));
     tags(&html);
 }

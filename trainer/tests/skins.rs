@@ -9,7 +9,7 @@ use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{EvaluateError, Frames, evaluate};
 use sinew_trainer::envelope::levels::{AddError, Level, LevelError};
 use sinew_trainer::envelope::rotational::ProxyCount;
-use sinew_trainer::envelope::{Meshes, Options, Predict, TrainError, Trained, train};
+use sinew_trainer::envelope::{FileSkins, Options, Predict, TrainError, Trained, train};
 use sinew_trainer::examples::{Examples, Split};
 use sinew_trainer::formats::Mesh;
 use sinew_trainer::progress::Silent;
@@ -24,7 +24,7 @@ fn level(name: &str, vertices: usize) -> Level {
     Level { name: name.to_owned(), mesh: Mesh { positions: rest, triangles, uv } }
 }
 
-fn options(meshes: Meshes) -> Options {
+fn options(meshes: FileSkins) -> Options {
     Options {
         predictor: Predict::Only(Predictor::Kernel),
         proxies: Some(ProxyCount::Fixed(6)),
@@ -34,7 +34,7 @@ fn options(meshes: Meshes) -> Options {
 }
 
 fn trained(examples: &Examples, levels: &[Level]) -> Trained {
-    train(examples, &options(Meshes::Skins(levels.to_vec())), &Silent).unwrap()
+    train(examples, &options(FileSkins::Skins(levels.to_vec())), &Silent).unwrap()
 }
 
 /// The sections of one part: kind and content.
@@ -107,7 +107,7 @@ fn one_palette_drives_three_skins_as_three_files_do() {
 fn a_palette_alone_is_the_same_palette_without_a_mesh() {
     let examples = arm(400);
     let with = trained(&examples, &[]);
-    let without = train(&examples, &options(Meshes::PaletteAlone), &Silent).unwrap();
+    let without = train(&examples, &options(FileSkins::PaletteAlone), &Silent).unwrap();
     let models = [&with.model, &without.model].map(|m| Model::from_bytes(m.as_slice()).unwrap());
     let kinds: Vec<u16> = models[1].parts().map(|row| row.kind).collect();
     assert_eq!(kinds, [PartKind::Envelope.number()]);
@@ -149,7 +149,7 @@ fn a_skin_is_measured_by_name_against_its_own_mesh() {
 fn skins_that_cannot_be_are_refused() {
     let examples = arm(200);
     let train = |levels: &[Level]| {
-        let refused = train(&examples, &options(Meshes::Skins(levels.to_vec())), &Silent);
+        let refused = train(&examples, &options(FileSkins::Skins(levels.to_vec())), &Silent);
         match refused.err().unwrap() {
             TrainError::Level(AddError::Level(error)) => error,
             error => panic!("{error}"),
@@ -169,7 +169,7 @@ fn a_budget_covers_every_skin() {
     let levels = [level("lod1", 200)];
     let all = trained(&examples, &levels).model.len();
     let budget = |bytes| {
-        let meshes = Meshes::Skins(levels.to_vec());
+        let meshes = FileSkins::Skins(levels.to_vec());
         train(&examples, &Options { budget: Some(bytes), ..options(meshes) }, &Silent)
     };
     let within = budget(all).unwrap();

@@ -1,18 +1,18 @@
 //! Files that a command writes: tried before the work begins, moved into place when all are whole.
 
 use anyhow::{Context, bail};
-use sinew_trainer::files::Part;
+use sinew_trainer::files::PendingFile;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// A place for a file, where a file can be written.
-pub(super) struct Target {
+pub(super) struct OutputFile {
     named: PathBuf,
     place: PathBuf,
 }
 
-impl Target {
+impl OutputFile {
     /// Tries a place, so that hours of work do not end in a result that cannot be written.
     ///
     /// # Errors
@@ -50,13 +50,13 @@ impl Target {
     }
 
     /// Tells whether two targets are one file.
-    pub(super) fn is(&self, other: &Target) -> bool {
+    pub(super) fn is(&self, other: &OutputFile) -> bool {
         self.place == other.place
     }
 
     /// Writes bytes beside the place.
-    fn part(&self, bytes: &[u8]) -> anyhow::Result<Part> {
-        let written = Part::create(&self.place)
+    fn part(&self, bytes: &[u8]) -> anyhow::Result<PendingFile> {
+        let written = PendingFile::create(&self.place)
             .and_then(|mut part| part.file().write_all(bytes).map(|()| part));
         written.with_context(|| cannot_write(&self.named))
     }
@@ -67,7 +67,7 @@ impl Target {
 ///
 /// # Errors
 /// Names the file that could not be written.
-pub(super) fn write(files: &[(&Target, &[u8])]) -> anyhow::Result<()> {
+pub(super) fn write(files: &[(&OutputFile, &[u8])]) -> anyhow::Result<()> {
     let parts = files.iter().map(|(target, bytes)| target.part(bytes));
     let parts = parts.collect::<anyhow::Result<Vec<_>>>()?;
     for (part, (target, _)) in parts.into_iter().zip(files) {

@@ -42,7 +42,7 @@ pub(super) struct ExampleArguments {
 }
 
 /// Examples as they were read.
-pub(super) struct Input {
+pub(super) struct LoadedInput {
     pub(super) examples: Examples,
     /// The clips that its frames come from.
     pub(super) clips: Vec<Clip>,
@@ -59,7 +59,7 @@ pub(super) struct InputFile {
 
 impl ExampleArguments {
     /// Loads the examples and tells on standard error what should be known about them.
-    pub(super) fn load(&self, output: Output) -> anyhow::Result<Input> {
+    pub(super) fn load(&self, output: Output) -> anyhow::Result<LoadedInput> {
         let mut input = read(self.source(), output, load)?;
         let examples = &mut input.examples;
         if let Some(file) = &self.importance {
@@ -112,13 +112,13 @@ pub(super) fn convert_to_model(examples: &mut Examples, model: &[u8]) -> Option<
 }
 
 /// Loads a file for its poses.
-pub(super) fn load_poses(file: &Path, output: Output) -> anyhow::Result<Input> {
+pub(super) fn load_poses(file: &Path, output: Output) -> anyhow::Result<LoadedInput> {
     read(Source::file(file), output, examples::load_poses)
 }
 
 /// Moves poses from a file to where their rest mesh is this one.
 pub(super) fn move_to(
-    input: &mut Input,
+    input: &mut LoadedInput,
     file: &Path,
     rest: &[[f64; 3]],
     output: Output,
@@ -135,7 +135,7 @@ fn read(
     source: Source<'_>,
     output: Output,
     load: impl Fn(&Source<'_>) -> Result<Loaded, LoadError>,
-) -> anyhow::Result<Input> {
+) -> anyhow::Result<LoadedInput> {
     check(source.file)?;
     let reading = Bars::busy(output, "reading examples");
     let Loaded { examples, clips, warnings } = load(&source)?;
@@ -144,7 +144,7 @@ fn read(
     for warning in &warnings {
         output.warn(source.file.display(), warning);
     }
-    Ok(Input { examples, clips, warnings })
+    Ok(LoadedInput { examples, clips, warnings })
 }
 
 /// Refuses what is easily given by mistake.

@@ -4,7 +4,7 @@ use anyhow::Context;
 use serde_json::{Value, json};
 use sinew_runtime::format::{Axis, Handedness, Space};
 use sinew_trainer::examples::Examples;
-use sinew_trainer::space::{Conversion, SpaceWish};
+use sinew_trainer::space::{Conversion, SpaceRequest};
 use std::path::Path;
 
 /// What the file of the examples does not say of their space, or says wrongly.
@@ -49,8 +49,8 @@ impl StatedSpace {
     /// Says it of examples from a file.
     pub(super) fn say(&self, examples: &mut Examples, file: &Path) -> anyhow::Result<()> {
         let Self { up, forward, unit } = *self;
-        let wish = SpaceWish { up, forward, handedness: None, unit };
-        let said = wish.of(examples.space);
+        let request = SpaceRequest { up, forward, handedness: None, unit };
+        let said = request.of(examples.space);
         examples.space = said.with_context(|| file.display().to_string())?;
         Ok(())
     }
@@ -58,9 +58,9 @@ impl StatedSpace {
 
 impl TargetSpace {
     /// Returns what is asked for.
-    pub(super) fn wish(&self) -> SpaceWish {
+    pub(super) fn request(&self) -> SpaceRequest {
         let Self { to_up: up, to_forward: forward, to_hand: handedness, to_unit: unit } = *self;
-        SpaceWish { up, forward, handedness, unit }
+        SpaceRequest { up, forward, handedness, unit }
     }
 
     /// Converts examples from a file; returns what was done.
@@ -69,7 +69,7 @@ impl TargetSpace {
         examples: &mut Examples,
         file: &Path,
     ) -> anyhow::Result<Option<Conversion>> {
-        let found = Conversion::to(examples.space, &self.wish());
+        let found = Conversion::to(examples.space, &self.request());
         let (space, conversion) = found.with_context(|| file.display().to_string())?;
         if let Some(conversion) = &conversion {
             examples.convert(conversion, space);

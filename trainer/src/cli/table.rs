@@ -1,10 +1,10 @@
 //! Results as a person reads them.
 
-use sinew_trainer::envelope::choose::{CandidateReport, Report};
+use sinew_trainer::envelope::choose::{CandidateReport, TrainingReport};
 use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
 
 /// Describes what was tried, what was taken, and how it does on the training frames.
-pub(super) fn report(report: &Report) -> String {
+pub(super) fn report(report: &TrainingReport) -> String {
     let [name, proxies, bytes, rms] =
         ["candidate", "proxies", "bytes", "cross-validated error, % of the diagonal"];
     let mut out = format!("{name:<22}{proxies:>8}{bytes:>12}   {rms}\n");

@@ -6,12 +6,12 @@ use super::fitted::{Fitted, corrected};
 use super::helpers::fit::{self, Helpers};
 use super::levels::AddError;
 use super::levels::{self, LevelReport};
-use super::options::{Meshes, Options, Predict};
+use super::options::{FileSkins, Options, Predict};
 use super::rotational::ProxyCount;
-use super::rotational::{self, Rotational, Variant};
+use super::rotational::{self, Rotational, RotationalOptions, RotationalReport, Variant};
 use crate::envelope::correction::candidates::GroupReport;
 use crate::envelope::correction::search::Search;
-use crate::envelope::correction::target::Target;
+use crate::envelope::correction::target::CorrectionTarget;
 use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
@@ -34,14 +34,14 @@ pub struct Trained {
     /// The file's bytes.
     pub model: Vec<u8>,
     /// How it was fitted.
-    pub report: Report,
+    pub report: TrainingReport,
     /// How the further meshes follow, in their order.
     pub levels: Vec<LevelReport>,
 }
 
 /// What was tried and what was taken; errors are RMS, as shares of the rest diagonal.
 #[derive(Clone, Debug, Serialize)]
-pub struct Report {
+pub struct TrainingReport {
     /// LBS on the training frames.
     pub lbs_rms: f64,
     /// The contiguous folds, as ranges of the training frames.
@@ -53,7 +53,7 @@ pub struct Report {
     /// It on the training frames.
     pub training_rms: f64,
     /// How its reconstruction was fitted, where it has one.
-    pub rotational: Option<rotational::Report>,
+    pub rotational: Option<RotationalReport>,
     /// Largest |θ_j| in the training poses, J values in radians.
     pub angle_ranges: Vec<f64>,
 }
@@ -78,7 +78,7 @@ pub struct CandidateReport {
 /// |θ| beyond which a joint comes near the seam of its rotation vector at π.
 pub const SEAM: f64 = 0.9 * std::f64::consts::PI;
 
-impl Report {
+impl TrainingReport {
     /// The candidate that was taken.
     pub fn chosen(&self) -> &CandidateReport {
         &self.candidates[self.chosen]
@@ -98,7 +98,7 @@ struct Candidate {
     fitted: Fitted,
     report: usize,
     validated_rms: f64,
-    rotational: Option<rotational::Report>,
+    rotational: Option<RotationalReport>,
 }
 
 /// Fits every candidate that the options allow and takes the best.
@@ -111,11 +111,11 @@ pub fn choose(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Trained, TrainError> {
-    if let Meshes::Skins(further) = &options.meshes {
+    if let FileSkins::Skins(further) = &options.meshes {
         levels::check_names(further).map_err(AddError::from)?;
     }
     let lbs = training.targets(&training.lbs.weights);
-    let mut choice = Choice {
+    let mut choice = PredictorSearch {
         training,
         examples,
         options,
@@ -156,7 +156,7 @@ fn proxies_max(training: &Training) -> usize {
     training.triangles.len().min(Limits::DEFAULT.proxies as usize)
 }
 
-struct Choice<'a> {
+struct PredictorSearch<'a> {
     training: &'a Training,
     examples: &'a Examples,
     options: &'a Options,
@@ -168,7 +168,7 @@ struct Choice<'a> {
     least_bytes: usize,
 }
 
-impl Choice<'_> {
+impl PredictorSearch<'_> {
     fn attempt(&mut self, count: ProxyCount) -> Result<(), TrainError> {
         let wanted = |predictor| match self.options.predictor {
             Predict::Auto => true,
@@ -176,7 +176,7 @@ impl Choice<'_> {
         };
         let mut proxies = count;
         if wanted(Predictor::Rotational) || wanted(Predictor::Hybrid) {
-            let options = rotational::Options {
+            let options = RotationalOptions {
                 proxies: count,
                 influences: self.options.influences,
                 refine: self.options.refine,
@@ -280,10 +280,10 @@ impl Choice<'_> {
     fn corrected(
         &mut self,
         mut fitted: Fitted,
-        target: &Target<'_>,
+        target: &CorrectionTarget<'_>,
         validated: &Mat<f64>,
         refined: Option<bool>,
-        report: Option<&rotational::Report>,
+        report: Option<&RotationalReport>,
     ) -> Result<(), TrainError> {
         let search = Search::new(*target, self.progress);
         fitted = fitted.with(search.nothing());
@@ -306,7 +306,7 @@ impl Choice<'_> {
         fitted: Fitted,
         refined: Option<bool>,
         fits: Option<(usize, &Mat<f64>, Vec<GroupReport>)>,
-        rotational: Option<&rotational::Report>,
+        rotational: Option<&RotationalReport>,
     ) {
         let mut report = CandidateReport {
             predictor: fitted.envelope.predictor().name(),
@@ -335,8 +335,8 @@ impl Choice<'_> {
     fn bytes(&mut self, fitted: &Fitted) -> Result<usize, TrainError> {
         let mut model = fitted.file_model(self.training, self.examples, Certificate::default());
         match &self.options.meshes {
-            Meshes::Skins(further) => levels::reserve(&mut model, further),
-            Meshes::PaletteAlone => model.skins.clear(),
+            FileSkins::Skins(further) => levels::reserve(&mut model, further),
+            FileSkins::PaletteAlone => model.skins.clear(),
         }
         let bytes = model.bake()?.len();
         self.least_bytes = self.least_bytes.min(bytes);
@@ -365,14 +365,14 @@ impl Choice<'_> {
         };
         let mut model = chosen.fitted.file_model(training, examples, certificate);
         let levels = match &self.options.meshes {
-            Meshes::Skins(further) => levels::add(&mut model, further, examples)?,
-            Meshes::PaletteAlone => {
+            FileSkins::Skins(further) => levels::add(&mut model, further, examples)?,
+            FileSkins::PaletteAlone => {
                 model.skins.clear();
                 Vec::new()
             }
         };
         let model = model.bake()?;
-        let report = Report {
+        let report = TrainingReport {
             lbs_rms,
             folds: folds(training.poses.len()),
             chosen: chosen.report,

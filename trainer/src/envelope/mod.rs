@@ -22,5 +22,5 @@ mod train;
 
 pub use choose::Trained;
 pub use error::{FitError, TrainError};
-pub use options::{Meshes, Options, Predict};
+pub use options::{FileSkins, Options, Predict};
 pub use train::train;

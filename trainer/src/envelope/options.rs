@@ -27,12 +27,12 @@ pub struct Options {
     /// Most bytes of the file, all of its skins included.
     pub budget: Option<usize>,
     /// The meshes that the file holds.
-    pub meshes: Meshes,
+    pub meshes: FileSkins,
 }
 
 /// The meshes that a model's file holds.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Meshes {
+pub enum FileSkins {
     /// The examples' own, then further ones, each as a skin.
     Skins(Vec<Level>),
     /// None: a palette alone, for an engine that keeps its meshes and their weights.
@@ -47,7 +47,7 @@ impl Default for Options {
             influences: 4,
             refine: true,
             budget: None,
-            meshes: Meshes::Skins(Vec::new()),
+            meshes: FileSkins::Skins(Vec::new()),
         }
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use sinew_runtime::format::MAGNITUDE_MAX;
 
 use super::{Element, Examples, ExamplesError, Matrix3x4, Split, Warning};
-use crate::space::SpaceWish;
+use crate::space::SpaceRequest;
 
 /// A map this near to rigid is rigid (METHOD §1.1): it is what single precision leaves.
 pub const RIGID: f64 = 1e-4;
@@ -103,7 +103,7 @@ impl Examples {
         if let Some(uv) = &self.uv {
             same("vertices", "rest", vertices, "uv", uv.len())?;
         }
-        SpaceWish::all_of(&self.space).of(self.space)?;
+        SpaceRequest::all_of(&self.space).of(self.space)?;
         self.check_ranges()?;
         if let Some(importance) = &self.importance {
             same("vertices", "rest", vertices, "importance", importance.len())?;

@@ -73,14 +73,14 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "triangles that name a vertex twice are left out of the fit: {}",
-                    Listed(triangles)
+                    FirstFew(triangles)
                 )
             }
             Warning::ZeroArea { triangles } => {
                 write!(
                     f,
                     "triangles without area at rest are left out of the fit: {}",
-                    Listed(triangles)
+                    FirstFew(triangles)
                 )
             }
             Warning::SeveralRoots { joints } => {
@@ -105,9 +105,9 @@ impl fmt::Display for Warning {
     }
 }
 
-struct Listed<'a>(&'a [usize]);
+struct FirstFew<'a>(&'a [usize]);
 
-impl fmt::Display for Listed<'_> {
+impl fmt::Display for FirstFew<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (place, number) in self.0.iter().take(LISTED).enumerate() {
             write!(f, "{}{number}", if place == 0 { "" } else { ", " })?;

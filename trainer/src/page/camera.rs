@@ -20,7 +20,7 @@ pub struct View {
 
 /// Width and height, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
+pub struct Resolution {
     /// Pixels in a row.
     pub width: usize,
     /// Rows.
@@ -37,7 +37,7 @@ pub struct Camera {
     /// Pixels a unit of length.
     pub scale: f64,
     /// Of the picture.
-    pub size: Size,
+    pub size: Resolution,
 }
 
 /// Share of a picture that is left empty at each side.
@@ -115,11 +115,11 @@ impl Camera {
         let height = (aspect * width as f64).round() as usize;
         let scale = room * (width as f64 / extent[0]).min(height as f64 / extent[1]);
         let centre = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
-        Self { axes, centre, scale, size: Size { width, height } }
+        Self { axes, centre, scale, size: Resolution { width, height } }
     }
 
     /// Looks at the surroundings of a point, so far on each side.
-    pub fn around(view: &View, point: &[f64; 3], radius: f64, size: Size) -> Self {
+    pub fn around(view: &View, point: &[f64; 3], radius: f64, size: Resolution) -> Self {
         let axes = view.axes();
         let centre = [0, 1].map(|axis| axes[axis].dot(&Vector3::from(*point)));
         let scale = 0.5 * size.width.min(size.height) as f64 / radius;
@@ -129,15 +129,15 @@ impl Camera {
     /// The same picture with other pixels.
     pub fn resized(&self, factor: f64) -> Self {
         let pixels = |count: usize| (count as f64 * factor).round().max(1.0) as usize;
-        let Size { width, height } = self.size;
-        let size = Size { width: pixels(width), height: pixels(height) };
+        let Resolution { width, height } = self.size;
+        let size = Resolution { width: pixels(width), height: pixels(height) };
         Self { scale: self.scale * size.width as f64 / width as f64, size, ..*self }
     }
 
     /// Returns a position's pixel, from the upper left, and its distance toward the eye.
     pub fn project(&self, position: &[f64; 3]) -> [f64; 3] {
         let [right, up, toward] = self.axes.map(|axis| axis.dot(&Vector3::from(*position)));
-        let Size { width, height } = self.size;
+        let Resolution { width, height } = self.size;
         [
             0.5 * width as f64 + self.scale * (right - self.centre[0]),
             0.5 * height as f64 - self.scale * (up - self.centre[1]),
@@ -196,7 +196,7 @@ mod tests {
         let view = View { up: Axis::Z, azimuth: 30.0, elevation: 20.0, ..FRONT };
         let camera = Camera::fit(&view, &positions, 200);
         let seen = positions.map(|position| camera.project(&position));
-        let Size { width, height } = camera.size;
+        let Resolution { width, height } = camera.size;
         let ends = |axis: usize, len: usize| {
             let along = seen.map(|pixel| pixel[axis] / len as f64);
             let low = along.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,6 +1,6 @@
 //! A small rasteriser: z-buffer, smooth shading, four samples a pixel.
 
-use super::camera::{Camera, Size};
+use super::camera::{Camera, Resolution};
 use super::colour::Colour;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageError};
@@ -18,7 +18,7 @@ const INSIDE: f64 = 0.55;
 
 /// A surface to draw.
 #[derive(Clone, Copy)]
-pub struct Mesh<'a> {
+pub struct ShadedMesh<'a> {
     /// V positions.
     pub positions: &'a [[f64; 3]],
     /// V normals; where one is zero, the triangle's serves.
@@ -51,19 +51,19 @@ pub struct Hit {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     /// Width and height.
-    pub size: Size,
+    pub size: Resolution,
     /// Pixels, 4 bytes each.
     pub rgba: Vec<u8>,
 }
 
-impl Mesh<'_> {
+impl ShadedMesh<'_> {
     /// Draws the surface in V colours.
     pub fn draw(&self, colours: &[Colour], look: Look, camera: &Camera) -> Picture {
         let hits = self.hits(&camera.resized(SAMPLES as f64));
         let linear: Vec<[f64; 3]> =
             colours.iter().map(|c| c.map(|part| to_linear(f64::from(part)))).collect();
         let steps = steps();
-        let Size { width, height } = camera.size;
+        let Resolution { width, height } = camera.size;
         let mut rgba = Vec::with_capacity(4 * width * height);
         for pixel in 0..width * height {
             let (x, y) = (SAMPLES * (pixel % width), SAMPLES * (pixel / width));
@@ -93,7 +93,7 @@ impl Mesh<'_> {
     /// Tells whether something lies before a vertex, by more than `slack`.
     pub fn hides(&self, vertex: usize, slack: f64, camera: &Camera) -> bool {
         let [x, y, depth] = camera.project(&self.positions[vertex]);
-        let Size { width, height } = camera.size;
+        let Resolution { width, height } = camera.size;
         if !(x >= 0.0 && y >= 0.0 && x < width as f64 && y < height as f64) {
             return true;
         }
@@ -115,7 +115,7 @@ impl Mesh<'_> {
 
     /// Finds what is seen at the middle of every pixel, row by row.
     pub fn hits(&self, camera: &Camera) -> Vec<Option<Hit>> {
-        let Size { width, height } = camera.size;
+        let Resolution { width, height } = camera.size;
         let mut hits: Vec<Option<Hit>> = vec![None; width * height];
         let seen: Vec<[f64; 3]> = self.positions.iter().map(|p| camera.project(p)).collect();
         for (triangle, corners) in self.triangles.iter().enumerate() {
@@ -185,7 +185,7 @@ impl Picture {
     /// Those of the encoder.
     pub fn png(&self) -> Result<Vec<u8>, ImageError> {
         let mut bytes = Vec::new();
-        let Size { width, height } = self.size;
+        let Resolution { width, height } = self.size;
         PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
             .write_image(&self.rgba, width as u32, height as u32, ExtendedColorType::Rgba8)?;
         Ok(bytes)
@@ -232,12 +232,12 @@ mod tests {
             axes: [Vector3::x(), -Vector3::y(), Vector3::z()],
             centre: [0.5 * width as f64, -0.5 * height as f64],
             scale: 1.0,
-            size: Size { width, height },
+            size: Resolution { width, height },
         }
     }
 
-    fn mesh<'a>(positions: &'a [[f64; 3]], triangles: &'a [[usize; 3]]) -> Mesh<'a> {
-        Mesh { positions, normals: &[[0.0; 3]; 6], triangles }
+    fn mesh<'a>(positions: &'a [[f64; 3]], triangles: &'a [[usize; 3]]) -> ShadedMesh<'a> {
+        ShadedMesh { positions, normals: &[[0.0; 3]; 6], triangles }
     }
 
     const FLAT: Look = Look { relief: 0.0, borders: false };
@@ -317,7 +317,8 @@ mod tests {
         let corners = [[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0]];
         let shade = |normal: [f64; 3], triangle: [usize; 3]| {
             let normals = [normal; 3];
-            let mesh = Mesh { positions: &corners, normals: &normals, triangles: &[triangle] };
+            let mesh =
+                ShadedMesh { positions: &corners, normals: &normals, triangles: &[triangle] };
             let look = Look { relief: 1.0, borders: false };
             pixel(&mesh.draw(&[[128; 3]; 3], look, &camera(9, 9)), 1, 1)[0]
         };
@@ -341,7 +342,7 @@ mod tests {
 
     #[test]
     fn png_reads_back() {
-        let size = Size { width: 2, height: 1 };
+        let size = Resolution { width: 2, height: 1 };
         let picture = Picture { size, rgba: vec![1, 2, 3, 255, 4, 5, 6, 128] };
         let image = image::load_from_memory(&picture.png().unwrap()).unwrap().into_rgba8();
         assert_eq!((image.dimensions(), image.into_raw()), ((2, 1), picture.rgba));

@@ -1,7 +1,7 @@
 //! The change from one space to another.
 
 use super::axes::direction;
-use super::wish::{SpaceError, SpaceWish};
+use super::request::{SpaceError, SpaceRequest};
 use nalgebra::{Matrix3, Vector3};
 use sinew_runtime::format::{Handedness, Space};
 
@@ -18,12 +18,12 @@ impl Conversion {
     /// the same.
     ///
     /// # Errors
-    /// Those of [`SpaceWish::of`]; [`SpaceError::UnknownAxis`] and [`SpaceError::UnknownUnit`] where
+    /// Those of [`SpaceRequest::of`]; [`SpaceError::UnknownAxis`] and [`SpaceError::UnknownUnit`] where
     /// axes or unit are asked for and not known of the space that it starts from.
-    pub fn to(from: Space, wish: &SpaceWish) -> Result<(Space, Option<Self>), SpaceError> {
-        let turns = wish.up.is_some()
-            || wish.forward.is_some()
-            || wish.handedness.is_some_and(|handedness| handedness != from.handedness);
+    pub fn to(from: Space, request: &SpaceRequest) -> Result<(Space, Option<Self>), SpaceError> {
+        let turns = request.up.is_some()
+            || request.forward.is_some()
+            || request.handedness.is_some_and(|handedness| handedness != from.handedness);
         if turns {
             for (axis, what, flag, like) in
                 [(from.up, "up", "--up", "y"), (from.forward, "forward", "--forward", "z")]
@@ -33,10 +33,10 @@ impl Conversion {
                 }
             }
         }
-        if wish.unit.is_some() && from.unit.is_none() {
+        if request.unit.is_some() && from.unit.is_none() {
             return Err(SpaceError::UnknownUnit);
         }
-        let to = wish.of(from)?;
+        let to = request.of(from)?;
         Ok((to, Self::between(&from, &to)))
     }
 
@@ -121,8 +121,8 @@ mod tests {
     const UNREAL: Space = Space::UNREAL;
     const UNITY: Space = Space::UNITY;
 
-    fn wish(space: Space) -> SpaceWish {
-        SpaceWish::all_of(&space)
+    fn request(space: Space) -> SpaceRequest {
+        SpaceRequest::all_of(&space)
     }
 
     #[test]
@@ -135,7 +135,7 @@ mod tests {
         let blender = Space { up: Some(Axis::Z), forward: Some(Axis::MinusY), ..GLTF };
         assert_eq!(to(blender).point([1.0, 2.0, 3.0]), [1.0, -3.0, 2.0]);
         assert!(to(UNITY).is_mirrored() && to(UNREAL).is_mirrored() && !to(blender).is_mirrored());
-        assert_eq!(Conversion::to(GLTF, &wish(UNREAL)), Ok((UNREAL, Some(to(UNREAL)))));
+        assert_eq!(Conversion::to(GLTF, &request(UNREAL)), Ok((UNREAL, Some(to(UNREAL)))));
     }
 
     #[test]
@@ -162,16 +162,16 @@ mod tests {
         assert_eq!(Conversion::between(&unknown, &UNREAL), None);
         assert_eq!(Conversion::between(&UNREAL, &unknown), None);
         let up_alone = Space { up: Some(Axis::Z), ..unknown };
-        let to = |from, wish| Conversion::to(from, &wish).map(|(space, _)| space);
-        let left = SpaceWish { handedness: Some(Handedness::Left), ..SpaceWish::default() };
-        let error = |from, wish| to(from, wish).unwrap_err().to_string();
-        assert!(error(unknown, wish(UNREAL)).contains("--up AXIS"));
+        let to = |from, request| Conversion::to(from, &request).map(|(space, _)| space);
+        let left = SpaceRequest { handedness: Some(Handedness::Left), ..SpaceRequest::default() };
+        let error = |from, request| to(from, request).unwrap_err().to_string();
+        assert!(error(unknown, request(UNREAL)).contains("--up AXIS"));
         assert!(error(unknown, left).contains("--up AXIS"));
-        assert!(error(up_alone, wish(UNREAL)).contains("--forward AXIS"));
+        assert!(error(up_alone, request(UNREAL)).contains("--forward AXIS"));
         let no_unit = Space { unit: None, ..GLTF };
-        assert!(error(no_unit, wish(UNREAL)).contains("--unit METRES"));
+        assert!(error(no_unit, request(UNREAL)).contains("--unit METRES"));
         // What is not asked for needs no knowledge.
-        let right = SpaceWish { handedness: Some(Handedness::Right), ..SpaceWish::default() };
+        let right = SpaceRequest { handedness: Some(Handedness::Right), ..SpaceRequest::default() };
         assert_eq!(to(unknown, right), Ok(unknown));
         assert_eq!(to(GLTF, left), Ok(UNITY));
     }

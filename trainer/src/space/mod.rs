@@ -2,8 +2,8 @@
 
 pub(crate) mod axes;
 mod conversion;
-mod wish;
+mod request;
 
 pub use conversion::Conversion;
-pub(crate) use wish::UNITS;
-pub use wish::{SpaceError, SpaceWish};
+pub(crate) use request::UNITS;
+pub use request::{SpaceError, SpaceRequest};

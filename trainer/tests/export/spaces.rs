@@ -8,7 +8,7 @@ use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Axis, Space};
 use sinew_trainer::envelope::export::{ExportError, Stand, export};
 use sinew_trainer::examples::Examples;
-use sinew_trainer::space::{SpaceError, SpaceWish};
+use sinew_trainer::space::{SpaceError, SpaceRequest};
 
 const GLTF: Space = Space::GLTF;
 const UNREAL: Space = Space::UNREAL;
@@ -20,7 +20,7 @@ fn examples(space: Space) -> Examples {
 }
 
 fn to_gltf() -> Stand {
-    Stand::In(SpaceWish::all_of(&GLTF))
+    Stand::In(SpaceRequest::all_of(&GLTF))
 }
 
 #[test]
@@ -73,21 +73,22 @@ fn triangles_of_an_export_face_outward() {
 #[test]
 fn spaces_that_gltf_cannot_have_are_refused() {
     let clips = [clip("all", 0, 2)];
-    let refused = |space: Space, wish: SpaceWish| {
+    let refused = |space: Space, wish: SpaceRequest| {
         let mut examples = examples(GLTF);
         examples.space = space;
         let bytes = model(&examples, Predictor::Kernel, 4, 4);
         let exported = export(&bytes, None, &examples, &clips, &[], Stand::In(wish));
         exported.map(|exported| exported.glb.len()).unwrap_err()
     };
-    let all = SpaceWish::all_of(&UNREAL);
+    let all = SpaceRequest::all_of(&UNREAL);
     assert!(matches!(refused(GLTF, all), ExportError::LeftHanded));
-    let right = SpaceWish { handedness: None, ..all };
+    let right = SpaceRequest { handedness: None, ..all };
     assert!(matches!(
         refused(Space::default(), right),
         ExportError::Space(SpaceError::UnknownAxis { what: "up", .. })
     ));
-    let flat = SpaceWish { up: Some(Axis::X), forward: Some(Axis::MinusX), ..Default::default() };
+    let flat =
+        SpaceRequest { up: Some(Axis::X), forward: Some(Axis::MinusX), ..Default::default() };
     assert!(matches!(
         refused(GLTF, flat),
         ExportError::Space(SpaceError::Parallel { up: Axis::X, forward: Axis::MinusX })

@@ -5,7 +5,7 @@ use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use sinew_trainer::envelope::rotational::Options;
+use sinew_trainer::envelope::rotational::RotationalOptions;
 use sinew_trainer::envelope::rotational::keys;
 use sinew_trainer::envelope::rotational::merge::MergeTree;
 use sinew_trainer::envelope::rotational::predictor::GradientPredictor;
@@ -54,7 +54,7 @@ impl Character {
         );
         let tree = MergeTree::build(&surface, || ());
         let count = ProxyCount::Fixed(PROXIES);
-        let options = Options { proxies: count, influences: INFLUENCES, refine: false };
+        let options = RotationalOptions { proxies: count, influences: INFLUENCES, refine: false };
         let proxies = proxies::fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent);
         let proxies = proxies.expect("a fixed number can be fitted");
         let keys = keys::fit(&surface, &proxies, INFLUENCES, &Silent);

@@ -26,7 +26,7 @@ use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::rotational::predictor::predict_stacked;
 use sinew_trainer::envelope::rotational::reduce::{Anchors, Reduced};
 use sinew_trainer::envelope::rotational::refine::Regression;
-use sinew_trainer::envelope::rotational::{self, Options};
+use sinew_trainer::envelope::rotational::{self, RotationalOptions};
 use sinew_trainer::envelope::skin::projection::Projection;
 use sinew_trainer::envelope::skin::targets::Targets;
 use sinew_trainer::envelope::skin::training::Training;
@@ -153,7 +153,8 @@ fn refinement_keeps_the_rest_pose_and_lowers_the_error() {
 #[test]
 fn a_file_evaluates_as_it_was_fitted() {
     let examples = demo_examples(300);
-    let options = Options { proxies: ProxyCount::Fixed(9), ..Options::default() };
+    let options =
+        RotationalOptions { proxies: ProxyCount::Fixed(9), ..RotationalOptions::default() };
     let training = Training::new(&examples, &Silent).unwrap();
     let rotational = rotational::fit(&training, &options, &Silent).unwrap();
     let helpers = helpers::fit::fit(&training, 9, 4).unwrap();

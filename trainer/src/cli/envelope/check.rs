@@ -4,7 +4,7 @@ use crate::cli::bars::Bars;
 use crate::cli::{Output, input, printable};
 use anyhow::Context;
 use sinew_trainer::envelope::check::coverage::Coverage;
-use sinew_trainer::envelope::check::finding::{Severity, Subject, count};
+use sinew_trainer::envelope::check::finding::{Severity, Topic, count};
 use sinew_trainer::envelope::check::thin::Predicted;
 use sinew_trainer::envelope::check::{Check, check};
 use std::fmt::Write;
@@ -40,11 +40,11 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
 fn describe(check: &Check) -> String {
     let mut out = String::new();
     for (subject, title, facts) in [
-        (Subject::Size, "size", size(check)),
-        (Subject::Rest, "rest mesh", check.rest.describe()),
-        (Subject::Faces, "faces", faces(check)),
-        (Subject::Joints, "joints", String::new()),
-        (Subject::Frames, "frames", String::new()),
+        (Topic::Size, "size", size(check)),
+        (Topic::Rest, "rest mesh", check.rest.describe()),
+        (Topic::Faces, "faces", faces(check)),
+        (Topic::Joints, "joints", String::new()),
+        (Topic::Frames, "frames", String::new()),
     ] {
         section(&mut out, check, subject, title, &facts);
     }
@@ -71,7 +71,7 @@ fn describe(check: &Check) -> String {
     out
 }
 
-fn section(out: &mut String, check: &Check, subject: Subject, title: &str, facts: &str) {
+fn section(out: &mut String, check: &Check, subject: Topic, title: &str, facts: &str) {
     let findings: Vec<_> =
         check.findings.iter().filter(|finding| finding.kind.subject() == subject).collect();
     if facts.is_empty() && findings.is_empty() {

@@ -2,12 +2,12 @@
 
 use super::train;
 use crate::cli::bars::Bars;
-use crate::cli::files::{self, Target};
+use crate::cli::files::{self, OutputFile};
 use crate::cli::{Output, input, table};
 use anyhow::{Context, bail};
 use clap::builder::RangedU64ValueParser;
 use serde_json::json;
-use sinew_trainer::envelope::Meshes;
+use sinew_trainer::envelope::FileSkins;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Frames, evaluate};
 use sinew_trainer::examples::{Examples, Split, npz};
@@ -71,7 +71,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let folder = arguments.output.as_deref();
     let model = folder.map(prepare).transpose()?;
     let examples = arguments.size.generate(output)?;
-    let trained = arguments.fit.train(&examples, "demo", Meshes::Skins(Vec::new()), output)?;
+    let trained = arguments.fit.train(&examples, "demo", FileSkins::Skins(Vec::new()), output)?;
     let measuring = Bars::busy(output, "measuring");
     let evaluation = evaluate(&trained.model, None, &examples, Frames::Of(Split::HeldOut))?;
     drop(measuring);
@@ -90,11 +90,11 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
 }
 
 /// Makes the folder, tries the places of its three files, and gives that of the model.
-fn prepare(folder: &Path) -> anyhow::Result<Target> {
+fn prepare(folder: &Path) -> anyhow::Result<OutputFile> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     for examples in ["demo.npz", "demo.json"] {
-        Target::new(&folder.join(examples), &[])?;
+        OutputFile::new(&folder.join(examples), &[])?;
     }
-    Target::new(&folder.join("demo.sinew"), &[])
+    OutputFile::new(&folder.join("demo.sinew"), &[])
 }

@@ -2,7 +2,7 @@
 
 use super::measured::{SplitName, blame};
 use crate::cli::bars::Bars;
-use crate::cli::files::{self, Target};
+use crate::cli::files::{self, OutputFile};
 use crate::cli::space::StatedSpace;
 use crate::cli::{Output, input, table};
 use anyhow::Context;
@@ -38,7 +38,7 @@ pub(in crate::cli) struct Arguments {
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let mut inputs = arguments.input.files();
     inputs.push(arguments.model.clone());
-    let vertices = arguments.write_vertices.as_ref().map(|file| Target::new(file, &inputs));
+    let vertices = arguments.write_vertices.as_ref().map(|file| OutputFile::new(file, &inputs));
     let vertices = vertices.transpose()?;
     let model = input::read_model(&arguments.model)?;
     let mut examples = arguments.input.load(output)?.examples;

@@ -2,7 +2,7 @@
 
 use super::levels;
 use crate::cli::bars::Bars;
-use crate::cli::files::{self, Target};
+use crate::cli::files::{self, OutputFile};
 use crate::cli::space::{StatedSpace, TargetSpace};
 use crate::cli::{Output, input, printable};
 use anyhow::bail;
@@ -61,7 +61,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let mut inputs = Source::file(&arguments.clip).files();
     inputs.push(arguments.model.clone());
     inputs.extend_from_slice(&arguments.also);
-    let target = Target::new(&arguments.output, &inputs)?;
+    let target = OutputFile::new(&arguments.output, &inputs)?;
     let model = input::read_model(&arguments.model)?;
     let skin = arguments.skin.as_deref();
     let character =
@@ -71,7 +71,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let conversion = input.examples.convert_to(&character.space);
     let levels = levels::load(&arguments.also, conversion.as_ref())?;
     input::move_to(&mut input, &arguments.clip, &rest(&character.skin), output)?;
-    let input::Input { examples, clips, .. } = input;
+    let input::LoadedInput { examples, clips, .. } = input;
     let stand = stand(&arguments.space, &arguments.target, &character.space)?;
     let exporting = Bars::busy(output, "exporting");
     let exported = export(&model, skin, &examples, &clips, &levels, stand)
@@ -127,9 +127,9 @@ fn names(clips: &[Clip]) -> String {
 
 /// How a GLB is to stand, by what `export` was told.
 fn stand(stated: &StatedSpace, target: &TargetSpace, model: &Space) -> anyhow::Result<Stand> {
-    let wish = target.wish();
-    if !wish.is_empty() {
-        return Ok(Stand::In(wish));
+    let request = target.request();
+    if !request.is_empty() {
+        return Ok(Stand::In(request));
     }
     match stated.up.map(|up| model.up.unwrap_or(up)) {
         None | Some(Axis::Y) => Ok(Stand::AsModel),

@@ -1,7 +1,7 @@
 //! `sinew export-demo`: the demo's input as files that other programs read.
 
 use super::demo::SizeArguments;
-use crate::cli::files::{self, Target};
+use crate::cli::files::{self, OutputFile};
 use crate::cli::{Output, input};
 use anyhow::Context;
 use serde_json::json;
@@ -27,8 +27,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let [glb, pc2] = ["demo.glb", "demo.pc2"].map(|name| folder.join(name));
-    let target = Target::new(&glb, &[])?;
-    Target::new(&pc2, &[])?;
+    let target = OutputFile::new(&glb, &[])?;
+    OutputFile::new(&pc2, &[])?;
     let (examples, clips) = by_use(arguments.size.generate(output)?);
     let bytes = demo_glb(&examples, &clips)?;
     save_pc2(&pc2, examples.vertex_len(), &examples.vertices)?;

@@ -2,14 +2,14 @@
 
 use super::measured::{SplitName, blame};
 use crate::cli::bars::Bars;
-use crate::cli::files::{self, Target};
+use crate::cli::files::{self, OutputFile};
 use crate::cli::space::StatedSpace;
 use crate::cli::{Output, input, table};
 use anyhow::{Context, bail};
 use serde_json::json;
 use sinew_trainer::envelope::evaluate::{Character, Frames};
-use sinew_trainer::envelope::report::subject::{File, Source, Subject};
-use sinew_trainer::envelope::report::{Page, Wish, csv, ply};
+use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
+use sinew_trainer::envelope::report::{Page, PictureOptions, csv, ply};
 use sinew_trainer::examples::{Examples, Split};
 use std::path::{Path, PathBuf};
 
@@ -74,7 +74,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let targets = targets(arguments)?;
     let bytes = input::read_model(&arguments.model)?;
     let other = arguments.compare.as_deref().map(input::read_model).transpose()?;
-    let input::Input { mut examples, clips, .. } = arguments.input.load(output)?;
+    let input::LoadedInput { mut examples, clips, .. } = arguments.input.load(output)?;
     arguments.space.say(&mut examples, &arguments.input.examples)?;
     input::convert_to_model(&mut examples, &bytes);
     let skin = arguments.skin.as_deref();
@@ -88,29 +88,29 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let measuring = Bars::busy(output, "measuring");
     let [name, other_name] = names(&arguments.model, arguments.compare.as_deref());
     let source_name = file_name(&arguments.input.examples);
-    let source = Source { examples: &examples, clips: &clips, name: &source_name };
-    let file = File { name: &name, bytes: &bytes, skin };
-    let mut subject =
-        Subject::new(source, frames, file).map_err(|error| blamed(error, &arguments.model))?;
+    let source = NamedExamples { examples: &examples, clips: &clips, name: &source_name };
+    let file = NamedModel { name: &name, bytes: &bytes, skin };
+    let mut comparison =
+        Comparison::new(source, frames, file).map_err(|error| blamed(error, &arguments.model))?;
     if let Some((path, bytes)) = compared {
-        let file = File { name: &other_name, bytes, skin };
-        subject.compare(file).map_err(|error| blamed(error, path))?;
+        let file = NamedModel { name: &other_name, bytes, skin };
+        comparison.compare(file).map_err(|error| blamed(error, path))?;
     }
     drop(measuring);
-    let wish = Wish { from: arguments.view, ..Wish::default() };
-    let page = Page { subject: &subject, wish, sizes: !arguments.quick };
+    let options = PictureOptions { from: arguments.view, ..PictureOptions::default() };
+    let page = Page { comparison: &comparison, options, sizes: !arguments.quick };
     let page = page.html(&Bars::new(output))?;
     let mut written = vec![(&targets.page, page.into_bytes())];
     if let Some(target) = &targets.csv {
-        written.push((target, csv::by_frame(&subject).context("cannot write the table")?));
+        written.push((target, csv::by_frame(&comparison).context("cannot write the table")?));
     }
     if let Some(target) = &targets.ply {
-        written.push((target, ply::rest_mesh(&subject)));
+        written.push((target, ply::rest_mesh(&comparison)));
     }
     written.reverse();
     let files: Vec<_> = written.iter().map(|(target, bytes)| (*target, bytes.as_slice())).collect();
     files::write(&files)?;
-    let evaluations = subject.evaluations();
+    let evaluations = comparison.evaluations();
     let mut text: String = evaluations.iter().map(table::evaluation).collect();
     for (target, bytes) in files.iter().rev() {
         text += &format!("wrote {} ({} bytes)\n", target.named().display(), bytes.len());
@@ -118,28 +118,28 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     output.print(&json!({ "model": evaluations[0], "compared": evaluations.get(1) }), &text)
 }
 
-struct Targets {
-    page: Target,
-    csv: Option<Target>,
-    ply: Option<Target>,
+struct OutputFiles {
+    page: OutputFile,
+    csv: Option<OutputFile>,
+    ply: Option<OutputFile>,
 }
 
 /// Tries every place to write to.
-fn targets(arguments: &Arguments) -> anyhow::Result<Targets> {
+fn targets(arguments: &Arguments) -> anyhow::Result<OutputFiles> {
     let mut inputs = arguments.input.files();
     inputs.push(arguments.model.clone());
     inputs.extend(arguments.compare.clone());
-    let target = |path: &PathBuf| Target::new(path, &inputs);
+    let target = |path: &PathBuf| OutputFile::new(path, &inputs);
     let page = target(&arguments.output)?;
     let csv = arguments.csv.as_ref().map(target).transpose()?;
     let ply = arguments.ply.as_ref().map(target).transpose()?;
-    let all: Vec<&Target> = std::iter::once(&page).chain(&csv).chain(&ply).collect();
+    let all: Vec<&OutputFile> = std::iter::once(&page).chain(&csv).chain(&ply).collect();
     for (number, one) in all.iter().enumerate() {
         if all[..number].iter().any(|other| other.is(one)) {
             bail!("cannot write {}: two outputs are one file", one.named().display());
         }
     }
-    Ok(Targets { page, csv, ply })
+    Ok(OutputFiles { page, csv, ply })
 }
 
 /// The frames asked for; where nothing is said and none is held out, those that train.

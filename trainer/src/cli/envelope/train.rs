@@ -2,7 +2,7 @@
 
 use super::levels;
 use crate::cli::bars::Bars;
-use crate::cli::files::{self, Target};
+use crate::cli::files::{self, OutputFile};
 use crate::cli::space::{self, StatedSpace, TargetSpace};
 use crate::cli::{Output, input, table};
 use anyhow::{Context, bail};
@@ -13,7 +13,7 @@ use sinew_runtime::Limits;
 use sinew_runtime::envelope;
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::skin::blend::CANDIDATES;
-use sinew_trainer::envelope::{Meshes, Options, Predict, Trained, train};
+use sinew_trainer::envelope::{FileSkins, Options, Predict, Trained, train};
 use sinew_trainer::examples::{Examples, Split};
 use std::path::PathBuf;
 
@@ -137,7 +137,7 @@ impl FitArguments {
         &self,
         examples: &Examples,
         source: &str,
-        meshes: Meshes,
+        meshes: FileSkins,
         output: Output,
     ) -> anyhow::Result<Trained> {
         let triangles = examples.triangles.len();
@@ -176,22 +176,22 @@ impl FitArguments {
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let mut inputs = arguments.input.files();
     inputs.extend_from_slice(&arguments.meshes.also);
-    let model = Target::new(&arguments.output, &inputs)?;
-    let record_file = arguments.record.as_ref().map(|file| Target::new(file, &inputs));
+    let model = OutputFile::new(&arguments.output, &inputs)?;
+    let record_file = arguments.record.as_ref().map(|file| OutputFile::new(file, &inputs));
     let record_file = record_file.transpose()?;
     if record_file.as_ref().is_some_and(|file| file.is(&model)) {
         bail!("cannot write {}: model and record are one file", arguments.output.display());
     }
     let mut hashes = arguments.input.hashes()?;
-    let input::Input { mut examples, warnings, .. } = arguments.input.load(output)?;
+    let input::LoadedInput { mut examples, warnings, .. } = arguments.input.load(output)?;
     let file = &arguments.input.examples;
     arguments.space.say(&mut examples, file)?;
     let from = examples.space;
     let conversion = arguments.target.convert(&mut examples, file)?;
     let also = &arguments.meshes.also;
     let meshes = match arguments.meshes.no_skin {
-        true => Meshes::PaletteAlone,
-        false => Meshes::Skins(levels::load(also, conversion.as_ref())?),
+        true => FileSkins::PaletteAlone,
+        false => FileSkins::Skins(levels::load(also, conversion.as_ref())?),
     };
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
     let source = file.display().to_string();

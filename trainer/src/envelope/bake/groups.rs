@@ -7,15 +7,15 @@ use faer::Col;
 use sinew_runtime::envelope::GroupRow;
 
 /// What the sections `groups` and `corrections` hold, and the scratch that they need.
-pub(super) struct Groups {
+pub(super) struct GroupSections {
     pub(super) rows: Vec<u8>,
     pub(super) words: Vec<u8>,
     pub(super) scratch_len: usize,
 }
 
 /// Writes all groups.
-pub(super) fn write(groups: &[Group]) -> Result<Groups, BakeError> {
-    let mut out = Groups { rows: Vec::new(), words: Vec::new(), scratch_len: 0 };
+pub(super) fn write(groups: &[Group]) -> Result<GroupSections, BakeError> {
+    let mut out = GroupSections { rows: Vec::new(), words: Vec::new(), scratch_len: 0 };
     let mut proxies = 0;
     for group in groups {
         check_len("proxies before a group", proxies, group.proxies.start)?;

@@ -17,7 +17,7 @@ pub enum Severity {
 /// The part of a check that a finding belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Subject {
+pub enum Topic {
     /// Size and place.
     Size,
     /// The rest mesh against joints and poses.
@@ -82,15 +82,15 @@ pub enum Kind {
 
 impl Kind {
     /// The part of a check that it belongs to.
-    pub fn subject(self) -> Subject {
+    pub fn subject(self) -> Topic {
         match self {
-            Self::FarAway | Self::OddSize => Subject::Size,
+            Self::FarAway | Self::OddSize => Topic::Size,
             Self::OtherUnits
             | Self::OtherAxes
             | Self::Shifted
             | Self::RestDiffers
-            | Self::RestUntested => Subject::Rest,
-            Self::NonRigid | Self::Still | Self::HalfTurn | Self::Idle => Subject::Joints,
+            | Self::RestUntested => Topic::Rest,
+            Self::NonRigid | Self::Still | Self::HalfTurn | Self::Idle => Topic::Joints,
             Self::NoArea
             | Self::Winding
             | Self::NonManifold
@@ -98,8 +98,8 @@ impl Kind {
             | Self::Unwelded
             | Self::Collapsed
             | Self::Folded
-            | Self::Flipped => Subject::Faces,
-            Self::Repeated | Self::Contradicting | Self::OutOfStep => Subject::Frames,
+            | Self::Flipped => Topic::Faces,
+            Self::Repeated | Self::Contradicting | Self::OutOfStep => Topic::Frames,
         }
     }
 }

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 pub(super) fn folds(context: &Context<'_>, findings: &mut Vec<Finding>) {
-    let surface = Surface::new(context);
+    let surface = RestFaces::new(context);
     let frames: Vec<Faults> =
         (0..context.frames.len()).into_par_iter().map(|i| surface.faults(context, i)).collect();
     let part = |of: fn(&Faults) -> &Vec<usize>| frames.iter().map(of).cloned().collect::<Vec<_>>();
@@ -35,7 +35,7 @@ pub(super) fn folds(context: &Context<'_>, findings: &mut Vec<Finding>) {
 }
 
 /// The triangles that have an area at rest.
-struct Surface {
+struct RestFaces {
     triangles: Vec<usize>,
     /// Pairs of them that share an edge without a crease, by place in the list.
     neighbours: Vec<[usize; 2]>,
@@ -50,7 +50,7 @@ struct Faults {
     collapsed: Vec<usize>,
 }
 
-impl Surface {
+impl RestFaces {
     fn new(context: &Context<'_>) -> Self {
         let examples = context.examples;
         let mut place = vec![None; examples.triangles.len()];

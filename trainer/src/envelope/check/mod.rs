@@ -32,7 +32,7 @@ use serde::Serialize;
 #[derive(Clone, Debug, Serialize)]
 pub struct Check {
     /// Scale and place.
-    pub size: size::Size,
+    pub size: size::MeshSize,
     /// How the rest mesh was tested.
     pub rest: rest::Rest,
     /// What the faces are.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// The mesh's size at rest, in units of the input.
 #[derive(Clone, Debug, Serialize)]
-pub struct Size {
+pub struct MeshSize {
     /// Extents along x, y and z.
     pub extents: [f64; 3],
     /// Diagonal of the bounding box.
@@ -26,7 +26,7 @@ const AXES: [char; 3] = ['x', 'y', 'z'];
 const UNITS: [(&str, f64); 4] =
     [("metres", 1.0), ("decimetres", 0.1), ("centimetres", 0.01), ("millimetres", 0.001)];
 
-pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> Size {
+pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> MeshSize {
     let [low, high] = examples.bounds();
     let extents = [0, 1, 2].map(|axis| high[axis] - low[axis]);
     let longest = (0..3).rev().max_by(|&a, &b| extents[a].total_cmp(&extents[b])).unwrap_or(0);
@@ -35,7 +35,7 @@ pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> Size {
     let metres = UNITS.map(|(unit, metres)| (unit, metres * extents[longest]));
     let diagonal = examples.diagonal();
     let distance = examples.centroid().iter().map(|x| x * x).sum::<f64>().sqrt();
-    let size = Size {
+    let size = MeshSize {
         extents,
         diagonal,
         ground: if let [axis] = ground[..] { Some(AXES[axis]) } else { None },

@@ -2,7 +2,7 @@
 
 use super::features::Features;
 use super::metric::Metric;
-use super::target::Target;
+use super::target::CorrectionTarget;
 use crate::envelope::model::{Group, Input};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::stacked::map_of;
@@ -51,7 +51,7 @@ pub struct GroupReport {
 }
 
 /// Sizes of a group's map to choose from.
-pub struct Candidates {
+pub struct GroupCandidates {
     joint: usize,
     proxies: Range<usize>,
     hops: usize,
@@ -61,14 +61,14 @@ pub struct Candidates {
     outputs: Outputs,
     before: f64,
     /// By ascending bytes and descending score; the first is no map.
-    pub sizes: Vec<Size>,
+    pub sizes: Vec<MapSize>,
     /// The one to take where there is room.
     pub preferred: usize,
 }
 
 /// A size of a map.
 #[derive(Clone)]
-pub struct Size {
+pub struct MapSize {
     trial: Option<Trial>,
     rank: usize,
     /// Bytes in the file.
@@ -77,10 +77,14 @@ pub struct Size {
     pub score: f64,
 }
 
-impl Candidates {
+impl GroupCandidates {
     /// Tries all there is to choose for some proxies of one dominant joint.
-    pub fn new(target: &Target<'_>, proxies: Range<usize>, blocks: &[Range<usize>]) -> Self {
-        let Target { poses, features, .. } = *target;
+    pub fn new(
+        target: &CorrectionTarget<'_>,
+        proxies: Range<usize>,
+        blocks: &[Range<usize>],
+    ) -> Self {
+        let CorrectionTarget { poses, features, .. } = *target;
         let joint = target.dominant[proxies.start];
         let metric = Metric::new(target.gram, &proxies);
         let seen = |left_over: &Mat<f64>| metric.weigh(&local(left_over, poses, joint, &proxies));
@@ -92,7 +96,7 @@ impl Candidates {
             without: target.without.iter().map(|m| seen(m) * &directions).collect(),
         };
         let sizes = outputs.sizes();
-        let nothing = Size { trial: None, rank: 0, bytes: 0, score: sizes.iter().sum() };
+        let nothing = MapSize { trial: None, rank: 0, bytes: 0, score: sizes.iter().sum() };
         let before = nothing.score;
         let mut found = vec![nothing];
         let (mut hops, mut inputs) = (0, Vec::new());
@@ -113,8 +117,12 @@ impl Candidates {
 
     /// Fits a size; also gives what each pose's latent outputs are predicted to be without its
     /// fold, n x r.
-    pub fn fit(&self, target: &Target<'_>, size: &Size) -> (Group, GroupReport, Mat<f64>) {
-        let Target { poses, features, .. } = *target;
+    pub fn fit(
+        &self,
+        target: &CorrectionTarget<'_>,
+        size: &MapSize,
+    ) -> (Group, GroupReport, Mat<f64>) {
+        let CorrectionTarget { poses, features, .. } = *target;
         let mut report = GroupReport {
             joint: self.joint,
             proxies: self.proxies.len(),
@@ -182,7 +190,7 @@ fn listen<'a>(
 }
 
 /// Chooses kernel and width; returns every number of centres and rank with them.
-fn choose(heard: &Heard<'_>, nothing: &[f64], proxies: usize) -> Vec<Size> {
+fn choose(heard: &Heard<'_>, nothing: &[f64], proxies: usize) -> Vec<MapSize> {
     let samples = &heard.samples;
     let rougher = SMOOTHEST_FIRST[1..].iter().filter_map(|&kernel| widest(samples, kernel));
     let of_kernels: Vec<Trial> = std::iter::once(heard.best.clone()).chain(rougher).collect();
@@ -198,7 +206,7 @@ fn choose(heard: &Heard<'_>, nothing: &[f64], proxies: usize) -> Vec<Size> {
         for rank in 1..=nothing.len() {
             let centres = trial.choice.centres + 1;
             let left: f64 = nothing[rank..].iter().sum();
-            sizes.push(Size {
+            sizes.push(MapSize {
                 rank,
                 bytes: bytes(samples.input_len(), centres, rank, proxies),
                 score: trial.scores[..rank].iter().sum::<f64>() + left,
@@ -221,7 +229,7 @@ fn most_centres(samples: &Samples<'_>) -> usize {
 }
 
 /// Sorts by bytes and leaves out what is no better than something smaller.
-fn undominated(mut sizes: Vec<Size>) -> Vec<Size> {
+fn undominated(mut sizes: Vec<MapSize>) -> Vec<MapSize> {
     sizes.sort_by(|a, b| a.bytes.cmp(&b.bytes).then(a.score.total_cmp(&b.score)));
     let mut least = f64::INFINITY;
     sizes.retain(|size| {

@@ -4,8 +4,8 @@
 //! kernel map, which listens to the joints within some hops of that joint. Its outputs are a few
 //! latent ones, the leading directions of what is left over, measured where the skin is.
 
-use super::candidates::{Candidates, GroupReport};
-use super::target::Target;
+use super::candidates::{GroupCandidates, GroupReport};
+use super::target::CorrectionTarget;
 use crate::envelope::model::Group;
 use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::poses::Poses;
@@ -20,8 +20,8 @@ const STEP: &str = "kernel maps";
 
 /// The maps of all groups, each in several sizes, before one is taken.
 pub struct Search<'a> {
-    target: Target<'a>,
-    groups: Vec<Candidates>,
+    target: CorrectionTarget<'a>,
+    groups: Vec<GroupCandidates>,
 }
 
 /// Maps that were fitted.
@@ -38,7 +38,7 @@ pub struct Correction {
 
 impl<'a> Search<'a> {
     /// Tries hops, kernels, widths, ridges, centres and ranks for every group.
-    pub fn new(target: Target<'a>, progress: &dyn Progress) -> Self {
+    pub fn new(target: CorrectionTarget<'a>, progress: &dyn Progress) -> Self {
         let blocks = blocks(&target);
         let mut ranges = Vec::<Range<usize>>::new();
         for (l, joint) in target.dominant.iter().enumerate() {
@@ -49,7 +49,7 @@ impl<'a> Search<'a> {
         }
         progress.step(STEP, ranges.len());
         let search = |proxies| {
-            let candidates = Candidates::new(&target, proxies, &blocks);
+            let candidates = GroupCandidates::new(&target, proxies, &blocks);
             progress.advance(1);
             candidates
         };
@@ -80,14 +80,14 @@ impl<'a> Search<'a> {
 
     /// Returns groups that correct nothing.
     pub fn nothing(&self) -> Vec<Group> {
-        self.groups.iter().map(Candidates::nothing).collect()
+        self.groups.iter().map(GroupCandidates::nothing).collect()
     }
 
     /// Fits maps that add at most so many bytes to those of [`Search::nothing`]; none where even
     /// that is too few.
     pub fn fit(&self, bytes: usize) -> Option<Correction> {
         let taken = self.within(bytes)?;
-        let Target { poses, dominant, .. } = self.target;
+        let CorrectionTarget { poses, dominant, .. } = self.target;
         let fitted: Vec<_> = self
             .groups
             .par_iter()
@@ -128,7 +128,7 @@ fn add(group: &Group, latents: &[f64], (poses, pose): (&Poses, usize), out: &mut
 
 /// Returns the folds of the cross-validation. Where the base is the same for all of them, further folds
 /// that lie halfway between two are added: more folds choose better.
-fn blocks(target: &Target<'_>) -> Vec<Range<usize>> {
+fn blocks(target: &CorrectionTarget<'_>) -> Vec<Range<usize>> {
     let mut blocks = folds(target.poses.len());
     if target.without.is_empty() {
         let between = |pair: &[Range<usize>]| {
@@ -210,6 +210,6 @@ mod tests {
         let target = helpers.target(&training);
         assert_eq!(blocks(&target)[10..], expected);
         let base = [Mat::zeros(120, 16)];
-        assert_eq!(blocks(&Target { without: &base, ..target }), folds);
+        assert_eq!(blocks(&CorrectionTarget { without: &base, ..target }), folds);
     }
 }

@@ -7,7 +7,7 @@ use faer::Mat;
 /// What a correction is fitted to: on n training poses, the part of P proxies' transforms that a base
 /// (joints, or a reconstruction) does not predict.
 #[derive(Clone, Copy)]
-pub struct Target<'a> {
+pub struct CorrectionTarget<'a> {
     /// n training poses.
     pub poses: &'a Poses,
     /// The joints' rest geometry.

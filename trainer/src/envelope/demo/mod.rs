@@ -17,7 +17,7 @@ use sinew_runtime::format::Space;
 
 use crate::examples::{Examples, Matrix3x4, Skeleton, Split};
 use flesh::Flesh;
-use motion::{Clip, Pose};
+use motion::{MotionClip, Pose};
 use shape::Skin;
 
 /// What to generate.
@@ -48,7 +48,7 @@ pub fn demo(options: &DemoOptions) -> Examples {
     let skin = Skin::new(options.vertices);
     let flesh: Vec<Flesh> = skin.points.iter().map(Flesh::new).collect();
     let clips = motion::clips(options.poses, options.held_out, options.seed);
-    let frames: Vec<(Split, Pose)> = clips.iter().flat_map(Clip::frames).collect();
+    let frames: Vec<(Split, Pose)> = clips.iter().flat_map(MotionClip::frames).collect();
 
     let rest: Vec<[f64; 3]> = skin.points.iter().map(|point| single(point.position)).collect();
     let mut vertices = vec![[0.0; 3]; frames.len() * rest.len()];

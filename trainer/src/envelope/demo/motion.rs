@@ -44,7 +44,7 @@ pub(super) struct Pose {
 }
 
 /// Consecutive frames of one use.
-pub(super) struct Clip {
+pub(super) struct MotionClip {
     split: Split,
     /// Random poses, one every stride.
     keys: Vec<[f64; FREEDOMS]>,
@@ -57,7 +57,7 @@ pub(super) fn hinge() -> Vector3<f64> {
 }
 
 /// Draws clips for `train` and `held_out` frames, held-out clips spread among the others.
-pub(super) fn clips(train: usize, held_out: usize, seed: u64) -> Vec<Clip> {
+pub(super) fn clips(train: usize, held_out: usize, seed: u64) -> Vec<MotionClip> {
     let mut clips = Vec::new();
     for (stream, split, total) in [(0, Split::Train, train), (1, Split::HeldOut, held_out)] {
         // A stream of its own, so that held-out clips do not depend on the training clips.
@@ -68,7 +68,7 @@ pub(super) fn clips(train: usize, held_out: usize, seed: u64) -> Vec<Clip> {
             let key_len = 1 + (frame_len - 1).div_ceil(STRIDE);
             let keys = (0..key_len).map(|_| key(&mut random)).collect();
             let middle = (begin as f64 + 0.5 * frame_len as f64) / total as f64;
-            clips.push((middle, Clip { split, keys, frame_len }));
+            clips.push((middle, MotionClip { split, keys, frame_len }));
         }
     }
     clips.sort_by(|(a, _), (b, _)| a.total_cmp(b));
@@ -80,7 +80,7 @@ fn key(random: &mut ChaCha8Rng) -> [f64; FREEDOMS] {
     RANGES.map(|(low, high)| low + (high - low) * ramp(random.random(), 0.0, 1.0))
 }
 
-impl Clip {
+impl MotionClip {
     /// Gives the frames in order, eased from one random pose to the next.
     pub(super) fn frames(&self) -> impl Iterator<Item = (Split, Pose)> + '_ {
         (0..self.frame_len).map(|frame| {

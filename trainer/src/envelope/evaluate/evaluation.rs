@@ -3,7 +3,7 @@
 use super::character::Character;
 use super::error::EvaluateError;
 use super::measured::{Confidence, Errors, Measured};
-use super::skin::Lbs;
+use super::skin::Baseline;
 use crate::examples::{Examples, Split};
 use serde::Serialize;
 
@@ -89,7 +89,7 @@ pub fn evaluate(
     let character = Character::open(model, skin, examples)?;
     let chosen = frames.measurable(examples)?;
     let measured = Measured::model(&character, examples, &chosen)?;
-    let lbs = Measured::lbs(&Lbs::fit(examples), examples, &chosen);
+    let lbs = Measured::lbs(&Baseline::fit(examples), examples, &chosen);
     Ok(Evaluation::new(frames, (&character, model.len()), &measured, &lbs))
 }
 

@@ -1,6 +1,6 @@
 //! Distances of a skin from the truth, and every sum, mean and percentile that is made of them.
 
-use super::{Character, EvaluateError, Lbs, skin};
+use super::{Baseline, Character, EvaluateError, skin};
 use crate::examples::{Examples, Importance};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -73,7 +73,7 @@ impl Measured {
     }
 
     /// Measures the baseline.
-    pub fn lbs(lbs: &Lbs, examples: &Examples, frames: &[usize]) -> Self {
+    pub fn lbs(lbs: &Baseline, examples: &Examples, frames: &[usize]) -> Self {
         let frames = frames
             .par_iter()
             .map(|&frame| MeasuredFrame::new(examples, frame, |v| lbs.vertex(examples, frame, v)));

@@ -11,4 +11,4 @@ pub use character::Character;
 pub use error::EvaluateError;
 pub use evaluation::{Evaluation, Frames, evaluate};
 pub use measured::{Confidence, Errors, Measured, MeasuredFrame, largest};
-pub use skin::{Lbs, Skinned, skin};
+pub use skin::{Baseline, SkinnedFrame, skin};

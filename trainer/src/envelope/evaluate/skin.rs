@@ -8,13 +8,13 @@ use crate::examples::Examples;
 use nalgebra::Vector3;
 
 /// One frame's skin as the runtime writes it.
-pub struct Skinned {
+pub struct SkinnedFrame {
     positions: Vec<f32>,
     normals: Vec<f32>,
     confidence: f64,
 }
 
-impl Skinned {
+impl SkinnedFrame {
     /// Positions, 3V floats.
     pub fn positions(&self) -> &[f32] {
         &self.positions
@@ -43,20 +43,20 @@ pub fn skin(
     character: &Character<'_>,
     examples: &Examples,
     frame: usize,
-) -> Result<Skinned, EvaluateError> {
+) -> Result<SkinnedFrame, EvaluateError> {
     let (palette, confidence) = palette(&character.envelope, examples, frame)?;
     let [positions, normals] = skin_on(&character.skin, &palette, frame)?;
-    Ok(Skinned { positions, normals, confidence: f64::from(confidence) })
+    Ok(SkinnedFrame { positions, normals, confidence: f64::from(confidence) })
 }
 
 /// The baseline: LBS with 4 influences, fitted to the training frames.
-pub struct Lbs {
+pub struct Baseline {
     /// The joint weights of each vertex.
     pub weights: Weights,
     normals: Vec<[f64; 3]>,
 }
 
-impl Lbs {
+impl Baseline {
     /// Fits the weights.
     pub fn fit(examples: &Examples) -> Self {
         Self { weights: weights::baseline(examples), normals: examples.rest_normals() }

@@ -2,14 +2,14 @@
 
 use super::error::ExportError;
 use super::glb::{Document, Placed, SkinnedMesh};
-use super::proxies::{self, Proxies};
-use super::skeleton::{Joints, quaternion, turned};
+use super::proxies::{self, ProxyNodes};
+use super::skeleton::{JointNodes, quaternion, turned};
 use super::times::key_times;
 use crate::envelope::evaluate::{Character, EvaluateError};
-use crate::envelope::levels::{Influences, Level, LevelReport, Surface};
+use crate::envelope::levels::{Influences, Level, LevelReport, SkinSurface};
 use crate::envelope::posed::{FrameError, influences, palette, rest, skin_on};
 use crate::examples::{Clip, Examples, Matrix3x4, normals};
-use crate::space::{Conversion, SpaceWish};
+use crate::space::{Conversion, SpaceRequest};
 use rayon::prelude::*;
 use sinew_runtime::Envelope;
 use sinew_runtime::format::{Axis, Handedness, Space};
@@ -30,7 +30,7 @@ pub enum Stand {
     /// Turned from z up to y up, about x.
     Upright,
     /// In this space, as far as it is said; the armature turns and scales the character.
-    In(SpaceWish),
+    In(SpaceRequest),
 }
 
 /// An exported file.
@@ -61,7 +61,7 @@ pub fn export(
 ) -> Result<Exported, ExportError> {
     let character = Character::open(model, skin, examples)?;
     let Character { envelope, skin, space } = character;
-    let hand = SpaceWish { handedness: Some(Handedness::Right), ..SpaceWish::default() };
+    let hand = SpaceRequest { handedness: Some(Handedness::Right), ..SpaceRequest::default() };
     let (right, mirror) = Conversion::to(space, &hand)?;
     let times = clips.iter().map(key_times).collect::<Result<Vec<_>, _>>()?;
     if clips.is_empty() {
@@ -85,7 +85,7 @@ pub fn export(
                 Ok(positions)
             })
             .collect::<Result<Vec<_>, FrameError>>()?;
-        let surface = Surface {
+        let surface = SkinSurface {
             rest: &rest(&skin),
             triangles: &examples.solid_triangles(),
             influences: &own_influences,
@@ -124,10 +124,10 @@ pub fn export(
 
     let mut document = Document::new(NOTE);
     let armature = document.node("armature".to_owned(), None, &armature(&right, stand)?);
-    let joints = Joints::new(&mut document, armature, &skeleton);
+    let joints = JointNodes::new(&mut document, armature, &skeleton);
     let centres = centres(&envelope, &rest, &own_influences);
     let carriers = proxies::carriers(&palettes, &poses, &centres, REACH * examples.diagonal());
-    let proxies = Proxies::new(&mut document, &joints, &centres, &carriers);
+    let proxies = ProxyNodes::new(&mut document, &joints, &centres, &carriers);
     let shown = envelope.palette_len() - envelope.proxy_len();
     let nodes = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
     let inverse_binds = [&joints.inverse_binds[..shown], &proxies.inverse_binds].concat();
@@ -172,10 +172,10 @@ fn armature(model: &Space, stand: Stand) -> Result<Placed, ExportError> {
                 |up, forward| Space { up: Some(up), forward: Some(forward), ..Space::default() };
             Conversion::between(&space(Axis::Z, Axis::MinusY), &space(Axis::Y, Axis::Z))
         }
-        Stand::In(SpaceWish { handedness: Some(Handedness::Left), .. }) => {
+        Stand::In(SpaceRequest { handedness: Some(Handedness::Left), .. }) => {
             return Err(ExportError::LeftHanded);
         }
-        Stand::In(wish) => Conversion::to(*model, &wish)?.1,
+        Stand::In(request) => Conversion::to(*model, &request)?.1,
     };
     Ok(conversion.map_or(Placed::AT_PARENT, |conversion| Placed {
         rotation: quaternion(&turned(&conversion.axes())),

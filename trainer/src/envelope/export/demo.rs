@@ -2,7 +2,7 @@
 
 use super::error::ExportError;
 use super::glb::{Document, Placed, SkinnedMesh};
-use super::skeleton::Joints;
+use super::skeleton::JointNodes;
 use super::times::key_times;
 use crate::envelope::evaluate::Frames;
 use crate::envelope::skin::weights;
@@ -40,7 +40,7 @@ pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportEr
 
     let mut document = Document::new(NOTE);
     let armature = document.node("armature".to_owned(), None, &Placed::AT_PARENT);
-    let joints = Joints::new(&mut document, armature, &examples.skeleton);
+    let joints = JointNodes::new(&mut document, armature, &examples.skeleton);
     let skin = document.skin(armature, joints.nodes.clone(), &joints.inverse_binds);
     let mesh = SkinnedMesh {
         name: "skin",

@@ -69,11 +69,11 @@ pub(super) struct Track {
     /// The node.
     pub(super) node: NodeIndex,
     /// The values.
-    pub(super) keys: Keys,
+    pub(super) keys: ChannelKeys,
 }
 
 /// Values of one property.
-pub(super) enum Keys {
+pub(super) enum ChannelKeys {
     /// Translations.
     Translation(Vec<[f32; 3]>),
     /// Unit quaternions, xyzw.
@@ -216,11 +216,13 @@ impl Document {
         let (mut channels, mut samplers) = (Vec::new(), Vec::new());
         for Track { node, keys } in tracks {
             let (path, output) = match keys {
-                Keys::Translation(keys) => {
+                ChannelKeys::Translation(keys) => {
                     (Property::Translation, self.floats(Type::Vec3, &keys, None))
                 }
-                Keys::Rotation(keys) => (Property::Rotation, self.floats(Type::Vec4, &keys, None)),
-                Keys::Scale(keys) => (Property::Scale, self.floats(Type::Vec3, &keys, None)),
+                ChannelKeys::Rotation(keys) => {
+                    (Property::Rotation, self.floats(Type::Vec4, &keys, None))
+                }
+                ChannelKeys::Scale(keys) => (Property::Scale, self.floats(Type::Vec3, &keys, None)),
             };
             let sampler = Sampler {
                 extensions: None,

@@ -4,8 +4,8 @@ use nalgebra::{Isometry3, Matrix3, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::Matrix3x4;
 
-use super::glb::{Document, Keys, NodeIndex, Placed, Track};
-use super::skeleton::{Joints, continuous, quaternion, turned};
+use super::glb::{ChannelKeys, Document, NodeIndex, Placed, Track};
+use super::skeleton::{JointNodes, continuous, quaternion, turned};
 use super::stretch::Stretch;
 
 /// The proxies of a palette as nodes of a document.
@@ -14,7 +14,7 @@ use super::stretch::Stretch;
 /// skeleton. A node moves, turns and scales along its own axes. A proxy's map scales along axes of
 /// its own choice: its outer node moves, turns and scales, and its inner node, the joint of the skin,
 /// turns the axes back.
-pub(super) struct Proxies {
+pub(super) struct ProxyNodes {
     chains: Vec<Chain>,
     /// Inverse bind matrices of the inner nodes.
     pub(super) inverse_binds: Vec<Matrix3x4>,
@@ -27,11 +27,11 @@ struct Chain {
     joint: usize,
 }
 
-impl Proxies {
+impl ProxyNodes {
     /// Adds proxies under the joints that carry them, each in the centre of what it moves.
     pub(super) fn new(
         document: &mut Document,
-        joints: &Joints,
+        joints: &JointNodes,
         centres: &[[f64; 3]],
         carriers: &[usize],
     ) -> Self {
@@ -134,10 +134,10 @@ impl Chain {
             axes.push(quaternion(&turned(&stretch.axes.transpose())));
         }
         vec![
-            Track { node: self.outer, keys: Keys::Translation(places) },
-            Track { node: self.outer, keys: Keys::Rotation(continuous(turns)) },
-            Track { node: self.outer, keys: Keys::Scale(scales) },
-            Track { node: self.inner, keys: Keys::Rotation(continuous(axes)) },
+            Track { node: self.outer, keys: ChannelKeys::Translation(places) },
+            Track { node: self.outer, keys: ChannelKeys::Rotation(continuous(turns)) },
+            Track { node: self.outer, keys: ChannelKeys::Scale(scales) },
+            Track { node: self.inner, keys: ChannelKeys::Rotation(continuous(axes)) },
         ]
     }
 }

@@ -2,12 +2,12 @@
 
 use nalgebra::{Isometry3, Matrix3, Matrix4, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-use super::glb::{Document, Keys, NodeIndex, Placed, Track};
+use super::glb::{ChannelKeys, Document, NodeIndex, Placed, Track};
 use crate::examples::{Matrix3x4, Skeleton};
 use crate::numeric::so3;
 
 /// The joints of a skeleton as nodes of a document.
-pub(super) struct Joints {
+pub(super) struct JointNodes {
     /// Their nodes.
     pub(super) nodes: Vec<NodeIndex>,
     /// Their inverse bind matrices, as the file holds them.
@@ -19,7 +19,7 @@ pub(super) struct Joints {
     order: Vec<usize>,
 }
 
-impl Joints {
+impl JointNodes {
     /// Adds the joints under a node, which stands in the model's own space.
     pub(super) fn new(document: &mut Document, under: NodeIndex, skeleton: &Skeleton) -> Self {
         let rest: Vec<_> = skeleton.rest.iter().map(|frame| isometry(&square(frame))).collect();
@@ -59,7 +59,7 @@ impl Joints {
         let track = |(joint, &node): (usize, &NodeIndex)| {
             let translations = keys.iter().map(|pose| pose[joint].translation).collect();
             let rotations = keys.iter().map(|pose| pose[joint].rotation).collect();
-            [Keys::Translation(translations), Keys::Rotation(continuous(rotations))]
+            [ChannelKeys::Translation(translations), ChannelKeys::Rotation(continuous(rotations))]
                 .map(|keys| Track { node, keys })
         };
         (self.nodes.iter().enumerate().flat_map(track).collect(), reached)

@@ -1,7 +1,7 @@
 //! The fit of helpers to the training frames (METHOD §1.9).
 
 use crate::envelope::correction::features::Features;
-use crate::envelope::correction::target::Target;
+use crate::envelope::correction::target::CorrectionTarget;
 use crate::envelope::fitted::Fitted;
 use crate::envelope::model::Group;
 use crate::envelope::skin::blend::{Items, Maps, Weights, fit_maps, fit_weights};
@@ -176,8 +176,8 @@ impl Helpers {
     }
 
     /// What the joints leave over for a correction to learn.
-    pub fn target<'a>(&'a self, training: &'a Training) -> Target<'a> {
-        Target {
+    pub fn target<'a>(&'a self, training: &'a Training) -> CorrectionTarget<'a> {
+        CorrectionTarget {
             poses: &training.poses,
             features: Features::of(training),
             dominant: &self.dominant,

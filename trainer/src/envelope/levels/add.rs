@@ -1,6 +1,6 @@
 //! Further meshes as skins of a model's file.
 
-use super::follow::{Influences, Level, LevelError, LevelReport, Surface};
+use super::follow::{Influences, Level, LevelError, LevelReport, SkinSurface};
 use crate::bake::BakeError;
 use crate::envelope::model::{FileModel, SkinModel};
 use crate::envelope::posed::{FrameError, influences, palette, rest, skin_on};
@@ -64,7 +64,7 @@ pub fn add(
     });
     let (palettes, posed): (Vec<_>, Vec<_>) =
         posed.collect::<Result<Vec<_>, FrameError>>()?.into_iter().unzip();
-    let surface = Surface {
+    let surface = SkinSurface {
         rest: &rest(&skin),
         triangles: &examples.solid_triangles(),
         influences: &influences(&skin),

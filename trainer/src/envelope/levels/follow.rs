@@ -71,7 +71,7 @@ pub struct LevelReport {
 pub type Influences = Vec<Vec<(usize, f64)>>;
 
 /// A model's own skin, at rest and in some frames.
-pub struct Surface<'a> {
+pub struct SkinSurface<'a> {
     /// V rest positions.
     pub rest: &'a [[f64; 3]],
     /// Triangles that have an area.
@@ -88,7 +88,7 @@ pub struct Surface<'a> {
     pub posed: Vec<Vec<f32>>,
 }
 
-impl Surface<'_> {
+impl SkinSurface<'_> {
     /// Finds weights for the vertices of a further mesh: those of the nearest point of the surface,
     /// fitted in each frame to where the surface carries the vertex.
     ///

@@ -5,4 +5,4 @@ mod follow;
 mod nearest;
 
 pub use add::{AddError, OWN, add, check_names, reserve};
-pub use follow::{Influences, Level, LevelError, LevelReport, Surface};
+pub use follow::{Influences, Level, LevelError, LevelReport, SkinSurface};

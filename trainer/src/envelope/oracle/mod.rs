@@ -10,4 +10,4 @@ mod reconstruction;
 mod skin;
 
 pub use reconstruction::stack;
-pub use skin::Skinned;
+pub use skin::SkinnedVertex;

@@ -1,6 +1,6 @@
 //! Errors by frame, as a table for other tools.
 
-use super::subject::{Subject, use_of};
+use super::comparison::{Comparison, use_of};
 
 /// Writes a row for each measured frame, under a row of names: `frame`, `clip`, `split`, `vertices`;
 /// then, for the model, and with `lbs_` and `other_` before them for LBS and for the model that it is
@@ -8,8 +8,8 @@ use super::subject::{Subject, use_of};
 ///
 /// # Errors
 /// Those of the writer.
-pub fn by_frame(subject: &Subject<'_>) -> Result<Vec<u8>, csv::Error> {
-    let series = subject.series();
+pub fn by_frame(comparison: &Comparison<'_>) -> Result<Vec<u8>, csv::Error> {
+    let series = comparison.series();
     // The model's own columns first.
     let order = [1, 0, 2].into_iter().filter_map(|place| series.get(place));
     let order: Vec<_> = order.zip(["", "lbs_", "other_"]).collect();
@@ -20,8 +20,8 @@ pub fn by_frame(subject: &Subject<'_>) -> Result<Vec<u8>, csv::Error> {
         names.extend(series.model.map(|_| format!("{prefix}confidence")));
     }
     writer.write_record(&names)?;
-    let (examples, source) = (subject.source.examples, &subject.source);
-    for (place, frame) in subject.measured_frames().into_iter().enumerate() {
+    let (examples, source) = (comparison.source.examples, &comparison.source);
+    for (place, frame) in comparison.measured_frames().into_iter().enumerate() {
         let clip = source.clip_of(frame).map_or("", |clip| source.clips[clip].name.as_str());
         let split = use_of(examples.split[frame]);
         let mut row = vec![frame.to_string(), clip.to_owned(), split.to_owned()];

@@ -1,6 +1,6 @@
 //! Errors by joint: each vertex counts for the joint that LBS lets it follow most.
 
-use super::subject::Subject;
+use super::comparison::Comparison;
 
 /// The vertices of one joint and their errors.
 pub(super) struct JointErrors {
@@ -15,14 +15,14 @@ pub(super) struct JointErrors {
 }
 
 /// Measures the errors of every joint that some vertex counts for, the model's largest first.
-pub(super) fn by_joint(subject: &Subject<'_>) -> Vec<JointErrors> {
-    let examples = subject.source.examples;
+pub(super) fn by_joint(comparison: &Comparison<'_>) -> Vec<JointErrors> {
+    let examples = comparison.source.examples;
     let mut vertices = vec![Vec::new(); examples.joint_len()];
     for vertex in 0..examples.vertex_len() {
-        let strongest = subject.lbs.weights.strongest(vertex);
+        let strongest = comparison.lbs.weights.strongest(vertex);
         vertices[strongest.unwrap_or(examples.skeleton.root())].push(vertex);
     }
-    let (measured, series) = (&subject.model.measured, subject.series());
+    let (measured, series) = (&comparison.model.measured, comparison.series());
     let mut joints: Vec<JointErrors> = vertices
         .iter()
         .enumerate()

@@ -2,15 +2,15 @@
 //! the same figures as CSV and PLY. Every number is measured by the f32 runtime on the file's bytes.
 
 mod bars;
+pub mod comparison;
 pub mod csv;
 mod joints;
 mod palette;
+mod pictures;
 pub mod ply;
 mod sections;
-mod shots;
 mod sizes;
 mod stopwatch;
-pub mod subject;
 
+pub use pictures::PictureOptions;
 pub use sections::{Page, ReportError};
-pub use shots::Wish;

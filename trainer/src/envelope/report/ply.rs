@@ -1,13 +1,13 @@
 //! Errors by vertex, as a mesh for other tools.
 
-use super::subject::Subject;
+use super::comparison::Comparison;
 use crate::page::colour::Scale;
 
 /// Writes the rest mesh as binary little-endian PLY: each vertex has its position, the colour of its
 /// error, and `error`, its RMS over the measured frames in % of the rest diagonal, as floats.
-pub fn rest_mesh(subject: &Subject<'_>) -> Vec<u8> {
-    let examples = subject.source.examples;
-    let errors = subject.model.measured.vertex_rms_percent();
+pub fn rest_mesh(comparison: &Comparison<'_>) -> Vec<u8> {
+    let examples = comparison.source.examples;
+    let errors = comparison.model.measured.vertex_rms_percent();
     let scale = Scale::of(&errors);
     let mut out = format!(
         "ply\nformat binary_little_endian 1.0\n\
@@ -15,8 +15,8 @@ pub fn rest_mesh(subject: &Subject<'_>) -> Vec<u8> {
          element vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
          property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float error\n\
          element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        subject.model.measured.frames.len(),
-        subject.frames.name(),
+        comparison.model.measured.frames.len(),
+        comparison.frames.name(),
         scale.most,
         examples.vertex_len(),
         examples.triangles.len()

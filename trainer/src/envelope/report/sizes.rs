@@ -1,7 +1,7 @@
 //! What more or fewer proxies would give: the model's predictor, trained again.
 
+use super::comparison::Comparison;
 use super::stopwatch::Stopwatch;
-use super::subject::Subject;
 use crate::envelope::choose::choose;
 use crate::envelope::evaluate::{Character, Errors, EvaluateError, Measured};
 use crate::envelope::rotational::ProxyCount;
@@ -21,14 +21,14 @@ pub(super) struct Sizes {
     /// Seconds that they share: reading the frames, LBS.
     pub(super) shared_seconds: f64,
     /// The trainings, by ascending number of proxies.
-    pub(super) trials: Vec<Trial>,
+    pub(super) trials: Vec<SizeTrial>,
     /// The near-rigid vertices of the one with as many proxies as the model, V; none where it has no
     /// reconstruction.
     pub(super) near_rigid: Option<Vec<bool>>,
 }
 
 /// A training.
-pub(super) struct Trial {
+pub(super) struct SizeTrial {
     /// P, as asked for.
     pub(super) proxies: usize,
     /// What came of it.
@@ -69,30 +69,33 @@ impl Sizes {
     ///
     /// # Errors
     /// [`FitError`], where the examples allow no training at all.
-    pub(super) fn train(subject: &Subject<'_>, progress: &dyn Progress) -> Result<Self, FitError> {
-        let examples = subject.source.examples;
+    pub(super) fn train(
+        comparison: &Comparison<'_>,
+        progress: &dyn Progress,
+    ) -> Result<Self, FitError> {
+        let examples = comparison.source.examples;
         let begun = Instant::now();
         let training = Training::new(examples, progress)?;
         let shared_seconds = begun.elapsed().as_secs_f64();
-        let counts = counts(subject.model.character.envelope.proxy_len(), &training);
+        let counts = counts(comparison.model.character.envelope.proxy_len(), &training);
         let mut sizes = Self { shared_seconds, trials: Vec::new(), near_rigid: None };
         for (number, &proxies) in counts.iter().enumerate() {
             progress.part(number + 1, counts.len());
-            let outcome = sizes.attempt(subject, &training, proxies, progress);
-            sizes.trials.push(Trial { proxies, outcome });
+            let outcome = sizes.attempt(comparison, &training, proxies, progress);
+            sizes.trials.push(SizeTrial { proxies, outcome });
         }
         Ok(sizes)
     }
 
     fn attempt(
         &mut self,
-        subject: &Subject<'_>,
+        comparison: &Comparison<'_>,
         training: &Training,
         proxies: usize,
         progress: &dyn Progress,
     ) -> Result<Outcome, SizeError> {
-        let examples = subject.source.examples;
-        let Character { envelope, skin, .. } = &subject.model.character;
+        let examples = comparison.source.examples;
+        let Character { envelope, skin, .. } = &comparison.model.character;
         let options = Options {
             predictor: Predict::Only(envelope.predictor()),
             proxies: Some(ProxyCount::Fixed(proxies)),
@@ -108,7 +111,7 @@ impl Sizes {
             self.near_rigid = Some(near_rigid(&training.lbs.errors, fraction));
         }
         let trained = Character::open(&model, None, examples)?;
-        let errors = Measured::model(&trained, examples, &subject.measured_frames())?.errors();
+        let errors = Measured::model(&trained, examples, &comparison.measured_frames())?.errors();
         Ok(Outcome {
             proxies: trained.envelope.proxy_len(),
             bytes: model.len(),

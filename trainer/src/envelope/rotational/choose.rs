@@ -24,7 +24,7 @@ const STIFFER: f64 = 1.02;
 
 /// One candidate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Choice {
+pub struct Setting {
     /// Fraction of the vertices that belong to F, those with the least LBS error.
     pub near_rigid_fraction: f64,
     /// γ and μ.
@@ -35,9 +35,9 @@ pub struct Choice {
 
 /// A candidate and its score.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Trial {
+pub struct SettingTrial {
     /// The candidate.
-    pub choice: Choice,
+    pub choice: Setting,
     /// Cross-validated RMS error over the diagonal; none where the system is singular.
     pub rms: Option<f64>,
 }
@@ -46,7 +46,7 @@ pub struct Trial {
 #[derive(Clone, Copy, Debug)]
 pub struct Chosen {
     /// The candidate.
-    pub choice: Choice,
+    pub choice: Setting,
     /// Its cross-validated RMS error over the diagonal.
     pub rms: f64,
 }
@@ -69,19 +69,19 @@ impl Candidates<'_> {
     ///
     /// # Errors
     /// [`FitError::Singular`] where no candidate is regular.
-    pub fn choose(&self, progress: &dyn Progress) -> Result<(Chosen, Vec<Trial>), FitError> {
+    pub fn choose(&self, progress: &dyn Progress) -> Result<(Chosen, Vec<SettingTrial>), FitError> {
         progress.step("near-rigid vertices", FRACTIONS.len() + NEAR_RIGID.len() + PATCH.len());
-        let mut search = Search { candidates: self, trials: Vec::new(), best: None, progress };
+        let mut search = Sweep { candidates: self, trials: Vec::new(), best: None, progress };
         for near_rigid_fraction in FRACTIONS {
-            search.attempt(Choice { near_rigid_fraction, anchors: START, refinement: None });
+            search.attempt(Setting { near_rigid_fraction, anchors: START, refinement: None });
         }
         for near_rigid in NEAR_RIGID {
             let best = search.best()?.choice;
-            search.attempt(Choice { anchors: Anchors { near_rigid, ..best.anchors }, ..best });
+            search.attempt(Setting { anchors: Anchors { near_rigid, ..best.anchors }, ..best });
         }
         for patch in PATCH {
             let best = search.best()?.choice;
-            search.attempt(Choice { anchors: Anchors { patch, ..best.anchors }, ..best });
+            search.attempt(Setting { anchors: Anchors { patch, ..best.anchors }, ..best });
         }
         let unrefined = search.best()?;
         let mut trials = search.trials;
@@ -90,7 +90,7 @@ impl Candidates<'_> {
     }
 
     /// Reduces the reconstruction with the anchors of a choice, without refinement.
-    pub fn reduce(&self, choice: &Choice) -> Option<Reduced> {
+    pub fn reduce(&self, choice: &Setting) -> Option<Reduced> {
         let fixed = near_rigid(self.lbs_errors, choice.near_rigid_fraction);
         Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..self.reduction }.run()
     }
@@ -99,7 +99,7 @@ impl Candidates<'_> {
     fn refine(
         &self,
         unrefined: Chosen,
-        trials: &mut Vec<Trial>,
+        trials: &mut Vec<SettingTrial>,
         progress: &dyn Progress,
     ) -> Result<Chosen, FitError> {
         let Some(projection) = self.projection else { return Ok(unrefined) };
@@ -111,11 +111,11 @@ impl Candidates<'_> {
             .iter()
             .zip(scores)
             .map(|(&strength, rms)| {
-                let choice = Choice { refinement: Some(strength), ..unrefined.choice };
+                let choice = Setting { refinement: Some(strength), ..unrefined.choice };
                 Chosen { choice, rms }
             })
             .collect();
-        trials.extend(refined.iter().map(|c| Trial { choice: c.choice, rms: Some(c.rms) }));
+        trials.extend(refined.iter().map(|c| SettingTrial { choice: c.choice, rms: Some(c.rms) }));
         let best = refined.iter().map(|c| c.rms).fold(unrefined.rms, f64::min);
         let mut stiffest_first = std::iter::once(unrefined).chain(refined);
         Ok(stiffest_first.find(|c| c.rms <= STIFFER * best).unwrap_or(unrefined))
@@ -134,22 +134,22 @@ pub fn near_rigid(lbs_errors: &[f64], fraction: f64) -> Vec<bool> {
     fixed
 }
 
-struct Search<'a> {
+struct Sweep<'a> {
     candidates: &'a Candidates<'a>,
-    trials: Vec<Trial>,
+    trials: Vec<SettingTrial>,
     best: Option<Chosen>,
     progress: &'a dyn Progress,
 }
 
-impl Search<'_> {
-    fn attempt(&mut self, choice: Choice) {
+impl Sweep<'_> {
+    fn attempt(&mut self, choice: Setting) {
         self.progress.advance(1);
         if self.trials.iter().any(|trial| trial.choice == choice) {
             return;
         }
         let reduced = self.candidates.reduce(&choice);
         let rms = reduced.map(|reduced| self.candidates.validation.score(&reduced));
-        self.trials.push(Trial { choice, rms });
+        self.trials.push(SettingTrial { choice, rms });
         if let Some(rms) = rms.filter(|rms| self.best.is_none_or(|best| *rms < best.rms)) {
             self.best = Some(Chosen { choice, rms });
         }

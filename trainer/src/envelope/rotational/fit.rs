@@ -1,7 +1,7 @@
 //! The fit: proxies, keys, and the reduced reconstruction.
 
-use super::choose::{Candidates, Choice, Trial};
-use super::options::Options;
+use super::choose::{Candidates, Setting, SettingTrial};
+use super::options::RotationalOptions;
 use super::predictor::{GradientPredictor, predict_stacked};
 use super::proxies::CountTrial;
 use super::reduce::{Reduced, Reduction};
@@ -11,7 +11,7 @@ use super::validation::Validation;
 use super::{choose, keys, merge, proxies, validation};
 use crate::envelope::FitError;
 use crate::envelope::correction::features::Features;
-use crate::envelope::correction::target::Target;
+use crate::envelope::correction::target::CorrectionTarget;
 use crate::envelope::fitted::Fitted;
 use crate::envelope::model::{Key, Reconstruction};
 use crate::envelope::skin::blend::Weights;
@@ -40,7 +40,7 @@ pub struct Rotational {
     /// The same, refined on the training meshes.
     pub refined: Option<Variant>,
     /// How it was fitted.
-    pub report: Report,
+    pub report: RotationalReport,
 }
 
 /// A reduced reconstruction, and how far it comes.
@@ -57,7 +57,7 @@ pub struct Variant {
 
 /// What a fit did and measured; errors are RMS, as shares of the rest diagonal.
 #[derive(Clone, Debug, Serialize)]
-pub struct Report {
+pub struct RotationalReport {
     /// Dimensions of the trajectory basis.
     pub basis_rank: usize,
     /// What the basis leaves out.
@@ -73,9 +73,9 @@ pub struct Report {
     /// The contiguous folds, as ranges of the training frames.
     pub folds: Vec<std::ops::Range<usize>>,
     /// Every candidate of F, γ, μ and the refinement, and its cross-validated error.
-    pub trials: Vec<Trial>,
+    pub trials: Vec<SettingTrial>,
     /// The candidate taken.
-    pub choice: Choice,
+    pub choice: Setting,
     /// Condition number of the reduced system.
     pub condition: f64,
     /// Largest distance of a vertex of F from its LBS position on the training frames.
@@ -112,7 +112,7 @@ impl KeyChoice {
 /// [`FitError::MaxError`] and [`FitError::Singular`].
 pub fn fit(
     training: &Training,
-    options: &Options,
+    options: &RotationalOptions,
     progress: &dyn Progress,
 ) -> Result<Rotational, FitError> {
     let Training { rest, triangles, poses, trajectories: moved, lbs, .. } = training;
@@ -175,7 +175,7 @@ pub fn fit(
         }
     };
     let maps = refined.as_ref().map_or(&unrefined, |refined| &refined.0).palette(&predicted, poses);
-    let report = Report {
+    let report = RotationalReport {
         basis_rank,
         basis_residual,
         proxy_counts: proxies.trials,
@@ -224,8 +224,8 @@ impl Rotational {
     }
 
     /// What one of its reconstructions leaves over for a correction to learn.
-    pub fn target<'a>(&'a self, base: &'a Variant, training: &'a Training) -> Target<'a> {
-        Target {
+    pub fn target<'a>(&'a self, base: &'a Variant, training: &'a Training) -> CorrectionTarget<'a> {
+        CorrectionTarget {
             poses: &training.poses,
             features: Features::of(training),
             dominant: &self.dominant,

@@ -95,7 +95,7 @@ fn edge_targets(surface: &Surface<'_>) -> Mat<f64> {
 #[cfg(test)]
 mod tests {
     use super::super::merge::MergeTree;
-    use super::super::{Options, ProxyCount, proxies};
+    use super::super::{ProxyCount, RotationalOptions, proxies};
     use super::*;
     use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::skin::training::Training;
@@ -115,7 +115,8 @@ mod tests {
         let (surface, vectors) =
             Surface::new(&rest, triangles, &moved, basis(&moved), Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
-        let options = Options { proxies: ProxyCount::Fixed(1), ..Options::default() };
+        let options =
+            RotationalOptions { proxies: ProxyCount::Fixed(1), ..RotationalOptions::default() };
         let joints = Mat::zeros(0, 0);
         let proxies = proxies::fit(&surface, &tree, &joints, &options, &Silent).unwrap();
         let keys = fit(&surface, &proxies, 4, &Silent);
@@ -135,7 +136,10 @@ mod tests {
         let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let with = |count| {
-            let options = Options { proxies: ProxyCount::Fixed(count), ..Options::default() };
+            let options = RotationalOptions {
+                proxies: ProxyCount::Fixed(count),
+                ..RotationalOptions::default()
+            };
             let joints = Mat::zeros(0, 0);
             let proxies = proxies::fit(&surface, &tree, &joints, &options, &Silent).unwrap();
             fit(&surface, &proxies, 4, &Silent).rms

@@ -24,7 +24,7 @@ impl MergeTree {
     /// Merges all triangles of a surface; `advance` is called once a merge.
     pub fn build(surface: &Surface<'_>, mut advance: impl FnMut()) -> Self {
         let count = surface.triangles.len();
-        let mut groups = Groups::new(surface);
+        let mut groups = Patches::new(surface);
         let mut queue = BinaryHeap::new();
         for a in 0..count as u32 {
             groups.queue_moves_of(a, &mut queue);
@@ -105,7 +105,7 @@ impl PartialEq for Move {
 }
 impl Eq for Move {}
 
-struct Groups {
+struct Patches {
     rank: usize,
     points: Vec<Matrix4<f64>>,
     /// Σ h yᵀ a group: four rows of `rank`.
@@ -116,7 +116,7 @@ struct Groups {
     centre: Vec<[f64; 3]>,
 }
 
-impl Groups {
+impl Patches {
     fn new(surface: &Surface<'_>) -> Self {
         let rank = surface.vertices.nrows().min(MERGE_RANK);
         let count = surface.triangles.len();

@@ -18,5 +18,5 @@ pub mod scale_shear;
 pub mod surface;
 pub mod validation;
 
-pub use fit::{KeyChoice, Report, Rotational, Variant, fit};
-pub use options::{Options, ProxyCount};
+pub use fit::{KeyChoice, Rotational, RotationalReport, Variant, fit};
+pub use options::{ProxyCount, RotationalOptions};

@@ -14,7 +14,7 @@ pub enum ProxyCount {
 
 /// What a fit is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Options {
+pub struct RotationalOptions {
     /// P, or the error that decides it.
     pub proxies: ProxyCount,
     /// K, the most proxies a vertex follows.
@@ -23,7 +23,7 @@ pub struct Options {
     pub refine: bool,
 }
 
-impl Default for Options {
+impl Default for RotationalOptions {
     fn default() -> Self {
         Self { proxies: ProxyCount::Fixed(40), influences: 4, refine: true }
     }

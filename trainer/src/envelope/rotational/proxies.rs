@@ -1,7 +1,7 @@
 //! Proxies: P affine maps a pose and the vertices' weights on them (METHOD §1.7.1, S3 §3.1).
 
 use super::merge::{MergeTree, regular_inverse};
-use super::options::{Options, ProxyCount};
+use super::options::{ProxyCount, RotationalOptions};
 use super::surface::Surface;
 use crate::envelope::FitError;
 use crate::envelope::skin::blend::{Alternation, Blend, Items, Maps, Weights};
@@ -85,7 +85,7 @@ pub fn fit(
     surface: &Surface<'_>,
     tree: &MergeTree,
     joints: &Mat<f64>,
-    options: &Options,
+    options: &RotationalOptions,
     progress: &dyn Progress,
 ) -> Result<Proxies, FitError> {
     let influences = options.influences;
@@ -206,7 +206,7 @@ mod tests {
             Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let fit_to = |proxies| {
-            let options = Options { proxies, ..Options::default() };
+            let options = RotationalOptions { proxies, ..RotationalOptions::default() };
             fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent)
         };
         let found = fit_to(ProxyCount::MaxError(0.001)).unwrap();
@@ -235,7 +235,10 @@ mod tests {
         let basis = basis(&trajectories);
         let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
-        let options = Options { proxies: ProxyCount::MaxError(1e-30), ..Options::default() };
+        let options = RotationalOptions {
+            proxies: ProxyCount::MaxError(1e-30),
+            ..RotationalOptions::default()
+        };
         let asked = fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent);
         let Some(FitError::MaxError { proxies, reached, .. }) = asked.err() else { panic!() };
         assert!(proxies == most && reached > 0.0 && reached < 0.01);

@@ -6,7 +6,7 @@ use super::align::{self, Similarity};
 use super::error::ImportError;
 use super::rate::check_even;
 use super::roots;
-use super::targets::Targets;
+use super::targets::TargetMeshes;
 use crate::examples::{Clip, Examples, ExamplesError, Matrix3x4, RIGID, Skeleton, Split, Warning};
 use crate::formats::FormatError;
 use crate::formats::posed_meshes::PosedMeshes;
@@ -26,11 +26,11 @@ type Joined = (Examples, Vec<Clip>, Vec<Warning>);
 /// [`ImportError::TargetsApart`].
 pub(super) fn join(
     mut scene: SampledScene,
-    targets: Option<Targets>,
+    targets: Option<TargetMeshes>,
     sampling: &Sampling<'_>,
 ) -> Result<Joined, ExamplesError> {
-    let mut poses = Poses::of(&mut scene)?;
-    let Some(Targets { meshes, split }) = targets else {
+    let mut poses = ScenePoses::of(&mut scene)?;
+    let Some(TargetMeshes { meshes, split }) = targets else {
         if !scene.morphs {
             poses.warnings.push(Warning::PlainSkin);
         }
@@ -66,19 +66,19 @@ pub(super) fn join(
 /// # Errors
 /// [`SceneError::SingularBind`]
 pub(super) fn still(mut scene: SampledScene) -> Result<Joined, ExamplesError> {
-    let poses = Poses::of(&mut scene)?;
+    let poses = ScenePoses::of(&mut scene)?;
     let vertices = scene.rest.repeat(frame_len(&scene));
     Ok(joined(scene, poses, vertices, None))
 }
 
 /// The poses of a scene in the form of examples.
-struct Poses {
+struct ScenePoses {
     skeleton: Skeleton,
     transforms: Vec<Matrix3x4>,
     warnings: Vec<Warning>,
 }
 
-impl Poses {
+impl ScenePoses {
     /// Moves the poses alone into the form of examples: maps from the rest pose, rigid where the
     /// scene's are, about a skeleton of one root.
     ///
@@ -120,13 +120,13 @@ impl Poses {
 
 fn joined(
     scene: SampledScene,
-    poses: Poses,
+    poses: ScenePoses,
     vertices: Vec<[f64; 3]>,
     split: Option<Vec<Split>>,
 ) -> Joined {
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len(&scene)]);
     let SampledScene { rest, triangles, uv, ranges, space, clips, .. } = scene;
-    let Poses { skeleton, transforms, warnings } = poses;
+    let ScenePoses { skeleton, transforms, warnings } = poses;
     let examples = Examples {
         rest,
         triangles,

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// Posed meshes, and what they are for.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Targets {
+pub(super) struct TargetMeshes {
     /// The meshes.
     pub(super) meshes: PosedMeshes,
     /// Use of each frame, N, of a file that tells it.
@@ -22,7 +22,7 @@ pub(super) struct Targets {
 /// # Errors
 /// A [`LoadError`] that names the file at fault: it cannot be read, is none of these or is damaged;
 /// or it does not have the vertices and faces of the first of its sequence.
-pub(super) fn read(path: &Path) -> Result<Targets, LoadError> {
+pub(super) fn read(path: &Path) -> Result<TargetMeshes, LoadError> {
     let blame = |error| LoadError { file: path.to_owned(), error };
     let ending = extension(path);
     let read = match ending.as_str() {
@@ -30,14 +30,14 @@ pub(super) fn read(path: &Path) -> Result<Targets, LoadError> {
         "obj" => return Ok(sequence::read(path)?.into()),
         "npz" => {
             let (meshes, split) = npz::read_posed_meshes(path).map_err(blame)?;
-            return Ok(Targets { meshes, split });
+            return Ok(TargetMeshes { meshes, split });
         }
         "pc2" => pc2::read(path),
         "mdd" => mdd::read(path),
         "glb" | "gltf" => gltf::read_posed_meshes(path),
         _ => Err(unknown_format(path, ".pc2, .mdd, .npz, .glb, .gltf or .obj")),
     };
-    read.map(Targets::from).map_err(|error| blame(error.into()))
+    read.map(TargetMeshes::from).map_err(|error| blame(error.into()))
 }
 
 /// Lists the files that [`read`] reads; the path itself where it would fail.
@@ -47,7 +47,7 @@ pub(super) fn files(path: &Path) -> Vec<PathBuf> {
     files.unwrap_or_else(|| vec![path.to_owned()])
 }
 
-impl From<PosedMeshes> for Targets {
+impl From<PosedMeshes> for TargetMeshes {
     fn from(meshes: PosedMeshes) -> Self {
         Self { meshes, split: None }
     }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use ufbx::{AnimStack, EvaluateOpts, Scene, SceneRoot, SkinningMethod};
 
 use super::convert::{fault, matrix};
-use super::meshes::{Part, skin};
+use super::meshes::{MeshPart, skin};
 use crate::formats::scene::{Clip, Sampling, SceneError, sample_times};
 use crate::formats::warning::FormatWarning;
 
@@ -28,7 +28,7 @@ pub(super) struct Take {
 pub(super) fn takes(
     scene: &Scene,
     joints: &[usize],
-    parts: &[Part],
+    parts: &[MeshPart],
     sampling: &Sampling<'_>,
     warnings: &mut Vec<FormatWarning>,
 ) -> Result<Vec<Take>, SceneError> {
@@ -73,7 +73,7 @@ pub(super) fn posed(
     scene: &SceneRoot,
     takes: &[Take],
     nodes: &[usize],
-    parts: Option<&[Part]>,
+    parts: Option<&[MeshPart]>,
 ) -> Result<Posed, SceneError> {
     let moments = takes.iter().flat_map(|take| take.times.iter().map(|&time| (take.stack, time)));
     let pose = |&(stack, time): &(usize, f64)| {
@@ -112,7 +112,7 @@ pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
 }
 
 /// Adds the posed vertices of a part, and tells whether they are more than linear blend skinning.
-fn deform(posed: &Scene, part: &Part, positions: &mut Vec<[f64; 3]>) -> bool {
+fn deform(posed: &Scene, part: &MeshPart, positions: &mut Vec<[f64; 3]>) -> bool {
     let mesh = &posed.meshes[part.mesh];
     let Some(skin) = skin(mesh) else { return false };
     let mut shape = mesh.vertices.to_vec();
@@ -141,7 +141,7 @@ struct Watched {
 }
 
 impl Watched {
-    fn new(scene: &Scene, joints: &[usize], parts: &[Part]) -> Self {
+    fn new(scene: &Scene, joints: &[usize], parts: &[MeshPart]) -> Self {
         let mut placed = vec![false; scene.elements.len()];
         for &joint in joints {
             let mut node = Some(&scene.nodes[joint]);

@@ -4,7 +4,7 @@ use nalgebra::{Matrix4, Vector4};
 use ufbx::{Mesh, Node, Scene};
 
 use super::convert::matrix;
-use super::meshes::{Part, skin};
+use super::meshes::{MeshPart, skin};
 use crate::formats::scene::SceneError;
 
 /// How far apart the places may be where two meshes are bound to a joint, as a share of the size of
@@ -21,7 +21,7 @@ pub(super) struct Joints {
 }
 
 /// Finds the joints of the parts' skins and the bones above them, or all bones without a skin.
-pub(super) fn find(scene: &Scene, parts: &[Part]) -> Result<Joints, SceneError> {
+pub(super) fn find(scene: &Scene, parts: &[MeshPart]) -> Result<Joints, SceneError> {
     let mut binds = vec![None; scene.nodes.len()];
     for part in parts {
         bind(scene, part, &mut binds)?;
@@ -61,7 +61,11 @@ pub(super) fn find(scene: &Scene, parts: &[Part]) -> Result<Joints, SceneError> 
 }
 
 /// Notes where each joint of a part's skin stands when it is bound.
-fn bind(scene: &Scene, part: &Part, binds: &mut [Option<Matrix4<f64>>]) -> Result<(), SceneError> {
+fn bind(
+    scene: &Scene,
+    part: &MeshPart,
+    binds: &mut [Option<Matrix4<f64>>],
+) -> Result<(), SceneError> {
     let mesh = &scene.meshes[part.mesh];
     let name = || scene.nodes[part.node].element.name.to_string();
     let rest = matrix(&part.rest);

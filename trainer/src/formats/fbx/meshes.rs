@@ -8,7 +8,7 @@ use crate::formats::scene::SceneError;
 use crate::formats::warning::FormatWarning;
 
 /// A mesh as a node shows it.
-pub(super) struct Part {
+pub(super) struct MeshPart {
     /// The node, by its place in the scene.
     pub(super) node: usize,
     /// The mesh, by its place in the scene.
@@ -30,7 +30,7 @@ pub(super) struct Geometry {
 pub(super) fn parts(
     scene: &Scene,
     warnings: &mut Vec<FormatWarning>,
-) -> Result<Vec<Part>, SceneError> {
+) -> Result<Vec<MeshPart>, SceneError> {
     let shown = scene.nodes.iter().filter_map(|node| Some((&**node, &**node.mesh.as_ref()?)));
     let shown: Vec<(&Node, &Mesh)> = shown.filter(|(_, mesh)| mesh.num_vertices > 0).collect();
     if shown.is_empty() {
@@ -50,7 +50,11 @@ pub(super) fn parts(
 }
 
 /// Joins the parts, in their order.
-pub(super) fn join(scene: &Scene, parts: &[Part], warnings: &mut Vec<FormatWarning>) -> Geometry {
+pub(super) fn join(
+    scene: &Scene,
+    parts: &[MeshPart],
+    warnings: &mut Vec<FormatWarning>,
+) -> Geometry {
     let mut rest = Vec::new();
     let mut triangles = Vec::new();
     let mut uv = Some(Vec::new());
@@ -86,7 +90,11 @@ pub(super) fn join(scene: &Scene, parts: &[Part], warnings: &mut Vec<FormatWarni
 }
 
 /// Tells whether the scene itself holds all that poses its meshes.
-pub(super) fn are_posed(scene: &Scene, parts: &[Part], warnings: &mut Vec<FormatWarning>) -> bool {
+pub(super) fn are_posed(
+    scene: &Scene,
+    parts: &[MeshPart],
+    warnings: &mut Vec<FormatWarning>,
+) -> bool {
     let cached = parts.iter().filter(|part| !scene.meshes[part.mesh].cache_deformers.is_empty());
     let meshes: Vec<String> =
         cached.map(|part| scene.nodes[part.node].element.name.to_string()).collect();
@@ -102,12 +110,12 @@ pub(super) fn skin(mesh: &Mesh) -> Option<&SkinDeformer> {
     mesh.skin_deformers.into_iter().next()
 }
 
-fn part(node: &Node, mesh: &Mesh, rest: Matrix) -> Part {
-    Part { node: node.element.typed_id as usize, mesh: mesh.element.typed_id as usize, rest }
+fn part(node: &Node, mesh: &Mesh, rest: Matrix) -> MeshPart {
+    MeshPart { node: node.element.typed_id as usize, mesh: mesh.element.typed_id as usize, rest }
 }
 
 /// Makes a part of a skinned mesh, which stands where it is bound, whatever its node does.
-fn bound(node: &Node, mesh: &Mesh) -> Result<Part, SceneError> {
+fn bound(node: &Node, mesh: &Mesh) -> Result<MeshPart, SceneError> {
     let name = || node.element.name.to_string();
     let found = mesh.skin_deformers.len();
     if found > 1 {

@@ -14,7 +14,7 @@ use super::joints::{self, Joints};
 use super::meshes;
 use crate::formats::error::FormatError;
 use crate::formats::scene::{SampledScene, Sampling, SceneError};
-use crate::space::SpaceWish;
+use crate::space::SpaceRequest;
 use crate::space::axes::direction;
 
 /// Memory that reading a file may take, whatever it claims to hold: as much for each byte of it as
@@ -108,7 +108,7 @@ fn space(settings: &SceneSettings) -> Space {
     };
     let handedness = if volume < 0.0 { Handedness::Left } else { Handedness::Right };
     let unit = (settings.unit_meters as f32 > 0.0).then_some(settings.unit_meters as f32);
-    SpaceWish { unit, ..SpaceWish::default() }
+    SpaceRequest { unit, ..SpaceRequest::default() }
         .of(Space { up, forward, handedness, unit: None })
         .unwrap_or(Space { up, forward, handedness, unit: None })
 }

@@ -10,7 +10,7 @@ use super::nodes::Local;
 use crate::formats::scene::SceneError;
 
 /// One animation.
-pub(super) struct Keys {
+pub(super) struct ClipKeys {
     /// Its name, made up where the file has none.
     pub(super) name: String,
     channels: Vec<Channel>,
@@ -28,7 +28,7 @@ struct Channel {
     interpolation: Interpolation,
 }
 
-impl Keys {
+impl ClipKeys {
     /// Reads every animation.
     ///
     /// # Errors

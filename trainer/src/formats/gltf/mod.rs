@@ -14,7 +14,7 @@ use nalgebra::{Matrix4, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::format::Space;
 
-use self::clips::Keys;
+use self::clips::ClipKeys;
 use self::meshes::Meshes;
 use self::nodes::{Local, Nodes};
 use self::skins::Skins;
@@ -37,7 +37,7 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
         return Err(if empty { SceneError::NoMesh } else { SceneError::NoSkin }.into());
     }
     let skins = Skins::read(&document, &buffers, &nodes, &mut meshes)?;
-    let scene = Scene { nodes, meshes, animations: Keys::read(&document, &buffers)? };
+    let scene = Scene { nodes, meshes, animations: ClipKeys::read(&document, &buffers)? };
     let mut warnings = Vec::new();
     if !left_out.is_empty() {
         warnings.push(FormatWarning::UnskinnedMeshes { meshes: left_out });
@@ -90,7 +90,7 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
     let nodes = Nodes::read(&document)?;
     let shown = shown(&document, &nodes);
     let (meshes, _) = Meshes::read(&document, &buffers, |node| shown[node], false)?;
-    let scene = Scene { nodes, meshes, animations: Keys::read(&document, &buffers)? };
+    let scene = Scene { nodes, meshes, animations: ClipKeys::read(&document, &buffers)? };
     if scene.meshes.instances.is_empty() {
         return Err(SceneError::NoMesh.into());
     }
@@ -130,12 +130,12 @@ fn shown(document: &Document, nodes: &Nodes) -> Vec<bool> {
 struct Scene {
     nodes: Nodes,
     meshes: Meshes,
-    animations: Vec<Keys>,
+    animations: Vec<ClipKeys>,
 }
 
 /// A time of a clip.
 struct Moment<'a> {
-    clip: &'a Keys,
+    clip: &'a ClipKeys,
     time: f64,
 }
 

@@ -4,9 +4,9 @@ use super::error::ReportError;
 use super::series::errors;
 use super::{frames, histogram, joints, pictures, sizes};
 use crate::envelope::evaluate::Frames;
-use crate::envelope::report::shots::{Shots, Wish};
+use crate::envelope::report::comparison::{Comparison, Series, use_of};
+use crate::envelope::report::pictures::{PictureOptions, Pictures};
 use crate::envelope::report::sizes::Sizes;
-use crate::envelope::report::subject::{Series, Subject, use_of};
 use crate::examples::Split;
 use crate::page::html::{self, grouped, paragraph, percent, section, table, text};
 use crate::progress::Progress;
@@ -14,9 +14,9 @@ use crate::progress::Progress;
 /// A report on what was measured.
 pub struct Page<'a> {
     /// What was measured.
-    pub subject: &'a Subject<'a>,
+    pub comparison: &'a Comparison<'a>,
     /// How the pictures are taken.
-    pub wish: Wish,
+    pub options: PictureOptions,
     /// Whether the model's predictor is trained again with more and with fewer proxies.
     pub sizes: bool,
 }
@@ -24,42 +24,51 @@ pub struct Page<'a> {
 impl Page<'_> {
     /// Writes the page: one HTML file that needs neither network nor script.
     ///
-    /// The same subject gives the same bytes for any number of threads, but for the seconds that the
+    /// The same comparison gives the same bytes for any number of threads, but for the seconds that the
     /// trainings took, which it tells where there are any.
     ///
     /// # Errors
     /// [`ReportError::Evaluate`] and [`ReportError::Picture`].
     pub fn html(&self, progress: &dyn Progress) -> Result<String, ReportError> {
-        let Self { subject, wish, .. } = *self;
-        let sizes = self.sizes.then(|| Sizes::train(subject, progress));
+        let Self { comparison, options, .. } = *self;
+        let sizes = self.sizes.then(|| Sizes::train(comparison, progress));
         progress.part(1, 1);
         progress.step("pictures", 1);
-        let shots = Shots::new(subject, &wish);
+        let pictures = Pictures::new(comparison, &options);
         let near_rigid =
             sizes.as_ref().and_then(|sizes| sizes.as_ref().ok()?.near_rigid.as_deref());
-        let worst = subject.source.label(subject.model.measured.frames[shots.worst].frame);
+        let worst = comparison.source.label(comparison.model.measured.frames[pictures.worst].frame);
         let sections = [
-            header(subject),
-            section("Accuracy", &accuracy(subject)),
-            section(&format!("The worst pose: {worst}"), &pictures::worst_pose(&shots, subject)?),
-            section("Where it errs, over all frames", &pictures::all_frames(&shots, subject)?),
-            section("Error by frame", &frames::errors(subject)),
-            section("Error by joint", &joints::errors(subject)),
-            section("How errors are distributed", &histogram::errors(subject)),
-            section("Confidence", &frames::confidence(subject)),
-            section("More or fewer proxies", &sizes::errors(subject, sizes.as_ref())),
-            section("What moves each vertex", &pictures::palette(&shots, subject, near_rigid)?),
+            header(comparison),
+            section("Accuracy", &accuracy(comparison)),
+            section(
+                &format!("The worst pose: {worst}"),
+                &pictures::worst_pose(&pictures, comparison)?,
+            ),
+            section(
+                "Where it errs, over all frames",
+                &pictures::all_frames(&pictures, comparison)?,
+            ),
+            section("Error by frame", &frames::errors(comparison)),
+            section("Error by joint", &joints::errors(comparison)),
+            section("How errors are distributed", &histogram::errors(comparison)),
+            section("Confidence", &frames::confidence(comparison)),
+            section("More or fewer proxies", &sizes::errors(comparison, sizes.as_ref())),
+            section(
+                "What moves each vertex",
+                &pictures::palette(&pictures, comparison, near_rigid)?,
+            ),
         ];
-        let title = format!("{} on {}", subject.model.file.name, subject.source.name);
-        Ok(html::page(&title, &(sections.concat() + &footer(subject))))
+        let title = format!("{} on {}", comparison.model.file.name, comparison.source.name);
+        Ok(html::page(&title, &(sections.concat() + &footer(comparison))))
     }
 }
 
-fn header(subject: &Subject<'_>) -> String {
-    let Subject { source, model, baseline, .. } = subject;
+fn header(comparison: &Comparison<'_>) -> String {
+    let Comparison { source, model, baseline, .. } = comparison;
     let examples = source.examples;
     let (errors, lbs) = (model.measured.errors(), baseline.errors());
-    let compared = subject
+    let compared = comparison
         .other
         .as_ref()
         .map_or(String::new(), |other| format!(", compared with {}", text(other.file.name)));
@@ -87,15 +96,15 @@ fn header(subject: &Subject<'_>) -> String {
         grouped(examples.triangles.len()),
         grouped(examples.joint_len()),
         examples.diagonal(),
-        measured_on(subject)
+        measured_on(comparison)
     )
 }
 
 /// Says in words which frames are measured, and what to think of that.
-fn measured_on(subject: &Subject<'_>) -> String {
-    let examples = subject.source.examples;
-    let count = grouped(subject.baseline.frames.len());
-    match subject.frames {
+fn measured_on(comparison: &Comparison<'_>) -> String {
+    let examples = comparison.source.examples;
+    let count = grouped(comparison.baseline.frames.len());
+    match comparison.frames {
         Frames::Of(Split::HeldOut) => {
             format!("measured on {count} held-out frames, which the fit has not read")
         }
@@ -120,7 +129,7 @@ fn measured_on(subject: &Subject<'_>) -> String {
     }
 }
 
-fn accuracy(subject: &Subject<'_>) -> String {
+fn accuracy(comparison: &Comparison<'_>) -> String {
     let head =
         ["", "RMS", "99 % are below", "largest", "normals, RMS", "confidence", "palette", "file"];
     let row = |series: &Series<'_>| {
@@ -141,7 +150,7 @@ fn accuracy(subject: &Subject<'_>) -> String {
         });
         row
     };
-    let rows: Vec<_> = subject.series().iter().map(row).collect();
+    let rows: Vec<_> = comparison.series().iter().map(row).collect();
     table(&head.map(str::to_owned), &rows)
         + &paragraph(
             "Errors are distances of vertices from where the examples have them, in % of the diagonal \
@@ -150,9 +159,9 @@ fn accuracy(subject: &Subject<'_>) -> String {
         )
 }
 
-fn footer(subject: &Subject<'_>) -> String {
+fn footer(comparison: &Comparison<'_>) -> String {
     let crc = |bytes: &[u8]| crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes);
-    let files = subject
+    let files = comparison
         .models()
         .map(|model| format!("{} (CRC-32 {:08x})", text(model.file.name), crc(model.file.bytes)));
     let files: Vec<_> = files.collect();

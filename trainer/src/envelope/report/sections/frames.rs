@@ -1,7 +1,7 @@
 //! Errors and confidence by frame.
 
 use super::series::{entries, legend, names};
-use crate::envelope::report::subject::{Series, Subject, use_of};
+use crate::envelope::report::comparison::{Comparison, Series, use_of};
 use crate::examples::Split;
 use crate::page::chart::{Chart, Range};
 use crate::page::html::{paragraph, percent, table, text};
@@ -14,55 +14,57 @@ const WORST: usize = 8;
 const CERTAIN: f64 = 0.9995;
 
 /// A chart of each frame's RMS error, and the frames where the model's is largest.
-pub(super) fn errors(subject: &Subject<'_>) -> String {
-    let count = subject.baseline.frames.len();
-    let series = subject.series();
+pub(super) fn errors(comparison: &Comparison<'_>) -> String {
+    let count = comparison.baseline.frames.len();
+    let series = comparison.series();
     let rms: Vec<Vec<f64>> = series
         .iter()
         .map(|s| (0..count).map(|place| s.measured.errors_in(place).rms_percent).collect())
         .collect();
     let mut chart = Chart::new(SIZE, along(count), Range::log(rms.iter().flatten().copied()));
-    bands(&mut chart, subject);
+    bands(&mut chart, comparison);
     chart.sides("frame", "RMS error, % of the diagonal (logarithmic)");
     for (series, rms) in series.iter().zip(&rms) {
-        lines(&mut chart, subject, series.class, rms);
+        lines(&mut chart, comparison, series.class, rms);
     }
-    for (place, frame) in subject.measured_frames().into_iter().enumerate() {
+    for (place, frame) in comparison.measured_frames().into_iter().enumerate() {
         let at: Vec<String> = series
             .iter()
             .zip(&rms)
             .map(|(series, rms)| format!("{} {} %", series.name, percent(rms[place])))
             .collect();
-        chart.tell(cell(place), &format!("{}: {}", subject.source.label(frame), at.join(", ")));
+        chart.tell(cell(place), &format!("{}: {}", comparison.source.label(frame), at.join(", ")));
     }
-    legend(subject) + &chart.finish("RMS error of each skin in each frame") + &worst(subject, &rms)
+    legend(comparison)
+        + &chart.finish("RMS error of each skin in each frame")
+        + &worst(comparison, &rms)
 }
 
 /// A chart of the confidence, where there is any doubt.
-pub(super) fn confidence(subject: &Subject<'_>) -> String {
+pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
     let doubtful = |s: &Series<'_>| s.model.is_some() && s.measured.confidence().least < CERTAIN;
-    let series: Vec<_> = subject.series().into_iter().filter(doubtful).collect();
+    let series: Vec<_> = comparison.series().into_iter().filter(doubtful).collect();
     if series.is_empty() {
-        let models = if subject.other.is_some() { "Both models are" } else { "The model is" };
+        let models = if comparison.other.is_some() { "Both models are" } else { "The model is" };
         return paragraph(&format!(
             "{models} certain of every measured pose: none is far from those of the training."
         ));
     }
-    let count = subject.baseline.frames.len();
+    let count = comparison.baseline.frames.len();
     let mut chart = Chart::new((SIZE.0, 190.0), along(count), Range::linear(0.0, 1.0));
-    bands(&mut chart, subject);
+    bands(&mut chart, comparison);
     chart.sides("frame", "confidence");
     let mut rows = Vec::new();
     for series in &series {
         let confidence: Vec<f64> = series.measured.frames.iter().map(|f| f.confidence).collect();
-        lines(&mut chart, subject, series.class, &confidence);
+        lines(&mut chart, comparison, series.class, &confidence);
         let mut least: Vec<usize> = (0..count).filter(|&p| confidence[p] < CERTAIN).collect();
         least.sort_by(|&a, &b| confidence[a].total_cmp(&confidence[b]));
         rows.extend(least.iter().take(WORST).map(|&place| {
             let frame = series.measured.frames[place].frame;
             let rms = percent(series.measured.errors_in(place).rms_percent);
             vec![
-                text(&subject.source.label(frame)),
+                text(&comparison.source.label(frame)),
                 text(series.name),
                 format!("{:.3}", confidence[place]),
                 rms,
@@ -88,14 +90,15 @@ fn cell(place: usize) -> (f64, f64) {
 }
 
 /// Draws a line for each run of consecutive frames.
-fn lines(chart: &mut Chart, subject: &Subject<'_>, class: &str, values: &[f64]) {
-    let frames = subject.measured_frames();
+fn lines(chart: &mut Chart, comparison: &Comparison<'_>, class: &str, values: &[f64]) {
+    let frames = comparison.measured_frames();
     let point = |place: usize| (place as f64 + 0.5, values[place]);
     let mut first = 0;
     for place in 1..=frames.len() {
         let ends = place == frames.len()
             || frames[place] != frames[place - 1] + 1
-            || subject.source.clip_of(frames[place]) != subject.source.clip_of(frames[place - 1]);
+            || comparison.source.clip_of(frames[place])
+                != comparison.source.clip_of(frames[place - 1]);
         if ends {
             let points: Vec<_> = (first..place).map(point).collect();
             chart.line(class, &points);
@@ -106,8 +109,8 @@ fn lines(chart: &mut Chart, subject: &Subject<'_>, class: &str, values: &[f64]) 
 
 /// Marks held-out and extreme frames where others are measured too, and clips where there are
 /// several, and writes frame numbers.
-fn bands(chart: &mut Chart, subject: &Subject<'_>) {
-    let (frames, source) = (subject.measured_frames(), &subject.source);
+fn bands(chart: &mut Chart, comparison: &Comparison<'_>) {
+    let (frames, source) = (comparison.measured_frames(), &comparison.source);
     let split = |frame: usize| source.examples.split[frame];
     if frames.iter().any(|&frame| split(frame) != split(frames[0])) {
         for (range, of) in runs(&frames, split) {
@@ -141,18 +144,18 @@ fn runs<T: PartialEq>(frames: &[usize], of: impl Fn(usize) -> T) -> Vec<((f64, f
     runs
 }
 
-fn worst(subject: &Subject<'_>, rms: &[Vec<f64>]) -> String {
+fn worst(comparison: &Comparison<'_>, rms: &[Vec<f64>]) -> String {
     let mut order: Vec<usize> = (0..rms[1].len()).collect();
     order.sort_by(|&a, &b| rms[1][b].total_cmp(&rms[1][a]));
     let mut head = vec!["worst frames".to_owned(), "use".to_owned()];
-    head.extend(names(subject).iter().map(|name| format!("{name}, %")));
+    head.extend(names(comparison).iter().map(|name| format!("{name}, %")));
     head.extend(["largest, %", "at vertex", "confidence"].map(str::to_owned));
     let row = |&place: &usize| {
-        let frame = &subject.model.measured.frames[place];
-        let split = use_of(subject.source.examples.split[frame.frame]);
-        let mut row = vec![text(&subject.source.label(frame.frame)), split.to_owned()];
+        let frame = &comparison.model.measured.frames[place];
+        let split = use_of(comparison.source.examples.split[frame.frame]);
+        let mut row = vec![text(&comparison.source.label(frame.frame)), split.to_owned()];
         row.extend(rms.iter().map(|rms| percent(rms[place])));
-        row.push(percent(subject.model.measured.errors_in(place).max_percent));
+        row.push(percent(comparison.model.measured.errors_in(place).max_percent));
         row.push(frame.worst_vertex().to_string());
         row.push(format!("{:.3}", frame.confidence));
         row

@@ -1,7 +1,7 @@
 //! How many vertices err how much.
 
 use super::series::legend;
-use crate::envelope::report::subject::Subject;
+use crate::envelope::report::comparison::Comparison;
 use crate::page::chart::{Chart, Range};
 use crate::page::html::paragraph;
 
@@ -11,8 +11,8 @@ const BINS: f64 = 10.0;
 const DECADES: f64 = 5.0;
 
 /// A histogram of the errors of every vertex in every frame.
-pub(super) fn errors(subject: &Subject<'_>) -> String {
-    let series = subject.series();
+pub(super) fn errors(comparison: &Comparison<'_>) -> String {
+    let series = comparison.series();
     let most = series.iter().map(|s| s.measured.errors().max_percent).fold(0.0, f64::max);
     if most == 0.0 {
         return paragraph("There is no error.");
@@ -55,6 +55,6 @@ pub(super) fn errors(subject: &Subject<'_>) -> String {
         chart.line(series.class, &steps);
     }
     paragraph("All vertices in all measured frames; the first bar also counts those that err less.")
-        + &legend(subject)
+        + &legend(comparison)
         + &chart.finish("histogram of the errors of all vertices")
 }

@@ -2,20 +2,20 @@
 
 use super::series::{legend, names};
 use crate::envelope::report::bars::bars;
+use crate::envelope::report::comparison::Comparison;
 use crate::envelope::report::joints::by_joint;
-use crate::envelope::report::subject::Subject;
 use crate::page::html::{grouped, paragraph, percent, table, text};
 
 /// A row for each joint: vertices, errors, the model's worst frame, bars.
-pub(super) fn errors(subject: &Subject<'_>) -> String {
-    let joints = by_joint(subject);
-    let series = subject.series();
+pub(super) fn errors(comparison: &Comparison<'_>) -> String {
+    let joints = by_joint(comparison);
+    let series = comparison.series();
     let most = joints.iter().flat_map(|joint| &joint.rms_percent).copied().fold(0.0, f64::max);
     let mut head = vec!["joint".to_owned(), "vertices".to_owned()];
-    head.extend(names(subject).iter().map(|name| format!("{name}, %")));
+    head.extend(names(comparison).iter().map(|name| format!("{name}, %")));
     head.extend(["worst frame", "there, %", ""].map(str::to_owned));
     let row = |joint: &crate::envelope::report::joints::JointErrors| {
-        let name = &subject.source.examples.skeleton.names[joint.joint];
+        let name = &comparison.source.examples.skeleton.names[joint.joint];
         let mut row = vec![text(name), grouped(joint.vertices)];
         row.extend(joint.rms_percent.iter().map(|rms| percent(*rms)));
         row.extend([joint.worst.0.to_string(), percent(joint.worst.1)]);
@@ -28,6 +28,6 @@ pub(super) fn errors(subject: &Subject<'_>) -> String {
     paragraph(
         "RMS over the measured frames. Each vertex counts for the joint that LBS lets it follow most; \
          the worst frame is the model's on those vertices.",
-    ) + &legend(subject)
+    ) + &legend(comparison)
         + &table(&head, &rows)
 }

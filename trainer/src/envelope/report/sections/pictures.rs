@@ -2,9 +2,9 @@
 
 use super::error::ReportError;
 use crate::envelope::evaluate::Measured;
+use crate::envelope::report::comparison::{Comparison, Series};
 use crate::envelope::report::palette::{dominant_colours, follow_joints};
-use crate::envelope::report::shots::{Paint, Shape, Shots};
-use crate::envelope::report::subject::{Series, Subject};
+use crate::envelope::report::pictures::{Paint, Pictures, Shape};
 use crate::page::camera::Camera;
 use crate::page::colour::{Colour, Scale};
 use crate::page::html::{grouped, paragraph, percent, side_by_side, text};
@@ -17,53 +17,59 @@ const NEAR_RIGID: [Colour; 2] = [[0xd9, 0xa4, 0x4a], [0xdd, 0xd9, 0xd2]];
 
 /// The truth and every skin in the model's worst frame, with the errors under them; and both once
 /// more around the worst vertex.
-pub(super) fn worst_pose(shots: &Shots<'_>, subject: &Subject<'_>) -> Result<String, ReportError> {
-    let series = subject.series();
-    let frame = &subject.model.measured.frames[shots.worst];
-    let shapes = shots.frame(frame.frame, &series)?;
+pub(super) fn worst_pose(
+    pictures: &Pictures<'_>,
+    comparison: &Comparison<'_>,
+) -> Result<String, ReportError> {
+    let series = comparison.series();
+    let frame = &comparison.model.measured.frames[pictures.worst];
+    let shapes = pictures.frame(frame.frame, &series)?;
     let vertex = frame.worst_vertex();
-    let errors: Vec<_> = series.iter().map(|s| s.measured.percent_in(shots.worst)).collect();
+    let errors: Vec<_> = series.iter().map(|s| s.measured.percent_in(pictures.worst)).collect();
     let rows = |camera: &Camera| -> Result<String, ReportError> {
-        let clay = shapes.iter().map(|s| shots.take(s, &Paint::Clay, camera, None, &s.name));
+        let clay = shapes.iter().map(|s| pictures.take(s, &Paint::Clay, camera, None, &s.name));
         let clay = clay.collect::<Result<Vec<_>, _>>()?;
         let heat =
-            heat(shots, &series, &errors, |place| (&shapes[place + 1], camera, Some(vertex)))?;
+            heat(pictures, &series, &errors, |place| (&shapes[place + 1], camera, Some(vertex)))?;
         Ok(side_by_side(clay.len(), &clay) + &side_by_side(heat.len(), &heat))
     };
     let told = |s: &Series<'_>| {
-        format!("{} {} %", text(s.name), percent(s.measured.errors_in(shots.worst).rms_percent))
+        format!("{} {} %", text(s.name), percent(s.measured.errors_in(pictures.worst).rms_percent))
     };
     let told: Vec<String> = series.iter().map(told).collect();
     Ok(paragraph(&format!(
         "The frame with the model's largest RMS error: {}. {SCALES}",
         told.join(", ")
-    )) + &rows(&shots.whole(&shapes.iter().collect::<Vec<_>>()))?
+    )) + &rows(&pictures.whole(&shapes.iter().collect::<Vec<_>>()))?
         + "<h3>Around the worst vertex</h3>\n"
         + &paragraph(&format!(
             "Vertex {vertex}, where the model is off by {} % and LBS by {} %.",
             percent(errors[1][vertex]),
             percent(errors[0][vertex])
         ))
-        + &rows(&shots.near(&shapes[0], vertex, &errors[1]))?)
+        + &rows(&pictures.near(&shapes[0], vertex, &errors[1]))?)
 }
 
 /// The rest pose, and on it each vertex's error over all measured frames.
-pub(super) fn all_frames(shots: &Shots<'_>, subject: &Subject<'_>) -> Result<String, ReportError> {
-    let (rest, series) = (shots.rest(), subject.series());
-    let camera = shots.whole(&[&rest]);
+pub(super) fn all_frames(
+    pictures: &Pictures<'_>,
+    comparison: &Comparison<'_>,
+) -> Result<String, ReportError> {
+    let (rest, series) = (pictures.rest(), comparison.series());
+    let camera = pictures.whole(&[&rest]);
     let errors: Vec<_> = series.iter().map(|s| s.measured.vertex_rms_percent()).collect();
-    let mut pictures = heat(shots, &series, &errors, |_| (&rest, &camera, None))?;
-    pictures.insert(0, shots.take(&rest, &Paint::Clay, &camera, None, "rest pose")?);
+    let mut row = heat(pictures, &series, &errors, |_| (&rest, &camera, None))?;
+    row.insert(0, pictures.take(&rest, &Paint::Clay, &camera, None, "rest pose")?);
     Ok(paragraph(&format!(
         "Each vertex's RMS error over the {} measured frames, on the rest pose.",
-        grouped(subject.baseline.frames.len())
-    )) + &side_by_side(pictures.len(), &pictures)
-        + &worst_vertices(subject, &errors))
+        grouped(comparison.baseline.frames.len())
+    )) + &side_by_side(row.len(), &row)
+        + &worst_vertices(comparison, &errors))
 }
 
 /// The errors of the model alone, on a scale of its own, and of every series on one scale.
 fn heat<'b>(
-    shots: &Shots<'_>,
+    pictures: &Pictures<'_>,
     series: &[Series<'_>],
     errors: &[Vec<f64>],
     shot: impl Fn(usize) -> (&'b Shape, &'b Camera, Option<usize>),
@@ -74,17 +80,17 @@ fn heat<'b>(
     let pictures = all.map(|(place, scale, what)| {
         let (shape, camera, ring) = shot(place);
         let caption = format!("{}: {what}", series[place].name);
-        shots.take(shape, &Paint::Heat(&errors[place], scale), camera, ring, &caption)
+        pictures.take(shape, &Paint::Heat(&errors[place], scale), camera, ring, &caption)
     });
     Ok(pictures.collect::<Result<_, _>>()?)
 }
 
-fn worst_vertices(subject: &Subject<'_>, errors: &[Vec<f64>]) -> String {
+fn worst_vertices(comparison: &Comparison<'_>, errors: &[Vec<f64>]) -> String {
     const MOST: usize = 5;
     let mut order: Vec<usize> = (0..errors[1].len()).collect();
     order.sort_by(|&a, &b| errors[1][b].total_cmp(&errors[1][a]));
     let worst = order.iter().take(MOST).map(|&vertex| {
-        let frame = worst_frame(&subject.model.measured, vertex);
+        let frame = worst_frame(&comparison.model.measured, vertex);
         format!("{vertex} ({} %, worst in frame {frame})", percent(errors[1][vertex]))
     });
     let worst: Vec<String> = worst.collect();
@@ -98,15 +104,15 @@ fn worst_frame(measured: &Measured, vertex: usize) -> usize {
 
 /// The palette: near-rigid vertices, and the map that each vertex follows most.
 pub(super) fn palette(
-    shots: &Shots<'_>,
-    subject: &Subject<'_>,
+    pictures: &Pictures<'_>,
+    comparison: &Comparison<'_>,
     near_rigid: Option<&[bool]>,
 ) -> Result<String, ReportError> {
-    let (rest, examples) = (shots.rest(), subject.source.examples);
-    let camera = shots.whole(&[&rest]);
-    let mut pictures = Vec::new();
+    let (rest, examples) = (pictures.rest(), comparison.source.examples);
+    let camera = pictures.whole(&[&rest]);
+    let mut row = Vec::new();
     let mut told = String::new();
-    for (number, model) in subject.models().enumerate() {
+    for (number, model) in comparison.models().enumerate() {
         let (name, alone) = (model.file.name, follow_joints(&model.character));
         let (rigid, what) = match (&alone, near_rigid.filter(|_| number == 0)) {
             (Some(alone), _) => (Some(alone.as_slice()), "follow joints alone"),
@@ -119,7 +125,7 @@ pub(super) fn palette(
             let count = rigid.iter().filter(|rigid| **rigid).count();
             let share = 100.0 * count as f64 / rigid.len().max(1) as f64;
             let caption = format!("{name}: {} vertices ({share:.0} %) {what}", grouped(count));
-            pictures.push(shots.take(&rest, &paint, &camera, None, &caption)?);
+            row.push(pictures.take(&rest, &paint, &camera, None, &caption)?);
         } else if number == 0 {
             told = paragraph(
                 "Which vertices are near-rigid is told by a training with the model's number of \
@@ -131,9 +137,9 @@ pub(super) fn palette(
             "{name}: each vertex in the colour of the map that it follows most, of {}",
             maps(&model.character.envelope)
         );
-        pictures.push(shots.take(&rest, &Paint::Kinds(&colours), &camera, None, &caption)?);
+        row.push(pictures.take(&rest, &Paint::Kinds(&colours), &camera, None, &caption)?);
     }
-    Ok(told + &side_by_side(pictures.len().max(3), &pictures))
+    Ok(told + &side_by_side(row.len().max(3), &row))
 }
 
 fn maps(envelope: &sinew_runtime::Envelope<'_>) -> String {

@@ -1,7 +1,7 @@
 //! What sections say of all series alike: names, legends, cells of a table.
 
 use crate::envelope::evaluate::Errors;
-use crate::envelope::report::subject::{Series, Subject};
+use crate::envelope::report::comparison::{Comparison, Series};
 use crate::page::html::{percent, text};
 
 /// RMS, 99th percentile, largest and normals, as cells.
@@ -13,13 +13,13 @@ pub(super) fn errors(errors: &Errors) -> [String; 4] {
 }
 
 /// Names of the columns of all series.
-pub(super) fn names(subject: &Subject<'_>) -> Vec<String> {
-    subject.series().iter().map(|series| text(series.name)).collect()
+pub(super) fn names(comparison: &Comparison<'_>) -> Vec<String> {
+    comparison.series().iter().map(|series| text(series.name)).collect()
 }
 
 /// The legend of all series.
-pub(super) fn legend(subject: &Subject<'_>) -> String {
-    entries(&subject.series())
+pub(super) fn legend(comparison: &Comparison<'_>) -> String {
+    entries(&comparison.series())
 }
 
 /// The legend of some series.

@@ -3,16 +3,19 @@
 use super::series::{errors as cells, legend};
 use crate::envelope::FitError;
 use crate::envelope::evaluate::Errors;
-use crate::envelope::report::sizes::{Outcome, Sizes, Trial};
-use crate::envelope::report::subject::Subject;
+use crate::envelope::report::comparison::Comparison;
+use crate::envelope::report::sizes::{Outcome, SizeTrial, Sizes};
 use crate::page::chart::{Chart, Range};
 use crate::page::html::{grouped, paragraph, percent, table, text};
 
 const SIZE: (f64, f64) = (550.0, 250.0);
 
 /// Charts and a table of trainings with several numbers of proxies, and the times of their steps.
-pub(super) fn errors(subject: &Subject<'_>, sizes: Option<&Result<Sizes, FitError>>) -> String {
-    let predictor = subject.model.character.envelope.predictor().name();
+pub(super) fn errors(
+    comparison: &Comparison<'_>,
+    sizes: Option<&Result<Sizes, FitError>>,
+) -> String {
+    let predictor = comparison.model.character.envelope.predictor().name();
     let sizes = match sizes {
         None => return paragraph("The report was asked to train nothing."),
         Some(Err(error)) => {
@@ -31,17 +34,17 @@ pub(super) fn errors(subject: &Subject<'_>, sizes: Option<&Result<Sizes, FitErro
     paragraph(&format!(
         "The predictor of {}, <b>{predictor}</b>, trained on the training frames of these examples \
          with other numbers of proxies, and measured on the same frames as above.",
-        text(subject.model.file.name)
-    )) + &charts(subject, &outcomes)
-        + &trials(subject, &sizes.trials)
+        text(comparison.model.file.name)
+    )) + &charts(comparison, &outcomes)
+        + &trials(comparison, &sizes.trials)
         + &times(sizes, &outcomes)
 }
 
-fn charts(subject: &Subject<'_>, outcomes: &[&Outcome]) -> String {
+fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
     if outcomes.is_empty() {
         return String::new();
     }
-    let other = subject.other.as_ref().filter(|other| other.character.envelope.proxy_len() > 0);
+    let other = comparison.other.as_ref().filter(|other| other.character.envelope.proxy_len() > 0);
     let other = other.map(|other| {
         let proxies = other.character.envelope.proxy_len() as f64;
         let kilobytes = other.file.bytes.len() as f64 / 1000.0;
@@ -52,7 +55,7 @@ fn charts(subject: &Subject<'_>, outcomes: &[&Outcome]) -> String {
     let of = |value: fn(&Outcome) -> f64| -> Vec<(f64, f64)> {
         outcomes.iter().map(|o| (o.proxies as f64, value(o))).collect()
     };
-    let lbs = subject.baseline.errors().rms_percent;
+    let lbs = comparison.baseline.errors().rms_percent;
     let rms = of(|o| o.errors.rms_percent);
     let validated = of(|o| o.validated_percent);
     let every = rms.iter().chain(&validated).map(|point| point.1).chain([lbs]);
@@ -76,7 +79,7 @@ fn charts(subject: &Subject<'_>, outcomes: &[&Outcome]) -> String {
         other.iter().for_each(|of| chart.dots("other", &of[place..=place]));
         outcomes.iter().for_each(|o| chart.mark(o.proxies as f64, &o.proxies.to_string()));
     }
-    legend(subject)
+    legend(comparison)
         + "<div class=\"pair\">"
         + &errors.finish("RMS error against the number of proxies")
         + &size.finish("size of the file against the number of proxies")
@@ -84,7 +87,7 @@ fn charts(subject: &Subject<'_>, outcomes: &[&Outcome]) -> String {
         + &paragraph("Dashed: cross-validated inside the training frames.")
 }
 
-fn trials(subject: &Subject<'_>, trials: &[Trial]) -> String {
+fn trials(comparison: &Comparison<'_>, trials: &[SizeTrial]) -> String {
     let head = [
         "proxies",
         "RMS",
@@ -101,14 +104,14 @@ fn trials(subject: &Subject<'_>, trials: &[Trial]) -> String {
         row.extend([format!("{} %", percent(validated)), format!("{} B", grouped(bytes)), seconds]);
         row
     };
-    let trial = |trial: &Trial| match &trial.outcome {
+    let trial = |trial: &SizeTrial| match &trial.outcome {
         Ok(of) => {
             let seconds = format!("{:.1} s", of.seconds);
             row(of.proxies.to_string(), &of.errors, of.validated_percent, of.bytes, seconds)
         }
         Err(error) => vec![trial.proxies.to_string(), text(&error.to_string())],
     };
-    let other = subject.other.as_ref().map(|other| {
+    let other = comparison.other.as_ref().map(|other| {
         let name = format!("{} ({})", other.character.envelope.proxy_len(), text(other.file.name));
         let certificate = other.character.envelope.certificate();
         let validated = 100.0 * f64::from(certificate.cross_validated_rms / certificate.diagonal);

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::sidecar::{Parent, Sidecar};
 use crate::examples::{Examples, LoadError, Matrix3x4, Split};
-use crate::files::Part;
+use crate::files::PendingFile;
 use crate::formats::FormatError;
 use crate::formats::npz::Writer;
 
@@ -76,7 +76,10 @@ fn code(split: Split) -> u8 {
 }
 
 fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), LoadError> {
-    Part::create(path).and_then(|mut part| write(part.file()).and_then(|()| part.finish())).map_err(
-        |error| LoadError { file: path.to_owned(), error: FormatError::Write(error).into() },
-    )
+    PendingFile::create(path)
+        .and_then(|mut part| write(part.file()).and_then(|()| part.finish()))
+        .map_err(|error| LoadError {
+            file: path.to_owned(),
+            error: FormatError::Write(error).into(),
+        })
 }

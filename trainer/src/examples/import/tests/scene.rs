@@ -2,7 +2,7 @@
 
 use super::super::error::ImportError;
 use super::super::scene::join;
-use super::super::targets::Targets;
+use super::super::targets::TargetMeshes;
 use crate::examples::{Clip, Examples, ExamplesError, Split, Warning};
 use crate::formats::posed_meshes::PosedMeshes;
 use crate::formats::scene::{SampledScene, Sampling};
@@ -54,9 +54,9 @@ fn limb() -> (SampledScene, Vec<[f64; 3]>) {
     (scene, posed)
 }
 
-fn targets(vertices: Vec<[f64; 3]>) -> Targets {
+fn targets(vertices: Vec<[f64; 3]>) -> TargetMeshes {
     let meshes = PosedMeshes { vertex_len: VERTICES, vertices, rest: None, triangles: None };
-    Targets { meshes, split: None }
+    TargetMeshes { meshes, split: None }
 }
 
 const KEYS: Sampling<'_> = Sampling { fps: None, clip: None, shapes: true };

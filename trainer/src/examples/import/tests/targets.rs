@@ -1,7 +1,7 @@
 //! Which files are read as posed meshes, and what is refused.
 
 use super::super::npz;
-use super::super::targets::{Targets, read};
+use super::super::targets::{TargetMeshes, read};
 use crate::examples::testing::triangle;
 use crate::examples::{ExamplesError, Split};
 use crate::formats::posed_meshes::PosedMeshes;
@@ -29,7 +29,7 @@ fn arrays_give_what_they_have() {
         rest: Some(examples.rest.clone()),
         triangles: Some(examples.triangles.clone()),
     };
-    let expected = Targets { meshes, split: Some(examples.split.clone()) };
+    let expected = TargetMeshes { meshes, split: Some(examples.split.clone()) };
     assert_eq!(read(&file).unwrap(), expected);
 }
 
@@ -40,7 +40,7 @@ fn endings_may_be_in_capitals() {
     let vertices = vec![[0.5, -0.25, 1024.0], [1.0, 2.0, 3.0]];
     save_pc2(&file, 1, &vertices).unwrap();
     let meshes = PosedMeshes { vertex_len: 1, vertices, rest: None, triangles: None };
-    assert_eq!(read(&file).unwrap(), Targets { meshes, split: None });
+    assert_eq!(read(&file).unwrap(), TargetMeshes { meshes, split: None });
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! What a report is about: models, examples, and what was measured of the ones on the other.
 
-use crate::envelope::evaluate::{Character, EvaluateError, Evaluation, Frames, Lbs, Measured};
+use crate::envelope::evaluate::{Baseline, Character, EvaluateError, Evaluation, Frames, Measured};
 use crate::examples::{Clip, Examples, Split};
 
 /// Examples as a report names them.
 #[derive(Clone, Copy)]
-pub struct Source<'a> {
+pub struct NamedExamples<'a> {
     /// The examples.
     pub examples: &'a Examples,
     /// The clips that their frames come from, in order; they cover all frames.
@@ -16,7 +16,7 @@ pub struct Source<'a> {
 
 /// A model's file as a report names it.
 #[derive(Clone, Copy)]
-pub struct File<'a> {
+pub struct NamedModel<'a> {
     /// What it is called.
     pub name: &'a str,
     /// Its content.
@@ -26,13 +26,13 @@ pub struct File<'a> {
 }
 
 /// One or two models, LBS beside them, and their errors on frames of the examples.
-pub struct Subject<'a> {
+pub struct Comparison<'a> {
     /// The examples.
-    pub source: Source<'a>,
+    pub source: NamedExamples<'a>,
     /// Which of their frames are measured.
     pub frames: Frames,
     /// The baseline.
-    pub lbs: Lbs,
+    pub lbs: Baseline,
     /// Its errors.
     pub baseline: Measured,
     /// The model.
@@ -44,7 +44,7 @@ pub struct Subject<'a> {
 /// A model and its errors.
 pub struct MeasuredModel<'a> {
     /// Its file.
-    pub file: File<'a>,
+    pub file: NamedModel<'a>,
     /// Its envelope and the skin that is measured.
     pub character: Character<'a>,
     /// Its errors.
@@ -67,18 +67,22 @@ pub struct Series<'a> {
 /// What the baseline is called.
 pub const LBS: &str = "LBS, 4 influences";
 
-impl<'a> Subject<'a> {
+impl<'a> Comparison<'a> {
     /// Measures a model and the baseline.
     ///
     /// # Errors
     /// Those of [`crate::envelope::evaluate::evaluate`].
-    pub fn new(source: Source<'a>, frames: Frames, file: File<'a>) -> Result<Self, EvaluateError> {
-        let Source { examples, .. } = source;
+    pub fn new(
+        source: NamedExamples<'a>,
+        frames: Frames,
+        file: NamedModel<'a>,
+    ) -> Result<Self, EvaluateError> {
+        let NamedExamples { examples, .. } = source;
         let character = Character::open(file.bytes, file.skin, examples)?;
         let chosen = frames.measurable(examples)?;
         let measured = Measured::model(&character, examples, &chosen)?;
         let model = MeasuredModel { file, character, measured };
-        let lbs = Lbs::fit(examples);
+        let lbs = Baseline::fit(examples);
         let baseline = Measured::lbs(&lbs, examples, &chosen);
         Ok(Self { source, frames, lbs, baseline, model, other: None })
     }
@@ -87,7 +91,7 @@ impl<'a> Subject<'a> {
     ///
     /// # Errors
     /// Those of [`crate::envelope::evaluate::evaluate`].
-    pub fn compare(&mut self, file: File<'a>) -> Result<(), EvaluateError> {
+    pub fn compare(&mut self, file: NamedModel<'a>) -> Result<(), EvaluateError> {
         let character = Character::open(file.bytes, file.skin, self.source.examples)?;
         let measured = Measured::model(&character, self.source.examples, &self.measured_frames())?;
         self.other = Some(MeasuredModel { file, character, measured });
@@ -126,7 +130,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-impl Source<'_> {
+impl NamedExamples<'_> {
     /// Returns the number of the clip that a frame belongs to.
     pub fn clip_of(&self, frame: usize) -> Option<usize> {
         self.clips.iter().rposition(|clip| clip.first <= frame)

@@ -7,7 +7,7 @@ pub(crate) const UNITS: std::ops::RangeInclusive<f32> = 1e-9..=1e9;
 
 /// What is said of a space; what is not said stays as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SpaceWish {
+pub struct SpaceRequest {
     /// Where a character's head is.
     pub up: Option<Axis>,
     /// Where a character looks.
@@ -59,7 +59,7 @@ pub enum SpaceError {
     UnknownUnit,
 }
 
-impl SpaceWish {
+impl SpaceRequest {
     /// Says what a space says.
     pub fn all_of(space: &Space) -> Self {
         let Space { up, forward, handedness, unit } = *space;
@@ -100,15 +100,16 @@ mod tests {
     fn spaces_that_cannot_be_are_refused() {
         for (up, forward) in [(Axis::Z, Axis::Z), (Axis::Z, Axis::MinusZ), (Axis::MinusY, Axis::Y)]
         {
-            let wish = SpaceWish { up: Some(up), forward: Some(forward), ..SpaceWish::default() };
-            assert_eq!(wish.of(GLTF), Err(SpaceError::Parallel { up, forward }));
+            let request =
+                SpaceRequest { up: Some(up), forward: Some(forward), ..SpaceRequest::default() };
+            assert_eq!(request.of(GLTF), Err(SpaceError::Parallel { up, forward }));
         }
         // What is said and what the file says may not agree.
-        let wish = SpaceWish { up: Some(Axis::Z), ..SpaceWish::default() };
-        assert!(matches!(wish.of(GLTF), Err(SpaceError::Parallel { .. })));
+        let request = SpaceRequest { up: Some(Axis::Z), ..SpaceRequest::default() };
+        assert!(matches!(request.of(GLTF), Err(SpaceError::Parallel { .. })));
         for metres in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-10] {
-            let wish = SpaceWish { unit: Some(metres), ..SpaceWish::default() };
-            assert!(matches!(wish.of(GLTF), Err(SpaceError::Unit { .. })), "{metres}");
+            let request = SpaceRequest { unit: Some(metres), ..SpaceRequest::default() };
+            assert!(matches!(request.of(GLTF), Err(SpaceError::Unit { .. })), "{metres}");
         }
     }
 }

@@ -1,13 +1,13 @@
 //! The pictures of a report: which side they are taken from, and what is in them.
 
 use super::bars::colour_bar;
-use super::subject::{Series, Subject};
+use super::comparison::{Comparison, Series};
 use crate::envelope::evaluate::{EvaluateError, skin};
 use crate::examples::{Examples, normals};
-use crate::page::camera::{Camera, Size, View};
+use crate::page::camera::{Camera, Resolution, View};
 use crate::page::colour::{Colour, Scale};
 use crate::page::html::{figure, text};
-use crate::page::render::{Look, Mesh};
+use crate::page::render::{Look, ShadedMesh};
 use image::ImageError;
 use rayon::prelude::*;
 use sinew_runtime::format::Axis;
@@ -31,7 +31,7 @@ const CLAY: Colour = [0xd8, 0xcf, 0xc3];
 
 /// How a report's pictures are taken; what is not given is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wish {
+pub struct PictureOptions {
     /// Pixels in a row of a picture.
     pub width: usize,
     /// What points up; by default what the examples say, else z if the character is
@@ -42,15 +42,15 @@ pub struct Wish {
     pub from: Option<(f64, f64)>,
 }
 
-impl Default for Wish {
+impl Default for PictureOptions {
     fn default() -> Self {
         Self { width: 620, up: None, from: None }
     }
 }
 
 /// Takes a report's pictures.
-pub(super) struct Shots<'a> {
-    subject: &'a Subject<'a>,
+pub(super) struct Pictures<'a> {
+    comparison: &'a Comparison<'a>,
     width: usize,
     /// From where.
     pub(super) view: View,
@@ -78,20 +78,20 @@ pub(super) enum Paint<'a> {
     Kinds(&'a [Colour]),
 }
 
-impl<'a> Shots<'a> {
+impl<'a> Pictures<'a> {
     /// Finds the worst frame and where to look from.
-    pub(super) fn new(subject: &'a Subject<'a>, wish: &Wish) -> Self {
-        let space = subject.source.examples.space;
-        let up = wish.up.or(space.up).unwrap_or_else(|| upright(subject.source.examples));
-        let (azimuth, elevation) = wish.from.unwrap_or_default();
-        let worst = subject.model.measured.worst();
-        let width = wish.width;
+    pub(super) fn new(comparison: &'a Comparison<'a>, options: &PictureOptions) -> Self {
+        let space = comparison.source.examples.space;
+        let up = options.up.or(space.up).unwrap_or_else(|| upright(comparison.source.examples));
+        let (azimuth, elevation) = options.from.unwrap_or_default();
+        let worst = comparison.model.measured.worst();
+        let width = options.width;
         let view = View { up, handedness: space.handedness, azimuth, elevation };
-        let mut shots = Self { subject, width, view, worst };
-        if wish.from.is_none() {
-            shots.view = shots.best_side();
+        let mut pictures = Self { comparison, width, view, worst };
+        if options.from.is_none() {
+            pictures.view = pictures.best_side();
         }
-        shots
+        pictures
     }
 
     /// Shapes one frame: the truth, then each of the series.
@@ -103,7 +103,7 @@ impl<'a> Shots<'a> {
         frame: usize,
         series: &[Series<'_>],
     ) -> Result<Vec<Shape>, EvaluateError> {
-        let (examples, lbs) = (self.subject.source.examples, &self.subject.lbs);
+        let (examples, lbs) = (self.comparison.source.examples, &self.comparison.lbs);
         let mut shapes = vec![self.shape("truth", examples.frame(frame).to_vec())];
         for series in series {
             let positions = match series.model {
@@ -122,7 +122,7 @@ impl<'a> Shots<'a> {
 
     /// The rest pose.
     pub(super) fn rest(&self) -> Shape {
-        self.shape("rest", self.subject.source.examples.rest.clone())
+        self.shape("rest", self.comparison.source.examples.rest.clone())
     }
 
     /// A camera that sees the whole of some shapes.
@@ -134,7 +134,7 @@ impl<'a> Shots<'a> {
     /// A camera that sees the surroundings of a vertex from where most of its error is seen.
     pub(super) fn near(&self, shape: &Shape, vertex: usize, errors: &[f64]) -> Camera {
         let centre = shape.positions[vertex];
-        let radius = NEAR * self.subject.model.measured.diagonal;
+        let radius = NEAR * self.comparison.model.measured.diagonal;
         let weights: Vec<f64> = shape
             .positions
             .iter()
@@ -154,7 +154,7 @@ impl<'a> Shots<'a> {
                 ..following
             })
             .collect();
-        let side = |width| Size { width, height: width };
+        let side = |width| Resolution { width, height: width };
         let seen = views.par_iter().map(|view| {
             let camera = Camera::around(view, &centre, radius, side(TRIAL));
             self.mesh(shape).seen(&weights, &camera)
@@ -188,9 +188,9 @@ impl<'a> Shots<'a> {
         let mut over = String::new();
         if let Some(vertex) = ring {
             let [x, y, _] = camera.project(&shape.positions[vertex]);
-            let Size { width, height } = camera.size;
+            let Resolution { width, height } = camera.size;
             let ring = RING * width as f64;
-            let slack = SLACK * self.subject.model.measured.diagonal;
+            let slack = SLACK * self.comparison.model.measured.diagonal;
             let class = if mesh.hides(vertex, slack, camera) { "hidden" } else { "seen" };
             let _ = write!(
                 over,
@@ -208,23 +208,24 @@ impl<'a> Shots<'a> {
     }
 
     fn shape(&self, name: &str, positions: Vec<[f64; 3]>) -> Shape {
-        let normals = normals(&positions, &self.subject.source.examples.triangles);
+        let normals = normals(&positions, &self.comparison.source.examples.triangles);
         Shape { name: name.to_owned(), positions, normals }
     }
 
-    fn mesh<'b>(&'b self, shape: &'b Shape) -> Mesh<'b> {
+    fn mesh<'b>(&'b self, shape: &'b Shape) -> ShadedMesh<'b> {
         let Shape { positions, normals, .. } = shape;
-        Mesh { positions, normals, triangles: &self.subject.source.examples.triangles }
+        ShadedMesh { positions, normals, triangles: &self.comparison.source.examples.triangles }
     }
 
     /// The view, turned as the character is.
     fn following(&self, shape: &Shape) -> View {
-        self.view.following(&self.subject.source.examples.rest, &shape.positions)
+        self.view.following(&self.comparison.source.examples.rest, &shape.positions)
     }
 
     /// Tries both sides along the lesser extent, a little from the left and from the right.
     fn best_side(&self) -> View {
-        let (examples, measured) = (self.subject.source.examples, &self.subject.model.measured);
+        let (examples, measured) =
+            (self.comparison.source.examples, &self.comparison.model.measured);
         let level = View { elevation: 0.0, azimuth: 0.0, ..self.view };
         let [width, depth] = [0, 2].map(|axis| {
             let along = level.axes()[axis];
