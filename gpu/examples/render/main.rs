@@ -31,8 +31,9 @@ fn main() -> Result<()> {
 /// Saves rows of RGBA8 from the top.
 fn save(folder: &Path, api: &str, pixels: Vec<u8>) -> Result<()> {
     let path = folder.join(format!("sinew-{api}.png"));
-    let image = image::RgbaImage::from_raw(WIDTH, HEIGHT, pixels).ok_or("too few pixels")?;
-    image.save(&path)?;
+    let mut encoder = png::Encoder::new(std::fs::File::create(&path)?, WIDTH, HEIGHT);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.write_header()?.write_image_data(&pixels)?;
     println!("{}", path.display());
     Ok(())
 }

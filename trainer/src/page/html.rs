@@ -3,7 +3,7 @@
 use super::render::Picture;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use image::ImageError;
+use png::EncodingError;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -79,7 +79,7 @@ pub(crate) fn figure(
     description: &str,
     over: &str,
     caption: &str,
-) -> Result<String, ImageError> {
+) -> Result<String, EncodingError> {
     let (width, height) = (picture.size.width, picture.size.height);
     Ok(format!(
         "<figure><div class=\"picture\"><img alt=\"{}\" width=\"{width}\" height=\"{height}\" \

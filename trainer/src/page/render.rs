@@ -2,9 +2,8 @@
 
 use super::camera::{Camera, Resolution};
 use super::colour::Colour;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, ImageError};
 use nalgebra::Vector3;
+use png::{BitDepth, ColorType, Encoder, EncodingError};
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 2;
@@ -183,11 +182,13 @@ impl Picture {
     ///
     /// # Errors
     /// Those of the encoder.
-    pub fn png(&self) -> Result<Vec<u8>, ImageError> {
+    pub fn png(&self) -> Result<Vec<u8>, EncodingError> {
         let mut bytes = Vec::new();
         let Resolution { width, height } = self.size;
-        PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
-            .write_image(&self.rgba, width as u32, height as u32, ExtendedColorType::Rgba8)?;
+        let mut encoder = Encoder::new(&mut bytes, width as u32, height as u32);
+        encoder.set_color(ColorType::Rgba);
+        encoder.set_depth(BitDepth::Eight);
+        encoder.write_header()?.write_image_data(&self.rgba)?;
         Ok(bytes)
     }
 }
@@ -344,7 +345,11 @@ mod tests {
     fn png_reads_back() {
         let size = Resolution { width: 2, height: 1 };
         let picture = Picture { size, rgba: vec![1, 2, 3, 255, 4, 5, 6, 128] };
-        let image = image::load_from_memory(&picture.png().unwrap()).unwrap().into_rgba8();
-        assert_eq!((image.dimensions(), image.into_raw()), ((2, 1), picture.rgba));
+        let bytes = std::io::Cursor::new(picture.png().unwrap());
+        let mut reader = png::Decoder::new(bytes).read_info().unwrap();
+        let mut rgba = vec![0; 8];
+        let info = reader.next_frame(&mut rgba).unwrap();
+        assert_eq!((info.width, info.height, info.color_type), (2, 1, ColorType::Rgba));
+        assert_eq!(rgba, picture.rgba);
     }
 }

@@ -9,7 +9,7 @@ pub mod convention;
 pub mod coverage;
 pub mod faces;
 pub mod finding;
-mod folds;
+mod folded;
 mod joints;
 mod prediction;
 mod repeats;
@@ -97,7 +97,7 @@ pub fn check(
     let rest = rest::rest(&context, &mut findings);
     joints::joints(&context, &warnings, &mut findings);
     progress.step("faces in poses", 1);
-    folds::folds(&context, &mut findings);
+    folded::folded(&context, &mut findings);
     progress.step("frames", 1);
     repeats::repeats(&context, &mut findings);
     step::steps(&context, &mut findings);

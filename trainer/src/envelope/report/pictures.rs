@@ -8,7 +8,7 @@ use crate::page::camera::{Camera, Resolution, View};
 use crate::page::colour::{Colour, Scale};
 use crate::page::html::{figure, text};
 use crate::page::render::{Look, ShadedMesh};
-use image::ImageError;
+use png::EncodingError;
 use rayon::prelude::*;
 use sinew_runtime::format::Axis;
 use std::fmt::Write;
@@ -175,7 +175,7 @@ impl<'a> Pictures<'a> {
         camera: &Camera,
         ring: Option<usize>,
         caption: &str,
-    ) -> Result<String, ImageError> {
+    ) -> Result<String, EncodingError> {
         let mesh = self.mesh(shape);
         let picture = match paint {
             Paint::Clay => mesh.draw(&vec![CLAY; shape.positions.len()], SHAPE, camera),

@@ -5,7 +5,7 @@ use super::stopwatch::Stopwatch;
 use crate::envelope::choose::choose;
 use crate::envelope::evaluate::{Character, Errors, EvaluateError, Measured};
 use crate::envelope::rotational::ProxyCount;
-use crate::envelope::rotational::choose::near_rigid;
+use crate::envelope::rotational::settings::near_rigid;
 use crate::envelope::skin::training::Training;
 use crate::envelope::{FitError, Options, Predict, TrainError, Trained};
 use crate::progress::Progress;

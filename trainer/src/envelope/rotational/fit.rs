@@ -1,14 +1,14 @@
 //! The fit: proxies, keys, and the reduced reconstruction.
 
-use super::choose::{Candidates, Setting, SettingTrial};
 use super::options::RotationalOptions;
 use super::predictor::{GradientPredictor, predict_stacked};
 use super::proxies::CountTrial;
 use super::reduce::{Reduced, Reduction};
 use super::refine::Regression;
+use super::settings::{Candidates, Setting, SettingTrial};
 use super::surface::Surface;
 use super::validation::Validation;
-use super::{choose, keys, merge, proxies, validation};
+use super::{keys, merge, proxies, settings, validation};
 use crate::envelope::FitError;
 use crate::envelope::correction::features::Features;
 use crate::envelope::correction::target::CorrectionTarget;
@@ -157,7 +157,7 @@ pub fn fit(
     let predictors: Vec<_> =
         sequences.par_iter().map(|d| GradientPredictor::fit(poses, parents, d)).collect();
     let predicted = predict_stacked(&predictors, poses);
-    let fixed = choose::near_rigid(lbs_errors, choice.near_rigid_fraction);
+    let fixed = settings::near_rigid(lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
     let unrefined = system.run().ok_or(FitError::Singular)?;
     let refined = choice.refinement.map(|strength| {

@@ -1,10 +1,10 @@
 //! The envelope without reduction: one predictor a triangle, every vertex reconstructed (S3 §1, §2;
 //! METHOD §1.4 to §1.6). Too slow for run time; it is what the reduction is measured against.
 
-use super::choose::near_rigid;
 use super::gradient::gradient;
 use super::poisson::{Poisson, PoissonError};
 use super::predictor::GradientPredictor;
+use super::settings::near_rigid;
 use crate::envelope::FitError;
 use crate::envelope::skin::blend::Weights;
 use crate::envelope::skin::poses::{Poses, trajectories};

@@ -1,7 +1,6 @@
 //! Enveloping as published (S3): key gradients by rotational regression, vertices by a reduced
 //! Poisson reconstruction, refined on the training meshes.
 
-pub mod choose;
 mod fit;
 pub mod full;
 pub mod gradient;
@@ -15,6 +14,7 @@ pub mod reduce;
 pub mod refine;
 pub mod rotation;
 pub mod scale_shear;
+pub mod settings;
 pub mod surface;
 pub mod validation;
 

@@ -1,7 +1,7 @@
 //! Why a page could not be made.
 
 use crate::envelope::evaluate::EvaluateError;
-use image::ImageError;
+use png::EncodingError;
 
 /// A page that could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -11,5 +11,5 @@ pub enum ReportError {
     Evaluate(#[from] EvaluateError),
     /// A picture could not be encoded.
     #[error("cannot encode a picture: {0}")]
-    Picture(#[from] ImageError),
+    Picture(#[from] EncodingError),
 }

@@ -8,7 +8,7 @@ use crate::numeric::affine::cofactors;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-pub(super) fn folds(context: &Context<'_>, findings: &mut Vec<Finding>) {
+pub(super) fn folded(context: &Context<'_>, findings: &mut Vec<Finding>) {
     let surface = RestFaces::new(context);
     let frames: Vec<Faults> =
         (0..context.frames.len()).into_par_iter().map(|i| surface.faults(context, i)).collect();
