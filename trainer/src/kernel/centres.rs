@@ -56,13 +56,19 @@ impl Greedy {
         Self { order, factor }
     }
 
-    /// The n samples' values of the first `count` centres' orthonormal functions, n x count.
-    pub fn functions(&self, count: usize) -> MatRef<'_, f64> {
-        self.factor.submatrix(1, 1, self.factor.nrows() - 1, count)
+    /// Returns the first `count` centres alone.
+    pub fn first(&self, count: usize) -> Self {
+        let factor = self.factor.subcols(0, count + 1).to_owned();
+        Self { order: self.order[..count].to_vec(), factor }
     }
 
-    /// Turns coefficients of orthonormal functions (count x r) to those of the kernels at the
-    /// origin and at the centres (count + 1 x r).
+    /// The n samples' values of the centres' orthonormal functions, n x centres.
+    pub fn functions(&self) -> MatRef<'_, f64> {
+        self.factor.submatrix(1, 1, self.factor.nrows() - 1, self.order.len())
+    }
+
+    /// Turns coefficients of orthonormal functions (centres x r) to those of the kernels at the
+    /// origin and at the centres (centres + 1 x r).
     pub fn at_centres(&self, coefficients: &Mat<f64>) -> Mat<f64> {
         let count = coefficients.nrows();
         let row = |k: usize| if k == 0 { 0 } else { self.order[k - 1] + 1 };
@@ -113,7 +119,7 @@ mod tests {
                 })
                 .sum()
         };
-        let expected = greedy.functions(6) * &given;
+        let expected = greedy.functions() * &given;
         for (i, &x) in x.iter().enumerate() {
             for o in 0..2 {
                 assert!((value(x, o) - expected[(i, o)]).abs() < 1e-12);

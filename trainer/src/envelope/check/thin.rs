@@ -2,8 +2,9 @@
 
 use super::context::{Context, worst_first};
 use super::finding::FrameName;
-use super::prediction::{Errors, Region, compared, regions};
-use super::thresholds::{LONELY, NEGLIGIBLE, REDUNDANT, VISIBLE};
+use super::prediction::{Region, compared, regions};
+use super::thresholds::{ISOLATED, NEGLIGIBLE, REDUNDANT, VISIBLE};
+use crate::kernel::gram::SampleErrors;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -46,9 +47,11 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     if regions.is_empty() {
         return None;
     }
-    let errors: Vec<Errors> = regions.par_iter().map(Region::errors).collect::<Option<Vec<_>>>()?;
-    let sum = |of: &dyn Fn(&Errors) -> f64| errors.iter().map(of).sum::<f64>();
-    let lbs: f64 = regions.iter().map(|r| r.gram.diagonal().column_vector().sum()).sum();
+    let errors: Vec<SampleErrors> =
+        regions.par_iter().map(Region::errors).collect::<Option<Vec<_>>>()?;
+    let sum = |of: &dyn Fn(&SampleErrors) -> f64| errors.iter().map(of).sum::<f64>();
+    let left = |r: &Region| (0..poses.len()).map(|i| r.regression.left(i)).sum::<f64>();
+    let lbs: f64 = regions.iter().map(left).sum();
     let block: f64 = sum(&|e| e.block.iter().sum());
     let alone: Vec<f64> = (0..poses.len()).map(|i| sum(&|e| e.alone[i])).collect();
 
@@ -64,7 +67,7 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     let Enough { mut kept, redundant } = enough(&mut regions, tolerance);
     kept.sort_unstable();
     let stands_alone =
-        |&i: &usize| alone[i] > LONELY.powi(2) * usual && percent(alone[i]) > 100.0 * VISIBLE;
+        |&i: &usize| alone[i] > ISOLATED.powi(2) * usual && percent(alone[i]) > 100.0 * VISIBLE;
     let isolated = (0..poses.len()).filter(stands_alone);
     let isolated = worst_first(isolated, |i| alone[i]);
     let name = |i: usize| context.frame(poses[i]);
@@ -96,16 +99,16 @@ struct Enough {
 /// Takes the pose that those taken predict worst, until all others are predicted to within a squared
 /// error.
 fn enough(regions: &mut [Region], tolerance: f64) -> Enough {
-    let n = regions.first().map_or(0, |region| region.gram.nrows());
+    let n = regions.first().map_or(0, |region| region.regression.sample_len());
     let mut kept = Vec::new();
     loop {
-        let error = |i: usize| regions.iter().map(|region| region.gram[(i, i)]).sum::<f64>();
+        let error = |i: usize| regions.iter().map(|region| region.regression.left(i)).sum::<f64>();
         let errors: Vec<f64> = (0..n).map(error).collect();
         let mut redundant: Vec<usize> = (0..n).filter(|i| !kept.contains(i)).collect();
         let by_error = |&a: &usize, &b: &usize| errors[a].total_cmp(&errors[b]);
         match redundant.iter().copied().max_by(by_error) {
             Some(worst) if errors[worst] > tolerance => {
-                regions.par_iter_mut().for_each(|region| region.learn(worst));
+                regions.par_iter_mut().for_each(|region| region.regression.learn(worst));
                 kept.push(worst);
             }
             _ => {

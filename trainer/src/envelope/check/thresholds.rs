@@ -91,7 +91,7 @@ pub const REDUNDANT: f64 = 0.5;
 pub const NEGLIGIBLE: f64 = 0.005;
 
 /// A pose stands alone where the others miss it by more than this many times the RMS over all poses.
-pub const LONELY: f64 = 1.5;
+pub const ISOLATED: f64 = 1.5;
 
 /// A slide of a joint by a diagonal counts as much as this angle in degrees: the weight that pose
 /// features give it.

@@ -6,8 +6,11 @@ use super::target::CorrectionTarget;
 use crate::envelope::model::{Group, Input};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::stacked::map_of;
+use crate::kernel::design::{Design, Hyperparameters};
 use crate::kernel::function::SMOOTHEST_FIRST;
-use crate::kernel::ridge::{Choice, Fitted, Outputs, Samples, Trial, WIDTHS};
+use crate::kernel::inputs::{Inputs, WIDTHS};
+use crate::kernel::outputs::Outputs;
+use crate::kernel::ridge::{self, KernelFit, Scored};
 use faer::Mat;
 use nalgebra::Matrix3;
 use serde::Serialize;
@@ -39,7 +42,7 @@ pub struct GroupReport {
     /// Inputs.
     pub inputs: usize,
     /// What its map is fitted with; none where there is no map.
-    pub choice: Option<Choice>,
+    pub choice: Option<Hyperparameters>,
     /// Latent outputs.
     pub rank: usize,
     /// Bytes that its map takes.
@@ -69,7 +72,7 @@ pub struct GroupCandidates {
 /// A size of a map.
 #[derive(Clone)]
 pub struct MapSize {
-    trial: Option<Trial>,
+    scored: Option<Scored>,
     rank: usize,
     /// Bytes in the file.
     pub bytes: usize,
@@ -96,13 +99,13 @@ impl GroupCandidates {
             without: target.without.iter().map(|m| seen(m) * &directions).collect(),
         };
         let sizes = outputs.sizes();
-        let nothing = MapSize { trial: None, rank: 0, bytes: 0, score: sizes.iter().sum() };
+        let nothing = MapSize { scored: None, rank: 0, bytes: 0, score: sizes.iter().sum() };
         let before = nothing.score;
         let mut found = vec![nothing];
         let (mut hops, mut inputs) = (0, Vec::new());
-        if let Some(heard) = listen(&outputs, poses, features, joint) {
-            found.extend(choose(&heard, &sizes, proxies.len()));
-            (hops, inputs) = (heard.hops, heard.inputs);
+        if let Some(near) = choose_joints(&outputs, poses, features, joint) {
+            found.extend(choose(&near, &outputs, &sizes, proxies.len()));
+            (hops, inputs) = (near.hops, near.inputs);
         }
         let sizes = undominated(found);
         let least = sizes.last().map_or(0.0, |size| size.score);
@@ -135,13 +138,11 @@ impl GroupCandidates {
             after: self.before,
         };
         let mut group = self.nothing();
-        let values = features.evaluate(poses, &self.inputs);
-        let fitted = size
-            .trial
-            .as_ref()
-            .zip(Samples::new(values, &self.outputs))
-            .and_then(|(trial, samples)| precise(&samples, trial, size.rank, target.vertices));
-        let Some(Fitted { map, scale, predicted }) = fitted else {
+        let fitted = size.scored.as_ref().and_then(|scored| {
+            let inputs = Inputs::new(features.evaluate(poses, &self.inputs))?;
+            precise(&inputs, &self.outputs, scored, size.rank, target.vertices)
+        });
+        let Some(KernelFit { map, scale, predicted }) = fitted else {
             return (group, report, Mat::zeros(poses.len(), 0));
         };
         let scaled = |input: &Input| Input { weight: scale * input.weight, ..*input };
@@ -150,7 +151,7 @@ impl GroupCandidates {
         group.outputs = self.metric.unweigh(&self.directions.subcols(0, size.rank).to_owned());
         report.hops = self.hops;
         report.inputs = self.inputs.len();
-        report.choice = size.trial.as_ref().map(|trial| trial.choice);
+        report.choice = size.scored.as_ref().map(|scored| scored.hyperparameters);
         report.rank = size.rank;
         report.bytes = size.bytes;
         report.after = size.score;
@@ -159,30 +160,29 @@ impl GroupCandidates {
 }
 
 /// The joints that a map listens to, and what the smoothest kernel makes of them.
-struct Heard<'a> {
+struct NearJoints {
     hops: usize,
     inputs: Vec<Input>,
-    samples: Samples<'a>,
-    best: Trial,
+    values: Inputs,
+    best: Scored,
 }
 
-/// Chooses the joints to listen to, by the smoothest kernel with as many centres as may be.
-fn listen<'a>(
-    outputs: &'a Outputs,
+/// Chooses the joints to choose_joints to, by the smoothest kernel with as many centres as may be.
+fn choose_joints(
+    outputs: &Outputs,
     poses: &Poses,
     features: Features<'_>,
     joint: usize,
-) -> Option<Heard<'a>> {
-    let mut tried = Vec::<Heard<'a>>::new();
+) -> Option<NearJoints> {
+    let mut tried = Vec::<NearJoints>::new();
     for hops in HOPS {
         let inputs = features.inputs(poses, joint, hops);
         if tried.last().is_some_and(|last| last.inputs == inputs) {
             continue;
         }
-        let samples = Samples::new(features.evaluate(poses, &inputs), outputs);
-        let Some(samples) = samples else { continue };
-        if let Some(best) = widest(&samples, SMOOTHEST_FIRST[0]) {
-            tried.push(Heard { hops, inputs, samples, best });
+        let Some(values) = Inputs::new(features.evaluate(poses, &inputs)) else { continue };
+        if let Some(best) = widest(&values, outputs, SMOOTHEST_FIRST[0]) {
+            tried.push(NearJoints { hops, inputs, values, best });
         }
     }
     let least = tried.iter().map(|t| t.best.score()).min_by(f64::total_cmp)?;
@@ -190,27 +190,29 @@ fn listen<'a>(
 }
 
 /// Chooses kernel and width; returns every number of centres and rank with them.
-fn choose(heard: &Heard<'_>, nothing: &[f64], proxies: usize) -> Vec<MapSize> {
-    let samples = &heard.samples;
-    let rougher = SMOOTHEST_FIRST[1..].iter().filter_map(|&kernel| widest(samples, kernel));
-    let of_kernels: Vec<Trial> = std::iter::once(heard.best.clone()).chain(rougher).collect();
-    let least = of_kernels.iter().map(Trial::score).fold(f64::INFINITY, f64::min);
+fn choose(near: &NearJoints, outputs: &Outputs, nothing: &[f64], proxies: usize) -> Vec<MapSize> {
+    let inputs = &near.values;
+    let rougher = SMOOTHEST_FIRST[1..].iter();
+    let rougher = rougher.filter_map(|&kernel| widest(inputs, outputs, kernel));
+    let of_kernels: Vec<Scored> = std::iter::once(near.best.clone()).chain(rougher).collect();
+    let least = of_kernels.iter().map(Scored::score).fold(f64::INFINITY, f64::min);
     let Some(best) = of_kernels.iter().find(|t| t.score() <= SIMPLER * least) else {
         return Vec::new();
     };
-    let Choice { kernel, width, .. } = best.choice;
-    let most = most_centres(samples);
+    let Hyperparameters { kernel, width, .. } = best.hyperparameters;
+    let most = most_centres(inputs);
     let counts: Vec<usize> = CENTRES.into_iter().filter(|&c| c < most).chain([most]).collect();
     let mut sizes = Vec::new();
-    for trial in samples.attempt(kernel, width, &counts) {
+    for design in Design::each(inputs, kernel, width, &counts) {
+        let Some(scored) = ridge::best(&design, outputs) else { continue };
         for rank in 1..=nothing.len() {
-            let centres = trial.choice.centres + 1;
+            let centres = design.hyperparameters.centres + 1;
             let left: f64 = nothing[rank..].iter().sum();
             sizes.push(MapSize {
                 rank,
-                bytes: bytes(samples.input_len(), centres, rank, proxies),
-                score: trial.scores[..rank].iter().sum::<f64>() + left,
-                trial: Some(trial.clone()),
+                bytes: bytes(inputs.input_len(), centres, rank, proxies),
+                score: scored.scores[..rank].iter().sum::<f64>() + left,
+                scored: Some(scored.clone()),
             });
         }
     }
@@ -218,14 +220,15 @@ fn choose(heard: &Heard<'_>, nothing: &[f64], proxies: usize) -> Vec<MapSize> {
 }
 
 /// The best width of a kernel with as many centres as may be.
-fn widest(samples: &Samples<'_>, kernel: Kernel) -> Option<Trial> {
-    let most = most_centres(samples);
-    let trials = WIDTHS.into_iter().flat_map(|width| samples.attempt(kernel, width, &[most]));
-    trials.min_by(|a, b| a.score().total_cmp(&b.score()))
+fn widest(inputs: &Inputs, outputs: &Outputs, kernel: Kernel) -> Option<Scored> {
+    let most = most_centres(inputs);
+    let designs = WIDTHS.into_iter().flat_map(|width| Design::each(inputs, kernel, width, &[most]));
+    let scored = designs.filter_map(|design| ridge::best(&design, outputs));
+    scored.min_by(|a, b| a.score().total_cmp(&b.score()))
 }
 
-fn most_centres(samples: &Samples<'_>) -> usize {
-    samples.len().min(CENTRES[CENTRES.len() - 1])
+fn most_centres(inputs: &Inputs) -> usize {
+    inputs.sample_len().min(CENTRES[CENTRES.len() - 1])
 }
 
 /// Sorts by bytes and leaves out what is no better than something smaller.
@@ -241,26 +244,33 @@ fn undominated(mut sizes: Vec<MapSize>) -> Vec<MapSize> {
 }
 
 /// Fits a map, smoother where rounding to f32 would show.
-fn precise(samples: &Samples<'_>, trial: &Trial, rank: usize, vertices: usize) -> Option<Fitted> {
-    let mut trial = trial.clone();
+fn precise(
+    inputs: &Inputs,
+    outputs: &Outputs,
+    scored: &Scored,
+    rank: usize,
+    vertices: usize,
+) -> Option<KernelFit> {
+    let design = Design::new(inputs, scored.hyperparameters)?;
+    let mut scored = scored.clone();
     loop {
-        let fitted = samples.fit(&trial, rank)?;
+        let fitted = ridge::fit(&design, outputs, &scored.ridges[..rank])?;
         let square = |error: Vec<f64>| error.iter().map(|e| e * e).sum::<f64>();
-        let inputs = samples.scaled(fitted.scale);
         let sum: f64 = inputs
+            .scaled(fitted.scale)
             .col_iter()
             .map(|x| {
                 let x: Vec<f64> = x.iter().copied().collect();
                 square(fitted.map.error(&x).0)
             })
             .sum();
-        if (sum / (vertices * samples.len()) as f64).sqrt() <= PRECISE {
+        if (sum / (vertices * inputs.sample_len()) as f64).sqrt() <= PRECISE {
             return Some(fitted);
         }
-        if trial.ridges.iter().all(|&ridge| ridge > 1.0) {
+        if scored.ridges.iter().all(|&ridge| ridge > 1.0) {
             return None;
         }
-        trial = trial.smoother();
+        scored = scored.smoother();
     }
 }
 

@@ -1,0 +1,270 @@
+//! The design of a kernel fit: all of it that depends on the inputs alone, so that one serves any
+//! outputs (METHOD §2.2).
+//!
+//! `f(x) = Σ_k c_k (G(|x - t_k|²/w) - G(|t_k|²/w)) + A x`. The columns are the orthonormal functions
+//! of some centres, zero at the origin, and the scaled inputs; a ridge acts on their coefficients. So
+//! with every sample a centre this is kernel ridge regression with [`Inputs::kernel_matrix`]. The
+//! linear part is penalised too: an unpenalised tail of many inputs overfits.
+
+use super::centres::Greedy;
+use super::function::{Exact, by_name};
+use super::inputs::Inputs;
+use super::left_out::LeftOut;
+use super::map::{Fade, KernelMap};
+use faer::linalg::solvers::Svd;
+use faer::{Mat, MatRef};
+use serde::Serialize;
+use sinew_runtime::kernel::Kernel;
+use std::ops::Range;
+
+/// Where a fade ends, in squared distances of its start.
+const FADE: f64 = 6.25;
+
+/// What a design is made with.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Hyperparameters {
+    /// G.
+    #[serde(serialize_with = "by_name")]
+    pub kernel: Kernel,
+    /// Squared width over the median squared distance.
+    pub width: f64,
+    /// Centres beside the origin.
+    pub centres: usize,
+}
+
+/// A design X of n rows, a sample each, decomposed.
+pub struct Design<'a> {
+    /// What it is made with.
+    pub hyperparameters: Hyperparameters,
+    inputs: &'a Inputs,
+    centres: Greedy,
+    decomposed: Svd<f64>,
+    /// The largest squared singular value, of which ridges are shares.
+    largest: f64,
+}
+
+/// A block of samples as a fit sees it that has not seen them.
+pub struct BlockOut {
+    /// Their rows of the hat matrix, on the design's directions: len x k.
+    hat: Mat<f64>,
+    left_out: LeftOut,
+}
+
+impl<'a> Design<'a> {
+    /// Makes a design; none where its decomposition does not converge.
+    pub fn new(inputs: &'a Inputs, hyperparameters: Hyperparameters) -> Option<Self> {
+        let Hyperparameters { kernel, width, centres } = hyperparameters;
+        Self::each(inputs, kernel, width, &[centres]).next()
+    }
+
+    /// Makes designs of ascending numbers of centres, one when it is asked for, each by the first of
+    /// the same centres; of numbers that are more than there are, one.
+    pub fn each(
+        inputs: &'a Inputs,
+        kernel: Kernel,
+        width: f64,
+        counts: &[usize],
+    ) -> impl Iterator<Item = Self> + use<'a> {
+        let most = counts.iter().copied().max().unwrap_or(0);
+        let scale = 1.0 / inputs.squared_width(width);
+        let squared = |i, j| scale * inputs.squared(i, j);
+        let greedy = Greedy::new(kernel, inputs.sample_len(), most, squared);
+        let mut counts: Vec<_> =
+            counts.iter().map(|&count| count.min(greedy.order.len())).collect();
+        counts.dedup();
+        counts.into_iter().filter_map(move |count| {
+            let hyperparameters = Hyperparameters { kernel, width, centres: count };
+            Self::decompose(inputs, hyperparameters, greedy.first(count))
+        })
+    }
+
+    fn decompose(
+        inputs: &'a Inputs,
+        hyperparameters: Hyperparameters,
+        centres: Greedy,
+    ) -> Option<Self> {
+        let scaled = inputs.values().transpose() * faer::Scale(inputs.linear_share().sqrt());
+        let decomposed = faer::concat![[centres.functions(), scaled]].thin_svd().ok()?;
+        let largest = decomposed.S().column_vector().iter().next().map_or(0.0, |s| s * s);
+        Some(Self { hyperparameters, inputs, centres, decomposed, largest })
+    }
+
+    /// Returns n.
+    pub fn sample_len(&self) -> usize {
+        self.inputs.sample_len()
+    }
+
+    /// Projects outputs n x r onto the design's k directions, k x r.
+    pub fn project(&self, outputs: &Mat<f64>) -> Mat<f64> {
+        self.decomposed.U().transpose() * outputs
+    }
+
+    /// Takes a block of samples out of a fit with a ridge; none where rounding makes what it leaves
+    /// indefinite.
+    pub fn block_out(&self, block: &Range<usize>, ridge: f64) -> Option<BlockOut> {
+        let s = self.decomposed.S().column_vector();
+        let shrink: Vec<f64> = s.iter().map(|s| s * s / (s * s + ridge * self.largest)).collect();
+        let u = self.decomposed.U().subrows(block.start, block.len()).to_owned();
+        let hat = Mat::from_fn(u.nrows(), u.ncols(), |i, k| u[(i, k)] * shrink[k]);
+        let own = &hat * u.transpose();
+        let remainder = Mat::from_fn(block.len(), block.len(), |i, j| {
+            f64::from(u8::from(i == j)) - own[(i, j)]
+        });
+        Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat })
+    }
+
+    /// Solves for the coefficients of the orthonormal functions, then of the scaled inputs, of the
+    /// first outputs that were projected, with a ridge each.
+    pub fn solve(&self, projected: &Mat<f64>, ridges: &[f64]) -> Mat<f64> {
+        let s = self.decomposed.S().column_vector();
+        let shrunk = Mat::from_fn(projected.nrows(), ridges.len(), |k, o| {
+            projected[(k, o)] * s[k] / (s[k] * s[k] + ridges[o] * self.largest)
+        });
+        self.decomposed.V() * shrunk
+    }
+
+    /// Turns coefficients of the design's columns to those of the kernels at the origin and at the
+    /// centres, centres + 1 x r.
+    pub fn at_centres(&self, solution: &Mat<f64>) -> Mat<f64> {
+        self.centres.at_centres(&solution.subrows(0, self.hyperparameters.centres).to_owned())
+    }
+
+    /// RMS size of what is rounded in the kernel of each centre, the origin first: the value itself,
+    /// or, for a gaussian, its change from rest.
+    pub fn terms(&self) -> Vec<f64> {
+        let Hyperparameters { kernel, width, .. } = self.hyperparameters;
+        let (n, scale) = (self.sample_len(), 1.0 / self.inputs.squared_width(width));
+        let of = |centre: usize| {
+            let size = |i: usize| {
+                let [here, rest, own] = [(centre, i), (centre, 0), (0, i)]
+                    .map(|(i, j)| scale * self.inputs.squared(i, j));
+                let twice = (2.0 * here + 2.0 * rest - own).max(0.0);
+                let steepest = kernel.exact(here.min(rest));
+                (steepest * (own * twice).sqrt()).powi(2)
+            };
+            match kernel {
+                Kernel::Gaussian => ((1..=n).map(size).sum::<f64>() / n as f64).sqrt(),
+                _ => 1.0,
+            }
+        };
+        let centres = self.centres.order.iter().map(|k| k + 1);
+        std::iter::once(0).chain(centres).map(of).collect()
+    }
+
+    /// Returns what inputs are to be multiplied by before a map of this design takes them.
+    pub fn scale(&self) -> f64 {
+        1.0 / self.inputs.squared_width(self.hyperparameters.width).sqrt()
+    }
+
+    /// Makes the map of scaled inputs that has these coefficients of the design's columns and was
+    /// validated by these blocks.
+    pub fn map(&self, solution: &Mat<f64>, blocks: &[Range<usize>]) -> KernelMap {
+        let Hyperparameters { kernel, width, centres: count } = self.hyperparameters;
+        let width = self.inputs.squared_width(width);
+        let centres = self.at_centres(solution);
+        let linear = solution.subrows(count, self.inputs.input_len())
+            * faer::Scale((self.inputs.linear_share() * width).sqrt());
+        let values = self.inputs.values();
+        KernelMap {
+            kernel,
+            centres: Mat::from_fn(self.inputs.input_len(), count + 1, |r, k| {
+                if k == 0 { 0.0 } else { values[(r, self.centres.order[k - 1])] / width.sqrt() }
+            }),
+            coefficients: faer::concat![[centres.transpose(), linear.transpose()]],
+            fade: self.fade(blocks),
+        }
+    }
+
+    /// Fades beyond what blocks have validated: the farthest that a sample is from the centres
+    /// outside its block.
+    fn fade(&self, blocks: &[Range<usize>]) -> Fade {
+        let mut farthest = f64::MIN_POSITIVE;
+        for block in blocks {
+            let outside = self.centres.order.iter().filter(|k| !block.contains(k));
+            let outside: Vec<usize> = outside.map(|k| k + 1).chain([0]).collect();
+            for i in block.clone() {
+                let near = outside.iter().map(|&k| self.inputs.squared(i + 1, k));
+                farthest = near.fold(f64::INFINITY, f64::min).max(farthest);
+            }
+        }
+        let start = farthest / self.inputs.squared_width(self.hyperparameters.width);
+        Fade { start, end: FADE * start }
+    }
+}
+
+impl BlockOut {
+    /// Finds the errors of the block's samples, given their outputs and the projection of all, as
+    /// the fit without the block sees them: len x r.
+    pub fn errors(&self, outputs: MatRef<'_, f64>, projected: &Mat<f64>) -> Mat<f64> {
+        self.left_out.errors(&(outputs - &self.hat * projected))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::Side;
+    use faer::linalg::solvers::Solve;
+
+    fn inputs() -> Inputs {
+        let at = |r: usize, i: usize| [(0.37 * i as f64).sin(), (0.61 * i as f64).cos()][r];
+        Inputs::new(Mat::from_fn(2, 20, at)).unwrap()
+    }
+
+    fn design(inputs: &Inputs, centres: usize) -> Design<'_> {
+        let hyperparameters = Hyperparameters { kernel: Kernel::Gaussian, width: 4.0, centres };
+        Design::new(inputs, hyperparameters).unwrap()
+    }
+
+    /// The design's columns.
+    fn columns(design: &Design<'_>) -> Mat<f64> {
+        let share = design.inputs.linear_share();
+        let scaled = design.inputs.values().transpose() * faer::Scale(share.sqrt());
+        faer::concat![[design.centres.functions(), scaled]]
+    }
+
+    #[test]
+    fn blocks_left_out_in_closed_form_equal_fits_without_them() {
+        let inputs = inputs();
+        let design = design(&inputs, 6);
+        let x = columns(&design);
+        let all = Mat::from_fn(20, 2, |i, o| (0.3 * i as f64 + o as f64).sin());
+        let ridge = 1e-3 * design.largest;
+        for block in [0..7, 7..12, 12..20] {
+            let own = all.subrows(block.start, block.len());
+            let found = design.block_out(&block, 1e-3).unwrap().errors(own, &design.project(&all));
+            let kept: Vec<usize> = (0..20).filter(|i| !block.contains(i)).collect();
+            let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
+            let y = Mat::from_fn(kept.len(), 2, |r, c| all[(kept[r], c)]);
+            let mut normal = a.transpose() * &a;
+            (0..normal.nrows()).for_each(|i| normal[(i, i)] += ridge);
+            let solution = normal.llt(Side::Lower).unwrap().solve(a.transpose() * y);
+            let predicted = &x * solution;
+            for i in block.clone() {
+                for o in 0..2 {
+                    let expected = all[(i, o)] - predicted[(i, o)];
+                    let found = found[(i - block.start, o)];
+                    assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn with_every_sample_a_centre_columns_make_the_kernel_matrix() {
+        let inputs = inputs();
+        let x = columns(&design(&inputs, 20));
+        let expected = inputs.kernel_matrix(Kernel::Gaussian, 4.0);
+        assert!((&x * x.transpose() - expected).norm_max() < 1e-12);
+    }
+
+    #[test]
+    fn numbers_of_centres_share_their_first_ones() {
+        let inputs = inputs();
+        let designs: Vec<_> =
+            Design::each(&inputs, Kernel::Matern32, 4.0, &[3, 8, 30, 40]).collect();
+        let counts: Vec<_> = designs.iter().map(|d| d.hyperparameters.centres).collect();
+        assert_eq!(counts, [3, 8, 20]);
+        assert_eq!(designs[0].centres.order, designs[2].centres.order[..3]);
+    }
+}

@@ -1,0 +1,187 @@
+//! Kernel ridge regression of outputs that are known by their inner products alone, with every sample
+//! a centre: how well the samples of very many outputs predict each other (METHOD §2.2).
+
+use super::inputs::{Inputs, WIDTHS};
+use super::left_out::LeftOut;
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, Side};
+use sinew_runtime::kernel::Kernel;
+use std::ops::Range;
+
+/// Which of the candidate widths are tried: fits with few centres need the others.
+const TRIED_WIDTHS: Range<usize> = 1..4;
+/// Candidate ridges, as shares of the kernel's mean diagonal, so that one chosen on some samples
+/// holds for all.
+const RIDGES: [f64; 3] = [1e-5, 1e-4, 1e-3];
+
+/// A regression of n samples on each other, and what is left to learn of them.
+pub struct GramRegression {
+    /// The kernel of the samples, zero at rest, n x n.
+    kernel: Mat<f64>,
+    /// Inner products of the samples' outputs, n x n.
+    gram: Mat<f64>,
+    ridge: f64,
+}
+
+/// Squared errors of each sample, summed over the outputs, predicted by the others.
+pub struct SampleErrors {
+    /// Without the sample alone.
+    pub alone: Vec<f64>,
+    /// Without its block.
+    pub block: Vec<f64>,
+}
+
+impl GramRegression {
+    /// Chooses width and ridge by leaving out blocks of some samples; `blocks` are contiguous, cover
+    /// `some` and count its elements. None where no fit can be made.
+    pub fn choose(
+        inputs: &Inputs,
+        gram: Mat<f64>,
+        some: &[usize],
+        blocks: &[Range<usize>],
+    ) -> Option<Self> {
+        let pick =
+            |m: &Mat<f64>| Mat::from_fn(some.len(), some.len(), |i, j| m[(some[i], some[j])]);
+        let picked_gram = pick(&gram);
+        let (mut best, mut least) = (None, f64::INFINITY);
+        for &width in &WIDTHS[TRIED_WIDTHS] {
+            let kernel = pick(&inputs.kernel_matrix(Kernel::Gaussian, width));
+            let mean = kernel.diagonal().column_vector().sum() / some.len() as f64;
+            for ridge in RIDGES.map(|ridge| ridge * mean) {
+                let Some(left) = SampleErrors::new(&kernel, &picked_gram, ridge, blocks) else {
+                    continue;
+                };
+                let sum = left.block.iter().sum();
+                if sum < least {
+                    (best, least) = (Some((width, ridge)), sum);
+                }
+            }
+        }
+        let (width, ridge) = best?;
+        Some(Self { kernel: inputs.kernel_matrix(Kernel::Gaussian, width), gram, ridge })
+    }
+
+    /// Returns n.
+    pub fn sample_len(&self) -> usize {
+        self.gram.nrows()
+    }
+
+    /// Returns the squared size of what is left to learn of a sample, summed over the outputs.
+    pub fn left(&self, sample: usize) -> f64 {
+        self.gram[(sample, sample)]
+    }
+
+    /// Predicts every sample by the others; `blocks` are contiguous and cover all. None where
+    /// rounding makes a fit indefinite.
+    pub fn errors(&self, blocks: &[Range<usize>]) -> Option<SampleErrors> {
+        SampleErrors::new(&self.kernel, &self.gram, self.ridge, blocks)
+    }
+
+    /// Takes what one sample predicts from the others: the regression's own update, kernel and
+    /// residuals conditioned on the sample.
+    pub fn learn(&mut self, sample: usize) {
+        let n = self.sample_len();
+        let scale = 1.0 / (self.kernel[(sample, sample)].max(0.0) + self.ridge);
+        let row = |m: &Mat<f64>| (0..n).map(|i| m[(sample, i)]).collect::<Vec<f64>>();
+        let (kernel, gram) = (row(&self.kernel), row(&self.gram));
+        let share: Vec<f64> = kernel.iter().map(|k| k * scale).collect();
+        for j in 0..n {
+            let column = self.kernel.col_as_slice_mut(j);
+            column.iter_mut().zip(&share).for_each(|(k, s)| *k -= s * kernel[j]);
+            let column = self.gram.col_as_slice_mut(j);
+            let by = share[j] * gram[sample] - gram[j];
+            column.iter_mut().zip(&share).zip(&gram).for_each(|((g, s), own)| {
+                *g += s * by - share[j] * own;
+            });
+        }
+    }
+}
+
+impl SampleErrors {
+    /// With A = K + λI a fit to all samples leaves λA⁻¹ of their outputs; λ cancels. A single sample
+    /// is a block of one.
+    fn new(
+        kernel: &Mat<f64>,
+        gram: &Mat<f64>,
+        ridge: f64,
+        blocks: &[Range<usize>],
+    ) -> Option<Self> {
+        let n = kernel.nrows();
+        let mut ridged = kernel.clone();
+        (0..n).for_each(|i| ridged[(i, i)] += ridge);
+        let inverse = ridged.llt(Side::Lower).ok()?.inverse();
+        let half = gram * &inverse;
+        let missed = |block: &Range<usize>| {
+            let (start, len) = (block.start, block.len());
+            let remainder = inverse.submatrix(start, start, len, len).to_owned();
+            let residuals = inverse.subcols(start, len).transpose() * half.subcols(start, len);
+            let errors = LeftOut::new(&remainder)?.products(&residuals);
+            Some(errors.diagonal().column_vector().iter().copied().collect::<Vec<f64>>())
+        };
+        let alone = (0..n).map(|i| missed(&(i..i + 1))).collect::<Option<Vec<_>>>()?.concat();
+        let block = blocks.iter().map(missed).collect::<Option<Vec<_>>>()?.concat();
+        Some(Self { alone, block })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const N: usize = 12;
+    const RIDGE: f64 = 1e-2;
+
+    /// A regression of samples on a spiral, with outputs n x 2.
+    fn regression() -> (GramRegression, Mat<f64>) {
+        let inputs = Mat::from_fn(2, N, |r, i| {
+            let t = 0.4 * i as f64;
+            t * [t.cos(), t.sin()][r]
+        });
+        let outputs = Mat::from_fn(N, 2, |i, o| [inputs[(0, i)].sin(), inputs[(1, i)] * 0.3][o]);
+        let kernel = Inputs::new(inputs).unwrap().kernel_matrix(Kernel::Gaussian, 4.0);
+        let gram = &outputs * outputs.transpose();
+        (GramRegression { gram, kernel, ridge: RIDGE }, outputs)
+    }
+
+    /// Squared error of a sample predicted by some others, by solving for them.
+    fn missed(kernel: &Mat<f64>, outputs: &Mat<f64>, sample: usize, by: &[usize]) -> f64 {
+        let among = Mat::from_fn(by.len(), by.len(), |i, j| {
+            kernel[(by[i], by[j])] + if i == j { RIDGE } else { 0.0 }
+        });
+        let truth = Mat::from_fn(by.len(), 2, |i, o| outputs[(by[i], o)]);
+        let solution = among.partial_piv_lu().inverse() * truth;
+        let predicted = |o: usize| -> f64 {
+            (0..by.len()).map(|k| kernel[(sample, by[k])] * solution[(k, o)]).sum()
+        };
+        (0..2).map(|o| (outputs[(sample, o)] - predicted(o)).powi(2)).sum()
+    }
+
+    #[test]
+    fn samples_left_out_in_closed_form_equal_fits_without_them() {
+        let (regression, outputs) = regression();
+        let blocks = [0..5, 5..7, 7..N];
+        let found = regression.errors(&blocks).unwrap();
+        for block in blocks {
+            for sample in block.clone() {
+                let others: Vec<usize> = (0..N).filter(|&i| i != sample).collect();
+                let outside: Vec<usize> = (0..N).filter(|i| !block.contains(i)).collect();
+                let alone = missed(&regression.kernel, &outputs, sample, &others);
+                let blocked = missed(&regression.kernel, &outputs, sample, &outside);
+                assert!((found.alone[sample] - alone).abs() < 1e-9 * (1.0 + alone));
+                assert!((found.block[sample] - blocked).abs() < 1e-9 * (1.0 + blocked));
+            }
+        }
+    }
+
+    #[test]
+    fn learning_samples_one_by_one_equals_a_fit_to_all_of_them() {
+        let (mut regression, outputs) = regression();
+        let kernel = regression.kernel.clone();
+        let learnt = [7, 2, 10];
+        learnt.into_iter().for_each(|sample| regression.learn(sample));
+        for sample in (0..N).filter(|sample| !learnt.contains(sample)) {
+            let expected = missed(&kernel, &outputs, sample, &learnt);
+            assert!((regression.left(sample) - expected).abs() < 1e-9 * (1.0 + expected));
+        }
+    }
+}
