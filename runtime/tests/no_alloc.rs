@@ -3,7 +3,8 @@
 
 mod common;
 
-use common::{Builder, SMALL, job, output, random_pose};
+use common::{job, output, random_pose};
+use models::{Pieces, Rng, SMALL};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::skin::{Rest, cells};
 use sinew_runtime::{LocalTransform, Model, SkinJob, model_space_pose};
@@ -45,11 +46,11 @@ fn nothing_is_allocated() {
 }
 
 fn evaluate(predictor: Predictor) {
-    let bytes = Builder::of(predictor, SMALL).bytes();
+    let bytes = Pieces::sample(predictor, SMALL).bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
     let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
     let v = skin.vertex_len();
-    let mut pose = random_pose(&envelope, &mut common::Rng(1), 0.5);
+    let mut pose = random_pose(&envelope, &mut Rng(1), 0.5);
     let local = vec![
         LocalTransform { rotation: [0.0, 0.0, 0.6, 0.8], translation: [0.0; 3] };
         envelope.joint_len()

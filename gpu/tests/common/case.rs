@@ -1,6 +1,7 @@
 //! A batch on a device, compared bit by bit with what the CPU makes of it: the same body for both APIs.
 
-use super::{Random, load, parts, poses};
+use super::{load, parts, poses};
+use models::Rng;
 use sinew_gpu::headless::{Device, Uploaded};
 use sinew_gpu::layout::{Array, Attribute, Batch, DeviceLimits, Plan, Resource, SkinBatch};
 use sinew_runtime::skin::{self, Output, cells};
@@ -93,27 +94,27 @@ pub(crate) fn differing(found: &[f32], expected: &[f32], what: &str) -> usize {
 
 /// Draws what the host brings for every instance: every seventh index of a remap is beyond the mesh.
 fn bring(host: &mut [f32], skin: &Skin<'_>, own: &SkinBatch, instance_len: usize) {
-    let mut random = Random(1);
+    let mut random = Rng(1);
     let vertex_len = skin.vertex_len();
     if let Some(Array { offset, stride }) = own.remap {
         for n in 0..instance_len {
             for i in 0..own.vertices.end {
-                let index = (random.next() * vertex_len as f32) as u32;
+                let index = (random.next_u64() % vertex_len as u64) as u32;
                 let index = if i % 7 == 6 { index + vertex_len as u32 } else { index };
                 host[offset + n * stride + i] = f32::from_bits(index);
             }
         }
     }
-    let mut put = |array: Option<Array>, of: &dyn Fn(usize, &mut Random) -> Vec<f32>| {
+    let mut put = |array: Option<Array>, of: &dyn Fn(usize, &mut Rng) -> Vec<f32>| {
         let Some(Array { offset, stride }) = array else { return };
         for n in 0..instance_len {
             let all: Vec<f32> = (0..vertex_len).flat_map(|v| of(v, &mut random)).collect();
             host[offset + n * stride..][..all.len()].copy_from_slice(&all);
         }
     };
-    let near = |x: [f32; 3], random: &mut Random| x.map(|x| x + 0.3 * random.signed()).to_vec();
-    let unit = |random: &mut Random| {
-        let v = [(); 3].map(|()| random.signed() + 1.5);
+    let near = |x: [f32; 3], random: &mut Rng| x.map(|x| x + 0.3 * random.unit()).to_vec();
+    let unit = |random: &mut Rng| {
+        let v = [(); 3].map(|()| random.unit() + 1.5);
         let length = v.iter().map(|x| x * x).sum::<f32>().sqrt();
         v.map(|x| x / length).to_vec()
     };

@@ -1,21 +1,16 @@
-//! What the tests share: models, poses, batches, and one body that runs a batch on any device.
+//! What the tests share: poses, batches, and one body that runs a batch on any device.
 #![allow(dead_code, unused_imports, reason = "each test uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod case;
 
 pub(crate) use case::{Case, POISON, differing};
+pub(crate) use models::GOLDEN;
 
+use models::Rng;
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{Array, Attribute, Batch, Rest, SkinBatch};
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, Skin, model_space_pose};
-
-/// A small model of each predictor: rotational, kernel, hybrid.
-pub(crate) const GOLDEN: [&[u8]; 3] = [
-    include_bytes!("../../../tests/golden/envelope-3-rotational.snw"),
-    include_bytes!("../../../tests/golden/envelope-3-kernel.snw"),
-    include_bytes!("../../../tests/golden/envelope-3-hybrid.snw"),
-];
 
 pub(crate) fn load(bytes: &[u8]) -> Model<&[u8]> {
     Model::from_bytes(bytes).unwrap()
@@ -25,30 +20,13 @@ pub(crate) fn parts<'a>(model: &'a Model<&[u8]>) -> (Envelope<'a>, Skin<'a>) {
     (model.envelope().unwrap(), model.skin().unwrap())
 }
 
-/// Numbers from 0 to 1 that look random: xorshift.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn next(&mut self) -> f32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    /// A number from -1 to 1.
-    pub(crate) fn signed(&mut self) -> f32 {
-        2.0 * self.next() - 1.0
-    }
-}
-
 /// Draws poses; the first is that of rest.
 pub(crate) fn poses(envelope: &Envelope<'_>, count: usize) -> Vec<Vec<Matrix3x4>> {
-    let mut random = Random(2007);
+    let mut random = Rng(2007);
     let pose = |n: usize| {
         let size = 0.4 * (n % 8) as f32;
         let local = (0..envelope.joint_len()).map(|joint| {
-            let [x, y, z] = [(); 3].map(|()| size * random.signed());
+            let [x, y, z] = [(); 3].map(|()| size * random.unit());
             let translation = rest_translation(envelope, joint);
             LocalTransform { rotation: [x, y, z, 1.0], translation }
         });

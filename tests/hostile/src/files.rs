@@ -1,7 +1,7 @@
 //! The files that everything starts from.
 
-use crate::golden::GOLDEN;
-use crate::pieces;
+use models::{GOLDEN, Pieces};
+use sinew_runtime::FileError;
 use std::sync::LazyLock;
 
 /// Lists the files that everything starts from: the golden ones, and one of several parts.
@@ -10,8 +10,20 @@ use std::sync::LazyLock;
 /// If a golden file is not sound.
 pub fn files() -> &'static [Vec<u8>] {
     static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
-        let several = pieces::several().expect("the golden files are sound");
+        let several = several().expect("the golden files are sound");
         GOLDEN.map(<[u8]>::to_vec).into_iter().chain([several]).collect()
     });
     &FILES
+}
+
+/// Makes a file of two envelopes and three skins: those of a rotational and of a kernel model, and one
+/// that follows nothing.
+fn several() -> Result<Vec<u8>, FileError> {
+    let [rotational, kernel, hybrid] = GOLDEN.map(Pieces::of);
+    let (mut out, mut loose) = (rotational?, hybrid?);
+    out.append(kernel?);
+    loose.keep_vertices(3);
+    loose.loosen();
+    out.append(loose);
+    Ok(out.bytes())
 }

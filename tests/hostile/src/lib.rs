@@ -6,13 +6,10 @@
 pub mod abi;
 pub mod evaluate;
 mod files;
-mod golden;
 pub mod mutants;
-pub mod pieces;
 pub mod poses;
 pub mod recipe;
 pub mod round_trip;
 pub mod targets;
 
 pub use files::files;
-pub use golden::GOLDEN;

@@ -1,6 +1,7 @@
 //! Mutated files by number, the same every time.
 
-use crate::{files, pieces, recipe};
+use crate::{files, recipe};
+use models::seal;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -22,6 +23,6 @@ pub fn mutant(number: u64) -> Vec<u8> {
         let at = random.random_range(0..file.len());
         file[at] ^= 1 << random.random_range(0..8);
     }
-    pieces::seal(&mut file);
+    seal(&mut file);
     file
 }

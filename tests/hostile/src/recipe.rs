@@ -4,8 +4,8 @@
 //! them be: what is refused at once tells little about evaluation.
 
 use crate::files;
-use crate::pieces::{Pieces, keep_vertices, seal};
 use arbitrary::{Result, Unstructured};
+use models::{Content, Pieces, group_row, seal};
 use sinew_runtime::envelope::GroupRow;
 use sinew_runtime::format::{CORRECTION_MAX, Element, MAGNITUDE_MAX, PartRow, SectionKind};
 use sinew_runtime::skin::NO_ENVELOPE;
@@ -75,14 +75,14 @@ pub fn file(recipe: &[u8]) -> Vec<u8> {
 fn follow(mut pieces: Pieces, u: &mut Unstructured<'_>, out: &mut Vec<u8>) -> Result<()> {
     for _ in 0..u.int_in_range(1..=4)? {
         change(&mut pieces, u)?;
-        *out = pieces.file(|_| {});
+        *out = pieces.bytes();
     }
     match u.int_in_range(0..=15)? {
         0 => {
             // The table says what is not so.
             let (row, value) = (u.choose_index(pieces.sections.len().max(1))?, integer(u)?);
             let is_offset = bool(u)?;
-            *out = pieces.file(|rows| {
+            *out = pieces.bytes_with_rows(|rows| {
                 let Some(row) = rows.get_mut(row) else { return };
                 *(if is_offset { &mut row.offset } else { &mut row.bytes }) = value;
             });
@@ -154,7 +154,7 @@ fn with_section(
     change: impl FnOnce(&mut Vec<u8>, &mut Unstructured<'_>) -> Result<()>,
 ) -> Result<()> {
     let at = u.choose_index(pieces.sections.len().max(1))?;
-    pieces.sections.get_mut(at).map_or(Ok(()), |(_, bytes)| change(bytes, u))
+    pieces.sections.get_mut(at).map_or(Ok(()), |content| change(&mut content.bytes, u))
 }
 
 /// Changes the content of a section of floats, or of records with floats among them. Directions are
@@ -165,11 +165,11 @@ fn with_floats(
     change: impl FnOnce(&mut Vec<u8>, &mut Unstructured<'_>) -> Result<()>,
 ) -> Result<()> {
     let elements = [Element::F32, Element::Mixed].map(Element::number);
-    let floats = pieces.sections.iter_mut().filter(|(row, _)| elements.contains(&row.element));
+    let floats = pieces.sections.iter_mut().filter(|content| elements.contains(&content.element));
     let mut floats: Vec<_> = floats.collect();
     let at = u.choose_index(floats.len().max(1))?;
-    let Some((row, bytes)) = floats.get_mut(at) else { return Ok(()) };
-    let floats_of_one = match SectionKind::from_number(row.kind) {
+    let Some(Content { kind, bytes, .. }) = floats.get_mut(at) else { return Ok(()) };
+    let floats_of_one = match SectionKind::from_number(*kind) {
         Some(SectionKind::RestNormals) => 3,
         Some(SectionKind::RestTangents) => 4,
         _ => return change(bytes, u),
@@ -239,11 +239,11 @@ fn section_row(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     let at = u.choose_index(pieces.sections.len().max(1))?;
     let value = integer(u)?;
     match (u.int_in_range(0..=7)?, pieces.sections.get_mut(at)) {
-        (0, Some((row, _))) => row.kind = value as u16,
-        (1, Some((row, _))) => row.part = value as u16,
-        (2, Some((row, _))) => row.flags = value as u8,
-        (3, Some((row, _))) => row.element = value as u8,
-        (4, Some((row, _))) => row.reserved = value as u16,
+        (0, Some(row)) => row.kind = value as u16,
+        (1, Some(row)) => row.part = value as u16,
+        (2, Some(row)) => row.flags = value as u8,
+        (3, Some(row)) => row.element = value as u8,
+        (4, Some(row)) => row.reserved = value as u16,
         (5, Some(_)) => drop(pieces.sections.remove(at)),
         (6, Some(section)) => {
             let again = section.clone();
@@ -283,8 +283,8 @@ fn part_row(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
 fn counts(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     let kinds = [SectionKind::EnvelopeCounts, SectionKind::SkinCounts];
     let is_counts = |kind: u16| kinds.iter().any(|own| own.number() == kind);
-    let own = pieces.sections.iter_mut().filter(|(row, _)| is_counts(row.kind));
-    let mut own: Vec<_> = own.map(|(_, bytes)| bytes.as_chunks_mut::<4>().0).collect();
+    let own = pieces.sections.iter_mut().filter(|content| is_counts(content.kind));
+    let mut own: Vec<_> = own.map(|content| content.bytes.as_chunks_mut::<4>().0).collect();
     let at = u.choose_index(own.len().max(1))?;
     let Some(words) = own.get_mut(at) else { return Ok(()) };
     let at = u.choose_index(words.len().max(1))?;
@@ -302,24 +302,25 @@ fn counts(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
 /// Drops vertices, the tangents, the ranges, or the envelope: a sound file of another shape.
 fn vertices(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     match u.int_in_range(0..=3)? {
-        0 => pieces.sections.retain(|(row, _)| row.kind != SectionKind::RestTangents.number()),
+        0 => pieces.sections.retain(|content| content.kind != SectionKind::RestTangents.number()),
         1 => {
-            let Some(ranges) = pieces.section(SectionKind::Ranges) else { return Ok(()) };
+            let Some(ranges) = pieces.find(SectionKind::Ranges) else { return Ok(()) };
             let words = ranges.as_chunks_mut::<4>().0;
             let (at, value) = (u.choose_index(words.len().max(1))?, u.int_in_range(0..=32u32)?);
             words.iter_mut().skip(at).take(1).for_each(|word| *word = value.to_le_bytes());
         }
         2 if pieces.parts.len() == 2 => pieces.loosen(),
         _ => {
-            let vertex_len = pieces.word(SectionKind::SkinCounts, 0).unwrap_or(0);
-            keep_vertices(pieces, u.int_in_range(0..=vertex_len.min(64))?);
+            let vertex_len =
+                pieces.word(SectionKind::SkinCounts, 0).map_or(0, |word| u32::from_le_bytes(*word));
+            pieces.keep_vertices(u.int_in_range(0..=vertex_len.min(64))?);
         }
     }
     Ok(())
 }
 
 fn group(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
-    let Some(rows) = pieces.section(SectionKind::Groups) else { return Ok(()) };
+    let Some(rows) = pieces.find(SectionKind::Groups) else { return Ok(()) };
     let rows = rows.as_chunks_mut::<{ GroupRow::BYTES }>().0;
     let at = u.choose_index(rows.len().max(1))?;
     let Some(bytes) = rows.get_mut(at) else { return Ok(()) };
@@ -337,7 +338,7 @@ fn group(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
         9 => row.fade_end = float(u)?,
         _ => row.kernel = u.int_in_range(8..=11)?,
     }
-    *bytes = row.to_bytes();
+    *bytes = group_row(&row);
     Ok(())
 }
 

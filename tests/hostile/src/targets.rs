@@ -1,9 +1,9 @@
 //! The bodies of the fuzz targets. Each panics at a finding and does nothing else of note.
 
 use crate::evaluate::{evaluate, read};
-use crate::pieces::seal;
 use crate::poses::KINDS;
 use crate::recipe;
+use models::seal;
 use sinew_runtime::{FileError, Model};
 use std::ops::Range;
 

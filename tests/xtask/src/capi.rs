@@ -38,7 +38,10 @@ pub(super) fn prepare() -> Result<(), String> {
 
 /// Writes the C header that the sources give.
 pub(super) fn header() -> Result<(), String> {
-    cargo("test --locked -p sinew-capi --test header", &[("SINEW_WRITE_HEADER", "1".into())])
+    cargo(
+        "test --locked -p sinew-capi --test header the_header_is",
+        &[("SINEW_WRITE_HEADER", "1".into())],
+    )
 }
 
 #[cfg(test)]

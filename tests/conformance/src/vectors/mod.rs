@@ -8,7 +8,9 @@ pub use folder::{Folder, VectorError};
 
 use crate::models::{self, SHAPES};
 use crate::subject::Subject;
+use ::models::GOLDEN;
 use case::{Case, subject};
+use sinew_runtime::envelope::Predictor;
 use std::path::Path;
 
 /// What stands at the top of the folder.
@@ -18,13 +20,6 @@ const POSES: usize = 41;
 /// Poses that are drawn of a trained character.
 const CHARACTER_POSES: usize = 77;
 
-/// The trained characters, as they are kept for the format's sake: the same bytes everywhere.
-const CHARACTERS: [(&str, &[u8]); 3] = [
-    ("rotational", include_bytes!("../../../golden/envelope-3-rotational.snw")),
-    ("kernel", include_bytes!("../../../golden/envelope-3-kernel.snw")),
-    ("hybrid", include_bytes!("../../../golden/envelope-3-hybrid.snw")),
-];
-
 /// Writes the vectors into a folder that is not there or is empty; it appears whole or not at all.
 ///
 /// # Errors
@@ -32,8 +27,9 @@ const CHARACTERS: [(&str, &[u8]); 3] = [
 pub fn write(out: &Path) -> Result<(), VectorError> {
     let folder = Folder::create(out)?;
     folder.write("README.md", README.as_bytes())?;
-    for (name, bytes) in CHARACTERS {
-        let case = format!("character-{name}");
+    // The trained characters, as they are kept for the format's sake: the same bytes everywhere.
+    for (predictor, bytes) in Predictor::ALL.into_iter().zip(GOLDEN) {
+        let case = format!("character-{}", predictor.name());
         Case::new(&case, &subject(bytes, CHARACTER_POSES)).write(bytes, &folder)?;
     }
     for (shape, bytes) in SHAPES.iter().zip(models::shapes()) {

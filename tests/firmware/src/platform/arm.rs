@@ -1,7 +1,5 @@
 //! Cortex-M, with and without a floating-point unit.
 
-pub use super::semihosting::{end, print};
-
 use core::arch::{asm, global_asm};
 
 // The vector table: stack, reset, and every exception a failure. The reset handler lets the FPU

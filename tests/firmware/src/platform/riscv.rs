@@ -1,7 +1,5 @@
 //! RISC-V without a floating-point unit.
 
-pub use super::semihosting::{end, print};
-
 use core::arch::{asm, global_asm};
 
 // The reset handler: traps are failures, the stack, `.bss`.

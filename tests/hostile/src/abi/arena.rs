@@ -1,7 +1,7 @@
 //! The memory of one call.
 
 use super::frame::Frame;
-use crate::GOLDEN;
+use models::GOLDEN;
 use sinew_capi::*;
 use std::mem::MaybeUninit;
 use std::ops::Range;

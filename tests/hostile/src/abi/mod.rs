@@ -71,10 +71,9 @@ mod tests {
     use super::functions::FUNCTIONS;
     use super::header::promises;
     use super::one_call;
-    use crate::GOLDEN;
-    use crate::pieces::{Pieces, keep_vertices};
     use crate::recipe;
     use arbitrary::Unstructured;
+    use models::{GOLDEN, Pieces};
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use sinew_runtime::format::SectionKind;
@@ -90,11 +89,11 @@ mod tests {
     fn whatever_the_header_promises_of_calls_happens() {
         let golden = || Pieces::of(GOLDEN[0]).unwrap();
         let (mut empty, mut bare, mut loose) = (golden(), golden(), golden());
-        keep_vertices(&mut empty, 0);
-        bare.sections.retain(|(row, _)| row.kind != SectionKind::RestTangents.number());
+        empty.keep_vertices(0);
+        bare.sections.retain(|content| content.kind != SectionKind::RestTangents.number());
         loose.loosen();
         let mut files = GOLDEN.map(<[u8]>::to_vec).to_vec();
-        files.extend([empty, bare, loose].map(|pieces| pieces.file(|_| {})));
+        files.extend([empty, bare, loose].map(|pieces| pieces.bytes()));
         let mut random = ChaCha8Rng::seed_from_u64(138);
         let mut seen = BTreeSet::new();
         for number in 0..60_000 {

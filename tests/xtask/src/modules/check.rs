@@ -1,31 +1,49 @@
 //! The check of a crate.
 
 use super::circles::circles;
-use super::parse::Crate;
+use super::parse::{Crate, normal};
 use super::resolve::imports;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Crates whose files must import one way, by their roots.
-const CRATES: [&str; 9] = [
-    "runtime/src/lib.rs",
-    "runtime/capi/src/lib.rs",
-    "gpu/src/lib.rs",
-    "trainer/src/lib.rs",
-    "trainer/src/main.rs",
-    "tests/conformance/src/lib.rs",
-    "tests/hostile/src/lib.rs",
-    "tests/shaders/src/lib.rs",
-    "tests/xtask/src/main.rs",
+/// Packages whose files must import one way.
+const PACKAGES: [&str; 10] = [
+    "runtime",
+    "runtime/capi",
+    "gpu",
+    "trainer",
+    "tests/conformance",
+    "tests/firmware",
+    "tests/hostile",
+    "tests/models",
+    "tests/shaders",
+    "tests/xtask",
 ];
 
 /// Checks every crate of a repository.
 pub(crate) fn check(repository: &Path) -> Result<(), String> {
-    for root in CRATES {
-        check_crate(&repository.join(root), &|path| std::fs::read_to_string(path).ok())
-            .map_err(|error| format!("{root}: {error}"))?;
+    for package in PACKAGES {
+        let roots = roots(&repository.join(package));
+        if roots.is_empty() {
+            return Err(format!("{package} has no crate"));
+        }
+        for root in roots {
+            check_crate(&root, &|path| std::fs::read_to_string(path).ok())
+                .map_err(|error| format!("{}: {error}", root.display()))?;
+        }
     }
     Ok(())
+}
+
+/// Lists the root files of a package's library and programs.
+fn roots(package: &Path) -> Vec<PathBuf> {
+    let own = ["src/lib.rs", "src/main.rs"].map(|root| package.join(root));
+    let mut roots: Vec<_> = own.into_iter().filter(|root| root.is_file()).collect();
+    let programs = std::fs::read_dir(package.join("src/bin")).into_iter().flatten().flatten();
+    let programs = programs.map(|entry| entry.path());
+    roots.extend(programs.filter(|path| path.extension().is_some_and(|end| end == "rs")));
+    roots.sort();
+    roots
 }
 
 /// Checks the crate of a root file; `read` gives a file's text, where there is such a file.
@@ -44,7 +62,8 @@ pub(super) fn check_crate(
     if found.is_empty() {
         return Ok(());
     }
-    let folder = root.parent().unwrap_or(root);
+    let root = normal(root);
+    let folder = root.parent().unwrap_or(&root);
     let name = |file: &PathBuf| file.strip_prefix(folder).unwrap_or(file).display().to_string();
     let circle = |files: &Vec<PathBuf>| {
         let names = files.iter().chain(files.first()).map(name);

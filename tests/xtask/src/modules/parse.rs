@@ -2,7 +2,7 @@
 
 use super::tokens::tokens;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// The modules of a crate; the first is its root.
 pub(super) struct Crate {
@@ -13,7 +13,8 @@ pub(super) struct Crate {
 pub(super) struct Module {
     pub(super) file: PathBuf,
     pub(super) parent: Option<usize>,
-    pub(super) children: BTreeMap<String, usize>,
+    /// Those of one name are there in turn, as `cfg` says.
+    pub(super) children: BTreeMap<String, Vec<usize>>,
     /// Names that it defines.
     pub(super) items: BTreeSet<String>,
     /// What its `use`s bring in.
@@ -40,7 +41,7 @@ impl Crate {
     ) -> Result<Self, String> {
         let mut out = Self { modules: Vec::new() };
         let folder = root.parent().unwrap_or(Path::new("")).to_owned();
-        out.file(None, root, &folder, read)?;
+        out.file(None, &normal(root), &normal(&folder), read)?;
         Ok(out)
     }
 
@@ -59,7 +60,7 @@ impl Crate {
     ) -> Result<usize, String> {
         let text = read(file).ok_or_else(|| format!("cannot read {}", file.display()))?;
         let tokens = tokens(&text);
-        let mut walk = Walk { tokens: &tokens, at: 0, file, read };
+        let mut walk = Walk { tokens: &tokens, at: 0, file, read, places: Vec::new() };
         let module = self.add(parent, file);
         walk.module(self, module, folder)?;
         Ok(module)
@@ -84,6 +85,8 @@ struct Walk<'a> {
     at: usize,
     file: &'a Path,
     read: &'a dyn Fn(&Path) -> Option<String>,
+    /// Where the next module's file lies, as attributes say; whether they say so always.
+    places: Vec<(String, bool)>,
 }
 
 impl Walk<'_> {
@@ -103,6 +106,7 @@ impl Walk<'_> {
                 "#" => {
                     if self.attribute() {
                         self.skip_item();
+                        self.places.clear();
                     }
                     continue;
                 }
@@ -144,19 +148,40 @@ impl Walk<'_> {
     fn child(&mut self, all: &mut Crate, own: usize, folder: &Path) -> Result<(), String> {
         let name = self.peek(1).to_owned();
         let below = folder.join(&name);
-        let child = if self.peek(2) == "{" {
+        let places = std::mem::take(&mut self.places);
+        if self.peek(2) == "{" {
             self.at += 3;
             let child = all.add(Some(own), self.file);
             self.module(all, child, &below)?;
-            child
-        } else {
+            all.modules[own].children.entry(name).or_default().push(child);
+            // The brace.
+            self.at += 1;
+            return Ok(());
+        }
+        // `path` counts from the file's folder, or from where an inline module's children would lie;
+        // children of what it names lie beside it.
+        let is_inline = all.modules[own].parent.is_some_and(|p| all.modules[p].file == self.file);
+        let from = self.file.parent().filter(|_| !is_inline).unwrap_or(folder);
+        let mut files = Vec::new();
+        for (place, _) in &places {
+            let file = normal(&from.join(place));
+            let beside = file.parent().unwrap_or(from).to_owned();
+            files.push((file, beside));
+        }
+        if places.iter().all(|(_, always)| !always) {
             let (beside, inside) = (folder.join(format!("{name}.rs")), below.join("mod.rs"));
-            let file = if (self.read)(&beside).is_some() { beside } else { inside };
-            all.file(Some(own), &file, &below, self.read)?
-        };
-        // The brace, or the semicolon and the two words before it.
-        self.at += if self.peek(0) == "}" { 1 } else { 3 };
-        all.modules[own].children.insert(name, child);
+            let is_beside = (self.read)(&beside).is_some();
+            // Where every `cfg` has a place of its own there need be no other.
+            if is_beside || files.is_empty() || (self.read)(&inside).is_some() {
+                files.push((if is_beside { beside } else { inside }, below));
+            }
+        }
+        for (file, folder) in files {
+            let child = all.file(Some(own), &file, &folder, self.read)?;
+            all.modules[own].children.entry(name.clone()).or_default().push(child);
+        }
+        // The semicolon and the two words before it.
+        self.at += 3;
         Ok(())
     }
 
@@ -165,9 +190,14 @@ impl Walk<'_> {
         let start = self.at;
         self.at += if self.peek(1) == "!" { 2 } else { 1 };
         self.skip_group();
-        let words = &self.tokens[start..self.at];
-        let has = |word: &str| words.iter().any(|token| token == word);
-        has("cfg") && has("test") && !has("not")
+        let words: Vec<&str> = self.tokens[start..self.at].iter().map(String::as_str).collect();
+        let always = !words.contains(&"cfg_attr");
+        let texts = words.iter().filter_map(|word| word.strip_prefix('"'));
+        self.places.extend(texts.map(|place| (place.to_owned(), always)));
+        match words[..] {
+            ["#", "[", "cfg", "(", ref condition @ .., ")", "]"] => needs_test(condition),
+            _ => false,
+        }
     }
 
     /// Skips a bracket and all that is in it, or a single token.
@@ -272,4 +302,43 @@ impl Walk<'_> {
             return;
         }
     }
+}
+
+/// Whether a condition of `cfg` holds in tests alone; of all others it is taken that they may hold.
+fn needs_test(condition: &[&str]) -> bool {
+    match condition {
+        ["test"] => true,
+        ["all", "(", list @ .., ")"] => listed(list).any(needs_test),
+        ["any", "(", list @ .., ")"] => listed(list).all(needs_test),
+        _ => false,
+    }
+}
+
+/// Cuts at the commas that no bracket holds.
+fn listed<'a>(words: &'a [&'a str]) -> impl Iterator<Item = &'a [&'a str]> {
+    let mut depth = 0;
+    let parts = words.split(move |word| {
+        depth += match *word {
+            "(" => 1,
+            ")" => -1,
+            _ => 0,
+        };
+        *word == "," && depth == 0
+    });
+    parts.filter(|part| !part.is_empty())
+}
+
+/// Takes `..` back out of a path, with what it leaves.
+pub(super) fn normal(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        let leaves = part == Component::ParentDir
+            && matches!(out.components().next_back(), Some(Component::Normal(_)));
+        if leaves {
+            out.pop();
+        } else {
+            out.push(part);
+        }
+    }
+    out
 }

@@ -8,17 +8,20 @@ use std::path::PathBuf;
 pub(super) type Imports = BTreeMap<PathBuf, BTreeSet<PathBuf>>;
 
 /// What a name stands for, by the number of a module.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Named {
     Module(usize),
     /// Something that the module defines.
     Item(usize),
 }
 
+/// All that a name may stand for: one of them, as `cfg` says.
+type Meanings = BTreeSet<Named>;
+
 /// What each module calls by which name: what it defines, and what its `use`s bring in.
 struct Names<'a> {
     all: &'a Crate,
-    of: Vec<BTreeMap<String, Named>>,
+    of: Vec<BTreeMap<String, Meanings>>,
 }
 
 /// Finds each file's imports.
@@ -27,8 +30,8 @@ pub(super) fn imports(all: &Crate) -> Imports {
     let mut out = Imports::new();
     for (number, module) in all.modules.iter().enumerate() {
         let used = module.uses.iter().flat_map(|own| names.used(number, own));
-        let used = used.map(|(_, named)| named);
-        let others = module.paths.iter().filter_map(|path| names.resolve(number, path));
+        let used = used.flat_map(|(_, named)| named);
+        let others = module.paths.iter().flat_map(|path| names.resolve(number, path));
         let files = used.chain(others).filter_map(|named| match named {
             Named::Item(target) => Some(all.modules[target].file.clone()),
             // A module by itself is nothing yet: what is taken of it is.
@@ -46,11 +49,12 @@ impl<'a> Names<'a> {
     /// pass through any number of re-exports, and modules may bring in all of each other.
     fn new(all: &'a Crate) -> Self {
         let of = all.modules.iter().enumerate().map(|(number, module)| {
-            let items = module.items.iter().map(|name| (name.clone(), Named::Item(number)));
-            let children = module.children.iter();
-            items
-                .chain(children.map(|(name, child)| (name.clone(), Named::Module(*child))))
-                .collect()
+            let items = module.items.iter();
+            let items = items.map(|name| (name.clone(), Meanings::from([Named::Item(number)])));
+            let children = module.children.iter().map(|(name, children)| {
+                (name.clone(), children.iter().copied().map(Named::Module).collect())
+            });
+            items.chain(children).collect()
         });
         let mut names = Self { all, of: of.collect() };
         loop {
@@ -63,45 +67,64 @@ impl<'a> Names<'a> {
 
     /// Adds what a module's `use`s bring in; returns whether that is more than before.
     fn grow(&mut self, module: usize) -> bool {
-        let uses = self.all.modules[module].uses.iter();
-        let brought: Vec<_> = uses.flat_map(|own| self.used(module, own)).collect();
-        let before = self.of[module].len();
-        for (name, named) in brought {
-            self.of[module].entry(name).or_insert(named);
+        let own = &self.all.modules[module];
+        let mut has_grown = false;
+        for brought in &own.uses {
+            for (name, named) in self.used(module, brought) {
+                // What is defined or named here hides what `*` would bring.
+                let is_defined = own.items.contains(&name) || own.children.contains_key(&name);
+                let is_named = own.uses.iter().any(|other| other.name.as_ref() == Some(&name));
+                if is_defined || (brought.name.is_none() && is_named) {
+                    continue;
+                }
+                let meanings = self.of[module].entry(name).or_default();
+                let before = meanings.len();
+                meanings.extend(named);
+                has_grown |= meanings.len() > before;
+            }
         }
-        self.of[module].len() > before
+        has_grown
     }
 
     /// Lists what a `use` of a module brings in.
-    fn used(&self, module: usize, Use { name, path }: &Use) -> Vec<(String, Named)> {
-        match (name, self.resolve(module, path)) {
-            (None, Some(Named::Module(target))) => {
-                self.of[target].iter().map(|(name, named)| (name.clone(), *named)).collect()
+    fn used(&self, module: usize, Use { name, path }: &Use) -> Vec<(String, Meanings)> {
+        let found = self.resolve(module, path);
+        match name {
+            None => {
+                let modules = found.iter().filter_map(|named| match named {
+                    Named::Module(target) => Some(*target),
+                    Named::Item(_) => None,
+                });
+                let all = modules.flat_map(|target| self.of[target].iter());
+                all.map(|(name, named)| (name.clone(), named.clone())).collect()
             }
             // `use name;` brings in what another crate is called.
-            (Some(name), Some(named)) if path.len() > 1 => vec![(name.clone(), named)],
-            _ => Vec::new(),
+            Some(name) if path.len() > 1 && !found.is_empty() => vec![(name.clone(), found)],
+            Some(_) => Vec::new(),
         }
     }
 
-    /// Follows a path from a module; `None` where it leads out of the crate.
-    fn resolve(&self, from: usize, path: &[String]) -> Option<Named> {
+    /// Follows a path from a module; finds nothing where it leads out of the crate.
+    fn resolve(&self, from: usize, path: &[String]) -> Meanings {
         let parent = |module: usize| self.all.modules[module].parent.map(Named::Module);
-        let (first, rest) = path.split_first()?;
+        let named =
+            |module: usize, name: &str| self.of[module].get(name).cloned().unwrap_or_default();
+        let Some((first, rest)) = path.split_first() else { return Meanings::new() };
         let mut at = match first.as_str() {
-            "crate" => Named::Module(0),
-            "self" => Named::Module(from),
-            "super" => parent(from)?,
-            name => *self.of[from].get(name)?,
+            "crate" => Meanings::from([Named::Module(0)]),
+            "self" => Meanings::from([Named::Module(from)]),
+            "super" => parent(from).into_iter().collect(),
+            name => named(from, name),
         };
         for name in rest {
-            at = match at {
+            let next = at.into_iter().flat_map(|each| match each {
                 // A method, a variant: they are where their type is.
-                Named::Item(_) => return Some(at),
-                Named::Module(module) if name == "super" => parent(module)?,
-                Named::Module(module) => *self.of[module].get(name)?,
-            };
+                Named::Item(_) => Meanings::from([each]),
+                Named::Module(module) if name == "super" => parent(module).into_iter().collect(),
+                Named::Module(module) => named(module, name),
+            });
+            at = next.collect();
         }
-        Some(at)
+        at
     }
 }

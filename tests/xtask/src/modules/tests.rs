@@ -159,6 +159,67 @@ fn other_crates_of_a_modules_name_are_no_imports() {
 }
 
 #[test]
+fn a_path_says_where_a_module_lies() {
+    let files = [
+        ("src/lib.rs", "#[path = \"../golden/bits.rs\"] #[allow(dead_code)] mod bits; mod a;"),
+        ("golden/bits.rs", "mod rng; pub use rng::Rng;"),
+        ("golden/rng.rs", "use crate::a::A; pub struct Rng(A);"),
+        ("src/a.rs", "pub struct A; fn a(_: crate::bits::Rng) {}"),
+    ];
+    assert_eq!(circle(&files), format!("{0} -> a.rs -> {0}", Path::new("golden/rng.rs").display()));
+    // In a module within a file it counts from where that module's files would lie.
+    let files = [
+        ("lib.rs", "mod a;"),
+        ("a.rs", "pub mod b { #[path = \"other.rs\"] pub mod c; } pub fn a() { b::c::c() }"),
+        ("a/b/other.rs", "pub fn c() { crate::a::a() }"),
+    ];
+    assert_eq!(circle(&files), "a/b/other.rs -> a.rs -> a/b/other.rs");
+    // It is no module's file that it does not name.
+    let lost = checked(&[("lib.rs", "#[path = \"b.rs\"] mod a;"), ("a.rs", "")]);
+    assert_eq!(lost, Err("cannot read b.rs".to_owned()));
+}
+
+#[test]
+fn whatever_cfg_says_counts() {
+    // Two modules of one name, one of which closes a circle.
+    let unix = "#[cfg(unix)] mod sys { pub use crate::a::open; }";
+    let other = "#[cfg(not(unix))] mod sys { pub fn open() {} }";
+    for pair in [[unix, other].concat(), [other, unix].concat()] {
+        let files = [
+            ("lib.rs", &*[&*pair, "mod a; mod b;"].concat()),
+            ("a.rs", "pub fn open() { crate::b::b() }"),
+            ("b.rs", "pub fn b() { crate::sys::open() }"),
+        ];
+        let found = circle(&files);
+        assert!(found.starts_with("a.rs -> b.rs -> a.rs;"), "{found}");
+    }
+    // One of several files, by `cfg`; the place without a path need not be there.
+    let chosen =
+        "#[cfg_attr(unix, path = \"unix.rs\")] #[cfg_attr(windows, path = \"windows.rs\")]";
+    for (name, far) in [("unix.rs", "windows.rs"), ("windows.rs", "unix.rs")] {
+        let files = [
+            ("lib.rs", &*format!("{chosen} pub(crate) mod target; mod user;")),
+            ("user.rs", "pub fn user() { super::target::call() }"),
+            (name, "pub fn call() { super::user::user() }"),
+            (far, "pub fn call() {}"),
+        ];
+        // A circle begins with the first of its names.
+        let (first, second) = (name.min("user.rs"), name.max("user.rs"));
+        assert_eq!(circle(&files), format!("{first} -> {second} -> {first}"));
+    }
+    // What is there in tests and elsewhere is there.
+    let files = [
+        ("lib.rs", "#[cfg(any(test, unix))] mod a; mod b;"),
+        ("a.rs", "pub fn a() { crate::b::b() }"),
+        ("b.rs", "pub fn b() { crate::a::a() }"),
+    ];
+    assert_eq!(circle(&files), "a.rs -> b.rs -> a.rs");
+    let mut files = files;
+    files[0].1 = "#[cfg(any(test, all(unix, test)))] mod a; mod b;";
+    assert_eq!(checked(&files), Ok(()));
+}
+
+#[test]
 fn every_circle_is_told() {
     let files = [
         ("lib.rs", "mod a; mod b; mod c; mod d;"),

@@ -1,19 +1,25 @@
-//! Rust's tokens, as far as paths need them: comments, text and numbers are left out.
+//! Rust's tokens, as far as paths need them: comments, text and numbers are left out, but for the file in
+//! `path = "..."`.
 
 use std::iter::Peekable;
 use std::str::Chars;
 
-/// An identifier, `::`, or any other sign alone.
-pub(super) fn tokens(text: &str) -> Vec<String> {
-    let mut out = Vec::new();
-    let mut rest = text.chars().peekable();
+/// An identifier, `::`, or any other sign alone; after `path =` text, with the quote before it.
+pub(super) fn tokens(source: &str) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    let mut rest = source.chars().peekable();
     while let Some(sign) = rest.next() {
         match sign {
             '/' if rest.peek() == Some(&'/') => {
                 while rest.next_if(|next| *next != '\n').is_some() {}
             }
             '/' if rest.peek() == Some(&'*') => skip_comment(&mut rest),
-            '"' => skip_text(&mut rest),
+            '"' => {
+                let text = text(&mut rest);
+                if out.ends_with(&["path".to_owned(), "=".to_owned()]) {
+                    out.push(format!("\"{text}"));
+                }
+            }
             '\'' => skip_character_or_lifetime(&mut rest),
             sign if sign.is_alphabetic() || sign == '_' => {
                 let word = word(sign, &mut rest);
@@ -68,16 +74,19 @@ fn skip_comment(rest: &mut Peekable<Chars<'_>>) {
     }
 }
 
-fn skip_text(rest: &mut Peekable<Chars<'_>>) {
+/// Reads text to its end; what a backslash stands for is left out.
+fn text(rest: &mut Peekable<Chars<'_>>) -> String {
+    let mut out = String::new();
     while let Some(next) = rest.next() {
         match next {
             '\\' => {
                 rest.next();
             }
-            '"' => return,
-            _ => {}
+            '"' => break,
+            next => out.push(next),
         }
     }
+    out
 }
 
 /// Skips raw text; returns the name where it was a raw identifier.

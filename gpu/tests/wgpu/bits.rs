@@ -1,0 +1,144 @@
+//! The stages on wgpu, end to end, against the CPU's bits.
+
+use crate::common::{Case, GOLDEN, hosted_batch, load, odd_batch, parts};
+use sinew_gpu::headless::{Device as _, HeadlessError};
+use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
+use sinew_gpu::wgpu::headless::Device;
+
+fn lavapipe() -> Device {
+    Device::of_driver("llvmpipe", true)
+        .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"))
+}
+
+#[test]
+fn every_predictor_has_the_cpus_bits() {
+    let device = lavapipe();
+    let limits = &device.limits();
+    for bytes in GOLDEN {
+        let model = load(bytes);
+        let (envelope, skin) = parts(&model);
+        let batch = &Batch::skinned(&envelope, &skin, 67);
+        Case { bytes, batch, limits, instance_len: 67 }.check(&device);
+        let batch = &Batch::palettes(&envelope, 5);
+        Case { bytes, batch, limits, instance_len: 5 }.check(&device);
+    }
+}
+
+#[test]
+fn odd_offsets_and_strides_are_kept_and_gaps_left_alone() {
+    let device = lavapipe();
+    let limits = &device.limits();
+    for bytes in GOLDEN {
+        let model = load(bytes);
+        let (envelope, skin) = parts(&model);
+        let batch = &odd_batch(&envelope, &skin, 9);
+        Case { bytes, batch, limits, instance_len: 9 }.check(&device);
+    }
+}
+
+#[test]
+fn a_remap_and_a_rest_mesh_of_the_hosts_are_skinned_as_on_a_cpu() {
+    let device = lavapipe();
+    let limits = &device.limits();
+    for bytes in GOLDEN {
+        let model = load(bytes);
+        let (envelope, skin) = parts(&model);
+        let batch = &hosted_batch(&envelope, &skin, 9);
+        for instance_len in [9, 4] {
+            Case { bytes, batch, limits, instance_len }.check(&device);
+        }
+    }
+}
+
+#[test]
+fn a_batch_in_chunks_has_the_same_bits() {
+    let device = lavapipe();
+    for bytes in GOLDEN {
+        let model = load(bytes);
+        let (envelope, skin) = parts(&model);
+        let instances = 60;
+        let batch = &odd_batch(&envelope, &skin, instances);
+        // As small as the model allows.
+        let storage_binding_bytes = model.blob().len().next_multiple_of(4) as u64;
+        let limits = &DeviceLimits { storage_binding_bytes, ..device.limits() };
+        let plan = Plan::new(&model, &envelope, batch, limits).unwrap();
+        assert!(plan.chunks().len() > 2, "{} chunks", plan.chunks().len());
+        let seam = plan.chunks()[1].instances.end;
+        for instance_len in [1, seam - 1, seam, seam + 1, instances] {
+            Case { bytes, batch, limits, instance_len }.check(&device);
+        }
+    }
+}
+
+#[test]
+fn past_65535_workgroups_nothing_else_is_written() {
+    let device = lavapipe();
+    for bytes in GOLDEN {
+        crate::common::past_65535_workgroups(&device, bytes);
+    }
+}
+
+#[test]
+fn the_count_sees_a_nudge() {
+    let device = lavapipe();
+    for bytes in GOLDEN {
+        let model = load(bytes);
+        let (envelope, skin) = parts(&model);
+        let batch = &Batch::skinned(&envelope, &skin, 3);
+        let case = Case { bytes, batch, limits: &device.limits(), instance_len: 3 };
+        assert_eq!(case.differing(&device, |_| {}).0, 0);
+        // The third instance's last joint.
+        let nudge = |poses: &mut [f32]| poses[3 * 12 * envelope.joint_len() - 1] += 1e-4;
+        assert_ne!(case.differing(&device, nudge).0, 0);
+    }
+}
+
+#[test]
+fn a_lost_device_is_told() {
+    let device = lavapipe();
+    let model = load(GOLDEN[2]);
+    let (envelope, skin) = parts(&model);
+    let batch = Batch::skinned(&envelope, &skin, 2);
+    let plan = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();
+    let mut uploaded = device.upload(model.blob(), &plan).unwrap();
+    uploaded.run(2).unwrap();
+    device.device().destroy();
+    let lost = |result: Result<(), HeadlessError>| matches!(result, Err(HeadlessError::Lost(_)));
+    assert!(lost(uploaded.run(2)));
+    assert!(lost(uploaded.run_stage(Stage::Skin, 2)));
+    assert!(lost(uploaded.write(Resource::Poses, 0, &[0.0])));
+    assert!(lost(uploaded.read(Resource::Out).map(drop)));
+    assert!(lost(device.upload(model.blob(), &plan).map(drop)));
+    assert!(lost(device.time_copy(4, 1).map(drop)));
+}
+
+#[test]
+fn a_device_that_is_not_there_is_told_with_those_that_are() {
+    let Err(HeadlessError::NoDevice { api: "wgpu", wanted, found }) =
+        Device::of_driver("no such driver", false)
+    else {
+        panic!("a device was found");
+    };
+    assert_eq!(wanted, "no such driver");
+    assert!(found.contains(&"llvmpipe".to_owned()), "{found:?}");
+}
+
+#[test]
+fn writing_past_a_buffer_or_to_none_is_refused() {
+    let device = lavapipe();
+    let model = load(GOLDEN[0]);
+    let (envelope, _) = parts(&model);
+    let batch = Batch::palettes(&envelope, 2);
+    let plan = Plan::new(&model, &envelope, &batch, &device.limits()).unwrap();
+    let mut uploaded = device.upload(model.blob(), &plan).unwrap();
+    let floats = plan.bytes(Resource::Poses) as usize / 4;
+    uploaded.write(Resource::Poses, floats - 1, &[0.0]).unwrap();
+    assert!(matches!(
+        uploaded.write(Resource::Poses, floats, &[0.0]),
+        Err(HeadlessError::Layout(LayoutError::TooShort { resource: Resource::Poses, .. }))
+    ));
+    assert!(matches!(
+        uploaded.read(Resource::Out),
+        Err(HeadlessError::Layout(LayoutError::Missing { resource: Resource::Out }))
+    ));
+}

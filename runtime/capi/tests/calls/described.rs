@@ -1,0 +1,204 @@
+//! What models, envelopes and skins say of themselves.
+
+use crate::handles::{Loaded, NONE, done, get, name};
+use crate::{Both, each};
+use models::{Pieces, head};
+use sinew_capi::*;
+use sinew_runtime::Model;
+use sinew_runtime::format::{Axis, Handedness, Space};
+
+#[test]
+fn it_says_what_it_is() {
+    assert_eq!(sinew_abi_version(), SINEW_ABI_VERSION);
+    assert_eq!(sinew_format_version(), u32::from(sinew_runtime::format::VERSION));
+    assert!(sinew_model_bytes() <= SINEW_MODEL_WORDS * size_of::<usize>());
+    assert!(sinew_envelope_bytes() <= SINEW_ENVELOPE_WORDS * size_of::<usize>());
+    assert!(sinew_skin_bytes() <= SINEW_SKIN_WORDS * size_of::<usize>());
+    // SAFETY: a text of the library, ended by a zero.
+    let version = unsafe { std::ffi::CStr::from_ptr(sinew_version()) };
+    assert_eq!(version.to_str(), Ok(env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn default_limits_are_the_runtimes() {
+    // SAFETY: one structure to be written.
+    let found = get(|out| unsafe { sinew_limits_default(out, NONE) });
+    let expected = sinew_runtime::Limits::DEFAULT;
+    assert_eq!(sinew_runtime::Limits::from(&found), expected);
+    assert_eq!((found.parts, found.sections), (expected.parts, expected.sections));
+}
+
+#[test]
+fn a_model_says_what_it_holds_and_in_which_space() {
+    let describe = |pieces: &Pieces| {
+        let file = pieces.bytes();
+        let model = Loaded::new(&file);
+        // SAFETY: a loaded model and one structure to be written.
+        get(|out| unsafe { sinew_model_describe(model.handle, out, NONE) })
+    };
+    let mut pieces = Pieces::several();
+    let found = describe(&pieces);
+    assert_eq!((found.part_len, found.envelope_len, found.skin_len), (5, 2, 3));
+    for (number, up) in Axis::ALL.into_iter().enumerate() {
+        let forward = Axis::ALL.into_iter().find(|axis| !axis.is_along(up));
+        let (up, handedness) = (Some(up), [Handedness::Right, Handedness::Left][number % 2]);
+        let unit = [None, Some(0.01)][number % 2];
+        let space = Space { up, forward, handedness, unit };
+        pieces.head[head::SPACE].copy_from_slice(&space.to_bytes());
+        let found = describe(&pieces);
+        let in_file = |axis: Option<Axis>| axis.map_or(0, |axis| u32::from(axis.number()));
+        assert_eq!([found.up as u32, found.forward as u32], [in_file(up), in_file(forward)]);
+        assert_eq!(found.handedness as u32, handedness as u32);
+        assert_eq!(found.unit, unit.unwrap_or(0.0));
+    }
+    pieces.head[head::SPACE].copy_from_slice(&Space::default().to_bytes());
+    let found = describe(&pieces);
+    assert_eq!([found.up, found.forward], [sinew_axis::Unknown; 2]);
+}
+
+#[test]
+fn parts_are_opened_by_name_and_number() {
+    let file = Pieces::several().bytes();
+    let (model, expected) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
+    for (index, envelope) in expected.envelopes().enumerate() {
+        let info = model.envelope(None, index).unwrap().info();
+        assert_eq!(info.part as usize, envelope.part());
+        // Both have one name.
+        let named = model.envelope(Some(envelope.name()), index).unwrap().info();
+        assert_eq!(named.part as usize, envelope.part());
+    }
+    for (index, skin) in expected.skins().enumerate() {
+        let info = model.skin(None, index).unwrap().info();
+        assert_eq!(info.part as usize, skin.part());
+    }
+    assert_eq!(model.skin(Some("eye"), 0).unwrap().info().part, 4);
+    let missing = Some(sinew_status::NotFound);
+    for (name, index) in [(None, 2), (Some("eye"), 0), (Some("arm"), 2), (Some(""), 0)] {
+        assert_eq!(model.envelope(name, index).err(), missing, "{name:?} {index}");
+    }
+    for (name, index) in [(None, 3), (Some("eye"), 1), (Some("arm"), 0), (Some("\0"), 0)] {
+        assert_eq!(model.skin(name, index).err(), missing, "{name:?} {index}");
+    }
+}
+
+#[test]
+fn envelopes_are_described() {
+    each(|Both { c: (found, _), rust: (envelope, _), .. }| {
+        let info = found.info();
+        assert_eq!(name(info.name, info.name_len), envelope.name());
+        assert_eq!(info.part as usize, envelope.part());
+        assert_eq!(info.predictor as u32, u32::from(envelope.predictor().number()));
+        assert_eq!(info.joint_len, envelope.joint_len());
+        assert_eq!(info.proxy_len, envelope.proxy_len());
+        assert_eq!(info.palette_len, envelope.palette_len());
+        assert_eq!(info.scratch_len, envelope.scratch_len());
+        assert_eq!(info.root as usize, envelope.root());
+        let (found, expected) = (info.certificate, envelope.certificate());
+        assert_eq!(found.diagonal, expected.diagonal);
+        assert_eq!(found.training_rms, expected.training_rms);
+        assert_eq!(found.cross_validated_rms, expected.cross_validated_rms);
+        assert_eq!(found.lbs_training_rms, expected.lbs_training_rms);
+        assert_eq!(found.correction_error, expected.correction_error);
+    });
+}
+
+#[test]
+fn skins_are_described() {
+    each(|Both { c: (_, found), rust: (_, skin), .. }| {
+        let info = found.info();
+        assert_eq!(name(info.name, info.name_len), skin.name());
+        assert_eq!(info.part as usize, skin.part());
+        assert_eq!(Some(info.envelope_part as usize), skin.envelope_part());
+        assert_eq!(info.vertex_len, skin.vertex_len());
+        assert_eq!(info.influence_len, skin.influence_len());
+        assert_eq!(info.palette_len, skin.palette_len());
+        assert_eq!(info.has_tangents == 1, skin.has_tangents());
+        assert_eq!(info.range_len, skin.ranges().count());
+        for (index, (expected, vertices)) in skin.ranges().enumerate() {
+            let range = found.range(index);
+            assert_eq!(name(range.name, range.name_len), expected);
+            assert_eq!(range.start..range.end, vertices);
+        }
+        assert!(info.range_len > 1);
+    });
+}
+
+#[test]
+fn joints_are_those_of_the_file() {
+    each(|Both { c: (found, _), rust: (envelope, _), .. }| {
+        for joint in 0..envelope.joint_len() {
+            // SAFETY: an open envelope and one structure to be written.
+            let found = get(|out| unsafe { sinew_envelope_joint(found.handle, joint, out, NONE) });
+            assert_eq!(Some(name(found.name, found.name_len)), envelope.joint_name(joint));
+            let parent = Some(found.parent).filter(|parent| *parent != SINEW_NO_JOINT);
+            assert_eq!(parent.map(|parent| parent as usize), envelope.parent(joint));
+            assert_eq!(Some(found.pose_range), envelope.pose_range(joint));
+            assert_eq!(Some(found.inverse_bind.rows), envelope.inverse_bind(joint));
+        }
+        let mut order = vec![0; envelope.joint_len()];
+        let (at, len) = (order.as_mut_ptr(), order.len());
+        // SAFETY: an open envelope and an array with its length.
+        done(unsafe { sinew_envelope_order(found.handle, at, len, NONE) });
+        let order = order.into_iter().map(|joint| joint as usize).collect::<Vec<_>>();
+        assert_eq!(order, envelope.evaluation_order().collect::<Vec<_>>());
+    });
+}
+
+#[test]
+fn the_mesh_is_that_of_the_file() {
+    each(|Both { c: (_, found), rust: (_, skin), .. }| {
+        let (v, s) = (skin.vertex_len(), found.handle);
+        for vertices in [0..v, 2..v - 1] {
+            let (start, end) = (vertices.start, vertices.end);
+            let n = vertices.len();
+            let mut out = vec![0.0; 3 * n];
+            let at = out.as_mut_ptr();
+            // SAFETY: an open skin and an array with its length.
+            done(unsafe { sinew_skin_rest_positions(s, start, end, at, 3 * n, NONE) });
+            let rest = vertices.clone().flat_map(|v| skin.rest_position(v).unwrap());
+            assert_eq!(out, rest.collect::<Vec<_>>());
+            let at = out.as_mut_ptr();
+            // SAFETY: the same.
+            done(unsafe { sinew_skin_rest_normals(s, start, end, at, 3 * n, NONE) });
+            let rest = vertices.clone().flat_map(|v| skin.rest_normal(v).unwrap());
+            assert_eq!(out, rest.collect::<Vec<_>>());
+            let mut out = vec![0.0; 4 * n];
+            let at = out.as_mut_ptr();
+            // SAFETY: the same.
+            let status = unsafe { sinew_skin_rest_tangents(s, start, end, at, 4 * n, NONE) };
+            if skin.has_tangents() {
+                let rest = vertices.clone().flat_map(|v| skin.rest_tangent(v).unwrap());
+                assert_eq!(out, rest.collect::<Vec<_>>());
+            } else {
+                assert_eq!(status, sinew_status::NoAttribute);
+            }
+            let k = skin.influence_len();
+            let (mut indices, mut weights) = (vec![0; k * n], vec![0.0; k * n]);
+            let (at, at_weights) = (indices.as_mut_ptr(), weights.as_mut_ptr());
+            // SAFETY: an open skin and two arrays with their lengths.
+            done(unsafe {
+                sinew_skin_influences(s, start, end, at, k * n, at_weights, k * n, NONE)
+            });
+            let found = indices.iter().map(|index| usize::from(*index)).zip(weights);
+            let expected = vertices.clone().flat_map(|vertex| skin.influences(vertex));
+            assert_eq!(found.collect::<Vec<_>>(), expected.collect::<Vec<_>>());
+        }
+    });
+}
+
+#[test]
+fn the_blob_holds_every_section() {
+    let file = Pieces::several().bytes();
+    let (found, model) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
+    let mut bytes = 0;
+    // SAFETY: a loaded model and two values to be written.
+    let blob = get(|out| unsafe { sinew_model_blob(found.handle, out, &raw mut bytes, NONE) });
+    assert_eq!((blob, bytes), (model.blob().as_ptr(), model.blob().len()));
+    for section in model.sections() {
+        let (part, kind) = (u32::from(section.row.part), u32::from(section.row.kind));
+        // SAFETY: a loaded model and one structure to be written.
+        let found = get(|out| unsafe { sinew_model_section(found.handle, part, kind, out, NONE) });
+        assert_eq!((found.offset, found.bytes), (section.row.offset, section.row.bytes));
+    }
+    assert!(model.sections().len() > 30);
+}

@@ -1,0 +1,415 @@
+//! The kernel maps' correction against an evaluation in f64 that shares nothing with it.
+
+use crate::common::{
+    IDENTITY, apart, bits, confident_palette, max_difference, random_pose, stage_error,
+    with_predictor,
+};
+use models::{GroupContent, Pieces, Rng, SMALL, Shape, sample_groups};
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::format::SectionKind;
+use sinew_runtime::kernel::Kernel;
+use sinew_runtime::{Envelope, Matrix3x4, Model, stages};
+
+const BOTH: [Predictor; 2] = [Predictor::Kernel, Predictor::Hybrid];
+
+type Wide = [[f64; 4]; 3];
+
+fn wide(m: &Matrix3x4) -> Wide {
+    m.map(|row| row.map(f64::from))
+}
+
+/// Parents and origins of the sample's joints, written anew.
+fn skeleton(joints: usize) -> (Vec<Option<usize>>, Vec<[f64; 3]>) {
+    let order = [1, 2, 0].into_iter().chain(3..joints).collect::<Vec<_>>();
+    let mut parents = vec![None; joints];
+    let mut origins = vec![[0.0; 3]; joints];
+    for (rank, pair) in order.windows(2).enumerate() {
+        parents[pair[1]] = Some(pair[0]);
+        origins[pair[1]][0] = (rank + 1) as f64;
+    }
+    (parents, origins)
+}
+
+/// Features by moving points: the axes and the origin of a joint, seen from its parent.
+fn reference_features(pose: &[Matrix3x4]) -> Vec<f64> {
+    let (parents, origins) = skeleton(pose.len());
+    let mut out = Vec::new();
+    for (joint, parent) in parents.iter().enumerate() {
+        let Some(parent) = *parent else {
+            out.extend([0.0; 12]);
+            continue;
+        };
+        let (own, parent) = (wide(&pose[joint]), wide(&pose[parent]));
+        let moved = |p: [f64; 3], w: f64| {
+            let x = own.map(|m| m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3] * w);
+            let x = [0, 1, 2].map(|r| x[r] - parent[r][3] * w);
+            [0, 1, 2].map(|r| (0..3).map(|k| parent[k][r] * x[k]).sum::<f64>())
+        };
+        let axis = |c: usize| [0, 1, 2].map(|r| if r == c { 1.0 } else { 0.0 });
+        let columns = [(axis(0), 0.0), (axis(1), 0.0), (axis(2), 0.0), (origins[joint], 1.0)];
+        let columns = columns.map(|(p, w)| {
+            let moved = moved(p, w);
+            [0, 1, 2].map(|r| moved[r] - p[r])
+        });
+        out.extend([0, 1, 2].iter().flat_map(|&r| columns.map(|column| column[r])));
+    }
+    out
+}
+
+fn reference_kernel(kernel: Kernel, s: f64) -> f64 {
+    let r = s.sqrt();
+    match kernel {
+        Kernel::Gaussian => (-s).exp(),
+        Kernel::Matern12 => (-r).exp(),
+        Kernel::Matern32 => (1.0 + 3f64.sqrt() * r) * (-(3f64.sqrt()) * r).exp(),
+        Kernel::Matern52 => (1.0 + 5f64.sqrt() * r + 5.0 / 3.0 * s) * (-(5f64.sqrt()) * r).exp(),
+    }
+}
+
+/// K of a group's proxies, and the confidence w, with which K is already multiplied.
+fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, f64) {
+    let x = group.inputs.iter().map(|&(f, w)| f64::from(w) * phi[f as usize]);
+    let x = x.collect::<Vec<_>>();
+    let squared = |x: &[f64], t: &[f32]| {
+        x.iter().zip(t).map(|(x, t)| (x - f64::from(*t)).powi(2)).sum::<f64>()
+    };
+    let (start, end) = (f64::from(group.fade.0), f64::from(group.fade.1));
+    let mut basis = Vec::new();
+    let mut distrust = 1.0;
+    for t in &group.centres {
+        let s = squared(&x, t);
+        let rest = squared(&vec![0.0; x.len()], t);
+        basis.push(reference_kernel(group.kernel, s) - reference_kernel(group.kernel, rest));
+        let u = ((end - s) / (end - start)).clamp(0.0, 1.0);
+        distrust *= 1.0 - (10.0 * u.powi(3) - 15.0 * u.powi(4) + 6.0 * u.powi(5));
+    }
+    let confidence = 1.0 - distrust;
+    let times = |rows: &[Vec<f32>], x: &[f64]| {
+        let row = |row: &Vec<f32>| row.iter().zip(x).map(|(a, x)| f64::from(*a) * x).sum::<f64>();
+        rows.iter().map(row).collect::<Vec<_>>()
+    };
+    let latent = times(&group.coefficients, &[basis, x].concat());
+    let out = times(&group.outputs, &latent);
+    let maps =
+        out.chunks(12).map(|k| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| confidence * k[4 * r + c])));
+    (maps.collect(), confidence)
+}
+
+/// The palette after the correction of a base, and the pose's confidence.
+fn reference(groups: &[GroupContent], pose: &[Matrix3x4], base: &[Matrix3x4]) -> (Vec<Wide>, f64) {
+    let phi = reference_features(pose);
+    let mut out = base.iter().map(wide).collect::<Vec<_>>();
+    let proxies = groups.iter().map(|group| group.proxies).sum::<usize>();
+    let mut at = out.len() - proxies;
+    let mut least = 1.0f64;
+    for group in groups.iter().filter(|group| !group.centres.is_empty()) {
+        let (maps, confidence) = reference_map(group, &phi);
+        least = least.min(confidence);
+        let q = wide(&pose[group.joint]);
+        for (l, map) in maps.iter().enumerate() {
+            for (r, c) in (0..3).flat_map(|r| (0..4).map(move |c| (r, c))) {
+                out[at + l][r][c] += (0..3).map(|k| q[r][k] * map[k][c]).sum::<f64>();
+            }
+        }
+        at += group.proxies;
+    }
+    (out, least)
+}
+
+/// What the correction starts from: for the kernel predictor the joints and, for each helper, its
+/// dominant joint; for the hybrid one any palette.
+fn base(envelope: &Envelope<'_>, groups: &[GroupContent], pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
+    let p = envelope.proxy_len();
+    if envelope.predictor() == Predictor::Hybrid {
+        return (0..p).map(|l| IDENTITY.map(|row| row.map(|x| x * (l + 1) as f32))).collect();
+    }
+    let of_group = |g: &GroupContent| vec![pose[g.joint]; g.proxies];
+    pose.iter().copied().chain(groups.iter().flat_map(of_group)).collect()
+}
+
+/// Runs the correction alone, in scratch of exactly the stated length.
+fn corrected(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    base: &[Matrix3x4],
+) -> (Vec<Matrix3x4>, f32) {
+    let mut phi = vec![[[f32::NAN; 4]; 3]; envelope.joint_len()];
+    stages::features(envelope, pose, &mut phi).unwrap();
+    let mut out = base.to_vec();
+    let mut scratch = vec![f32::NAN; envelope.correction_len()];
+    let confidence = stages::correction(envelope, pose, &phi, &mut scratch, &mut out).unwrap();
+    (out, confidence)
+}
+
+fn flat(transforms: &[Matrix3x4]) -> &[f32] {
+    transforms.as_flattened().as_flattened()
+}
+
+fn flat_bits(transforms: &[Matrix3x4]) -> Vec<u32> {
+    bits(flat(transforms))
+}
+
+fn narrow(transforms: &[Wide]) -> Vec<f32> {
+    transforms.as_flattened().as_flattened().iter().map(|&x| x as f32).collect()
+}
+
+#[test]
+fn features_agree_with_f64() {
+    let shape = Shape { joints: 6, ..SMALL };
+    with_predictor(Predictor::Kernel, shape, |envelope| {
+        let mut rng = Rng(3);
+        for _ in (0..200).step_by(apart(50)) {
+            let pose = random_pose(&envelope, &mut rng, 1.0);
+            let mut found = vec![[[f32::NAN; 4]; 3]; 6];
+            stages::features(&envelope, &pose, &mut found).unwrap();
+            let expected = reference_features(&pose);
+            let expected = expected.iter().map(|&x| x as f32).collect::<Vec<_>>();
+            let difference = max_difference(flat(&found), &expected);
+            // Some ten roundings of displacements up to 10.
+            assert!(difference < 1e-5, "{difference}");
+            assert_eq!(found[envelope.root()], [[0.0; 4]; 3]);
+        }
+    });
+}
+
+#[test]
+fn corrections_agree_with_f64() {
+    let wide_shape = Shape { vertices: 3, joints: 7, proxies: 9, influences: 3, tangents: false };
+    for (predictor, shape) in BOTH.into_iter().flat_map(|p| [(p, SMALL), (p, wide_shape)]) {
+        let groups = sample_groups(shape.joints, shape.proxies);
+        with_predictor(predictor, shape, |envelope| {
+            let mut rng = Rng(11);
+            let mut between = 0;
+            for i in (0..300).step_by(apart(149)) {
+                let turn = [0.05, 0.2, 0.5][i % 3];
+                let pose = random_pose(&envelope, &mut rng, turn);
+                let base = base(&envelope, &groups, &pose);
+                let (found, confidence) = corrected(&envelope, &pose, &base);
+                let (expected, expected_confidence) = reference(&groups, &pose, &base);
+                let expected = narrow(&expected);
+                let largest = expected.iter().fold(1.0f32, |a, x| a.max(x.abs()));
+                let difference = max_difference(flat(&found), &expected);
+                // Some 50 roundings of terms about as large as the largest.
+                assert!(difference < 4e-6 * largest, "{difference} of {largest}");
+                let difference = (f64::from(confidence) - expected_confidence).abs();
+                assert!(difference < 2e-6, "{confidence} {expected_confidence}");
+                between += usize::from(confidence > 0.01 && confidence < 0.99);
+            }
+            assert!(cfg!(miri) || between > 50, "{between} poses are in the fade");
+        });
+    }
+}
+
+#[test]
+fn each_number_of_a_group_matters() {
+    let groups = sample_groups(SMALL.joints, SMALL.proxies);
+    let mut pieces = Pieces::sample(Predictor::Kernel, SMALL);
+    let pose_of = |envelope: &Envelope<'_>| random_pose(envelope, &mut Rng(8), 0.2);
+    let evaluate = |pieces: &Pieces| {
+        let model = Model::from_bytes(pieces.bytes()).unwrap();
+        let envelope = model.envelope().unwrap();
+        let (palette, confidence) = confident_palette(&envelope, &pose_of(&envelope));
+        [flat(&palette), &[confidence]].concat()
+    };
+    let still = evaluate(&pieces);
+    let edits = [
+        (|g| g.inputs[1].0 += 1) as fn(&mut GroupContent),
+        |g| g.inputs[1].1 += 0.1,
+        |g| g.centres[10][4] += 0.1,
+        |g| g.coefficients[2][0] += 0.1,
+        |g| g.coefficients[2][10] += 0.1,
+        |g| g.coefficients[2][11] += 0.1,
+        |g| g.coefficients[0][12] += 0.1,
+        |g| g.outputs[11][2] += 0.1,
+        |g| g.joint = 2,
+        |g| g.fade = (0.0, 0.5),
+        |g| g.kernel = Kernel::Matern32,
+    ];
+    for (index, edit) in edits.into_iter().enumerate() {
+        let mut groups = groups.clone();
+        assert_ne!(groups[0].kernel, Kernel::Matern32);
+        edit(&mut groups[0]);
+        pieces.set_groups(&groups);
+        let difference = max_difference(&evaluate(&pieces), &still);
+        assert!(difference > 1e-5, "edit {index}: {difference}");
+    }
+}
+
+#[test]
+fn the_rest_pose_is_exact_bit_for_bit() {
+    for predictor in BOTH {
+        with_predictor(predictor, SMALL, |envelope| {
+            let rest = vec![IDENTITY; envelope.joint_len()];
+            let mut phi = vec![[[f32::NAN; 4]; 3]; envelope.joint_len()];
+            stages::features(&envelope, &rest, &mut phi).unwrap();
+            assert_eq!(phi, vec![[[0.0; 4]; 3]; envelope.joint_len()]);
+            let (palette, confidence) = confident_palette(&envelope, &rest);
+            let identity = vec![IDENTITY; envelope.palette_len()];
+            assert_eq!(flat_bits(&palette), flat_bits(&identity), "{predictor:?}");
+            assert!(confidence > 0.0, "the maps have run");
+        });
+    }
+    // A value at rest that is off by a last place shows, but for a gaussian, which needs none there.
+    let mut pieces = Pieces::sample(Predictor::Kernel, SMALL);
+    let mut groups = sample_groups(SMALL.joints, SMALL.proxies);
+    groups[0].kernel = Kernel::Matern52;
+    pieces.set_groups(&groups);
+    // Features and weights 8 each, centres 2 blocks of 5 columns, then the values at rest.
+    let at = 8 + 8 + 8 * 2 * 5;
+    let section = SectionKind::Corrections;
+    let words = pieces.section(section).as_chunks::<4>().0;
+    let rest = f32::from_le_bytes(words[at]);
+    pieces.set_float(section, at, rest.next_up());
+    let model = Model::from_bytes(pieces.bytes()).unwrap();
+    let envelope = model.envelope().unwrap();
+    let (palette, _) = confident_palette(&envelope, &vec![IDENTITY; envelope.joint_len()]);
+    assert_ne!(palette, vec![IDENTITY; envelope.palette_len()]);
+}
+
+#[test]
+fn far_poses_have_no_confidence_and_keep_their_base() {
+    for predictor in BOTH {
+        let groups = sample_groups(SMALL.joints, SMALL.proxies);
+        with_predictor(predictor, SMALL, |envelope| {
+            // Every joint far from its parent.
+            let far = (0..4).map(|joint| {
+                let mut map = IDENTITY;
+                map[0][3] = [40.0, 0.0, 20.0, 60.0][joint];
+                map[1][3] = [-0.0, 30.0, 60.0, 90.0][joint];
+                map
+            });
+            let far = far.collect::<Vec<_>>();
+            let kept = |pose: &[Matrix3x4]| {
+                let base = base(&envelope, &groups, pose);
+                let (palette, confidence) = corrected(&envelope, pose, &base);
+                assert_eq!((flat_bits(&palette), confidence), (flat_bits(&base), 0.0));
+            };
+            kept(&far);
+            // So far that distances overflow: nothing but the base is left of it either.
+            let mut lost = far.clone();
+            lost[3][0] = [1e30, 0.0, 0.0, 1e30];
+            lost[0][1] = [0.0, 3e38, 0.0, -3e38];
+            kept(&lost);
+        });
+    }
+}
+
+#[test]
+fn features_that_are_not_numbers_add_nothing() {
+    with_predictor(Predictor::Kernel, SMALL, |envelope| {
+        let pose = vec![IDENTITY; 4];
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX] {
+            let mut out = vec![IDENTITY; 7];
+            let mut scratch = vec![f32::NAN; envelope.correction_len()];
+            let phi = vec![[[value; 4]; 3]; 4];
+            let confidence = stages::correction(&envelope, &pose, &phi, &mut scratch, &mut out);
+            assert_eq!((confidence, out), (Ok(0.0), vec![IDENTITY; 7]));
+        }
+    });
+}
+
+#[test]
+fn joints_are_copied_bit_for_bit() {
+    let groups = sample_groups(SMALL.joints, SMALL.proxies);
+    with_predictor(Predictor::Kernel, SMALL, |envelope| {
+        let mut pose = random_pose(&envelope, &mut Rng(2), 1.0);
+        pose[2][1][1] = -0.0;
+        let (palette, _) = confident_palette(&envelope, &pose);
+        assert_eq!(flat_bits(&palette[..4]), flat_bits(&pose));
+        assert_ne!(palette[4], pose[groups[0].joint], "the helpers are moved");
+        let mut joints_only = vec![[[f32::NAN; 4]; 3]; 7];
+        stages::joints(&envelope, &pose, &mut joints_only).unwrap();
+        assert_eq!(flat_bits(&joints_only), flat_bits(&base(&envelope, &groups, &pose)));
+    });
+    // Without helpers it is linear blend skinning, of which nothing is uncertain.
+    with_predictor(Predictor::Kernel, Shape { proxies: 0, ..SMALL }, |envelope| {
+        let pose = random_pose(&envelope, &mut Rng(2), 1.0);
+        assert_eq!(confident_palette(&envelope, &pose), (pose, 1.0));
+    });
+}
+
+#[test]
+fn groups_without_centres_add_nothing_and_vouch_for_nothing() {
+    let mut groups = sample_groups(SMALL.joints, SMALL.proxies);
+    groups[1].centres.clear();
+    groups[1].coefficients.iter_mut().for_each(|row| row.truncate(9));
+    for groups in [vec![groups[0].clone(), groups[1].clone()], {
+        let mut all = groups.clone();
+        all[0].centres.clear();
+        all[0].coefficients.iter_mut().for_each(|row| row.truncate(5));
+        all
+    }] {
+        let mut pieces = Pieces::sample(Predictor::Kernel, SMALL);
+        pieces.set_groups(&groups);
+        let model = Model::from_bytes(pieces.bytes()).unwrap();
+        let envelope = model.envelope().unwrap();
+        let pose = random_pose(&envelope, &mut Rng(4), 0.3);
+        let (palette, confidence) = confident_palette(&envelope, &pose);
+        let base = base(&envelope, &groups, &pose);
+        let (expected, expected_confidence) = reference(&groups, &pose, &base);
+        assert!(max_difference(flat(&palette), &narrow(&expected)) < 2e-5);
+        assert!((f64::from(confidence) - expected_confidence).abs() < 2e-6);
+        assert_eq!(palette[5..], base[5..], "the second group's helpers");
+        assert_eq!(palette[4] == base[4], groups[0].centres.is_empty());
+    }
+}
+
+#[test]
+fn whole_palettes_are_their_stages() {
+    for predictor in BOTH {
+        let groups = sample_groups(SMALL.joints, SMALL.proxies);
+        with_predictor(predictor, SMALL, |envelope| {
+            let pose = random_pose(&envelope, &mut Rng(6), 0.2);
+            let (whole, confidence) = confident_palette(&envelope, &pose);
+            let base = if predictor == Predictor::Kernel {
+                base(&envelope, &groups, &pose)
+            } else {
+                // The same reconstruction in a rotational model.
+                let model = Model::from_bytes(Pieces::sample(Predictor::Rotational, SMALL).bytes())
+                    .unwrap();
+                let rotational = model.envelope().unwrap();
+                confident_palette(&rotational, &pose).0
+            };
+            let (parts, of_parts) = corrected(&envelope, &pose, &base);
+            assert_eq!((flat_bits(&whole), confidence), (flat_bits(&parts), of_parts));
+            assert!(confidence > 0.0 && whole != base);
+        });
+    }
+}
+
+#[test]
+fn the_palette_without_kernel_maps_is_that_of_rotational_models_alone() {
+    for predictor in Predictor::ALL {
+        with_predictor(predictor, SMALL, |envelope| {
+            let pose = random_pose(&envelope, &mut Rng(6), 2.0);
+            let mut scratch = vec![f32::NAN; envelope.scratch_len()];
+            let mut out = vec![IDENTITY; envelope.palette_len()];
+            let confidence = envelope.rotational_palette(&pose, &mut scratch, &mut out);
+            if predictor == Predictor::Rotational {
+                let (whole, expected) = confident_palette(&envelope, &pose);
+                assert_eq!((flat_bits(&out), confidence), (flat_bits(&whole), Ok(expected)));
+            } else {
+                assert_eq!(confidence, Err(stage_error(predictor)));
+                assert!(out.iter().all(|map| *map == IDENTITY));
+            }
+        });
+    }
+}
+
+#[test]
+fn a_rotational_model_is_confident_within_its_ranges() {
+    // The sample's ranges are 1.5, so that confidence ends at 1.5 + 0.85.
+    with_predictor(Predictor::Rotational, SMALL, |envelope| {
+        let turned = |angle: f32| {
+            let (s, c) = angle.sin_cos();
+            let mut pose = vec![IDENTITY; 4];
+            pose[3] = [[c, -s, 0.0, 0.0], [s, c, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+            confident_palette(&envelope, &pose).1
+        };
+        assert_eq!([0.0, 1.0, 1.499, 2.351, 3.0].map(turned), [1.0, 1.0, 1.0, 0.0, 0.0]);
+        // Half of the way, and a quarter: 1 - (10/64 - 15/256 + 6/1024).
+        for (angle, expected) in [(1.925, 0.5), (1.7125, 1.0 - 0.103_515_625)] {
+            assert!((turned(angle) - expected).abs() < 1e-5, "{angle} {}", turned(angle));
+        }
+    });
+}

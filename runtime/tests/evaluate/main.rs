@@ -1,0 +1,13 @@
+//! What an evaluation gives, and which calls are refused.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
+
+mod closed_forms;
+#[path = "../common/mod.rs"]
+mod common;
+mod correction;
+mod golden;
+mod outputs;
+mod reference;
+mod refusals;
+mod rest_mesh;
+mod scratch;

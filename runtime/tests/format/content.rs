@@ -1,0 +1,240 @@
+//! What stands in the sections: floats, indices, trees, frames, directions, names.
+
+use crate::common::{envelope_error, exercise, skin_error};
+use crate::{edited, error};
+use models::{Content, Pieces, SMALL, words};
+use sinew_runtime::format::{PartRow, SectionKind};
+use sinew_runtime::skin::{LENGTH_TOLERANCE, NO_ENVELOPE};
+use sinew_runtime::{FileError, FileErrorKind as Kind};
+
+#[test]
+fn each_float_is_checked() {
+    let envelope = [
+        (SectionKind::Certificate, 0),
+        (SectionKind::InverseBinds, 0),
+        (SectionKind::Keys, 1),
+        (SectionKind::C1, 0),
+        (SectionKind::C2, 0),
+        (SectionKind::PoseRanges, 0),
+    ];
+    let skin = [
+        SectionKind::RestPositions,
+        SectionKind::RestNormals,
+        SectionKind::RestTangents,
+        SectionKind::InfluenceWeights,
+        SectionKind::RestBoxes,
+    ];
+    let envelope =
+        envelope.map(|(section, skipped)| (section, skipped, envelope_error(Kind::Float, section)));
+    let skin = skin.map(|section| (section, 0, skin_error(Kind::Float, section)));
+    for (section, skipped, error) in envelope.into_iter().chain(skin) {
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.1e9, -1.1e9] {
+            let refused = edited(|b| b.set_float(section, 3, value));
+            let expected = FileError { index: 3 - skipped, ..error };
+            assert_eq!(refused, Err(expected), "{section:?} {value}");
+        }
+    }
+    let negative = |section| edited(|b| b.set_float(section, 1, -0.25));
+    for error in [
+        skin_error(Kind::Float, SectionKind::InfluenceWeights),
+        envelope_error(Kind::Float, SectionKind::PoseRanges),
+    ] {
+        assert_eq!(negative(error.section.unwrap()), Err(FileError { index: 1, ..error }));
+    }
+    for index in 0..5 {
+        let refused = edited(|b| b.set_float(SectionKind::Certificate, index, f32::NAN));
+        let error = envelope_error(Kind::Float, SectionKind::Certificate);
+        assert_eq!(refused, Err(FileError { index: index as u32, ..error }));
+    }
+}
+
+#[test]
+fn each_index_is_checked() {
+    let section = SectionKind::InfluenceIndices;
+    let error = skin_error(Kind::Index, section);
+    let refused = FileError { index: 5, expected: 3, found: 3, ..error };
+    assert_eq!(edited(|b| b.set_half(section, 5, 3)), Err(refused));
+    let section = SectionKind::Keys;
+    let error = FileError { expected: 4, ..envelope_error(Kind::Index, section) };
+    for joint in [0, 1] {
+        let refused = FileError { index: 1, found: 4, ..error };
+        assert_eq!(edited(|b| b.set_half(section, 110 + joint, 4)), Err(refused));
+    }
+    assert_eq!(
+        edited(|b| b.set_half(section, 0, u16::MAX)),
+        Err(FileError { found: 65_535, ..error }),
+        "a key must have a joint"
+    );
+    let section = SectionKind::EnvelopeCounts;
+    for found in [0, 4, 255, 257, u32::MAX] {
+        let refused = FileError { found, ..envelope_error(Kind::Unsupported, section) };
+        assert_eq!(edited(|b| b.set_word(section, 0, found)), Err(refused));
+    }
+}
+
+#[test]
+fn a_skin_follows_an_envelope_or_nothing() {
+    let section = SectionKind::SkinCounts;
+    let follow = |found| edited(|b| b.set_word(section, 2, found));
+    assert_eq!(follow(0), Ok(()));
+    // Itself, no part, beyond what a row can name.
+    for found in [1, 2, 65_535, 65_536, u32::MAX - 1] {
+        let refused =
+            FileError { index: 2, expected: 2, found, ..skin_error(Kind::Index, section) };
+        assert_eq!(follow(found), Err(refused));
+    }
+    // A part that a reader skips, even if its sections are an envelope's.
+    let skipped = edited(|b| {
+        b.parts[0] = PartRow { kind: 9, flags: 0 };
+    });
+    let error = FileError { index: 2, expected: 2, ..skin_error(Kind::Index, section) };
+    assert_eq!(skipped, Err(error));
+    // Nothing, but with influences; and with sections that only influences have.
+    let refused = FileError { index: 1, found: 2, ..skin_error(Kind::Limit, section) };
+    assert_eq!(follow(NO_ENVELOPE), Err(refused));
+    let mut loose = Pieces::loose(SMALL);
+    assert!(exercise(&loose.bytes()).is_some());
+    loose.sections.push(Content::new(SectionKind::InfluenceWeights, 0, Vec::new()));
+    let found = error_of(&loose);
+    assert_eq!(
+        (found.kind, found.section),
+        (Kind::Unexpected, Some(SectionKind::InfluenceWeights))
+    );
+    // An envelope that stands after its skin.
+    let mut late = Pieces::several();
+    late.parts.swap(0, 1);
+    for content in &mut late.sections {
+        content.part = [1, 0, 2, 3, 4][usize::from(content.part)];
+    }
+    late.set_word(section, 2, 1);
+    exercise(&late.bytes()).unwrap();
+    // The palette of the other one is longer: its skin's boxes and indices tell them apart.
+    let mut other = Pieces::several();
+    other.set_word(section, 2, 2);
+    let found = error_of(&other);
+    assert_eq!((found.kind, found.section), (Kind::Length, Some(SectionKind::RestBoxes)));
+}
+
+fn error_of(pieces: &Pieces) -> FileError {
+    error(&pieces.bytes())
+}
+
+#[test]
+fn the_hierarchy_is_one_tree() {
+    let hierarchy = SectionKind::Hierarchy;
+    let refused = |at, value| edited(|b| b.set_half(hierarchy, at, value));
+    let wrong = |index| Err(FileError { index, ..envelope_error(Kind::Invalid, hierarchy) });
+    // Parents of 0..4 are 2, none, 1, 0; the order is 1, 2, 0, 3; ranks are 2, 0, 1, 3.
+    assert_eq!(refused(0, 3), wrong(0), "a cycle");
+    assert_eq!(refused(0, 0), wrong(0), "its own parent");
+    assert_eq!(refused(0, 4), wrong(0), "no such parent");
+    assert_eq!(refused(0, u16::MAX), wrong(0), "a second root");
+    assert_eq!(refused(1, 0), wrong(1), "no root");
+    assert_eq!(refused(4, 2), wrong(2), "a joint twice");
+    assert_eq!(refused(4, 9), wrong(4), "no such joint");
+    assert_eq!(refused(8, 3), wrong(0), "a rank of another");
+    let root = |root| edited(|b| b.set_word(SectionKind::EnvelopeCounts, 3, root));
+    assert_eq!(root(2), wrong(1), "another root");
+    assert_eq!(root(4), wrong(1), "no such root");
+}
+
+#[test]
+fn inverse_binds_are_rigid() {
+    let section = SectionKind::InverseBinds;
+    let entry = |at: usize, value| edited(|b| b.set_float(section, 12 + at, value));
+    let wrong = Err(FileError { index: 1, ..envelope_error(Kind::Invalid, section) });
+    // Diagonal entries squared, then a product of two rows.
+    for (at, near, far) in
+        [(0, 1.014, 1.016), (5, 0.986, 0.983), (10, 1.014, 1e9), (1, 0.029, 0.031)]
+    {
+        assert_eq!((entry(at, near), entry(at, far)), (Ok(()), wrong), "{at}");
+    }
+    assert_eq!(entry(10, -1.0), wrong, "mirrored");
+    let turned = |rows: [[f32; 3]; 3]| {
+        edited(|b| {
+            for (at, value) in rows.as_flattened().iter().enumerate() {
+                b.set_float(section, 12 + at / 3 * 4 + at % 3, *value);
+            }
+        })
+    };
+    assert_eq!(turned([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]), Ok(()));
+    assert_eq!(turned([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), wrong, "mirrored");
+    assert_eq!(turned([[0.0; 3]; 3]), wrong);
+}
+
+#[test]
+fn normals_and_tangents_have_their_length() {
+    let set = |section, vertex: usize, values: &[f32]| {
+        edited(|b| {
+            for (at, value) in values.iter().enumerate() {
+                b.set_float(section, values.len() * vertex + at, *value);
+            }
+        })
+    };
+    let squared = |x: f32| (1.0 + x).sqrt();
+    let within = [squared(0.9 * LENGTH_TOLERANCE), squared(-0.9 * LENGTH_TOLERANCE), 1.0];
+    let beyond = [squared(1.2 * LENGTH_TOLERANCE), squared(-1.2 * LENGTH_TOLERANCE), 0.5, 2.0, 1e9];
+    let normal = |n: [f32; 3]| set(SectionKind::RestNormals, 4, &n);
+    let wrong = Err(FileError { index: 4, ..skin_error(Kind::Invalid, SectionKind::RestNormals) });
+    within.into_iter().for_each(|x| assert_eq!(normal([0.0, -x, 0.0]), Ok(()), "{x}"));
+    beyond.into_iter().for_each(|x| assert_eq!(normal([0.0, -x, 0.0]), wrong, "{x}"));
+    assert_eq!(normal([0.6, 0.0, 0.8]), Ok(()));
+    assert_eq!(normal([0.0, -0.0, 0.0]), Ok(()), "a vertex of no face has no normal");
+    assert_eq!(normal([1e-6, 0.0, 0.0]), wrong);
+
+    let tangent = |t: [f32; 4]| set(SectionKind::RestTangents, 6, &t);
+    let wrong = Err(FileError { index: 6, ..skin_error(Kind::Invalid, SectionKind::RestTangents) });
+    for hand in [1.0, -1.0] {
+        within.into_iter().for_each(|x| assert_eq!(tangent([x, 0.0, 0.0, hand]), Ok(()), "{x}"));
+        beyond.into_iter().for_each(|x| assert_eq!(tangent([x, 0.0, 0.0, hand]), wrong, "{x}"));
+    }
+    assert_eq!(tangent([0.0, 0.0, 0.0, 1.0]), wrong);
+    for hand in [0.0, 0.5, 1.0_f32.next_up(), -2.0] {
+        assert_eq!(tangent([1.0, 0.0, 0.0, hand]), wrong, "{hand}");
+    }
+}
+
+#[test]
+fn ranges_lie_inside_the_mesh_one_after_the_other() {
+    let set = |rows: [u32; 4]| edited(|b| *b.section(SectionKind::Ranges) = words(&rows));
+    let wrong = |index| Err(FileError { index, ..skin_error(Kind::Invalid, SectionKind::Ranges) });
+    for sound in [[0, 3, 3, 7], [0, 0, 0, 0], [7, 7, 7, 7], [2, 3, 5, 6]] {
+        assert_eq!(set(sound), Ok(()), "{sound:?}");
+    }
+    assert_eq!(set([3, 2, 4, 7]), wrong(0), "backwards");
+    assert_eq!(set([0, 8, 8, 8]), wrong(0), "beyond the mesh");
+    assert_eq!(set([0, u32::MAX, 4, 7]), wrong(0));
+    assert_eq!(set([0, 3, 4, 8]), wrong(1), "beyond the mesh");
+    assert_eq!(set([0, 3, 2, 7]), wrong(1), "two at once");
+    assert_eq!(set([4, 7, 0, 3]), wrong(1), "out of order");
+}
+
+#[test]
+fn names_weights_twists_and_boxes_are_checked() {
+    for (part, at_text, last) in [(0, 4 * 5, 4), (1, 4 * 3, 2)] {
+        let edited =
+            |edit: &dyn Fn(&mut [u8])| edited(|b| edit(b.section_of(part, SectionKind::Names)));
+        let error =
+            FileError { part: Some(part), ..envelope_error(Kind::Invalid, SectionKind::Names) };
+        let wrong = |index| Err(FileError { index, ..error });
+        assert_eq!(edited(&|names| names[at_text] = 0xff), wrong(0), "not UTF-8");
+        assert_eq!(edited(&|names| names[4] = 0), wrong(1), "backwards");
+        assert_eq!(edited(&|names| names[4 * last as usize] = 200), wrong(last), "beyond");
+    }
+
+    let weight = |value| edited(|b| b.set_float(SectionKind::InfluenceWeights, 4, value));
+    let wrong =
+        Err(FileError { index: 2, ..skin_error(Kind::Invalid, SectionKind::InfluenceWeights) });
+    assert_eq!(weight(0.75 + 9e-6), Ok(()));
+    assert_eq!(weight(0.75 + 1.2e-5), wrong);
+    assert_eq!(weight(0.75 - 1.2e-5), wrong);
+
+    for at in [55 + 1, 55 + 10] {
+        let twist = |value| edited(|b| b.set_float(SectionKind::Keys, at, value));
+        let wrong = FileError { index: 1, ..envelope_error(Kind::Invalid, SectionKind::Keys) };
+        assert_eq!(twist(1000.0), Ok(()));
+        assert_eq!(twist(1025.0), Err(wrong));
+    }
+    let shrunk = edited(|b| b.set_float(SectionKind::RestBoxes, 3, -2.5));
+    assert_eq!(shrunk, Err(skin_error(Kind::Invalid, SectionKind::RestBoxes)));
+}

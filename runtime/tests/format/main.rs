@@ -1,0 +1,29 @@
+//! Which files load, which are refused and why; who may keep a file's bytes.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod content;
+mod damage;
+mod document;
+mod groups;
+mod limits;
+mod message;
+mod ownership;
+mod sound;
+mod tables;
+
+use models::Pieces;
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{FileError, Model};
+
+fn error(bytes: &[u8]) -> FileError {
+    Model::from_bytes(bytes).unwrap_err()
+}
+
+/// Loads a sample that `edit` has changed.
+fn edited(edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
+    let mut pieces = Pieces::small(Predictor::Rotational);
+    edit(&mut pieces);
+    Model::from_bytes(pieces.bytes()).map(|_| ())
+}

@@ -1,0 +1,194 @@
+//! The tables of parts and of sections, row by row.
+
+use crate::common::file_error;
+use crate::{edited, error};
+use models::{Content, Pieces};
+use sinew_runtime::envelope::{ENVELOPE_SECTIONS, EnvelopeCounts, Predictor};
+use sinew_runtime::format::{Element, PartKind, PartRow, SectionKind, SectionRow};
+use sinew_runtime::skin::{SKIN_SECTIONS, SkinCounts};
+use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
+
+#[test]
+fn each_row_of_the_part_table_is_checked() {
+    assert_eq!(edited(|b| b.parts.clear()), Err(file_error(Kind::Malformed)));
+    let unknown = |kind, flags| PartRow { kind, flags };
+    let third = FileError { part: Some(2), ..file_error(Kind::Unsupported) };
+    for kind in [0, 3, 4, 255, 65_535] {
+        let refused = FileError { found: kind.into(), ..third };
+        assert_eq!(edited(|b| b.parts.push(unknown(kind, 1))), Err(refused));
+        assert_eq!(edited(|b| b.parts.push(unknown(kind, 0))), Ok(()));
+    }
+    for flags in [2, 3, 0x8000] {
+        let refused = FileError { part: Some(0), found: flags.into(), ..third };
+        assert_eq!(edited(|b| b.parts[0].flags = flags), Err(refused));
+        let refused = FileError { found: flags.into(), ..third };
+        assert_eq!(edited(|b| b.parts.push(unknown(9, flags))), Err(refused));
+    }
+    // A reader knows this kind, so that the flag says nothing.
+    assert_eq!(edited(|b| b.parts[1].flags = 0), Ok(()));
+    let pieces = Pieces::small(Predictor::Rotational);
+    let odd = pieces.bytes_with(|file| {
+        file.parts.remove(0);
+        file.padding.push(0);
+    });
+    assert_eq!(error(&odd), file_error(Kind::Malformed));
+    assert_eq!(PartKind::ALL.map(PartKind::number), [1, 2]);
+}
+
+#[test]
+fn each_row_of_the_section_table_is_checked() {
+    let extra = Content::unknown;
+    let unknown = |part, found| {
+        Err(FileError { part: Some(part), index: 18, found, ..file_error(Kind::Unsupported) })
+    };
+    for part in [0, 1] {
+        assert_eq!(edited(|b| b.sections.push(extra(999, part, 0))), Ok(()));
+        assert_eq!(edited(|b| b.sections.push(extra(999, part, 1))), unknown(part, 999));
+        assert_eq!(edited(|b| b.sections.push(extra(999, part, 2))), unknown(part, 2));
+        let reserved = Content { reserved: 7, ..extra(999, part, 0) };
+        assert_eq!(edited(|b| b.sections.push(reserved)), unknown(part, 7));
+        // The type of what is skipped is nobody's affair.
+        let element = Content { element: 200, ..extra(999, part, 0) };
+        assert_eq!(edited(|b| b.sections.push(element)), Ok(()));
+    }
+    let skipped = PartRow { kind: 9, flags: 0 };
+    let further = |content| {
+        edited(|b| {
+            b.parts.push(skipped);
+            b.sections.push(content);
+        })
+    };
+    assert_eq!(further(extra(999, 2, 1)), Ok(()), "sections of a skipped part are skipped");
+    let element = Content { element: 200, ..Content::new(SectionKind::Keys, 2, vec![1; 5]) };
+    assert_eq!(further(element), Ok(()), "whatever they say that they are");
+    assert_eq!(further(extra(999, 2, 3)), unknown(2, 3), "but for their flags");
+    let nowhere = FileError { index: 18, expected: 2, found: 2, ..file_error(Kind::PartIndex) };
+    assert_eq!(edited(|b| b.sections.push(extra(999, 2, 0))), Err(nowhere));
+    let at = |kind, index| Err(FileError { index, ..file_error(kind) });
+    let again = Content::new(SectionKind::RestNormals, 1, vec![0; 84]);
+    assert_eq!(edited(|b| b.sections.push(again)), at(Kind::Duplicate, 18));
+    let twice = |part| edited(|b| b.sections.extend([extra(999, 0, 0), extra(999, part, 0)]));
+    assert_eq!(twice(0), at(Kind::Duplicate, 19));
+    assert_eq!(twice(1), Ok(()), "a kind of another part");
+    let rows = |edit: fn(&mut [SectionRow])| {
+        let file = Pieces::small(Predictor::Rotational).bytes_with_rows(edit);
+        Model::from_bytes(file).map(|_| ())
+    };
+    assert_eq!(rows(|r| r[3].offset += 4), at(Kind::Alignment, 3));
+    assert_eq!(rows(|r| r[3].offset = 0), at(Kind::Overlap, 3));
+    assert_eq!(rows(|r| r[3].bytes += 64), at(Kind::Overlap, 4));
+    assert_eq!(rows(|r| r[17].offset += 1 << 20), at(Kind::Bounds, 17));
+    assert_eq!(rows(|r| r[17].bytes = u32::MAX), at(Kind::Bounds, 17));
+    assert_eq!(rows(|r| r[17].offset = 0xffff_fff0), at(Kind::Bounds, 17));
+    assert_eq!(rows(|r| r.swap(3, 4)), at(Kind::Overlap, 4));
+    let pieces = Pieces::small(Predictor::Rotational);
+    let odd = pieces.bytes_with(|file| {
+        file.sections.remove(0);
+        file.padding.push(0);
+    });
+    assert_eq!(error(&odd), file_error(Kind::Malformed));
+}
+
+#[test]
+fn each_section_has_the_type_of_its_kind() {
+    for (row, content) in Pieces::small(Predictor::Rotational).sections.iter().enumerate() {
+        let known = Element::ALL.map(Element::number);
+        for element in known.into_iter().chain([4, 255]).filter(|e| *e != content.element) {
+            let refused = FileError {
+                part: Some(content.part),
+                index: row as u32,
+                found: element.into(),
+                ..file_error(Kind::Unsupported)
+            };
+            assert_eq!(edited(|b| b.sections[row].element = element), Err(refused));
+        }
+    }
+}
+
+#[test]
+fn each_section_is_required_and_has_its_length() {
+    for predictor in Predictor::ALL {
+        for (part, section) in [0, 1].into_iter().flat_map(|p| SectionKind::ALL.map(|s| (p, s))) {
+            section_of(predictor, part, section);
+        }
+    }
+    let huge = EnvelopeCounts {
+        predictor: Predictor::Hybrid,
+        joint_len: u32::MAX,
+        proxy_len: u32::MAX,
+        root: 0,
+        group_len: u32::MAX,
+        correction_len: u32::MAX,
+    };
+    assert_eq!(huge.section_bytes(SectionKind::C2), None);
+    assert_eq!(huge.section_bytes(SectionKind::Names), Some(1 << 34));
+    let huge = SkinCounts {
+        vertex_len: u32::MAX,
+        influence_len: u32::MAX,
+        envelope: 0,
+        range_len: u32::MAX,
+    };
+    assert_eq!(huge.section_bytes(SectionKind::InfluenceWeights, 1), None);
+    assert_eq!(huge.section_bytes(SectionKind::Names, 1), Some(1 << 34));
+}
+
+fn section_of(predictor: Predictor, part: u16, section: SectionKind) {
+    let edited = |edit: &dyn Fn(&mut Pieces)| {
+        let mut pieces = Pieces::small(predictor);
+        edit(&mut pieces);
+        Model::from_bytes(pieces.bytes()).map(|_| ())
+    };
+    let error = |kind| FileError { part: Some(part), section: Some(section), ..file_error(kind) };
+    let model = Model::from_bytes(Pieces::small(predictor).bytes()).unwrap();
+    let (envelope, skin) = (model.envelope().unwrap().counts(), model.skin().unwrap().counts());
+    let (own, has) = match part {
+        0 => (ENVELOPE_SECTIONS.as_slice(), Some(envelope.has(section))),
+        _ => (SKIN_SECTIONS.as_slice(), skin.has(section)),
+    };
+    let own = own.contains(&section);
+    if !own || has == Some(false) {
+        // One of another kind of part is left alone, unless a reader must know it.
+        let row = Pieces::small(predictor).sections.len() as u32;
+        let unknown = FileError {
+            part: Some(part),
+            index: row,
+            found: section.number().into(),
+            ..file_error(Kind::Unsupported)
+        };
+        for flags in [0, 1] {
+            let extra = Content { flags, ..Content::new(section, part, vec![0xff; 4]) };
+            let found = edited(&|b| b.sections.push(extra.clone()));
+            let expected = match (own, flags) {
+                (true, _) => Err(error(Kind::Unexpected)),
+                (false, 0) => Ok(()),
+                (false, _) => Err(unknown),
+            };
+            assert_eq!(found, expected, "{predictor:?} {section:?}");
+        }
+        return;
+    }
+    let is_it = |content: &Content| (content.part, content.kind) == (part, section.number());
+    let without = edited(&|b| b.sections.retain(|content| !is_it(content)));
+    assert_eq!(without, if has.is_none() { Ok(()) } else { Err(error(Kind::Missing)) });
+    for change in [-1, 1] {
+        let refused = edited(&|b| {
+            let content = b.section_of(part, section);
+            content.resize(content.len().wrapping_add_signed(change), 0);
+        });
+        if section == SectionKind::Names {
+            // The last name is to end with the text.
+            let last = if part == 0 { envelope.joint_len } else { skin.range_len };
+            let expected = FileError { index: last, ..error(Kind::Invalid) };
+            assert_eq!(refused, Err(expected));
+            continue;
+        }
+        let found = Pieces::small(predictor).section_of(part, section).len();
+        let stated = match (part, section) {
+            (_, SectionKind::Corrections) => Some(found as u64),
+            (0, _) => envelope.section_bytes(section),
+            _ => skin.section_bytes(section, envelope.palette_len()),
+        };
+        let (expected, found) = (stated.unwrap() as u32, found.wrapping_add_signed(change) as u32);
+        assert_eq!(refused, Err(FileError { expected, found, ..error(Kind::Length) }));
+    }
+}

@@ -1,0 +1,73 @@
+//! Golden files, and one of several parts, cut short, lengthened and flipped bit by bit.
+
+use hostile::mutants::mutant;
+use hostile::poses::KINDS;
+use hostile::{files, targets};
+use models::seal;
+use sinew_runtime::format::CHECKSUM_OFFSET;
+use sinew_runtime::{FileError, FileErrorKind, Model};
+
+fn refusal(file: &[u8]) -> Option<FileError> {
+    Model::from_bytes(file).err()
+}
+
+fn kind(file: &[u8]) -> Option<FileErrorKind> {
+    refusal(file).map(|error| error.kind)
+}
+
+#[test]
+fn every_truncation_is_refused() {
+    for golden in files() {
+        assert_eq!(targets::run(golden), Ok(()));
+        for len in 0..golden.len() {
+            let mut short = golden[..len].to_vec();
+            assert_eq!(kind(&short), Some(FileErrorKind::Malformed), "{len}");
+            seal(&mut short);
+            assert_eq!(kind(&short), Some(FileErrorKind::Malformed), "{len}");
+        }
+    }
+}
+
+#[test]
+fn extra_bytes_are_refused() {
+    for golden in files() {
+        for extra in [&[0][..], &[0; 16], &[0xff; 300], golden] {
+            let mut long = [golden.as_slice(), extra].concat();
+            assert_eq!(kind(&long), Some(FileErrorKind::Checksum));
+            seal(&mut long);
+            assert_eq!(kind(&long), Some(FileErrorKind::Malformed));
+        }
+    }
+}
+
+#[test]
+fn every_flipped_bit_is_refused_and_harmless_when_sealed() {
+    for golden in files() {
+        let mut accepted = 0;
+        let mut file = golden.clone();
+        for bit in 0..8 * golden.len() {
+            file.copy_from_slice(golden);
+            file[bit / 8] ^= 1 << (bit % 8);
+            match refusal(&file) {
+                // What the refusal found is the seal; the file need not be summed for it again.
+                Some(FileError { kind: FileErrorKind::Checksum, found, .. }) => {
+                    file[CHECKSUM_OFFSET..][..4].copy_from_slice(&found.to_le_bytes());
+                }
+                Some(_) => seal(&mut file),
+                None => panic!("bit {bit} may be flipped"),
+            }
+            // One kind of pose a bit, in turn: neighbouring bits do much the same.
+            accepted +=
+                usize::from(targets::run_poses(&file, bit % KINDS..bit % KINDS + 1).is_ok());
+        }
+        // Of most floats most bits may change: the second half of the test has evaluated something.
+        assert!(accepted > 3 * golden.len(), "{accepted}");
+    }
+}
+
+#[test]
+fn mutants_are_harmless() {
+    let accepted = (0..20_000).filter(|&number| targets::run(&mutant(number)).is_ok()).count();
+    // The first of the million of `mutants`; too few accepted ones would prove too little.
+    assert!(accepted > 4_000, "{accepted}");
+}

@@ -1,0 +1,200 @@
+//! Small files that promise much, and numbers as large as a file may hold.
+
+use hostile::evaluate::evaluate_pose;
+use models::{GOLDEN, Pieces, group_row};
+use sinew_runtime::envelope::{GroupRow, KEY_WORDS, Predictor};
+use sinew_runtime::format::{CORRECTION_MAX, MAGNITUDE_MAX, SectionKind, TRAVEL_MAX};
+use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Matrix3x4, Model};
+
+const UNLIMITED: Limits = Limits {
+    file_bytes: u32::MAX,
+    parts: u16::MAX,
+    sections: u16::MAX,
+    vertices: u32::MAX,
+    joints: u32::MAX,
+    proxies: u32::MAX,
+    influences: u32::MAX,
+};
+
+/// Loads a golden in which a count is changed, and tells why it is refused.
+fn promised(golden: &[u8], counts: SectionKind, at: usize, count: u32) -> FileError {
+    let mut pieces = Pieces::of(golden).unwrap();
+    pieces.set_word(counts, at, count);
+    // A content that no check could pass: it would be the error if it were read first.
+    for kind in [SectionKind::RestNormals, SectionKind::InverseBinds] {
+        pieces.section(kind).fill(0xff);
+    }
+    Model::from_bytes_with(pieces.bytes(), &UNLIMITED).unwrap_err()
+}
+
+#[test]
+fn what_counts_promise_must_be_there_before_anything_is_read() {
+    use SectionKind::{EnvelopeCounts, SkinCounts};
+    let length = |section: SectionKind, expected: u64, error: FileError| {
+        let expected = u32::try_from(expected).unwrap_or(u32::MAX);
+        let found = (error.kind, error.section, error.expected);
+        assert_eq!(found, (Kind::Length, Some(section), expected), "{error}");
+    };
+    let limit = |section: SectionKind, index: u32, most: u32, error: FileError| {
+        let found = (error.kind, error.section, error.index, error.expected, error.found);
+        assert_eq!(found, (Kind::Limit, Some(section), index, most, u32::MAX), "{error}");
+    };
+    for (golden, predictor) in GOLDEN.iter().zip(Predictor::ALL) {
+        // Counts: predictor, J, P, root, G, floats of the correction.
+        let envelope = |at, count| promised(golden, EnvelopeCounts, at, count);
+        limit(EnvelopeCounts, 1, 65_535, envelope(1, u32::MAX));
+        length(SectionKind::Names, 4 * 65_536, envelope(1, 65_535));
+        limit(EnvelopeCounts, 2, 65_535, envelope(2, u32::MAX));
+        if predictor.reconstructs() {
+            length(SectionKind::Keys, 220 * 65_535, envelope(2, 65_535));
+        }
+        let groups = if predictor.corrects() { 5 } else { 0 };
+        limit(EnvelopeCounts, 4, groups, envelope(4, u32::MAX));
+        if predictor.corrects() {
+            length(SectionKind::Groups, 24 * 5, envelope(4, 5));
+        }
+        // What promises nothing is left for its own check.
+        for at in [3, 5] {
+            let error = envelope(at, u32::MAX);
+            let section = error.section.unwrap();
+            let expected =
+                [(Kind::Invalid, SectionKind::Hierarchy), (Kind::Float, SectionKind::InverseBinds)];
+            assert!(expected.contains(&(error.kind, section)), "{error}");
+        }
+    }
+    // V, K, the envelope, R. What the envelope's sections hold is sound here.
+    for golden in GOLDEN {
+        let skin = |at, count| {
+            let mut pieces = Pieces::of(golden).unwrap();
+            pieces.set_word(SkinCounts, at, count);
+            pieces.section(SectionKind::RestNormals).fill(0xff);
+            Model::from_bytes_with(pieces.bytes(), &UNLIMITED).unwrap_err()
+        };
+        length(SectionKind::RestPositions, 12 * 0xffff_ffff, skin(0, u32::MAX));
+        limit(SkinCounts, 1, 65_535, skin(1, u32::MAX));
+        length(SectionKind::InfluenceIndices, 2 * 24 * 65_535, skin(1, 65_535));
+        length(SectionKind::Names, 4 * 0xffff_ffff, skin(3, 0xffff_fffe));
+        length(SectionKind::Names, u64::MAX, skin(3, u32::MAX));
+    }
+}
+
+#[test]
+fn helpers_that_take_no_bytes_are_held_by_the_limits() {
+    // A kernel envelope without a skin, and one group without centres of as many helpers as there may
+    // be: of few bytes a palette of many transforms, but never of more than the caller allows.
+    let promise = |proxies: u32| {
+        let mut pieces = Pieces::of(GOLDEN[1]).unwrap();
+        pieces.parts.truncate(1);
+        pieces.sections.retain(|content| content.part == 0);
+        let row = GroupRow {
+            joint: 0,
+            kernel: 8,
+            reserved: 0,
+            input_len: 0,
+            centre_len: 0,
+            rank: 0,
+            proxy_len: proxies as u16,
+            offset: 0,
+            fade_start: 0.0,
+            fade_end: 0.0,
+        };
+        *pieces.section(SectionKind::Groups) = group_row(&row).to_vec();
+        pieces.section(SectionKind::Corrections).clear();
+        pieces.set_word(SectionKind::EnvelopeCounts, 2, proxies);
+        pieces.set_word(SectionKind::EnvelopeCounts, 4, 1);
+        pieces.set_word(SectionKind::EnvelopeCounts, 5, row.scratch_len() as u32);
+        pieces.bytes()
+    };
+    let most = Limits::DEFAULT.proxies;
+    assert_eq!(hostile::targets::run(&promise(most)), Ok(()));
+    let refused = hostile::targets::run(&promise(most + 1)).unwrap_err();
+    assert_eq!((refused.kind, refused.index, refused.expected), (Kind::Limit, 2, most));
+}
+
+/// A golden whose every number is the largest that it may be, all of one sign. Normals and tangents,
+/// which have a length, stay.
+fn largest(golden: &[u8]) -> Vec<u8> {
+    let mut pieces = Pieces::of(golden).unwrap();
+    let fill = |content: &mut [u8], value: f32| {
+        content.as_chunks_mut().0.fill(value.to_le_bytes());
+    };
+    for kind in [
+        SectionKind::RestPositions,
+        SectionKind::RestBoxes,
+        SectionKind::C1,
+        SectionKind::C2,
+        SectionKind::Origins,
+    ] {
+        if let Some(content) = pieces.find(kind) {
+            fill(content, MAGNITUDE_MAX);
+        }
+    }
+    if let Some(keys) = pieces.find(SectionKind::Keys) {
+        keys.chunks_mut(4 * KEY_WORDS).for_each(|key| fill(&mut key[4 * 19..], MAGNITUDE_MAX));
+    }
+    let mut groups = Vec::new();
+    if let Some(rows) = pieces.find(SectionKind::Groups) {
+        for bytes in rows.as_chunks_mut().0 {
+            let mut row = GroupRow::from_bytes(bytes);
+            (row.fade_start, row.fade_end) = (0.5 * CORRECTION_MAX, CORRECTION_MAX);
+            *bytes = group_row(&row);
+            groups.push(row);
+        }
+    }
+    if let Some(words) = pieces.find(SectionKind::Corrections) {
+        let words = words.as_chunks_mut::<4>().0;
+        for row in groups {
+            let group = &mut words[row.offset as usize..][..row.words() as usize];
+            let inputs = usize::from(row.input_len).next_multiple_of(8);
+            let (features_and_weights, centres_and_all) = group.split_at_mut(2 * inputs);
+            // With weights of nothing and centres at rest, the map is confident however far a pose is.
+            fill(features_and_weights[inputs..].as_flattened_mut(), 0.0);
+            let centres =
+                usize::from(row.centre_len).next_multiple_of(8) * usize::from(row.input_len);
+            let (centres, all) = centres_and_all.split_at_mut(centres);
+            fill(centres.as_flattened_mut(), 0.0);
+            fill(all.as_flattened_mut(), CORRECTION_MAX);
+        }
+    }
+    pieces.bytes()
+}
+
+/// Half turns about z, each joint as far away as a pose may go.
+fn far(joint_len: usize, travel: f32) -> Vec<Matrix3x4> {
+    let transform = |joint: usize| {
+        let sign = if joint.is_multiple_of(2) { 1.0 } else { -1.0 };
+        [[sign, 0.0, 0.0, sign * travel], [0.0, sign, 0.0, travel], [0.0, 0.0, 1.0, -sign * travel]]
+    };
+    (0..joint_len).map(transform).collect()
+}
+
+#[test]
+fn the_largest_numbers_evaluate_to_finite_values() {
+    for golden in GOLDEN {
+        let file = largest(golden);
+        let model = Model::from_bytes(file).unwrap();
+        let envelope = model.envelope().unwrap();
+        evaluate_pose(&model, &envelope, 0, &far(envelope.joint_len(), TRAVEL_MAX));
+        if envelope.predictor().corrects() {
+            let pose = far(envelope.joint_len(), TRAVEL_MAX);
+            let mut scratch = vec![0.0; envelope.scratch_len()];
+            let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
+            let confidence = envelope.palette(&pose, &mut scratch, &mut palette);
+            assert!(confidence.unwrap() > 0.0, "the kernel maps have taken part");
+            let most =
+                palette.as_flattened().as_flattened().iter().fold(0.0f32, |a, x| a.max(x.abs()));
+            assert!(most > 1e19, "{most}");
+        }
+    }
+}
+
+#[test]
+fn the_check_sees_what_is_not_finite() {
+    let file = largest(GOLDEN[0]);
+    let model = Model::from_bytes(file).unwrap();
+    let envelope = model.envelope().unwrap();
+    let pose = far(envelope.joint_len(), 1e25);
+    let seen = std::panic::catch_unwind(|| evaluate_pose(&model, &envelope, 0, &pose));
+    let message = seen.unwrap_err();
+    assert!(message.downcast_ref::<String>().unwrap().contains("is not finite"));
+}

@@ -1,0 +1,80 @@
+//! Numbers, rows and matrices as bytes of a file.
+
+use sinew_runtime::envelope::GroupRow;
+use sinew_runtime::format::{PartRow, SectionRow};
+
+/// Writes floats, little-endian.
+pub fn floats(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+/// Writes u32s, little-endian.
+pub fn words(values: &[u32]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+/// Writes u16s, little-endian.
+pub fn halves(values: &[u16]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+/// Writes section `names`: the part's, then those of its joints or ranges.
+pub fn names(part: &str, others: &[String]) -> Vec<u8> {
+    let (mut ends, mut text) = (Vec::new(), String::new());
+    for name in std::iter::once(part).chain(others.iter().map(String::as_str)) {
+        text += name;
+        ends.push(text.len() as u32);
+    }
+    [words(&ends), text.into_bytes()].concat()
+}
+
+/// Writes a matrix, a list of its rows, in blocks of 8 rows, each column after column, with zeros in rows
+/// that pad the last.
+pub fn blocks(matrix: &[Vec<f32>]) -> Vec<u8> {
+    let mut out = Vec::new();
+    for block in matrix.chunks(8) {
+        for column in 0..block[0].len() {
+            for row in 0..8 {
+                out.extend(block.get(row).map_or(0.0, |row| row[column]).to_le_bytes());
+            }
+        }
+    }
+    out
+}
+
+/// Writes a row of the part table.
+pub fn part_row(row: &PartRow) -> [u8; 4] {
+    let mut out = [0; 4];
+    out[..2].copy_from_slice(&row.kind.to_le_bytes());
+    out[2..].copy_from_slice(&row.flags.to_le_bytes());
+    out
+}
+
+/// Writes a row of the section table.
+pub fn section_row(row: &SectionRow) -> [u8; 16] {
+    let mut out = [0; 16];
+    out[..2].copy_from_slice(&row.kind.to_le_bytes());
+    out[2..4].copy_from_slice(&row.part.to_le_bytes());
+    out[4] = row.element;
+    out[5] = row.flags;
+    out[6..8].copy_from_slice(&row.reserved.to_le_bytes());
+    out[8..12].copy_from_slice(&row.offset.to_le_bytes());
+    out[12..].copy_from_slice(&row.bytes.to_le_bytes());
+    out
+}
+
+/// Writes a row of section `groups`.
+pub fn group_row(row: &GroupRow) -> [u8; 24] {
+    let mut out = [0; 24];
+    out[..2].copy_from_slice(&row.joint.to_le_bytes());
+    out[2] = row.kernel;
+    out[3] = row.reserved;
+    out[4..6].copy_from_slice(&row.input_len.to_le_bytes());
+    out[6..8].copy_from_slice(&row.centre_len.to_le_bytes());
+    out[8..10].copy_from_slice(&row.rank.to_le_bytes());
+    out[10..12].copy_from_slice(&row.proxy_len.to_le_bytes());
+    out[12..16].copy_from_slice(&row.offset.to_le_bytes());
+    out[16..20].copy_from_slice(&row.fade_start.to_le_bytes());
+    out[20..].copy_from_slice(&row.fade_end.to_le_bytes());
+    out
+}

@@ -1,0 +1,138 @@
+//! Groups of proxies with their kernel maps, each field free to be wrong.
+
+use crate::bytes::{blocks, floats, group_row, words};
+use crate::pieces::Pieces;
+use crate::rng::Rng;
+use sinew_runtime::envelope::GroupRow;
+use sinew_runtime::format::SectionKind;
+use sinew_runtime::kernel::Kernel;
+
+/// A group in plain lists.
+#[derive(Clone)]
+pub struct GroupContent {
+    /// The dominant joint.
+    pub joint: usize,
+    /// The kernel of its map.
+    pub kernel: Kernel,
+    /// p.
+    pub proxies: usize,
+    /// d: feature and weight.
+    pub inputs: Vec<(u32, f32)>,
+    /// n lists of d.
+    pub centres: Vec<Vec<f32>>,
+    /// r rows of n + d.
+    pub coefficients: Vec<Vec<f32>>,
+    /// 12 p rows of r.
+    pub outputs: Vec<Vec<f32>>,
+    /// Squared distances at which the fade starts and ends.
+    pub fade: (f32, f32),
+}
+
+impl GroupContent {
+    /// Makes a group of random numbers: `[d, n, r]` of `sizes`.
+    pub fn sample(rng: &mut Rng, joints: usize, proxies: usize, sizes: [usize; 3]) -> Self {
+        let [d, n, r] = sizes;
+        let mut list =
+            |len: usize, scale: f32| (0..len).map(|_| rng.unit() * scale).collect::<Vec<_>>();
+        let inputs = list(d, 1.0).into_iter().enumerate();
+        let feature = |i: usize| ((5 * i + 1) % (12 * joints)) as u32;
+        Self {
+            joint: proxies % joints,
+            kernel: Kernel::ALL[(d + n) % 4],
+            proxies,
+            inputs: inputs.map(|(i, x)| (feature(i), 1.5 + x)).collect(),
+            centres: (0..n).map(|_| list(d, 0.5)).collect(),
+            coefficients: (0..r).map(|_| list(n + d, 0.5)).collect(),
+            outputs: (0..12 * proxies).map(|_| list(r, 0.5)).collect(),
+            fade: (0.25, 4.0),
+        }
+    }
+
+    /// The kernel of each centre at x = 0, as a reader computes it.
+    pub fn rest(&self) -> Vec<f32> {
+        self.centres.iter().map(|t| self.kernel.at_rest(t.iter().copied())).collect()
+    }
+
+    /// The group's row of section `groups`, its words at an offset.
+    pub fn row(&self, offset: usize) -> GroupRow {
+        GroupRow {
+            joint: self.joint as u16,
+            kernel: self.kernel.number(),
+            reserved: 0,
+            input_len: self.inputs.len() as u16,
+            centre_len: self.centres.len() as u16,
+            rank: self.coefficients.len() as u16,
+            proxy_len: self.proxies as u16,
+            offset: offset as u32,
+            fade_start: self.fade.0,
+            fade_end: self.fade.1,
+        }
+    }
+
+    /// The group's words of section `corrections`.
+    pub fn words(&self) -> Vec<u8> {
+        let d = self.inputs.len().next_multiple_of(8);
+        let mut features = vec![0; d];
+        let mut weights = vec![0.0; d];
+        for (i, &(feature, weight)) in self.inputs.iter().enumerate() {
+            (features[i], weights[i]) = (feature, weight);
+        }
+        let mut rest = self.rest();
+        rest.resize(rest.len().next_multiple_of(8), 0.0);
+        let matrices = [&self.centres, &self.coefficients, &self.outputs].map(|m| blocks(m));
+        let [centres, coefficients, outputs] = matrices;
+        [words(&features), floats(&weights), centres, floats(&rest), coefficients, outputs].concat()
+    }
+
+    /// Floats of scratch, by the formula of FORMAT.md.
+    fn scratch(&self) -> usize {
+        let lens = [self.inputs.len(), self.centres.len(), self.coefficients.len()];
+        lens.into_iter().chain([12 * self.proxies]).map(|len| 8 * len.div_ceil(8)).sum()
+    }
+}
+
+/// Cuts P proxies into up to three groups of odd sizes and different kernels.
+pub fn sample_groups(joints: usize, proxies: usize) -> Vec<GroupContent> {
+    let mut rng = Rng(1992);
+    let sizes = [[5, 11, 3], [9, 3, 1], [1, 17, 10]];
+    let mut left = proxies;
+    let mut groups = Vec::new();
+    for (i, sizes) in sizes.into_iter().enumerate() {
+        let own = if i == 2 { left } else { left.min(i + 1) };
+        if own > 0 {
+            groups.push(GroupContent::sample(&mut rng, joints, own, sizes));
+        }
+        left -= own;
+    }
+    groups
+}
+
+impl Pieces {
+    /// Replaces the first envelope's groups and all that follows from them.
+    ///
+    /// # Panics
+    /// If it has none.
+    pub fn set_groups(&mut self, groups: &[GroupContent]) {
+        let (mut rows, mut words) = (Vec::new(), Vec::new());
+        for group in groups {
+            rows.extend(group_row(&group.row(words.len() / 4)));
+            words.extend(group.words());
+        }
+        let scratch = groups.iter().map(GroupContent::scratch).max().unwrap_or(0);
+        self.set_word(SectionKind::EnvelopeCounts, 4, groups.len() as u32);
+        self.set_word(SectionKind::EnvelopeCounts, 5, scratch as u32);
+        *self.section(SectionKind::Groups) = rows;
+        *self.section(SectionKind::Corrections) = words;
+    }
+
+    /// Changes a row of the first envelope's groups.
+    ///
+    /// # Panics
+    /// If it has none.
+    pub fn edit_group(&mut self, group: usize, edit: impl FnOnce(&mut GroupRow)) {
+        let rows = self.section(SectionKind::Groups).as_chunks_mut().0;
+        let mut row = GroupRow::from_bytes(&rows[group]);
+        edit(&mut row);
+        rows[group] = group_row(&row);
+    }
+}

@@ -1,0 +1,26 @@
+//! The one maker of model files for tests: sound samples of every shape, and pieces that are free to be
+//! wrong.
+//!
+//! Every byte is written here, after FORMAT.md, so that no mistake of the trainer's `bake` or of the
+//! runtime is shared. Of the runtime come the names of kinds, whose numbers its `document` test holds to
+//! FORMAT.md, and what a reader must find bit for bit as it computes it itself: kernels at rest.
+
+mod bytes;
+mod golden;
+mod groups;
+pub mod head;
+mod message;
+mod pieces;
+#[path = "../../golden/rng.rs"]
+mod rng;
+mod sample;
+mod shape;
+
+pub use bytes::{blocks, floats, group_row, halves, names, part_row, section_row, words};
+pub use golden::{GOLDEN, GOLDEN_NAMES, golden_path};
+pub use groups::{GroupContent, sample_groups};
+pub use message::{Message, seal};
+pub use pieces::{Content, Pieces};
+pub use rng::Rng;
+pub use sample::direction;
+pub use shape::{SMALL, Shape};

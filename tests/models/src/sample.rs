@@ -1,0 +1,245 @@
+//! Sound samples: an envelope and its skin, of any predictor and shape.
+
+use crate::bytes::{blocks, floats, halves, names, words};
+use crate::groups::sample_groups;
+use crate::head;
+use crate::pieces::{Content, Pieces};
+use crate::rng::Rng;
+use crate::shape::{SMALL, Shape};
+use sinew_runtime::envelope::{ENVELOPE_SECTIONS, NO_JOINT, Predictor};
+use sinew_runtime::format::{PartKind, PartRow, SectionKind};
+use sinew_runtime::skin::SKIN_SECTIONS;
+use std::sync::LazyLock;
+
+impl Pieces {
+    /// Makes a model of an envelope, part 0, and its skin, part 1, whose rest pose is exact: every
+    /// coefficient is a multiple of 1/64, and the rows of c1 and c2 together give [I | 0] for d = I,
+    /// q = rest. Kernel maps are those of [`sample_groups`].
+    ///
+    /// # Panics
+    /// If the order of sections is no longer FORMAT.md's.
+    pub fn sample(predictor: Predictor, shape: Shape) -> Self {
+        let mut rng = Rng(7);
+        let reconstructs = predictor != Predictor::Kernel;
+        let palette_len = if reconstructs { 0 } else { shape.joints } + shape.proxies;
+        let skin = skin(shape, palette_len, &mut rng);
+        let envelope = envelope(predictor, shape, &mut rng);
+        let written = envelope.iter().chain(&skin).map(|(kind, _)| *kind);
+        assert!(written.eq(ENVELOPE_SECTIONS.into_iter().chain(SKIN_SECTIONS)));
+        let envelope = envelope.into_iter().filter(|(kind, _)| has(predictor, *kind));
+        let skin = skin
+            .into_iter()
+            .filter(|(kind, _)| shape.tangents || *kind != SectionKind::RestTangents);
+        let content = |part, kind, bytes| {
+            // A skin may lack tangents, so that a reader may.
+            let flags = u8::from(kind != SectionKind::RestTangents);
+            Content { flags, ..Content::new(kind, part, bytes) }
+        };
+        let envelope = envelope.map(|(kind, bytes)| content(0, kind, bytes));
+        let mut pieces = Self {
+            head: head::SOUND,
+            parts: [PartKind::Envelope, PartKind::Skin].map(required).to_vec(),
+            sections: envelope.chain(skin.map(|(kind, bytes)| content(1, kind, bytes))).collect(),
+        };
+        if predictor != Predictor::Rotational {
+            pieces.set_groups(&sample_groups(shape.joints, shape.proxies));
+        }
+        pieces
+    }
+
+    /// Returns the model of the shape [`SMALL`], which is made once: under Miri that takes seconds.
+    ///
+    /// # Panics
+    /// As [`Pieces::sample`] does.
+    pub fn small(predictor: Predictor) -> Self {
+        static MADE: LazyLock<[Pieces; 3]> =
+            LazyLock::new(|| Predictor::ALL.map(|predictor| Pieces::sample(predictor, SMALL)));
+        let mut found = Predictor::ALL.iter().zip(&*MADE).filter(|(own, _)| **own == predictor);
+        found.next().expect("every predictor has a sample").1.clone()
+    }
+
+    /// Makes a skin that follows no envelope, alone in its file.
+    ///
+    /// # Panics
+    /// As [`Pieces::sample`] does.
+    pub fn loose(shape: Shape) -> Self {
+        let mut pieces = Self::sample(Predictor::Rotational, shape);
+        pieces.loosen();
+        *pieces.section(SectionKind::Names) = names("eye", &["white".into(), "iris".into()]);
+        pieces
+    }
+
+    /// Makes two envelopes and three skins, one of which follows none: parts arm and sleeve, arm and
+    /// sleeve of the kernel predictor, eye.
+    ///
+    /// # Panics
+    /// As [`Pieces::sample`] does.
+    pub fn several() -> Self {
+        let mut pieces = Self::small(Predictor::Rotational);
+        pieces.append(Self::small(Predictor::Kernel));
+        pieces.append(Self::loose(Shape { vertices: 3, ..SMALL }));
+        pieces
+    }
+}
+
+/// A direction, mostly up.
+pub fn direction(rng: &mut Rng) -> [f32; 3] {
+    let v = [rng.unit(), rng.unit(), rng.unit() + 1.5];
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    v.map(|x| x / length)
+}
+
+/// A section's kind and its bytes.
+type Written = (SectionKind, Vec<u8>);
+
+fn required(kind: PartKind) -> PartRow {
+    PartRow { kind: kind.number(), flags: 1 }
+}
+
+/// Whether an envelope of a predictor has a section, by FORMAT.md's table.
+fn has(predictor: Predictor, kind: SectionKind) -> bool {
+    match kind {
+        SectionKind::Keys | SectionKind::C1 | SectionKind::C2 => predictor != Predictor::Kernel,
+        SectionKind::Origins | SectionKind::Groups | SectionKind::Corrections => {
+            predictor != Predictor::Rotational
+        }
+        _ => true,
+    }
+}
+
+/// A multiple of 1/64.
+fn dyadic(rng: &mut Rng, scale: f32) -> f32 {
+    (rng.unit() * scale * 64.0).round() / 64.0
+}
+
+/// Makes the sections of a skin that follows part 0, with two ranges: the second empty where there are
+/// few vertices, and a gap between.
+fn skin(shape: Shape, palette_len: usize, rng: &mut Rng) -> Vec<Written> {
+    let Shape { vertices: v, influences: k, .. } = shape;
+    let positions = (0..3 * v).map(|_| dyadic(rng, 2.0)).collect::<Vec<_>>();
+    let normals = (0..v).flat_map(|_| direction(rng)).collect::<Vec<_>>();
+    let tangent = |rng: &mut Rng| {
+        let [x, y, z] = direction(rng);
+        [x, y, z, if rng.unit() < 0.0 { -1.0 } else { 1.0 }]
+    };
+    let tangents = (0..v).flat_map(|_| tangent(rng)).collect::<Vec<_>>();
+    let (cut, end) = (v as u32 / 2, v as u32);
+    let mut indices = Vec::new();
+    let mut weights = Vec::new();
+    for vertex in 0..v {
+        let mut left = 1.0;
+        for slot in 0..k {
+            indices.push(((vertex + slot) % palette_len) as u16);
+            let weight = if slot + 1 == k { left } else { left * 0.75 };
+            weights.push(weight);
+            left -= weight;
+        }
+    }
+    let mut boxes = vec![[1.0, 1.0, 1.0, -1.0, -1.0, -1.0f32]; palette_len];
+    for (at, &index) in indices.iter().enumerate() {
+        let rest_box = &mut boxes[usize::from(index)];
+        let x = &positions[at / k * 3..][..3];
+        let empty = rest_box[0] > rest_box[3];
+        for c in 0..3 {
+            rest_box[c] = if empty { x[c] } else { rest_box[c].min(x[c]) };
+            rest_box[3 + c] = if empty { x[c] } else { rest_box[3 + c].max(x[c]) };
+        }
+    }
+    vec![
+        // V, K, the envelope, R.
+        (SectionKind::SkinCounts, words(&[end, k as u32, 0, 2])),
+        (SectionKind::Names, names("sleeve", &["upper".into(), "lower".into()])),
+        (SectionKind::RestPositions, floats(&positions)),
+        (SectionKind::RestNormals, floats(&normals)),
+        (SectionKind::RestTangents, floats(&tangents)),
+        (SectionKind::InfluenceIndices, halves(&indices)),
+        (SectionKind::InfluenceWeights, floats(&weights)),
+        (SectionKind::RestBoxes, floats(boxes.as_flattened())),
+        (SectionKind::Ranges, words(&[0, cut, end.min(cut + 1), end])),
+    ]
+}
+
+/// Makes every section that an envelope may have; groups are left empty.
+fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
+    let Shape { joints: j, proxies: p, .. } = shape;
+    let root = 1.min(j - 1);
+    let order = evaluation_order(j);
+    let mut parents = vec![NO_JOINT; j];
+    let mut ranks = vec![0; j];
+    for (rank, &joint) in order.iter().enumerate() {
+        ranks[joint] = rank as u16;
+        if rank > 0 {
+            parents[joint] = order[rank - 1] as u16;
+        }
+    }
+    let order = order.iter().map(|&joint| joint as u16).collect::<Vec<_>>();
+    // Joints stand along x, one unit apart, their frames not turned.
+    let inverse_binds = ranks.iter().flat_map(|&rank| {
+        [[1.0, 0.0, 0.0, -f32::from(rank)], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
+    });
+    let inverse_binds = inverse_binds.flatten().collect::<Vec<_>>();
+    let origins = ranks.iter().flat_map(|&rank| [f32::from(rank), 0.0, 0.0]).collect::<Vec<_>>();
+    let joint_names = (0..j).map(|joint| format!("joint {joint}")).collect::<Vec<_>>();
+    let keys = keys(shape, rng);
+    let [c1, c2] = coefficients(shape, root, rng);
+    // Predictor, J, P, the root, G, floats of scratch.
+    let counts = [predictor.number().into(), j as u32, p as u32, root as u32, 0, 0];
+    // Diagonal, RMS errors of training, of cross-validation, of linear blend skinning, of rounding.
+    let certificate = [3.0, 0.01, 0.02, 0.04, 0.0];
+    vec![
+        (SectionKind::EnvelopeCounts, words(&counts)),
+        (SectionKind::Certificate, floats(&certificate)),
+        (SectionKind::Names, names("arm", &joint_names)),
+        (SectionKind::Hierarchy, halves(&[parents, order, ranks].concat())),
+        (SectionKind::InverseBinds, floats(&inverse_binds)),
+        (SectionKind::Keys, keys),
+        (SectionKind::C1, blocks(&c1)),
+        (SectionKind::C2, blocks(&c2)),
+        (SectionKind::PoseRanges, floats(&vec![1.5; j])),
+        (SectionKind::Origins, floats(&origins)),
+        (SectionKind::Groups, Vec::new()),
+        (SectionKind::Corrections, Vec::new()),
+    ]
+}
+
+/// Joints in evaluation order: the root is 1, its child 2, then 0, then the rest in order.
+fn evaluation_order(joint_len: usize) -> Vec<usize> {
+    match joint_len {
+        1 => vec![0],
+        2 => vec![1, 0],
+        _ => [1, 2, 0].into_iter().chain(3..joint_len).collect(),
+    }
+}
+
+/// Makes a key a proxy; every second has a residual joint.
+fn keys(shape: Shape, rng: &mut Rng) -> Vec<u8> {
+    let Shape { joints: j, proxies: p, .. } = shape;
+    let mut keys = Vec::new();
+    for proxy in 0..p {
+        let residual = if proxy % 2 == 0 { NO_JOINT } else { (proxy % j) as u16 };
+        keys.extend(halves(&[((proxy + 2) % j) as u16, residual]));
+        let matrices = (0..54).map(|at| {
+            if at % 18 == 0 { 0.5 } else { dyadic(rng, if at < 18 { 0.5 } else { 0.1 }) }
+        });
+        keys.extend(floats(&matrices.collect::<Vec<_>>()));
+    }
+    keys
+}
+
+/// Makes c1 and c2, in which the root's block takes up what the others add to rest.
+fn coefficients(shape: Shape, root: usize, rng: &mut Rng) -> [Vec<Vec<f32>>; 2] {
+    let Shape { joints: j, proxies: p, .. } = shape;
+    let mut c1 = vec![vec![0.0; 3 * p]; 4 * p];
+    let mut c2 = vec![vec![0.0; 4 * j]; 4 * p];
+    for (row, (c1, c2)) in c1.iter_mut().zip(&mut c2).enumerate() {
+        for x in c1.iter_mut().chain(c2.iter_mut()) {
+            *x = dyadic(rng, 0.25);
+        }
+        for c in 0..3 {
+            let rest = c1.iter().skip(c).step_by(3).chain(c2.iter().skip(c).step_by(4));
+            let excess = rest.sum::<f32>() - if row % 4 == c { 1.0 } else { 0.0 };
+            c2[4 * root + c] -= excess;
+        }
+    }
+    [c1, c2]
+}

@@ -1,0 +1,20 @@
+//! Counts of a sample.
+
+/// Shape of a sample model: joints 0 -> 2 -> 1 (root), then a chain below joint 0.
+#[derive(Clone, Copy)]
+pub struct Shape {
+    /// V.
+    pub vertices: usize,
+    /// J.
+    pub joints: usize,
+    /// P.
+    pub proxies: usize,
+    /// K.
+    pub influences: usize,
+    /// Whether it has tangents.
+    pub tangents: bool,
+}
+
+/// A few of everything.
+pub const SMALL: Shape =
+    Shape { vertices: 7, joints: 4, proxies: 3, influences: 2, tangents: true };

@@ -1,0 +1,65 @@
+//! What the training must not depend on: held-out frames, and the number of threads.
+
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::{Options, train};
+use sinew_trainer::examples::{Examples, Split, npz};
+use sinew_trainer::progress::Silent;
+
+fn arm() -> Examples {
+    demo(&DemoOptions { vertices: 300, poses: 40, held_out: 20, seed: 11 })
+}
+
+fn model(examples: &Examples) -> Vec<u8> {
+    let options = Options { proxies: Some(ProxyCount::Fixed(12)), ..Options::default() };
+    train(examples, &options, &Silent).unwrap().model
+}
+
+/// Replaces the vertices of some frames by noise.
+fn noise(examples: &mut Examples, split: Split) {
+    let vertices = examples.vertex_len();
+    for frame in examples.frames_of(split) {
+        for (k, position) in
+            examples.vertices[frame * vertices..][..vertices].iter_mut().enumerate()
+        {
+            let wild = ((frame * 7919 + k) as f64).sin() * 100.0;
+            *position = [wild, -wild, wild * wild];
+        }
+    }
+}
+
+#[test]
+fn a_file_with_noise_for_held_out_frames_trains_to_the_same_bytes() {
+    let folder = std::env::temp_dir().join(format!("sinew-held-out-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (clean_file, noisy_file) = (folder.join("clean.npz"), folder.join("noisy.npz"));
+    let clean = arm();
+    let mut noisy = clean.clone();
+    noise(&mut noisy, Split::HeldOut);
+    npz::save_npz(&clean_file, &clean).unwrap();
+    npz::save_npz(&noisy_file, &noisy).unwrap();
+    let from = |path| model(&npz::load(path).unwrap().examples);
+    assert_eq!(from(&clean_file), from(&noisy_file));
+    std::fs::remove_dir_all(&folder).unwrap();
+
+    // The comparison can fail: the same noise in one training frame is another model.
+    let mut other = clean.clone();
+    let mut split = vec![Split::HeldOut; other.frame_len()];
+    split[0] = Split::Train;
+    let original = std::mem::replace(&mut other.split, split);
+    noise(&mut other, Split::Train);
+    other.split = original;
+    assert_ne!(model(&clean), model(&other));
+}
+
+#[test]
+fn one_thread_and_two_give_the_same_bytes() {
+    let examples = arm();
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| model(&examples))
+    };
+    let one = on(1);
+    assert_eq!(one, on(2));
+    assert_eq!(one, on(3));
+}

@@ -1,0 +1,94 @@
+//! Importance: vertices that count more are fitted better, and equal numbers change nothing.
+
+use sinew_runtime::envelope::Predictor;
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::evaluate::{Character, Frames, evaluate, skin};
+use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::examples::{Examples, Split};
+use sinew_trainer::progress::Silent;
+
+fn arm() -> Examples {
+    demo(&DemoOptions { vertices: 600, poses: 40, held_out: 10, seed: 1 })
+}
+
+fn model(examples: &Examples, predictor: Predictor) -> Vec<u8> {
+    let proxies = Some(ProxyCount::Fixed(8));
+    let options = Options { predictor: Predict::Only(predictor), proxies, ..Options::default() };
+    train(examples, &options, &Silent).unwrap().model
+}
+
+/// RMS error of some vertices over the held-out frames.
+fn error(model: &[u8], examples: &Examples, of: impl Fn(usize) -> bool) -> f64 {
+    let character = Character::open(model, None, examples).unwrap();
+    let (mut sum, mut count) = (0.0, 0);
+    for frame in examples.frames_of(Split::HeldOut) {
+        let skin = skin(&character, examples, frame).unwrap();
+        let found = skin.positions().chunks_exact(3).zip(examples.frame(frame)).enumerate();
+        for (_, (found, truth)) in found.filter(|(vertex, _)| of(*vertex)) {
+            sum += found.iter().zip(truth).map(|(&a, b)| (f64::from(a) - b).powi(2)).sum::<f64>();
+            count += 1;
+        }
+    }
+    (sum / f64::from(count)).sqrt()
+}
+
+#[test]
+fn what_counts_more_is_fitted_better_by_every_predictor() {
+    let plain = arm();
+    // Where the plain model errs most is where it can gain.
+    let far = |vertex: usize| plain.rest[vertex][0] > plain.centroid()[0];
+    let mut weighed = plain.clone();
+    let numbers = (0..plain.vertex_len()).map(|v| if far(v) { 1.0 } else { 1e-3 });
+    weighed.weigh(numbers.collect()).unwrap();
+    for predictor in [Predictor::Rotational, Predictor::Kernel, Predictor::Hybrid] {
+        let (before, after) = (model(&plain, predictor), model(&weighed, predictor));
+        let [here, there] = [&before, &after].map(|model| error(model, &plain, far));
+        assert!(there < 0.9 * here, "{predictor:?}: {there} against {here}");
+        let [here, there] = [&before, &after].map(|model| error(model, &plain, |v| !far(v)));
+        assert!(there > here, "{predictor:?}: what counts less pays, {there} against {here}");
+    }
+}
+
+#[test]
+fn vertices_that_count_alike_count_as_without() {
+    let plain = arm();
+    let mut weighed = plain.clone();
+    weighed.weigh(vec![2.0; plain.vertex_len()]).unwrap();
+    for predictor in [Predictor::Rotational, Predictor::Kernel] {
+        assert_eq!(model(&weighed, predictor), model(&plain, predictor));
+    }
+}
+
+/// Vertices that count three times among those that count once are measured as if each stood there
+/// three times, and those that do not count as if they were not there.
+#[test]
+fn figures_count_vertices_as_they_count() {
+    let plain = arm();
+    let model = model(&plain, Predictor::Kernel);
+    let mut weighed = plain.clone();
+    let counts = |vertex: usize| [1, 0, 3][vertex % 3];
+    weighed.weigh((0..plain.vertex_len()).map(|v| counts(v) as f64).collect()).unwrap();
+    let found = evaluate(&model, None, &weighed, Frames::Of(Split::HeldOut)).unwrap().errors;
+
+    let character = Character::open(&model, None, &plain).unwrap();
+    let mut distances = Vec::new();
+    for frame in plain.frames_of(Split::HeldOut) {
+        let skin = skin(&character, &plain, frame).unwrap();
+        let positions = skin.positions().chunks_exact(3).zip(plain.frame(frame)).enumerate();
+        for (vertex, (found, truth)) in positions {
+            let squared = found.iter().zip(truth).map(|(&a, b)| (f64::from(a) - b).powi(2));
+            distances.extend(vec![squared.sum::<f64>().sqrt(); counts(vertex)]);
+        }
+    }
+    distances.sort_by(f64::total_cmp);
+    let rms = (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt();
+    let percent = 100.0 / plain.diagonal();
+    let p99 = distances[(distances.len() * 99).div_ceil(100) - 1];
+    let max = distances[distances.len() - 1];
+    for (found, expected) in
+        [(found.rms, rms), (found.p99_percent, percent * p99), (found.max_percent, percent * max)]
+    {
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} against {expected}");
+    }
+}

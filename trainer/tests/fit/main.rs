@@ -1,0 +1,12 @@
+//! What a fit reads, what it reaches, and what comes out of it.
+#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
+
+mod held_out;
+mod importance;
+mod odd_characters;
+mod real_sets;
+mod scenes;
+#[path = "../shared/mod.rs"]
+mod shared;
+mod skins;
+mod spaces;

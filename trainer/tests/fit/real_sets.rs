@@ -1,0 +1,159 @@
+//! The figures that the method is held to on the sets of `../shared/data` (METHOD §1).
+//!
+//! A bound on a held-out error is a promise with room, 10 to 20 %, or an older and wider bar: none is the
+//! figure of today, so that no commit is chosen by held-out frames. Where a figure is better than its bound
+//! by far, the bound stays.
+
+use crate::shared::shared;
+use sinew_runtime::envelope::Predictor;
+use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
+use sinew_trainer::envelope::rotational::surface::Surface;
+use sinew_trainer::envelope::rotational::{self, merge};
+use sinew_trainer::envelope::rotational::{ProxyCount, proxies};
+use sinew_trainer::envelope::skin::poses::{Poses, trajectories};
+use sinew_trainer::envelope::skin::targets::Targets;
+use sinew_trainer::envelope::skin::training::Training;
+use sinew_trainer::envelope::skin::weights;
+use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::examples::{Examples, Importance, Split, npz};
+use sinew_trainer::numeric::basis;
+use sinew_trainer::progress::Silent;
+
+fn set(file: &str) -> Option<Examples> {
+    shared(file).map(|path| npz::load(&path).unwrap().examples)
+}
+
+fn measured(examples: &Examples, options: &Options, split: Split) -> Evaluation {
+    let model = train(examples, options, &Silent).unwrap().model;
+    evaluate(&model, None, examples, Frames::Of(split)).unwrap()
+}
+
+fn only(predictor: Predictor) -> Options {
+    let proxies = Some(ProxyCount::Fixed(40));
+    Options { predictor: Predict::Only(predictor), proxies, ..Options::default() }
+}
+
+/// Checks the held-out frames of a set against bounds, in % of the diagonal: LBS's published figure,
+/// the rotational predictor as published and refined, kernel, and hybrid.
+fn check(file: &str, lbs: f64, [published, refined, kernel, hybrid]: [f64; 4]) {
+    let Some(examples) = set(file) else { return };
+    let rotational = only(Predictor::Rotational);
+    for (options, most) in [
+        (Options { refine: false, ..rotational.clone() }, published),
+        (rotational, refined),
+        (only(Predictor::Kernel), kernel),
+        (only(Predictor::Hybrid), hybrid),
+    ] {
+        let found = measured(&examples, &options, Split::HeldOut);
+        assert!((found.lbs.rms_percent / lbs - 1.0).abs() < 0.01, "{}", found.lbs.rms_percent);
+        assert!(found.errors.rms_percent <= most, "{options:?}: {}", found.errors.rms_percent);
+        assert_eq!(found.proxies, 40);
+    }
+}
+
+#[test]
+fn mpfb_arm_by_every_predictor() {
+    // Promised: unrefined 0.430 and rotational 0.079 (README), kernel 0.068 (METHOD §1.9), under whose bar
+    // hybrid stays as well (README: 0.051).
+    check("mpfb-arm/mpfb_arm.npz", 0.696, [0.49, 0.09, 0.07, 0.07]);
+}
+
+#[test]
+fn dem_bones_by_every_predictor() {
+    // Promised: unrefined no worse than LBS, rotational 0.297 (README), kernel 0.042 (METHOD §1.9), hybrid
+    // 0.045 (README).
+    check("dem-bones/bone.npz", 0.534, [0.53, 0.34, 0.05, 0.053]);
+}
+
+#[test]
+fn extreme_poses_and_a_small_file_of_mpfb_arm() {
+    let Some(examples) = set("mpfb-arm/mpfb_arm.npz") else { return };
+    let model = train(&examples, &only(Predictor::Kernel), &Silent).unwrap().model;
+    let extreme = evaluate(&model, None, &examples, Frames::Of(Split::Extreme)).unwrap();
+    // Promised: 0.083 (README).
+    assert!(extreme.errors.rms_percent <= 0.1, "{}", extreme.errors.rms_percent);
+    let small = Options { budget: Some(160_000), ..only(Predictor::Kernel) };
+    let small = measured(&examples, &small, Split::HeldOut);
+    assert!(small.model_bytes <= 160_000);
+    // Promised: 0.047 (README). The bar is wider: a sixth of what LBS leaves.
+    assert!(small.errors.rms_percent <= 0.11, "{}", small.errors.rms_percent);
+}
+
+#[test]
+fn an_elbow_bent_further_than_in_training_stays_better_than_lbs_and_is_less_sure() {
+    let Some(mut examples) = set("mpfb-arm/mpfb_arm.npz") else { return };
+    let options = only(Predictor::Kernel);
+    let usual = measured(&examples, &options, Split::HeldOut);
+    let elbow = examples.skeleton.names.iter().position(|name| name == "lowerarm_r").unwrap();
+    let frames: Vec<usize> = (0..examples.frame_len()).collect();
+    let poses = Poses::new(&examples, &frames);
+    let angles: Vec<f64> = frames.iter().map(|&i| poses.angle(i, elbow).norm()).collect();
+    let mut sorted = angles.clone();
+    sorted.sort_by(f64::total_cmp);
+    let bent = sorted[3 * sorted.len() / 4];
+    let split = |angle: &f64| if *angle > bent { Split::HeldOut } else { Split::Train };
+    examples.split = angles.iter().map(split).collect();
+    let far = measured(&examples, &options, Split::HeldOut);
+    // Promised: better than LBS, which leaves 0.90 there, and less sure; README has the figures.
+    assert!(far.errors.rms <= far.lbs.rms, "{far:?}");
+    assert!(far.confidence.mean < usual.confidence.mean, "{far:?} {usual:?}");
+    assert!(far.confidence.least < 0.95 && usual.confidence.least > 0.99, "{far:?} {usual:?}");
+}
+
+#[test]
+fn dense_lbs_weights_reach_the_error_that_dem_bones_prints() {
+    let Some(examples) = set("dem-bones/bone.npz") else { return };
+    let frames: Vec<usize> = (0..examples.frame_len()).collect();
+    let poses = Poses::new(&examples, &frames);
+    let moved = trajectories(&examples, &frames, &poses);
+    let (dense, _) = weights::fit(&examples.rest, &moved, &poses, examples.joint_len());
+    let targets = Targets {
+        rest: &examples.rest,
+        weights: &dense,
+        trajectories: &moved,
+        importance: Importance::ALIKE,
+    };
+    let rmse = targets.rms(&poses.stacked());
+    // Published: what Dem Bones prints of the same set. All frames are training frames.
+    assert!((rmse - 0.026_552_3).abs() < 1e-6, "{rmse}");
+}
+
+#[test]
+fn proxies_alone_on_dem_bones() {
+    let Some(examples) = set("dem-bones/bone.npz") else { return };
+    let Training { unit, rest, triangles, trajectories, .. } =
+        Training::new(&examples, &Silent).unwrap();
+    let basis = basis::basis(&trajectories);
+    let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
+    let tree = merge::MergeTree::build(&surface, || ());
+    // Promised: 0.0019, 0.0010 and 0.0006 of the training frames (METHOD §1.7.1); nothing is held out here.
+    for (count, most) in [(10, 0.0020), (20, 0.0013), (30, 0.0009)] {
+        let proxies = ProxyCount::Fixed(count);
+        let options =
+            rotational::RotationalOptions { proxies, ..rotational::RotationalOptions::default() };
+        let none = faer::Mat::zeros(0, 0);
+        let fitted = proxies::fit(&surface, &tree, &none, &options, &Silent).unwrap();
+        assert!(unit * fitted.rms <= most, "P = {count}: {}", unit * fitted.rms);
+    }
+}
+
+#[test]
+fn the_demo_arm_by_every_predictor_and_by_the_best() {
+    let examples =
+        sinew_trainer::envelope::demo::demo(&sinew_trainer::envelope::demo::DemoOptions::default());
+    let published = Options { refine: false, ..only(Predictor::Rotational) };
+    let plain = measured(&examples, &published, Split::HeldOut);
+    // The demo's promise: LBS leaves about 1 %, the published method half of it, each predictor a tenth
+    // (README: 0.663, 0.205, at most 0.019), and the choice is as good as the best.
+    assert!((0.6..1.5).contains(&plain.lbs.rms_percent), "{}", plain.lbs.rms_percent);
+    assert!(plain.errors.rms < 0.5 * plain.lbs.rms);
+    let mut least = f64::INFINITY;
+    for predictor in Predictor::ALL {
+        let found = measured(&examples, &only(predictor), Split::HeldOut);
+        assert!(found.errors.rms < 0.1 * found.lbs.rms, "{predictor:?}");
+        least = least.min(found.errors.rms);
+    }
+    let auto = Options { predictor: Predict::Auto, ..only(Predictor::Kernel) };
+    let auto = measured(&examples, &auto, Split::HeldOut);
+    assert!(auto.errors.rms <= 1.05 * least, "{} {least}", auto.errors.rms);
+}

@@ -1,0 +1,85 @@
+//! Scenes from files give the models that the same examples give as arrays.
+
+use crate::shared::shared;
+use sinew_runtime::envelope::Predictor;
+use sinew_trainer::envelope::evaluate::{Character, Frames, evaluate, skin};
+use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::{Options, Predict, Trained, train};
+use sinew_trainer::examples::{Examples, Loaded, Source, Split, Warning, load, load_poses};
+use sinew_trainer::progress::Silent;
+
+fn model(examples: &Examples, predictor: Predictor, proxies: usize) -> Trained {
+    let proxies = Some(ProxyCount::Fixed(proxies));
+    let options = Options { predictor: Predict::Only(predictor), proxies, ..Options::default() };
+    train(examples, &options, &Silent).unwrap()
+}
+
+/// Farthest that two models skin a vertex apart in the held-out frames, as a share of the diagonal.
+fn apart(a: &Trained, b: &Trained, examples: &Examples) -> f64 {
+    let [a, b] = [a, b].map(|trained| Character::open(&trained.model, None, examples).unwrap());
+    let mut farthest: f64 = 0.0;
+    for frame in examples.frames_of(Split::HeldOut) {
+        let [a, b] = [&a, &b].map(|envelope| skin(envelope, examples, frame).unwrap());
+        for (a, b) in a.positions().iter().zip(b.positions()) {
+            farthest = farthest.max(f64::from((a - b).abs()));
+        }
+    }
+    farthest / examples.diagonal()
+}
+
+/// The joints of an FBX scene without a skin and the meshes of the arrays, which are in other axes:
+/// the arrays were made from the same scene by another reader, in single precision.
+#[test]
+fn joints_of_a_scene_with_meshes_of_arrays_give_the_model_of_the_arrays() {
+    let Some(folder) = shared("dem-bones") else { return };
+    let [scene, arrays] = ["Bone_Trans.fbx", "bone.npz"].map(|file| folder.join(file));
+    let joined = load(&Source { targets: Some(&arrays), ..Source::file(&scene) }).unwrap();
+    let Loaded { examples: joined, clips, warnings } = joined;
+    let whole = load(&Source::file(&arrays)).unwrap().examples;
+    assert_eq!((clips.len(), clips[0].times.len()), (1, 400));
+    let how = "(x, -z, y)".to_owned();
+    assert!(warnings.contains(&Warning::Moved { what: "joints", how }), "{warnings:?}");
+    assert_eq!(joined.skeleton.names, whole.skeleton.names);
+    assert_eq!(joined.skeleton.parents, whole.skeleton.parents);
+    assert_eq!(joined.split, whole.split);
+    assert_eq!(joined.vertices, whole.vertices);
+
+    let [a, b] = [&joined, &whole].map(|examples| model(examples, Predictor::Rotational, 20));
+    assert_eq!(a.model.len(), b.model.len());
+    let apart = apart(&a, &b, &whole);
+    assert!(apart < 2e-6, "{apart:e}");
+    // Kernels are chosen from a list, where rounding can tip the balance between two that are as good.
+    let [a, b] = [&joined, &whole].map(|examples| {
+        let trained = model(examples, Predictor::Kernel, 20);
+        evaluate(&trained.model, None, examples, Frames::Of(Split::HeldOut)).unwrap().errors.rms
+    });
+    assert!((a / b - 1.0).abs() < 0.03, "{a} against {b}");
+}
+
+/// The poses of a scene without a skin, in other axes than a model trained on them.
+#[test]
+fn poses_are_moved_to_where_a_model_is() {
+    let Some(folder) = shared("dem-bones") else { return };
+    let [scene, arrays] = ["Bone_Trans.fbx", "bone.npz"].map(|file| folder.join(file));
+    let error = load(&Source::file(&scene)).unwrap_err().to_string();
+    assert!(error.contains("holds poses but neither a skin nor shapes"), "{error}");
+
+    let whole = load(&Source::file(&arrays)).unwrap().examples;
+    let mut poses = load_poses(&Source::file(&scene)).unwrap().examples;
+    let trained = model(&whole, Predictor::Kernel, 4);
+    let refused = Character::open(&trained.model, None, &poses).err().unwrap().to_string();
+    assert!(refused.starts_with("the model's rest mesh is not that of the examples"), "{refused}");
+    let how = "(x, -z, y)".to_owned();
+    assert_eq!(poses.move_to(&whole.rest).unwrap(), Some(Warning::Moved { what: "poses", how }));
+    assert!(Character::open(&trained.model, None, &poses).is_ok());
+    let [found, expected] = [&poses, &whole].map(|examples| examples.transforms.as_flattened());
+    let differences = found.as_flattened().iter().zip(expected.as_flattened());
+    let most = differences.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(most < 2e-6, "{most:e}");
+    assert_eq!(poses.move_to(&whole.rest).unwrap(), None);
+
+    let mut other = whole.rest.clone();
+    other.iter_mut().for_each(|x| x[1] *= 1.1);
+    let error = poses.move_to(&other).unwrap_err().to_string();
+    assert!(error.starts_with("its rest mesh is not that of the model"), "{error}");
+}

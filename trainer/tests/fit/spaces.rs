@@ -1,0 +1,92 @@
+//! Models in the axes and the unit of an engine err as those in the examples' own do.
+
+use nalgebra::Vector3;
+use sinew_runtime::Model;
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::format::Space;
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::evaluate::{
+    Character, EvaluateError, Evaluation, Frames, evaluate, skin,
+};
+use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::examples::{Examples, Split};
+use sinew_trainer::progress::Silent;
+use sinew_trainer::space::Conversion;
+
+const GLTF: Space = Space::GLTF;
+const UNREAL: Space = Space::UNREAL;
+const UNITY: Space = Space::UNITY;
+
+fn arm() -> Examples {
+    let arm = demo(&DemoOptions { vertices: 400, poses: 40, held_out: 12, seed: 2 });
+    Examples { space: GLTF, ..arm }
+}
+
+fn model(examples: &Examples, predictor: Predictor) -> Vec<u8> {
+    let options = Options {
+        predictor: Predict::Only(predictor),
+        proxies: Some(ProxyCount::Fixed(6)),
+        ..Options::default()
+    };
+    train(examples, &options, &Silent).unwrap().model
+}
+
+/// Measures a model on examples that are moved into its space first, as `sinew eval` does it.
+fn measured(model: &[u8], mut examples: Examples) -> Evaluation {
+    examples.convert_to(&Model::from_bytes(model).unwrap().space());
+    evaluate(model, None, &examples, Frames::Of(Split::HeldOut)).unwrap()
+}
+
+#[track_caller]
+fn check(predictor: Predictor) {
+    let plain = measured(&model(&arm(), predictor), arm());
+    for space in [UNREAL, UNITY] {
+        let mut examples = arm();
+        let conversion = examples.convert_to(&space).unwrap();
+        examples.validate().unwrap();
+        let model = model(&examples, predictor);
+        assert_eq!(Model::from_bytes(&model).unwrap().space(), space);
+        let found = measured(&model, arm());
+        for (found, expected) in [
+            (found.errors.rms_percent, plain.errors.rms_percent),
+            (found.errors.p99_percent, plain.errors.p99_percent),
+            (found.errors.max_percent, plain.errors.max_percent),
+            (found.errors.normal_rms_degrees, plain.errors.normal_rms_degrees),
+            (found.lbs.rms_percent, plain.lbs.rms_percent),
+            (found.diagonal, plain.diagonal * conversion.scale()),
+        ] {
+            println!("{}: {found} {expected}", predictor.name());
+            assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+        }
+        // Normals point out of the surface, in whatever space.
+        let character = Character::open(&model, None, &examples).unwrap();
+        let frame = examples.frames_of(Split::HeldOut)[3];
+        let skin = skin(&character, &examples, frame).unwrap();
+        let posed = examples.posed_normals(frame);
+        let along = (0..posed.len()).map(|v| skin.vertex(v).1.dot(&Vector3::from(posed[v])));
+        assert!(along.sum::<f64>() / posed.len() as f64 > 0.95);
+    }
+}
+
+#[test]
+fn kernel_models_for_engines_err_as_the_examples_own() {
+    check(Predictor::Kernel);
+}
+
+#[test]
+fn rotational_models_for_engines_err_as_the_examples_own() {
+    check(Predictor::Rotational);
+}
+
+#[test]
+fn examples_in_another_space_are_told_where_they_cannot_be_converted() {
+    let mut examples = arm();
+    examples.convert_to(&UNREAL).unwrap();
+    let model = model(&examples, Predictor::Kernel);
+    let unknown = Examples { space: Space::default(), ..arm() };
+    assert_eq!(Conversion::between(&unknown.space, &UNREAL), None);
+    let refused = evaluate(&model, None, &unknown, Frames::All).unwrap_err();
+    assert!(matches!(refused, EvaluateError::RestMesh { .. }));
+    assert!(refused.to_string().contains("--up"), "{refused}");
+}
