@@ -4,6 +4,12 @@
 //! The way through: files are read by their [`formats`] and become [`examples`]; an [`envelope`] is
 //! checked, fitted to them and baked into a file by [`bake`]; the runtime measures that file, a report
 //! made of [`page`] shows where the error is, and an export hands it to engines.
+//!
+//! **A new part plugs in** with a folder of its own, as [`envelope`] is one: its model in f64, its fit,
+//! its `bake` (which makes a [`bake::Part`]: a kind and sections), its evaluation and its report. The
+//! containers learn of it in one line each: `cli/command.rs` of its commands, and the runtime's
+//! `format/tables.rs` of its kind, whose doc has the steps there. [`bake`], [`page`], [`kernel`],
+//! [`numeric`], [`formats`] and [`space`] know no part.
 #![forbid(unsafe_code)]
 
 pub mod bake;

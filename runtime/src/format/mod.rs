@@ -2,6 +2,15 @@
 //!
 //! `FORMAT.md` is the byte-level contract. A file is one postcard message, [`File`], with a table of
 //! parts and one of sections; what the sections of a part hold is the part's affair.
+//!
+//! Loading checks in this order, which FORMAT.md states: the message and its checksum (`manifest`), the
+//! tables of parts and sections (`manifest`, `tables`), then part by part its counts and which sections
+//! it has (`counts.rs` of the part's folder, by the rules of `part`), then what they hold (`check.rs` of
+//! that folder). Where the loader goes from one to the next is `model.rs`.
+//!
+//! A new kind of part adds: a kind and its sections in `tables`; a folder beside `envelope` and `skin`
+//! with its counts, its table of rules and its table of checks; an arm each where `model.rs` picks them;
+//! its views; its page in FORMAT.md.
 
 pub(crate) mod content;
 mod crc;

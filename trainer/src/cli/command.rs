@@ -1,6 +1,6 @@
 //! The command that was given.
 
-use super::envelope::{check, demo, eval, export, export_demo, inspect, report, train};
+use super::envelope;
 use super::output::{Output, in_a_line, tell};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -18,29 +18,17 @@ struct Cli {
     output: Output,
 }
 
+/// The commands of each part; the envelope's have no noun before them.
 #[derive(Subcommand)]
 enum Command {
-    Demo(demo::Arguments),
-    Check(check::Arguments),
-    Train(train::Arguments),
-    Eval(eval::Arguments),
-    Inspect(inspect::Arguments),
-    Report(report::Arguments),
-    Export(export::Arguments),
-    ExportDemo(export_demo::Arguments),
+    #[command(flatten)]
+    Envelope(envelope::Command),
 }
 
 pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match &cli.command {
-        Command::Demo(arguments) => demo::run(arguments, cli.output),
-        Command::Check(arguments) => check::run(arguments, cli.output),
-        Command::Train(arguments) => train::run(arguments, cli.output),
-        Command::Eval(arguments) => eval::run(arguments, cli.output),
-        Command::Inspect(arguments) => inspect::run(arguments, cli.output),
-        Command::Report(arguments) => report::run(arguments, cli.output),
-        Command::Export(arguments) => export::run(arguments, cli.output),
-        Command::ExportDemo(arguments) => export_demo::run(arguments, cli.output),
+        Command::Envelope(command) => command.run(cli.output),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

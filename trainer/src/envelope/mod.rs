@@ -1,4 +1,16 @@
 //! Enveloping: how a skin follows its skeleton (S3, METHOD §1).
+//!
+//! | folder | what it does |
+//! |---|---|
+//! | [`skin`] | what every fit reads: poses, trajectories, LBS, weights, folds |
+//! | [`rotational`], [`helpers`] | the two predictors: functions from that to a [`model`] |
+//! | [`correction`] | what kernel maps add to either |
+//! | [`choose`] | which predictor and how many proxies, within `--budget` |
+//! | [`model`] | the one model in f64: fitted, baked, evaluated, and read back from a file |
+//! | [`oracle`] | its evaluation, stage by stage: what the runtime is held to |
+//! | `bake` | how a file holds it |
+//! | [`levels`] | further meshes that follow the same palette |
+//! | [`check`], [`evaluate`], [`report`], [`export`], [`demo`] | the commands' work |
 
 mod bake;
 pub mod check;

@@ -14,7 +14,7 @@
 //! 3. `shaders/correction.comp`, then `cargo xtask shaders`, and `shaders/correction.wgsl`: no
 //!    compiler misses a kernel there, any number but 8, 9 and 10 is a Matérn 5/2.
 //! 4. The tables in `runtime/FORMAT.md` and `trainer/METHOD.md`, and the closed forms that tests
-//!    compare with, in `runtime/tests/correction.rs` and beside `Kernel`.
+//!    compare with, in `runtime/tests/evaluate/correction.rs` and beside `Kernel`.
 
 pub mod arithmetic;
 pub mod centres;
