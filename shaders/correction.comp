@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage 3: what the kernel maps add to palettes. One workgroup a group of proxies; what its threads
+// Stage correction: what the kernel maps add to palettes. One workgroup a group of proxies; what its threads
 // hand to each other lies in the group's scratch.
 
 #include "params.glsl"

@@ -1,4 +1,4 @@
-// Stage 3: what the kernel maps add to palettes. One workgroup a group of proxies; what its threads
+// Stage correction: what the kernel maps add to palettes. One workgroup a group of proxies; what its threads
 // hand to each other lies in the group's scratch.
 
 @group(0) @binding(2) var<storage, read> poses: array<f32>;

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage 1: poses to relative transforms, rotations and the keys' gradients. One workgroup an
+// Stage gradients: poses to relative transforms, rotations and the keys' gradients. One workgroup an
 // instance.
 
 #include "params.glsl"

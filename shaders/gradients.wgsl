@@ -1,4 +1,4 @@
-// Stage 1: poses to relative transforms, rotations and the keys' gradients. One workgroup an
+// Stage gradients: poses to relative transforms, rotations and the keys' gradients. One workgroup an
 // instance.
 
 @group(0) @binding(2) var<storage, read> poses: array<f32>;

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage 1 of the kernel predictor: the joints themselves, and the base of each helper. One thread a
+// Stage joints: the joints themselves, and the base of each helper. One thread a
 // transform.
 
 #include "params.glsl"

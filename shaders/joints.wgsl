@@ -1,4 +1,4 @@
-// Stage 1 of the kernel predictor: the joints themselves, and the base of each helper. One thread a
+// Stage joints: the joints themselves, and the base of each helper. One thread a
 // transform.
 
 @group(0) @binding(2) var<storage, read> poses: array<f32>;

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage 2: gradients and relative transforms to palettes, t = c1 d + c2 q. One thread a transform.
+// Stage palette: gradients and relative transforms to palettes, t = c1 d + c2 q. One thread a transform.
 
 #include "params.glsl"
 

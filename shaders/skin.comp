@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage 3: palettes to positions, normals and tangents. One thread a vertex.
+// Stage skin: palettes to positions, normals and tangents. One thread a vertex.
 
 #include "params.glsl"
 

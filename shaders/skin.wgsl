@@ -1,4 +1,4 @@
-// Stage 3: palettes to positions, normals and tangents. One thread a vertex.
+// Stage skin: palettes to positions, normals and tangents. One thread a vertex.
 
 @group(0) @binding(2) var<storage, read> palettes: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> host: array<u32>;

@@ -6,7 +6,7 @@ use crate::envelope::{self, Envelope};
 use crate::error::{Argument, CallError};
 use crate::linear::Matrix3x4;
 
-/// Stage 1 of rotational regression: computes the joints' transforms relative to the root, their
+/// Stage gradients: computes the joints' transforms relative to the root, their
 /// rotations, and the predicted gradients.
 ///
 /// - `pose`: J skinning matrices, rest to posed, in model space.
@@ -36,7 +36,7 @@ pub fn gradients(
     Ok(())
 }
 
-/// Stage 2 of rotational regression: computes the palette from what [`gradients`] gives.
+/// Stage palette: computes the palette from what [`gradients`] gives.
 ///
 /// - `root`: the root's skinning matrix B_r, which moves the result back: `T_l <- B_r T_l`.
 /// - `relative`: the stack q, 4 J columns.
@@ -61,7 +61,7 @@ pub fn palette(
     Ok(())
 }
 
-/// Stage 1 of the kernel predictor: copies the joints' transforms into the palette, bit for bit, and
+/// Stage joints: copies the joints' transforms into the palette, bit for bit, and
 /// gives each helper that of its dominant joint.
 ///
 /// - `pose`: J skinning matrices, rest to posed, in model space.
@@ -109,7 +109,7 @@ pub fn features(
     Ok(())
 }
 
-/// Stage 3: adds `Q_dom(l) K_l(phi)` to the P proxies' transforms, and returns the pose's confidence: the
+/// Stage correction: adds `Q_dom(l) K_l(phi)` to the P proxies' transforms, and returns the pose's confidence: the
 /// least of the groups that have centres; 1 if there are none.
 ///
 /// Where a group's confidence is 0 its proxies keep their bits.

@@ -6,10 +6,10 @@
 //! made of [`page`] shows where the error is, and an export hands it to engines.
 //!
 //! **A new part plugs in** with a folder of its own, as [`envelope`] is one: its model in f64, its fit,
-//! its `bake` (which makes a [`bake::Part`]: a kind and sections), its evaluation and its report. The
-//! containers learn of it in one line each: `cli/command.rs` of its commands, and the runtime's
-//! `format/tables.rs` of its kind, whose doc has the steps there. [`bake`], [`page`], [`kernel`],
-//! [`numeric`], [`formats`] and [`space`] know no part.
+//! its `bake` (which makes a [`bake::Part`]: a kind and sections), its evaluation and its report. `cli/command.rs`
+//! learns of its commands in one line; a part that stands in one file with an envelope is a field of
+//! [`envelope::model::FileModel`]. What the runtime asks for is in the doc of its `format/mod.rs`.
+//! [`bake`], [`page`], [`kernel`], [`numeric`], [`formats`] and [`space`] know no part.
 #![forbid(unsafe_code)]
 
 pub mod bake;

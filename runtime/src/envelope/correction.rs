@@ -1,4 +1,4 @@
-//! Stage 3: what the kernel maps add to the palette (METHOD §1.9).
+//! Stage correction: what the kernel maps add to the palette (METHOD §1.9).
 
 use super::group::Group;
 use super::view::Envelope;

@@ -1,4 +1,4 @@
-//! Stage 1: from a pose to the deformation gradients of the keys (METHOD §1.1, §1.4, §1.5).
+//! Stage gradients: from a pose to the deformation gradients of the keys (METHOD §1.1, §1.4, §1.5).
 
 use super::key::{KeyRow, joint_index};
 use super::view::Envelope;

@@ -1,4 +1,4 @@
-//! Stage 1 of the kernel predictor: the joints themselves, and the base of each helper (METHOD §1.9).
+//! Stage joints: the joints themselves, and the base of each helper (METHOD §1.9).
 
 use super::view::Envelope;
 use crate::linear::{Matrix3x4, split};

@@ -1,4 +1,4 @@
-//! Stage 2: from gradients and joints to the palette, `t = c1 d + c2 q` (METHOD §1.7.3).
+//! Stage palette: from gradients and joints to the palette, `t = c1 d + c2 q` (METHOD §1.7.3).
 
 use super::view::Envelope;
 use crate::linear::{Matrix3x4, add_block_product, compose};

@@ -1,4 +1,4 @@
-//! A file that is being loaded, and what is found wrong with it.
+//! What every check of a load is given, and where it says what is wrong. The loader is `model.rs`.
 
 use super::error::{FileError, FileErrorKind, saturated};
 use super::tables::SectionKind;

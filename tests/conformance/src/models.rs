@@ -217,7 +217,7 @@ fn groups(shape: Shape) -> Vec<Group> {
             proxies: proxies - left - own..proxies - left,
             inputs,
             map: KernelMap {
-                kernel: Kernel::ALL[(first + g) % 4],
+                kernel: Kernel::ALL[(first + g) % Kernel::ALL.len()],
                 centres: Mat::from_fn(d, n, |i, k| centres[k * d + i]),
                 coefficients: row_major(&coefficients, r, n + d),
                 fade: Fade { start: 0.13 * d as f64 + 0.2, end: 0.18 * d as f64 + 0.5 },

@@ -38,7 +38,7 @@ impl GroupContent {
         let feature = |i: usize| ((5 * i + 1) % (12 * joints)) as u32;
         Self {
             joint: proxies % joints,
-            kernel: Kernel::ALL[(d + n) % 4],
+            kernel: Kernel::ALL[(d + n) % Kernel::ALL.len()],
             proxies,
             inputs: inputs.map(|(i, x)| (feature(i), 1.5 + x)).collect(),
             centres: (0..n).map(|_| list(d, 0.5)).collect(),

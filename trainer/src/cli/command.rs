@@ -1,4 +1,4 @@
-//! The command that was given.
+//! The command that was given, of all parts.
 
 use super::envelope;
 use super::output::{Output, in_a_line, tell};

@@ -1,4 +1,7 @@
 //! Example poses of one character: what files become and every fit reads.
+//!
+//! Which frames train: an `.npz` may say it (`import/npz/fields.rs`), else all do, until `hold_out` sets
+//! some aside. Folds of a cross-validation are cut in `envelope/skin/folds.rs`.
 
 mod convert;
 mod data;

@@ -1,4 +1,4 @@
-//! The confidence of rotational models, on the rotations that stage 1 gave.
+//! The confidence of rotational models, on the rotations that stage gradients gave.
 
 use super::gradients::{exact_rotations, gradients_of};
 use crate::backend::{Backend, Cpu, Failure, part};

@@ -1,4 +1,4 @@
-//! Stage 1: each of its three outputs on the f32 inputs it was made from.
+//! Stage gradients: each of its three outputs on the f32 inputs it was made from.
 
 use crate::backend::{Backend, Failure, Gradients, part};
 use crate::finding::Finding;

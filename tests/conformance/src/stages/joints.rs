@@ -1,4 +1,4 @@
-//! Stage 1 of the kernel predictor: copies, bit for bit.
+//! Stage joints: copies, bit for bit.
 
 use crate::backend::{Backend, Failure, floats, part, poisoned_transforms};
 use crate::finding::Finding;

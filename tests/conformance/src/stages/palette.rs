@@ -1,4 +1,4 @@
-//! Stage 2: on the stacks that stage 1 gave.
+//! Stage palette: on the stacks that stage gradients gave.
 
 use super::gradients::{columns, gradients_of};
 use super::transforms::compare_transforms;
@@ -29,7 +29,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     Ok(vec![transforms])
 }
 
-/// Evaluates the reconstruction of every pose on what stage 1 gave.
+/// Evaluates the reconstruction of every pose on what stage gradients gave.
 ///
 /// # Errors
 /// What the backend refuses.

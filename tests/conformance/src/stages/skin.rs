@@ -1,4 +1,4 @@
-//! Stage 3: on the palettes that the poses have.
+//! Stage skin: on the palettes that the poses have.
 
 use super::transforms::exact;
 use crate::backend::{Backend, Cpu, Failure, Whole, part, poisoned_out};

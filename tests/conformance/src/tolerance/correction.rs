@@ -1,37 +1,10 @@
-//! Tolerances of what the kernel maps take part in, and of the confidence.
+//! The tolerance of stage correction, and of its confidence.
 
-use super::reconstruction::{Inexact, Transform, product, seen_from};
-use nalgebra::{Matrix3, Vector3};
+use super::inexact::{Inexact, Transform, product};
 use sinew_trainer::envelope::model::{EnvelopeModel, Group};
 use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
-use sinew_trainer::kernel::map::{STEP_ERROR, Value};
+use sinew_trainer::kernel::map::Value;
 use sinew_trainer::numeric::affine::linear;
-
-/// Joints: copies.
-pub fn joints(oracle: &EnvelopeModel, pose: &Inexact<Transform>) -> Inexact<Transform> {
-    Inexact { value: oracle.joints(&pose.value), error: oracle.joints(&pose.error) }
-}
-
-/// Features: `M = [Q_pᵀ Q_j | Q_pᵀ (t_j - t_p)]` is behind γ₄; 1 is taken off on the diagonal of
-/// R, and `(R - I) o + t` sums three products and one term.
-pub fn features(oracle: &EnvelopeModel, pose: &Inexact<Transform>) -> Inexact<Transform> {
-    let value = oracle.features(&pose.value);
-    let bound = |joint: usize| {
-        let Some(parent) = oracle.skeleton.parents[joint] else { return Transform::zeros() };
-        let at = |joint: usize| (&pose.value[joint], &pose.error[joint]);
-        let (turn, origin) = (linear(&value[joint]), oracle.origin(joint));
-        let mut error = seen_from(at(parent), at(joint));
-        let shift = value[joint].column(3) - turn * origin;
-        let shift_error = error.column(3).into_owned();
-        let diagonal = (turn.abs() + linear(&error)).diagonal() * U;
-        let turn_error = linear(&error) + Matrix3::from_diagonal(&diagonal);
-        let turned = product((&turn, &turn_error), (&origin, &Vector3::zeros()), 4);
-        error.fixed_columns_mut::<3>(0).copy_from(&turn_error);
-        error.set_column(3, &(turned + (shift.abs() + shift_error) * U + shift_error));
-        error
-    };
-    Inexact { error: (0..value.len()).map(bound).collect(), value }
-}
 
 /// Correction: inputs are features times a weight, rounded once; latent values and w are off as the
 /// kernel map says, `K = w (outputs z)` sums r products and rounds once more, and `Q K` is a product
@@ -97,30 +70,4 @@ fn added(
     };
     let k_error = y.iter().zip(y_error).map(faded).collect();
     (y.iter().map(|y| y * w).collect(), k_error, (w, w_error))
-}
-
-/// Confidence of a rotational model: `|θ|` is behind half of three roundings and the root's, the
-/// excess, its scale and their quotient behind one, two and a division's; a step's relative error is
-/// known, and the difference from 1 rounds once.
-pub fn confidence(
-    oracle: &EnvelopeModel,
-    rotations: &Inexact<Vector3<f64>, f64>,
-    arithmetic: Arithmetic,
-) -> Inexact<f64> {
-    let (of_length, of_excess) = (gamma(2 + arithmetic.root), gamma(3 + arithmetic.division));
-    let value = oracle.confidence(&rotations.value);
-    // Of rotations that are longer or shorter by as much as they may be.
-    let shifted = |sign: f64| {
-        let angles = rotations.value.iter().zip(&rotations.error).zip(&oracle.pose_ranges);
-        let angles = angles.map(|((theta, error), range)| {
-            let length = theta.norm();
-            let own = error + of_length * (length + error);
-            let excess = (length - range).abs() + own;
-            Vector3::x() * (length + sign * (own + of_excess * excess)).max(0.0)
-        });
-        oracle.confidence(&angles.collect::<Vec<_>>())
-    };
-    let (least, most) = (shifted(1.0), shifted(-1.0));
-    let rounding = if least < 1.0 { STEP_ERROR * (1.0 - least) + U } else { 0.0 };
-    Inexact { value: vec![value], error: vec![(value - least).max(most - value) + rounding] }
 }

@@ -1,4 +1,4 @@
-//! Every tolerance of the conformance tests, with its derivation.
+//! Every tolerance of the conformance tests, with its derivation; a file a stage, by its name.
 //!
 //! Each operation rounds once, `fl(a op b) = (a op b)(1 + δ)`, |δ| ≤ u = 2⁻²⁴. A value behind n of
 //! them in a row is off by at most γₙ = n u / (1 - n u) of what it would be if all its terms had one
@@ -14,14 +14,25 @@
 //! hold as well: all but one or two of the roundings in them are of terms far below the result, and
 //! none of them divides but the arc tangent, whose quotient is counted.
 
+mod confidence;
 mod correction;
-mod reconstruction;
+mod features;
+mod gradients;
+mod inexact;
+mod joints;
+mod palette;
+mod skin;
 mod whole;
 
-pub use correction::{confidence, correction, features, joints};
-pub use reconstruction::{
-    BOUNDS_AT_REST, BOUNDS_POSED, EXACT, Inexact, PSEUDO_SOLVED, SOLVED, SkinBounds, Transform,
-    UNDERFLOW, gradients, palette, relative, rest, rotations, same_branch, skin,
+pub use confidence::confidence;
+pub use correction::correction;
+pub use features::features;
+pub use gradients::{gradients, relative, rotations, same_branch};
+pub use inexact::{
+    BOUNDS_AT_REST, BOUNDS_POSED, EXACT, Inexact, PSEUDO_SOLVED, SOLVED, Transform, UNDERFLOW,
 };
+pub use joints::joints;
+pub use palette::palette;
 pub use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
+pub use skin::{SkinBounds, rest, skin};
 pub use whole::whole;

@@ -1,9 +1,12 @@
 //! From pose to palette, all stages of a predictor.
 
-use super::correction::{confidence, correction, features, joints};
-use super::reconstruction::{
-    Inexact, Transform, gradients, palette, relative, rotations, same_branch,
-};
+use super::confidence::confidence;
+use super::correction::correction;
+use super::features::features;
+use super::gradients::{gradients, relative, rotations, same_branch};
+use super::inexact::{Inexact, Transform};
+use super::joints::joints;
+use super::palette::palette;
 use sinew_trainer::envelope::model::EnvelopeModel;
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 

@@ -1,4 +1,4 @@
-//! The command that was given.
+//! The envelope's commands, by name.
 
 use super::{check, demo, eval, export, export_demo, inspect, report, train};
 use crate::cli::Output;

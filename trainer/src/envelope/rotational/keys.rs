@@ -1,4 +1,5 @@
-//! Keys: P gradient sequences whose blends move every triangle's edges (METHOD §1.7.2, S3 §3.2).
+//! Keys: P gradient sequences whose blends move every triangle's edges (METHOD §1.7.2, S3 §3.2). Which
+//! joints a key follows is chosen in `rotation`.
 
 use super::proxies::Proxies;
 use super::surface::Surface;

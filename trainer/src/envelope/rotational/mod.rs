@@ -1,5 +1,16 @@
 //! Enveloping as published (S3): key gradients by rotational regression, vertices by a reduced
-//! Poisson reconstruction, refined on the training meshes.
+//! Poisson reconstruction, refined on the training meshes. [`fit`] goes from top to bottom:
+//!
+//! | file | what it does |
+//! |---|---|
+//! | [`surface`], [`merge`], [`proxies`] | triangles with trajectories, merged into P proxies |
+//! | [`keys`], [`gradient`] | P sequences of gradients |
+//! | [`rotation`] | the joint that each follows, its residual joint, and their twists |
+//! | [`scale_shear`], [`predictor`] | its scale and shear, and both as one key |
+//! | [`poisson`], [`reduce`] | the reconstruction, in full and reduced to c1 and c2 |
+//! | [`settings`], [`validation`] | near-rigid vertices, anchors and refinement, by folds |
+//! | [`refine`] | c1 and c2 refined on the training meshes |
+//! | [`full`] | the fit of S3 without proxies, for figures |
 
 mod fit;
 pub mod full;

@@ -1,4 +1,5 @@
-//! Rotational regression: `ρ = u W θ_b` in the frame of b's parent (METHOD §1.4, S3 §1.2).
+//! Rotational regression: `ρ = u W θ_b` in the frame of b's parent (METHOD §1.4, S3 §1.2). Here the joint
+//! b that a key follows is chosen and, where it helps, the residual joint c.
 
 use crate::envelope::skin::poses::Poses;
 use crate::numeric::so3;

@@ -1,4 +1,5 @@
-//! What every fit reads of the skin and its poses, and how a skin is blended.
+//! What every fit reads: the skin's trajectories, its poses and folds, and how a skin is blended. The
+//! skin as a part of a file is `model/skin.rs` and `bake/skin.rs`.
 
 pub mod blend;
 pub mod folds;

@@ -1,0 +1,75 @@
+//! Values with bounds of their errors, and what all stages' bounds are made of.
+
+use faer::Mat;
+use nalgebra::{Matrix3x4, SMatrix};
+use sinew_trainer::kernel::arithmetic::{U, gamma};
+use sinew_trainer::numeric::affine::linear;
+
+/// Room for products that underflow: each loses less than 2⁻¹²⁶ even where subnormals are flushed,
+/// and no coefficient that multiplies the loss passes 1e7.
+pub const UNDERFLOW: f64 = 1e-30;
+/// Rounding of f64 over some thousand operations on numbers near 1: for what is exact in real
+/// arithmetic and is evaluated in f64 (METHOD §1.7).
+pub const EXACT: f64 = 1e-12;
+/// Likewise after solving a system of a condition near 1e4 in another way (METHOD §1.7.3).
+pub const SOLVED: f64 = 1e-10;
+/// Likewise through the pseudo-inverse of a system of a condition near 1e5.
+pub const PSEUDO_SOLVED: f64 = 1e-9;
+/// How many times longer than the skin's own box the bounds may be at rest: the proxies' boxes are
+/// then its own, widened by the runtime's slack of 1e-5 and 2(K + 8)u of sums of up to four extents.
+pub const BOUNDS_AT_REST: f64 = 1.001;
+/// Likewise in trained poses. Each proxy's box is moved as a whole: a turn makes it up to √3 longer,
+/// and a transform is free to stretch where no vertex of its box follows it alone. Not derived: a guard
+/// against bounds that hold because they are enormous.
+pub const BOUNDS_POSED: f64 = 6.0;
+
+/// A transform from rest to posed.
+pub type Transform = Matrix3x4<f64>;
+
+/// Values, and how far from each, entry by entry, an f32 evaluation may be.
+#[derive(Clone, Debug)]
+pub struct Inexact<V, E = V> {
+    /// The oracle's values.
+    pub value: Vec<V>,
+    /// Bounds of the error.
+    pub error: Vec<E>,
+}
+
+impl<const R: usize, const C: usize> Inexact<SMatrix<f64, R, C>> {
+    /// Takes values that the backend is given as they are.
+    pub fn exact(value: Vec<SMatrix<f64, R, C>>) -> Self {
+        Self { error: vec![SMatrix::zeros(); value.len()], value }
+    }
+
+    /// Takes values that the backend is given rounded to f32.
+    pub fn rounded(value: Vec<SMatrix<f64, R, C>>) -> Self {
+        Self { error: value.iter().map(|m| m.abs() * U).collect(), value }
+    }
+}
+
+/// `[A⁻¹ B]` of transforms, A taken as rigid.
+pub(super) fn seen_from(
+    (a, a_error): (&Transform, &Transform),
+    (b, b_error): (&Transform, &Transform),
+) -> Transform {
+    let (inverse, inverse_error) = (linear(a).transpose(), linear(a_error).transpose());
+    let (mut apart, mut apart_error) = (*b, *b_error);
+    apart.column_mut(3).axpy(-1.0, &a.column(3), 1.0);
+    apart_error.column_mut(3).axpy(1.0, &a_error.column(3), 1.0);
+    product((&inverse, &inverse_error), (&apart, &apart_error), 4)
+}
+
+/// `E_a |b| + |a| E_b + E_a E_b + γₙ (|a| + E_a)(|b| + E_b)` of a product behind n roundings.
+pub(super) fn product<const R: usize, const K: usize, const C: usize>(
+    (a, a_error): (&SMatrix<f64, R, K>, &SMatrix<f64, R, K>),
+    (b, b_error): (&SMatrix<f64, K, C>, &SMatrix<f64, K, C>),
+    roundings: usize,
+) -> SMatrix<f64, R, C> {
+    let (a, b) = (a.abs(), b.abs());
+    let (a_most, b_most) = (a + a_error, b + b_error);
+    a_error * b_most + a * b_error + a_most * b_most * gamma(roundings)
+}
+
+pub(super) fn magnitudes(matrix: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(matrix.nrows(), matrix.ncols(), |r, c| matrix[(r, c)].abs())
+}
