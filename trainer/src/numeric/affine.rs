@@ -27,6 +27,12 @@ pub fn from_rows(rows: &[[f64; 4]; 3]) -> Matrix3x4<f64> {
     Matrix3x4::from_fn(|r, c| rows[r][c])
 }
 
+/// Takes a map of three rows apart: its linear part and its offset.
+pub fn parts(rows: &[[f64; 4]; 3]) -> (Matrix3<f64>, Vector3<f64>) {
+    let map = from_rows(rows);
+    (linear(&map), map.column(3).into_owned())
+}
+
 /// Writes a map as three rows.
 pub fn to_rows(map: &Matrix3x4<f64>) -> [[f64; 4]; 3] {
     [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| map[(r, c)]))

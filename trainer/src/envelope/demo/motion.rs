@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use super::rotation::{ramp, rotation};
 use super::shape::{JOINTS, above, arm, origins};
 use crate::examples::{Matrix3x4, Split};
+use crate::numeric::affine::{joined, to_rows};
 
 /// Longest clip, frames.
 const CLIP: usize = 10;
@@ -125,17 +126,13 @@ impl Pose {
             self.hand,
         ];
         let (mut linear, mut shift) = self.chest;
-        let mut maps = [rows(&linear, &shift); JOINTS.len()];
+        let mut maps = [to_rows(&joined(&linear, &shift)); JOINTS.len()];
         for (joint, (turn, origin)) in turns.iter().zip(&origins()[1..]).enumerate() {
             let turn = rotation(turn);
             shift += linear * (origin - turn * origin);
             linear *= turn;
-            maps[joint + 1] = rows(&linear, &shift);
+            maps[joint + 1] = to_rows(&joined(&linear, &shift));
         }
         maps
     }
-}
-
-fn rows(linear: &Matrix3<f64>, shift: &Vector3<f64>) -> Matrix3x4 {
-    [0, 1, 2].map(|row| [linear[(row, 0)], linear[(row, 1)], linear[(row, 2)], shift[row]])
 }

@@ -7,10 +7,10 @@ use sinew_runtime::format::{Axis, Space};
 use std::fmt;
 
 use super::error::ImportError;
-use super::maps::{joined, parts};
 use crate::examples::sample::spread;
 use crate::examples::validate::same;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Warning};
+use crate::numeric::affine::{joined, parts, to_rows};
 use crate::space::UNITS;
 use crate::space::axes::{self, axis, direction};
 
@@ -179,14 +179,14 @@ impl Similarity {
         }
         for frame in &mut skeleton.rest {
             let (turn, origin) = parts(frame);
-            *frame = joined(self.turn * turn, self.point(origin));
+            *frame = to_rows(&joined(&(self.turn * turn), &self.point(origin)));
         }
         for map in transforms {
             // The image of the map from the other side: there and back again.
             let (linear, offset) = parts(map);
             let linear = self.turn * linear * self.turn.transpose();
-            *map =
-                joined(linear, self.turn * offset * self.scale + self.shift - linear * self.shift);
+            let moved = self.turn * offset * self.scale + self.shift - linear * self.shift;
+            *map = to_rows(&joined(&linear, &moved));
         }
     }
 

@@ -3,7 +3,6 @@
 mod align;
 mod error;
 mod loaded;
-mod maps;
 pub mod npz;
 mod origins;
 mod rate;

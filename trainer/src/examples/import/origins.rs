@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::maps::parts;
 use crate::examples::{Examples, Split};
+use crate::numeric::affine::parts;
 
 /// Directions in which a joint turns less than this (RMS, radians) against its parent carry no
 /// information about its origin: a thousandth of the largest turn, and above single precision.
