@@ -8,7 +8,8 @@
 //! **A new part plugs in** with a folder of its own, as [`envelope`] is one: its model in f64, its fit,
 //! its `bake` (which makes a [`bake::Part`]: a kind and sections), its evaluation and its report. `cli/command.rs`
 //! learns of its commands in one line; a part that stands in one file with an envelope is a field of
-//! [`envelope::model::FileModel`]. What the runtime asks for is in the doc of its `format/mod.rs`.
+//! [`envelope::model::FileModel`], written in `envelope/bake/file.rs` and named in
+//! `cli/envelope/inspect.rs`. What the runtime asks for is in the doc of its `format/mod.rs`.
 //! [`bake`], [`page`], [`kernel`], [`numeric`], [`formats`] and [`space`] know no part.
 #![forbid(unsafe_code)]
 

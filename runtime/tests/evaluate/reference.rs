@@ -1,4 +1,4 @@
-//! The palette and the skin against f64.
+//! The palette and the skin (positions, normals, tangents) against f64.
 
 use crate::common::{
     apart, max_difference, palette, random_pose, skinned, with_envelope, with_skin,

@@ -1,4 +1,4 @@
-//! The training, from examples to a file.
+//! The training, from examples to a file; what is tried and taken is in `choose`.
 
 use super::choose::{self, Trained};
 use super::error::TrainError;

@@ -1,5 +1,6 @@
 //! Formats of files: what a file holds, as plain structs, and what can be wrong with it. Nothing here
-//! knows of examples; [`examples`](crate::examples) joins what is read here.
+//! knows of examples; [`examples`](crate::examples) joins what is read here. The baked file is no affair
+//! of this folder: that is [`sinew_runtime::format`].
 //!
 //! A new format takes these steps:
 //! 1. A file or folder of its own here, whose `read` makes of a path one of the structs that other

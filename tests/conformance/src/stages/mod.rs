@@ -1,5 +1,6 @@
 //! One body a stage, for any backend: all poses of a subject go through the stage as one batch, on
 //! inputs that the CPU has made, and each is compared with the CPU's and with the oracle's.
+//! The bounds stand in `tolerance/`, by the same names; `tests/stages/main.rs` runs the bodies.
 
 mod bodies;
 pub mod bounds;

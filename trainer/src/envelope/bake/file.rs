@@ -1,4 +1,4 @@
-//! A whole file: envelopes first, then the skins that follow them.
+//! The parts of a file, envelopes first; its bytes are put together in `bake/container.rs`.
 
 use crate::bake::{BakeError, bake};
 use crate::envelope::model::FileModel;
