@@ -9,6 +9,7 @@ use super::target::CorrectionTarget;
 use crate::envelope::model::Group;
 use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::poses::Poses;
+use crate::envelope::skin::stacked::{map_of, set_map};
 use crate::numeric::affine::linear;
 use crate::progress::Progress;
 use faer::Mat;
@@ -117,12 +118,8 @@ impl<'a> Search<'a> {
 fn add(group: &Group, latents: &[f64], (poses, pose): (&Poses, usize), out: &mut Mat<f64>) {
     let turn = linear(poses.map(pose, group.joint));
     for (proxy, map) in group.proxies.clone().zip(group.maps(latents)) {
-        let added = turn * map;
-        for c in 0..4 {
-            for r in 0..3 {
-                out[(3 * pose + r, 4 * proxy + c)] += added[(r, c)];
-            }
-        }
+        let corrected = map_of(out, pose, proxy) + turn * map;
+        set_map(out, pose, proxy, &corrected);
     }
 }
 

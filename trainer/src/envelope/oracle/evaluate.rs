@@ -2,6 +2,7 @@
 
 use crate::envelope::model::EnvelopeModel;
 use crate::envelope::skin::poses::Poses;
+use crate::envelope::skin::stacked::set_map;
 use faer::Mat;
 use nalgebra::Matrix3x4;
 
@@ -28,10 +29,7 @@ impl EnvelopeModel {
         for index in 0..poses.len() {
             let (palette, _) = self.evaluate(poses.pose(index));
             for (l, map) in palette.iter().enumerate() {
-                for c in 0..4 {
-                    let column = &mut out.col_as_slice_mut(4 * l + c)[3 * index..3 * index + 3];
-                    column.copy_from_slice(map.column(c).as_slice());
-                }
+                set_map(&mut out, index, l, map);
             }
         }
         out
