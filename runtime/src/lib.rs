@@ -14,6 +14,7 @@ pub mod envelope;
 mod error;
 pub mod format;
 pub mod kernel;
+
 mod limits;
 mod linear;
 mod model;

@@ -158,6 +158,20 @@ impl Distances {
     }
 }
 
+/// Does the same in every lane; a plain loop, which vectorises where `array::map` does not.
+#[inline(always)]
+pub(crate) fn in_lanes<const N: usize>(mut x: [f32; N], f: impl Fn(f32) -> f32) -> [f32; N] {
+    for x in &mut x {
+        *x = f(*x);
+    }
+    x
+}
+
+/// Returns a number of rows rounded up to whole blocks of 8.
+pub(crate) const fn padded(len: usize) -> usize {
+    len.next_multiple_of(8)
+}
+
 /// Reads an entry of a matrix that lies in blocks of 8 rows, each column-major.
 pub(crate) fn block_entry(
     blocks: &[[Le; 8]],

@@ -1,8 +1,8 @@
 //! A loaded file: what it holds, by kind and by name.
 
 use crate::envelope::{self, Envelope, EnvelopeCounts};
-use crate::format::loading::{Checked, Loading, Refused};
 use crate::format::part::{Asked, Part, PartLayout};
+use crate::format::refusal::{Checked, Loading, Refused};
 use crate::format::{
     FileError, FileId, Manifest, PartKind, PartRow, SectionKind, SectionRow, Space,
 };

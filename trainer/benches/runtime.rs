@@ -5,8 +5,8 @@
 //! an engine without SIMD would write it.
 
 use faer::Mat;
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{Certificate, Predictor};
-use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{CallError, Matrix3x4, Model, SkinJob};
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
@@ -103,7 +103,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         skin.influence_len()
     );
     println!("pose to palette            {:>8.2} µs a character", 1e6 * predict);
-    for kernel in Kernel::ALL {
+    for kernel in GroupKernel::ALL {
         println!(
             "kernel maps, {:<14}{:>8.2} µs a character",
             kernel.name(),
@@ -120,7 +120,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Seconds from pose to palette of 20 joints and 40 helpers in 10 groups, each of 45 inputs, 64
 /// centres and 24 latent values.
-fn correct(kernel: Kernel) -> Result<f64, Box<dyn Error>> {
+fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
     let (joints, inputs, centres, rank, proxies) = (20, 45, 64, 24, 4);
     let number = |i: usize| (0.37 * i as f64).sin();
     let matrix = |from: usize, rows, columns| {

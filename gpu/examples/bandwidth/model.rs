@@ -2,8 +2,8 @@
 
 use faer::Mat;
 use sinew_runtime::envelope::Certificate;
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::format::Space;
-use sinew_runtime::kernel::Kernel;
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input, SkinModel};
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::kernel::map::{Fade, KernelMap};
@@ -85,7 +85,7 @@ fn group(group: usize) -> Group {
             .map(|i| Input { feature: 12 * joint + i % 12, weight: 1.0 + i as f64 })
             .collect(),
         map: KernelMap {
-            kernel: Kernel::Gaussian,
+            kernel: GroupKernel::Gaussian,
             centres: Mat::from_fn(INPUTS, CENTRES, |i, k| wave(k * INPUTS + i)),
             coefficients: small(RANK, CENTRES + INPUTS),
             fade: Fade { start: 1e3, end: 1e4 },

@@ -4,14 +4,15 @@
 //! read each byte a bounded number of times and allocate nothing.
 
 use super::counts::{BIND_TOLERANCE, EnvelopeCounts, RULES, TWIST_MAX, place};
+use super::group_kernel::GroupKernel;
 use super::group_row::GroupRow;
 use super::key::{KeyRow, joint_index};
 use super::view::Envelope;
 use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
-use crate::format::loading::{Checked, Loading};
 use crate::format::part::{Asked, COUNTS};
+use crate::format::refusal::{Checked, Loading};
 use crate::format::{CORRECTION_MAX, FileErrorKind as Kind, SectionKind, saturated};
-use crate::kernel::{Kernel, padded};
+use crate::linear::padded;
 use crate::linear::{Le, dot, floats, rows};
 
 /// Checks an envelope's counts, and returns what they ask of its sections.
@@ -154,7 +155,7 @@ fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
     let is_distance = |x: f32| (0.0..=CORRECTION_MAX).contains(&x);
     if u32::from(row.joint) >= joint_len {
         Some((Kind::Index, [joint_len, row.joint.into()]))
-    } else if Kernel::from_number(row.kernel).is_none() {
+    } else if GroupKernel::from_number(row.kernel).is_none() {
         Some((Kind::Unsupported, [0, row.kernel.into()]))
     } else if row.reserved != 0 {
         Some((Kind::Unsupported, [0, row.reserved.into()]))

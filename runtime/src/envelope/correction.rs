@@ -2,8 +2,8 @@
 
 use super::group::Group;
 use super::view::Envelope;
-use crate::kernel::padded;
-use crate::linear::{Matrix3x4, split};
+
+use crate::linear::{Matrix3x4, padded, split};
 use crate::numeric::lesser;
 
 /// Evaluates the stage: [`crate::stages::correction`] of arguments that have been checked.

@@ -1,9 +1,11 @@
 //! A group of proxies, read in place (METHOD §1.9).
 
+use super::group_kernel::GroupKernel;
+use super::group_map::Map;
 use super::group_row::GroupRow;
 use super::view::Envelope;
-use crate::kernel::{Kernel, Map, padded};
 use crate::linear::Le;
+use crate::linear::padded;
 use core::fmt;
 use core::ops::Range;
 
@@ -16,7 +18,7 @@ pub struct Group<'a> {
     /// The dominant joint.
     pub joint: usize,
     /// G.
-    pub kernel: Kernel,
+    pub kernel: GroupKernel,
     /// The proxies, of `0..proxy_len`.
     pub proxies: Range<usize>,
     /// Squared distances at which a centre stops to vouch for a pose wholly, and at all.
@@ -29,7 +31,7 @@ pub struct Group<'a> {
 impl<'a> Group<'a> {
     fn new(row: &GroupRow, proxies: Range<usize>, words: &'a [Le]) -> Option<Self> {
         let (shape, fade) = (row.shape(), (row.fade_start, row.fade_end));
-        let kernel = Kernel::from_number(row.kernel)?;
+        let kernel = GroupKernel::from_number(row.kernel)?;
         let (features, words) = words.split_at_checked(padded(shape.input_len))?;
         let (weights, words) = words.split_at_checked(padded(shape.input_len))?;
         let map = Map::new(shape, kernel, fade, words)?;

@@ -1,13 +1,14 @@
 //! Rows of the groups: proxies that share a dominant joint and one kernel map.
 
-use crate::kernel::{Shape, padded};
+use super::group_map::Shape;
+use crate::linear::padded;
 
 /// A row of section `groups`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroupRow {
     /// The dominant joint.
     pub joint: u16,
-    /// Number of a [`crate::kernel::Kernel`].
+    /// Number of a [`GroupKernel`].
     pub kernel: u8,
     /// Zero.
     pub reserved: u8,

@@ -18,6 +18,8 @@ mod evaluate;
 pub(crate) mod features;
 pub(crate) mod gradients;
 mod group;
+mod group_kernel;
+mod group_map;
 mod group_row;
 pub(crate) mod joints;
 mod key;
@@ -32,6 +34,7 @@ pub use counts::{
     TWIST_MAX,
 };
 pub use group::Group;
+pub use group_kernel::GroupKernel;
 pub use group_row::GroupRow;
 pub use key::Key;
 pub use local::{LocalTransform, model_space_pose};

@@ -1,8 +1,8 @@
 //! Checks that every part's content shares.
 
 use super::error::FileErrorKind as Kind;
-use super::loading::{Checked, Loading};
 use super::part::Part;
+use super::refusal::{Checked, Loading};
 use super::rule::Rule;
 use super::tables::SectionKind;
 use crate::names::Names;

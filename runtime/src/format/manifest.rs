@@ -1,8 +1,8 @@
 //! Reads the message and its two tables: what is found is offsets, which outlive the bytes.
 
 use super::error::{FileErrorKind as Kind, saturated};
-use super::loading::{Checked, Loading};
 use super::message::{ALIGNMENT, CHECKSUM_OFFSET, FEATURES, HEAD_BYTES, MAGIC, VERSION, checksum};
+use super::refusal::{Checked, Loading};
 use super::space::Space;
 use super::tables::{PartKind, PartRow, REQUIRED, SectionKind, SectionRow};
 use core::num::NonZeroU16;

@@ -17,10 +17,10 @@
 pub(crate) mod content;
 mod crc;
 mod error;
-pub(crate) mod loading;
 mod manifest;
 mod message;
 pub(crate) mod part;
+pub(crate) mod refusal;
 pub(crate) mod rule;
 mod space;
 mod tables;

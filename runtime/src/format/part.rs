@@ -1,8 +1,8 @@
 //! A part: what loading finds of it, whatever its kind, and how it is read.
 
 use super::error::{FileErrorKind as Kind, saturated};
-use super::loading::{Checked, Loading};
 use super::manifest::{FileId, Manifest, Tables};
+use super::refusal::{Checked, Loading};
 use super::rule::{ALWAYS, OPTIONAL, Rule};
 use crate::linear::Le;
 use core::num::NonZeroU16;

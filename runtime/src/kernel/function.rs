@@ -1,179 +1,152 @@
-//! The kernels, as functions of a squared distance (METHOD §2.1).
+//! The kernels of scattered data, as functions of a squared distance (METHOD §2.1).
 
-use crate::linear::Distances;
-use crate::numeric::{EXP_MAX, exp_negative, one_minus_exp_negative, sqrt};
+use crate::envelope::GroupKernel;
 
-/// A positive definite kernel, as a function of s, the squared scaled distance (METHOD §2.1).
-///
-/// Its number in the file is its place in METHOD §2.1's table; 1 to 7 and 12 are reserved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
+/// A kernel, as a function of s, the squared scaled distance; r is its root (METHOD §2.1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kernel {
+    /// `-r`.
+    Linear,
+    /// `s ln(s) / 2`, 0 at 0.
+    ThinPlate,
+    /// `r³`.
+    Cubic,
+    /// `-r⁵`.
+    Quintic,
+    /// `-√(1 + s)`.
+    Multiquadric,
+    /// `1 / √(1 + s)`.
+    InverseMultiquadric,
+    /// `1 / (1 + s)`.
+    InverseQuadratic,
     /// `e^-s`.
-    Gaussian = 8,
-    /// `e^-a`, a = √s.
-    Matern12 = 9,
+    Gaussian,
+    /// `e^-r`.
+    Matern12,
     /// `(1 + a) e^-a`, a = √(3 s).
-    Matern32 = 10,
+    Matern32,
     /// `(1 + a + a²/3) e^-a`, a = √(5 s).
-    Matern52 = 11,
+    Matern52,
+    /// `(1 - r)^(l + 1) ((l + 1) r + 1)` where r < 1, else 0.
+    Wendland {
+        /// Half of the dimensions in which it is positive definite, rounded down, and 2.
+        l: u8,
+    },
+    /// `1 - r^n` where r < 1, else 0: other tools' falloffs, n = 1, 3 or 5. No fit solves with it.
+    Hat {
+        /// The power, n.
+        power: u8,
+    },
 }
 
 impl Kernel {
-    /// Every kernel.
-    pub const ALL: [Self; 4] = [Self::Gaussian, Self::Matern12, Self::Matern32, Self::Matern52];
+    /// One of each, Wendland's for up to 3 dimensions.
+    pub const ALL: [Self; 15] = [
+        Self::Linear,
+        Self::ThinPlate,
+        Self::Cubic,
+        Self::Quintic,
+        Self::Multiquadric,
+        Self::InverseMultiquadric,
+        Self::InverseQuadratic,
+        Self::Gaussian,
+        Self::Matern12,
+        Self::Matern32,
+        Self::Matern52,
+        Self::Wendland { l: 3 },
+        Self::Hat { power: 1 },
+        Self::Hat { power: 3 },
+        Self::Hat { power: 5 },
+    ];
 
-    /// Returns its number in the file.
+    /// Returns its number in the file: its place in METHOD §2.1's table, 13 of a hat.
     pub const fn number(self) -> u8 {
-        self as u8
+        match self {
+            Self::Linear => 1,
+            Self::ThinPlate => 2,
+            Self::Cubic => 3,
+            Self::Quintic => 4,
+            Self::Multiquadric => 5,
+            Self::InverseMultiquadric => 6,
+            Self::InverseQuadratic => 7,
+            Self::Gaussian => 8,
+            Self::Matern12 => 9,
+            Self::Matern32 => 10,
+            Self::Matern52 => 11,
+            Self::Wendland { .. } => 12,
+            Self::Hat { .. } => 13,
+        }
+    }
+
+    /// Returns its parameter in the file: l, a power, or 0.
+    pub const fn parameter(self) -> u8 {
+        match self {
+            Self::Wendland { l } => l,
+            Self::Hat { power } => power,
+            _ => 0,
+        }
+    }
+
+    /// Returns the kernel of a number and a parameter, if there is one: l is 2 to 66, a power 1, 3 or 5.
+    pub fn from_number(number: u8, parameter: u8) -> Option<Self> {
+        match (number, parameter) {
+            (12, l @ 2..=66) => Some(Self::Wendland { l }),
+            (13, power @ (1 | 3 | 5)) => Some(Self::Hat { power }),
+            (1..=11, 0) => Self::ALL.get(usize::from(number).checked_sub(1)?).copied(),
+            _ => None,
+        }
     }
 
     /// Returns its name, as FORMAT.md has it.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Linear => "linear",
+            Self::ThinPlate => "thin plate",
+            Self::Cubic => "cubic",
+            Self::Quintic => "quintic",
+            Self::Multiquadric => "multiquadric",
+            Self::InverseMultiquadric => "inverse multiquadric",
+            Self::InverseQuadratic => "inverse quadratic",
             Self::Gaussian => "gaussian",
             Self::Matern12 => "Matérn 1/2",
             Self::Matern32 => "Matérn 3/2",
             Self::Matern52 => "Matérn 5/2",
+            Self::Wendland { .. } => "Wendland",
+            Self::Hat { .. } => "hat",
         }
     }
+}
 
-    /// Returns the kernel of this number.
-    pub fn from_number(number: u8) -> Option<Self> {
-        Self::ALL.get(usize::from(number).checked_sub(Self::Gaussian as usize)?).copied()
-    }
-
-    /// Evaluates the kernel at a squared distance `s >= 0`: 1 at 0, finite and positive everywhere.
-    pub fn value(self, s: f32) -> f32 {
-        let [value] = self.values([s]);
-        value
-    }
-
-    /// Evaluates the kernel of a centre at x = 0, with the bits that a kernel map gives there:
-    /// what a file stores as `rest`.
-    pub fn at_rest(self, centre: impl IntoIterator<Item = f32>) -> f32 {
-        self.value(centre.into_iter().fold(0.0, |sum, t| sum + t * t))
-    }
-
-    /// Evaluates the kernels of 8 centres less their values at x = 0.
-    #[inline(always)]
-    pub(crate) fn changes(self, distances: &Distances, rest: [f32; 8]) -> [f32; 8] {
-        let mut out = distances.squared;
-        if self == Self::Gaussian {
-            for ((s, gain), rest) in out.iter_mut().zip(distances.gain).zip(rest) {
-                *s = gaussian_change(*s, gain, rest);
-            }
-        } else {
-            out = self.values(out);
-            out.iter_mut().zip(rest).for_each(|(value, rest)| *value -= rest);
+impl From<GroupKernel> for Kernel {
+    fn from(kernel: GroupKernel) -> Self {
+        match kernel {
+            GroupKernel::Gaussian => Self::Gaussian,
+            GroupKernel::Matern12 => Self::Matern12,
+            GroupKernel::Matern32 => Self::Matern32,
+            GroupKernel::Matern52 => Self::Matern52,
         }
-        out
     }
-
-    /// Evaluates the kernel in N lanes.
-    #[inline(always)]
-    pub(crate) fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
-        // A Matérn kernel is `(1 + p a + q a²) e^-a`, a = √(scale s); p and q are exact where they
-        // are 0 or 1.
-        let (scale, p, q) = match self {
-            Self::Gaussian => return in_lanes(s, exp_negative),
-            Self::Matern12 => (1.0, 0.0, 0.0),
-            Self::Matern32 => (3.0, 1.0, 0.0),
-            Self::Matern52 => (5.0, 1.0, 1.0 / 3.0),
-        };
-        in_lanes(in_lanes(s, |s| sqrt(scale * s)), |a| {
-            let a = bounded(a);
-            (1.0 + p * a + a * a * q) * exp_negative(a)
-        })
-    }
-}
-
-/// Returns `e^-s - e^-s0` of `s >= 0`, given `e^-s0` and `s - s0`: to its last places also where the
-/// two are close.
-#[inline(always)]
-fn gaussian_change(s: f32, gain: f32, rest: f32) -> f32 {
-    let nearer = gain < 0.0;
-    let greater = if nearer { exp_negative(s) } else { rest };
-    let change = greater * one_minus_exp_negative(if nearer { -gain } else { gain });
-    if nearer { change } else { -change }
-}
-
-/// Does the same in every lane; a plain loop, which vectorises where `array::map` does not.
-#[inline(always)]
-pub(crate) fn in_lanes<const N: usize>(mut x: [f32; N], f: impl Fn(f32) -> f32) -> [f32; N] {
-    for x in &mut x {
-        *x = f(*x);
-    }
-    x
-}
-
-/// Keeps the polynomial before e^-a finite where e^-a has stopped falling.
-#[inline(always)]
-fn bounded(a: f32) -> f32 {
-    if a < EXP_MAX { a } else { EXP_MAX }
 }
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
     use super::*;
 
-    fn exact(kernel: Kernel, s: f64) -> f64 {
-        let (a, b) = ((3.0 * s).sqrt(), (5.0 * s).sqrt());
-        match kernel {
-            Kernel::Gaussian => (-s).exp(),
-            Kernel::Matern12 => (-s.sqrt()).exp(),
-            Kernel::Matern32 => (1.0 + a) * (-a).exp(),
-            Kernel::Matern52 => (1.0 + b + b * b / 3.0) * (-b).exp(),
-        }
-    }
-
     #[test]
-    fn values_are_those_of_the_closed_forms() {
+    fn numbers_and_parameters_name_one_kernel() {
         for kernel in Kernel::ALL {
-            let mut worst = 0.0f64;
-            // Miri is slow.
-            for i in (0..200_000).step_by(if cfg!(miri) { 499 } else { 1 }) {
-                // Squares, so that distances are spread evenly.
-                let s = (i as f32 * 3e-5).powi(2);
-                let (found, expected) = (f64::from(kernel.value(s)), exact(kernel, s.into()));
-                worst = worst.max((found / expected - 1.0).abs());
-            }
-            // 2 ULP of the exponential, a few roundings, and a's own, which e^-a magnifies.
-            assert!(worst < 12e-7 && worst > 1e-8, "{kernel:?} {worst}");
+            assert_eq!(Kernel::from_number(kernel.number(), kernel.parameter()), Some(kernel));
+        }
+        for (number, parameter) in [(0, 0), (8, 1), (12, 1), (12, 67), (13, 0), (13, 2), (14, 0)] {
+            assert_eq!(Kernel::from_number(number, parameter), None);
         }
     }
 
     #[test]
-    fn changes_keep_their_last_places() {
-        let rest = 0.7f64;
-        for gain in [-0.35, -1e-3, -1e-6, 0.0, 1e-9, 1e-3, 0.5, 3.0, 40.0] {
-            let s = rest + gain;
-            let exact = (-rest).exp() * (-gain).exp_m1();
-            let found = gaussian_change(s as f32, gain as f32, (-rest).exp() as f32);
-            assert!((f64::from(found) - exact).abs() <= 4e-7 * exact.abs(), "{gain} {found}");
-        }
-        assert!(gaussian_change(f32::INFINITY, f32::INFINITY, 1.0).is_finite());
-    }
-
-    #[test]
-    fn one_at_the_centre_and_finite_everywhere() {
-        for kernel in Kernel::ALL {
-            assert_eq!(kernel.value(0.0), 1.0);
-            for s in [f32::MAX, f32::INFINITY, f32::NAN] {
-                let value = kernel.value(s);
-                assert!((0.0..1e-34).contains(&value), "{kernel:?} {s} {value}");
-            }
-            assert_eq!(Kernel::from_number(kernel.number()), Some(kernel));
-        }
-        assert_eq!(Kernel::from_number(7), None);
-    }
-
-    #[test]
-    fn eight_lanes_have_the_bits_of_one() {
-        let s = [0.0, 1e-9, 0.1, 0.7, 3.0, 40.0, 1e3, 1e30];
-        for kernel in Kernel::ALL {
-            assert_eq!(kernel.values(s), s.map(|s| kernel.value(s)));
+    fn kernels_of_groups_keep_their_numbers() {
+        for kernel in GroupKernel::ALL {
+            let all = Kernel::from(kernel);
+            assert_eq!((all.number(), all.name()), (kernel.number(), kernel.name()));
         }
     }
 }

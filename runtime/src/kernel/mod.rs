@@ -1,8 +1,5 @@
-//! Kernel maps: weighted sums of functions of the distance from centres (METHOD §2). What a further kernel
-//! takes is listed in the trainer's `kernel/mod.rs`.
+//! The part kernel: any function of a few numbers, from scattered data (METHOD §2).
 
 mod function;
-mod map;
 
 pub use function::Kernel;
-pub(crate) use map::{Map, Shape, padded};

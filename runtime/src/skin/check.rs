@@ -5,8 +5,8 @@ use super::counts::{
 };
 use super::view::Skin;
 use crate::format::content::{check_counts, check_floats, check_index, check_names};
-use crate::format::loading::{Checked, Loading};
 use crate::format::part::{Asked, COUNTS};
+use crate::format::refusal::{Checked, Loading};
 use crate::format::{FileErrorKind as Kind, SectionKind};
 use crate::linear::{Le, dot, floats};
 

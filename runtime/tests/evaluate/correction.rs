@@ -5,9 +5,9 @@ use crate::common::{
     with_predictor,
 };
 use models::{GroupContent, Pieces, Rng, SMALL, Shape, sample_groups};
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
-use sinew_runtime::kernel::Kernel;
 use sinew_runtime::{Envelope, Matrix3x4, Model, stages};
 
 const BOTH: [Predictor; 2] = [Predictor::Kernel, Predictor::Hybrid];
@@ -56,13 +56,15 @@ fn reference_features(pose: &[Matrix3x4]) -> Vec<f64> {
     out
 }
 
-fn reference_kernel(kernel: Kernel, s: f64) -> f64 {
+fn reference_kernel(kernel: GroupKernel, s: f64) -> f64 {
     let r = s.sqrt();
     match kernel {
-        Kernel::Gaussian => (-s).exp(),
-        Kernel::Matern12 => (-r).exp(),
-        Kernel::Matern32 => (1.0 + 3f64.sqrt() * r) * (-(3f64.sqrt()) * r).exp(),
-        Kernel::Matern52 => (1.0 + 5f64.sqrt() * r + 5.0 / 3.0 * s) * (-(5f64.sqrt()) * r).exp(),
+        GroupKernel::Gaussian => (-s).exp(),
+        GroupKernel::Matern12 => (-r).exp(),
+        GroupKernel::Matern32 => (1.0 + 3f64.sqrt() * r) * (-(3f64.sqrt()) * r).exp(),
+        GroupKernel::Matern52 => {
+            (1.0 + 5f64.sqrt() * r + 5.0 / 3.0 * s) * (-(5f64.sqrt()) * r).exp()
+        }
     }
 }
 
@@ -223,11 +225,11 @@ fn each_number_of_a_group_matters() {
         |g| g.outputs[11][2] += 0.1,
         |g| g.joint = 2,
         |g| g.fade = (0.0, 0.5),
-        |g| g.kernel = Kernel::Matern32,
+        |g| g.kernel = GroupKernel::Matern32,
     ];
     for (index, edit) in edits.into_iter().enumerate() {
         let mut groups = groups.clone();
-        assert_ne!(groups[0].kernel, Kernel::Matern32);
+        assert_ne!(groups[0].kernel, GroupKernel::Matern32);
         edit(&mut groups[0]);
         pieces.set_groups(&groups);
         let difference = max_difference(&evaluate(&pieces), &still);
@@ -252,7 +254,7 @@ fn the_rest_pose_is_exact_bit_for_bit() {
     // A value at rest that is off by a last place shows, but for a gaussian, which needs none there.
     let mut pieces = Pieces::sample(Predictor::Kernel, SMALL);
     let mut groups = sample_groups(SMALL.joints, SMALL.proxies);
-    groups[0].kernel = Kernel::Matern52;
+    groups[0].kernel = GroupKernel::Matern52;
     pieces.set_groups(&groups);
     // Features and weights 8 each, centres 2 blocks of 5 columns, then the values at rest.
     let at = 8 + 8 + 8 * 2 * 5;

@@ -1,6 +1,7 @@
 //! FORMAT.md against the code.
 
 use models::{Pieces, head};
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{
     Certificate, ENVELOPE_SECTIONS, EnvelopeCounts, GroupRow, NO_JOINT, Predictor,
 };
@@ -8,7 +9,6 @@ use sinew_runtime::format::{
     ALIGNMENT, Axis, CHECKSUM_OFFSET, Element, Handedness, MAGIC, PartKind, PartRow, SectionKind,
     SectionRow, Space, VERSION,
 };
-use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
 
 /// Cells of the rows of the table under a heading.
@@ -292,8 +292,8 @@ fn the_document_names_the_numbers_of_the_code() {
         assert_eq!(row[..2], [element.number().to_string().as_str(), element.name()]);
     }
     let kernels = table(FORMAT, "Kernels");
-    assert_eq!(kernels.len(), Kernel::ALL.len());
-    for (row, kernel) in kernels.iter().zip(Kernel::ALL) {
+    assert_eq!(kernels.len(), GroupKernel::ALL.len());
+    for (row, kernel) in kernels.iter().zip(GroupKernel::ALL) {
         assert_eq!(row[..2], [kernel.number().to_string().as_str(), kernel.name()]);
     }
     let none = cell("Counts of a skin", "envelope");

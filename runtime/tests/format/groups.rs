@@ -2,9 +2,9 @@
 
 use crate::common::{apart, envelope_error, exercise, file_error};
 use models::{GroupContent, Pieces, Rng, SMALL, Shape, sample_groups, seal};
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{GroupRow, Predictor};
 use sinew_runtime::format::{CORRECTION_MAX, SectionKind};
-use sinew_runtime::kernel::Kernel;
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
 
 const BOTH: [Predictor; 2] = [Predictor::Kernel, Predictor::Hybrid];
@@ -135,7 +135,7 @@ fn each_field_of_a_group_is_checked() {
     for kernel in [0, 1, 7, 12, 255] {
         assert_eq!(row(|r| r.kernel = kernel), unknown(kernel.into()));
     }
-    for kernel in Kernel::ALL {
+    for kernel in GroupKernel::ALL {
         assert_eq!(row(|r| r.kernel = kernel.number()), Ok(()));
     }
     assert_eq!(row(|r| r.reserved = 1), unknown(1));

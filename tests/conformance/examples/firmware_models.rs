@@ -4,8 +4,8 @@ use conformance::models::{Shape, random_with, row_major, trained};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::kernel::Kernel;
 use sinew_trainer::envelope::model::{Group, Input};
 use sinew_trainer::kernel::map::{Fade, KernelMap};
 use std::path::PathBuf;
@@ -65,7 +65,7 @@ fn groups(shape: Shape) -> Vec<Group> {
             proxies: g * proxies..(g + 1) * proxies,
             inputs,
             map: KernelMap {
-                kernel: Kernel::Gaussian,
+                kernel: GroupKernel::Gaussian,
                 centres: Mat::from_fn(d, centres, |i, k| coordinates[k * d + i]),
                 coefficients: row_major(&list(rank * (centres + d), 0.1), rank, centres + d),
                 // Every pose is near, so that none is cheaper for being far.

@@ -4,8 +4,8 @@ use faer::{Mat, MatRef};
 use nalgebra::{SMatrix, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{Certificate, Predictor};
-use sinew_runtime::kernel::Kernel;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::model::{
     EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, SkinModel,
@@ -217,7 +217,7 @@ fn groups(shape: Shape) -> Vec<Group> {
             proxies: proxies - left - own..proxies - left,
             inputs,
             map: KernelMap {
-                kernel: Kernel::ALL[(first + g) % Kernel::ALL.len()],
+                kernel: GroupKernel::ALL[(first + g) % GroupKernel::ALL.len()],
                 centres: Mat::from_fn(d, n, |i, k| centres[k * d + i]),
                 coefficients: row_major(&coefficients, r, n + d),
                 fade: Fade { start: 0.13 * d as f64 + 0.2, end: 0.18 * d as f64 + 0.5 },

@@ -6,9 +6,9 @@
 
 use faer::{Mat, MatRef};
 use nalgebra::SMatrix;
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::format::{ALIGNMENT, Axis, Handedness, Space};
-use sinew_runtime::kernel::Kernel;
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
 use sinew_trainer::envelope::model::{
@@ -96,7 +96,7 @@ fn file_model(predictor: Predictor) -> FileModel {
             proxies: end - proxies..end,
             inputs: (0..d).map(&mut input).collect(),
             map: KernelMap {
-                kernel: Kernel::ALL[(first + g) % 4],
+                kernel: GroupKernel::ALL[(first + g) % 4],
                 centres: dyadic.dense(n, d, 1.0).transpose().to_owned(),
                 coefficients: dyadic.dense(rank, n + d, 0.25),
                 fade: Fade { start: 1.0, end: 16.0 },

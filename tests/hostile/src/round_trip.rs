@@ -4,9 +4,9 @@ use crate::evaluate::{evaluate, read};
 use arbitrary::{Result, Unstructured};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix6, SMatrix};
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{Certificate, Predictor, TWIST_MAX};
 use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Space};
-use sinew_runtime::kernel::Kernel;
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
 use sinew_trainer::envelope::model::{
@@ -171,7 +171,7 @@ fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Resu
             Ok(Input { feature, weight: float(u, CORRECTION_MAX)? })
         })?,
         map: KernelMap {
-            kernel: *u.choose(&Kernel::ALL)?,
+            kernel: *u.choose(&GroupKernel::ALL)?,
             // Squared, added up and rooted again, a far centre's kernel at rest stays a number.
             centres: matrix(d, n, || float(u, CORRECTION_MAX))?,
             coefficients: matrix(r, n + d, || float(u, CORRECTION_MAX))?,

@@ -3,9 +3,9 @@
 use crate::bytes::{blocks, floats, group_row, words};
 use crate::pieces::Pieces;
 use crate::rng::Rng;
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::GroupRow;
 use sinew_runtime::format::SectionKind;
-use sinew_runtime::kernel::Kernel;
 
 /// A group in plain lists.
 #[derive(Clone)]
@@ -13,7 +13,7 @@ pub struct GroupContent {
     /// The dominant joint.
     pub joint: usize,
     /// The kernel of its map.
-    pub kernel: Kernel,
+    pub kernel: GroupKernel,
     /// p.
     pub proxies: usize,
     /// d: feature and weight.
@@ -38,7 +38,7 @@ impl GroupContent {
         let feature = |i: usize| ((5 * i + 1) % (12 * joints)) as u32;
         Self {
             joint: proxies % joints,
-            kernel: Kernel::ALL[(d + n) % Kernel::ALL.len()],
+            kernel: GroupKernel::ALL[(d + n) % GroupKernel::ALL.len()],
             proxies,
             inputs: inputs.map(|(i, x)| (feature(i), 1.5 + x)).collect(),
             centres: (0..n).map(|_| list(d, 0.5)).collect(),

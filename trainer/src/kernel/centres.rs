@@ -7,7 +7,7 @@
 
 use super::function::Exact;
 use faer::{Mat, MatRef};
-use sinew_runtime::kernel::Kernel;
+use sinew_runtime::envelope::GroupKernel;
 
 /// Share of a sample that the chosen centres leave unexplained, below which it is no centre.
 const EXPLAINED: f64 = 1e-15;
@@ -24,7 +24,7 @@ impl Greedy {
     /// Chooses at most `most` of the samples, of pairwise squared distances (scaled) that
     /// `squared` gives: number 0 is the origin, 1 + i sample i.
     pub fn new(
-        kernel: Kernel,
+        kernel: GroupKernel,
         len: usize,
         most: usize,
         squared: impl Fn(usize, usize) -> f64,
@@ -97,7 +97,7 @@ mod tests {
     #[test]
     fn the_worst_explained_sample_is_next() {
         let (_, squared) = line(20);
-        let greedy = Greedy::new(Kernel::Gaussian, 20, 3, squared);
+        let greedy = Greedy::new(GroupKernel::Gaussian, 20, 3, squared);
         assert_eq!(greedy.order[0], 19, "the farthest from the origin");
         assert!((5..12).contains(&greedy.order[1]), "then between the two");
         let mut twice = greedy.order.clone();
@@ -108,14 +108,14 @@ mod tests {
     #[test]
     fn functions_are_those_of_the_kernels_and_vanish_at_the_origin() {
         let (x, squared) = line(20);
-        let greedy = Greedy::new(Kernel::Matern32, 20, 6, squared);
+        let greedy = Greedy::new(GroupKernel::Matern32, 20, 6, squared);
         let given = Mat::from_fn(6, 2, |r, c| (r as f64 - 2.0 * c as f64).sin());
         let coefficients = greedy.at_centres(&given);
         let value = |at: f64, o: usize| -> f64 {
             (0..7)
                 .map(|k| {
                     let centre = if k == 0 { 0.0 } else { x[greedy.order[k - 1]] };
-                    coefficients[(k, o)] * Kernel::Matern32.exact((at - centre).powi(2))
+                    coefficients[(k, o)] * GroupKernel::Matern32.exact((at - centre).powi(2))
                 })
                 .sum()
         };
@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn samples_that_repeat_are_one_centre() {
         let at = |i: usize| if i == 0 { 0.0 } else { 1.0 + (i % 3) as f64 };
-        let greedy = Greedy::new(Kernel::Gaussian, 12, 12, |a, b| (at(a) - at(b)).powi(2));
+        let greedy = Greedy::new(GroupKernel::Gaussian, 12, 12, |a, b| (at(a) - at(b)).powi(2));
         assert_eq!(greedy.order.len(), 3);
     }
 }

@@ -14,7 +14,7 @@ use super::map::{Fade, KernelMap};
 use faer::linalg::solvers::Svd;
 use faer::{Mat, MatRef};
 use serde::Serialize;
-use sinew_runtime::kernel::Kernel;
+use sinew_runtime::envelope::GroupKernel;
 use std::ops::Range;
 
 /// Where a fade ends, in squared distances of its start.
@@ -25,7 +25,7 @@ const FADE: f64 = 6.25;
 pub struct Hyperparameters {
     /// G.
     #[serde(serialize_with = "by_name")]
-    pub kernel: Kernel,
+    pub kernel: GroupKernel,
     /// Squared width over the median squared distance.
     pub width: f64,
     /// Centres beside the origin.
@@ -61,7 +61,7 @@ impl<'a> Design<'a> {
     /// the same centres; of numbers that are more than there are, one.
     pub fn each(
         inputs: &'a Inputs,
-        kernel: Kernel,
+        kernel: GroupKernel,
         width: f64,
         counts: &[usize],
     ) -> impl Iterator<Item = Self> + use<'a> {
@@ -143,7 +143,7 @@ impl<'a> Design<'a> {
                 (steepest * (own * twice).sqrt()).powi(2)
             };
             match kernel {
-                Kernel::Gaussian => ((1..=n).map(size).sum::<f64>() / n as f64).sqrt(),
+                GroupKernel::Gaussian => ((1..=n).map(size).sum::<f64>() / n as f64).sqrt(),
                 _ => 1.0,
             }
         };
@@ -212,7 +212,8 @@ mod tests {
     }
 
     fn design(inputs: &Inputs, centres: usize) -> Design<'_> {
-        let hyperparameters = Hyperparameters { kernel: Kernel::Gaussian, width: 4.0, centres };
+        let hyperparameters =
+            Hyperparameters { kernel: GroupKernel::Gaussian, width: 4.0, centres };
         Design::new(inputs, hyperparameters).unwrap()
     }
 
@@ -254,7 +255,7 @@ mod tests {
     fn with_every_sample_a_centre_columns_make_the_kernel_matrix() {
         let inputs = inputs();
         let x = columns(&design(&inputs, 20));
-        let expected = inputs.kernel_matrix(Kernel::Gaussian, 4.0);
+        let expected = inputs.kernel_matrix(GroupKernel::Gaussian, 4.0);
         assert!((&x * x.transpose() - expected).norm_max() < 1e-12);
     }
 
@@ -262,7 +263,7 @@ mod tests {
     fn numbers_of_centres_share_their_first_ones() {
         let inputs = inputs();
         let designs: Vec<_> =
-            Design::each(&inputs, Kernel::Matern32, 4.0, &[3, 8, 30, 40]).collect();
+            Design::each(&inputs, GroupKernel::Matern32, 4.0, &[3, 8, 30, 40]).collect();
         let counts: Vec<_> = designs.iter().map(|d| d.hyperparameters.centres).collect();
         assert_eq!(counts, [3, 8, 20]);
         assert_eq!(designs[0].centres.order, designs[2].centres.order[..3]);

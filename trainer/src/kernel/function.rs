@@ -1,11 +1,11 @@
 //! The kernels in f64, as functions of s, the squared scaled distance (METHOD §2.1).
 
 use serde::Serializer;
-use sinew_runtime::kernel::Kernel;
+use sinew_runtime::envelope::GroupKernel;
 
 /// Every kernel, the smoothest first.
-pub const SMOOTHEST_FIRST: [Kernel; 4] =
-    [Kernel::Gaussian, Kernel::Matern52, Kernel::Matern32, Kernel::Matern12];
+pub const SMOOTHEST_FIRST: [GroupKernel; 4] =
+    [GroupKernel::Gaussian, GroupKernel::Matern52, GroupKernel::Matern32, GroupKernel::Matern12];
 
 /// A kernel in f64.
 pub trait Exact {
@@ -16,7 +16,7 @@ pub trait Exact {
     fn steepness(self, s: f64) -> f64;
 }
 
-impl Exact for Kernel {
+impl Exact for GroupKernel {
     fn exact(self, s: f64) -> f64 {
         let a = argument(self, s);
         let factor = match self {
@@ -40,17 +40,17 @@ impl Exact for Kernel {
 }
 
 /// Returns what the exponential takes.
-fn argument(kernel: Kernel, s: f64) -> f64 {
+fn argument(kernel: GroupKernel, s: f64) -> f64 {
     match kernel {
-        Kernel::Gaussian => s,
-        Kernel::Matern12 => s.sqrt(),
-        Kernel::Matern32 => (3.0 * s).sqrt(),
-        Kernel::Matern52 => (5.0 * s).sqrt(),
+        GroupKernel::Gaussian => s,
+        GroupKernel::Matern12 => s.sqrt(),
+        GroupKernel::Matern32 => (3.0 * s).sqrt(),
+        GroupKernel::Matern52 => (5.0 * s).sqrt(),
     }
 }
 
 /// Writes a kernel by its name.
-pub fn by_name<S: Serializer>(kernel: &Kernel, serializer: S) -> Result<S::Ok, S::Error> {
+pub fn by_name<S: Serializer>(kernel: &GroupKernel, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(kernel.name())
 }
 

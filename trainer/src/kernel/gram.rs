@@ -5,7 +5,7 @@ use super::inputs::{Inputs, WIDTHS};
 use super::left_out::LeftOut;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
-use sinew_runtime::kernel::Kernel;
+use sinew_runtime::envelope::GroupKernel;
 use std::ops::Range;
 
 /// Which of the candidate widths are tried: fits with few centres need the others.
@@ -45,7 +45,7 @@ impl GramRegression {
         let picked_gram = pick(&gram);
         let (mut best, mut least) = (None, f64::INFINITY);
         for &width in &WIDTHS[TRIED_WIDTHS] {
-            let kernel = pick(&inputs.kernel_matrix(Kernel::Gaussian, width));
+            let kernel = pick(&inputs.kernel_matrix(GroupKernel::Gaussian, width));
             let mean = kernel.diagonal().column_vector().sum() / some.len() as f64;
             for ridge in RIDGES.map(|ridge| ridge * mean) {
                 let Some(left) = SampleErrors::new(&kernel, &picked_gram, ridge, blocks) else {
@@ -58,7 +58,7 @@ impl GramRegression {
             }
         }
         let (width, ridge) = best?;
-        Some(Self { kernel: inputs.kernel_matrix(Kernel::Gaussian, width), gram, ridge })
+        Some(Self { kernel: inputs.kernel_matrix(GroupKernel::Gaussian, width), gram, ridge })
     }
 
     /// Returns n.
@@ -138,7 +138,7 @@ mod tests {
             t * [t.cos(), t.sin()][r]
         });
         let outputs = Mat::from_fn(N, 2, |i, o| [inputs[(0, i)].sin(), inputs[(1, i)] * 0.3][o]);
-        let kernel = Inputs::new(inputs).unwrap().kernel_matrix(Kernel::Gaussian, 4.0);
+        let kernel = Inputs::new(inputs).unwrap().kernel_matrix(GroupKernel::Gaussian, 4.0);
         let gram = &outputs * outputs.transpose();
         (GramRegression { gram, kernel, ridge: RIDGE }, outputs)
     }

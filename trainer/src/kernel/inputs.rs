@@ -3,7 +3,7 @@
 
 use super::function::Exact;
 use faer::Mat;
-use sinew_runtime::kernel::Kernel;
+use sinew_runtime::envelope::GroupKernel;
 
 /// Candidate squared widths, in median squared distances of the samples.
 pub const WIDTHS: [f64; 5] = [1.0, 4.0, 16.0, 64.0, 256.0];
@@ -53,7 +53,7 @@ impl Inputs {
 
     /// Returns the matrix of `G + 0.2 x·x'/m` conditioned on being zero at the origin, n x n: the
     /// kernel of a regression in which every sample is a centre.
-    pub fn kernel_matrix(&self, kernel: Kernel, width: f64) -> Mat<f64> {
+    pub fn kernel_matrix(&self, kernel: GroupKernel, width: f64) -> Mat<f64> {
         let (n, scale) = (self.sample_len(), 1.0 / self.squared_width(width));
         let value = |i: usize, j: usize| kernel.exact(scale * self.squared(i, j));
         let rest: Vec<f64> = (1..=n).map(|i| value(0, i)).collect();
@@ -97,7 +97,7 @@ mod tests {
     #[test]
     fn the_kernel_is_zero_at_rest() {
         let inputs = Mat::from_fn(2, 4, |r, i| if i == 0 { 0.0 } else { (r + i) as f64 });
-        let kernel = Inputs::new(inputs).unwrap().kernel_matrix(Kernel::Gaussian, 4.0);
+        let kernel = Inputs::new(inputs).unwrap().kernel_matrix(GroupKernel::Gaussian, 4.0);
         assert!((0..4).all(|i| kernel[(0, i)].abs() < 1e-15) && kernel[(1, 1)] > 0.1);
     }
 }

@@ -4,7 +4,7 @@ use super::arithmetic::{Arithmetic, U, gamma};
 use super::function::Exact;
 use faer::Mat;
 use serde::Serialize;
-use sinew_runtime::kernel::Kernel;
+use sinew_runtime::envelope::GroupKernel;
 
 /// Relative error of the runtime's smoothstep.
 pub const STEP_ERROR: f64 = 4e-7;
@@ -16,7 +16,7 @@ const CHANGE_ERROR: f64 = 2.1;
 #[derive(Clone, Debug)]
 pub struct KernelMap {
     /// G.
-    pub kernel: Kernel,
+    pub kernel: GroupKernel,
     /// Centres t, d x n.
     pub centres: Mat<f64>,
     /// `[c A]`, r x (n + d).
@@ -47,7 +47,7 @@ impl KernelMap {
     /// A map of no inputs to no outputs.
     pub fn nothing() -> Self {
         Self {
-            kernel: Kernel::Gaussian,
+            kernel: GroupKernel::Gaussian,
             centres: Mat::zeros(0, 0),
             coefficients: Mat::zeros(0, 0),
             fade: Fade { start: 0.0, end: 0.0 },
@@ -133,11 +133,11 @@ impl Squared {
     }
 
     /// Returns `G(s) - G(|t|²)`, of a gaussian to its last places also where the two are close.
-    fn change(&self, kernel: Kernel) -> f64 {
+    fn change(&self, kernel: GroupKernel) -> f64 {
         let (value, rest) = (kernel.exact(self.here), kernel.exact(self.rest));
         match kernel {
-            Kernel::Gaussian if self.gain < 0.0 => -value * self.gain.exp_m1(),
-            Kernel::Gaussian => rest * (-self.gain).exp_m1(),
+            GroupKernel::Gaussian if self.gain < 0.0 => -value * self.gain.exp_m1(),
+            GroupKernel::Gaussian => rest * (-self.gain).exp_m1(),
             _ => value - rest,
         }
     }
@@ -188,10 +188,10 @@ impl Distance {
     /// own error on to the change, the second the gain's to the lesser of the two values. Where the
     /// gain's error makes either possible, the change is no greater than that. Roundings: 1 ULP,
     /// 2 ULP and a product.
-    fn change_error(&self, kernel: Kernel, arithmetic: Arithmetic) -> f64 {
+    fn change_error(&self, kernel: GroupKernel, arithmetic: Arithmetic) -> f64 {
         let Squared { here, rest, gain } = self.squared;
         let change = self.squared.change(kernel).abs();
-        let (inherited, roundings) = if kernel == Kernel::Gaussian {
+        let (inherited, roundings) = if kernel == GroupKernel::Gaussian {
             let rest_error = gamma(self.dimensions) * rest;
             let taken = if gain < 0.0 { self.squared_error } else { rest_error };
             let both = (self.squared_error + rest_error + self.gain_error).exp();
@@ -210,15 +210,21 @@ impl Distance {
     /// below the root, and the root's own. The value falls by at most -dG/d√s times that, here
     /// taken at the far end and for an exponential at the near one; it is behind 1 ULP, and a
     /// polynomial of 1 or 4 roundings and its product.
-    fn value_error(&self, kernel: Kernel, s: f64, input_error: f64, arithmetic: Arithmetic) -> f64 {
+    fn value_error(
+        &self,
+        kernel: GroupKernel,
+        s: f64,
+        input_error: f64,
+        arithmetic: Arithmetic,
+    ) -> f64 {
         let most = s.sqrt() + input_error;
         let error = input_error + most * gamma(self.dimensions / 2 + 2 + arithmetic.root);
         let far = most + error;
         let inherited = 2.0 * kernel.steepness(far * far) * (5.0 * error).exp() * error;
         let roundings = match kernel {
-            Kernel::Gaussian | Kernel::Matern12 => 2,
-            Kernel::Matern32 => 4,
-            Kernel::Matern52 => 7,
+            GroupKernel::Gaussian | GroupKernel::Matern12 => 2,
+            GroupKernel::Matern32 => 4,
+            GroupKernel::Matern52 => 7,
         };
         inherited + gamma(roundings) * (kernel.exact(s) + inherited)
     }
@@ -272,7 +278,7 @@ mod tests {
 
     fn map() -> KernelMap {
         KernelMap {
-            kernel: Kernel::Matern52,
+            kernel: GroupKernel::Matern52,
             centres: Mat::from_fn(2, 3, |r, k| 0.5 * k as f64 - 0.2 * r as f64),
             coefficients: Mat::from_fn(1, 5, |_, k| [1.0, -2.0, 0.5, 0.3, -0.7][k]),
             fade: Fade { start: 1.0, end: 4.0 },

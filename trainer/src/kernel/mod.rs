@@ -6,7 +6,7 @@
 //! instead. Both forms are validated by [`left_out`].
 //!
 //! **To add a kernel** of METHOD §2.1, positive definite and 1 at its centre:
-//! 1. `runtime/src/kernel/function.rs`: a variant of `Kernel` with METHOD's number, its name, its
+//! 1. `runtime/src/envelope/group_kernel.rs`: a variant of `GroupKernel` with METHOD's number, its name, its
 //!    values in f32, its place in `ALL` (`from_number` takes numbers for consecutive).
 //! 2. [`function`]: value and steepness in f64, and its place in `SMOOTHEST_FIRST`; from then on every
 //!    training tries it. [`map`]: the roundings of its value, and whether the bound there covers its
@@ -14,7 +14,7 @@
 //! 3. `shaders/correction.comp`, then `cargo xtask shaders`, and `shaders/correction.wgsl`: no
 //!    compiler misses a kernel there, any number but 8, 9 and 10 is a Matérn 5/2.
 //! 4. The tables in `runtime/FORMAT.md` and `trainer/METHOD.md`, and the closed forms that tests
-//!    compare with, in `runtime/tests/evaluate/correction.rs` and beside `Kernel`.
+//!    compare with, in `runtime/tests/evaluate/correction.rs` and beside `GroupKernel`.
 
 pub mod arithmetic;
 pub mod centres;

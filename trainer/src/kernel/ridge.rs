@@ -157,7 +157,7 @@ mod tests {
     use super::super::function::SMOOTHEST_FIRST;
     use super::super::inputs::{Inputs, WIDTHS};
     use super::*;
-    use sinew_runtime::kernel::Kernel;
+    use sinew_runtime::envelope::GroupKernel;
     use std::ops::Range;
 
     fn truth(x: f64, y: f64) -> [f64; 2] {
@@ -181,7 +181,7 @@ mod tests {
                 fit(&design, &outputs, &scored.ridges).unwrap();
             let at = |x: f64, y: f64| map.evaluate(&[scale * x, scale * y]);
             assert_eq!(at(0.0, 0.0).outputs, [0.0, 0.0]);
-            let most = if kernel == Kernel::Matern12 { 0.1 } else { 0.02 };
+            let most = if kernel == GroupKernel::Matern12 { 0.1 } else { 0.02 };
             for (x, y) in [(0.3, -0.2), (-0.5, 0.4), (0.1, 0.8)] {
                 assert!(at(x, y).confidence == 1.0);
                 for (a, b) in at(x, y).outputs.iter().zip(truth(x, y)) {

@@ -10,7 +10,7 @@ use sinew_runtime::envelope::{
 use sinew_runtime::format::{
     Axis, Element, FileId, PartKind, PartRow, SectionKind, SectionRow, checksum,
 };
-use sinew_runtime::kernel::Kernel;
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::skin::{Output, Rest, SkinCounts, SkinLayout, cells};
 use sinew_runtime::{
     CallError, Envelope, Limits, LocalTransform, Matrix3x4, Model, Skin, SkinJob, Workspace,
@@ -108,7 +108,7 @@ fn tables(model: &Model<&[u8]>) {
         black_box((kind.name(), kind.element().name(), Element::ALL));
         counts(kind);
     }
-    if let Some(kernel) = Kernel::from_number(black_box(8)) {
+    if let Some(kernel) = GroupKernel::from_number(black_box(8)) {
         black_box((kernel.name(), kernel.value(black_box(1.0))));
         black_box(kernel.at_rest(some::<f32>(&[]).iter().copied()));
     }

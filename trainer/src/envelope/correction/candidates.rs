@@ -14,8 +14,8 @@ use crate::kernel::ridge::{self, KernelFit, Scored};
 use faer::Mat;
 use nalgebra::Matrix3;
 use serde::Serialize;
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::GroupRow;
-use sinew_runtime::kernel::Kernel;
 use std::ops::Range;
 
 /// Candidate hops, the fewest inputs first.
@@ -220,7 +220,7 @@ fn choose(near: &NearJoints, outputs: &Outputs, nothing: &[f64], proxies: usize)
 }
 
 /// The best width of a kernel with as many centres as may be.
-fn widest(inputs: &Inputs, outputs: &Outputs, kernel: Kernel) -> Option<Scored> {
+fn widest(inputs: &Inputs, outputs: &Outputs, kernel: GroupKernel) -> Option<Scored> {
     let most = most_centres(inputs);
     let designs = WIDTHS.into_iter().flat_map(|width| Design::each(inputs, kernel, width, &[most]));
     let scored = designs.filter_map(|design| ridge::best(&design, outputs));

@@ -1,7 +1,7 @@
-//! One kernel map, read in place: `y = w outputs (C (G(s) - rest) + A x)`.
+//! The kernel map of a group, read in place: `y = w outputs (C (G(s) - rest) + A x)`.
 
-use super::function::{Kernel, in_lanes};
-use crate::linear::{Le, block_distances, block_entry, block_product, floats};
+use super::group_kernel::GroupKernel;
+use crate::linear::{Le, block_distances, block_entry, block_product, floats, in_lanes, padded};
 use crate::numeric::smoothstep;
 
 /// Sizes of a kernel map.
@@ -15,11 +15,6 @@ pub(crate) struct Shape {
     pub(crate) rank: usize,
     /// Outputs, o.
     pub(crate) output_len: usize,
-}
-
-/// Returns a number of rows rounded up to whole blocks of 8.
-pub(crate) const fn padded(len: usize) -> usize {
-    len.next_multiple_of(8)
 }
 
 impl Shape {
@@ -42,7 +37,7 @@ impl Shape {
 #[derive(Clone, Copy)]
 pub(crate) struct Map<'a> {
     pub(crate) shape: Shape,
-    pub(crate) kernel: Kernel,
+    pub(crate) kernel: GroupKernel,
     /// Squared distances at which a centre stops to vouch for x wholly, and at all.
     pub(crate) fade: (f32, f32),
     centres: &'a [[Le; 8]],
@@ -55,7 +50,7 @@ impl<'a> Map<'a> {
     /// Cuts the words of a map; `None` if they are too few.
     pub(crate) fn new(
         shape: Shape,
-        kernel: Kernel,
+        kernel: GroupKernel,
         fade: (f32, f32),
         words: &'a [Le],
     ) -> Option<Self> {

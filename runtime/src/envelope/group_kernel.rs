@@ -1,0 +1,172 @@
+//! The kernels of an envelope's kernel maps: bell-shaped, positive definite, 1 at their centre. A further
+//! one is added as the trainer's `kernel/mod.rs` lists.
+
+use crate::linear::{Distances, in_lanes};
+use crate::numeric::{EXP_MAX, exp_negative, one_minus_exp_negative, sqrt};
+
+/// A kernel that falls from 1 at its centre and is positive definite, as a function of s, the squared
+/// scaled distance (METHOD §2.1): one that an envelope's group may have.
+///
+/// Its number in the file is its place in METHOD §2.1's table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum GroupKernel {
+    /// `e^-s`.
+    Gaussian = 8,
+    /// `e^-a`, a = √s.
+    Matern12 = 9,
+    /// `(1 + a) e^-a`, a = √(3 s).
+    Matern32 = 10,
+    /// `(1 + a + a²/3) e^-a`, a = √(5 s).
+    Matern52 = 11,
+}
+
+impl GroupKernel {
+    /// Every kernel.
+    pub const ALL: [Self; 4] = [Self::Gaussian, Self::Matern12, Self::Matern32, Self::Matern52];
+
+    /// Returns its number in the file.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// Returns its name, as FORMAT.md has it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Gaussian => "gaussian",
+            Self::Matern12 => "Matérn 1/2",
+            Self::Matern32 => "Matérn 3/2",
+            Self::Matern52 => "Matérn 5/2",
+        }
+    }
+
+    /// Returns the kernel of this number.
+    pub fn from_number(number: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(number).checked_sub(Self::Gaussian as usize)?).copied()
+    }
+
+    /// Evaluates the kernel at a squared distance `s >= 0`: 1 at 0, finite and positive everywhere.
+    pub fn value(self, s: f32) -> f32 {
+        let [value] = self.values([s]);
+        value
+    }
+
+    /// Evaluates the kernel of a centre at x = 0, with the bits that a kernel map gives there:
+    /// what a file stores as `rest`.
+    pub fn at_rest(self, centre: impl IntoIterator<Item = f32>) -> f32 {
+        self.value(centre.into_iter().fold(0.0, |sum, t| sum + t * t))
+    }
+
+    /// Evaluates the kernels of 8 centres less their values at x = 0.
+    #[inline(always)]
+    pub(crate) fn changes(self, distances: &Distances, rest: [f32; 8]) -> [f32; 8] {
+        let mut out = distances.squared;
+        if self == Self::Gaussian {
+            for ((s, gain), rest) in out.iter_mut().zip(distances.gain).zip(rest) {
+                *s = gaussian_change(*s, gain, rest);
+            }
+        } else {
+            out = self.values(out);
+            out.iter_mut().zip(rest).for_each(|(value, rest)| *value -= rest);
+        }
+        out
+    }
+
+    /// Evaluates the kernel in N lanes.
+    #[inline(always)]
+    pub(crate) fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
+        // A Matérn kernel is `(1 + p a + q a²) e^-a`, a = √(scale s); p and q are exact where they
+        // are 0 or 1.
+        let (scale, p, q) = match self {
+            Self::Gaussian => return in_lanes(s, exp_negative),
+            Self::Matern12 => (1.0, 0.0, 0.0),
+            Self::Matern32 => (3.0, 1.0, 0.0),
+            Self::Matern52 => (5.0, 1.0, 1.0 / 3.0),
+        };
+        in_lanes(in_lanes(s, |s| sqrt(scale * s)), |a| {
+            let a = bounded(a);
+            (1.0 + p * a + a * a * q) * exp_negative(a)
+        })
+    }
+}
+
+/// Returns `e^-s - e^-s0` of `s >= 0`, given `e^-s0` and `s - s0`: to its last places also where the
+/// two are close.
+#[inline(always)]
+fn gaussian_change(s: f32, gain: f32, rest: f32) -> f32 {
+    let nearer = gain < 0.0;
+    let greater = if nearer { exp_negative(s) } else { rest };
+    let change = greater * one_minus_exp_negative(if nearer { -gain } else { gain });
+    if nearer { change } else { -change }
+}
+
+/// Keeps the polynomial before e^-a finite where e^-a has stopped falling.
+#[inline(always)]
+fn bounded(a: f32) -> f32 {
+    if a < EXP_MAX { a } else { EXP_MAX }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    fn exact(kernel: GroupKernel, s: f64) -> f64 {
+        let (a, b) = ((3.0 * s).sqrt(), (5.0 * s).sqrt());
+        match kernel {
+            GroupKernel::Gaussian => (-s).exp(),
+            GroupKernel::Matern12 => (-s.sqrt()).exp(),
+            GroupKernel::Matern32 => (1.0 + a) * (-a).exp(),
+            GroupKernel::Matern52 => (1.0 + b + b * b / 3.0) * (-b).exp(),
+        }
+    }
+
+    #[test]
+    fn values_are_those_of_the_closed_forms() {
+        for kernel in GroupKernel::ALL {
+            let mut worst = 0.0f64;
+            // Miri is slow.
+            for i in (0..200_000).step_by(if cfg!(miri) { 499 } else { 1 }) {
+                // Squares, so that distances are spread evenly.
+                let s = (i as f32 * 3e-5).powi(2);
+                let (found, expected) = (f64::from(kernel.value(s)), exact(kernel, s.into()));
+                worst = worst.max((found / expected - 1.0).abs());
+            }
+            // 2 ULP of the exponential, a few roundings, and a's own, which e^-a magnifies.
+            assert!(worst < 12e-7 && worst > 1e-8, "{kernel:?} {worst}");
+        }
+    }
+
+    #[test]
+    fn changes_keep_their_last_places() {
+        let rest = 0.7f64;
+        for gain in [-0.35, -1e-3, -1e-6, 0.0, 1e-9, 1e-3, 0.5, 3.0, 40.0] {
+            let s = rest + gain;
+            let exact = (-rest).exp() * (-gain).exp_m1();
+            let found = gaussian_change(s as f32, gain as f32, (-rest).exp() as f32);
+            assert!((f64::from(found) - exact).abs() <= 4e-7 * exact.abs(), "{gain} {found}");
+        }
+        assert!(gaussian_change(f32::INFINITY, f32::INFINITY, 1.0).is_finite());
+    }
+
+    #[test]
+    fn one_at_the_centre_and_finite_everywhere() {
+        for kernel in GroupKernel::ALL {
+            assert_eq!(kernel.value(0.0), 1.0);
+            for s in [f32::MAX, f32::INFINITY, f32::NAN] {
+                let value = kernel.value(s);
+                assert!((0.0..1e-34).contains(&value), "{kernel:?} {s} {value}");
+            }
+            assert_eq!(GroupKernel::from_number(kernel.number()), Some(kernel));
+        }
+        assert_eq!(GroupKernel::from_number(7), None);
+    }
+
+    #[test]
+    fn eight_lanes_have_the_bits_of_one() {
+        let s = [0.0, 1e-9, 0.1, 0.7, 3.0, 40.0, 1e3, 1e30];
+        for kernel in GroupKernel::ALL {
+            assert_eq!(kernel.values(s), s.map(|s| kernel.value(s)));
+        }
+    }
+}
