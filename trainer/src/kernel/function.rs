@@ -2,56 +2,106 @@
 
 use serde::Serializer;
 use sinew_runtime::envelope::GroupKernel;
+use sinew_runtime::kernel::Kernel;
 
-/// Every kernel, the smoothest first.
+/// Kernels of an envelope's groups, the smoothest first.
 pub const SMOOTHEST_FIRST: [GroupKernel; 4] =
     [GroupKernel::Gaussian, GroupKernel::Matern52, GroupKernel::Matern32, GroupKernel::Matern12];
 
 /// A kernel in f64.
-pub trait Exact {
-    /// Evaluates the kernel: 1 at s = 0.
-    fn exact(self, s: f64) -> f64;
+pub trait Exact: Into<Kernel> {
+    /// Evaluates G at `s >= 0`.
+    fn exact(self, s: f64) -> f64 {
+        let r = s.sqrt();
+        match self.into() {
+            Kernel::Linear => -r,
+            Kernel::ThinPlate if s == 0.0 => 0.0,
+            Kernel::ThinPlate => 0.5 * s * s.ln(),
+            Kernel::Cubic => s * r,
+            Kernel::Quintic => -s * s * r,
+            Kernel::Multiquadric => -(1.0 + s).sqrt(),
+            Kernel::InverseMultiquadric => 1.0 / (1.0 + s).sqrt(),
+            Kernel::InverseQuadratic => 1.0 / (1.0 + s),
+            Kernel::Gaussian => (-s).exp(),
+            Kernel::Matern12 => (-r).exp(),
+            Kernel::Matern32 => {
+                let a = (3.0 * s).sqrt();
+                (1.0 + a) * (-a).exp()
+            }
+            Kernel::Matern52 => {
+                let a = (5.0 * s).sqrt();
+                (1.0 + a + a * a / 3.0) * (-a).exp()
+            }
+            Kernel::Wendland { l } => {
+                let power = f64::from(l) + 1.0;
+                (1.0 - r).max(0.0).powf(power) * (power * r + 1.0)
+            }
+            Kernel::Hat { power } => (1.0 - r.powi(power.into())).max(0.0),
+        }
+    }
+
+    /// Returns the slope dG/ds at `s >= 0`; 0 at 0 where it is infinite there, so that its product with
+    /// the distance is what it tends to, or the middle of it where that is a cone.
+    fn slope(self, s: f64) -> f64 {
+        let r = s.sqrt();
+        let over_r = |value: f64| if r > 0.0 { value / r } else { 0.0 };
+        match self.into() {
+            Kernel::Linear => -over_r(0.5),
+            Kernel::ThinPlate if s == 0.0 => 0.0,
+            Kernel::ThinPlate => 0.5 * (s.ln() + 1.0),
+            Kernel::Cubic => 1.5 * r,
+            Kernel::Quintic => -2.5 * s * r,
+            Kernel::Multiquadric => -0.5 / (1.0 + s).sqrt(),
+            Kernel::InverseMultiquadric => -0.5 / ((1.0 + s) * (1.0 + s).sqrt()),
+            Kernel::InverseQuadratic => -1.0 / ((1.0 + s) * (1.0 + s)),
+            Kernel::Gaussian => -(-s).exp(),
+            Kernel::Matern12 => -over_r(0.5 * (-r).exp()),
+            Kernel::Matern32 => -1.5 * (-(3.0 * s).sqrt()).exp(),
+            Kernel::Matern52 => {
+                let a = (5.0 * s).sqrt();
+                -5.0 / 6.0 * (1.0 + a) * (-a).exp()
+            }
+            Kernel::Wendland { l } => {
+                let power = f64::from(l) + 1.0;
+                -0.5 * power * (power + 1.0) * (1.0 - r).max(0.0).powf(power - 1.0)
+            }
+            Kernel::Hat { .. } if r >= 1.0 => 0.0,
+            Kernel::Hat { power: 1 } => -over_r(0.5),
+            Kernel::Hat { power } => -0.5 * f64::from(power) * r.powi(i32::from(power) - 2),
+        }
+    }
 
     /// Returns -√s G'(s), how steeply the kernel falls with the distance: half of -dG/d√s.
-    fn steepness(self, s: f64) -> f64;
-}
-
-impl Exact for GroupKernel {
-    fn exact(self, s: f64) -> f64 {
-        let a = argument(self, s);
-        let factor = match self {
-            Self::Gaussian | Self::Matern12 => 1.0,
-            Self::Matern32 => 1.0 + a,
-            Self::Matern52 => 1.0 + a + a * a / 3.0,
-        };
-        factor * (-a).exp()
-    }
-
     fn steepness(self, s: f64) -> f64 {
-        let a = argument(self, s);
-        let factor = match self {
-            Self::Gaussian => s.sqrt(),
-            Self::Matern12 => 0.5,
-            Self::Matern32 => 3f64.sqrt() * a / 2.0,
-            Self::Matern52 => 5f64.sqrt() * a * (1.0 + a) / 6.0,
-        };
-        factor * (-a).exp()
+        match self.into() {
+            Kernel::Linear => 0.5,
+            Kernel::Matern12 => 0.5 * (-s.sqrt()).exp(),
+            kernel => -s.sqrt() * kernel.slope(s),
+        }
     }
 }
 
-/// Returns what the exponential takes.
-fn argument(kernel: GroupKernel, s: f64) -> f64 {
+impl Exact for Kernel {}
+impl Exact for GroupKernel {}
+
+/// Returns the order of a kernel's conditional definiteness: one more than the degree of the least
+/// polynomial that a fit with it needs; none of a hat, with which nothing can be solved.
+pub const fn order(kernel: Kernel) -> Option<usize> {
     match kernel {
-        GroupKernel::Gaussian => s,
-        GroupKernel::Matern12 => s.sqrt(),
-        GroupKernel::Matern32 => (3.0 * s).sqrt(),
-        GroupKernel::Matern52 => (5.0 * s).sqrt(),
+        Kernel::Linear | Kernel::Multiquadric => Some(1),
+        Kernel::ThinPlate | Kernel::Cubic => Some(2),
+        Kernel::Quintic => Some(3),
+        Kernel::Hat { .. } => None,
+        _ => Some(0),
     }
 }
 
 /// Writes a kernel by its name.
-pub fn by_name<S: Serializer>(kernel: &GroupKernel, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(kernel.name())
+pub fn by_name<S: Serializer>(
+    kernel: &(impl Copy + Into<Kernel>),
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str((*kernel).into().name())
 }
 
 #[cfg(test)]
@@ -59,19 +109,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steepness_is_the_slope_of_the_value() {
-        for kernel in SMOOTHEST_FIRST {
-            for r in [0.1f64, 0.7, 2.0] {
+    fn slopes_are_those_of_the_values() {
+        for kernel in Kernel::ALL {
+            for r in [0.1f64, 0.7, 0.95, 2.0] {
                 let h = 1e-5;
                 let at = |r: f64| kernel.exact(r * r);
                 let slope = (at(r + h) - at(r - h)) / (2.0 * h);
-                assert!((slope + 2.0 * kernel.steepness(r * r)).abs() < 1e-9, "{kernel:?} {r}");
+                let scale = 1.0 + slope.abs();
+                assert!(
+                    (slope - 2.0 * r * kernel.slope(r * r)).abs() < 1e-8 * scale,
+                    "{kernel:?} {r}"
+                );
+                assert!(
+                    (slope + 2.0 * kernel.steepness(r * r)).abs() < 1e-8 * scale,
+                    "{kernel:?} {r}"
+                );
             }
+            assert!(kernel.slope(0.0).is_finite());
         }
     }
 
     #[test]
-    fn kernels_are_one_at_their_centre_and_fall() {
+    fn kernels_of_groups_are_one_at_their_centre_and_fall() {
         for kernel in SMOOTHEST_FIRST {
             assert_eq!(kernel.exact(0.0), 1.0);
             let values: Vec<f64> = (0..30).map(|i| kernel.exact(f64::from(i))).collect();

@@ -26,3 +26,4 @@ pub mod left_out;
 pub mod map;
 pub mod outputs;
 pub mod ridge;
+pub mod sum;
