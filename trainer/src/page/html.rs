@@ -1,6 +1,6 @@
 //! The page's parts: text, tables, pictures.
 
-use super::render::Picture;
+use super::picture::Picture;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use png::EncodingError;

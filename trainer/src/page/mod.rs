@@ -4,5 +4,7 @@
 pub mod camera;
 pub(crate) mod chart;
 pub mod colour;
+pub mod drawing;
 pub(crate) mod html;
+pub mod picture;
 pub mod render;

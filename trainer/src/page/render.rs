@@ -2,8 +2,8 @@
 
 use super::camera::{Camera, Resolution};
 use super::colour::Colour;
+use super::picture::Picture;
 use nalgebra::Vector3;
-use png::{BitDepth, ColorType, Encoder, EncodingError};
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 2;
@@ -44,15 +44,6 @@ pub struct Hit {
     pub weights: [f64; 3],
     /// Distance toward the eye.
     pub depth: f64,
-}
-
-/// Pixels from the upper left, row by row: red, green, blue, and how far each is covered.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
-    /// Width and height.
-    pub size: Resolution,
-    /// Pixels, 4 bytes each.
-    pub rgba: Vec<u8>,
 }
 
 impl ShadedMesh<'_> {
@@ -174,22 +165,6 @@ impl ShadedMesh<'_> {
             light += share * ((right * x + up * y + toward * z) / length).max(0.0);
         }
         if inside { INSIDE * light } else { light }
-    }
-}
-
-impl Picture {
-    /// Encodes the picture as PNG.
-    ///
-    /// # Errors
-    /// Those of the encoder.
-    pub fn png(&self) -> Result<Vec<u8>, EncodingError> {
-        let mut bytes = Vec::new();
-        let Resolution { width, height } = self.size;
-        let mut encoder = Encoder::new(&mut bytes, width as u32, height as u32);
-        encoder.set_color(ColorType::Rgba);
-        encoder.set_depth(BitDepth::Eight);
-        encoder.write_header()?.write_image_data(&self.rgba)?;
-        Ok(bytes)
     }
 }
 
@@ -339,17 +314,5 @@ mod tests {
         // Middles with x + y <= 8: 8 + 7 + … + 1.
         assert_eq!(seen([0, 1, 2]).max(seen([0, 2, 1])), 3.0 * 36.0);
         assert_eq!(seen([0, 1, 2]).min(seen([0, 2, 1])), 0.0);
-    }
-
-    #[test]
-    fn png_reads_back() {
-        let size = Resolution { width: 2, height: 1 };
-        let picture = Picture { size, rgba: vec![1, 2, 3, 255, 4, 5, 6, 128] };
-        let bytes = std::io::Cursor::new(picture.png().unwrap());
-        let mut reader = png::Decoder::new(bytes).read_info().unwrap();
-        let mut rgba = vec![0; 8];
-        let info = reader.next_frame(&mut rgba).unwrap();
-        assert_eq!((info.width, info.height, info.color_type), (2, 1, ColorType::Rgba));
-        assert_eq!(rgba, picture.rgba);
     }
 }
