@@ -25,15 +25,16 @@ pub enum CallErrorKind {
     Length,
     /// The argument must have at least `expected` elements; `usize::MAX` stands for more.
     TooShort,
-    /// Element `index` is not finite.
+    /// Element `index` is not finite, or would not be.
     NonFinite,
-    /// Quaternion `index` has no direction: it is zero, or too small or too large to square.
+    /// Quaternion `index`, of a query that of an input, has no direction: it is zero, or too small or too
+    /// large to square.
     ZeroRotation,
     /// Element `index`, of a range an end, is `found` where at most `expected` may stand.
     OutOfRange,
     /// The stride is shorter than the attribute, which has `expected` floats.
     Stride,
-    /// The skin has no such attribute.
+    /// The skin has no such attribute, or the kernel no variance.
     NoAttribute,
     /// The envelope's predictor, whose number is `found`, does not have the stage.
     NoStage,
@@ -81,6 +82,14 @@ pub enum Argument {
     Normals,
     /// Tangents written, in floats.
     Tangents,
+    /// Numbers of a query.
+    Query,
+    /// Numbers of the outputs.
+    Outputs,
+    /// Derivatives.
+    Jacobian,
+    /// Variances.
+    Variances,
 }
 
 impl CallError {
@@ -134,6 +143,18 @@ impl Argument {
             Self::Positions => "positions",
             Self::Normals => "normals",
             Self::Tangents => "tangents",
+            Self::Query => "query",
+            Self::Outputs => "outputs",
+            Self::Jacobian => "Jacobian",
+            Self::Variances => "variances",
+        }
+    }
+
+    /// Returns what its elements are, and those of them that rotate.
+    const fn elements(self) -> [&'static str; 2] {
+        match self {
+            Self::Query | Self::Outputs | Self::Jacobian | Self::Variances => ["number", "input"],
+            _ => ["joint"; 2],
         }
     }
 }
@@ -144,6 +165,7 @@ impl fmt::Display for CallError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { kind, argument, index, expected, found } = *self;
         let name = argument.name();
+        let [element, rotation] = argument.elements();
         match kind {
             CallErrorKind::Length => {
                 write!(f, "{name}: expected {expected} elements, found {found}")
@@ -151,9 +173,9 @@ impl fmt::Display for CallError {
             CallErrorKind::TooShort => {
                 write!(f, "{name}: expected at least {expected} elements, found {found}")
             }
-            CallErrorKind::NonFinite => write!(f, "{name}: joint {index} is not finite"),
+            CallErrorKind::NonFinite => write!(f, "{name}: {element} {index} is not finite"),
             CallErrorKind::ZeroRotation => {
-                write!(f, "{name}: the rotation of joint {index} has no direction")
+                write!(f, "{name}: the rotation of {rotation} {index} has no direction")
             }
             CallErrorKind::OutOfRange => {
                 write!(f, "{name}: expected at most {expected}, found {found} at {index}")
@@ -162,7 +184,7 @@ impl fmt::Display for CallError {
                 f,
                 "{name}: a stride of {found} floats is shorter than the attribute's {expected}"
             ),
-            CallErrorKind::NoAttribute => write!(f, "{name}: the skin has none"),
+            CallErrorKind::NoAttribute => write!(f, "{name}: the part has none"),
             CallErrorKind::NoStage => {
                 write!(f, "the stage is not part of the envelope's predictor, number {found}")
             }

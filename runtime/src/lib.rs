@@ -13,6 +13,7 @@
 pub mod envelope;
 mod error;
 pub mod format;
+#[cfg(feature = "kernel")]
 pub mod kernel;
 
 mod limits;
@@ -27,6 +28,8 @@ mod workspace;
 pub use envelope::{Envelope, LocalTransform, model_space_pose};
 pub use error::{Argument, CallError, CallErrorKind};
 pub use format::{FileError, FileErrorKind};
+#[cfg(feature = "kernel")]
+pub use kernel::KernelMap;
 pub use limits::Limits;
 pub use linear::Matrix3x4;
 pub use model::{Model, Section};

@@ -27,6 +27,24 @@ pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// Returns the squared length of a quaternion x, y, z, w.
+pub(crate) fn squared_length([x, y, z, w]: [f32; 4]) -> f32 {
+    dot([x, y, z], [x, y, z]) + w * w
+}
+
+/// Returns the rows of the rotation of a quaternion x, y, z, w of any length but 0: dividing by the squared
+/// length stands for normalising.
+pub(crate) fn turn(q: [f32; 4]) -> [[f32; 3]; 3] {
+    let [x, y, z, w] = q;
+    let s = 2.0 / squared_length(q);
+    let (xs, ys, zs) = (x * s, y * s, z * s);
+    [
+        [1.0 - (y * ys + z * zs), x * ys - w * zs, x * zs + w * ys],
+        [x * ys + w * zs, 1.0 - (x * xs + z * zs), y * zs - w * xs],
+        [x * zs - w * ys, y * zs + w * xs, 1.0 - (x * xs + y * ys)],
+    ]
+}
+
 /// Returns a b.
 pub(crate) fn product(a: &Columns, [x, y, z]: &Columns) -> Columns {
     [transform(a, *x), transform(a, *y), transform(a, *z)]

@@ -6,15 +6,17 @@ use crate::format::refusal::{Checked, Loading, Refused};
 use crate::format::{
     FileError, FileId, Manifest, PartKind, PartRow, SectionKind, SectionRow, Space,
 };
+#[cfg(feature = "kernel")]
+use crate::kernel::{self, KernelMap};
 use crate::limits::Limits;
 use crate::skin::{self, Skin};
 use core::fmt;
 
 /// A validated model in whatever its bytes are kept: `&[u8]`, `Vec<u8>`, `Arc<[u8]>`, a mapped file.
 ///
-/// What loading finds is offsets. Envelopes and skins are views that borrow the model and cost nothing
-/// to make, so that a model can be stored, shared between threads, and replaced like any other value.
-/// Bytes that change after loading may give wrong numbers, never a panic.
+/// What loading finds is offsets. Envelopes, skins and kernels are views that borrow the model and cost
+/// nothing to make, so that a model can be stored, shared between threads, and replaced like any other
+/// value. Bytes that change after loading may give wrong numbers, never a panic.
 #[derive(Clone, Copy)]
 pub struct Model<B> {
     bytes: B,
@@ -92,6 +94,24 @@ impl<B: AsRef<[u8]>> Model<B> {
     /// Returns the skin of this name.
     pub fn skin_named(&self, name: &str) -> Option<Skin<'_>> {
         self.skins().find(|skin| skin.name() == name)
+    }
+
+    /// Returns the first kernel; `None` if the file has none.
+    #[cfg(feature = "kernel")]
+    pub fn kernel(&self) -> Option<KernelMap<'_>> {
+        self.found.first(PartKind::Kernel, self.bytes.as_ref()).map(KernelMap)
+    }
+
+    /// Lists the kernels; keep [`KernelMap::layout`] likewise.
+    #[cfg(feature = "kernel")]
+    pub fn kernels(&self) -> impl Iterator<Item = KernelMap<'_>> {
+        self.parts_of(PartKind::Kernel).map(KernelMap)
+    }
+
+    /// Returns the kernel of this name.
+    #[cfg(feature = "kernel")]
+    pub fn kernel_named(&self, name: &str) -> Option<KernelMap<'_>> {
+        self.kernels().find(|kernel| kernel.name() == name)
     }
 
     /// Returns the envelope whose palette a skin of this model follows.
@@ -185,6 +205,13 @@ impl Found {
                         first.keep(&view.0.layout);
                         skin::check::content(&view, loading)?;
                     }
+                    #[cfg(feature = "kernel")]
+                    PartKind::Kernel => {
+                        let mut view = KernelMap(view);
+                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
+                        first.keep(&view.0.layout);
+                        kernel::check::content(&view, loading)?;
+                    }
                 }
             }
         }
@@ -193,11 +220,8 @@ impl Found {
 
     /// Returns the first part of a kind.
     fn first<'a>(&self, kind: PartKind, file: &'a [u8]) -> Option<Part<'a>> {
-        let [envelope, skin] = &self.firsts;
-        let layout = match kind {
-            PartKind::Envelope => envelope,
-            PartKind::Skin => skin,
-        };
+        let place = PartKind::ALL.iter().position(|own| *own == kind)?;
+        let layout = self.firsts.get(place)?;
         layout.is_some().then_some(Part { layout: *layout, file })
     }
 }
@@ -214,18 +238,22 @@ fn find_part(
     let rules = match kind {
         PartKind::Envelope => &envelope::RULES[..],
         PartKind::Skin => &skin::RULES,
+        #[cfg(feature = "kernel")]
+        PartKind::Kernel => &kernel::RULES,
     };
     out.enter(loading, manifest, part, rules)?;
     // The counts are the first of the rules.
     out.find_sections(loading, manifest, rules.get(..1).unwrap_or_default(), &Asked::COUNTS)?;
     out.read_counts();
     let asked = match kind {
-        PartKind::Envelope => envelope::check::counts(out.layout.counts, loading)?,
+        PartKind::Envelope => envelope::check::counts(&out.layout.counts, loading)?,
         PartKind::Skin => {
             let palette_len = |part| palette_len(loading, manifest, part);
             let part_len = manifest.parts(file).len();
             skin::check::counts(&mut out.layout.counts, loading, part_len, palette_len)?
         }
+        #[cfg(feature = "kernel")]
+        PartKind::Kernel => kernel::check::counts(&out.layout.counts, loading)?,
     };
     out.find_sections(loading, manifest, rules, &asked)
 }

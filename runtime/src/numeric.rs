@@ -58,6 +58,10 @@ pub(crate) fn quadrant_angle(y: f32, x: f32) -> f32 {
     if is_steep { core::f32::consts::FRAC_PI_2 - angle } else { angle }
 }
 
+// ln 2 in two parts; a multiple below 2^8 of the first is exact.
+const LN_2_0: f32 = 0.693_359_4;
+const LN_2_1: f32 = -2.121_944_4e-4;
+
 /// Where [`exp_negative`] stops falling, above the least normal number.
 pub(crate) const EXP_MAX: f32 = 87.0;
 
@@ -71,9 +75,6 @@ pub(crate) const EXP_MAX: f32 = 87.0;
 pub(crate) fn exp_negative(a: f32) -> f32 {
     // 1.5 * 2^23: its last place is 1, so that adding it rounds to a whole number.
     const ROUND: f32 = 12_582_912.0;
-    // ln 2 in two parts; a multiple below 2^7 of the first is exact.
-    const LN_2_0: f32 = 0.693_359_4;
-    const LN_2_1: f32 = -2.121_944_4e-4;
     let a = if a < EXP_MAX { a } else { EXP_MAX };
     let rounded = ROUND - a * core::f32::consts::LOG2_E;
     let k = rounded - ROUND;
@@ -93,6 +94,37 @@ pub(crate) fn one_minus_exp_negative(a: f32) -> f32 {
     let tail = -0.041_661_285 + a * (8.311_225e-3 + a * (-1.341_553e-3 + a * 1.465_846_3e-4));
     let near = a + a * a * (-0.499_999_97 + a * (0.166_666_03 + a * tail));
     if a < core::f32::consts::LN_2 { near } else { 1.0 - exp_negative(a) }
+}
+
+/// Returns the natural logarithm of `x >= 0`; below the least normal number, that number's.
+///
+/// Error: 1 ULP, also near 1, where it is small. Without branches and in integer steps that GLSL and WGSL
+/// have; lanes vectorise.
+#[cfg(feature = "kernel")]
+#[cfg_attr(not(target_os = "none"), inline(always))]
+#[cfg_attr(target_os = "none", inline(never))]
+pub(crate) fn ln(x: f32) -> f32 {
+    // Of the bits of √(1/2), and of a number's exponent: mantissas lie within √(1/2) and √2.
+    const ROOT_HALF: i32 = 0x3f35_04f3;
+    const EXPONENT: i32 = 23;
+    let bits = greater(x, f32::MIN_POSITIVE).to_bits() as i32;
+    let k = (bits - ROOT_HALF) >> EXPONENT;
+    let f = f32::from_bits((bits - (k << EXPONENT)) as u32) - 1.0;
+    let k = k as f32;
+    let square = f * f;
+    let tail = 0.142_015_86 + f * (-0.131_595_98 + f * (0.127_621_43 + f * -0.076_363_62));
+    let middle = -0.250_008_2 + f * (0.200_012_42 + f * (-0.166_234_1 + f * tail));
+    let curve = square * f * (0.333_333_3 + f * middle) - 0.5 * square;
+    (f + (curve + k * LN_2_1)) + k * LN_2_0
+}
+
+/// Returns how near a squared distance is, in [0, 1]: 1 up to a fade's start, 0 from its end on, a quintic
+/// step between (METHOD §2.6). What is not a number is far.
+#[inline(always)]
+pub(crate) fn nearness(s: f32, (start, end): (f32, f32)) -> f32 {
+    let left = if s < end { end - s } else { 0.0 };
+    let u = left / (end - start);
+    smoothstep(if u < 1.0 { u } else { 1.0 })
 }
 
 /// Returns `u³ (10 - 15 u + 6 u²)` of `0 <= u <= 1`, in [0, 1]: 0 at 0, 1 at 1, flat at both.
@@ -200,6 +232,22 @@ mod tests {
         let near = exact as f32;
         assert!(found.is_normal() && near.is_normal());
         (f64::from(found) - exact).abs() / f64::from(near.next_up() - near)
+    }
+
+    #[cfg(feature = "kernel")]
+    #[test]
+    fn logarithms_to_their_last_places() {
+        let (mut near, mut far) = (0.0f64, 0.0f64);
+        for x in dense(0.5, 2.0, 7) {
+            near = near.max(ulps(ln(x), f64::from(x).ln()));
+        }
+        for x in dense(f32::MIN_POSITIVE, f32::MAX, 211) {
+            far = far.max(ulps(ln(x), f64::from(x).ln()));
+        }
+        assert!(near <= 1.0 && far <= 1.0 && near > 0.4 && far > 0.4, "{near} {far}");
+        assert_eq!(ln(1.0), 0.0);
+        assert_eq!([0.0, -0.0, 1e-45].map(ln), [ln(f32::MIN_POSITIVE); 3]);
+        assert!([f32::INFINITY, f32::NAN].map(ln).iter().all(|x| x.is_finite()));
     }
 
     #[test]

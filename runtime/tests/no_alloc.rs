@@ -4,8 +4,9 @@
 mod common;
 
 use common::{job, output, random_pose};
-use models::{Pieces, Rng, SMALL};
+use models::{KernelContent, Pieces, Rng, SMALL};
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Rest, cells};
 use sinew_runtime::{LocalTransform, Model, SkinJob, model_space_pose};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -87,6 +88,27 @@ fn evaluate(predictor: Predictor) {
         let rest = Rest { positions: Some(&positions), ..Rest::default() };
         SkinJob { remap: Some(&remap), rest, ..whole }.run().unwrap();
         assert!(Model::from_bytes(&bytes[1..]).is_err());
+    });
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn kernels_allocate_nothing() {
+    let bytes = Pieces::kernels(&[KernelContent::every(Kernel::Matern52)]).bytes();
+    let model = Model::from_bytes(bytes.as_slice()).unwrap();
+    let map = model.kernel().unwrap();
+    let (counts, query) = (map.counts(), vec![0.5; map.query_len()]);
+    let lens = [counts.scratch_len(), counts.jacobian_scratch_len(), counts.variance_scratch_len()];
+    let mut scratch = vec![0.0; lens.into_iter().max().unwrap()];
+    let (mut out, mut jacobian, mut variances) = (vec![0.0; 10], vec![0.0; 24 * 9], vec![0.0; 9]);
+    let count = allocations(|| {
+        let model = Model::from_bytes(bytes.as_slice()).unwrap();
+        let map = model.kernel_named("every").unwrap();
+        let map = map.layout().open(&bytes).unwrap();
+        assert!(map.evaluate(&query, &mut scratch, &mut out).unwrap().is_finite());
+        map.jacobian(&query, &mut scratch, &mut jacobian).unwrap();
+        map.variance(&query, &mut scratch, &mut variances).unwrap();
+        assert!(map.evaluate(&query[1..], &mut scratch, &mut out).is_err());
     });
     assert_eq!(count, 0);
 }

@@ -43,6 +43,14 @@ pub enum sinew_argument {
     Normals = 16,
     /// Tangents written; lengths in floats.
     Tangents = 17,
+    /// Numbers of a kernel's query.
+    Query = 18,
+    /// Numbers of a kernel's outputs.
+    Outputs = 19,
+    /// Derivatives of a kernel's values.
+    Jacobian = 20,
+    /// Variances of a kernel's values.
+    Variances = 21,
 
     /// Memory for an object; lengths in bytes.
     Memory = 50,
@@ -76,10 +84,16 @@ pub enum sinew_argument {
     Result = 64,
     /// Where a second result goes.
     SecondResult = 65,
+    /// A kernel.
+    Kernel = 66,
+    /// The number of a kernel's input.
+    Input = 67,
+    /// The number of a kernel's output.
+    Output = 68,
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 34] = {
+const NAMES: [(sinew_argument, &CStr); 41] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -100,6 +114,10 @@ const NAMES: [(sinew_argument, &CStr); 34] = {
         (A::Positions, c"positions"),
         (A::Normals, c"normals"),
         (A::Tangents, c"tangents"),
+        (A::Query, c"query"),
+        (A::Outputs, c"outputs"),
+        (A::Jacobian, c"Jacobian"),
+        (A::Variances, c"variances"),
         (A::Memory, c"memory"),
         (A::File, c"file"),
         (A::Limits, c"limits"),
@@ -116,6 +134,9 @@ const NAMES: [(sinew_argument, &CStr); 34] = {
         (A::Order, c"order"),
         (A::Result, c"result"),
         (A::SecondResult, c"second result"),
+        (A::Kernel, c"kernel"),
+        (A::Input, c"input"),
+        (A::Output, c"output"),
     ]
 };
 
@@ -148,6 +169,10 @@ impl From<Argument> for sinew_argument {
             Argument::Positions => Self::Positions,
             Argument::Normals => Self::Normals,
             Argument::Tangents => Self::Tangents,
+            Argument::Query => Self::Query,
+            Argument::Outputs => Self::Outputs,
+            Argument::Jacobian => Self::Jacobian,
+            Argument::Variances => Self::Variances,
         }
     }
 }

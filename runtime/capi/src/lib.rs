@@ -25,6 +25,8 @@ mod model;
 mod envelope;
 mod palette;
 
+mod kernel;
+
 mod skin;
 
 mod mesh;
@@ -35,6 +37,7 @@ pub use argument::*;
 pub use envelope::*;
 pub use error::*;
 pub use job::*;
+pub use kernel::*;
 pub use matrix::*;
 pub use mesh::*;
 pub use model::*;

@@ -96,6 +96,8 @@ pub struct sinew_model_info {
     pub envelope_len: usize,
     /// Skins.
     pub skin_len: usize,
+    /// Kernels.
+    pub kernel_len: usize,
     /// Where a character's head is.
     pub up: sinew_axis,
     /// Where a character looks.
@@ -207,6 +209,7 @@ pub unsafe extern "C" fn sinew_model_describe(
             part_len: model.parts().len(),
             envelope_len: model.envelopes().count(),
             skin_len: model.skins().count(),
+            kernel_len: model.kernels().count(),
             up: axis(space.up),
             forward: axis(space.forward),
             handedness: match space.handedness {
@@ -251,7 +254,7 @@ pub unsafe extern "C" fn sinew_model_blob(
 
 /// Finds a section of a part.
 ///
-/// - `part`: `sinew_envelope_info.part` or `sinew_skin_info.part`.
+/// - `part`: `sinew_envelope_info.part`, `sinew_skin_info.part` or `sinew_kernel_info.part`.
 /// - `kind`: its number in FORMAT.md.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OVERLAP`, `NOT_FOUND`.

@@ -17,17 +17,19 @@ pub enum sinew_status {
     Length = 1,
     /// An array is too short. Expected: the least length; found: its length.
     TooShort = 2,
-    /// A joint's transform is not finite. Index: the joint; of several poses, counted through all.
+    /// A joint's transform, or a number of a query, is not finite. Index: the joint, of several poses counted
+    /// through all; or the number. Of outputs, derivatives and variances: one would not be finite, for the
+    /// query is too far out.
     NonFinite = 3,
-    /// A joint's quaternion has no direction: it is zero, or too small or too large to square.
-    /// Index: the joint.
+    /// A quaternion has no direction: it is zero, or too small or too large to square. Index: the joint, or
+    /// the input.
     ZeroRotation = 4,
-    /// A joint, a vertex, a range of vertices or a distance is none that there may be. Index: which
+    /// A joint, a vertex, a range of vertices, an input, an output or a distance is none that there may be. Index: which
     /// element, of a range its start; expected: the most; found: what it is, of a range its end.
     OutOfRange = 5,
     /// A stride is shorter than its attribute. Expected: floats of the attribute; found: the stride.
     Stride = 6,
-    /// The skin has no such attribute.
+    /// The skin has no such attribute, or the kernel no variance.
     NoAttribute = 7,
     /// The envelope's predictor has no such stage. Found: the predictor.
     NoStage = 8,
@@ -44,12 +46,12 @@ pub enum sinew_status {
     /// Memory to be written, which the argument names, overlaps other memory of the call, or an object
     /// or the file that the call reads.
     Overlap = 53,
-    /// A handle points to no loaded object of its kind; of an envelope or a skin also: its model is
-    /// loaded no more, and then the argument is the model.
+    /// A handle points to no loaded object of its kind; of an envelope, a skin or a kernel also: its model
+    /// is loaded no more, and then the argument is the model.
     NotLoaded = 54,
-    /// The model of an envelope or a skin has been loaded again, with another file: open it anew.
+    /// The model of an envelope, a skin or a kernel has been loaded again, with another file: open it anew.
     Stale = 55,
-    /// The file holds no such envelope, skin or section. Of a section part and section tell which.
+    /// The file holds no such envelope, skin, kernel or section. Of a section part and section tell which.
     NotFound = 56,
     /// The skin has no vertices, and so no bounds.
     NoVertices = 57,
@@ -106,11 +108,11 @@ const TEXTS: [(sinew_status, &CStr); 37] = {
         (S::Ok, c"done"),
         (S::Length, c"an array has another length than it must have"),
         (S::TooShort, c"an array is too short"),
-        (S::NonFinite, c"the transform of a joint is not finite"),
-        (S::ZeroRotation, c"the quaternion of a joint has no direction"),
-        (S::OutOfRange, c"a joint, vertex or distance is out of range"),
+        (S::NonFinite, c"a transform or a number is not finite"),
+        (S::ZeroRotation, c"a quaternion has no direction"),
+        (S::OutOfRange, c"a number that counts, or a distance, is out of range"),
         (S::Stride, c"a stride is shorter than its attribute"),
-        (S::NoAttribute, c"the skin has no such attribute"),
+        (S::NoAttribute, c"the part has no such attribute"),
         (S::NoStage, c"the envelope's predictor has no such stage"),
         (S::NoOutput, c"there is nothing to write to"),
         (S::Null, c"a pointer is null"),
@@ -119,7 +121,7 @@ const TEXTS: [(sinew_status, &CStr); 37] = {
         (S::Overlap, c"memory to be written overlaps other memory of the call"),
         (S::NotLoaded, c"a handle points to no loaded object of its kind"),
         (S::Stale, c"the model holds another file than when this was opened"),
-        (S::NotFound, c"the file holds no such envelope, skin or section"),
+        (S::NotFound, c"the file holds no such part or section"),
         (S::NoVertices, c"the skin has no vertices"),
         (S::FileNotAModel, c"not a model"),
         (S::FileVersion, c"unknown version of the format"),

@@ -9,16 +9,16 @@ use super::group_row::GroupRow;
 use super::key::{KeyRow, joint_index};
 use super::view::Envelope;
 use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
-use crate::format::part::{Asked, COUNTS};
+use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
 use crate::format::{CORRECTION_MAX, FileErrorKind as Kind, SectionKind, saturated};
 use crate::linear::padded;
 use crate::linear::{Le, dot, floats, rows};
 
 /// Checks an envelope's counts, and returns what they ask of its sections.
-pub(crate) fn counts(words: [u32; COUNTS], loading: &Loading<'_>) -> Checked<Asked> {
+pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<Asked> {
     let section = SectionKind::EnvelopeCounts;
-    let Some(counts) = EnvelopeCounts::from_words(words) else {
+    let Some(counts) = EnvelopeCounts::from_words(first_counts(words)) else {
         let values = [0, words[place::PREDICTOR]];
         return Err(loading.refuse(Kind::Unsupported, Some(section), place::PREDICTOR, values));
     };
@@ -32,7 +32,7 @@ pub(crate) fn counts(words: [u32; COUNTS], loading: &Loading<'_>) -> Checked<Ask
         (place::PROXIES, predictor.reconstructs().into(), loading.limits.proxies.min(indexed)),
         (place::GROUPS, 0, groups),
     ];
-    check_counts(loading, section, &words, &ranges)?;
+    check_counts(loading, section, words, &ranges)?;
     Ok(counts.asked())
 }
 

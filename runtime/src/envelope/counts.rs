@@ -2,7 +2,7 @@
 
 use super::group_row::GroupRow;
 use crate::format::SectionKind;
-use crate::format::part::{Asked, COUNTS, SECTIONS};
+use crate::format::part::{Asked, COUNTS, SECTIONS, first_counts};
 use crate::format::rule::{ALWAYS, Rule};
 use crate::numeric::HALF_TURNS_MAX;
 
@@ -143,8 +143,8 @@ impl EnvelopeCounts {
     }
 
     /// Makes them of words that have been checked.
-    pub(crate) const fn read(words: [u32; COUNTS]) -> Self {
-        match Self::from_words(words) {
+    pub(crate) const fn read(words: &[u32; COUNTS]) -> Self {
+        match Self::from_words(first_counts(words)) {
             Some(counts) => counts,
             None => Self {
                 predictor: Predictor::Rotational,
@@ -174,7 +174,7 @@ impl EnvelopeCounts {
         let reconstructs = if self.predictor.reconstructs() { RECONSTRUCTS } else { 0 };
         let corrects = if self.predictor.corrects() { CORRECTS } else { 0 };
         let Self { joint_len: j, proxy_len: p, group_len: g, .. } = *self;
-        Asked { has: ALWAYS | reconstructs | corrects, sizes: [1, j, p, p.div_ceil(2), g] }
+        Asked::new(ALWAYS | reconstructs | corrects, [1, j, p, p.div_ceil(2), g])
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::group_kernel::GroupKernel;
 use crate::linear::{Le, block_distances, block_entry, block_product, floats, in_lanes, padded};
-use crate::numeric::smoothstep;
+use crate::numeric::nearness;
 
 /// Sizes of a kernel map.
 #[derive(Clone, Copy, Debug)]
@@ -96,24 +96,13 @@ impl<'a> Map<'a> {
         block_distances(self.centres, input, |distances| {
             let Some((out, rest)) = blocks.next() else { return };
             *out = self.kernel.changes(&distances, floats(rest));
-            for near in self.nearness(distances.squared).iter().take(left) {
+            let nearness = in_lanes(distances.squared, |s| nearness(s, self.fade));
+            for near in nearness.iter().take(left) {
                 doubt *= 1.0 - near;
             }
             left = left.saturating_sub(8);
         });
         1.0 - doubt
-    }
-
-    /// Returns b of 8 squared distances: 1 up to the fade's start, 0 from its end on.
-    #[inline(always)]
-    fn nearness(&self, s: [f32; 8]) -> [f32; 8] {
-        let (start, end) = self.fade;
-        in_lanes(s, |s| {
-            // A distance that is not a number is far.
-            let left = if s < end { end - s } else { 0.0 };
-            let u = left / (end - start);
-            smoothstep(if u < 1.0 { u } else { 1.0 })
-        })
     }
 
     /// Returns coordinate i of centre k.

@@ -3,7 +3,7 @@
 use super::key::joint_index;
 use super::view::Envelope;
 use crate::error::{Argument, CallError, CallErrorKind};
-use crate::linear::{Matrix3x4, compose, dot, floats, rows};
+use crate::linear::{Matrix3x4, compose, floats, rows, squared_length, turn};
 
 /// A joint's frame in its parent's, laid out as in C.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,19 +57,10 @@ pub fn model_space_pose(
     Ok(())
 }
 
-/// Returns the matrix of a local transform; dividing by the squared length stands for normalising.
+/// Returns the matrix of a local transform.
 fn frame(local: &LocalTransform) -> Matrix3x4 {
-    let [x, y, z, w] = local.rotation;
+    let [x, y, z] = turn(local.rotation);
     let [tx, ty, tz] = local.translation;
-    let s = 2.0 / squared_length(local.rotation);
-    let (xs, ys, zs) = (x * s, y * s, z * s);
-    [
-        [1.0 - (y * ys + z * zs), x * ys - w * zs, x * zs + w * ys, tx],
-        [x * ys + w * zs, 1.0 - (x * xs + z * zs), y * zs - w * xs, ty],
-        [x * zs - w * ys, y * zs + w * xs, 1.0 - (x * xs + y * ys), tz],
-    ]
-}
-
-fn squared_length([x, y, z, w]: [f32; 4]) -> f32 {
-    dot([x, y, z], [x, y, z]) + w * w
+    let row = |[a, b, c]: [f32; 3], t| [a, b, c, t];
+    [row(x, tx), row(y, ty), row(z, tz)]
 }

@@ -40,7 +40,7 @@ impl EnvelopeLayout {
 
     /// Returns the counts.
     pub const fn counts(&self) -> EnvelopeCounts {
-        EnvelopeCounts::read(self.0.counts)
+        EnvelopeCounts::read(&self.0.counts)
     }
 }
 

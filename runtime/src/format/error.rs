@@ -65,9 +65,10 @@ pub enum FileErrorKind {
     /// Element `index` should be `expected`, which follows from the rest of the file.
     Mismatch,
     /// Element `index` breaks a rule of its section: a name is not UTF-8 or out of place, a joint not
-    /// of the tree, an inverse bind matrix not rigid, a normal or tangent not of its length, a
+    /// of the tree, an inverse bind matrix not rigid, a normal, tangent or axis not of its length, a
     /// twist too large, weights do not sum to one, a fade does not start and then end, vertices lie
-    /// outside a rest box (`found` is the vertex), a range is not inside the mesh.
+    /// outside a rest box (`found` is the vertex), a range is not inside the mesh, or ends before it
+    /// starts, a first term is not 1.
     Invalid,
 }
 
@@ -84,6 +85,16 @@ fn counted(section: Option<SectionKind>, index: u32) -> &'static str {
             &["predictor", "joints", "proxies", "root", "groups", "floats of scratch"]
         }
         Some(SectionKind::SkinCounts) => &["vertices", "influences", "envelope", "ranges"],
+        Some(SectionKind::KernelCounts) => &[
+            "inputs",
+            "outputs",
+            "features",
+            "rows of the metric",
+            "centres",
+            "terms",
+            "values",
+            "rows of the variance",
+        ],
         Some(_) => &[],
     };
     names.get(index as usize).copied().unwrap_or("elements")
@@ -150,7 +161,11 @@ impl fmt::Display for FileError {
                 }
                 _ => {
                     let what = counted(section, index);
-                    write!(f, "{what}: the groups need {expected}, found {found}")
+                    let of = match section {
+                        Some(SectionKind::KernelCounts) => "rows",
+                        _ => "groups",
+                    };
+                    write!(f, "{what}: the {of} need {expected}, found {found}")
                 }
             },
             FileErrorKind::Invalid => match section {
@@ -182,6 +197,17 @@ impl fmt::Display for FileError {
                 Some(SectionKind::Ranges) => {
                     write!(f, "range {index} of vertices is not inside the mesh, or out of order")
                 }
+                Some(SectionKind::KernelRule) => f.write_str("the fade does not start and end"),
+                Some(SectionKind::Inputs) => {
+                    write!(f, "the axis of input {index} has a length other than it must have")
+                }
+                Some(SectionKind::Outputs) => {
+                    write!(f, "the range or the neutral of output {index} is not one of its kind")
+                }
+                Some(SectionKind::Features) => {
+                    write!(f, "the range of feature {index} ends before it starts")
+                }
+                Some(SectionKind::Terms) => f.write_str("the first term is not 1"),
                 _ => write!(f, "element {index} of {name} is not valid"),
             },
         }

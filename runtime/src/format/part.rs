@@ -8,7 +8,9 @@ use crate::linear::Le;
 use core::num::NonZeroU16;
 
 /// The most counts of a part, of any kind.
-pub(crate) const COUNTS: usize = 6;
+pub(crate) const COUNTS: usize = if cfg!(feature = "kernel") { 8 } else { 6 };
+/// The most sizes that rules multiply, of any kind of part.
+const SIZES: usize = if cfg!(feature = "kernel") { 10 } else { 5 };
 /// The most sections that rules ask of a part, of any kind.
 pub(crate) const SECTIONS: usize = 12;
 
@@ -30,12 +32,31 @@ pub(crate) struct Asked {
     /// Bits of what it has, [`ALWAYS`] among them.
     pub(crate) has: u8,
     /// What rules multiply to the number of elements; the first is 1.
-    pub(crate) sizes: [u32; 5],
+    pub(crate) sizes: [u32; SIZES],
 }
 
 impl Asked {
     /// What is asked of the counts themselves.
-    pub(crate) const COUNTS: Self = Self { has: ALWAYS, sizes: [1, 0, 0, 0, 0] };
+    pub(crate) const COUNTS: Self = Self::new(ALWAYS, [1]);
+
+    /// Makes it of the bits and of N sizes, of which the first is 1.
+    pub(crate) const fn new<const N: usize>(has: u8, sizes: [u32; N]) -> Self {
+        let mut asked = Self { has, sizes: [0; SIZES] };
+        let mut at = 0;
+        while at < N {
+            asked.sizes[at] = sizes[at];
+            at += 1;
+        }
+        asked
+    }
+}
+
+/// Returns the first N counts of a part.
+pub(crate) const fn first_counts<const N: usize>(counts: &[u32; COUNTS]) -> [u32; N] {
+    match counts.first_chunk() {
+        Some(first) => *first,
+        None => [0; N],
+    }
 }
 
 impl PartLayout {

@@ -21,12 +21,22 @@ pub(crate) struct Rule {
     pub(crate) floats: Option<Floats>,
 }
 
-/// Where the floats of an element stand, and what they may be, [`MAGNITUDE_MAX`] apart.
+/// Where the floats of an element stand, and what they may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Floats {
     /// Words before them that are none.
     pub(crate) after: u8,
-    unsigned: bool,
+    allowed: Allowed,
+}
+
+/// What floats may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Allowed {
+    Signed,
+    Unsigned,
+    /// Anything finite: where an overflow is a call's error, no number is too large for a file.
+    #[cfg(feature = "kernel")]
+    Finite,
 }
 
 /// A section that every part of its kind has.
@@ -47,7 +57,7 @@ impl Rule {
 
     /// Says that all of an element but so many words are floats.
     pub(crate) const fn floats_after(self, after: u8) -> Self {
-        Self { floats: Some(Floats { after, unsigned: false }), ..self }
+        Self { floats: Some(Floats { after, allowed: Allowed::Signed }), ..self }
     }
 
     /// Says what a part must have for the section to be there.
@@ -62,7 +72,13 @@ impl Rule {
 
     /// Says that no float may be negative.
     pub(crate) const fn unsigned(self) -> Self {
-        Self { floats: Some(Floats { after: 0, unsigned: true }), ..self }
+        Self { floats: Some(Floats { after: 0, allowed: Allowed::Unsigned }), ..self }
+    }
+
+    /// Says that its floats, all of an element but so many words, may be as large as floats are.
+    #[cfg(feature = "kernel")]
+    pub(crate) const fn finite_after(self, after: u8) -> Self {
+        Self { floats: Some(Floats { after, allowed: Allowed::Finite }), ..self }
     }
 
     /// Computes the length in bytes, the least if it may be longer; `None` if the product overflows.
@@ -102,6 +118,11 @@ impl Rule {
 impl Floats {
     /// Returns the least and the greatest.
     pub(crate) const fn range(self) -> [f32; 2] {
-        [if self.unsigned { 0.0 } else { -MAGNITUDE_MAX }, MAGNITUDE_MAX]
+        match self.allowed {
+            Allowed::Signed => [-MAGNITUDE_MAX, MAGNITUDE_MAX],
+            Allowed::Unsigned => [0.0, MAGNITUDE_MAX],
+            #[cfg(feature = "kernel")]
+            Allowed::Finite => [f32::MIN, f32::MAX],
+        }
     }
 }

@@ -8,11 +8,19 @@ pub enum PartKind {
     Envelope = 1,
     /// A mesh that follows a palette.
     Skin = 2,
+    /// A function of a few numbers (METHOD §2).
+    #[cfg(feature = "kernel")]
+    Kernel = 3,
 }
 
 impl PartKind {
-    /// Every kind.
-    pub const ALL: [Self; 2] = [Self::Envelope, Self::Skin];
+    /// Every kind that this reader knows.
+    pub const ALL: [Self; if cfg!(feature = "kernel") { 3 } else { 2 }] = [
+        Self::Envelope,
+        Self::Skin,
+        #[cfg(feature = "kernel")]
+        Self::Kernel,
+    ];
 
     /// Returns its number in the file.
     pub const fn number(self) -> u16 {
@@ -24,6 +32,8 @@ impl PartKind {
         match self {
             Self::Envelope => "envelope",
             Self::Skin => "skin",
+            #[cfg(feature = "kernel")]
+            Self::Kernel => "kernel",
         }
     }
 
@@ -32,6 +42,8 @@ impl PartKind {
         match number {
             1 => Some(Self::Envelope),
             2 => Some(Self::Skin),
+            #[cfg(feature = "kernel")]
+            3 => Some(Self::Kernel),
             _ => None,
         }
     }
@@ -166,7 +178,7 @@ pub(crate) const REQUIRED: u16 = 1;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum SectionKind {
-    /// Name of the part, and of what it consists of: joints, or ranges of vertices.
+    /// Name of the part, and of what it consists of: joints, ranges of vertices, inputs and outputs.
     Names = 1,
     /// Parent of each joint, evaluation order, and rank of each joint in it.
     Hierarchy = 2,
@@ -206,11 +218,33 @@ pub enum SectionKind {
     SkinCounts = 19,
     /// Ranges of vertices: the meshes that the artist made.
     Ranges = 20,
+    /// Counts of a kernel.
+    KernelCounts = 21,
+    /// Which kernel it is, and what it does with queries and outputs.
+    KernelRule = 22,
+    /// What a query consists of.
+    Inputs = 23,
+    /// What a kernel gives.
+    Outputs = 24,
+    /// Shift, scale and range of each feature.
+    Features = 25,
+    /// The metric of distances.
+    Metric = 26,
+    /// Centres of a kernel.
+    KernelCentres = 27,
+    /// Monomials of a kernel's polynomial.
+    Terms = 28,
+    /// From a kernel's basis to its values.
+    KernelCoefficients = 29,
+    /// What the variance of a kernel's values is computed of.
+    Variance = 30,
+    /// What a kernel's fit was measured to reach.
+    KernelFit = 31,
 }
 
 impl SectionKind {
     /// Every kind, by number.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 31] = [
         Self::Names,
         Self::Hierarchy,
         Self::InverseBinds,
@@ -231,6 +265,17 @@ impl SectionKind {
         Self::Certificate,
         Self::SkinCounts,
         Self::Ranges,
+        Self::KernelCounts,
+        Self::KernelRule,
+        Self::Inputs,
+        Self::Outputs,
+        Self::Features,
+        Self::Metric,
+        Self::KernelCentres,
+        Self::Terms,
+        Self::KernelCoefficients,
+        Self::Variance,
+        Self::KernelFit,
     ];
 
     /// Returns its number in the file.
@@ -266,6 +311,17 @@ impl SectionKind {
             Self::Certificate => "certificate",
             Self::SkinCounts => "skin_counts",
             Self::Ranges => "ranges",
+            Self::KernelCounts => "kernel_counts",
+            Self::KernelRule => "kernel_rule",
+            Self::Inputs => "inputs",
+            Self::Outputs => "outputs",
+            Self::Features => "features",
+            Self::Metric => "metric",
+            Self::KernelCentres => "kernel_centres",
+            Self::Terms => "terms",
+            Self::KernelCoefficients => "kernel_coefficients",
+            Self::Variance => "variance",
+            Self::KernelFit => "kernel_fit",
         }
     }
 
@@ -273,8 +329,10 @@ impl SectionKind {
     pub const fn element(self) -> Element {
         match self {
             Self::Names | Self::Keys | Self::Groups | Self::Corrections => Element::Mixed,
-            Self::Hierarchy | Self::InfluenceIndices => Element::U16,
+            Self::KernelRule | Self::Inputs | Self::Outputs => Element::Mixed,
+            Self::Hierarchy | Self::InfluenceIndices | Self::Terms => Element::U16,
             Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => Element::U32,
+            Self::KernelCounts => Element::U32,
             _ => Element::F32,
         }
     }

@@ -5,7 +5,7 @@ use super::counts::{
 };
 use super::view::Skin;
 use crate::format::content::{check_counts, check_floats, check_index, check_names};
-use crate::format::part::{Asked, COUNTS};
+use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
 use crate::format::{FileErrorKind as Kind, SectionKind};
 use crate::linear::{Le, dot, floats};
@@ -22,8 +22,7 @@ pub(crate) fn counts(
     palette_len: impl Fn(u16) -> Option<u32>,
 ) -> Checked<Asked> {
     let section = SectionKind::SkinCounts;
-    let [vertex_len, influence_len, envelope, range_len, ..] = *words;
-    let counts = SkinCounts::from_words([vertex_len, influence_len, envelope, range_len]);
+    let counts = SkinCounts::from_words(first_counts(words));
     // More influences than indices can tell apart have no transforms to be of.
     let most = loading.limits.influences.min(u16::MAX.into());
     let (least, most) = if counts.envelope == NO_ENVELOPE { (0, 0) } else { (1, most) };

@@ -65,7 +65,7 @@ impl SkinCounts {
     pub(crate) const fn asked(&self, palette_len: u32) -> Asked {
         let follows = if self.envelope == NO_ENVELOPE { 0 } else { FOLLOWS };
         let Self { vertex_len: v, influence_len: k, range_len: r, .. } = *self;
-        Asked { has: ALWAYS | follows, sizes: [1, v, k, palette_len, r] }
+        Asked::new(ALWAYS | follows, [1, v, k, palette_len, r])
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::bounds::Bounds;
 use super::counts::{RULES, SkinCounts, place};
-use crate::format::part::{Part, PartLayout};
+use crate::format::part::{Part, PartLayout, first_counts};
 use crate::format::rule::Rule;
 use crate::format::{FileId, SectionKind};
 use crate::linear::{Le, floats};
@@ -36,8 +36,7 @@ impl SkinLayout {
 
     /// Returns the counts.
     pub const fn counts(&self) -> SkinCounts {
-        let [vertex_len, influence_len, envelope, range_len, ..] = self.0.counts;
-        SkinCounts::from_words([vertex_len, influence_len, envelope, range_len])
+        SkinCounts::from_words(first_counts(&self.0.counts))
     }
 }
 

@@ -12,8 +12,8 @@ use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{
-    Argument, CallError, CallErrorKind, Envelope, FileError, FileErrorKind, Matrix3x4, Model, Skin,
-    SkinJob, model_space_pose,
+    Argument, CallError, CallErrorKind, Envelope, FileError, FileErrorKind, KernelMap, Matrix3x4,
+    Model, Skin, SkinJob, model_space_pose,
 };
 use std::cell::Cell;
 
@@ -160,10 +160,11 @@ pub fn rest(skin: Skin<'_>) -> Vec<f32> {
 pub fn exercise(bytes: &[u8]) -> Option<()> {
     let model = Model::from_bytes(bytes).ok()?;
     assert!(model.sections().all(|section| section.bytes.len() == section.row.bytes as usize));
-    let known = [PartKind::Envelope, PartKind::Skin].map(|kind| kind.number());
-    let found = model.envelopes().count() + model.skins().count();
+    let known = PartKind::ALL.map(PartKind::number);
+    let found = model.envelopes().count() + model.skins().count() + model.kernels().count();
     assert_eq!(found, model.parts().filter(|row| known.contains(&row.kind)).count());
     model.envelopes().for_each(|envelope| exercise_envelope(&envelope));
+    model.kernels().for_each(|map| exercise_kernel(&map));
     for skin in model.skins() {
         let envelope = model.envelope_of(&skin);
         assert_eq!(envelope.is_some(), skin.envelope_part().is_some());
@@ -176,6 +177,19 @@ pub fn exercise(bytes: &[u8]) -> Option<()> {
         }
     }
     Some(())
+}
+
+fn exercise_kernel(map: &KernelMap<'_>) {
+    let counts = map.counts();
+    assert!((0..counts.input_len as usize).all(|i| map.input_name(i).is_some()));
+    assert!((0..counts.output_len as usize).all(|o| map.output_name(o).is_some()));
+    assert_eq!(map.inputs().count(), counts.input_len as usize);
+    assert_eq!(map.outputs().count(), counts.output_len as usize);
+    let query = vec![0.5; map.query_len()];
+    let mut out = vec![f32::NAN; map.result_len()];
+    let done = map.evaluate(&query, &mut vec![f32::NAN; counts.scratch_len()], &mut out);
+    assert!(out.iter().all(|x| x.is_finite() == done.is_ok()));
+    assert!(done.is_err() || done.is_ok_and(|confidence| (0.0..=1.0).contains(&confidence)));
 }
 
 fn exercise_envelope(envelope: &Envelope<'_>) {

@@ -6,6 +6,7 @@ mod closed_forms;
 mod common;
 mod correction;
 mod golden;
+mod kernel;
 mod outputs;
 mod reference;
 mod refusals;

@@ -1,13 +1,16 @@
 //! FORMAT.md against the code.
 
 use models::{Pieces, head};
-use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{
-    Certificate, ENVELOPE_SECTIONS, EnvelopeCounts, GroupRow, NO_JOINT, Predictor,
+    Certificate, ENVELOPE_SECTIONS, EnvelopeCounts, GroupKernel, GroupRow, NO_JOINT, Predictor,
 };
 use sinew_runtime::format::{
     ALIGNMENT, Axis, CHECKSUM_OFFSET, Element, Handedness, MAGIC, PartKind, PartRow, SectionKind,
     SectionRow, Space, VERSION,
+};
+use sinew_runtime::kernel::{
+    EulerOrder, InputKind, InputRow, KERNEL_SECTIONS, Kernel, KernelCounts, KernelFit, KernelRule,
+    NO_TERM, Normalise, OutputKind, OutputRow, QueryRule,
 };
 use sinew_runtime::skin::{NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
 
@@ -44,6 +47,28 @@ fn of_skin(formula: &str, counts: &SkinCounts, palette_len: usize) -> u64 {
         "R" => Some(counts.range_len.into()),
         "L" => Some(palette_len as u64),
         _ => None,
+    })
+}
+
+fn of_kernel(formula: &str, counts: &KernelCounts) -> u64 {
+    let count = |word: &str| match word {
+        "I" => Some(counts.input_len),
+        "O" => Some(counts.output_len),
+        "d" => Some(counts.feature_len),
+        "e" => Some(counts.metric_len),
+        "c" => Some(if counts.metric_len > 0 { counts.metric_len } else { counts.feature_len }),
+        "n" => Some(counts.centre_len),
+        "T" => Some(counts.term_len),
+        "m" => Some(counts.value_len),
+        "r" => Some(counts.variance_len),
+        _ => None,
+    };
+    evaluate(formula, |word| {
+        let in_blocks = word.strip_prefix("b(").and_then(|word| word.strip_suffix(')'));
+        match in_blocks {
+            Some(word) => count(word).map(|len| u64::from(len.div_ceil(8))),
+            None => count(word).map(u64::from),
+        }
     })
 }
 
@@ -88,15 +113,18 @@ fn assert_fields(heading: &str, bytes: &[u8], fields: &[(&str, u64)]) {
 fn the_document_lists_the_sections_of_the_code() {
     let envelope = table(FORMAT, "Sections of an envelope");
     let skin = table(FORMAT, "Sections of a skin");
+    let kernel = table(FORMAT, "Sections of a kernel");
     assert_eq!((envelope.len(), skin.len()), (ENVELOPE_SECTIONS.len(), SKIN_SECTIONS.len()));
-    for (row, kind) in envelope.iter().zip(ENVELOPE_SECTIONS).chain(skin.iter().zip(SKIN_SECTIONS))
-    {
+    assert_eq!(kernel.len(), KERNEL_SECTIONS.len());
+    let two = envelope.iter().zip(ENVELOPE_SECTIONS).chain(skin.iter().zip(SKIN_SECTIONS));
+    for (row, kind) in two.chain(kernel.iter().zip(KERNEL_SECTIONS)) {
         assert_eq!(row[0], kind.number().to_string());
         assert_eq!((row[1], row[4]), (kind.name(), kind.element().name()));
         assert_eq!(SectionKind::from_number(kind.number()), Some(kind));
     }
     let listed = |kind: SectionKind| {
-        envelope.iter().chain(&skin).any(|row| row[0] == kind.number().to_string())
+        let all = envelope.iter().chain(&skin).chain(&kernel);
+        all.into_iter().any(|row| row[0] == kind.number().to_string())
     };
     assert!(SectionKind::ALL.into_iter().all(listed));
     for (row, kind) in envelope.iter().zip(ENVELOPE_SECTIONS) {
@@ -127,6 +155,21 @@ fn the_document_lists_the_sections_of_the_code() {
                 let bytes = of_skin(row[2], &counts, palette_len);
                 assert_eq!(counts.section_bytes(kind, palette_len), Some(bytes), "{}", row[1]);
             }
+        }
+    }
+    for (row, kind) in kernel.iter().zip(KERNEL_SECTIONS) {
+        for words in
+            [[3, 2, 9, 0, 17, 10, 4, 0], [1, 1, 1, 5, 0, 0, 1, 9], [8, 64, 65, 8, 64, 1, 81, 73]]
+        {
+            let counts = KernelCounts::from_words(words);
+            let has = match row[3] {
+                "yes" => true,
+                "with a metric" => counts.metric_len > 0,
+                "with a variance" => counts.variance_len > 0,
+                other => panic!("{other}"),
+            };
+            assert_eq!(counts.has(kind), has, "{}", row[1]);
+            assert_eq!(counts.section_bytes(kind), Some(of_kernel(row[2], &counts)), "{}", row[1]);
         }
     }
 }
@@ -166,6 +209,130 @@ fn the_document_lays_rows_out_as_the_code() {
         ("fade_end", row.fade_end.to_bits().into()),
     ];
     assert_fields("Group row", &bytes[..GroupRow::BYTES], &fields);
+}
+
+#[test]
+fn the_document_lays_the_rows_of_a_kernel_out_as_the_code() {
+    let bits = |x: f32| u64::from(x.to_bits());
+    let float = |x: f32| x.to_le_bytes();
+    let mut bytes = vec![12, 5, 2, 1];
+    bytes.extend([1.5, 2.5].map(float).as_flattened());
+    let rule = KernelRule::from_bytes(bytes.as_slice().first_chunk().unwrap()).unwrap();
+    assert_eq!(rule.to_bytes(), bytes[..]);
+    let fields = [
+        ("kernel", rule.kernel.number().into()),
+        ("parameter", rule.kernel.parameter().into()),
+        ("query", rule.query as u64),
+        ("normalise", rule.normalise as u64),
+        ("fade_start", bits(rule.fade.0)),
+        ("fade_end", bits(rule.fade.1)),
+    ];
+    assert_fields("Rule of a kernel", &bytes, &fields);
+
+    let mut bytes = vec![5, 4, 0, 0];
+    bytes.extend([0.25, 0.5, 0.75].map(float).as_flattened());
+    let row = InputRow::from_bytes(bytes.as_slice().first_chunk().unwrap()).unwrap();
+    assert_eq!(row.to_bytes(), bytes[..]);
+    assert_eq!(row.axis, [0.25, 0.5, 0.75]);
+    let (at, len) = field("Input row", "axis");
+    assert_eq!(bytes[at..at + len], *row.axis.map(float).as_flattened());
+    let head = [
+        ("kind", row.kind.number().into()),
+        ("euler", row.euler.map_or(0, |order| order as u64)),
+        ("reserved", 0),
+    ];
+    for (name, value) in head {
+        let (at, len) = field("Input row", name);
+        assert_eq!(number(&bytes[at..at + len]), value, "{name}");
+    }
+    assert_eq!(length("Input row"), InputRow::BYTES);
+
+    let mut bytes = vec![1, 1, 0, 0];
+    bytes.extend([-3.0, 4.0, 0.25, 0.5, 0.75, 1.0].map(float).as_flattened());
+    let row = OutputRow::from_bytes(bytes.as_slice().first_chunk().unwrap()).unwrap();
+    assert_eq!(row.to_bytes(), bytes[..]);
+    let (at, len) = field("Output row", "neutral");
+    assert_eq!(bytes[at..at + len], *row.neutral.map(float).as_flattened());
+    let head = [
+        ("kind", row.kind.number().into()),
+        ("marked", u64::from(row.is_marked)),
+        ("reserved", 0),
+        ("low", bits(row.range.0)),
+        ("high", bits(row.range.1)),
+    ];
+    for (name, value) in head {
+        let (at, len) = field("Output row", name);
+        assert_eq!(number(&bytes[at..at + len]), value, "{name}");
+    }
+    assert_eq!(length("Output row"), OutputRow::BYTES);
+}
+
+#[test]
+fn the_document_lays_the_numbers_of_a_kernel_out_as_the_code() {
+    let words: [u32; 8] = [11, 12, 13, 14, 15, 16, 17, 18];
+    let counts = KernelCounts::from_words(words);
+    assert_eq!(counts.words(), words);
+    let fields = [
+        ("input_len", counts.input_len.into()),
+        ("output_len", counts.output_len.into()),
+        ("feature_len", counts.feature_len.into()),
+        ("metric_len", counts.metric_len.into()),
+        ("centre_len", counts.centre_len.into()),
+        ("term_len", counts.term_len.into()),
+        ("value_len", counts.value_len.into()),
+        ("variance_len", counts.variance_len.into()),
+    ];
+    let bytes = words.map(u32::to_le_bytes);
+    assert_eq!(bytes.as_flattened().len(), KernelCounts::BYTES);
+    assert_fields("Counts of a kernel", bytes.as_flattened(), &fields);
+
+    let figures = [1.0, 2.0, 3.0, 4.0];
+    let fit = KernelFit::from_figures(figures);
+    assert_eq!(fit.figures(), figures);
+    let bits = |x: f32| u64::from(x.to_bits());
+    let fields = [
+        ("rms_residual", bits(fit.rms_residual)),
+        ("left_out_rms", bits(fit.left_out_rms)),
+        ("rounding_error", bits(fit.rounding_error)),
+        ("reciprocal_condition", bits(fit.reciprocal_condition)),
+    ];
+    let bytes = figures.map(f32::to_le_bytes);
+    assert_fields("Fit of a kernel", bytes.as_flattened(), &fields);
+}
+
+#[test]
+fn the_document_names_the_numbers_of_a_kernel() {
+    let inputs = table(FORMAT, "Inputs");
+    assert_eq!(inputs.len(), InputKind::ALL.len());
+    for (row, kind) in inputs.iter().zip(InputKind::ALL) {
+        let numbers = [kind.number_len(), kind.feature_len()].map(|len| len.to_string());
+        assert_eq!(row[..2], [kind.number().to_string().as_str(), kind.name()]);
+        assert_eq!(row[2..4], numbers.each_ref().map(String::as_str));
+        assert_eq!(InputKind::from_number(kind.number()), Some(kind));
+    }
+    let outputs = table(FORMAT, "Outputs");
+    assert_eq!(outputs.len(), OutputKind::ALL.len());
+    for (row, kind) in outputs.iter().zip(OutputKind::ALL) {
+        let numbers = [kind.value_len(), kind.number_len()].map(|len| len.to_string());
+        assert_eq!(row[..2], [kind.number().to_string().as_str(), kind.name()]);
+        assert_eq!(row[2..4], numbers.each_ref().map(String::as_str));
+        assert_eq!(OutputKind::from_number(kind.number()), Some(kind));
+    }
+    let cell = |heading: &str, name: &str| {
+        let rows = table(FORMAT, heading);
+        rows.iter().find(|row| row[2] == name).unwrap()[3].to_owned()
+    };
+    let names = |names: &[&str], first: usize| {
+        let numbered = names.iter().enumerate().map(|(i, name)| format!("{} {name}", first + i));
+        numbered.collect::<Vec<_>>().join(", ")
+    };
+    let query = names(&QueryRule::ALL.map(QueryRule::name), 0);
+    assert!(cell("Rule of a kernel", "query").ends_with(&query), "{query}");
+    let normalise = names(&Normalise::ALL.map(Normalise::name), 0);
+    assert!(cell("Rule of a kernel", "normalise").ends_with(&normalise), "{normalise}");
+    let euler = names(&EulerOrder::ALL.map(EulerOrder::name), 1);
+    assert!(cell("Input row", "euler").contains(&euler), "{euler}");
+    assert!(FORMAT.contains(&format!("\"None\" is {NO_TERM}.")));
 }
 
 #[test]
@@ -292,10 +459,14 @@ fn the_document_names_the_numbers_of_the_code() {
         assert_eq!(row[..2], [element.number().to_string().as_str(), element.name()]);
     }
     let kernels = table(FORMAT, "Kernels");
-    assert_eq!(kernels.len(), GroupKernel::ALL.len());
-    for (row, kernel) in kernels.iter().zip(GroupKernel::ALL) {
+    for kernel in Kernel::ALL {
+        let row = &kernels[usize::from(kernel.number()) - 1];
         assert_eq!(row[..2], [kernel.number().to_string().as_str(), kernel.name()]);
+        assert_eq!(row[3] == "0", kernel.parameter() == 0);
     }
+    assert_eq!(kernels.len(), usize::from(Kernel::Hat { power: 1 }.number()));
+    let [first, .., last] = GroupKernel::ALL.map(GroupKernel::number);
+    assert!(FORMAT.contains(&format!("envelope has one of {first} to {last}.")));
     let none = cell("Counts of a skin", "envelope");
     assert!(none.replace(',', "").ends_with(&format!("{NO_ENVELOPE} without")), "{none}");
     assert!(FORMAT.contains(&format!("\"None\" is {NO_JOINT}.")));

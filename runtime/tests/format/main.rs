@@ -7,6 +7,7 @@ mod content;
 mod damage;
 mod document;
 mod groups;
+mod kernels;
 mod limits;
 mod message;
 mod ownership;

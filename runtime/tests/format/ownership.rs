@@ -4,11 +4,14 @@
 use crate::common::{
     IDENTITY, apart, bits, confident_palette, job, output, palette, random_pose, skinned,
 };
-use models::{Pieces, Rng, SMALL, Shape, seal};
+use models::{KernelContent, Pieces, Rng, SMALL, Shape, seal};
 use sinew_runtime::envelope::{EnvelopeLayout, Predictor, ScratchLayout};
 use sinew_runtime::format::{CHECKSUM_OFFSET, FileId, SectionKind};
+use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Rest, SkinLayout, cells};
-use sinew_runtime::{Envelope, Matrix3x4, Model, Skin, SkinJob, model_space_pose, stages};
+use sinew_runtime::{
+    Envelope, KernelMap, Matrix3x4, Model, Skin, SkinJob, model_space_pose, stages,
+};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Barrier, RwLock};
@@ -149,6 +152,10 @@ fn evaluate_changed(first: &[u8], then: Vec<u8>) -> Astray {
         astray.joined(read_envelope(&envelope));
     }
     let first_skin: Option<Skin<'_>> = model.skin();
+    let first_kernel: Option<KernelMap<'_>> = model.kernel();
+    for map in first_kernel.into_iter().chain(model.kernels()) {
+        astray.joined(read_kernel(&map));
+    }
     for skin in first_skin.into_iter().chain(model.skins()) {
         let _ = model.envelope_of(&skin).map(|envelope| envelope.palette_len());
         astray.joined(read_skin(skin));
@@ -165,6 +172,8 @@ struct Astray {
     parent: bool,
     group: bool,
     input: bool,
+    term: bool,
+    row: bool,
 }
 
 impl Astray {
@@ -174,7 +183,46 @@ impl Astray {
         self.parent |= other.parent;
         self.group |= other.group;
         self.input |= other.input;
+        self.term |= other.term;
+        self.row |= other.row;
     }
+}
+
+fn read_kernel(map: &KernelMap<'_>) -> Astray {
+    let counts = map.counts();
+    let [i, o, d, e, n, t, m, _] = counts.words().map(|len| len as usize);
+    let _ = (map.name(), map.rule(), map.fit(), format!("{map:?}"));
+    let some = |len: usize| (0..len.min(64)).chain([len, usize::MAX]);
+    let mut astray = Astray::default();
+    for at in some(i.max(o)) {
+        let _ = (map.input_name(at), map.output_name(at));
+    }
+    for at in some(d.max(n)) {
+        let _ = (map.feature(at), map.metric_entry(e, at), map.metric_entry(0, at));
+        let _ = (map.centre(at, 0), map.coefficient(0, at), map.coefficient(m, at));
+    }
+    for at in some(t) {
+        let is_out = |[earlier, feature]: [u16; 2]| {
+            usize::from(feature) >= d || at > 0 && usize::from(earlier) >= at
+        };
+        astray.term |= at > 0 && map.term(at).is_some_and(is_out);
+    }
+    astray.row |= map.inputs().count() != i || map.outputs().count() != o;
+    let (query_len, result_len) = (map.query_len(), map.result_len());
+    let scratch =
+        [counts.scratch_len(), counts.jacobian_scratch_len(), counts.variance_scratch_len()];
+    let scratch_len = scratch.into_iter().max().unwrap();
+    if query_len.max(result_len).max(scratch_len).max(m) <= MOST {
+        let query = vec![0.5; query_len];
+        let (mut scratch, mut out) = (vec![0.0; scratch_len], vec![0.0; result_len]);
+        let _ = map.evaluate(&query, &mut scratch, &mut out);
+        let _ = map.jacobian(&query, &mut scratch, &mut vec![0.0; query_len * m]);
+        let _ = map.variance(&query, &mut scratch, &mut vec![0.0; m]);
+    } else {
+        let _ = map.evaluate(&[], &mut [], &mut []);
+        let _ = (map.jacobian(&[], &mut [], &mut []), map.variance(&[], &mut [], &mut []));
+    }
+    astray
 }
 
 fn read_envelope(envelope: &Envelope<'_>) -> Astray {
@@ -271,7 +319,7 @@ fn read_skin(skin: Skin<'_>) -> Astray {
     astray
 }
 
-/// A sample of each predictor, and one of several parts, small.
+/// A sample of each predictor, one of several parts, small, and one of kernels.
 fn sound() -> Vec<Vec<u8>> {
     let shape = Shape { vertices: 2, joints: 3, proxies: 2, influences: 2, tangents: true };
     let samples = Predictor::ALL.map(|predictor| Pieces::sample(predictor, shape));
@@ -282,7 +330,8 @@ fn sound() -> Vec<Vec<u8>> {
     });
     let mut several = several.unwrap();
     several.append(Pieces::loose(shape));
-    samples.iter().chain([&several]).map(Pieces::bytes).collect()
+    let kernels = [KernelContent::servo(), KernelContent::every(Kernel::Cubic)];
+    samples.iter().chain([&several, &Pieces::kernels(&kernels)]).map(Pieces::bytes).collect()
 }
 
 #[test]
@@ -317,7 +366,15 @@ fn bytes_that_change_after_loading_never_make_a_panic() {
         }
     }
     // The damage has led every kind of index astray, so that an unchecked one would have panicked.
-    let every = Astray { influence: true, key: true, parent: true, group: true, input: true };
+    let every = Astray {
+        influence: true,
+        key: true,
+        parent: true,
+        group: true,
+        input: true,
+        term: true,
+        row: true,
+    };
     assert!(cfg!(miri) || seen == every, "{seen:?}");
 }
 

@@ -2,6 +2,7 @@
 
 use sinew_runtime::envelope::GroupRow;
 use sinew_runtime::format::{PartRow, SectionRow};
+use sinew_runtime::kernel::{InputRow, KernelRule, OutputRow};
 
 /// Writes floats, little-endian.
 pub fn floats(values: &[f32]) -> Vec<u8> {
@@ -76,5 +77,37 @@ pub fn group_row(row: &GroupRow) -> [u8; 24] {
     out[12..16].copy_from_slice(&row.offset.to_le_bytes());
     out[16..20].copy_from_slice(&row.fade_start.to_le_bytes());
     out[20..].copy_from_slice(&row.fade_end.to_le_bytes());
+    out
+}
+
+/// Writes section `kernel_rule`.
+pub fn kernel_rule(rule: &KernelRule) -> [u8; 12] {
+    let mut out = [0; 12];
+    out[0] = rule.kernel.number();
+    out[1] = rule.kernel.parameter();
+    out[2] = rule.query as u8;
+    out[3] = rule.normalise as u8;
+    out[4..8].copy_from_slice(&rule.fade.0.to_le_bytes());
+    out[8..].copy_from_slice(&rule.fade.1.to_le_bytes());
+    out
+}
+
+/// Writes a row of section `inputs`.
+pub fn input_row(row: &InputRow) -> [u8; 16] {
+    let mut out = [0; 16];
+    out[0] = row.kind.number();
+    out[1] = row.euler.map_or(0, |order| order as u8);
+    out[4..].copy_from_slice(&floats(&row.axis));
+    out
+}
+
+/// Writes a row of section `outputs`.
+pub fn output_row(row: &OutputRow) -> [u8; 28] {
+    let mut out = [0; 28];
+    out[0] = row.kind.number();
+    out[1] = u8::from(row.is_marked);
+    out[4..8].copy_from_slice(&row.range.0.to_le_bytes());
+    out[8..12].copy_from_slice(&row.range.1.to_le_bytes());
+    out[12..].copy_from_slice(&floats(&row.neutral));
     out
 }

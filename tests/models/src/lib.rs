@@ -9,6 +9,7 @@ mod bytes;
 mod golden;
 mod groups;
 pub mod head;
+mod kernels;
 mod message;
 mod pieces;
 #[path = "../../golden/rng.rs"]
@@ -16,9 +17,13 @@ mod rng;
 mod sample;
 mod shape;
 
-pub use bytes::{blocks, floats, group_row, halves, names, part_row, section_row, words};
+pub use bytes::{
+    blocks, floats, group_row, halves, input_row, kernel_rule, names, output_row, part_row,
+    section_row, words,
+};
 pub use golden::{GOLDEN, GOLDEN_NAMES, golden_path};
 pub use groups::{GroupContent, sample_groups};
+pub use kernels::{KernelContent, VarianceContent};
 pub use message::{Message, seal};
 pub use pieces::{Content, Pieces};
 pub use rng::Rng;

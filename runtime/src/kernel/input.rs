@@ -1,0 +1,175 @@
+//! Rows of section `inputs`: what a query consists of.
+
+use crate::linear::dot;
+use crate::skin::LENGTH_TOLERANCE;
+
+/// What an input is, and which features are made of it (METHOD §2.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum InputKind {
+    /// A number.
+    Scalar = 1,
+    /// Three numbers.
+    Vector3 = 2,
+    /// A rotation: the 9 entries of its matrix, by rows.
+    Rotation = 3,
+    /// A rotation: the first two rows of its matrix.
+    TwoRows = 4,
+    /// Where a rotation turns an axis to: 3 features, whatever its twist.
+    Swing = 5,
+    /// How far a rotation twists about an axis: 2 features, without a seam.
+    Twist = 6,
+    /// The angle of that twist in radians, with a seam at half a turn: for rigs of other tools.
+    TwistAngle = 7,
+}
+
+impl InputKind {
+    /// Every kind, by number from 1.
+    pub const ALL: [Self; 7] = [
+        Self::Scalar,
+        Self::Vector3,
+        Self::Rotation,
+        Self::TwoRows,
+        Self::Swing,
+        Self::Twist,
+        Self::TwistAngle,
+    ];
+
+    /// Returns its number in the file.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// Returns the kind of this number.
+    pub fn from_number(number: u8) -> Option<Self> {
+        Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
+    }
+
+    /// Returns its name, as FORMAT.md has it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Vector3 => "vector3",
+            Self::Rotation => "rotation",
+            Self::TwoRows => "two rows",
+            Self::Swing => "swing",
+            Self::Twist => "twist",
+            Self::TwistAngle => "twist angle",
+        }
+    }
+
+    /// Returns how many numbers of a query it takes: 1, 3, or the 4 of a quaternion x, y, z, w.
+    pub const fn number_len(self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Vector3 => 3,
+            _ => 4,
+        }
+    }
+
+    /// Returns how many features are made of it.
+    pub const fn feature_len(self) -> usize {
+        match self {
+            Self::Scalar | Self::TwistAngle => 1,
+            Self::Twist => 2,
+            Self::Vector3 | Self::Swing => 3,
+            Self::TwoRows => 6,
+            Self::Rotation => 9,
+        }
+    }
+
+    /// Whether it is made of a rotation.
+    pub const fn is_rotation(self) -> bool {
+        !matches!(self, Self::Scalar | Self::Vector3)
+    }
+
+    /// Whether it has an axis.
+    pub const fn has_axis(self) -> bool {
+        matches!(self, Self::Swing | Self::Twist | Self::TwistAngle)
+    }
+}
+
+/// The order of the three angles by which an author gave a rotation: the first turns first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum EulerOrder {
+    /// About x, then y, then z.
+    Xyz = 1,
+    /// About x, then z, then y.
+    Xzy = 2,
+    /// About y, then x, then z.
+    Yxz = 3,
+    /// About y, then z, then x.
+    Yzx = 4,
+    /// About z, then x, then y.
+    Zxy = 5,
+    /// About z, then y, then x.
+    Zyx = 6,
+}
+
+impl EulerOrder {
+    /// Every order, by number from 1.
+    pub const ALL: [Self; 6] = [Self::Xyz, Self::Xzy, Self::Yxz, Self::Yzx, Self::Zxy, Self::Zyx];
+
+    /// Returns its name, as FORMAT.md has it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Xyz => "XYZ",
+            Self::Xzy => "XZY",
+            Self::Yxz => "YXZ",
+            Self::Yzx => "YZX",
+            Self::Zxy => "ZXY",
+            Self::Zyx => "ZYX",
+        }
+    }
+}
+
+/// A row of section `inputs`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InputRow {
+    /// What it is.
+    pub kind: InputKind,
+    /// How the author gave the rotation, if by angles; an evaluation takes a quaternion all the same.
+    pub euler: Option<EulerOrder>,
+    /// The axis, of length 1; zeros of a kind that has none.
+    pub axis: [f32; 3],
+}
+
+impl InputRow {
+    /// Bytes of a row.
+    pub const BYTES: usize = 16;
+
+    /// Writes the row, little-endian.
+    pub fn to_bytes(&self) -> [u8; Self::BYTES] {
+        let euler = self.euler.map_or(0, |order| order as u8);
+        let [x, y, z] = self.axis.map(f32::to_le_bytes);
+        let mut out = [0; Self::BYTES];
+        out.copy_from_slice([[self.kind.number(), euler, 0, 0], x, y, z].as_flattened());
+        out
+    }
+
+    /// Reads a row.
+    ///
+    /// # Errors
+    /// The number that stands for nothing: of a kind, of an order, or reserved and not 0.
+    pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Result<Self, u8> {
+        let [kind, euler, r0, r1, x0, x1, x2, x3, y0, y1, y2, y3, z0, z1, z2, z3] = *bytes;
+        let order = match euler {
+            0 => None,
+            _ => Some(*EulerOrder::ALL.get(usize::from(euler) - 1).ok_or(euler)?),
+        };
+        if r0 | r1 != 0 {
+            return Err(r0 | r1);
+        }
+        let axis = [[x0, x1, x2, x3], [y0, y1, y2, y3], [z0, z1, z2, z3]].map(f32::from_le_bytes);
+        Ok(Self { kind: InputKind::from_number(kind).ok_or(kind)?, euler: order, axis })
+    }
+
+    /// Whether its axis has length 1, or is 0 where it has none.
+    pub(super) fn is_sound(&self) -> bool {
+        if !self.kind.has_axis() {
+            return self.axis == [0.0; 3];
+        }
+        (dot(self.axis, self.axis) - 1.0).abs() <= LENGTH_TOLERANCE
+    }
+}

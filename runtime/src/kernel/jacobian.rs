@@ -1,0 +1,194 @@
+//! The derivatives of a kernel's values by the numbers of a query.
+
+use super::counts::{KernelCounts, NO_TERM};
+use super::features::{features, gradients};
+use super::input::InputRow;
+use super::point::{self, Point, inputs_of, quaternion};
+use super::rule::QueryRule;
+use super::view::KernelMap;
+use crate::error::{Argument, CallError, CallErrorKind};
+use crate::linear::{block_distances, block_entry, block_product, floats, padded, split};
+
+impl KernelCounts {
+    /// Returns the floats of scratch that [`KernelMap::jacobian`] needs.
+    pub const fn jacobian_scratch_len(&self) -> usize {
+        let (n, t) = (self.centre_len as usize, self.term_len as usize);
+        let m = self.value_len as usize;
+        Point::scratch_len(self) + 2 * padded(n) + t + padded(m) + 4 * m
+    }
+}
+
+impl KernelMap<'_> {
+    /// Computes the derivatives of the m values by the R numbers of a query: of the values before the fade,
+    /// ranges and sums, so that those of a rotation are its vector's.
+    ///
+    /// A feature that is kept at an end of its range does not change. On a centre the derivative of a cone is
+    /// 0 (METHOD §3). The time is that of d evaluations.
+    ///
+    /// - `query`: as [`KernelMap::evaluate`] takes it.
+    /// - `scratch`: at least [`KernelCounts::jacobian_scratch_len`] floats, of any content.
+    /// - `out`: m rows of R derivatives.
+    ///
+    /// # Errors
+    /// Those of [`KernelMap::evaluate`]; of [`crate::CallErrorKind::NonFinite`] the argument is the Jacobian where a
+    /// derivative would not be finite.
+    pub fn jacobian(
+        &self,
+        query: &[f32],
+        scratch: &mut [f32],
+        out: &mut [f32],
+    ) -> Result<(), CallError> {
+        let counts = self.counts();
+        let row = self.query_len();
+        let m = counts.value_len as usize;
+        Argument::Jacobian.check_len(m.saturating_mul(row), out.len())?;
+        Argument::Scratch.check_least(counts.jacobian_scratch_len(), scratch.len())?;
+        point::check(self, query)?;
+        let (point, scratch) = Point::new(self, query, scratch);
+        let (slopes, scratch) = split(scratch, padded(counts.centre_len as usize));
+        self.slopes(&point, slopes.as_chunks_mut().0);
+        let columns = Columns { map: self, point, slopes: slopes.as_chunks().0 };
+        // Once to see that all is finite, then to write.
+        let unsound =
+            |at: usize| CallError::new(CallErrorKind::NonFinite, Argument::Jacobian).at(at);
+        columns.each(query, scratch, |value, column, x| {
+            let place = value * row + column;
+            if x.is_finite() { Ok(()) } else { Err(unsound(place)) }
+        })?;
+        columns.each(query, scratch, |value, column, x| {
+            if let Some(out) = out.get_mut(value * row + column) {
+                *out = x;
+            }
+            Ok(())
+        })
+    }
+
+    /// Computes 2 dG/ds of each centre, n values in whole blocks.
+    fn slopes(&self, point: &Point<'_>, out: &mut [[f32; 8]]) {
+        let kernel = self.rule().kernel;
+        let mut blocks = out.iter_mut();
+        block_distances(self.centres(), point.z, |distances| {
+            let Some(out) = blocks.next() else { return };
+            for (out, s) in out.iter_mut().zip(distances.squared) {
+                *out = 2.0 * kernel.slope(s);
+            }
+        });
+    }
+}
+
+/// What the derivatives are computed of.
+struct Columns<'a, 's> {
+    map: &'a KernelMap<'a>,
+    point: Point<'s>,
+    slopes: &'s [[f32; 8]],
+}
+
+impl Columns<'_, '_> {
+    /// Computes each derivative, input by input, and hands it over by its value and its number.
+    fn each(
+        &self,
+        query: &[f32],
+        scratch: &mut [f32],
+        mut each: impl FnMut(usize, usize, f32) -> Result<(), CallError>,
+    ) -> Result<(), CallError> {
+        let m = self.map.counts().value_len as usize;
+        let (sums, scratch) = split(scratch, 4 * m);
+        let (mut column, mut feature) = (0, 0);
+        for (input, numbers) in inputs_of(self.map, query) {
+            let numbers = quaternion(numbers);
+            sums.fill(0.0);
+            for gradient in self.gradients(&input, numbers, feature) {
+                let derivatives = self.by_feature(feature, scratch);
+                for (sums, gradient) in sums.chunks_exact_mut(m.max(1)).zip(gradient) {
+                    for (sum, x) in sums.iter_mut().zip(derivatives.iter()) {
+                        *sum += x * gradient;
+                    }
+                }
+                feature += 1;
+            }
+            let own = sums.chunks_exact(m.max(1)).take(input.kind.number_len());
+            for sums in own {
+                for (value, sum) in sums.iter().enumerate() {
+                    each(value, column, *sum)?;
+                }
+                column += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Lists the derivatives of an input's features by its numbers; 0 of one that is kept at an end.
+    fn gradients(
+        &self,
+        input: &InputRow,
+        numbers: [f32; 4],
+        first: usize,
+    ) -> impl Iterator<Item = [f32; 4]> {
+        let is_clamped = self.map.rule().query == QueryRule::Clamp;
+        let ranges = self.map.features().get(first..).unwrap_or_default().iter().map(floats);
+        let own = features(input, numbers).into_iter().zip(gradients(input, numbers));
+        own.zip(ranges).take(input.kind.feature_len()).map(
+            move |((feature, gradient), [_, _, low, high])| {
+                let is_kept = is_clamped && !(low <= feature && feature <= high);
+                if is_kept { [0.0; 4] } else { gradient }
+            },
+        )
+    }
+
+    /// Computes the derivatives of the values by a feature, m of them.
+    fn by_feature<'m>(&self, feature: usize, scratch: &'m mut [f32]) -> &'m [f32] {
+        let counts = self.map.counts();
+        let (n, m) = (counts.centre_len as usize, counts.value_len as usize);
+        let (steps, scratch) = split(scratch, padded(n));
+        let (terms, scratch) = split(scratch, counts.term_len as usize);
+        let (out, _) = split(scratch, padded(m));
+        self.steps(feature, steps.as_chunks_mut().0);
+        self.terms(feature, terms);
+        out.fill(0.0);
+        let steps = steps.get(..n).unwrap_or_default();
+        block_product(self.map.coefficients(), [steps, terms], out.as_chunks_mut().0);
+        let figures = self.map.features().get(feature).map(floats).unwrap_or_default();
+        let [_, scale, ..]: [f32; 4] = figures;
+        out.iter_mut().for_each(|x| *x *= scale);
+        out.get(..m).unwrap_or_default()
+    }
+
+    /// Computes the derivatives of G of each centre by u of a feature.
+    fn steps(&self, feature: usize, out: &mut [[f32; 8]]) {
+        let (map, z) = (self.map, self.point.z);
+        let counts = map.counts();
+        let (e, d) = (counts.metric_len as usize, counts.feature_len as usize);
+        // Chunks of zero would panic.
+        let blocks = map.centres().chunks_exact(z.len().max(1));
+        for ((out, slopes), block) in out.iter_mut().zip(self.slopes).zip(blocks) {
+            *out = [0.0; 8];
+            for (i, (z, centres)) in z.iter().zip(block).enumerate() {
+                let along = match e {
+                    0 if i == feature => 1.0,
+                    0 => continue,
+                    _ => block_entry(map.metric(), (e, d), i, feature).unwrap_or_default(),
+                };
+                for (out, t) in out.iter_mut().zip(floats(centres)) {
+                    *out += along * (z - t);
+                }
+            }
+            out.iter_mut().zip(slopes).for_each(|(out, slope)| *out *= slope);
+        }
+    }
+
+    /// Computes the derivatives of the monomials by u of a feature.
+    fn terms(&self, feature: usize, out: &mut [f32]) {
+        let (u, powers) = (self.point.u, self.point.terms);
+        for (place, term) in self.map.terms().iter().enumerate() {
+            let [earlier, input] = term.map(u16::from_le_bytes);
+            let (earlier, input) = (usize::from(earlier), usize::from(input));
+            let own = if input == feature { powers.get(earlier) } else { None };
+            let before = out.get(earlier).zip(u.get(input)).map_or(0.0, |(t, u)| t * u);
+            let is_first = earlier == usize::from(NO_TERM);
+            let value = if is_first { 0.0 } else { before + own.copied().unwrap_or_default() };
+            if let Some(out) = out.get_mut(place) {
+                *out = value;
+            }
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! A kernel in a loaded file: what loading found of it, and what it holds.
+
+use super::counts::{KernelCounts, KernelFit, RULES};
+use super::function::Kernel;
+use super::input::InputRow;
+use super::output::OutputRow;
+use super::rule::{KernelRule, Normalise, QueryRule};
+use crate::format::part::{Part, PartLayout, first_counts};
+use crate::format::rule::Rule;
+use crate::format::{FileId, SectionKind};
+use crate::linear::{Le, block_entry, floats};
+use crate::names::Names;
+use core::fmt;
+
+/// What loading found of a kernel: its counts, and where its arrays lie. It borrows nothing, so that it can
+/// be kept beside the model, and views be made of it each frame.
+#[derive(Clone, Copy, Debug)]
+pub struct KernelLayout(pub(crate) PartLayout);
+
+const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
+const RULE: usize = Rule::place(&RULES, SectionKind::KernelRule);
+const INPUTS: usize = Rule::place(&RULES, SectionKind::Inputs);
+const OUTPUTS: usize = Rule::place(&RULES, SectionKind::Outputs);
+const FEATURES: usize = Rule::place(&RULES, SectionKind::Features);
+const METRIC: usize = Rule::place(&RULES, SectionKind::Metric);
+const CENTRES: usize = Rule::place(&RULES, SectionKind::KernelCentres);
+const TERMS: usize = Rule::place(&RULES, SectionKind::Terms);
+const COEFFICIENTS: usize = Rule::place(&RULES, SectionKind::KernelCoefficients);
+const VARIANCE: usize = Rule::place(&RULES, SectionKind::Variance);
+const FIT: usize = Rule::place(&RULES, SectionKind::KernelFit);
+
+impl KernelLayout {
+    /// Returns the kernel; `None` if the bytes are not those of the file in which it was found, by their
+    /// length and the checksum that they state.
+    ///
+    /// Nothing is read again. Of bytes that have changed otherwise the kernel gives wrong numbers, but never
+    /// panics.
+    pub fn open<'a>(&self, file: &'a [u8]) -> Option<KernelMap<'a>> {
+        self.0.open(file).map(KernelMap)
+    }
+
+    /// Returns the counts.
+    pub const fn counts(&self) -> KernelCounts {
+        KernelCounts::from_words(first_counts(&self.0.counts))
+    }
+}
+
+/// A function `f = C G(|z - t|²) + B p(u)` from named inputs to named outputs; borrowed from a loaded model.
+///
+/// Accessors by number return `None` beyond their range.
+#[derive(Clone, Copy)]
+pub struct KernelMap<'a>(pub(crate) Part<'a>);
+
+impl<'a> KernelMap<'a> {
+    /// Returns what loading found, to open it again.
+    pub const fn layout(&self) -> KernelLayout {
+        KernelLayout(self.0.layout)
+    }
+
+    /// Tells in which file it is.
+    pub const fn file(&self) -> FileId {
+        self.0.id()
+    }
+
+    /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told
+    /// apart.
+    pub const fn part(&self) -> usize {
+        self.0.index()
+    }
+
+    /// Returns the part's name.
+    pub fn name(&self) -> &'a str {
+        self.names().get(0).unwrap_or_default()
+    }
+
+    /// Returns its counts.
+    pub const fn counts(&self) -> KernelCounts {
+        self.layout().counts()
+    }
+
+    /// Returns which kernel it is, and what it does with queries and outputs.
+    pub fn rule(&self) -> KernelRule {
+        let bytes = self.0.bytes(RULE).first_chunk();
+        bytes.and_then(|bytes| KernelRule::from_bytes(bytes).ok()).unwrap_or(KernelRule {
+            kernel: Kernel::Linear,
+            query: QueryRule::Free,
+            normalise: Normalise::Never,
+            fade: (0.0, 0.0),
+        })
+    }
+
+    /// Returns what the fit was measured to reach.
+    pub fn fit(&self) -> KernelFit {
+        let figures = self.0.array(FIT).first().map(floats);
+        KernelFit::from_figures(figures.unwrap_or_default())
+    }
+
+    /// Returns R, how many numbers a query has.
+    pub fn query_len(&self) -> usize {
+        self.inputs().map(|input| input.kind.number_len()).sum()
+    }
+
+    /// Returns how many numbers the outputs are.
+    pub fn result_len(&self) -> usize {
+        self.outputs().map(|output| output.kind.number_len()).sum()
+    }
+
+    /// Returns an input's name.
+    pub fn input_name(&self, input: usize) -> Option<&'a str> {
+        let is_there = input < self.counts().input_len as usize;
+        self.names().get(input.checked_add(1)?).filter(|_| is_there)
+    }
+
+    /// Returns an output's name.
+    pub fn output_name(&self, output: usize) -> Option<&'a str> {
+        self.names().get(output.checked_add(1)?.checked_add(self.counts().input_len as usize)?)
+    }
+
+    /// Lists the I inputs, in the order of a query.
+    pub fn inputs(&self) -> impl Iterator<Item = InputRow> + use<'a> {
+        let rows = self.0.bytes(INPUTS).as_chunks().0;
+        rows.iter().filter_map(|row| InputRow::from_bytes(row).ok())
+    }
+
+    /// Lists the O outputs, in the order in which they are given.
+    pub fn outputs(&self) -> impl Iterator<Item = OutputRow> + use<'a> {
+        let rows = self.0.bytes(OUTPUTS).as_chunks().0;
+        rows.iter().filter_map(|row| OutputRow::from_bytes(row).ok())
+    }
+
+    /// Returns what a feature is shifted by, scaled by, and the least and the most of it in the data.
+    pub fn feature(&self, feature: usize) -> Option<[f32; 4]> {
+        self.0.entry(FEATURES, self.counts().feature_len as usize, feature).map(floats)
+    }
+
+    /// Returns a coefficient of the metric W (e x d).
+    pub fn metric_entry(&self, row: usize, column: usize) -> Option<f32> {
+        let counts = self.counts();
+        let shape = (counts.metric_len as usize, counts.feature_len as usize);
+        block_entry(self.metric(), shape, row, column)
+    }
+
+    /// Returns coordinate i of centre k.
+    pub fn centre(&self, k: usize, i: usize) -> Option<f32> {
+        let counts = self.counts();
+        let shape = (counts.centre_len as usize, counts.coordinate_len() as usize);
+        block_entry(self.centres(), shape, k, i)
+    }
+
+    /// Returns a monomial: the earlier one and the input whose product it is; of the first, which is 1,
+    /// [`super::NO_TERM`] twice.
+    pub fn term(&self, term: usize) -> Option<[u16; 2]> {
+        let is_there = term < self.counts().term_len as usize;
+        let term = self.terms().get(term).filter(|_| is_there)?;
+        Some(term.map(u16::from_le_bytes))
+    }
+
+    /// Returns a coefficient of [C B] (m x (n + T)).
+    pub fn coefficient(&self, row: usize, column: usize) -> Option<f32> {
+        let counts = self.counts();
+        let columns = counts.centre_len.saturating_add(counts.term_len) as usize;
+        block_entry(self.coefficients(), (counts.value_len as usize, columns), row, column)
+    }
+
+    pub(crate) fn names(&self) -> Names<'a> {
+        let counts = self.counts();
+        let others = counts.input_len.saturating_add(counts.output_len) as usize;
+        Names::new(self.0.bytes(NAMES), others.saturating_add(1))
+    }
+
+    pub(super) fn rule_bytes(&self) -> &'a [u8] {
+        self.0.bytes(RULE)
+    }
+
+    pub(super) fn input_rows(&self) -> &'a [[u8; InputRow::BYTES]] {
+        self.0.bytes(INPUTS).as_chunks().0
+    }
+
+    pub(super) fn output_rows(&self) -> &'a [[u8; OutputRow::BYTES]] {
+        self.0.bytes(OUTPUTS).as_chunks().0
+    }
+
+    pub(super) fn features(&self) -> &'a [[Le; 4]] {
+        self.0.array(FEATURES)
+    }
+
+    pub(super) fn metric(&self) -> &'a [[Le; 8]] {
+        self.0.array(METRIC)
+    }
+
+    pub(super) fn centres(&self) -> &'a [[Le; 8]] {
+        self.0.array(CENTRES)
+    }
+
+    pub(super) fn terms(&self) -> &'a [[[u8; 2]; 2]] {
+        self.0.bytes(TERMS).as_chunks().0.as_chunks().0
+    }
+
+    pub(super) fn coefficients(&self) -> &'a [[Le; 8]] {
+        self.0.array(COEFFICIENTS)
+    }
+
+    pub(super) fn variance_words(&self) -> &'a [Le] {
+        self.0.bytes(VARIANCE).as_chunks().0
+    }
+}
+
+impl fmt::Debug for KernelMap<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, counts) = (self.name(), self.counts());
+        f.debug_struct("KernelMap").field("name", &name).field("counts", &counts).finish()
+    }
+}
