@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// Why a call was refused; nothing has been written.
+/// Why a call was refused; nothing has been written but scratch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CallError {
     /// What is wrong.

@@ -1,15 +1,15 @@
 /* Sinew: evaluates baked models of how skin moves. Made by cbindgen of runtime/capi/src; do not edit.
  *
- * Objects: a model is a loaded file, an envelope predicts a palette, a skin is a mesh that follows one.
- * They lie in memory of the caller, who asks for its size (sinew_*_bytes) or takes an array of
- * SINEW_*_WORDS uintptr_t. Nothing is allocated and nothing has to be freed. The file's bytes must
- * stay, unchanged, while a model of them is in use; a model's memory must stay for as long as its
- * envelopes and skins are used, but may be loaded again: calls then refuse what was opened before, with
- * STALE, and with NOT_LOADED if it was filled with zeros.
+ * Objects: a model is a loaded file, an envelope predicts a palette, a skin is a mesh that follows one,
+ * a kernel is a function of a few numbers. They lie in memory of the caller, who asks for its size
+ * (sinew_*_bytes) or takes an array of SINEW_*_WORDS uintptr_t. Nothing is allocated and nothing has to
+ * be freed. The file's bytes must stay, unchanged, while a model of them is in use; a model's memory must
+ * stay for as long as its parts are used, but may be loaded again: calls then refuse what was opened
+ * before, with STALE, and with NOT_LOADED if it was filled with zeros.
  *
  * Calls: every function that can fail returns a sinew_status, and writes what went wrong to its last
- * argument unless that is null. When a call fails it has written nothing else. Statuses are named
- * in these comments without their prefix SINEW_STATUS_.
+ * argument unless that is null. When a call fails it has written nothing else but scratch. Statuses are
+ * named in these comments without their prefix SINEW_STATUS_.
  *
  * Pointers: one that is null, misaligned, or that overlaps what it must not, is a status. What no
  * library can see remains the caller's: that a pointer and its length describe memory of the
@@ -17,8 +17,8 @@
  * to what a call reads, or uses what it writes, while it runs. Where the error goes is not compared
  * with the rest. An array of length 0 may be null.
  *
- * Threads: the library has no state. Every function may run at any time on any thread. Models,
- * envelopes and skins never change but by loading or opening in their memory, and are shared freely;
+ * Threads: the library has no state. Every function may run at any time on any thread. Models and
+ * their parts never change but by loading or opening in their memory, and are shared freely;
  * scratch and outputs belong to one call at a time.
  *
  * Floats: binary32, rounded to nearest, subnormals kept. With that the results have the same bits
@@ -34,7 +34,7 @@
 /// Version of the ABI that this header describes; `sinew_abi_version` returns the library's.
 ///
 /// It grows when a function, a structure or the meaning of a number changes.
-#define SINEW_ABI_VERSION 2
+#define SINEW_ABI_VERSION 3
 
 /// Stands for no part.
 #define SINEW_NO_PART UINT32_MAX
@@ -49,6 +49,10 @@
 
 /// Stands for no joint: the parent of the root.
 #define SINEW_NO_JOINT UINT32_MAX
+
+/// Elements of a `uintptr_t` array that holds a kernel on every target:
+/// `uintptr_t memory[SINEW_KERNEL_WORDS]`.
+#define SINEW_KERNEL_WORDS 48
 
 /// Elements of a `uintptr_t` array that holds a skin on every target:
 /// `uintptr_t memory[SINEW_SKIN_WORDS]`.
@@ -69,17 +73,20 @@ enum sinew_status
     SINEW_STATUS_LENGTH = 1,
     /// An array is too short. Expected: the least length; found: its length.
     SINEW_STATUS_TOO_SHORT = 2,
-    /// A joint's transform is not finite. Index: the joint; of several poses, counted through all.
+    /// A joint's transform, or a number of a query, is not finite. Index: the joint, of several poses counted
+    /// through all; or the number. Of outputs, derivatives and variances: one would not be finite, for the
+    /// query is too far out.
     SINEW_STATUS_NON_FINITE = 3,
-    /// A joint's quaternion has no direction: it is zero, or too small or too large to square.
-    /// Index: the joint.
+    /// A quaternion has no direction: it is zero, or too small or too large to square. Index: the joint, or
+    /// the input.
     SINEW_STATUS_ZERO_ROTATION = 4,
-    /// A joint, a vertex, a range of vertices or a distance is none that there may be. Index: which
-    /// element, of a range its start; expected: the most; found: what it is, of a range its end.
+    /// A joint, a vertex, a range of vertices, an input, an output or a distance is none that there may be.
+    /// Index: which element, of a range its start; expected: the most; found: what it is, of a range its
+    /// end.
     SINEW_STATUS_OUT_OF_RANGE = 5,
     /// A stride is shorter than its attribute. Expected: floats of the attribute; found: the stride.
     SINEW_STATUS_STRIDE = 6,
-    /// The skin has no such attribute.
+    /// The skin has no such attribute, or the kernel no variance.
     SINEW_STATUS_NO_ATTRIBUTE = 7,
     /// The envelope's predictor has no such stage. Found: the predictor.
     SINEW_STATUS_NO_STAGE = 8,
@@ -95,12 +102,12 @@ enum sinew_status
     /// Memory to be written, which the argument names, overlaps other memory of the call, or an object
     /// or the file that the call reads.
     SINEW_STATUS_OVERLAP = 53,
-    /// A handle points to no loaded object of its kind; of an envelope or a skin also: its model is
-    /// loaded no more, and then the argument is the model.
+    /// A handle points to no loaded object of its kind; of an envelope, a skin or a kernel also: its model
+    /// is loaded no more, and then the argument is the model.
     SINEW_STATUS_NOT_LOADED = 54,
-    /// The model of an envelope or a skin has been loaded again, with another file: open it anew.
+    /// The model of an envelope, a skin or a kernel has been loaded again, with another file: open it anew.
     SINEW_STATUS_STALE = 55,
-    /// The file holds no such envelope, skin or section. Of a section part and section tell which.
+    /// The file holds no such envelope, skin, kernel or section. Of a section part and section tell which.
     SINEW_STATUS_NOT_FOUND = 56,
     /// The skin has no vertices, and so no bounds.
     SINEW_STATUS_NO_VERTICES = 57,
@@ -198,6 +205,14 @@ enum sinew_argument
     SINEW_ARGUMENT_NORMALS = 16,
     /// Tangents written; lengths in floats.
     SINEW_ARGUMENT_TANGENTS = 17,
+    /// Numbers of a kernel's query.
+    SINEW_ARGUMENT_QUERY = 18,
+    /// Numbers of a kernel's outputs.
+    SINEW_ARGUMENT_OUTPUTS = 19,
+    /// Derivatives of a kernel's values.
+    SINEW_ARGUMENT_JACOBIAN = 20,
+    /// Variances of a kernel's values.
+    SINEW_ARGUMENT_VARIANCES = 21,
     /// Memory for an object; lengths in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
     /// The file; lengths in bytes.
@@ -230,6 +245,12 @@ enum sinew_argument
     SINEW_ARGUMENT_RESULT = 64,
     /// Where a second result goes.
     SINEW_ARGUMENT_SECOND_RESULT = 65,
+    /// A kernel.
+    SINEW_ARGUMENT_KERNEL = 66,
+    /// The number of a kernel's input.
+    SINEW_ARGUMENT_INPUT = 67,
+    /// The number of a kernel's output.
+    SINEW_ARGUMENT_OUTPUT = 68,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -312,10 +333,14 @@ typedef uint32_t sinew_predictor;
 /// has been loaded again with another file, or is loaded no more, every call refuses the envelope.
 typedef struct sinew_envelope sinew_envelope;
 
+/// A function from named inputs to named outputs. It points to its model: where that has been loaded again
+/// with another file, or is loaded no more, every call refuses the kernel.
+typedef struct sinew_kernel sinew_kernel;
+
 /// A loaded file: what was found in its bytes, which must stay where they are and as they are while
 /// the model is in use. Its memory may be loaded again at any time that no call uses it, with the same
-/// file or another, and filled with zeros it is loaded no more; it needs no other end. Its envelopes
-/// and skins point to it: it must stay in its place, and outlive them.
+/// file or another, and filled with zeros it is loaded no more; it needs no other end. Its envelopes,
+/// skins and kernels point to it: it must stay in its place, and outlive them.
 typedef struct sinew_model sinew_model;
 
 /// A mesh of V vertices that follows an envelope's palette, or stays at rest if it follows none. It
@@ -371,6 +396,8 @@ typedef struct sinew_model_info {
     size_t envelope_len;
     /// Skins.
     size_t skin_len;
+    /// Kernels.
+    size_t kernel_len;
     /// Where a character's head is.
     sinew_axis up;
     /// Where a character looks.
@@ -454,6 +481,62 @@ typedef struct sinew_local_transform {
     /// Origin in the parent's frame, in the units of the model.
     float translation[3];
 } sinew_local_transform;
+
+/// What a kernel's fit was measured to reach, in the units of its outputs.
+typedef struct sinew_kernel_fit {
+    /// RMS over the samples of how far the values are from theirs.
+    float rms_residual;
+    /// The same, each sample left out of its own fit; 0 if it was not computed.
+    float left_out_rms;
+    /// The largest bound on errors of single precision that was found.
+    float rounding_error;
+    /// Reciprocal of the condition number of what was solved.
+    float reciprocal_condition;
+} sinew_kernel_fit;
+
+/// What a kernel is made of: every length that its calls need.
+typedef struct sinew_kernel_info {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// Its number among the file's parts.
+    uint32_t part;
+    /// The number of its function in FORMAT.md's table of kernels.
+    uint32_t kernel;
+    /// Inputs.
+    size_t input_len;
+    /// Outputs.
+    size_t output_len;
+    /// R, numbers of a query: those of the inputs together.
+    size_t query_len;
+    /// Numbers of the outputs together.
+    size_t result_len;
+    /// m, values: what outputs are made of, and what a Jacobian and variances are of. A rotation has 3.
+    size_t value_len;
+    /// Floats of scratch that `sinew_kernel_evaluate` needs.
+    size_t scratch_len;
+    /// Floats of scratch that `sinew_kernel_jacobian` needs.
+    size_t jacobian_scratch_len;
+    /// Floats of scratch that `sinew_kernel_variance` needs.
+    size_t variance_scratch_len;
+    /// 1 if it holds what a variance is computed of, else 0.
+    uint32_t has_variance;
+    /// What the fit was measured to reach.
+    struct sinew_kernel_fit fit;
+} sinew_kernel_info;
+
+/// An input or an output of a kernel.
+typedef struct sinew_quantity {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// Its number in FORMAT.md's table of inputs, or of outputs.
+    uint32_t kind;
+    /// Its numbers: 1 of a scalar, 3 of a vector, of a rotation the 4 of a quaternion x, y, z, w.
+    size_t number_len;
+} sinew_quantity;
 
 /// What a skin is made of: every length that its calls need.
 typedef struct sinew_skin_info {
@@ -580,7 +663,7 @@ sinew_status sinew_limits_default(struct sinew_limits *out_limits,
 /// Loads a model in place and checks all of it, in time bounded by the file's length. After that
 /// no evaluation fails for the file's sake.
 ///
-/// Envelopes and skins of what the memory held before are refused from now on, unless the file is the
+/// Envelopes, skins and kernels of what the memory held before are refused from now on, unless the file is the
 /// same; if loading fails they are not.
 ///
 /// - `memory`, `memory_bytes`: for the model; at least `sinew_model_bytes()`, aligned as a
@@ -616,7 +699,7 @@ sinew_status sinew_model_blob(const struct sinew_model *model,
 
 /// Finds a section of a part.
 ///
-/// - `part`: `sinew_envelope_info.part` or `sinew_skin_info.part`.
+/// - `part`: `sinew_envelope_info.part`, `sinew_skin_info.part` or `sinew_kernel_info.part`.
 /// - `kind`: its number in FORMAT.md.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `OVERLAP`, `NOT_FOUND`.
@@ -744,6 +827,107 @@ sinew_status sinew_envelope_rotational_palette(const struct sinew_envelope *enve
                                                size_t palette_len,
                                                float *out_confidence,
                                                struct sinew_error *out_error);
+
+/// Returns the bytes of memory that a kernel needs: at most those of `SINEW_KERNEL_WORDS` words.
+size_t sinew_kernel_bytes(void);
+
+/// Opens a kernel of a model.
+///
+/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `index`: which of those; 0 for the first.
+/// - `memory`, `memory_bytes`: for the kernel; at least `sinew_kernel_bytes()`, aligned as a `uintptr_t`.
+/// - `out_kernel`: receives the handle, which is `memory`.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
+sinew_status sinew_kernel_open(const struct sinew_model *model,
+                               const char *name,
+                               size_t name_len,
+                               size_t index,
+                               void *memory,
+                               size_t memory_bytes,
+                               const struct sinew_kernel **out_kernel,
+                               struct sinew_error *out_error);
+
+/// Says what a kernel is made of.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+sinew_status sinew_kernel_describe(const struct sinew_kernel *kernel,
+                                   struct sinew_kernel_info *out_info,
+                                   struct sinew_error *out_error);
+
+/// Describes an input, in the order of a query.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
+sinew_status sinew_kernel_input(const struct sinew_kernel *kernel,
+                                size_t input,
+                                struct sinew_quantity *out_input,
+                                struct sinew_error *out_error);
+
+/// Describes an output, in the order in which they are given.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
+sinew_status sinew_kernel_output(const struct sinew_kernel *kernel,
+                                 size_t output,
+                                 struct sinew_quantity *out_output,
+                                 struct sinew_error *out_error);
+
+/// Computes the outputs of a query and the confidence in them.
+///
+/// - `query`, `query_len`: `sinew_kernel_info.query_len` numbers, one input after the other; of a rotation a
+///   quaternion of any length but 0.
+/// - `scratch`, `scratch_len`: at least `sinew_kernel_info.scratch_len` floats, of any content; its content
+///   afterwards means nothing. One for each thread.
+/// - `out_numbers`, `out_len`: `sinew_kernel_info.result_len` numbers, one output after the other; of a rotation
+///   a quaternion of length 1.
+/// - `out_confidence`: null, or receives 1 near the centres down to 0 far from all; 1 of a kernel that has no
+///   fade.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
+/// `ZERO_ROTATION`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_kernel_evaluate(const struct sinew_kernel *kernel,
+                                   const float *query,
+                                   size_t query_len,
+                                   float *scratch,
+                                   size_t scratch_len,
+                                   float *out_numbers,
+                                   size_t out_len,
+                                   float *out_confidence,
+                                   struct sinew_error *out_error);
+
+/// Computes the derivatives of the m values by the R numbers of a query: before the fade, ranges and sums of
+/// outputs, so that those of a rotation are its vector's.
+///
+/// - `query`, `query_len`: as for `sinew_kernel_evaluate`.
+/// - `scratch`, `scratch_len`: at least `sinew_kernel_info.jacobian_scratch_len` floats, likewise.
+/// - `out_jacobian`, `jacobian_len`: m rows of R derivatives.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
+/// `ZERO_ROTATION`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_kernel_jacobian(const struct sinew_kernel *kernel,
+                                   const float *query,
+                                   size_t query_len,
+                                   float *scratch,
+                                   size_t scratch_len,
+                                   float *out_jacobian,
+                                   size_t jacobian_len,
+                                   struct sinew_error *out_error);
+
+/// Computes the variance of each of the m values, before the fade, ranges and sums of outputs.
+///
+/// - `query`, `query_len`: as for `sinew_kernel_evaluate`.
+/// - `scratch`, `scratch_len`: at least `sinew_kernel_info.variance_scratch_len` floats, likewise.
+/// - `out_variances`, `variances_len`: m variances, not negative.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_ATTRIBUTE`, `LENGTH`, `TOO_SHORT`,
+/// `NON_FINITE`, `ZERO_ROTATION`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_kernel_variance(const struct sinew_kernel *kernel,
+                                   const float *query,
+                                   size_t query_len,
+                                   float *scratch,
+                                   size_t scratch_len,
+                                   float *out_variances,
+                                   size_t variances_len,
+                                   struct sinew_error *out_error);
 
 /// Returns the bytes of memory that a skin needs: at most those of `SINEW_SKIN_WORDS` words.
 size_t sinew_skin_bytes(void);

@@ -38,7 +38,7 @@ template <class T> struct Span {
 
 /// A loaded file. It keeps the file's bytes, or points to bytes that stay (flash, a mapped file).
 ///
-/// Envelopes and skins point to it, and must not outlive it. Whatever replaces what it holds, a load,
+/// Envelopes, skins and kernels point to it, and must not outlive it. Whatever replaces what it holds, a load,
 /// an assignment, a move from it, makes them stale: every call refuses them until they are opened
 /// again, which is all that a hot reload takes. Nobody may use a model while it is replaced.
 class Model {
@@ -91,7 +91,7 @@ class Model {
     std::vector<std::uint8_t> file_;
 };
 
-/// What envelopes and skins have in common: memory, a name and what `describe` says. Its name is a copy,
+/// What envelopes, skins and kernels have in common: memory, a name and what `describe` says. Its name is a copy,
 /// and `info()` has none, so that neither points into a file that is gone.
 template <class Handle, class Info, std::size_t Words> class Part {
   public:
@@ -159,6 +159,26 @@ class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
         Failure failure;
         failure.status = sinew_skin_bounds(get(), palette.data, palette.len, rest_offset, &out,
                                            &failure.error);
+        return failure;
+    }
+};
+
+/// A function from named inputs to named outputs. Points to its model.
+class Kernel : public Part<sinew_kernel, sinew_kernel_info, SINEW_KERNEL_WORDS> {
+  public:
+    /// Opens the `index`-th kernel of a name, or of any; on failure it is what it was.
+    Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
+    Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
+        return open_by(sinew_kernel_open, sinew_kernel_describe, model, name, index);
+    }
+
+    /// Computes the outputs of a query, in scratch of `info().scratch_len` floats.
+    Failure evaluate(Span<const float> query, Span<float> scratch, Span<float> out,
+                     float *confidence = nullptr) const {
+        Failure failure;
+        failure.status = sinew_kernel_evaluate(get(), query.data, query.len, scratch.data,
+                                               scratch.len, out.data, out.len, confidence,
+                                               &failure.error);
         return failure;
     }
 };

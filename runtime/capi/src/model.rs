@@ -15,8 +15,8 @@ pub const SINEW_MODEL_WORDS: usize = 96;
 
 /// A loaded file: what was found in its bytes, which must stay where they are and as they are while
 /// the model is in use. Its memory may be loaded again at any time that no call uses it, with the same
-/// file or another, and filled with zeros it is loaded no more; it needs no other end. Its envelopes
-/// and skins point to it: it must stay in its place, and outlive them.
+/// file or another, and filled with zeros it is loaded no more; it needs no other end. Its envelopes,
+/// skins and kernels point to it: it must stay in its place, and outlive them.
 pub struct sinew_model(Loaded<Model<&'static [u8]>>);
 
 impl Object for sinew_model {
@@ -149,7 +149,7 @@ pub unsafe extern "C" fn sinew_limits_default(
 /// Loads a model in place and checks all of it, in time bounded by the file's length. After that
 /// no evaluation fails for the file's sake.
 ///
-/// Envelopes and skins of what the memory held before are refused from now on, unless the file is the
+/// Envelopes, skins and kernels of what the memory held before are refused from now on, unless the file is the
 /// same; if loading fails they are not.
 ///
 /// - `memory`, `memory_bytes`: for the model; at least `sinew_model_bytes()`, aligned as a

@@ -1,4 +1,4 @@
-//! Envelopes and skins as parts of a model: how they are opened, and refused once the model holds
+//! Envelopes, skins and kernels as parts of a model: how they are opened, and refused once the model holds
 //! another file.
 
 use crate::argument::sinew_argument;

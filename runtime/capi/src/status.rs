@@ -24,8 +24,9 @@ pub enum sinew_status {
     /// A quaternion has no direction: it is zero, or too small or too large to square. Index: the joint, or
     /// the input.
     ZeroRotation = 4,
-    /// A joint, a vertex, a range of vertices, an input, an output or a distance is none that there may be. Index: which
-    /// element, of a range its start; expected: the most; found: what it is, of a range its end.
+    /// A joint, a vertex, a range of vertices, an input, an output or a distance is none that there may be.
+    /// Index: which element, of a range its start; expected: the most; found: what it is, of a range its
+    /// end.
     OutOfRange = 5,
     /// A stride is shorter than its attribute. Expected: floats of the attribute; found: the stride.
     Stride = 6,

@@ -1,5 +1,6 @@
 //! Everything that an accepted file offers, evaluated and held to what the runtime promises.
 
+use crate::kernels::{evaluate_kernel, read_kernel};
 use crate::poses::pose;
 use sinew_runtime::envelope::{Predictor, ScratchLayout};
 use sinew_runtime::skin::{Bounds, Output, Rest, cells};
@@ -25,6 +26,7 @@ pub fn read<B: AsRef<[u8]>>(model: &Model<B>) {
         assert_eq!(skin.palette_len(), palette_len);
         read_skin(&skin, model.as_bytes());
     }
+    model.kernels().for_each(|map| read_kernel(&map, model.as_bytes()));
     let part = |envelope: Envelope<'_>| envelope.part();
     assert_eq!(model.envelope().map(part), model.envelopes().next().map(part));
 }
@@ -76,7 +78,7 @@ fn read_skin(skin: &Skin<'_>, file: &[u8]) {
 }
 
 /// Evaluates every envelope of a model over poses within its certificate's ranges, by the numbers of
-/// [`pose`], and every skin.
+/// [`pose`], every skin, and every kernel over queries of as many kinds.
 ///
 /// # Panics
 /// Where a call is refused, a result is not finite, a confidence is outside 0 and 1, or a vertex
@@ -89,6 +91,9 @@ pub fn evaluate<B: AsRef<[u8]>>(model: &Model<B>, numbers: Range<usize>) {
     }
     for skin in model.skins().filter(|skin| skin.envelope_part().is_none()) {
         evaluate_skin(&skin, &[], "at rest");
+    }
+    for map in model.kernels() {
+        numbers.clone().for_each(|number| evaluate_kernel(&map, number));
     }
 }
 

@@ -1,7 +1,8 @@
 //! The files that everything starts from.
 
-use models::{GOLDEN, Pieces};
+use models::{GOLDEN, KernelContent, Pieces};
 use sinew_runtime::FileError;
+use sinew_runtime::kernel::Kernel;
 use std::sync::LazyLock;
 
 /// Lists the files that everything starts from: the golden ones, and one of several parts.
@@ -16,8 +17,8 @@ pub fn files() -> &'static [Vec<u8>] {
     &FILES
 }
 
-/// Makes a file of two envelopes and three skins: those of a rotational and of a kernel model, and one
-/// that follows nothing.
+/// Makes a file of two envelopes, three skins and two kernels: those of a rotational and of a kernel model,
+/// a skin that follows nothing, a kernel with everything that there is and one with little.
 fn several() -> Result<Vec<u8>, FileError> {
     let [rotational, kernel, hybrid] = GOLDEN.map(Pieces::of);
     let (mut out, mut loose) = (rotational?, hybrid?);
@@ -25,5 +26,7 @@ fn several() -> Result<Vec<u8>, FileError> {
     loose.keep_vertices(3);
     loose.loosen();
     out.append(loose);
+    let small = KernelContent::plain(Kernel::ThinPlate, [2, 3, 1]);
+    out.append(Pieces::kernels(&[KernelContent::every(Kernel::Wendland { l: 3 }), small]));
     Ok(out.bytes())
 }

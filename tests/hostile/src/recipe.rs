@@ -112,7 +112,7 @@ fn follow(mut pieces: Pieces, u: &mut Unstructured<'_>, out: &mut Vec<u8>) -> Re
 }
 
 fn change(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
-    match u.int_in_range(0..=19)? {
+    match u.int_in_range(0..=20)? {
         0..=3 => with_floats(pieces, u, |bytes, u| set_word(bytes, u)),
         4..=6 => with_floats(pieces, u, |bytes, u| fill(bytes, u)),
         7..=9 => with_floats(pieces, u, |bytes, u| scale(bytes, u)),
@@ -143,6 +143,7 @@ fn change(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
             Ok(())
         }
         17 => counts(pieces, u),
+        18 => kernel(pieces, u),
         _ => group(pieces, u),
     }
 }
@@ -279,9 +280,9 @@ fn part_row(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Changes a count of an envelope or of a skin, or what a skin follows.
+/// Changes a count of an envelope, of a skin or of a kernel, or what a skin follows.
 fn counts(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
-    let kinds = [SectionKind::EnvelopeCounts, SectionKind::SkinCounts];
+    let kinds = [SectionKind::EnvelopeCounts, SectionKind::SkinCounts, SectionKind::KernelCounts];
     let is_counts = |kind: u16| kinds.iter().any(|own| own.number() == kind);
     let own = pieces.sections.iter_mut().filter(|content| is_counts(content.kind));
     let mut own: Vec<_> = own.map(|content| content.bytes.as_chunks_mut::<4>().0).collect();
@@ -339,6 +340,24 @@ fn group(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
         _ => row.kernel = u.int_in_range(8..=11)?,
     }
     *bytes = group_row(&row);
+    Ok(())
+}
+
+/// Changes a number of a kernel's rule, inputs, outputs or terms.
+fn kernel(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
+    let kinds =
+        [SectionKind::KernelRule, SectionKind::Inputs, SectionKind::Outputs, SectionKind::Terms];
+    let (kind, element) = (*u.choose(&kinds)?, [12, 16, 28, 4]);
+    let bytes = element[kinds.iter().position(|own| *own == kind).unwrap_or_default()];
+    let part = u.choose_index(pieces.parts.len().max(1))? as u16;
+    let own = pieces.sections.iter_mut().filter(|content| content.kind == kind.number());
+    let mut own: Vec<_> = own.collect();
+    own.sort_by_key(|content| content.part.abs_diff(part));
+    let Some(content) = own.into_iter().next() else { return Ok(()) };
+    let at = u.choose_index((content.bytes.len() / bytes).max(1))? * bytes;
+    let Some(row) = content.bytes.get_mut(at..at + bytes) else { return Ok(()) };
+    // The first word holds what is no float.
+    row[u.choose_index(4)?] = u.int_in_range(0..=14)?;
     Ok(())
 }
 

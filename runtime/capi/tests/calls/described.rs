@@ -14,6 +14,7 @@ fn it_says_what_it_is() {
     assert!(sinew_model_bytes() <= SINEW_MODEL_WORDS * size_of::<usize>());
     assert!(sinew_envelope_bytes() <= SINEW_ENVELOPE_WORDS * size_of::<usize>());
     assert!(sinew_skin_bytes() <= SINEW_SKIN_WORDS * size_of::<usize>());
+    assert!(sinew_kernel_bytes() <= SINEW_KERNEL_WORDS * size_of::<usize>());
     // SAFETY: a text of the library, ended by a zero.
     let version = unsafe { std::ffi::CStr::from_ptr(sinew_version()) };
     assert_eq!(version.to_str(), Ok(env!("CARGO_PKG_VERSION")));
@@ -39,6 +40,7 @@ fn a_model_says_what_it_holds_and_in_which_space() {
     let mut pieces = Pieces::several();
     let found = describe(&pieces);
     assert_eq!((found.part_len, found.envelope_len, found.skin_len), (5, 2, 3));
+    assert_eq!(found.kernel_len, 0);
     for (number, up) in Axis::ALL.into_iter().enumerate() {
         let forward = Axis::ALL.into_iter().find(|axis| !axis.is_along(up));
         let (up, handedness) = (Some(up), [Handedness::Right, Handedness::Left][number % 2]);

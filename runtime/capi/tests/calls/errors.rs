@@ -35,7 +35,7 @@ const FILE_KINDS: [FileErrorKind; 19] = {
         Invalid,
     ]
 };
-const ARGUMENTS: [Argument; 18] = {
+const ARGUMENTS: [Argument; 22] = {
     use Argument::*;
     [
         Call,
@@ -56,6 +56,10 @@ const ARGUMENTS: [Argument; 18] = {
         Positions,
         Normals,
         Tangents,
+        Query,
+        Outputs,
+        Jacobian,
+        Variances,
     ]
 };
 

@@ -49,6 +49,12 @@ pub struct Skin {
     pub handle: *const sinew_skin,
 }
 
+/// A kernel of a model.
+pub struct Kernel {
+    memory: Memory,
+    pub handle: *const sinew_kernel,
+}
+
 // SAFETY: the library promises that loaded objects may be shared, and the tests that the file stays.
 unsafe impl Sync for Skin {}
 
@@ -102,6 +108,33 @@ impl Loaded {
             }
             status => Err(status),
         }
+    }
+}
+
+impl Loaded {
+    pub fn kernel(&self, name: Option<&str>, index: usize) -> Result<Kernel, sinew_status> {
+        let mut kernel = Kernel { memory: memory(SINEW_KERNEL_WORDS), handle: null() };
+        let (at, len) = name.map_or((null(), 0), |name| (name.as_ptr().cast(), name.len()));
+        let (place, bytes) = (kernel.memory.as_mut_ptr().cast(), size_of_val(&*kernel.memory));
+        let out = &raw mut kernel.handle;
+        // SAFETY: a loaded model, a name and memory with their lengths.
+        match unsafe { sinew_kernel_open(self.handle, at, len, index, place, bytes, out, NONE) } {
+            sinew_status::Ok => Ok(kernel),
+            status => Err(status),
+        }
+    }
+}
+
+impl Kernel {
+    /// Copies the object's memory elsewhere.
+    pub fn moved(&self) -> Self {
+        let memory = self.memory.clone();
+        Self { handle: memory.as_ptr().cast(), memory }
+    }
+
+    pub fn info(&self) -> sinew_kernel_info {
+        // SAFETY: an open kernel and one structure to be written.
+        get(|out| unsafe { sinew_kernel_describe(self.handle, out, NONE) })
     }
 }
 

@@ -7,6 +7,7 @@ mod described;
 mod errors;
 mod evaluated;
 mod handles;
+mod kernels;
 mod refused;
 
 use handles::Loaded;

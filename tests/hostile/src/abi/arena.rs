@@ -35,9 +35,10 @@ pub(super) struct Arena {
     memory: Vec<u128>,
     /// The loaded model; blank where the file was refused.
     pub(super) model: Range<usize>,
-    /// Its first envelope and its first skin; blank where it has none.
+    /// Its first envelope, its first skin and its first kernel; blank where it has none.
     pub(super) envelope: Range<usize>,
     pub(super) skin: Range<usize>,
+    pub(super) kernel: Range<usize>,
     pub(super) file: Range<usize>,
     /// The file that takes its place, where one does.
     other: Range<usize>,
@@ -47,6 +48,7 @@ pub(super) struct Arena {
     pub(super) skin_palette: Range<usize>,
     pub(super) remap: Range<usize>,
     pub(super) rest: [Range<usize>; 3],
+    pub(super) query: Range<usize>,
     /// Room for a name, limits or a job.
     pub(super) argument: Range<usize>,
     /// Room for results.
@@ -73,9 +75,12 @@ impl Arena {
             start..start + bytes
         };
         // More than the results of any one call.
+        let ways = frame.ways.iter().map(|way| way.scratch_len + way.found.len());
         let results = sinew_model_bytes()
             + sinew_envelope_bytes()
             + sinew_skin_bytes()
+            + sinew_kernel_bytes()
+            + 4 * ways.max().unwrap_or_default()
             + 4 * (frame.scratch_len + 32 * 2 * (frame.vertex_len + 1))
             + BATCH * size_of_val(&*frame.palette)
             + size_of_val(&*frame.pose)
@@ -85,6 +90,7 @@ impl Arena {
             model: place(sinew_model_bytes()),
             envelope: place(sinew_envelope_bytes()),
             skin: place(sinew_skin_bytes()),
+            kernel: place(sinew_kernel_bytes()),
             file: place(file.len()),
             other: place(if since == Since::Reloaded { other.len() } else { 0 }),
             local: place(size_of_val(&*frame.local)),
@@ -92,11 +98,13 @@ impl Arena {
             skin_palette: place(size_of_val(&*frame.skin_palette)),
             remap: place(size_of_val(&*frame.remap)),
             rest: [12, 12, 16].map(|bytes| place(bytes * frame.vertex_len)),
+            query: place(size_of_val(&*frame.query)),
             argument: place(
                 frame
                     .envelope_name
                     .len()
                     .max(frame.skin_name.len())
+                    .max(frame.kernel_name.len())
                     .max(size_of::<sinew_skin_job>()),
             ),
             results: place(results + 6 * (RESULTS_APART + ALIGNMENT)),
@@ -131,6 +139,7 @@ impl Arena {
             (self.poses.start, bytes(poses)),
             (self.skin_palette.start, bytes(floats(&frame.skin_palette))),
             (self.remap.start, remap.collect()),
+            (self.query.start, bytes(frame.query.iter().copied())),
             (positions, bytes(frame.rest_positions.as_flattened().iter().copied())),
             (normals, bytes(frame.rest_normals.as_flattened().iter().copied())),
             (tangents, bytes(frame.rest_tangents.as_flattened().iter().copied())),
@@ -140,7 +149,7 @@ impl Arena {
         self.frame = frame;
     }
 
-    /// Loads the model and opens its first envelope and skin, as far as there are any.
+    /// Loads the model and opens its first envelope, skin and kernel, as far as there are any.
     fn open(&mut self) {
         let refusal = self.frame.refusal.map_or(sinew_status::Ok, |error| error.status);
         assert_eq!(self.load(self.file.clone()), refusal, "C and Rust do not agree on a file");
@@ -159,6 +168,12 @@ impl Arena {
         let opened =
             unsafe { sinew_skin_open(model, null(), 0, 0, place, bytes, &raw mut skin, error) };
         assert_eq!(opened == sinew_status::Ok, self.frame.has_skin, "{opened:?}");
+        let (place, bytes) = (self.at(self.kernel.start), self.kernel.len());
+        let mut kernel = null();
+        // SAFETY: the same.
+        let opened =
+            unsafe { sinew_kernel_open(model, null(), 0, 0, place, bytes, &raw mut kernel, error) };
+        assert_eq!(opened == sinew_status::Ok, self.frame.has_kernel, "{opened:?}");
     }
 
     /// Loads the model.
@@ -207,14 +222,15 @@ impl Arena {
         (start, unsafe { std::slice::from_raw_parts(at, len) })
     }
 
-    /// Asks the objects that are as they were for what they tell of themselves: the model for its blob,
-    /// envelope and skin for what describes them. Of those that are not there it is nothing.
-    pub(super) fn told(&mut self, [model, envelope, skin]: [bool; 3]) -> Told {
+    /// Asks the objects that are as they were for what they tell of themselves: the model for its blob, the
+    /// parts for what describes them. Of those that are not there it is nothing.
+    pub(super) fn told(&mut self, [model, envelope, skin, kernel]: [bool; 4]) -> Told {
         let mut told = Told::default();
         let (mut blob, mut blob_bytes, error) = (null(), 0, null_mut());
         let (mut envelope_info, mut skin_info) = (MaybeUninit::uninit(), MaybeUninit::uninit());
-        let [at_model, at_envelope, at_skin] =
-            [&self.model, &self.envelope, &self.skin].map(|object| object.start);
+        let mut kernel_info = MaybeUninit::uninit();
+        let [at_model, at_envelope, at_skin, at_kernel] =
+            [&self.model, &self.envelope, &self.skin, &self.kernel].map(|object| object.start);
         let done = |status| status == sinew_status::Ok;
         let at = self.at(at_model);
         // SAFETY: a place that is blank, empty or holds a model, and two values to be written.
@@ -234,6 +250,12 @@ impl Arena {
             // SAFETY: the call has succeeded and written it.
             told.skin = Some(unsafe { skin_info.assume_init() });
         }
+        let (at, out) = (self.at(at_kernel), kernel_info.as_mut_ptr());
+        // SAFETY: a place that is blank or holds a kernel, whose model is as it was.
+        if model && kernel && done(unsafe { sinew_kernel_describe(at, out, error) }) {
+            // SAFETY: the call has succeeded and written it.
+            told.kernel = Some(unsafe { kernel_info.assume_init() });
+        }
         told
     }
 
@@ -252,6 +274,7 @@ pub(super) struct Told {
     blob: Option<(*const u8, usize)>,
     envelope: Option<sinew_envelope_info>,
     skin: Option<sinew_skin_info>,
+    kernel: Option<sinew_kernel_info>,
 }
 
 /// Lists the floats of transforms.

@@ -71,6 +71,13 @@ impl Call<'_, '_> {
         self.handle(places, fault, Argument::Envelope)
     }
 
+    /// Draws the handle of a kernel.
+    pub(super) fn kernel(&mut self) -> Result<*const sinew_kernel> {
+        let fault = self.part_fault(self.arena.frame.has_kernel, Argument::Kernel);
+        let places = [self.arena.kernel.clone(), self.arena.envelope.clone()];
+        self.handle(places, fault, Argument::Kernel)
+    }
+
     /// Draws the handle of a skin.
     pub(super) fn skin(&mut self) -> Result<*const sinew_skin> {
         let fault = self.part_fault(self.arena.frame.has_skin, Argument::Skin);

@@ -39,6 +39,8 @@ pub(super) struct Call<'a, 'b> {
     pub(super) read: Vec<Range<usize>>,
     pub(super) written: Vec<Range<usize>>,
     pub(super) shared: bool,
+    /// A place of scratch, which a call that finds its result not finite has used.
+    pub(super) used: Option<Range<usize>>,
     /// Where the next result belongs.
     pub(super) next_result: usize,
     /// What is wrong for sure, and what each fault must be called.
@@ -67,6 +69,7 @@ impl<'a, 'b> Call<'a, 'b> {
             read: Vec::new(),
             written: Vec::new(),
             shared: false,
+            used: None,
             next_result,
             faults: Vec::new(),
             vague: false,
@@ -104,7 +107,7 @@ impl<'a, 'b> Call<'a, 'b> {
         if self.faultless() {
             self.expected = expected(self.arena);
         }
-        let told = self.arena.told([true; 3]);
+        let told = self.arena.told([true; 4]);
         self.before = (self.arena.content().1.to_vec(), told);
         let error = self.errors.as_mut_ptr();
         match self.error_goes {
@@ -125,7 +128,11 @@ impl<'a, 'b> Call<'a, 'b> {
             "{function} returned {status:?}, of which its comment says nothing"
         );
         self.check_error(function, status);
-        let written = if done { std::mem::take(&mut self.written) } else { Vec::new() };
+        let used = self.used.take().filter(|_| status == sinew_status::NonFinite);
+        let written = match used {
+            _ if done => std::mem::take(&mut self.written),
+            used => used.into_iter().collect(),
+        };
         for (i, place) in written.iter().enumerate() {
             let others = if self.shared { &[] } else { &written[i + 1..] };
             let apart = !self.read.iter().chain(others).any(|other| meets(place, other));
@@ -148,9 +155,10 @@ impl<'a, 'b> Call<'a, 'b> {
         }
         // An object that the call does not read may be written to: it is one no more, and is not asked.
         let spared = |place| !written.iter().any(|written| meets(written, place));
-        let kept = [&self.arena.model, &self.arena.envelope, &self.arena.skin].map(spared);
+        let Arena { model, envelope, skin, kernel, .. } = &*self.arena;
+        let kept = [model, envelope, skin, kernel].map(spared);
         let found = self.arena.told(kept);
-        assert!(kept != [true; 3] || found == told, "{function} changed an object: {found:?}");
+        assert!(kept != [true; 4] || found == told, "{function} changed an object: {found:?}");
     }
 
     /// Holds the status, and what was told of it, to what is known of the arguments.

@@ -1,20 +1,24 @@
 //! What the runtime makes of a file: the inputs of its calls, and what they must give.
 
+use crate::kernels::query;
 use crate::poses;
 use sinew_capi::sinew_error;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::skin::{Bounds, Output, Rest, SkinLayout, cells};
-use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, Skin, SkinJob};
+use sinew_runtime::{
+    CallError, Envelope, KernelMap, LocalTransform, Matrix3x4, Model, Skin, SkinJob,
+};
 use std::ops::Range;
 
-/// The inputs of a file's first envelope and first skin, and results of its calls.
+/// The inputs of a file's first envelope, first skin and first kernel, and results of its calls.
 #[derive(Default)]
 pub(super) struct Frame {
     /// Why the file is refused.
     pub(super) refusal: Option<sinew_error>,
-    /// Whether there is an envelope, and a skin.
+    /// Whether there is an envelope, a skin, and a kernel.
     pub(super) has_envelope: bool,
     pub(super) has_skin: bool,
+    pub(super) has_kernel: bool,
 
     pub(super) envelope_name: String,
     pub(super) predictor: Option<Predictor>,
@@ -37,6 +41,23 @@ pub(super) struct Frame {
     pub(super) rest_positions: Vec<[f32; 3]>,
     pub(super) rest_normals: Vec<[f32; 3]>,
     pub(super) rest_tangents: Vec<[f32; 4]>,
+
+    pub(super) kernel_name: String,
+    pub(super) input_len: usize,
+    pub(super) output_len: usize,
+    pub(super) query: Vec<f32>,
+    /// An evaluation, a Jacobian and a variance.
+    pub(super) ways: [Evaluated; 3],
+}
+
+/// What comes of one way to evaluate a kernel.
+#[derive(Default)]
+pub(super) struct Evaluated {
+    /// Floats of scratch.
+    pub(super) scratch_len: usize,
+    /// The result; not numbers where it is refused.
+    pub(super) found: Vec<f32>,
+    pub(super) refusal: Option<sinew_error>,
 }
 
 /// What a skin job is asked for.
@@ -71,6 +92,9 @@ impl Frame {
             });
             frame.add_skin(&skin, palette.unwrap_or_default());
         }
+        if let Some(map) = model.kernel() {
+            frame.add_kernel(&map, pose_number);
+        }
         frame
     }
 
@@ -100,6 +124,27 @@ impl Frame {
         self.rest_positions = positions.map(|[x, y, z]| [0.5 * y, x, z]).collect();
         self.rest_normals = (0..v).filter_map(|vertex| skin.rest_normal(vertex)).collect();
         self.rest_tangents = vec![[0.0, 1.0, 0.0, -1.0]; v];
+    }
+
+    fn add_kernel(&mut self, map: &KernelMap<'_>, number: usize) {
+        let counts = map.counts();
+        let (query, m) = (query(map, number), counts.value_len as usize);
+        self.ways = [
+            Evaluated::new(counts.scratch_len(), map.result_len(), |scratch, out| {
+                map.evaluate(&query, scratch, out).map(|_| ())
+            }),
+            Evaluated::new(counts.jacobian_scratch_len(), m * query.len(), |scratch, out| {
+                map.jacobian(&query, scratch, out)
+            }),
+            Evaluated::new(counts.variance_scratch_len(), m, |scratch, out| {
+                map.variance(&query, scratch, out)
+            }),
+        ];
+        self.has_kernel = true;
+        self.kernel_name = map.name().to_owned();
+        self.input_len = counts.input_len as usize;
+        self.output_len = counts.output_len as usize;
+        self.query = query;
     }
 
     /// Skins into floats that hold something.
@@ -137,6 +182,18 @@ impl Frame {
     pub(super) fn bounds(&self, file: &[u8], rest_offset: f32) -> Option<Bounds> {
         let skin = self.layout?.open(file)?;
         skin.bounds(&self.skin_palette, rest_offset).ok()?
+    }
+}
+
+impl Evaluated {
+    fn new(
+        scratch_len: usize,
+        len: usize,
+        way: impl FnOnce(&mut [f32], &mut [f32]) -> Result<(), CallError>,
+    ) -> Self {
+        let mut found = vec![f32::NAN; len];
+        let done = way(&mut vec![f32::NAN; scratch_len], &mut found);
+        Self { scratch_len, found, refusal: done.err().map(sinew_error::from) }
     }
 }
 

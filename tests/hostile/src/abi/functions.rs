@@ -1,13 +1,14 @@
 //! Every function that can fail, with the arguments that it takes.
 
-use super::arena::{Arena, BATCH, BLANK, bytes, floats};
+use super::arena::{BATCH, BLANK, bytes, floats};
 use super::call::Call;
 use super::frame::Asked;
+use super::kernels;
+use super::shared::{optional, unknown, wanted};
 use crate::recipe;
 use arbitrary::Result;
 use sinew_capi::*;
 use sinew_runtime::envelope::Predictor;
-use std::ffi::c_char;
 use std::ptr::{null, null_mut};
 
 use sinew_argument as Argument;
@@ -17,7 +18,7 @@ use sinew_status as Status;
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions by their names.
-pub(super) const FUNCTIONS: [(&str, Function); 22] = [
+pub(super) const FUNCTIONS: [(&str, Function); 29] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
     ("sinew_model_describe", model_describe),
@@ -40,12 +41,14 @@ pub(super) const FUNCTIONS: [(&str, Function); 22] = [
     ("sinew_skin_influences", influences),
     ("sinew_skin_run", run),
     ("sinew_skin_bounds", bounds),
+    ("sinew_kernel_open", kernels::open),
+    ("sinew_kernel_describe", kernels::describe),
+    ("sinew_kernel_input", kernels::input),
+    ("sinew_kernel_output", kernels::output),
+    ("sinew_kernel_evaluate", kernels::evaluate),
+    ("sinew_kernel_jacobian", kernels::jacobian),
+    ("sinew_kernel_variance", kernels::variance),
 ];
-
-/// Nothing that this module compares: the C ABI's own tests do.
-fn unknown(_: &Arena) -> Vec<u8> {
-    Vec::new()
-}
 
 fn limits_default(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let out = call.output_one(Argument::Result)?;
@@ -141,39 +144,6 @@ fn skin_open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_skin_open(model, name, name_len, index, memory, bytes, out, error) })
 }
 
-/// Draws which part is wanted: any or one of the part's own name, or of bytes that are none; the first,
-/// or one beyond all.
-fn wanted(
-    call: &mut Call<'_, '_>,
-    is_there: bool,
-    own: String,
-    argument: Argument,
-) -> Result<(*const c_char, usize, usize)> {
-    // The other file has parts of its own, by the same names or others.
-    let is_other = call.arena.since != super::arena::Since::Nothing;
-    call.fault_if(!is_there && !is_other, Status::NotFound, argument);
-    call.vague |= is_other;
-    let index = if call.one_in(8)? { usize::MAX } else { 0 };
-    call.fault_if(index > 0, Status::NotFound, argument);
-    if call.one_in(2)? {
-        return Ok((null(), if call.one_in(2)? { 0 } else { usize::MAX }, index));
-    }
-    let start = call.arena.argument.start;
-    let mut name = own.into_bytes();
-    if call.one_in(4)? {
-        name.reverse();
-        call.vague = true;
-    }
-    call.arena.write(start, &name);
-    let drawn = call.faults.len();
-    let (at, len) = call.input_any::<c_char>(start..start + name.len(), Argument::Name)?;
-    if at.is_null() {
-        // That is any name, and no fault.
-        call.faults.truncate(drawn);
-    }
-    Ok((at, len, index))
-}
-
 fn envelope_describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (envelope, out) = (call.envelope()?, call.output_one(Argument::Result)?);
     let error = call.ready(unknown);
@@ -246,16 +216,6 @@ fn palette_by(call: &mut Call<'_, '_>, function: PaletteCall) -> Result<sinew_st
     Ok(unsafe {
         function(envelope, pose, pose_len, scratch, scratch_len, out, out_len, confidence, error)
     })
-}
-
-/// Draws where one result goes that may go nowhere.
-fn optional<T>(call: &mut Call<'_, '_>, argument: Argument) -> Result<*mut T> {
-    let drawn = call.faults.len();
-    let out = call.output_one::<T>(argument)?;
-    if out.is_null() {
-        call.faults.truncate(drawn);
-    }
-    Ok(out)
 }
 
 fn palettes(call: &mut Call<'_, '_>) -> Result<sinew_status> {

@@ -10,6 +10,8 @@ mod call;
 mod frame;
 mod functions;
 mod header;
+mod kernels;
+mod shared;
 
 use crate::recipe;
 use arbitrary::{Result, Unstructured};
@@ -73,10 +75,11 @@ mod tests {
     use super::one_call;
     use crate::recipe;
     use arbitrary::Unstructured;
-    use models::{GOLDEN, Pieces};
+    use models::{GOLDEN, KernelContent, Pieces};
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use sinew_runtime::format::SectionKind;
+    use sinew_runtime::kernel::Kernel;
     use std::collections::BTreeSet;
 
     #[test]
@@ -94,9 +97,11 @@ mod tests {
         loose.loosen();
         let mut files = GOLDEN.map(<[u8]>::to_vec).to_vec();
         files.extend([empty, bare, loose].map(|pieces| pieces.bytes()));
+        let kernels = [KernelContent::every(Kernel::Quintic), KernelContent::servo()];
+        files.extend(kernels.map(|content| Pieces::kernels(&[content]).bytes()));
         let mut random = ChaCha8Rng::seed_from_u64(138);
         let mut seen = BTreeSet::new();
-        for number in 0..60_000 {
+        for number in 0..120_000 {
             let mut bytes = [0; 160];
             random.fill_bytes(&mut bytes);
             let (script, recipe) = bytes.split_at(96);
