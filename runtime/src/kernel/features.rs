@@ -206,10 +206,10 @@ mod tests {
             for q in QUERIES.into_iter().take(3) {
                 let input = input(kind);
                 let found = gradients(&input, q);
-                // Central differences in the features' own single precision, of a long step: errors of
-                // 1e-4 of the gradient.
+                // Central differences in the features' own single precision, of a step between its rounding
+                // and the differences' own error.
                 let length = squared_length(q).sqrt();
-                let step = 4e-3 * length;
+                let step = 1e-3 * length;
                 for column in 0..kind.number_len() {
                     let at = |h: f32| {
                         let mut q = q;
