@@ -220,8 +220,8 @@ impl Found {
 
     /// Returns the first part of a kind.
     fn first<'a>(&self, kind: PartKind, file: &'a [u8]) -> Option<Part<'a>> {
-        let place = PartKind::ALL.iter().position(|own| *own == kind)?;
-        let layout = self.firsts.get(place)?;
+        // Kinds are numbered from 1.
+        let layout = self.firsts.get(usize::from(kind.number()).wrapping_sub(1))?;
         layout.is_some().then_some(Part { layout: *layout, file })
     }
 }

@@ -2,6 +2,9 @@
 //!
 //! A module of the runtime's tests and of `tests/firmware`: no standard library, no allocation.
 
+#[cfg(feature = "kernel")]
+#[path = "kernels.rs"]
+pub(crate) mod kernels;
 #[path = "rng.rs"]
 #[allow(unreachable_pub, reason = "other tests export it")]
 mod rng;

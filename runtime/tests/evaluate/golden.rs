@@ -6,7 +6,8 @@
 #[path = "../../../tests/golden/bits.rs"]
 mod bits;
 
-use bits::{Found, GOLDEN, Golden, Memory, STAGES};
+use bits::{Found, GOLDEN, Golden, Memory, STAGES, kernels};
+use models::{KernelContent, Pieces, golden_path};
 use sinew_runtime::Model;
 
 fn hashes(golden: &Golden, nudge: f32) -> Found {
@@ -35,5 +36,41 @@ fn the_hash_sees_one_last_place() {
         for ((stage, nudged), bits) in STAGES.iter().zip(nudged).zip(golden.bits) {
             assert!(nudged != bits || bits == 0, "{stage} of {:?}", golden.predictor);
         }
+    }
+}
+
+fn kernel_hashes(nudge: f32) -> Vec<u64> {
+    let model = kernels::load().unwrap();
+    let (mut scratch, mut out) = ([0.0; 1024], [0.0; 128]);
+    let hash = |map| kernels::hash(&map, nudge, &mut scratch, &mut out).unwrap();
+    model.kernels().map(hash).collect()
+}
+
+#[test]
+fn bits_of_kernels_are_those_of_every_other_cpu() {
+    let found = kernel_hashes(0.0);
+    assert_eq!(found, kernels::BITS, "found {found:#018x?}");
+}
+
+#[test]
+fn the_hash_of_kernels_sees_one_last_place() {
+    let nudged = kernel_hashes(1.2e-7);
+    assert_eq!(nudged.len(), kernels::BITS.len());
+    assert!(nudged.iter().zip(kernels::BITS).all(|(nudged, bits)| *nudged != bits));
+}
+
+/// Set to write the golden kernels instead of comparing them.
+const WRITE: &str = "SINEW_WRITE_KERNELS";
+
+#[test]
+fn the_golden_kernels_are_made_as_they_were() {
+    let all = KernelContent::goldens();
+    let servo = [KernelContent::servo()];
+    for (name, contents) in [("kernel-3.snw", all.as_slice()), ("kernel-3-servo.snw", &servo)] {
+        let made = Pieces::kernels(contents).bytes();
+        if std::env::var_os(WRITE).is_some() {
+            std::fs::write(golden_path(name), &made).unwrap();
+        }
+        assert_eq!(std::fs::read(golden_path(name)).unwrap(), made, "{name}");
     }
 }

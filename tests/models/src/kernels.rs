@@ -138,6 +138,48 @@ impl KernelContent {
         }
     }
 
+    /// Lists the golden kernels, one of each: inputs are a number, a vector and a rotation of another kind each
+    /// time, and rules, metrics and variances come and go.
+    pub fn goldens() -> Vec<Self> {
+        Kernel::ALL.into_iter().enumerate().map(|(i, kernel)| Self::golden(kernel, i)).collect()
+    }
+
+    fn golden(kernel: Kernel, i: usize) -> Self {
+        let mut rng = Rng(16 + i as u64);
+        let rotation = InputKind::ALL[2 + i % 5];
+        let inputs = [InputKind::Scalar, InputKind::Vector3, rotation];
+        let d = inputs.map(InputKind::feature_len).iter().sum::<usize>();
+        let (n, m, c) = (9 + i % 3, 8, if i.is_multiple_of(2) { 3 } else { d });
+        let terms = (0..d as u16).map(|feature| [0, feature]);
+        let terms: Vec<_> = [[NO_TERM; 2]].into_iter().chain(terms).take(i % 2 * d + 1).collect();
+        let t = terms.len();
+        let variance = VarianceContent {
+            factor: matrix(&mut rng, 3, n + t, 0.1),
+            mixed: matrix(&mut rng, n, t, 0.05),
+            polynomial: matrix(&mut rng, t, t, 0.1),
+            deviations: vec![0.5; m],
+        };
+        let (query, normalise) = (QueryRule::ALL[i % 3], Normalise::ALL[i / 3 % 3]);
+        Self {
+            name: format!("{} {}", kernel.name(), kernel.parameter()),
+            rule: KernelRule { query, normalise, ..rule(kernel) },
+            inputs: inputs.map(|kind| (kind.name().to_owned(), input(kind))).into(),
+            outputs: vec![
+                ("one".to_owned(), scalar(true, (0.0, 1.0), 0.25)),
+                ("other".to_owned(), scalar(true, ANY, 0.5)),
+                ("place".to_owned(), output(OutputKind::Vector3, [0.5, -1.0, 2.0, 0.0])),
+                ("turn".to_owned(), output(OutputKind::Rotation, [0.48, -0.6, 0.0, 0.64])),
+            ],
+            features: vec![[0.125, 0.75, -1.5, 1.25]; d],
+            metric: if c == d { Vec::new() } else { matrix(&mut rng, c, d, 0.5) },
+            centres: matrix(&mut rng, n, c, 1.0),
+            coefficients: matrix(&mut rng, m, n + t, 0.5),
+            terms,
+            variance: (i % 5 == 1).then_some(variance),
+            fit: KernelFit::default(),
+        }
+    }
+
     /// Counts the numbers of a query, R.
     pub fn query_len(&self) -> usize {
         self.inputs.iter().map(|(_, input)| input.kind.number_len()).sum()
