@@ -25,6 +25,41 @@ pub fn cost() -> bool {
     clock() && sound
 }
 
+/// Prints what the servo's kernel costs; returns whether all of it could be evaluated.
+#[cfg(feature = "kernel")]
+pub fn servo() -> bool {
+    let Some(memory) = take() else { return false };
+    start_timer();
+    servo_kernel(memory).is_some()
+}
+
+#[cfg(feature = "kernel")]
+fn servo_kernel(memory: &mut Memory) -> Option<()> {
+    let file = black_box(&include_bytes!("../../golden/kernel-3-servo.snw")[..]);
+    let mut loaded = None;
+    let load_stack = stack_of(&mut || loaded = Model::from_bytes(file).ok());
+    let loading = instructions_of(|| loaded = Model::from_bytes(file).ok());
+    let model = loaded?;
+    let kernel = model.kernel()?;
+    let scratch = cut(&mut memory.scratch, kernel.counts().scratch_len());
+    let mut rng = Rng(7);
+    let (mut query, mut angle) = ([0.0; 6], [0.0]);
+    let (mut most, mut sound) = (0, true);
+    for _ in 0..POSES {
+        query.iter_mut().for_each(|x| *x = rng.unit());
+        let step =
+            instructions_of(|| sound &= kernel.evaluate(&query, scratch, &mut angle).is_ok());
+        most = most.max(step);
+    }
+    let stack = stack_of(&mut || sound &= kernel.evaluate(&query, scratch, &mut angle).is_ok());
+    say!("servo load_instructions {loading}");
+    say!("servo load_stack {load_stack}");
+    say!("servo scratch {}", 4 * kernel.counts().scratch_len());
+    say!("servo step_instructions {most}");
+    say!("servo step_stack {stack}");
+    sound.then_some(())
+}
+
 /// Times loops of known length, of which one has two million instructions more.
 fn clock() -> bool {
     let counted = |times| instructions_of(|| count_down(black_box(times)));

@@ -1,6 +1,8 @@
 //! The bits of every stage, of the golden files and of models baked for this run.
 
-use crate::bits::{Found, GOLDEN, STAGES, hashes};
+#[cfg(feature = "kernel")]
+use crate::bits::kernels;
+use crate::bits::{Found, GOLDEN, Memory, STAGES, hashes};
 use crate::memory::take;
 use crate::platform::print;
 use crate::say;
@@ -46,6 +48,36 @@ pub fn bits() -> bool {
             }
         }
     }
+    sound &= of_kernels(memory);
     print("end\n");
     sound
+}
+
+/// Prints a hash of each golden kernel; returns whether they are the promised ones.
+#[cfg(feature = "kernel")]
+fn of_kernels(memory: &mut Memory) -> bool {
+    let Some(model) = kernels::load() else {
+        say!("kernels: not loaded");
+        return false;
+    };
+    let mut sound = model.kernels().count() == kernels::BITS.len();
+    for (kernel, promised) in model.kernels().zip(kernels::BITS) {
+        match kernels::hash(&kernel, 0.0, &mut memory.scratch, &mut memory.skin) {
+            Ok(bits) => {
+                say!("kernel {} {bits:016x}", kernel.name());
+                sound &= bits == promised;
+            }
+            Err(error) => {
+                say!("kernel {}: {error}", kernel.name());
+                sound = false;
+            }
+        }
+    }
+    sound
+}
+
+/// Without the part kernel there is nothing to print.
+#[cfg(not(feature = "kernel"))]
+fn of_kernels(_: &mut Memory) -> bool {
+    true
 }

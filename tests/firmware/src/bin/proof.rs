@@ -4,17 +4,21 @@
 
 use core::hint::black_box;
 use firmware::say;
+use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{
     Certificate, EnvelopeCounts, EnvelopeLayout, GroupRow, Predictor, ScratchLayout,
 };
 use sinew_runtime::format::{
     Axis, Element, FileId, PartKind, PartRow, SectionKind, SectionRow, checksum,
 };
-use sinew_runtime::envelope::GroupKernel;
+use sinew_runtime::kernel::{
+    EulerOrder, InputKind, InputRow, Kernel, KernelCounts, KernelFit, KernelLayout, KernelRule,
+    OutputKind, OutputRow,
+};
 use sinew_runtime::skin::{Output, Rest, SkinCounts, SkinLayout, cells};
 use sinew_runtime::{
-    CallError, Envelope, Limits, LocalTransform, Matrix3x4, Model, Skin, SkinJob, Workspace,
-    model_space_pose, stages,
+    CallError, Envelope, KernelMap, Limits, LocalTransform, Matrix3x4, Model, Skin, SkinJob,
+    Workspace, model_space_pose, stages,
 };
 
 firmware::image!(run);
@@ -49,6 +53,15 @@ fn run() -> bool {
             of_skin(skin);
         }
     }
+    let first = [model.kernel(), model.kernel_named(name)].into_iter().flatten();
+    for kernel in first.chain(model.kernels()) {
+        of_kernel(kernel);
+        let kept: KernelLayout = kernel.layout();
+        black_box(kept.counts());
+        if let Some(kernel) = kept.open(some(&[])) {
+            of_kernel(kernel);
+        }
+    }
     black_box(model.into_bytes());
     true
 }
@@ -67,6 +80,43 @@ fn of_envelope(envelope: Envelope<'_>) {
 fn of_skin(skin: Skin<'_>) {
     mesh(skin);
     tell(skinned(skin));
+}
+
+#[inline(never)]
+fn of_kernel(kernel: KernelMap<'_>) {
+    let k = kernel;
+    black_box((k.name(), k.part(), k.file(), k.rule(), k.fit(), k.has_variance()));
+    black_box((k.input_name(index()), k.output_name(index()), k.query_len(), k.result_len()));
+    black_box((k.feature(index()), k.metric_entry(index(), index()), k.centre(index(), index())));
+    black_box((k.term(index()), k.coefficient(index(), index())));
+    for (input, output) in k.inputs().zip(k.outputs()) {
+        black_box((input, input.to_bytes(), output, output.to_bytes()));
+    }
+    let counts = k.counts();
+    black_box([counts.scratch_len(), counts.jacobian_scratch_len(), counts.variance_scratch_len()]);
+    let (query, scratch) = (some::<f32>(&[]), some_mut::<f32>(&mut []));
+    tell(k.evaluate(query, scratch, some_mut(&mut [])).map(|confidence| {
+        black_box(confidence);
+    }));
+    tell(k.jacobian(query, scratch, some_mut(&mut [])));
+    tell(k.variance(query, scratch, some_mut(&mut [])));
+}
+
+fn kernel_rows(kind: SectionKind) {
+    let counts = KernelCounts::from_words(black_box([0; 8]));
+    black_box((counts.words(), counts.has(kind), counts.section_bytes(kind)));
+    black_box(KernelFit::from_figures(black_box([0.0; 4])).figures());
+    if let Ok(rule) = KernelRule::from_bytes(&black_box([0; KernelRule::BYTES])) {
+        black_box((rule.to_bytes(), rule.query.name(), rule.normalise.name(), rule.kernel.name()));
+    }
+    black_box(InputRow::from_bytes(&black_box([0; InputRow::BYTES])).is_ok());
+    black_box(OutputRow::from_bytes(&black_box([0; OutputRow::BYTES])).is_ok());
+    black_box(InputKind::from_number(black_box(1)).map(InputKind::name));
+    black_box(OutputKind::from_number(black_box(1)).map(OutputKind::name));
+    black_box(black_box(EulerOrder::Xyz).name());
+    if let Some(kernel) = Kernel::from_number(black_box(1), black_box(0)) {
+        black_box((kernel.value(black_box(1.0)), kernel.parameter()));
+    }
 }
 
 fn tell(outcome: Result<(), CallError>) {
@@ -122,6 +172,7 @@ fn counts(kind: SectionKind) {
     let counts = SkinCounts::from_words(black_box([0; 4]));
     black_box((counts.has(kind), counts.section_bytes(kind, index()), counts.envelope()));
     black_box((counts.words(), Predictor::from_number(black_box(1))));
+    kernel_rows(kind);
     black_box(Certificate::from_figures(black_box([0.0; 5])).figures());
 }
 

@@ -9,12 +9,15 @@ use std::process::Command;
 pub(super) enum Image {
     Bits,
     Minimal,
+    Servo,
     Cost,
+    CostServo,
     Proof,
     Bare,
     SizeRotational,
     SizeAny,
     SizeAll,
+    SizeServo,
     ControlPanic,
     ControlAlloc,
 }
@@ -24,12 +27,15 @@ impl Image {
         match self {
             Self::Bits => "bits",
             Self::Minimal => "minimal",
+            Self::Servo => "servo",
             Self::Cost => "cost",
+            Self::CostServo => "cost_servo",
             Self::Proof => "proof",
             Self::Bare => "bare",
             Self::SizeRotational => "size_rotational",
             Self::SizeAny => "size_any",
             Self::SizeAll => "size_all",
+            Self::SizeServo => "size_servo",
             Self::ControlPanic => "control_panic",
             Self::ControlAlloc => "control_alloc",
         }
@@ -93,7 +99,7 @@ pub(super) fn lint(folder: &Path) -> Result<(), String> {
     crate::call::run(cargo(folder, M4F).args(fmt))?;
     let mut command = cargo(folder, M4F);
     command.args(["clippy", "--quiet", "--locked", "--manifest-path", MANIFEST]);
-    command.args(["--bins", "--features", "control,cortex-m"]).args(triple(M4F));
+    command.args(["--bins", "--features", "control,cortex-m,kernel"]).args(triple(M4F));
     crate::call::run(command.args(["--", "-D", "warnings"]))
 }
 
@@ -105,6 +111,10 @@ fn command(folder: &Path, target: Target, profile: Profile, image: Image) -> Com
     command.args(["--bin", image.name(), "--profile", profile.name()]).args(triple(target));
     match image {
         Image::Cost => command.args(["--features", "cortex-m"]),
+        Image::CostServo => command.args(["--features", "cortex-m,kernel"]),
+        Image::Bits | Image::Proof | Image::Servo | Image::SizeServo => {
+            command.args(["--features", "kernel"])
+        }
         Image::ControlPanic | Image::ControlAlloc => command.args(["--features", "control"]),
         _ => &mut command,
     };

@@ -20,7 +20,8 @@ pub(crate) fn firmware() -> Result<(), String> {
     bake_models(&folder.join("models"))?;
     build::lint(&folder)?;
     same_bits(&folder)?;
-    minimal(&folder)?;
+    shown(&folder, Image::Minimal, "confidence ")?;
+    shown(&folder, Image::Servo, "angle ")?;
     no_panic(&folder)?;
     no_allocator(&folder)?;
     costs(&folder)
@@ -70,19 +71,20 @@ fn compare(target: &str, expected: &str, found: &str) -> Result<(), String> {
     }
 }
 
-/// Runs the image that the README shows, and sees that the README shows it.
-fn minimal(folder: &Path) -> Result<(), String> {
-    let printed = M4F.run(&build(folder, M4F, Profile::Release, Image::Minimal)?)?;
-    if !printed.starts_with("confidence ") {
-        return Err(format!("the minimal image printed `{printed}`"));
+/// Runs an image that the README shows, and sees that the README shows it.
+fn shown(folder: &Path, image: Image, starts_with: &str) -> Result<(), String> {
+    let printed = M4F.run(&build(folder, M4F, Profile::Release, image)?)?;
+    if !printed.starts_with(starts_with) {
+        return Err(format!("the image {} printed `{printed}`", image.name()));
     }
-    let read = |path| std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"));
-    let image = read("tests/firmware/src/bin/minimal.rs")?;
-    let shown = format!("```rust\n{image}```\n");
+    let read =
+        |path: &str| std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"));
+    let source = format!("src/bin/{}.rs", image.name());
+    let shown = format!("```rust\n{}```\n", read(&format!("tests/firmware/{source}"))?);
     if read("tests/firmware/README.md")?.contains(&shown) {
         Ok(())
     } else {
-        Err("tests/firmware/README.md does not show src/bin/minimal.rs as it is".to_owned())
+        Err(format!("tests/firmware/README.md does not show {source} as it is"))
     }
 }
 
@@ -106,7 +108,7 @@ fn no_allocator(folder: &Path) -> Result<(), String> {
         let path = build(folder, M4F, Profile::Release, image)?;
         Ok(Elf::read(&path)?.allocator())
     };
-    for image in [Image::Proof, Image::Bits, Image::Cost] {
+    for image in [Image::Proof, Image::Bits, Image::Cost, Image::Servo] {
         let found = symbols(image)?;
         if !found.is_empty() {
             return Err(format!("{}: an allocator is linked: {found:?}", image.name()));
@@ -123,15 +125,17 @@ fn no_allocator(folder: &Path) -> Result<(), String> {
 fn costs(folder: &Path) -> Result<(), String> {
     let mut figures = Vec::new();
     for profile in Profile::ALL {
-        let image = build(folder, M4F, profile, Image::Cost)?;
-        let (printed, again) = (M4F.run(&image)?, M4F.run(&image)?);
-        if printed != again {
-            return Err(format!("two runs differ:\n{printed}\n{again}"));
-        }
-        for line in printed.lines() {
-            if let Some((name, value)) = line.rsplit_once(' ') {
-                let value = value.parse().map_err(|_| format!("`{line}` holds no number"))?;
-                figures.push((format!("{} {name}", profile.name()), value));
+        for image in [Image::Cost, Image::CostServo] {
+            let image = build(folder, M4F, profile, image)?;
+            let (printed, again) = (M4F.run(&image)?, M4F.run(&image)?);
+            if printed != again {
+                return Err(format!("two runs differ:\n{printed}\n{again}"));
+            }
+            for line in printed.lines() {
+                if let Some((name, value)) = line.rsplit_once(' ') {
+                    let value = value.parse().map_err(|_| format!("`{line}` holds no number"))?;
+                    figures.push((format!("{} {name}", profile.name()), value));
+                }
             }
         }
     }
@@ -144,6 +148,7 @@ fn costs(folder: &Path) -> Result<(), String> {
             ("rotational", Image::SizeRotational),
             ("any", Image::SizeAny),
             ("all", Image::SizeAll),
+            ("servo", Image::SizeServo),
         ] {
             figures.push((format!("{} {name} code", profile.name()), bytes(image)? - bare));
         }

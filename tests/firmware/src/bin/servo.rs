@@ -1,0 +1,43 @@
+//! Drives a servo from two levers and the twist of a joint: a kernel in flash, three inputs, one number.
+#![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
+
+use sinew_runtime::kernel::KernelCounts;
+use sinew_runtime::{Model, Workspace};
+
+firmware::image!(run);
+firmware::may_panic!();
+
+/// In flash: read where it lies, never copied.
+static MODEL: &[u8] = include_bytes!("../../../golden/kernel-3-servo.snw");
+
+/// The largest kernel that this firmware has room for.
+const ROOM: KernelCounts = KernelCounts {
+    input_len: 3,
+    output_len: 1,
+    feature_len: 4,
+    metric_len: 0,
+    centre_len: 32,
+    term_len: 5,
+    value_len: 1,
+    variance_len: 0,
+};
+
+fn run() -> bool {
+    step().is_some()
+}
+
+fn step() -> Option<()> {
+    // Once: all of the file is checked here.
+    let model = Model::from_bytes(MODEL).ok()?;
+    let servo = model.kernel_named("servo")?;
+    let mut scratch = Workspace::<{ ROOM.scratch_len() }>::new();
+
+    // Each step: two levers, and the wrist's rotation as a quaternion of any length. The number stays within
+    // what the file says that the servo takes.
+    let query = [0.25, -0.5, 0.3, 0.0, 0.1, 1.0];
+    let mut angle = [0.0];
+    let confidence = servo.evaluate(&query, &mut scratch, &mut angle).ok()?;
+
+    firmware::say!("angle {angle:?}, confidence {confidence}");
+    Some(())
+}
