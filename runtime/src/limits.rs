@@ -3,7 +3,7 @@
 /// The most of everything that a file may hold; a file beyond it is refused before it costs anything.
 ///
 /// All work, in loading and in evaluating, grows with these counts and with nothing else: each
-/// byte of a kernel map costs one multiplication.
+/// byte of a kernel map costs one multiplication, and of a kernel's Jacobian one a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes of the file.

@@ -54,6 +54,7 @@ impl KernelMap<'_> {
         values.fill(0.0);
         block_product(self.coefficients(), [basis, point.terms], values.as_chunks_mut().0);
         let (found, _) = split(scratch, out.len());
+        let (values, _) = split(values, m);
         outputs::evaluate(self, confidence, values, found)?;
         out.iter_mut().zip(found).for_each(|(out, found)| *out = *found);
         Ok(confidence)

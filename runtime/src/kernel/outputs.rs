@@ -1,60 +1,58 @@
 //! From values to outputs: the fade, ranges, sums of 1, and rotations from their vectors.
 
-use super::output::{OutputKind, OutputRow};
+use super::output::OutputKind;
 use super::rule::{Normalise, QueryRule};
 use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::numeric::{greater, lesser};
 
-/// Computes the outputs of m values.
+/// Computes the outputs of m values, which the fade may change.
 ///
 /// # Errors
 /// [`CallErrorKind::NonFinite`]: an output is not finite; the index is that of its first number.
 pub(super) fn evaluate(
     map: &KernelMap<'_>,
     confidence: f32,
-    values: &[f32],
+    values: &mut [f32],
     out: &mut [f32],
 ) -> Result<(), CallError> {
     let rule = map.rule();
-    let (mut values, mut left, mut place) = (values, &mut *out, 0);
+    // Before a range keeps what is infinite within it.
+    check(map, values, |kind| kind.value_len())?;
+    if rule.query == QueryRule::Fade {
+        fade(map, confidence, values);
+    }
+    let (mut values, mut left) = (&*values, &mut *out);
     for output in map.outputs() {
+        // Of a loaded file there are as many of both as its outputs have.
         let (own, rest) = values.split_at(output.kind.value_len().min(values.len()));
         let len = output.kind.number_len().min(left.len());
         let (numbers, others) = core::mem::take(&mut left).split_at_mut(len);
-        let mut found = own_values(own);
-        let is_sound = found.iter().all(|x| x.is_finite());
-        if rule.query == QueryRule::Fade {
-            for (value, neutral) in found.iter_mut().zip(output.neutral_values()) {
-                // At either end exactly one of the two.
-                *value = confidence * *value + (1.0 - confidence) * neutral;
-            }
-        }
-        let [x, y, z, w] = output_of(&output, found);
-        for (number, value) in numbers.iter_mut().zip([x, y, z, w]) {
-            *number = value;
-        }
-        check(is_sound && numbers.iter().all(|x| x.is_finite()), place)?;
-        place += numbers.len();
         (values, left) = (rest, others);
+        match (output.kind, own, numbers) {
+            (OutputKind::Scalar, [x], [out]) => {
+                let (low, high) = output.range;
+                *out = lesser(greater(*x, low), high);
+            }
+            (OutputKind::Rotation, [x, y, z], [a, b, c, d]) => {
+                [*a, *b, *c, *d] = product(output.neutral, rotation([*x, *y, *z]));
+            }
+            (_, own, numbers) => numbers.iter_mut().zip(own).for_each(|(out, x)| *out = *x),
+        }
     }
-    normalise(map, rule.normalise, out)
+    normalise(map, rule.normalise, out);
+    check(map, out, |kind| kind.number_len())
 }
 
-/// Returns up to three values; zeros behind them.
-fn own_values(values: &[f32]) -> [f32; 3] {
-    let mut out = [0.0; 3];
-    out.iter_mut().zip(values).for_each(|(out, value)| *out = *value);
-    out
-}
-
-/// Returns an output of its values; zeros behind its numbers.
-fn output_of(output: &OutputRow, [x, y, z]: [f32; 3]) -> [f32; 4] {
-    let (low, high) = output.range;
-    match output.kind {
-        OutputKind::Scalar => [lesser(greater(x, low), high), 0.0, 0.0, 0.0],
-        OutputKind::Vector3 => [x, y, z, 0.0],
-        OutputKind::Rotation => product(output.neutral, rotation([x, y, z])),
+/// Lets values tend to the neutral ones; at either end they are exactly one of the two.
+fn fade(map: &KernelMap<'_>, confidence: f32, values: &mut [f32]) {
+    let mut left = values.iter_mut();
+    for output in map.outputs() {
+        let neutrals = output.neutral_values();
+        let neutrals = neutrals.iter().take(output.kind.value_len());
+        for (neutral, value) in neutrals.zip(left.by_ref()) {
+            *value = confidence * *value + (1.0 - confidence) * neutral;
+        }
     }
 }
 
@@ -77,36 +75,45 @@ fn product([ax, ay, az, aw]: [f32; 4], [bx, by, bz, bw]: [f32; 4]) -> [f32; 4] {
 }
 
 /// Divides the marked outputs by their sum, if it is one that is brought to 1.
-fn normalise(map: &KernelMap<'_>, rule: Normalise, out: &mut [f32]) -> Result<(), CallError> {
+fn normalise(map: &KernelMap<'_>, rule: Normalise, out: &mut [f32]) {
     if rule == Normalise::Never {
-        return Ok(());
+        return;
     }
-    let mut sum = 0.0;
-    let mut place = 0;
+    let (mut sum, mut place) = (0.0, 0);
     for output in map.outputs() {
         if let Some(number) = out.get(place).filter(|_| output.is_marked) {
             sum += number;
-            check(f32::is_finite(sum), place)?;
         }
         place += output.kind.number_len();
     }
     if sum > rule.least() {
+        // What a sum that overflows leaves would look like a number.
+        let by = if sum.is_finite() { sum } else { f32::NAN };
         place = 0;
         for output in map.outputs() {
             if let Some(number) = out.get_mut(place).filter(|_| output.is_marked) {
-                *number /= sum;
-                check(number.is_finite(), place)?;
+                *number /= by;
             }
             place += output.kind.number_len();
         }
     }
-    Ok(())
 }
 
-/// Checks an output, given by its first number.
-fn check(is_finite: bool, place: usize) -> Result<(), CallError> {
-    if is_finite {
-        return Ok(());
+/// Checks that values or outputs are finite, of which an output has so many.
+fn check(
+    map: &KernelMap<'_>,
+    values: &[f32],
+    len: impl Fn(OutputKind) -> usize,
+) -> Result<(), CallError> {
+    let Some(unsound) = values.iter().position(|x| !x.is_finite()) else { return Ok(()) };
+    // The first number of the output that it belongs to.
+    let (mut end, mut place) = (0, 0);
+    for output in map.outputs() {
+        end += len(output.kind);
+        if unsound < end {
+            break;
+        }
+        place += output.kind.number_len();
     }
     Err(CallError::new(CallErrorKind::NonFinite, Argument::Outputs).at(place))
 }

@@ -2,8 +2,8 @@
 
 use super::counts::{KernelCounts, KernelFit, RULES};
 use super::function::Kernel;
-use super::input::InputRow;
-use super::output::OutputRow;
+use super::input::{InputKind, InputRow};
+use super::output::{OutputKind, OutputRow};
 use super::rule::{KernelRule, Normalise, QueryRule};
 use crate::format::part::{Part, PartLayout, first_counts};
 use crate::format::rule::Rule;
@@ -97,12 +97,15 @@ impl<'a> KernelMap<'a> {
 
     /// Returns R, how many numbers a query has.
     pub fn query_len(&self) -> usize {
-        self.inputs().map(|input| input.kind.number_len()).sum()
+        let kinds = self.input_rows().iter().filter_map(|[kind, ..]| InputKind::from_number(*kind));
+        kinds.map(InputKind::number_len).sum()
     }
 
     /// Returns how many numbers the outputs are.
     pub fn result_len(&self) -> usize {
-        self.outputs().map(|output| output.kind.number_len()).sum()
+        let kinds =
+            self.output_rows().iter().filter_map(|[kind, ..]| OutputKind::from_number(*kind));
+        kinds.map(OutputKind::number_len).sum()
     }
 
     /// Returns an input's name.
