@@ -37,7 +37,7 @@ fn compare(content: &KernelContent, query: &[f32]) -> usize {
 #[test]
 fn derivatives_are_those_of_the_values() {
     let mut rng = Rng(5);
-    for kernel in Kernel::ALL {
+    for kernel in Kernel::ALL.into_iter().step_by(apart(5)) {
         let mut content = KernelContent::every(kernel);
         // Rotations of about length 1, so that derivatives are about 1.
         let mut query = content.query(&mut rng, 0.6);
@@ -86,7 +86,7 @@ fn variances_are_those_of_their_closed_form() {
         let stored = content.variance.as_ref().unwrap();
         with(&content, |map| {
             assert!(map.has_variance());
-            for _ in 0..20 {
+            for _ in 0..20 / apart(10) {
                 let query = content.query(&mut rng, 0.6);
                 let exact = Exact::new(&content, &double(&query));
                 let g: Vec<f64> = exact.s.iter().map(|s| kernel(k, *s)).collect();
@@ -114,5 +114,5 @@ fn variances_are_those_of_their_closed_form() {
             }
         });
     }
-    assert!(clipped > 0);
+    assert!(cfg!(miri) || clipped > 0);
 }

@@ -3,6 +3,7 @@
 use super::bound::of_values;
 use super::exact::Exact;
 use super::{evaluate, with};
+use crate::common::apart;
 use models::{KernelContent, Rng};
 use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
 
@@ -19,7 +20,7 @@ fn outputs_are_those_of_their_closed_forms() {
             let mut content = KernelContent::every(Kernel::Multiquadric);
             (content.rule.query, content.rule.normalise) = (query_rule, normalise);
             with(&content, |map| {
-                for _ in 0..100 {
+                for _ in 0..100 / apart(50) {
                     let query = content.query(&mut rng, 1.0);
                     let exact = Exact::new(&content, &double(&query));
                     let (found, confidence) = evaluate(&map, &query).unwrap();
@@ -44,7 +45,8 @@ fn outputs_are_those_of_their_closed_forms() {
             });
         }
     }
-    assert!(faded > 50 && kept > 50 && brought > 50, "{faded} {kept} {brought}");
+    let all = faded > 50 && kept > 50 && brought > 50;
+    assert!(cfg!(miri) || all, "{faded} {kept} {brought}");
 }
 
 #[test]
@@ -102,7 +104,7 @@ fn a_clamped_query_is_the_nearest_of_the_box() {
         let near = evaluate(&map, &[1.0, -1.0, 0.3, 0.1, 0.0, 0.9]).unwrap();
         assert_eq!(evaluate(&map, &[40.0, -1.5, 0.3, 0.1, 0.0, 0.9]).unwrap(), near);
         let mut seen = [false; 2];
-        for i in 0..400 {
+        for i in (0..400).step_by(apart(10)) {
             let query = content.query(&mut Rng(i), 1.0);
             let [x] = evaluate(&map, &query).unwrap().0[..] else { panic!() };
             assert!((-1.0..=1.0).contains(&x));
