@@ -1,9 +1,13 @@
-//! Kernel maps: any function of a pose, learned from samples (S2, METHOD §2).
+//! Kernel maps: any function of a few numbers, learned from samples (S2, METHOD §2).
 //!
-//! From samples to a map: [`inputs`] measures their distances, [`centres`] chooses centres, [`design`]
-//! decomposes what depends on the inputs alone, [`ridge`] fits [`outputs`] to it, [`map`] evaluates.
-//! Where outputs are very many and only the errors are asked for, [`gram`] takes their inner products
-//! instead. Both forms are validated by [`left_out`].
+//! [`function`] has every kernel, [`sum`] what they make up, [`bound`] how far f32 may be from it,
+//! [`rotations`] what a function is given of a rotation.
+//!
+//! The rest is the envelope's regression of functions that vanish at rest. From samples to a map:
+//! [`inputs`] measures their distances, [`centres`] chooses centres, [`design`] decomposes what depends on
+//! the inputs alone, [`ridge`] fits [`outputs`] to it, [`map`] evaluates. Where outputs are very many and
+//! only the errors are asked for, [`gram`] takes their inner products instead. Both forms are validated by
+//! [`left_out`].
 //!
 //! **To add a kernel** of METHOD §2.1, positive definite and 1 at its centre:
 //! 1. `runtime/src/envelope/group_kernel.rs`: a variant of `GroupKernel` with METHOD's number, its name, its
@@ -17,6 +21,7 @@
 //!    compare with, in `runtime/tests/evaluate/correction.rs` and beside `GroupKernel`.
 
 pub mod arithmetic;
+pub mod bound;
 pub mod centres;
 pub mod design;
 pub mod function;
@@ -26,4 +31,5 @@ pub mod left_out;
 pub mod map;
 pub mod outputs;
 pub mod ridge;
+pub mod rotations;
 pub mod sum;

@@ -91,14 +91,19 @@ impl KernelSum {
         }
     }
 
-    /// Evaluates the function at d inputs: m values.
-    pub fn evaluate(&self, x: &[f64]) -> Vec<f64> {
+    /// Evaluates what the coefficients are of at d inputs: the kernels, n, and the monomials, T.
+    pub fn basis(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let u = self.scaled(x);
         let z = self.measured(&u);
         let kernels = self.centres.col_iter().map(|t| self.kernel.exact(squared(&z, t.iter())));
-        let basis = kernels.chain(powers(&self.terms, &u));
+        (kernels.collect(), powers(&self.terms, &u))
+    }
+
+    /// Evaluates the function at d inputs: m values.
+    pub fn evaluate(&self, x: &[f64]) -> Vec<f64> {
+        let (kernels, powers) = self.basis(x);
         let mut out = vec![0.0; self.value_len()];
-        for (column, value) in self.coefficients.col_iter().zip(basis) {
+        for (column, value) in self.coefficients.col_iter().zip(kernels.iter().chain(&powers)) {
             out.iter_mut().zip(column.iter()).for_each(|(out, c)| *out += c * value);
         }
         out

@@ -1,7 +1,7 @@
-//! Columns of a matrix as slices, in parallel; faer itself runs on one thread, so that results do
+//! Columns of a matrix: as slices, in parallel, and their ends; faer itself runs on one thread, so that results do
 //! not depend on how many there are.
 
-use faer::Mat;
+use faer::{ColRef, Mat};
 use rayon::prelude::*;
 
 /// Writes every column of a matrix, in parallel.
@@ -12,4 +12,10 @@ pub(crate) fn fill(matrix: &mut Mat<f64>, write: impl Fn(usize, &mut [f64]) + Sy
             write(index, column.as_slice_mut());
         }
     });
+}
+
+/// Returns the least and the greatest number of a column that is not empty.
+pub(crate) fn ends(column: ColRef<'_, f64>) -> (f64, f64) {
+    let empty = (f64::INFINITY, f64::NEG_INFINITY);
+    column.iter().fold(empty, |(least, most), &x| (least.min(x), most.max(x)))
 }
