@@ -1,7 +1,7 @@
 //! Kernel maps: any function of a few numbers, learned from samples (S2, METHOD §2).
 //!
 //! [`function`] has every kernel, [`sum`] what they make up, [`bound`] how far f32 may be from it,
-//! [`rotations`] what a function is given of a rotation.
+//! [`rotations`] what a function is given of a rotation. [`scattered`] solves for one.
 //!
 //! The rest is the envelope's regression of functions that vanish at rest. From samples to a map:
 //! [`inputs`] measures their distances, [`centres`] chooses centres, [`design`] decomposes what depends on
@@ -32,4 +32,5 @@ pub mod map;
 pub mod outputs;
 pub mod ridge;
 pub mod rotations;
+pub mod scattered;
 pub mod sum;

@@ -1,0 +1,108 @@
+//! Why scattered data gave no function.
+
+use sinew_runtime::kernel::Kernel;
+
+/// Scattered data that no function was fitted to; rows and columns count from 0.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum KernelError {
+    /// There are no samples, no inputs, or no values.
+    #[error("there are no {what}")]
+    Empty {
+        /// What there is none of.
+        what: &'static str,
+    },
+    /// Sites and values are not as many.
+    #[error("expected a row of values for each of {sites} sites, found {values}")]
+    Rows {
+        /// Rows of the sites.
+        sites: usize,
+        /// Rows of the values.
+        values: usize,
+    },
+    /// A number is infinite or not a number.
+    #[error("{what} of row {row}, column {column} is not finite")]
+    NotFinite {
+        /// A site or a value.
+        what: &'static str,
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: usize,
+    },
+    /// Blocks of inputs do not make up a site.
+    #[error("blocks of inputs have {blocks} columns, sites {columns}")]
+    Blocks {
+        /// Columns of all blocks.
+        blocks: usize,
+        /// Columns of the sites.
+        columns: usize,
+    },
+    /// A number that was asked for is out of its range.
+    #[error("{what} is {found}, expected {expected}")]
+    Option {
+        /// Which one.
+        what: &'static str,
+        /// What it is.
+        found: f64,
+        /// What it may be.
+        expected: &'static str,
+    },
+    /// Two samples at one place have different values.
+    #[error("rows {first} and {second} have the same site and different values")]
+    Conflict {
+        /// The earlier row.
+        first: usize,
+        /// The later row.
+        second: usize,
+    },
+    /// No fit solves with the kernel.
+    #[error("no fit solves with the kernel \"{}\": it is for imports", .0.name())]
+    ImportOnly(Kernel),
+    /// The polynomials fall short of the kernel's order.
+    #[error(
+        "the kernel \"{}\" needs polynomials of degree {least} or more{}",
+        kernel.name(),
+        asked.map_or(", found none".into(), |asked| format!(", found degree {asked}"))
+    )]
+    Degree {
+        /// The kernel.
+        kernel: Kernel,
+        /// The degree asked for.
+        asked: Option<usize>,
+        /// The least one.
+        least: usize,
+    },
+    /// A centre is not a sample.
+    #[error("centre {centre} is not one of {samples} samples, or is there twice")]
+    Centre {
+        /// The centre.
+        centre: usize,
+        /// Samples after merging.
+        samples: usize,
+    },
+    /// Rounding decides what the function is.
+    #[error(
+        "the fit is ill-conditioned (reciprocal condition {rcond:.1e}, samples missed by \
+         {missed:.1e} of their range): smooth more, take a narrower kernel or fewer centres"
+    )]
+    IllConditioned {
+        /// Reciprocal condition of the system.
+        rcond: f64,
+        /// By how much its equations are missed, over the range of the values.
+        missed: f64,
+    },
+    /// f32 arithmetic may be too far from the function.
+    #[error(
+        "f32 arithmetic may be off by {bound:.1e} of the values' range, more than {limit:.1e}: take \
+         a narrower kernel, smooth more, or take fewer centres"
+    )]
+    Rounding {
+        /// The largest bound over the range.
+        bound: f64,
+        /// What is allowed.
+        limit: f64,
+    },
+    /// No candidate can predict samples that it has not seen.
+    #[error("no width and smoothing can predict samples that are left out: there are too few")]
+    NoChoice,
+}

@@ -1,0 +1,58 @@
+//! Kernels between points: the matrices of every fit.
+//!
+//! Points are rows, n x d: a column holds one coordinate of all of them, so that a loop over points
+//! runs over contiguous memory. Each distance is summed in the order of [`crate::kernel::sum`].
+
+use crate::kernel::function::Exact;
+use crate::numeric::registers;
+use faer::Mat;
+use sinew_runtime::kernel::Kernel;
+
+/// Evaluates a kernel between n points and k centres of d coordinates: n x k.
+pub fn matrix(kernel: Kernel, points: &Mat<f64>, centres: &Mat<f64>) -> Mat<f64> {
+    let mut out = Mat::zeros(points.nrows(), centres.nrows());
+    for k in 0..centres.nrows() {
+        let column = out.col_as_slice_mut(k);
+        add_squared(points, centres, k, column);
+        column.iter_mut().for_each(|s| *s = kernel.exact(*s));
+    }
+    out
+}
+
+/// Measures the distances of n points from one of them.
+pub fn distances(points: &Mat<f64>, from: usize) -> Vec<f64> {
+    let mut out = vec![0.0; points.nrows()];
+    add_squared(points, points, from, &mut out);
+    out.iter_mut().for_each(|s| *s = s.sqrt());
+    out
+}
+
+/// Adds the squared distances of points from a centre.
+fn add_squared(points: &Mat<f64>, centres: &Mat<f64>, centre: usize, out: &mut [f64]) {
+    registers::narrow();
+    for c in 0..points.ncols() {
+        let t = centres[(centre, c)];
+        for (s, x) in out.iter_mut().zip(points.col_as_slice(c)) {
+            *s += (x - t) * (x - t);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_the_kernel_of_each_pair() {
+        let points = Mat::from_fn(4, 2, |i, c| (i as f64 * 0.7 + c as f64).sin());
+        let centres = Mat::from_fn(3, 2, |i, c| (i as f64 * 0.3 - c as f64).cos());
+        let found = matrix(Kernel::Matern32, &points, &centres);
+        for i in 0..4 {
+            for k in 0..3 {
+                let [x, y] = [0, 1].map(|c| points[(i, c)] - centres[(k, c)]);
+                assert_eq!(found[(i, k)], Kernel::Matern32.exact(x * x + y * y));
+            }
+        }
+        assert_eq!(distances(&Mat::from_fn(2, 2, |i, c| (i * (3 + c)) as f64), 0), [0.0, 5.0]);
+    }
+}

@@ -1,0 +1,249 @@
+//! Samples of a function: sites and values, checked, without repetitions (METHOD §2.5).
+
+use super::error::KernelError;
+use super::matrix::distances;
+use super::scaling::{Block, Scaling};
+use crate::numeric::columns::ends;
+use faer::Mat;
+use serde::Serialize;
+
+/// Distance, over the mean one, below which two sites are one.
+const ONE_SITE: f64 = 1e-9;
+/// Difference, over the range of a value, up to which two samples of one site agree: a few units in
+/// the last place of f32.
+const AGREE: f64 = 1e-6;
+
+/// Share of a value's magnitude below which its range is hardly more than rounding.
+const OFFSET: f64 = 1e-4;
+
+/// What becomes of samples that have one site and different values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Conflicts {
+    /// They are an error.
+    #[default]
+    Refuse,
+    /// Their mean is taken.
+    Average,
+}
+
+/// Samples that a fit can take.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    /// Sites, n x d.
+    pub sites: Mat<f64>,
+    /// Values, n x m.
+    pub values: Mat<f64>,
+    /// How distances between sites are measured.
+    pub scaling: Scaling,
+    /// The given row of each sample, n.
+    pub rows: Vec<usize>,
+    /// What was merged.
+    pub merged: Vec<Merged>,
+}
+
+/// A row that became part of an earlier one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Merged {
+    /// The row.
+    pub row: usize,
+    /// The earlier one.
+    pub into: usize,
+    /// Distance of their sites, over the mean distance.
+    pub distance: f64,
+    /// Their values did not agree, and their mean was taken.
+    pub averaged: bool,
+}
+
+impl Samples {
+    /// Takes sites (n x d, made of blocks) and values (n x m).
+    ///
+    /// # Errors
+    /// In this order: if there are no samples, inputs or values; if sites and values are not as many;
+    /// if a number is not finite; if the blocks are not the inputs; if two samples of one site
+    /// disagree, where conflicts are refused.
+    pub fn new(
+        sites: &Mat<f64>,
+        values: &Mat<f64>,
+        blocks: &[Block],
+        conflicts: Conflicts,
+    ) -> Result<Self, KernelError> {
+        check(sites, values)?;
+        let scaling = Scaling::new(sites, blocks)?;
+        let points = scaling.apply(sites);
+        let ranges = ranges(values);
+        let agree = |a: usize, b: usize| {
+            (0..ranges.len()).all(|o| (values[(a, o)] - values[(b, o)]).abs() <= AGREE * ranges[o])
+        };
+        let mut merged: Vec<Merged> = Vec::new();
+        let (mut rows, mut means) = (Vec::new(), Vec::new());
+        let mut taken = vec![false; sites.nrows()];
+        for into in 0..sites.nrows() {
+            if taken[into] {
+                continue;
+            }
+            let mut of_site = vec![into];
+            let mut averaged = false;
+            for (row, &distance) in distances(&points, into).iter().enumerate().skip(into + 1) {
+                if taken[row] || distance >= ONE_SITE {
+                    continue;
+                }
+                if !agree(into, row) {
+                    if conflicts == Conflicts::Refuse {
+                        return Err(KernelError::Conflict { first: into, second: row });
+                    }
+                    averaged = true;
+                }
+                taken[row] = true;
+                of_site.push(row);
+                merged.push(Merged { row, into, distance, averaged: false });
+            }
+            let own = merged.len() + 1 - of_site.len()..merged.len();
+            merged[own].iter_mut().for_each(|merged| merged.averaged = averaged);
+            rows.push(into);
+            means.push(if averaged { of_site } else { vec![into] });
+        }
+        let mean = |i: usize, o: usize| {
+            let of_site: &[usize] = &means[i];
+            of_site.iter().map(|&row| values[(row, o)]).sum::<f64>() / of_site.len() as f64
+        };
+        Ok(Self {
+            sites: Mat::from_fn(rows.len(), sites.ncols(), |i, c| sites[(rows[i], c)]),
+            values: Mat::from_fn(rows.len(), values.ncols(), mean),
+            scaling,
+            rows,
+            merged,
+        })
+    }
+
+    /// Takes sites (n x d, made of blocks) alone, with a value for each of them: 1 at its own site and
+    /// 0 at the others, so that a function of them gives weights of the samples.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`]; two samples of one site disagree.
+    pub fn of_weights(sites: &Mat<f64>, blocks: &[Block]) -> Result<Self, KernelError> {
+        let own = Mat::identity(sites.nrows(), sites.nrows());
+        Self::new(sites, &own, blocks, Conflicts::Refuse)
+    }
+
+    /// Returns n.
+    pub fn sample_len(&self) -> usize {
+        self.sites.nrows()
+    }
+}
+
+/// Refuses sites and values that are none, not as many, or not finite.
+///
+/// # Errors
+/// In that order.
+pub fn check(sites: &Mat<f64>, values: &Mat<f64>) -> Result<(), KernelError> {
+    let counts =
+        [("samples", sites.nrows()), ("inputs", sites.ncols()), ("values", values.ncols())];
+    if let Some((what, _)) = counts.into_iter().find(|(_, count)| *count == 0) {
+        return Err(KernelError::Empty { what });
+    }
+    if sites.nrows() != values.nrows() {
+        return Err(KernelError::Rows { sites: sites.nrows(), values: values.nrows() });
+    }
+    for (what, matrix) in [("the site", sites), ("the value", values)] {
+        for row in 0..matrix.nrows() {
+            if let Some(column) = (0..matrix.ncols()).find(|&c| !matrix[(row, c)].is_finite()) {
+                return Err(KernelError::NotFinite { what, row, column });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Returns the range of each value, m: at least a share of its magnitude, 1 where it is 0.
+pub fn ranges(values: &Mat<f64>) -> Vec<f64> {
+    let range = |column| {
+        let (least, most) = ends(column);
+        let range = (most - least).max(OFFSET * least.abs().max(most.abs()));
+        if range > 0.0 { range } else { 1.0 }
+    };
+    values.col_iter().map(range).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINE: [Block; 1] = [Block { len: 1, weight: 1.0 }];
+
+    fn column(of: &[f64]) -> Mat<f64> {
+        Mat::from_fn(of.len(), 1, |i, _| of[i])
+    }
+
+    fn samples(
+        sites: &[f64],
+        values: &[f64],
+        conflicts: Conflicts,
+    ) -> Result<Samples, KernelError> {
+        Samples::new(&column(sites), &column(values), &LINE, conflicts)
+    }
+
+    #[test]
+    fn repetitions_that_agree_are_merged_and_reported() {
+        let found = samples(
+            &[0.0, 1.0, 0.0, 2.0, 2.0 + 1e-10],
+            &[5.0, 6.0, 5.0, 7.0, 7.0],
+            Conflicts::Refuse,
+        )
+        .unwrap();
+        assert_eq!((found.rows, found.values), (vec![0, 1, 3], column(&[5.0, 6.0, 7.0])));
+        let merged: Vec<_> = found.merged.iter().map(|m| (m.row, m.into, m.averaged)).collect();
+        assert_eq!(merged, [(2, 0, false), (4, 3, false)]);
+        assert!(found.merged[0].distance == 0.0 && found.merged[1].distance > 1e-11);
+    }
+
+    #[test]
+    fn conflicts_are_refused_by_name_or_averaged() {
+        let (sites, values) = ([0.0, 1.0, 1.0, 1.0], [0.0, 1.0, 4.0, 1.0]);
+        let refused = samples(&sites, &values, Conflicts::Refuse).unwrap_err();
+        assert_eq!(refused, KernelError::Conflict { first: 1, second: 2 });
+        let found = samples(&sites, &values, Conflicts::Average).unwrap();
+        assert_eq!(found.values, column(&[0.0, 2.0]));
+        assert!(found.merged.iter().all(|merged| merged.averaged));
+    }
+
+    #[test]
+    fn what_is_near_but_not_one_site_is_kept() {
+        assert_eq!(
+            samples(&[0.0, 1e-8, 1.0], &[0.0, 9.0, 1.0], Conflicts::Refuse).unwrap().rows.len(),
+            3
+        );
+    }
+
+    #[test]
+    fn bad_samples_are_named() {
+        let refused =
+            |sites: &[f64], values: &[f64]| samples(sites, values, Conflicts::Refuse).unwrap_err();
+        assert_eq!(refused(&[], &[]), KernelError::Empty { what: "samples" });
+        assert_eq!(refused(&[1.0, 2.0], &[1.0]), KernelError::Rows { sites: 2, values: 1 });
+        let site = KernelError::NotFinite { what: "the site", row: 1, column: 0 };
+        assert_eq!(refused(&[1.0, f64::NAN], &[1.0, 2.0]), site);
+        let value = KernelError::NotFinite { what: "the value", row: 0, column: 0 };
+        assert_eq!(refused(&[1.0, 2.0], &[f64::INFINITY, 2.0]), value);
+        let none = Mat::zeros(2, 0);
+        let two = column(&[1.0, 2.0]);
+        let of = |sites, values| Samples::new(sites, values, &[], Conflicts::Refuse).unwrap_err();
+        assert_eq!(of(&none, &two), KernelError::Empty { what: "inputs" });
+        assert_eq!(of(&two, &none), KernelError::Empty { what: "values" });
+    }
+
+    #[test]
+    fn a_range_is_more_than_rounding() {
+        let values = Mat::from_fn(2, 4, |i, o| [[1.0, 1e6, 0.0, 5.0], [-2.0, 1e6, 0.0, 5.1]][i][o]);
+        let found = ranges(&values);
+        assert_eq!(found[..3], [3.0, 100.0, 1.0]);
+        assert!((found[3] - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn weights_are_one_at_their_own_sample() {
+        let found = Samples::of_weights(&column(&[0.0, 1.0, 3.0]), &LINE).unwrap();
+        assert_eq!(found.values, Mat::<f64>::identity(3, 3));
+        let twice = Samples::of_weights(&column(&[0.0, 1.0, 0.0]), &LINE).unwrap_err();
+        assert_eq!(twice, KernelError::Conflict { first: 0, second: 2 });
+    }
+}

@@ -1,0 +1,162 @@
+//! What inputs are shifted and scaled by before distances are measured (METHOD §2.2).
+
+use super::error::KernelError;
+use super::matrix::distances;
+use faer::{ColRef, Mat};
+
+/// Share of its block's spread below which a column is constant.
+const CONSTANT: f64 = 1e-5;
+/// Share of its magnitude below which a block's spread is rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// Inputs that are scaled by one factor: a number, a vector, a rotation's features.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// Columns.
+    pub len: usize,
+    /// How much it counts in distances, over a block of weight 1.
+    pub weight: f64,
+}
+
+/// A shift and a scale of each column: `u = (x - shift) scale`.
+#[derive(Clone, Debug)]
+pub struct Scaling {
+    /// The centroid, d.
+    pub shift: Vec<f64>,
+    /// Weight over the block's spread and over the mean distance that this leaves, d; 0 of columns
+    /// that are dropped.
+    pub scale: Vec<f64>,
+}
+
+impl Scaling {
+    /// Measures finite sites (n x d) that are made of blocks.
+    ///
+    /// The spread of a block is the RMS distance from its centroid. The mean distance is over all
+    /// pairs of sites, so that neither the number of samples nor that of inputs changes what a width
+    /// means.
+    ///
+    /// # Errors
+    /// If the blocks are not d columns, or a weight is negative or not finite.
+    pub fn new(sites: &Mat<f64>, blocks: &[Block]) -> Result<Self, KernelError> {
+        let (n, d) = sites.shape();
+        let columns = blocks.iter().map(|block| block.len).sum();
+        if columns != d {
+            return Err(KernelError::Blocks { blocks: columns, columns: d });
+        }
+        let shift: Vec<f64> = sites.col_iter().map(mean).collect();
+        let mut scale = Vec::with_capacity(d);
+        for block in blocks {
+            if !(block.weight >= 0.0 && block.weight.is_finite()) {
+                let (what, expected) = ("a weight", "a finite number that is not negative");
+                return Err(KernelError::Option { what, found: block.weight, expected });
+            }
+            let own = scale.len()..scale.len() + block.len;
+            let spread = |c: usize| {
+                let squares = sites.col(c).iter().map(|x| (x - shift[c]) * (x - shift[c]));
+                (squares.sum::<f64>() / n as f64).sqrt()
+            };
+            let spreads: Vec<f64> = own.clone().map(spread).collect();
+            let all = spreads.iter().map(|spread| spread * spread).sum::<f64>().sqrt();
+            let largest = sites.subcols(own.start, own.len()).norm_max();
+            let moves = all > ROUNDING * largest;
+            let kept = |spread: &f64| moves && *spread > CONSTANT * all;
+            let factor = |spread: &f64| if kept(spread) { block.weight / all } else { 0.0 };
+            scale.extend(spreads.iter().map(factor));
+        }
+        let mut scaling = Self { shift, scale };
+        let points = scaling.apply(sites);
+        let sum: f64 = (0..n).map(|i| distances(&points, i).iter().sum::<f64>()).sum();
+        if sum > 0.0 {
+            let by = (n * (n - 1)) as f64 / sum;
+            scaling.scale.iter_mut().for_each(|scale| *scale *= by);
+        }
+        Ok(scaling)
+    }
+
+    /// Shifts and scales sites, n x d.
+    pub fn apply(&self, sites: &Mat<f64>) -> Mat<f64> {
+        Mat::from_fn(sites.nrows(), sites.ncols(), |i, c| {
+            (sites[(i, c)] - self.shift[c]) * self.scale[c]
+        })
+    }
+
+    /// Lists the columns that count in distances.
+    pub fn kept(&self) -> Vec<usize> {
+        (0..self.scale.len()).filter(|&c| self.scale[c] != 0.0).collect()
+    }
+
+    /// Lists the others.
+    pub fn dropped(&self) -> Vec<usize> {
+        (0..self.scale.len()).filter(|&c| self.scale[c] == 0.0).collect()
+    }
+}
+
+/// Returns the mean of a column, exact where all are alike.
+fn mean(column: ColRef<'_, f64>) -> f64 {
+    let first = column.iter().next().copied().unwrap_or(0.0);
+    first + column.iter().map(|x| x - first).sum::<f64>() / column.nrows().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sites() -> Mat<f64> {
+        Mat::from_fn(7, 4, |i, c| match c {
+            0 => 1000.0 + i as f64,
+            1 => 1e-3 * (i as f64).sin(),
+            2 => 5.0,
+            _ => (i as f64 * 0.7).cos(),
+        })
+    }
+
+    const BLOCKS: [Block; 2] = [Block { len: 1, weight: 1.0 }, Block { len: 3, weight: 2.0 }];
+
+    fn mean_distance(points: &Mat<f64>) -> f64 {
+        let n = points.nrows();
+        let sum: f64 = (0..n).map(|i| distances(points, i).iter().sum::<f64>()).sum();
+        sum / (n * (n - 1)) as f64
+    }
+
+    #[test]
+    fn pairs_are_one_apart_in_the_mean_and_blocks_weigh_what_they_shall() {
+        let scaling = Scaling::new(&sites(), &BLOCKS).unwrap();
+        let points = scaling.apply(&sites());
+        assert!((mean_distance(&points) - 1.0).abs() < 1e-12);
+        let spread = |from: usize, len: usize| {
+            let own = points.subcols(from, len);
+            own.norm_l2()
+        };
+        assert!((spread(1, 3) / spread(0, 1) - 2.0).abs() < 1e-12);
+        assert_eq!((scaling.kept(), scaling.dropped()), (vec![0, 1, 3], vec![2]));
+        assert_eq!(scaling.scale[1], scaling.scale[3], "one factor a block");
+    }
+
+    #[test]
+    fn units_and_origins_do_not_matter() {
+        let moved = Mat::from_fn(7, 4, |i, c| 1e4 * sites()[(i, c)] - 3e5);
+        let points = Scaling::new(&sites(), &BLOCKS).unwrap().apply(&sites());
+        let found = Scaling::new(&moved, &BLOCKS).unwrap().apply(&moved);
+        assert!((points - found).norm_max() < 1e-9);
+    }
+
+    #[test]
+    fn sites_that_never_move_and_weights_of_zero_are_dropped() {
+        let alike = Mat::from_fn(3, 2, |_, c| 0.1 + c as f64);
+        let scaling = Scaling::new(&alike, &BLOCKS[..1].repeat(2)).unwrap();
+        assert_eq!(scaling.dropped(), [0, 1]);
+        assert_eq!(scaling.apply(&alike).norm_max(), 0.0);
+        let blocks = [Block { len: 3, weight: 1.0 }, Block { len: 1, weight: 0.0 }];
+        assert_eq!(Scaling::new(&sites(), &blocks).unwrap().dropped(), [2, 3]);
+    }
+
+    #[test]
+    fn blocks_must_be_the_columns_and_weights_numbers() {
+        let blocks = KernelError::Blocks { blocks: 1, columns: 4 };
+        assert_eq!(Scaling::new(&sites(), &BLOCKS[..1]).unwrap_err(), blocks);
+        for weight in [-1.0, f64::NAN] {
+            let blocks = [Block { len: 4, weight }];
+            assert!(matches!(Scaling::new(&sites(), &blocks), Err(KernelError::Option { .. })));
+        }
+    }
+}
