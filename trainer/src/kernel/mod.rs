@@ -1,7 +1,8 @@
 //! Kernel maps: any function of a few numbers, learned from samples (S2, METHOD §2).
 //!
 //! [`function`] has every kernel, [`sum`] what they make up, [`bound`] how far f32 may be from it,
-//! [`rotations`] what a function is given of a rotation. [`scattered`] solves for one.
+//! [`rotations`] what a function is given of a rotation. [`scattered`] solves for one, [`compat`] as other
+//! solvers do.
 //!
 //! The rest is the envelope's regression of functions that vanish at rest. From samples to a map:
 //! [`inputs`] measures their distances, [`centres`] chooses centres, [`design`] decomposes what depends on
@@ -23,6 +24,7 @@
 pub mod arithmetic;
 pub mod bound;
 pub mod centres;
+pub mod compat;
 pub mod design;
 pub mod function;
 pub mod gram;
