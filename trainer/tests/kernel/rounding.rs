@@ -1,0 +1,258 @@
+//! How far f32 arithmetic is from a function: never farther than METHOD §2.7's E.
+
+use crate::common::{halton, json, random, rows};
+use faer::Mat;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sinew_runtime::kernel::Kernel;
+use sinew_trainer::kernel::bound::{bound, largest, rounded};
+use sinew_trainer::kernel::function::Exact;
+use sinew_trainer::kernel::scattered::options::wendland;
+use sinew_trainer::kernel::sum::{KernelSum, Term, monomials};
+
+/// The function in f32, one operation after the other, in the order of the file's format.
+fn in_f32(sum: &KernelSum, x: &[f32]) -> Vec<f32> {
+    let f32s = |of: &[f64]| of.iter().map(|x| *x as f32).collect::<Vec<f32>>();
+    let (shift, scale) = (f32s(&sum.shift), f32s(&sum.scale));
+    let u: Vec<f32> = (0..x.len()).map(|i| (x[i] - shift[i]) * scale[i]).collect();
+    let z: Vec<f32> = match &sum.metric {
+        None => u.clone(),
+        Some(w) => (0..w.nrows())
+            .map(|r| u.iter().enumerate().fold(0.0, |z, (i, u)| z + w[(r, i)] as f32 * u))
+            .collect(),
+    };
+    let mut basis = Vec::new();
+    for k in 0..sum.centres.ncols() {
+        let apart = |(i, z): (usize, &f32)| z - sum.centres[(i, k)] as f32;
+        let s = z.iter().enumerate().map(apart).fold(0.0, |s, apart| s + apart * apart);
+        basis.push(kernel_in_f32(sum.kernel, s));
+    }
+    for term in &sum.terms {
+        basis.push(match *term {
+            Term::One => 1.0,
+            Term::Product { earlier, input } => basis[sum.centres.ncols() + earlier] * u[input],
+        });
+    }
+    (0..sum.value_len())
+        .map(|o| {
+            let products = basis.iter().enumerate();
+            products.fold(0.0, |y, (k, value)| y + sum.coefficients[(o, k)] as f32 * value)
+        })
+        .collect()
+}
+
+fn kernel_in_f32(kernel: Kernel, s: f32) -> f32 {
+    let r = s.sqrt();
+    match kernel {
+        Kernel::Linear => -r,
+        Kernel::ThinPlate if s == 0.0 => 0.0,
+        Kernel::ThinPlate => 0.5 * s * s.ln(),
+        Kernel::Cubic => s * r,
+        Kernel::Quintic => -(s * s * r),
+        Kernel::Multiquadric => -(1.0 + s).sqrt(),
+        Kernel::InverseMultiquadric => 1.0 / (1.0 + s).sqrt(),
+        Kernel::InverseQuadratic => 1.0 / (1.0 + s),
+        Kernel::Gaussian => (-s).exp(),
+        Kernel::Matern12 => (-r).exp(),
+        Kernel::Matern32 => {
+            let a = (3.0 * s).sqrt();
+            (1.0 + a) * (-a).exp()
+        }
+        Kernel::Matern52 => {
+            let a = (5.0 * s).sqrt();
+            (1.0 + (a + a * a * (1.0 / 3.0))) * (-a).exp()
+        }
+        Kernel::Wendland { l } => {
+            let left = if r < 1.0 { 1.0 - r } else { 0.0 };
+            let power = (0..l).fold(left, |product, _| product * left);
+            power * ((f32::from(l) + 1.0) * r + 1.0)
+        }
+        Kernel::Hat { power } => {
+            let fallen = match power {
+                1 => r,
+                3 => s * r,
+                _ => s * s * r,
+            };
+            if r < 1.0 { 1.0 - fallen } else { 0.0 }
+        }
+    }
+}
+
+/// METHOD's formula, without polynomials, shift and scale, by its text.
+fn methods(sum: &KernelSum, x: &[f64]) -> f64 {
+    let u = 2f64.powi(-24);
+    let roundings = match sum.kernel {
+        Kernel::Gaussian | Kernel::Matern12 => 2.0,
+        Kernel::ThinPlate => 3.0,
+        Kernel::Matern32 => 4.0,
+        Kernel::Matern52 => 7.0,
+        Kernel::Linear => 1.0,
+        Kernel::Cubic | Kernel::Multiquadric | Kernel::InverseQuadratic => 2.0,
+        Kernel::Quintic | Kernel::InverseMultiquadric => 3.0,
+        Kernel::Wendland { l } => 2.0 * f64::from(l) + 4.0,
+        Kernel::Hat { .. } => panic!("METHOD has none"),
+    };
+    let (n, d) = (sum.centres.ncols() as f64, x.len() as f64);
+    let term = |k: usize| {
+        let s: f64 = x.iter().enumerate().map(|(i, x)| (x - sum.centres[(i, k)]).powi(2)).sum();
+        let (g, slope) = (sum.kernel.exact(s), sum.kernel.slope(s));
+        let c = sum.coefficients[(0, k)].abs();
+        c * (roundings * g.abs() + (d + 6.0) * (s * slope).abs() + (n + 1.0) * g.abs())
+    };
+    u * (0..sum.centres.ncols()).map(term).sum::<f64>()
+}
+
+#[test]
+fn the_references_configurations_stay_within_methods_bound_and_ours() {
+    let Some(file) = json("../reference/f32_bound.json") else { return };
+    let cases = file.as_array().unwrap();
+    assert_eq!(cases.len(), 45);
+    for (seed, case) in cases.iter().enumerate() {
+        let number = |name: &str| case[name].as_u64().unwrap() as usize;
+        let (n, d, scale) = (number("n"), number("d"), case["scale"].as_f64().unwrap());
+        let kernel = match case["kernel"].as_str().unwrap() {
+            "gaussian" => Kernel::Gaussian,
+            "imq" => Kernel::InverseMultiquadric,
+            "mq" => Kernel::Multiquadric,
+            "tps_half_s_ln_s" => Kernel::ThinPlate,
+            "wendland_c2" => Kernel::Wendland { l: 3 },
+            name => panic!("{name}"),
+        };
+        // Of numbers between -1 and 1 the mean squared distance is 2 d / 3; the reference's is scale².
+        let spread = scale / (2.0 * d as f64 / 3.0).sqrt();
+        let weight = case["sum_abs_c"].as_f64().unwrap() / n as f64;
+        let sum = rounded(&KernelSum {
+            kernel,
+            shift: vec![0.0; d],
+            scale: vec![1.0; d],
+            metric: None,
+            centres: random(seed as u64, d, n) * faer::Scale(spread),
+            terms: Vec::new(),
+            coefficients: random(100 + seed as u64, 1, n) * faer::Scale(2.0 * weight),
+        });
+        for query in rows(&random(200 + seed as u64, 200, d)) {
+            let query: Vec<f32> = query.iter().map(|x| (x * spread) as f32).collect();
+            let x: Vec<f64> = query.iter().map(|x| f64::from(*x)).collect();
+            let error = (f64::from(in_f32(&sum, &query)[0]) - sum.evaluate(&x)[0]).abs();
+            let (method, own) = (methods(&sum, &x), bound(&sum, &x, &vec![0.0; d])[0]);
+            assert!(error <= method, "{kernel:?} {n} {d} {scale}: {:.2}", error / method);
+            // Ours adds what underflows, and the steepest slope of where the distance may be.
+            assert!(
+                (own / method - 1.0).abs() < 1e-3 || own < 1e-30,
+                "{kernel:?} {}",
+                own / method
+            );
+        }
+    }
+}
+
+#[test]
+fn a_hundred_thousand_queries_of_every_kernel_stay_within_the_bound() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let (mut queries, mut worst) = (0, 0.0f64);
+    while queries < 100_000 {
+        for own in Kernel::ALL {
+            let (d, n) = (random.random_range(1..=36), random.random_range(1..=64));
+            let kernel =
+                if matches!(own, Kernel::Wendland { .. }) { wendland(d).unwrap() } else { own };
+            let degree = random.random_range(0..4usize);
+            let plain = random.random::<bool>();
+            let terms =
+                if d > 6 && degree > 2 || degree == 3 { Vec::new() } else { monomials(d, degree) };
+            let scale = 10f64.powf(2.0 * random.random::<f64>() - 1.0) / (d as f64).sqrt();
+            let mut wave = |rows: usize, columns: usize, most: f64| {
+                Mat::from_fn(rows, columns, |_, _| most * (2.0 * random.random::<f64>() - 1.0))
+            };
+            let metric = (!plain && d > 2).then(|| wave(d - 1, d, 1.0));
+            let sum = rounded(&KernelSum {
+                kernel,
+                shift: if plain { vec![0.0; d] } else { rows(&wave(1, d, 3.0)).concat() },
+                scale: if plain { vec![scale; d] } else { rows(&wave(1, d, scale)).concat() },
+                centres: wave(metric.as_ref().map_or(d, Mat::nrows), n, 2.0 * scale),
+                metric,
+                coefficients: wave(2, n + terms.len(), 10.0),
+                terms,
+            });
+            for q in 0..32 {
+                let x: Vec<f32> = match q % 4 {
+                    // On a centre, where there is no metric.
+                    0 if sum.metric.is_none() => (0..d)
+                        .map(|i| (sum.shift[i] + sum.centres[(i, 0)] / sum.scale[i]) as f32)
+                        .collect(),
+                    _ => (0..d)
+                        .map(|i| (sum.shift[i] + 4.0 * random.random::<f64>() - 2.0) as f32)
+                        .collect(),
+                };
+                let exact: Vec<f64> = x.iter().map(|x| f64::from(*x)).collect();
+                let bounds = bound(&sum, &exact, &vec![0.0; d]);
+                let truth = sum.evaluate(&exact);
+                for (o, found) in in_f32(&sum, &x).iter().enumerate() {
+                    let error = (f64::from(*found) - truth[o]).abs();
+                    assert!(
+                        error <= bounds[o],
+                        "{kernel:?} {n} {d}: {error:.1e} {:.1e}",
+                        bounds[o]
+                    );
+                    worst = worst.max(error / bounds[o]);
+                }
+                queries += 1;
+            }
+        }
+    }
+    println!("at most {worst:.2} of the bound");
+    assert!(worst > 0.3, "the bound is not far above what happens: {worst:.2}");
+}
+
+#[test]
+fn inputs_that_are_off_are_within_the_bound_too() {
+    for kernel in Kernel::ALL {
+        let sum = KernelSum {
+            kernel,
+            shift: vec![0.25, -0.5],
+            scale: vec![0.5, 0.5],
+            metric: None,
+            centres: halton(1, 2, 5),
+            terms: monomials(2, 2),
+            coefficients: random(3, 1, 11),
+        };
+        for query in rows(&random(4, 200, 2)) {
+            for off in [1e-7, 1e-3] {
+                let bound = bound(&sum, &query, &[off, off])[0];
+                for (a, b) in [(off, off), (off, -off), (-off, off), (-off, -off)] {
+                    let moved = sum.evaluate(&[query[0] + a, query[1] + b])[0];
+                    assert!((moved - sum.evaluate(&query)[0]).abs() <= bound, "{kernel:?} {off}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_largest_bound_is_over_the_samples_and_their_box() {
+    let sites = halton(1, 20, 2);
+    let sum = rounded(&KernelSum {
+        kernel: Kernel::Cubic,
+        shift: vec![0.1, 0.2],
+        scale: vec![1.5, 0.7],
+        metric: None,
+        centres: random(5, 2, 8),
+        terms: monomials(2, 1),
+        coefficients: random(6, 2, 11),
+    });
+    let found = largest(&sum, &sites);
+    let at_samples = |o: usize| {
+        let own = rows(&sites).into_iter().map(|x| {
+            let x: Vec<f64> = x.iter().map(|x| f64::from(*x as f32)).collect();
+            bound(&sum, &x, &[0.0, 0.0])[o]
+        });
+        own.fold(0.0, f64::max)
+    };
+    for (o, found) in found.iter().enumerate() {
+        assert!(*found >= at_samples(o) && *found < 2.0 * at_samples(o));
+    }
+    // Of the box's inside a dense grid is no worse, of its corners hardly.
+    let dense =
+        (0..=40).flat_map(|i| (0..=40).map(move |k| [f64::from(i) / 40.0, f64::from(k) / 40.0]));
+    let most = dense.map(|x| bound(&sum, &x, &[0.0, 0.0])[0]).fold(0.0, f64::max);
+    assert!(found[0] > 0.6 * most);
+}
