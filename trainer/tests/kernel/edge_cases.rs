@@ -202,6 +202,13 @@ fn fits_that_rounding_decides_are_refused_with_the_remedy() {
     for remedy in ["smooth more", "narrower kernel", "fewer centres"] {
         assert!(text.contains(remedy), "{text}");
     }
+    // A system may have a condition and its samples be missed all the same.
+    let flat = Options { degree: Some(2), ..Options::new(Kernel::Matern52) };
+    let refused = Fit::new(&samples, &Options { epsilon: 0.05, ..flat }).err();
+    let Some(KernelError::IllConditioned { rcond, missed }) = refused else {
+        panic!("samples are missed by more than is promised");
+    };
+    assert!(rcond > 1e-9 && missed > 1e-10, "{rcond:.1e} {missed:.1e}");
     let mean = Fit::new(&samples, &Options { epsilon: 4.0, ..wide }).unwrap();
     assert!(apart(&evaluate(&mean.sum, &sites), &samples.values) < 1e-10);
     let smoothed = Fit::new(&samples, &Options { smoothing: 1e-3, ..wide }).unwrap();

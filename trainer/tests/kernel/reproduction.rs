@@ -264,14 +264,13 @@ fn deviations_are_those_of_the_likeliest_process() {
     let sites = halton(1, 20, 1);
     let y = wahba_at(&sites);
     let values = Mat::from_fn(20, 3, |i, o| [y[(i, 0)], 2.0 * y[(i, 0)], 5.0][o]);
-    let fit = Fit::new(
-        &samples(&sites, &values),
-        &Options { epsilon: 4.0, ..Options::new(Kernel::Matern32) },
-    );
-    let [one, two, none] = Variance::new(&fit.unwrap(), &values).unwrap().deviations[..] else {
-        panic!()
-    };
-    assert!((two / one - 2.0).abs() < 1e-9 && one > 0.0 && none < 1e-6 * one);
+    let options = Options { epsilon: 4.0, ..Options::new(Kernel::Matern32) };
+    let fit = Fit::new(&samples(&sites, &values), &options).unwrap();
+    let [one, two, none] = Variance::new(&fit, &values).unwrap().deviations[..] else { panic!() };
+    // 20 samples, a constant: 19 are free.
+    let energy: f64 = (0..20).map(|k| fit.sum.coefficients[(0, k)] * y[(k, 0)]).sum();
+    assert!((one * one / (energy / 19.0) - 1.0).abs() < 1e-9);
+    assert!((two / one - 2.0).abs() < 1e-9 && none < 1e-6 * one);
 }
 
 #[test]

@@ -104,7 +104,7 @@ fn basis(at_samples: &Mat<f64>, tolerance: f64) -> Mat<f64> {
     let (order, _) = decomposed.P().arrays();
     let mut rows = Mat::zeros(columns, rank);
     for (place, &column) in order.iter().enumerate() {
-        (0..rank.min(place + 1)).for_each(|k| rows[(column, k)] = r[(k, place)] * units[column]);
+        (0..rank.min(place + 1)).for_each(|k| rows[(column, k)] = r[(k, place)]);
     }
     rows.qr().compute_thin_Q()
 }

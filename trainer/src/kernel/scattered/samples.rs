@@ -12,7 +12,6 @@ const ONE_SITE: f64 = 1e-9;
 /// Difference, over the range of a value, up to which two samples of one site agree: a few units in
 /// the last place of f32.
 const AGREE: f64 = 1e-6;
-
 /// Share of a value's magnitude below which its range is hardly more than rounding.
 const OFFSET: f64 = 1e-4;
 
@@ -74,37 +73,11 @@ impl Samples {
         let agree = |a: usize, b: usize| {
             (0..ranges.len()).all(|o| (values[(a, o)] - values[(b, o)]).abs() <= AGREE * ranges[o])
         };
-        let mut merged: Vec<Merged> = Vec::new();
-        let (mut rows, mut means) = (Vec::new(), Vec::new());
-        let mut taken = vec![false; sites.nrows()];
-        for into in 0..sites.nrows() {
-            if taken[into] {
-                continue;
-            }
-            let mut of_site = vec![into];
-            let mut averaged = false;
-            for (row, &distance) in distances(&points, into).iter().enumerate().skip(into + 1) {
-                if taken[row] || distance >= ONE_SITE {
-                    continue;
-                }
-                if !agree(into, row) {
-                    if conflicts == Conflicts::Refuse {
-                        return Err(KernelError::Conflict { first: into, second: row });
-                    }
-                    averaged = true;
-                }
-                taken[row] = true;
-                of_site.push(row);
-                merged.push(Merged { row, into, distance, averaged: false });
-            }
-            let own = merged.len() + 1 - of_site.len()..merged.len();
-            merged[own].iter_mut().for_each(|merged| merged.averaged = averaged);
-            rows.push(into);
-            means.push(if averaged { of_site } else { vec![into] });
-        }
+        let (groups, merged) = merge(&points, conflicts, agree)?;
+        let rows: Vec<usize> = groups.iter().map(|group| group[0]).collect();
         let mean = |i: usize, o: usize| {
-            let of_site: &[usize] = &means[i];
-            of_site.iter().map(|&row| values[(row, o)]).sum::<f64>() / of_site.len() as f64
+            let group = &groups[i];
+            group.iter().map(|&row| values[(row, o)]).sum::<f64>() / group.len() as f64
         };
         Ok(Self {
             sites: Mat::from_fn(rows.len(), sites.ncols(), |i, c| sites[(rows[i], c)]),
@@ -129,6 +102,38 @@ impl Samples {
     pub fn sample_len(&self) -> usize {
         self.sites.nrows()
     }
+}
+
+/// Finds rows whose values make a sample, one or those of a mean, and the rows that are merged.
+fn merge(
+    points: &Mat<f64>,
+    conflicts: Conflicts,
+    agree: impl Fn(usize, usize) -> bool,
+) -> Result<(Vec<Vec<usize>>, Vec<Merged>), KernelError> {
+    let (mut groups, mut merged) = (Vec::new(), Vec::new());
+    let mut taken = vec![false; points.nrows()];
+    for into in 0..points.nrows() {
+        if taken[into] {
+            continue;
+        }
+        let distances = distances(points, into);
+        let same = |row: &usize| !taken[*row] && distances[*row] < ONE_SITE;
+        let others: Vec<usize> = (into + 1..points.nrows()).filter(same).collect();
+        let conflict = others.iter().find(|row| !agree(into, **row));
+        if let Some(&second) = conflict
+            && conflicts == Conflicts::Refuse
+        {
+            return Err(KernelError::Conflict { first: into, second });
+        }
+        let averaged = conflict.is_some();
+        for &row in &others {
+            taken[row] = true;
+            merged.push(Merged { row, into, distance: distances[row], averaged });
+        }
+        let mean_of = if averaged { others } else { Vec::new() };
+        groups.push([vec![into], mean_of].concat());
+    }
+    Ok((groups, merged))
 }
 
 /// Refuses sites and values that are none, not as many, or not finite.

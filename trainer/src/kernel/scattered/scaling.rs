@@ -151,6 +151,17 @@ mod tests {
     }
 
     #[test]
+    fn a_column_that_hardly_moves_beside_its_blocks_others_is_dropped() {
+        let of = |share: f64| {
+            let sites = Mat::from_fn(9, 2, |i, c| if c == 0 { i as f64 } else { share * i as f64 });
+            Scaling::new(&sites, &[Block { len: 2, weight: 1.0 }]).unwrap().dropped()
+        };
+        assert_eq!((of(1e-6), of(1e-4)), (vec![1], vec![]));
+        let alone = Mat::from_fn(9, 1, |i, _| 1000.0 + 1e-6 * i as f64);
+        assert!(Scaling::new(&alone, &BLOCKS[..1]).unwrap().dropped().is_empty());
+    }
+
+    #[test]
     fn blocks_must_be_the_columns_and_weights_numbers() {
         let blocks = KernelError::Blocks { blocks: 1, columns: 4 };
         assert_eq!(Scaling::new(&sites(), &BLOCKS[..1]).unwrap_err(), blocks);
