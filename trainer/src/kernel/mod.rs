@@ -28,6 +28,7 @@ pub mod compat;
 pub mod design;
 pub mod function;
 pub mod gram;
+pub mod hyper;
 pub mod inputs;
 pub mod left_out;
 pub mod map;

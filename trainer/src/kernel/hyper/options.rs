@@ -1,0 +1,89 @@
+//! What is asked of a learning.
+
+use faer::Mat;
+use sinew_runtime::kernel::Kernel;
+
+/// What to learn, how, and for how long.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// G.
+    pub kernel: Kernel,
+    /// How many centres, n.
+    pub centres: usize,
+    /// Degree of the polynomial, if there is one.
+    pub degree: Option<usize>,
+    /// λ: `λ N (|c|² + |b|²)` is part of the energy (METHOD §2.2). Without it kernels that come to lie
+    /// on each other, or flat, have coefficients without bound; 1e-9 is enough against that.
+    pub ridge: f64,
+    /// W.
+    pub metric: Metric,
+    /// Where centres start.
+    pub start: Start,
+    /// How they move.
+    pub method: Method,
+    /// A start each; the one of the least energy is kept, the first of equals.
+    pub seeds: Vec<u64>,
+    /// How often the energy may be evaluated from each start, itself included.
+    pub evaluations: usize,
+}
+
+/// The metric W; distances are |W (u - t)|.
+#[derive(Clone, Debug)]
+pub struct Metric {
+    /// Where it starts, e x d: of low rank where e < d.
+    pub start: Mat<f64>,
+    /// What of it is learned.
+    pub learned: Entries,
+}
+
+impl Metric {
+    /// Starts as a multiple of I, d x d. Kernels about as wide as centres are apart end better than
+    /// wider ones.
+    pub fn scaled(inputs: usize, by: f64, learned: Entries) -> Self {
+        let start = Mat::from_fn(inputs, inputs, |r, c| if r == c { by } else { 0.0 });
+        Self { start, learned }
+    }
+}
+
+/// Entries of a metric.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entries {
+    /// None: the metric is fixed.
+    None,
+    /// Those on the diagonal: a weight an input.
+    Diagonal,
+    /// All.
+    All,
+}
+
+/// The samples on which centres start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// Any, each as likely.
+    Random,
+    /// Each next one as likely as its squared distance from those before (Arthur and Vassilvitskii
+    /// 2007).
+    KMeansPlusPlus,
+    /// Each next one where those before leave the largest residual; no seed changes it.
+    Greedy,
+}
+
+/// How centres and metric move.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Method {
+    /// Coefficients solved exactly at every step, the rest by L-BFGS.
+    #[default]
+    VariableProjection,
+    /// S1's dynamical system: everything down the gradient, times ω.
+    GradientFlow {
+        /// ω at first; it is halved for good where the energy would rise.
+        step: f64,
+    },
+    /// S1's random changes, taken with probability `min(1, e^(-ΔE/T))`; coefficients solved exactly.
+    Metropolis {
+        /// How far a change goes at most, in units of u and of W.
+        reach: f64,
+        /// T at first and at last: linear between, by evaluations.
+        temperatures: [f64; 2],
+    },
+}
