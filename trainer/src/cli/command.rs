@@ -1,7 +1,7 @@
 //! The command that was given, of all parts.
 
-use super::envelope;
 use super::output::{Output, in_a_line, tell};
+use super::{envelope, kernel};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -23,12 +23,16 @@ struct Cli {
 enum Command {
     #[command(flatten)]
     Envelope(envelope::Command),
+    /// Turns scattered data into functions: poses into shapes, or any numbers into any others
+    #[command(subcommand)]
+    Kernel(kernel::Command),
 }
 
 pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match &cli.command {
         Command::Envelope(command) => command.run(cli.output),
+        Command::Kernel(command) => command.run(cli.output),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -5,6 +5,7 @@ mod command;
 mod envelope;
 mod files;
 mod input;
+mod kernel;
 mod output;
 mod space;
 mod table;

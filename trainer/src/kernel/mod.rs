@@ -2,7 +2,10 @@
 //!
 //! [`function`] has every kernel, [`sum`] what they make up, [`bound`] how far f32 may be from it,
 //! [`rotations`] what a function is given of a rotation. [`scattered`] solves for one, [`compat`] as other
-//! solvers do.
+//! solvers do, [`hyper`] learns its centres and metric.
+//!
+//! With its names it is the part kernel of a file: a [`problem`] as a person writes it is [`train`]ed into a
+//! [`model`], which [`bake`] writes; [`check`] holds cases of another solver, [`plot`] draws.
 //!
 //! The rest is the envelope's regression of functions that vanish at rest. From samples to a map:
 //! [`inputs`] measures their distances, [`centres`] chooses centres, [`design`] decomposes what depends on
@@ -22,8 +25,11 @@
 //!    compare with, in `runtime/tests/evaluate/correction.rs` and beside `GroupKernel`.
 
 pub mod arithmetic;
+pub mod bake;
 pub mod bound;
 pub mod centres;
+pub mod check;
+pub mod compare;
 pub mod compat;
 pub mod design;
 pub mod function;
@@ -32,8 +38,12 @@ pub mod hyper;
 pub mod inputs;
 pub mod left_out;
 pub mod map;
+pub mod model;
 pub mod outputs;
+pub mod plot;
+pub mod problem;
 pub mod ridge;
 pub mod rotations;
 pub mod scattered;
 pub mod sum;
+pub mod train;

@@ -4,6 +4,7 @@
 //! that q and -q give the same bits. A feature is what the runtime makes of the same input.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use sinew_runtime::kernel::EulerOrder;
 
 /// A rotation: x, y, z, w.
 pub type Xyzw = [f64; 4];
@@ -33,24 +34,6 @@ pub enum RotationError {
     /// A number of it is infinite or not a number.
     #[error("the quaternion is not finite")]
     NotFinite,
-}
-
-/// The order in which a rotation turns about the axes x, y, z that stay where they are, as the rotate
-/// order of Maya and Blender.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EulerOrder {
-    /// About x first, then y, then z.
-    Xyz,
-    /// x, z, y.
-    Xzy,
-    /// y, x, z.
-    Yxz,
-    /// y, z, x.
-    Yzx,
-    /// z, x, y.
-    Zxy,
-    /// z, y, x.
-    Zyx,
 }
 
 impl Feature {
@@ -93,7 +76,8 @@ impl Feature {
     }
 }
 
-/// Returns the rotation by angles in degrees about x, y and z, in an order.
+/// Returns the rotation by angles in degrees about x, y and z, in an order: about axes that stay where they
+/// are, the first of the order first, as the rotate order of Maya and Blender.
 pub fn from_euler(order: EulerOrder, degrees: [f64; 3]) -> Xyzw {
     let axes = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()];
     let turn =

@@ -5,9 +5,12 @@ mod check;
 mod common;
 mod export;
 mod import;
+mod kernel;
 mod outputs;
 mod refusals;
 mod report;
+#[path = "../shared/mod.rs"]
+mod shared;
 mod skins;
 
 use common::{Folder, HELD_OUT, PROXIES, Set, TRAINING, read_npy};

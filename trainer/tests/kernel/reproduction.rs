@@ -2,9 +2,10 @@
 
 use crate::common::{apart, evaluate, franke_at, halton, random, rows, samples, wahba_at};
 use faer::Mat;
+use sinew_runtime::kernel::EulerOrder;
 use sinew_runtime::kernel::Kernel;
-use sinew_trainer::kernel::rotations::{EulerOrder, Feature, from_euler};
-use sinew_trainer::kernel::scattered::choose::Choice;
+use sinew_trainer::kernel::rotations::{Feature, from_euler};
+use sinew_trainer::kernel::scattered::choose::{Choice, Freedom};
 use sinew_trainer::kernel::scattered::error::KernelError;
 use sinew_trainer::kernel::scattered::fewer::{Centres, FewerFit};
 use sinew_trainer::kernel::scattered::fit::Fit;
@@ -171,7 +172,7 @@ fn the_choice_is_near_the_best_of_a_dense_search() {
             samples(&sites, &Mat::from_fn(40, 1, |i, _| truth[(i, 0)] + amount * noise[(i, 0)]));
         for kernel in [Kernel::Gaussian, Kernel::ThinPlate] {
             let start = Options::new(kernel);
-            let choice = Choice::new(&samples, &start, &groups).unwrap();
+            let choice = Choice::new(&samples, &start, Freedom::ALL, &groups).unwrap();
             let chosen = Fit::new(&samples, &choice.options).unwrap();
             let score = |fit: &Fit| fit.leave_one_out().mean_squares(&groups).unwrap()[0];
             let mut best_error = f64::INFINITY;
@@ -208,7 +209,8 @@ fn the_choice_is_near_the_best_of_a_dense_search() {
     }
     let two = samples(&halton(1, 2, 1), &Mat::from_fn(2, 1, |i, _| i as f64));
     let both = [vec![0, 1]];
-    let refused = Choice::new(&two, &Options::new(Kernel::Linear), &both).unwrap_err();
+    let refused =
+        Choice::new(&two, &Options::new(Kernel::Linear), Freedom::ALL, &both).unwrap_err();
     assert_eq!(refused, KernelError::NoChoice);
 }
 

@@ -2,11 +2,10 @@
 
 use crate::common::{json, random, rows};
 use faer::{Mat, Side};
+use sinew_runtime::kernel::EulerOrder;
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::kernel::function::Exact;
-use sinew_trainer::kernel::rotations::{
-    EulerOrder, Feature, Xyzw, from_euler, from_values, to_values,
-};
+use sinew_trainer::kernel::rotations::{Feature, Xyzw, from_euler, from_values, to_values};
 use sinew_trainer::kernel::scattered::fit::Fit;
 use sinew_trainer::kernel::scattered::matrix::matrix as kernels;
 use sinew_trainer::kernel::scattered::options::Options;

@@ -135,9 +135,12 @@ pub enum ScipyError {
 }
 
 /// What SciPy, or METHOD, warns of.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
 pub enum ScipyWarning {
     /// The degree is below the kernel's least: the function may not be unique.
+    #[error(
+        "the degree {degree} is below the kernel's least, {least}: the function may not be unique"
+    )]
     Degree {
         /// The degree.
         degree: usize,
@@ -145,6 +148,7 @@ pub enum ScipyWarning {
         least: usize,
     },
     /// Rounding may decide much.
+    #[error("the fit is ill-conditioned (reciprocal condition {rcond:.1e})")]
     IllConditioned {
         /// Reciprocal condition.
         rcond: f64,
@@ -155,8 +159,9 @@ pub enum ScipyWarning {
 #[derive(Clone, Debug)]
 pub struct RbfInterpolator {
     problem: Problem,
-    /// The function of all samples; without one each query has its own.
-    sum: Option<KernelSum>,
+    /// The function of all samples and the reciprocal condition of its system; without one each query
+    /// has its own.
+    whole: Option<(KernelSum, f64)>,
     /// How many neighbours make that.
     neighbours: usize,
     /// What was warned of.
@@ -216,13 +221,13 @@ impl RbfInterpolator {
         let (sites, values) = (sites.clone(), values.clone());
         let problem = Problem { sites, values, smoothing, kernel, epsilon, degree };
         if options.neighbors.is_some() {
-            return Ok(Self { problem, sum: None, neighbours: used, warnings });
+            return Ok(Self { problem, whole: None, neighbours: used, warnings });
         }
         let (sum, rcond) = problem.solve(&(0..n).collect::<Vec<usize>>())?;
         if rcond < RCOND {
             warnings.push(ScipyWarning::IllConditioned { rcond });
         }
-        Ok(Self { problem, sum: Some(sum), neighbours: used, warnings })
+        Ok(Self { problem, whole: Some((sum, rcond)), neighbours: used, warnings })
     }
 
     /// Evaluates the function at d inputs: m values.
@@ -230,20 +235,30 @@ impl RbfInterpolator {
     /// # Errors
     /// If the query has another length; if the system of its neighbours is singular.
     pub fn evaluate(&self, x: &[f64]) -> Result<Vec<f64>, ScipyError> {
+        Ok(self.conditioned(x)?.0)
+    }
+
+    /// Evaluates the function at d inputs: m values, and the reciprocal condition of what was solved for
+    /// them.
+    ///
+    /// # Errors
+    /// Those of [`Self::evaluate`].
+    pub fn conditioned(&self, x: &[f64]) -> Result<(Vec<f64>, f64), ScipyError> {
         let expected = self.problem.sites.ncols();
         if x.len() != expected {
             return Err(ScipyError::Query { expected, found: x.len() });
         }
-        if let Some(sum) = &self.sum {
-            return Ok(sum.evaluate(x));
+        if let Some((sum, rcond)) = &self.whole {
+            return Ok((sum.evaluate(x), *rcond));
         }
-        let near = nearest(&self.problem.sites, x, self.neighbours);
-        Ok(self.problem.solve(&near)?.0.evaluate(x))
+        let (sum, rcond) = self.problem.solve(&nearest(&self.problem.sites, x, self.neighbours))?;
+        Ok((sum.evaluate(x), rcond))
     }
 
-    /// Returns the function of all samples; none where each query has one of its neighbours.
-    pub fn sum(&self) -> Option<&KernelSum> {
-        self.sum.as_ref()
+    /// Returns the function of all samples and the reciprocal condition of its system; none where each
+    /// query has one of its neighbours.
+    pub fn whole(&self) -> Option<&(KernelSum, f64)> {
+        self.whole.as_ref()
     }
 }
 

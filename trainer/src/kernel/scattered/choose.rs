@@ -15,6 +15,20 @@ const SMOOTHINGS: [f64; 6] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2, 1.0];
 /// Halvings of the grid's steps, in logarithms, about the best candidate.
 const HALVINGS: usize = 4;
 
+/// What of the options is to be chosen; the rest stays what it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Freedom {
+    /// Epsilon, where it changes anything.
+    pub epsilon: bool,
+    /// The smoothing.
+    pub smoothing: bool,
+}
+
+impl Freedom {
+    /// Both are chosen.
+    pub const ALL: Self = Self { epsilon: true, smoothing: true };
+}
+
 /// Options that predict left-out samples best.
 #[derive(Clone, Debug)]
 pub struct Choice {
@@ -46,15 +60,17 @@ impl Choice {
     pub fn new(
         samples: &Samples,
         options: &Options,
+        freedom: Freedom,
         groups: &[Vec<usize>],
     ) -> Result<Self, KernelError> {
         options.check()?;
-        let invariant = is_scale_invariant(options.kernel);
-        let epsilons = if invariant { vec![options.epsilon] } else { EPSILONS.to_vec() };
-        let judge = Judge { samples, options, groups, spreads: spreads(samples) };
+        let fixed = !freedom.epsilon || is_scale_invariant(options.kernel);
+        let epsilons = if fixed { vec![options.epsilon] } else { EPSILONS.to_vec() };
+        let shares = if freedom.smoothing { SMOOTHINGS.to_vec() } else { vec![0.0] };
+        let judge = Judge { samples, options, freedom, groups, spreads: spreads(samples) };
         let grid: Vec<Place> = epsilons
             .iter()
-            .flat_map(|&epsilon| SMOOTHINGS.map(|share| Place { epsilon, share }))
+            .flat_map(|&epsilon| shares.iter().map(move |&share| Place { epsilon, share }))
             .collect();
         let mut all = judge.all(&grid);
         let mut best = least(&all).ok_or(KernelError::NoChoice)?;
@@ -67,7 +83,7 @@ impl Choice {
                 [epsilon / wider, epsilon * wider].map(|epsilon| Place { epsilon, share });
             let shares = [share / smoother, share * smoother].map(|share| Place { epsilon, share });
             let mut near = Vec::new();
-            near.extend(epsilons.into_iter().filter(|_| !invariant));
+            near.extend(epsilons.into_iter().filter(|_| !fixed));
             near.extend(shares.into_iter().filter(|place| place.share > 0.0));
             all.extend(judge.all(&near));
             best = least(&all).unwrap_or(best);
@@ -95,6 +111,7 @@ struct Candidate {
 struct Judge<'a> {
     samples: &'a Samples,
     options: &'a Options,
+    freedom: Freedom,
     groups: &'a [Vec<usize>],
     /// Of each value, m.
     spreads: Vec<f64>,
@@ -111,7 +128,9 @@ impl Judge<'_> {
             0.0 => 0.0,
             _ => matrix(self.options.kernel, &points, &points).norm_l2() / points.nrows() as f64,
         };
-        let (epsilon, smoothing) = (place.epsilon, place.share * unit);
+        // Where it is not chosen it is the one asked for; the share of it is then 0.
+        let given = if self.freedom.smoothing { 0.0 } else { self.options.smoothing };
+        let (epsilon, smoothing) = (place.epsilon, given + place.share * unit);
         let options = Options { epsilon, smoothing, ..*self.options };
         let squares = Fit::new(self.samples, &options)
             .ok()

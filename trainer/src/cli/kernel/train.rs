@@ -1,0 +1,154 @@
+//! `sinew kernel train`: from samples to a function in a file.
+
+use crate::cli::files::{OutputFile, write};
+use crate::cli::{Output, printable};
+use anyhow::Context;
+use serde_json::json;
+use sinew_runtime::format::Space;
+use sinew_trainer::bake::bake;
+use sinew_trainer::kernel::bake::part;
+use sinew_trainer::kernel::problem::{Problem, ProblemOptions, read};
+use sinew_trainer::kernel::scattered::report::FitReport;
+use sinew_trainer::kernel::train::{LearnReport, Report, Trained, train};
+use std::path::PathBuf;
+
+/// Turns samples into a function, and bakes it into a file.
+///
+/// PROBLEM is JSON with `sites`, `values` and, where they are more than numbers, `inputs`, `outputs` and
+/// `options`; or CSV, a sample a line below a line of names; or .npz with `sites` and `values`. What
+/// is given here counts more than the options of the file.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Kinds of inputs: scalar, vector3, quaternion, rows, swing, twist, angle, and \"euler XYZ\" in any order\n\
+(degrees); swing, twist and angle are about an `axis`. Kinds of outputs: scalar (with `clamp`: [least,\n\
+most] and `normalise`), vector3, quaternion. Columns a.x a.y a.z of a CSV are one vector, with a.w one\n\
+quaternion, a.rx a.ry a.rz one rotation.\n\
+Without --epsilon the width is the one that predicts left-out samples best.")]
+pub(in crate::cli) struct Arguments {
+    /// Samples: .json, .csv or .npz
+    problem: PathBuf,
+    /// The file to write
+    #[arg(short, long, value_name = "MODEL")]
+    out: PathBuf,
+    /// gaussian, thin plate, linear, cubic, quintic, multiquadric, inverse multiquadric, inverse
+    /// quadratic, matern 1/2, 3/2 or 5/2, wendland [default: gaussian]
+    #[arg(long)]
+    kernel: Option<String>,
+    /// One over the width, in mean distances of the samples
+    #[arg(long)]
+    epsilon: Option<f64>,
+    /// Smooths instead of passing through every sample: a number, or auto
+    #[arg(long)]
+    smoothing: Option<String>,
+    /// Degree of the polynomial beside the kernels; -1 for none
+    #[arg(long, allow_negative_numbers = true)]
+    degree: Option<i32>,
+    /// Fewer centres than samples
+    #[arg(long)]
+    centres: Option<usize>,
+    /// Far from the samples: free, clamp (stay within their box) or fade (to the neutral sample)
+    #[arg(long)]
+    outside: Option<String>,
+    /// Names of a CSV's outputs [default: the last]
+    #[arg(long, value_delimiter = ',')]
+    outputs: Vec<String>,
+    /// Learns centres and the weight of each input
+    #[arg(long)]
+    learn: bool,
+    /// Keeps what `eval --variance` takes
+    #[arg(long)]
+    variance: bool,
+}
+
+pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let Arguments { problem: path, out, .. } = arguments;
+    let target = OutputFile::new(out, std::slice::from_ref(path))?;
+    let about = || path.display().to_string();
+    let mut problem = read(path, &arguments.outputs).with_context(about)?;
+    overrule(&mut problem, arguments)?;
+    let Trained { model, report, warnings } =
+        train(&problem, arguments.variance).with_context(about)?;
+    warnings.iter().for_each(|warning| output.warn(about(), printable(warning)));
+    let bytes = bake(Space::default(), &[part(&model)?])?;
+    write(&[(&target, &bytes)])?;
+    let mut text = format!(
+        "{}: {}, {} to {}, kernel {}\n",
+        printable(&model.name),
+        count(problem.sites.len(), "sample"),
+        count(model.inputs.len(), "input"),
+        count(model.outputs.len(), "output"),
+        model.sum.kernel.name(),
+    );
+    text += &match &report {
+        Report::Fit(report) => of_fit(report),
+        Report::Learned(report) => of_learned(report),
+        Report::Mode { rcond, residual_rms } => {
+            line("reciprocal condition", *rcond) + &line("left at the samples, RMS", *residual_rms)
+        }
+    };
+    text += &format!("{}: {} bytes\n", target.named().display(), bytes.len());
+    output.print(&json!({ "bytes": bytes.len(), "report": report, "warnings": warnings }), &text)
+}
+
+/// Puts what the command line says over what the file says.
+fn overrule(problem: &mut Problem, arguments: &Arguments) -> anyhow::Result<()> {
+    let mut given = serde_json::Map::new();
+    if let Some(kernel) = &arguments.kernel {
+        given.insert("kernel".to_owned(), json!(kernel));
+    }
+    if let Some(smoothing) = &arguments.smoothing {
+        let number = smoothing.parse::<f64>();
+        given.insert("smoothing".to_owned(), number.map_or(json!(smoothing), |x| json!(x)));
+    }
+    if let Some(outside) = &arguments.outside {
+        given.insert("outside".to_owned(), json!(outside));
+    }
+    let said = "expected `--smoothing` a number or auto, `--outside` free, clamp or fade";
+    let over: ProblemOptions =
+        serde_json::from_value(serde_json::Value::Object(given)).context(said)?;
+    let own = &mut problem.options;
+    own.kernel = over.kernel.or(own.kernel.take());
+    own.smoothing = over.smoothing.or(own.smoothing);
+    own.epsilon = arguments.epsilon.or(own.epsilon);
+    own.degree = arguments.degree.or(own.degree);
+    own.centres = arguments.centres.or(own.centres);
+    if arguments.outside.is_some() {
+        own.outside = over.outside;
+    }
+    if arguments.learn && own.learn.is_none() {
+        own.learn = Some(Default::default());
+    }
+    Ok(())
+}
+
+fn count(len: usize, what: &str) -> String {
+    if len == 1 { format!("1 {what}") } else { format!("{len} {what}s") }
+}
+
+fn line(name: &str, value: f64) -> String {
+    format!("{name:<36}{value:>12.3e}\n")
+}
+
+fn of_fit(report: &FitReport) -> String {
+    let mut out = line("width, in mean distances", 1.0 / report.epsilon);
+    if report.smoothing > 0.0 {
+        out += &line("smoothing", report.smoothing);
+        out += &line("degrees of freedom", report.freedom);
+    }
+    out += &line("left at the samples, RMS", report.residual_rms);
+    out += &match report.left_out_rms {
+        Some(rms) => line("samples left out, RMS error", rms),
+        None => "samples left out                     too few to tell\n".to_owned(),
+    };
+    out += &line("reciprocal condition", report.rcond);
+    out + &line("f32 may be off by", report.bounds.iter().copied().fold(0.0, f64::max))
+}
+
+fn of_learned(report: &LearnReport) -> String {
+    let mut out = line("left at the samples, RMS", report.residual_rms);
+    out += &line("f32 may be off by", report.bound);
+    for (feature, weight) in report.relevance.iter().enumerate() {
+        out += &line(&format!("weight of feature {feature}"), *weight);
+    }
+    out
+}

@@ -1,0 +1,84 @@
+//! Why a problem cannot be read.
+
+use crate::formats::FormatError;
+
+/// A problem that cannot be read; rows count from 0.
+#[derive(Debug, thiserror::Error)]
+pub enum ProblemError {
+    /// The file cannot be read, or is no such file.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// It is no JSON of this shape.
+    #[error("{0}")]
+    Json(#[from] serde_json::Error),
+    /// It is no CSV of numbers.
+    #[error("line {line}: {what}")]
+    Csv {
+        /// The line, from 1.
+        line: u64,
+        /// What is wrong there.
+        what: String,
+    },
+    /// There are no samples.
+    #[error("there are no samples")]
+    Empty,
+    /// Sites and values are not as many.
+    #[error("expected a row of values for each of {sites} sites, found {values}")]
+    Rows {
+        /// Rows of the sites.
+        sites: usize,
+        /// Rows of the values.
+        values: usize,
+    },
+    /// A row is too short or too long.
+    #[error("row {row} of {what}: expected {expected} numbers, found {found}")]
+    Row {
+        /// Sites or values.
+        what: &'static str,
+        /// Which row.
+        row: usize,
+        /// As many as inputs or outputs have.
+        expected: usize,
+        /// As many as there are.
+        found: usize,
+    },
+    /// A kind is unknown.
+    #[error("{what} \"{name}\": expected {expected}, found \"{found}\"")]
+    Kind {
+        /// Input or output.
+        what: &'static str,
+        /// Its name.
+        name: String,
+        /// What there is.
+        expected: &'static str,
+        /// What was written.
+        found: String,
+    },
+    /// An input needs an axis that it has not, or has one that it does not need, or of no length.
+    #[error("input \"{name}\": {what}")]
+    Axis {
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// An output's bounds are the wrong way round, or belong to no number.
+    #[error("output \"{name}\": {what}")]
+    Bounds {
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// A column that was asked for is not there.
+    #[error("there is no column \"{name}\"; there are {found}")]
+    Column {
+        /// Its name.
+        name: String,
+        /// Those that there are.
+        found: String,
+    },
+    /// No fit can be made so.
+    #[error("{0}")]
+    Options(String),
+}

@@ -1,0 +1,84 @@
+//! Why a problem cannot be fitted.
+
+use crate::kernel::compat::published::PublishedError;
+use crate::kernel::compat::scipy::ScipyError;
+use crate::kernel::hyper::HyperError;
+use crate::kernel::model::EvaluationError;
+use crate::kernel::rotations::RotationError;
+use crate::kernel::scattered::error::KernelError;
+
+/// A problem that cannot be fitted; rows count from 0.
+#[derive(Debug, thiserror::Error)]
+pub enum TrainError {
+    /// A site cannot be taken.
+    #[error("row {row} of sites: {error}")]
+    Site {
+        /// Its row.
+        row: usize,
+        /// Why.
+        error: EvaluationError,
+    },
+    /// A value cannot be taken.
+    #[error("row {row} of values, output \"{output}\": {error}")]
+    Value {
+        /// Its row.
+        row: usize,
+        /// The output.
+        output: String,
+        /// Why.
+        error: RotationError,
+    },
+    /// The neutral sample is not there.
+    #[error("the neutral sample is row {row}, of {samples}")]
+    Neutral {
+        /// The row.
+        row: usize,
+        /// Samples.
+        samples: usize,
+    },
+    /// A kernel's name is unknown.
+    #[error("\"{found}\" is no kernel: expected one of {expected}")]
+    KernelName {
+        /// The name.
+        found: String,
+        /// Those that there are.
+        expected: String,
+    },
+    /// There is no Wendland kernel for so many inputs.
+    #[error("there is no Wendland kernel for {inputs} features: take another")]
+    Wendland {
+        /// Features.
+        inputs: usize,
+    },
+    /// An option does not go with another.
+    #[error("{0}")]
+    Options(&'static str),
+    /// Groups are not as many as samples.
+    #[error("expected a group for each of {samples} samples, found {found}")]
+    Groups {
+        /// Samples.
+        samples: usize,
+        /// Groups.
+        found: usize,
+    },
+    /// A degree is below -1.
+    #[error("the degree is {0}, expected -1 (no polynomial) or more")]
+    Degree(i32),
+    /// Scattered data gives no function.
+    #[error(transparent)]
+    Kernel(#[from] KernelError),
+    /// SciPy would refuse it.
+    #[error(transparent)]
+    Scipy(#[from] ScipyError),
+    /// S2's solver has no result.
+    #[error(transparent)]
+    Published(#[from] PublishedError),
+    /// Nothing can be learned.
+    #[error(transparent)]
+    Learn(#[from] HyperError),
+    /// The fit has no variance.
+    #[error(
+        "only a fit with every sample a centre has a variance: leave out `centres`, `learn` and `mode`"
+    )]
+    NoVariance,
+}

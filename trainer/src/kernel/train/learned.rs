@@ -1,0 +1,78 @@
+//! A fit with learned centres and metric.
+
+use super::modes::residual_rms;
+use super::solved::{degree_of, kernel, samples};
+use super::{Fitted, LearnReport, Report, TrainError};
+use crate::kernel::bound::{largest, rounded};
+use crate::kernel::function::order;
+use crate::kernel::hyper::{Entries, Metric, Options, Start, learn};
+use crate::kernel::model::Figures;
+use crate::kernel::problem::{Learn, LearnMetric, Problem};
+use faer::Mat;
+
+pub(super) fn fit(
+    problem: &Problem,
+    asked: &Learn,
+    features: &Mat<f64>,
+    values: &Mat<f64>,
+) -> Result<Fitted, TrainError> {
+    let own = &problem.options;
+    if own.neighbors.is_some() || own.centres.is_some() || own.smoothing.is_some() {
+        return Err(TrainError::Options(
+            "learned centres have `centres` and `ridge` of their own, in `learn`",
+        ));
+    }
+    let samples = samples(problem, features, values)?;
+    let d = features.ncols();
+    let kernel = kernel(own.kernel.as_deref().unwrap_or("gaussian"), samples.scaling.kept().len())?;
+    let degree = match own.degree {
+        Some(degree) => degree_of(degree)?,
+        None => order(kernel).unwrap_or(0).checked_sub(1),
+    };
+    let epsilon = own.epsilon.unwrap_or(1.0);
+    let rows = asked.rank.unwrap_or(d).clamp(1, d);
+    let options = Options {
+        kernel,
+        centres: asked.centres,
+        degree,
+        ridge: asked.ridge,
+        metric: Metric {
+            start: Mat::from_fn(rows, d, |r, c| if r == c % rows { epsilon } else { 0.0 }),
+            learned: match asked.metric {
+                _ if rows < d => Entries::All,
+                LearnMetric::Fixed => Entries::None,
+                LearnMetric::Diagonal => Entries::Diagonal,
+                LearnMetric::Full => Entries::All,
+            },
+        },
+        start: Start::KMeansPlusPlus,
+        method: asked.method.method(),
+        seeds: (1..=asked.seeds).collect(),
+        evaluations: asked.evaluations,
+    };
+    let (sites, values) = (&samples.sites, &samples.values);
+    let scaling = &samples.scaling;
+    let found = learn(sites.as_ref(), values.as_ref(), &scaling.shift, &scaling.scale, &options)?;
+    let residual_rms = residual_rms(&found.sum, sites, values);
+    let bound = largest(&rounded(&found.sum), sites).into_iter().fold(0.0, f64::max);
+    let best = &found.traces[found.best];
+    let relevance = match &found.sum.metric {
+        Some(w) => w.col_iter().map(|column| column.norm_l2()).collect(),
+        None => vec![1.0; d],
+    };
+    let last = |trace: &crate::kernel::hyper::Trace| {
+        trace.steps.iter().rev().find(|step| step.accepted).map_or(trace.start, |step| step.energy)
+    };
+    let report = LearnReport {
+        energy: found.energy,
+        residual_rms,
+        seed: best.seed,
+        trace: best.steps.iter().filter(|step| step.accepted).map(|step| step.energy).collect(),
+        energies: found.traces.iter().map(last).collect(),
+        relevance,
+        bound,
+    };
+    let figures = Figures { residual_rms, left_out_rms: 0.0, bound, rcond: 0.0 };
+    let (sum, warnings) = (found.sum, Vec::new());
+    Ok(Fitted { sum, variance: None, figures, report: Report::Learned(report), warnings })
+}

@@ -1,0 +1,168 @@
+//! A fit by METHOD §2: every sample a centre, or fewer.
+
+use super::{Fitted, Report, TrainError};
+use crate::kernel::function::order;
+use crate::kernel::model::Figures;
+use crate::kernel::problem::{Problem, ProblemOptions, Smoothing};
+use crate::kernel::scattered::choose::{Choice, Freedom};
+use crate::kernel::scattered::fewer::{Centres, FewerFit};
+use crate::kernel::scattered::fit::Fit;
+use crate::kernel::scattered::options::{Options, is_scale_invariant, wendland};
+use crate::kernel::scattered::report::FitReport;
+use crate::kernel::scattered::samples::{Conflicts, Samples};
+use crate::kernel::scattered::scaling::Block;
+use crate::kernel::scattered::variance::Variance;
+use faer::Mat;
+use sinew_runtime::kernel::Kernel;
+
+/// Share of a value's range that f32 arithmetic may be off by, before a fit is refused.
+const ROUNDING: f64 = 1e-3;
+
+/// Refuses what no file can hold.
+pub(super) const NEIGHBOURS: TrainError = TrainError::Options(
+    "a function of neighbours solves a system at every query and cannot be baked: take fewer `centres`",
+);
+
+pub(super) fn fit(
+    problem: &Problem,
+    features: &Mat<f64>,
+    values: &Mat<f64>,
+    variance: bool,
+) -> Result<Fitted, TrainError> {
+    let own = &problem.options;
+    if own.neighbors.is_some() {
+        return Err(NEIGHBOURS);
+    }
+    let samples = samples(problem, features, values)?;
+    let asked = asked(own, samples.scaling.kept().len())?;
+    let freedom = Freedom {
+        epsilon: own.epsilon.is_none() && !is_scale_invariant(asked.kernel),
+        smoothing: matches!(own.smoothing, Some(Smoothing::Chosen(_))),
+    };
+    let options = if freedom.epsilon || freedom.smoothing {
+        Choice::new(&samples, &asked, freedom, &groups(own, &samples)?)?.options
+    } else {
+        asked
+    };
+    let (sum, report, kept) = match own.centres {
+        Some(most) => {
+            let fit = FewerFit::new(&samples, &options, &Centres::Greedy(most))?;
+            let report = FitReport::of_fewer(&samples, &options, &fit);
+            (fit.sum, report, None)
+        }
+        None => {
+            let fit = Fit::new(&samples, &options)?;
+            let report = FitReport::new(&samples, &options, &fit);
+            let kept = if variance { Variance::new(&fit, &samples.values) } else { None };
+            (fit.sum, report, kept)
+        }
+    };
+    report.within(ROUNDING)?;
+    let figures = Figures {
+        residual_rms: report.residual_rms,
+        left_out_rms: report.left_out_rms.unwrap_or(0.0),
+        bound: report.bounds.iter().copied().fold(0.0, f64::max),
+        rcond: report.rcond,
+    };
+    let warnings = warnings(problem, &report);
+    Ok(Fitted { sum, variance: kept, figures, report: Report::Fit(Box::new(report)), warnings })
+}
+
+/// Takes samples, in blocks of one input each.
+pub(super) fn samples(
+    problem: &Problem,
+    features: &Mat<f64>,
+    values: &Mat<f64>,
+) -> Result<Samples, TrainError> {
+    let inputs = problem.inputs.iter();
+    let blocks: Vec<Block> =
+        inputs.map(|input| Block { len: input.kind.feature_len(), weight: input.weight }).collect();
+    let conflicts = if problem.options.average { Conflicts::Average } else { Conflicts::Refuse };
+    Ok(Samples::new(features, values, &blocks, conflicts)?)
+}
+
+fn asked(own: &ProblemOptions, inputs: usize) -> Result<Options, TrainError> {
+    let kernel = kernel(own.kernel.as_deref().unwrap_or("gaussian"), inputs)?;
+    let mut out = Options::new(kernel);
+    if let Some(degree) = own.degree {
+        out.degree = degree_of(degree)?;
+    } else if order(kernel) == Some(0) {
+        out.degree = Some(0);
+    }
+    out.epsilon = own.epsilon.unwrap_or(out.epsilon);
+    if let Some(Smoothing::Given(smoothing)) = own.smoothing {
+        out.smoothing = smoothing;
+    }
+    Ok(out)
+}
+
+/// Reads a degree, of which -1 is none.
+pub(super) fn degree_of(degree: i32) -> Result<Option<usize>, TrainError> {
+    if degree < -1 { Err(TrainError::Degree(degree)) } else { Ok(usize::try_from(degree).ok()) }
+}
+
+/// Finds a kernel by its name, in any case, with spaces, `_` or nothing between the words.
+pub(super) fn kernel(name: &str, inputs: usize) -> Result<Kernel, TrainError> {
+    let plain = |text: &str| -> String {
+        let text = text.to_lowercase().replace('é', "e");
+        text.chars().filter(|c| c.is_alphanumeric()).collect()
+    };
+    let names = [("thinplatespline", Kernel::ThinPlate), ("exponential", Kernel::Matern12)];
+    let own = Kernel::ALL.into_iter().filter(|kernel| order(*kernel).is_some());
+    let known = own.map(|kernel| (plain(kernel.name()), kernel));
+    let mut all = known.chain(names.map(|(name, kernel)| (name.to_owned(), kernel)));
+    match all.find(|(known, _)| *known == plain(name)) {
+        Some((_, Kernel::Wendland { .. })) => {
+            wendland(inputs).ok_or(TrainError::Wendland { inputs })
+        }
+        Some((_, kernel)) => Ok(kernel),
+        None => {
+            let own = Kernel::ALL.into_iter().filter(|kernel| order(*kernel).is_some());
+            let expected = own.map(Kernel::name).collect::<Vec<_>>().join(", ");
+            Err(TrainError::KernelName { found: name.to_owned(), expected })
+        }
+    }
+}
+
+/// Lists the samples that are left out together: each alone, or by their rows' groups.
+fn groups(own: &ProblemOptions, samples: &Samples) -> Result<Vec<Vec<usize>>, TrainError> {
+    let n = samples.sample_len();
+    let Some(of_rows) = &own.groups else {
+        return Ok((0..n).map(|sample| vec![sample]).collect());
+    };
+    let rows = n + samples.merged.len();
+    if of_rows.len() != rows {
+        return Err(TrainError::Groups { samples: rows, found: of_rows.len() });
+    }
+    let mut out = std::collections::BTreeMap::<usize, Vec<usize>>::new();
+    for (sample, &row) in samples.rows.iter().enumerate() {
+        out.entry(of_rows[row]).or_default().push(sample);
+    }
+    Ok(out.into_values().collect())
+}
+
+/// Tells what was merged, dropped or lowered.
+fn warnings(problem: &Problem, report: &FitReport) -> Vec<String> {
+    let mut out = Vec::new();
+    for merged in &report.merged {
+        let how = if merged.averaged { "averaged with" } else { "the same sample as" };
+        out.push(format!("row {} is {how} row {}", merged.row, merged.into));
+    }
+    let mut first = 0;
+    for input in &problem.inputs {
+        let own = first..first + input.kind.feature_len();
+        first = own.end;
+        if own.clone().all(|feature| report.dropped.contains(&feature)) {
+            out.push(format!(
+                "input \"{}\" is the same in all samples and does not count",
+                input.name
+            ));
+        }
+    }
+    if report.degree != report.degree_asked {
+        let degree = |degree: Option<usize>| degree.map_or("none".to_owned(), |d| d.to_string());
+        let (asked, taken) = (degree(report.degree_asked), degree(report.degree));
+        out.push(format!("too few samples for a polynomial of degree {asked}: taken is {taken}"));
+    }
+    out
+}
