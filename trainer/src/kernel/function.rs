@@ -8,7 +8,7 @@ use sinew_runtime::kernel::Kernel;
 pub const SMOOTHEST_FIRST: [GroupKernel; 4] =
     [GroupKernel::Gaussian, GroupKernel::Matern52, GroupKernel::Matern32, GroupKernel::Matern12];
 
-/// A kernel in f64.
+/// A kernel in f64. Exponentials, logarithms and powers are libm's: the same bits on any CPU.
 pub trait Exact: Into<Kernel> {
     /// Evaluates G at `s >= 0`.
     fn exact(self, s: f64) -> f64 {
@@ -16,27 +16,27 @@ pub trait Exact: Into<Kernel> {
         match self.into() {
             Kernel::Linear => -r,
             Kernel::ThinPlate if s == 0.0 => 0.0,
-            Kernel::ThinPlate => 0.5 * s * s.ln(),
+            Kernel::ThinPlate => 0.5 * s * libm::log(s),
             Kernel::Cubic => s * r,
             Kernel::Quintic => -s * s * r,
             Kernel::Multiquadric => -(1.0 + s).sqrt(),
             Kernel::InverseMultiquadric => 1.0 / (1.0 + s).sqrt(),
             Kernel::InverseQuadratic => 1.0 / (1.0 + s),
-            Kernel::Gaussian => (-s).exp(),
-            Kernel::Matern12 => (-r).exp(),
+            Kernel::Gaussian => libm::exp(-s),
+            Kernel::Matern12 => libm::exp(-r),
             Kernel::Matern32 => {
                 let a = (3.0 * s).sqrt();
-                (1.0 + a) * (-a).exp()
+                (1.0 + a) * libm::exp(-a)
             }
             Kernel::Matern52 => {
                 let a = (5.0 * s).sqrt();
-                (1.0 + a + a * a / 3.0) * (-a).exp()
+                (1.0 + a + a * a / 3.0) * libm::exp(-a)
             }
             Kernel::Wendland { l } => {
                 let power = f64::from(l) + 1.0;
-                (1.0 - r).max(0.0).powf(power) * (power * r + 1.0)
+                libm::pow((1.0 - r).max(0.0), power) * (power * r + 1.0)
             }
-            Kernel::Hat { power } => (1.0 - r.powi(power.into())).max(0.0),
+            Kernel::Hat { power } => (1.0 - libm::pow(r, power.into())).max(0.0),
         }
     }
 
@@ -48,26 +48,29 @@ pub trait Exact: Into<Kernel> {
         match self.into() {
             Kernel::Linear => -over_r(0.5),
             Kernel::ThinPlate if s == 0.0 => 0.0,
-            Kernel::ThinPlate => 0.5 * (s.ln() + 1.0),
+            Kernel::ThinPlate => 0.5 * (libm::log(s) + 1.0),
             Kernel::Cubic => 1.5 * r,
             Kernel::Quintic => -2.5 * s * r,
             Kernel::Multiquadric => -0.5 / (1.0 + s).sqrt(),
             Kernel::InverseMultiquadric => -0.5 / ((1.0 + s) * (1.0 + s).sqrt()),
             Kernel::InverseQuadratic => -1.0 / ((1.0 + s) * (1.0 + s)),
-            Kernel::Gaussian => -(-s).exp(),
-            Kernel::Matern12 => -over_r(0.5 * (-r).exp()),
-            Kernel::Matern32 => -1.5 * (-(3.0 * s).sqrt()).exp(),
+            Kernel::Gaussian => -libm::exp(-s),
+            Kernel::Matern12 => -over_r(0.5 * libm::exp(-r)),
+            Kernel::Matern32 => -1.5 * libm::exp(-(3.0 * s).sqrt()),
             Kernel::Matern52 => {
                 let a = (5.0 * s).sqrt();
-                -5.0 / 6.0 * (1.0 + a) * (-a).exp()
+                -5.0 / 6.0 * (1.0 + a) * libm::exp(-a)
             }
             Kernel::Wendland { l } => {
                 let power = f64::from(l) + 1.0;
-                -0.5 * power * (power + 1.0) * (1.0 - r).max(0.0).powf(power - 1.0)
+                -0.5 * power * (power + 1.0) * libm::pow((1.0 - r).max(0.0), power - 1.0)
             }
             Kernel::Hat { .. } if r >= 1.0 => 0.0,
             Kernel::Hat { power: 1 } => -over_r(0.5),
-            Kernel::Hat { power } => -0.5 * f64::from(power) * r.powi(i32::from(power) - 2),
+            Kernel::Hat { power } => {
+                let power = f64::from(power);
+                -0.5 * power * libm::pow(r, power - 2.0)
+            }
         }
     }
 
@@ -75,7 +78,7 @@ pub trait Exact: Into<Kernel> {
     fn steepness(self, s: f64) -> f64 {
         match self.into() {
             Kernel::Linear => 0.5,
-            Kernel::Matern12 => 0.5 * (-s.sqrt()).exp(),
+            Kernel::Matern12 => 0.5 * libm::exp(-s.sqrt()),
             kernel => -s.sqrt() * kernel.slope(s),
         }
     }
