@@ -1,8 +1,10 @@
 //! A fit with learned centres and metric.
 
+use super::error::TrainError;
+use super::fitted::Fitted;
 use super::modes::residual_rms;
+use super::report::{LearnReport, Report};
 use super::solved::{degree_of, kernel, samples};
-use super::{Fitted, LearnReport, Report, TrainError};
 use crate::kernel::bound::{largest, rounded};
 use crate::kernel::function::order;
 use crate::kernel::hyper::{Entries, Metric, Options, Start, learn};

@@ -1,6 +1,6 @@
 //! A problem's rows as matrices.
 
-use super::TrainError;
+use super::error::TrainError;
 use crate::kernel::model::{Output, OutputKind, features};
 use crate::kernel::problem::Problem;
 use faer::Mat;

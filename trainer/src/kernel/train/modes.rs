@@ -1,7 +1,9 @@
 //! Fits by the rules of others.
 
+use super::error::TrainError;
+use super::fitted::Fitted;
+use super::report::Report;
 use super::solved::{NEIGHBOURS, kernel};
-use super::{Fitted, Report, TrainError};
 use crate::kernel::bound::{largest, rounded};
 use crate::kernel::compat::published::{Published, PublishedKernel, PublishedOptions};
 use crate::kernel::compat::scipy::{RbfInterpolator, ScipyOptions, Smoothing as ScipySmoothing};

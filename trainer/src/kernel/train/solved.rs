@@ -1,6 +1,8 @@
 //! A fit by METHOD §2: every sample a centre, or fewer.
 
-use super::{Fitted, Report, TrainError};
+use super::error::TrainError;
+use super::fitted::Fitted;
+use super::report::Report;
 use crate::kernel::function::order;
 use crate::kernel::model::Figures;
 use crate::kernel::problem::{Problem, ProblemOptions, Smoothing};

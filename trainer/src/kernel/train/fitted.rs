@@ -1,0 +1,15 @@
+//! What every way of fitting gives.
+
+use super::report::Report;
+use crate::kernel::model::Figures;
+use crate::kernel::scattered::variance::Variance;
+use crate::kernel::sum::KernelSum;
+
+/// A function without its names.
+pub(super) struct Fitted {
+    pub(super) sum: KernelSum,
+    pub(super) variance: Option<Variance>,
+    pub(super) figures: Figures,
+    pub(super) report: Report,
+    pub(super) warnings: Vec<String>,
+}
