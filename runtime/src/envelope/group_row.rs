@@ -8,7 +8,7 @@ use crate::linear::padded;
 pub struct GroupRow {
     /// The dominant joint.
     pub joint: u16,
-    /// Number of a [`GroupKernel`].
+    /// Number of a [`super::GroupKernel`].
     pub kernel: u8,
     /// Zero.
     pub reserved: u8,
