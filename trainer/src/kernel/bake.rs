@@ -62,7 +62,7 @@ pub fn part(model: &KernelModel) -> Result<Part, BakeError> {
 }
 
 fn rule(model: &KernelModel) -> KernelRule {
-    let [start, end] = model.fade.map(|s| s as f32);
+    let [start, end] = [model.fade.start, model.fade.end].map(|s| s as f32);
     KernelRule {
         kernel: model.sum.kernel,
         query: model.query,

@@ -87,11 +87,10 @@ pub fn largest(sum: &KernelSum, sites: &Mat<f64>) -> Vec<f64> {
         out.iter_mut().zip(bound).for_each(|(most, bound)| *most = most.max(bound));
     };
     sites.row_iter().for_each(|site| take(&site.iter().copied().collect::<Vec<f64>>()));
-    let ends: Vec<(f64, f64)> = sites.col_iter().map(ends).collect();
+    let ends: Vec<[f64; 2]> = sites.col_iter().map(|column| ends(column.iter())).collect();
     let primes = primes(ends.len());
     for i in 1..=BOX_POINTS {
-        let at =
-            |((low, high), prime): (&(f64, f64), &usize)| low + (high - low) * halton(i, *prime);
+        let at = |([low, high], prime): (&[f64; 2], &usize)| low + (high - low) * halton(i, *prime);
         take(&ends.iter().zip(&primes).map(at).collect::<Vec<f64>>());
     }
     out

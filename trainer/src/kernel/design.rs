@@ -17,9 +17,6 @@ use serde::Serialize;
 use sinew_runtime::envelope::GroupKernel;
 use std::ops::Range;
 
-/// Where a fade ends, in squared distances of its start.
-const FADE: f64 = 6.25;
-
 /// What a design is made with.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Hyperparameters {
@@ -188,7 +185,7 @@ impl<'a> Design<'a> {
             }
         }
         let start = farthest / self.inputs.squared_width(self.hyperparameters.width);
-        Fade { start, end: FADE * start }
+        Fade::beyond(start)
     }
 }
 

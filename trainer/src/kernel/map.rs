@@ -6,6 +6,8 @@ use faer::Mat;
 use serde::Serialize;
 use sinew_runtime::envelope::GroupKernel;
 
+/// Where a fade ends, in squared distances of its start (METHOD §2.6).
+const FADE: f64 = 6.25;
 /// Relative error of the runtime's smoothstep.
 pub const STEP_ERROR: f64 = 4e-7;
 /// More than any kernel's change may be off by: it lies between -1 and 1, computed or not.
@@ -231,8 +233,16 @@ impl Distance {
 }
 
 impl Fade {
-    /// Returns the confidence of squared distances to all centres.
-    fn confidence(&self, squared: impl Iterator<Item = f64>) -> f64 {
+    /// Fades beyond a squared distance.
+    pub fn beyond(start: f64) -> Self {
+        Self { start, end: FADE * start }
+    }
+
+    /// Returns the confidence of squared distances to all centres: 1 where nothing fades.
+    pub fn confidence(&self, squared: impl Iterator<Item = f64>) -> f64 {
+        if self.end <= self.start {
+            return 1.0;
+        }
         1.0 - squared.map(|s| 1.0 - step(self.place(s))).product::<f64>()
     }
 

@@ -1,5 +1,6 @@
 //! Functions of one or two numbers as pictures, side by side.
 
+use crate::numeric::columns::ends;
 use crate::page::colour::{Colour, heat};
 use crate::page::drawing::{Anchor, Drawing};
 use crate::page::picture::Picture;
@@ -89,9 +90,7 @@ impl Plot {
 
     /// Returns the least and the greatest that samples have, widened; what lies beyond is cut off.
     fn range(&self) -> [f64; 2] {
-        let all = self.panels.iter().flat_map(|panel| &panel.samples);
-        let [low, high] = all
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], y| [low.min(*y), high.max(*y)]);
+        let [low, high] = ends(self.panels.iter().flat_map(|panel| &panel.samples));
         let room = if high > low { 0.25 * (high - low) } else { 1.0 };
         [low - room, high + room]
     }

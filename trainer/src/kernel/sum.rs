@@ -95,8 +95,13 @@ impl KernelSum {
     pub fn basis(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let u = self.scaled(x);
         let z = self.measured(&u);
-        let kernels = self.centres.col_iter().map(|t| self.kernel.exact(squared(&z, t.iter())));
+        let kernels = self.squared_distances(&z).map(|s| self.kernel.exact(s));
         (kernels.collect(), powers(&self.terms, &u))
+    }
+
+    /// Lists the squared distances of z from the centres, n.
+    pub fn squared_distances(&self, z: &[f64]) -> impl Iterator<Item = f64> {
+        self.centres.col_iter().map(|t| squared(z, t.iter()))
     }
 
     /// Evaluates the function at d inputs: m values.

@@ -1,7 +1,7 @@
 //! Columns of a matrix: as slices, in parallel, and their ends; faer itself runs on one thread, so that results do
 //! not depend on how many there are.
 
-use faer::{ColRef, Mat};
+use faer::Mat;
 use rayon::prelude::*;
 
 /// Writes every column of a matrix, in parallel.
@@ -14,8 +14,8 @@ pub(crate) fn fill(matrix: &mut Mat<f64>, write: impl Fn(usize, &mut [f64]) + Sy
     });
 }
 
-/// Returns the least and the greatest number of a column that is not empty.
-pub(crate) fn ends(column: ColRef<'_, f64>) -> (f64, f64) {
-    let empty = (f64::INFINITY, f64::NEG_INFINITY);
-    column.iter().fold(empty, |(least, most), &x| (least.min(x), most.max(x)))
+/// Returns the least and the greatest of numbers that are not none.
+pub(crate) fn ends<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> [f64; 2] {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    numbers.into_iter().fold(none, |[least, most], &x| [least.min(x), most.max(x)])
 }

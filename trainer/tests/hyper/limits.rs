@@ -11,7 +11,7 @@ use sinew_trainer::kernel::hyper::{Entries, Metric, Options, Start, learn};
 fn on_all(kernel: Kernel, samples: usize, metric: f64) -> Options {
     Options {
         kernel,
-        metric: Metric::scaled(2, metric, Entries::None),
+        metric: Metric::scaled(2, 2, metric, Entries::None),
         ridge: 0.0,
         start: Start::Random,
         evaluations: 1,

@@ -11,7 +11,7 @@ fn learned(method: Method) -> Vec<Learned> {
         let options = Options {
             method,
             // Narrow, so that no start is better than the reference's.
-            metric: Metric::scaled(2, 8.0, Entries::Diagonal),
+            metric: Metric::scaled(2, 2, 8.0, Entries::Diagonal),
             start: Start::Random,
             seeds: vec![seed],
             evaluations: 3001,

@@ -16,7 +16,7 @@ fn inputs_that_do_not_matter_lose_their_weights() {
     for seed in 1..=4 {
         let of_two = |x: &[f64]| libm::sin(3.0 * x[0]) + x[0] * libm::cos(2.0 * x[1]);
         let problem = Problem::new(seed, 300, 4, of_two);
-        let sum = learned(&problem, 16, vec![seed], Metric::scaled(4, 2.0, Entries::Diagonal));
+        let sum = learned(&problem, 16, vec![seed], Metric::scaled(4, 4, 2.0, Entries::Diagonal));
         let metric = sum.metric.as_ref().unwrap();
         let weights = [0, 1, 2, 3].map(|i| metric[(i, i)].abs());
         println!("seed {seed}: {weights:.5?}, rms {:.1e}", problem.rms(&sum));
@@ -32,7 +32,7 @@ fn a_full_metric_finds_a_direction_that_a_diagonal_one_cannot() {
     let wave = |x: &[f64]| libm::sin(8.0 * (x[0] - x[1])) + 0.2 * x[0];
     let problem = Problem::new(1, 300, 2, wave);
     let rms = |entries| {
-        let metric = Metric::scaled(2, 4.0, entries);
+        let metric = Metric::scaled(2, 2, 4.0, entries);
         problem.rms(&learned(&problem, 10, vec![1, 2, 3, 4], metric))
     };
     let (diagonal, full) = (rms(Entries::Diagonal), rms(Entries::All));
@@ -67,6 +67,6 @@ fn what_is_not_learned_stays_as_it_starts() {
     assert_eq!(changed(&none), [false; 4]);
     assert_eq!(changed(&diagonal), [true, false, false, true]);
     assert_eq!(changed(&all), [true; 4]);
-    let identity = Metric::scaled(2, 1.0, Entries::None);
+    let identity = Metric::scaled(2, 2, 1.0, Entries::None);
     assert!(learned(&problem, 5, vec![1], identity).metric.is_none(), "I is no metric");
 }

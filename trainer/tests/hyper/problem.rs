@@ -57,7 +57,7 @@ pub(crate) fn options(inputs: usize, centres: usize) -> Options {
         centres,
         degree: None,
         ridge: 1e-9,
-        metric: Metric::scaled(inputs, 4.0, Entries::Diagonal),
+        metric: Metric::scaled(inputs, inputs, 4.0, Entries::Diagonal),
         start: Start::KMeansPlusPlus,
         method: Method::VariableProjection,
         seeds: vec![1],

@@ -49,7 +49,7 @@ fn samples_and_what_goes_with_them_are_checked() {
         with(&sites.subrows(0, 19).to_owned(), &two, &two, &fine),
         length("samples' values", 19, 20)
     );
-    let wide = Options { metric: Metric::scaled(3, 1.0, Entries::All), ..fine.clone() };
+    let wide = Options { metric: Metric::scaled(3, 3, 1.0, Entries::All), ..fine.clone() };
     assert_eq!(with(sites, &two, &two, &wide), length("columns of the metric", 2, 3));
     let mut flat = fine.clone();
     flat.metric.start = Mat::zeros(0, 2);

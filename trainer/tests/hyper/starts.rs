@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 fn chosen(problem: &Problem, start: Start, seed: u64, centres: usize) -> BTreeSet<usize> {
     let options = Options {
         start,
-        metric: Metric::scaled(2, 1.0, Entries::None),
+        metric: Metric::scaled(2, 2, 1.0, Entries::None),
         seeds: vec![seed],
         evaluations: 1,
         ..options(2, centres)

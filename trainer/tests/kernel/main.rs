@@ -1,6 +1,7 @@
 //! What functions of scattered data reach: against other solvers' numbers, brute force and closed forms.
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
+mod baked;
 mod common;
 mod edge_cases;
 mod falloffs;

@@ -4,6 +4,7 @@ use crate::common::{apart, evaluate, franke_at, halton, random, rows, samples, w
 use faer::Mat;
 use sinew_runtime::kernel::EulerOrder;
 use sinew_runtime::kernel::Kernel;
+use sinew_trainer::kernel::function::Exact;
 use sinew_trainer::kernel::rotations::{Feature, from_euler};
 use sinew_trainer::kernel::scattered::choose::{Choice, Freedom};
 use sinew_trainer::kernel::scattered::error::KernelError;
@@ -157,6 +158,20 @@ fn more_centres_come_nearer() {
     };
     let found = [8, 20, 40].map(rms);
     assert!(found.is_sorted_by(|a, b| a > b) && found[2] < 0.02, "{found:?}");
+}
+
+#[test]
+fn samples_that_say_nothing_of_each_other_are_still_joined() {
+    let sites = Mat::from_fn(5, 1, |i, _| i as f64);
+    let samples = samples(&sites, &Mat::from_fn(5, 1, |i, _| [0.2, 0.8, 0.1, 0.9, 0.3][i]));
+    let groups: Vec<Vec<usize>> = (0..5).map(|i| vec![i]).collect();
+    for kernel in [Kernel::Gaussian, Kernel::Matern52, Kernel::Wendland { l: 3 }] {
+        let epsilons = Freedom { epsilon: true, smoothing: false };
+        let choice = Choice::new(&samples, &Options::new(kernel), epsilons, &groups).unwrap();
+        // Sites are 1 apart, and 2 on average.
+        let next = kernel.exact((choice.options.epsilon / 2.0).powi(2)) / kernel.exact(0.0);
+        assert!(next >= (-1f64).exp(), "{kernel:?}: {}", choice.options.epsilon);
+    }
 }
 
 #[test]

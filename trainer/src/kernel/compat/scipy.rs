@@ -363,6 +363,6 @@ fn degree(given: Option<i32>, least: Option<usize>) -> Result<Option<usize>, Sci
 
 /// Returns the middle of a column's box.
 fn middle(column: ColRef<'_, f64>) -> f64 {
-    let (least, most) = ends(column);
+    let [least, most] = ends(column.iter());
     0.5 * least + 0.5 * most
 }

@@ -37,10 +37,10 @@ pub struct Metric {
 }
 
 impl Metric {
-    /// Starts as a multiple of I, d x d. Kernels about as wide as centres are apart end better than
-    /// wider ones.
-    pub fn scaled(inputs: usize, by: f64, learned: Entries) -> Self {
-        let start = Mat::from_fn(inputs, inputs, |r, c| if r == c { by } else { 0.0 });
+    /// Starts as a multiple of I, d x d, or of its rows added up to fewer, e x d. Kernels about as wide
+    /// as centres are apart end better than wider ones.
+    pub fn scaled(rows: usize, inputs: usize, by: f64, learned: Entries) -> Self {
+        let start = Mat::from_fn(rows, inputs, |r, c| if r == c % rows { by } else { 0.0 });
         Self { start, learned }
     }
 }

@@ -2,10 +2,9 @@
 
 use super::input::{EvaluationError, Input, features};
 use super::output::{Output, finish};
-use crate::kernel::map::step;
+use crate::kernel::map::Fade;
 use crate::kernel::scattered::variance::Variance;
 use crate::kernel::sum::KernelSum;
-use faer::Mat;
 use sinew_runtime::kernel::{Normalise, QueryRule};
 
 /// A function from named inputs to named outputs.
@@ -23,8 +22,8 @@ pub struct KernelModel {
     pub ranges: Vec<[f64; 2]>,
     /// What becomes of a query far from the samples.
     pub query: QueryRule,
-    /// Squared distances up to which a centre vouches for a query wholly, and from which not at all.
-    pub fade: [f64; 2],
+    /// How far the centres vouch for a query.
+    pub fade: Fade,
     /// Whether outputs are divided by their sum.
     pub normalise: Normalise,
     /// What the variance takes.
@@ -63,7 +62,8 @@ impl KernelModel {
     pub fn evaluate(&self, given: &[f64]) -> Result<Evaluated, EvaluationError> {
         let x = self.features(given)?;
         let mut values = self.sum.evaluate(&x);
-        let confidence = self.confidence(&x);
+        let z = self.sum.measured(&self.sum.scaled(&x));
+        let confidence = self.fade.confidence(self.sum.squared_distances(&z));
         if self.query == QueryRule::Fade {
             let neutral = self.outputs.iter().flat_map(|output| output.kind.neutral());
             for (value, neutral) in values.iter_mut().zip(neutral) {
@@ -75,14 +75,6 @@ impl KernelModel {
         Ok(Evaluated { numbers, confidence })
     }
 
-    /// Computes the derivatives of the values by the features, m x d.
-    ///
-    /// # Errors
-    /// [`EvaluationError`] of what is given.
-    pub fn jacobian(&self, given: &[f64]) -> Result<Mat<f64>, EvaluationError> {
-        Ok(self.sum.jacobian(&self.features(given)?))
-    }
-
     /// Computes features, kept within the samples' where that is the rule.
     fn features(&self, given: &[f64]) -> Result<Vec<f64>, EvaluationError> {
         let mut x = features(&self.inputs, given)?;
@@ -92,18 +84,5 @@ impl KernelModel {
             }
         }
         Ok(x)
-    }
-
-    fn confidence(&self, x: &[f64]) -> f64 {
-        let [start, end] = self.fade;
-        if end <= start {
-            return 1.0;
-        }
-        let z = self.sum.measured(&self.sum.scaled(x));
-        let near = |t: faer::ColRef<'_, f64>| {
-            let s: f64 = z.iter().zip(t.iter()).map(|(z, t)| (z - t) * (z - t)).sum();
-            step((end - s) / (end - start))
-        };
-        1.0 - self.sum.centres.col_iter().map(|t| 1.0 - near(t)).product::<f64>()
     }
 }

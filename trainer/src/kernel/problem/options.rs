@@ -14,7 +14,8 @@ pub struct ProblemOptions {
     pub mode: Mode,
     /// The kernel's name; gaussian.
     pub kernel: Option<String>,
-    /// One over the width, in mean distances of the samples (those of the other modes as they are).
+    /// One over the width, in mean distances of the samples (those of the other modes as they are);
+    /// that which a learned metric starts from.
     pub epsilon: Option<f64>,
     /// λ; 0, which interpolates, unless it is to be chosen.
     pub smoothing: Option<Smoothing>,
@@ -155,7 +156,7 @@ impl Default for Learn {
             rank: None,
             seeds: 4,
             evaluations: 1000,
-            ridge: 1e-10,
+            ridge: 1e-9,
         }
     }
 }

@@ -2,11 +2,13 @@
 
 use super::error::KernelError;
 use super::fit::Fit;
-use super::matrix::matrix;
+use super::matrix::{distances, matrix};
 use super::options::{Options, is_scale_invariant};
 use super::samples::Samples;
+use crate::kernel::function::Exact;
 use rayon::prelude::*;
 use serde::Serialize;
+use sinew_runtime::kernel::Kernel;
 
 /// Candidates of epsilon: the mean distance is 1.
 const EPSILONS: [f64; 7] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
@@ -53,7 +55,8 @@ pub struct Tried {
 impl Choice {
     /// Tries epsilon and smoothing on a grid, then about the best at half the steps, four times; each
     /// by the errors of groups of samples that are left out. Epsilon stays what it is where it changes
-    /// nothing.
+    /// nothing. Kernels that do not reach the next sample are left alone: where samples say little of
+    /// each other these err least, and make a spike of each.
     ///
     /// # Errors
     /// Those of [`Options::check`]; if no candidate's fit can leave the groups out.
@@ -65,11 +68,14 @@ impl Choice {
     ) -> Result<Self, KernelError> {
         options.check()?;
         let fixed = !freedom.epsilon || is_scale_invariant(options.kernel);
+        let apart = spacing(samples);
+        let joins = |epsilon: &f64| fixed || reaches(options.kernel, epsilon * apart);
         let epsilons = if fixed { vec![options.epsilon] } else { EPSILONS.to_vec() };
         let shares = if freedom.smoothing { SMOOTHINGS.to_vec() } else { vec![0.0] };
         let judge = Judge { samples, options, freedom, groups, spreads: spreads(samples) };
         let grid: Vec<Place> = epsilons
             .iter()
+            .filter(|epsilon| joins(epsilon))
             .flat_map(|&epsilon| shares.iter().map(move |&share| Place { epsilon, share }))
             .collect();
         let mut all = judge.all(&grid);
@@ -79,11 +85,10 @@ impl Choice {
             // The grid's steps are a factor of 2 and of 100.
             let (wider, smoother) = (2f64.powf(step), 100f64.powf(step));
             let Place { epsilon, share } = best.place;
-            let epsilons =
-                [epsilon / wider, epsilon * wider].map(|epsilon| Place { epsilon, share });
+            let epsilons = [epsilon / wider, epsilon * wider].into_iter().filter(joins);
             let shares = [share / smoother, share * smoother].map(|share| Place { epsilon, share });
             let mut near = Vec::new();
-            near.extend(epsilons.into_iter().filter(|_| !fixed));
+            near.extend(epsilons.filter(|_| !fixed).map(|epsilon| Place { epsilon, share }));
             near.extend(shares.into_iter().filter(|place| place.share > 0.0));
             all.extend(judge.all(&near));
             best = least(&all).unwrap_or(best);
@@ -141,6 +146,22 @@ impl Judge<'_> {
         });
         Tried { epsilon, smoothing, error }
     }
+}
+
+/// Returns how far a sample is from the nearest other one, on average; 0 of a single one.
+fn spacing(samples: &Samples) -> f64 {
+    let points = samples.scaling.apply(&samples.sites);
+    let nearest = |from: usize| {
+        let others = distances(&points, from).into_iter().enumerate().filter(|(i, _)| *i != from);
+        others.map(|(_, distance)| distance).reduce(f64::min).unwrap_or(0.0)
+    };
+    (0..points.nrows()).map(nearest).sum::<f64>() / points.nrows() as f64
+}
+
+/// Tells whether a kernel has not fallen below 1/e of its peak at a distance.
+fn reaches(kernel: Kernel, distance: f64) -> bool {
+    kernel.exact(distance * distance) >= kernel.exact(0.0) * (-1f64).exp()
+        || kernel.exact(0.0) <= 0.0
 }
 
 /// Returns the candidate of least error, the first of equals; none where no error is known.

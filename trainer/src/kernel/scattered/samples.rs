@@ -4,7 +4,7 @@ use super::error::KernelError;
 use super::matrix::distances;
 use super::scaling::{Block, Scaling};
 use crate::numeric::columns::ends;
-use faer::Mat;
+use faer::{ColRef, Mat};
 use serde::Serialize;
 
 /// Distance, over the mean one, below which two sites are one.
@@ -161,8 +161,8 @@ pub fn check(sites: &Mat<f64>, values: &Mat<f64>) -> Result<(), KernelError> {
 
 /// Returns the range of each value, m: at least a share of its magnitude, 1 where it is 0.
 pub fn ranges(values: &Mat<f64>) -> Vec<f64> {
-    let range = |column| {
-        let (least, most) = ends(column);
+    let range = |column: ColRef<'_, f64>| {
+        let [least, most] = ends(column.iter());
         let range = (most - least).max(OFFSET * least.abs().max(most.abs()));
         if range > 0.0 { range } else { 1.0 }
     };

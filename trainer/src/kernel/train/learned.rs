@@ -31,22 +31,21 @@ pub(super) fn fit(
         Some(degree) => degree_of(degree)?,
         None => order(kernel).unwrap_or(0).checked_sub(1),
     };
-    let epsilon = own.epsilon.unwrap_or(1.0);
+    let epsilon =
+        own.epsilon.unwrap_or_else(|| spacing(asked.centres, samples.scaling.kept().len()));
     let rows = asked.rank.unwrap_or(d).clamp(1, d);
+    let learned = match asked.metric {
+        _ if rows < d => Entries::All,
+        LearnMetric::Fixed => Entries::None,
+        LearnMetric::Diagonal => Entries::Diagonal,
+        LearnMetric::Full => Entries::All,
+    };
     let options = Options {
         kernel,
         centres: asked.centres,
         degree,
         ridge: asked.ridge,
-        metric: Metric {
-            start: Mat::from_fn(rows, d, |r, c| if r == c % rows { epsilon } else { 0.0 }),
-            learned: match asked.metric {
-                _ if rows < d => Entries::All,
-                LearnMetric::Fixed => Entries::None,
-                LearnMetric::Diagonal => Entries::Diagonal,
-                LearnMetric::Full => Entries::All,
-            },
-        },
+        metric: Metric::scaled(rows, d, epsilon, learned),
         start: Start::KMeansPlusPlus,
         method: asked.method.method(),
         seeds: (1..=asked.seeds).collect(),
@@ -77,4 +76,11 @@ pub(super) fn fit(
     let figures = Figures { residual_rms, left_out_rms: 0.0, bound, rcond: 0.0 };
     let (sum, warnings) = (found.sum, Vec::new());
     Ok(Fitted { sum, variance: None, figures, report: Report::Learned(report), warnings })
+}
+
+/// Returns what makes the distance of n centres in a cube of d inputs 1, where the mean distance of
+/// samples in it is: the side is √(6/d), nearly.
+fn spacing(centres: usize, inputs: usize) -> f64 {
+    let d = inputs.max(1) as f64;
+    (centres as f64).powf(1.0 / d) * (d / 6.0).sqrt()
 }

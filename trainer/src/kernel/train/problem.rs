@@ -5,14 +5,13 @@ use super::fitted::Fitted;
 use super::matrices::Matrices;
 use super::report::Trained;
 use super::{learned, modes, solved};
+use crate::kernel::map::Fade;
 use crate::kernel::model::{KernelModel, OutputKind};
 use crate::kernel::problem::{Mode, Problem};
 use crate::kernel::sum::KernelSum;
+use crate::numeric::columns::ends;
 use faer::Mat;
 use sinew_runtime::kernel::Normalise;
-
-/// Where a fade ends, in squared distances of its start (METHOD §2.6).
-const FADE: f64 = 6.25;
 
 /// Fits a problem.
 ///
@@ -50,7 +49,7 @@ pub fn train(problem: &Problem, variance: bool) -> Result<Trained, TrainError> {
         inputs: problem.inputs.clone(),
         fade: fade(&sum, &features),
         sum,
-        ranges: ranges(&features),
+        ranges: features.col_iter().map(|column| ends(column.iter())).collect(),
         query: options.outside,
         normalise: options.normalise.unwrap_or(if any {
             Normalise::Always
@@ -64,28 +63,15 @@ pub fn train(problem: &Problem, variance: bool) -> Result<Trained, TrainError> {
     Ok(Trained { model, report, warnings })
 }
 
-/// Returns the least and the greatest of each column.
-fn ranges(features: &Mat<f64>) -> Vec<[f64; 2]> {
-    let range = |column: faer::ColRef<'_, f64>| {
-        column
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
-    };
-    features.col_iter().map(range).collect()
-}
-
 /// Fades beyond the farthest that a sample is from the centres that are not its own.
-fn fade(sum: &KernelSum, features: &Mat<f64>) -> [f64; 2] {
+fn fade(sum: &KernelSum, features: &Mat<f64>) -> Fade {
     let mut farthest = 0.0f64;
     for site in features.row_iter() {
         let x: Vec<f64> = site.iter().copied().collect();
         let z = sum.measured(&sum.scaled(&x));
-        let squared = |t: faer::ColRef<'_, f64>| -> f64 {
-            z.iter().zip(t.iter()).map(|(z, t)| (z - t) * (z - t)).sum()
-        };
-        let others = sum.centres.col_iter().map(squared).filter(|s| *s > 0.0);
+        let others = sum.squared_distances(&z).filter(|s| *s > 0.0);
         let nearest = others.fold(f64::INFINITY, f64::min);
         farthest = if nearest.is_finite() { farthest.max(nearest) } else { farthest };
     }
-    [farthest, FADE * farthest]
+    Fade::beyond(farthest)
 }
