@@ -1,7 +1,7 @@
 //! The command that was given, of all parts.
 
 use super::output::{Output, in_a_line, tell};
-use super::{envelope, kernel};
+use super::{envelope, inspect, kernel};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -18,11 +18,12 @@ struct Cli {
     output: Output,
 }
 
-/// The commands of each part; the envelope's have no noun before them.
+/// The commands of any file and of each part; the envelope's have no noun before them.
 #[derive(Subcommand)]
 enum Command {
     #[command(flatten)]
     Envelope(envelope::Command),
+    Inspect(inspect::Arguments),
     /// Turns scattered data into functions: poses into shapes, or any numbers into any others
     #[command(subcommand)]
     Kernel(kernel::Command),
@@ -32,6 +33,7 @@ pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match &cli.command {
         Command::Envelope(command) => command.run(cli.output),
+        Command::Inspect(arguments) => inspect::run(arguments, cli.output),
         Command::Kernel(command) => command.run(cli.output),
     };
     match done {

@@ -2,13 +2,14 @@
 
 mod bars;
 mod command;
+mod described;
 mod envelope;
 mod files;
 mod input;
+mod inspect;
 mod kernel;
 mod output;
 mod space;
-mod table;
 
 pub(crate) use command::main;
-use output::{Output, printable};
+use output::{Output, counted, printable};

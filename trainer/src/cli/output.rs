@@ -52,6 +52,11 @@ pub(super) fn in_a_line(error: &anyhow::Error) -> String {
     })
 }
 
+/// Says how many there are of something.
+pub(super) fn counted(len: usize, one: &str, many: &str) -> String {
+    if len == 1 { format!("1 {one}") } else { format!("{len} {many}") }
+}
+
 /// Escapes control characters: names come from files, and files must not steer a terminal.
 pub(super) fn printable(text: &str) -> String {
     text.chars().fold(String::with_capacity(text.len()), |mut out, character| {

@@ -1,10 +1,10 @@
 //! `sinew check`: whether examples are good, before a training.
 
 use crate::cli::bars::Bars;
-use crate::cli::{Output, input, printable};
+use crate::cli::{Output, counted, input, printable};
 use anyhow::Context;
 use sinew_trainer::envelope::check::coverage::Coverage;
-use sinew_trainer::envelope::check::finding::{Severity, Topic, count};
+use sinew_trainer::envelope::check::finding::{Severity, Topic};
 use sinew_trainer::envelope::check::thin::Predicted;
 use sinew_trainer::envelope::check::{Check, check};
 use std::fmt::Write;
@@ -64,9 +64,9 @@ fn describe(check: &Check) -> String {
     let _ = writeln!(
         out,
         "{}, {}, {}",
-        count(warnings, "warning", "warnings"),
-        count(notes, "note", "notes"),
-        count(check.advice.len(), "piece of advice", "pieces of advice")
+        counted(warnings, "warning", "warnings"),
+        counted(notes, "note", "notes"),
+        counted(check.advice.len(), "piece of advice", "pieces of advice")
     );
     out
 }
@@ -123,7 +123,7 @@ fn faces(check: &Check) -> String {
     let faces = &check.faces;
     format!(
         "{}, {} edges, of them {} at a border",
-        count(faces.pieces, "piece", "pieces"),
+        counted(faces.pieces, "piece", "pieces"),
         faces.edges,
         faces.border_edges
     )

@@ -1,6 +1,6 @@
 //! The envelope's commands, by name.
 
-use super::{check, demo, eval, export, export_demo, inspect, report, train};
+use super::{check, demo, eval, export, export_demo, report, train};
 use crate::cli::Output;
 use clap::Subcommand;
 
@@ -10,7 +10,6 @@ pub(in crate::cli) enum Command {
     Check(check::Arguments),
     Train(train::Arguments),
     Eval(eval::Arguments),
-    Inspect(inspect::Arguments),
     Report(report::Arguments),
     Export(export::Arguments),
     ExportDemo(export_demo::Arguments),
@@ -27,7 +26,6 @@ impl Command {
             Command::Check(arguments) => check::run(arguments, output),
             Command::Train(arguments) => train::run(arguments, output),
             Command::Eval(arguments) => eval::run(arguments, output),
-            Command::Inspect(arguments) => inspect::run(arguments, output),
             Command::Report(arguments) => report::run(arguments, output),
             Command::Export(arguments) => export::run(arguments, output),
             Command::ExportDemo(arguments) => export_demo::run(arguments, output),

@@ -1,9 +1,10 @@
 //! `sinew demo`: the whole way on a character that needs no download.
 
+use super::table;
 use super::train;
 use crate::cli::bars::Bars;
 use crate::cli::files::{self, OutputFile};
-use crate::cli::{Output, input, table};
+use crate::cli::{Output, input};
 use anyhow::{Context, bail};
 use clap::builder::RangedU64ValueParser;
 use serde_json::json;

@@ -1,10 +1,11 @@
 //! `sinew eval`: the f32 runtime on the file's bytes against examples.
 
 use super::measured::{SplitName, blame};
+use super::table;
 use crate::cli::bars::Bars;
 use crate::cli::files::{self, OutputFile};
 use crate::cli::space::StatedSpace;
-use crate::cli::{Output, input, table};
+use crate::cli::{Output, input};
 use anyhow::Context;
 use sinew_trainer::envelope::evaluate::{Character, Frames, evaluate, skin};
 use sinew_trainer::examples::Examples;

@@ -3,13 +3,15 @@
 mod check;
 mod command;
 mod demo;
+mod describe;
 mod eval;
 mod export;
 mod export_demo;
-mod inspect;
 mod levels;
 mod measured;
 mod report;
+mod table;
 mod train;
 
 pub(super) use command::Command;
+pub(super) use describe::describe;

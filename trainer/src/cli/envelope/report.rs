@@ -1,10 +1,11 @@
 //! `sinew report`: the page that shows where the error is.
 
 use super::measured::{SplitName, blame};
+use super::table;
 use crate::cli::bars::Bars;
 use crate::cli::files::{self, OutputFile};
 use crate::cli::space::StatedSpace;
-use crate::cli::{Output, input, table};
+use crate::cli::{Output, input};
 use anyhow::{Context, bail};
 use serde_json::json;
 use sinew_trainer::envelope::evaluate::{Character, Frames};

@@ -1,10 +1,11 @@
 //! `sinew train`: examples in, baked model out.
 
 use super::levels;
+use super::table;
 use crate::cli::bars::Bars;
 use crate::cli::files::{self, OutputFile};
 use crate::cli::space::{self, StatedSpace, TargetSpace};
-use crate::cli::{Output, input, table};
+use crate::cli::{Output, input};
 use anyhow::{Context, bail};
 use clap::ValueEnum;
 use clap::builder::RangedU64ValueParser;

@@ -1,7 +1,7 @@
 //! `sinew kernel plot`: a function as a picture.
 
 use crate::cli::files::{OutputFile, write};
-use crate::cli::{Output, input, printable};
+use crate::cli::{Output, counted, input, printable};
 use anyhow::{Context, bail};
 use serde_json::json;
 use sinew_runtime::Model;
@@ -38,8 +38,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     write(&[(&target, &bytes)])?;
     let (panels, place) = (plot.panels.len(), target.named().display());
     let json = json!({ "panels": panels, "file": place.to_string() });
-    let what = if panels == 1 { "picture" } else { "pictures" };
-    output.print(&json, &format!("{place}: {panels} {what}\n"))
+    output.print(&json, &format!("{place}: {}\n", counted(panels, "picture", "pictures")))
 }
 
 fn ending(path: &Path) -> anyhow::Result<bool> {

@@ -1,7 +1,7 @@
 //! `sinew kernel train`: from samples to a function in a file.
 
 use crate::cli::files::{OutputFile, write};
-use crate::cli::{Output, printable};
+use crate::cli::{Output, counted, printable};
 use anyhow::Context;
 use serde_json::json;
 use sinew_runtime::format::Space;
@@ -74,9 +74,9 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let mut text = format!(
         "{}: {}, {} to {}, kernel {}\n",
         printable(&model.name),
-        count(problem.sites.len(), "sample"),
-        count(model.inputs.len(), "input"),
-        count(model.outputs.len(), "output"),
+        counted(problem.sites.len(), "sample", "samples"),
+        counted(model.inputs.len(), "input", "inputs"),
+        counted(model.outputs.len(), "output", "outputs"),
         model.sum.kernel.name(),
     );
     text += &match &report {
@@ -119,10 +119,6 @@ fn overrule(problem: &mut Problem, arguments: &Arguments) -> anyhow::Result<()> 
         own.learn = Some(Default::default());
     }
     Ok(())
-}
-
-fn count(len: usize, what: &str) -> String {
-    if len == 1 { format!("1 {what}") } else { format!("{len} {what}s") }
 }
 
 fn line(name: &str, value: f64) -> String {

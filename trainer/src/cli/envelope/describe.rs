@@ -1,76 +1,28 @@
-//! `sinew inspect`: what a model file holds.
+//! What `sinew inspect` says of envelopes and skins.
 
-use crate::cli::{Output, input, printable, space, table};
-use anyhow::Context;
+use crate::cli::described::Described;
+use crate::cli::{counted, printable};
 use serde_json::{Value, json};
-use sinew_runtime::format::{Element, PartKind, SectionKind};
-use sinew_runtime::{Envelope, Model, Section, Skin};
-use std::path::PathBuf;
+use sinew_runtime::format::PartKind;
+use sinew_runtime::{Envelope, Model, Skin};
 
-/// Shows what MODEL holds: its parts (envelopes predict palettes, skins are meshes that follow them),
-/// the axes and the unit of its numbers, its bytes by section, and its accuracy certificate.
-#[derive(clap::Args)]
-pub(in crate::cli) struct Arguments {
-    /// A model that `sinew train` wrote
-    model: PathBuf,
-}
-
-pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let bytes = input::read_model(&arguments.model)?;
-    let model = Model::from_bytes(bytes).with_context(|| arguments.model.display().to_string())?;
-    let len = model.as_bytes().len();
-    let mut text = format!("{}: {len} bytes\n", arguments.model.display());
-    text += &format!("space: {}\n", space::describe(&model.space()));
-    model.envelopes().for_each(|envelope| text += &of_envelope(&envelope));
-    model.skins().for_each(|skin| text += &of_skin(&model, &skin));
-    let [section, part, element, bytes] = ["section", "part", "element", "bytes"];
-    let names = part_names(&model);
-    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(10) + 2;
-    text += &format!("{section:<24}{part:<width$}{element:<8}{bytes:>12}\n");
-    for section in model.sections() {
-        let (kind, element) = (kind_name(&section), element_name(&section));
-        let part = names.get(usize::from(section.row.part)).map_or("unknown", String::as_str);
-        text += &format!("{kind:<24}{part:<width$}{element:<8}{:>12}\n", section.bytes.len());
-    }
-    text += &format!("{:<36}{:>12}\n", "head, tables and padding", around(&model));
-    output.print(&as_json(&model), &text)
-}
-
-/// Counts the bytes that belong to no section.
-fn around(model: &Model<Vec<u8>>) -> usize {
-    let own: usize = model.sections().map(|section| section.bytes.len()).sum();
-    model.as_bytes().len().saturating_sub(own)
-}
-
-/// Names the parts, each by its kind and its own name.
-fn part_names(model: &Model<Vec<u8>>) -> Vec<String> {
-    let kind = |row: sinew_runtime::format::PartRow| match PartKind::from_number(row.kind) {
-        Some(kind) => kind.name().to_owned(),
-        None => format!("unknown {}", row.kind),
-    };
-    let mut names: Vec<String> = model.parts().map(kind).collect();
-    let envelopes = model.envelopes().map(|envelope| (envelope.part(), envelope.name()));
-    let named: Vec<_> =
-        envelopes.chain(model.skins().map(|skin| (skin.part(), skin.name()))).collect();
-    for (part, name) in named {
-        if let Some(whole) = names.get_mut(part) {
-            *whole += &format!(" \"{}\"", printable(name));
-        }
-    }
-    names
-}
-
-fn kind_name(section: &Section<'_>) -> String {
-    SectionKind::from_number(section.row.kind)
-        .map_or_else(|| format!("unknown {}", section.row.kind), |kind| kind.name().to_owned())
-}
-
-fn element_name(section: &Section<'_>) -> String {
-    let known = Element::ALL.into_iter().find(|element| element.number() == section.row.element);
-    known.map_or_else(
-        || format!("unknown {}", section.row.element),
-        |element| element.name().to_owned(),
-    )
+/// Describes the envelopes of a file, and its skins.
+pub(in crate::cli) fn describe(model: &Model<Vec<u8>>) -> Vec<Described> {
+    let envelopes = model.envelopes().map(|envelope| Described {
+        part: envelope.part(),
+        kind: PartKind::Envelope,
+        name: envelope.name().to_owned(),
+        text: of_envelope(&envelope),
+        json: envelope_as_json(&envelope),
+    });
+    let skins = model.skins().map(|skin| Described {
+        part: skin.part(),
+        kind: PartKind::Skin,
+        name: skin.name().to_owned(),
+        text: of_skin(model, &skin),
+        json: skin_as_json(&skin),
+    });
+    envelopes.chain(skins).collect()
 }
 
 fn of_skin(model: &Model<Vec<u8>>, skin: &Skin<'_>) -> String {
@@ -97,7 +49,7 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
         printable(envelope.name()),
         envelope.predictor().name(),
         envelope.joint_len(),
-        table::count(envelope.proxy_len()),
+        counted(envelope.proxy_len(), "proxy", "proxies"),
         envelope.palette_len(),
         4 * envelope.scratch_len(),
     );
@@ -131,33 +83,6 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
         out += &format!("{name:<width$}{proxies:>7}{inputs:>8}{centres:>9}{rank:>6}  {kernel}\n");
     }
     out
-}
-
-fn as_json(model: &Model<Vec<u8>>) -> Value {
-    let parts: Vec<Value> = model
-        .parts()
-        .map(|row| json!({ "kind": PartKind::from_number(row.kind).map(PartKind::name) }))
-        .collect();
-    let sections: Vec<Value> = model
-        .sections()
-        .map(|section| {
-            json!({
-                "kind": kind_name(&section),
-                "part": section.row.part,
-                "element": element_name(&section),
-                "bytes": section.bytes.len(),
-            })
-        })
-        .collect();
-    json!({
-        "bytes": model.as_bytes().len(),
-        "space": space::as_json(&model.space()),
-        "parts": parts,
-        "envelopes": model.envelopes().map(|e| envelope_as_json(&e)).collect::<Vec<_>>(),
-        "skins": model.skins().map(|skin| skin_as_json(&skin)).collect::<Vec<_>>(),
-        "sections": sections,
-        "other_bytes": around(model),
-    })
 }
 
 fn skin_as_json(skin: &Skin<'_>) -> Value {

@@ -1,5 +1,6 @@
 //! Results as a person reads them.
 
+use crate::cli::counted;
 use sinew_trainer::envelope::choose::{CandidateReport, TrainingReport};
 use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
 
@@ -46,7 +47,7 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
     let header = ["error, % of the diagonal", "RMS", "p99", "max", "normals"];
     let [name, rms, p99, max, normals] = header;
     out += &format!("{name:<26}{rms:>10}{p99:>10}{max:>10}{normals:>12}\n");
-    let predictor = format!("{predictor}, {}", count(*proxies));
+    let predictor = format!("{predictor}, {}", counted(*proxies, "proxy", "proxies"));
     for (name, e) in [("LBS, 4 influences", &evaluation.lbs), (&predictor, &evaluation.errors)] {
         let Errors { rms_percent, p99_percent, max_percent, normal_rms_degrees, .. } = e;
         out += &format!(
@@ -62,9 +63,4 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
         out += &format!(", {share:.1} % of LBS's RMS error");
     }
     out + "\n"
-}
-
-/// Counts proxies.
-pub(super) fn count(proxies: usize) -> String {
-    if proxies == 1 { "1 proxy".to_owned() } else { format!("{proxies} proxies") }
 }
