@@ -66,6 +66,18 @@ fn five_poses_of_a_wrist_become_weights_that_sum_to_one() {
     }
     let halfway = numbers(&found[2]["outputs"]);
     assert!(halfway[..2].iter().all(|weight| (0.35..0.65).contains(weight)), "{halfway:?}");
+    let about = &folder.sinew("inspect model.sinew --json").json()["kernels"][0];
+    assert_eq!(about["inputs"][0]["name"], "wrist");
+    assert_eq!(about["inputs"][0]["kind"], "rotation");
+    assert_eq!(
+        about["outputs"][4],
+        json!({ "name": "out", "kind": "scalar", "range": [0.0, 1.0], "normalised": true })
+    );
+    let text = folder.sinew("inspect model.sinew").done().out;
+    assert!(
+        text.contains("output out") && text.contains("scalar from 0 to 1, a share of a sum"),
+        "{text}"
+    );
     // As a quaternion the same rotation is the same pose.
     let quaternions = json!({
         "inputs": [{ "name": "wrist", "kind": "quaternion" }],
