@@ -1,0 +1,105 @@
+//! `sinew inspect`: what a model file holds.
+
+use super::described::Described;
+use super::{Output, envelope, input, kernel, printable, space};
+use anyhow::Context;
+use serde_json::{Value, json};
+use sinew_runtime::format::{Element, PartKind, PartRow, SectionKind};
+use sinew_runtime::{Model, Section};
+use std::path::PathBuf;
+
+/// Shows what MODEL holds: its parts (envelopes predict palettes, skins are meshes that follow them,
+/// kernels are functions of scattered data), the axes and the unit of its numbers, and its bytes by
+/// section.
+#[derive(clap::Args)]
+pub(super) struct Arguments {
+    /// A model that `sinew train` wrote, or `sinew kernel train`
+    model: PathBuf,
+}
+
+pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let bytes = input::read_model(&arguments.model)?;
+    let model = Model::from_bytes(bytes).with_context(|| arguments.model.display().to_string())?;
+    let mut described = envelope::describe(&model);
+    described.extend(kernel::describe(&model));
+    let len = model.as_bytes().len();
+    let mut text = format!("{}: {len} bytes\n", arguments.model.display());
+    text += &format!("space: {}\n", space::describe(&model.space()));
+    described.iter().for_each(|part| text += &part.text);
+    let [section, part, element, bytes] = ["section", "part", "element", "bytes"];
+    let names = part_names(&model, &described);
+    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(10) + 2;
+    text += &format!("{section:<24}{part:<width$}{element:<8}{bytes:>12}\n");
+    for section in model.sections() {
+        let (kind, element) = (kind_name(&section), element_name(&section));
+        let part = names.get(usize::from(section.row.part)).map_or("unknown", String::as_str);
+        text += &format!("{kind:<24}{part:<width$}{element:<8}{:>12}\n", section.bytes.len());
+    }
+    text += &format!("{:<36}{:>12}\n", "head, tables and padding", around(&model));
+    output.print(&as_json(&model, &described), &text)
+}
+
+/// Counts the bytes that belong to no section.
+fn around(model: &Model<Vec<u8>>) -> usize {
+    let own: usize = model.sections().map(|section| section.bytes.len()).sum();
+    model.as_bytes().len().saturating_sub(own)
+}
+
+/// Names the parts, each by its kind and its own name.
+fn part_names(model: &Model<Vec<u8>>, described: &[Described]) -> Vec<String> {
+    let kind = |row: PartRow| match PartKind::from_number(row.kind) {
+        Some(kind) => kind.name().to_owned(),
+        None => format!("unknown {}", row.kind),
+    };
+    let mut names: Vec<String> = model.parts().map(kind).collect();
+    for Described { part, name, .. } in described {
+        if let Some(whole) = names.get_mut(*part) {
+            *whole += &format!(" \"{}\"", printable(name));
+        }
+    }
+    names
+}
+
+fn kind_name(section: &Section<'_>) -> String {
+    SectionKind::from_number(section.row.kind)
+        .map_or_else(|| format!("unknown {}", section.row.kind), |kind| kind.name().to_owned())
+}
+
+fn element_name(section: &Section<'_>) -> String {
+    let known = Element::ALL.into_iter().find(|element| element.number() == section.row.element);
+    known.map_or_else(
+        || format!("unknown {}", section.row.element),
+        |element| element.name().to_owned(),
+    )
+}
+
+fn as_json(model: &Model<Vec<u8>>, described: &[Described]) -> Value {
+    let parts: Vec<Value> = model
+        .parts()
+        .map(|row| json!({ "kind": PartKind::from_number(row.kind).map(PartKind::name) }))
+        .collect();
+    let sections: Vec<Value> = model
+        .sections()
+        .map(|section| {
+            json!({
+                "kind": kind_name(&section),
+                "part": section.row.part,
+                "element": element_name(&section),
+                "bytes": section.bytes.len(),
+            })
+        })
+        .collect();
+    let of = |kind: PartKind| -> Vec<&Value> {
+        described.iter().filter(|part| part.kind == kind).map(|part| &part.json).collect()
+    };
+    json!({
+        "bytes": model.as_bytes().len(),
+        "space": space::as_json(&model.space()),
+        "parts": parts,
+        "envelopes": of(PartKind::Envelope),
+        "skins": of(PartKind::Skin),
+        "kernels": of(PartKind::Kernel),
+        "sections": sections,
+        "other_bytes": around(model),
+    })
+}
