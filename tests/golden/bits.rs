@@ -118,19 +118,20 @@ pub(crate) struct Found {
     pub(crate) finite: bool,
 }
 
-/// Hashes the stages over seeded poses, each of whose numbers `nudge` is added to.
+/// Hashes the stages over seeded poses, as many as given, each of whose numbers `nudge` is added to.
 ///
 /// # Errors
 /// Those of the stages; lengths, if the model is larger than the memory.
 pub(crate) fn hashes(
     envelope: Envelope<'_>,
     skin: Skin<'_>,
+    poses: usize,
     nudge: f32,
     memory: &mut Memory,
 ) -> Result<Found, CallError> {
     let mut found = Found { bits: [0; STAGES.len()], faded: 0, finite: true };
     let mut rng = Rng(2007);
-    for i in 0..POSES {
+    for i in 0..poses {
         // Small, usual and wild rotations, through every branch of the logarithm.
         let turn = [0.01, 0.3, 1.0, 8.0][i % 4];
         let local = cut(&mut memory.local, envelope.joint_len());

@@ -14,7 +14,7 @@ fn hashes(golden: &Golden, nudge: f32) -> Found {
     let model = Model::from_bytes(golden.file).unwrap();
     let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
     assert_eq!(envelope.predictor(), golden.predictor);
-    bits::hashes(envelope, skin, nudge, &mut Box::new(Memory::new())).unwrap()
+    bits::hashes(envelope, skin, bits::POSES, nudge, &mut Box::new(Memory::new())).unwrap()
 }
 
 #[test]

@@ -66,7 +66,7 @@ fn poses_are_moved_to_where_a_model_is() {
 
     let whole = load(&Source::file(&arrays)).unwrap().examples;
     let mut poses = load_poses(&Source::file(&scene)).unwrap().examples;
-    let trained = model(&whole, Predictor::Kernel, 4);
+    let trained = model(&whole, Predictor::Rotational, 4);
     let refused = Character::open(&trained.model, None, &poses).err().unwrap().to_string();
     assert!(refused.starts_with("the model's rest mesh is not that of the examples"), "{refused}");
     let how = "(x, -z, y)".to_owned();

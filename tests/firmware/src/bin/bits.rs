@@ -1,4 +1,4 @@
-//! Prints the bits of every stage over 1024 poses.
+//! Prints the bits of every stage over seeded poses.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 firmware::image!(firmware::report::bits);

@@ -1,6 +1,6 @@
 //! Builds images.
 
-use super::targets::{M4F, Target};
+use super::targets::{M4F, TARGETS, Target};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -23,6 +23,24 @@ pub(super) enum Image {
 }
 
 impl Image {
+    /// Images of the runtime without its part kernel.
+    const ENVELOPES: &[Self] =
+        &[Self::Minimal, Self::Bare, Self::SizeRotational, Self::SizeAny, Self::SizeAll];
+    /// Images of the part kernel.
+    const KERNEL: &[Self] = &[Self::Servo, Self::SizeServo];
+
+    fn features(self) -> Option<&'static str> {
+        match self {
+            Self::Cost => Some("cortex-m"),
+            Self::CostServo => Some("cortex-m,kernel"),
+            Self::Bits | Self::Proof | Self::Servo | Self::SizeServo => Some("kernel"),
+            Self::ControlPanic | Self::ControlAlloc => Some("control"),
+            Self::Minimal | Self::Bare | Self::SizeRotational | Self::SizeAny | Self::SizeAll => {
+                None
+            }
+        }
+    }
+
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Bits => "bits",
@@ -62,24 +80,50 @@ impl Profile {
     }
 }
 
-/// Builds an image and returns where it lies.
-pub(super) fn build(
+/// Builds what prints the bits of every stage, for each of the targets.
+pub(super) fn bits(folder: &Path, targets: &[Target]) -> Result<(), String> {
+    let is_here = |target: &&Target| target.triple.is_empty();
+    for target in targets.iter().filter(is_here) {
+        build(folder, &[*target], Profile::Release, &[Image::Bits])?;
+    }
+    let others: Vec<Target> = targets.iter().filter(|target| !is_here(target)).copied().collect();
+    build(folder, &others, Profile::Release, &[Image::Bits])
+}
+
+/// Builds what is proven, weighed, measured and shown.
+pub(super) fn others(folder: &Path) -> Result<(), String> {
+    let bare: Vec<Target> = TARGETS.into_iter().filter(|target| target.bare).collect();
+    for profile in Profile::ALL {
+        build(folder, &bare, profile, &[Image::Proof])?;
+        for images in [Image::ENVELOPES, Image::KERNEL, &[Image::Cost], &[Image::CostServo]] {
+            build(folder, &[M4F], profile, images)?;
+        }
+    }
+    build(folder, &[M4F], Profile::Release, &[Image::ControlAlloc])
+}
+
+/// Builds images of one set of features for targets of one set of flags, as many at a time as Cargo does.
+fn build(
     folder: &Path,
-    target: Target,
+    targets: &[Target],
     profile: Profile,
-    image: Image,
-) -> Result<PathBuf, String> {
-    crate::call::run(&mut command(folder, target, profile, image))?;
+    images: &[Image],
+) -> Result<(), String> {
+    crate::call::run(&mut command(folder, targets, profile, images))
+}
+
+/// Returns where an image lies once it is built.
+pub(super) fn path(folder: &Path, target: Target, profile: Profile, image: Image) -> PathBuf {
     let name = match target.triple {
         "wasm32-unknown-unknown" => format!("{}.wasm", image.name()),
         _ => image.name().to_owned(),
     };
-    Ok(target_folder(folder, target).join(target.triple).join(profile.name()).join(name))
+    target_folder(folder, target).join(target.triple).join(profile.name()).join(name)
 }
 
 /// Sees the image fail to link that has a panic, and for that reason.
 pub(super) fn control_fails(folder: &Path, target: Target, profile: Profile) -> Result<(), String> {
-    let output = command(folder, target, profile, Image::ControlPanic)
+    let output = command(folder, &[target], profile, &[Image::ControlPanic])
         .output()
         .map_err(|error| format!("cargo: {error}"))?;
     let errors = String::from_utf8_lossy(&output.stderr);
@@ -105,19 +149,15 @@ pub(super) fn lint(folder: &Path) -> Result<(), String> {
 
 const MANIFEST: &str = "tests/firmware/Cargo.toml";
 
-fn command(folder: &Path, target: Target, profile: Profile, image: Image) -> Command {
-    let mut command = cargo(folder, target);
+fn command(folder: &Path, targets: &[Target], profile: Profile, images: &[Image]) -> Command {
+    let mut command = cargo(folder, targets.first().copied().unwrap_or(M4F));
     command.args(["build", "--quiet", "--locked", "--manifest-path", MANIFEST]);
-    command.args(["--bin", image.name(), "--profile", profile.name()]).args(triple(target));
-    match image {
-        Image::Cost => command.args(["--features", "cortex-m"]),
-        Image::CostServo => command.args(["--features", "cortex-m,kernel"]),
-        Image::Bits | Image::Proof | Image::Servo | Image::SizeServo => {
-            command.args(["--features", "kernel"])
-        }
-        Image::ControlPanic | Image::ControlAlloc => command.args(["--features", "control"]),
-        _ => &mut command,
-    };
+    command.args(["--profile", profile.name()]);
+    command.args(targets.iter().copied().flat_map(triple));
+    command.args(images.iter().flat_map(|image| ["--bin", image.name()]));
+    if let Some(features) = images.first().and_then(|image| image.features()) {
+        command.args(["--features", features]);
+    }
     command
 }
 

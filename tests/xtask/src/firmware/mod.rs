@@ -6,12 +6,12 @@ mod elf;
 mod prepare;
 mod targets;
 
-use build::{Image, Profile, build, control_fails};
+use build::{Image, Profile, control_fails, path};
 use elf::Elf;
 use std::path::Path;
 use std::process::Command;
 use std::thread;
-use targets::{M4F, TARGETS};
+use targets::{M4F, TARGETS, Target};
 
 /// Builds, runs, compares, proves and weighs.
 pub(crate) fn firmware() -> Result<(), String> {
@@ -19,7 +19,9 @@ pub(crate) fn firmware() -> Result<(), String> {
     let folder = crate::call::target_folder()?.join("firmware");
     bake_models(&folder.join("models"))?;
     build::lint(&folder)?;
-    same_bits(&folder)?;
+    let running = run_bits(&folder)?;
+    build::others(&folder)?;
+    same_bits(running)?;
     shown(&folder, Image::Minimal, "confidence ")?;
     shown(&folder, Image::Servo, "angle ")?;
     no_panic(&folder)?;
@@ -36,16 +38,27 @@ fn bake_models(folder: &Path) -> Result<(), String> {
     crate::call::run(Command::new(program).arg(folder))
 }
 
-/// Runs the poses on every target and compares each with the first, which builds here.
-fn same_bits(folder: &Path) -> Result<(), String> {
-    let mut running = Vec::new();
+/// A target, and what it prints once it has run.
+type Run = (Target, thread::JoinHandle<Result<String, String>>);
+
+/// Runs the poses on every target, beside whatever comes next.
+fn run_bits(folder: &Path) -> Result<Vec<Run>, String> {
+    let mut targets = Vec::new();
     for target in TARGETS {
-        if !target.runs_here()? {
-            continue;
+        if target.runs_here()? {
+            targets.push(target);
         }
-        let image = build(folder, target, Profile::Release, Image::Bits)?;
-        running.push((target, thread::spawn(move || target.run(&image))));
     }
+    build::bits(folder, &targets)?;
+    let run = |target: Target| {
+        let image = path(folder, target, Profile::Release, Image::Bits);
+        (target, thread::spawn(move || target.run(&image)))
+    };
+    Ok(targets.into_iter().map(run).collect())
+}
+
+/// Compares what each target prints with the first, which builds here.
+fn same_bits(running: Vec<Run>) -> Result<(), String> {
     let mut first: Option<String> = None;
     for (target, thread) in running {
         let found = thread.join().map_err(|_| format!("{}: the run panicked", target.name))??;
@@ -73,7 +86,7 @@ fn compare(target: &str, expected: &str, found: &str) -> Result<(), String> {
 
 /// Runs an image that the README shows, and sees that the README shows it.
 fn shown(folder: &Path, image: Image, starts_with: &str) -> Result<(), String> {
-    let printed = M4F.run(&build(folder, M4F, Profile::Release, image)?)?;
+    let printed = M4F.run(&path(folder, M4F, Profile::Release, image))?;
     if !printed.starts_with(starts_with) {
         return Err(format!("the image {} printed `{printed}`", image.name()));
     }
@@ -88,13 +101,8 @@ fn shown(folder: &Path, image: Image, starts_with: &str) -> Result<(), String> {
     }
 }
 
-/// Links an image that no panic may be left in, and sees one fail that has a panic.
+/// Sees an image fail to link that has a panic, where one in which none may be left has linked.
 fn no_panic(folder: &Path) -> Result<(), String> {
-    for target in TARGETS.into_iter().filter(|target| target.bare) {
-        for profile in Profile::ALL {
-            build(folder, target, profile, Image::Proof)?;
-        }
-    }
     for profile in Profile::ALL {
         control_fails(folder, M4F, profile)?;
     }
@@ -105,8 +113,7 @@ fn no_panic(folder: &Path) -> Result<(), String> {
 /// Looks for an allocator in the images, and sees that one is found where there is one.
 fn no_allocator(folder: &Path) -> Result<(), String> {
     let symbols = |image| -> Result<Vec<String>, String> {
-        let path = build(folder, M4F, Profile::Release, image)?;
-        Ok(Elf::read(&path)?.allocator())
+        Ok(Elf::read(&path(folder, M4F, Profile::Release, image))?.allocator())
     };
     for image in [Image::Proof, Image::Bits, Image::Cost, Image::Servo] {
         let found = symbols(image)?;
@@ -126,7 +133,7 @@ fn costs(folder: &Path) -> Result<(), String> {
     let mut figures = Vec::new();
     for profile in Profile::ALL {
         for image in [Image::Cost, Image::CostServo] {
-            let image = build(folder, M4F, profile, image)?;
+            let image = path(folder, M4F, profile, image);
             let (printed, again) = (M4F.run(&image)?, M4F.run(&image)?);
             if printed != again {
                 return Err(format!("two runs differ:\n{printed}\n{again}"));
@@ -141,7 +148,7 @@ fn costs(folder: &Path) -> Result<(), String> {
     }
     for profile in Profile::ALL {
         let bytes = |image| -> Result<u64, String> {
-            Ok(Elf::read(&build(folder, M4F, profile, image)?)?.loaded_bytes())
+            Ok(Elf::read(&path(folder, M4F, profile, image))?.loaded_bytes())
         };
         let bare = bytes(Image::Bare)?;
         for (name, image) in [
