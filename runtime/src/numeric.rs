@@ -23,6 +23,17 @@ pub(crate) fn greater(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
+/// Returns the two numbers of half precision in a word, the lower half's first; each is normal, or 0.
+#[cfg(feature = "tangent-coefficients")]
+#[inline(always)]
+pub(crate) fn halves(word: u32) -> [f32; 2] {
+    // Sign, exponent and mantissa go where single precision has them; what the exponents' biases differ by is a
+    // power of two, so that the product is exact.
+    const SCALE: f32 = f32::from_bits((127 + 127 - 15) << 23);
+    let single = |high: u32| f32::from_bits((high as i32 >> 3) as u32 & 0x8fff_e000) * SCALE;
+    [single(word << 16), single(word)]
+}
+
 /// The most half turns that [`sin_versine`] reduces: a multiple below 2^12 of pi's parts is exact.
 pub(crate) const HALF_TURNS_MAX: f32 = 1024.0;
 

@@ -58,7 +58,7 @@ pub enum FileErrorKind {
     /// A count that must be at least one is zero: `index` of the section.
     Empty,
     /// Float `index` is not finite, or larger than [`super::MAGNITUDE_MAX`], or in a correction than
-    /// [`super::CORRECTION_MAX`]; or negative where it may not be.
+    /// [`super::CORRECTION_MAX`]; or negative where it may not be; or of half precision and subnormal.
     Float,
     /// Element `index` should be less than `expected`.
     Index,

@@ -10,7 +10,7 @@ use core::num::NonZeroU16;
 /// The most counts of a part, of any kind.
 pub(crate) const COUNTS: usize = if cfg!(feature = "kernel") { 8 } else { 6 };
 /// The most sizes that rules multiply, of any kind of part.
-const SIZES: usize = if cfg!(feature = "kernel") { 10 } else { 5 };
+const SIZES: usize = if cfg!(feature = "kernel") { 10 } else { 6 };
 /// The most sections that rules ask of a part, of any kind.
 pub(crate) const SECTIONS: usize = 12;
 
@@ -152,13 +152,13 @@ impl<'a> Part<'a> {
             let row = manifest.find(self.file, self.layout.part, rule.section.number());
             let (number, found) = row.unzip();
             let expected = rule.bytes(&asked.sizes).map_or(u32::MAX, saturated);
-            let has = asked.has & rule.has != 0;
+            let has = rule.has == OPTIONAL || asked.has & rule.has != 0;
             let (kind, values) = match found {
-                Some(_) if !has && rule.has != OPTIONAL => (Kind::Unexpected, [0; 2]),
+                Some(_) if !has => (Kind::Unexpected, [0; 2]),
                 Some(found) if found < expected || found > expected && rule.or_more.is_none() => {
                     (Kind::Length, [expected, found])
                 }
-                None if has => (Kind::Missing, [0; 2]),
+                None if has && rule.has & OPTIONAL == 0 => (Kind::Missing, [0; 2]),
                 _ => {
                     *out = number;
                     continue;

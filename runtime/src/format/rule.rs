@@ -8,7 +8,7 @@ use super::tables::SectionKind;
 pub(crate) struct Rule {
     pub(crate) section: SectionKind,
     /// Bit of what a part must have for the section to be there; [`ALWAYS`] and [`OPTIONAL`] are any
-    /// part's.
+    /// part's, and together with [`OPTIONAL`] a bit allows what it else asks for.
     pub(crate) has: u8,
     /// Bytes of an element.
     pub(crate) each: u8,

@@ -97,11 +97,13 @@ pub enum Element {
     U16 = 2,
     /// Unsigned, 32 bits.
     U32 = 3,
+    /// IEEE 754 half precision.
+    F16 = 4,
 }
 
 impl Element {
     /// Every type.
-    pub const ALL: [Self; 4] = [Self::Mixed, Self::F32, Self::U16, Self::U32];
+    pub const ALL: [Self; 5] = [Self::Mixed, Self::F32, Self::U16, Self::U32, Self::F16];
 
     /// Returns its number in the file.
     pub const fn number(self) -> u8 {
@@ -115,6 +117,7 @@ impl Element {
             Self::F32 => "f32",
             Self::U16 => "u16",
             Self::U32 => "u32",
+            Self::F16 => "f16",
         }
     }
 }
@@ -240,11 +243,15 @@ pub enum SectionKind {
     Variance = 30,
     /// What a kernel's fit was measured to reach.
     KernelFit = 31,
+    /// Tangent coefficients of each influence but a vertex's last.
+    TangentCoefficients = 32,
+    /// How far a skin's normals were measured to be from the true ones.
+    NormalErrors = 33,
 }
 
 impl SectionKind {
     /// Every kind, by number.
-    pub const ALL: [Self; 31] = [
+    pub const ALL: [Self; 33] = [
         Self::Names,
         Self::Hierarchy,
         Self::InverseBinds,
@@ -276,6 +283,8 @@ impl SectionKind {
         Self::KernelCoefficients,
         Self::Variance,
         Self::KernelFit,
+        Self::TangentCoefficients,
+        Self::NormalErrors,
     ];
 
     /// Returns its number in the file.
@@ -322,6 +331,8 @@ impl SectionKind {
             Self::KernelCoefficients => "kernel_coefficients",
             Self::Variance => "variance",
             Self::KernelFit => "kernel_fit",
+            Self::TangentCoefficients => "tangent_coefficients",
+            Self::NormalErrors => "normal_errors",
         }
     }
 
@@ -333,6 +344,7 @@ impl SectionKind {
             Self::Hierarchy | Self::InfluenceIndices | Self::Terms => Element::U16,
             Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => Element::U32,
             Self::KernelCounts => Element::U32,
+            Self::TangentCoefficients => Element::F16,
             _ => Element::F32,
         }
     }

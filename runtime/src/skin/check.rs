@@ -46,7 +46,8 @@ pub(crate) fn content(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
 }
 
 /// The checks of the content, in their order, likewise as an envelope's.
-static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked; 6] = [
+static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked;
+    if cfg!(feature = "tangent-coefficients") { 7 } else { 6 }] = [
     |skin, loading| check_names(loading, skin.names()),
     |skin, loading| check_floats(loading, &skin.0, &RULES),
     |skin, loading| {
@@ -57,6 +58,8 @@ static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked; 6] = [
     },
     check_ranges,
     check_influences,
+    #[cfg(feature = "tangent-coefficients")]
+    check_coefficients,
 ];
 
 /// Checks that directions of so many floats have length 1, or if they are normals 0, and if they are
@@ -126,6 +129,20 @@ fn check_influences(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
         }
     }
     Ok(())
+}
+
+/// Checks that each tangent coefficient is 0 or a normal number.
+#[cfg(feature = "tangent-coefficients")]
+fn check_coefficients(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
+    let is_sound = |bits: u16| matches!((bits & 0x7c00, bits & 0x3ff), (0, 0) | (0x400..0x7c00, _));
+    let halves = skin.coefficients().as_flattened().as_chunks().0;
+    match halves.iter().position(|le| !is_sound(u16::from_le_bytes(*le))) {
+        None => Ok(()),
+        Some(at) => {
+            let section = Some(SectionKind::TangentCoefficients);
+            Err(loading.refuse(Kind::Float, section, at, [0; 2]))
+        }
+    }
 }
 
 /// Whether a point lies in a box or on its faces; in one that holds nothing no point does.

@@ -48,9 +48,9 @@ impl SkinCounts {
 
     /// Whether a skin of these counts must have a section, may have it (`None`), or must not.
     pub fn has(&self, section: SectionKind) -> Option<bool> {
-        let rule = Rule::of(&RULES, section);
-        let has = rule.is_some_and(|rule| self.asked(0).has & rule.has != 0);
-        if rule.is_some_and(|rule| rule.has == OPTIONAL) { None } else { Some(has) }
+        let Some(rule) = Rule::of(&RULES, section) else { return Some(false) };
+        let has = rule.has == OPTIONAL || self.asked(0).has & rule.has != 0;
+        if has && rule.has & OPTIONAL != 0 { None } else { Some(has) }
     }
 
     /// Computes a section's length in bytes, the least of the names; `None` if the product overflows,
@@ -63,9 +63,40 @@ impl SkinCounts {
 
     /// Returns what they ask of the sections, as [`RULES`] have it.
     pub(crate) const fn asked(&self, palette_len: u32) -> Asked {
-        let follows = if self.envelope == NO_ENVELOPE { 0 } else { FOLLOWS };
-        let Self { vertex_len: v, influence_len: k, range_len: r, .. } = *self;
-        Asked::new(ALWAYS | follows, [1, v, k, palette_len, r])
+        let Self { vertex_len: v, influence_len: k, range_len: r, envelope } = *self;
+        let has = match (envelope, k) {
+            (NO_ENVELOPE, _) => ALWAYS,
+            (_, ..2) => ALWAYS | FOLLOWS,
+            _ => ALWAYS | FOLLOWS | BLENDS,
+        };
+        Asked::new(has, [1, v, k, palette_len, r, k.saturating_sub(1)])
+    }
+}
+
+/// How far a skin's normals were from the true ones, over the poses of training: the angle's RMS over the area
+/// at rest, in radians.
+#[cfg(feature = "tangent-coefficients")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalErrors {
+    /// Of the model, by tangent coefficients where it has them.
+    pub model: f32,
+    /// Of linear blend skinning, by cofactors.
+    pub lbs: f32,
+}
+
+#[cfg(feature = "tangent-coefficients")]
+impl NormalErrors {
+    /// Bytes of section `normal_errors`.
+    pub const BYTES: usize = 8;
+
+    /// Lists the figures in the order of the file.
+    pub const fn figures(&self) -> [f32; 2] {
+        [self.model, self.lbs]
+    }
+
+    /// Makes them of their figures.
+    pub const fn from_figures([model, lbs]: [f32; 2]) -> Self {
+        Self { model, lbs }
     }
 }
 
@@ -79,14 +110,16 @@ pub(crate) mod place {
 
 /// Bit of a skin with an envelope.
 const FOLLOWS: u8 = 4;
+/// Bit of one of which a vertex has several influences.
+const BLENDS: u8 = 8;
 
 /// The sections of a skin, in the order in which the trainer writes them.
 pub const SKIN_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && place::PALETTE < COUNTS);
 
-/// What a skin asks of its sections. Sizes: 1, V, K, L, R.
-pub(crate) const RULES: [Rule; 9] = [
+/// What a skin asks of its sections. Sizes: 1, V, K, L, R, K - 1.
+pub(crate) const RULES: [Rule; if cfg!(feature = "tangent-coefficients") { 11 } else { 9 }] = [
     Rule::new(SectionKind::SkinCounts, SkinCounts::BYTES as u8, [0, 0]),
     Rule::new(SectionKind::Names, 4, [4, 0]).or_more(4),
     Rule::floats(SectionKind::RestPositions, 12, [1, 0]),
@@ -96,4 +129,8 @@ pub(crate) const RULES: [Rule; 9] = [
     Rule::floats(SectionKind::InfluenceWeights, 4, [1, 2]).with(FOLLOWS).unsigned(),
     Rule::floats(SectionKind::RestBoxes, 24, [3, 0]).with(FOLLOWS),
     Rule::new(SectionKind::Ranges, 8, [4, 0]),
+    #[cfg(feature = "tangent-coefficients")]
+    Rule::new(SectionKind::TangentCoefficients, 4, [1, 5]).with(BLENDS | OPTIONAL),
+    #[cfg(feature = "tangent-coefficients")]
+    Rule::new(SectionKind::NormalErrors, NormalErrors::BYTES as u8, [0, 0]).with(OPTIONAL).unsigned(),
 ];

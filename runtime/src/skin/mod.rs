@@ -9,6 +9,8 @@ mod view;
 
 pub use bounds::Bounds;
 pub(crate) use counts::RULES;
+#[cfg(feature = "tangent-coefficients")]
+pub use counts::NormalErrors;
 pub use counts::{LENGTH_TOLERANCE, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts, WEIGHT_SUM_TOLERANCE};
 pub use job::{Output, Rest, SkinJob, cells};
 pub use view::{Skin, SkinLayout};

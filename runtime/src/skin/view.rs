@@ -1,12 +1,16 @@
 //! A skin in a loaded file: what loading found of it, and what it holds.
 
 use super::bounds::Bounds;
+#[cfg(feature = "tangent-coefficients")]
+use super::counts::NormalErrors;
 use super::counts::{RULES, SkinCounts, place};
 use crate::format::part::{Part, PartLayout, first_counts};
 use crate::format::rule::Rule;
 use crate::format::{FileId, SectionKind};
 use crate::linear::{Le, floats};
 use crate::names::Names;
+#[cfg(feature = "tangent-coefficients")]
+use crate::numeric::halves;
 use core::fmt;
 use core::ops::Range;
 
@@ -23,6 +27,10 @@ const INDICES: usize = Rule::place(&RULES, SectionKind::InfluenceIndices);
 const WEIGHTS: usize = Rule::place(&RULES, SectionKind::InfluenceWeights);
 const BOXES: usize = Rule::place(&RULES, SectionKind::RestBoxes);
 const RANGES: usize = Rule::place(&RULES, SectionKind::Ranges);
+#[cfg(feature = "tangent-coefficients")]
+const COEFFICIENTS: usize = Rule::place(&RULES, SectionKind::TangentCoefficients);
+#[cfg(feature = "tangent-coefficients")]
+const NORMAL_ERRORS: usize = Rule::place(&RULES, SectionKind::NormalErrors);
 
 impl SkinLayout {
     /// Returns the skin; `None` if the bytes are not those of the file in which it was found, by their
@@ -98,6 +106,13 @@ impl<'a> Skin<'a> {
         self.0.layout.has(TANGENTS)
     }
 
+    /// Whether it has tangent coefficients, by which normals and tangents are then turned; else they go by
+    /// cofactors.
+    #[cfg(feature = "tangent-coefficients")]
+    pub const fn has_coefficients(&self) -> bool {
+        self.0.layout.has(COEFFICIENTS)
+    }
+
     /// Lists the named ranges of vertices: the meshes that it was made of.
     pub fn ranges(&self) -> impl Iterator<Item = (&'a str, Range<usize>)> + use<'a> {
         let names = self.names();
@@ -136,6 +151,25 @@ impl<'a> Skin<'a> {
         })
     }
 
+    /// Lists a vertex's tangent coefficients g, h, per unit of length, of its first K - 1 influences; those of the
+    /// last are minus their sums. None where it has none.
+    #[cfg(feature = "tangent-coefficients")]
+    pub fn tangent_coefficients(
+        &self,
+        vertex: usize,
+    ) -> impl ExactSizeIterator<Item = [f32; 2]> + use<'a> {
+        let len = self.influence_len().saturating_sub(1);
+        let span = vertex.checked_mul(len).and_then(|start| Some(start..start.checked_add(len)?));
+        let pairs = span.and_then(|span| self.coefficients().get(span)).unwrap_or_default();
+        pairs.iter().map(|le| halves(u32::from_le_bytes(*le)))
+    }
+
+    /// Returns how far its normals were measured to be from the true ones; `None` where the file does not say.
+    #[cfg(feature = "tangent-coefficients")]
+    pub fn normal_errors(&self) -> Option<NormalErrors> {
+        self.0.entry(NORMAL_ERRORS, 1, 0).map(floats).map(NormalErrors::from_figures)
+    }
+
     /// Returns the box of the rest positions that a transform of the palette moves; `None` if it moves
     /// none.
     pub fn rest_box(&self, index: usize) -> Option<Bounds> {
@@ -164,6 +198,11 @@ impl<'a> Skin<'a> {
 
     pub(crate) fn weights(&self) -> &'a [Le] {
         self.0.bytes(WEIGHTS).as_chunks().0
+    }
+
+    #[cfg(feature = "tangent-coefficients")]
+    pub(crate) fn coefficients(&self) -> &'a [Le] {
+        self.0.bytes(COEFFICIENTS).as_chunks().0
     }
 
     pub(crate) fn boxes(&self) -> &'a [[Le; 6]] {

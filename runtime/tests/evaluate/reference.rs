@@ -100,7 +100,7 @@ fn reference_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<[[f64; 
 
 #[test]
 fn palette_agrees_with_f64() {
-    let shape = Shape { vertices: 3, joints: 9, proxies: 8, influences: 3, tangents: false };
+    let shape = Shape { vertices: 3, joints: 9, proxies: 8, influences: 3, tangents: false, coefficients: true };
     for shape in [SMALL, shape] {
         with_envelope(shape, |envelope| {
             let mut rng = Rng(11);

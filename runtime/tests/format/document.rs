@@ -41,7 +41,8 @@ fn of_envelope(formula: &str, counts: &EnvelopeCounts) -> u64 {
 }
 
 fn of_skin(formula: &str, counts: &SkinCounts, palette_len: usize) -> u64 {
-    evaluate(formula, |word| match word {
+    evaluate(&formula.replace("(K - 1)", "K-1"), |word| match word {
+        "K-1" => Some(counts.influence_len.saturating_sub(1).into()),
         "V" => Some(counts.vertex_len.into()),
         "K" => Some(counts.influence_len.into()),
         "R" => Some(counts.range_len.into()),
@@ -140,15 +141,18 @@ fn the_document_lists_the_sections_of_the_code() {
     }
     for (row, kind) in skin.iter().zip(SKIN_SECTIONS) {
         for envelope in [0, 7, NO_ENVELOPE] {
-            let has = match row[3] {
-                "yes" => Some(true),
-                "no" => None,
-                "with an envelope" => Some(envelope != NO_ENVELOPE),
-                other => panic!("{other}"),
-            };
             for [vertex_len, influence_len, range_len, palette_len] in
                 [[7, 2, 2, 3], [1, 1, 0, 1], [900, 4, 11, 73]]
             {
+                let follows = envelope != NO_ENVELOPE;
+                let has = match row[3] {
+                    "yes" => Some(true),
+                    "no" => None,
+                    "with an envelope" => Some(follows),
+                    "no, and only if K > 1" if follows && influence_len > 1 => None,
+                    "no, and only if K > 1" => Some(false),
+                    other => panic!("{other}"),
+                };
                 let counts = SkinCounts { vertex_len, influence_len, envelope, range_len };
                 assert_eq!(counts.has(kind), has, "{}", row[1]);
                 let palette_len = palette_len as usize;

@@ -65,7 +65,7 @@ fn accessors_give_what_was_written() {
     assert_eq!(ranges, [("upper", 0..3), ("lower", 4..7)]);
     assert!(model.envelope_named("arm").is_some() && model.envelope_named("sleeve").is_none());
     assert!(model.skin_named("sleeve").is_some() && model.skin_named("arm").is_none());
-    assert_eq!((model.parts().len(), model.sections().len()), (2, 18));
+    assert_eq!((model.parts().len(), model.sections().len()), (2, 20));
     assert_eq!((model.as_bytes(), model.space()), (bytes.as_slice(), Space::default()));
     let first = model.sections().next().unwrap();
     assert_eq!(model.blob()[..24], *first.bytes);

@@ -39,7 +39,7 @@ fn each_row_of_the_part_table_is_checked() {
 fn each_row_of_the_section_table_is_checked() {
     let extra = Content::unknown;
     let unknown = |part, found| {
-        Err(FileError { part: Some(part), index: 18, found, ..file_error(Kind::Unsupported) })
+        Err(FileError { part: Some(part), index: 20, found, ..file_error(Kind::Unsupported) })
     };
     for part in [0, 1] {
         assert_eq!(edited(|b| b.sections.push(extra(999, part, 0))), Ok(()));
@@ -62,13 +62,13 @@ fn each_row_of_the_section_table_is_checked() {
     let element = Content { element: 200, ..Content::new(SectionKind::Keys, 2, vec![1; 5]) };
     assert_eq!(further(element), Ok(()), "whatever they say that they are");
     assert_eq!(further(extra(999, 2, 3)), unknown(2, 3), "but for their flags");
-    let nowhere = FileError { index: 18, expected: 2, found: 2, ..file_error(Kind::PartIndex) };
+    let nowhere = FileError { index: 20, expected: 2, found: 2, ..file_error(Kind::PartIndex) };
     assert_eq!(edited(|b| b.sections.push(extra(999, 2, 0))), Err(nowhere));
     let at = |kind, index| Err(FileError { index, ..file_error(kind) });
     let again = Content::new(SectionKind::RestNormals, 1, vec![0; 84]);
-    assert_eq!(edited(|b| b.sections.push(again)), at(Kind::Duplicate, 18));
+    assert_eq!(edited(|b| b.sections.push(again)), at(Kind::Duplicate, 20));
     let twice = |part| edited(|b| b.sections.extend([extra(999, 0, 0), extra(999, part, 0)]));
-    assert_eq!(twice(0), at(Kind::Duplicate, 19));
+    assert_eq!(twice(0), at(Kind::Duplicate, 21));
     assert_eq!(twice(1), Ok(()), "a kind of another part");
     let rows = |edit: fn(&mut [SectionRow])| {
         let file = Pieces::small(Predictor::Rotational).bytes_with_rows(edit);
@@ -77,9 +77,9 @@ fn each_row_of_the_section_table_is_checked() {
     assert_eq!(rows(|r| r[3].offset += 4), at(Kind::Alignment, 3));
     assert_eq!(rows(|r| r[3].offset = 0), at(Kind::Overlap, 3));
     assert_eq!(rows(|r| r[3].bytes += 64), at(Kind::Overlap, 4));
-    assert_eq!(rows(|r| r[17].offset += 1 << 20), at(Kind::Bounds, 17));
-    assert_eq!(rows(|r| r[17].bytes = u32::MAX), at(Kind::Bounds, 17));
-    assert_eq!(rows(|r| r[17].offset = 0xffff_fff0), at(Kind::Bounds, 17));
+    assert_eq!(rows(|r| r[19].offset += 1 << 20), at(Kind::Bounds, 19));
+    assert_eq!(rows(|r| r[19].bytes = u32::MAX), at(Kind::Bounds, 19));
+    assert_eq!(rows(|r| r[19].offset = 0xffff_fff0), at(Kind::Bounds, 19));
     assert_eq!(rows(|r| r.swap(3, 4)), at(Kind::Overlap, 4));
     let pieces = Pieces::small(Predictor::Rotational);
     let odd = pieces.bytes_with(|file| {
@@ -93,7 +93,7 @@ fn each_row_of_the_section_table_is_checked() {
 fn each_section_has_the_type_of_its_kind() {
     for (row, content) in Pieces::small(Predictor::Rotational).sections.iter().enumerate() {
         let known = Element::ALL.map(Element::number);
-        for element in known.into_iter().chain([4, 255]).filter(|e| *e != content.element) {
+        for element in known.into_iter().chain([5, 255]).filter(|e| *e != content.element) {
             let refused = FileError {
                 part: Some(content.part),
                 index: row as u32,

@@ -142,8 +142,12 @@ impl Pieces {
             }
         }
         self.parts.remove(0);
-        let dropped =
-            [SectionKind::InfluenceIndices, SectionKind::InfluenceWeights, SectionKind::RestBoxes];
+        let dropped = [
+            SectionKind::InfluenceIndices,
+            SectionKind::InfluenceWeights,
+            SectionKind::RestBoxes,
+            SectionKind::TangentCoefficients,
+        ];
         let stays = |content: &Content| dropped.iter().all(|kind| kind.number() != content.kind);
         self.sections.retain(|content| content.part == 1 && stays(content));
         self.sections.iter_mut().for_each(|content| content.part = 0);
@@ -160,6 +164,7 @@ impl Pieces {
             (SectionKind::RestTangents, 16),
             (SectionKind::InfluenceIndices, influence_len.saturating_mul(2)),
             (SectionKind::InfluenceWeights, influence_len.saturating_mul(4)),
+            (SectionKind::TangentCoefficients, influence_len.saturating_sub(1).saturating_mul(4)),
         ] {
             if let Some(content) = self.find(kind) {
                 content.truncate((vertex_len as usize).saturating_mul(bytes));

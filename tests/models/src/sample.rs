@@ -27,12 +27,20 @@ impl Pieces {
         let written = envelope.iter().chain(&skin).map(|(kind, _)| *kind);
         assert!(written.eq(ENVELOPE_SECTIONS.into_iter().chain(SKIN_SECTIONS)));
         let envelope = envelope.into_iter().filter(|(kind, _)| has(predictor, *kind));
-        let skin = skin
-            .into_iter()
-            .filter(|(kind, _)| shape.tangents || *kind != SectionKind::RestTangents);
+        let skin = skin.into_iter().filter(|(kind, _)| match kind {
+            SectionKind::RestTangents => shape.tangents,
+            SectionKind::TangentCoefficients => shape.coefficients && shape.influences > 1,
+            SectionKind::NormalErrors => shape.coefficients,
+            _ => true,
+        });
         let content = |part, kind, bytes| {
-            // A skin may lack tangents, so that a reader may.
-            let flags = u8::from(kind != SectionKind::RestTangents);
+            // A skin may lack these, so that a reader may.
+            let may_lack = [
+                SectionKind::RestTangents,
+                SectionKind::TangentCoefficients,
+                SectionKind::NormalErrors,
+            ];
+            let flags = u8::from(!may_lack.contains(&kind));
             Content { flags, ..Content::new(kind, part, bytes) }
         };
         let envelope = envelope.map(|(kind, bytes)| content(0, kind, bytes));
@@ -156,7 +164,23 @@ fn skin(shape: Shape, palette_len: usize, rng: &mut Rng) -> Vec<Written> {
         (SectionKind::InfluenceWeights, floats(&weights)),
         (SectionKind::RestBoxes, floats(boxes.as_flattened())),
         (SectionKind::Ranges, words(&[0, cut, end.min(cut + 1), end])),
+        (SectionKind::TangentCoefficients, halves(&tangent_coefficients(v * k.saturating_sub(1)))),
+        // Of the model, of linear blend skinning.
+        (SectionKind::NormalErrors, floats(&[0.03125, 0.125])),
     ]
+}
+
+/// Makes so many pairs of tangent coefficients, in half precision: of magnitudes from 2^-5 to 4, and here and
+/// there 0.
+fn tangent_coefficients(pair_len: usize) -> Vec<u16> {
+    // A generator of its own: the rest of a sample does not depend on them.
+    let mut rng = Rng(11);
+    let half = |rng: &mut Rng| {
+        let x = rng.unit();
+        let (sign, bits) = (u16::from(x < 0.0) << 15, (x.abs() * 7168.0) as u16);
+        if bits % 9 == 4 { sign } else { sign | ((10 << 10) + bits) }
+    };
+    (0..2 * pair_len).map(|_| half(&mut rng)).collect()
 }
 
 /// Makes every section that an envelope may have; groups are left empty.

@@ -13,8 +13,16 @@ pub struct Shape {
     pub influences: usize,
     /// Whether it has tangents.
     pub tangents: bool,
+    /// Whether it has tangent coefficients, and errors of normals.
+    pub coefficients: bool,
 }
 
 /// A few of everything.
-pub const SMALL: Shape =
-    Shape { vertices: 7, joints: 4, proxies: 3, influences: 2, tangents: true };
+pub const SMALL: Shape = Shape {
+    vertices: 7,
+    joints: 4,
+    proxies: 3,
+    influences: 2,
+    tangents: true,
+    coefficients: true,
+};

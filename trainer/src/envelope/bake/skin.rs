@@ -43,6 +43,8 @@ impl SkinModel {
             (SectionKind::InfluenceWeights, Some(weights(self, k)?)),
             (SectionKind::RestBoxes, Some(rest_boxes(self, &rounded, palette_len))),
             (SectionKind::Ranges, Some(words(&ranges))),
+            (SectionKind::TangentCoefficients, None),
+            (SectionKind::NormalErrors, None),
         ];
         debug_assert!(contents.iter().map(|(kind, _)| *kind).eq(SKIN_SECTIONS));
         let own = contents.into_iter().filter(|(kind, _)| counts.has(*kind) != Some(false));
