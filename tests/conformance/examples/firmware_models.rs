@@ -36,8 +36,15 @@ fn main() -> ExitCode {
 
 /// Bakes a model of the shape that the budget is stated for: J = 20, P = 20, V = 1000, K = 4.
 fn bar(predictor: Predictor) -> Vec<u8> {
-    let shape =
-        Shape { predictor, vertices: 1000, joints: 20, proxies: 20, influences: 4, tangents: true };
+    let shape = Shape {
+        predictor,
+        vertices: 1000,
+        joints: 20,
+        proxies: 20,
+        influences: 4,
+        tangents: true,
+        coefficients: false,
+    };
     random_with(shape, if predictor.corrects() { groups(shape) } else { Vec::new() })
 }
 

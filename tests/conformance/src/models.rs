@@ -1,11 +1,14 @@
 //! Models to run on: random ones of every shape, the demo character, and a real arm.
 
+use crate::backend::Loaded;
+use ::models::{Content, Pieces, halves};
 use faer::{Mat, MatRef};
 use nalgebra::{SMatrix, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{Certificate, Predictor};
+use sinew_runtime::format::SectionKind;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::model::{
     EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, SkinModel,
@@ -33,29 +36,38 @@ pub struct Shape {
     pub influences: usize,
     /// Whether it has tangents.
     pub tangents: bool,
+    /// Whether it has tangent coefficients.
+    pub coefficients: bool,
 }
 
 impl Shape {
     const fn new(predictor: Predictor, counts: [usize; 4], tangents: bool) -> Self {
         let [vertices, joints, proxies, influences] = counts;
-        Self { predictor, vertices, joints, proxies, influences, tangents }
+        let coefficients = false;
+        Self { predictor, vertices, joints, proxies, influences, tangents, coefficients }
+    }
+
+    const fn with_coefficients(self) -> Self {
+        Self { coefficients: true, ..self }
     }
 }
 
 /// Odd, one and zero of everything that may be. The first with a correction have six groups.
-pub const SHAPES: [Shape; 12] = [
+pub const SHAPES: [Shape; 14] = [
     Shape::new(Predictor::Rotational, [37, 6, 5, 4], true),
     Shape::new(Predictor::Rotational, [61, 3, 8, 3], false),
     Shape::new(Predictor::Rotational, [1, 1, 1, 1], true),
-    Shape::new(Predictor::Rotational, [2, 2, 3, 7], true),
+    Shape::new(Predictor::Rotational, [2, 2, 3, 7], true).with_coefficients(),
     Shape::new(Predictor::Rotational, [0, 2, 1, 2], true),
     Shape::new(Predictor::Kernel, [37, 6, 9, 4], true),
     Shape::new(Predictor::Kernel, [3, 2, 0, 2], true),
     Shape::new(Predictor::Kernel, [1, 1, 1, 1], true),
     Shape::new(Predictor::Kernel, [0, 2, 1, 2], false),
     Shape::new(Predictor::Hybrid, [37, 6, 9, 4], true),
-    Shape::new(Predictor::Hybrid, [5, 2, 2, 3], false),
+    Shape::new(Predictor::Hybrid, [5, 2, 2, 3], false).with_coefficients(),
     Shape::new(Predictor::Hybrid, [0, 1, 1, 1], true),
+    Shape::new(Predictor::Rotational, [41, 6, 5, 4], true).with_coefficients(),
+    Shape::new(Predictor::Kernel, [67, 6, 9, 4], false).with_coefficients(),
 ];
 
 /// Returns the first shape of a predictor.
@@ -91,7 +103,7 @@ pub fn random(shape: Shape) -> Vec<u8> {
 /// # Panics
 /// If the bake refuses it.
 pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
-    let Shape { predictor, vertices, joints, proxies, influences, tangents } = shape;
+    let Shape { predictor, vertices, joints, proxies, influences, tangents, coefficients } = shape;
     let mut random = ChaCha8Rng::seed_from_u64(vertices as u64);
     let mut within = |size: f64| random.random_range(-size..=size);
     let root = joints / 2;
@@ -168,7 +180,37 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
         },
     };
     let model = FileModel { envelopes: vec![envelope], skins: vec![skin], ..Default::default() };
-    model.bake().expect("a random model can be baked")
+    let baked = model.bake().expect("a random model can be baked");
+    if coefficients { with_coefficients(&baked, 4.0) } else { baked }
+}
+
+/// Gives the skin of a file, which has none, random tangent coefficients of up to a size; here and there 0.
+///
+/// # Panics
+/// If the file has no skin.
+pub fn with_coefficients(file: &[u8], size: f64) -> Vec<u8> {
+    let mut pieces = Pieces::of(file).expect("a sound file");
+    let skin = Loaded::new(file).skin;
+    let mut random = ChaCha8Rng::seed_from_u64(skin.vertex_len() as u64);
+    let mut half = || match half_of(random.random_range(-size..=size)) {
+        bits if bits % 7 == 3 => bits & 0x8000,
+        bits => bits,
+    };
+    let len = 2 * skin.vertex_len() * (skin.influence_len() - 1);
+    let bits: Vec<u16> = (0..len).map(|_| half()).collect();
+    let part = skin.part() as u16;
+    let mut content = Content::new(SectionKind::TangentCoefficients, part, halves(&bits));
+    content.flags = 0;
+    pieces.sections.push(content);
+    pieces.bytes()
+}
+
+/// Rounds a number toward 0 to half precision; 0 where that would be subnormal.
+fn half_of(x: f64) -> u16 {
+    let bits = (x as f32).to_bits();
+    let (sign, exponent) = ((bits >> 16) as u16 & 0x8000, (bits >> 23 & 0xff) as u16);
+    let mantissa = (bits >> 13) as u16 & 0x3ff;
+    if exponent < 113 { sign } else { sign | (((exponent - 112) << 10) + mantissa) }
 }
 
 /// A matrix of rows.
@@ -263,6 +305,20 @@ pub fn arm() -> Option<&'static [Vec<u8>; 3]> {
         Some(fit(&examples))
     });
     models.as_ref()
+}
+
+/// The trained character by kernel maps, with random tangent coefficients: weights change by up to 30 over the
+/// diagonal.
+///
+/// # Panics
+/// As [`trained`] does.
+pub fn turned() -> &'static [u8] {
+    static MODEL: OnceLock<Vec<u8>> = OnceLock::new();
+    MODEL.get_or_init(|| {
+        let file = &trained()[1];
+        let diagonal = Loaded::new(file).envelope.certificate().diagonal;
+        with_coefficients(file, 30.0 / f64::from(diagonal))
+    })
 }
 
 fn fit(examples: &Examples) -> [Vec<u8>; 3] {

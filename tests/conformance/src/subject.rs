@@ -60,9 +60,10 @@ pub fn characters() -> Vec<Subject<'static>> {
     trained(POSES).into_iter().chain(arms).collect()
 }
 
-/// The trained character by every predictor, in so many poses.
+/// The trained character by every predictor, and with tangent coefficients, in so many poses.
 pub fn trained(pose_len: usize) -> Vec<Subject<'static>> {
-    models::trained().iter().map(|bytes| Subject::new("demo", bytes, pose_len)).collect()
+    let trained = models::trained().iter().map(|bytes| Subject::new("demo", bytes, pose_len));
+    trained.chain([Subject::new("demo with coefficients", models::turned(), pose_len)]).collect()
 }
 
 /// A random model of every shape, in so many poses; some have no vertices.

@@ -7,7 +7,6 @@ use crate::subject::Subject;
 use crate::tolerance::{self, Arithmetic, Inexact, Transform, UNDERFLOW};
 use sinew_gpu::layout::{Attribute, SkinBatch};
 use sinew_runtime::{Matrix3x4, Skin};
-use sinew_trainer::envelope::model::SkinModel;
 
 /// Every attribute of every vertex of n instances, each in a run of its own.
 #[derive(Debug)]
@@ -33,7 +32,7 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     for i in 0..n {
         let (found, cpu) = (found.at(n, i), cpu.at(n, i));
         let palette = exact(part(&palettes, n, i));
-        compare(&mut findings, (&found, &cpu), &subject.skin, &palette, backend.arithmetic());
+        compare(&mut findings, (&found, &cpu), subject, &palette, backend.arithmetic());
     }
     Ok(findings)
 }
@@ -108,22 +107,22 @@ pub fn places(attribute: &Attribute, skin: &SkinBatch, n: usize) -> impl Iterato
 pub fn compare(
     findings: &mut [Finding],
     (found, cpu): (&[&[f32]; 3], &[&[f32]; 3]),
-    oracle: &SkinModel,
+    subject: &Subject<'_>,
     palette: &Inexact<Transform>,
     arithmetic: Arithmetic,
 ) {
     let (mut expected, mut tolerances) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);
-    for vertex in oracle.vertices() {
-        let skinned = vertex.skinned(&palette.value);
-        let bounds = tolerance::skin(&vertex, palette, arithmetic);
+    for (number, vertex) in subject.skin.vertices().enumerate() {
+        let own = (&subject.loaded.skin, number);
+        let skinned = tolerance::skin(own, &vertex, palette, arithmetic);
         expected[0].extend(&skinned.position);
-        tolerances[0].extend(bounds.position.iter().map(|e| e + UNDERFLOW));
-        expected[1].extend(&skinned.normal);
-        tolerances[1].extend([bounds.normal + UNDERFLOW; 3]);
+        tolerances[0].extend(skinned.position_error.iter().map(|e| e + UNDERFLOW));
+        expected[1].extend(&skinned.normal.value);
+        tolerances[1].extend([skinned.normal.error + UNDERFLOW; 3]);
         if let Some((tangent, hand)) = skinned.tangent {
-            expected[2].extend(tangent.push(hand).iter());
+            expected[2].extend(tangent.value.push(hand).iter());
             // The handedness is copied.
-            let along = bounds.tangent + UNDERFLOW;
+            let along = tangent.error + UNDERFLOW;
             tolerances[2].extend([along, along, along, 0.0]);
         }
     }

@@ -96,7 +96,7 @@ fn compare(
         let confidences = (&found.confidences[i..=i], &cpu.confidences[i..=i]);
         certain.compare(confidences.0, confidences.1, &confidence.value, &confidence.error);
         let [found, cpu] = skins.each_ref().map(|skin| skin.at(n, i));
-        skin::compare(&mut attributes, (&found, &cpu), &subject.skin, &expected, arithmetic);
+        skin::compare(&mut attributes, (&found, &cpu), subject, &expected, arithmetic);
     }
     Ok([palette, certain].into_iter().chain(attributes).collect())
 }

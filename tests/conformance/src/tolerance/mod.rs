@@ -16,6 +16,7 @@
 
 mod confidence;
 mod correction;
+mod directions;
 mod features;
 mod gradients;
 mod inexact;
@@ -26,6 +27,7 @@ mod whole;
 
 pub use confidence::confidence;
 pub use correction::correction;
+pub use directions::Direction;
 pub use features::features;
 pub use gradients::{gradients, relative, rotations, same_branch};
 pub use inexact::{
@@ -34,5 +36,5 @@ pub use inexact::{
 pub use joints::joints;
 pub use palette::palette;
 pub use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
-pub use skin::{SkinBounds, rest, skin};
+pub use skin::{Skinned, rest, skin};
 pub use whole::whole;

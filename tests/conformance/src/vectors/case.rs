@@ -143,6 +143,11 @@ impl<'a> Case<'a> {
         self.description.arrays.push(Array { name, file, r#type: "u32", shape });
         let weights: Vec<_> = influences.iter().map(|(_, weight)| *weight).collect();
         self.array("influence_weights", vec![v, k], &weights);
+        if skin.has_coefficients() {
+            let coefficients = (0..v).flat_map(|vertex| skin.tangent_coefficients(vertex));
+            let flat: Vec<_> = coefficients.flatten().collect();
+            self.array("tangent_coefficients", vec![v, k - 1, 2], &flat);
+        }
     }
 
     fn poses(&mut self) -> Result<(), Failure> {
@@ -299,16 +304,16 @@ impl<'a> Case<'a> {
         for (i, palette) in palettes.iter().enumerate() {
             let found = skinned.at(n, i);
             for (v, vertex) in self.subject.skin.vertices().enumerate() {
-                let right = vertex.skinned(&palette.value);
-                let bounds = tolerance::skin(&vertex, palette, ARITHMETIC);
+                let own = (&self.subject.loaded.skin, v);
+                let right = tolerance::skin(own, &vertex, palette, ARITHMETIC);
                 for c in 0..3 {
                     let at = 3 * v + c;
-                    positions.add(found[0][at], right.position[c], bounds.position[c]);
-                    normals.add(found[1][at], right.normal[c], bounds.normal);
+                    positions.add(found[0][at], right.position[c], right.position_error[c]);
+                    normals.add(found[1][at], right.normal.value[c], right.normal.error);
                 }
                 if let Some((tangent, _)) = right.tangent {
                     for c in 0..3 {
-                        tangents.add(found[2][4 * v + c], tangent[c], bounds.tangent);
+                        tangents.add(found[2][4 * v + c], tangent.value[c], tangent.error);
                     }
                     // The handedness is copied.
                     tangents.0.push(0.0);

@@ -2,17 +2,19 @@
 //! that writes nothing.
 
 use crate::altered::{Altered, Idle, Step};
-use conformance::backend::{Backend, Failure, part};
+use ::models::Pieces;
+use conformance::backend::{Backend, Cpu, Failure, Loaded, part};
 use conformance::compare::Mismatch;
 use conformance::finding::{Finding, sound};
-use conformance::models::{self, shape_of};
+use conformance::models::{self, SHAPES, shape_of};
 use conformance::poses::widened;
 use conformance::stages::gradients::{columns, exact_rotations};
 use conformance::stages::{self, bounds, correction, exact, joints, layout, whole};
 use conformance::subject::{FEWER_POSES, Subject};
 use conformance::tolerance::{self, Arithmetic, Inexact};
-use sinew_gpu::layout::Stage;
+use sinew_gpu::layout::{SkinBatch, Stage};
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::format::SectionKind;
 use std::cell::Cell;
 
 const IEEE: Arithmetic = Arithmetic::IEEE;
@@ -170,19 +172,19 @@ impl Spoil<'_> {
                 Step::Skin { palettes, skin, out },
             ) => {
                 let Some(vertex) = skin.vertices.clone().last() else { return };
+                let own = (&self.subject.loaded.skin, vertex);
                 let vertex = self.subject.skin.vertex(vertex);
                 for (i, palette) in palettes.chunks(envelope.palette_len()).enumerate() {
                     let palette = exact(palette);
-                    let right = vertex.skinned(&palette.value);
-                    let bounds = tolerance::skin(&vertex, &palette, IEEE);
+                    let right = tolerance::skin(own, &vertex, &palette, IEEE);
                     let (attribute, expected, tolerance) = match (self.output, right.tangent) {
                         (Output::Positions, _) => {
-                            (skin.positions, right.position[0], bounds.position[0])
+                            (skin.positions, right.position[0], right.position_error[0])
                         }
                         (Output::Tangents, Some((tangent, _))) => {
-                            (skin.tangents, tangent[0], bounds.tangent)
+                            (skin.tangents, tangent.value[0], tangent.error)
                         }
-                        _ => (skin.normals, right.normal[0], bounds.normal),
+                        _ => (skin.normals, right.normal.value[0], right.normal.error),
                     };
                     let Some(own) = attribute else { continue };
                     let place = own.offset
@@ -284,6 +286,44 @@ fn an_output_left_alone_is_caught() {
     }
     let bytes = models::random(shape_of(Predictor::Kernel));
     assert!(caught(&Idle, joints::body, &Subject::new("random", &bytes, 1)));
+}
+
+/// Runs the stage skin by a file whose tangent coefficients, two halves each, are other ones.
+fn with_others(bytes: &[u8], edit: fn(&mut [[[u8; 2]; 2]])) -> Result<(), Mismatch> {
+    let subject = Subject::new("random", bytes, FEWER_POSES);
+    let mut pieces = Pieces::of(bytes).unwrap();
+    let coefficients = pieces.section(SectionKind::TangentCoefficients);
+    edit(coefficients.as_chunks_mut().0.as_chunks_mut().0);
+    let other = pieces.bytes();
+    let other = Loaded::new(&other);
+    let backend = Altered(
+        |step: Step<'_>| {
+            if let Step::Skin { palettes, skin, out } = step {
+                let skin = SkinBatch { skin: other.skin.layout(), ..skin.clone() };
+                Cpu.skin(&other, palettes, &skin, out).unwrap();
+            }
+        },
+        IEEE,
+    );
+    sound(&stages::body(Stage::Skin)(&backend, &subject).unwrap())
+}
+
+#[test]
+fn other_tangent_coefficients_are_caught() {
+    let last_place = |pairs: &mut [[[u8; 2]; 2]]| pairs[20][1][0] ^= 1;
+    let swapped = |pairs: &mut [[[u8; 2]; 2]]| pairs.iter_mut().for_each(|pair| pair.swap(0, 1));
+    let sign = |pairs: &mut [[[u8; 2]; 2]]| {
+        pairs.as_flattened_mut().iter_mut().for_each(|half| half[1] ^= 0x80);
+    };
+    let order = |pairs: &mut [[[u8; 2]; 2]]| pairs.reverse();
+    for shape in SHAPES.into_iter().filter(|shape| shape.coefficients && shape.vertices > 40) {
+        let bytes = models::random(shape);
+        assert_eq!(with_others(&bytes, |_| {}), Ok(()));
+        for edit in [last_place, swapped, sign, order] as [fn(&mut [[[u8; 2]; 2]]); 4] {
+            let caught = with_others(&bytes, edit);
+            assert!(matches!(caught, Err(Mismatch::Beyond { .. })), "{shape:?}: {caught:?}");
+        }
+    }
 }
 
 #[test]

@@ -1,0 +1,235 @@
+//! Normals and tangents in f64, by what FORMAT.md says under "Skin", and the tolerance of each.
+
+use super::inexact::{Inexact, Transform, product};
+use nalgebra::{Matrix3, Vector3};
+use sinew_runtime::Skin;
+use sinew_trainer::envelope::model::Vertex;
+use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
+use sinew_trainer::numeric::affine::{cofactors, linear};
+
+/// A direction of length 1, or 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Direction {
+    /// The oracle's.
+    pub value: Vector3<f64>,
+    /// Bound of the length of the error.
+    pub error: f64,
+}
+
+/// No two directions are farther apart.
+const ANY: f64 = 2.0;
+
+/// A vertex's normal and tangent.
+///
+/// - `blended`: M, and the bounds of its entries.
+pub(super) fn directions(
+    (skin, number): (&Skin<'_>, usize),
+    vertex: &Vertex<'_>,
+    palette: &Inexact<Transform>,
+    (transform, transform_error): (&Transform, &Transform),
+    arithmetic: Arithmetic,
+) -> (Direction, Option<Direction>) {
+    let (turn, turn_error) = (linear(transform), linear(transform_error));
+    let side = side(palette);
+    let tangent = vertex.tangent.map(|(tangent, _)| tangent);
+    if !skin.has_coefficients() {
+        let (cofactor, cofactor_error) = (cofactors(&turn), cofactor_error(&turn, &turn_error));
+        let normal = through((&cofactor, &cofactor_error), &Bounded::exact(vertex.normal));
+        let tangent = tangent.map(|rest| {
+            through((&turn, &turn_error), &Bounded::exact(rest)).direction(rest, arithmetic)
+        });
+        return (sided(normal.direction(vertex.normal, arithmetic), &normal, side), tangent);
+    }
+    let [u, v] = frame(vertex.normal, tangent, arithmetic);
+    let [g, h] = parted((skin, number), vertex, palette);
+    let image = |along: &Bounded| through((&turn, &turn_error), along);
+    let normal = image(&u).plus(&g).cross(&image(&v).plus(&h));
+    let tangent = tangent.map(|rest| {
+        let part = |of: &Bounded, along: &Bounded| of.times(along.dot(&rest));
+        let added = part(&g, &u).plus(&part(&h, &v));
+        image(&Bounded::exact(rest)).plus(&added).direction(rest, arithmetic)
+    });
+    if normal.value.norm_squared() >= f64::from(f32::MIN_POSITIVE) {
+        return (sided(normal.direction(vertex.normal, arithmetic), &normal, side), tangent);
+    }
+    // The first of equals.
+    let stronger = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
+    let strongest = vertex.influences.iter().copied().reduce(stronger).map_or(0, |(l, _)| l);
+    let (own, own_error) = (linear(&palette.value[strongest]), linear(&palette.error[strongest]));
+    let turned = through((&own, &own_error), &Bounded::exact(vertex.normal));
+    let mut found = turned.direction(vertex.normal, arithmetic);
+    if normal.value != Vector3::zeros() || normal.error != Vector3::zeros() {
+        found.error = ANY;
+    }
+    (found, tangent)
+}
+
+/// Turns a direction, unless that of rest stands for it, to the palette's side; of one that is not certain
+/// any may be found.
+fn sided(found: Direction, of: &Bounded, side: Option<f64>) -> Direction {
+    let Direction { value, error } = found;
+    match side {
+        Some(side) if of.value != Vector3::zeros() => Direction { value: value * side, error },
+        None if of.value != Vector3::zeros() => Direction { value, error: ANY },
+        _ => found,
+    }
+}
+
+/// -1 where the palette mirrors, else 1; `None` where rounding may decide. Five products and sums in a row,
+/// of terms that are all positive in the permanent.
+fn side(palette: &Inexact<Transform>) -> Option<f64> {
+    let (value, error) = (linear(palette.value.first()?), linear(palette.error.first()?));
+    let permanent = |m: &Matrix3<f64>| {
+        let of = |r: usize, c: usize| m[(r, c % 3)];
+        (0..3)
+            .map(|c| of(0, c) * (of(1, c + 1) * of(2, c + 2) + of(1, c + 2) * of(2, c + 1)))
+            .sum::<f64>()
+    };
+    let (least, most) = (permanent(&value.abs()), permanent(&(value.abs() + error)));
+    let (volume, error) = (value.determinant(), most - least + most * gamma(5));
+    (volume.abs() > error || most == 0.0).then_some(if volume < 0.0 { -1.0 } else { 1.0 })
+}
+
+/// The frame's two directions: u, v.
+fn frame(
+    normal: Vector3<f64>,
+    tangent: Option<Vector3<f64>>,
+    Arithmetic { division, .. }: Arithmetic,
+) -> [Bounded; 2] {
+    let n = Bounded::exact(normal);
+    if let Some(tangent) = tangent {
+        let v = n.cross(&Bounded::exact(tangent));
+        return [v.cross(&n), v];
+    }
+    let [x, y, z]: [f64; 3] = normal.into();
+    let side = 1.0f64.copysign(z);
+    let share = x / (side + z);
+    // A sum and a division; then a product, and of the first entry a difference.
+    let share_error = share.abs() * gamma(1 + division as usize);
+    let of = |by: f64| by.abs() * (share_error + (share.abs() + share_error) * gamma(1));
+    let value = Vector3::new(1.0 - side * x * share, -(side * y * share), -side * x);
+    let error = Vector3::new(of(x) * (1.0 + U) + value.x.abs() * U, of(y), 0.0);
+    let u = Bounded { value, error };
+    [u, n.cross(&u)]
+}
+
+/// What the coefficients add: sums of g (y - y_last) and of h (y - y_last).
+fn parted(
+    (skin, number): (&Skin<'_>, usize),
+    vertex: &Vertex<'_>,
+    palette: &Inexact<Transform>,
+) -> [Bounded; 2] {
+    let place = |l: usize| Bounded {
+        value: palette.value[l] * vertex.position,
+        error: product(
+            (&palette.value[l], &palette.error[l]),
+            (&vertex.position, &nalgebra::Vector4::zeros()),
+            4,
+        ),
+    };
+    let Some((last, others)) = vertex.influences.split_last() else {
+        return [Bounded::exact(Vector3::zeros()); 2];
+    };
+    let last = place(last.0).negated();
+    let apart: Vec<_> = others.iter().map(|&(l, _)| place(l).plus(&last)).collect();
+    let sum = |which: usize| {
+        let coefficients = skin.tangent_coefficients(number).map(|pair| f64::from(pair[which]));
+        let terms: Vec<_> =
+            apart.iter().zip(coefficients).map(|(apart, by)| apart.times((by, 0.0))).collect();
+        let most = terms.iter().map(|term| term.value.abs() + term.error).sum::<Vector3<f64>>();
+        let error = terms.iter().map(|term| term.error).sum::<Vector3<f64>>();
+        Bounded {
+            value: terms.iter().map(|term| term.value).sum(),
+            error: error + most * gamma(terms.len()),
+        }
+    };
+    [sum(0), sum(1)]
+}
+
+/// A vector with bounds of its entries.
+#[derive(Clone, Copy)]
+struct Bounded {
+    value: Vector3<f64>,
+    error: Vector3<f64>,
+}
+
+impl Bounded {
+    fn exact(value: Vector3<f64>) -> Self {
+        Self { value, error: Vector3::zeros() }
+    }
+
+    fn negated(&self) -> Self {
+        Self { value: -self.value, error: self.error }
+    }
+
+    fn most(&self) -> Vector3<f64> {
+        self.value.abs() + self.error
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        let (value, error) = (self.value + other.value, self.error + other.error);
+        Self { value, error: error + (value.abs() + error) * U }
+    }
+
+    /// One product an entry.
+    fn times(&self, (by, by_error): (f64, f64)) -> Self {
+        let inherited = self.value.abs() * by_error + self.error * (by.abs() + by_error);
+        let error = inherited + self.most() * ((by.abs() + by_error) * U);
+        Self { value: self.value * by, error }
+    }
+
+    /// Three products and their sum.
+    fn dot(&self, other: &Vector3<f64>) -> (f64, f64) {
+        let most = self.most().dot(&other.abs());
+        (self.value.dot(other), self.error.dot(&other.abs()) + most * gamma(3))
+    }
+
+    /// Each entry is a difference of two products: γ₂ of their sum.
+    fn cross(&self, other: &Self) -> Self {
+        let error = positive_cross(self.error, other.most())
+            + positive_cross(self.value.abs(), other.error)
+            + positive_cross(self.most(), other.most()) * gamma(2);
+        Self { value: self.value.cross(&other.value), error }
+    }
+
+    /// What it is made unit. Directions of v and v + e are at most 2|e| / (|v| + |v + e|) apart
+    /// (Dunkl and Williams 1964). Its squared length is off by γ₃, the length by half of that and a
+    /// root, and a division and a product follow: 2.5u, here 3u, a root and a division. No two unit
+    /// vectors are farther apart than 2: also where the squared length is no normal number, for which
+    /// the rest direction stands, in one of two evaluations.
+    fn direction(
+        &self,
+        rest: Vector3<f64>,
+        Arithmetic { division, root }: Arithmetic,
+    ) -> Direction {
+        let value = self.value.try_normalize(0.0).unwrap_or(rest);
+        let (length, error) = (self.value.norm(), self.error.norm());
+        if length == 0.0 && error == 0.0 {
+            return Direction { value, error: 0.0 };
+        }
+        let apart = if error < length { error / (length - error / 2.0) } else { ANY };
+        Direction { value, error: apart.min(ANY) + (3 + root + division) as f64 * U }
+    }
+}
+
+/// A matrix times a vector: three products an entry.
+fn through(matrix: (&Matrix3<f64>, &Matrix3<f64>), v: &Bounded) -> Bounded {
+    Bounded { value: matrix.0 * v.value, error: product(matrix, (&v.value, &v.error), 3) }
+}
+
+/// Each cofactor is a difference of two products: γ₂ of their sum.
+fn cofactor_error(m: &Matrix3<f64>, error: &Matrix3<f64>) -> Matrix3<f64> {
+    let columns = [0, 1, 2].map(|c| {
+        let at = |c: usize| Bounded {
+            value: m.column(c % 3).into_owned(),
+            error: error.column(c % 3).into_owned(),
+        };
+        at(c + 1).cross(&at(c + 2)).error
+    });
+    Matrix3::from_columns(&columns)
+}
+
+/// A cross product in which nothing is subtracted.
+fn positive_cross(a: Vector3<f64>, b: Vector3<f64>) -> Vector3<f64> {
+    Vector3::from_fn(|r, _| a[(r + 1) % 3] * b[(r + 2) % 3] + a[(r + 2) % 3] * b[(r + 1) % 3])
+}
