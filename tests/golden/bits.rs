@@ -19,6 +19,7 @@ use sinew_runtime::{
 
 /// A golden file, and a hash of the bits of each of its stages.
 pub(crate) struct Golden {
+    pub(crate) name: &'static str,
     pub(crate) predictor: Predictor,
     pub(crate) file: &'static [u8],
     pub(crate) bits: [u64; STAGES.len()],
@@ -30,8 +31,9 @@ pub(crate) const STAGES: [&str; 7] =
     ["pose", "gradients", "palette", "features", "correction", "skin", "bounds"];
 
 /// Change these only with a reason that the commit states: they are the promise of METHOD §7.
-pub(crate) const GOLDEN: [Golden; 3] = [
+pub(crate) const GOLDEN: [Golden; 5] = [
     Golden {
+        name: "rotational",
         predictor: Predictor::Rotational,
         file: include_bytes!("envelope-3-rotational.snw"),
         bits: [
@@ -45,6 +47,7 @@ pub(crate) const GOLDEN: [Golden; 3] = [
         ],
     },
     Golden {
+        name: "kernel",
         predictor: Predictor::Kernel,
         file: include_bytes!("envelope-3-kernel.snw"),
         bits: [
@@ -58,6 +61,7 @@ pub(crate) const GOLDEN: [Golden; 3] = [
         ],
     },
     Golden {
+        name: "hybrid",
         predictor: Predictor::Hybrid,
         file: include_bytes!("envelope-3-hybrid.snw"),
         bits: [
@@ -69,6 +73,18 @@ pub(crate) const GOLDEN: [Golden; 3] = [
             0xa1e8_c033_9c5a_1f8e,
             0x4527_a260_da4b_cad9,
         ],
+    },
+    Golden {
+        name: "tangents",
+        predictor: Predictor::Kernel,
+        file: include_bytes!("skin-3-tangents.snw"),
+        bits: [0; STAGES.len()],
+    },
+    Golden {
+        name: "normals",
+        predictor: Predictor::Rotational,
+        file: include_bytes!("skin-3-normals.snw"),
+        bits: [0; STAGES.len()],
     },
 ];
 

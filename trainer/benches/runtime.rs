@@ -1,5 +1,6 @@
 //! Prints what evaluation costs beside plain skinning: `cargo bench -p sinew-trainer --bench
-//! runtime`. One core; medians of runs taken in turn, so that ratios hold on a busy machine.
+//! runtime`; and what positions and normals cost of the models whose files follow: `-- MODEL.snw ...`.
+//! One core; medians of runs taken in turn, so that ratios hold on a busy machine.
 //!
 //! Plain skinning is the same skin stage with the character's joints for a palette, and a loop as
 //! an engine without SIMD would write it.
@@ -8,7 +9,7 @@ use faer::Mat;
 use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::{CallError, Matrix3x4, Model, SkinJob};
+use sinew_runtime::{CallError, Matrix3x4, Model, Skin, SkinJob};
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input};
 use sinew_trainer::envelope::rotational::ProxyCount;
@@ -23,6 +24,11 @@ use std::time::Instant;
 const RUNS: usize = 201;
 
 fn main() -> Result<(), Box<dyn Error>> {
+    let files = std::env::args().skip(1).filter(|argument| !argument.starts_with("--"));
+    let files: Vec<String> = files.collect();
+    if !files.is_empty() {
+        return files.iter().try_for_each(|file| skins(file));
+    }
     let examples =
         demo(&DemoOptions { vertices: 10_000, poses: 60, held_out: 10, ..DemoOptions::default() });
     let options = Options {
@@ -74,17 +80,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         })?);
         skin_seconds.push(timed(|| skin.skin_positions(black_box(&palette), &mut positions))?);
         normal_seconds.push(timed(|| {
-            SkinJob {
-                skin,
-                palette: black_box(&palette),
-                vertices: 0..vertices,
-                remap: None,
-                rest: Rest::default(),
-                positions: Some(Output { floats: cells(&mut with_normals), stride: 3 }),
-                normals: Some(Output { floats: cells(&mut normals), stride: 3 }),
-                tangents: None,
-            }
-            .run()
+            positions_and_normals(skin, black_box(&palette), &mut with_normals, &mut normals)
         })?);
         plain_seconds.push(timed(|| {
             skin_plainly(black_box(&palette), &influences, &rest, &mut plain);
@@ -112,10 +108,62 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("skin positions             {:>8.2} ns a vertex", per_vertex(skinning));
     println!("skin positions and normals {:>8.2} ns a vertex", per_vertex(normals));
+    println!("with normals / without     {:>8.2}", normals / skinning);
     println!("plain loop, positions      {:>8.2} ns a vertex", per_vertex(plain));
     println!("skin / plain loop          {:>8.2}", skinning / plain);
     println!("(palette + skin) / skin    {:>8.2}", (predict + skinning) / skinning);
     Ok(())
+}
+
+/// Prints what the skins of a file cost at rest: no number depends on the pose.
+fn skins(file: &str) -> Result<(), Box<dyn Error>> {
+    let model = Model::from_bytes(std::fs::read(file)?)?;
+    for skin in model.skins() {
+        let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        let palette = vec![identity; skin.palette_len()];
+        let vertices = skin.vertex_len();
+        let mut positions = vec![[0.0; 3]; vertices];
+        let [mut with_normals, mut normals] = [const { Vec::new() }; 2];
+        with_normals.resize(3 * vertices, 0.0);
+        normals.resize(3 * vertices, 0.0);
+        let [mut alone, mut both] = [const { Vec::new() }; 2];
+        for _ in 0..RUNS {
+            alone.push(timed(|| skin.skin_positions(black_box(&palette), &mut positions))?);
+            both.push(timed(|| {
+                let palette = black_box(&palette);
+                positions_and_normals(skin, palette, &mut with_normals, &mut normals)
+            })?);
+        }
+        black_box((&positions, &with_normals, &normals));
+        let (alone, both) = (median(alone), median(both));
+        let per_vertex = |seconds: f64| 1e9 * seconds / vertices as f64;
+        let way = if skin.has_coefficients() { "tangent coefficients" } else { "cofactors" };
+        let (name, k) = (skin.name(), skin.influence_len());
+        println!("{file}, {name}: {vertices} vertices, {k} influences, normals by {way}");
+        println!("skin positions             {:>8.2} ns a vertex", per_vertex(alone));
+        println!("skin positions and normals {:>8.2} ns a vertex", per_vertex(both));
+        println!("with normals / without     {:>8.2}", both / alone);
+    }
+    Ok(())
+}
+
+fn positions_and_normals(
+    skin: Skin<'_>,
+    palette: &[Matrix3x4],
+    out_positions: &mut [f32],
+    out_normals: &mut [f32],
+) -> Result<(), CallError> {
+    SkinJob {
+        skin,
+        palette,
+        vertices: 0..skin.vertex_len(),
+        remap: None,
+        rest: Rest::default(),
+        positions: Some(Output { floats: cells(out_positions), stride: 3 }),
+        normals: Some(Output { floats: cells(out_normals), stride: 3 }),
+        tangents: None,
+    }
+    .run()
 }
 
 /// Seconds from pose to palette of 20 joints and 40 helpers in 10 groups, each of 45 inputs, 64

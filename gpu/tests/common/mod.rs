@@ -5,7 +5,7 @@
 mod case;
 
 pub(crate) use case::{Case, POISON, differing};
-pub(crate) use models::GOLDEN;
+pub(crate) use models::{GOLDEN, TURNED};
 
 use models::Rng;
 use sinew_gpu::headless::Device;

@@ -1,6 +1,6 @@
 //! What comes out has the CPU's bits, and what is not to be written stays as it was.
 
-use crate::common::{self, Case, GOLDEN, POISON, differing, hosted_batch, load, odd_batch, parts};
+use crate::common::{self, Case, GOLDEN, POISON, TURNED, differing, hosted_batch, load, odd_batch, parts};
 use crate::{assert_silent, lavapipe, swiftshader};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, Stage};
@@ -22,7 +22,7 @@ fn swiftshader_has_the_cpus_bits() {
 #[test]
 fn a_batch_cut_into_chunks_has_the_same_bits() {
     let device = lavapipe();
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(TURNED) {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let limits = &DeviceLimits { storage_binding_bytes: 12 << 10, ..device.limits() };
@@ -42,7 +42,7 @@ fn a_batch_cut_into_chunks_has_the_same_bits() {
 #[test]
 fn past_65535_workgroups_nothing_else_is_written() {
     let device = lavapipe();
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(TURNED) {
         common::past_65535_workgroups(&device, bytes);
     }
     assert_silent(&device);
@@ -94,7 +94,7 @@ fn a_stage_alone_reads_what_the_host_wrote() {
 fn every_batch(device: &Device) {
     println!("on {:?}", device.info());
     let limits = &device.limits();
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(TURNED) {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let runs = [

@@ -1,6 +1,6 @@
 //! The stages on wgpu, end to end, against the CPU's bits.
 
-use crate::common::{Case, GOLDEN, hosted_batch, load, odd_batch, parts};
+use crate::common::{Case, GOLDEN, TURNED, hosted_batch, load, odd_batch, parts};
 use sinew_gpu::headless::{Device as _, HeadlessError};
 use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
@@ -14,7 +14,7 @@ fn lavapipe() -> Device {
 fn every_predictor_has_the_cpus_bits() {
     let device = lavapipe();
     let limits = &device.limits();
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(TURNED) {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let batch = &Batch::skinned(&envelope, &skin, 67);
@@ -28,7 +28,7 @@ fn every_predictor_has_the_cpus_bits() {
 fn odd_offsets_and_strides_are_kept_and_gaps_left_alone() {
     let device = lavapipe();
     let limits = &device.limits();
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(TURNED) {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let batch = &odd_batch(&envelope, &skin, 9);
@@ -40,7 +40,7 @@ fn odd_offsets_and_strides_are_kept_and_gaps_left_alone() {
 fn a_remap_and_a_rest_mesh_of_the_hosts_are_skinned_as_on_a_cpu() {
     let device = lavapipe();
     let limits = &device.limits();
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(TURNED) {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let batch = &hosted_batch(&envelope, &skin, 9);
@@ -53,7 +53,7 @@ fn a_remap_and_a_rest_mesh_of_the_hosts_are_skinned_as_on_a_cpu() {
 #[test]
 fn a_batch_in_chunks_has_the_same_bits() {
     let device = lavapipe();
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(TURNED) {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let instances = 60;
@@ -73,7 +73,7 @@ fn a_batch_in_chunks_has_the_same_bits() {
 #[test]
 fn past_65535_workgroups_nothing_else_is_written() {
     let device = lavapipe();
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(TURNED) {
         crate::common::past_65535_workgroups(&device, bytes);
     }
 }
@@ -81,7 +81,7 @@ fn past_65535_workgroups_nothing_else_is_written() {
 #[test]
 fn the_count_sees_a_nudge() {
     let device = lavapipe();
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(TURNED) {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let batch = &Batch::skinned(&envelope, &skin, 3);

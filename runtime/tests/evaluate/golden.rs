@@ -7,7 +7,7 @@
 mod bits;
 
 use bits::{Found, GOLDEN, Golden, Memory, STAGES, kernels};
-use models::{KernelContent, Pieces, golden_path};
+use models::{KernelContent, Pieces, TURNED_NAMES, golden_path};
 use sinew_runtime::Model;
 
 fn hashes(golden: &Golden, nudge: f32) -> Found {
@@ -22,8 +22,8 @@ fn bits_are_those_of_every_other_cpu() {
     let mut all = Vec::new();
     for golden in &GOLDEN {
         let found = hashes(golden, 0.0);
-        assert!(found.faded > 100, "{:?}: {} poses in the fade", golden.predictor, found.faded);
-        assert!(found.finite, "{:?}", golden.predictor);
+        assert!(found.faded > 100, "{}: {} poses in the fade", golden.name, found.faded);
+        assert!(found.finite, "{}", golden.name);
         all.push(found.bits);
     }
     assert_eq!(all, GOLDEN.map(|golden| golden.bits), "found {all:#018x?}");
@@ -34,7 +34,7 @@ fn the_hash_sees_one_last_place() {
     for golden in &GOLDEN {
         let nudged = hashes(golden, 1.2e-7).bits;
         for ((stage, nudged), bits) in STAGES.iter().zip(nudged).zip(golden.bits) {
-            assert!(nudged != bits || bits == 0, "{stage} of {:?}", golden.predictor);
+            assert!(nudged != bits || bits == 0, "{stage} of {}", golden.name);
         }
     }
 }
@@ -59,15 +59,15 @@ fn the_hash_of_kernels_sees_one_last_place() {
     assert!(nudged.iter().zip(kernels::BITS).all(|(nudged, bits)| *nudged != bits));
 }
 
-/// Set to write the golden kernels instead of comparing them.
-const WRITE: &str = "SINEW_WRITE_KERNELS";
+/// Set to write what the maker of models makes instead of comparing it.
+const WRITE: &str = "SINEW_WRITE_GOLDEN";
 
 #[test]
-fn the_golden_kernels_are_made_as_they_were() {
-    let all = KernelContent::goldens();
-    let servo = [KernelContent::servo()];
-    for (name, contents) in [("kernel-3.snw", all.as_slice()), ("kernel-3-servo.snw", &servo)] {
-        let made = Pieces::kernels(contents).bytes();
+fn the_golden_kernels_and_skins_are_made_as_they_were() {
+    let kernels = [KernelContent::goldens().as_slice(), &[KernelContent::servo()]].map(Pieces::kernels);
+    let names = ["kernel-3.snw", "kernel-3-servo.snw"].into_iter().chain(TURNED_NAMES);
+    for (name, pieces) in names.zip(kernels.into_iter().chain(Pieces::turned())) {
+        let made = pieces.bytes();
         if std::env::var_os(WRITE).is_some() {
             std::fs::write(golden_path(name), &made).unwrap();
         }

@@ -1,6 +1,6 @@
 //! Bakes the models that `tests/firmware` holds in flash: `firmware_models FOLDER`.
 
-use conformance::models::{Shape, random_with, row_major, trained};
+use conformance::models::{Shape, random_with, row_major, trained, with_coefficients};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -20,7 +20,9 @@ fn main() -> ExitCode {
     let demos = demos.map(|(predictor, file)| (format!("demo-{}", predictor.name()), file.clone()));
     let bars = [Predictor::Rotational, Predictor::Kernel];
     let bars = bars.map(|predictor| (format!("bar-{}", predictor.name()), bar(predictor)));
-    for (name, file) in demos.chain(bars) {
+    let normals = with_coefficients(&bar(Predictor::Rotational), 4.0);
+    let normals = ("bar-normals".to_owned(), normals);
+    for (name, file) in demos.chain(bars).chain([normals]) {
         let path = folder.join(name).with_extension("snw");
         // A file that has not changed keeps its date, and the images that hold it are not rebuilt.
         if std::fs::read(&path).is_ok_and(|old| old == file) {

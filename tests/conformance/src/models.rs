@@ -184,7 +184,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
     if coefficients { with_coefficients(&baked, 4.0) } else { baked }
 }
 
-/// Gives the skin of a file, which has none, random tangent coefficients of up to a size; here and there 0.
+/// Gives the skin of a file random tangent coefficients of up to a size, here and there 0, for what it has.
 ///
 /// # Panics
 /// If the file has no skin.
@@ -198,10 +198,9 @@ pub fn with_coefficients(file: &[u8], size: f64) -> Vec<u8> {
     };
     let len = 2 * skin.vertex_len() * (skin.influence_len() - 1);
     let bits: Vec<u16> = (0..len).map(|_| half()).collect();
-    let part = skin.part() as u16;
-    let mut content = Content::new(SectionKind::TangentCoefficients, part, halves(&bits));
-    content.flags = 0;
-    pieces.sections.push(content);
+    let (part, kind) = (skin.part() as u16, SectionKind::TangentCoefficients);
+    pieces.sections.retain(|own| (own.part, own.kind) != (part, kind.number()));
+    pieces.sections.push(Content { flags: 0, ..Content::new(kind, part, halves(&bits)) });
     pieces.bytes()
 }
 

@@ -60,6 +60,54 @@ fn servo_kernel(memory: &mut Memory) -> Option<()> {
     sound.then_some(())
 }
 
+/// Prints what a skin with tangent coefficients costs; returns whether it could be evaluated.
+#[cfg(feature = "tangent-coefficients")]
+pub fn normals() -> bool {
+    let Some(memory) = take() else { return false };
+    start_timer();
+    let file = include_bytes!(concat!(env!("SINEW_MODELS"), "/bar-normals.snw"));
+    turned_skin(file, memory).is_some()
+}
+
+/// Prints the instructions of positions and normals, and the deepest stack of all attributes.
+#[cfg(feature = "tangent-coefficients")]
+fn turned_skin(file: &[u8], memory: &mut Memory) -> Option<()> {
+    let file = black_box(file);
+    let mut loaded = None;
+    let load_stack = stack_of(&mut || loaded = Model::from_bytes(file).ok());
+    let loading = instructions_of(|| loaded = Model::from_bytes(file).ok());
+    let model = loaded?;
+    let (envelope, skin) = (model.envelope()?, model.skin().filter(Skin::has_coefficients)?);
+    let local = cut(&mut memory.local, envelope.joint_len());
+    let mut rng = Rng(7);
+    local.iter_mut().for_each(|local| *local = rng.local(0.3));
+    let pose = cut(&mut memory.pose, envelope.joint_len());
+    model_space_pose(&envelope, local, pose).ok()?;
+    let palette = cut(&mut memory.palette, envelope.palette_len());
+    envelope.palette(pose, cut(&mut memory.scratch, envelope.scratch_len()), palette).ok()?;
+    let lent = cells(cut(&mut memory.skin, 10 * skin.vertex_len()));
+    let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
+    let job = SkinJob {
+        skin,
+        palette,
+        vertices: 0..skin.vertex_len(),
+        remap: None,
+        rest: Rest::default(),
+        positions: black_box(attribute(0)),
+        normals: black_box(attribute(3)),
+        tangents: None,
+    };
+    let mut sound = true;
+    let skinning = instructions_of(|| sound &= job.run().is_ok());
+    let all = SkinJob { tangents: black_box(attribute(6)), ..job };
+    let stack = stack_of(&mut || sound &= all.run().is_ok());
+    say!("normals load_instructions {loading}");
+    say!("normals load_stack {load_stack}");
+    say!("normals skin_instructions {skinning}");
+    say!("normals skin_stack {stack}");
+    sound.then_some(())
+}
+
 /// Times loops of known length, of which one has two million instructions more.
 fn clock() -> bool {
     let counted = |times| instructions_of(|| count_down(black_box(times)));

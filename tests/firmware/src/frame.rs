@@ -1,7 +1,10 @@
-//! The least that a frame needs, of which sizes are measured.
+//! Frames of which sizes are measured: the least that one needs, and all that one may.
 
 use core::hint::black_box;
-use sinew_runtime::{CallError, Envelope, Matrix3x4, Model};
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{
+    CallError, Envelope, LocalTransform, Matrix3x4, Model, SkinJob, model_space_pose,
+};
 
 /// Loads, computes the palette of a pose and skins positions, all of them unknown to the compiler.
 #[inline(always)]
@@ -20,4 +23,33 @@ pub fn skinned_by(
     let (scratch, out) = black_box::<(&mut [f32], &mut [[f32; 3]])>((&mut [], &mut []));
     let done = palette(&envelope, pose, scratch, out_palette);
     black_box(done).is_ok() && black_box(skin.skin_positions(out_palette, out)).is_ok()
+}
+
+/// Loads, poses, skins positions, normals and tangents, and bounds; `None` where nothing is loaded.
+#[inline(always)]
+pub fn whole(bytes: &[u8]) -> Option<Result<(), CallError>> {
+    let model = Model::from_bytes(bytes).ok()?;
+    let (envelope, skin) = (model.envelope()?, model.skin()?);
+    let local = black_box::<&[LocalTransform]>(&[]);
+    let (pose, palette) = black_box::<(&mut [Matrix3x4], &mut [Matrix3x4])>((&mut [], &mut []));
+    let (scratch, out) = black_box::<(&mut [f32], &mut [f32])>((&mut [], &mut []));
+    let lent = cells(out);
+    let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
+    let mut frame = || {
+        model_space_pose(&envelope, local, pose)?;
+        black_box(envelope.palette(pose, scratch, palette)?);
+        black_box(skin.bounds(palette, 0.0)?);
+        SkinJob {
+            skin,
+            palette,
+            vertices: 0..skin.vertex_len(),
+            remap: None,
+            rest: Rest::default(),
+            positions: black_box(attribute(0)),
+            normals: black_box(attribute(3)),
+            tangents: black_box(attribute(6)),
+        }
+        .run()
+    };
+    Some(frame())
 }

@@ -24,7 +24,7 @@ const BAKED_POSES: usize = POSES / 4;
 pub fn bits() -> bool {
     let Some(memory) = take() else { return false };
     let mut sound = true;
-    let golden = GOLDEN.iter().map(|golden| (golden.predictor.name(), golden.file));
+    let golden = GOLDEN.iter().map(|golden| (golden.name, golden.file));
     let golden = golden.map(|(name, file)| (name, file, POSES));
     let baked = BAKED.map(|(name, file)| (name, file, BAKED_POSES));
     for (name, file, poses) in golden.chain(baked) {
@@ -40,7 +40,7 @@ pub fn bits() -> bool {
                     say!("{name} {stage} {bits:016x}");
                 }
                 say!("{name} faded {faded}");
-                let promised = GOLDEN.iter().find(|golden| golden.predictor.name() == name);
+                let promised = GOLDEN.iter().find(|golden| golden.name == name);
                 let kept = promised.is_none_or(|golden| golden.bits == bits);
                 if !kept {
                     say!("{name}: not the bits of METHOD 7");

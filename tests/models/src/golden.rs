@@ -1,5 +1,9 @@
 //! The golden files.
 
+use crate::pieces::Pieces;
+use crate::shape::Shape;
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::format::SectionKind;
 use std::path::{Path, PathBuf};
 
 /// Names of the golden files, one a predictor: rotational, kernel, hybrid.
@@ -12,6 +16,48 @@ pub const GOLDEN: [&[u8]; 3] = [
     include_bytes!("../../golden/envelope-3-kernel.snw"),
     include_bytes!("../../golden/envelope-3-hybrid.snw"),
 ];
+
+/// The golden files of skins with tangent coefficients, as [`Pieces::turned`] makes them.
+pub const TURNED_NAMES: [&str; 2] = ["skin-3-tangents.snw", "skin-3-normals.snw"];
+
+/// Those files: whose frames are of tangents, and of normals alone.
+pub const TURNED: [&[u8]; 2] = [
+    include_bytes!("../../golden/skin-3-tangents.snw"),
+    include_bytes!("../../golden/skin-3-normals.snw"),
+];
+
+impl Pieces {
+    /// Makes the golden files of skins with tangent coefficients: of four influences with tangents, and of three
+    /// without. Normals look to every side, and one to none.
+    ///
+    /// # Panics
+    /// As [`Pieces::sample`] does.
+    pub fn turned() -> [Self; 2] {
+        let shape = Shape {
+            vertices: 41,
+            joints: 6,
+            proxies: 5,
+            influences: 4,
+            tangents: true,
+            coefficients: true,
+        };
+        let other = Shape { vertices: 38, influences: 3, tangents: false, ..shape };
+        [(Predictor::Kernel, shape), (Predictor::Rotational, other)].map(|(predictor, shape)| {
+            let mut pieces = Self::sample(predictor, shape);
+            for (kind, floats) in [(SectionKind::RestNormals, 3), (SectionKind::RestTangents, 4)] {
+                let Some(content) = pieces.find(kind) else { continue };
+                // The z of every third.
+                for vertex in content.chunks_mut(4 * floats).step_by(3) {
+                    vertex[11] ^= 0x80;
+                }
+            }
+            pieces.section(SectionKind::RestNormals)[12..24].fill(0);
+            let coefficients = 4 * (shape.influences - 1);
+            pieces.section(SectionKind::TangentCoefficients)[coefficients..2 * coefficients].fill(0);
+            pieces
+        })
+    }
+}
 
 /// Returns where a golden file lies; of an empty name, their folder.
 pub fn golden_path(name: &str) -> PathBuf {

@@ -21,7 +21,7 @@ pub use bytes::{
     blocks, floats, group_row, halves, input_row, kernel_rule, names, output_row, part_row,
     section_row, words,
 };
-pub use golden::{GOLDEN, GOLDEN_NAMES, golden_path};
+pub use golden::{GOLDEN, GOLDEN_NAMES, TURNED, TURNED_NAMES, golden_path};
 pub use groups::{GroupContent, sample_groups};
 pub use kernels::{KernelContent, VarianceContent};
 pub use message::{Message, seal};

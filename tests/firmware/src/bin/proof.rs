@@ -15,7 +15,7 @@ use sinew_runtime::kernel::{
     EulerOrder, InputKind, InputRow, Kernel, KernelCounts, KernelFit, KernelLayout, KernelRule,
     OutputKind, OutputRow,
 };
-use sinew_runtime::skin::{Output, Rest, SkinCounts, SkinLayout, cells};
+use sinew_runtime::skin::{NormalErrors, Output, Rest, SkinCounts, SkinLayout, cells};
 use sinew_runtime::{
     CallError, Envelope, KernelMap, Limits, LocalTransform, Matrix3x4, Model, Skin, SkinJob,
     Workspace, model_space_pose, stages,
@@ -172,6 +172,7 @@ fn counts(kind: SectionKind) {
     let counts = SkinCounts::from_words(black_box([0; 4]));
     black_box((counts.has(kind), counts.section_bytes(kind, index()), counts.envelope()));
     black_box((counts.words(), Predictor::from_number(black_box(1))));
+    black_box(NormalErrors::from_figures(black_box([0.0; 2])).figures());
     kernel_rows(kind);
     black_box(Certificate::from_figures(black_box([0.0; 5])).figures());
 }
@@ -236,7 +237,10 @@ fn mesh(skin: Skin<'_>) {
     black_box([s.vertex_len(), s.influence_len(), s.palette_len(), s.part()]);
     black_box((s.name(), s.counts(), s.file(), s.envelope_part(), s.has_tangents()));
     black_box((s.rest_position(index()), s.rest_normal(index()), s.rest_tangent(index())));
-    black_box(s.rest_box(index()));
+    black_box((s.rest_box(index()), s.has_coefficients(), s.normal_errors()));
+    for pair in s.tangent_coefficients(index()) {
+        black_box(pair);
+    }
     for influence in s.influences(index()) {
         black_box(influence);
     }

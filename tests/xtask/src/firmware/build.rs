@@ -12,18 +12,20 @@ pub(super) enum Image {
     Servo,
     Cost,
     CostServo,
+    CostNormals,
     Proof,
     Bare,
     SizeRotational,
     SizeAny,
     SizeAll,
     SizeServo,
+    SizeNormals,
     ControlPanic,
     ControlAlloc,
 }
 
 impl Image {
-    /// Images of the runtime without its part kernel.
+    /// Images of the runtime without its features.
     const ENVELOPES: &[Self] =
         &[Self::Minimal, Self::Bare, Self::SizeRotational, Self::SizeAny, Self::SizeAll];
     /// Images of the part kernel.
@@ -33,7 +35,10 @@ impl Image {
         match self {
             Self::Cost => Some("cortex-m"),
             Self::CostServo => Some("cortex-m,kernel"),
-            Self::Bits | Self::Proof | Self::Servo | Self::SizeServo => Some("kernel"),
+            Self::CostNormals => Some("cortex-m,tangent-coefficients"),
+            Self::Bits | Self::Proof => Some("kernel,tangent-coefficients"),
+            Self::Servo | Self::SizeServo => Some("kernel"),
+            Self::SizeNormals => Some("tangent-coefficients"),
             Self::ControlPanic | Self::ControlAlloc => Some("control"),
             Self::Minimal | Self::Bare | Self::SizeRotational | Self::SizeAny | Self::SizeAll => {
                 None
@@ -48,12 +53,14 @@ impl Image {
             Self::Servo => "servo",
             Self::Cost => "cost",
             Self::CostServo => "cost_servo",
+            Self::CostNormals => "cost_normals",
             Self::Proof => "proof",
             Self::Bare => "bare",
             Self::SizeRotational => "size_rotational",
             Self::SizeAny => "size_any",
             Self::SizeAll => "size_all",
             Self::SizeServo => "size_servo",
+            Self::SizeNormals => "size_normals",
             Self::ControlPanic => "control_panic",
             Self::ControlAlloc => "control_alloc",
         }
@@ -95,7 +102,15 @@ pub(super) fn others(folder: &Path) -> Result<(), String> {
     let bare: Vec<Target> = TARGETS.into_iter().filter(|target| target.bare).collect();
     for profile in Profile::ALL {
         build(folder, &bare, profile, &[Image::Proof])?;
-        for images in [Image::ENVELOPES, Image::KERNEL, &[Image::Cost], &[Image::CostServo]] {
+        let own = [
+            Image::ENVELOPES,
+            Image::KERNEL,
+            &[Image::SizeNormals],
+            &[Image::Cost],
+            &[Image::CostServo],
+            &[Image::CostNormals],
+        ];
+        for images in own {
             build(folder, &[M4F], profile, images)?;
         }
     }
@@ -143,7 +158,7 @@ pub(super) fn lint(folder: &Path) -> Result<(), String> {
     crate::call::run(cargo(folder, M4F).args(fmt))?;
     let mut command = cargo(folder, M4F);
     command.args(["clippy", "--quiet", "--locked", "--manifest-path", MANIFEST]);
-    command.args(["--bins", "--features", "control,cortex-m,kernel"]).args(triple(M4F));
+    command.args(["--bins", "--features", "control,cortex-m,kernel,tangent-coefficients"]).args(triple(M4F));
     crate::call::run(command.args(["--", "-D", "warnings"]))
 }
 

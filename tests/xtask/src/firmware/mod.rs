@@ -132,7 +132,7 @@ fn no_allocator(folder: &Path) -> Result<(), String> {
 fn costs(folder: &Path) -> Result<(), String> {
     let mut figures = Vec::new();
     for profile in Profile::ALL {
-        for image in [Image::Cost, Image::CostServo] {
+        for image in [Image::Cost, Image::CostServo, Image::CostNormals] {
             let image = path(folder, M4F, profile, image);
             let (printed, again) = (M4F.run(&image)?, M4F.run(&image)?);
             if printed != again {
@@ -156,6 +156,7 @@ fn costs(folder: &Path) -> Result<(), String> {
             ("any", Image::SizeAny),
             ("all", Image::SizeAll),
             ("servo", Image::SizeServo),
+            ("normals", Image::SizeNormals),
         ] {
             figures.push((format!("{} {name} code", profile.name()), bytes(image)? - bare));
         }
