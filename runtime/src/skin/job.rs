@@ -1,6 +1,8 @@
 //! The stage `skin`: from the palette to positions, normals and tangents (METHOD §1.8).
 
-use super::blend::{Influences, along, cofactors, moved, side, unit};
+use super::lanes::{LANES, Lanes, Posed, QUAD, Quad};
+use crate::numeric::sqrt;
+use super::blend::{UNROLL, Influences, along, cofactors, moved, side, unit};
 use super::coefficients::{Frame, Vertex};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
@@ -114,6 +116,10 @@ impl SkinJob<'_> {
             _ => {}
         }
         if self.skin.has_coefficients() && (self.normals.is_some() || self.tangents.is_some()) {
+            if UNROLL && skin.influence_len() == 4 && remap.is_none() && self.tangents.is_none() && self.rest.positions.is_none() && self.rest.normals.is_none() {
+                self.turn_by_four();
+                return Ok(());
+            }
             self.turn(&influences);
             return Ok(());
         }
@@ -207,6 +213,53 @@ impl SkinJob<'_> {
                 let [x, y, z] = unit(turned, 1.0).unwrap_or([x, y, z]);
                 out.put(i, [x, y, z, hand])?;
             }
+        }
+        Some(())
+    }
+
+    #[inline(never)]
+    fn turn_by_four(&self) -> Option<()> {
+        let Self { skin, palette, .. } = self;
+        let range = self.vertices.clone();
+        let positions = skin.positions().get(range.clone())?;
+        let normals = skin.normals().get(range.clone())?;
+        let by_tangent = skin.has_tangents();
+        let tangents = if by_tangent { skin.tangents().get(range.clone())? } else { &[] };
+        let indices = skin.indices().as_chunks::<4>().0.get(range.clone())?;
+        let weights = skin.weights().as_chunks::<4>().0.get(range.clone())?;
+        let coefficients = skin.coefficients().as_chunks::<3>().0.get(range.clone())?;
+        let side = side(palette);
+        let mut lanes = Lanes::NONE;
+        let mut posed = Posed::NONE;
+        let mut at = 0;
+        while at + LANES <= positions.len() {
+            for half in 0..LANES / QUAD {
+                let at = at + QUAD * half;
+                let normals = normals.get(at..)?.first_chunk::<QUAD>()?;
+                let frames = [[normals[0][2], normals[0][2], normals[0][2], normals[0][2]], [normals[1][2], normals[1][2], normals[1][2], normals[1][2]], [normals[2][2], normals[2][2], normals[2][2], normals[2][2]], [normals[3][2], normals[3][2], normals[3][2], normals[3][2]]];
+                let quad = Quad {
+                    positions: positions.get(at..)?.first_chunk()?,
+                    normals,
+                    frames: if by_tangent { tangents.get(at..)?.first_chunk()? } else { &frames },
+                    indices: indices.get(at..)?.first_chunk()?,
+                    weights: weights.get(at..)?.first_chunk()?,
+                    coefficients: coefficients.get(at..)?.first_chunk()?,
+                };
+                lanes.put(half, &quad, palette)?;
+            }
+            if by_tangent { lanes.pose::<true>(&mut posed); } else { lanes.pose::<false>(&mut posed); }
+            if let Some(out) = self.positions {
+                let [x, y, z] = &posed.positions;
+                for i in 0..LANES { put3(out.floats.get((at + i) * out.stride..)?, x[i], y[i], z[i])?; }
+            }
+            if let Some(out) = self.normals {
+                let [x, y, z] = &posed.normals;
+                for i in 0..LANES {
+                    let scale = side / sqrt(posed.squares[i]);
+                    put3(out.floats.get((at + i) * out.stride..)?, x[i] * scale, y[i] * scale, z[i] * scale)?;
+                }
+            }
+            at += LANES;
         }
         Some(())
     }
@@ -309,5 +362,14 @@ impl Output<'_> {
 #[inline(always)]
 fn put<const N: usize>(out: &[Cell<f32>], value: [f32; N]) -> Option<()> {
     out.first_chunk::<N>()?.iter().zip(value).for_each(|(out, value)| out.set(value));
+    Some(())
+}
+
+#[inline(always)]
+fn put3(out: &[Cell<f32>], a: f32, b: f32, c: f32) -> Option<()> {
+    let [x, y, z] = out.first_chunk::<3>()?;
+    x.set(a);
+    y.set(b);
+    z.set(c);
     Some(())
 }

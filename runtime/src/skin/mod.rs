@@ -6,6 +6,7 @@ pub(crate) mod check;
 mod coefficients;
 mod counts;
 mod job;
+mod lanes;
 mod posed_bounds;
 mod view;
 
