@@ -109,7 +109,8 @@ fn members_of(module: &Module) -> Vec<String> {
 
 /// A golden model.
 fn golden(name: &str) -> Model<Vec<u8>> {
-    Model::from_bytes(fs::read(folder().join("../tests/golden").join(name)).unwrap()).unwrap()
+    let bytes = fs::read(folder().join("../tests/golden").join(name)).expect("it is there");
+    Model::from_bytes(bytes).expect("it loads")
 }
 
 #[test]
