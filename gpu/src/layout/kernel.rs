@@ -10,7 +10,8 @@ use sinew_runtime::{KernelMap, Model};
 
 /// Queries of one kernel, and where in the host's buffers their arrays lie: an instance is a query.
 ///
-/// Offsets and strides count floats. What a CPU refuses a GPU evaluates nevertheless, and marks: the
+/// Offsets and strides count floats. Outputs and confidences share a binding, which a batch is cut by: it
+/// reaches over both, so they are best laid out query by query. What a CPU refuses a GPU evaluates nevertheless, and marks: the
 /// confidence is not a number where [`KernelMap::evaluate`] would return an error, as of a number of the
 /// query or of the outputs that is not finite. Those outputs are of no use.
 #[derive(Clone, Debug)]

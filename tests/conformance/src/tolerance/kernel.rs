@@ -8,9 +8,9 @@ use sinew_trainer::kernel::map::Fade;
 use sinew_trainer::kernel::model::{Input, InputKind, KernelModel, Output, OutputKind};
 use sinew_trainer::kernel::rotations::{Feature, Xyzw};
 
-/// Kernel: features of rotations are off as [`features`] says, values by METHOD §2.7's E of them, the confidence as
+/// Kernel: features of rotations are off as `feature_error` says, values by METHOD §2.7's E of them, the confidence as
 /// a fade's; `w y + (1 - w) n` rounds three times. A range moves nothing apart, a rotation is half as far off as its
-/// vector and rounds as [`rotation`] says, and a share of a sum is off as the sum and the number, and by a
+/// vector and rounds as `rotation` says, and a share of a sum is off as the sum and the number, and by a
 /// division.
 ///
 /// # Panics
@@ -38,7 +38,7 @@ pub fn kernel(
     let mut values = oracle.sum.evaluate(&x);
     let mut error = bound(&oracle.sum, &x, &x_error, arithmetic);
     if oracle.query == QueryRule::Fade {
-        let neutral = oracle.outputs.iter().flat_map(|output| neutral(output));
+        let neutral = oracle.outputs.iter().flat_map(neutral);
         for ((y, error), neutral) in values.iter_mut().zip(&mut error).zip(neutral) {
             let apart = y.abs() + neutral.abs() + *error;
             let most = (w + w_error) * (y.abs() + *error) + (1.0 - w + w_error) * neutral.abs();

@@ -12,7 +12,8 @@ use sinew_runtime::envelope::Predictor;
 
 /// One model of one predictor: the stages of the others have nothing to compare.
 fn matrix(fault: Option<Fault>) -> Matrix {
-    let mut pieces = Pieces::of(&models::random(shape_of(Predictor::Rotational))).unwrap();
+    let random = models::random(shape_of(Predictor::Rotational));
+    let mut pieces = Pieces::of(&random).expect("a random model is sound");
     pieces.append(Pieces::kernels(&[KernelContent::servo()]));
     let bytes = pieces.bytes();
     let subjects = [Subject::new("random", &bytes, 14)];

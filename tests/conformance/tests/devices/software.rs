@@ -54,7 +54,7 @@ impl Device for Software<'_> {
             let kernel = model.kernel().and_then(|kernel| kernel.layout().open(self.bytes));
             Part::Kernel(kernel.expect("it holds a kernel"))
         } else {
-            Part::Envelope(Loaded::new(self.bytes))
+            Part::Envelope(Box::new(Loaded::new(self.bytes)))
         };
         let floats = |resource| vec![0.0; (plan.bytes(resource) / 4) as usize];
         let buffers = Resource::ALL.map(floats);
@@ -71,9 +71,9 @@ impl Device for Software<'_> {
 }
 
 /// What is evaluated.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 enum Part<'a> {
-    Envelope(Loaded<'a>),
+    Envelope(Box<Loaded<'a>>),
     Kernel(KernelMap<'a>),
 }
 
@@ -110,7 +110,7 @@ impl Uploaded for Batch<'_> {
         for chunk in self.plan.chunks().to_vec() {
             let here = chunk.instances.start..chunk.instances.end.min(instance_len);
             for local in 0..here.len() {
-                let part = self.part;
+                let part = self.part.clone();
                 let mut instance = Instance { batch: self, chunk: &chunk, local };
                 let ran = match part {
                     Part::Envelope(loaded) => instance.run(stage, &loaded),

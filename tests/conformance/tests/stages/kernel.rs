@@ -57,7 +57,7 @@ fn off_by(subject: &KernelSubject<'_>, of_confidence: bool, factor: f64) -> Resu
             }
         }
     };
-    let findings = body(&Altered(spoil, IEEE), subject).unwrap();
+    let findings = body(&Altered(spoil, IEEE), subject).expect("the backend gives something");
     assert!(seen.get() >= 10, "it was reached");
     sound(&findings)
 }
@@ -78,17 +78,17 @@ fn one_value_off_by_two_tolerances_is_caught() {
 fn taken_for(other: &[u8]) -> (bool, usize) {
     let bytes = file(|_| {});
     let subject = KernelSubject::new(&bytes, QUERIES);
-    let model = Model::from_bytes(other).unwrap();
-    let kernel = model.kernel().unwrap();
+    let model = Model::from_bytes(other).expect("a kernel loads");
+    let kernel = model.kernel().expect("it holds a kernel");
     let wrong = Altered(
         |step: Step<'_>| {
             let Step::Kernel { queries, out, confidences } = step else { return };
             let other = KernelSubject { kernel, ..KernelSubject::new(&bytes, 1) };
-            Cpu.kernel(&other, queries, out, confidences).unwrap();
+            Cpu.kernel(&other, queries, out, confidences).expect("it is no larger");
         },
         IEEE,
     );
-    let findings = body(&wrong, &subject).unwrap();
+    let findings = body(&wrong, &subject).expect("the backend gives something");
     (sound(&findings).is_ok(), findings.iter().map(|finding| finding.differing).sum())
 }
 
