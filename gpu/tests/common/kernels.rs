@@ -291,6 +291,17 @@ pub(crate) fn a_query_that_is_wrong_is_seen(device: &dyn Device) {
         }
     }
     assert!(!is_marked(&case, device, &bytes, &queries[2]));
+
+    // Where a distance that is no number gives values that are: only the query tells.
+    let content = &KernelContent::plain(Kernel::Gaussian, [3, 5, 2]);
+    let bytes = Pieces::kernels(std::slice::from_ref(content)).bytes();
+    let model = load(&bytes);
+    let batch = &KernelBatch::new(&model.kernel().unwrap(), 1);
+    let case = KernelCase { content, batch, limits, instance_len: 1 };
+    for wrong in wrong {
+        assert!(is_marked(&case, device, &bytes, &[0.1, wrong, 0.2]), "{wrong}");
+    }
+    assert!(!is_marked(&case, device, &bytes, &[0.1, 0.3, 0.2]));
 }
 
 /// Whether the device refuses a query, which the CPU does, too.
