@@ -42,8 +42,7 @@ pub fn bound(sum: &KernelSum, x: &[f64], input_error: &[f64], arithmetic: Arithm
         let error = error + U * products * value.abs();
         out.iter_mut().zip(column.iter()).for_each(|(out, c)| *out += c.abs() * error);
     };
-    for (k, centre) in sum.centres.col_iter().enumerate() {
-        let s = z.iter().zip(centre.iter()).map(|(z, t)| (z - t) * (z - t)).sum();
+    for (k, s) in sum.squared_distances(&z).enumerate() {
         add(k, sum.kernel.exact(s), kernel_error(sum.kernel, s, z.len(), moved, arithmetic));
     }
     let mut powers: Vec<(f64, f64)> = Vec::with_capacity(sum.terms.len());
@@ -67,12 +66,11 @@ pub fn bound(sum: &KernelSum, x: &[f64], input_error: &[f64], arithmetic: Arithm
 /// by: a term of the sum is behind e + 2 roundings of e coordinates.
 pub fn distances(sum: &KernelSum, x: &[f64], input_error: &[f64]) -> Vec<(f64, f64)> {
     let Point { z, moved, .. } = Point::new(sum, x, input_error);
-    let from = |centre: faer::ColRef<'_, f64>| {
-        let s: f64 = z.iter().zip(centre.iter()).map(|(z, t)| (z - t) * (z - t)).sum();
+    let from = |s: f64| {
         let moved = (2.0 * s.sqrt() + moved) * moved;
         (s, moved + gamma(z.len() + 2) * (s + moved))
     };
-    sum.centres.col_iter().map(from).collect()
+    sum.squared_distances(&z).map(from).collect()
 }
 
 /// Inputs as the kernels see them, and how far an f32 evaluation may take them off.

@@ -3,6 +3,7 @@
 use super::function::{Figures, KernelModel};
 use super::input::{Input, InputKind};
 use super::output::{Output, OutputKind};
+use crate::kernel::map::Fade;
 use crate::kernel::rotations::Feature;
 use crate::kernel::sum::{KernelSum, Term};
 use faer::Mat;
@@ -27,7 +28,7 @@ impl KernelModel {
             sum: sum_of(map),
             ranges: features.map(|[_, _, low, high]| [low, high]).collect(),
             query: rule.query,
-            fade: [rule.fade.0, rule.fade.1].map(f64::from),
+            fade: Fade { start: rule.fade.0.into(), end: rule.fade.1.into() },
             normalise: rule.normalise,
             variance: None,
             fit: Figures {
