@@ -4,7 +4,6 @@ use super::inexact::Inexact;
 use sinew_runtime::kernel::{Normalise, QueryRule};
 use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
 use sinew_trainer::kernel::bound::{bound, distances};
-use sinew_trainer::kernel::map::Fade;
 use sinew_trainer::kernel::model::{Input, InputKind, KernelModel, Output, OutputKind};
 use sinew_trainer::kernel::rotations::{Feature, Xyzw};
 
@@ -28,13 +27,8 @@ pub fn kernel(
             *x = x.max(*low).min(*high);
         }
     }
-    let [start, end] = oracle.fade;
     let w = right.confidence;
-    let w_error = if start < end {
-        Fade { start, end }.error(&distances(&oracle.sum, &x, &x_error), arithmetic)
-    } else {
-        0.0
-    };
+    let w_error = oracle.fade.error(&distances(&oracle.sum, &x, &x_error), arithmetic);
     let mut values = oracle.sum.evaluate(&x);
     let mut error = bound(&oracle.sum, &x, &x_error, arithmetic);
     if oracle.query == QueryRule::Fade {
