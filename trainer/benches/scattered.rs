@@ -83,7 +83,7 @@ fn queries(kernel: Kernel, [n, d, m]: [usize; 3]) -> anyhow::Result<()> {
         sites,
         options: ProblemOptions {
             kernel: Some(kernel.name().to_owned()),
-            epsilon: Some(1.0),
+            epsilon: Some(4.0),
             degree: Some(1),
             ..ProblemOptions::default()
         },
