@@ -4,7 +4,9 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use wide::bytemuck::cast;
-use wide::{f32x8, i32x8, u32x8};
+#[cfg(feature = "kernel")]
+use wide::i32x8;
+use wide::{f32x8, u32x8};
 
 /// 8 floats: in one register, which may be two of 4.
 #[cfg(any(
