@@ -1,12 +1,11 @@
-//! Floats side by side. What is done to 8 of them is written out in registers: a loop over 8 floats is left to
-//! LLVM, which finds other registers for it on every target and at every opt-level, and on x86-64-v3 takes it
-//! apart.
+//! Floats side by side. What is done to 8 of them is written out in registers: of loops over 8 floats LLVM
+//! makes registers at opt-level 3, scalars at 2, and memory at s.
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use wide::bytemuck::cast;
 #[cfg(feature = "kernel")]
 use wide::i32x8;
-use wide::{f32x8, u32x8};
+use wide::{f32x4, f32x8, u32x8};
 
 /// 8 floats: in one register, which may be two of 4.
 #[cfg(any(
@@ -69,7 +68,7 @@ const ROOT_HALF: i32 = 0x3f35_04f3;
 impl Real for f32 {
     #[inline(always)]
     fn square_root(self) -> Self {
-        libm::sqrtf(self)
+        Lanes::square_root_alone(self)
     }
 
     #[inline(always)]
@@ -207,26 +206,44 @@ impl Real for Register {
 
 /// 8 floats, as they lie in a file and in memory.
 pub(crate) trait Eight {
+    /// Returns the square root of one float, by the unit that computes 8.
+    fn square_root_alone(x: f32) -> f32;
+
     /// Reads them from a file.
     fn read(le: &[[u8; 4]; 8]) -> Self;
 
     /// Returns them in order.
-    fn floats(self) -> [f32; 8];
+    fn floats(&self) -> &[f32; 8];
 }
 
 impl Eight for [f32; 8] {
-    #[inline(always)]
+    #[inline]
+    fn square_root_alone(x: f32) -> f32 {
+        libm::sqrtf(x)
+    }
+
+    #[inline]
     fn read(le: &[[u8; 4]; 8]) -> Self {
         le.map(f32::from_le_bytes)
     }
 
     #[inline(always)]
-    fn floats(self) -> [f32; 8] {
+    fn floats(&self) -> &[f32; 8] {
         self
     }
 }
 
 impl Eight for [Register; 1] {
+    #[inline(always)]
+    fn square_root_alone(x: f32) -> f32 {
+        // libm's is assembly in SSE's encoding: between AVX's instructions each takes hundreds of cycles.
+        if cfg!(target_feature = "avx") {
+            let [root, ..] = f32x4::new([x, x, x, x]).sqrt().to_array();
+            return root;
+        }
+        libm::sqrtf(x)
+    }
+
     #[inline(always)]
     fn read(le: &[[u8; 4]; 8]) -> Self {
         // Such targets are little-endian.
@@ -234,13 +251,13 @@ impl Eight for [Register; 1] {
     }
 
     #[inline(always)]
-    fn floats(self) -> [f32; 8] {
+    fn floats(&self) -> &[f32; 8] {
         let [Register(lanes)] = self;
-        lanes.to_array()
+        lanes.as_array()
     }
 }
 
-/// Does the same in every lane; a plain loop, which vectorises where `array::map` does not.
+/// Does the same in every lane.
 #[inline(always)]
 pub(crate) fn in_lanes<R: Real, const N: usize>(mut x: [R; N], f: impl Fn(R) -> R) -> [R; N] {
     for x in &mut x {
@@ -273,7 +290,7 @@ mod tests {
             let ([a], [b]) = (register(NUMBERS), register(others));
             let mut expected = NUMBERS;
             expected.iter_mut().zip(others).for_each(|(a, b)| *a = alone(*a, b));
-            bits([in_register(a, b)].floats()) == bits(expected)
+            bits(*[in_register(a, b)].floats()) == bits(expected)
         })
     }
 
@@ -306,8 +323,10 @@ mod tests {
     #[test]
     fn square_roots_have_the_bits_of_one() {
         let x = [0.0, 1e-40, 1e-9, 0.7, 2.0, 3.0, 1e30, f32::INFINITY];
-        let roots = in_lanes(register(x), Real::square_root).floats();
-        assert_eq!(bits(roots), bits(in_lanes(x, Real::square_root)));
+        let [registers] = register(x).map(Real::square_root);
+        assert_eq!([registers].floats(), &x.map(libm::sqrtf));
+        assert_eq!(x.map(<[Register; 1]>::square_root_alone), x.map(libm::sqrtf));
+        assert_eq!(x.map(<[f32; 8]>::square_root_alone), x.map(libm::sqrtf));
     }
 
     #[test]
@@ -317,7 +336,7 @@ mod tests {
             let expected = k.map(|k| 2.0f64.powi(k) as f32);
             let x = k.map(|k| ROUND + k as f32);
             assert_eq!(in_lanes(x, Real::power_of_two), expected);
-            assert_eq!(in_lanes(register(x), Real::power_of_two).floats(), expected);
+            assert_eq!(in_lanes(register(x), Real::power_of_two).floats(), &expected);
         }
     }
 
@@ -327,7 +346,7 @@ mod tests {
         let root = core::f32::consts::FRAC_1_SQRT_2;
         let x = [f32::MIN_POSITIVE, f32::MAX, 1.0, root, root.next_down(), 1e-9, 3.0, 1e9];
         let [both] = register(x).map(Real::exponent_and_mantissa);
-        let (k, m) = ([both.0].floats(), [both.1].floats());
+        let (k, m) = (*[both.0].floats(), *[both.1].floats());
         for ((x, k), m) in x.into_iter().zip(k).zip(m) {
             assert_eq!(x.exponent_and_mantissa(), (k, m));
             assert_eq!(2.0f64.powf(f64::from(k)) * f64::from(m), f64::from(x));

@@ -120,7 +120,7 @@ pub(crate) fn block_product(matrix: &[[Le; 8]], parts: [&[f32]; 2], out: &mut [[
         let mut sums = [Lanes::default(); 2];
         add_products(&mut sums, [a0, b0], first);
         add_products(&mut sums, [a1, b1], second);
-        out.iter_mut().zip(sums).for_each(|(out, sums)| *out = sums.floats());
+        out.iter_mut().zip(sums).for_each(|(out, sums)| *out = *sums.floats());
     }
 }
 

@@ -169,8 +169,8 @@ mod tests {
     fn eight_lanes_have_the_bits_of_one() {
         let s = [0.0, 1e-9, 0.1, 0.7, 3.0, 40.0, 1e3, 1e30];
         for kernel in GroupKernel::ALL {
-            let found = kernel.values(Lanes::read(&s.map(f32::to_le_bytes))).floats();
-            assert_eq!(found, s.map(|s| kernel.value(s)));
+            let found = kernel.values(Lanes::read(&s.map(f32::to_le_bytes)));
+            assert_eq!(*found.floats(), s.map(|s| kernel.value(s)));
         }
     }
 }

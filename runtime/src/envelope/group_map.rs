@@ -96,7 +96,7 @@ impl<'a> Map<'a> {
         let mut blocks = out.iter_mut().zip(self.rest);
         block_distances(self.centres, input, |distances| {
             let Some((out, rest)) = blocks.next() else { return };
-            *out = self.kernel.changes(&distances, Lanes::read(rest)).floats();
+            *out = *self.kernel.changes(&distances, Lanes::read(rest)).floats();
             let nearness = in_lanes(distances.squared, |s| nearness(s, self.fade));
             for near in nearness.floats().iter().take(left) {
                 doubt *= 1.0 - near;

@@ -21,13 +21,10 @@ pub(crate) fn evaluate(
         let mut sums = [Lanes::default(); 3];
         add_block_product(&mut sums, c1, gradients);
         add_block_product(&mut sums, c2, relative);
-        let [x, y, z] = sums;
-        let sums = [x.floats(), y.floats(), z.floats()];
         // A block is two transforms: rows 0 to 3, then 4 to 7.
-        let Some([x0, x1, y0, y1, z0, z1]) = sums.as_flattened().as_chunks().0.first_chunk() else {
-            return;
-        };
-        for (out, [x, y, z]) in out.iter_mut().zip([[x0, y0, z0], [x1, y1, z1]]) {
+        let [x, y, z] = &sums;
+        let rows = x.floats().as_chunks().0.iter().zip(y.floats().as_chunks().0);
+        for (out, ((x, y), z)) in out.iter_mut().zip(rows.zip(z.floats().as_chunks().0)) {
             *out = compose(root, &[*x, *y, *z]);
         }
     }

@@ -5,9 +5,9 @@ use super::outputs;
 use super::point::{self, Point};
 use super::view::KernelMap;
 use crate::error::{Argument, CallError};
-use crate::lanes::{Eight, Lanes, in_lanes};
+use crate::lanes::{Eight, in_lanes};
 use crate::linear::{block_distances, block_product, padded, split};
-use crate::numeric::{lesser, nearness};
+use crate::numeric::nearness;
 
 impl KernelCounts {
     /// Returns the floats of scratch that [`KernelMap::evaluate`] needs.
@@ -64,37 +64,21 @@ impl KernelMap<'_> {
     /// Computes G of each centre, n values in whole blocks, and returns the confidence.
     pub(super) fn basis(&self, point: &Point<'_>, out: &mut [[f32; 8]]) -> f32 {
         let rule = self.rule();
-        let centre_len = self.counts().centre_len as usize;
-        let mut nearest = Lanes::read(&[f32::INFINITY.to_le_bytes(); 8]);
-        let (mut blocks, mut left) = (out.iter_mut(), centre_len);
+        let mut doubt = 1.0;
+        let mut left = self.counts().centre_len as usize;
+        let mut blocks = out.iter_mut();
         block_distances(self.centres(), point.z, |distances| {
             let Some(out) = blocks.next() else { return };
-            *out = rule.kernel.values(distances.squared).floats();
-            // What lies behind the last centre is none.
-            if left >= 8 {
-                for (nearest, s) in nearest.iter_mut().zip(distances.squared) {
-                    *nearest = lesser(*nearest, s);
+            *out = *rule.kernel.values(distances.squared).floats();
+            // A centre that vouches wholly leaves no doubt, whatever the others do.
+            if rule.has_fade() && doubt > 0.0 {
+                let nearness = in_lanes(distances.squared, |s| nearness(s, rule.fade));
+                for near in nearness.floats().iter().take(left) {
+                    doubt *= 1.0 - near;
                 }
+                left = left.saturating_sub(8);
             }
-            left = left.saturating_sub(8);
         });
-        let (start, _) = rule.fade;
-        // A centre that vouches wholly leaves no doubt, whatever the others do.
-        let is_sure = nearest.floats().iter().any(|s| *s <= start);
-        if !rule.has_fade() || is_sure { 1.0 } else { self.confidence(point) }
-    }
-
-    /// Computes how far the centres vouch for a point.
-    fn confidence(&self, point: &Point<'_>) -> f32 {
-        let fade = self.rule().fade;
-        let (mut doubt, mut left) = (1.0, self.counts().centre_len as usize);
-        block_distances(self.centres(), point.z, |distances| {
-            let nearness = in_lanes(distances.squared, |s| nearness(s, fade));
-            for near in nearness.floats().iter().take(left) {
-                doubt *= 1.0 - near;
-            }
-            left = left.saturating_sub(8);
-        });
-        1.0 - doubt
+        if rule.has_fade() { 1.0 - doubt } else { 1.0 }
     }
 }

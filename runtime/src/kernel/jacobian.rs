@@ -71,7 +71,7 @@ impl KernelMap<'_> {
         block_distances(self.centres(), point.z, |distances| {
             let Some(out) = blocks.next() else { return };
             for (out, s) in out.iter_mut().zip(distances.squared.floats()) {
-                *out = 2.0 * kernel.slope(s);
+                *out = 2.0 * kernel.slope(*s);
             }
         });
     }

@@ -182,8 +182,8 @@ mod tests {
     fn eight_lanes_have_the_bits_of_one() {
         let s = [0.0, 1e-9, 0.1, 0.7, 0.98, 3.0, 40.0, 1e30];
         for kernel in all() {
-            let found = kernel.values(Lanes::read(&s.map(f32::to_le_bytes))).floats();
-            assert_eq!(found.map(f32::to_bits), s.map(|s| kernel.value(s).to_bits()));
+            let found = kernel.values(Lanes::read(&s.map(f32::to_le_bytes)));
+            assert_eq!(found.floats().map(f32::to_bits), s.map(|s| kernel.value(s).to_bits()));
         }
     }
 }
