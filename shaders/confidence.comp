@@ -3,6 +3,7 @@
 // The confidence in a pose. One workgroup an instance, of which one thread has work.
 
 #include "params.glsl"
+#include "blob.glsl"
 #include "numeric.glsl"
 
 layout(local_size_x = 64) in;

@@ -4,6 +4,7 @@
 // hand to each other lies in the group's scratch.
 
 #include "params.glsl"
+#include "blob.glsl"
 #include "numeric.glsl"
 
 layout(local_size_x = 64) in;
@@ -19,19 +20,6 @@ layout(set = 0, binding = 4, std430) buffer Palettes {
 
 uint padded(uint len) {
     return (len + 7u) / 8u * 8u;
-}
-
-// A kernel of a squared distance; 9, 10 and 11 are Matern 1/2, 3/2 and 5/2.
-float kernel_value(uint kernel, float s) {
-    precise float factored = kernel == 9u ? s : (kernel == 10u ? 3.0 : 5.0) * s;
-    precise float scaled = sqrt(factored);
-    if (kernel == 9u) {
-        return exp_negative(scaled);
-    }
-    float a = scaled < EXP_MAX ? scaled : EXP_MAX;
-    precise float polynomial = kernel == 10u ? 1.0 + a : 1.0 + a + a * a * (1.0 / 3.0);
-    precise float value = polynomial * exp_negative(a);
-    return value;
 }
 
 // e^-s - e^-s0, given e^-s0 and s - s0.
@@ -100,11 +88,9 @@ void main() {
         float rest = blob_float(rests + k);
         precise float change = kernel == 8u
             ? gaussian_change(squared, gain, rest)
-            : kernel_value(kernel, squared) - rest;
+            : matern(kernel, squared) - rest;
         scratch[basis + k] = change;
-        precise float left = squared < fade_end ? fade_end - squared : 0.0;
-        precise float u = left / (fade_end - fade_start);
-        precise float doubt = 1.0 - smooth_step(u < 1.0 ? u : 1.0);
+        precise float doubt = 1.0 - nearness(squared, fade_start, fade_end);
         scratch[doubts + k] = doubt;
     }
     memoryBarrierBuffer();

@@ -9,20 +9,6 @@ fn padded(len: u32) -> u32 {
     return (len + 7u) / 8u * 8u;
 }
 
-// A kernel of a squared distance; 9, 10 and 11 are Matern 1/2, 3/2 and 5/2.
-fn kernel_value(kernel: u32, s: f32) -> f32 {
-    if kernel == 9u {
-        return exp_negative(sqrt(s));
-    }
-    let scaled = sqrt(select(5.0, 3.0, kernel == 10u) * s);
-    let a = select(EXP_MAX, scaled, scaled < EXP_MAX);
-    if kernel == 10u {
-        return (1.0 + a) * exp_negative(a);
-    }
-    // The lesser is always the square, which is thus computed before the product.
-    return (1.0 + a + min(a * a, EXP_MAX * EXP_MAX) * (1.0 / 3.0)) * exp_negative(a);
-}
-
 // e^-s - e^-s0, given e^-s0 and s - s0.
 fn gaussian_change(s: f32, gain: f32, rest: f32) -> f32 {
     if gain < 0.0 {
@@ -90,11 +76,9 @@ fn main(
         if kernel == 8u {
             scratch[basis + k] = gaussian_change(squared, gain, rest);
         } else {
-            scratch[basis + k] = kernel_value(kernel, squared) - rest;
+            scratch[basis + k] = matern(kernel, squared) - rest;
         }
-        let left = select(0.0, fade_end - squared, squared < fade_end);
-        let u = left / (fade_end - fade_start);
-        scratch[doubts + k] = 1.0 - smooth_step(select(1.0, u, u < 1.0));
+        scratch[doubts + k] = 1.0 - nearness(squared, fade_start, fade_end);
     }
     storageBarrier();
 

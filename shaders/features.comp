@@ -3,6 +3,7 @@
 // The pose features: how each joint has turned and moved against its parent. One thread a joint.
 
 #include "params.glsl"
+#include "blob.glsl"
 
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Poses {

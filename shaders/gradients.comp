@@ -4,6 +4,7 @@
 // instance.
 
 #include "params.glsl"
+#include "blob.glsl"
 #include "numeric.glsl"
 
 layout(local_size_x = 64) in;

@@ -4,6 +4,7 @@
 // transform.
 
 #include "params.glsl"
+#include "blob.glsl"
 
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Poses {

@@ -64,3 +64,23 @@ float smooth_step(float u) {
     precise float curve = u * u * u * (1.0 + v * (3.0 + v * 6.0));
     return curve < 1.0 ? curve : 1.0;
 }
+
+// How near a squared distance is: 1 up to a fade's start, 0 from its end on, a quintic step between.
+float nearness(float s, float start, float end) {
+    precise float left = s < end ? end - s : 0.0;
+    precise float u = left / (end - start);
+    return smooth_step(u < 1.0 ? u : 1.0);
+}
+
+// A Matern kernel of a squared distance, by its number: 9, 10 and 11 are 1/2, 3/2 and 5/2.
+float matern(uint kernel, float s) {
+    precise float factored = kernel == 9u ? s : (kernel == 10u ? 3.0 : 5.0) * s;
+    precise float scaled = sqrt(factored);
+    if (kernel == 9u) {
+        return exp_negative(scaled);
+    }
+    float a = scaled < EXP_MAX ? scaled : EXP_MAX;
+    precise float polynomial = kernel == 10u ? 1.0 + a : 1.0 + a + a * a * (1.0 / 3.0);
+    precise float value = polynomial * exp_negative(a);
+    return value;
+}

@@ -58,3 +58,24 @@ fn smooth_step(u: f32) -> f32 {
     let step = u * u * u * (1.0 + v * (3.0 + v * 6.0));
     return select(1.0, step, step < 1.0);
 }
+
+// How near a squared distance is: 1 up to a fade's start, 0 from its end on, a quintic step between.
+fn nearness(s: f32, start: f32, end: f32) -> f32 {
+    let left = select(0.0, end - s, s < end);
+    let u = left / (end - start);
+    return smooth_step(select(1.0, u, u < 1.0));
+}
+
+// A Matern kernel of a squared distance, by its number: 9, 10 and 11 are 1/2, 3/2 and 5/2.
+fn matern(kernel: u32, s: f32) -> f32 {
+    if kernel == 9u {
+        return exp_negative(sqrt(s));
+    }
+    let scaled = sqrt(select(5.0, 3.0, kernel == 10u) * s);
+    let a = select(EXP_MAX, scaled, scaled < EXP_MAX);
+    if kernel == 10u {
+        return (1.0 + a) * exp_negative(a);
+    }
+    // The lesser is always the square, which is thus computed before the product.
+    return (1.0 + a + min(a * a, EXP_MAX * EXP_MAX) * (1.0 / 3.0)) * exp_negative(a);
+}

@@ -3,6 +3,7 @@
 // Stage palette: gradients and relative transforms to palettes, t = c1 d + c2 q. One thread a transform.
 
 #include "params.glsl"
+#include "blob.glsl"
 
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Poses {

@@ -1,4 +1,4 @@
-// What every stage binds: where everything lies, in words of 4 bytes, and the model.
+// What the stages of an envelope and its skin are told: where everything lies, in words of 4 bytes.
 
 layout(set = 0, binding = 0, std140) uniform Params {
     // Counts: vertices of the dispatch and of the skin, then the model's.
@@ -64,27 +64,3 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint tangents_stride;
     uint tangents_instance_stride;
 } params;
-
-layout(set = 0, binding = 1, std430) readonly buffer Blob {
-    uint blob[];
-};
-
-const uint NO_JOINT = 0xffffu;
-const uint NONE = 0xffffffffu;
-
-float blob_float(uint word) {
-    return uintBitsToFloat(blob[word]);
-}
-
-vec3 blob_vec3(uint word) {
-    return vec3(blob_float(word), blob_float(word + 1u), blob_float(word + 2u));
-}
-
-vec4 blob_vec4(uint word) {
-    return uintBitsToFloat(uvec4(blob[word], blob[word + 1u], blob[word + 2u], blob[word + 3u]));
-}
-
-// A u16 of an array of them that starts at a word.
-uint blob_half(uint word, uint index) {
-    return (blob[word + index / 2u] >> (16u * (index & 1u))) & 0xffffu;
-}

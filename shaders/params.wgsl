@@ -1,4 +1,4 @@
-// What every stage binds: where everything lies, in words of 4 bytes, and the model.
+// What the stages of an envelope and its skin are told: where everything lies, in words of 4 bytes.
 
 struct Params {
     // Counts: vertices of the dispatch and of the skin, then the model's.
@@ -63,27 +63,4 @@ struct Params {
     tangents_offset: u32,
     tangents_stride: u32,
     tangents_instance_stride: u32,
-}
-
-@group(0) @binding(0) var<uniform> params: Params;
-@group(0) @binding(1) var<storage, read> blob: array<u32>;
-
-const NO_JOINT: u32 = 0xffffu;
-const NONE: u32 = 0xffffffffu;
-
-fn blob_float(word: u32) -> f32 {
-    return bitcast<f32>(blob[word]);
-}
-
-fn blob_vec3(word: u32) -> vec3<f32> {
-    return vec3<f32>(blob_float(word), blob_float(word + 1u), blob_float(word + 2u));
-}
-
-fn blob_vec4(word: u32) -> vec4<f32> {
-    return bitcast<vec4<f32>>(vec4<u32>(blob[word], blob[word + 1u], blob[word + 2u], blob[word + 3u]));
-}
-
-// A u16 of an array of them that starts at a word.
-fn blob_half(word: u32, index: u32) -> u32 {
-    return (blob[word + index / 2u] >> (16u * (index & 1u))) & 0xffffu;
 }

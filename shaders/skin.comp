@@ -3,6 +3,7 @@
 // Stage skin: palettes to positions, normals and tangents. One thread a vertex.
 
 #include "params.glsl"
+#include "blob.glsl"
 
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Palettes {

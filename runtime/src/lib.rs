@@ -16,6 +16,7 @@ pub mod format;
 #[cfg(feature = "kernel")]
 pub mod kernel;
 
+mod lanes;
 mod limits;
 mod linear;
 mod model;

@@ -3,6 +3,8 @@
 //! Loops run over zipped rows and not over indices: optimised for size, an index keeps its check,
 //! and with it a panic that firmware would have to hold.
 
+use crate::lanes::{Eight, Lanes};
+
 /// A rigid or affine transform as three rows of four: `y[r] = m[r][0..3] . x + m[r][3]`.
 pub type Matrix3x4 = [[f32; 4]; 3];
 
@@ -107,13 +109,13 @@ pub(crate) fn compose(a: &Matrix3x4, [x, y, z]: &Matrix3x4) -> Matrix3x4 {
 ///
 /// `block` holds 8 coefficients a column, `input` three coordinates a column, `sums[r][i]` is row
 /// i's coordinate r. Each sum takes its columns in order, whatever the SIMD width.
-pub(crate) fn add_block_product(sums: &mut [[f32; 8]; 3], block: &[[Le; 8]], input: &[[f32; 3]]) {
+pub(crate) fn add_block_product(sums: &mut [Lanes; 3], block: &[[Le; 8]], input: &[[f32; 3]]) {
     let mut local = *sums;
     for (coefficients, x) in block.iter().zip(input) {
-        let coefficients = floats(coefficients);
+        let coefficients = Lanes::read(coefficients);
         for (sum, x) in local.iter_mut().zip(x) {
             for (sum, coefficient) in sum.iter_mut().zip(coefficients) {
-                *sum += coefficient * x;
+                *sum += coefficient * *x;
             }
         }
     }
@@ -134,22 +136,22 @@ pub(crate) fn block_product(matrix: &[[Le; 8]], parts: [&[f32]; 2], out: &mut [[
         let b = blocks.next().unwrap_or(a);
         let cut = first.len().min(a.len()).min(b.len());
         let ((a0, a1), (b0, b1)) = (a.split_at(cut), b.split_at(cut));
-        let mut sums = [[0.0; 8]; 2];
+        let mut sums = [Lanes::default(); 2];
         add_products(&mut sums, [a0, b0], first);
         add_products(&mut sums, [a1, b1], second);
-        out.iter_mut().zip(sums).for_each(|(out, sums)| *out = sums);
+        out.iter_mut().zip(sums).for_each(|(out, sums)| *out = *sums.floats());
     }
 }
 
 #[inline(always)]
-fn add_products(sums: &mut [[f32; 8]; 2], [a, b]: [&[[Le; 8]]; 2], input: &[f32]) {
+fn add_products(sums: &mut [Lanes; 2], [a, b]: [&[[Le; 8]]; 2], input: &[f32]) {
     let [mut sums_a, mut sums_b] = *sums;
     for ((a, b), x) in a.iter().zip(b).zip(input) {
-        for (sum, coefficient) in sums_a.iter_mut().zip(floats(a)) {
-            *sum += coefficient * x;
+        for (sum, coefficient) in sums_a.iter_mut().zip(Lanes::read(a)) {
+            *sum += coefficient * *x;
         }
-        for (sum, coefficient) in sums_b.iter_mut().zip(floats(b)) {
-            *sum += coefficient * x;
+        for (sum, coefficient) in sums_b.iter_mut().zip(Lanes::read(b)) {
+            *sum += coefficient * *x;
         }
     }
     *sums = [sums_a, sums_b];
@@ -160,8 +162,8 @@ fn add_products(sums: &mut [[f32; 8]; 2], [a, b]: [&[[Le; 8]]; 2], input: &[f32]
 /// short.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Distances {
-    pub(crate) squared: [f32; 8],
-    pub(crate) gain: [f32; 8],
+    pub(crate) squared: Lanes,
+    pub(crate) gain: Lanes,
 }
 
 /// Computes the distances of a point from points in blocks of 8, coordinate by coordinate, and
@@ -174,8 +176,8 @@ pub(crate) fn block_distances(points: &[[Le; 8]], from: &[f32], mut each: impl F
         let second = blocks.next();
         let [mut sums_a, mut sums_b] = [Distances::default(); 2];
         for ((a, b), &x) in a.iter().zip(second.unwrap_or(a)).zip(from) {
-            sums_a.add(x, floats(a));
-            sums_b.add(x, floats(b));
+            sums_a.add(x, Lanes::read(a));
+            sums_b.add(x, Lanes::read(b));
         }
         each(sums_a);
         if second.is_some() {
@@ -186,22 +188,13 @@ pub(crate) fn block_distances(points: &[[Le; 8]], from: &[f32], mut each: impl F
 
 impl Distances {
     #[inline(always)]
-    fn add(&mut self, x: f32, t: [f32; 8]) {
+    fn add(&mut self, x: f32, t: Lanes) {
         for ((squared, gain), t) in self.squared.iter_mut().zip(&mut self.gain).zip(t) {
             let apart = x - t;
             *squared += apart * apart;
             *gain += x * (apart - t);
         }
     }
-}
-
-/// Does the same in every lane; a plain loop, which vectorises where `array::map` does not.
-#[inline(always)]
-pub(crate) fn in_lanes<const N: usize>(mut x: [f32; N], f: impl Fn(f32) -> f32) -> [f32; N] {
-    for x in &mut x {
-        *x = f(*x);
-    }
-    x
 }
 
 /// Returns a number of rows rounded up to whole blocks of 8.

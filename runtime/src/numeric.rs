@@ -3,24 +3,26 @@
 //! Coefficients are minimax fits of relative error, rounded to f32; Horner's scheme, no fused
 //! multiply-add. The tests hold the bounds that the comments state.
 
+use crate::lanes::{ROUND, Real};
+
 /// Returns the correctly rounded square root of `x >= 0`.
 #[inline]
-pub(crate) fn sqrt(x: f32) -> f32 {
-    libm::sqrtf(x)
+pub(crate) fn sqrt<R: Real>(x: R) -> R {
+    x.square_root()
 }
 
 /// Returns the lesser of two numbers; `a` where they are equal, or `b` is not a number.
 ///
 /// `f32::min` may return either of two zeros, and does so differently on different CPUs.
 #[inline(always)]
-pub(crate) fn lesser(a: f32, b: f32) -> f32 {
-    if b < a { b } else { a }
+pub(crate) fn lesser<R: Real>(a: R, b: R) -> R {
+    b.where_less(a, || b, || a)
 }
 
 /// Returns the greater of two numbers; `a` where they are equal, or `b` is not a number.
 #[inline(always)]
-pub(crate) fn greater(a: f32, b: f32) -> f32 {
-    if b > a { b } else { a }
+pub(crate) fn greater<R: Real>(a: R, b: R) -> R {
+    a.where_less(b, || b, || a)
 }
 
 /// Returns the two numbers of half precision in a word, the lower half's first; each is normal, or 0.
@@ -78,73 +80,66 @@ pub(crate) const EXP_MAX: f32 = 87.0;
 /// Returns `e^-a` of `a >= 0`: 1 at 0, and from [`EXP_MAX`] on 1.6e-38, also where `a` is not a
 /// number.
 ///
-/// Error: 1 ULP. Without branches and in integer steps that GLSL and WGSL have; lanes vectorise. On bare
-/// targets it is one function: its copies made 2 kB.
+/// Error: 1 ULP. Without branches and in integer steps that GLSL and WGSL have. On bare targets it is one
+/// function: its copies made 2 kB.
 #[cfg_attr(not(target_os = "none"), inline(always))]
 #[cfg_attr(target_os = "none", inline(never))]
-pub(crate) fn exp_negative(a: f32) -> f32 {
-    // 1.5 * 2^23: its last place is 1, so that adding it rounds to a whole number.
-    const ROUND: f32 = 12_582_912.0;
-    let a = if a < EXP_MAX { a } else { EXP_MAX };
-    let rounded = ROUND - a * core::f32::consts::LOG2_E;
+pub(crate) fn exp_negative<R: Real>(a: R) -> R {
+    let a = lesser(R::from(EXP_MAX), a);
+    let rounded = R::from(ROUND) - a * core::f32::consts::LOG2_E;
     let k = rounded - ROUND;
     let r = (-a - k * LN_2_0) - k * LN_2_1;
-    let tail = 0.041_668_266 + r * (8.368_684e-3 + r * 1.382_094_7e-3);
-    let power = 1.0 + (r + r * r * (0.499_999_94 + r * (0.166_665_21 + r * tail)));
-    // k lies in the last bits; all that is not its exponent is shifted out.
-    power * f32::from_bits((rounded.to_bits() << 23).wrapping_add(1.0f32.to_bits()))
+    let tail = r * (r * 1.382_094_7e-3 + 8.368_684e-3) + 0.041_668_266;
+    let power = (r * r * (r * (r * tail + 0.166_665_21) + 0.499_999_94) + r) + 1.0;
+    power * rounded.power_of_two()
 }
 
 /// Returns `1 - e^-a` of `a >= 0`, to its last places also where a is small.
 ///
 /// Error: 2 ULP.
 #[inline(always)]
-pub(crate) fn one_minus_exp_negative(a: f32) -> f32 {
+pub(crate) fn one_minus_exp_negative<R: Real>(a: R) -> R {
     // Beyond ln 2 the difference from 1 loses nothing.
-    let tail = -0.041_661_285 + a * (8.311_225e-3 + a * (-1.341_553e-3 + a * 1.465_846_3e-4));
-    let near = a + a * a * (-0.499_999_97 + a * (0.166_666_03 + a * tail));
-    if a < core::f32::consts::LN_2 { near } else { 1.0 - exp_negative(a) }
+    let tail = a * (a * (a * 1.465_846_3e-4 - 1.341_553e-3) + 8.311_225e-3) - 0.041_661_285;
+    let near = a * a * (a * (a * tail + 0.166_666_03) - 0.499_999_97) + a;
+    a.where_less(R::from(core::f32::consts::LN_2), || near, || R::from(1.0) - exp_negative(a))
 }
 
 /// Returns the natural logarithm of `x >= 0`; below the least normal number, that number's.
 ///
 /// Error: 1 ULP, also near 1, where it is small. Without branches and in integer steps that GLSL and WGSL
-/// have; lanes vectorise.
+/// have.
 #[cfg(feature = "kernel")]
 #[cfg_attr(not(target_os = "none"), inline(always))]
 #[cfg_attr(target_os = "none", inline(never))]
-pub(crate) fn ln(x: f32) -> f32 {
-    // Of the bits of √(1/2), and of a number's exponent: mantissas lie within √(1/2) and √2.
-    const ROOT_HALF: i32 = 0x3f35_04f3;
-    const EXPONENT: i32 = 23;
-    let bits = greater(x, f32::MIN_POSITIVE).to_bits() as i32;
-    let k = (bits - ROOT_HALF) >> EXPONENT;
-    let f = f32::from_bits((bits - (k << EXPONENT)) as u32) - 1.0;
-    let k = k as f32;
+pub(crate) fn ln<R: Real>(x: R) -> R {
+    let (k, mantissa) = greater(x, R::from(f32::MIN_POSITIVE)).exponent_and_mantissa();
+    let f = mantissa - 1.0;
     let square = f * f;
-    let tail = 0.142_015_86 + f * (-0.131_595_98 + f * (0.127_621_43 + f * -0.076_363_62));
-    let middle = -0.250_008_2 + f * (0.200_012_42 + f * (-0.166_234_1 + f * tail));
-    let curve = square * f * (0.333_333_3 + f * middle) - 0.5 * square;
+    let tail = f * (f * (f * -0.076_363_62 + 0.127_621_43) - 0.131_595_98) + 0.142_015_86;
+    let middle = f * (f * (f * tail - 0.166_234_1) + 0.200_012_42) - 0.250_008_2;
+    let curve = square * f * (f * middle + 0.333_333_3) - square * 0.5;
     (f + (curve + k * LN_2_1)) + k * LN_2_0
 }
 
 /// Returns how near a squared distance is, in [0, 1]: 1 up to a fade's start, 0 from its end on, a quintic
 /// step between (METHOD §2.6). What is not a number is far.
 #[inline(always)]
-pub(crate) fn nearness(s: f32, (start, end): (f32, f32)) -> f32 {
-    let left = if s < end { end - s } else { 0.0 };
-    let u = left / (end - start);
-    smoothstep(if u < 1.0 { u } else { 1.0 })
+pub(crate) fn nearness<R: Real>(s: R, (start, end): (f32, f32)) -> R {
+    let last = R::from(end);
+    let left = s.where_less(last, || last - s, || R::from(0.0));
+    let u = left / R::from(end - start);
+    smoothstep(lesser(R::from(1.0), u))
 }
 
 /// Returns `u³ (10 - 15 u + 6 u²)` of `0 <= u <= 1`, in [0, 1]: 0 at 0, 1 at 1, flat at both.
 ///
 /// Written in v = 1 - u, where no term is negative. Error: 4e-7 of the value.
 #[inline(always)]
-pub(crate) fn smoothstep(u: f32) -> f32 {
-    let v = 1.0 - u;
-    let step = u * u * u * (1.0 + v * (3.0 + v * 6.0));
-    if step < 1.0 { step } else { 1.0 }
+pub(crate) fn smoothstep<R: Real>(u: R) -> R {
+    let v = R::from(1.0) - u;
+    let step = u * u * u * (v * (v * 6.0 + 3.0) + 1.0);
+    lesser(R::from(1.0), step)
 }
 
 /// Returns the arc tangent of `0 <= z <= 1`.
@@ -208,7 +203,7 @@ mod tests {
             worst = worst.max(ulps(one_minus_exp_negative(a), -f64::from(-a).exp_m1()));
         }
         assert!(worst <= 2.0 && worst > 0.4, "{worst}");
-        assert_eq!(one_minus_exp_negative(0.0), 0.0);
+        assert_eq!(one_minus_exp_negative(0.0f32), 0.0);
         assert_eq!(one_minus_exp_negative(f32::INFINITY), 1.0);
     }
 
@@ -255,8 +250,8 @@ mod tests {
             far = far.max(ulps(ln(x), f64::from(x).ln()));
         }
         assert!(near <= 1.0 && far <= 1.0 && near > 0.4 && far > 0.4, "{near} {far}");
-        assert_eq!(ln(1.0), 0.0);
-        assert_eq!([0.0, -0.0, 1e-45].map(ln), [ln(f32::MIN_POSITIVE); 3]);
+        assert_eq!(ln(1.0f32), 0.0);
+        assert_eq!([0.0f32, -0.0, 1e-45].map(ln), [ln(f32::MIN_POSITIVE); 3]);
         assert!([f32::INFINITY, f32::NAN].map(ln).iter().all(|x| x.is_finite()));
     }
 
@@ -270,7 +265,7 @@ mod tests {
 
     #[test]
     fn the_step_is_exact_at_its_ends_and_never_leaves_them() {
-        assert_eq!([0.0, 0.5, 1.0].map(smoothstep), [0.0, 0.5, 1.0]);
+        assert_eq!([0.0f32, 0.5, 1.0].map(smoothstep), [0.0, 0.5, 1.0]);
         for u in dense(1e-12, 1.0, 31) {
             let x = f64::from(u);
             let exact = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
@@ -282,13 +277,13 @@ mod tests {
 
     #[test]
     fn of_two_zeros_the_first_is_taken() {
-        for f in [lesser, greater] {
+        for f in [lesser::<f32>, greater] {
             assert_eq!(f(0.0, -0.0).to_bits(), 0.0f32.to_bits());
             assert_eq!(f(-0.0, 0.0).to_bits(), (-0.0f32).to_bits());
             assert_eq!(f(1.0, f32::NAN), 1.0);
         }
-        assert_eq!([lesser(1.0, 2.0), lesser(2.0, 1.0)], [1.0; 2]);
-        assert_eq!([greater(1.0, 2.0), greater(2.0, 1.0)], [2.0; 2]);
+        assert_eq!([lesser(1.0, 2.0), lesser(2.0, 1.0)], [1.0f32; 2]);
+        assert_eq!([greater(1.0, 2.0), greater(2.0, 1.0)], [2.0f32; 2]);
     }
 
     #[test]

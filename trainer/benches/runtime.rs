@@ -1,6 +1,7 @@
 //! Prints what evaluation costs beside plain skinning: `cargo bench -p sinew-trainer --bench
-//! runtime`; and what positions and normals cost of the models whose files follow: `-- MODEL.snw ...`.
-//! One core; medians of runs taken in turn, so that ratios hold on a busy machine.
+//! runtime`, and with `RUSTFLAGS="-C target-cpu=x86-64-v3"` on wider registers. One core; medians of
+//! runs taken in turn, so that ratios hold on a busy machine. Sets that are not in `../shared/data` are
+//! named and left out.
 //!
 //! Plain skinning is the same skin stage with the character's joints for a palette, and a loop as
 //! an engine without SIMD would write it.
@@ -9,47 +10,33 @@ use faer::Mat;
 use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::{CallError, Matrix3x4, Model, Skin, SkinJob};
+use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin, SkinJob};
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
-use sinew_trainer::examples::Skeleton;
+use sinew_trainer::examples::{Examples, Skeleton, Split, npz};
 use sinew_trainer::kernel::map::{Fade, KernelMap};
 use sinew_trainer::progress::Silent;
 use std::error::Error;
 use std::hint::black_box;
+use std::path::Path;
 use std::time::Instant;
 
 const RUNS: usize = 201;
 
+/// Sets whose kernel maps and skins are timed, and their proxies.
+const SETS: [(&str, &str, usize); 2] =
+    [("mpfb-arm", "mpfb-arm/mpfb_arm.npz", 40), ("mpfb-body", "mpfb-body/mpfb_body.npz", 60)];
+
 fn main() -> Result<(), Box<dyn Error>> {
-    let files = std::env::args().skip(1).filter(|argument| !argument.starts_with("--"));
-    let files: Vec<String> = files.collect();
-    if !files.is_empty() {
-        return files.iter().try_for_each(|file| skins(file));
-    }
     let examples =
         demo(&DemoOptions { vertices: 10_000, poses: 60, held_out: 10, ..DemoOptions::default() });
-    let options = Options {
-        predictor: Predict::Only(Predictor::Rotational),
-        proxies: Some(ProxyCount::Fixed(40)),
-        ..Options::default()
-    };
-    // On a thread of its own: the training's wide registers, left in use, would halve the speed of
-    // all that this thread measures after it.
-    let trained = std::thread::scope(|scope| {
-        scope
-            .spawn(|| train(&examples, &options, &Silent))
-            .join()
-            .map_err(|_| "the training panicked")
-    })??;
-    let model = Model::from_bytes(&trained.model)?;
+    let model = Model::from_bytes(trained(&examples, Predictor::Rotational, 40)?)?;
     let envelope = model.envelope().ok_or("no envelope")?;
     let skin = model.skin().ok_or("no skin")?;
     let vertices = skin.vertex_len();
-    let pose: Vec<Matrix3x4> =
-        examples.pose(65).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect();
+    let pose = posed(&examples, 65);
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     envelope.palette(&pose, &mut scratch, &mut palette)?;
@@ -106,6 +93,20 @@ fn main() -> Result<(), Box<dyn Error>> {
             1e6 * correct(kernel)?
         );
     }
+    for (name, file, proxies) in SETS {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(file);
+        if path.exists() {
+            let examples = npz::load(&path)?.examples;
+            let model = Model::from_bytes(trained(&examples, Predictor::Kernel, proxies)?)?;
+            let envelope = model.envelope().ok_or("no envelope")?;
+            let frame = *examples.frames_of(Split::HeldOut).first().ok_or("nothing held out")?;
+            let seconds = palette_seconds(&envelope, &posed(&examples, frame))?;
+            println!("kernel, {name}, P {proxies:<9}{:>8.2} µs a character", 1e6 * seconds);
+            skins(&model)?;
+        } else {
+            println!("{name}: not found in ../shared/data");
+        }
+    }
     println!("skin positions             {:>8.2} ns a vertex", per_vertex(skinning));
     println!("skin positions and normals {:>8.2} ns a vertex", per_vertex(normals));
     println!("with normals / without     {:>8.2}", normals / skinning);
@@ -115,9 +116,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints what the skins of a file cost at rest: no number depends on the pose.
-fn skins(file: &str) -> Result<(), Box<dyn Error>> {
-    let model = Model::from_bytes(std::fs::read(file)?)?;
+/// Prints what the skins of a model cost at rest: no number depends on the pose.
+fn skins(model: &Model<Vec<u8>>) -> Result<(), Box<dyn Error>> {
     for skin in model.skins() {
         let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
         let palette = vec![identity; skin.palette_len()];
@@ -139,7 +139,7 @@ fn skins(file: &str) -> Result<(), Box<dyn Error>> {
         let per_vertex = |seconds: f64| 1e9 * seconds / vertices as f64;
         let way = if skin.has_coefficients() { "tangent coefficients" } else { "cofactors" };
         let (name, k) = (skin.name(), skin.influence_len());
-        println!("{file}, {name}: {vertices} vertices, {k} influences, normals by {way}");
+        println!("{name}: {vertices} vertices, {k} influences, normals by {way}");
         println!("skin positions             {:>8.2} ns a vertex", per_vertex(alone));
         println!("skin positions and normals {:>8.2} ns a vertex", per_vertex(both));
         println!("with normals / without     {:>8.2}", both / alone);
@@ -164,6 +164,32 @@ fn positions_and_normals(
         tangents: None,
     }
     .run()
+}
+
+/// Trains a model, and returns its file.
+fn trained(
+    examples: &Examples,
+    predictor: Predictor,
+    proxies: usize,
+) -> Result<Vec<u8>, Box<dyn Error>> {
+    let options = Options {
+        predictor: Predict::Only(predictor),
+        proxies: Some(ProxyCount::Fixed(proxies)),
+        ..Options::default()
+    };
+    // On a thread of its own: the training's wide registers, left in use, would halve the speed of
+    // all that this thread measures after it.
+    let trained = std::thread::scope(|scope| {
+        scope
+            .spawn(|| train(examples, &options, &Silent))
+            .join()
+            .map_err(|_| "the training panicked")
+    })??;
+    Ok(trained.model)
+}
+
+fn posed(examples: &Examples, frame: usize) -> Vec<Matrix3x4> {
+    examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect()
 }
 
 /// Seconds from pose to palette of 20 joints and 40 helpers in 10 groups, each of 45 inputs, 64
@@ -209,13 +235,18 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
         [[cos, -sin, 0.0, 0.1], [sin, cos, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
     };
     let pose: Vec<Matrix3x4> = (0..joints).map(turned).collect();
+    palette_seconds(&envelope, &pose)
+}
+
+/// Seconds from pose to palette of an envelope with kernel maps.
+fn palette_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box<dyn Error>> {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     let mut seconds = Vec::new();
     for _ in 0..RUNS {
         seconds.push(timed(|| {
             for _ in 0..16 {
-                let confidence = envelope.palette(black_box(&pose), &mut scratch, &mut palette)?;
+                let confidence = envelope.palette(black_box(pose), &mut scratch, &mut palette)?;
                 assert!(confidence > 0.0, "the maps run");
             }
             Ok(())

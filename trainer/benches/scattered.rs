@@ -1,27 +1,42 @@
-//! Prints how long fits of scattered data take: 2,000 samples, 10 inputs, 100 values, on one thread; the
-//! least of five runs.
+//! Prints how long scattered data takes on one thread: fits of 2,000 samples, 10 inputs and 100 values, and
+//! queries of baked functions; the least of five runs.
 //!
-//! `cargo bench -p sinew-trainer --bench scattered`. SciPy's time beside it:
+//! `cargo bench -p sinew-trainer --bench scattered`. SciPy's times beside it:
 //!
 //! ```text
 //! OPENBLAS_NUM_THREADS=1 python -c "
 //! import numpy as np, time; from scipy.interpolate import RBFInterpolator as R
-//! g = np.random.default_rng(0); x = g.uniform(-1, 1, (2000, 10)); y = np.sin(x @ g.normal(size=(10, 100)))
-//! def t(k):
-//!     a = time.perf_counter(); R(x, y, kernel=k, epsilon=0.4); return time.perf_counter() - a
-//! for k in ['gaussian', 'thin_plate_spline']: print(k, min(t(k) for _ in range(5)))"
+//! g = np.random.default_rng(0)
+//! def least(f):
+//!     def t(): a = time.perf_counter(); f(); return time.perf_counter() - a
+//!     return min(t() for _ in range(5))
+//! def samples(n, d, m): x = g.uniform(-1, 1, (n, d)); return x, np.sin(x @ g.normal(size=(d, m)))
+//! for k in ['gaussian', 'thin_plate_spline']:
+//!     x, y = samples(2000, 10, 100)
+//!     print(k, 'fit, s', least(lambda: R(x, y, kernel=k, epsilon=0.4)))
+//!     for n, d, m in [(200, 3, 3), (64, 27, 480)]:
+//!         x, y = samples(n, d, m); f = R(x, y, kernel=k, epsilon=1, degree=1); q = g.uniform(-1, 1, (100000, d))
+//!         print(k, n, d, m, 'a query, us', 1e6 * least(lambda: f(q)) / 100000)"
 //! ```
 
+use anyhow::Context;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use sinew_runtime::Model;
+use sinew_runtime::format::Space;
 use sinew_runtime::kernel::Kernel;
+use sinew_trainer::bake::bake;
+use sinew_trainer::kernel::bake::part;
+use sinew_trainer::kernel::model::{Input, InputKind, Output, OutputKind};
+use sinew_trainer::kernel::problem::{Problem, ProblemOptions};
 use sinew_trainer::kernel::scattered::error::KernelError;
 use sinew_trainer::kernel::scattered::fit::Fit;
 use sinew_trainer::kernel::scattered::options::Options;
 use sinew_trainer::kernel::scattered::report::FitReport;
 use sinew_trainer::kernel::scattered::samples::{Conflicts, Samples};
 use sinew_trainer::kernel::scattered::scaling::Block;
+use sinew_trainer::kernel::train::train;
 use std::time::{Duration, Instant};
 
 const SAMPLES: usize = 2000;
@@ -29,7 +44,71 @@ const INPUTS: usize = 10;
 const VALUES: usize = 100;
 const RUNS: usize = 5;
 
-fn main() -> Result<(), KernelError> {
+/// Samples, inputs and values of functions that are asked.
+const ASKED: [[usize; 3]; 2] = [[200, 3, 3], [64, 27, 480]];
+const QUERIES: usize = 100_000;
+
+fn main() -> anyhow::Result<()> {
+    fits()?;
+    for sizes in ASKED {
+        for kernel in [Kernel::Gaussian, Kernel::ThinPlate] {
+            queries(kernel, sizes)?;
+        }
+    }
+    Ok(())
+}
+
+/// Prints how long a baked function takes for a query.
+fn queries(kernel: Kernel, [n, d, m]: [usize; 3]) -> anyhow::Result<()> {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut row = || (0..d).map(|_| 2.0 * random.random::<f64>() - 1.0).collect::<Vec<f64>>();
+    let sites: Vec<Vec<f64>> = (0..n).map(|_| row()).collect();
+    let value = |site: &Vec<f64>, o: usize| {
+        let wave = |(i, x): (usize, &f64)| x * (1.0 + i as f64 + 0.37 * o as f64).sin();
+        site.iter().enumerate().map(wave).sum::<f64>().sin()
+    };
+    let free = OutputKind::Scalar {
+        low: f64::from(f32::MIN),
+        high: f64::from(f32::MAX),
+        normalised: false,
+        neutral: 0.0,
+    };
+    let problem = Problem {
+        name: "asked".to_owned(),
+        inputs: (0..d)
+            .map(|i| Input { name: format!("x{i}"), kind: InputKind::Scalar, weight: 1.0 })
+            .collect(),
+        outputs: (0..m).map(|o| Output { name: format!("y{o}"), kind: free }).collect(),
+        values: sites.iter().map(|site| (0..m).map(|o| value(site, o)).collect()).collect(),
+        sites,
+        options: ProblemOptions {
+            kernel: Some(kernel.name().to_owned()),
+            epsilon: Some(4.0),
+            degree: Some(1),
+            ..ProblemOptions::default()
+        },
+    };
+    let model = train(&problem, false)?.model;
+    let file = Model::from_bytes(bake(Space::default(), &[part(&model)?])?)?;
+    let map = file.kernel().context("the file has no function")?;
+    let points: Vec<f32> = (0..QUERIES).flat_map(|_| row()).map(|x| x as f32).collect();
+    let mut scratch = vec![0.0; map.counts().scratch_len()];
+    let mut out = vec![0.0; map.result_len()];
+    let mut shortest = f64::INFINITY;
+    for _ in 0..RUNS {
+        let start = Instant::now();
+        for point in points.chunks(d) {
+            map.evaluate(point, &mut scratch, &mut out)?;
+        }
+        shortest = shortest.min(start.elapsed().as_secs_f64());
+    }
+    let each = 1e6 * shortest / QUERIES as f64;
+    println!("{}, {n} samples, {d} inputs, {m} values: a query {each:.2} us", kernel.name());
+    Ok(())
+}
+
+/// Prints how long fits take, and their reports.
+fn fits() -> Result<(), KernelError> {
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut uniform = |rows: usize, columns: usize| {
         Mat::from_fn(rows, columns, |_, _| 2.0 * random.random::<f64>() - 1.0)

@@ -18,8 +18,11 @@ pub(crate) const INSTANCES: usize = 6;
 const COLUMNS: usize = 3;
 /// The host's shader after the block and the blob that every stage of ours binds, which it reads too:
 /// entry points `vertex` and `fragment`, group 0: params, blob, palettes, camera.
-pub(crate) const SHADER: &str =
-    concat!(include_str!("../../../shaders/params.wgsl"), include_str!("host.wgsl"));
+pub(crate) const SHADER: &str = concat!(
+    include_str!("../../../shaders/params.wgsl"),
+    include_str!("../../../shaders/blob.wgsl"),
+    include_str!("host.wgsl")
+);
 /// Where the camera is; the shader's highlights reckon with it too.
 const EYE: [f32; 3] = [1.18, 4.35, 2.75];
 /// The background, linear.

@@ -19,10 +19,10 @@ pub enum LayoutError {
         /// Instances asked for.
         found: usize,
     },
-    /// The envelope or the skin is of another file than the model.
+    /// The part is of another file than the model.
     #[error("the {} is of another file than the model", .part.name())]
     OtherFile {
-        /// Which of the two.
+        /// Which part: an envelope, a skin or a kernel.
         part: PartKind,
     },
     /// The skin does not follow the envelope.

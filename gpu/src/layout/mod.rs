@@ -2,9 +2,10 @@
 //! another wgpu, on Metal or on WebGPU proper can drive the shaders with this module alone.
 //!
 //! 1. Upload [`sinew_runtime::Model::blob`] as it is: [`Resource::Blob`].
-//! 2. Say in a [`Batch`] how many instances there are and where their arrays lie; [`Plan::new`]
-//!    checks that, cuts it where a binding or a dispatch would be too large, and gives the bytes that
-//!    each [`Resource`] needs and the content of [`Resource::Params`].
+//! 2. Say in a [`Batch`] how many instances of an envelope there are, or in a [`KernelBatch`] how many
+//!    queries of a kernel, and where their arrays lie; [`Plan::new`] or [`Plan::of_kernel`] checks that,
+//!    cuts it where a binding or a dispatch would be too large, and gives the bytes that each
+//!    [`Resource`] needs and the content of [`Resource::Params`].
 //! 3. Make a pipeline of each of [`Plan::stages`], entry point `main`, bound as [`Stage::bindings`]
 //!    lists.
 //! 4. Each frame, for each stage and each of [`Plan::chunks`]: bind [`Chunk::bound`] and dispatch
@@ -12,21 +13,27 @@
 //!
 //! A dispatch's x counts the workgroups of one instance and its y the instances, so that every instance
 //! starts at a workgroup, and nothing is ever written for one that is not asked for.
+//!
+//! Of a kernel, outputs and the confidence are computed here; its Jacobian and its variance on a CPU alone.
 
-mod batch;
-mod check;
+mod array;
 mod chunk;
+mod demand;
+mod envelope;
 mod error;
 mod extents;
+mod kernel;
 mod limits;
 mod params;
 mod plan;
 mod resource;
 mod stage;
 
-pub use batch::{Array, Attribute, Batch, Rest, SkinBatch};
+pub use array::Array;
 pub use chunk::{Chunk, Param, Span};
+pub use envelope::{Attribute, Batch, Rest, SkinBatch};
 pub use error::LayoutError;
+pub use kernel::KernelBatch;
 pub use limits::DeviceLimits;
 pub use plan::Plan;
 pub use resource::{ALIGNMENT, Resource};

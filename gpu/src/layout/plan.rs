@@ -1,16 +1,14 @@
 //! A batch that has been checked, and cut where a binding or a dispatch would be too large.
 
-use super::batch::Batch;
-use super::check::check;
 use super::chunk::{Chunk, Span};
+use super::demand::Demand;
+use super::envelope::{self, Batch};
 use super::error::LayoutError;
-use super::extents::Extents;
+use super::kernel::{self, KernelBatch};
 use super::limits::DeviceLimits;
-use super::params::Parts;
 use super::resource::{ALIGNMENT, Resource};
 use super::stage::Stage;
-use sinew_runtime::envelope::ScratchLayout;
-use sinew_runtime::{Envelope, Model};
+use sinew_runtime::{Envelope, KernelMap, Model};
 use std::ops::Range;
 
 /// So many words are [`ALIGNMENT`] bytes.
@@ -46,33 +44,52 @@ impl Plan {
         limits: &DeviceLimits,
     ) -> Result<Self, LayoutError> {
         limits.check()?;
-        let skin = check(model, envelope, batch)?;
-        let stages = stages(envelope, batch, limits)?;
-        let scratch = ScratchLayout::at_once(envelope);
-        let blob_bytes = model.blob().len() as u64;
-        let extents = Extents { envelope, skin, batch, scratch, blob_bytes };
-        let parts = Parts { model, envelope, skin, scratch };
+        Self::cut(&envelope::demand(model, envelope, batch)?, limits)
+    }
+
+    /// Checks a batch of a model's kernel against itself and a device, and cuts it.
+    ///
+    /// # Errors
+    /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the shaders.
+    /// - [`LayoutError::OtherFile`]: the kernel is not the model's.
+    /// - [`LayoutError::NoInstances`]
+    /// - [`LayoutError::Stride`]: outputs or confidences overlap themselves.
+    /// - [`LayoutError::Binding`]: the model, or one instance, is too large for the device.
+    pub fn of_kernel(
+        model: &Model<impl AsRef<[u8]>>,
+        kernel: &KernelMap<'_>,
+        batch: &KernelBatch,
+        limits: &DeviceLimits,
+    ) -> Result<Self, LayoutError> {
+        limits.check()?;
+        Self::cut(&kernel::demand(model, kernel, batch)?, limits)
+    }
+
+    /// Cuts a batch.
+    fn cut(demand: &Demand, limits: &DeviceLimits) -> Result<Self, LayoutError> {
+        let stages = demand.dispatched(limits)?;
+        let instance_len = demand.instance_len;
         let (mut chunks, mut start) = (Vec::new(), 0);
-        while start < batch.instance_len {
+        while start < instance_len {
             // One instance must fit; the most that do are found by halving.
-            extents.check(start..start + 1, limits)?;
-            let all = batch.instance_len.min(start.saturating_add(limits.workgroups as usize));
+            demand.check_spans(start..start + 1, limits)?;
+            let all = instance_len.min(start.saturating_add(limits.workgroups as usize));
             let (mut most, mut beyond) = (start + 1, all + 1);
             while beyond - most > 1 {
                 let middle = most + (beyond - most) / 2;
-                let fits = extents.check(start..middle, limits).is_ok();
+                let fits = demand.check_spans(start..middle, limits).is_ok();
                 *(if fits { &mut most } else { &mut beyond }) = middle;
             }
             // Arrays without gaps are then cut where a span may start, so that no two spans meet.
-            if most < batch.instance_len && most - start > ALIGNED {
+            if most < instance_len && most - start > ALIGNED {
                 most -= (most - start) % ALIGNED;
             }
-            let spans = extents.spans(start..most, chunks.len());
-            let params = parts.params(batch, start, &spans);
+            let spans = demand.spans(start..most, chunks.len());
+            let params = demand.params(start, &spans);
             chunks.push(Chunk { instances: start..most, spans, params });
             start = most;
         }
-        Ok(Self { instance_len: batch.instance_len, stages, chunks })
+        Ok(Self { instance_len, stages, chunks })
     }
 
     /// Returns how many instances there is room for.
@@ -182,32 +199,4 @@ impl Plan {
         let mut bindings = self.stages().flat_map(Stage::bindings);
         bindings.any(|own| own.resource == resource && own.writable)
     }
-}
-
-/// Lists the stages of a batch with the workgroups of one instance.
-fn stages(
-    envelope: &Envelope<'_>,
-    batch: &Batch,
-    limits: &DeviceLimits,
-) -> Result<Vec<(Stage, u32)>, LayoutError> {
-    let predictor = envelope.predictor();
-    let vertex_len = batch.skin.as_ref().map_or(0, |skin| skin.vertices.len());
-    let has = |stage: &Stage| match stage {
-        Stage::Gradients | Stage::Palette => predictor.reconstructs(),
-        Stage::Joints => !predictor.reconstructs(),
-        Stage::Features => predictor.corrects() && envelope.group_len() > 0,
-        Stage::Correction => predictor.corrects(),
-        Stage::Confidence => batch.confidences.is_some(),
-        Stage::Skin => true,
-    };
-    let mut stages = Vec::new();
-    for stage in Stage::ALL.into_iter().filter(has) {
-        let (limit, found) = (limits.workgroups, stage.workgroups(envelope, vertex_len));
-        match u32::try_from(found) {
-            Ok(0) => {}
-            Ok(workgroups) if workgroups <= limit => stages.push((stage, workgroups)),
-            _ => return Err(LayoutError::Workgroups { stage, limit: limit.into(), found }),
-        }
-    }
-    Ok(stages)
 }

@@ -13,7 +13,9 @@ pub enum Resource {
     Blob,
     /// J skinning matrices an instance, 3x4 rows, rest to posed, in model space. Written each frame.
     Poses,
-    /// What stages hand to each other. Never read or written by the host.
+    /// The numbers of a kernel's query, an instance after the other. Written each frame.
+    Queries,
+    /// What stages hand to each other, and threads of a stage. Never read or written by the host.
     Scratch,
     /// The palette of each instance, 3x4 rows.
     Palettes,
@@ -21,16 +23,17 @@ pub enum Resource {
     Confidences,
     /// What the host brings to the skin: a remap, a rest mesh. Only a batch that names one needs it.
     Host,
-    /// Skinned attributes.
+    /// What comes out at the far end: skinned attributes; a kernel's outputs and the confidence in them.
     Out,
 }
 
 impl Resource {
     /// Every resource.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Params,
         Self::Blob,
         Self::Poses,
+        Self::Queries,
         Self::Scratch,
         Self::Palettes,
         Self::Confidences,
@@ -44,6 +47,7 @@ impl Resource {
             Self::Params => "params",
             Self::Blob => "blob",
             Self::Poses => "poses",
+            Self::Queries => "queries",
             Self::Scratch => "scratch",
             Self::Palettes => "palettes",
             Self::Confidences => "confidences",

@@ -1,7 +1,6 @@
 //! The stages: their shaders, what these bind, and how many workgroups they need.
 
 use super::resource::Resource;
-use sinew_runtime::Envelope;
 
 /// Threads of a workgroup.
 pub const WORKGROUP: u32 = 64;
@@ -24,6 +23,8 @@ pub enum Stage {
     Skin,
     /// Rotations, or what the correction has found, to one number: one workgroup.
     Confidence,
+    /// Queries of a kernel to outputs and the confidence in them: one workgroup.
+    Kernel,
 }
 
 /// One binding of a stage, in group (set) 0.
@@ -60,7 +61,7 @@ macro_rules! spirv {
 impl Stage {
     /// Every stage, in an order in which each comes after those that it reads from, and waits for no
     /// other: nothing reads confidences, so they come last.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Gradients,
         Self::Palette,
         Self::Joints,
@@ -68,6 +69,7 @@ impl Stage {
         Self::Correction,
         Self::Skin,
         Self::Confidence,
+        Self::Kernel,
     ];
 
     /// Returns its name: the stem of its shaders and of its module in the runtime.
@@ -80,19 +82,29 @@ impl Stage {
             Self::Correction => "correction",
             Self::Confidence => "confidence",
             Self::Skin => "skin",
+            Self::Kernel => "kernel",
         }
     }
 
     /// Returns its WGSL, whole; the entry point is `main`.
     pub const fn wgsl(self) -> &'static str {
         match self {
-            Self::Gradients => wgsl!("params", "numeric", "gradients"),
-            Self::Palette => wgsl!("params", "palette"),
-            Self::Joints => wgsl!("params", "joints"),
-            Self::Features => wgsl!("params", "features"),
-            Self::Correction => wgsl!("params", "numeric", "correction"),
-            Self::Confidence => wgsl!("params", "numeric", "confidence"),
-            Self::Skin => wgsl!("params", "skin"),
+            Self::Gradients => wgsl!("params", "blob", "numeric", "gradients"),
+            Self::Palette => wgsl!("params", "blob", "palette"),
+            Self::Joints => wgsl!("params", "blob", "joints"),
+            Self::Features => wgsl!("params", "blob", "features"),
+            Self::Correction => wgsl!("params", "blob", "numeric", "correction"),
+            Self::Confidence => wgsl!("params", "blob", "numeric", "confidence"),
+            Self::Skin => wgsl!("params", "blob", "skin"),
+            Self::Kernel => wgsl!(
+                "kernel_params",
+                "blob",
+                "numeric",
+                "kernel_value",
+                "kernel_features",
+                "kernel_outputs",
+                "kernel"
+            ),
         }
     }
 
@@ -107,16 +119,18 @@ impl Stage {
             Self::Correction => spirv!("correction"),
             Self::Confidence => spirv!("confidence"),
             Self::Skin => spirv!("skin"),
+            Self::Kernel => spirv!("kernel"),
         }
     }
 
     /// Lists what it binds: number 0 the uniform [`Resource::Params`], the others storage buffers,
     /// four at most.
     pub const fn bindings(self) -> &'static [Binding] {
-        use Resource::{Blob, Confidences, Host, Out, Palettes, Params, Poses, Scratch};
+        use Resource::{Blob, Confidences, Host, Out, Palettes, Params, Poses, Queries, Scratch};
         const PARAMS: Binding = Binding::read(Params);
         const BLOB: Binding = Binding::read(Blob);
         const POSES: Binding = Binding::read(Poses);
+        const QUERIES: Binding = Binding::read(Queries);
         const SCRATCH: Binding = Binding::read(Scratch);
         const PALETTES: Binding = Binding::read(Palettes);
         const HOST: Binding = Binding::read(Host);
@@ -131,19 +145,7 @@ impl Stage {
             Self::Correction => &[PARAMS, BLOB, POSES, OUT_SCRATCH, OUT_PALETTES],
             Self::Skin => &[PARAMS, BLOB, PALETTES, HOST, OUT],
             Self::Confidence => &[PARAMS, BLOB, SCRATCH, OUT_CONFIDENCES],
-        }
-    }
-
-    /// Counts the workgroups of one instance, of `vertex_len` vertices to skin.
-    pub(super) fn workgroups(self, envelope: &Envelope<'_>, vertex_len: usize) -> u64 {
-        let threads = |len: usize| (len as u64).div_ceil(WORKGROUP.into());
-        match self {
-            Self::Gradients | Self::Confidence => 1,
-            Self::Palette => threads(envelope.proxy_len()),
-            Self::Joints => threads(envelope.palette_len()),
-            Self::Features => threads(envelope.joint_len()),
-            Self::Correction => envelope.group_len() as u64,
-            Self::Skin => threads(vertex_len),
+            Self::Kernel => &[PARAMS, BLOB, QUERIES, OUT_SCRATCH, OUT],
         }
     }
 }

@@ -10,6 +10,7 @@
 //! | [`Params`](crate::layout::Resource::Params) | `UNIFORM` | writes [`Plan::params`](crate::layout::Plan::params) once |
 //! | [`Blob`](crate::layout::Resource::Blob) | `STORAGE` | writes [`Model::blob`](sinew_runtime::Model::blob) once, zeros up to a whole word |
 //! | [`Poses`](crate::layout::Resource::Poses) | `STORAGE` | writes J skinning matrices an instance each frame |
+//! | [`Queries`](crate::layout::Resource::Queries) | `STORAGE` | writes the numbers of a kernel's query an instance each frame |
 //! | [`Scratch`](crate::layout::Resource::Scratch) | `STORAGE` | leaves it alone; batches encoded one after the other may share it |
 //! | [`Palettes`](crate::layout::Resource::Palettes), [`Confidences`](crate::layout::Resource::Confidences), [`Out`](crate::layout::Resource::Out) | `STORAGE` | reads them |
 //! | [`Host`](crate::layout::Resource::Host) | `STORAGE` | writes a remap or a rest mesh, if it has one |
@@ -19,7 +20,12 @@
 //! synchronises that; the CPU sees them after a copy to a buffer that is mapped.
 //!
 //! Poses must be finite and rigid to 1e-4. The CPU refuses others; a GPU cannot, and what it writes
-//! for such an instance is of no use. Other instances do not suffer from it.
+//! for such an instance is of no use. Other instances do not suffer from it. Of a kernel's query that the
+//! CPU refuses the confidence is not a number.
+//!
+//! A kernel is bound and encoded likewise, by
+//! [`Plan::of_kernel`](crate::layout::Plan::of_kernel) of a
+//! [`KernelBatch`](crate::layout::KernelBatch).
 //!
 //! ```no_run
 //! use sinew_gpu::layout::{Batch, Plan, Resource};

@@ -8,6 +8,7 @@ mod callbacks;
 #[path = "../common/mod.rs"]
 mod common;
 mod fake;
+mod kernels;
 mod refusals;
 
 use sinew_gpu::headless::{Device as _, HeadlessError};

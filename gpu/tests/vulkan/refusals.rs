@@ -1,5 +1,6 @@
 //! Each mistake has its error, found before anything is written or recorded.
 
+use crate::common::kernels::kernel_plan;
 use crate::common::{GOLDEN, hosted_batch, load, parts, remapped_batch};
 use crate::fake;
 use ash::vk::{self, Handle};
@@ -34,10 +35,20 @@ fn planned(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>, usize) -> Batc
     Plan::new(&model, &envelope, &batch, &DeviceLimits::DOWNLEVEL).unwrap()
 }
 
+/// Of an envelope and of a kernel; together they need every resource.
+fn plans() -> [Plan; 2] {
+    let plans = [planned(GOLDEN[0], remapped_batch), kernel_plan(&DeviceLimits::DOWNLEVEL).0];
+    assert!(Resource::ALL.into_iter().all(|own| plans.iter().any(|plan| plan.bytes(own) > 0)));
+    plans
+}
+
+fn needed(plan: &Plan) -> impl Iterator<Item = Resource> {
+    Resource::ALL.into_iter().filter(|resource| plan.bytes(*resource) > 0)
+}
+
 /// Gives every resource a buffer of its own, as short as may be.
 fn buffers(plan: &Plan) -> Buffers {
-    let all = Resource::ALL.into_iter().filter(|resource| plan.bytes(*resource) > 0);
-    all.fold(Buffers::default(), |buffers, resource| {
+    needed(plan).fold(Buffers::default(), |buffers, resource| {
         buffers.with(resource, buffer(resource), 512, plan.bytes(resource))
     })
 }
@@ -64,16 +75,19 @@ fn bind(
 
 #[test]
 fn wrong_buffers_are_refused_and_nothing_is_written() {
-    let plan = planned(GOLDEN[0], remapped_batch);
-    let (all, set_len) = (buffers(&plan), set_len(&plan) as usize);
+    plans().iter().for_each(wrong_buffers);
+}
+
+fn wrong_buffers(plan: &Plan) {
+    let (all, set_len) = (buffers(plan), set_len(plan) as usize);
     let mut cases = vec![
         (Buffers::default(), LayoutError::Missing { resource: Resource::Params }),
         (
-            all.with(Resource::Poses, vk::Buffer::null(), 0, 1 << 20),
-            LayoutError::Missing { resource: Resource::Poses },
+            all.with(Resource::Blob, vk::Buffer::null(), 0, 1 << 20),
+            LayoutError::Missing { resource: Resource::Blob },
         ),
     ];
-    for resource in Resource::ALL {
+    for resource in needed(plan) {
         let least = plan.bytes(resource);
         cases.push((
             all.with(resource, buffer(resource), 0, least - 1),
@@ -85,11 +99,11 @@ fn wrong_buffers_are_refused_and_nothing_is_written() {
         ));
     }
     for (buffers, expected) in cases {
-        let error = bind(&plan, &Stage::ALL, &buffers, set_len).1.unwrap_err();
+        let error = bind(plan, &Stage::ALL, &buffers, set_len).1.unwrap_err();
         assert_eq!(error, Error::Layout(expected));
         assert!(fake::seen().recorded.is_empty());
     }
-    bind(&plan, &Stage::ALL, &all, set_len).1.unwrap();
+    bind(plan, &Stage::ALL, &all, set_len).1.unwrap();
     assert!(!fake::seen().recorded.is_empty());
 }
 
@@ -133,17 +147,20 @@ fn a_wrong_number_of_instances_records_nothing() {
 
 #[test]
 fn resources_overlap_where_both_are_only_read() {
-    let plan = planned(GOLDEN[0], remapped_batch);
-    let all = buffers(&plan);
-    let set_len = set_len(&plan) as usize;
+    plans().iter().for_each(overlapping);
+}
+
+fn overlapping(plan: &Plan) {
+    let all = buffers(plan);
+    let set_len = set_len(plan) as usize;
     let written = [Resource::Scratch, Resource::Palettes, Resource::Confidences, Resource::Out];
-    for first in Resource::ALL {
-        for second in Resource::ALL.into_iter().filter(|second| first < *second) {
+    for first in needed(plan) {
+        for second in needed(plan).filter(|second| first < *second) {
             // Side by side in one buffer, and one alignment less.
             let end = 512 + plan.bytes(first).next_multiple_of(256);
             let at = |offset| all.with(second, buffer(first), offset, plan.bytes(second));
-            bind(&plan, &Stage::ALL, &at(end), set_len).1.unwrap();
-            let found = bind(&plan, &Stage::ALL, &at(end - 256), set_len).1;
+            bind(plan, &Stage::ALL, &at(end), set_len).1.unwrap();
+            let found = bind(plan, &Stage::ALL, &at(end - 256), set_len).1;
             if written.contains(&first) || written.contains(&second) {
                 let overlap = LayoutError::Overlap { first, second };
                 assert_eq!(found.unwrap_err(), Error::Layout(overlap));

@@ -5,7 +5,7 @@ use sinew_gpu::headless::{Device as _, HeadlessError};
 use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
 
-fn lavapipe() -> Device {
+pub(crate) fn lavapipe() -> Device {
     Device::of_driver("llvmpipe", true)
         .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"))
 }

@@ -4,4 +4,5 @@
 mod bits;
 #[path = "../common/mod.rs"]
 mod common;
+mod kernels;
 mod refusals;

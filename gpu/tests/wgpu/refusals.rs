@@ -1,5 +1,6 @@
 //! What the wgpu backend refuses, before anything is recorded.
 
+use crate::common::kernels::kernel_plan;
 use crate::common::{GOLDEN, load, parts, remapped_batch};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Array, Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
@@ -29,11 +30,26 @@ fn whole(envelope: &Envelope<'_>, skin: &Skin<'_>) -> Batch {
 }
 
 fn scene(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>) -> Batch) -> Scene {
-    let device = Device::of_driver("llvmpipe", true)
-        .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"));
     let model = load(bytes);
     let (envelope, skin) = parts(&model);
-    let plan = Plan::new(&model, &envelope, &batch(&envelope, &skin), &device.limits()).unwrap();
+    scene_of(|limits| {
+        let batch = batch(&envelope, &skin);
+        let plan = Plan::new(&model, &envelope, &batch, limits).unwrap();
+        (plan, model.blob().to_vec())
+    })
+}
+
+/// Of an envelope and of a kernel; together they need every resource.
+fn scenes() -> [Scene; 2] {
+    let scenes = [scene(GOLDEN[2], whole), scene_of(kernel_plan)];
+    assert!(Resource::ALL.into_iter().all(|own| scenes.iter().any(|scene| scene.needs(own))));
+    scenes
+}
+
+fn scene_of(plan: impl Fn(&DeviceLimits) -> (Plan, Vec<u8>)) -> Scene {
+    let device = Device::of_driver("llvmpipe", true)
+        .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"));
+    let (plan, mut blob) = plan(&device.limits());
     let pipelines = Pipelines::new(device.device(), Stage::ALL).unwrap();
     let own = Resource::ALL.map(|resource| {
         let kind = match resource {
@@ -43,7 +59,6 @@ fn scene(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>) -> Batch) -> Sce
         buffer(device.device(), plan.bytes(resource).max(4), kind | COPIED)
     });
     device.queue().write_buffer(&own[Resource::Params as usize], 0, &plan.params());
-    let mut blob = model.blob().to_vec();
     blob.resize(plan.bytes(Resource::Blob) as usize, 0);
     device.queue().write_buffer(&own[Resource::Blob as usize], 0, &blob);
     Scene { device, pipelines, plan, own: own.into() }
@@ -59,6 +74,14 @@ impl Scene {
         all.fold(Buffers::new(), |buffers, (resource, own)| buffers.with(resource, own, 0))
     }
 
+    fn needs(&self, resource: Resource) -> bool {
+        self.plan.bytes(resource) > 0
+    }
+
+    fn needed(&self) -> impl Iterator<Item = Resource> {
+        Resource::ALL.into_iter().filter(|resource| self.needs(*resource))
+    }
+
     fn refused(&self, buffers: &Buffers<'_>) -> Error {
         Bound::new(&self.pipelines, &self.plan, buffers).map(drop).unwrap_err()
     }
@@ -70,9 +93,12 @@ impl Scene {
 
 #[test]
 fn a_buffer_that_is_missing_short_or_misaligned_is_refused() {
-    let scene = scene(GOLDEN[2], whole);
+    scenes().iter().for_each(missing_short_and_misaligned);
+}
+
+fn missing_short_and_misaligned(scene: &Scene) {
     Bound::new(&scene.pipelines, &scene.plan, &scene.buffers()).unwrap();
-    for resource in Resource::ALL {
+    for resource in scene.needed() {
         let others = Resource::ALL.into_iter().filter(|other| *other != resource);
         let missing = others.fold(Buffers::new(), |buffers, other| {
             buffers.with(other, &scene.own[other as usize], 0)
@@ -111,8 +137,11 @@ fn a_buffer_that_is_missing_short_or_misaligned_is_refused() {
 
 #[test]
 fn a_buffer_without_its_usage_is_refused() {
-    let scene = scene(GOLDEN[2], whole);
-    for resource in Resource::ALL {
+    scenes().iter().for_each(without_usage);
+}
+
+fn without_usage(scene: &Scene) {
+    for resource in scene.needed() {
         let (expected, other) = match resource {
             Resource::Params => (BufferUsages::UNIFORM, BufferUsages::STORAGE),
             _ => (BufferUsages::STORAGE, BufferUsages::UNIFORM),
@@ -130,8 +159,8 @@ fn a_buffer_without_its_usage_is_refused() {
 fn what_is_not_needed_may_be_left_out_or_wrong() {
     let scene = scene(GOLDEN[2], palettes);
     let wrong = scene.make(4, BufferUsages::VERTEX);
-    for resource in [Resource::Confidences, Resource::Host, Resource::Out] {
-        assert_eq!(scene.plan.bytes(resource), 0);
+    for resource in [Resource::Queries, Resource::Confidences, Resource::Host, Resource::Out] {
+        assert!(!scene.needs(resource));
         let buffers = scene.buffers().with(resource, &wrong, 3);
         let bound = Bound::new(&scene.pipelines, &scene.plan, &buffers).unwrap();
         submit(&scene.device, &bound, 3).unwrap();
@@ -179,9 +208,12 @@ const WRITTEN: [Resource; 4] =
 
 #[test]
 fn resources_overlap_where_both_are_only_read() {
-    let scene = scene(GOLDEN[2], whole);
-    for first in Resource::ALL {
-        for second in Resource::ALL.into_iter().filter(|second| first < *second) {
+    scenes().iter().for_each(overlapping);
+}
+
+fn overlapping(scene: &Scene) {
+    for first in scene.needed() {
+        for second in scene.needed().filter(|second| first < *second) {
             let end = scene.plan.bytes(first).next_multiple_of(256);
             let usage = BufferUsages::STORAGE | BufferUsages::UNIFORM;
             let both = scene.make(end + scene.plan.bytes(second), usage);

@@ -1,8 +1,9 @@
 //! The kernels of an envelope's kernel maps: bell-shaped, positive definite, 1 at their centre. A further
 //! one is added as the trainer's `kernel/mod.rs` lists.
 
-use crate::linear::{Distances, in_lanes};
-use crate::numeric::{EXP_MAX, exp_negative, one_minus_exp_negative, sqrt};
+use crate::lanes::{Lanes, Real, in_lanes};
+use crate::linear::Distances;
+use crate::numeric::{EXP_MAX, exp_negative, lesser, one_minus_exp_negative, sqrt};
 
 /// A kernel that falls from 1 at its centre and is positive definite, as a function of s, the squared
 /// scaled distance (METHOD §2.1): one that an envelope's group may have.
@@ -59,7 +60,7 @@ impl GroupKernel {
 
     /// Evaluates the kernels of 8 centres less their values at x = 0.
     #[inline(always)]
-    pub(crate) fn changes(self, distances: &Distances, rest: [f32; 8]) -> [f32; 8] {
+    pub(crate) fn changes(self, distances: &Distances, rest: Lanes) -> Lanes {
         let mut out = distances.squared;
         if self == Self::Gaussian {
             for ((s, gain), rest) in out.iter_mut().zip(distances.gain).zip(rest) {
@@ -74,7 +75,7 @@ impl GroupKernel {
 
     /// Evaluates the kernel in N lanes.
     #[inline(always)]
-    pub(crate) fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
+    pub(crate) fn values<R: Real, const N: usize>(self, s: [R; N]) -> [R; N] {
         // A Matérn kernel is `(1 + p a + q a²) e^-a`, a = √(scale s); p and q are exact where they
         // are 0 or 1.
         let (scale, p, q) = match self {
@@ -83,9 +84,9 @@ impl GroupKernel {
             Self::Matern32 => (3.0, 1.0, 0.0),
             Self::Matern52 => (5.0, 1.0, 1.0 / 3.0),
         };
-        in_lanes(in_lanes(s, |s| sqrt(scale * s)), |a| {
+        in_lanes(in_lanes(s, |s| sqrt(s * scale)), |a| {
             let a = bounded(a);
-            (1.0 + p * a + a * a * q) * exp_negative(a)
+            (a * p + 1.0 + a * a * q) * exp_negative(a)
         })
     }
 }
@@ -93,23 +94,25 @@ impl GroupKernel {
 /// Returns `e^-s - e^-s0` of `s >= 0`, given `e^-s0` and `s - s0`: to its last places also where the
 /// two are close.
 #[inline(always)]
-fn gaussian_change(s: f32, gain: f32, rest: f32) -> f32 {
-    let nearer = gain < 0.0;
-    let greater = if nearer { exp_negative(s) } else { rest };
-    let change = greater * one_minus_exp_negative(if nearer { -gain } else { gain });
-    if nearer { change } else { -change }
+fn gaussian_change<R: Real>(s: R, gain: R, rest: R) -> R {
+    let none = R::from(0.0);
+    let greater = gain.where_less(none, || exp_negative(s), || rest);
+    let apart = gain.where_less(none, || -gain, || gain);
+    let change = greater * one_minus_exp_negative(apart);
+    gain.where_less(none, || change, || -change)
 }
 
 /// Keeps the polynomial before e^-a finite where e^-a has stopped falling.
 #[inline(always)]
-fn bounded(a: f32) -> f32 {
-    if a < EXP_MAX { a } else { EXP_MAX }
+fn bounded<R: Real>(a: R) -> R {
+    lesser(R::from(EXP_MAX), a)
 }
 
 #[cfg(test)]
 mod tests {
     extern crate std;
     use super::*;
+    use crate::lanes::Eight;
 
     fn exact(kernel: GroupKernel, s: f64) -> f64 {
         let (a, b) = ((3.0 * s).sqrt(), (5.0 * s).sqrt());
@@ -166,7 +169,8 @@ mod tests {
     fn eight_lanes_have_the_bits_of_one() {
         let s = [0.0, 1e-9, 0.1, 0.7, 3.0, 40.0, 1e3, 1e30];
         for kernel in GroupKernel::ALL {
-            assert_eq!(kernel.values(s), s.map(|s| kernel.value(s)));
+            let found = kernel.values(Lanes::read(&s.map(f32::to_le_bytes)));
+            assert_eq!(*found.floats(), s.map(|s| kernel.value(s)));
         }
     }
 }

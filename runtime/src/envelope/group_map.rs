@@ -1,7 +1,8 @@
 //! The kernel map of a group, read in place: `y = w outputs (C (G(s) - rest) + A x)`.
 
 use super::group_kernel::GroupKernel;
-use crate::linear::{Le, block_distances, block_entry, block_product, floats, in_lanes, padded};
+use crate::lanes::{Eight, Lanes, in_lanes};
+use crate::linear::{Le, block_distances, block_entry, block_product, padded};
 use crate::numeric::nearness;
 
 /// Sizes of a kernel map.
@@ -95,9 +96,9 @@ impl<'a> Map<'a> {
         let mut blocks = out.iter_mut().zip(self.rest);
         block_distances(self.centres, input, |distances| {
             let Some((out, rest)) = blocks.next() else { return };
-            *out = self.kernel.changes(&distances, floats(rest));
+            *out = *self.kernel.changes(&distances, Lanes::read(rest)).floats();
             let nearness = in_lanes(distances.squared, |s| nearness(s, self.fade));
-            for near in nearness.iter().take(left) {
+            for near in nearness.floats().iter().take(left) {
                 doubt *= 1.0 - near;
             }
             left = left.saturating_sub(8);

@@ -1,6 +1,7 @@
 //! Stage palette: from gradients and joints to the palette, `t = c1 d + c2 q` (METHOD §1.7.3).
 
 use super::view::Envelope;
+use crate::lanes::{Eight, Lanes};
 use crate::linear::{Matrix3x4, add_block_product, compose};
 
 /// Evaluates the stage: [`crate::stages::palette`] of arguments that have been checked.
@@ -17,14 +18,13 @@ pub(crate) fn evaluate(
         .chunks_exact(gradients.len().max(1))
         .zip(envelope.c2_blocks().chunks_exact(relative.len().max(1)));
     for ((c1, c2), out) in blocks.zip(out_palette.chunks_mut(2)) {
-        let mut sums = [[0.0; 8]; 3];
+        let mut sums = [Lanes::default(); 3];
         add_block_product(&mut sums, c1, gradients);
         add_block_product(&mut sums, c2, relative);
         // A block is two transforms: rows 0 to 3, then 4 to 7.
-        let Some([x0, x1, y0, y1, z0, z1]) = sums.as_flattened().as_chunks().0.first_chunk() else {
-            return;
-        };
-        for (out, [x, y, z]) in out.iter_mut().zip([[x0, y0, z0], [x1, y1, z1]]) {
+        let [x, y, z] = &sums;
+        let rows = x.floats().as_chunks().0.iter().zip(y.floats().as_chunks().0);
+        for (out, ((x, y), z)) in out.iter_mut().zip(rows.zip(z.floats().as_chunks().0)) {
             *out = compose(root, &[*x, *y, *z]);
         }
     }

@@ -5,7 +5,8 @@ use super::outputs;
 use super::point::{self, Point};
 use super::view::KernelMap;
 use crate::error::{Argument, CallError};
-use crate::linear::{block_distances, block_product, in_lanes, padded, split};
+use crate::lanes::{Eight, in_lanes};
+use crate::linear::{block_distances, block_product, padded, split};
 use crate::numeric::nearness;
 
 impl KernelCounts {
@@ -68,10 +69,11 @@ impl KernelMap<'_> {
         let mut blocks = out.iter_mut();
         block_distances(self.centres(), point.z, |distances| {
             let Some(out) = blocks.next() else { return };
-            *out = rule.kernel.values(distances.squared);
-            if rule.has_fade() {
+            *out = *rule.kernel.values(distances.squared).floats();
+            // A centre that vouches wholly leaves no doubt, whatever the others do.
+            if rule.has_fade() && doubt > 0.0 {
                 let nearness = in_lanes(distances.squared, |s| nearness(s, rule.fade));
-                for near in nearness.iter().take(left) {
+                for near in nearness.floats().iter().take(left) {
                     doubt *= 1.0 - near;
                 }
                 left = left.saturating_sub(8);

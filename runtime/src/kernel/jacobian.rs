@@ -7,6 +7,7 @@ use super::point::{self, Point, inputs_of, quaternion};
 use super::rule::QueryRule;
 use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
+use crate::lanes::Eight;
 use crate::linear::{block_distances, block_entry, block_product, floats, padded, split};
 
 impl KernelCounts {
@@ -69,8 +70,8 @@ impl KernelMap<'_> {
         let mut blocks = out.iter_mut();
         block_distances(self.centres(), point.z, |distances| {
             let Some(out) = blocks.next() else { return };
-            for (out, s) in out.iter_mut().zip(distances.squared) {
-                *out = 2.0 * kernel.slope(s);
+            for (out, s) in out.iter_mut().zip(distances.squared.floats()) {
+                *out = 2.0 * kernel.slope(*s);
             }
         });
     }

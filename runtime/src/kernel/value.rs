@@ -2,7 +2,7 @@
 
 use super::function::Kernel;
 use crate::envelope::GroupKernel;
-use crate::linear::in_lanes;
+use crate::lanes::{Real, in_lanes};
 use crate::numeric::{exp_negative, lesser, ln, sqrt};
 
 impl Kernel {
@@ -14,22 +14,23 @@ impl Kernel {
 
     /// Evaluates the kernel in N lanes.
     #[inline(always)]
-    pub(super) fn values<const N: usize>(self, s: [f32; N]) -> [f32; N] {
+    pub(super) fn values<R: Real, const N: usize>(self, s: [R; N]) -> [R; N] {
         match self {
             Self::Linear => in_lanes(s, |s| -sqrt(s)),
-            Self::ThinPlate => in_lanes(s, |s| 0.5 * s * ln(s)),
+            Self::ThinPlate => in_lanes(s, |s| s * 0.5 * ln(s)),
             Self::Cubic => in_lanes(s, |s| s * sqrt(s)),
             Self::Quintic => in_lanes(s, |s| -(s * s * sqrt(s))),
-            Self::Multiquadric => in_lanes(s, |s| -sqrt(1.0 + s)),
-            Self::InverseMultiquadric => in_lanes(s, |s| 1.0 / sqrt(1.0 + s)),
-            Self::InverseQuadratic => in_lanes(s, |s| 1.0 / (1.0 + s)),
+            Self::Multiquadric => in_lanes(s, |s| -sqrt(s + 1.0)),
+            Self::InverseMultiquadric => in_lanes(s, |s| R::from(1.0) / sqrt(s + 1.0)),
+            Self::InverseQuadratic => in_lanes(s, |s| R::from(1.0) / (s + 1.0)),
             Self::Gaussian => GroupKernel::Gaussian.values(s),
             Self::Matern12 => GroupKernel::Matern12.values(s),
             Self::Matern32 => GroupKernel::Matern32.values(s),
             Self::Matern52 => GroupKernel::Matern52.values(s),
             Self::Wendland { l } => in_lanes(s, |s| {
-                let r = lesser(sqrt(s), 1.0);
-                power(1.0 - r, l) * (1.0 - r) * ((f32::from(l) + 1.0) * r + 1.0)
+                let r = lesser(sqrt(s), R::from(1.0));
+                let left = R::from(1.0) - r;
+                power(left, l) * left * (r * (f32::from(l) + 1.0) + 1.0)
             }),
             Self::Hat { power } => in_lanes(s, |s| {
                 let r = sqrt(s);
@@ -38,7 +39,8 @@ impl Kernel {
                     3 => s * r,
                     _ => s * s * r,
                 };
-                if r < 1.0 { 1.0 - fallen } else { 0.0 }
+                let edge = R::from(1.0);
+                r.where_less(edge, || edge - fallen, || R::from(0.0))
             }),
         }
     }
@@ -76,7 +78,7 @@ impl Kernel {
 
 /// Multiplies l factors, one after the other.
 #[inline(always)]
-fn power(x: f32, l: u8) -> f32 {
+fn power<R: Real>(x: R, l: u8) -> R {
     (1..l).fold(x, |product, _| product * x)
 }
 
@@ -84,6 +86,7 @@ fn power(x: f32, l: u8) -> f32 {
 mod tests {
     extern crate std;
     use super::*;
+    use crate::lanes::{Eight, Lanes};
 
     fn exact(kernel: Kernel, s: f64) -> f64 {
         let r = s.sqrt();
@@ -179,7 +182,8 @@ mod tests {
     fn eight_lanes_have_the_bits_of_one() {
         let s = [0.0, 1e-9, 0.1, 0.7, 0.98, 3.0, 40.0, 1e30];
         for kernel in all() {
-            assert_eq!(kernel.values(s).map(f32::to_bits), s.map(|s| kernel.value(s).to_bits()));
+            let found = kernel.values(Lanes::read(&s.map(f32::to_le_bytes)));
+            assert_eq!(found.floats().map(f32::to_bits), s.map(|s| kernel.value(s).to_bits()));
         }
     }
 }

@@ -58,6 +58,8 @@ def check(folder):
 
 
 folders = sorted(path.parent for path in pathlib.Path(sys.argv[1]).glob("*/case.json"))
+# Kernels have nothing to skin.
+folders = [folder for folder in folders if not folder.name.startswith("kernel-")]
 results = [(folder.name, *check(folder)) for folder in folders]
 for name, ratio, values in results:
     print(f"{name}: {values} values, {ratio:.3f} of the tolerance")

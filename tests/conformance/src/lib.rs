@@ -7,6 +7,7 @@ pub mod compare;
 pub mod devices;
 pub mod finding;
 pub mod gpu;
+pub mod kernels;
 pub mod matrix;
 pub mod models;
 pub mod poses;

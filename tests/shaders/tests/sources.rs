@@ -4,7 +4,7 @@ use naga::front::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use shaders::{compile, folder, sources};
-use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, Stage, WORKGROUP};
+use sinew_gpu::layout::{Batch, DeviceLimits, KernelBatch, Plan, Resource, Stage, WORKGROUP};
 use sinew_runtime::Model;
 use std::collections::BTreeSet;
 use std::fs;
@@ -35,7 +35,7 @@ fn the_committed_spirv_is_what_the_glsl_gives() {
 fn a_changed_source_gives_other_bytes() {
     let copy = std::env::temp_dir().join(format!("sinew-shaders-{}", std::process::id()));
     fs::create_dir_all(&copy).unwrap();
-    for file in ["skin.comp", "params.glsl"] {
+    for file in ["skin.comp", "params.glsl", "blob.glsl"] {
         fs::copy(folder().join(file), copy.join(file)).unwrap();
     }
     let changed = copy.join("skin.comp");
@@ -107,23 +107,36 @@ fn members_of(module: &Module) -> Vec<String> {
     members.iter().map(|member| member.name.clone().expect("they have names")).collect()
 }
 
+/// A golden model.
+fn golden(name: &str) -> Model<Vec<u8>> {
+    let bytes = fs::read(folder().join("../tests/golden").join(name)).expect("it is there");
+    Model::from_bytes(bytes).expect("it loads")
+}
+
 #[test]
 fn the_uniform_block_is_what_the_layout_writes() {
-    let bytes = fs::read(folder().join("../tests/golden/envelope-3-hybrid.snw")).unwrap();
-    let model = Model::from_bytes(bytes).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    const LIMITS: &DeviceLimits = &DeviceLimits::DOWNLEVEL;
+    let [of_envelope, of_kernel] = ["envelope-3-hybrid.snw", "kernel-3.snw"].map(golden);
+    let (envelope, skin) = (of_envelope.envelope().unwrap(), of_envelope.skin().unwrap());
     let batch = Batch::skinned(&envelope, &skin, 1);
-    let plan = Plan::new(&model, &envelope, &batch, &DeviceLimits::DOWNLEVEL).unwrap();
-    let chunk = &plan.chunks()[0];
-    let written: Vec<_> = chunk.params().iter().map(|(name, _)| *name).collect();
-    let bytes = chunk.span(Resource::Params).unwrap().bytes;
-    assert_eq!(bytes, (4 * written.len() as u64).next_multiple_of(16));
-    for (stage, module) in modules() {
-        assert_eq!(members_of(&module), written, "{}", stage.name());
+    let envelope = Plan::new(&of_envelope, &envelope, &batch, LIMITS).unwrap();
+    let kernel = of_kernel.kernel().unwrap();
+    let batch = KernelBatch::new(&kernel, 1);
+    let kernel = Plan::of_kernel(&of_kernel, &kernel, &batch, LIMITS).unwrap();
+    for (plan, file) in [(envelope, "params.glsl"), (kernel, "kernel_params.glsl")] {
+        let of_kernel = plan.stages().eq([Stage::Kernel]);
+        let is_own = |stage: Stage| (stage == Stage::Kernel) == of_kernel;
+        let chunk = &plan.chunks()[0];
+        let written: Vec<_> = chunk.params().iter().map(|(name, _)| *name).collect();
+        let bytes = chunk.span(Resource::Params).unwrap().bytes;
+        assert_eq!(bytes, (4 * written.len() as u64).next_multiple_of(16));
+        for (stage, module) in modules().filter(|(stage, _)| is_own(*stage)) {
+            assert_eq!(members_of(&module), written, "{}", stage.name());
+        }
+        let glsl = fs::read_to_string(folder().join(file)).unwrap();
+        let block = glsl.split(['{', '}']).nth(1).unwrap();
+        let members = block.lines().filter_map(|line| line.trim().strip_prefix("uint "));
+        let members: Vec<_> = members.map(|member| member.trim_end_matches(';')).collect();
+        assert_eq!(members, written);
     }
-    let glsl = fs::read_to_string(folder().join("params.glsl")).unwrap();
-    let block = glsl.split(['{', '}']).nth(1).unwrap();
-    let members = block.lines().filter_map(|line| line.trim().strip_prefix("uint "));
-    let members: Vec<_> = members.map(|member| member.trim_end_matches(';')).collect();
-    assert_eq!(members, written);
 }

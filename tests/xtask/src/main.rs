@@ -12,6 +12,7 @@ mod vulkan;
 use call::{TARGETS, cargo, cargo_with, run};
 use std::path::Path;
 use std::process::ExitCode;
+use std::thread;
 
 const HELP: &str = "\
 usage: cargo xtask COMMAND
@@ -73,8 +74,12 @@ fn test() -> Result<(), String> {
     }
     let mut environment = vec![("SINEW_BPY", prepare::blender()?.into())];
     environment.extend(vulkan::drivers());
-    cargo("test --workspace --locked", &environment)?;
-    firmware::firmware()
+    cargo("test --workspace --locked --no-run", &environment)?;
+    // Images are linked and run on one core each, beside tests that seldom need both.
+    let images = thread::spawn(firmware::firmware);
+    let tests = cargo("test --workspace --locked", &environment);
+    let images = images.join().unwrap_or_else(|_| Err("the firmware's run panicked".to_owned()));
+    tests.and(images)
 }
 
 /// Runs a program of the conformance package with arguments of its own.

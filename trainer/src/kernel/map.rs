@@ -251,7 +251,10 @@ impl Fade {
     ///
     /// A place in the fade is behind two differences and a division, and its step is exact where it
     /// is 1. `1 - b`, the product of those that are not 1, and the difference from 1 round once each.
-    fn error(&self, distances: &[(f64, f64)], arithmetic: Arithmetic) -> f64 {
+    pub fn error(&self, distances: &[(f64, f64)], arithmetic: Arithmetic) -> f64 {
+        if self.end <= self.start {
+            return 0.0;
+        }
         let of_place = gamma(2 + arithmetic.division);
         let (mut doubt, mut least, mut most) = (1.0, 1.0, 1.0f64);
         for &(s, error) in distances {

@@ -19,8 +19,9 @@
 //! 2. [`function`]: value and steepness in f64, and its place in `SMOOTHEST_FIRST`; from then on every
 //!    training tries it. [`map`]: the roundings of its value, and whether the bound there covers its
 //!    slope.
-//! 3. `shaders/correction.comp`, then `cargo xtask shaders`, and `shaders/correction.wgsl`: no
-//!    compiler misses a kernel there, any number but 8, 9 and 10 is a Matérn 5/2.
+//! 3. `shaders/kernel_value.glsl` and `.wgsl`, or, of the kernels that an envelope's groups have, `numeric`,
+//!    then `cargo xtask shaders`: no compiler misses a kernel there, any number without a case is a Matérn
+//!    5/2. `gpu/tests/common/kernels.rs` compares each number that a file may name.
 //! 4. The tables in `runtime/FORMAT.md` and `trainer/METHOD.md`, and the closed forms that tests
 //!    compare with, in `runtime/tests/evaluate/correction.rs` and beside `GroupKernel`.
 

@@ -5,10 +5,13 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::kernel::Kernel;
+use sinew_trainer::kernel::arithmetic::Arithmetic;
 use sinew_trainer::kernel::bound::{bound, largest, rounded};
 use sinew_trainer::kernel::function::Exact;
 use sinew_trainer::kernel::scattered::options::wendland;
 use sinew_trainer::kernel::sum::{KernelSum, Term, monomials};
+
+const IEEE: Arithmetic = Arithmetic::IEEE;
 
 /// The function in f32, one operation after the other, in the order of the file's format.
 fn in_f32(sum: &KernelSum, x: &[f32]) -> Vec<f32> {
@@ -134,7 +137,7 @@ fn the_references_configurations_stay_within_methods_bound_and_ours() {
             let query: Vec<f32> = query.iter().map(|x| (x * spread) as f32).collect();
             let x: Vec<f64> = query.iter().map(|x| f64::from(*x)).collect();
             let error = (f64::from(in_f32(&sum, &query)[0]) - sum.evaluate(&x)[0]).abs();
-            let (method, own) = (methods(&sum, &x), bound(&sum, &x, &vec![0.0; d])[0]);
+            let (method, own) = (methods(&sum, &x), bound(&sum, &x, &vec![0.0; d], IEEE)[0]);
             assert!(error <= method, "{kernel:?} {n} {d} {scale}: {:.2}", error / method);
             // Ours adds what underflows, and the steepest slope of where the distance may be.
             assert!(
@@ -184,7 +187,7 @@ fn a_hundred_thousand_queries_of_every_kernel_stay_within_the_bound() {
                         .collect(),
                 };
                 let exact: Vec<f64> = x.iter().map(|x| f64::from(*x)).collect();
-                let bounds = bound(&sum, &exact, &vec![0.0; d]);
+                let bounds = bound(&sum, &exact, &vec![0.0; d], IEEE);
                 let truth = sum.evaluate(&exact);
                 for (o, found) in in_f32(&sum, &x).iter().enumerate() {
                     let error = (f64::from(*found) - truth[o]).abs();
@@ -217,7 +220,7 @@ fn inputs_that_are_off_are_within_the_bound_too() {
         };
         for query in rows(&random(4, 200, 2)) {
             for off in [1e-7, 1e-3] {
-                let bound = bound(&sum, &query, &[off, off])[0];
+                let bound = bound(&sum, &query, &[off, off], IEEE)[0];
                 for (a, b) in [(off, off), (off, -off), (-off, off), (-off, -off)] {
                     let moved = sum.evaluate(&[query[0] + a, query[1] + b])[0];
                     assert!((moved - sum.evaluate(&query)[0]).abs() <= bound, "{kernel:?} {off}");
@@ -243,7 +246,7 @@ fn the_largest_bound_is_over_the_samples_and_their_box() {
     let at_samples = |o: usize| {
         let own = rows(&sites).into_iter().map(|x| {
             let x: Vec<f64> = x.iter().map(|x| f64::from(*x as f32)).collect();
-            bound(&sum, &x, &[0.0, 0.0])[o]
+            bound(&sum, &x, &[0.0, 0.0], IEEE)[o]
         });
         own.fold(0.0, f64::max)
     };
@@ -253,6 +256,6 @@ fn the_largest_bound_is_over_the_samples_and_their_box() {
     // Of the box's inside a dense grid is no worse, of its corners hardly.
     let dense =
         (0..=40).flat_map(|i| (0..=40).map(move |k| [f64::from(i) / 40.0, f64::from(k) / 40.0]));
-    let most = dense.map(|x| bound(&sum, &x, &[0.0, 0.0])[0]).fold(0.0, f64::max);
+    let most = dense.map(|x| bound(&sum, &x, &[0.0, 0.0], IEEE)[0]).fold(0.0, f64::max);
     assert!(found[0] > 0.6 * most);
 }

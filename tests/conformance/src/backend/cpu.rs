@@ -2,6 +2,7 @@
 
 use super::{Backend, Failure, Gradients, Loaded, Whole, part};
 use crate::compare::POISON;
+use crate::kernels::KernelSubject;
 use sinew_gpu::layout::{Attribute, SkinBatch, Stage};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{Matrix3x4, SkinJob, stages};
@@ -23,6 +24,7 @@ impl Backend for Cpu {
             Stage::Features | Stage::Correction => predictor.corrects(),
             Stage::Confidence => !predictor.corrects(),
             Stage::Skin => loaded.skin.vertex_len() > 0,
+            Stage::Kernel => false,
         }
     }
 
@@ -159,6 +161,23 @@ impl Backend for Cpu {
                 tangents: at(skin.tangents),
             };
             job.run()?;
+        }
+        Ok(())
+    }
+
+    fn kernel(
+        &self,
+        subject: &KernelSubject<'_>,
+        queries: &[f32],
+        out: &mut [f32],
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure> {
+        let n = out_confidences.len();
+        let kernel = &subject.kernel;
+        let mut scratch = vec![POISON; kernel.counts().scratch_len()];
+        for (i, confidence) in out_confidences.iter_mut().enumerate() {
+            let own = part_mut(out, n, i);
+            *confidence = kernel.evaluate(part(queries, n, i), &mut scratch, own)?;
         }
         Ok(())
     }

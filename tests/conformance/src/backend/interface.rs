@@ -1,6 +1,7 @@
 //! What a backend gives, and what it is asked.
 
 use crate::compare::{POISON, poisoned};
+use crate::kernels::KernelSubject;
 use sinew_gpu::headless::HeadlessError;
 use sinew_gpu::layout::{Attribute, LayoutError, SkinBatch, Stage};
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin};
@@ -45,7 +46,7 @@ pub trait Backend {
     /// Returns how exactly it computes.
     fn arithmetic(&self) -> Arithmetic;
 
-    /// Whether it evaluates a stage of a model alone.
+    /// Whether it evaluates a stage of an envelope and its skin alone.
     fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool;
 
     /// Evaluates the joints' relative transforms, their rotations and the keys' gradients.
@@ -127,6 +128,18 @@ pub trait Backend {
         palettes: &[Matrix3x4],
         skin: &SkinBatch,
         out: &mut [f32],
+    ) -> Result<(), Failure>;
+
+    /// Goes from n queries of a kernel to outputs and confidences.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn kernel(
+        &self,
+        subject: &KernelSubject<'_>,
+        queries: &[f32],
+        out: &mut [f32],
+        out_confidences: &mut [f32],
     ) -> Result<(), Failure>;
 
     /// Goes from poses to palettes, confidences and the skin.

@@ -2,6 +2,7 @@
 
 use clap::Parser;
 use conformance::devices::{list, open};
+use conformance::kernels;
 use conformance::matrix::{Matrix, markdown, page};
 use conformance::subject::{self, FEWER_POSES};
 use std::path::{Path, PathBuf};
@@ -57,11 +58,12 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
     let subjects: Vec<_> =
         subject::trained(POSES).into_iter().chain(subject::shapes(FEWER_POSES)).collect();
     eprintln!("conformance: cpu");
-    let mut matrix = Matrix::new(&subjects);
+    let kernels = kernels::kernels(kernels::QUERIES);
+    let mut matrix = Matrix::new(&subjects, &kernels);
     for info in devices {
         eprintln!("conformance: {}, {}, {}", info.api, info.name, info.driver);
         match open(&info, false) {
-            Ok(device) => matrix.add(&*device, &subjects),
+            Ok(device) => matrix.add(&*device, &subjects, &kernels),
             Err(error) => matrix.add_unopened(&info, &error),
         }
     }

@@ -2,8 +2,10 @@
 //! stay as it was.
 
 mod batched;
+mod kernel;
 
 use crate::backend::{Backend, Failure, Gradients, Loaded, Whole, floats};
+use crate::kernels::KernelSubject;
 use batched::Batched;
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, SkinBatch, Stage};
@@ -172,6 +174,16 @@ impl Backend for Gpu<'_> {
         batched.run(&[Stage::Skin], &[], own)?;
         batched.take_skin(out);
         Ok(())
+    }
+
+    fn kernel(
+        &self,
+        subject: &KernelSubject<'_>,
+        queries: &[f32],
+        out: &mut [f32],
+        out_confidences: &mut [f32],
+    ) -> Result<(), Failure> {
+        kernel::evaluate(self.device, &self.limits, subject, queries, [out, out_confidences])
     }
 
     fn whole(

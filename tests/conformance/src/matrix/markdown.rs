@@ -31,10 +31,12 @@ pub fn markdown(matrix: &Matrix) -> String {
     }
     let _ = writeln!(
         out,
-        "\n{} models, {} poses. Bits are compared with the CPU's; deviations from the f64 oracle, in \
+        "\n{} models, {} poses; {} kernels, {} queries. Bits are compared with the CPU's; deviations from the f64 oracle, in \
          units of the tolerance: beyond 1 a stage fails.",
         matrix.model_len,
-        grouped(matrix.pose_len)
+        grouped(matrix.pose_len),
+        matrix.kernel_len,
+        grouped(matrix.query_len)
     );
     if !failures.is_empty() {
         out += "\n";

@@ -18,11 +18,13 @@ pub fn page(matrix: &Matrix) -> String {
          <meta name=\"color-scheme\" content=\"light dark\">\n\
          <title>Conformance of Sinew {version}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
          <main>\n<h1>Conformance of Sinew {version}</h1>\n\
-         <p class=\"under\">{models} models, {poses} poses</p>\n\
+         <p class=\"under\">{models} models, {poses} poses; {kernels} kernels, {queries} queries</p>\n\
          <p class=\"verdict\">{verdict}</p>\n{table}{failures}{legend}</main>\n</body>\n</html>\n",
         version = matrix.version,
         models = matrix.model_len,
         poses = grouped(matrix.pose_len),
+        kernels = matrix.kernel_len,
+        queries = grouped(matrix.query_len),
         table = table(&matrix.backends),
         failures = failures(&matrix.backends),
         legend = LEGEND,
@@ -35,7 +37,7 @@ const LEGEND: &str = "<section>\n<h2>How to read it</h2>\n\
     Vulkan and WGSL promise, can explain. The line under it counts the values whose bits are not \
     those of the CPU on the same inputs, of all that were compared.</p>\n\
     <p>Each stage runs alone, on inputs that the CPU has made; <i>whole</i> goes from a pose to \
-    palettes, confidences and the skin.</p>\n</section>\n";
+    palettes, confidences and the skin; <i>kernel</i> from a query to outputs and their confidence.</p>\n</section>\n";
 
 /// Stages down, devices across.
 fn table(columns: &[Column]) -> String {

@@ -1,9 +1,10 @@
 //! The table: a column a backend, a row a stage.
 
-use crate::backend::{Backend, Cpu};
+use crate::backend::{Backend, Cpu, Failure};
 use crate::finding::{Finding, sound};
 use crate::gpu::Gpu;
-use crate::stages::{Body, applies, body, whole};
+use crate::kernels::KernelSubject;
+use crate::stages::{applies, body, kernel, whole};
 use crate::subject::Subject;
 use serde::Serialize;
 use sinew_gpu::headless::{Device, DeviceInfo};
@@ -18,6 +19,10 @@ pub struct Matrix {
     pub model_len: usize,
     /// How many poses of all of them together.
     pub pose_len: usize,
+    /// How many kernels there were.
+    pub kernel_len: usize,
+    /// How many queries of all of them together.
+    pub query_len: usize,
     /// What evaluated them; the CPU first.
     pub backends: Vec<Column>,
 }
@@ -31,7 +36,7 @@ pub struct Column {
     pub device: String,
     /// Driver and version.
     pub driver: String,
-    /// Its stages, and last what goes from a pose to the skin.
+    /// Its stages; what goes from a pose to the skin; and last kernels.
     pub stages: Vec<Row>,
 }
 
@@ -53,21 +58,29 @@ pub struct Row {
 
 impl Matrix {
     /// Begins with the CPU.
-    pub fn new(subjects: &[Subject<'_>]) -> Self {
+    pub fn new(subjects: &[Subject<'_>], kernels: &[KernelSubject<'_>]) -> Self {
         let mut out = Self {
             version: env!("CARGO_PKG_VERSION"),
             model_len: subjects.len(),
             pose_len: subjects.iter().map(|subject| subject.poses.len()).sum(),
+            kernel_len: kernels.len(),
+            query_len: kernels.iter().map(KernelSubject::query_len).sum(),
             backends: Vec::new(),
         };
         let (device, driver) = (std::env::consts::ARCH.to_owned(), "sinew-runtime".to_owned());
-        out.backends.push(Column { api: "cpu", device, driver, stages: rows(&Cpu, subjects) });
+        let stages = rows(&Cpu, subjects, kernels);
+        out.backends.push(Column { api: "cpu", device, driver, stages });
         out
     }
 
     /// Adds a device.
-    pub fn add(&mut self, device: &dyn Device, subjects: &[Subject<'_>]) {
-        let rows = rows(&Gpu::new(device), subjects);
+    pub fn add(
+        &mut self,
+        device: &dyn Device,
+        subjects: &[Subject<'_>],
+        kernels: &[KernelSubject<'_>],
+    ) {
+        let rows = rows(&Gpu::new(device), subjects, kernels);
         self.backends.push(Column::of(device.info(), rows));
     }
 
@@ -95,26 +108,33 @@ impl Column {
     }
 }
 
-/// Runs every body on every model that has the stage.
-fn rows(backend: &dyn Backend, subjects: &[Subject<'_>]) -> Vec<Row> {
+/// Runs every body on every model that has the stage, and on every kernel.
+fn rows(
+    backend: &dyn Backend,
+    subjects: &[Subject<'_>],
+    kernels: &[KernelSubject<'_>],
+) -> Vec<Row> {
+    let of_envelope = Stage::ALL.into_iter().filter(|stage| *stage != Stage::Kernel);
     let stage = |stage: Stage| {
         let own = subjects.iter().filter(|subject| applies(stage, backend, &subject.loaded));
-        row(stage.name(), body(stage), backend, own)
+        let run = |own: &Subject<'_>| (own.described(), body(stage)(backend, own));
+        row(stage.name(), own.map(run))
     };
     let skinned = subjects.iter().filter(|subject| subject.loaded.skin.vertex_len() > 0);
-    let whole = row("whole", whole::body, backend, skinned);
-    Stage::ALL.into_iter().map(stage).chain([whole]).collect()
+    let whole = row("whole", skinned.map(|own| (own.described(), whole::body(backend, own))));
+    let kernels = kernels.iter().map(|own| (own.described(), kernel::body(backend, own)));
+    let kernel = row(Stage::Kernel.name(), kernels);
+    of_envelope.map(stage).chain([whole, kernel]).collect()
 }
 
-fn row<'a>(
+/// Adds up what a body finds of each model, by its description.
+fn row(
     stage: &'static str,
-    body: Body,
-    backend: &dyn Backend,
-    subjects: impl Iterator<Item = &'a Subject<'a>>,
+    found: impl Iterator<Item = (String, Result<Vec<Finding>, Failure>)>,
 ) -> Row {
     let mut row = Row { stage, cases: 0, differing: 0, worst: 0.0, failure: None };
-    for subject in subjects {
-        let failure = match body(backend, subject) {
+    for (described, found) in found {
+        let failure = match found {
             Ok(findings) => {
                 row.add(&findings);
                 sound(&findings).err().map(|mismatch| mismatch.to_string())
@@ -124,7 +144,7 @@ fn row<'a>(
                 Some(failure.to_string())
             }
         };
-        let named = |failure| format!("{}: {failure}", subject.described());
+        let named = |failure| format!("{described}: {failure}");
         row.failure = row.failure.or(failure.map(named));
     }
     if row.cases == 0 && row.failure.is_none() {

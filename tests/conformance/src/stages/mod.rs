@@ -9,6 +9,7 @@ pub mod correction;
 pub mod features;
 pub mod gradients;
 pub mod joints;
+pub mod kernel;
 pub mod layout;
 pub mod palette;
 pub mod skin;

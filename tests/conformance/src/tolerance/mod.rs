@@ -21,6 +21,7 @@ mod features;
 mod gradients;
 mod inexact;
 mod joints;
+mod kernel;
 mod palette;
 mod skin;
 mod whole;
@@ -34,6 +35,7 @@ pub use inexact::{
     BOUNDS_AT_REST, BOUNDS_POSED, EXACT, Inexact, PSEUDO_SOLVED, SOLVED, Transform, UNDERFLOW,
 };
 pub use joints::joints;
+pub use kernel::kernel;
 pub use palette::palette;
 pub use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
 pub use skin::{Skinned, rest, skin};

@@ -1,6 +1,7 @@
 //! One model with its poses, and what every stage makes of them.
 
 use super::tolerances::{Tolerance, numbers_tolerance, transforms_tolerance};
+use super::written::Written;
 use super::{Folder, VectorError};
 use crate::backend::{Cpu, Failure, Loaded, floats, part};
 use crate::poses::{Kind, Pose, poses};
@@ -21,19 +22,7 @@ const ARITHMETIC: Arithmetic = Arithmetic::VULKAN;
 /// A case: its description, and the files that this names.
 pub(super) struct Case<'a> {
     subject: &'a Subject<'a>,
-    description: Description,
-    files: Vec<(String, Vec<u8>)>,
-}
-
-#[derive(Serialize)]
-struct Description {
-    version: u32,
-    case: String,
-    model: &'static str,
-    predictor: &'static str,
-    counts: Counts,
-    arrays: Vec<Array>,
-    stages: Vec<Stage>,
+    written: Written<Counts>,
 }
 
 #[derive(Serialize)]
@@ -44,27 +33,6 @@ struct Counts {
     palette: usize,
     vertices: usize,
     influences: usize,
-}
-
-#[derive(Serialize)]
-struct Array {
-    name: &'static str,
-    file: String,
-    r#type: &'static str,
-    shape: Vec<usize>,
-}
-
-#[derive(Serialize)]
-struct Stage {
-    stage: &'static str,
-    inputs: Vec<&'static str>,
-    outputs: Vec<Output>,
-}
-
-#[derive(Serialize)]
-struct Output {
-    array: &'static str,
-    tolerance: String,
 }
 
 /// Loads a model and draws poses, without those in which a joint is at a half turn within the
@@ -96,30 +64,15 @@ impl<'a> Case<'a> {
             vertices: skin.vertex_len(),
             influences: skin.influence_len(),
         };
-        let description = Description {
-            version: 1,
-            case: name.to_owned(),
-            model: "model.snw",
-            predictor: envelope.predictor().name(),
-            counts,
-            arrays: Vec::new(),
-            stages: Vec::new(),
-        };
-        Self { subject, description, files: Vec::new() }
+        let predictor = Some(envelope.predictor().name());
+        Self { subject, written: Written::new(name, predictor, counts) }
     }
 
     /// Evaluates everything, and writes it into a folder of the case's name.
     pub(super) fn write(mut self, model: &[u8], folder: &Folder) -> Result<(), VectorError> {
         self.mesh();
         self.poses()?;
-        let name = |file: &str| format!("{}/{file}", self.description.case);
-        folder.write(&name("model.snw"), model)?;
-        let json = serde_json::to_string_pretty(&self.description)? + "\n";
-        folder.write(&name("case.json"), json.as_bytes())?;
-        for (file, bytes) in &self.files {
-            folder.write(&name(file), bytes)?;
-        }
-        Ok(())
+        self.written.write(model, folder)
     }
 
     /// The mesh, which is in the model as well: a skin can be checked without reading that.
@@ -128,32 +81,33 @@ impl<'a> Case<'a> {
         let (v, k) = (skin.vertex_len(), skin.influence_len());
         let flat = |list: Vec<[f32; 3]>| list.into_flattened();
         let positions = (0..v).filter_map(|vertex| skin.rest_position(vertex)).collect();
-        self.array("rest_positions", vec![v, 3], &flat(positions));
+        self.written.array("rest_positions", vec![v, 3], &flat(positions));
         let normals = (0..v).filter_map(|vertex| skin.rest_normal(vertex)).collect();
-        self.array("rest_normals", vec![v, 3], &flat(normals));
+        self.written.array("rest_normals", vec![v, 3], &flat(normals));
         if skin.has_tangents() {
             let tangents = (0..v).filter_map(|vertex| skin.rest_tangent(vertex));
-            self.array("rest_tangents", vec![v, 4], &tangents.flatten().collect::<Vec<_>>());
+            self.written.array(
+                "rest_tangents",
+                vec![v, 4],
+                &tangents.flatten().collect::<Vec<_>>(),
+            );
         }
         let influences: Vec<_> = (0..v).flat_map(|vertex| skin.influences(vertex)).collect();
-        let indices = influences.iter().flat_map(|(index, _)| (*index as u32).to_le_bytes());
-        let (name, file) = ("influence_indices", "influence_indices.u32".to_owned());
-        self.files.push((file.clone(), indices.collect()));
-        let shape = vec![v, k];
-        self.description.arrays.push(Array { name, file, r#type: "u32", shape });
+        let indices: Vec<_> = influences.iter().map(|(index, _)| *index as u32).collect();
+        self.written.indices("influence_indices", vec![v, k], &indices);
         let weights: Vec<_> = influences.iter().map(|(_, weight)| *weight).collect();
-        self.array("influence_weights", vec![v, k], &weights);
+        self.written.array("influence_weights", vec![v, k], &weights);
         if skin.has_coefficients() {
             let coefficients = (0..v).flat_map(|vertex| skin.tangent_coefficients(vertex));
             let flat: Vec<_> = coefficients.flatten().collect();
-            self.array("tangent_coefficients", vec![v, k - 1, 2], &flat);
+            self.written.array("tangent_coefficients", vec![v, k - 1, 2], &flat);
         }
     }
 
     fn poses(&mut self) -> Result<(), Failure> {
         let subject = self.subject;
-        let Counts { poses: n, joints: j, palette: m, .. } = self.description.counts;
-        self.array("pose", vec![n, j, 3, 4], floats(&subject.transforms));
+        let Counts { poses: n, joints: j, palette: m, .. } = self.written.description.counts;
+        self.written.array("pose", vec![n, j, 3, 4], floats(&subject.transforms));
         let whole = whole_of(&Cpu, subject)?;
         let (reconstructs, corrects) =
             (subject.oracle.predictor().reconstructs(), subject.oracle.predictor().corrects());
@@ -167,18 +121,22 @@ impl<'a> Case<'a> {
             let bounds: Vec<_> =
                 subject.transforms_of(|pose| tolerance::joints(&subject.oracle, &pose));
             self.transforms("base", vec![n, m, 3, 4], &base);
-            self.stage("joints", &["pose"], vec![("base", transforms_tolerance(&base, &bounds))]);
+            self.written.stage(
+                "joints",
+                &["pose"],
+                vec![("base", transforms_tolerance(&base, &bounds))],
+            );
         }
         if corrects {
             self.correction(&base, &whole.palettes, &whole.confidences)?;
         } else {
-            self.array("confidence", vec![n], &whole.confidences);
+            self.written.array("confidence", vec![n], &whole.confidences);
             let bounds = (0..n).map(|i| {
                 let given = exact_rotations(part(&rotations, n, i));
                 tolerance::confidence(&subject.oracle, &given, ARITHMETIC)
             });
             let tolerance = numbers_tolerance(&whole.confidences, &bounds.collect::<Vec<_>>());
-            self.stage("confidence", &["rotations"], vec![("confidence", tolerance)]);
+            self.written.stage("confidence", &["rotations"], vec![("confidence", tolerance)]);
         }
         let skin = plain(&subject.loaded.skin);
         let skinned = Skinned::gather(&whole.skin, &skin, n);
@@ -194,11 +152,12 @@ impl<'a> Case<'a> {
         base: &[Matrix3x4],
     ) -> Result<Vec<[f32; 3]>, Failure> {
         let (subject, oracle) = (self.subject, &self.subject.oracle);
-        let Counts { poses: n, joints: j, proxies: p, palette: m, .. } = self.description.counts;
+        let Counts { poses: n, joints: j, proxies: p, palette: m, .. } =
+            self.written.description.counts;
         let all = gradients_of(&Cpu, subject)?;
-        self.array("relative", vec![n, 4 * j, 3], all.relative.as_flattened());
-        self.array("rotations", vec![n, j, 3], all.rotations.as_flattened());
-        self.array("gradients", vec![n, 3 * p, 3], all.gradients.as_flattened());
+        self.written.array("relative", vec![n, 4 * j, 3], all.relative.as_flattened());
+        self.written.array("rotations", vec![n, j, 3], all.rotations.as_flattened());
+        self.written.array("gradients", vec![n, 3 * p, 3], all.gradients.as_flattened());
         let [mut relative, mut rotations, mut gradients, mut palette] =
             [const { Tolerance::new() }; 4];
         for i in 0..n {
@@ -226,9 +185,13 @@ impl<'a> Case<'a> {
         }
         let outputs =
             vec![("relative", relative.0), ("rotations", rotations.0), ("gradients", gradients.0)];
-        self.stage("gradients", &["pose"], outputs);
+        self.written.stage("gradients", &["pose"], outputs);
         self.transforms(base_name, vec![n, m, 3, 4], base);
-        self.stage("palette", &["pose", "relative", "gradients"], vec![(base_name, palette.0)]);
+        self.written.stage(
+            "palette",
+            &["pose", "relative", "gradients"],
+            vec![(base_name, palette.0)],
+        );
         Ok(all.rotations)
     }
 
@@ -239,14 +202,14 @@ impl<'a> Case<'a> {
         confidences: &[f32],
     ) -> Result<(), Failure> {
         let (subject, oracle) = (self.subject, &self.subject.oracle);
-        let Counts { poses: n, joints: j, palette: m, .. } = self.description.counts;
+        let Counts { poses: n, joints: j, palette: m, .. } = self.written.description.counts;
         let features = features_of(&Cpu, subject)?;
         self.transforms("features", vec![n, j, 3, 4], &features);
         let bounds = subject.transforms_of(|pose| tolerance::features(oracle, &pose));
         let tolerance = transforms_tolerance(&features, &bounds);
-        self.stage("features", &["pose"], vec![("features", tolerance)]);
+        self.written.stage("features", &["pose"], vec![("features", tolerance)]);
         self.transforms("palette", vec![n, m, 3, 4], palettes);
-        self.array("confidence", vec![n], confidences);
+        self.written.array("confidence", vec![n], confidences);
         let bounds = (0..n).map(|i| {
             let [pose, features, base] =
                 [&subject.transforms, &features, base].map(|list| exact(part(list, n, i)));
@@ -257,20 +220,20 @@ impl<'a> Case<'a> {
             ("palette", transforms_tolerance(palettes, &transforms)),
             ("confidence", numbers_tolerance(confidences, &certain)),
         ];
-        self.stage("correction", &["pose", "features", "base"], outputs);
+        self.written.stage("correction", &["pose", "features", "base"], outputs);
         Ok(())
     }
 
     fn skin(&mut self, palettes: &[Matrix3x4], skinned: &Skinned) {
-        let Counts { poses: n, vertices: v, .. } = self.description.counts;
-        self.array("positions", vec![n, v, 3], &skinned.positions);
-        self.array("normals", vec![n, v, 3], &skinned.normals);
+        let Counts { poses: n, vertices: v, .. } = self.written.description.counts;
+        self.written.array("positions", vec![n, v, 3], &skinned.positions);
+        self.written.array("normals", vec![n, v, 3], &skinned.normals);
         if self.subject.loaded.skin.has_tangents() {
-            self.array("tangents", vec![n, v, 4], &skinned.tangents);
+            self.written.array("tangents", vec![n, v, 4], &skinned.tangents);
         }
         let given: Vec<_> = (0..n).map(|i| exact(part(palettes, n, i))).collect();
         let outputs = self.skin_tolerances(skinned, &given);
-        self.stage("skin", &["palette"], outputs);
+        self.written.stage("skin", &["palette"], outputs);
     }
 
     fn end_to_end(
@@ -280,7 +243,7 @@ impl<'a> Case<'a> {
         confidences: &[f32],
         skinned: &Skinned,
     ) {
-        let (subject, n) = (self.subject, self.description.counts.poses);
+        let (subject, n) = (self.subject, self.written.description.counts.poses);
         let bounds = (0..n).map(|i| {
             let pose = exact(part(&subject.transforms, n, i));
             tolerance::whole(&subject.oracle, &pose, part(rotations, n, i), ARITHMETIC)
@@ -291,7 +254,7 @@ impl<'a> Case<'a> {
             ("confidence", numbers_tolerance(confidences, &certain)),
         ];
         outputs.extend(self.skin_tolerances(skinned, &transforms));
-        self.stage("whole", &["pose"], outputs);
+        self.written.stage("whole", &["pose"], outputs);
     }
 
     fn skin_tolerances(
@@ -328,29 +291,7 @@ impl<'a> Case<'a> {
     }
 
     fn transforms(&mut self, name: &'static str, shape: Vec<usize>, transforms: &[Matrix3x4]) {
-        self.array(name, shape, floats(transforms));
-    }
-
-    fn array(&mut self, name: &'static str, shape: Vec<usize>, values: &[f32]) {
-        let file = format!("{name}.f32");
-        self.files.push((file.clone(), le(values)));
-        self.description.arrays.push(Array { name, file, r#type: "f32", shape });
-    }
-
-    fn stage(
-        &mut self,
-        stage: &'static str,
-        inputs: &[&'static str],
-        outputs: Vec<(&'static str, Vec<f32>)>,
-    ) {
-        let whole = if stage == "whole" { "whole." } else { "" };
-        let output = |(array, tolerance): (&'static str, Vec<f32>)| {
-            let file = format!("{array}.{whole}tolerance.f32");
-            self.files.push((file.clone(), le(&tolerance)));
-            Output { array, tolerance: file }
-        };
-        let outputs = outputs.into_iter().map(output).collect();
-        self.description.stages.push(Stage { stage, inputs: inputs.to_vec(), outputs });
+        self.written.array(name, shape, floats(transforms));
     }
 }
 
@@ -362,8 +303,4 @@ impl Subject<'_> {
     ) -> Vec<Inexact<Transform>> {
         self.poses.iter().map(|pose| bound(Inexact::exact(pose.widened()))).collect()
     }
-}
-
-fn le(values: &[f32]) -> Vec<u8> {
-    values.iter().flat_map(|x| x.to_le_bytes()).collect()
 }

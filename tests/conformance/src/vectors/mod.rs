@@ -2,13 +2,15 @@
 
 mod case;
 mod folder;
+mod kernel;
 mod tolerances;
+mod written;
 
 pub use folder::{Folder, VectorError};
 
 use crate::models::{self, SHAPES};
 use crate::subject::Subject;
-use ::models::GOLDEN;
+use ::models::{GOLDEN, KernelContent, Pieces};
 use case::{Case, subject};
 use sinew_runtime::envelope::Predictor;
 use std::path::Path;
@@ -19,6 +21,9 @@ const README: &str = include_str!("README.md");
 const POSES: usize = 41;
 /// Poses that are drawn of a trained character.
 const CHARACTER_POSES: usize = 77;
+
+/// Queries of a kernel.
+const QUERIES: usize = 41;
 
 /// Writes the vectors into a folder that is not there or is empty; it appears whole or not at all.
 ///
@@ -37,6 +42,11 @@ pub fn write(out: &Path) -> Result<(), VectorError> {
         let [v, j, p, k] = [shape.vertices, shape.joints, shape.proxies, shape.influences];
         let case = format!("random-{}-{v}-{j}-{p}-{k}", shape.predictor.name());
         Case::new(&case, &own).write(bytes, &folder)?;
+    }
+    for content in KernelContent::goldens().into_iter().chain([KernelContent::servo()]) {
+        let name = content.name.replace([' ', '/'], "-").replace('é', "e");
+        let bytes = Pieces::kernels(&[content]).bytes();
+        kernel::write(&format!("kernel-{name}"), &bytes, QUERIES, &folder)?;
     }
     folder.finish()
 }

@@ -11,12 +11,12 @@ use sinew_gpu::headless::{Device, DeviceInfo};
 use sinew_gpu::layout::{DeviceLimits, Stage};
 use sinew_runtime::envelope::Predictor;
 
-const APIS: [&str; 2] = ["wgpu", "vulkan"];
+pub(crate) const APIS: [&str; 2] = ["wgpu", "vulkan"];
 
 /// Poses of the trained character: at least a thousand of each predictor.
 const POSES: usize = 1024;
 
-fn lavapipe(api: &str) -> DeviceInfo {
+pub(crate) fn lavapipe(api: &str) -> DeviceInfo {
     let all = list().unwrap_or_default();
     let found = all.iter().find(|info| info.api == api && info.driver == LAVAPIPE);
     found.cloned().unwrap_or_else(|| {

@@ -2,6 +2,7 @@
 //! end to end. What evaluates a batch on a device is first held against a device that is a program.
 
 mod gpu;
+mod kernel;
 mod lavapipe;
 mod layer;
 mod matrix;

@@ -1,6 +1,8 @@
 //! The matrix tells what fails, in every form.
 
 use crate::software::{Fault, Software};
+use ::models::{KernelContent, Pieces};
+use conformance::kernels::KernelSubject;
 use conformance::matrix::{Matrix, markdown, page};
 use conformance::models::{self, shape_of};
 use conformance::subject::Subject;
@@ -10,12 +12,16 @@ use sinew_runtime::envelope::Predictor;
 
 /// One model of one predictor: the stages of the others have nothing to compare.
 fn matrix(fault: Option<Fault>) -> Matrix {
-    let bytes = models::random(shape_of(Predictor::Rotational));
+    let random = models::random(shape_of(Predictor::Rotational));
+    let mut pieces = Pieces::of(&random).expect("a random model is sound");
+    pieces.append(Pieces::kernels(&[KernelContent::servo()]));
+    let bytes = pieces.bytes();
     let subjects = [Subject::new("random", &bytes, 14)];
-    let mut out = Matrix::new(&subjects);
+    let kernels = [KernelSubject::new(&bytes, 14)];
+    let mut out = Matrix::new(&subjects, &kernels);
     let mut device = Software::new(&bytes, fault);
     device.info.name = "<b>evil | device\n</b>".to_owned();
-    out.add(&device, &subjects);
+    out.add(&device, &subjects, &kernels);
     out
 }
 
@@ -37,6 +43,9 @@ fn a_bit_is_counted_and_a_stage_left_out_fails() {
     assert!(skin.worst == f64::INFINITY && skin.differing == skin.cases);
     assert!(skin.failure.unwrap().contains("NaN"));
     assert!(!idle.holds());
+
+    let kernel = row(&matrix(Some(Fault::Bit(Stage::Kernel, Resource::Out, 5))), "kernel");
+    assert_eq!((kernel.cases, kernel.differing, kernel.failure), (28, 1, None));
 
     let stray = matrix(Some(Fault::Stray(Stage::Palette, Resource::Scratch, 0)));
     assert!(row(&stray, "palette").failure.unwrap().contains("which is not its own"));

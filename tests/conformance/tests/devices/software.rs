@@ -6,7 +6,7 @@ use sinew_gpu::headless::{Device, DeviceInfo, HeadlessError, Uploaded};
 use sinew_gpu::layout::{Chunk, DeviceLimits, Plan, Resource, Stage};
 use sinew_runtime::envelope::ScratchLayout;
 use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::{CallError, Matrix3x4, SkinJob, stages};
+use sinew_runtime::{CallError, KernelMap, Matrix3x4, Model, Skin, SkinJob, stages};
 use std::time::Duration;
 
 /// What goes wrong, in the stage that it names.
@@ -48,11 +48,17 @@ impl Device for Software<'_> {
     }
 
     fn upload(&self, blob: &[u8], plan: &Plan) -> Result<Box<dyn Uploaded + '_>, HeadlessError> {
-        let loaded = Loaded::new(self.bytes);
-        assert_eq!(loaded.model.blob(), blob, "the device was made for another model");
+        let model = Model::from_bytes(self.bytes).expect("a baked model loads");
+        assert_eq!(model.blob(), blob, "the device was made for another model");
+        let part = if plan.stages().eq([Stage::Kernel]) {
+            let kernel = model.kernel().and_then(|kernel| kernel.layout().open(self.bytes));
+            Part::Kernel(kernel.expect("it holds a kernel"))
+        } else {
+            Part::Envelope(Box::new(Loaded::new(self.bytes)))
+        };
         let floats = |resource| vec![0.0; (plan.bytes(resource) / 4) as usize];
         let buffers = Resource::ALL.map(floats);
-        Ok(Box::new(Batch { loaded, plan: plan.clone(), buffers, fault: self.fault }))
+        Ok(Box::new(Batch { part, plan: plan.clone(), buffers, fault: self.fault }))
     }
 
     fn time_copy(&self, _: u64, _: usize) -> Result<Duration, HeadlessError> {
@@ -64,8 +70,15 @@ impl Device for Software<'_> {
     }
 }
 
+/// What is evaluated.
+#[derive(Clone)]
+enum Part<'a> {
+    Envelope(Box<Loaded<'a>>),
+    Kernel(KernelMap<'a>),
+}
+
 struct Batch<'a> {
-    loaded: Loaded<'a>,
+    part: Part<'a>,
     plan: Plan,
     buffers: [Vec<f32>; Resource::ALL.len()],
     fault: Option<Fault>,
@@ -97,7 +110,12 @@ impl Uploaded for Batch<'_> {
         for chunk in self.plan.chunks().to_vec() {
             let here = chunk.instances.start..chunk.instances.end.min(instance_len);
             for local in 0..here.len() {
-                let ran = Instance { batch: self, chunk: &chunk, local }.run(stage);
+                let part = self.part.clone();
+                let mut instance = Instance { batch: self, chunk: &chunk, local };
+                let ran = match part {
+                    Part::Envelope(loaded) => instance.run(stage, &loaded),
+                    Part::Kernel(kernel) => instance.kernel(&kernel),
+                };
                 let doing = stage.name();
                 ran.map_err(|e| HeadlessError::Refused { doing, detail: e.to_string() })?;
             }
@@ -159,8 +177,8 @@ impl Instance<'_, '_> {
         self.batch.buffers[resource as usize][at..][..floats.len()].copy_from_slice(floats);
     }
 
-    fn run(&mut self, stage: Stage) -> Result<(), CallError> {
-        let envelope = self.batch.loaded.envelope;
+    fn run(&mut self, stage: Stage, loaded: &Loaded<'_>) -> Result<(), CallError> {
+        let envelope = loaded.envelope;
         let (j, p) = (envelope.joint_len(), envelope.proxy_len());
         let scratch = ScratchLayout::at_once(&envelope);
         // A kernel model without helpers needs none.
@@ -224,12 +242,29 @@ impl Instance<'_, '_> {
                 let at = self.place(Resource::Confidences, "confidences");
                 self.put(Resource::Confidences, at, &[value]);
             }
-            Stage::Skin => self.skin(palette_at, palette_floats)?,
+            Stage::Skin => self.skin(loaded.skin, palette_at, palette_floats)?,
+            Stage::Kernel => panic!("an envelope has no queries"),
         }
         Ok(())
     }
 
-    fn skin(&mut self, palette_at: usize, palette_floats: usize) -> Result<(), CallError> {
+    fn kernel(&mut self, kernel: &KernelMap<'_>) -> Result<(), CallError> {
+        let at = self.place(Resource::Queries, "queries");
+        let query: Vec<f32> = self.take(Resource::Queries, at, kernel.query_len());
+        let mut scratch = vec![0.0; kernel.counts().scratch_len()];
+        let mut out = vec![0.0; kernel.result_len()];
+        let confidence = kernel.evaluate(&query, &mut scratch, &mut out)?;
+        self.put(Resource::Out, self.place(Resource::Out, "outputs"), &out);
+        self.put(Resource::Out, self.place(Resource::Out, "confidences"), &[confidence]);
+        Ok(())
+    }
+
+    fn skin(
+        &mut self,
+        skin: Skin<'_>,
+        palette_at: usize,
+        palette_floats: usize,
+    ) -> Result<(), CallError> {
         let palette: Vec<Matrix3x4> = self.take(Resource::Palettes, palette_at, palette_floats);
         let first = self.param("vertex_first");
         let vertices = first..first + self.param("vertex_len");
@@ -241,7 +276,6 @@ impl Instance<'_, '_> {
             is_there.then(|| (start, of("stride")))
         };
         let places = ["positions", "normals", "tangents"].map(place);
-        let skin = self.batch.loaded.skin;
         let out = cells(&mut self.batch.buffers[Resource::Out as usize]);
         let [positions, normals, tangents] = places
             .map(|place| place.map(|(start, stride)| Output { floats: &out[start..], stride }));

@@ -1,6 +1,7 @@
 //! The runtime as a backend that is wrong: what it gives is altered before anyone sees it.
 
 use conformance::backend::{Backend, Cpu, Failure, Gradients, Loaded, Whole};
+use conformance::kernels::KernelSubject;
 use conformance::tolerance::Arithmetic;
 use sinew_gpu::layout::{SkinBatch, Stage};
 use sinew_runtime::Matrix3x4;
@@ -35,6 +36,11 @@ pub(crate) enum Step<'a> {
         palettes: &'a [Matrix3x4],
         skin: &'a SkinBatch,
         out: &'a mut [f32],
+    },
+    Kernel {
+        queries: &'a [f32],
+        out: &'a mut [f32],
+        confidences: &'a mut [f32],
     },
 }
 
@@ -130,6 +136,18 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         Ok(())
     }
 
+    fn kernel(
+        &self,
+        subject: &KernelSubject<'_>,
+        queries: &[f32],
+        out: &mut [f32],
+        confidences: &mut [f32],
+    ) -> Result<(), Failure> {
+        Cpu.kernel(subject, queries, out, confidences)?;
+        (self.0)(Step::Kernel { queries, out, confidences });
+        Ok(())
+    }
+
     fn whole(
         &self,
         loaded: &Loaded<'_>,
@@ -203,6 +221,16 @@ impl Backend for Idle {
         _: &Loaded<'_>,
         _: &[Matrix3x4],
         _: &SkinBatch,
+        _: &mut [f32],
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn kernel(
+        &self,
+        _: &KernelSubject<'_>,
+        _: &[f32],
+        _: &mut [f32],
         _: &mut [f32],
     ) -> Result<(), Failure> {
         Ok(())

@@ -5,6 +5,7 @@ mod altered;
 mod controls;
 mod correction;
 mod empty;
+mod kernel;
 
 use conformance::backend::Cpu;
 use conformance::finding::{Finding, sound};

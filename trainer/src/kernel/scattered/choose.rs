@@ -2,7 +2,7 @@
 
 use super::error::KernelError;
 use super::fit::Fit;
-use super::matrix::{distances, matrix};
+use super::matrix::{distances, gram};
 use super::options::{Options, is_scale_invariant};
 use super::samples::Samples;
 use crate::kernel::function::Exact;
@@ -131,7 +131,7 @@ impl Judge<'_> {
         let points = self.samples.scaling.apply(&self.samples.sites) * faer::Scale(place.epsilon);
         let unit = match place.share {
             0.0 => 0.0,
-            _ => matrix(self.options.kernel, &points, &points).norm_l2() / points.nrows() as f64,
+            _ => gram(self.options.kernel, &points).norm_l2() / points.nrows() as f64,
         };
         // Where it is not chosen it is the one asked for; the share of it is then 0.
         let given = if self.freedom.smoothing { 0.0 } else { self.options.smoothing };
@@ -151,11 +151,15 @@ impl Judge<'_> {
 /// Returns how far a sample is from the nearest other one, on average; 0 of a single one.
 fn spacing(samples: &Samples) -> f64 {
     let points = samples.scaling.apply(&samples.sites);
-    let nearest = |from: usize| {
-        let others = distances(&points, from).into_iter().enumerate().filter(|(i, _)| *i != from);
-        others.map(|(_, distance)| distance).reduce(f64::min).unwrap_or(0.0)
-    };
-    (0..points.nrows()).map(nearest).sum::<f64>() / points.nrows() as f64
+    let n = points.nrows();
+    let mut nearest = vec![f64::INFINITY; n];
+    for from in 0..n {
+        for (at, distance) in (from..n).zip(distances(&points, from)).skip(1) {
+            nearest[from] = nearest[from].min(distance);
+            nearest[at] = nearest[at].min(distance);
+        }
+    }
+    if n > 1 { nearest.iter().sum::<f64>() / n as f64 } else { 0.0 }
 }
 
 /// Tells whether a kernel has not fallen below 1/e of its peak at a distance.

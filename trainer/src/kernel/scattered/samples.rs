@@ -117,7 +117,7 @@ fn merge(
             continue;
         }
         let distances = distances(points, into);
-        let same = |row: &usize| !taken[*row] && distances[*row] < ONE_SITE;
+        let same = |row: &usize| !taken[*row] && distances[*row - into] < ONE_SITE;
         let others: Vec<usize> = (into + 1..points.nrows()).filter(same).collect();
         let conflict = others.iter().find(|row| !agree(into, **row));
         if let Some(&second) = conflict
@@ -128,7 +128,7 @@ fn merge(
         let averaged = conflict.is_some();
         for &row in &others {
             taken[row] = true;
-            merged.push(Merged { row, into, distance: distances[row], averaged });
+            merged.push(Merged { row, into, distance: distances[row - into], averaged });
         }
         let mean_of = if averaged { others } else { Vec::new() };
         groups.push([vec![into], mean_of].concat());

@@ -67,7 +67,7 @@ impl Scaling {
         let points = scaling.apply(sites);
         let sum: f64 = (0..n).map(|i| distances(&points, i).iter().sum::<f64>()).sum();
         if sum > 0.0 {
-            let by = (n * (n - 1)) as f64 / sum;
+            let by = (n * (n - 1)) as f64 / (2.0 * sum);
             scaling.scale.iter_mut().for_each(|scale| *scale *= by);
         }
         Ok(scaling)
@@ -115,7 +115,7 @@ mod tests {
     fn mean_distance(points: &Mat<f64>) -> f64 {
         let n = points.nrows();
         let sum: f64 = (0..n).map(|i| distances(points, i).iter().sum::<f64>()).sum();
-        sum / (n * (n - 1)) as f64
+        2.0 * sum / (n * (n - 1)) as f64
     }
 
     #[test]

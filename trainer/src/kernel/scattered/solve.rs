@@ -1,6 +1,6 @@
 //! Values at samples, every sample a centre, solved for a sum of kernels and a polynomial (METHOD §2.2).
 
-use super::matrix::matrix;
+use super::matrix::gram;
 use super::polynomial::Polynomial;
 use super::samples::ranges;
 use super::system::System;
@@ -37,7 +37,7 @@ pub fn solve(
     polynomial: Polynomial,
     values: &Mat<f64>,
 ) -> Solved {
-    let mut matrix = matrix(kernel, points, points);
+    let mut matrix = gram(kernel, points);
     smoothing.iter().enumerate().for_each(|(i, lambda)| matrix[(i, i)] += lambda);
     let system = System::new(&matrix, &polynomial.values);
     let ranges = ranges(values);

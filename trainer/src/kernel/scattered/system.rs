@@ -161,7 +161,7 @@ fn reflect(reflected: &Qr<f64>, matrix: MatMut<'_, f64>, way: Way) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::matrix::matrix;
+    use super::super::matrix::gram;
     use super::*;
     use sinew_runtime::kernel::Kernel;
 
@@ -190,7 +190,7 @@ mod tests {
             (Kernel::ThinPlate, 1),
         ] {
             let points = points(14);
-            let mut k = matrix(kernel, &points, &points);
+            let mut k = gram(kernel, &points);
             (0..14).for_each(|i| k[(i, i)] += 1e-3 * i as f64);
             let p = Mat::from_fn(14, r, |i, t| if t == 0 { 1.0 } else { points[(i, t - 1)] });
             let y = Mat::from_fn(14, 2, |i, o| (i as f64 + 0.5 * o as f64).sin());
@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn samples_that_repeat_have_no_condition() {
         let points = Mat::from_fn(6, 2, |i, c| ((1 + i % 5) as f64 * [0.618, 0.414][c]).fract());
-        let k = matrix(Kernel::Gaussian, &points, &points);
+        let k = gram(Kernel::Gaussian, &points);
         assert!(System::new(&k, &Mat::zeros(6, 0)).rcond() < 1e-15);
         let mut smoothed = k;
         (0..6).for_each(|i| smoothed[(i, i)] += 0.1);

@@ -1,8 +1,10 @@
-//! Whether a batch is one of a model at all.
+//! Whether a batch is one of a model's envelope at all.
 
-use super::batch::{Array, Batch, SkinBatch};
-use super::error::LayoutError;
-use super::resource::Resource;
+use super::batch::{Batch, SkinBatch};
+use crate::layout::array::Array;
+use crate::layout::demand::check_stride;
+use crate::layout::error::LayoutError;
+use crate::layout::resource::Resource;
 use sinew_runtime::format::PartKind;
 use sinew_runtime::{Envelope, Model, Skin};
 use std::ops::Range;
@@ -57,8 +59,4 @@ fn check_skin(skin: &Skin<'_>, batch: &SkinBatch) -> Result<(), LayoutError> {
     let written = batch.attributes().into_iter();
     let mut written = written.filter_map(|(own, least)| Some((own?.stride, least)));
     written.try_for_each(|(stride, least)| check_stride(Resource::Out, least, stride))
-}
-
-fn check_stride(resource: Resource, least: usize, found: usize) -> Result<(), LayoutError> {
-    if found < least { Err(LayoutError::Stride { resource, least, found }) } else { Ok(()) }
 }

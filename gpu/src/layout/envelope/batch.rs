@@ -1,5 +1,6 @@
 //! A batch of instances of one model, as the host describes it.
 
+use crate::layout::array::Array;
 use sinew_runtime::skin::SkinLayout;
 use sinew_runtime::{Envelope, Skin};
 use std::ops::Range;
@@ -13,24 +14,15 @@ pub struct Batch {
     /// How many instances there are room for. A frame can evaluate fewer, the first ones; nothing is
     /// written for the others.
     pub instance_len: usize,
-    /// [`super::Resource::Poses`]: 12 J floats an instance. A stride of 0 gives all the same pose.
+    /// [`crate::layout::Resource::Poses`]: 12 J floats an instance. A stride of 0 gives all the same pose.
     pub poses: Array,
-    /// [`super::Resource::Palettes`]: 12 floats for each transform. Where they are skinned, offset and
+    /// [`crate::layout::Resource::Palettes`]: 12 floats for each transform. Where they are skinned, offset and
     /// stride are multiples of 4.
     pub palettes: Array,
-    /// [`super::Resource::Confidences`]: one float; `None` leaves the stage out.
+    /// [`crate::layout::Resource::Confidences`]: one float; `None` leaves the stage out.
     pub confidences: Option<Array>,
     /// What to skin; `None` for the palettes only.
     pub skin: Option<SkinBatch>,
-}
-
-/// Where an array with one stretch of words an instance lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Array {
-    /// The first instance's first word.
-    pub offset: usize,
-    /// Words from an instance to the next.
-    pub stride: usize,
 }
 
 /// What is skinned, and where to: a [`sinew_runtime::SkinJob`] for every instance.
@@ -39,9 +31,9 @@ pub struct SkinBatch {
     /// [`Skin::layout`] of a skin that follows the batch's envelope.
     pub skin: SkinLayout,
     /// The vertices: of the remap where there is one, else of the skin. An empty range is skinned by
-    /// no stage, but tells a shader of the host's, in [`super::Resource::Params`], where the skin lies.
+    /// no stage, but tells a shader of the host's, in [`crate::layout::Resource::Params`], where the skin lies.
     pub vertices: Range<usize>,
-    /// In [`super::Resource::Host`]: for each vertex of the engine's the skin's that it is a copy of,
+    /// In [`crate::layout::Resource::Host`]: for each vertex of the engine's the skin's that it is a copy of,
     /// u32. An index beyond the mesh, which a CPU refuses, is taken for the last vertex.
     pub remap: Option<Array>,
     /// What stands for the file's rest mesh.
@@ -54,7 +46,7 @@ pub struct SkinBatch {
     pub tangents: Option<Attribute>,
 }
 
-/// A rest mesh of the host's in [`super::Resource::Host`], by the skin's own vertices. What is not given
+/// A rest mesh of the host's in [`crate::layout::Resource::Host`], by the skin's own vertices. What is not given
 /// is the file's. A stride of 0 gives all instances the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rest {
@@ -66,7 +58,7 @@ pub struct Rest {
     pub tangents: Option<Array>,
 }
 
-/// Where an attribute is written in [`super::Resource::Out`]: vertex i *of the range* of instance n at
+/// Where an attribute is written in [`crate::layout::Resource::Out`]: vertex i *of the range* of instance n at
 /// `offset + n * instance_stride + i * stride`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Attribute {
@@ -76,6 +68,13 @@ pub struct Attribute {
     pub stride: usize,
     /// Floats from an instance to the next.
     pub instance_stride: usize,
+}
+
+impl Attribute {
+    /// Returns where it lies, as an array with a stretch of words an instance.
+    pub(super) fn array(&self) -> Array {
+        Array { offset: self.offset, stride: self.instance_stride }
+    }
 }
 
 impl Batch {
@@ -122,7 +121,7 @@ impl SkinBatch {
         [(self.positions, 3), (self.normals, 3), (self.tangents, 4)]
     }
 
-    /// Lists what lies in [`super::Resource::Host`], with the words of an instance: the remap up to the
+    /// Lists what lies in [`crate::layout::Resource::Host`], with the words of an instance: the remap up to the
     /// last vertex that is skinned, then the rest mesh of V vertices.
     pub(super) fn host(&self, vertex_len: usize) -> [(Option<Array>, usize); 4] {
         let Rest { positions, normals, tangents } = self.rest;

@@ -1,0 +1,115 @@
+//! Batches of a kernel, and what they ask for.
+
+use super::array::Array;
+use super::demand::{Demand, Member, array_members, check_stride, section_member};
+use super::error::LayoutError;
+use super::resource::Resource;
+use super::stage::Stage;
+use sinew_runtime::format::{PartKind, SectionKind};
+use sinew_runtime::{KernelMap, Model};
+
+/// Queries of one kernel, and where in the host's buffers their arrays lie: an instance is a query.
+///
+/// Offsets and strides count floats. Outputs and confidences share a binding, which a batch is cut by: it
+/// reaches over both, so they are best laid out query by query. What a CPU refuses a GPU evaluates nevertheless, and marks: the
+/// confidence is not a number where [`KernelMap::evaluate`] would return an error, as of a number of the
+/// query or of the outputs that is not finite. Those outputs are of no use.
+#[derive(Clone, Debug)]
+pub struct KernelBatch {
+    /// How many queries there is room for. A frame can evaluate fewer, the first ones; nothing is written
+    /// for the others.
+    pub instance_len: usize,
+    /// [`Resource::Queries`]: [`KernelMap::query_len`] floats. A stride of 0 gives all the same query.
+    pub queries: Array,
+    /// [`Resource::Out`]: [`KernelMap::result_len`] floats.
+    pub outputs: Array,
+    /// [`Resource::Out`]: one float, the confidence; `None` leaves it out, and nothing is marked.
+    pub confidences: Option<Array>,
+}
+
+impl KernelBatch {
+    /// Describes queries without gaps, and one after the other their outputs, each followed by the
+    /// confidence in it.
+    pub fn new(kernel: &KernelMap<'_>, instance_len: usize) -> Self {
+        let result_len = kernel.result_len();
+        let stride = result_len + 1;
+        Self {
+            instance_len,
+            queries: Array { offset: 0, stride: kernel.query_len() },
+            outputs: Array { offset: 0, stride },
+            confidences: Some(Array { offset: result_len, stride }),
+        }
+    }
+}
+
+/// The sections that shaders read, by the name of their member.
+const SECTIONS: [SectionKind; 8] = [
+    SectionKind::KernelRule,
+    SectionKind::Inputs,
+    SectionKind::Outputs,
+    SectionKind::Features,
+    SectionKind::Metric,
+    SectionKind::KernelCentres,
+    SectionKind::Terms,
+    SectionKind::KernelCoefficients,
+];
+
+/// Checks a batch against a model and a kernel, and says what it asks for.
+pub(super) fn demand(
+    model: &Model<impl AsRef<[u8]>>,
+    kernel: &KernelMap<'_>,
+    batch: &KernelBatch,
+) -> Result<Demand, LayoutError> {
+    if kernel.file() != model.id() {
+        return Err(LayoutError::OtherFile { part: PartKind::Kernel });
+    }
+    if batch.instance_len == 0 {
+        return Err(LayoutError::NoInstances);
+    }
+    check_stride(Resource::Out, kernel.result_len(), batch.outputs.stride)?;
+    if let Some(array) = batch.confidences {
+        check_stride(Resource::Out, 1, array.stride)?;
+    }
+    let counts = kernel.counts();
+    let scratch = Array { offset: 0, stride: scratch_len(kernel) };
+    let mut arrays = vec![
+        (Resource::Queries, batch.queries, kernel.query_len()),
+        (Resource::Scratch, scratch, scratch.stride),
+        (Resource::Out, batch.outputs, kernel.result_len()),
+    ];
+    arrays.extend(batch.confidences.map(|array| (Resource::Out, array, 1)));
+    let lens = [
+        ("input_len", counts.input_len),
+        ("output_len", counts.output_len),
+        ("feature_len", counts.feature_len),
+        ("metric_len", counts.metric_len),
+        ("centre_len", counts.centre_len),
+        ("term_len", counts.term_len),
+        ("value_len", counts.value_len),
+    ];
+    let lens = lens.map(|(name, len)| (name, Member::Number(len as usize)));
+    let sections = SECTIONS.map(|kind| section_member(model, Some(kernel.part()), kind));
+    let places = [
+        (["scratch_offset", "scratch_stride"], Resource::Scratch, Some(scratch)),
+        (["queries_offset", "queries_stride"], Resource::Queries, Some(batch.queries)),
+        (["outputs_offset", "outputs_stride"], Resource::Out, Some(batch.outputs)),
+        (["confidences_offset", "confidences_stride"], Resource::Out, batch.confidences),
+    ];
+    let places = places.into_iter();
+    let places = places.flat_map(|(names, resource, array)| array_members(names, resource, array));
+    Ok(Demand {
+        instance_len: batch.instance_len,
+        stages: vec![(Stage::Kernel, 1)],
+        arrays,
+        members: lens.into_iter().chain(sections).chain(places).collect(),
+        blob_bytes: model.blob().len() as u64,
+    })
+}
+
+/// Counts the floats of scratch of an instance: the features, what the metric makes of them, the
+/// polynomial's terms, and the values.
+fn scratch_len(kernel: &KernelMap<'_>) -> usize {
+    let counts = kernel.counts();
+    let lens = [counts.feature_len, counts.metric_len, counts.term_len, counts.value_len];
+    lens.into_iter().map(|len| len as usize).sum()
+}

@@ -1,0 +1,27 @@
+// What every stage binds beside the block of its part: the model.
+
+layout(set = 0, binding = 1, std430) readonly buffer Blob {
+    uint blob[];
+};
+
+// Stands for the joint, the term or the array that there is not.
+const uint NO_JOINT = 0xffffu;
+const uint NO_TERM = 0xffffu;
+const uint NONE = 0xffffffffu;
+
+float blob_float(uint word) {
+    return uintBitsToFloat(blob[word]);
+}
+
+vec3 blob_vec3(uint word) {
+    return vec3(blob_float(word), blob_float(word + 1u), blob_float(word + 2u));
+}
+
+vec4 blob_vec4(uint word) {
+    return uintBitsToFloat(uvec4(blob[word], blob[word + 1u], blob[word + 2u], blob[word + 3u]));
+}
+
+// A u16 of an array of them that starts at a word.
+uint blob_half(uint word, uint index) {
+    return (blob[word + index / 2u] >> (16u * (index & 1u))) & 0xffffu;
+}

@@ -1,0 +1,31 @@
+// What the stages of a kernel are told: where everything lies, in words of 4 bytes.
+
+struct Params {
+    // The part's counts.
+    input_len: u32,
+    output_len: u32,
+    feature_len: u32,
+    metric_len: u32,
+    centre_len: u32,
+    term_len: u32,
+    value_len: u32,
+    // Sections, from the blob's start.
+    kernel_rule: u32,
+    inputs: u32,
+    outputs: u32,
+    features: u32,
+    metric: u32,
+    kernel_centres: u32,
+    terms: u32,
+    kernel_coefficients: u32,
+    // Arrays from the binding's start: the first instance's, and from an instance to the next. An offset of NONE
+    // stands for what is not written.
+    scratch_offset: u32,
+    scratch_stride: u32,
+    queries_offset: u32,
+    queries_stride: u32,
+    outputs_offset: u32,
+    outputs_stride: u32,
+    confidences_offset: u32,
+    confidences_stride: u32,
+}

@@ -1,0 +1,72 @@
+//! Kernels under test: one of each with everything, the goldens, and a large one, with oracles and queries.
+
+use ::models::{KernelContent, Pieces, Rng};
+use sinew_runtime::kernel::Kernel;
+use sinew_runtime::{KernelMap, Model};
+use sinew_trainer::kernel::model::KernelModel;
+use std::sync::OnceLock;
+
+/// Queries of a kernel.
+pub const QUERIES: usize = 140;
+
+/// A kernel under test.
+pub struct KernelSubject<'a> {
+    /// The file.
+    pub model: Model<&'a [u8]>,
+    /// The kernel.
+    pub kernel: KernelMap<'a>,
+    /// Its oracle.
+    pub oracle: KernelModel,
+    /// Queries of it, one after the other: near the centres, about them and beyond.
+    pub queries: Vec<f32>,
+}
+
+impl<'a> KernelSubject<'a> {
+    /// Loads the first kernel of a file and draws queries of it, each of which a CPU evaluates.
+    ///
+    /// # Panics
+    /// If the bytes are no model with a kernel.
+    pub fn new(bytes: &'a [u8], query_len: usize) -> Self {
+        let model = Model::from_bytes(bytes).expect("a kernel loads");
+        let kernel = model.kernel().and_then(|kernel| kernel.layout().open(bytes));
+        let kernel = kernel.expect("it holds a kernel");
+        let mut random = Rng(1992);
+        let query = |number: usize| {
+            let size = [0.3, 1.0, 3.0, 20.0][number % 4];
+            (0..kernel.query_len()).map(|_| size * random.unit()).collect::<Vec<_>>()
+        };
+        let queries = (0..query_len).flat_map(query).collect();
+        Self { model, kernel, oracle: KernelModel::from_file(&kernel), queries }
+    }
+
+    /// Counts its queries.
+    pub fn query_len(&self) -> usize {
+        self.queries.len() / self.kernel.query_len()
+    }
+
+    /// Says which it is.
+    pub fn described(&self) -> String {
+        format!("{:?}, {:?}", self.kernel, self.kernel.rule())
+    }
+}
+
+/// The files, a kernel each: of every kernel the golden one, and one of every kind of input and output; a servo; a
+/// function of 27 numbers with 480 values; more centres than are evaluated at once.
+pub fn files() -> &'static [Vec<u8>] {
+    static FILES: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
+    FILES.get_or_init(|| {
+        let every = Kernel::ALL.map(KernelContent::every);
+        let large = [
+            KernelContent::servo(),
+            KernelContent::plain(Kernel::Gaussian, [27, 64, 480]),
+            KernelContent::plain(Kernel::ThinPlate, [3, 600, 3]),
+        ];
+        let all = KernelContent::goldens().into_iter().chain(every).chain(large);
+        all.map(|content| Pieces::kernels(&[content]).bytes()).collect()
+    })
+}
+
+/// Every kernel under test, with so many queries.
+pub fn kernels(query_len: usize) -> Vec<KernelSubject<'static>> {
+    files().iter().map(|bytes| KernelSubject::new(bytes, query_len)).collect()
+}

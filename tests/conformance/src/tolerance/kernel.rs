@@ -1,0 +1,197 @@
+//! The tolerance of stage kernel, and of its confidence.
+
+use super::inexact::Inexact;
+use sinew_runtime::kernel::{Normalise, QueryRule};
+use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
+use sinew_trainer::kernel::bound::{bound, distances};
+use sinew_trainer::kernel::model::{Input, InputKind, KernelModel, Output, OutputKind};
+use sinew_trainer::kernel::rotations::{Feature, Xyzw};
+
+/// Kernel: features of rotations are off as `feature_error` says, values by METHOD §2.7's E of them, the confidence as
+/// a fade's; `w y + (1 - w) n` rounds three times. A range moves nothing apart, a rotation is half as far off as its
+/// vector and rounds as `rotation` says, and a share of a sum is off as the sum and the number, and by a
+/// division.
+///
+/// # Panics
+/// If a query is one that a CPU refuses.
+pub fn kernel(
+    oracle: &KernelModel,
+    query: &[f32],
+    arithmetic: Arithmetic,
+) -> (Inexact<f64>, Inexact<f64>) {
+    let query: Vec<f64> = query.iter().map(|x| f64::from(*x)).collect();
+    let right = oracle.evaluate(&query).expect("the query can be evaluated");
+    let (mut x, x_error) = features(&oracle.inputs, &query, arithmetic);
+    if oracle.query == QueryRule::Clamp {
+        for (x, [low, high]) in x.iter_mut().zip(&oracle.ranges) {
+            *x = x.max(*low).min(*high);
+        }
+    }
+    let w = right.confidence;
+    let w_error = oracle.fade.error(&distances(&oracle.sum, &x, &x_error), arithmetic);
+    let mut values = oracle.sum.evaluate(&x);
+    let mut error = bound(&oracle.sum, &x, &x_error, arithmetic);
+    if oracle.query == QueryRule::Fade {
+        let neutral = oracle.outputs.iter().flat_map(neutral);
+        for ((y, error), neutral) in values.iter_mut().zip(&mut error).zip(neutral) {
+            let apart = y.abs() + neutral.abs() + *error;
+            let most = (w + w_error) * (y.abs() + *error) + (1.0 - w + w_error) * neutral.abs();
+            *error = w_error * apart + (w + w_error) * *error + gamma(3) * most;
+            *y = w * *y + (1.0 - w) * neutral;
+        }
+    }
+    let (mut out, mut marked) = (Vec::new(), Vec::new());
+    let (mut values, mut error) = (values.as_slice(), error.as_slice());
+    for Output { kind, .. } in &oracle.outputs {
+        let (own, own_error);
+        (own, values) = values.split_at(kind.value_len());
+        (own_error, error) = error.split_at(kind.value_len());
+        match (kind, own, own_error) {
+            (OutputKind::Rotation { neutral }, &[x, y, z], &[a, b, c]) => {
+                out.extend(rotation(*neutral, [x, y, z], [a, b, c], arithmetic));
+            }
+            (OutputKind::Scalar { low, high, normalised: true, .. }, &[y], _) => {
+                marked.push((out.len(), y.max(*low).min(*high)));
+                out.extend(own_error);
+            }
+            _ => out.extend(own_error),
+        }
+    }
+    share(oracle.normalise, &marked, &mut out, arithmetic);
+    let confidence = Inexact { value: vec![w], error: vec![w_error] };
+    (Inexact { value: right.numbers, error: out }, confidence)
+}
+
+/// The features of all inputs, and how far off they are: numbers are not.
+fn features(inputs: &[Input], query: &[f64], arithmetic: Arithmetic) -> (Vec<f64>, Vec<f64>) {
+    let (mut value, mut error, mut left) = (Vec::new(), Vec::new(), query);
+    for Input { kind, .. } in inputs {
+        let own;
+        (own, left) = left.split_at(kind.number_len());
+        match (kind, own) {
+            (InputKind::Rotation { feature, .. }, &[x, y, z, w]) => {
+                let q = [x, y, z, w];
+                let own = feature.of(q).expect("the rotation has a direction");
+                error.extend(feature_error(*feature, q, &own, arithmetic));
+                value.extend(own);
+            }
+            _ => {
+                value.extend(own);
+                error.extend(own.iter().map(|_| 0.0));
+            }
+        }
+    }
+    (value, error)
+}
+
+/// How far features of a rotation are off. |q|² is behind four roundings, its quotient behind a division's more, an
+/// entry's products behind three more of their own, their sum and its difference from 1. v · axis is behind three.
+/// A product with an axis sums three. An angle is off by its point, by 2.1 ULP of an arc tangent, its quotient, and
+/// no more than a turn.
+fn feature_error(feature: Feature, q: Xyzw, value: &[f64], arithmetic: Arithmetic) -> Vec<f64> {
+    let [x, y, z, w] = q;
+    let square: f64 = q.iter().map(|x| x * x).sum();
+    let entry = |r: usize, c: usize| {
+        let v = [x, y, z].map(|x| x.abs());
+        let sum = if r == c {
+            square - w * w - v[r] * v[r]
+        } else {
+            v[r] * v[c] + w.abs() * v[3 - r - c]
+        };
+        let rounded = gamma(8 + arithmetic.division) * 2.0 * sum / square;
+        rounded + if r == c { U * (1.0 + 2.0 * sum / square) } else { 0.0 }
+    };
+    let about = |axis: [f64; 3]| {
+        let terms = [x * axis[0], y * axis[1], z * axis[2]];
+        let most = terms.iter().map(|x| x.abs()).sum::<f64>();
+        (terms.iter().sum::<f64>(), most, gamma(3) * most)
+    };
+    match feature {
+        Feature::Matrix | Feature::TwoRows => {
+            (0..value.len()).map(|i| entry(i / 3, i % 3)).collect()
+        }
+        Feature::Swing(axis) => {
+            let row = |r: usize| {
+                let terms = (0..3).map(|c| (2.0 * gamma(3) + entry(r, c)) * axis[c].abs());
+                terms.sum::<f64>()
+            };
+            (0..3).map(row).collect()
+        }
+        Feature::Twist(axis) => {
+            let (_, most, error) = about(axis);
+            let quotient = gamma(6 + arithmetic.division);
+            let of_square =
+                (2.0 * most + error) * error + gamma(2) * (w * w + (most + error).powi(2));
+            let of_product = 2.0 * w.abs() * error;
+            let scaled =
+                |error: f64, value: f64| error / square * (1.0 + quotient) + quotient * value.abs();
+            vec![scaled(of_square, value[0]), scaled(of_product, value[1])]
+        }
+        Feature::TwistAngle(axis) => {
+            let (about, _, error) = about(axis);
+            let least = (about.abs() - error).max(0.0).powi(2) + w * w;
+            let of_point = 2.0 * error * (w.abs() + error) / least;
+            let rounded = gamma(6 + arithmetic.division) * std::f64::consts::PI;
+            let whole = 2.0 * std::f64::consts::PI;
+            vec![if of_point < whole { of_point + rounded } else { whole }]
+        }
+    }
+}
+
+/// The values of an output where a query has faded.
+fn neutral(output: &Output) -> Vec<f64> {
+    match output.kind {
+        OutputKind::Scalar { neutral, .. } => vec![neutral],
+        OutputKind::Vector3 { neutral } => neutral.to_vec(),
+        OutputKind::Rotation { .. } => vec![0.0; 3],
+    }
+}
+
+/// How far a rotation's quaternion is off. That of its vector turns half as far as the vector moves; h and 1 + h are
+/// behind five roundings, a quotient behind them and a division's. A product with the neutral sums four; the oracle
+/// makes that of length 1.
+fn rotation(neutral: Xyzw, values: [f64; 3], error: [f64; 3], arithmetic: Arithmetic) -> [f64; 4] {
+    let h = values.iter().map(|y| y * y).sum::<f64>() / 16.0;
+    let inherited = 0.5 * error.iter().map(|e| e * e).sum::<f64>().sqrt();
+    let quotient = gamma(11 + arithmetic.division);
+    let [x, y, z] = values.map(|y| 0.5 * y.abs() / (1.0 + h));
+    let turn = [x, y, z, 1.0];
+    let length = neutral.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let of = |i: usize, j: usize| {
+        let own = inherited + quotient * turn[j];
+        neutral[i].abs() * (own + (gamma(4) + (length - 1.0).abs()) * (turn[j] + own))
+    };
+    PRODUCTS.map(|row| row.iter().map(|&(i, j)| of(i, j)).sum())
+}
+
+/// The entries that the products in each entry of a product of quaternions are of.
+const PRODUCTS: [[(usize, usize); 4]; 4] = [
+    [(3, 0), (0, 3), (1, 2), (2, 1)],
+    [(3, 1), (0, 2), (1, 3), (2, 0)],
+    [(3, 2), (0, 1), (1, 0), (2, 3)],
+    [(3, 3), (0, 0), (1, 1), (2, 2)],
+];
+
+/// Widens the errors of the marked numbers, by their places, where they are divided by their sum, or may be.
+fn share(rule: Normalise, marked: &[(usize, f64)], error: &mut [f64], arithmetic: Arithmetic) {
+    let least = match rule {
+        Normalise::Never => return,
+        Normalise::Always => 1e-12,
+        Normalise::AboveOne => 1.0,
+    };
+    let sum: f64 = marked.iter().map(|(_, x)| x).sum();
+    let magnitude: f64 = marked.iter().map(|(_, x)| x.abs()).sum();
+    let sum_error: f64 = marked.iter().map(|(at, _)| error[*at]).sum::<f64>();
+    let sum_error = sum_error + gamma(marked.len()) * (magnitude + sum_error);
+    if sum + sum_error <= least {
+        return;
+    }
+    for &(at, x) in marked {
+        let share = x / sum;
+        let rounded = gamma(arithmetic.division) * share.abs();
+        let own = (error[at] + share.abs() * sum_error) / (sum - sum_error) * (1.0 + U) + rounded;
+        // Whether it is divided at all may be in doubt.
+        let doubt = if sum - sum_error <= least { (x - share).abs() + error[at] } else { 0.0 };
+        error[at] = own + doubt;
+    }
+}

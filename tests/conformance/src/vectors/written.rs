@@ -1,0 +1,110 @@
+//! A case as it is written: its description, and the files that this names.
+
+use super::{Folder, VectorError};
+use serde::Serialize;
+
+/// A case of counts C.
+pub(super) struct Written<C> {
+    pub(super) description: Description<C>,
+    files: Vec<(String, Vec<u8>)>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Description<C> {
+    version: u32,
+    case: String,
+    model: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    predictor: Option<&'static str>,
+    pub(super) counts: C,
+    arrays: Vec<Array>,
+    stages: Vec<Stage>,
+}
+
+#[derive(Serialize)]
+struct Array {
+    name: &'static str,
+    file: String,
+    r#type: &'static str,
+    shape: Vec<usize>,
+}
+
+#[derive(Serialize)]
+struct Stage {
+    stage: &'static str,
+    inputs: Vec<&'static str>,
+    outputs: Vec<Output>,
+}
+
+#[derive(Serialize)]
+struct Output {
+    array: &'static str,
+    tolerance: String,
+}
+
+impl<C: Serialize> Written<C> {
+    /// Begins a case of a name, of a predictor if it has one.
+    pub(super) fn new(case: &str, predictor: Option<&'static str>, counts: C) -> Self {
+        let description = Description {
+            version: 1,
+            case: case.to_owned(),
+            model: "model.snw",
+            predictor,
+            counts,
+            arrays: Vec::new(),
+            stages: Vec::new(),
+        };
+        Self { description, files: Vec::new() }
+    }
+
+    /// Adds an array of floats.
+    pub(super) fn array(&mut self, name: &'static str, shape: Vec<usize>, values: &[f32]) {
+        let file = format!("{name}.f32");
+        self.files.push((file.clone(), le(values)));
+        self.description.arrays.push(Array { name, file, r#type: "f32", shape });
+    }
+
+    /// Adds an array of numbers that count.
+    pub(super) fn indices(&mut self, name: &'static str, shape: Vec<usize>, values: &[u32]) {
+        let file = format!("{name}.u32");
+        let bytes = values.iter().flat_map(|index| index.to_le_bytes()).collect();
+        self.files.push((file.clone(), bytes));
+        self.description.arrays.push(Array { name, file, r#type: "u32", shape });
+    }
+
+    /// Adds a stage with the tolerances of its outputs.
+    pub(super) fn stage(
+        &mut self,
+        stage: &'static str,
+        inputs: &[&'static str],
+        outputs: Vec<(&'static str, Vec<f32>)>,
+    ) {
+        let whole = if stage == "whole" { "whole." } else { "" };
+        let output = |(array, tolerance): (&'static str, Vec<f32>)| {
+            let file = format!("{array}.{whole}tolerance.f32");
+            self.files.push((file.clone(), le(&tolerance)));
+            Output { array, tolerance: file }
+        };
+        let outputs = outputs.into_iter().map(output).collect();
+        self.description.stages.push(Stage { stage, inputs: inputs.to_vec(), outputs });
+    }
+
+    /// Writes it into a folder of the case's name.
+    ///
+    /// # Errors
+    /// [`VectorError`]
+    pub(super) fn write(self, model: &[u8], folder: &Folder) -> Result<(), VectorError> {
+        let name = |file: &str| format!("{}/{file}", self.description.case);
+        folder.write(&name("model.snw"), model)?;
+        let json = serde_json::to_string_pretty(&self.description)? + "\n";
+        folder.write(&name("case.json"), json.as_bytes())?;
+        for (file, bytes) in &self.files {
+            folder.write(&name(file), bytes)?;
+        }
+        Ok(())
+    }
+}
+
+fn le(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}

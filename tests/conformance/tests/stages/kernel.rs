@@ -1,0 +1,111 @@
+//! Kernels against their f64 oracle, and what is wrong with one is caught.
+
+use crate::altered::{Altered, Idle, Step};
+use conformance::backend::{Backend, Cpu, part};
+use conformance::compare::Mismatch;
+use conformance::finding::{Finding, sound};
+use conformance::kernels::{KernelSubject, QUERIES, kernels};
+use conformance::stages::kernel::body;
+use conformance::tolerance::{self, Arithmetic};
+use models::{KernelContent, Pieces};
+use sinew_runtime::Model;
+use sinew_runtime::kernel::Kernel;
+use std::cell::Cell;
+
+const IEEE: Arithmetic = Arithmetic::IEEE;
+
+#[test]
+fn kernel() {
+    let mut most = [0.0f64; 2];
+    for subject in kernels(QUERIES) {
+        let findings = body(&Cpu, &subject).unwrap();
+        assert_eq!(sound(&findings), Ok(()), "{}", subject.described());
+        let ratios: Vec<_> = findings.iter().map(|Finding { worst, .. }| *worst).collect();
+        println!("{}: {ratios:.3?}", subject.described());
+        most.iter_mut().zip(ratios).for_each(|(most, ratio)| *most = most.max(ratio));
+    }
+    assert!(most.iter().all(|most| *most > 0.1), "a bound without use: {most:?}");
+}
+
+/// A kernel that has everything, and its oracle.
+fn file(edit: impl Fn(&mut KernelContent)) -> Vec<u8> {
+    let mut content = KernelContent::every(Kernel::Matern52);
+    edit(&mut content);
+    Pieces::kernels(&[content]).bytes()
+}
+
+/// Puts one output, or one confidence, a factor of its tolerance off, once.
+fn off_by(subject: &KernelSubject<'_>, of_confidence: bool, factor: f64) -> Result<(), Mismatch> {
+    let seen = Cell::new(0);
+    let spoil = |step: Step<'_>| {
+        let Step::Kernel { queries, out, confidences } = step else { return };
+        let n = confidences.len();
+        for i in 0..n {
+            let query = part(queries, n, i);
+            let (right, confidence) = tolerance::kernel(&subject.oracle, query, IEEE);
+            let len = right.value.len();
+            let (found, right) = if of_confidence {
+                (&mut confidences[i], confidence)
+            } else {
+                (&mut out[i * len], right)
+            };
+            if right.error[0] > 0.0 {
+                seen.set(seen.get() + 1);
+                if seen.get() == 10 {
+                    *found = (right.value[0] + factor * right.error[0]) as f32;
+                }
+            }
+        }
+    };
+    let findings = body(&Altered(spoil, IEEE), subject).expect("the backend gives something");
+    assert!(seen.get() >= 10, "it was reached");
+    sound(&findings)
+}
+
+#[test]
+fn one_value_off_by_two_tolerances_is_caught() {
+    let bytes = file(|_| {});
+    let subject = KernelSubject::new(&bytes, QUERIES);
+    for of_confidence in [false, true] {
+        let caught = off_by(&subject, of_confidence, 2.0);
+        assert!(matches!(caught, Err(Mismatch::Beyond { .. })), "{caught:?}");
+        assert_eq!(off_by(&subject, of_confidence, 0.5), Ok(()));
+    }
+    assert!(sound(&body(&Idle, &subject).unwrap()).is_err(), "an output left alone");
+}
+
+/// What a backend finds that takes a file for another: whether it is sound, and how many values differ.
+fn taken_for(other: &[u8]) -> (bool, usize) {
+    let bytes = file(|_| {});
+    let subject = KernelSubject::new(&bytes, QUERIES);
+    let model = Model::from_bytes(other).expect("a kernel loads");
+    let kernel = model.kernel().expect("it holds a kernel");
+    let wrong = Altered(
+        |step: Step<'_>| {
+            let Step::Kernel { queries, out, confidences } = step else { return };
+            let other = KernelSubject { kernel, ..KernelSubject::new(&bytes, 1) };
+            Cpu.kernel(&other, queries, out, confidences).expect("it is no larger");
+        },
+        IEEE,
+    );
+    let findings = body(&wrong, &subject).expect("the backend gives something");
+    (sound(&findings).is_ok(), findings.iter().map(|finding| finding.differing).sum())
+}
+
+#[test]
+fn another_kernel_or_coefficient_is_caught_and_another_order_counted() {
+    assert_eq!(taken_for(&file(|_| {})), (true, 0));
+    let (number, _) = taken_for(&file(|own| own.rule.kernel = Kernel::Matern32));
+    let (coefficient, _) = taken_for(&file(|own| own.coefficients[4][3] *= 1.001));
+    let (centre, _) = taken_for(&file(|own| own.centres[2][1] += 1e-3));
+    let (term, _) = taken_for(&file(|own| own.terms[26] = [3, 3]));
+    let (rule, _) = taken_for(&file(|own| own.rule.fade.1 *= 1.001));
+    assert_eq!([number, coefficient, centre, term, rule], [false; 5]);
+    // Centres from the last to the first: the same sums in another order.
+    let (is_sound, differing) = taken_for(&file(|own| {
+        own.centres.reverse();
+        let n = own.centres.len();
+        own.coefficients.iter_mut().for_each(|row| row[..n].reverse());
+    }));
+    assert!(is_sound && differing > 100, "{differing}");
+}
