@@ -44,8 +44,8 @@ impl Fitted {
         self
     }
 
-    /// Gives what a file holds of it, in the units of the input. The certificate's figures are RMS
-    /// errors as shares of the diagonal; that of the correction is added here.
+    /// Gives what a file holds of it, in the units of the input, the skin without tangent coefficients. The
+    /// certificate's figures are RMS errors as shares of the diagonal; that of the correction is added here.
     pub fn file_model(
         &self,
         training: &Training,
@@ -62,6 +62,8 @@ impl Fitted {
             rest_normals: examples.rest_normals(),
             rest_tangents: examples.rest_tangents(),
             influences: (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect(),
+            tangent_coefficients: None,
+            normal_errors: None,
             ranges: examples.ranges.clone(),
         };
         let groups = &self.envelope.groups;
