@@ -12,13 +12,14 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint group_len;
     uint root;
     uint predictor;
-    // Sections, from the blob's start.
+    // Sections, from the blob's start; NONE stands for one that is not there.
     uint hierarchy;
     uint rest_positions;
     uint rest_normals;
     uint rest_tangents;
     uint influence_indices;
     uint influence_weights;
+    uint tangent_coefficients;
     uint keys;
     uint c1;
     uint c2;

@@ -12,13 +12,14 @@ struct Params {
     group_len: u32,
     root: u32,
     predictor: u32,
-    // Sections, from the blob's start.
+    // Sections, from the blob's start; NONE stands for one that is not there.
     hierarchy: u32,
     rest_positions: u32,
     rest_normals: u32,
     rest_tangents: u32,
     influence_indices: u32,
     influence_weights: u32,
+    tangent_coefficients: u32,
     keys: u32,
     c1: u32,
     c2: u32,

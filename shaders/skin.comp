@@ -62,15 +62,111 @@ vec3 along(vec3 x, vec3 y, vec3 z, vec3 v) {
     return sum;
 }
 
-// A vector's direction, or the rest pose's where it has none: its square is not a normal number.
-vec3 unit(vec3 v, vec3 rest) {
-    precise float square = v.x * v.x + v.y * v.y + v.z * v.z;
-    if (square >= 1.17549435e-38 && square <= 3.4028234e+38) {
-        precise float scale = 1.0 / sqrt(square);
+float dot3(vec3 a, vec3 b) {
+    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+    return sum;
+}
+
+// Whether a vector has a direction: its square is a normal number.
+bool has_direction(vec3 v) {
+    float square = dot3(v, v);
+    return square >= 1.17549435e-38 && square <= 3.4028234e+38;
+}
+
+// A vector at the length of `side`, which is 1 or -1, or else what stands for its direction.
+vec3 unit(vec3 v, float side, vec3 rest) {
+    if (has_direction(v)) {
+        precise float scale = side * (1.0 / sqrt(dot3(v, v)));
         precise vec3 direction = v * scale;
         return direction;
     }
     return rest;
+}
+
+// -1 where a palette mirrors, by its first transform, else 1.
+float mirror(uint palette) {
+    vec3 x = palettes[palette].xyz;
+    vec3 y = palettes[palette + 1u].xyz;
+    vec3 z = palettes[palette + 2u].xyz;
+    return dot3(x, cross3(y, z)) < 0.0 ? -1.0 : 1.0;
+}
+
+// The first vector of a transform of a palette that a vertex's k-th influence names.
+uint transform_of(uint palette, uint vertex, uint k) {
+    uint influence = vertex * params.influence_len + k;
+    return palette + 3u * blob_half(params.influence_indices, influence);
+}
+
+// Where a transform moves a point.
+vec3 moved(uint at, vec3 point) {
+    vec4 a = palettes[at];
+    vec4 b = palettes[at + 1u];
+    vec4 c = palettes[at + 2u];
+    vec3 x = vec3(a.x, b.x, c.x);
+    vec3 y = vec3(a.y, b.y, c.y);
+    vec3 z = vec3(a.z, b.z, c.z);
+    precise vec3 place = along(x, y, z, point) + vec3(a.w, b.w, c.w);
+    return place;
+}
+
+// A number of half precision, normal or 0, in the upper half of a word.
+float half_float(uint high) {
+    uint bits = uint(int(high) >> 3) & 0x8fffe000u;
+    return uintBitsToFloat((bits & 0x7fffffffu) == 0u ? bits : bits + 0x38000000u);
+}
+
+// Two directions along the surface at rest, which tangent coefficients g and h are of.
+struct Frame {
+    vec3 g;
+    vec3 h;
+};
+
+Frame frame_of_tangent(vec3 normal, vec3 tangent) {
+    vec3 h = cross3(normal, tangent);
+    return Frame(cross3(h, normal), h);
+}
+
+// That of a normal alone; `up` is the z of the file's own.
+Frame frame_of_normal(vec3 n, float up) {
+    float side = uintBitsToFloat(0x3f800000u | (floatBitsToUint(up) & 0x80000000u));
+    precise float sided = side * n.x;
+    precise float share = n.x / (side + n.z);
+    precise vec3 g = vec3(1.0 - sided * share, -(side * n.y * share), -sided);
+    return Frame(g, cross3(n, g));
+}
+
+// What tangent coefficients add to the images of a frame's directions: sums of g and h times how far a
+// vertex's transforms move it apart.
+Frame parted(uint palette, uint vertex, vec3 rest) {
+    uint others = params.influence_len - 1u;
+    vec3 last = moved(transform_of(palette, vertex, others), rest);
+    precise vec3 g = vec3(-0.0);
+    precise vec3 h = vec3(-0.0);
+    for (uint k = 0u; k < others; k++) {
+        uint word = blob[params.tangent_coefficients + vertex * others + k];
+        precise vec3 apart = moved(transform_of(palette, vertex, k), rest) - last;
+        g += apart * half_float(word << 16u);
+        h += apart * half_float(word);
+    }
+    return Frame(g, h);
+}
+
+// A normal turned by the transform of a vertex's strongest influence, the first of equals.
+vec3 turned_by_strongest(uint palette, uint vertex, vec3 normal) {
+    float most = -1.0;
+    uint strongest = 0u;
+    for (uint k = 0u; k < params.influence_len; k++) {
+        float weight = blob_float(params.influence_weights + vertex * params.influence_len + k);
+        if (weight > most) {
+            most = weight;
+            strongest = k;
+        }
+    }
+    uint at = transform_of(palette, vertex, strongest);
+    vec4 a = palettes[at];
+    vec4 b = palettes[at + 1u];
+    vec4 c = palettes[at + 2u];
+    return along(vec3(a.x, b.x, c.x), vec3(a.y, b.y, c.y), vec3(a.z, b.z, c.z), normal);
 }
 
 void main() {
@@ -90,9 +186,8 @@ void main() {
     precise vec4 row_y = vec4(0.0);
     precise vec4 row_z = vec4(0.0);
     for (uint k = 0u; k < params.influence_len; k++) {
-        uint influence = vertex * params.influence_len + k;
-        float weight = blob_float(params.influence_weights + influence);
-        uint at = palette + 3u * blob_half(params.influence_indices, influence);
+        float weight = blob_float(params.influence_weights + vertex * params.influence_len + k);
+        uint at = transform_of(palette, vertex, k);
         row_x += palettes[at] * weight;
         row_y += palettes[at + 1u] * weight;
         row_z += palettes[at + 2u] * weight;
@@ -103,22 +198,52 @@ void main() {
 
     if (params.positions_offset != NONE) {
         vec3 rest = rest_position(instance, vertex);
-        precise vec3 moved = along(x, y, z, rest) + vec3(row_x.w, row_y.w, row_z.w);
+        precise vec3 place = along(x, y, z, rest) + vec3(row_x.w, row_y.w, row_z.w);
         uint at = params.positions_offset + instance * params.positions_instance_stride;
-        put(at + i * params.positions_stride, moved);
+        put(at + i * params.positions_stride, place);
+    }
+    if (params.normals_offset == NONE && params.tangents_offset == NONE) {
+        return;
+    }
+    bool has_coefficients = params.tangent_coefficients != NONE;
+    vec3 normal = rest_normal(instance, vertex);
+    Frame frame = Frame(vec3(0.0), vec3(0.0));
+    Frame sums = frame;
+    if (has_coefficients) {
+        if (params.rest_tangents == NONE) {
+            frame = frame_of_normal(normal, blob_float(params.rest_normals + 3u * vertex + 2u));
+        } else {
+            frame = frame_of_tangent(normal, rest_tangent(instance, vertex).xyz);
+        }
+        sums = parted(palette, vertex, rest_position(instance, vertex));
     }
     if (params.normals_offset != NONE) {
-        vec3 rest = rest_normal(instance, vertex);
-        // By the cofactors.
-        vec3 turned = along(cross3(y, z), cross3(z, x), cross3(x, y), rest);
+        float side = mirror(palette);
+        vec3 turned;
+        if (has_coefficients) {
+            precise vec3 g = along(x, y, z, frame.g) + sums.g;
+            precise vec3 h = along(x, y, z, frame.h) + sums.h;
+            turned = cross3(g, h);
+            if (!has_direction(turned)) {
+                turned = turned_by_strongest(palette, vertex, normal);
+                side = 1.0;
+            }
+        } else {
+            // By the cofactors.
+            turned = along(cross3(y, z), cross3(z, x), cross3(x, y), normal);
+        }
         uint at = params.normals_offset + instance * params.normals_instance_stride;
-        put(at + i * params.normals_stride, unit(turned, rest));
+        put(at + i * params.normals_stride, unit(turned, side, normal));
     }
     if (params.tangents_offset != NONE) {
         vec4 rest = rest_tangent(instance, vertex);
         uint at = params.tangents_offset + instance * params.tangents_instance_stride
             + i * params.tangents_stride;
-        put(at, unit(along(x, y, z, rest.xyz), rest.xyz));
+        precise vec3 turned = along(x, y, z, rest.xyz);
+        if (has_coefficients) {
+            turned += sums.g * dot3(rest.xyz, frame.g) + sums.h * dot3(rest.xyz, frame.h);
+        }
+        put(at, unit(turned, 1.0, rest.xyz));
         out_floats[at + 3u] = rest.w;
     }
 }

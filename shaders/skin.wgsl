@@ -44,13 +44,115 @@ fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return a.yzx * b.zxy - a.zxy * b.yzx;
 }
 
-// A vector's direction, or the rest pose's where it has none: its square is not a normal number.
-fn unit(v: vec3<f32>, rest: vec3<f32>) -> vec3<f32> {
-    let square = v.x * v.x + v.y * v.y + v.z * v.z;
-    if square >= 1.17549435e-38 && square <= 3.4028234e+38 {
-        return v * (1.0 / sqrt(square));
+// A matrix of columns x, y, z times a vector.
+fn along(x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
+    return x * v.x + y * v.y + z * v.z;
+}
+
+fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// Whether a vector has a direction: its square is a normal number.
+fn has_direction(v: vec3<f32>) -> bool {
+    let square = dot3(v, v);
+    return square >= 1.17549435e-38 && square <= 3.4028234e+38;
+}
+
+// A vector at the length of `side`, which is 1 or -1, or else what stands for its direction.
+fn unit(v: vec3<f32>, side: f32, rest: vec3<f32>) -> vec3<f32> {
+    if has_direction(v) {
+        return v * (side * (1.0 / sqrt(dot3(v, v))));
     }
     return rest;
+}
+
+// -1 where a palette mirrors, by its first transform, else 1.
+fn mirror(palette: u32) -> f32 {
+    let x = palettes[palette].xyz;
+    let y = palettes[palette + 1u].xyz;
+    let z = palettes[palette + 2u].xyz;
+    return select(1.0, -1.0, dot3(x, cross3(y, z)) < 0.0);
+}
+
+// The first vector of a transform of a palette that a vertex's k-th influence names.
+fn transform_of(palette: u32, vertex: u32, k: u32) -> u32 {
+    let influence = vertex * params.influence_len + k;
+    return palette + 3u * blob_half(params.influence_indices, influence);
+}
+
+// Where a transform moves a point.
+fn moved(at: u32, point: vec3<f32>) -> vec3<f32> {
+    let a = palettes[at];
+    let b = palettes[at + 1u];
+    let c = palettes[at + 2u];
+    let x = vec3<f32>(a.x, b.x, c.x);
+    let y = vec3<f32>(a.y, b.y, c.y);
+    let z = vec3<f32>(a.z, b.z, c.z);
+    return along(x, y, z, point) + vec3<f32>(a.w, b.w, c.w);
+}
+
+// A number of half precision, normal or 0, in the upper half of a word.
+fn half_float(high: u32) -> f32 {
+    let bits = bitcast<u32>(bitcast<i32>(high) >> 3u) & 0x8fffe000u;
+    return bitcast<f32>(select(bits + 0x38000000u, bits, (bits & 0x7fffffffu) == 0u));
+}
+
+// Two directions along the surface at rest, which tangent coefficients g and h are of.
+struct Frame {
+    g: vec3<f32>,
+    h: vec3<f32>,
+}
+
+fn frame_of_tangent(normal: vec3<f32>, tangent: vec3<f32>) -> Frame {
+    let h = cross3(normal, tangent);
+    return Frame(cross3(h, normal), h);
+}
+
+// That of a normal alone; `up` is the z of the file's own.
+fn frame_of_normal(n: vec3<f32>, up: f32) -> Frame {
+    let side = bitcast<f32>(0x3f800000u | (bitcast<u32>(up) & 0x80000000u));
+    let sided = side * n.x;
+    let share = n.x / (side + n.z);
+    let g = vec3<f32>(1.0 - sided * share, -(side * n.y * share), -sided);
+    return Frame(g, cross3(n, g));
+}
+
+// What tangent coefficients add to the images of a frame's directions: sums of g and h times how far a
+// vertex's transforms move it apart.
+fn parted(palette: u32, vertex: u32, rest: vec3<f32>) -> Frame {
+    let others = params.influence_len - 1u;
+    let last = moved(transform_of(palette, vertex, others), rest);
+    var g = vec3<f32>(-0.0);
+    var h = vec3<f32>(-0.0);
+    for (var k = 0u; k < others; k++) {
+        let word = blob[params.tangent_coefficients + vertex * others + k];
+        let apart = moved(transform_of(palette, vertex, k), rest) - last;
+        g += apart * half_float(word << 16u);
+        h += apart * half_float(word);
+    }
+    return Frame(g, h);
+}
+
+// A normal turned by the transform of a vertex's strongest influence, the first of equals.
+fn turned_by_strongest(palette: u32, vertex: u32, normal: vec3<f32>) -> vec3<f32> {
+    var most = -1.0;
+    var strongest = 0u;
+    for (var k = 0u; k < params.influence_len; k++) {
+        let weight = blob_float(params.influence_weights + vertex * params.influence_len + k);
+        if weight > most {
+            most = weight;
+            strongest = k;
+        }
+    }
+    let at = transform_of(palette, vertex, strongest);
+    let a = palettes[at];
+    let b = palettes[at + 1u];
+    let c = palettes[at + 2u];
+    let x = vec3<f32>(a.x, b.x, c.x);
+    let y = vec3<f32>(a.y, b.y, c.y);
+    let z = vec3<f32>(a.z, b.z, c.z);
+    return along(x, y, z, normal);
 }
 
 @compute @workgroup_size(64)
@@ -74,9 +176,8 @@ fn main(
     var row_y = vec4<f32>(0.0);
     var row_z = vec4<f32>(0.0);
     for (var k = 0u; k < params.influence_len; k++) {
-        let influence = vertex * params.influence_len + k;
-        let weight = blob_float(params.influence_weights + influence);
-        let at = palette + 3u * blob_half(params.influence_indices, influence);
+        let weight = blob_float(params.influence_weights + vertex * params.influence_len + k);
+        let at = transform_of(palette, vertex, k);
         row_x += palettes[at] * weight;
         row_y += palettes[at + 1u] * weight;
         row_z += palettes[at + 2u] * weight;
@@ -87,23 +188,52 @@ fn main(
 
     if params.positions_offset != NONE {
         let rest = rest_position(instance, vertex);
-        let moved = (x * rest.x + y * rest.y + z * rest.z) + vec3<f32>(row_x.w, row_y.w, row_z.w);
+        let place = along(x, y, z, rest) + vec3<f32>(row_x.w, row_y.w, row_z.w);
         let at = params.positions_offset + instance * params.positions_instance_stride;
-        put(at + i * params.positions_stride, moved);
+        put(at + i * params.positions_stride, place);
+    }
+    if params.normals_offset == NONE && params.tangents_offset == NONE {
+        return;
+    }
+    let has_coefficients = params.tangent_coefficients != NONE;
+    let normal = rest_normal(instance, vertex);
+    var frame: Frame;
+    var sums: Frame;
+    if has_coefficients {
+        if params.rest_tangents == NONE {
+            frame = frame_of_normal(normal, blob_float(params.rest_normals + 3u * vertex + 2u));
+        } else {
+            frame = frame_of_tangent(normal, rest_tangent(instance, vertex).xyz);
+        }
+        sums = parted(palette, vertex, rest_position(instance, vertex));
     }
     if params.normals_offset != NONE {
-        let rest = rest_normal(instance, vertex);
-        // By the cofactors.
-        let along = cross3(y, z) * rest.x + cross3(z, x) * rest.y + cross3(x, y) * rest.z;
+        var side = mirror(palette);
+        var turned: vec3<f32>;
+        if has_coefficients {
+            let g = along(x, y, z, frame.g) + sums.g;
+            let h = along(x, y, z, frame.h) + sums.h;
+            turned = cross3(g, h);
+            if !has_direction(turned) {
+                turned = turned_by_strongest(palette, vertex, normal);
+                side = 1.0;
+            }
+        } else {
+            // By the cofactors.
+            turned = along(cross3(y, z), cross3(z, x), cross3(x, y), normal);
+        }
         let at = params.normals_offset + instance * params.normals_instance_stride;
-        put(at + i * params.normals_stride, unit(along, rest));
+        put(at + i * params.normals_stride, unit(turned, side, normal));
     }
     if params.tangents_offset != NONE {
         let rest = rest_tangent(instance, vertex);
-        let along = x * rest.x + y * rest.y + z * rest.z;
+        var turned = along(x, y, z, rest.xyz);
+        if has_coefficients {
+            turned += sums.g * dot3(rest.xyz, frame.g) + sums.h * dot3(rest.xyz, frame.h);
+        }
         let at = params.tangents_offset + instance * params.tangents_instance_stride
             + i * params.tangents_stride;
-        put(at, unit(along, rest.xyz));
+        put(at, unit(turned, 1.0, rest.xyz));
         out[at + 3u] = rest.w;
     }
 }

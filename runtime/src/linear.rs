@@ -27,6 +27,18 @@ pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// Returns a x b.
+#[inline]
+pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Returns a + b.
+#[inline]
+pub(crate) fn sum([x, y, z]: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [x + b[0], y + b[1], z + b[2]]
+}
+
 /// Returns the squared length of a quaternion x, y, z, w.
 pub(crate) fn squared_length([x, y, z, w]: [f32; 4]) -> f32 {
     dot([x, y, z], [x, y, z]) + w * w
@@ -51,7 +63,8 @@ pub(crate) fn product(a: &Columns, [x, y, z]: &Columns) -> Columns {
 }
 
 /// Returns m v.
-fn transform([a, b, c]: &Columns, [x, y, z]: [f32; 3]) -> [f32; 3] {
+#[inline]
+pub(crate) fn transform([a, b, c]: &Columns, [x, y, z]: [f32; 3]) -> [f32; 3] {
     let row = |i: usize| a[i] * x + b[i] * y + c[i] * z;
     [row(0), row(1), row(2)]
 }
@@ -69,6 +82,12 @@ pub(crate) fn turn_back([a, b, c]: &Columns, columns: &mut [[f32; 3]]) {
 pub(crate) fn columns(m: &Matrix3x4) -> [[f32; 3]; 4] {
     let [[x0, y0, z0, w0], [x1, y1, z1, w1], [x2, y2, z2, w2]] = *m;
     [[x0, x1, x2], [y0, y1, y2], [z0, z1, z2], [w0, w1, w2]]
+}
+
+/// Moves a point by a transform.
+#[inline]
+pub(crate) fn moved(m: &Matrix3x4, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    m.map(|[a, b, c, shift]| a * x + b * y + c * z + shift)
 }
 
 /// Returns the transform a b: first b, then a.

@@ -24,7 +24,6 @@ pub(crate) fn greater(a: f32, b: f32) -> f32 {
 }
 
 /// Returns the two numbers of half precision in a word, the lower half's first; each is normal, or 0.
-#[cfg(feature = "tangent-coefficients")]
 #[inline(always)]
 pub(crate) fn halves(word: u32) -> [f32; 2] {
     // Sign, exponent and mantissa go where single precision has them; what the exponents' biases differ by is a

@@ -7,20 +7,21 @@ use sinew_runtime::envelope::ScratchLayout;
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::{Envelope, Model, Skin};
 
-/// Bytes of the block: 55 members, up to a whole number of vectors of four.
+/// Bytes of the block: 56 members.
 pub(super) const PARAM_BYTES: u64 = 224;
 
-/// Stands for the offset of an array that is not there.
+/// Stands for the offset of an array, or of a section, that is not there.
 const NONE: usize = u32::MAX as usize;
 
 /// The sections that shaders read, by the name of their member: the skin's, or the envelope's.
-const SECTIONS: [(bool, SectionKind); 13] = [
+const SECTIONS: [(bool, SectionKind); 14] = [
     (false, SectionKind::Hierarchy),
     (true, SectionKind::RestPositions),
     (true, SectionKind::RestNormals),
     (true, SectionKind::RestTangents),
     (true, SectionKind::InfluenceIndices),
     (true, SectionKind::InfluenceWeights),
+    (true, SectionKind::TangentCoefficients),
     (false, SectionKind::Keys),
     (false, SectionKind::C1),
     (false, SectionKind::C2),
@@ -132,13 +133,13 @@ impl<B: AsRef<[u8]>> Parts<'_, B> {
             .collect()
     }
 
-    /// Returns the first word of a section in the blob; 0 if there is no such section.
+    /// Returns the first word of a section in the blob.
     fn section(&self, of_skin: bool, kind: SectionKind) -> usize {
         let part =
             if of_skin { self.skin.map(|skin| skin.part()) } else { Some(self.envelope.part()) };
         let mut rows = self.model.sections().map(|section| section.row);
         let found =
             rows.find(|row| Some(usize::from(row.part)) == part && row.kind == kind.number());
-        found.map_or(0, |row| row.offset as usize / 4)
+        found.map_or(NONE, |row| row.offset as usize / 4)
     }
 }

@@ -34,7 +34,7 @@
 /// Version of the ABI that this header describes; `sinew_abi_version` returns the library's.
 ///
 /// It grows when a function, a structure or the meaning of a number changes.
-#define SINEW_ABI_VERSION 3
+#define SINEW_ABI_VERSION 4
 
 /// Stands for no part.
 #define SINEW_NO_PART UINT32_MAX
@@ -558,6 +558,9 @@ typedef struct sinew_skin_info {
     size_t range_len;
     /// 1 with tangents, else 0.
     uint32_t has_tangents;
+    /// 1 with tangent coefficients, by which jobs then turn normals and tangents; 0 where they go by cofactors,
+    /// which are wrong where transforms part.
+    uint32_t has_coefficients;
 } sinew_skin_info;
 
 /// A named range of vertices: one of the meshes that the skin was made of.
@@ -613,8 +616,9 @@ typedef struct sinew_skin_job {
     size_t rest_len;
     /// Where to put positions: 3 floats, model space.
     struct sinew_output positions;
-    /// Where to put normals: 3 floats of length 1; where the palette leaves one no direction, the rest
-    /// normal.
+    /// Where to put normals: 3 floats of length 1, outward also where the palette mirrors; where the
+    /// palette leaves one no direction, the rest normal, turned by the strongest influence if the skin
+    /// has tangent coefficients.
     struct sinew_output normals;
     /// Where to put tangents: 3 floats of length 1 (the rest tangent where the palette leaves one no
     /// direction), then the handedness.

@@ -55,8 +55,9 @@ pub struct sinew_skin_job {
     pub rest_len: usize,
     /// Where to put positions: 3 floats, model space.
     pub positions: sinew_output,
-    /// Where to put normals: 3 floats of length 1; where the palette leaves one no direction, the rest
-    /// normal.
+    /// Where to put normals: 3 floats of length 1, outward also where the palette mirrors; where the
+    /// palette leaves one no direction, the rest normal, turned by the strongest influence if the skin
+    /// has tangent coefficients.
     pub normals: sinew_output,
     /// Where to put tangents: 3 floats of length 1 (the rest tangent where the palette leaves one no
     /// direction), then the handedness.

@@ -75,6 +75,9 @@ pub struct sinew_skin_info {
     pub range_len: usize,
     /// 1 with tangents, else 0.
     pub has_tangents: u32,
+    /// 1 with tangent coefficients, by which jobs then turn normals and tangents; 0 where they go by cofactors,
+    /// which are wrong where transforms part.
+    pub has_coefficients: u32,
 }
 
 /// A named range of vertices: one of the meshes that the skin was made of.
@@ -147,6 +150,7 @@ pub unsafe extern "C" fn sinew_skin_describe(
             palette_len: skin.palette_len(),
             range_len: skin.counts().range_len as usize,
             has_tangents: u32::from(skin.has_tangents()),
+            has_coefficients: u32::from(skin.has_coefficients()),
         };
         // SAFETY: one element, which the caller lets be written.
         unsafe { out.store(info) };

@@ -75,7 +75,6 @@ impl SkinCounts {
 
 /// How far a skin's normals were from the true ones, over the poses of training: the angle's RMS over the area
 /// at rest, in radians.
-#[cfg(feature = "tangent-coefficients")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalErrors {
     /// Of the model, by tangent coefficients where it has them.
@@ -84,7 +83,6 @@ pub struct NormalErrors {
     pub lbs: f32,
 }
 
-#[cfg(feature = "tangent-coefficients")]
 impl NormalErrors {
     /// Bytes of section `normal_errors`.
     pub const BYTES: usize = 8;
@@ -132,5 +130,7 @@ pub(crate) const RULES: [Rule; if cfg!(feature = "tangent-coefficients") { 11 } 
     #[cfg(feature = "tangent-coefficients")]
     Rule::new(SectionKind::TangentCoefficients, 4, [1, 5]).with(BLENDS | OPTIONAL),
     #[cfg(feature = "tangent-coefficients")]
-    Rule::new(SectionKind::NormalErrors, NormalErrors::BYTES as u8, [0, 0]).with(OPTIONAL).unsigned(),
+    Rule::new(SectionKind::NormalErrors, NormalErrors::BYTES as u8, [0, 0])
+        .with(OPTIONAL)
+        .unsigned(),
 ];

@@ -1,13 +1,13 @@
 //! The stage `skin`: from the palette to positions, normals and tangents (METHOD §1.8).
 
+use super::blend::{Influences, along, cofactors, moved, side, unit};
+use super::coefficients::{Frame, Vertex};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
-use crate::linear::{Le, Matrix3x4, dot, floats};
-use crate::numeric::sqrt;
+use crate::linear::{Le, Matrix3x4, floats, sum};
 use core::cell::Cell;
-use core::iter;
 use core::ops::Range;
-use glam::{Mat4, Vec4, Vec4Swizzles};
+use glam::Mat4;
 
 /// Where an attribute is written: the i-th vertex *of the range* at `i * stride`.
 #[derive(Clone, Copy, Debug)]
@@ -56,11 +56,13 @@ pub struct SkinJob<'a> {
     pub rest: Rest<'a>,
     /// Where to put positions: 3 floats, model space.
     pub positions: Option<Output<'a>>,
-    /// Where to put normals: 3 floats of length 1, by the cofactors of the blended 3x3. Where that
-    /// leaves a normal no direction, the rest normal, which may be 0.
+    /// Where to put normals: 3 floats of length 1, outward also where the palette mirrors. By the skin's tangent
+    /// coefficients; where they leave a normal no direction, the rest normal turned by the strongest influence. Of a
+    /// skin without, by the cofactors of the blended 3x3. Where neither gives a direction, the rest normal, which
+    /// may be 0.
     pub normals: Option<Output<'a>>,
-    /// Where to put tangents: 3 floats of length 1, by the blended 3x3 (the rest tangent where it
-    /// leaves no direction), then the rest pose's handedness.
+    /// Where to put tangents: 3 floats of length 1, by the skin's tangent coefficients, or else by the blended 3x3
+    /// (the rest tangent where it leaves no direction), then the rest pose's handedness.
     pub tangents: Option<Output<'a>>,
 }
 
@@ -110,6 +112,10 @@ impl SkinJob<'_> {
                 return Ok(());
             }
             _ => {}
+        }
+        if self.skin.has_coefficients() && (self.normals.is_some() || self.tangents.is_some()) {
+            self.turn(&influences);
+            return Ok(());
         }
         if remap.is_none()
             && let Some(transforms) = influences.blend_by_four(vertices.clone())
@@ -166,11 +172,51 @@ impl SkinJob<'_> {
         Ok(())
     }
 
-    /// Moves vertices by their blended transforms.
+    /// Moves vertices of a skin with tangent coefficients. `None` stands for what a loaded skin does not have.
+    #[cfg_attr(target_os = "none", inline(never))]
+    fn turn(&self, influences: &Influences<'_>) -> Option<()> {
+        let Self { skin, palette, rest, .. } = self;
+        let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
+        let (coefficients, len) = (skin.coefficients(), skin.influence_len().saturating_sub(1));
+        let side = side(palette);
+        for (i, at) in self.vertices.clone().enumerate() {
+            let vertex = self.remap.map_or(Some(at), |remap| Some(*remap.get(at)? as usize))?;
+            let transform = influences.blend(vertex)?;
+            let (indices, weights) = influences.of(vertex)?;
+            let coefficients = coefficients.get(vertex * len..)?.get(..len)?;
+            let own = Vertex { palette, indices, weights, coefficients };
+            let x = of(rest.positions, positions, vertex)?;
+            let n = of(rest.normals, normals, vertex)?;
+            let tangent = of(rest.tangents, tangents, vertex);
+            let frame = match tangent.filter(|_| skin.has_tangents()) {
+                Some([x, y, z, _]) => Frame::of_tangent(n, [x, y, z]),
+                None => Frame::of_normal(n, f32::from_le_bytes(normals.get(vertex)?[2])),
+            };
+            let blended = [transform.x_axis, transform.y_axis, transform.z_axis];
+            let blended = blended.map(|column| column.truncate().to_array());
+            let parted = own.parted(x)?;
+            if let Some(out) = self.positions {
+                out.put(i, moved(&transform, x))?;
+            }
+            if let Some(out) = self.normals {
+                out.put(i, own.normal(&blended, &frame, &parted, (n, side)))?;
+            }
+            if let Some((out, [x, y, z, hand])) = self.tangents.zip(tangent) {
+                let turned = along(&transform, [x, y, z]).truncate().to_array();
+                let turned = sum(turned, parted.along(&frame, [x, y, z]));
+                let [x, y, z] = unit(turned, 1.0).unwrap_or([x, y, z]);
+                out.put(i, [x, y, z, hand])?;
+            }
+        }
+        Some(())
+    }
+
+    /// Moves vertices of a skin without them by their blended transforms.
     #[inline(always)]
     fn skin(&self, transforms: impl Iterator<Item = (usize, Mat4)>) {
         let (skin, rest) = (&self.skin, self.rest);
         let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
+        let side = side(self.palette);
         for (i, (vertex, transform)) in transforms.enumerate() {
             if let Some(out) = self.positions
                 && let Some(x) = of(rest.positions, positions, vertex)
@@ -180,12 +226,14 @@ impl SkinJob<'_> {
             if let Some(out) = self.normals
                 && let Some(n) = of(rest.normals, normals, vertex)
             {
-                out.put(i, unit(along(&cofactors(&transform), n), n));
+                let turned = along(&cofactors(&transform), n).truncate().to_array();
+                out.put(i, unit(turned, side).unwrap_or(n));
             }
             if let Some(out) = self.tangents
                 && let Some([x, y, z, hand]) = of(rest.tangents, tangents, vertex)
             {
-                let [x, y, z] = unit(along(&transform, [x, y, z]), [x, y, z]);
+                let turned = along(&transform, [x, y, z]).truncate().to_array();
+                let [x, y, z] = unit(turned, 1.0).unwrap_or([x, y, z]);
                 out.put(i, [x, y, z, hand]);
             }
         }
@@ -262,117 +310,4 @@ impl Output<'_> {
 fn put<const N: usize>(out: &[Cell<f32>], value: [f32; N]) -> Option<()> {
     out.first_chunk::<N>()?.iter().zip(value).for_each(|(out, value)| out.set(value));
     Some(())
-}
-
-/// The influences of all vertices, and the palette that they refer to.
-struct Influences<'a> {
-    palette: &'a [Matrix3x4],
-    indices: &'a [[u8; 2]],
-    weights: &'a [Le],
-    /// How many a vertex has; 0 without an envelope.
-    len: usize,
-}
-
-/// Whether the usual number of influences gets code of its own: a quarter faster on x86-64, but small
-/// processors have too few registers for it (31 instructions a vertex more on a Cortex-M4F).
-const UNROLL: bool = cfg!(any(target_pointer_width = "64", target_family = "wasm"));
-
-impl<'a> Influences<'a> {
-    fn new(skin: &Skin<'a>, palette: &'a [Matrix3x4]) -> Self {
-        let (indices, weights) = (skin.indices(), skin.weights());
-        Self { palette, indices, weights, len: skin.influence_len() }
-    }
-
-    /// Blends the transforms of vertices of which each has four; `None` where they have not.
-    #[inline(always)]
-    fn blend_by_four(&self, vertices: Range<usize>) -> Option<impl Iterator<Item = Mat4>> {
-        if !UNROLL || self.len != 4 {
-            return None;
-        }
-        let indices = self.indices.as_chunks::<4>().0.get(vertices.clone())?;
-        let weights = self.weights.as_chunks::<4>().0.get(vertices)?;
-        Some(indices.iter().zip(weights).map_while(|(i, w)| blend(self.palette, i, w)))
-    }
-
-    /// Blends the transforms of vertices; of none where they have no influences.
-    #[inline(always)]
-    fn blend_each(&self, vertices: Range<usize>) -> impl Iterator<Item = Mat4> {
-        let all = vertices.start * self.len..vertices.end * self.len;
-        let influences = self.indices.get(all.clone()).zip(self.weights.get(all));
-        let (mut indices, mut weights) = influences.unwrap_or_default();
-        // At least one, so that the loop over a vertex's influences needs no way around it.
-        let len = self.len.max(1);
-        iter::from_fn(move || {
-            let (first_indices, more_indices) = indices.split_at_checked(len)?;
-            let (first_weights, more_weights) = weights.split_at_checked(len)?;
-            (indices, weights) = (more_indices, more_weights);
-            blend(self.palette, first_indices, first_weights)
-        })
-    }
-
-    /// Blends the transforms of a vertex; the identity without influences. `None` as by [`blend`], or
-    /// for a vertex beyond the mesh.
-    #[inline(always)]
-    fn blend(&self, vertex: usize) -> Option<Mat4> {
-        if UNROLL && self.len == 4 {
-            let indices = self.indices.as_chunks::<4>().0.get(vertex)?;
-            return blend(self.palette, indices, self.weights.as_chunks::<4>().0.get(vertex)?);
-        }
-        if self.len == 0 {
-            return Some(Mat4::IDENTITY);
-        }
-        let start = vertex * self.len;
-        let indices = self.indices.get(start..).and_then(|rest| rest.get(..self.len))?;
-        blend(self.palette, indices, self.weights.get(start..)?)
-    }
-}
-
-/// Blends the transforms of a vertex, first to last, and returns the columns of the sum. `None` stands
-/// for an index beyond the palette, which a loaded skin does not have.
-#[inline(always)]
-fn blend(palette: &[Matrix3x4], indices: &[[u8; 2]], weights: &[Le]) -> Option<Mat4> {
-    let [mut x, mut y, mut z] = [Vec4::ZERO; 3];
-    for (index, weight) in indices.iter().zip(weights) {
-        let [a, b, c] = palette.get(usize::from(u16::from_le_bytes(*index)))?;
-        let weight = f32::from_le_bytes(*weight);
-        x += Vec4::from_array(*a) * weight;
-        y += Vec4::from_array(*b) * weight;
-        z += Vec4::from_array(*c) * weight;
-    }
-    Some(Mat4::from_cols(x, y, z, Vec4::ZERO).transpose())
-}
-
-#[inline(always)]
-fn moved(m: &Mat4, rest: [f32; 3]) -> [f32; 3] {
-    (along(m, rest) + m.w_axis).truncate().to_array()
-}
-
-/// Returns the linear part of a transform times a vector, column by column.
-#[inline(always)]
-fn along(m: &Mat4, [x, y, z]: [f32; 3]) -> Vec4 {
-    m.x_axis * x + m.y_axis * y + m.z_axis * z
-}
-
-/// Returns the cofactors of a transform's 3x3: cross products of its columns.
-#[inline(always)]
-fn cofactors(m: &Mat4) -> Mat4 {
-    let Mat4 { x_axis: x, y_axis: y, z_axis: z, .. } = *m;
-    Mat4::from_cols(cross(y, z), cross(z, x), cross(x, y), Vec4::ZERO)
-}
-
-#[inline(always)]
-fn cross(a: Vec4, b: Vec4) -> Vec4 {
-    (a * b.yzxw() - a.yzxw() * b).yzxw()
-}
-
-/// Returns a vector's direction, or the rest pose's where it has none.
-#[inline(always)]
-fn unit(v: Vec4, rest: [f32; 3]) -> [f32; 3] {
-    let v = v.truncate().to_array();
-    let square = dot(v, v);
-    if !square.is_normal() {
-        return rest;
-    }
-    let scale = 1.0 / sqrt(square);
-    v.map(|x| x * scale)
 }

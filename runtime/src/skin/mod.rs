@@ -1,7 +1,9 @@
 //! Skins: from a palette to positions, normals and tangents (METHOD §1.8).
 
+mod blend;
 mod bounds;
 pub(crate) mod check;
+mod coefficients;
 mod counts;
 mod job;
 mod posed_bounds;
@@ -9,8 +11,8 @@ mod view;
 
 pub use bounds::Bounds;
 pub(crate) use counts::RULES;
-#[cfg(feature = "tangent-coefficients")]
-pub use counts::NormalErrors;
-pub use counts::{LENGTH_TOLERANCE, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts, WEIGHT_SUM_TOLERANCE};
+pub use counts::{
+    LENGTH_TOLERANCE, NO_ENVELOPE, NormalErrors, SKIN_SECTIONS, SkinCounts, WEIGHT_SUM_TOLERANCE,
+};
 pub use job::{Output, Rest, SkinJob, cells};
 pub use view::{Skin, SkinLayout};

@@ -1,15 +1,12 @@
 //! A skin in a loaded file: what loading found of it, and what it holds.
 
 use super::bounds::Bounds;
-#[cfg(feature = "tangent-coefficients")]
-use super::counts::NormalErrors;
-use super::counts::{RULES, SkinCounts, place};
+use super::counts::{NormalErrors, RULES, SkinCounts, place};
 use crate::format::part::{Part, PartLayout, first_counts};
 use crate::format::rule::Rule;
 use crate::format::{FileId, SectionKind};
 use crate::linear::{Le, floats};
 use crate::names::Names;
-#[cfg(feature = "tangent-coefficients")]
 use crate::numeric::halves;
 use core::fmt;
 use core::ops::Range;
@@ -27,10 +24,13 @@ const INDICES: usize = Rule::place(&RULES, SectionKind::InfluenceIndices);
 const WEIGHTS: usize = Rule::place(&RULES, SectionKind::InfluenceWeights);
 const BOXES: usize = Rule::place(&RULES, SectionKind::RestBoxes);
 const RANGES: usize = Rule::place(&RULES, SectionKind::Ranges);
-#[cfg(feature = "tangent-coefficients")]
-const COEFFICIENTS: usize = Rule::place(&RULES, SectionKind::TangentCoefficients);
-#[cfg(feature = "tangent-coefficients")]
-const NORMAL_ERRORS: usize = Rule::place(&RULES, SectionKind::NormalErrors);
+/// The places of what a reader without the feature `tangent-coefficients` leaves alone.
+const COEFFICIENTS: Option<usize> = known(SectionKind::TangentCoefficients);
+const NORMAL_ERRORS: Option<usize> = known(SectionKind::NormalErrors);
+
+const fn known(section: SectionKind) -> Option<usize> {
+    if cfg!(feature = "tangent-coefficients") { Some(Rule::place(&RULES, section)) } else { None }
+}
 
 impl SkinLayout {
     /// Returns the skin; `None` if the bytes are not those of the file in which it was found, by their
@@ -108,9 +108,8 @@ impl<'a> Skin<'a> {
 
     /// Whether it has tangent coefficients, by which normals and tangents are then turned; else they go by
     /// cofactors.
-    #[cfg(feature = "tangent-coefficients")]
     pub const fn has_coefficients(&self) -> bool {
-        self.0.layout.has(COEFFICIENTS)
+        matches!(COEFFICIENTS, Some(place) if self.0.layout.has(place))
     }
 
     /// Lists the named ranges of vertices: the meshes that it was made of.
@@ -153,7 +152,6 @@ impl<'a> Skin<'a> {
 
     /// Lists a vertex's tangent coefficients g, h, per unit of length, of its first K - 1 influences; those of the
     /// last are minus their sums. None where it has none.
-    #[cfg(feature = "tangent-coefficients")]
     pub fn tangent_coefficients(
         &self,
         vertex: usize,
@@ -165,9 +163,9 @@ impl<'a> Skin<'a> {
     }
 
     /// Returns how far its normals were measured to be from the true ones; `None` where the file does not say.
-    #[cfg(feature = "tangent-coefficients")]
     pub fn normal_errors(&self) -> Option<NormalErrors> {
-        self.0.entry(NORMAL_ERRORS, 1, 0).map(floats).map(NormalErrors::from_figures)
+        let figures = self.0.entry(NORMAL_ERRORS?, 1, 0)?;
+        Some(NormalErrors::from_figures(floats(figures)))
     }
 
     /// Returns the box of the rest positions that a transform of the palette moves; `None` if it moves
@@ -200,9 +198,8 @@ impl<'a> Skin<'a> {
         self.0.bytes(WEIGHTS).as_chunks().0
     }
 
-    #[cfg(feature = "tangent-coefficients")]
     pub(crate) fn coefficients(&self) -> &'a [Le] {
-        self.0.bytes(COEFFICIENTS).as_chunks().0
+        COEFFICIENTS.map_or(&[], |place| self.0.bytes(place).as_chunks().0)
     }
 
     pub(crate) fn boxes(&self) -> &'a [[Le; 6]] {

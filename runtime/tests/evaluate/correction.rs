@@ -176,7 +176,14 @@ fn features_agree_with_f64() {
 
 #[test]
 fn corrections_agree_with_f64() {
-    let wide_shape = Shape { vertices: 3, joints: 7, proxies: 9, influences: 3, tangents: false, coefficients: true };
+    let wide_shape = Shape {
+        vertices: 3,
+        joints: 7,
+        proxies: 9,
+        influences: 3,
+        tangents: false,
+        coefficients: true,
+    };
     for (predictor, shape) in BOTH.into_iter().flat_map(|p| [(p, SMALL), (p, wide_shape)]) {
         let groups = sample_groups(shape.joints, shape.proxies);
         with_predictor(predictor, shape, |envelope| {

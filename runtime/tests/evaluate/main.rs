@@ -7,6 +7,7 @@ mod common;
 mod correction;
 mod golden;
 mod kernel;
+mod normals;
 mod outputs;
 mod reference;
 mod refusals;

@@ -113,7 +113,14 @@ fn no_vertex_and_one_vertex() {
         assert_eq!(skin.bounds(&palette, 1.0), Ok(None));
         assert!(skinned(skin, &palette).is_empty());
     });
-    let one = Shape { vertices: 1, joints: 1, proxies: 1, influences: 1, tangents: false, coefficients: false };
+    let one = Shape {
+        vertices: 1,
+        joints: 1,
+        proxies: 1,
+        influences: 1,
+        tangents: false,
+        coefficients: false,
+    };
     with_skin(one, |envelope, skin| {
         let palette = palette(&envelope, &[IDENTITY]);
         let mut out = [[0.0; 3]];

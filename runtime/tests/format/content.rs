@@ -2,7 +2,8 @@
 
 use crate::common::{envelope_error, exercise, skin_error};
 use crate::{edited, error};
-use models::{Content, Pieces, SMALL, words};
+use models::{Content, Pieces, SMALL, Shape, words};
+use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{PartRow, SectionKind};
 use sinew_runtime::skin::{LENGTH_TOLERANCE, NO_ENVELOPE};
 use sinew_runtime::{FileError, FileErrorKind as Kind};
@@ -46,6 +47,40 @@ fn each_float_is_checked() {
         let error = envelope_error(Kind::Float, SectionKind::Certificate);
         assert_eq!(refused, Err(FileError { index: index as u32, ..error }));
     }
+}
+
+#[test]
+fn each_tangent_coefficient_is_zero_or_normal() {
+    let section = SectionKind::TangentCoefficients;
+    let set = |bits| edited(|b| b.set_half(section, 5, bits));
+    let wrong = Err(FileError { index: 5, ..skin_error(Kind::Float, section) });
+    // Zeros, the least and the most of normal numbers, of both signs.
+    for bits in [0, 0x8000, 0x0400, 0x8400, 0x3c00, 0x7bff, 0xfbff] {
+        assert_eq!(set(bits), Ok(()), "{bits:#x}");
+    }
+    // Subnormal, infinite, not a number.
+    for bits in [0x0001, 0x8001, 0x03ff, 0x83ff, 0x7c00, 0xfc00, 0x7c01, 0x7e00, 0xffff] {
+        assert_eq!(set(bits), wrong, "{bits:#x}");
+    }
+    let errors = SectionKind::NormalErrors;
+    for (index, value) in [(0, f32::NAN), (1, f32::INFINITY), (1, -0.25)] {
+        let refused = edited(|b| b.set_float(errors, index, value));
+        let index = index as u32;
+        assert_eq!(refused, Err(FileError { index, ..skin_error(Kind::Float, errors) }));
+    }
+}
+
+#[test]
+fn only_vertices_that_blend_have_tangent_coefficients() {
+    let section = SectionKind::TangentCoefficients;
+    let mut single = Pieces::sample(Predictor::Rotational, Shape { influences: 1, ..SMALL });
+    assert!(exercise(&single.bytes()).is_some());
+    single.sections.push(Content::new(section, 1, Vec::new()));
+    assert_eq!(error_of(&single), skin_error(Kind::Unexpected, section));
+    let mut loose = Pieces::loose(SMALL);
+    loose.sections.push(Content::new(section, 0, Vec::new()));
+    let unexpected = FileError { part: Some(0), ..skin_error(Kind::Unexpected, section) };
+    assert_eq!(error_of(&loose), unexpected);
 }
 
 #[test]

@@ -27,7 +27,14 @@ fn extra_bytes_are_refused() {
 
 #[test]
 fn every_flipped_bit_is_refused_and_harmless_when_sealed() {
-    let shape = Shape { vertices: 2, joints: 3, proxies: 2, influences: 2, tangents: true, coefficients: true };
+    let shape = Shape {
+        vertices: 2,
+        joints: 3,
+        proxies: 2,
+        influences: 2,
+        tangents: true,
+        coefficients: true,
+    };
     let bytes = Pieces::sample(Predictor::Rotational, shape).bytes();
     let mut loaded = 0;
     for bit in (0..8 * bytes.len()).step_by(apart(499)) {

@@ -95,7 +95,14 @@ fn a_model_of_joints_alone_loads() {
 
 #[test]
 fn every_truncation_and_every_changed_byte_is_harmless() {
-    let shape = Shape { vertices: 1, joints: 2, proxies: 2, influences: 1, tangents: false, coefficients: false };
+    let shape = Shape {
+        vertices: 1,
+        joints: 2,
+        proxies: 2,
+        influences: 1,
+        tangents: false,
+        coefficients: false,
+    };
     for predictor in BOTH {
         let mut pieces = Pieces::sample(predictor, shape);
         let mut rng = Rng(5);

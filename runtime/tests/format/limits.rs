@@ -13,7 +13,7 @@ fn limits_are_honoured() {
     let exact = Limits {
         file_bytes: bytes.len() as u32,
         parts: 5,
-        sections: 9 + 9 + 9 + 9 + 6,
+        sections: 9 + 11 + 9 + 11 + 7,
         vertices: SMALL.vertices as u32,
         joints: SMALL.joints as u32,
         proxies: SMALL.proxies as u32,
@@ -32,7 +32,7 @@ fn limits_are_honoured() {
     let file_bytes = less(exact.file_bytes);
     refused(Limits { file_bytes, ..exact }, whole(0), file_bytes);
     refused(Limits { parts: 4, ..exact }, whole(1), 4);
-    refused(Limits { sections: 41, ..exact }, whole(2), 41);
+    refused(Limits { sections: 46, ..exact }, whole(2), 46);
     refused(Limits { vertices: 6, ..exact }, skin(0), 6);
     refused(Limits { joints: 3, ..exact }, envelope(1), 3);
     refused(Limits { proxies: 2, ..exact }, envelope(2), 2);

@@ -321,7 +321,14 @@ fn read_skin(skin: Skin<'_>) -> Astray {
 
 /// A sample of each predictor, one of several parts, small, and one of kernels.
 fn sound() -> Vec<Vec<u8>> {
-    let shape = Shape { vertices: 2, joints: 3, proxies: 2, influences: 2, tangents: true, coefficients: true };
+    let shape = Shape {
+        vertices: 2,
+        joints: 3,
+        proxies: 2,
+        influences: 2,
+        tangents: true,
+        coefficients: true,
+    };
     let samples = Predictor::ALL.map(|predictor| Pieces::sample(predictor, shape));
     let several = samples.each_ref().map(Pieces::clone).into_iter();
     let several = several.reduce(|mut all, next| {

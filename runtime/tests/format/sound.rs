@@ -5,6 +5,7 @@ use models::{Content, Pieces, SMALL, floats};
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{SectionKind, Space};
+use sinew_runtime::skin::NormalErrors;
 
 #[test]
 fn a_sound_file_loads_at_any_address() {
@@ -61,6 +62,22 @@ fn accessors_give_what_was_written() {
     );
     assert_eq!((skin.rest_box(3), skin.rest_box(usize::MAX)), (None, None));
     assert!(skin.rest_box(1).unwrap().contains(skin.rest_position(0).unwrap()));
+    assert!(skin.has_coefficients());
+    // In half precision: 1, -2.5; the least of normal numbers, the most.
+    for (at, (half, exact)) in
+        [(0x3c00, 1.0), (0xc100, -2.5), (0x0400, 6.103_515_6e-5), (0x7bff, 65_504.0)]
+            .into_iter()
+            .enumerate()
+    {
+        let mut pieces = pieces.clone();
+        pieces.set_half(SectionKind::TangentCoefficients, 2 + at, half);
+        let model = Model::from_bytes(pieces.bytes()).unwrap();
+        let found = model.skin().unwrap().tangent_coefficients(1 + at / 2).next().unwrap();
+        assert_eq!(found[at % 2], exact);
+    }
+    assert_eq!(skin.tangent_coefficients(0).len(), 1);
+    assert_eq!(skin.tangent_coefficients(7).len() + skin.tangent_coefficients(usize::MAX).len(), 0);
+    assert_eq!(skin.normal_errors(), Some(NormalErrors { model: 0.03125, lbs: 0.125 }));
     let ranges = skin.ranges().collect::<Vec<_>>();
     assert_eq!(ranges, [("upper", 0..3), ("lower", 4..7)]);
     assert!(model.envelope_named("arm").is_some() && model.envelope_named("sleeve").is_none());

@@ -92,9 +92,18 @@ impl Pieces {
 
 /// A direction, mostly up.
 pub fn direction(rng: &mut Rng) -> [f32; 3] {
-    let v = [rng.unit(), rng.unit(), rng.unit() + 1.5];
+    unit([rng.unit(), rng.unit(), rng.unit() + 1.5])
+}
+
+fn unit(v: [f32; 3]) -> [f32; 3] {
     let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     v.map(|x| x / length)
+}
+
+/// Turns a direction to lie across a normal.
+fn across(v: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
+    let along = v.iter().zip(normal).map(|(x, n)| x * n).sum::<f32>();
+    unit([0, 1, 2].map(|c| v[c] - along * normal[c]))
 }
 
 /// A section's kind and its bytes.
@@ -125,12 +134,12 @@ fn dyadic(rng: &mut Rng, scale: f32) -> f32 {
 fn skin(shape: Shape, palette_len: usize, rng: &mut Rng) -> Vec<Written> {
     let Shape { vertices: v, influences: k, .. } = shape;
     let positions = (0..3 * v).map(|_| dyadic(rng, 2.0)).collect::<Vec<_>>();
-    let normals = (0..v).flat_map(|_| direction(rng)).collect::<Vec<_>>();
-    let tangent = |rng: &mut Rng| {
-        let [x, y, z] = direction(rng);
+    let normals = (0..v).map(|_| direction(rng)).collect::<Vec<_>>();
+    let tangents = normals.iter().flat_map(|normal| {
+        let [x, y, z] = across(direction(rng), *normal);
         [x, y, z, if rng.unit() < 0.0 { -1.0 } else { 1.0 }]
-    };
-    let tangents = (0..v).flat_map(|_| tangent(rng)).collect::<Vec<_>>();
+    });
+    let tangents = tangents.collect::<Vec<_>>();
     let (cut, end) = (v as u32 / 2, v as u32);
     let mut indices = Vec::new();
     let mut weights = Vec::new();
@@ -158,7 +167,7 @@ fn skin(shape: Shape, palette_len: usize, rng: &mut Rng) -> Vec<Written> {
         (SectionKind::SkinCounts, words(&[end, k as u32, 0, 2])),
         (SectionKind::Names, names("sleeve", &["upper".into(), "lower".into()])),
         (SectionKind::RestPositions, floats(&positions)),
-        (SectionKind::RestNormals, floats(&normals)),
+        (SectionKind::RestNormals, floats(normals.as_flattened())),
         (SectionKind::RestTangents, floats(&tangents)),
         (SectionKind::InfluenceIndices, halves(&indices)),
         (SectionKind::InfluenceWeights, floats(&weights)),

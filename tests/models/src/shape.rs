@@ -18,11 +18,5 @@ pub struct Shape {
 }
 
 /// A few of everything.
-pub const SMALL: Shape = Shape {
-    vertices: 7,
-    joints: 4,
-    proxies: 3,
-    influences: 2,
-    tangents: true,
-    coefficients: true,
-};
+pub const SMALL: Shape =
+    Shape { vertices: 7, joints: 4, proxies: 3, influences: 2, tangents: true, coefficients: true };

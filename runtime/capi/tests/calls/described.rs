@@ -115,6 +115,7 @@ fn skins_are_described() {
         assert_eq!(info.influence_len, skin.influence_len());
         assert_eq!(info.palette_len, skin.palette_len());
         assert_eq!(info.has_tangents == 1, skin.has_tangents());
+        assert_eq!(info.has_coefficients == 1, skin.has_coefficients());
         assert_eq!(info.range_len, skin.ranges().count());
         for (index, (expected, vertices)) in skin.ranges().enumerate() {
             let range = found.range(index);
