@@ -375,7 +375,8 @@ impl PredictorSearch<'_> {
             lbs_training_rms: lbs_rms as f32,
             ..Certificate::default()
         };
-        let mut model = chosen.fitted.file_model(training, examples, certificate);
+        let (fitted, palette) = chosen.fitted.led_by_upright(palette);
+        let mut model = fitted.file_model(training, examples, certificate);
         let levels = match &self.options.meshes {
             FileSkins::Skins(further) => {
                 progress.step("normals", 1);

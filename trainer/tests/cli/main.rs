@@ -191,7 +191,8 @@ fn written_normals_have_the_angles_that_eval_prints() {
         let found = number(&found[*key]);
         assert!((found - expected).abs() < 1e-4, "{key}: {found} {expected}");
     }
-    let line = folder.sinew("eval demo.sinew demo.npz --write-normals a.npy --write-vertices a.npy");
+    let line =
+        folder.sinew("eval demo.sinew demo.npz --write-normals a.npy --write-vertices a.npy");
     assert!(line.failed().ends_with("two outputs are one file"));
     assert!(!folder.list().contains(&"a.npy".to_owned()));
 }

@@ -69,7 +69,9 @@ impl PosedSurface<'_> {
         let x = self.rest[fan.centre];
         let apart: Vec<Vec<f64>> = others
             .iter()
-            .map(|&(l, _)| self.combined(&[(l, [x[0], x[1], x[2], 1.0]), (last, [-x[0], -x[1], -x[2], -1.0])]))
+            .map(|&(l, _)| {
+                self.combined(&[(l, [x[0], x[1], x[2], 1.0]), (last, [-x[0], -x[1], -x[2], -1.0])])
+            })
             .collect();
         let blended = frame.map(|axis| {
             let term = |&(l, weight): &(usize, f64)| {
@@ -208,8 +210,9 @@ mod tests {
         for pose in 0..poses {
             let at = |v: usize| of(surface.trajectories.col_as_slice(v), pose);
             let faces = fan.faces.iter();
-            let normal: Vector3<f64> =
-                faces.map(|&[p, q]| (at(p) - at(fan.centre)).cross(&(at(q) - at(fan.centre)))).sum();
+            let normal: Vector3<f64> = faces
+                .map(|&[p, q]| (at(p) - at(fan.centre)).cross(&(at(q) - at(fan.centre))))
+                .sum();
             let along = normal.normalize() * normal.normalize().transpose();
             let root = Matrix3::identity() * 0.3 + along * 0.7;
             let x = rest(fan.centre).push(1.0);

@@ -40,11 +40,7 @@ impl Vertex<'_> {
     }
 
     /// Carries t, b by the gradient of the skin: `A t + Σ g_l T_l x̂`, A the blended 3 x 3.
-    fn carried_frame(
-        &self,
-        palette: &[Matrix3x4<f64>],
-        turn: &Matrix3<f64>,
-    ) -> [Vector3<f64>; 2] {
+    fn carried_frame(&self, palette: &[Matrix3x4<f64>], turn: &Matrix3<f64>) -> [Vector3<f64>; 2] {
         let mut carried = self.frame().map(|axis| turn * axis);
         for (&(l, _), coefficients) in self.influences.iter().zip(self.coefficients) {
             let at = palette[l] * self.position;

@@ -158,8 +158,9 @@ fn accuracy(comparison: &Comparison<'_>) -> String {
     table(&head, &rows)
         + &paragraph(
             "Errors are distances of vertices from where the examples have them, in % of the diagonal \
-             of the rest pose's box. Normals are compared by angle with the true ones, the area-weighted \
-             mean of the true mesh's triangles; RMS, median and 99 % are over the area of the rest pose. \
+             of the rest pose's box; 99 % of them are below the figure under that head. Normals are \
+             compared by angle with the true ones, the area-weighted mean of the true mesh's triangles, \
+             and count by the area of the rest pose. \
              LBS is linear blend skinning with 4 influences a vertex, fitted to the same training \
              frames, its normals by cofactors.",
         )

@@ -17,8 +17,7 @@ pub(super) fn errors(errors: &Errors) -> [String; 6] {
 }
 
 /// What heads the cells of [`errors`].
-pub(super) const ERRORS: [&str; 6] =
-    ["RMS", "99 % are below", "largest", "normals, RMS", "median", "99 % are below"];
+pub(super) const ERRORS: [&str; 6] = ["RMS", "99 %", "largest", "normals, RMS", "median", "99 %"];
 
 /// Names of the columns of all series.
 pub(super) fn names(comparison: &Comparison<'_>) -> Vec<String> {
