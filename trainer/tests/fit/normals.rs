@@ -8,7 +8,7 @@ use sinew_runtime::format::Space;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Frames, evaluate};
 use sinew_trainer::envelope::levels::Level;
-use sinew_trainer::envelope::model::SkinModel;
+use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, SkinModel};
 use sinew_trainer::envelope::normals::{Fan, PosedSurface};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{FileSkins, Options, Predict, train};
@@ -245,6 +245,32 @@ fn the_file_says_how_far_its_normals_are_off() {
 }
 
 #[test]
+fn proxies_in_another_order_predict_the_same_bits() {
+    let examples = arm(300);
+    for predictor in [Predictor::Rotational, Predictor::Hybrid] {
+        let model = train(&examples, &options(predictor), &Silent).unwrap().model;
+        let model = Model::from_bytes(&model).unwrap();
+        let envelope = EnvelopeModel::from_file(&model.envelope().unwrap());
+        for first in 0..envelope.proxy_len() {
+            let order = envelope.order_from(first);
+            assert_eq!(order[0], first);
+            let other = envelope.ordered(&order);
+            for frame in [3, 17] {
+                let pose: Vec<Map> = examples
+                    .pose(frame)
+                    .iter()
+                    .map(|rows| Map::from_fn(|r, c| rows[r][c]))
+                    .collect();
+                let (expected, found) = (envelope.evaluate(&pose).0, other.evaluate(&pose).0);
+                for (place, &proxy) in order.iter().enumerate() {
+                    assert_eq!(found[place], expected[proxy], "{predictor:?} {first} {place}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn normals_are_nearer_the_truth_than_by_cofactors_for_every_predictor_and_further_meshes() {
     let (examples, coarse) = (arm(600), arm(300));
     let Examples { rest, triangles, uv, .. } = coarse.clone();
@@ -280,7 +306,6 @@ fn normals_are_nearer_the_truth_than_by_cofactors_for_every_predictor_and_furthe
 
 /// The same file without a skin's tangent coefficients.
 fn without_coefficients(model: &[u8], skin: &str) -> Vec<u8> {
-    use sinew_trainer::envelope::model::{EnvelopeModel, FileModel};
     let loaded = Model::from_bytes(model).unwrap();
     let skins = loaded.skins().map(|s| SkinModel::from_file(&s));
     let skins = skins.map(|s| {
