@@ -137,7 +137,7 @@ fn full() -> Result<(), Box<dyn Error>> {
 /// Errors of the baked models by the f32 runtime, of each predictor and of the choice among them.
 fn errors() -> Result<(), Box<dyn Error>> {
     println!(
-        "{:<12}{:<24}{:>4}{:>3}  {:<10}{:>8}{:>8}{:>8}{:>8}{:>9}{:>11}{:>9}",
+        "{:<12}{:<24}{:>4}{:>3}  {:<10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>10}{:>7}{:>11}{:>9}",
         "set",
         "predictor",
         "P",
@@ -147,7 +147,10 @@ fn errors() -> Result<(), Box<dyn Error>> {
         "model %",
         "p99 %",
         "max %",
+        "LBS °",
         "normals °",
+        "median °",
+        "p99 °",
         "confidence",
         "bytes"
     );
@@ -197,14 +200,18 @@ fn error_row(set: &str, row: &str, influences: usize, found: &Evaluation) {
     let row =
         if row.starts_with("auto") { format!("{row}: {}", found.predictor) } else { row.into() };
     println!(
-        "{set:<12}{row:<24}{:>4}{influences:>3}  {:<10}{:>8.4}{:>8.4}{:>8.4}{:>8.4}{:>9.2}{:>11.3}{:>9}",
+        "{set:<12}{row:<24}{:>4}{influences:>3}  {:<10}{:>8.4}{:>8.4}{:>8.4}{:>8.4}{:>8.2}{:>10.2}{:>10.2}\
+         {:>7.2}{:>11.3}{:>9}",
         found.proxies,
         found.split,
         found.lbs.rms_percent,
         found.errors.rms_percent,
         found.errors.p99_percent,
         found.errors.max_percent,
+        found.lbs.normal_rms_degrees,
         found.errors.normal_rms_degrees,
+        found.errors.normal_median_degrees,
+        found.errors.normal_p99_degrees,
         found.confidence.least,
         found.model_bytes
     );

@@ -97,13 +97,15 @@ fn row<'a>(rows: &'a [Vec<String>], first: &str) -> &'a [String] {
     rows.iter().find(|row| row.first().is_some_and(|cell| cell == first)).unwrap()
 }
 
-fn accuracy(of: &Evaluation, lbs: bool) -> [String; 4] {
+fn accuracy(of: &Evaluation, lbs: bool) -> [String; 6] {
     let e = if lbs { &of.lbs } else { &of.errors };
     [
         format!("{:.4} %", e.rms_percent),
         format!("{:.4} %", e.p99_percent),
         format!("{:.4} %", e.max_percent),
         format!("{:.2}°", e.normal_rms_degrees),
+        format!("{:.2}°", e.normal_median_degrees),
+        format!("{:.2}°", e.normal_p99_degrees),
     ]
 }
 
@@ -122,8 +124,9 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
         (0, 0, 1, tags_of_titles(&html))
     );
     // Truth, LBS and two models twice over, as clay and as heat; then the whole of both on the rest
-    // pose; then the palettes: joints alone and the map of each vertex, and the other's maps.
-    assert_eq!(count("img"), 4 * 4 + 5 + 3);
+    // pose; the angles of three on both; then the palettes: joints alone and the map of each vertex, and the
+    // other's maps.
+    assert_eq!(count("img"), 4 * 4 + 5 + 2 * 3 + 3);
     assert!(!html.contains("http") && !html.contains("src=\"/"));
     assert!(html.contains("&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;co&quot;"));
     assert!(html.contains("a&amp;b.sinew on arm &lt;1&gt;.npz, compared with other"));
@@ -135,9 +138,9 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
     for (a, b) in comparison.evaluations().iter().zip(&found) {
         assert_eq!(serde_json::to_value(a).unwrap(), serde_json::to_value(b).unwrap());
     }
-    assert_eq!(row(&rows, "LBS, 4 influences")[1..5], accuracy(&found[0], true));
-    assert_eq!(row(&rows, "a&amp;b.sinew")[1..5], accuracy(&found[0], false));
-    assert_eq!(row(&rows, "other")[1..5], accuracy(&found[1], false));
+    assert_eq!(row(&rows, "LBS, 4 influences")[1..7], accuracy(&found[0], true));
+    assert_eq!(row(&rows, "a&amp;b.sinew")[1..7], accuracy(&found[0], false));
+    assert_eq!(row(&rows, "other")[1..7], accuracy(&found[1], false));
 
     // Joints: their vertices are all vertices, and their squares sum up to the whole's.
     let names = examples.skeleton.names.iter();
@@ -160,10 +163,10 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
     }
     // A training with as many proxies as the model has gives the model again.
     let again = row(&rows, "8");
-    assert_eq!(again[1..5], accuracy(&found[0], false));
-    assert_eq!(again[6].replace('\u{202f}', ""), format!("{} B", bytes.len()));
+    assert_eq!(again[1..7], accuracy(&found[0], false));
+    assert_eq!(again[8].replace('\u{202f}', ""), format!("{} B", bytes.len()));
     for proxies in ["2", "4", "16"] {
-        assert_eq!(row(&rows, proxies).len(), 8);
+        assert_eq!(row(&rows, proxies).len(), 10);
     }
 }
 

@@ -70,6 +70,8 @@ fn skin(vertices: usize) -> SkinModel {
         rest_normals: (0..vertices).map(normal).collect(),
         rest_tangents: None,
         influences: (0..vertices).map(influences).collect(),
+        tangent_coefficients: None,
+        normal_errors: None,
         ranges: Vec::new(),
     }
 }

@@ -159,6 +159,8 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
         rest_normals: (0..vertices).map(unit).collect(),
         rest_tangents: tangents.then(|| (0..vertices).map(tangent).collect()),
         influences: (0..vertices).map(weights).collect(),
+        tangent_coefficients: None,
+        normal_errors: None,
         ranges: Vec::new(),
     };
     let envelope = EnvelopeModel {

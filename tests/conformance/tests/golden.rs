@@ -113,6 +113,8 @@ fn file_model(predictor: Predictor) -> FileModel {
         rest_normals: (0..v).map(axis).collect(),
         rest_tangents: Some((0..v).map(tangent).collect()),
         influences: influences.collect(),
+        tangent_coefficients: None,
+        normal_errors: None,
         ranges: vec![("body".to_owned(), 0..20), ("eyes".to_owned(), 20..24)],
     };
     let envelope = EnvelopeModel {

@@ -136,6 +136,8 @@ fn skin(envelopes: &[EnvelopeModel], u: &mut Unstructured<'_>) -> Result<SkinMod
             None
         },
         influences,
+        tangent_coefficients: None,
+        normal_errors: None,
         ranges,
     })
 }

@@ -2,6 +2,7 @@
 
 use super::error::BakeError;
 use faer::{Mat, MatRef};
+use half::f16;
 use sinew_runtime::format::SectionKind;
 
 /// The sections of a part: kind, whether a reader must know it, and content.
@@ -39,6 +40,15 @@ pub(crate) fn floats(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|&x| (x as f32).to_le_bytes()).collect()
 }
 
+/// Writes numbers in half precision, those too small for a normal one as 0.
+pub(crate) fn halves(values: impl IntoIterator<Item = f64>) -> Vec<u8> {
+    let rounded = |x: f64| {
+        let half = f16::from_f64_const(x);
+        if half.is_normal() || half.is_infinite() || half.is_nan() { half } else { f16::ZERO }
+    };
+    values.into_iter().flat_map(|x| rounded(x).to_le_bytes()).collect()
+}
+
 pub(crate) fn check_len(
     what: &'static str,
     expected: usize,
@@ -59,4 +69,27 @@ pub(crate) fn check_shape(
 
 pub(crate) fn narrow<T: TryFrom<usize>>(what: &'static str, found: usize) -> Result<T, BakeError> {
     T::try_from(found).map_err(|_| BakeError::Size { what, found })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_are_the_nearest_of_ieee_754_without_subnormal_ones() {
+        for (number, bits) in [
+            (0.0, 0),
+            (1.0, 0x3c00_u16),
+            (-2.0, 0xc000),
+            (1.0 / 3.0, 0x3555),
+            (65_504.0, 0x7bff),
+            (2.0_f64.powi(-14), 0x0400),
+            (-(2.0_f64.powi(-15)), 0),
+            // Half-way between two: the even one.
+            (1.0 + 2.0_f64.powi(-11), 0x3c00),
+            (1.0 + 3.0 * 2.0_f64.powi(-11), 0x3c02),
+        ] {
+            assert_eq!(halves([number]), bits.to_le_bytes(), "{number}");
+        }
+    }
 }

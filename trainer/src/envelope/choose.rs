@@ -2,10 +2,13 @@
 //! (METHOD §1.9).
 
 use super::error::{FitError, TrainError};
+use super::evaluate::{Baseline, Character, Measured};
 use super::fitted::{Fitted, corrected};
 use super::helpers::fit::{self, Helpers};
 use super::levels::AddError;
 use super::levels::{self, LevelReport};
+use super::model::FileModel;
+use super::normals::{Fan, PosedSurface};
 use super::options::{FileSkins, Options, Predict};
 use super::rotational::ProxyCount;
 use super::rotational::{self, Rotational, RotationalOptions, RotationalReport, Variant};
@@ -14,12 +17,13 @@ use crate::envelope::correction::search::Search;
 use crate::envelope::correction::target::CorrectionTarget;
 use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::training::Training;
-use crate::examples::Examples;
+use crate::examples::{Examples, Split};
 use crate::progress::Progress;
 use faer::Mat;
 use serde::Serialize;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope::{Certificate, Predictor};
+use sinew_runtime::skin::NormalErrors;
 use std::ops::Range;
 
 /// Fewest proxies to begin with, where nothing else is said.
@@ -335,7 +339,15 @@ impl PredictorSearch<'_> {
     fn bytes(&mut self, fitted: &Fitted) -> Result<usize, TrainError> {
         let mut model = fitted.file_model(self.training, self.examples, Certificate::default());
         match &self.options.meshes {
-            FileSkins::Skins(further) => levels::reserve(&mut model, further),
+            FileSkins::Skins(further) => {
+                levels::reserve(&mut model, further);
+                for skin in &mut model.skins {
+                    skin.reserve_coefficients();
+                }
+                if let Some(own) = model.skins.first_mut() {
+                    own.normal_errors = Some(NormalErrors { model: 0.0, lbs: 0.0 });
+                }
+            }
             FileSkins::PaletteAlone => model.skins.clear(),
         }
         let bytes = model.bake()?.len();
@@ -345,7 +357,7 @@ impl PredictorSearch<'_> {
 
     /// Takes the candidate that scores best, with fewer proxies where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
-        let Self { training, examples, lbs_rms, reports, candidates, .. } = self;
+        let Self { training, examples, progress, lbs_rms, reports, candidates, .. } = self;
         let of = |c: &Candidate| (c.fitted.envelope.predictor(), reports[c.report].refined);
         let best = candidates.iter().min_by(|a, b| a.validated_rms.total_cmp(&b.validated_rms));
         let Some(best) = best else {
@@ -363,9 +375,14 @@ impl PredictorSearch<'_> {
             lbs_training_rms: lbs_rms as f32,
             ..Certificate::default()
         };
-        let mut model = chosen.fitted.file_model(training, examples, certificate);
+        let (fitted, palette) = chosen.fitted.led_by_upright(palette);
+        let mut model = fitted.file_model(training, examples, certificate);
         let levels = match &self.options.meshes {
-            FileSkins::Skins(further) => levels::add(&mut model, further, examples)?,
+            FileSkins::Skins(further) => {
+                progress.step("normals", 1);
+                fit_normals(&mut model, &palette, training, examples)?;
+                levels::add(&mut model, further, examples)?
+            }
             FileSkins::PaletteAlone => {
                 model.skins.clear();
                 Vec::new()
@@ -383,4 +400,30 @@ impl PredictorSearch<'_> {
         };
         Ok(Trained { model, report, levels })
     }
+}
+
+/// Fits the tangent coefficients of a model's own skin to palettes of the training poses (3n x 4 a transform, in
+/// training units), and measures its normals on the training frames as `evaluate` does.
+fn fit_normals(
+    model: &mut FileModel,
+    palettes: &Mat<f64>,
+    training: &Training,
+    examples: &Examples,
+) -> Result<(), TrainError> {
+    let surface = PosedSurface {
+        rest: &training.rest,
+        trajectories: &training.trajectories,
+        palettes,
+        fans: &Fan::all(&examples.triangles, examples.vertex_len()),
+    };
+    model.skins.iter_mut().for_each(|skin| surface.fit(skin, training.unit));
+    let bytes = model.bake()?;
+    let character = Character::open(&bytes, None, examples)?;
+    let frames = examples.frames_of(Split::Train);
+    let measured = Measured::model(&character, examples, &frames)?.angle_rms();
+    let lbs = Baseline::new(training.lbs.weights.clone(), examples);
+    let lbs = Measured::lbs(&lbs, examples, &frames).angle_rms();
+    let errors = NormalErrors { model: measured as f32, lbs: lbs as f32 };
+    model.skins.iter_mut().for_each(|skin| skin.normal_errors = Some(errors));
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! Why a training failed.
 
+use super::evaluate::EvaluateError;
 use super::levels::AddError;
 use super::rotational::poisson::PoissonError;
 use crate::bake::BakeError;
@@ -16,6 +17,9 @@ pub enum TrainError {
     /// A further mesh cannot become a skin.
     #[error(transparent)]
     Level(#[from] AddError),
+    /// What was fitted could not be measured.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
     /// No candidate's file is small enough.
     #[error(
         "a budget of {budget} bytes is too small: the smallest model that was tried takes {least}, \

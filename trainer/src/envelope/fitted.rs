@@ -1,11 +1,14 @@
 //! A fitted envelope and the skin that follows it, as training sees them.
 
 use super::correction::rounding;
+use super::evaluate::largest;
 use super::levels;
 use super::model::{EnvelopeModel, FileModel, Group, Reconstruction, SkinModel};
 use crate::envelope::skin::blend::Weights;
+use crate::envelope::skin::stacked::{self, map_of};
 use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
+use crate::numeric::affine::linear;
 use faer::Mat;
 use sinew_runtime::envelope::Certificate;
 
@@ -44,8 +47,32 @@ impl Fitted {
         self
     }
 
-    /// Gives what a file holds of it, in the units of the input. The certificate's figures are RMS
-    /// errors as shares of the diagonal; that of the correction is added here.
+    /// The same, where no joint stands before the proxies, with that proxy first whose transform is least likely to
+    /// mirror what it moves: runtimes ask transform 0 whether a pose is mirrored (METHOD §1.8).
+    ///
+    /// - `palettes`: of the training poses, 3n x 4P; they are put into the same order.
+    pub fn led_by_upright(&self, palettes: Mat<f64>) -> (Self, Mat<f64>) {
+        let Self { envelope, weights } = self;
+        if envelope.first_proxy() > 0 {
+            return (Self { envelope: envelope.clone(), weights: weights.clone() }, palettes);
+        }
+        let least = |proxy: usize| {
+            let poses = 0..palettes.nrows() / 3;
+            let volume = |pose| linear(&map_of(&palettes, pose, proxy)).determinant();
+            poses.map(volume).fold(f64::INFINITY, f64::min)
+        };
+        let least: Vec<f64> = (0..envelope.proxy_len()).map(least).collect();
+        let order = envelope.order_from(largest(&least));
+        let place = |proxy: usize| order.iter().position(|&other| other == proxy).unwrap_or(proxy);
+        let renumbered = (0..weights.len())
+            .map(|vertex| weights.of(vertex).map(|(l, alpha)| (place(l), alpha)).collect());
+        let weights = Weights::from_lists(weights.most(), renumbered);
+        let palettes = stacked::bases(&palettes, &order);
+        (Self { envelope: envelope.ordered(&order), weights }, palettes)
+    }
+
+    /// Gives what a file holds of it, in the units of the input, the skin without tangent coefficients. The
+    /// certificate's figures are RMS errors as shares of the diagonal; that of the correction is added here.
     pub fn file_model(
         &self,
         training: &Training,
@@ -62,6 +89,8 @@ impl Fitted {
             rest_normals: examples.rest_normals(),
             rest_tangents: examples.rest_tangents(),
             influences: (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect(),
+            tangent_coefficients: None,
+            normal_errors: None,
             ranges: examples.ranges.clone(),
         };
         let groups = &self.envelope.groups;

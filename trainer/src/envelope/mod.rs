@@ -9,6 +9,7 @@
 //! | [`model`] | the one model in f64: fitted, baked, evaluated, and read back from a file |
 //! | [`oracle`] | its evaluation, stage by stage: what the runtime is held to |
 //! | `bake` | how a file holds it |
+//! | [`normals`] | tangent coefficients of a skin, by which its normals are right |
 //! | [`levels`] | further meshes that follow the same palette |
 //! | [`check`], [`evaluate`], [`report`], [`export`], [`demo`] | the commands' work |
 
@@ -24,6 +25,7 @@ pub mod fitted;
 pub mod helpers;
 pub mod levels;
 pub mod model;
+pub mod normals;
 mod options;
 pub mod oracle;
 pub mod posed;

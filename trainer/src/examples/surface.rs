@@ -12,6 +12,17 @@ impl Examples {
         normals(&self.rest, &self.triangles)
     }
 
+    /// Computes the V shares of the rest pose's area: of each triangle a third for each of its corners.
+    pub fn rest_areas(&self) -> Vec<f64> {
+        let mut areas = vec![0.0; self.vertex_len()];
+        for triangle in &self.triangles {
+            let [a, b, c] = triangle.map(|vertex| Vector3::from(self.rest[vertex]));
+            let share = (b - a).cross(&(c - a)).norm() / 6.0;
+            triangle.iter().for_each(|&vertex| areas[vertex] += share);
+        }
+        areas
+    }
+
     /// Computes the V unit normals of frame `index`, as [`Examples::rest_normals`] does.
     ///
     /// # Panics
@@ -101,6 +112,16 @@ mod tests {
         let mut examples = triangle(1);
         examples.triangles[0] = [0, 1, 1];
         assert_eq!(examples.rest_normals(), [[0.0; 3]; 3]);
+    }
+
+    #[test]
+    fn areas_are_shared_out_among_the_corners() {
+        let mut examples = triangle(1);
+        examples.triangles.push([0, 2, 1]);
+        // Half a square, twice.
+        assert_eq!(examples.rest_areas(), [1.0 / 3.0; 3]);
+        examples.triangles = vec![[0, 1, 1]];
+        assert_eq!(examples.rest_areas(), [0.0; 3]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ pub mod affine;
 pub mod basis;
 pub mod cluster;
 pub(crate) mod columns;
+pub mod frame;
 pub(crate) mod registers;
 pub(crate) mod ridge;
 pub mod simplex;

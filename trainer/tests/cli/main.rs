@@ -19,8 +19,15 @@ use sha2::{Digest, Sha256};
 
 const TRAIN: &str = "train demo.npz -o new.sinew --proxies 2";
 
-const ERRORS: [&str; 5] =
-    ["rms", "rms_percent", "p99_percent", "max_percent", "normal_rms_degrees"];
+const ERRORS: [&str; 7] = [
+    "rms",
+    "rms_percent",
+    "p99_percent",
+    "max_percent",
+    "normal_rms_degrees",
+    "normal_median_degrees",
+    "normal_p99_degrees",
+];
 
 #[track_caller]
 fn keys(value: &Value) -> Vec<&str> {
@@ -72,10 +79,11 @@ fn eval_prints_one_object_with_the_keys_promised() {
     names.sort_unstable();
     assert_eq!(keys(&found["lbs"]), names);
     for errors in [&found, &found["lbs"]] {
-        let [rms, rms_percent, p99, max, angle] = ERRORS.map(|key| number(&errors[key]));
+        let [rms, rms_percent, p99, max, angle, median, angle_p99] =
+            ERRORS.map(|key| number(&errors[key]));
         assert!(close(rms_percent, 100.0 * rms / diagonal));
         assert!(0.0 < rms_percent && rms_percent < p99 && p99 < max && max < 100.0);
-        assert!(0.0 < angle && angle < 180.0);
+        assert!(0.0 < median && median < angle && angle < angle_p99 && angle_p99 < 180.0);
     }
     assert_ne!(found["rms"], found["lbs"]["rms"]);
 }
@@ -122,6 +130,71 @@ fn written_vertices_have_the_error_that_eval_prints() {
         assert!(close(rms, number(&found["rms"])), "{split}: {rms}");
     }
     assert_eq!(folder.list(), ["demo.json", "demo.npz", "demo.sinew", "out.npy"]);
+}
+
+#[test]
+fn written_normals_have_the_angles_that_eval_prints() {
+    let folder = Folder::with_demo("normals");
+    let set = Set::demo();
+    let frames = set.frames(1);
+    let command = "eval demo.sinew demo.npz --json --write-normals out.npy";
+    let found = folder.sinew(&format!("{command} --write-vertices at.npy")).json();
+    let (shape, numbers) = read_npy(&folder.read("out.npy"));
+    let v = set.vertex_len();
+    assert_eq!(shape, [frames.len() as u64, v as u64, 3]);
+    assert_eq!(read_npy(&folder.read("at.npy")).0, shape);
+    let triangles = &set.wholes["tris"].1;
+    let corners = || triangles.chunks_exact(3).map(|t| [0, 1, 2].map(|k| t[k] as usize));
+    // Normals of a mesh's vertices, as long as twice the area around them, and that area.
+    let directions = |points: &[f64]| {
+        let (mut sums, mut areas) = (vec![[0.0; 3]; v], vec![0.0; v]);
+        for triangle in corners() {
+            let [a, b, c] = triangle.map(|vertex| &points[3 * vertex..]);
+            let [p, q] = [b, c].map(|end| [0, 1, 2].map(|k| end[k] - a[k]));
+            let cross = [0, 1, 2].map(|k| {
+                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                p[i] * q[j] - p[j] * q[i]
+            });
+            for vertex in triangle {
+                (0..3).for_each(|k| sums[vertex][k] += cross[k]);
+                areas[vertex] += cross.iter().map(|x| x * x).sum::<f64>().sqrt();
+            }
+        }
+        (sums, areas)
+    };
+    let areas = directions(&set.reals["rest"].1).1;
+    let mut angles = Vec::new();
+    for (frame, found) in frames.iter().zip(numbers.chunks_exact(3 * v)) {
+        let truth = directions(&set.reals["vertices"].1[3 * v * frame..][..3 * v]).0;
+        for (vertex, truth) in truth.iter().enumerate() {
+            let own = [0, 1, 2].map(|k| f64::from(found[3 * vertex + k]));
+            let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            assert!((dot(&own, &own) - 1.0).abs() < 1e-5);
+            let cosine = dot(&own, truth) / (dot(truth, truth) * dot(&own, &own)).sqrt();
+            angles.push((cosine.clamp(-1.0, 1.0).acos().to_degrees(), areas[vertex]));
+        }
+    }
+    angles.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let all: f64 = angles.iter().map(|angle| angle.1).sum();
+    let squares: f64 = angles.iter().map(|(angle, area)| area * angle * angle).sum();
+    let below = |share: f64| {
+        let mut sum = 0.0;
+        let within = angles.iter().take_while(|angle| {
+            sum += angle.1;
+            sum < share * all
+        });
+        angles[within.count()].0
+    };
+    let expected = [(squares / all).sqrt(), below(0.5), below(0.99)];
+    // The arc cosine of a small angle's has half the digits.
+    for (key, expected) in ERRORS[4..].iter().zip(expected) {
+        let found = number(&found[*key]);
+        assert!((found - expected).abs() < 1e-4, "{key}: {found} {expected}");
+    }
+    let line =
+        folder.sinew("eval demo.sinew demo.npz --write-normals a.npy --write-vertices a.npy");
+    assert!(line.failed().ends_with("two outputs are one file"));
+    assert!(!folder.list().contains(&"a.npy".to_owned()));
 }
 
 #[test]

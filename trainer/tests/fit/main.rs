@@ -3,6 +3,7 @@
 
 mod held_out;
 mod importance;
+mod normals;
 mod odd_characters;
 mod real_sets;
 mod scenes;

@@ -36,6 +36,13 @@ fn of_skin(model: &Model<Vec<u8>>, skin: &Skin<'_>) -> String {
         skin.influence_len(),
         if skin.has_tangents() { "with tangents" } else { "without tangents" },
     );
+    let coefficients = if skin.has_coefficients() { "tangent coefficients" } else { "cofactors" };
+    out += &format!("  normals by {coefficients}");
+    if let Some(errors) = skin.normal_errors() {
+        let [model, lbs] = errors.figures().map(f32::to_degrees);
+        out += &format!(": off by {model:.2} °, LBS by {lbs:.2} °, RMS on the training frames");
+    }
+    out += "\n";
     for (name, vertices) in skin.ranges() {
         let name = printable(name);
         out += &format!("  {name}: vertices {} to {}\n", vertices.start, vertices.end);
@@ -97,6 +104,10 @@ fn skin_as_json(skin: &Skin<'_>) -> Value {
         "vertices": skin.vertex_len(),
         "influences": skin.influence_len(),
         "tangents": skin.has_tangents(),
+        "tangent_coefficients": skin.has_coefficients(),
+        "normal_errors": skin.normal_errors().map(|errors| {
+            json!({ "model": errors.model, "lbs": errors.lbs })
+        }),
         "ranges": ranges,
     })
 }

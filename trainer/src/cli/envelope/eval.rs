@@ -6,15 +6,16 @@ use crate::cli::bars::Bars;
 use crate::cli::files::{self, OutputFile};
 use crate::cli::space::StatedSpace;
 use crate::cli::{Output, input};
-use anyhow::Context;
-use sinew_trainer::envelope::evaluate::{Character, Frames, evaluate, skin};
+use anyhow::{Context, bail};
+use sinew_trainer::envelope::evaluate::{Character, Frames, SkinnedFrame, evaluate, skin};
 use sinew_trainer::examples::Examples;
 use std::path::PathBuf;
 
 /// Runs MODEL on the poses of EXAMPLES and measures its distance from their meshes.
 ///
 /// The runtime evaluates the file's bytes in f32, as an engine would. LBS with 4 influences, fitted
-/// on the training frames, is measured on the same frames. Examples in other axes or another unit than
+/// on the training frames, is measured on the same frames. Normals are measured by their angle to the true
+/// ones, the area-weighted mean of the true mesh's triangles, over the area of the rest pose. Examples in other axes or another unit than
 /// the model's are converted, where both are known. Errors in % of the diagonal do not depend on them.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
@@ -32,6 +33,9 @@ pub(in crate::cli) struct Arguments {
     /// and unit
     #[arg(long, value_name = "OUT.npy")]
     write_vertices: Option<PathBuf>,
+    /// Write the frames' skinned normals to OUT.npy, f32, frames x vertices x 3, in the model's axes
+    #[arg(long, value_name = "OUT.npy")]
+    write_normals: Option<PathBuf>,
     #[command(flatten)]
     space: StatedSpace,
 }
@@ -39,8 +43,15 @@ pub(in crate::cli) struct Arguments {
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let mut inputs = arguments.input.files();
     inputs.push(arguments.model.clone());
-    let vertices = arguments.write_vertices.as_ref().map(|file| OutputFile::new(file, &inputs));
-    let vertices = vertices.transpose()?;
+    let target =
+        |file: &Option<PathBuf>| file.as_ref().map(|f| OutputFile::new(f, &inputs)).transpose();
+    let (vertices, normals) =
+        (target(&arguments.write_vertices)?, target(&arguments.write_normals)?);
+    if let (Some(vertices), Some(normals)) = (&vertices, &normals)
+        && vertices.is(normals)
+    {
+        bail!("cannot write {}: two outputs are one file", normals.named().display());
+    }
     let model = input::read_model(&arguments.model)?;
     let mut examples = arguments.input.load(output)?.examples;
     arguments.space.say(&mut examples, &arguments.input.examples)?;
@@ -49,20 +60,28 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let measuring = Bars::busy(output, "measuring");
     let blamed = |error| blame(error, &arguments.model, &arguments.input, frames, &examples);
     let evaluation = evaluate(&model, skin, &examples, frames).map_err(blamed)?;
-    if let Some(target) = &vertices {
-        let bytes = skinned(&model, skin, &examples, frames).context("cannot skin")?;
-        files::write(&[(target, &bytes)])?;
+    let mut written = Vec::new();
+    for (target, attribute) in [
+        (&vertices, SkinnedFrame::positions as fn(&SkinnedFrame) -> &[f32]),
+        (&normals, SkinnedFrame::normals),
+    ] {
+        let Some(target) = target else { continue };
+        let bytes = skinned(&model, skin, &examples, frames, attribute).context("cannot skin")?;
+        written.push((target, bytes));
     }
+    let written: Vec<_> = written.iter().map(|(target, bytes)| (*target, &bytes[..])).collect();
+    files::write(&written)?;
     drop(measuring);
     output.print(&evaluation, &table::evaluation(&evaluation))
 }
 
-/// Skins frames into the bytes of an npy file.
+/// Skins frames, and writes one of their attributes into the bytes of an npy file.
 fn skinned(
     model: &[u8],
     name: Option<&str>,
     examples: &Examples,
     frames: Frames,
+    attribute: fn(&SkinnedFrame) -> &[f32],
 ) -> anyhow::Result<Vec<u8>> {
     use npyz::WriterBuilder;
     let character = Character::open(model, name, examples)?;
@@ -72,7 +91,7 @@ fn skinned(
     let mut writer =
         npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut bytes).begin_nd()?;
     for frame in chosen {
-        writer.extend(skin(&character, examples, frame)?.positions().iter().copied())?;
+        writer.extend(attribute(&skin(&character, examples, frame)?).iter().copied())?;
     }
     writer.finish()?;
     Ok(bytes)

@@ -23,6 +23,9 @@ use std::path::PathBuf;
 /// axes back. An engine must multiply the nodes' matrices, as glTF asks; one that keeps only a move,
 /// a turn and a scale of each joint in model space loses the shear.
 ///
+/// Normals are shaded by the joints alone, as engines do it: what the model's tangent coefficients know of them
+/// has no place in glTF.
+///
 /// Meshes given with --also hang on the same joints, so that one prediction drives every level of
 /// detail. Their weights come from the nearest points of the model's surface and are then fitted to
 /// where that surface carries them in the clip's frames.

@@ -16,7 +16,8 @@ use std::path::{Path, PathBuf};
 
 /// Shows where MODEL errs on EXAMPLES: pictures, charts and tables in one HTML file.
 ///
-/// The page shows the worst pose beside the truth and LBS, maps of the error on the skin, errors by
+/// The page shows the worst pose beside the truth and LBS, each shaded with the normals that it has, maps of
+/// the error and of the normals' angle on the skin, errors by
 /// frame, by joint and by size, the model's confidence, and what its predictor makes of the same
 /// examples with fewer and with more proxies, for which it is trained again. Every number is measured
 /// as `sinew eval` does. The page needs no network and no script. In the pictures the character stands

@@ -44,15 +44,18 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
         evaluation;
     let of = if *split == "all" { String::new() } else { format!("{split} ") };
     let mut out = format!("{frames} {of}frames of {vertices} vertices, diagonal {diagonal:.4}\n");
-    let header = ["error, % of the diagonal", "RMS", "p99", "max", "normals"];
-    let [name, rms, p99, max, normals] = header;
-    out += &format!("{name:<26}{rms:>10}{p99:>10}{max:>10}{normals:>12}\n");
+    let header = ["error, % of the diagonal", "RMS", "p99", "max", "normals, RMS", "median", "p99"];
+    let [name, rms, p99, max, normals, median, normals_p99] = header;
+    out += &format!(
+        "{name:<26}{rms:>10}{p99:>10}{max:>10}{normals:>16}{median:>11}{normals_p99:>11}\n"
+    );
     let predictor = format!("{predictor}, {}", counted(*proxies, "proxy", "proxies"));
     for (name, e) in [("LBS, 4 influences", &evaluation.lbs), (&predictor, &evaluation.errors)] {
-        let Errors { rms_percent, p99_percent, max_percent, normal_rms_degrees, .. } = e;
+        let Errors { rms_percent, p99_percent, max_percent, .. } = e;
+        let Errors { normal_rms_degrees, normal_median_degrees, normal_p99_degrees, .. } = e;
         out += &format!(
             "{name:<26}{rms_percent:>10.4}{p99_percent:>10.4}{max_percent:>10.4}\
-             {normal_rms_degrees:>10.2} °\n"
+             {normal_rms_degrees:>14.2} °{normal_median_degrees:>9.2} °{normal_p99_degrees:>9.2} °\n"
         );
     }
     let share = 100.0 * evaluation.errors.rms / evaluation.lbs.rms;

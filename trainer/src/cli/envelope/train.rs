@@ -82,7 +82,7 @@ pub(in crate::cli) struct FitArguments {
     /// not been fitted to the training meshes
     #[arg(long)]
     unrefined: bool,
-    /// Most bytes of the model's file; of them a mesh takes 48 a vertex with 4 influences, 16
+    /// Most bytes of the model's file; of them a mesh takes 60 a vertex with 4 influences, 16
     /// more with texture coordinates
     #[arg(long, value_name = "BYTES", value_parser = budget(), allow_negative_numbers = true)]
     budget: Option<usize>,

@@ -1,6 +1,6 @@
 //! How a file holds a skin.
 
-use crate::bake::sections::{check_len, floats, names, narrow, words};
+use crate::bake::sections::{check_len, floats, halves, names, narrow, words};
 use crate::bake::{BakeError, Part};
 use crate::envelope::model::{EnvelopeModel, SkinModel};
 use sinew_runtime::format::{PartKind, SectionKind};
@@ -15,8 +15,7 @@ impl SkinModel {
         check_len("rest normals", v, self.rest_normals.len())?;
         check_len("rest tangents", v, self.rest_tangents.as_ref().map_or(v, Vec::len))?;
         check_len("influences", envelope.map_or(0, |_| v), self.influences.len())?;
-        let k = self.influences.iter().map(Vec::len).max().unwrap_or(0);
-        let k = k.max(usize::from(envelope.is_some()));
+        let k = self.influence_len().max(usize::from(envelope.is_some()));
         let counts = SkinCounts {
             vertex_len: narrow("vertices", v)?,
             influence_len: narrow("influences", k)?,
@@ -43,8 +42,11 @@ impl SkinModel {
             (SectionKind::InfluenceWeights, Some(weights(self, k)?)),
             (SectionKind::RestBoxes, Some(rest_boxes(self, &rounded, palette_len))),
             (SectionKind::Ranges, Some(words(&ranges))),
-            (SectionKind::TangentCoefficients, None),
-            (SectionKind::NormalErrors, None),
+            (SectionKind::TangentCoefficients, coefficients(self, k)?),
+            (
+                SectionKind::NormalErrors,
+                self.normal_errors.map(|errors| floats(&errors.figures().map(f64::from))),
+            ),
         ];
         debug_assert!(contents.iter().map(|(kind, _)| *kind).eq(SKIN_SECTIONS));
         let own = contents.into_iter().filter(|(kind, _)| counts.has(*kind) != Some(false));
@@ -78,6 +80,18 @@ fn weights(skin: &SkinModel, k: usize) -> Result<Vec<u8>, BakeError> {
         out.extend(floats(&normalised.chain(std::iter::repeat(0.0)).take(k).collect::<Vec<_>>()));
     }
     Ok(out)
+}
+
+/// Writes g, h of a vertex's first K - 1 influences; `None` without coefficients.
+fn coefficients(skin: &SkinModel, k: usize) -> Result<Option<Vec<u8>>, BakeError> {
+    let Some(all) = &skin.tangent_coefficients else { return Ok(None) };
+    check_len("vertices with tangent coefficients", skin.rest_positions.len(), all.len())?;
+    let mut out = Vec::new();
+    for coefficients in all {
+        check_len("tangent coefficients of a vertex", k, coefficients.len())?;
+        out.extend(halves(coefficients.iter().take(k.saturating_sub(1)).flatten().copied()));
+    }
+    Ok(Some(out))
 }
 
 /// Computes the box of the rounded rest positions that each transform of the palette moves; min > max if

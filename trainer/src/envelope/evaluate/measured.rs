@@ -1,4 +1,4 @@
-//! Distances of a skin from the truth, and every sum, mean and percentile that is made of them.
+//! Distances and angles of a skin from the truth, and every sum, mean and percentile that is made of them.
 
 use super::{Baseline, Character, EvaluateError, skin};
 use crate::examples::{Examples, Importance};
@@ -17,8 +17,13 @@ pub struct Errors {
     pub p99_percent: f64,
     /// Largest distance in % of the rest diagonal.
     pub max_percent: f64,
-    /// RMS angle between the normals and those of the posed mesh, in degrees.
+    /// RMS angle, over the rest surface's area, between the normals and the true ones: those of the posed mesh,
+    /// the mean of its triangles' by area. In degrees.
     pub normal_rms_degrees: f64,
+    /// Angle that half of the area does not exceed, in degrees.
+    pub normal_median_degrees: f64,
+    /// 99th percentile of the angles, by area, in degrees.
+    pub normal_p99_degrees: f64,
 }
 
 /// A model's confidence in some frames' poses, in [0, 1].
@@ -30,7 +35,7 @@ pub struct Confidence {
     pub least: f64,
 }
 
-/// A skin's distances from the truth in some frames.
+/// A skin's errors in some frames.
 pub struct Measured {
     /// Diagonal of the rest pose's bounding box, in units of the input.
     pub diagonal: f64,
@@ -38,9 +43,11 @@ pub struct Measured {
     pub frames: Vec<MeasuredFrame>,
     /// How much each vertex counts, V numbers of mean 1; all alike without.
     importance: Option<Vec<f64>>,
+    /// How much each vertex's normal counts, V numbers: its share of the rest surface's area, as it counts.
+    areas: Vec<f64>,
 }
 
-/// A skin's distances from the truth in one frame.
+/// A skin's errors in one frame.
 pub struct MeasuredFrame {
     /// Its number.
     pub frame: usize,
@@ -48,10 +55,8 @@ pub struct MeasuredFrame {
     pub confidence: f64,
     /// V distances, in units of the input.
     pub distances: Vec<f64>,
-    /// Sum of the squared angles between normals, in radians, as the vertices count.
-    squared_angles: f64,
-    /// How much the vertices count that have a normal.
-    angles: f64,
+    /// V angles between the normals and the true ones, in radians; none where one of the two has no direction.
+    pub angles: Vec<Option<f64>>,
 }
 
 impl Measured {
@@ -81,7 +86,10 @@ impl Measured {
     }
 
     fn new(examples: &Examples, frames: Vec<MeasuredFrame>) -> Self {
-        Self { diagonal: examples.diagonal(), frames, importance: examples.importance.clone() }
+        let importance = examples.importance.clone();
+        let areas = examples.rest_areas().into_iter().enumerate();
+        let areas = areas.map(|(vertex, area)| area * examples.importance().of(vertex)).collect();
+        Self { diagonal: examples.diagonal(), frames, importance, areas }
     }
 
     /// Summarises all vertices in all frames.
@@ -129,6 +137,30 @@ impl Measured {
         self.frames[place].distances.iter().map(|&length| self.percent(length)).collect()
     }
 
+    /// RMS angle of each vertex's normals in all frames, V values in degrees; 0 where it has none.
+    pub fn vertex_rms_degrees(&self) -> Vec<f64> {
+        let of = |vertex: usize| {
+            let angles = self.frames.iter().filter_map(move |frame| frame.angles[vertex]);
+            rms(angles.map(|angle| (angle, 1.0))).to_degrees()
+        };
+        (0..self.areas.len()).map(of).collect()
+    }
+
+    /// Angle of each vertex's normal in one of the measured frames, V values in degrees; 0 where it has
+    /// none.
+    ///
+    /// # Panics
+    /// If there are no more than `place` of them.
+    pub fn degrees_in(&self, place: usize) -> Vec<f64> {
+        let angles = self.frames[place].angles.iter();
+        angles.map(|angle| angle.unwrap_or_default().to_degrees()).collect()
+    }
+
+    /// RMS angle between the normals and the true ones over the area and all frames, in radians.
+    pub fn angle_rms(&self) -> f64 {
+        rms(self.frames.iter().flat_map(|frame| self.counted_angles(frame)))
+    }
+
     /// Finds the frame with the largest RMS distance: its place among those measured.
     pub fn worst(&self) -> usize {
         let all: Vec<f64> = self.frames.iter().map(|frame| rms(self.counted(frame))).collect();
@@ -145,8 +177,8 @@ impl Measured {
     }
 
     fn summary(&self, frames: &[MeasuredFrame]) -> Errors {
-        let squared_angles: f64 = frames.iter().map(|f| f.squared_angles).sum();
-        let angles: f64 = frames.iter().map(|f| f.angles).sum();
+        let mut angles: Vec<(f64, f64)> =
+            frames.iter().flat_map(|frame| self.counted_angles(frame)).collect();
         let mut distances: Vec<(f64, f64)> =
             frames.iter().flat_map(|frame| self.counted(frame)).collect();
         let rms = rms(distances.iter().copied());
@@ -157,9 +189,9 @@ impl Measured {
             rms_percent: self.percent(rms),
             p99_percent: self.percent(percentile(&mut distances, 0.99)),
             max_percent: self.percent(largest),
-            normal_rms_degrees: (squared_angles / angles.max(f64::MIN_POSITIVE))
-                .sqrt()
-                .to_degrees(),
+            normal_rms_degrees: self::rms(angles.iter().copied()).to_degrees(),
+            normal_median_degrees: percentile(&mut angles, 0.5).to_degrees(),
+            normal_p99_degrees: percentile(&mut angles, 0.99).to_degrees(),
         }
     }
 
@@ -167,6 +199,15 @@ impl Measured {
     fn counted<'a>(&'a self, frame: &'a MeasuredFrame) -> impl Iterator<Item = (f64, f64)> + 'a {
         let counts = move |vertex| self.importance().of(vertex);
         frame.distances.iter().enumerate().map(move |(vertex, &d)| (d, counts(vertex)))
+    }
+
+    /// The angles in a frame, each with how much it counts.
+    fn counted_angles<'a>(
+        &'a self,
+        frame: &'a MeasuredFrame,
+    ) -> impl Iterator<Item = (f64, f64)> + 'a {
+        let angles = frame.angles.iter().zip(&self.areas);
+        angles.filter_map(|(angle, counts)| Some(((*angle)?, *counts)))
     }
 
     fn importance(&self) -> Importance<'_> {
@@ -186,20 +227,16 @@ impl MeasuredFrame {
     ) -> Self {
         let truth = examples.frame(frame);
         let normals = examples.posed_normals(frame);
-        let distances = Vec::with_capacity(truth.len());
-        let mut all = Self { frame, confidence: 1.0, distances, squared_angles: 0.0, angles: 0.0 };
+        let (mut distances, mut angles) = (Vec::new(), Vec::new());
         for vertex in 0..truth.len() {
             let (position, normal) = skinned(vertex);
-            all.distances.push((position - Vector3::from(truth[vertex])).norm());
+            distances.push((position - Vector3::from(truth[vertex])).norm());
             let expected = Vector3::from(normals[vertex]);
-            if expected.norm_squared() > 0.0 && normal.norm_squared() > 0.0 {
-                let angle = expected.cross(&normal).norm().atan2(expected.dot(&normal));
-                let counts = examples.importance().of(vertex);
-                all.squared_angles += counts * angle * angle;
-                all.angles += counts;
-            }
+            let both = expected.norm_squared() > 0.0 && normal.norm_squared() > 0.0;
+            let angle = || expected.cross(&normal).norm().atan2(expected.dot(&normal));
+            angles.push(both.then(angle));
         }
-        all
+        Self { frame, confidence: 1.0, distances, angles }
     }
 
     /// Finds the vertex with the largest distance.
@@ -214,22 +251,22 @@ pub fn largest(values: &[f64]) -> usize {
     all.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(place, _)| place)
 }
 
-/// RMS of distances, each with how much it counts.
-fn rms(distances: impl Iterator<Item = (f64, f64)>) -> f64 {
+/// RMS of errors, each with how much it counts.
+fn rms(errors: impl Iterator<Item = (f64, f64)>) -> f64 {
     let add =
         |(sum, all): (f64, f64), (d, counts): (f64, f64)| (sum + counts * d * d, all + counts);
-    let (sum, all) = distances.fold((0.0, 0.0), add);
+    let (sum, all) = errors.fold((0.0, 0.0), add);
     (sum / all.max(f64::MIN_POSITIVE)).sqrt()
 }
 
-/// The least distance that this share of the vertices does not exceed, as they count; sorts them.
-fn percentile(distances: &mut [(f64, f64)], share: f64) -> f64 {
-    distances.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+/// The least error that this share of all does not exceed, as they count; sorts them.
+fn percentile(errors: &mut [(f64, f64)], share: f64) -> f64 {
+    errors.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     // What rounding leaves of a whole number of vertices is none.
-    let mut left = share * distances.iter().map(|(_, counts)| counts).sum::<f64>() * (1.0 - 1e-12);
-    let found = distances.iter().find(|(_, counts)| {
+    let mut left = share * errors.iter().map(|(_, counts)| counts).sum::<f64>() * (1.0 - 1e-12);
+    let found = errors.iter().find(|(_, counts)| {
         left -= counts;
         left <= 0.0
     });
-    found.map_or(0.0, |(distance, _)| *distance)
+    found.map_or(0.0, |(error, _)| *error)
 }

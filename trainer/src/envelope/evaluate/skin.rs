@@ -20,6 +20,11 @@ impl SkinnedFrame {
         &self.positions
     }
 
+    /// Normals, 3V floats.
+    pub fn normals(&self) -> &[f32] {
+        &self.normals
+    }
+
     /// The model's confidence in the pose.
     pub fn confidence(&self) -> f64 {
         self.confidence
@@ -59,7 +64,12 @@ pub struct Baseline {
 impl Baseline {
     /// Fits the weights.
     pub fn fit(examples: &Examples) -> Self {
-        Self { weights: weights::baseline(examples), normals: examples.rest_normals() }
+        Self::new(weights::baseline(examples), examples)
+    }
+
+    /// Takes weights that were fitted to the training frames of examples.
+    pub fn new(weights: Weights, examples: &Examples) -> Self {
+        Self { weights, normals: examples.rest_normals() }
     }
 
     /// Gives a vertex's position and normal in a frame.

@@ -3,8 +3,10 @@
 use super::follow::{Influences, Level, LevelError, LevelReport, SkinSurface};
 use crate::bake::BakeError;
 use crate::envelope::model::{FileModel, SkinModel};
+use crate::envelope::normals::{Fan, PosedSurface};
 use crate::envelope::posed::{FrameError, influences, palette, rest, skin_on};
 use crate::examples::{Examples, Split, normals, tangents};
+use faer::Mat;
 use rayon::prelude::*;
 use sinew_runtime::{FileError, Model};
 
@@ -77,9 +79,29 @@ pub fn add(
         levels.iter().map(|level| surface.follow(level)).collect::<Result<_, _>>()?;
     let (influences, reports): (Vec<_>, Vec<_>) = followed.into_iter().unzip();
     for (level, influences) in levels.iter().zip(influences) {
-        model.skins.push(skin_of(level, influences));
+        let mut skin = skin_of(level, influences);
+        fit_normals(&mut skin, level, &surface);
+        model.skins.push(skin);
     }
     Ok(reports)
+}
+
+/// Fits the tangent coefficients of a further mesh to where the surface carries it.
+fn fit_normals(skin: &mut SkinModel, level: &Level, surface: &SkinSurface<'_>) {
+    let SkinSurface { palettes, diagonal, .. } = *surface;
+    let rest: Vec<_> = level.mesh.positions.iter().map(|x| x.map(|x| x / diagonal)).collect();
+    let palette_len = palettes.first().map_or(0, Vec::len);
+    let stacked = Mat::from_fn(3 * palettes.len(), 4 * palette_len, |row, column| {
+        let entry = f64::from(palettes[row / 3][column / 4][row % 3][column % 4]);
+        if column % 4 == 3 { entry / diagonal } else { entry }
+    });
+    let posed = PosedSurface {
+        rest: &rest,
+        trajectories: &(faer::Scale(1.0 / diagonal) * surface.carried(&level.mesh)),
+        palettes: &stacked,
+        fans: &Fan::all(&level.mesh.triangles, rest.len()),
+    };
+    posed.fit(skin, diagonal);
 }
 
 /// Adds as many bytes as meshes can take at the most: before it is known what they follow.
@@ -102,6 +124,8 @@ fn skin_of(level: &Level, influences: Influences) -> SkinModel {
         rest_normals: normals(&mesh.positions, &mesh.triangles),
         rest_tangents: tangents,
         influences,
+        tangent_coefficients: None,
+        normal_errors: None,
         ranges: Vec::new(),
     }
 }

@@ -2,7 +2,9 @@
 
 use super::nearest::{Foot, Tree, Triangle};
 use crate::formats::Mesh;
+use crate::numeric::columns;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
+use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::Matrix3x4;
@@ -137,14 +139,11 @@ impl SkinSurface<'_> {
         x: &Vector3<f64>,
     ) -> Followed {
         let (columns, transferred) = self.candidates(around, foot);
-        let corners = tree.corners(foot.triangle);
-        let offset = frame(&corners).transpose() * (x - point(&corners, foot));
+        let offset = offset(tree, foot, x);
         let mut gram =
             Gram { len: columns.len(), noise: 0.0, value: [[0.0; MAX_COLUMNS]; MAX_COLUMNS] };
         for (palette, posed) in self.palettes.iter().zip(&self.posed) {
-            let corners = self.triangles[foot.triangle]
-                .map(|v| Vector3::from_fn(|axis, _| f64::from(posed[3 * v + axis])));
-            let target = point(&corners, foot) + frame(&corners) * offset;
+            let target = self.carried_point(posed, foot, &offset);
             let mut differences = [Vector3::zeros(); MAX_COLUMNS];
             for (difference, &index) in differences.iter_mut().zip(&columns) {
                 *difference = moved(&palette[index], x) - target;
@@ -165,6 +164,28 @@ impl SkinSurface<'_> {
             transferred: gram.error(&transferred),
             fitted: gram.error(&fitted),
         }
+    }
+
+    /// Carries the vertices of a further mesh with the surface, as [`Self::follow`] has it: 3n x V, three
+    /// rows a frame.
+    pub fn carried(&self, mesh: &Mesh) -> Mat<f64> {
+        let tree = Tree::new(self.rest, self.triangles);
+        let mut all = Mat::zeros(3 * self.posed.len(), mesh.positions.len());
+        columns::fill(&mut all, |vertex, column| {
+            let x = Vector3::from(mesh.positions[vertex]);
+            let Some(foot) = tree.nearest(&x) else { return };
+            let offset = offset(&tree, &foot, &x);
+            for (posed, y) in self.posed.iter().zip(column.as_chunks_mut::<3>().0) {
+                *y = self.carried_point(posed, &foot, &offset).into();
+            }
+        });
+        all
+    }
+
+    fn carried_point(&self, posed: &[f32], foot: &Foot, offset: &Vector3<f64>) -> Vector3<f64> {
+        let corners = self.triangles[foot.triangle]
+            .map(|v| Vector3::from_fn(|axis, _| f64::from(posed[3 * v + axis])));
+        point(&corners, foot) + frame(&corners) * offset
     }
 
     /// Lists the transforms that appear near a point of the surface, and the weights of the point itself
@@ -233,6 +254,12 @@ fn fit(gram: &Gram, transferred: &[f64; MAX_COLUMNS], most: usize) -> [f64; MAX_
     let fitted = simplex::solve_sparse(&pulled, most);
     let better = pulled.error(&fitted) < pulled.error(transferred);
     if better { fitted } else { *transferred }
+}
+
+/// Gives where a point stands from its foot, along the triangle's axes.
+fn offset(tree: &Tree<'_>, foot: &Foot, x: &Vector3<f64>) -> Vector3<f64> {
+    let corners = tree.corners(foot.triangle);
+    frame(&corners).transpose() * (x - point(&corners, foot))
 }
 
 fn point(corners: &[Vector3<f64>; 3], foot: &Foot) -> Vector3<f64> {

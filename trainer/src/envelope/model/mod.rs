@@ -4,6 +4,7 @@ mod envelope;
 mod file;
 mod group;
 mod key;
+mod order;
 mod restated;
 mod skin;
 

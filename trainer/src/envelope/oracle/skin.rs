@@ -8,9 +8,10 @@ use nalgebra::{Matrix3, Matrix3x4, Vector3};
 pub struct SkinnedVertex {
     /// Position, model space.
     pub position: Vector3<f64>,
-    /// Unit normal; the rest normal where the map leaves it no direction.
+    /// Unit normal. Where the palette leaves it no direction, the rest normal turned by the transform of the
+    /// strongest influence; the rest normal where normals go by cofactors, or where that has none either.
     pub normal: Vector3<f64>,
-    /// Unit tangent likewise, and handedness.
+    /// Unit tangent, the rest tangent where the palette leaves it no direction; and handedness.
     pub tangent: Option<(Vector3<f64>, f64)>,
 }
 
@@ -18,13 +19,42 @@ impl Vertex<'_> {
     /// Skins the vertex by a palette.
     pub fn skinned(&self, palette: &[Matrix3x4<f64>]) -> SkinnedVertex {
         let map = self.blend(palette);
-        let towards =
-            |m: &Matrix3<f64>, rest: &Vector3<f64>| (m * rest).try_normalize(0.0).unwrap_or(*rest);
         let turn = linear(&map);
+        // A mirrored pose turns cross products around.
+        let mirrored = palette.first().is_some_and(|first| linear(first).determinant() < 0.0);
+        let sign = if mirrored { -1.0 } else { 1.0 };
+        let (along, normal, instead) = if self.coefficients.is_empty() {
+            let along = self.tangent.map(|(rest, _)| turn * rest);
+            (along, cofactors(&turn) * self.normal, self.normal)
+        } else {
+            let [along, across] = self.carried_frame(palette, &turn);
+            (Some(along), along.cross(&across), self.turned_by_strongest(palette))
+        };
+        let direction = |v: Vector3<f64>, rest| v.try_normalize(0.0).unwrap_or(rest);
+        let along = along.unwrap_or_default();
         SkinnedVertex {
             position: map * self.position,
-            normal: towards(&cofactors(&turn), &self.normal),
-            tangent: self.tangent.map(|(rest, hand)| (towards(&turn, &rest), hand)),
+            normal: direction(sign * normal, instead),
+            tangent: self.tangent.map(|(rest, hand)| (direction(along, rest), hand)),
         }
+    }
+
+    /// Carries t, b by the gradient of the skin: `A t + Σ g_l T_l x̂`, A the blended 3 x 3.
+    fn carried_frame(&self, palette: &[Matrix3x4<f64>], turn: &Matrix3<f64>) -> [Vector3<f64>; 2] {
+        let mut carried = self.frame().map(|axis| turn * axis);
+        for (&(l, _), coefficients) in self.influences.iter().zip(self.coefficients) {
+            let at = palette[l] * self.position;
+            carried.iter_mut().zip(coefficients).for_each(|(axis, c)| *axis += at * *c);
+        }
+        carried
+    }
+
+    /// Turns the rest normal by the transform of the strongest influence, the first of equal ones.
+    fn turned_by_strongest(&self, palette: &[Matrix3x4<f64>]) -> Vector3<f64> {
+        let stronger =
+            |best: (usize, f64), next: &(usize, f64)| if next.1 > best.1 { *next } else { best };
+        let (strongest, _) = self.influences.iter().fold((0, f64::NEG_INFINITY), stronger);
+        let turned = linear(&palette[strongest]) * self.normal;
+        turned.try_normalize(0.0).unwrap_or(self.normal)
     }
 }

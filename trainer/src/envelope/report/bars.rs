@@ -19,11 +19,11 @@ pub(super) fn bars(values: &[(&str, f64)], most: f64) -> String {
 }
 
 /// The colours of a scale and the errors that they stand for.
-pub(super) fn colour_bar(scale: &Scale) -> String {
+pub(super) fn colour_bar(scale: &Scale, unit: &str) -> String {
     const STRIPS: usize = 60;
     const WIDTH: f64 = 300.0;
     let mut out = String::from("<svg class=\"scale\" viewBox=\"-14 0 328 34\" role=\"img\" ");
-    let _ = write!(out, "aria-label=\"colours from 0 to {} % of the diagonal\">", scale.most);
+    let _ = write!(out, "aria-label=\"colours from 0 to {} {unit}\">", scale.most);
     for strip in 0..STRIPS {
         let [r, g, b] = heat((strip as f64 + 0.5) / STRIPS as f64);
         let width = WIDTH / STRIPS as f64;

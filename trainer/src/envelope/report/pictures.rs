@@ -8,6 +8,7 @@ use crate::page::camera::{Camera, Resolution, View};
 use crate::page::colour::{Colour, Scale};
 use crate::page::html::{figure, text};
 use crate::page::render::{Look, ShadedMesh};
+use nalgebra::Vector3;
 use png::EncodingError;
 use rayon::prelude::*;
 use sinew_runtime::format::Axis;
@@ -64,7 +65,7 @@ pub(super) struct Shape {
     pub(super) name: String,
     /// V positions.
     pub(super) positions: Vec<[f64; 3]>,
-    /// V normals.
+    /// V normals: as the runtime returns them of a model, by cofactors of LBS, the true ones of the truth.
     normals: Vec<[f64; 3]>,
 }
 
@@ -72,8 +73,8 @@ pub(super) struct Shape {
 pub(super) enum Paint<'a> {
     /// Nothing.
     Clay,
-    /// Errors in % of the diagonal.
-    Heat(&'a [f64], Scale),
+    /// Errors in a unit.
+    Heat(&'a [f64], Scale, &'static str),
     /// Kinds of vertices.
     Kinds(&'a [Colour]),
 }
@@ -104,25 +105,27 @@ impl<'a> Pictures<'a> {
         series: &[Series<'_>],
     ) -> Result<Vec<Shape>, EvaluateError> {
         let (examples, lbs) = (self.comparison.source.examples, &self.comparison.lbs);
-        let mut shapes = vec![self.shape("truth", examples.frame(frame).to_vec())];
+        let mut shapes = vec![self.truth("truth", examples.frame(frame).to_vec())];
         for series in series {
-            let positions = match series.model {
-                None => (0..examples.vertex_len())
-                    .map(|vertex| lbs.vertex(examples, frame, vertex).0.into())
-                    .collect(),
+            let vertices = 0..examples.vertex_len();
+            let skinned: Vec<_> = match series.model {
+                None => vertices.map(|vertex| lbs.vertex(examples, frame, vertex)).collect(),
                 Some(model) => {
                     let skin = skin(&model.character, examples, frame)?;
-                    (0..examples.vertex_len()).map(|vertex| skin.vertex(vertex).0.into()).collect()
+                    vertices.map(|vertex| skin.vertex(vertex)).collect()
                 }
             };
-            shapes.push(self.shape(series.name, positions));
+            let unit = |n: Vector3<f64>| n.try_normalize(0.0).unwrap_or_default();
+            let positions = skinned.iter().map(|(x, _)| (*x).into()).collect();
+            let normals = skinned.iter().map(|(_, n)| unit(*n).into()).collect();
+            shapes.push(Shape { name: series.name.to_owned(), positions, normals });
         }
         Ok(shapes)
     }
 
     /// The rest pose.
     pub(super) fn rest(&self) -> Shape {
-        self.shape("rest", self.comparison.source.examples.rest.clone())
+        self.truth("rest", self.comparison.source.examples.rest.clone())
     }
 
     /// A camera that sees the whole of some shapes.
@@ -180,7 +183,7 @@ impl<'a> Pictures<'a> {
         let picture = match paint {
             Paint::Clay => mesh.draw(&vec![CLAY; shape.positions.len()], SHAPE, camera),
             Paint::Kinds(colours) => mesh.draw(colours, KINDS, camera),
-            Paint::Heat(errors, scale) => {
+            Paint::Heat(errors, scale, _) => {
                 let colours: Vec<Colour> = errors.iter().map(|e| scale.colour(*e)).collect();
                 mesh.draw(&colours, ERRORS, camera)
             }
@@ -200,14 +203,15 @@ impl<'a> Pictures<'a> {
             );
         }
         let bar = match paint {
-            Paint::Heat(_, scale) => colour_bar(scale),
+            Paint::Heat(_, scale, unit) => colour_bar(scale, unit),
             _ => String::new(),
         };
         let under = bar + &text(caption);
         figure(&picture, caption, &over, &under)
     }
 
-    fn shape(&self, name: &str, positions: Vec<[f64; 3]>) -> Shape {
+    /// A shape that the examples give, with its own normals.
+    fn truth(&self, name: &str, positions: Vec<[f64; 3]>) -> Shape {
         let normals = normals(&positions, &self.comparison.source.examples.triangles);
         Shape { name: name.to_owned(), positions, normals }
     }
@@ -229,7 +233,7 @@ impl<'a> Pictures<'a> {
         let level = View { elevation: 0.0, azimuth: 0.0, ..self.view };
         let [width, depth] = [0, 2].map(|axis| {
             let along = level.axes()[axis];
-            let places = examples.rest.iter().map(|p| along.dot(&nalgebra::Vector3::from(*p)));
+            let places = examples.rest.iter().map(|p| along.dot(&Vector3::from(*p)));
             places.clone().fold(f64::MIN, f64::max) - places.fold(f64::MAX, f64::min)
         });
         let front = if depth <= width { 0.0 } else { 90.0 };
@@ -238,7 +242,7 @@ impl<'a> Pictures<'a> {
             .into();
         let squares: Vec<f64> = measured.percent_in(self.worst).iter().map(|e| e * e).collect();
         let frame = measured.frames[self.worst].frame;
-        let shape = self.shape("truth", examples.frame(frame).to_vec());
+        let shape = self.truth("truth", examples.frame(frame).to_vec());
         let seen = views.par_iter().map(|view| {
             let view = view.following(&examples.rest, &shape.positions);
             let camera = Camera::fit(&view, &shape.positions, TRIAL);

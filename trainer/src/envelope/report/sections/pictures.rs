@@ -1,7 +1,7 @@
 //! The sections made of pictures.
 
 use super::error::ReportError;
-use crate::envelope::evaluate::Measured;
+use crate::envelope::evaluate::{Errors, Measured};
 use crate::envelope::report::comparison::{Comparison, Series};
 use crate::envelope::report::palette::{dominant_colours, follow_joints};
 use crate::envelope::report::pictures::{Paint, Pictures, Shape};
@@ -12,6 +12,9 @@ use crate::page::html::{grouped, paragraph, percent, side_by_side, text};
 const SCALES: &str = "Colours stand for errors in % of the diagonal; but for the first picture, which \
                       has a scale of its own, all share one. The ring is the worst vertex, broken \
                       where it is hidden.";
+/// What colours of distances and of angles stand for.
+const PERCENT: &str = "% of the diagonal";
+const DEGREES: &str = "degrees";
 /// A vertex that is near-rigid, and one that is not.
 const NEAR_RIGID: [Colour; 2] = [[0xd9, 0xa4, 0x4a], [0xdd, 0xd9, 0xd2]];
 
@@ -37,10 +40,15 @@ pub(super) fn worst_pose(
         format!("{} {} %", text(s.name), percent(s.measured.errors_in(pictures.worst).rms_percent))
     };
     let told: Vec<String> = series.iter().map(told).collect();
+    let camera = pictures.whole(&shapes.iter().collect::<Vec<_>>());
+    let angles: Vec<_> = series.iter().map(|s| s.measured.degrees_in(pictures.worst)).collect();
+    let most = steepest(&series, |measured| measured.errors_in(pictures.worst));
+    let angles = angle_maps(pictures, &series, &angles, most, |place| &shapes[place + 1], &camera)?;
     Ok(paragraph(&format!(
         "The frame with the model's largest RMS error: {}. {SCALES}",
         told.join(", ")
-    )) + &rows(&pictures.whole(&shapes.iter().collect::<Vec<_>>()))?
+    )) + &rows(&camera)?
+        + &angles
         + "<h3>Around the worst vertex</h3>\n"
         + &paragraph(&format!(
             "Vertex {vertex}, where the model is off by {} % and LBS by {} %.",
@@ -60,11 +68,15 @@ pub(super) fn all_frames(
     let errors: Vec<_> = series.iter().map(|s| s.measured.vertex_rms_percent()).collect();
     let mut row = heat(pictures, &series, &errors, |_| (&rest, &camera, None))?;
     row.insert(0, pictures.take(&rest, &Paint::Clay, &camera, None, "rest pose")?);
+    let angles: Vec<_> = series.iter().map(|s| s.measured.vertex_rms_degrees()).collect();
+    let most = steepest(&series, Measured::errors);
+    let angles = angle_maps(pictures, &series, &angles, most, |_| &rest, &camera)?;
     Ok(paragraph(&format!(
         "Each vertex's RMS error over the {} measured frames, on the rest pose.",
         grouped(comparison.baseline.frames.len())
     )) + &side_by_side(row.len(), &row)
-        + &worst_vertices(comparison, &errors))
+        + &worst_vertices(comparison, &errors)
+        + &angles)
 }
 
 /// The errors of the model alone, on a scale of its own, and of every series on one scale.
@@ -80,9 +92,37 @@ fn heat<'b>(
     let pictures = all.map(|(place, scale, what)| {
         let (shape, camera, ring) = shot(place);
         let caption = format!("{}: {what}", series[place].name);
-        pictures.take(shape, &Paint::Heat(&errors[place], scale), camera, ring, &caption)
+        let paint = Paint::Heat(&errors[place], scale, PERCENT);
+        pictures.take(shape, &paint, camera, ring, &caption)
     });
     Ok(pictures.collect::<Result<_, _>>()?)
+}
+
+/// The angles of every series' normals to the true ones, on one scale.
+fn angle_maps<'b>(
+    pictures: &Pictures<'_>,
+    series: &[Series<'_>],
+    degrees: &[Vec<f64>],
+    most: f64,
+    shape: impl Fn(usize) -> &'b Shape,
+    camera: &Camera,
+) -> Result<String, ReportError> {
+    let scale = Scale::of(&[most]);
+    let maps = series.iter().enumerate().map(|(place, series)| {
+        let caption = format!("{}: angle of the normals to the true ones, °", series.name);
+        let paint = Paint::Heat(&degrees[place], scale, DEGREES);
+        pictures.take(shape(place), &paint, camera, None, &caption)
+    });
+    let maps = maps.collect::<Result<Vec<_>, _>>()?;
+    Ok(paragraph(
+        "How far the normals are turned from the true ones, all on one scale; folds beyond it have its \
+         last colour.",
+    ) + &side_by_side(maps.len().max(3), &maps))
+}
+
+/// The largest of what 99 % of each series' normals stay below, in degrees.
+fn steepest(series: &[Series<'_>], errors: impl Fn(&Measured) -> Errors) -> f64 {
+    series.iter().map(|s| errors(s.measured).normal_p99_degrees).fold(0.0, f64::max)
 }
 
 fn worst_vertices(comparison: &Comparison<'_>, errors: &[Vec<f64>]) -> String {

@@ -4,13 +4,20 @@ use crate::envelope::evaluate::Errors;
 use crate::envelope::report::comparison::{Comparison, Series};
 use crate::page::html::{percent, text};
 
-/// RMS, 99th percentile, largest and normals, as cells.
-pub(super) fn errors(errors: &Errors) -> [String; 4] {
-    let Errors { rms_percent, p99_percent, max_percent, normal_rms_degrees, .. } = *errors;
+/// RMS, 99th percentile and largest error, then RMS, median and 99th percentile of the normals' angles, as
+/// cells.
+pub(super) fn errors(errors: &Errors) -> [String; 6] {
+    let Errors { rms_percent, p99_percent, max_percent, .. } = *errors;
+    let Errors { normal_rms_degrees, normal_median_degrees, normal_p99_degrees, .. } = *errors;
     let [rms, p99, max] =
         [rms_percent, p99_percent, max_percent].map(|e| format!("{} %", percent(e)));
-    [rms, p99, max, format!("{normal_rms_degrees:.2}°")]
+    let angles = [normal_rms_degrees, normal_median_degrees, normal_p99_degrees];
+    let [normals, median, normals_p99] = angles.map(|angle| format!("{angle:.2}°"));
+    [rms, p99, max, normals, median, normals_p99]
 }
+
+/// What heads the cells of [`errors`].
+pub(super) const ERRORS: [&str; 6] = ["RMS", "99 %", "largest", "normals, RMS", "median", "99 %"];
 
 /// Names of the columns of all series.
 pub(super) fn names(comparison: &Comparison<'_>) -> Vec<String> {

@@ -1,6 +1,6 @@
 //! What more or fewer proxies would give.
 
-use super::series::{errors as cells, legend};
+use super::series::{ERRORS, errors as cells, legend};
 use crate::envelope::FitError;
 use crate::envelope::evaluate::Errors;
 use crate::envelope::report::comparison::Comparison;
@@ -88,16 +88,8 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
 }
 
 fn trials(comparison: &Comparison<'_>, trials: &[SizeTrial]) -> String {
-    let head = [
-        "proxies",
-        "RMS",
-        "99 % are below",
-        "largest",
-        "normals, RMS",
-        "cross-validated",
-        "file",
-        "training",
-    ];
+    let head = [&["proxies"][..], &ERRORS, &["cross-validated", "file", "training"]].concat();
+    let head: Vec<_> = head.into_iter().map(str::to_owned).collect();
     let row = |name: String, errors: &Errors, validated: f64, bytes: usize, seconds: String| {
         let mut row = vec![name];
         row.extend(cells(errors));
@@ -119,7 +111,7 @@ fn trials(comparison: &Comparison<'_>, trials: &[SizeTrial]) -> String {
         row(name, &errors, validated, bytes, String::new())
     });
     let rows: Vec<_> = trials.iter().map(trial).chain(other).collect();
-    table(&head.map(str::to_owned), &rows)
+    table(&head, &rows)
 }
 
 fn times(sizes: &Sizes, outcomes: &[&Outcome]) -> String {

@@ -1,0 +1,141 @@
+//! The faces around a vertex.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+
+/// Smallest eigenvalue of what the edges of a fan span, against the largest, from which they span a plane.
+const FLAT: f64 = 1e-6;
+
+/// The faces of a vertex. They are given, not found by place: vertices that stand in one place may share the
+/// faces around it out among them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fan {
+    /// The position where the vertex stands.
+    pub centre: usize,
+    /// The two other corners of each face, in its order.
+    pub faces: Vec<[usize; 2]>,
+}
+
+impl Fan {
+    /// Lists the fans of V vertices that each have all the faces around them.
+    pub fn all(triangles: &[[usize; 3]], vertex_len: usize) -> Vec<Self> {
+        let mut fans: Vec<Self> =
+            (0..vertex_len).map(|centre| Self { centre, faces: Vec::new() }).collect();
+        for &[a, b, c] in triangles {
+            for [centre, next, last] in [[a, b, c], [b, c, a], [c, a, b]] {
+                fans[centre].faces.push([next, last]);
+            }
+        }
+        fans
+    }
+
+    /// Adds the normals of the faces, each as long as twice its area.
+    pub fn normal(&self, at: impl Fn(usize) -> Vector3<f64>) -> Vector3<f64> {
+        let centre = at(self.centre);
+        let face = |&[next, last]: &[usize; 2]| (at(next) - centre).cross(&(at(last) - centre));
+        self.faces.iter().map(face).sum()
+    }
+
+    /// Finds how much the edges of the faces, once a face, add to the least-squares images of a plane's two axes:
+    /// the image of axis k under any positions y is `Σ c_k (y - y_centre)` over corners. `None` where the
+    /// edges at rest span no plane.
+    pub fn images(
+        &self,
+        at_rest: impl Fn(usize) -> Vector3<f64>,
+        axes: &[Vector3<f64>; 2],
+    ) -> Option<Vec<(usize, Vector2<f64>)>> {
+        let centre = at_rest(self.centre);
+        let mut edges: Vec<(usize, Vector2<f64>)> = Vec::new();
+        let mut gram = Matrix2::zeros();
+        for &corner in self.faces.as_flattened() {
+            let edge = at_rest(corner) - centre;
+            let flat = Vector2::new(axes[0].dot(&edge), axes[1].dot(&edge));
+            gram += flat * flat.transpose();
+            match edges.iter_mut().find(|known| known.0 == corner) {
+                Some(known) => known.1 += flat,
+                None => edges.push((corner, flat)),
+            }
+        }
+        let spread = gram.symmetric_eigenvalues();
+        if spread.min() <= FLAT * spread.max() {
+            return None;
+        }
+        let inverse = gram.try_inverse()?;
+        Some(edges.into_iter().map(|(corner, flat)| (corner, inverse * flat)).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Matrix3;
+
+    /// A corner of a cube, cut open: three faces around vertex 0, one edge of which is a border.
+    const CORNERS: [[f64; 3]; 5] =
+        [[0.2, 0.1, 0.0], [1.0, 0.0, 0.1], [0.6, 0.9, -0.2], [-0.7, 0.8, 0.1], [-0.9, -0.3, 0.0]];
+    const TRIANGLES: [[usize; 3]; 3] = [[0, 1, 2], [2, 3, 0], [3, 4, 0]];
+
+    fn corner(vertex: usize) -> Vector3<f64> {
+        CORNERS[vertex].into()
+    }
+
+    #[test]
+    fn every_face_is_in_the_fans_of_its_corners() {
+        let fans = Fan::all(&TRIANGLES, 6);
+        assert_eq!(fans[0].faces, [[1, 2], [2, 3], [3, 4]]);
+        assert_eq!(fans[2], Fan { centre: 2, faces: vec![[0, 1], [3, 0]] });
+        assert_eq!(fans[5], Fan { centre: 5, faces: Vec::new() });
+        let expected: Vector3<f64> = TRIANGLES
+            .map(|[a, b, c]| (corner(b) - corner(a)).cross(&(corner(c) - corner(a))))
+            .iter()
+            .sum();
+        assert!((fans[0].normal(corner) - expected).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_images_of_the_axes_are_those_of_the_nearest_linear_map() {
+        let fan = &Fan::all(&TRIANGLES, 5)[0];
+        let axes = [Vector3::new(1.0, 0.0, 0.1).normalize(), Vector3::y()];
+        let images = fan.images(corner, &axes).unwrap();
+        let image = |at: &dyn Fn(usize) -> Vector3<f64>, k: usize| -> Vector3<f64> {
+            images.iter().map(|(corner, c)| (at(*corner) - at(0)) * c[k]).sum()
+        };
+        // A linear map is found exactly where the rest pose is flat in these axes: of what is not, the plane's part.
+        let bend = Matrix3::new(0.5, -0.2, 0.0, 0.3, 1.4, 0.0, 0.2, -0.1, 0.0);
+        for k in 0..2 {
+            let flat = |v: usize| {
+                let [x, y] = [0, 1].map(|axis| axes[axis].dot(&corner(v)));
+                bend * Vector3::new(x, y, 0.0)
+            };
+            assert!((image(&flat, k) - bend.column(k)).norm() < 1e-12);
+        }
+        // No other map is nearer to positions that no linear map gives.
+        let posed = |v: usize| corner(v).map(|x| x * x - 0.3 * x) + Vector3::x() * v as f64;
+        let error = |map: [Vector3<f64>; 2]| -> f64 {
+            let of = |&vertex: &usize| {
+                let edge = corner(vertex) - corner(0);
+                let found = map[0] * axes[0].dot(&edge) + map[1] * axes[1].dot(&edge);
+                (found - (posed(vertex) - posed(0))).norm_squared()
+            };
+            fan.faces.as_flattened().iter().map(of).sum()
+        };
+        let best = [image(&posed, 0), image(&posed, 1)];
+        for k in 0..6 {
+            for step in [1e-4, -1e-4] {
+                let mut other = best;
+                other[k / 3][k % 3] += step;
+                assert!(error(other) > error(best));
+            }
+        }
+    }
+
+    #[test]
+    fn edges_that_span_no_plane_have_no_images() {
+        let axes = [Vector3::x(), Vector3::y()];
+        let along_x = |vertex: usize| Vector3::x() * (vertex as f64);
+        let fans = Fan::all(&TRIANGLES, 6);
+        assert!(fans[0].images(along_x, &axes).is_none());
+        assert!(fans[5].images(along_x, &axes).is_none());
+        // A single face spans one.
+        assert!(fans[1].images(corner, &axes).is_some());
+    }
+}

@@ -1,0 +1,326 @@
+//! The fit of tangent coefficients (METHOD §1.8).
+
+use super::fan::Fan;
+use crate::envelope::model::SkinModel;
+use crate::numeric::ridge::solve_ridge;
+use faer::Mat;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// Weight of a residual square to the true normal, against 1 along it: a normal hears of the first only by how the
+/// axes lean in the surface.
+const BESIDE: f64 = 0.09;
+/// Ridge, as a share of the mean diagonal.
+const RIDGE: f64 = 1e-5;
+/// What transforms disagree by in single precision, in diagonals: less than that is not built on.
+const UNSEEN: f64 = 1e-7;
+/// The largest number of half precision.
+const MOST: f64 = 65_504.0;
+
+/// A mesh in n poses, and the palettes that are to carry it; lengths in units of the rest diagonal.
+pub struct PosedSurface<'a> {
+    /// Rest positions.
+    pub rest: &'a [[f64; 3]],
+    /// Their trajectories, 3n a position.
+    pub trajectories: &'a Mat<f64>,
+    /// The palettes as they are predicted, 3n x 4 a transform.
+    pub palettes: &'a Mat<f64>,
+    /// The faces of each vertex.
+    pub fans: &'a [Fan],
+}
+
+impl PosedSurface<'_> {
+    /// Fits the tangent coefficients of a skin of these vertices, per unit of its lengths. What a vertex's list has room
+    /// for is filled with transforms that its neighbours follow, of weight 0. A vertex whose surface says
+    /// nothing, or whose coefficients half precision cannot hold, gets zeros: its normal goes by cofactors.
+    ///
+    /// - `unit`: the rest diagonal in the skin's lengths.
+    pub fn fit(&self, skin: &mut SkinModel, unit: f64) {
+        let most = skin.influence_len();
+        if most < 2 {
+            return;
+        }
+        let vertex = |(number, fan): (usize, &Fan)| {
+            let influences = filled(fan, &skin.influences, most);
+            let mut coefficients = self
+                .vertex(fan, &skin.vertex(number).frame(), &influences)
+                .unwrap_or_else(|| vec![[0.0; 2]; most]);
+            coefficients.iter_mut().flatten().for_each(|c| *c /= unit);
+            if !coefficients.iter().flatten().all(|c| c.abs() <= MOST) {
+                coefficients.fill([0.0; 2]);
+            }
+            (influences, coefficients)
+        };
+        let fitted: Vec<_> = self.fans.par_iter().enumerate().map(vertex).collect();
+        let (influences, coefficients) = fitted.into_iter().unzip();
+        skin.influences = influences;
+        skin.tangent_coefficients = Some(coefficients);
+    }
+
+    /// Fits the coefficients of a vertex, of sum 0; `None` where its faces at rest span no plane.
+    fn vertex(
+        &self,
+        fan: &Fan,
+        frame: &[Vector3<f64>; 2],
+        influences: &[(usize, f64)],
+    ) -> Option<Vec<[f64; 2]>> {
+        let images = fan.images(|corner| self.rest[corner].into(), frame)?;
+        let (&(last, _), others) = influences.split_last()?;
+        let x = self.rest[fan.centre];
+        let apart: Vec<Vec<f64>> = others
+            .iter()
+            .map(|&(l, _)| {
+                self.combined(&[(l, [x[0], x[1], x[2], 1.0]), (last, [-x[0], -x[1], -x[2], -1.0])])
+            })
+            .collect();
+        let blended = frame.map(|axis| {
+            let term = |&(l, weight): &(usize, f64)| {
+                let along = axis * weight;
+                (l, [along.x, along.y, along.z, 0.0])
+            };
+            self.combined(&influences.iter().map(term).collect::<Vec<_>>())
+        });
+
+        let len = others.len();
+        let mut gram = Mat::zeros(len, len);
+        let mut right = Mat::zeros(len, 2);
+        for pose in 0..self.trajectories.nrows() / 3 {
+            let at = |position: usize| of(self.trajectories.col_as_slice(position), pose);
+            let Some(normal) = fan.normal(at).try_normalize(0.0) else { continue };
+            let centre = at(fan.centre);
+            let left: [Vector3<f64>; 2] = [0, 1].map(|k| {
+                let image: Vector3<f64> =
+                    images.iter().map(|(corner, c)| (at(*corner) - centre) * c[k]).sum();
+                image - normal * normal.dot(&image) - of(&blended[k], pose)
+            });
+            for a in 0..len {
+                let own = of(&apart[a], pose);
+                let counted = own * BESIDE + normal * ((1.0 - BESIDE) * normal.dot(&own));
+                for b in 0..=a {
+                    gram[(a, b)] += counted.dot(&of(&apart[b], pose));
+                }
+                for k in 0..2 {
+                    right[(a, k)] += counted.dot(&left[k]);
+                }
+            }
+        }
+        let poses = self.trajectories.nrows() as f64 / 3.0;
+        let mean = gram.diagonal().column_vector().sum() / len as f64;
+        let found = solve_ridge(&mut gram, right, RIDGE * mean + poses * UNSEEN * UNSEEN);
+        let mut coefficients: Vec<[f64; 2]> =
+            (0..len).map(|a| [found[(a, 0)], found[(a, 1)]]).collect();
+        let sum = |k: usize| coefficients.iter().map(|c| c[k]).sum::<f64>();
+        let of_last = [-sum(0), -sum(1)];
+        coefficients.push(of_last);
+        Some(coefficients)
+    }
+
+    /// Adds up transforms, each times a vector, over the poses.
+    fn combined(&self, terms: &[(usize, [f64; 4])]) -> Vec<f64> {
+        let mut out = vec![0.0; self.palettes.nrows()];
+        for (l, vector) in terms {
+            for (c, factor) in vector.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+                let column = self.palettes.col_as_slice(4 * l + c);
+                out.iter_mut().zip(column).for_each(|(sum, m)| *sum += factor * m);
+            }
+        }
+        out
+    }
+}
+
+/// Lists the influences of a vertex, then as many as there is room for of those that the corners of its faces follow
+/// and it does not, the strongest first. Where there is room left, the last comes again.
+fn filled(fan: &Fan, influences: &[Vec<(usize, f64)>], most: usize) -> Vec<(usize, f64)> {
+    let mut out = influences[fan.centre].clone();
+    let mut others: Vec<(usize, f64)> = Vec::new();
+    for &(index, weight) in fan.faces.iter().flatten().flat_map(|&corner| &influences[corner]) {
+        if out.iter().any(|own| own.0 == index) {
+            continue;
+        }
+        match others.iter_mut().find(|other| other.0 == index) {
+            Some(other) => other.1 += weight,
+            None => others.push((index, weight)),
+        }
+    }
+    others.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    out.extend(others.into_iter().map(|(index, _)| (index, 0.0)));
+    out.truncate(most);
+    let last = out.last().map_or(0, |last| last.0);
+    out.resize(most, (last, 0.0));
+    out
+}
+
+/// The vector of a pose among those of a trajectory.
+fn of(trajectory: &[f64], pose: usize) -> Vector3<f64> {
+    Vector3::from_column_slice(&trajectory[3 * pose..3 * pose + 3])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envelope::demo::{DemoOptions, demo};
+    use crate::envelope::fitted::Fitted;
+    use crate::envelope::helpers::fit::fit as fit_helpers;
+    use crate::envelope::skin::training::Training;
+    use crate::progress::Silent;
+    use nalgebra::{DMatrix, DVector, Matrix3};
+    use sinew_runtime::envelope::Certificate;
+
+    /// A small arm in the training's lengths, its helpers' true palettes, and the skin that follows them.
+    fn arm() -> (Training, Mat<f64>, Vec<Fan>, SkinModel) {
+        let options = DemoOptions { vertices: 200, poses: 12, held_out: 0, seed: 1 };
+        let examples = demo(&options);
+        let training = Training::new(&examples, &Silent).unwrap();
+        let helpers = fit_helpers(&training, 6, 4).unwrap();
+        let palettes = helpers.true_palette(&training.poses);
+        let fitted = Fitted::new(&training, helpers.weights, None);
+        let mut model = fitted.file_model(&training, &examples, Certificate::default());
+        let fans = Fan::all(&examples.triangles, examples.vertex_len());
+        (training, palettes, fans, model.skins.remove(0))
+    }
+
+    fn surface<'a>(
+        training: &'a Training,
+        palettes: &'a Mat<f64>,
+        fans: &'a [Fan],
+    ) -> PosedSurface<'a> {
+        let Training { rest, trajectories, .. } = training;
+        PosedSurface { rest, trajectories, palettes, fans }
+    }
+
+    /// Solves one vertex by the singular values of all its equations, of the edges' and of the frames'.
+    fn brute_force(
+        surface: &PosedSurface<'_>,
+        fan: &Fan,
+        [t, b]: [Vector3<f64>; 2],
+        influences: &[(usize, f64)],
+    ) -> DMatrix<f64> {
+        let rest = |v: usize| Vector3::from(surface.rest[v]);
+        let ends: Vec<usize> = fan.faces.iter().flatten().copied().collect();
+        let flat = DMatrix::from_fn(ends.len(), 2, |e, k| {
+            [t, b][k].dot(&(rest(ends[e]) - rest(fan.centre)))
+        });
+        let inverse = flat.pseudo_inverse(1e-12).unwrap();
+        let (poses, free) = (surface.trajectories.nrows() / 3, influences.len() - 1);
+        let map = |l: usize, pose: usize| {
+            nalgebra::Matrix3x4::from_fn(|r, c| surface.palettes[(3 * pose + r, 4 * l + c)])
+        };
+        let mut left = DMatrix::zeros(3 * poses, free);
+        let mut right = DMatrix::zeros(3 * poses, 2);
+        for pose in 0..poses {
+            let at = |v: usize| of(surface.trajectories.col_as_slice(v), pose);
+            let faces = fan.faces.iter();
+            let normal: Vector3<f64> = faces
+                .map(|&[p, q]| (at(p) - at(fan.centre)).cross(&(at(q) - at(fan.centre))))
+                .sum();
+            let along = normal.normalize() * normal.normalize().transpose();
+            let root = Matrix3::identity() * 0.3 + along * 0.7;
+            let x = rest(fan.centre).push(1.0);
+            let moved = |l: usize| map(influences[l].0, pose) * x;
+            for l in 0..free {
+                let apart = root * (moved(l) - moved(free));
+                left.fixed_view_mut::<3, 1>(3 * pose, l).copy_from(&apart);
+            }
+            for (k, axis) in [t, b].into_iter().enumerate() {
+                let edges = ends.iter().enumerate();
+                let image: Vector3<f64> =
+                    edges.map(|(e, &end)| (at(end) - at(fan.centre)) * inverse[(k, e)]).sum();
+                let blended: Vector3<f64> = influences
+                    .iter()
+                    .map(|&(l, weight)| map(l, pose).fixed_columns::<3>(0) * axis * weight)
+                    .sum();
+                let wanted = image - along * image - blended;
+                right.fixed_view_mut::<3, 1>(3 * pose, k).copy_from(&(root * wanted));
+            }
+        }
+        let ridge = 1e-5 * left.norm_squared() / free as f64 + 1e-14 * poses as f64;
+        let mut left = left.resize_vertically(3 * poses + free, 0.0);
+        (0..free).for_each(|l| left[(3 * poses + l, l)] = ridge.sqrt());
+        let right = right.resize_vertically(3 * poses + free, 0.0);
+        left.svd(true, true).solve(&right, 0.0).unwrap()
+    }
+
+    #[test]
+    fn a_vertex_is_fitted_as_all_its_equations_ask() {
+        let (training, palettes, fans, mut skin) = arm();
+        let surface = surface(&training, &palettes, &fans);
+        surface.fit(&mut skin, training.unit);
+        let coefficients = skin.tangent_coefficients.as_ref().unwrap();
+        let mut largest: f64 = 0.0;
+        for vertex in (0..fans.len()).step_by(7) {
+            let own = &skin.influences[vertex];
+            let expected = brute_force(&surface, &fans[vertex], skin.vertex(vertex).frame(), own);
+            let found = &coefficients[vertex];
+            let size = expected.amax().max(1e-3);
+            for (a, found) in found[..own.len() - 1].iter().enumerate() {
+                for k in 0..2 {
+                    let difference = found[k] * training.unit - expected[(a, k)];
+                    assert!(difference.abs() < 1e-6 * size, "{vertex}: {difference} of {size}");
+                }
+            }
+            for k in 0..2 {
+                let sum = DVector::from_iterator(own.len(), found.iter().map(|c| c[k])).sum();
+                assert!(sum.abs() < 1e-12 * size, "the coefficients of a vertex sum to 0");
+            }
+            largest = largest.max(expected.amax());
+        }
+        assert!(largest > 1.0, "{largest}");
+    }
+
+    #[test]
+    fn lists_are_filled_with_what_neighbours_follow_and_weigh_as_before() {
+        let (training, palettes, fans, mut skin) = arm();
+        let before = skin.influences.clone();
+        let most = skin.influence_len();
+        surface(&training, &palettes, &fans).fit(&mut skin, training.unit);
+        let mut taken = 0;
+        for (vertex, (own, filled)) in before.iter().zip(&skin.influences).enumerate() {
+            assert_eq!((&filled[..own.len()], filled.len()), (&own[..], most));
+            for &(index, weight) in &filled[own.len()..] {
+                let follows = |&corner: &usize| before[corner].iter().any(|i| i.0 == index);
+                let near = fans[vertex].faces.iter().flatten().any(follows);
+                assert!(weight == 0.0 && (near || index == own[own.len() - 1].0));
+                taken += usize::from(near);
+            }
+        }
+        assert!(taken > 0, "a rigid vertex beside blended ones");
+    }
+
+    #[test]
+    fn vertices_whose_surface_says_nothing_go_by_cofactors() {
+        let (training, palettes, mut fans, mut skin) = arm();
+        let rest = skin.clone();
+        // Without a face; with one; with one of no area.
+        fans[0].faces.clear();
+        fans[1].faces.truncate(1);
+        let next = fans[2].faces[0][0];
+        fans[2].faces = vec![[next, next]];
+        surface(&training, &palettes, &fans).fit(&mut skin, training.unit);
+        let zero = |skin: &SkinModel, vertex: usize| {
+            skin.tangent_coefficients.as_ref().unwrap()[vertex].iter().flatten().all(|c| *c == 0.0)
+        };
+        assert!(zero(&skin, 0) && !zero(&skin, 1) && zero(&skin, 2) && !zero(&skin, 3));
+        // Transforms that never part say nothing either: what is left is the rounding of equal numbers.
+        let mut alike = Mat::zeros(palettes.nrows(), palettes.ncols());
+        for column in 0..alike.ncols() {
+            alike.col_mut(column).copy_from(palettes.col(column % 4));
+        }
+        let mut same = rest.clone();
+        surface(&training, &alike, &fans).fit(&mut same, training.unit);
+        let all = same.tangent_coefficients.unwrap();
+        assert!(all.iter().flatten().flatten().all(|c| c.abs() < 0.1));
+        // What half precision cannot hold, in a unit of light-years, is 0, not infinite.
+        let mut far = rest;
+        surface(&training, &palettes, &fans).fit(&mut far, 1e-16);
+        assert!(zero(&far, 3));
+    }
+
+    #[test]
+    fn a_skin_of_one_transform_a_vertex_needs_no_coefficients() {
+        let (training, palettes, fans, mut skin) = arm();
+        skin.influences.iter_mut().for_each(|list| list.truncate(1));
+        surface(&training, &palettes, &fans).fit(&mut skin, training.unit);
+        assert!(skin.tangent_coefficients.is_none());
+        assert!(skin.influences.iter().all(|list| list.len() == 1));
+    }
+}

@@ -1,0 +1,7 @@
+//! Normals that are right: tangent coefficients, fitted to the surface of the training frames (METHOD §1.8).
+
+mod fan;
+mod fit;
+
+pub use fan::Fan;
+pub use fit::PosedSurface;
