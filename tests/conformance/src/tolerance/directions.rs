@@ -105,7 +105,7 @@ fn frame(
     let side = 1.0f64.copysign(z);
     let share = x / (side + z);
     // A sum and a division; then a product, and of the first entry a difference.
-    let share_error = share.abs() * gamma(1 + division as usize);
+    let share_error = share.abs() * gamma(1 + division);
     let of = |by: f64| by.abs() * (share_error + (share.abs() + share_error) * gamma(1));
     let value = Vector3::new(1.0 - side * x * share, -(side * y * share), -side * x);
     let error = Vector3::new(of(x) * (1.0 + U) + value.x.abs() * U, of(y), 0.0);
