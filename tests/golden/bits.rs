@@ -84,7 +84,7 @@ pub(crate) const GOLDEN: [Golden; 5] = [
             0x8d6c_ffdd_2431_e4fa,
             0xf68e_48a0_464c_8985,
             0x9a46_de44_869d_2c5f,
-            0xe1b5_6c0c_81dc_dcdd,
+            0x07db_2c77_9f5f_cc82,
             0x2289_5318_142d_a42f,
         ],
     },

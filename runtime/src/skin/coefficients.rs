@@ -112,9 +112,9 @@ impl Vertex<'_> {
 }
 
 impl Parted {
-    /// Returns what is added to the image of a direction.
-    pub(super) fn along(&self, frame: &Frame<f32>, direction: [f32; 3]) -> [f32; 3] {
+    /// Adds to the image of a direction.
+    pub(super) fn add(&self, frame: &Frame<f32>, direction: [f32; 3], image: [f32; 3]) -> [f32; 3] {
         let (g, h) = (dot(direction, frame.g), dot(direction, frame.h));
-        sum(self.g.map(|x| x * g), self.h.map(|x| x * h))
+        sum(sum(image, self.g.map(|x| x * g)), self.h.map(|x| x * h))
     }
 }

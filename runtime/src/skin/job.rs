@@ -5,7 +5,7 @@ use super::coefficients::{Frame, Vertex};
 use super::eight::{Columns, EIGHT, Posed, Rows};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
-use crate::linear::{Le, Matrix3x4, floats, sum};
+use crate::linear::{Le, Matrix3x4, floats};
 use core::cell::Cell;
 use core::ops::Range;
 use glam::Mat4;
@@ -207,7 +207,7 @@ impl SkinJob<'_> {
             }
             if let Some((out, [x, y, z, hand])) = self.tangents.zip(tangent) {
                 let turned = along(&transform, [x, y, z]).truncate().to_array();
-                let turned = sum(turned, parted.along(&frame, [x, y, z]));
+                let turned = parted.add(&frame, [x, y, z], turned);
                 let [x, y, z] = unit(turned, 1.0).unwrap_or([x, y, z]);
                 out.put(i, [x, y, z, hand])?;
             }

@@ -46,8 +46,8 @@ pub(super) fn directions(
     let normal = image(&u).plus(&g).cross(&image(&v).plus(&h));
     let tangent = tangent.map(|rest| {
         let part = |of: &Bounded, along: &Bounded| of.times(along.dot(&rest));
-        let added = part(&g, &u).plus(&part(&h, &v));
-        image(&Bounded::exact(rest)).plus(&added).direction(rest, arithmetic)
+        let turned = image(&Bounded::exact(rest)).plus(&part(&g, &u)).plus(&part(&h, &v));
+        turned.direction(rest, arithmetic)
     });
     if normal.value.norm_squared() >= f64::from(f32::MIN_POSITIVE) {
         return (sided(normal.direction(vertex.normal, arithmetic), &normal, side), tangent);
