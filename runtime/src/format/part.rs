@@ -10,7 +10,11 @@ use core::num::NonZeroU16;
 /// The most counts of a part, of any kind.
 pub(crate) const COUNTS: usize = if cfg!(feature = "kernel") { 8 } else { 6 };
 /// The most sizes that rules multiply, of any kind of part.
-const SIZES: usize = if cfg!(feature = "kernel") { 10 } else { 6 };
+const SIZES: usize = match (cfg!(feature = "kernel"), cfg!(feature = "tangent-coefficients")) {
+    (true, _) => 10,
+    (false, true) => 6,
+    (false, false) => 5,
+};
 /// The most sections that rules ask of a part, of any kind.
 pub(crate) const SECTIONS: usize = 12;
 

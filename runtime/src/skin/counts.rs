@@ -64,12 +64,14 @@ impl SkinCounts {
     /// Returns what they ask of the sections, as [`RULES`] have it.
     pub(crate) const fn asked(&self, palette_len: u32) -> Asked {
         let Self { vertex_len: v, influence_len: k, range_len: r, envelope } = *self;
-        let has = match (envelope, k) {
-            (NO_ENVELOPE, _) => ALWAYS,
-            (_, ..2) => ALWAYS | FOLLOWS,
-            _ => ALWAYS | FOLLOWS | BLENDS,
-        };
-        Asked::new(has, [1, v, k, palette_len, r, k.saturating_sub(1)])
+        let follows = if envelope == NO_ENVELOPE { 0 } else { FOLLOWS };
+        #[cfg(feature = "tangent-coefficients")]
+        {
+            let blends = if follows != 0 && k > 1 { BLENDS } else { 0 };
+            Asked::new(ALWAYS | follows | blends, [1, v, k, palette_len, r, k.saturating_sub(1)])
+        }
+        #[cfg(not(feature = "tangent-coefficients"))]
+        Asked::new(ALWAYS | follows, [1, v, k, palette_len, r])
     }
 }
 
@@ -109,6 +111,7 @@ pub(crate) mod place {
 /// Bit of a skin with an envelope.
 const FOLLOWS: u8 = 4;
 /// Bit of one of which a vertex has several influences.
+#[cfg(feature = "tangent-coefficients")]
 const BLENDS: u8 = 8;
 
 /// The sections of a skin, in the order in which the trainer writes them.

@@ -9,6 +9,7 @@ use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::skin::{Rest, cells};
 use sinew_runtime::{Matrix3x4, Model, Skin, SkinJob};
+use std::ops::Range;
 
 type V = [f64; 3];
 type M = [V; 3];
@@ -354,6 +355,43 @@ fn an_attribute_alone_has_the_bits_that_it_has_beside_others() {
                     SkinJob { tangents: output(cells(&mut tangents), 4), ..job(skin, &palette) };
                 alone.run().unwrap();
                 assert_eq!(bits(&tangents), bits(&whole[6 * v..]));
+            }
+        });
+    }
+}
+
+#[test]
+fn vertices_side_by_side_have_the_bits_that_each_has_alone() {
+    for shape in shapes().filter(|shape| shape.influences == 4) {
+        with_skin(shape, |envelope, skin| {
+            let posed = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
+            let mirrored = |m: &Matrix3x4| [m[0].map(|x| -x), m[1], m[2]];
+            // Transforms that leave a normal no direction: all of a vertex's, and here and there one.
+            let nothing = |l: usize, m: &Matrix3x4| if l < 5 { Matrix3x4::default() } else { *m };
+            let palettes = [
+                posed.clone(),
+                posed.iter().map(mirrored).collect(),
+                posed.iter().enumerate().map(|(l, m)| nothing(l, m)).collect(),
+            ];
+            for palette in &palettes {
+                let v = skin.vertex_len();
+                let [mut together, mut alone] = [vec![f32::NAN; 6 * v], vec![f32::NAN; 6 * v]];
+                let all = |vertices: Range<usize>, out: &mut [f32]| {
+                    let (positions, normals) = cells(out).split_at(3 * v);
+                    let start = 3 * vertices.start;
+                    SkinJob {
+                        vertices,
+                        positions: output(&positions[start..], 3),
+                        normals: output(&normals[start..], 3),
+                        ..job(skin, palette)
+                    }
+                    .run()
+                    .unwrap();
+                };
+                all(0..v, &mut together);
+                (0..v).for_each(|vertex| all(vertex..vertex + 1, &mut alone));
+                assert_eq!(bits(&together), bits(&alone));
+                assert!(together.iter().all(|x| x.is_finite()));
             }
         });
     }
