@@ -249,6 +249,9 @@ impl Real for Register {
 
 /// 8 floats, as they lie in a file and in memory.
 pub(crate) trait Eight {
+    /// Whether a register has them; where none can, that type's operations may round otherwise.
+    const IN_REGISTERS: bool;
+
     /// Returns the square root of one float, by the unit that computes 8.
     fn square_root_alone(x: f32) -> f32;
 
@@ -260,6 +263,8 @@ pub(crate) trait Eight {
 }
 
 impl Eight for [f32; 8] {
+    const IN_REGISTERS: bool = false;
+
     #[inline]
     fn square_root_alone(x: f32) -> f32 {
         libm::sqrtf(x)
@@ -277,6 +282,8 @@ impl Eight for [f32; 8] {
 }
 
 impl Eight for [Register; 1] {
+    const IN_REGISTERS: bool = true;
+
     #[inline(always)]
     fn square_root_alone(x: f32) -> f32 {
         // libm's is assembly in SSE's encoding: between AVX's instructions each takes hundreds of cycles.

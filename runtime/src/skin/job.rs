@@ -5,6 +5,7 @@ use super::coefficients::{Frame, Vertex};
 use super::eight::{Columns, EIGHT, Posed, Rows};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
+use crate::lanes::{Eight, Lanes};
 use crate::linear::{Le, Matrix3x4, floats};
 use core::cell::Cell;
 use core::ops::Range;
@@ -115,7 +116,7 @@ impl SkinJob<'_> {
             _ => {}
         }
         if skin.has_coefficients() && (self.normals.is_some() || self.tangents.is_some()) {
-            let done = if UNROLL { self.turn_eights().unwrap_or(0) } else { 0 };
+            let done = if Lanes::IN_REGISTERS { self.turn_eights().unwrap_or(0) } else { 0 };
             self.turn(&influences, done..vertices.len());
             return Ok(());
         }
