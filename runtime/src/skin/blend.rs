@@ -18,7 +18,7 @@ pub(super) struct Influences<'a> {
 
 /// Whether the usual number of influences gets code of its own: a quarter faster on x86-64, but small
 /// processors have too few registers for it (31 instructions a vertex more on a Cortex-M4F).
-pub(super) const UNROLL: bool = cfg!(any(target_pointer_width = "64", target_family = "wasm"));
+const UNROLL: bool = cfg!(any(target_pointer_width = "64", target_family = "wasm"));
 
 impl<'a> Influences<'a> {
     pub(super) fn new(skin: &Skin<'a>, palette: &'a [Matrix3x4]) -> Self {

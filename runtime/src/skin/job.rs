@@ -1,6 +1,6 @@
 //! The stage `skin`: from the palette to positions, normals and tangents (METHOD §1.8).
 
-use super::blend::{Influences, UNROLL, along, cofactors, moved, side, unit};
+use super::blend::{Influences, along, cofactors, moved, side, unit};
 use super::coefficients::{Frame, Vertex};
 use super::eight::{Columns, EIGHT, Posed, Rows};
 use super::view::Skin;
