@@ -91,7 +91,10 @@ fn skinned(
     let mut writer =
         npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut bytes).begin_nd()?;
     for frame in chosen {
-        writer.extend(attribute(&skin(&character, examples, frame)?).iter().copied())?;
+        let skinned = skin(&character, examples, frame)?;
+        let copies: &[[f32; 3]] = attribute(&skinned).as_chunks().0;
+        let own = examples.surface().of_first_copies(copies);
+        writer.extend(own.into_iter().flatten())?;
     }
     writer.finish()?;
     Ok(bytes)

@@ -1,5 +1,6 @@
 //! The faces around a vertex.
 
+use crate::mesh::{Surface, same_normal};
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Smallest eigenvalue of what the edges of a fan span, against the largest, from which they span a plane.
@@ -26,6 +27,25 @@ impl Fan {
             }
         }
         fans
+    }
+
+    /// Lists the fans of the engine's vertices: all faces around its vertex, or, where normals are authored, those
+    /// whose corner there has the same normal.
+    pub fn of(surface: &Surface<'_>) -> Vec<Self> {
+        let whole = Self::all(surface.triangles, surface.positions.len());
+        let Some(normals) = surface.authored_normals() else { return surface.copied(&whole) };
+        // The engine's vertex at the centre of each face, in the order of the faces of a fan.
+        let mut corners: Vec<Vec<usize>> = vec![Vec::new(); whole.len()];
+        for &corner in surface.engine_triangles().as_flattened() {
+            corners[surface.copy_of(corner)].push(corner);
+        }
+        let side = |copy: usize| {
+            let Self { centre, faces } = &whole[surface.copy_of(copy)];
+            let own = |corner: &usize| same_normal(&normals[copy], &normals[*corner]);
+            let faces = faces.iter().zip(&corners[*centre]).filter(|(_, corner)| own(corner));
+            Self { centre: *centre, faces: faces.map(|(face, _)| *face).collect() }
+        };
+        (0..surface.engine_len()).map(side).collect()
     }
 
     /// Adds the normals of the faces, each as long as twice its area.
@@ -61,6 +81,22 @@ impl Fan {
         }
         let inverse = gram.try_inverse()?;
         Some(edges.into_iter().map(|(corner, flat)| (corner, inverse * flat)).collect())
+    }
+
+    /// Gives the images of a plane's axes, as [`Fan::images`] found them, under positions, without their part along a
+    /// normal.
+    pub fn carried(
+        &self,
+        images: &[(usize, Vector2<f64>)],
+        at: impl Fn(usize) -> Vector3<f64>,
+        normal: &Vector3<f64>,
+    ) -> [Vector3<f64>; 2] {
+        let centre = at(self.centre);
+        [0, 1].map(|k| {
+            let image: Vector3<f64> =
+                images.iter().map(|(corner, c)| (at(*corner) - centre) * c[k]).sum();
+            image - normal * normal.dot(&image)
+        })
     }
 }
 
