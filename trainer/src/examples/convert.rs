@@ -38,7 +38,7 @@ mod tests {
     fn there_and_back_again_is_the_same() {
         let mut examples = triangle(2);
         let uv = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        examples.engine = Some(EngineMesh::per_vertex(&examples.triangles, uv));
+        examples.engine = Some(EngineMesh::of_vertices(&examples.rest, &examples.triangles, &uv));
         examples.vertices[4] = [0.5, -0.25, 0.125];
         examples.transforms[3][0][3] = 0.75;
         examples.space = Space::GLTF;

@@ -7,7 +7,7 @@ use std::fmt;
 pub enum FormatWarning {
     /// Authored normals without a direction, in place of which the trainer's own stand.
     NormalsRepaired {
-        /// Of how many of the engine's vertices.
+        /// Of how many corners or vertices.
         count: usize,
     },
     /// Meshes without a skin stand beside meshes that have one, and are left out.
@@ -34,7 +34,7 @@ impl fmt::Display for FormatWarning {
                 write!(
                     f,
                     "normals that are absent, zero or not finite become those of the faces around \
-                     them; vertices: {count}"
+                     them: {count}"
                 )
             }
             FormatWarning::UnskinnedMeshes { meshes } => {

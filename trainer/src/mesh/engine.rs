@@ -1,8 +1,5 @@
 //! The engine's vertices of a mesh.
 
-use super::normals::normals;
-use nalgebra::Vector3;
-
 /// The vertices that an engine draws a mesh of V vertices with: E, each a copy of one of the V, and what the
 /// artist authored of them.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,24 +10,13 @@ pub struct EngineMesh {
     pub triangles: Vec<[usize; 3]>,
     /// Authored normals of length 1, E; 0 where the triangles around a vertex have no area either.
     pub normals: Option<Vec<[f64; 3]>>,
-    /// Authored tangents and, last, their handedness, E.
+    /// Tangents and, last, their handedness, E: authored, or those of MikkTSpace.
     pub tangents: Option<Vec<[f64; 4]>>,
     /// Texture coordinates, E; v grows upward, as in most formats but glTF.
     pub uv: Option<Vec<[f64; 2]>>,
 }
 
 impl EngineMesh {
-    /// Makes one copy of each vertex, with texture coordinates.
-    pub fn per_vertex(triangles: &[[usize; 3]], uv: Vec<[f64; 2]>) -> Self {
-        Self {
-            copy_of: (0..uv.len()).collect(),
-            triangles: triangles.to_vec(),
-            normals: None,
-            tangents: None,
-            uv: Some(uv),
-        }
-    }
-
     /// Tells whether nothing is authored, so that the mesh says as much without.
     pub fn is_plain(&self) -> bool {
         let authored = self.normals.is_some() || self.tangents.is_some() || self.uv.is_some();
@@ -54,30 +40,6 @@ impl EngineMesh {
             self.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
         }
     }
-
-    /// Brings authored normals to length 1. One that has no direction, or is not finite, becomes what the
-    /// triangles around its vertex give; counts those.
-    pub fn repair_normals(&mut self, positions: &[[f64; 3]], triangles: &[[usize; 3]]) -> usize {
-        let Some(own) = &mut self.normals else { return 0 };
-        let mut repaired = 0;
-        let mut welded = None;
-        for (normal, &vertex) in own.iter_mut().zip(&self.copy_of) {
-            *normal = match unit(*normal) {
-                Some(normal) => normal,
-                None => {
-                    repaired += 1;
-                    welded.get_or_insert_with(|| normals(positions, triangles))[vertex]
-                }
-            };
-        }
-        repaired
-    }
-}
-
-/// Brings a direction to length 1; `None` where it has none.
-pub(super) fn unit(direction: [f64; 3]) -> Option<[f64; 3]> {
-    let direction = Vector3::from(direction).try_normalize(0.0)?;
-    direction.iter().all(|x| x.is_finite()).then(|| direction.into())
 }
 
 #[cfg(test)]
@@ -85,21 +47,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn normals_without_direction_become_the_trainer_s_own() {
-        let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let triangles = [[0, 1, 2]];
-        let mut mesh = EngineMesh::per_vertex(&triangles, vec![[0.0; 2]; 3]);
-        assert_eq!(mesh.repair_normals(&positions, &triangles), 0);
-        mesh.normals = Some(vec![[0.0; 3], [f64::NAN, 0.0, 1.0], [0.0, 3.0, 4.0]]);
-        assert_eq!(mesh.repair_normals(&positions, &triangles), 2);
-        assert_eq!(mesh.normals.unwrap(), [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.6, 0.8]]);
-    }
-
-    #[test]
     fn a_mirror_turns_triangles_and_handedness_over() {
-        let mut mesh = EngineMesh::per_vertex(&[[0, 1, 2]], vec![[0.0; 2]; 3]);
-        mesh.normals = Some(vec![[1.0, 0.0, 0.0]; 3]);
-        mesh.tangents = Some(vec![[0.0, 1.0, 0.0, 1.0]; 3]);
+        let mut mesh = EngineMesh {
+            copy_of: vec![0, 1, 2],
+            triangles: vec![[0, 1, 2]],
+            normals: Some(vec![[1.0, 0.0, 0.0]; 3]),
+            tangents: Some(vec![[0.0, 1.0, 0.0, 1.0]; 3]),
+            uv: None,
+        };
         mesh.turn(|[x, y, z]| [-x, y, z], true);
         assert_eq!(mesh.triangles, [[0, 2, 1]]);
         assert_eq!(mesh.normals.unwrap(), [[-1.0, 0.0, 0.0]; 3]);

@@ -5,6 +5,7 @@
 
 mod corners;
 mod engine;
+mod mikktspace;
 mod normals;
 mod surface;
 

@@ -86,48 +86,17 @@ impl<'a> Surface<'a> {
         areas
     }
 
-    /// Computes the E tangents: a unit vector along growing u, orthogonal to the normal, and +1 or -1, by which
-    /// normal x tangent must be multiplied to point along growing v. Authored ones are made orthogonal.
+    /// Gives the E tangents: a unit vector along growing u, orthogonal to the normal, and +1 or -1, by which normal x
+    /// tangent must be multiplied to point along growing v. `None` where there are none.
     ///
-    /// A vertex whose texture coordinates give no direction gets any unit vector orthogonal to its
-    /// normal. `None` without texture coordinates and without authored tangents.
+    /// A vertex whose texture coordinates give no direction gets any unit vector orthogonal to its normal.
     pub fn tangents(&self) -> Option<Vec<[f64; 4]>> {
-        let normals = self.normals();
-        if let Some(authored) = self.engine.and_then(|engine| engine.tangents.as_ref()) {
-            let square = |(&[x, y, z, hand], normal): (&[f64; 4], &[f64; 3])| {
-                let tangent = orthogonal(&Vector3::new(x, y, z), normal);
-                [tangent.x, tangent.y, tangent.z, if hand < 0.0 { -1.0 } else { 1.0 }]
-            };
-            return Some(authored.iter().zip(&normals).map(square).collect());
-        }
-        let along = self.along_texture(self.uv()?);
-        let tangents = normals.iter().zip(along).map(|(normal, [u, v])| {
-            let tangent = orthogonal(&u, normal);
-            let turned = Vector3::from(*normal).cross(&tangent).dot(&v) < 0.0;
-            [tangent.x, tangent.y, tangent.z, if turned { -1.0 } else { 1.0 }]
-        });
-        Some(tangents.collect())
-    }
-
-    /// Adds up how the surface grows along u and v around each of the engine's vertices.
-    fn along_texture(&self, uv: &[[f64; 2]]) -> Vec<[Vector3<f64>; 2]> {
-        let mut along = vec![[Vector3::zeros(); 2]; self.engine_len()];
-        for (corners, triangle) in self.engine_triangles().iter().zip(self.triangles) {
-            let [a, b, c] = triangle.map(|vertex| Vector3::from(self.positions[vertex]));
-            let [ta, tb, tc] = corners.map(|vertex| uv[vertex]);
-            let (e1, e2) = (b - a, c - a);
-            let (u1, v1, u2, v2) = (tb[0] - ta[0], tb[1] - ta[1], tc[0] - ta[0], tc[1] - ta[1]);
-            // Dividing by the texture's area would weight by its inverse: only the sign is needed,
-            // and what remains grows with both areas.
-            let sign = (u1 * v2 - u2 * v1).signum();
-            let u = (e1 * v2 - e2 * v1) * sign;
-            let v = (e2 * u1 - e1 * u2) * sign;
-            for &vertex in corners {
-                along[vertex][0] += u;
-                along[vertex][1] += v;
-            }
-        }
-        along
+        let given = self.engine?.tangents.as_ref()?;
+        let square = |(&[x, y, z, hand], normal): (&[f64; 4], &[f64; 3])| {
+            let tangent = orthogonal(&Vector3::new(x, y, z), normal);
+            [tangent.x, tangent.y, tangent.z, if hand < 0.0 { -1.0 } else { 1.0 }]
+        };
+        Some(given.iter().zip(&self.normals()).map(square).collect())
     }
 }
 
@@ -151,10 +120,6 @@ mod tests {
         Surface { positions: &POSITIONS, triangles, engine }
     }
 
-    fn textured(uv: [[f64; 2]; 3]) -> EngineMesh {
-        EngineMesh::per_vertex(&[[0, 1, 2]], uv.to_vec())
-    }
-
     #[test]
     fn normals_follow_the_winding() {
         assert_eq!(surface(&[[0, 1, 2]], None).normals(), [[0.0, 0.0, 1.0]; 3]);
@@ -174,41 +139,27 @@ mod tests {
     }
 
     #[test]
-    fn tangents_point_along_u() {
-        let triangles = [[0, 1, 2]];
-        assert!(surface(&triangles, None).tangents().is_none());
-        for (uv, x) in [
-            ([[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]], 1.0),
-            // Mirrored texture flips the handedness.
-            ([[0.0, 0.0], [-0.5, 0.0], [0.0, 0.5]], -1.0),
-        ] {
-            let engine = textured(uv);
-            let tangents = surface(&triangles, Some(&engine)).tangents();
-            assert_eq!(tangents, Some(vec![[x, 0.0, 0.0, x]; 3]));
-        }
-    }
-
-    #[test]
-    fn a_texture_without_area_still_gives_a_unit_tangent() {
-        let engine = textured([[0.5, 0.5]; 3]);
-        for [x, y, z, w] in surface(&[[0, 1, 2]], Some(&engine)).tangents().unwrap() {
-            assert_eq!((x * x + y * y + z * z, z, w), (1.0, 0.0, 1.0));
-        }
-    }
-
-    #[test]
-    fn authored_directions_are_taken_and_made_square() {
-        let mut engine = textured([[0.0; 2]; 3]);
+    fn tangents_are_made_square_to_the_normals() {
         let normal = [0.6, 0.0, 0.8];
-        engine.normals = Some(vec![normal; 3]);
-        engine.tangents = Some(vec![[2.0, 0.0, 0.0, -1.0]; 3]);
+        let engine = EngineMesh {
+            copy_of: vec![0, 1, 2],
+            triangles: vec![[0, 1, 2]],
+            normals: Some(vec![normal; 3]),
+            tangents: Some(vec![[2.0, 0.0, 0.0, -1.0], [2.0, 0.0, 0.0, 1.0], [0.0; 4]]),
+            uv: None,
+        };
         let triangles = [[0, 1, 2]];
         let surface = surface(&triangles, Some(&engine));
         assert_eq!(surface.normals(), [normal; 3]);
-        for [x, y, z, hand] in surface.tangents().unwrap() {
+        let tangents = surface.tangents().unwrap();
+        for ([x, y, z, hand], expected) in tangents[..2].iter().zip([-1.0, 1.0]) {
             let near = |a: f64, b: f64| (a - b).abs() < 1e-15;
-            assert!(near(x, 0.8) && y == 0.0 && near(z, -0.6) && hand == -1.0);
+            assert!(near(*x, 0.8) && *y == 0.0 && near(*z, -0.6) && *hand == expected);
         }
+        // Without a direction, any.
+        let [x, y, z, hand] = tangents[2];
+        let (length, along) = (x * x + y * y + z * z, x * normal[0] + z * normal[2]);
+        assert!((length - 1.0).abs() < 1e-15 && along.abs() < 1e-15 && hand == 1.0);
     }
 
     #[test]

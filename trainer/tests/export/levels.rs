@@ -55,8 +55,8 @@ fn the_model_s_own_mesh_in_another_order_moves_as_the_model_does() {
     own.mesh.positions.reverse();
     own.mesh.triangles.iter_mut().flatten().for_each(|vertex| *vertex = last - *vertex);
     let uv = own.mesh.engine.take().and_then(|engine| engine.uv).unwrap();
-    let uv = uv.into_iter().rev().collect();
-    own.mesh.engine = Some(EngineMesh::per_vertex(&own.mesh.triangles, uv));
+    let uv: Vec<_> = uv.into_iter().rev().collect();
+    own.mesh.engine = Some(EngineMesh::of_vertices(&own.mesh.positions, &own.mesh.triangles, &uv));
     let exported =
         export(&model, None, &examples, &[clip("all", 0, 20)], &[own], Stand::AsModel).unwrap();
     let scene = Scene::read(&exported.glb);

@@ -7,6 +7,7 @@ mod normals;
 mod odd_characters;
 mod real_sets;
 mod scenes;
+mod seams;
 #[path = "../shared/mod.rs"]
 mod shared;
 mod skins;

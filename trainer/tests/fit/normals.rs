@@ -274,8 +274,8 @@ fn proxies_in_another_order_predict_the_same_bits() {
 #[test]
 fn normals_are_nearer_the_truth_than_by_cofactors_for_every_predictor_and_further_meshes() {
     let (examples, coarse) = (arm(600), arm(300));
-    let Examples { rest, triangles, uv, .. } = coarse.clone();
-    let mesh = Mesh { positions: rest, triangles, uv };
+    let Examples { rest, triangles, engine, .. } = coarse.clone();
+    let mesh = Mesh { positions: rest, triangles, engine };
     let level = Level { name: "lod1".to_owned(), mesh };
     for predictor in Predictor::ALL {
         let meshes = FileSkins::Skins(vec![level.clone()]);

@@ -59,8 +59,8 @@ pub fn demo(options: &DemoOptions) -> Examples {
         }
     });
     Examples {
+        engine: Some(EngineMesh::of_vertices(&rest, &skin.triangles, &skin.uv)),
         rest,
-        engine: Some(EngineMesh::per_vertex(&skin.triangles, skin.uv)),
         triangles: skin.triangles,
         skeleton: skeleton(),
         vertices,

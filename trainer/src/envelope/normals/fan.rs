@@ -103,6 +103,7 @@ impl Fan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::EngineMesh;
     use nalgebra::Matrix3;
 
     /// A corner of a cube, cut open: three faces around vertex 0, one edge of which is a border.
@@ -125,6 +126,33 @@ mod tests {
             .iter()
             .sum();
         assert!((fans[0].normal(corner) - expected).norm() < 1e-12);
+    }
+
+    #[test]
+    fn hard_edges_part_the_faces_of_a_vertex_and_seams_do_not() {
+        let positions = CORNERS;
+        let mut engine = EngineMesh {
+            copy_of: vec![0, 0, 0, 1, 2, 3, 3, 4],
+            triangles: vec![[0, 3, 4], [4, 5, 1], [6, 7, 2]],
+            normals: None,
+            tangents: None,
+            uv: None,
+        };
+        let fans = |engine: &EngineMesh| {
+            let triangles = &TRIANGLES;
+            Fan::of(&Surface { positions: &positions, triangles, engine: Some(engine) })
+        };
+        let whole = fans(&engine);
+        assert!(whole[..3].iter().all(|fan| fan.faces == [[1, 2], [2, 3], [3, 4]]));
+        // The third face of vertex 0 stands behind a hard edge.
+        let (up, back) = ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
+        engine.normals = Some(vec![up, up, back, up, up, up, back, back]);
+        let sides = fans(&engine);
+        for copy in [0, 1] {
+            assert_eq!(sides[copy], Fan { centre: 0, faces: vec![[1, 2], [2, 3]] });
+        }
+        assert_eq!(sides[2].faces, [[3, 4]]);
+        assert_eq!([&sides[5].faces, &sides[6].faces], [&vec![[0, 2]], &vec![[4, 0]]]);
     }
 
     #[test]

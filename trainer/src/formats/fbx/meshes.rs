@@ -79,8 +79,7 @@ pub(super) fn join(
         rest.extend(mesh.vertices.iter().map(place));
         ranges.push((scene.nodes[part.node].element.name.to_string(), first..rest.len()));
     }
-    let mut engine = corners.finish().engine_mesh(rest.len(), &places);
-    let count = engine.repair_normals(&rest, &triangles);
+    let (engine, count) = corners.finish().engine_mesh(&rest, &places);
     if count > 0 {
         warnings.push(FormatWarning::NormalsRepaired { count });
     }

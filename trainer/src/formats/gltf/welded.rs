@@ -15,7 +15,7 @@ pub(super) struct Welded {
     pub(super) triangles: Vec<[usize; 3]>,
     /// The file's own vertices, where they say more.
     pub(super) engine: Option<EngineMesh>,
-    /// How many normals had no direction.
+    /// Of how many vertices the normal had no direction.
     pub(super) repaired: usize,
 }
 
@@ -46,7 +46,7 @@ impl Welded {
             tangents: tangents.then(|| meshes.tangents.clone()),
             uv: uv.then(|| meshes.uv.clone()),
         };
-        let repaired = engine.repair_normals(&positions, &triangles);
+        let repaired = engine.complete(&positions, &triangles);
         let engine = (!engine.is_plain()).then_some(engine);
         Self { firsts, triangles, engine, repaired }
     }

@@ -31,8 +31,7 @@ pub fn load(path: &Path) -> Result<Mesh, FileError> {
         tangents: None,
         uv: (!texture.is_empty()).then(|| corners.iter().map(uv).collect()),
     };
-    let mut engine = corners.engine_mesh(positions.len(), &places);
-    engine.repair_normals(&positions, &triangles);
+    let (engine, _) = corners.engine_mesh(&positions, &places);
     let engine = (!engine.is_plain()).then_some(engine);
     Ok(Mesh { positions, triangles, engine })
 }

@@ -67,7 +67,7 @@ fn read(
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
     let faces = read_faces(&mut archive, FACES, rest.len())?;
     let faces = faces.ok_or_else(|| missing("quads or tris"))?;
-    let engine = read_texture(&mut archive, rest.len(), &faces)?;
+    let engine = read_texture(&mut archive, &rest, &faces)?;
 
     let Rows { lead, data: vertices } = archive.required::<f64, 3>("vertices", &[0, 3])?;
     let (frame_len, posed_len) = (lead[0], lead[1]);

@@ -4,7 +4,7 @@ use super::fields::{FACES, Faces, read_faces};
 use crate::examples::ExamplesError;
 use crate::examples::validate::same;
 use crate::formats::npz::Archive;
-use crate::mesh::{Corners, EngineMesh};
+use crate::mesh::EngineMesh;
 
 /// Names of the arrays that say which coordinates the corners of quads and triangles have, the usual ones first.
 const BY_CORNER: [[&str; 2]; 2] = [["quads_uv", "tris_uv"], ["uv_quads", "uv_tris"]];
@@ -17,7 +17,7 @@ const BY_CORNER: [[&str; 2]; 2] = [["quads_uv", "tris_uv"], ["uv_quads", "uv_tri
 /// [`ExamplesError::VertexOutOfRange`] for a corner that names none of them.
 pub(super) fn read_texture(
     archive: &mut Archive,
-    vertex_len: usize,
+    positions: &[[f64; 3]],
     faces: &Faces,
 ) -> Result<Option<EngineMesh>, ExamplesError> {
     let Some(uv) = archive.rows::<f64, 2>("uv", &[2])?.map(|uv| uv.data) else { return Ok(None) };
@@ -27,22 +27,15 @@ pub(super) fn read_texture(
             by_corner = read_faces(archive, names, uv.len())?.map(|found| (names, found));
         }
     }
+    let triangles = &faces.triangles;
     let Some((names, found)) = by_corner else {
-        same("vertices", "rest", vertex_len, "uv", uv.len())?;
-        return Ok(Some(EngineMesh::per_vertex(&faces.triangles, uv)));
+        same("vertices", "rest", positions.len(), "uv", uv.len())?;
+        return Ok(Some(EngineMesh::of_vertices(positions, triangles, &uv)));
     };
     for kind in 0..2 {
         let [expected, found] = [faces, &found].map(|faces| faces.counts[kind].unwrap_or(0));
         same("faces", FACES[kind], expected, names[kind], found)?;
     }
-    let places = found.triangles.as_flattened();
-    let corners = Corners {
-        vertices: faces.triangles.as_flattened().to_vec(),
-        uv: Some(places.iter().map(|&place| uv[place]).collect()),
-        ..Corners::default()
-    };
-    let by_place: Vec<[usize; 3]> = (0..places.len() / 3)
-        .map(|triangle| [0, 1, 2].map(|corner| 3 * triangle + corner))
-        .collect();
-    Ok(Some(corners.engine_mesh(vertex_len, &by_place)))
+    let uv = found.triangles.as_flattened().iter().map(|&place| uv[place]).collect();
+    Ok(Some(EngineMesh::of_corners(positions, triangles, uv)))
 }
