@@ -4,6 +4,13 @@ use super::validate::{numbers, same};
 use super::{Element, Examples, ExamplesError};
 
 impl Examples {
+    /// Leaves the engine's vertices out where a skin has as many as the mesh itself: it was made without them.
+    pub fn unsplit_for(&mut self, skin_vertex_len: usize) {
+        if skin_vertex_len == self.vertex_len() && skin_vertex_len != self.surface().engine_len() {
+            self.engine = None;
+        }
+    }
+
     /// Checks that the engine's vertices are copies of the mesh's, every one of them has one, the triangles are
     /// the same, and all numbers are finite.
     pub(super) fn check_engine(&self) -> Result<(), ExamplesError> {

@@ -192,9 +192,10 @@ mod tests {
         assert_eq!(plain.triangles, [[2, 0, 1], [0, 2, 4]]);
         let uv = [[1.0, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 0.0], [1.0, 0.75], [0.0, 1.0]];
         let split = split(Corners { uv: Some(uv.to_vec()), ..corners() });
-        assert_eq!(split.copy_of, [0, 1, 2, 2, 3, 4]);
-        assert_eq!(split.triangles, [[2, 0, 1], [0, 3, 5]]);
-        let expected = [uv[1], uv[2], uv[0], uv[4], [0.0; 2], uv[5]];
+        // At 0 the coordinates agree, but the seam runs from there and parts the tangents.
+        assert_eq!(split.copy_of, [0, 0, 1, 2, 2, 3, 4]);
+        assert_eq!(split.triangles, [[3, 0, 2], [1, 4, 6]]);
+        let expected = [uv[1], uv[3], uv[2], uv[0], uv[4], [0.0; 2], uv[5]];
         assert_eq!(split.uv.unwrap(), expected);
     }
 

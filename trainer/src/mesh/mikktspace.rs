@@ -20,9 +20,18 @@ impl Textured<'_> {
     /// Computes the tangent and handedness at each corner of the triangles, 3T; 0 where texture says nothing.
     pub(super) fn tangents(&self) -> Vec<[f64; 4]> {
         let mut faces = Faces { mesh: self, found: vec![[0.0; 4]; 3 * self.triangles.len()] };
+        // Who checks the mesh says what is wrong with it.
+        if !self.is_finite() {
+            return faces.found;
+        }
         // There is no error that it could return.
         let _ = generate_tangents(&mut faces);
         faces.found
+    }
+
+    fn is_finite(&self) -> bool {
+        let all = self.positions.as_flattened().iter().chain(self.uv.as_flattened());
+        all.chain(self.normals.as_flattened()).all(|&x| (x as f32).is_finite())
     }
 }
 
@@ -83,5 +92,6 @@ mod tests {
     #[test]
     fn a_texture_without_area_gives_no_nan() {
         assert!(of([[0.5, 0.5]; 3]).iter().flatten().all(|x| x.is_finite()));
+        assert_eq!(of([[0.0, f64::NAN], [1.0, 0.0], [0.0, 1e300]]), [[0.0; 4]; 3]);
     }
 }

@@ -55,8 +55,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let model = input::read_model(&arguments.model)?;
     let mut examples = arguments.input.load(output)?.examples;
     arguments.space.say(&mut examples, &arguments.input.examples)?;
-    input::convert_to_model(&mut examples, &model);
     let (frames, skin) = (arguments.split.frames(), arguments.skin.as_deref());
+    input::convert_to_model(&mut examples, &model, skin);
     let measuring = Bars::busy(output, "measuring");
     let blamed = |error| blame(error, &arguments.model, &arguments.input, frames, &examples);
     let evaluation = evaluate(&model, skin, &examples, frames).map_err(blamed)?;

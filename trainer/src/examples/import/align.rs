@@ -45,6 +45,7 @@ impl Examples {
     /// [`ExamplesError::Mismatch`] for another count of vertices, [`ImportError::OtherMesh`] where no
     /// turn by right angles, scale and shift brings the rest meshes together.
     pub fn move_to(&mut self, rest: &[[f64; 3]]) -> Result<Option<Warning>, ExamplesError> {
+        self.unsplit_for(rest.len());
         let own = self.surface().copied(&self.rest);
         same("vertices", "the mesh to move to", rest.len(), "rest", own.len())?;
         let similarity = meshes(&own, rest);

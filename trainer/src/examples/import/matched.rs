@@ -3,8 +3,9 @@
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-use super::align::{Similarity, similarities};
+use super::align::{self, Similarity, similarities};
 use super::error::ImportError;
+use crate::examples::sample::spread;
 use crate::formats::posed_meshes::PosedMeshes;
 use crate::mesh::Surface;
 
@@ -12,6 +13,8 @@ use crate::mesh::Surface;
 const COPIES: f64 = 1e-5;
 /// Farthest from a vertex at rest that what is taken for it may lie, over the diagonal; files round positions.
 const PLACE: f64 = 1e-4;
+/// Positions that are looked at before all are.
+const SAMPLE: usize = 150;
 
 /// Brings posed meshes to the V vertices of a scene's mesh and their order. They may have these, or the E that an
 /// engine has of it; in the scene's order, or, with a rest mesh of their own, in any.
@@ -59,11 +62,11 @@ pub(super) fn matched(
 /// Lists what of another rest mesh stands in the place of each position, in whatever axes and unit; `None` where
 /// they follow one another in one order, or where something stands in no place.
 fn found_by_place(positions: &[[f64; 3]], rest: &[[f64; 3]]) -> Option<Vec<Vec<usize>>> {
-    if super::align::meshes(positions, rest).is_ok() {
+    if align::meshes(positions, rest).is_ok() {
         return None;
     }
     let grid = Grid::new(rest);
-    let looked = crate::examples::spread(positions.len(), SAMPLE);
+    let looked = spread(positions.len(), SAMPLE);
     let near = |similarity: &Similarity, v: usize| {
         let mut point = [positions[v]];
         similarity.move_points(&mut point);
@@ -74,9 +77,6 @@ fn found_by_place(positions: &[[f64; 3]], rest: &[[f64; 3]]) -> Option<Vec<Vec<u
     let places: Vec<_> = (0..positions.len()).map(|v| near(&similarity, v)).collect();
     places.iter().all(|places| !places.is_empty()).then_some(places)
 }
-
-/// Positions that are looked at before all are.
-const SAMPLE: usize = 150;
 
 /// Checks that the copies of each vertex stay together.
 fn check_copies(meshes: &PosedMeshes, copies: &[Vec<usize>]) -> Result<(), ImportError> {
