@@ -1,6 +1,7 @@
 //! What a fit reads, what it reaches, and what comes out of it.
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
+mod authored;
 mod held_out;
 mod importance;
 mod normals;
