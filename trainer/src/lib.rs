@@ -10,7 +10,7 @@
 //! learns of its commands in one line; a part that stands in one file with an envelope is a field of
 //! [`envelope::model::FileModel`], written in `envelope/bake/file.rs` and named in
 //! `cli/envelope/inspect.rs`. What the runtime asks for is in the doc of its `format/mod.rs`.
-//! [`bake`], [`page`], [`kernel`], [`numeric`], [`formats`] and [`space`] know no part.
+//! [`bake`], [`page`], [`kernel`], [`numeric`], [`mesh`], [`formats`] and [`space`] know no part.
 #![forbid(unsafe_code)]
 
 pub mod bake;
@@ -19,6 +19,7 @@ pub mod examples;
 pub mod files;
 pub mod formats;
 pub mod kernel;
+pub mod mesh;
 pub mod numeric;
 pub mod page;
 pub mod progress;

@@ -8,7 +8,6 @@ use sinew_trainer::examples::{
     self, Clip, Examples, ExamplesError, LoadError, Loaded, Source, Split, hash_file, load,
     load_importance,
 };
-use sinew_trainer::space::Conversion;
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.
@@ -17,9 +16,9 @@ pub(super) struct ExampleArguments {
     /// Example poses: a scene with mesh, skeleton and clips (.glb, .gltf, .fbx), or a .npz with
     /// everything, its names and parents in it or in a .json beside it
     pub(super) examples: PathBuf,
-    /// The posed meshes of a scene, one a frame of its clips and with the vertices of its mesh: a
-    /// point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the `vertices` of a
-    /// .npz, or the morph targets of a .glb [default: the scene's own skin and shapes]
+    /// The posed meshes of a scene, one a frame of its clips and with the vertices of its mesh, split
+    /// along seams or not: a point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the
+    /// `vertices` of a .npz, in any order where it has `rest`, or the morph targets of a .glb [default: the scene's own skin and shapes]
     #[arg(long, value_name = "FILE")]
     pub(super) targets: Option<PathBuf>,
     /// Frames a second at which the clips of a scene are sampled [default: at their keys]
@@ -105,10 +104,14 @@ pub(super) fn hash(file: &Path) -> anyhow::Result<InputFile> {
     Ok(InputFile { file: name, sha256 })
 }
 
-/// Moves examples into the space of a model, as far as both are known. A model that cannot be loaded
-/// is left to who measures it.
-pub(super) fn convert_to_model(examples: &mut Examples, model: &[u8]) -> Option<Conversion> {
-    examples.convert_to(&Model::from_bytes(model).ok()?.space())
+/// Moves examples into the space of a model, as far as both are known, and leaves seams out that its skin, the
+/// first where no name is given, does not have. A model that cannot be loaded is left to who measures it.
+pub(super) fn convert_to_model(examples: &mut Examples, model: &[u8], skin: Option<&str>) {
+    let Ok(model) = Model::from_bytes(model) else { return };
+    examples.convert_to(&model.space());
+    if let Some(skin) = skin.map_or_else(|| model.skin(), |name| model.skin_named(name)) {
+        examples.unsplit_for(skin.vertex_len());
+    }
 }
 
 /// Loads a file for its poses.
@@ -178,9 +181,10 @@ fn share(text: &str) -> Result<f64, String> {
 
 /// Describes the examples in a line.
 pub(super) fn describe(examples: &Examples) -> String {
+    let (vertices, engine) = (examples.vertex_len(), examples.surface().engine_len());
+    let split = if engine == vertices { String::new() } else { format!(" ({engine} in engines)") };
     format!(
-        "{} vertices, {} triangles, {} joints; {}",
-        examples.vertex_len(),
+        "{vertices} vertices{split}, {} triangles, {} joints; {}",
         examples.triangles.len(),
         examples.joint_len(),
         describe_frames(examples)

@@ -414,7 +414,8 @@ fn fit_normals(
         rest: &training.rest,
         trajectories: &training.trajectories,
         palettes,
-        fans: &Fan::all(&examples.triangles, examples.vertex_len()),
+        fans: &Fan::of(&examples.surface()),
+        authored: examples.surface().authored_normals().is_some(),
     };
     model.skins.iter_mut().for_each(|skin| surface.fit(skin, training.unit));
     let bytes = model.bake()?;

@@ -11,6 +11,7 @@ use crate::examples::Examples;
 use crate::numeric::affine::linear;
 use faer::Mat;
 use sinew_runtime::envelope::Certificate;
+use std::ops::Range;
 
 /// A fitted envelope, in training units.
 pub struct Fitted {
@@ -82,16 +83,21 @@ impl Fitted {
         let mut envelope = self.envelope.restated(training.unit, training.centre);
         // As they were given, to the last digit.
         envelope.skeleton = examples.skeleton.clone();
+        let surface = examples.surface();
+        let influences: Vec<_> =
+            (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect();
+        let of_engine =
+            |(name, range): &(String, Range<usize>)| (name.clone(), surface.engine_range(range));
         let skin = SkinModel {
             name: levels::OWN.to_owned(),
             envelope: Some(0),
-            rest_positions: examples.rest.clone(),
-            rest_normals: examples.rest_normals(),
-            rest_tangents: examples.rest_tangents(),
-            influences: (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect(),
+            rest_positions: surface.copied(&examples.rest),
+            rest_normals: surface.normals(),
+            rest_tangents: surface.tangents(),
+            influences: surface.copied(&influences),
             tangent_coefficients: None,
             normal_errors: None,
-            ranges: examples.ranges.clone(),
+            ranges: examples.ranges.iter().map(of_engine).collect(),
         };
         let groups = &self.envelope.groups;
         let length = |share: f32| (training.unit * f64::from(share)) as f32;

@@ -13,6 +13,9 @@ impl Examples {
         self.skeleton.rest.iter_mut().for_each(|frame| *frame = conversion.transform(frame));
         self.transforms.par_iter_mut().for_each(|b| *b = conversion.transform(b));
         conversion.triangles(&mut self.triangles);
+        if let Some(engine) = &mut self.engine {
+            engine.turn(|direction| conversion.direction(direction), conversion.is_mirrored());
+        }
         self.space = space;
     }
 
@@ -29,11 +32,13 @@ impl Examples {
 mod tests {
     use super::super::testing::triangle;
     use super::*;
+    use crate::mesh::EngineMesh;
 
     #[test]
     fn there_and_back_again_is_the_same() {
         let mut examples = triangle(2);
-        examples.uv = Some(vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+        let uv = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        examples.engine = Some(EngineMesh::of_vertices(&examples.rest, &examples.triangles, &uv));
         examples.vertices[4] = [0.5, -0.25, 0.125];
         examples.transforms[3][0][3] = 0.75;
         examples.space = Space::GLTF;
@@ -45,20 +50,22 @@ mod tests {
             examples.validate().unwrap();
             // Normals and tangents go with the surface; a mirrored cross product turns the handedness.
             assert_eq!(
-                examples.rest_normals(),
-                before.rest_normals().iter().map(|n| there.direction(*n)).collect::<Vec<_>>()
+                examples.surface().normals(),
+                before.surface().normals().iter().map(|n| there.direction(*n)).collect::<Vec<_>>()
             );
-            let tangents = before.rest_tangents().unwrap().into_iter().map(|[x, y, z, hand]| {
-                let [x, y, z] = there.direction([x, y, z]);
-                [x, y, z, -hand]
-            });
-            assert_eq!(examples.rest_tangents().unwrap(), tangents.collect::<Vec<_>>());
+            let tangents =
+                before.surface().tangents().unwrap().into_iter().map(|[x, y, z, hand]| {
+                    let [x, y, z] = there.direction([x, y, z]);
+                    [x, y, z, -hand]
+                });
+            assert_eq!(examples.surface().tangents().unwrap(), tangents.collect::<Vec<_>>());
             examples.convert_to(&Space::GLTF).unwrap();
             assert_eq!(examples.rest, before.rest);
             assert_eq!(examples.vertices, before.vertices);
             assert_eq!(examples.transforms, before.transforms);
             assert_eq!(examples.skeleton.rest, before.skeleton.rest);
             assert_eq!(examples.triangles, before.triangles);
+            assert_eq!(examples.engine, before.engine);
         }
         assert_eq!(examples.convert_to(&Space::GLTF), None);
     }

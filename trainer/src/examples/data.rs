@@ -1,5 +1,6 @@
 //! Examples: posed meshes of one character, and its joints.
 
+use crate::mesh::{EngineMesh, Surface, normals};
 use sinew_runtime::format::Space;
 use std::ops::Range;
 
@@ -42,9 +43,9 @@ pub struct Examples {
     pub rest: Vec<[f64; 3]>,
     /// Vertex numbers of each triangle, T; quads are split along their first diagonal.
     pub triangles: Vec<[usize; 3]>,
-    /// Texture coordinates, one per vertex, where the source has them so; v grows upward, as in most
-    /// formats but glTF.
-    pub uv: Option<Vec<[f64; 2]>>,
+    /// The vertices that an engine draws it with, and what the artist authored of them: normals, tangents,
+    /// texture coordinates. Without, they are the V, and nothing is authored.
+    pub engine: Option<EngineMesh>,
     /// The joints.
     pub skeleton: Skeleton,
     /// Posed positions, N x V, frame-major.
@@ -77,6 +78,19 @@ impl Examples {
     /// Counts the joints, J.
     pub fn joint_len(&self) -> usize {
         self.skeleton.names.len()
+    }
+
+    /// Gives the rest mesh as an engine draws it.
+    pub fn surface(&self) -> Surface<'_> {
+        Surface { positions: &self.rest, triangles: &self.triangles, engine: self.engine.as_ref() }
+    }
+
+    /// Computes the V unit normals of frame `index`, weighted by triangle area; zero where there is none.
+    ///
+    /// # Panics
+    /// If `index` is not a frame.
+    pub fn posed_normals(&self, index: usize) -> Vec<[f64; 3]> {
+        normals(self.frame(index), &self.triangles)
     }
 
     /// Measures the diagonal of the rest pose's bounding box, to which every error is related.

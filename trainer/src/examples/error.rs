@@ -89,6 +89,24 @@ pub enum ExamplesError {
         /// How many vertices there are.
         vertex_len: usize,
     },
+    /// A vertex has no copy among the engine's.
+    #[error("vertex {vertex} has no copy among the engine's vertices")]
+    NoCopy {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A triangle of the engine's is another one than the mesh's.
+    #[error(
+        "triangle {triangle} has the vertices {expected:?}, by the engine's vertices it has copies of {found:?}"
+    )]
+    OtherCopy {
+        /// The triangle.
+        triangle: usize,
+        /// Its vertices.
+        expected: [usize; 3],
+        /// What its engine vertices are copies of.
+        found: [usize; 3],
+    },
     /// No triangle of the rest mesh has an area.
     #[error("none of the {triangle_len} rest triangles has an area")]
     NoArea {

@@ -31,12 +31,16 @@ impl Examples {
         Importance::by(self.importance.as_deref())
     }
 
-    /// Lets vertices count differently: V numbers, of which only the ratios matter.
+    /// Lets vertices count differently: V numbers, of which only the ratios matter; or one for each of the E
+    /// of an engine's, of which the first copy's counts.
     ///
     /// # Errors
     /// [`ExamplesError::Mismatch`] for another count than V, [`ExamplesError::Importance`] for a
     /// number that is negative or not finite, [`ExamplesError::NothingCounts`] if all are zero.
     pub fn weigh(&mut self, mut numbers: Vec<f64>) -> Result<(), ExamplesError> {
+        if numbers.len() == self.surface().engine_len() {
+            numbers = self.surface().of_first_copies(&numbers);
+        }
         same("vertices", "rest", self.vertex_len(), "importance", numbers.len())?;
         let bad = |number: &f64| !(number.is_finite() && *number >= 0.0);
         if let Some(vertex) = numbers.iter().position(bad) {
@@ -69,6 +73,7 @@ pub fn load_importance(path: &Path) -> Result<Vec<f64>, LoadError> {
 mod tests {
     use super::super::testing::triangle;
     use super::*;
+    use crate::mesh::EngineMesh;
 
     #[test]
     fn only_ratios_matter() {
@@ -77,6 +82,21 @@ mod tests {
         examples.weigh(vec![2e300, 4e300, 0.0]).unwrap();
         let importance = [0, 1, 2].map(|vertex| examples.importance().of(vertex));
         assert_eq!(importance, [1.0, 2.0, 0.0]);
+    }
+
+    #[test]
+    fn numbers_may_be_those_of_an_engine_s_vertices() {
+        let mut examples = triangle(1);
+        examples.engine = Some(EngineMesh {
+            copy_of: vec![0, 1, 1, 2],
+            triangles: vec![[0, 2, 3]],
+            normals: None,
+            tangents: None,
+            uv: None,
+        });
+        examples.weigh(vec![1.0, 2.0, 7.0, 0.0]).unwrap();
+        assert_eq!([0, 1, 2].map(|vertex| examples.importance().of(vertex)), [1.0, 2.0, 0.0]);
+        assert!(examples.weigh(vec![1.0; 5]).is_err());
     }
 
     #[test]

@@ -5,13 +5,13 @@
 
 mod convert;
 mod data;
+mod engine;
 mod error;
 mod hash;
 mod hold_out;
 mod import;
 mod importance;
 mod sample;
-mod surface;
 #[cfg(test)]
 mod testing;
 mod validate;
@@ -24,6 +24,5 @@ pub use hash::hash_file;
 pub use import::{ImportError, Loaded, Source, load, load_poses, npz};
 pub use importance::{Importance, load_importance};
 pub(crate) use sample::spread;
-pub(crate) use surface::{normals, tangents};
 pub use validate::RIGID;
 pub use warning::Warning;

@@ -13,7 +13,7 @@ pub(super) fn triangle(frame_len: usize) -> Examples {
         vertices: rest.repeat(frame_len),
         rest,
         triangles: vec![[0, 1, 2]],
-        uv: None,
+        engine: None,
         skeleton: Skeleton {
             names: vec!["root".into(), "tip".into()],
             parents: vec![None, Some(0)],

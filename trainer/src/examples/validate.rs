@@ -32,12 +32,15 @@ impl Examples {
     /// - [`ExamplesError::NotFinite`] for NaN and infinity, in any frame, and
     ///   [`ExamplesError::TooLarge`] for what a model cannot hold.
     /// - [`ExamplesError::VertexOutOfRange`] and [`ExamplesError::NoArea`] for faces.
+    /// - The first of these, [`ExamplesError::Mismatch`], [`ExamplesError::NotFinite`],
+    ///   [`ExamplesError::NoCopy`] and [`ExamplesError::OtherCopy`] for the engine's vertices.
     /// - [`ExamplesError::NonRigidJoint`] for a map that is no rigid motion.
     pub fn validate(&self) -> Result<Vec<Warning>, ExamplesError> {
         self.check_counts()?;
         self.check_joints()?;
         self.check_numbers()?;
         let mut warnings = self.check_faces()?;
+        self.check_engine()?;
         for (map, name) in self.skeleton.rest.iter().zip(&self.skeleton.names) {
             let (array, frame, joint, deviation) =
                 ("joint_world_rest", None, name.clone(), deviation(map));
@@ -100,9 +103,6 @@ impl Examples {
         same("positions", "split and rest", expected, "vertices", self.vertices.len())?;
         let expected = self.frame_len() * joints;
         same("maps", "split and bone_names", expected, "bone_transforms", self.transforms.len())?;
-        if let Some(uv) = &self.uv {
-            same("vertices", "rest", vertices, "uv", uv.len())?;
-        }
         SpaceRequest::all_of(&self.space).of(self.space)?;
         self.check_ranges()?;
         if let Some(importance) = &self.importance {
@@ -172,9 +172,6 @@ impl Examples {
         let trained = |frame: usize| self.split[frame] == Split::Train;
         let rest = |_| true;
         numbers("rest", self.rest.iter().map(<[_; 3]>::as_slice), None, vertex, rest)?;
-        if let Some(uv) = &self.uv {
-            numbers("uv", uv.iter().map(<[_; 2]>::as_slice), None, vertex, rest)?;
-        }
         let count = Some(self.vertex_len());
         let vertices = self.vertices.iter().map(<[_; 3]>::as_slice);
         numbers("vertices", vertices, count, vertex, trained)?;
@@ -270,7 +267,7 @@ pub(super) fn same(
     Err(ExamplesError::Mismatch { what, first, first_len, second, second_len })
 }
 
-fn numbers<'a>(
+pub(super) fn numbers<'a>(
     array: &'static str,
     rows: impl Iterator<Item = &'a [f64]>,
     per_frame: Option<usize>,

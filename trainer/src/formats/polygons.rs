@@ -1,4 +1,4 @@
-//! Faces of any number of corners, and what their corners say of vertices.
+//! Faces of any number of corners.
 
 use nalgebra::Vector3;
 
@@ -38,34 +38,32 @@ impl Polygons {
     /// # Panics
     /// If a corner is none of `positions`.
     pub(in crate::formats) fn triangles(&self, positions: &[[f64; 3]]) -> Vec<[usize; 3]> {
+        let corners = self.corner_triangles(positions);
+        corners.into_iter().map(|triangle| triangle.map(|corner| self.corners[corner])).collect()
+    }
+
+    /// Splits the polygons as [`Polygons::triangles`] does, into corners by their places among all.
+    ///
+    /// # Panics
+    /// If a corner is none of `positions`.
+    pub(in crate::formats) fn corner_triangles(&self, positions: &[[f64; 3]]) -> Vec<[usize; 3]> {
         let mut triangles = Vec::new();
+        let mut first = 0;
         for corners in self.iter() {
+            let places: Vec<usize> = (first..first + corners.len()).collect();
             match corners.len() {
-                5..=CLIPPED_MAX => clip(corners, positions, &mut triangles),
-                _ => fan(corners, &mut triangles),
+                5..=CLIPPED_MAX => clip(&places, corners, positions, &mut triangles),
+                _ => fan(&places, &mut triangles),
             }
+            first += corners.len();
         }
         triangles
     }
-}
 
-/// Gives each vertex the texture coordinates that all its corners have, or `None` where they differ
-/// or are absent. A vertex without a corner gets 0 0.
-///
-/// # Panics
-/// If a corner is none of `vertex_len` vertices.
-pub(in crate::formats) fn uv_of_vertices(
-    vertex_len: usize,
-    corners: impl Iterator<Item = (usize, Option<[f64; 2]>)>,
-) -> Option<Vec<[f64; 2]>> {
-    let mut found = vec![None; vertex_len];
-    for (vertex, uv) in corners {
-        let uv = uv?;
-        if *found[vertex].get_or_insert(uv) != uv {
-            return None;
-        }
+    /// Gives the vertices of all corners, in order.
+    pub(in crate::formats) fn corners(&self) -> &[usize] {
+        &self.corners
     }
-    Some(found.into_iter().map(Option::unwrap_or_default).collect())
 }
 
 fn fan(corners: &[usize], triangles: &mut Vec<[usize; 3]>) {
@@ -74,7 +72,12 @@ fn fan(corners: &[usize], triangles: &mut Vec<[usize; 3]>) {
     }
 }
 
-fn clip(corners: &[usize], positions: &[[f64; 3]], triangles: &mut Vec<[usize; 3]>) {
+fn clip(
+    places: &[usize],
+    corners: &[usize],
+    positions: &[[f64; 3]],
+    triangles: &mut Vec<[usize; 3]>,
+) {
     let (flat, twice_area) = flatten(corners, positions);
     let slack = FLAT * twice_area;
     // Corners still there, by their place in the polygon.
@@ -84,11 +87,11 @@ fn clip(corners: &[usize], positions: &[[f64; 3]], triangles: &mut Vec<[usize; 3
         let len = ring.len();
         let ear = (at..at + len).map(|at| at % len).find(|&at| is_ear(&flat, &ring, at, slack));
         let Some(ear) = ear else { break };
-        triangles.push(around(&ring, ear).map(|place| corners[place]));
+        triangles.push(around(&ring, ear).map(|place| places[place]));
         ring.remove(ear);
         at = ear;
     }
-    let rest: Vec<usize> = ring.into_iter().map(|place| corners[place]).collect();
+    let rest: Vec<usize> = ring.into_iter().map(|place| places[place]).collect();
     fan(&rest, triangles);
 }
 
@@ -244,15 +247,5 @@ mod tests {
         assert_eq!(triangles(&line), fanned);
         assert_eq!(triangles(&(0..5).map(star).collect::<Vec<_>>()).len(), 3);
         assert_eq!(triangles(&vec![[0.0; 3]; CLIPPED_MAX + 1]).len(), CLIPPED_MAX - 1);
-    }
-
-    #[test]
-    fn texture_coordinates_are_a_vertex_s_where_its_corners_agree() {
-        let corner = |vertex, u| (vertex, Some([u, 0.5]));
-        let agreed = [corner(2, 0.25), corner(0, 1.0), corner(2, 0.25)];
-        let expected = vec![[1.0, 0.5], [0.0, 0.0], [0.25, 0.5]];
-        assert_eq!(uv_of_vertices(3, agreed.into_iter()), Some(expected));
-        assert_eq!(uv_of_vertices(3, [corner(2, 0.25), corner(2, 0.5)].into_iter()), None);
-        assert_eq!(uv_of_vertices(3, [corner(2, 0.25), (0, None)].into_iter()), None);
     }
 }

@@ -5,12 +5,10 @@ use std::fmt;
 /// Something that a file holds and that is left out, which the user should know.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FormatWarning {
-    /// Texture coordinates are not one per vertex and are ignored, so there are no tangents.
-    UvIgnored {
-        /// Texture coordinates found.
-        uv_len: usize,
-        /// Vertices.
-        vertex_len: usize,
+    /// Authored normals without a direction, in place of which the trainer's own stand.
+    NormalsRepaired {
+        /// Of how many corners or vertices.
+        count: usize,
     },
     /// Meshes without a skin stand beside meshes that have one, and are left out.
     UnskinnedMeshes {
@@ -32,8 +30,12 @@ pub enum FormatWarning {
 impl fmt::Display for FormatWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            FormatWarning::UvIgnored { uv_len, vertex_len } => {
-                write!(f, "uv is ignored: {uv_len} coordinates for {vertex_len} vertices")
+            FormatWarning::NormalsRepaired { count } => {
+                write!(
+                    f,
+                    "normals that are absent, zero or not finite become those of the faces around \
+                     them: {count}"
+                )
             }
             FormatWarning::UnskinnedMeshes { meshes } => {
                 write!(f, "meshes without a skin are left out: {}", meshes.join(", "))

@@ -59,7 +59,7 @@ pub(crate) fn chain(bends: &[Bend]) -> Examples {
     Examples {
         rest,
         triangles,
-        uv: None,
+        engine: None,
         skeleton: Skeleton {
             names: ["root", "upper", "lower"].map(str::to_owned).into(),
             parents: vec![None, Some(0), Some(1)],

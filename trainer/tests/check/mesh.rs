@@ -13,7 +13,7 @@ fn posed(examples: &mut Examples, frame: usize, vertex: usize) -> &mut [f64; 3] 
 /// Adds a vertex that copies another one in every frame.
 fn doubled(examples: &Examples, source: &[usize]) -> Examples {
     let mut out = examples.clone();
-    out.uv = None;
+    out.engine = None;
     let pick = |points: &[[f64; 3]]| source.iter().map(|&v| points[v]).collect::<Vec<_>>();
     out.rest = pick(&examples.rest);
     out.vertices = (0..examples.frame_len()).flat_map(|f| pick(examples.frame(f))).collect();

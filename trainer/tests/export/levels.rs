@@ -9,12 +9,13 @@ use sinew_trainer::envelope::export::{ExportError, Exported, Stand, export};
 use sinew_trainer::envelope::levels::{Level, LevelError};
 use sinew_trainer::examples::Examples;
 use sinew_trainer::formats::Mesh;
+use sinew_trainer::mesh::EngineMesh;
 
 fn level(name: &str, examples: &Examples) -> Level {
     let mesh = Mesh {
         positions: examples.rest.clone(),
         triangles: examples.triangles.clone(),
-        uv: examples.uv.clone(),
+        engine: examples.engine.clone(),
     };
     Level { name: name.to_owned(), mesh }
 }
@@ -53,6 +54,9 @@ fn the_model_s_own_mesh_in_another_order_moves_as_the_model_does() {
     let last = examples.vertex_len() - 1;
     own.mesh.positions.reverse();
     own.mesh.triangles.iter_mut().flatten().for_each(|vertex| *vertex = last - *vertex);
+    let uv = own.mesh.engine.take().and_then(|engine| engine.uv).unwrap();
+    let uv: Vec<_> = uv.into_iter().rev().collect();
+    own.mesh.engine = Some(EngineMesh::of_vertices(&own.mesh.positions, &own.mesh.triangles, &uv));
     let exported =
         export(&model, None, &examples, &[clip("all", 0, 20)], &[own], Stand::AsModel).unwrap();
     let scene = Scene::read(&exported.glb);

@@ -60,7 +60,7 @@ fn valid(name: &str, glb: &[u8]) {
 fn exports_of_every_predictor_are_valid() {
     let (examples, coarse) = (arm(400), arm(250));
     let clips = [clip("a", 0, 12), clip("b", 12, 1)];
-    let mesh = Mesh { positions: coarse.rest, triangles: coarse.triangles, uv: None };
+    let mesh = Mesh { positions: coarse.rest, triangles: coarse.triangles, engine: None };
     let levels = [Level { name: "lod1".to_owned(), mesh }];
     for predictor in Predictor::ALL {
         for (proxies, influences) in [(8, 4), (20, 7)] {

@@ -1,12 +1,14 @@
 //! What a fit reads, what it reaches, and what comes out of it.
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
+mod authored;
 mod held_out;
 mod importance;
 mod normals;
 mod odd_characters;
 mod real_sets;
 mod scenes;
+mod seams;
 #[path = "../shared/mod.rs"]
 mod shared;
 mod skins;

@@ -65,6 +65,7 @@ fn fit(skin: &mut SkinModel, triangles: &[[usize; 3]], palettes: &[Vec<Map>]) {
         trajectories: &posed,
         palettes: &stacked,
         fans: &Fan::all(triangles, skin.rest_positions.len()),
+        authored: false,
     };
     surface.fit(skin, 1.0);
 }
@@ -86,7 +87,7 @@ fn one_affine_map_moves_normals_by_its_cofactors_whatever_the_coefficients() {
     let palettes: Vec<Vec<Map>> = maps.iter().map(|map| vec![*map; 3]).collect();
     let influences = |v: usize| vec![(v % 3, 0.6), ((v + 1) % 3, 0.4)];
     let influences = (0..examples.vertex_len()).map(influences).collect();
-    let mut fitted = skin(&examples.rest, examples.rest_normals(), influences);
+    let mut fitted = skin(&examples.rest, examples.surface().normals(), influences);
     fit(&mut fitted, &examples.triangles, &palettes);
     let mut any = fitted.clone();
     any.tangent_coefficients = Some(
@@ -273,8 +274,8 @@ fn proxies_in_another_order_predict_the_same_bits() {
 #[test]
 fn normals_are_nearer_the_truth_than_by_cofactors_for_every_predictor_and_further_meshes() {
     let (examples, coarse) = (arm(600), arm(300));
-    let Examples { rest, triangles, uv, .. } = coarse.clone();
-    let mesh = Mesh { positions: rest, triangles, uv };
+    let Examples { rest, triangles, engine, .. } = coarse.clone();
+    let mesh = Mesh { positions: rest, triangles, engine };
     let level = Level { name: "lod1".to_owned(), mesh };
     for predictor in Predictor::ALL {
         let meshes = FileSkins::Skins(vec![level.clone()]);

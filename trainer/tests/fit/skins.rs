@@ -18,8 +18,8 @@ fn arm(vertices: usize) -> Examples {
 }
 
 fn level(name: &str, vertices: usize) -> Level {
-    let Examples { rest, triangles, uv, .. } = arm(vertices);
-    Level { name: name.to_owned(), mesh: Mesh { positions: rest, triangles, uv } }
+    let Examples { rest, triangles, engine, .. } = arm(vertices);
+    Level { name: name.to_owned(), mesh: Mesh { positions: rest, triangles, engine } }
 }
 
 fn options(meshes: FileSkins) -> Options {

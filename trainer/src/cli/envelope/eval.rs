@@ -55,8 +55,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let model = input::read_model(&arguments.model)?;
     let mut examples = arguments.input.load(output)?.examples;
     arguments.space.say(&mut examples, &arguments.input.examples)?;
-    input::convert_to_model(&mut examples, &model);
     let (frames, skin) = (arguments.split.frames(), arguments.skin.as_deref());
+    input::convert_to_model(&mut examples, &model, skin);
     let measuring = Bars::busy(output, "measuring");
     let blamed = |error| blame(error, &arguments.model, &arguments.input, frames, &examples);
     let evaluation = evaluate(&model, skin, &examples, frames).map_err(blamed)?;
@@ -91,7 +91,10 @@ fn skinned(
     let mut writer =
         npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut bytes).begin_nd()?;
     for frame in chosen {
-        writer.extend(attribute(&skin(&character, examples, frame)?).iter().copied())?;
+        let skinned = skin(&character, examples, frame)?;
+        let copies: &[[f32; 3]] = attribute(&skinned).as_chunks().0;
+        let own = examples.surface().of_first_copies(copies);
+        writer.extend(own.into_iter().flatten())?;
     }
     writer.finish()?;
     Ok(bytes)

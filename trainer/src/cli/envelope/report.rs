@@ -78,8 +78,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let other = arguments.compare.as_deref().map(input::read_model).transpose()?;
     let input::LoadedInput { mut examples, clips, .. } = arguments.input.load(output)?;
     arguments.space.say(&mut examples, &arguments.input.examples)?;
-    input::convert_to_model(&mut examples, &bytes);
     let skin = arguments.skin.as_deref();
+    input::convert_to_model(&mut examples, &bytes, skin);
     let frames = frames(arguments.split, &examples);
     let blamed = |error, model| blame(error, model, &arguments.input, frames, &examples);
     // What will be refused is refused before LBS is fitted.

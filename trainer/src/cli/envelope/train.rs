@@ -203,6 +203,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         "inputs": hashes,
         "warnings": warnings,
         "vertices": examples.vertex_len(),
+        "engine_vertices": examples.surface().engine_len(),
         "joints": examples.joint_len(),
         "hold_out": arguments.input.hold_out,
         "hold_out_clips": arguments.input.hold_out_clip,

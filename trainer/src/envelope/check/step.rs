@@ -63,7 +63,7 @@ fn sample(examples: &Examples) -> Examples {
     Examples {
         rest: pick(&examples.rest),
         triangles: Vec::new(),
-        uv: None,
+        engine: None,
         skeleton: examples.skeleton.clone(),
         vertices: (0..examples.frame_len()).flat_map(|f| pick(examples.frame(f))).collect(),
         transforms: examples.transforms.clone(),

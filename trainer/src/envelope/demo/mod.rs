@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use sinew_runtime::format::Space;
 
 use crate::examples::{Examples, Matrix3x4, Skeleton, Split};
+use crate::mesh::EngineMesh;
 use flesh::Flesh;
 use motion::{MotionClip, Pose};
 use shape::Skin;
@@ -58,9 +59,9 @@ pub fn demo(options: &DemoOptions) -> Examples {
         }
     });
     Examples {
+        engine: Some(EngineMesh::of_vertices(&rest, &skin.triangles, &skin.uv)),
         rest,
         triangles: skin.triangles,
-        uv: Some(skin.uv),
         skeleton: skeleton(),
         vertices,
         transforms: frames.iter().flat_map(|(_, pose)| pose.maps()).collect(),

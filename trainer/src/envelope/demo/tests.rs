@@ -119,7 +119,8 @@ fn faces_look_outward() {
 fn the_skin_has_normals_and_tangents_everywhere() {
     let examples = demo(&small());
     let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    for (normal, tangent) in examples.rest_normals().iter().zip(examples.rest_tangents().unwrap()) {
+    let surface = examples.surface();
+    for (normal, tangent) in surface.normals().iter().zip(surface.tangents().unwrap()) {
         assert!((length(normal) - 1.0).abs() < 1e-12);
         assert!((length(&tangent[..3]) - 1.0).abs() < 1e-12);
         assert!((0..3).map(|axis| normal[axis] * tangent[axis]).sum::<f64>().abs() < 1e-12);

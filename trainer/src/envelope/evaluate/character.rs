@@ -64,7 +64,7 @@ impl<'a> Character<'a> {
         let found = Self::find(model, skin)?;
         let Self { envelope, skin, .. } = &found;
         for (what, expected, found) in [
-            ("vertices", skin.vertex_len(), examples.vertex_len()),
+            ("vertices", skin.vertex_len(), examples.surface().engine_len()),
             ("joints", envelope.joint_len(), examples.joint_len()),
         ] {
             if expected != found {
@@ -78,10 +78,11 @@ impl<'a> Character<'a> {
                 return Err(EvaluateError::JointName { joint, expected, found });
             }
         }
-        let squares = rest(skin).into_iter().zip(&examples.rest);
+        let expected = examples.surface().copied(&examples.rest);
+        let squares = rest(skin).into_iter().zip(&expected);
         let squares =
             squares.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>());
-        let apart = (squares.sum::<f64>() / examples.vertex_len().max(1) as f64).sqrt();
+        let apart = (squares.sum::<f64>() / expected.len().max(1) as f64).sqrt();
         if apart > SAME_SPACE * examples.diagonal() {
             return Err(EvaluateError::RestMesh { percent: 100.0 * apart / examples.diagonal() });
         }

@@ -14,7 +14,7 @@ pub struct Evaluation {
     pub split: &'static str,
     /// How many.
     pub frames: usize,
-    /// V.
+    /// Vertices of the skin, E.
     pub vertices: usize,
     /// Diagonal of the rest pose's bounding box, in units of the input.
     pub diagonal: f64,

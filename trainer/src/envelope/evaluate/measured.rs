@@ -1,6 +1,7 @@
 //! Distances and angles of a skin from the truth, and every sum, mean and percentile that is made of them.
 
 use super::{Baseline, Character, EvaluateError, skin};
+use crate::envelope::normals::TrueNormals;
 use crate::examples::{Examples, Importance};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -43,8 +44,11 @@ pub struct Measured {
     pub frames: Vec<MeasuredFrame>,
     /// How much each vertex counts, V numbers of mean 1; all alike without.
     importance: Option<Vec<f64>>,
-    /// How much each vertex's normal counts, V numbers: its share of the rest surface's area, as it counts.
+    /// How much each normal of the engine's vertices counts, E numbers: its share of the rest surface's area, as its
+    /// vertex counts.
     areas: Vec<f64>,
+    /// The vertex that each of the engine's is a copy of, E.
+    copy_of: Vec<usize>,
 }
 
 /// A skin's errors in one frame.
@@ -55,7 +59,8 @@ pub struct MeasuredFrame {
     pub confidence: f64,
     /// V distances, in units of the input.
     pub distances: Vec<f64>,
-    /// V angles between the normals and the true ones, in radians; none where one of the two has no direction.
+    /// E angles between the normals of the engine's vertices and the true ones, in radians; none where one of the two
+    /// has no direction.
     pub angles: Vec<Option<f64>>,
 }
 
@@ -69,9 +74,10 @@ impl Measured {
         examples: &Examples,
         frames: &[usize],
     ) -> Result<Self, EvaluateError> {
+        let truth = TrueNormals::new(examples);
         let frames = frames.par_iter().map(|&frame| {
             let skin = skin(character, examples, frame)?;
-            let measured = MeasuredFrame::new(examples, frame, |v| skin.vertex(v));
+            let measured = MeasuredFrame::new(examples, &truth, frame, |v| skin.vertex(v));
             Ok(MeasuredFrame { confidence: skin.confidence(), ..measured })
         });
         Ok(Self::new(examples, frames.collect::<Result<_, EvaluateError>>()?))
@@ -79,17 +85,20 @@ impl Measured {
 
     /// Measures the baseline.
     pub fn lbs(lbs: &Baseline, examples: &Examples, frames: &[usize]) -> Self {
-        let frames = frames
-            .par_iter()
-            .map(|&frame| MeasuredFrame::new(examples, frame, |v| lbs.vertex(examples, frame, v)));
+        let truth = TrueNormals::new(examples);
+        let frames = frames.par_iter().map(|&frame| {
+            MeasuredFrame::new(examples, &truth, frame, |v| lbs.vertex(examples, frame, v))
+        });
         Self::new(examples, frames.collect())
     }
 
     fn new(examples: &Examples, frames: Vec<MeasuredFrame>) -> Self {
         let importance = examples.importance.clone();
-        let areas = examples.rest_areas().into_iter().enumerate();
-        let areas = areas.map(|(vertex, area)| area * examples.importance().of(vertex)).collect();
-        Self { diagonal: examples.diagonal(), frames, importance, areas }
+        let surface = examples.surface();
+        let copy_of: Vec<usize> = (0..surface.engine_len()).map(|e| surface.copy_of(e)).collect();
+        let areas = surface.areas().into_iter().zip(&copy_of);
+        let areas = areas.map(|(area, &vertex)| area * examples.importance().of(vertex)).collect();
+        Self { diagonal: examples.diagonal(), frames, importance, areas, copy_of }
     }
 
     /// Summarises all vertices in all frames.
@@ -137,23 +146,26 @@ impl Measured {
         self.frames[place].distances.iter().map(|&length| self.percent(length)).collect()
     }
 
-    /// RMS angle of each vertex's normals in all frames, V values in degrees; 0 where it has none.
+    /// RMS angle of each vertex's normals, of all its copies, in all frames, V values in degrees; 0 where it has none.
     pub fn vertex_rms_degrees(&self) -> Vec<f64> {
-        let of = |vertex: usize| {
-            let angles = self.frames.iter().filter_map(move |frame| frame.angles[vertex]);
+        let copies = self.copies();
+        let of = |copies: &Vec<usize>| {
+            let angles =
+                self.frames.iter().flat_map(|f| copies.iter().filter_map(|&e| f.angles[e]));
             rms(angles.map(|angle| (angle, 1.0))).to_degrees()
         };
-        (0..self.areas.len()).map(of).collect()
+        copies.iter().map(of).collect()
     }
 
-    /// Angle of each vertex's normal in one of the measured frames, V values in degrees; 0 where it has
-    /// none.
+    /// Largest angle of each vertex's normals, of all its copies, in one of the measured frames, V values in degrees;
+    /// 0 where it has none.
     ///
     /// # Panics
     /// If there are no more than `place` of them.
     pub fn degrees_in(&self, place: usize) -> Vec<f64> {
-        let angles = self.frames[place].angles.iter();
-        angles.map(|angle| angle.unwrap_or_default().to_degrees()).collect()
+        let angle = |&copy: &usize| self.frames[place].angles[copy].unwrap_or_default();
+        let of = |copies: &Vec<usize>| copies.iter().map(angle).fold(0.0, f64::max).to_degrees();
+        self.copies().iter().map(of).collect()
     }
 
     /// RMS angle between the normals and the true ones over the area and all frames, in radians.
@@ -195,6 +207,13 @@ impl Measured {
         }
     }
 
+    /// Lists the copies of each vertex, V.
+    fn copies(&self) -> Vec<Vec<usize>> {
+        let mut copies = vec![Vec::new(); self.copy_of.iter().max().map_or(0, |last| last + 1)];
+        self.copy_of.iter().enumerate().for_each(|(copy, &vertex)| copies[vertex].push(copy));
+        copies
+    }
+
     /// The distances in a frame, each with how much it counts.
     fn counted<'a>(&'a self, frame: &'a MeasuredFrame) -> impl Iterator<Item = (f64, f64)> + 'a {
         let counts = move |vertex| self.importance().of(vertex);
@@ -222,16 +241,19 @@ impl Measured {
 impl MeasuredFrame {
     fn new(
         examples: &Examples,
+        truth: &TrueNormals<'_>,
         frame: usize,
         skinned: impl Fn(usize) -> (Vector3<f64>, Vector3<f64>),
     ) -> Self {
-        let truth = examples.frame(frame);
-        let normals = examples.posed_normals(frame);
-        let (mut distances, mut angles) = (Vec::new(), Vec::new());
-        for vertex in 0..truth.len() {
-            let (position, normal) = skinned(vertex);
-            distances.push((position - Vector3::from(truth[vertex])).norm());
-            let expected = Vector3::from(normals[vertex]);
+        let (surface, positions) = (examples.surface(), examples.frame(frame));
+        let mut distances = vec![0.0; positions.len()];
+        let mut angles = Vec::with_capacity(surface.engine_len());
+        // Copies of one vertex have one place.
+        for (copy, expected) in truth.posed(frame).into_iter().enumerate() {
+            let (position, normal) = skinned(copy);
+            let vertex = surface.copy_of(copy);
+            distances[vertex] = (position - Vector3::from(positions[vertex])).norm();
+            let expected = Vector3::from(expected);
             let both = expected.norm_squared() > 0.0 && normal.norm_squared() > 0.0;
             let angle = || expected.cross(&normal).norm().atan2(expected.dot(&normal));
             angles.push(both.then(angle));

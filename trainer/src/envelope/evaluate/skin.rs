@@ -15,12 +15,12 @@ pub struct SkinnedFrame {
 }
 
 impl SkinnedFrame {
-    /// Positions, 3V floats.
+    /// Positions of the skin's vertices, 3E floats.
     pub fn positions(&self) -> &[f32] {
         &self.positions
     }
 
-    /// Normals, 3V floats.
+    /// Normals of the skin's vertices, 3E floats.
     pub fn normals(&self) -> &[f32] {
         &self.normals
     }
@@ -69,10 +69,10 @@ impl Baseline {
 
     /// Takes weights that were fitted to the training frames of examples.
     pub fn new(weights: Weights, examples: &Examples) -> Self {
-        Self { weights, normals: examples.rest_normals() }
+        Self { weights, normals: examples.surface().normals() }
     }
 
-    /// Gives a vertex's position and normal in a frame.
+    /// Gives an engine's vertex's position and normal in a frame.
     ///
     /// # Panics
     /// If the examples have no such frame or vertex.
@@ -82,7 +82,8 @@ impl Baseline {
         frame: usize,
         vertex: usize,
     ) -> (Vector3<f64>, Vector3<f64>) {
-        let (rest, normal) = (&examples.rest[vertex], &self.normals[vertex]);
-        weights::skin(&self.weights, examples.pose(frame), vertex, rest, normal)
+        let normal = &self.normals[vertex];
+        let vertex = examples.surface().copy_of(vertex);
+        weights::skin(&self.weights, examples.pose(frame), vertex, &examples.rest[vertex], normal)
     }
 }

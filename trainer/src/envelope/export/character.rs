@@ -8,7 +8,7 @@ use super::times::key_times;
 use crate::envelope::evaluate::{Character, EvaluateError};
 use crate::envelope::levels::{Influences, Level, LevelReport, SkinSurface};
 use crate::envelope::posed::{FrameError, influences, palette, rest, skin_on};
-use crate::examples::{Clip, Examples, Matrix3x4, normals};
+use crate::examples::{Clip, Examples, Matrix3x4};
 use crate::space::{Conversion, SpaceRequest};
 use rayon::prelude::*;
 use sinew_runtime::Envelope;
@@ -75,6 +75,7 @@ pub fn export(
         .map(|&frame| Ok(palette(&envelope, examples, frame)?.0))
         .collect::<Result<Vec<_>, FrameError>>()?;
     let own_influences = influences(&skin);
+    let own = examples.surface();
     let (mut levels, influences_of_levels, reports) = if levels.is_empty() {
         Default::default()
     } else {
@@ -82,13 +83,13 @@ pub fn export(
         let posed = keys
             .map(|(palette, &frame)| {
                 let [positions, _] = skin_on(&skin, palette, frame)?;
-                Ok(positions)
+                Ok(own.of_first_copies(positions.as_chunks().0))
             })
             .collect::<Result<Vec<_>, FrameError>>()?;
         let surface = SkinSurface {
-            rest: &rest(&skin),
+            rest: &own.of_first_copies(&rest(&skin)),
             triangles: &examples.solid_triangles(),
-            influences: &own_influences,
+            influences: &own.of_first_copies(&own_influences),
             most: skin.influence_len(),
             diagonal: examples.diagonal(),
             palettes: &palettes,
@@ -103,7 +104,7 @@ pub fn export(
     // What follows is in the model's space, mirrored where that is left-handed.
     let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
     let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
-    let (mut rest, mut triangles) = (rest(&skin), examples.triangles.clone());
+    let (mut rest, mut triangles) = (rest(&skin), own.engine_triangles().to_vec());
     let mut skeleton = examples.skeleton.clone();
     let mut poses: Vec<_> = frames.iter().map(|&frame| examples.pose(frame).to_vec()).collect();
     if let Some(mirror) = mirror {
@@ -136,19 +137,20 @@ pub fn export(
         name: skin.name(),
         positions: &rest,
         normals: &normals_at_rest,
-        uv: examples.uv.as_deref(),
+        uv: own.uv(),
         influences: &own_influences,
         triangles: &triangles,
     };
     document.mesh(&mesh, palette_skin);
     for (level, influences) in levels.iter().zip(&influences_of_levels) {
+        let surface = level.mesh.surface();
         let mesh = SkinnedMesh {
             name: &level.name,
-            positions: &level.mesh.positions,
-            normals: &normals(&level.mesh.positions, &level.mesh.triangles),
-            uv: level.mesh.uv.as_deref(),
-            influences,
-            triangles: &level.mesh.triangles,
+            positions: &surface.copied(&level.mesh.positions),
+            normals: &surface.normals(),
+            uv: surface.uv(),
+            influences: &surface.copied(influences),
+            triangles: surface.engine_triangles(),
         };
         document.mesh(&mesh, palette_skin);
     }

@@ -45,8 +45,8 @@ pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportEr
     let mesh = SkinnedMesh {
         name: "skin",
         positions: &examples.rest,
-        normals: &examples.rest_normals(),
-        uv: examples.uv.as_deref(),
+        normals: &examples.surface().normals(),
+        uv: examples.surface().uv(),
         influences: &influences,
         triangles: &examples.triangles,
     };

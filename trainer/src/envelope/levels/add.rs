@@ -5,7 +5,7 @@ use crate::bake::BakeError;
 use crate::envelope::model::{FileModel, SkinModel};
 use crate::envelope::normals::{Fan, PosedSurface};
 use crate::envelope::posed::{FrameError, influences, palette, rest, skin_on};
-use crate::examples::{Examples, Split, normals, tangents};
+use crate::examples::{Examples, Split};
 use faer::Mat;
 use rayon::prelude::*;
 use sinew_runtime::{FileError, Model};
@@ -58,18 +58,19 @@ pub fn add(
     let Some((envelope, skin)) = loaded.envelope().zip(loaded.skin()) else {
         return Ok(Vec::new());
     };
+    let own = examples.surface();
     let frames = examples.frames_of(Split::Train);
     let posed = frames.par_iter().map(|&frame| {
         let (palette, _) = palette(&envelope, examples, frame)?;
         let [positions, _] = skin_on(&skin, &palette, frame)?;
-        Ok((palette, positions))
+        Ok((palette, own.of_first_copies(positions.as_chunks().0)))
     });
     let (palettes, posed): (Vec<_>, Vec<_>) =
         posed.collect::<Result<Vec<_>, FrameError>>()?.into_iter().unzip();
     let surface = SkinSurface {
-        rest: &rest(&skin),
+        rest: &own.of_first_copies(&rest(&skin)),
         triangles: &examples.solid_triangles(),
-        influences: &influences(&skin),
+        influences: &own.of_first_copies(&influences(&skin)),
         most: skin.influence_len(),
         diagonal: examples.diagonal(),
         palettes: &palettes,
@@ -79,7 +80,7 @@ pub fn add(
         levels.iter().map(|level| surface.follow(level)).collect::<Result<_, _>>()?;
     let (influences, reports): (Vec<_>, Vec<_>) = followed.into_iter().unzip();
     for (level, influences) in levels.iter().zip(influences) {
-        let mut skin = skin_of(level, influences);
+        let mut skin = skin_of(level, &influences);
         fit_normals(&mut skin, level, &surface);
         model.skins.push(skin);
     }
@@ -99,7 +100,8 @@ fn fit_normals(skin: &mut SkinModel, level: &Level, surface: &SkinSurface<'_>) {
         rest: &rest,
         trajectories: &(faer::Scale(1.0 / diagonal) * surface.carried(&level.mesh)),
         palettes: &stacked,
-        fans: &Fan::all(&level.mesh.triangles, rest.len()),
+        fans: &Fan::of(&level.mesh.surface()),
+        authored: level.mesh.surface().authored_normals().is_some(),
     };
     posed.fit(skin, diagonal);
 }
@@ -110,20 +112,20 @@ pub fn reserve(model: &mut FileModel, levels: &[Level]) {
     let most = all.iter().map(Vec::len).max().unwrap_or(0);
     for level in levels {
         let any = vec![(0, 1.0); most];
-        model.skins.push(skin_of(level, vec![any; level.mesh.positions.len()]));
+        model.skins.push(skin_of(level, &vec![any; level.mesh.positions.len()]));
     }
 }
 
-fn skin_of(level: &Level, influences: Influences) -> SkinModel {
+fn skin_of(level: &Level, influences: &Influences) -> SkinModel {
     let Level { name, mesh } = level;
-    let tangents = mesh.uv.as_ref().map(|uv| tangents(&mesh.positions, &mesh.triangles, uv));
+    let surface = mesh.surface();
     SkinModel {
         name: name.clone(),
         envelope: Some(0),
-        rest_positions: mesh.positions.clone(),
-        rest_normals: normals(&mesh.positions, &mesh.triangles),
-        rest_tangents: tangents,
-        influences,
+        rest_positions: surface.copied(&mesh.positions),
+        rest_normals: surface.normals(),
+        rest_tangents: surface.tangents(),
+        influences: surface.copied(influences),
         tangent_coefficients: None,
         normal_errors: None,
         ranges: Vec::new(),

@@ -86,8 +86,8 @@ pub struct SkinSurface<'a> {
     pub diagonal: f64,
     /// A palette a frame.
     pub palettes: &'a [Vec<Matrix3x4>],
-    /// 3V posed coordinates a frame.
-    pub posed: Vec<Vec<f32>>,
+    /// V posed positions a frame.
+    pub posed: Vec<Vec<[f32; 3]>>,
 }
 
 impl SkinSurface<'_> {
@@ -182,9 +182,13 @@ impl SkinSurface<'_> {
         all
     }
 
-    fn carried_point(&self, posed: &[f32], foot: &Foot, offset: &Vector3<f64>) -> Vector3<f64> {
-        let corners = self.triangles[foot.triangle]
-            .map(|v| Vector3::from_fn(|axis, _| f64::from(posed[3 * v + axis])));
+    fn carried_point(
+        &self,
+        posed: &[[f32; 3]],
+        foot: &Foot,
+        offset: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        let corners = self.triangles[foot.triangle].map(|v| Vector3::from(posed[v].map(f64::from)));
         point(&corners, foot) + frame(&corners) * offset
     }
 

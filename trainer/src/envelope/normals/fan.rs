@@ -1,5 +1,6 @@
 //! The faces around a vertex.
 
+use crate::mesh::{Surface, same_normal};
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Smallest eigenvalue of what the edges of a fan span, against the largest, from which they span a plane.
@@ -26,6 +27,25 @@ impl Fan {
             }
         }
         fans
+    }
+
+    /// Lists the fans of the engine's vertices: all faces around its vertex, or, where normals are authored, those
+    /// whose corner there has the same normal.
+    pub fn of(surface: &Surface<'_>) -> Vec<Self> {
+        let whole = Self::all(surface.triangles, surface.positions.len());
+        let Some(normals) = surface.authored_normals() else { return surface.copied(&whole) };
+        // The engine's vertex at the centre of each face, in the order of the faces of a fan.
+        let mut corners: Vec<Vec<usize>> = vec![Vec::new(); whole.len()];
+        for &corner in surface.engine_triangles().as_flattened() {
+            corners[surface.copy_of(corner)].push(corner);
+        }
+        let side = |copy: usize| {
+            let Self { centre, faces } = &whole[surface.copy_of(copy)];
+            let own = |corner: &usize| same_normal(&normals[copy], &normals[*corner]);
+            let faces = faces.iter().zip(&corners[*centre]).filter(|(_, corner)| own(corner));
+            Self { centre: *centre, faces: faces.map(|(face, _)| *face).collect() }
+        };
+        (0..surface.engine_len()).map(side).collect()
     }
 
     /// Adds the normals of the faces, each as long as twice its area.
@@ -62,11 +82,28 @@ impl Fan {
         let inverse = gram.try_inverse()?;
         Some(edges.into_iter().map(|(corner, flat)| (corner, inverse * flat)).collect())
     }
+
+    /// Gives the images of a plane's axes, as [`Fan::images`] found them, under positions, without their part along a
+    /// normal.
+    pub fn carried(
+        &self,
+        images: &[(usize, Vector2<f64>)],
+        at: impl Fn(usize) -> Vector3<f64>,
+        normal: &Vector3<f64>,
+    ) -> [Vector3<f64>; 2] {
+        let centre = at(self.centre);
+        [0, 1].map(|k| {
+            let image: Vector3<f64> =
+                images.iter().map(|(corner, c)| (at(*corner) - centre) * c[k]).sum();
+            image - normal * normal.dot(&image)
+        })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::EngineMesh;
     use nalgebra::Matrix3;
 
     /// A corner of a cube, cut open: three faces around vertex 0, one edge of which is a border.
@@ -89,6 +126,33 @@ mod tests {
             .iter()
             .sum();
         assert!((fans[0].normal(corner) - expected).norm() < 1e-12);
+    }
+
+    #[test]
+    fn hard_edges_part_the_faces_of_a_vertex_and_seams_do_not() {
+        let positions = CORNERS;
+        let mut engine = EngineMesh {
+            copy_of: vec![0, 0, 0, 1, 2, 3, 3, 4],
+            triangles: vec![[0, 3, 4], [4, 5, 1], [6, 7, 2]],
+            normals: None,
+            tangents: None,
+            uv: None,
+        };
+        let fans = |engine: &EngineMesh| {
+            let triangles = &TRIANGLES;
+            Fan::of(&Surface { positions: &positions, triangles, engine: Some(engine) })
+        };
+        let whole = fans(&engine);
+        assert!(whole[..3].iter().all(|fan| fan.faces == [[1, 2], [2, 3], [3, 4]]));
+        // The third face of vertex 0 stands behind a hard edge.
+        let (up, back) = ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
+        engine.normals = Some(vec![up, up, back, up, up, up, back, back]);
+        let sides = fans(&engine);
+        for copy in [0, 1] {
+            assert_eq!(sides[copy], Fan { centre: 0, faces: vec![[1, 2], [2, 3]] });
+        }
+        assert_eq!(sides[2].faces, [[3, 4]]);
+        assert_eq!([&sides[5].faces, &sides[6].faces], [&vec![[0, 2]], &vec![[4, 0]]]);
     }
 
     #[test]

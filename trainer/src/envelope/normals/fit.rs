@@ -1,6 +1,7 @@
 //! The fit of tangent coefficients (METHOD §1.8).
 
 use super::fan::Fan;
+use super::lean::Lean;
 use crate::envelope::model::SkinModel;
 use crate::numeric::ridge::solve_ridge;
 use faer::Mat;
@@ -25,8 +26,10 @@ pub struct PosedSurface<'a> {
     pub trajectories: &'a Mat<f64>,
     /// The palettes as they are predicted, 3n x 4 a transform.
     pub palettes: &'a Mat<f64>,
-    /// The faces of each vertex.
+    /// The faces of each of the skin's vertices, by these positions.
     pub fans: &'a [Fan],
+    /// Whether the skin's normals are authored, and not those of the faces.
+    pub authored: bool,
 }
 
 impl PosedSurface<'_> {
@@ -40,8 +43,12 @@ impl PosedSurface<'_> {
         if most < 2 {
             return;
         }
+        let mut of_positions: Vec<&[(usize, f64)]> = vec![&[]; self.rest.len()];
+        for (fan, own) in self.fans.iter().zip(&skin.influences) {
+            of_positions[fan.centre] = own;
+        }
         let vertex = |(number, fan): (usize, &Fan)| {
-            let influences = filled(fan, &skin.influences, most);
+            let influences = filled(fan, &of_positions, most);
             let mut coefficients = self
                 .vertex(fan, &skin.vertex(number).frame(), &influences)
                 .unwrap_or_else(|| vec![[0.0; 2]; most]);
@@ -64,7 +71,9 @@ impl PosedSurface<'_> {
         frame: &[Vector3<f64>; 2],
         influences: &[(usize, f64)],
     ) -> Option<Vec<[f64; 2]>> {
-        let images = fan.images(|corner| self.rest[corner].into(), frame)?;
+        let at_rest = |corner: usize| self.rest[corner].into();
+        let lean = if self.authored { Some(Lean::new(fan, at_rest, frame)?) } else { None };
+        let images = fan.images(at_rest, lean.as_ref().map_or(frame, |lean| &lean.plane))?;
         let (&(last, _), others) = influences.split_last()?;
         let x = self.rest[fan.centre];
         let apart: Vec<Vec<f64>> = others
@@ -86,13 +95,15 @@ impl PosedSurface<'_> {
         let mut right = Mat::zeros(len, 2);
         for pose in 0..self.trajectories.nrows() / 3 {
             let at = |position: usize| of(self.trajectories.col_as_slice(position), pose);
-            let Some(normal) = fan.normal(at).try_normalize(0.0) else { continue };
-            let centre = at(fan.centre);
-            let left: [Vector3<f64>; 2] = [0, 1].map(|k| {
-                let image: Vector3<f64> =
-                    images.iter().map(|(corner, c)| (at(*corner) - centre) * c[k]).sum();
-                image - normal * normal.dot(&image) - of(&blended[k], pose)
-            });
+            let Some(mut normal) = fan.normal(at).try_normalize(0.0) else { continue };
+            let mut carried = fan.carried(&images, at, &normal);
+            if let Some(lean) = &lean {
+                carried = lean.images(carried, normal);
+                let [along, across] = &carried;
+                let Some(leaning) = along.cross(across).try_normalize(0.0) else { continue };
+                normal = leaning;
+            }
+            let left = [0, 1].map(|k| carried[k] - of(&blended[k], pose));
             for a in 0..len {
                 let own = of(&apart[a], pose);
                 let counted = own * BESIDE + normal * ((1.0 - BESIDE) * normal.dot(&own));
@@ -130,10 +141,10 @@ impl PosedSurface<'_> {
 
 /// Lists the influences of a vertex, then as many as there is room for of those that the corners of its faces follow
 /// and it does not, the strongest first. Where there is room left, the last comes again.
-fn filled(fan: &Fan, influences: &[Vec<(usize, f64)>], most: usize) -> Vec<(usize, f64)> {
-    let mut out = influences[fan.centre].clone();
+fn filled(fan: &Fan, influences: &[&[(usize, f64)]], most: usize) -> Vec<(usize, f64)> {
+    let mut out = influences[fan.centre].to_vec();
     let mut others: Vec<(usize, f64)> = Vec::new();
-    for &(index, weight) in fan.faces.iter().flatten().flat_map(|&corner| &influences[corner]) {
+    for &(index, weight) in fan.faces.iter().flatten().flat_map(|&corner| influences[corner]) {
         if out.iter().any(|own| own.0 == index) {
             continue;
         }
@@ -185,7 +196,7 @@ mod tests {
         fans: &'a [Fan],
     ) -> PosedSurface<'a> {
         let Training { rest, trajectories, .. } = training;
-        PosedSurface { rest, trajectories, palettes, fans }
+        PosedSurface { rest, trajectories, palettes, fans, authored: false }
     }
 
     /// Solves one vertex by the singular values of all its equations, of the edges' and of the frames'.

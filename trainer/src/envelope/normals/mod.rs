@@ -2,6 +2,9 @@
 
 mod fan;
 mod fit;
+mod lean;
+mod truth;
 
 pub use fan::Fan;
 pub use fit::PosedSurface;
+pub use truth::TrueNormals;

@@ -9,8 +9,8 @@ use std::collections::BTreeSet;
 /// Colours each vertex by the transform of the palette that it follows most; those that meet on the surface
 /// get hues that differ.
 pub(super) fn dominant_colours(character: &Character<'_>, examples: &Examples) -> Vec<Colour> {
-    let dominant: Vec<usize> =
-        (0..examples.vertex_len()).map(|v| strongest(&character.skin, v)).collect();
+    let firsts = examples.surface().first_copies().into_iter();
+    let dominant: Vec<usize> = firsts.map(|copy| strongest(&character.skin, copy)).collect();
     let mut meet = vec![BTreeSet::new(); character.skin.palette_len()];
     for corners in &examples.triangles {
         let own = corners.map(|vertex| dominant[vertex]);
@@ -28,12 +28,13 @@ pub(super) fn dominant_colours(character: &Character<'_>, examples: &Examples) -
 
 /// Marks the V vertices of a kernel model that follow joints alone; none for models without joints
 /// in their palette.
-pub(super) fn follow_joints(character: &Character<'_>) -> Option<Vec<bool>> {
+pub(super) fn follow_joints(character: &Character<'_>, examples: &Examples) -> Option<Vec<bool>> {
     let Character { envelope, skin, .. } = character;
     let joints = envelope.palette_len() - envelope.proxy_len();
     let alone =
         |vertex| skin.influences(vertex).all(|(index, weight)| index < joints || weight == 0.0);
-    (joints > 0).then(|| (0..skin.vertex_len()).map(alone).collect())
+    let firsts = examples.surface().first_copies().into_iter();
+    (joints > 0).then(|| firsts.map(alone).collect())
 }
 
 fn strongest(skin: &Skin<'_>, vertex: usize) -> usize {

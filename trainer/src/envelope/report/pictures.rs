@@ -3,7 +3,8 @@
 use super::bars::colour_bar;
 use super::comparison::{Comparison, Series};
 use crate::envelope::evaluate::{EvaluateError, skin};
-use crate::examples::{Examples, normals};
+use crate::envelope::normals::TrueNormals;
+use crate::examples::Examples;
 use crate::page::camera::{Camera, Resolution, View};
 use crate::page::colour::{Colour, Scale};
 use crate::page::html::{figure, text};
@@ -63,9 +64,9 @@ pub(super) struct Pictures<'a> {
 pub(super) struct Shape {
     /// What it is called.
     pub(super) name: String,
-    /// V positions.
+    /// E positions, of the engine's vertices.
     pub(super) positions: Vec<[f64; 3]>,
-    /// V normals: as the runtime returns them of a model, by cofactors of LBS, the true ones of the truth.
+    /// E normals: as the runtime returns them of a model, by cofactors of LBS, the true ones of the truth.
     normals: Vec<[f64; 3]>,
 }
 
@@ -105,9 +106,9 @@ impl<'a> Pictures<'a> {
         series: &[Series<'_>],
     ) -> Result<Vec<Shape>, EvaluateError> {
         let (examples, lbs) = (self.comparison.source.examples, &self.comparison.lbs);
-        let mut shapes = vec![self.truth("truth", examples.frame(frame).to_vec())];
+        let mut shapes = vec![self.truth(frame)];
         for series in series {
-            let vertices = 0..examples.vertex_len();
+            let vertices = 0..examples.surface().engine_len();
             let skinned: Vec<_> = match series.model {
                 None => vertices.map(|vertex| lbs.vertex(examples, frame, vertex)).collect(),
                 Some(model) => {
@@ -125,7 +126,10 @@ impl<'a> Pictures<'a> {
 
     /// The rest pose.
     pub(super) fn rest(&self) -> Shape {
-        self.truth("rest", self.comparison.source.examples.rest.clone())
+        let examples = self.comparison.source.examples;
+        let surface = examples.surface();
+        let (positions, normals) = (surface.copied(&examples.rest), surface.normals());
+        Shape { name: "rest".to_owned(), positions, normals }
     }
 
     /// A camera that sees the whole of some shapes.
@@ -136,12 +140,14 @@ impl<'a> Pictures<'a> {
 
     /// A camera that sees the surroundings of a vertex from where most of its error is seen.
     pub(super) fn near(&self, shape: &Shape, vertex: usize, errors: &[f64]) -> Camera {
-        let centre = shape.positions[vertex];
+        let surface = self.comparison.source.examples.surface();
+        let centre = shape.positions[surface.first_copies()[vertex]];
+        let errors = surface.copied(errors);
         let radius = NEAR * self.comparison.model.measured.diagonal;
         let weights: Vec<f64> = shape
             .positions
             .iter()
-            .zip(errors)
+            .zip(&errors)
             .map(|(p, error)| {
                 let squared = (0..3).map(|k| (p[k] - centre[k]).powi(2)).sum::<f64>();
                 error * error / (1.0 + squared / (0.2 * radius).powi(2)).powi(2)
@@ -180,16 +186,17 @@ impl<'a> Pictures<'a> {
         caption: &str,
     ) -> Result<String, EncodingError> {
         let mesh = self.mesh(shape);
+        let surface = self.comparison.source.examples.surface();
         let picture = match paint {
             Paint::Clay => mesh.draw(&vec![CLAY; shape.positions.len()], SHAPE, camera),
-            Paint::Kinds(colours) => mesh.draw(colours, KINDS, camera),
+            Paint::Kinds(colours) => mesh.draw(&surface.copied(colours), KINDS, camera),
             Paint::Heat(errors, scale, _) => {
                 let colours: Vec<Colour> = errors.iter().map(|e| scale.colour(*e)).collect();
-                mesh.draw(&colours, ERRORS, camera)
+                mesh.draw(&surface.copied(&colours), ERRORS, camera)
             }
         };
         let mut over = String::new();
-        if let Some(vertex) = ring {
+        if let Some(vertex) = ring.map(|vertex| surface.first_copies()[vertex]) {
             let [x, y, _] = camera.project(&shape.positions[vertex]);
             let Resolution { width, height } = camera.size;
             let ring = RING * width as f64;
@@ -210,20 +217,24 @@ impl<'a> Pictures<'a> {
         figure(&picture, caption, &over, &under)
     }
 
-    /// A shape that the examples give, with its own normals.
-    fn truth(&self, name: &str, positions: Vec<[f64; 3]>) -> Shape {
-        let normals = normals(&positions, &self.comparison.source.examples.triangles);
-        Shape { name: name.to_owned(), positions, normals }
+    /// The mesh of a frame, with its true normals.
+    fn truth(&self, frame: usize) -> Shape {
+        let examples = self.comparison.source.examples;
+        let positions = examples.surface().copied(examples.frame(frame));
+        let normals = TrueNormals::new(examples).posed(frame);
+        Shape { name: "truth".to_owned(), positions, normals }
     }
 
     fn mesh<'b>(&'b self, shape: &'b Shape) -> ShadedMesh<'b> {
         let Shape { positions, normals, .. } = shape;
-        ShadedMesh { positions, normals, triangles: &self.comparison.source.examples.triangles }
+        let triangles = self.comparison.source.examples.surface().engine_triangles();
+        ShadedMesh { positions, normals, triangles }
     }
 
     /// The view, turned as the character is.
     fn following(&self, shape: &Shape) -> View {
-        self.view.following(&self.comparison.source.examples.rest, &shape.positions)
+        let examples = self.comparison.source.examples;
+        self.view.following(&examples.surface().copied(&examples.rest), &shape.positions)
     }
 
     /// Tries both sides along the lesser extent, a little from the left and from the right.
@@ -241,10 +252,11 @@ impl<'a> Pictures<'a> {
             .map(|turn| View { azimuth: front + turn, elevation: 8.0, ..self.view })
             .into();
         let squares: Vec<f64> = measured.percent_in(self.worst).iter().map(|e| e * e).collect();
-        let frame = measured.frames[self.worst].frame;
-        let shape = self.truth("truth", examples.frame(frame).to_vec());
+        let squares = examples.surface().copied(&squares);
+        let shape = self.truth(measured.frames[self.worst].frame);
+        let rest = examples.surface().copied(&examples.rest);
         let seen = views.par_iter().map(|view| {
-            let view = view.following(&examples.rest, &shape.positions);
+            let view = view.following(&rest, &shape.positions);
             let camera = Camera::fit(&view, &shape.positions, TRIAL);
             self.mesh(&shape).seen(&squares, &camera) / (camera.scale * camera.scale)
         });

@@ -10,6 +10,7 @@ use super::error::ImportError;
 use crate::examples::sample::spread;
 use crate::examples::validate::same;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Warning};
+use crate::mesh::EngineMesh;
 use crate::numeric::affine::{joined, parts, to_rows};
 use crate::space::UNITS;
 use crate::space::axes::{self, axis, direction};
@@ -37,19 +38,22 @@ pub(super) struct Similarity {
 }
 
 impl Examples {
-    /// Moves examples to where their rest mesh is this one of the same vertices, which may be in other
+    /// Moves examples to where their rest mesh is this one of the same engine's vertices, which may be in other
     /// axes and units; tells how, where they had to be moved.
     ///
     /// # Errors
     /// [`ExamplesError::Mismatch`] for another count of vertices, [`ImportError::OtherMesh`] where no
     /// turn by right angles, scale and shift brings the rest meshes together.
     pub fn move_to(&mut self, rest: &[[f64; 3]]) -> Result<Option<Warning>, ExamplesError> {
-        same("vertices", "the mesh to move to", rest.len(), "rest", self.vertex_len())?;
-        let similarity = meshes(&self.rest, rest);
+        self.unsplit_for(rest.len());
+        let own = self.surface().copied(&self.rest);
+        same("vertices", "the mesh to move to", rest.len(), "rest", own.len())?;
+        let similarity = meshes(&own, rest);
         let similarity = similarity.map_err(|percent| ImportError::OtherMesh { percent })?;
         similarity.move_joints(&mut self.skeleton, &mut self.transforms);
         similarity.move_points(&mut self.rest);
         similarity.move_points(&mut self.vertices);
+        similarity.turn(self.engine.as_mut());
         self.space = similarity.space(&self.space);
         let how = similarity.to_string();
         Ok((!similarity.is_identity()).then_some(Warning::Moved { what: "poses", how }))
@@ -63,22 +67,13 @@ impl Examples {
 /// them together.
 pub(super) fn meshes(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<Similarity, f64> {
     let (from, to) = (Cloud::new(from), Cloud::new(to));
-    let scale = nearest_unit(to.radius / from.radius);
-    let similarity = |turn: Matrix3<f64>| Similarity {
-        turn,
-        scale,
-        shift: to.centre - turn * from.centre * scale,
-    };
     let distance = |similarity: &Similarity| {
         let squares = from.points.iter().zip(&to.points);
         let squares = squares.map(|(a, b)| (similarity.point(*a) - b).norm_squared());
         (squares.sum::<f64>() / to.points.len().max(1) as f64).sqrt() / to.diagonal
     };
     let unmoved = Similarity::IDENTITY;
-    let best = best(
-        axes::rotations().map(similarity).map(|s| (s, distance(&s))),
-        (unmoved, distance(&unmoved)),
-    );
+    let best = best(between(&from, &to).map(|s| (s, distance(&s))), (unmoved, distance(&unmoved)));
     match best {
         (_, distance) if distance > SAME_MESH => Err(100.0 * distance),
         (mut similarity, _) => {
@@ -88,6 +83,21 @@ pub(super) fn meshes(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<Similarity, f
             Ok(similarity)
         }
     }
+}
+
+/// Lists what may lead from one cloud of points to another of as many, in any order: none, then every turn by right
+/// angles, with the scale and shift that the clouds have.
+pub(super) fn similarities(
+    from: &[[f64; 3]],
+    to: &[[f64; 3]],
+) -> impl Iterator<Item = Similarity> + use<> {
+    std::iter::once(Similarity::IDENTITY).chain(between(&Cloud::new(from), &Cloud::new(to)))
+}
+
+fn between(from: &Cloud, to: &Cloud) -> impl Iterator<Item = Similarity> + use<> {
+    let scale = nearest_unit(to.radius / from.radius);
+    let (from, to) = (from.centre, to.centre);
+    axes::rotations().map(move |turn| Similarity { turn, scale, shift: to - turn * from * scale })
 }
 
 /// Finds how posed meshes, frame-major, must be turned and scaled to lie on the joints that carry
@@ -157,6 +167,13 @@ impl Similarity {
     pub(super) fn move_points(&self, points: &mut [[f64; 3]]) {
         if !self.is_identity() {
             points.par_iter_mut().for_each(|point| *point = self.point((*point).into()).into());
+        }
+    }
+
+    /// Turns what is authored of a mesh.
+    pub(super) fn turn(&self, engine: Option<&mut EngineMesh>) {
+        if let Some(engine) = engine.filter(|_| !self.is_identity()) {
+            engine.turn(|direction| (self.turn * Vector3::from(direction)).into(), false);
         }
     }
 

@@ -35,15 +35,34 @@ pub enum ImportError {
     NoShapes,
     /// The posed meshes are of another mesh.
     #[error(
-        "holds meshes of {found} vertices, the scene's mesh has {expected}: export both from one mesh \
+        "holds meshes of {found} vertices, the scene's mesh has {}: export both from one mesh \
          without modifiers that change its vertices; glTF splits vertices along seams of texture and \
-         normals, FBX does not"
+         normals, FBX does not",
+        counts(*expected, *engine)
     )]
     TargetVertices {
         /// In the scene.
         expected: usize,
+        /// In the scene as an engine draws it.
+        engine: usize,
         /// In the file.
         found: usize,
+    },
+    /// Copies of one vertex of the scene's move apart in the posed meshes.
+    #[error(
+        "its vertices {first} and {second} are one of the scene's mesh, split along a seam, but lie \
+         {percent:.4} % of the diagonal apart in frame {frame}, expected 0.001 % at most; export both from \
+         one mesh"
+    )]
+    CopiesApart {
+        /// One of them.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// The first frame in which they part.
+        frame: usize,
+        /// How far, in % of the diagonal.
+        percent: f64,
     },
     /// There are not as many posed meshes as poses.
     #[error(
@@ -83,7 +102,19 @@ impl ImportError {
     pub(super) fn is_about_targets(&self) -> bool {
         matches!(
             self,
-            Self::TargetVertices { .. } | Self::TargetFrames { .. } | Self::TargetsApart { .. }
+            Self::TargetVertices { .. }
+                | Self::CopiesApart { .. }
+                | Self::TargetFrames { .. }
+                | Self::TargetsApart { .. }
         )
+    }
+}
+
+/// Names the counts of vertices that posed meshes may have.
+fn counts(vertices: usize, engine: usize) -> String {
+    if vertices == engine {
+        vertices.to_string()
+    } else {
+        format!("{vertices}, for engines {engine}")
     }
 }

@@ -3,6 +3,7 @@
 mod align;
 mod error;
 mod loaded;
+mod matched;
 pub mod npz;
 mod origins;
 mod rate;

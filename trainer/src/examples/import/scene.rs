@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Matrix4};
 
 use super::align::{self, Similarity};
 use super::error::ImportError;
+use super::matched::matched;
 use super::rate::check_even;
 use super::roots;
 use super::targets::TargetMeshes;
@@ -11,6 +12,7 @@ use crate::examples::{Clip, Examples, ExamplesError, Matrix3x4, RIGID, Skeleton,
 use crate::formats::FormatError;
 use crate::formats::posed_meshes::PosedMeshes;
 use crate::formats::scene::{SampledScene, Sampling, SceneError};
+use crate::mesh::Surface;
 
 /// Examples that are not checked yet, the clips of their frames, and what was done to them.
 type Joined = (Examples, Vec<Clip>, Vec<Warning>);
@@ -22,8 +24,8 @@ type Joined = (Examples, Vec<Clip>, Vec<Warning>);
 ///
 /// # Errors
 /// [`SceneError::SingularBind`], [`ImportError::NoShapes`]; and for targets
-/// [`ImportError::UnevenKeys`], [`ImportError::TargetVertices`], [`ImportError::TargetFrames`] and
-/// [`ImportError::TargetsApart`].
+/// [`ImportError::UnevenKeys`], [`ImportError::TargetVertices`], [`ImportError::CopiesApart`],
+/// [`ImportError::TargetFrames`] and [`ImportError::TargetsApart`].
 pub(super) fn join(
     mut scene: SampledScene,
     targets: Option<TargetMeshes>,
@@ -40,7 +42,13 @@ pub(super) fn join(
     if sampling.fps.is_none() {
         check_even(&scene.clips)?;
     }
-    check_counts(&scene, &meshes)?;
+    let surface = Surface {
+        positions: &scene.rest,
+        triangles: &scene.triangles,
+        engine: scene.engine.as_ref(),
+    };
+    let meshes = matched(&surface, meshes)?;
+    check_frames(&scene, &meshes)?;
     let PosedMeshes { mut vertices, rest, triangles, .. } = meshes;
     match rest {
         Some(rest) => {
@@ -50,7 +58,10 @@ pub(super) fn join(
             scene.space = similarity.space(&scene.space);
             poses.tell(&similarity, "joints");
             scene.rest = rest;
-            scene.triangles = triangles.unwrap_or(scene.triangles);
+            similarity.turn(scene.engine.as_mut());
+            // What is authored is so of the scene's own triangles.
+            let others = triangles.filter(|_| scene.engine.is_none());
+            scene.triangles = others.unwrap_or(scene.triangles);
         }
         None => {
             let similarity = align::poses(&scene.rest, &poses.transforms, &vertices)?;
@@ -125,12 +136,12 @@ fn joined(
     split: Option<Vec<Split>>,
 ) -> Joined {
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len(&scene)]);
-    let SampledScene { rest, triangles, uv, ranges, space, clips, .. } = scene;
+    let SampledScene { rest, triangles, engine, ranges, space, clips, .. } = scene;
     let ScenePoses { skeleton, transforms, warnings } = poses;
     let examples = Examples {
         rest,
         triangles,
-        uv,
+        engine,
         skeleton,
         vertices,
         transforms,
@@ -146,11 +157,7 @@ fn frame_len(scene: &SampledScene) -> usize {
     scene.clips.iter().map(|clip| clip.times.len()).sum()
 }
 
-fn check_counts(scene: &SampledScene, meshes: &PosedMeshes) -> Result<(), ImportError> {
-    let (expected, found) = (scene.rest.len(), meshes.vertex_len);
-    if expected != found {
-        return Err(ImportError::TargetVertices { expected, found });
-    }
+fn check_frames(scene: &SampledScene, meshes: &PosedMeshes) -> Result<(), ImportError> {
     let (expected, found) = (frame_len(scene), meshes.vertices.len() / meshes.vertex_len.max(1));
     if expected != found {
         let clips: Vec<_> = scene.clips.iter().map(Clip::describe).collect();

@@ -3,9 +3,10 @@
 use std::ops::Range;
 use ufbx::{Matrix, Mesh, Node, Scene, SkinDeformer};
 
-use crate::formats::polygons::{Polygons, uv_of_vertices};
+use super::corners::{CornerLists, polygons};
 use crate::formats::scene::SceneError;
 use crate::formats::warning::FormatWarning;
+use crate::mesh::EngineMesh;
 
 /// A mesh as a node shows it.
 pub(super) struct MeshPart {
@@ -21,7 +22,7 @@ pub(super) struct MeshPart {
 pub(super) struct Geometry {
     pub(super) rest: Vec<[f64; 3]>,
     pub(super) triangles: Vec<[usize; 3]>,
-    pub(super) uv: Option<Vec<[f64; 2]>>,
+    pub(super) engine: Option<EngineMesh>,
     /// The parts by name, where there are several.
     pub(super) ranges: Vec<(String, Range<usize>)>,
 }
@@ -56,37 +57,37 @@ pub(super) fn join(
     warnings: &mut Vec<FormatWarning>,
 ) -> Geometry {
     let mut rest = Vec::new();
-    let mut triangles = Vec::new();
-    let mut uv = Some(Vec::new());
-    let mut uv_len = 0;
+    let (mut triangles, mut places) = (Vec::new(), Vec::new());
+    let mut corners = CornerLists::default();
     let mut ranges = Vec::new();
     for part in parts {
         let (mesh, first) = (&scene.meshes[part.mesh], rest.len());
         let positions: Vec<[f64; 3]> = mesh.vertices.iter().map(|v| [v.x, v.y, v.z]).collect();
         let mirrored = ufbx::matrix_determinant(&part.rest) < 0.0;
-        for [a, b, c] in polygons(mesh).triangles(&positions) {
-            let [b, c] = if mirrored { [c, b] } else { [b, c] };
-            triangles.push([a + first, b + first, c + first]);
+        let polygons = polygons(mesh);
+        let (own, begin) = (polygons.corners(), corners.len());
+        for [a, b, c] in polygons.corner_triangles(&positions) {
+            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+            triangles.push(corners.map(|corner| own[corner] + first));
+            places.push(corners.map(|corner| corner + begin));
         }
+        corners.add(mesh, first, &part.rest);
         let place = |&v: &ufbx::Vec3| {
             let v = ufbx::transform_position(&part.rest, v);
             [v.x, v.y, v.z]
         };
         rest.extend(mesh.vertices.iter().map(place));
         ranges.push((scene.nodes[part.node].element.name.to_string(), first..rest.len()));
-        uv_len += mesh.vertex_uv.values.len();
-        uv = uv.zip(texture(mesh)).map(|(mut all, uv)| {
-            all.extend(uv);
-            all
-        });
     }
-    if uv.is_none() && uv_len > 0 {
-        warnings.push(FormatWarning::UvIgnored { uv_len, vertex_len: rest.len() });
+    let (engine, count) = corners.finish().engine_mesh(&rest, &places);
+    if count > 0 {
+        warnings.push(FormatWarning::NormalsRepaired { count });
     }
+    let engine = (!engine.is_plain()).then_some(engine);
     if parts.len() < 2 {
         ranges.clear();
     }
-    Geometry { rest, triangles, uv, ranges }
+    Geometry { rest, triangles, engine, ranges }
 }
 
 /// Tells whether the scene itself holds all that poses its meshes.
@@ -127,22 +128,4 @@ fn bound(node: &Node, mesh: &Mesh) -> Result<MeshPart, SceneError> {
     };
     let rest = ufbx::matrix_mul(&cluster.bind_to_world, &cluster.geometry_to_bone);
     Ok(part(node, mesh, rest))
-}
-
-fn polygons(mesh: &Mesh) -> Polygons {
-    let mut polygons = Polygons::default();
-    for face in &mesh.faces {
-        let corners = mesh.vertex_indices.iter().skip(face.index_begin as usize);
-        polygons.push(corners.take(face.num_indices as usize).map(|&vertex| vertex as usize));
-    }
-    polygons
-}
-
-fn texture(mesh: &Mesh) -> Option<Vec<[f64; 2]>> {
-    let uv = &mesh.vertex_uv;
-    let corner = |(corner, &vertex): (usize, &u32)| {
-        let value = uv.indices.get(corner).and_then(|&place| uv.values.get(place as usize));
-        (vertex as usize, value.map(|uv| [uv.x, uv.y]))
-    };
-    uv_of_vertices(mesh.num_vertices, mesh.vertex_indices.iter().enumerate().map(corner))
 }

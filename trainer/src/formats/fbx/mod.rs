@@ -4,6 +4,7 @@
 //! meshes of several nodes follow one another in the order of the nodes.
 
 mod convert;
+mod corners;
 mod frames;
 mod joints;
 mod meshes;

@@ -53,7 +53,7 @@ pub(super) fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScen
     Ok(SampledScene {
         rest: geometry.rest,
         triangles: geometry.triangles,
-        uv: geometry.uv,
+        engine: geometry.engine,
         ranges: geometry.ranges,
         space: space(&scene.settings),
         names,

@@ -15,8 +15,14 @@ pub(super) struct Meshes {
     pub(super) positions: Vec<[f64; 3]>,
     /// Vertex numbers of each triangle.
     pub(super) triangles: Vec<[usize; 3]>,
-    /// Texture coordinates, one a vertex, where every mesh has them.
-    pub(super) uv: Option<Vec<[f64; 2]>>,
+    /// Normals, V; 0 where a mesh has none.
+    pub(super) normals: Vec<[f64; 3]>,
+    /// Tangents and handedness, V; 0 where a mesh has none.
+    pub(super) tangents: Vec<[f64; 4]>,
+    /// Texture coordinates, V, v upward; 0 where a mesh has none.
+    pub(super) uv: Vec<[f64; 2]>,
+    /// Whether any mesh has normals, tangents and texture coordinates.
+    pub(super) authored: [bool; 3],
     /// Joints of the instance's skin and weights that carry each vertex; none without a skin.
     pub(super) influences: Vec<Vec<(usize, f64)>>,
 }
@@ -53,7 +59,10 @@ impl Meshes {
             instances: Vec::new(),
             positions: Vec::new(),
             triangles: Vec::new(),
-            uv: Some(Vec::new()),
+            normals: Vec::new(),
+            tangents: Vec::new(),
+            uv: Vec::new(),
+            authored: [false; 3],
             influences: Vec::new(),
         };
         let mut left_out = Vec::new();
@@ -126,17 +135,27 @@ impl Meshes {
         let corners = corners.as_chunks::<3>().0;
         self.triangles.extend(corners.iter().map(|corners| corners.map(|vertex| base + vertex)));
 
-        let uv = read(Semantic::TexCoords(0), 2)?;
-        count(
-            "texture coordinates",
-            vertex_len,
-            uv.as_ref().map_or(vertex_len, |uv| uv.len() / 2),
-        )?;
-        self.uv = self.uv.take().zip(uv).map(|(mut all, uv)| {
+        let end = base + vertex_len;
+        self.normals.resize(end, [0.0; 3]);
+        if let Some(normals) = read(Semantic::Normals, 3)? {
+            count("normals", 3 * vertex_len, normals.len())?;
+            self.normals[base..].copy_from_slice(normals.as_chunks().0);
+            self.authored[0] = true;
+        }
+        self.tangents.resize(end, [0.0; 4]);
+        if let Some(tangents) = read(Semantic::Tangents, 4)? {
+            count("tangents", 4 * vertex_len, tangents.len())?;
+            self.tangents[base..].copy_from_slice(tangents.as_chunks().0);
+            self.authored[1] = true;
+        }
+        self.uv.resize(end, [0.0; 2]);
+        if let Some(uv) = read(Semantic::TexCoords(0), 2)? {
+            count("texture coordinates", 2 * vertex_len, uv.len())?;
             // In glTF v grows downward.
-            all.extend(uv.as_chunks().0.iter().map(|&[u, v]| [u, 1.0 - v]));
-            all
-        });
+            let upward = uv.as_chunks().0.iter().map(|&[u, v]| [u, 1.0 - v]);
+            self.uv.splice(base.., upward);
+            self.authored[2] = true;
+        }
 
         let mut influences = vec![Vec::new(); vertex_len];
         for set in 0.. {

@@ -6,6 +6,7 @@ mod file;
 mod meshes;
 mod nodes;
 mod skins;
+mod welded;
 
 use std::path::Path;
 
@@ -18,6 +19,7 @@ use self::clips::ClipKeys;
 use self::meshes::Meshes;
 use self::nodes::{Local, Nodes};
 use self::skins::Skins;
+use self::welded::Welded;
 use super::error::FormatError;
 use super::posed_meshes::PosedMeshes;
 use super::scene::{Clip, SampledScene, Sampling, SceneError, sample_times};
@@ -42,6 +44,10 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
     if !left_out.is_empty() {
         warnings.push(FormatWarning::UnskinnedMeshes { meshes: left_out });
     }
+    let welded = Welded::new(&scene.meshes);
+    if welded.repaired > 0 {
+        warnings.push(FormatWarning::NormalsRepaired { count: welded.repaired });
+    }
     let mut moved = vec![false; scene.nodes.names.len()];
     for node in skins.joints.iter().flat_map(|&joint| scene.nodes.upwards(joint)) {
         moved[node] = true;
@@ -54,6 +60,7 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
             let worlds = scene.nodes.worlds(&locals);
             let joints: Vec<_> = skins.joints.iter().map(|&node| worlds[node]).collect();
             let shape = sampling.shapes.then(|| scene.skinned(&skins, &joints, &weights));
+            let shape = shape.map(|shape| welded.pick(&shape));
             (joints, shape.unwrap_or_default())
         })
         .collect();
@@ -61,12 +68,14 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
     let parents = skins.parents(&scene.nodes);
     let names = skins.joints.iter().map(|&node| scene.nodes.names[node].clone()).collect();
     let morphs = moments.iter().any(|moment| moment.clip.shapes(|node| scene.shows(node)));
-    let ranges = scene.meshes.ranges();
-    let Scene { meshes: Meshes { positions, triangles, uv, .. }, .. } = scene;
+    let ranges = scene.meshes.ranges().into_iter();
+    let ranges = ranges.map(|(name, range)| (name, welded.range(&range))).collect();
+    let rest = welded.pick(&scene.meshes.positions);
+    let Welded { triangles, engine, .. } = welded;
     Ok(SampledScene {
-        rest: positions,
+        rest,
         triangles,
-        uv,
+        engine,
         ranges,
         space: Space::GLTF,
         names,

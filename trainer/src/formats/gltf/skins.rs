@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use gltf::Document;
-use nalgebra::Matrix4;
+use nalgebra::{Matrix4, Vector3};
 
 use super::accessor::numbers;
 use super::file::Buffers;
@@ -160,8 +160,17 @@ fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f64>) {
         return;
     }
     let vertices = meshes.vertices(instance);
-    for position in &mut meshes.positions[vertices] {
+    for position in &mut meshes.positions[vertices.clone()] {
         *position = shift.transform_point(&(*position).into()).into();
+    }
+    let linear = shift.fixed_view::<3, 3>(0, 0).into_owned();
+    // Normals go with the surface, whatever the scale along its axes.
+    let turn = linear.try_inverse().map_or(linear, |inverse| inverse.transpose());
+    for normal in &mut meshes.normals[vertices.clone()] {
+        *normal = (turn * Vector3::from(*normal)).into();
+    }
+    for [x, y, z, _] in &mut meshes.tangents[vertices.clone()] {
+        [*x, *y, *z] = (linear * Vector3::new(*x, *y, *z)).into();
     }
     for displacement in meshes.instances[instance].morphs.iter_mut().flatten() {
         *displacement = shift.transform_vector(&(*displacement).into()).into();

@@ -4,7 +4,7 @@
 #[derive(Debug, thiserror::Error)]
 pub enum ObjError {
     /// A line cannot be read.
-    #[error("line {line} is no vertex, texture coordinate or face of numbers: {text}")]
+    #[error("line {line} is no vertex, texture coordinate, normal or face of numbers: {text}")]
     Line {
         /// The line, the first being 1.
         line: usize,

@@ -5,7 +5,8 @@ use std::path::Path;
 use super::error::ObjError;
 use crate::formats::error::{FileError, FormatError};
 use crate::formats::mesh::Mesh;
-use crate::formats::polygons::{Polygons, uv_of_vertices};
+use crate::formats::polygons::Polygons;
+use crate::mesh::Corners;
 
 /// Characters of a faulty line that a message shows.
 const SHOWN: usize = 60;
@@ -16,14 +17,23 @@ const SHOWN: usize = 60;
 /// A [`FileError`] that names the file: it cannot be read, has a line that is no OBJ, names a vertex
 /// that it does not have, or has no faces.
 pub fn load(path: &Path) -> Result<Mesh, FileError> {
-    let Parsed { positions, polygons, corners, texture } = read(path)?;
-    let triangles = polygons.triangles(&positions);
+    let Parsed { positions, polygons, corners, texture, normals } = read(path)?;
+    let (triangles, places) =
+        (polygons.triangles(&positions), polygons.corner_triangles(&positions));
     if triangles.is_empty() {
         return Err(FileError { file: path.to_owned(), error: ObjError::NoFaces.into() });
     }
-    let uv = |corner: &Corner| (corner.vertex, corner.texture.map(|place| texture[place]));
-    let uv = uv_of_vertices(positions.len(), corners.iter().map(uv));
-    Ok(Mesh { positions, triangles, uv })
+    let uv = |corner: &Corner| corner.texture.map(|place| texture[place]).unwrap_or_default();
+    let normal = |corner: &Corner| corner.normal.map(|place| normals[place]).unwrap_or_default();
+    let corners = Corners {
+        vertices: polygons.corners().to_vec(),
+        normals: (!normals.is_empty()).then(|| corners.iter().map(normal).collect()),
+        tangents: None,
+        uv: (!texture.is_empty()).then(|| corners.iter().map(uv).collect()),
+    };
+    let (engine, _) = corners.engine_mesh(&positions, &places);
+    let engine = (!engine.is_plain()).then_some(engine);
+    Ok(Mesh { positions, triangles, engine })
 }
 
 /// What an OBJ file holds.
@@ -34,12 +44,14 @@ pub(in crate::formats) struct Parsed {
     /// The corners of the polygons, one after another.
     corners: Vec<Corner>,
     texture: Vec<[f64; 2]>,
+    normals: Vec<[f64; 3]>,
 }
 
 /// What a face names at a corner, from 0 on.
 struct Corner {
     vertex: usize,
     texture: Option<usize>,
+    normal: Option<usize>,
 }
 
 /// Reads a file without splitting its polygons.
@@ -50,13 +62,14 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Parsed, FileError> {
         .map_err(|error| FileError { file: path.to_owned(), error })
 }
 
-/// Reads vertices, texture coordinates and faces. What else a file holds says nothing of its shape.
+/// Reads vertices, texture coordinates, normals and faces. What else a file holds says nothing of its shape.
 ///
 /// No crate does: tobj numbers vertices by their first use, which loses the order that shapes have in
 /// common; obj loses the faces between some `g` and `o` lines and panics on some names in them.
 pub(super) fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
     let mut positions = Vec::new();
     let mut texture = Vec::new();
+    let mut normals = Vec::new();
     let mut corners = Vec::new();
     let mut polygons = Polygons::default();
     for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
@@ -64,11 +77,13 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
         let read = match words.next() {
             Some("v") => numbers(&mut words).map(|position| positions.push(position)),
             Some("vt") => numbers(&mut words).map(|uv| texture.push(uv)),
+            Some("vn") => numbers(&mut words).map(|normal| normals.push(normal)),
             Some("f") => {
                 let begin = corners.len();
                 words
                     .try_for_each(|word| {
-                        corners.push(Corner::parse(word, positions.len(), texture.len())?);
+                        let len = [positions.len(), texture.len(), normals.len()];
+                        corners.push(Corner::parse(word, len)?);
                         Some(())
                     })
                     .map(|()| polygons.push(corners[begin..].iter().map(|corner| corner.vertex)))
@@ -91,22 +106,25 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
             if corner.texture.is_some_and(|place| place >= texture.len()) {
                 return Err(absent("texture coordinate", texture.len()));
             }
+            if corner.normal.is_some_and(|place| place >= normals.len()) {
+                return Err(absent("normal", normals.len()));
+            }
         }
     }
-    Ok(Parsed { positions, polygons, corners, texture })
+    Ok(Parsed { positions, polygons, corners, texture, normals })
 }
 
 impl Corner {
     /// Reads `vertex`, `vertex/texture`, `vertex/texture/normal` or `vertex//normal`, of which a number
     /// below 0 counts back from those there are so far.
-    fn parse(word: &str, vertex_len: usize, texture_len: usize) -> Option<Self> {
+    fn parse(word: &str, [vertex_len, texture_len, normal_len]: [usize; 3]) -> Option<Self> {
         let mut parts = word.split('/');
         let vertex = place(parts.next()?, vertex_len)?;
-        let texture = match parts.next() {
-            None | Some("") => None,
-            Some(part) => Some(place(part, texture_len)?),
+        let mut named = |len| match parts.next() {
+            None | Some("") => Some(None),
+            Some(part) => place(part, len).map(Some),
         };
-        Some(Self { vertex, texture })
+        Some(Self { vertex, texture: named(texture_len)?, normal: named(normal_len)? })
     }
 }
 

@@ -39,17 +39,42 @@ fn vertices_keep_their_order_and_numbers_count_from_either_end() {
     let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.125]];
     assert_eq!(mesh.positions, positions);
     assert_eq!(mesh.triangles, [[3, 1, 0], [3, 2, 1]]);
-    assert_eq!(mesh.uv, None, "the second face has none");
+    let engine = mesh.engine.unwrap();
+    assert_eq!(engine.copy_of, [0, 1, 2, 3, 3]);
+    assert_eq!(engine.triangles, [[3, 1, 0], [4, 2, 1]]);
+    let none = [0.0; 2];
+    let uv = vec![none, none, none, [0.5, 0.25], none];
+    assert_eq!(engine.uv, Some(uv), "the second face has none");
+    assert_eq!(engine.normals, Some(vec![[0.0, 0.0, 1.0]; 5]));
 }
 
 #[test]
-fn texture_coordinates_are_kept_where_there_is_no_seam() {
+fn a_seam_splits_the_engine_s_vertices_alone() {
     let whole = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\nvt 1 0\n";
     let uv = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
     let faces = "f 1/1 2/2 3/3\nf 2/5 4/4 3/3\n";
-    assert_eq!(mesh(&format!("{whole}{faces}")).unwrap().uv, Some(uv));
+    let engine = mesh(&format!("{whole}{faces}")).unwrap().engine.unwrap();
+    assert!(engine.is_one_each());
+    assert_eq!(engine.uv, Some(uv));
     let seam = "f 1/1 2/2 3/3\nf 2/4 4/4 3/3\n";
-    assert_eq!(mesh(&format!("{whole}{seam}")).unwrap().uv, None);
+    let mesh = mesh(&format!("{whole}{seam}")).unwrap();
+    assert_eq!((mesh.positions.len(), &mesh.triangles[..]), (4, &[[0, 1, 2], [1, 3, 2]][..]));
+    let engine = mesh.engine.unwrap();
+    assert_eq!(engine.copy_of, [0, 1, 1, 2, 3]);
+    assert_eq!(engine.triangles, [[0, 1, 3], [2, 4, 3]]);
+    assert_eq!(engine.uv.unwrap()[1..3], [[1.0, 0.0], [1.0, 1.0]]);
+}
+
+#[test]
+fn normals_by_corner_keep_edges_hard() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 -2\nvn 0 -1 0\nvn 0 0 0\n\
+                f 1//1 3//1 2//1\nf 1//2 2//2 4//3\n";
+    let engine = mesh(text).unwrap().engine.unwrap();
+    assert_eq!(engine.copy_of, [0, 0, 1, 1, 2, 3]);
+    assert_eq!(engine.triangles, [[0, 4, 2], [1, 3, 5]]);
+    let (down, back) = ([0.0, 0.0, -1.0], [0.0, -1.0, 0.0]);
+    // The last has no direction: it has that of its face.
+    assert_eq!(engine.normals.unwrap(), [down, back, down, back, down, back]);
 }
 
 #[test]
@@ -71,7 +96,7 @@ fn a_comment_in_another_encoding_does_no_harm() {
 #[test]
 fn bad_lines_are_named() {
     let line = |line: usize, text: &str| {
-        format!("line {line} is no vertex, texture coordinate or face of numbers: {text}")
+        format!("line {line} is no vertex, texture coordinate, normal or face of numbers: {text}")
     };
     for bad in [
         "v 0 0",
@@ -79,6 +104,9 @@ fn bad_lines_are_named() {
         "v",
         "vt 0",
         "vt a b",
+        "vn 0 1",
+        "vn 0 nan 1",
+        "f 1//x 2 3",
         "f a b c",
         "f 0 1 2",
         "f 1 2 /3",
@@ -103,6 +131,8 @@ fn faces_that_name_what_is_not_there_are_named() {
     }
     let expected = "face 3 names a texture coordinate that is none of the 2 there are";
     refused(&format!("{SQUARE}f 1/1 2/3 3/1\n"), expected);
+    let expected = "face 3 names a normal that is none of the 1 there are";
+    refused(&format!("{SQUARE}f 1//1 2//2 3//1\n"), expected);
 }
 
 #[test]

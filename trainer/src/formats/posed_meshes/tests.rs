@@ -203,7 +203,7 @@ fn every_mesh_must_have_the_vertices_and_faces_of_the_first() {
     folder.write("p3.obj", "v 1\n");
     assert!(read(&files[2]).unwrap_err().file.ends_with("p2.obj"));
     folder.write("p2.obj", shape(2));
-    let expected = "line 1 is no vertex, texture coordinate or face of numbers: v 1";
+    let expected = "line 1 is no vertex, texture coordinate, normal or face of numbers: v 1";
     refused(&files[0], &files[2], expected);
 }
 

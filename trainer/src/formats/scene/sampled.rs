@@ -2,6 +2,7 @@
 
 use super::clip::Clip;
 use crate::formats::warning::FormatWarning;
+use crate::mesh::EngineMesh;
 use nalgebra::Matrix4;
 use sinew_runtime::format::Space;
 use std::ops::Range;
@@ -12,8 +13,8 @@ pub(crate) struct SampledScene {
     pub(crate) rest: Vec<[f64; 3]>,
     /// Vertex numbers of each triangle.
     pub(crate) triangles: Vec<[usize; 3]>,
-    /// Texture coordinates, one per vertex, where the file has them so.
-    pub(crate) uv: Option<Vec<[f64; 2]>>,
+    /// The vertices that an engine draws it with, where corners of one differ or anything is authored.
+    pub(crate) engine: Option<EngineMesh>,
     /// The meshes that were joined, by name; none where there is one.
     pub(crate) ranges: Vec<(String, Range<usize>)>,
     /// Axes and unit of the scene.

@@ -153,7 +153,8 @@ pub(super) fn palette(
     let mut row = Vec::new();
     let mut told = String::new();
     for (number, model) in comparison.models().enumerate() {
-        let (name, alone) = (model.file.name, follow_joints(&model.character));
+        let (name, alone) =
+            (model.file.name, follow_joints(&model.character, comparison.source.examples));
         let (rigid, what) = match (&alone, near_rigid.filter(|_| number == 0)) {
             (Some(alone), _) => (Some(alone.as_slice()), "follow joints alone"),
             (None, given) => (given, "are near-rigid: the reconstruction holds them at LBS"),

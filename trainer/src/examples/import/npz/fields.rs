@@ -4,25 +4,38 @@ use crate::examples::validate::same;
 use crate::examples::{ExamplesError, Split};
 use crate::formats::npz::Archive;
 
-/// Reads the faces, triangles and quads.
-pub(super) fn read_triangles(
+/// Names of the arrays of faces: quads, then triangles.
+pub(super) const FACES: [&str; 2] = ["quads", "tris"];
+
+/// Faces as triangles.
+pub(super) struct Faces {
+    /// What the corners of each name; quads come first, as their corners 0 1 2 and 0 2 3.
+    pub(super) triangles: Vec<[usize; 3]>,
+    /// How many quads and triangles there are, where there is an array of them.
+    pub(super) counts: [Option<usize>; 2],
+}
+
+/// Reads faces whose corners name one of so many things; `None` where neither array is there.
+pub(super) fn read_faces(
     archive: &mut Archive,
-    vertex_len: usize,
-) -> Result<Option<Vec<[usize; 3]>>, ExamplesError> {
-    let quads = archive.rows::<i64, 4>("quads", &[4])?;
-    let tris = archive.rows::<i64, 3>("tris", &[3])?;
-    if quads.is_none() && tris.is_none() {
+    [quads, tris]: [&'static str; 2],
+    len: usize,
+) -> Result<Option<Faces>, ExamplesError> {
+    let of_quads = archive.rows::<i64, 4>(quads, &[4])?.map(|rows| rows.data);
+    let of_tris = archive.rows::<i64, 3>(tris, &[3])?.map(|rows| rows.data);
+    let counts = [of_quads.as_ref().map(Vec::len), of_tris.as_ref().map(Vec::len)];
+    if counts == [None, None] {
         return Ok(None);
     }
     let mut triangles = Vec::new();
-    for (face, quad) in quads.iter().flat_map(|quads| &quads.data).enumerate() {
-        let [a, b, c, d] = corners("quads", face, quad, vertex_len)?;
+    for (face, quad) in of_quads.iter().flatten().enumerate() {
+        let [a, b, c, d] = corners(quads, face, quad, len)?;
         triangles.extend([[a, b, c], [a, c, d]]);
     }
-    for (face, triangle) in tris.iter().flat_map(|tris| &tris.data).enumerate() {
-        triangles.push(corners("tris", face, triangle, vertex_len)?);
+    for (face, triangle) in of_tris.iter().flatten().enumerate() {
+        triangles.push(corners(tris, face, triangle, len)?);
     }
-    Ok(Some(triangles))
+    Ok(Some(Faces { triangles, counts }))
 }
 
 fn corners<const K: usize>(

@@ -9,7 +9,8 @@
 //! | `bone_names`, `bone_parents` | J | unless the JSON has them; parent -1 is a root |
 //! | `split` | N | optional: 0 train, 1 held out, 2 extreme; all train without it |
 //! | `joint_world_rest` | J, 4, 4 | optional: rest frames of the joints |
-//! | `uv` | V, 2 | optional; v grows upward |
+//! | `uv` | U, 2 | optional texture coordinates, v upward; V of them without the next |
+//! | `quads_uv`, `tris_uv` | as `quads`, `tris` | optional; which `uv` each corner has; also `uv_quads`, `uv_tris` |
 //!
 //! The JSON may hold `bone_names`, `bone_parents` (numbers or names), and `joint_rest_positions`
 //! (name to x y z), which serves where there is no `joint_world_rest`. It is read first; anything
@@ -19,6 +20,7 @@ mod fields;
 mod posed_meshes;
 mod save;
 mod sidecar;
+mod texture;
 
 use sinew_runtime::format::Space;
 use std::path::Path;
@@ -26,8 +28,9 @@ use std::path::Path;
 pub(super) use posed_meshes::read_posed_meshes;
 pub use save::save_npz;
 
-use self::fields::{read_split, read_triangles};
+use self::fields::{FACES, read_faces, read_split};
 use self::sidecar::{Parent, Sidecar};
+use self::texture::read_texture;
 use super::loaded::Loaded;
 use super::{origins, roots};
 use crate::examples::validate::{REPAIRABLE, same};
@@ -35,7 +38,7 @@ use crate::examples::{
     Clip, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
 };
 use crate::formats::npz::{Archive, Rows};
-use crate::formats::{ArrayError, FormatError, FormatWarning};
+use crate::formats::{ArrayError, FormatError};
 
 /// Reads examples from `path` and the JSON of the same name beside it, if there is one.
 ///
@@ -62,8 +65,9 @@ fn read(
     sidecar: &Sidecar,
 ) -> Result<(Examples, Vec<Warning>), ExamplesError> {
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
-    let triangles =
-        read_triangles(&mut archive, rest.len())?.ok_or_else(|| missing("quads or tris"))?;
+    let faces = read_faces(&mut archive, FACES, rest.len())?;
+    let faces = faces.ok_or_else(|| missing("quads or tris"))?;
+    let engine = read_texture(&mut archive, &rest, &faces)?;
 
     let Rows { lead, data: vertices } = archive.required::<f64, 3>("vertices", &[0, 3])?;
     let (frame_len, posed_len) = (lead[0], lead[1]);
@@ -85,12 +89,6 @@ fn read(
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
     let transforms = affine("bone_transforms", &matrices, Some(&split), &names)?;
     drop(matrices);
-    let uv = archive.rows::<f64, 2>("uv", &[2])?.map(|uv| uv.data);
-    let (uv_len, vertex_len) = (uv.as_ref().map_or(0, Vec::len), rest.len());
-    let uv = uv.filter(|_| uv_len == vertex_len);
-    if uv.is_none() && uv_len != 0 {
-        warnings.push(FormatWarning::UvIgnored { uv_len, vertex_len }.into());
-    }
 
     let identity = translation([0.0; 3]);
     let rest_frames = match &frames {
@@ -100,8 +98,8 @@ fn read(
     let skeleton = Skeleton { names, parents, rest: rest_frames };
     let mut examples = Examples {
         rest,
-        triangles,
-        uv,
+        triangles: faces.triangles,
+        engine,
         skeleton,
         vertices,
         transforms,

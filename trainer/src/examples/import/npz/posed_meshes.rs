@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::fields::{read_split, read_triangles};
+use super::fields::{FACES, read_faces, read_split};
 use crate::examples::validate::same;
 use crate::examples::{ExamplesError, Split};
 use crate::formats::npz::{Archive, Rows};
@@ -19,7 +19,8 @@ pub(in crate::examples::import) fn read_posed_meshes(
     if let Some(rest) = &rest {
         same("vertices", "rest", rest.len(), "vertices", vertex_len)?;
     }
-    let triangles = read_triangles(&mut archive, vertex_len)?;
+    let faces = read_faces(&mut archive, FACES, vertex_len)?;
+    let triangles = faces.map(|faces| faces.triangles);
     let split = read_split(&mut archive, frame_len)?;
     Ok((PosedMeshes { vertex_len, vertices, rest, triangles }, split))
 }

@@ -10,7 +10,7 @@ use crate::files::PendingFile;
 use crate::formats::FormatError;
 use crate::formats::npz::Writer;
 
-/// Writes examples to `path`, whole in double precision, and names and parents also to the JSON of
+/// Writes examples to `path`, in double precision, all but authored normals and tangents, and names and parents also to the JSON of
 /// the same name. Each file is written beside its place and moved there when complete, the JSON
 /// first. The same examples give the same bytes.
 ///
@@ -46,8 +46,15 @@ fn write(file: &mut File, examples: &Examples) -> io::Result<()> {
     archive.numbers("rest", &[v, 3], examples.rest.as_flattened().iter().copied())?;
     let corners = examples.triangles.as_flattened().iter().map(|&vertex| vertex as i64);
     archive.numbers("tris", &[t, 3], corners)?;
-    if let Some(uv) = &examples.uv {
-        archive.numbers("uv", &[v, 2], uv.as_flattened().iter().copied())?;
+    if let Some(engine) = &examples.engine
+        && let Some(uv) = &engine.uv
+    {
+        let len = uv.len() as u64;
+        archive.numbers("uv", &[len, 2], uv.as_flattened().iter().copied())?;
+        if !engine.is_one_each() {
+            let corners = engine.triangles.as_flattened().iter().map(|&corner| corner as i64);
+            archive.numbers("tris_uv", &[t, 3], corners)?;
+        }
     }
     let parents = skeleton.parents.iter().map(|&parent| parent_number(parent));
     archive.numbers("bone_parents", &[j], parents)?;

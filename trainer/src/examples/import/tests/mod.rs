@@ -1,4 +1,5 @@
 //! Scenes and posed meshes, joined.
 
+mod matched;
 mod scene;
 mod targets;

@@ -39,7 +39,7 @@ fn limb() -> (SampledScene, Vec<[f64; 3]>) {
     let scene = SampledScene {
         rest,
         triangles: vec![[0, 1, 2]],
-        uv: None,
+        engine: None,
         ranges: Vec::new(),
         space: Space::default(),
         names: vec!["upper".into(), "lower".into()],

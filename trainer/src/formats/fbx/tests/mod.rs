@@ -96,7 +96,7 @@ fn a_skinned_mesh_is_read_with_its_joints_and_frames() {
     assert_eq!(rig.parents, [None, Some(0)]);
     near(&rig.rest, &ARM);
     assert_eq!(rig.triangles, [[0, 1, 3], [0, 3, 4], [1, 2, 3]]);
-    assert_eq!((&rig.uv, rig.morphs, &rig.warnings[..]), (&None, false, &[][..]));
+    assert_eq!((&rig.engine, rig.morphs, &rig.warnings[..]), (&None, false, &[][..]));
     let origin = |frame: &Matrix4<f64>| [frame.m14, frame.m24, frame.m34];
     let origins = |frames: &[Matrix4<f64>]| frames.iter().map(origin).collect::<Vec<_>>();
     near(&origins(&rig.binds), &[[0.0; 3], [1.0, 0.0, 0.0]]);
@@ -281,7 +281,7 @@ fn without_a_skin_bones_and_a_mesh_in_its_place_are_enough() {
 }
 
 #[test]
-fn texture_coordinates_are_kept_where_there_is_no_seam() {
+fn a_seam_splits_the_engine_s_vertices_alone() {
     let texture = |indices: &str| {
         format!(
             "LayerElementUV: 0 {{\nMappingInformationType: \"ByPolygonVertex\"\n\
@@ -297,11 +297,42 @@ fn texture_coordinates_are_kept_where_there_is_no_seam() {
         arm.bind(mesh, "Linear");
         arm.rig()
     };
-    let uv = vec![[0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [1.0, 1.0], [0.0, 1.0]];
-    assert_eq!(with("0,1,2,3,1,4,2").uv, Some(uv));
-    let seam = with("0,1,2,3,1,4,5");
-    assert_eq!(seam.uv, None);
-    assert_eq!(seam.warnings[1..], [FormatWarning::UvIgnored { uv_len: 6, vertex_len: 5 }]);
+    let uv = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 2.0], [1.0, 1.0], [0.0, 1.0]];
+    let whole = with("0,1,2,3,1,5,2").engine.unwrap();
+    assert!(whole.is_one_each());
+    assert_eq!(whole.uv, Some(uv));
+    let seam = with("0,1,2,3,1,5,4");
+    assert_eq!((seam.rest.len(), seam.warnings.len()), (5, 1));
+    let engine = seam.engine.unwrap();
+    assert_eq!(engine.copy_of, [0, 1, 2, 3, 3, 4]);
+    assert_eq!(engine.triangles, [[0, 1, 3], [0, 3, 5], [1, 2, 4]]);
+    assert_eq!(engine.uv.unwrap()[3..5], [[1.0, 1.0], [0.5, 0.5]]);
+}
+
+/// Normals of one size a corner; the triangle's lean, and the last of them has no direction.
+#[test]
+fn normals_by_corner_go_where_the_mesh_is_bound() {
+    let (up, lean) = ("0,0,2", "0.6,0,0.8");
+    let normals = format!(
+        "LayerElementNormal: 0 {{\nMappingInformationType: \"ByPolygonVertex\"\n\
+         ReferenceInformationType: \"Direct\"\nNormals: *21 {{\na: {up},{up},{up},{up},{lean},{lean},0,0,0\n}}\n}}\n\
+         Layer: 0 {{\nLayerElement: {{\nType: \"LayerElementNormal\"\nTypedIndex: 0\n}}\n}}\n"
+    );
+    let mut scene = Scene::default();
+    let tip = scene.node("tip", "LimbNode", 0, &[]);
+    // Mirrored and stretched along x: a normal's part along x shrinks.
+    let node = scene.node("mirrored", "Mesh", 0, &[("Lcl Scaling", [-2.0, 1.0, 1.0])]);
+    scene.mesh(node, &ARM, &FACES, &normals);
+    let layer = scene.animation("bend");
+    scene.keys(layer, tip, "Lcl Rotation", "d|Z", &[(1, 0.0), (2, 90.0)]);
+    let rig = parse(scene.text().as_bytes(), &KEYS).unwrap();
+    assert_eq!(rig.warnings, [FormatWarning::NormalsRepaired { count: 1 }]);
+    let engine = rig.engine.unwrap();
+    assert_eq!(engine.copy_of, [0, 1, 1, 2, 3, 4]);
+    assert_eq!(engine.triangles, [[0, 4, 1], [0, 5, 4], [2, 4, 3]]);
+    let leaning = nalgebra::Vector3::new(-0.3, 0.0, 0.8).normalize().into();
+    let up = [0.0, 0.0, 1.0];
+    near(&engine.normals.unwrap(), &[up, up, leaning, leaning, up, up]);
 }
 
 #[test]

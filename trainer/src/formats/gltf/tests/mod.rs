@@ -25,14 +25,19 @@ fn the_fox_runs() {
     let Some(fox) = shared("gltf-loader/Fox.glb") else { return };
     let Loaded { examples, clips, warnings } = load(&Source::file(&fox)).unwrap();
     let counts = [examples.vertex_len(), examples.triangles.len(), examples.joint_len()];
-    assert_eq!(counts, [1728, 576, 24]);
+    assert_eq!(counts, [290, 576, 24]);
     let clips: Vec<_> = clips.iter().map(|c| (c.name.as_str(), c.first, c.times.len())).collect();
     assert_eq!(clips, [("Survey", 0, 83), ("Walk", 83, 18), ("Run", 101, 25)]);
     assert_eq!(warnings, [Warning::PlainSkin]);
     assert_eq!(examples.skeleton.names[2], "b_Hip_01");
-    assert_eq!(examples.uv.as_ref().map(Vec::len), Some(1728));
-    near(examples.frame(40)[17], [15.320872317, 55.945745005, 48.748890049], 1e-6);
-    near(examples.frame(101 + 7)[1000], [7.038239042, 38.832917685, 44.744594341], 1e-6);
+    let engine = examples.engine.as_ref().unwrap();
+    assert_eq!(engine.uv.as_ref().map(Vec::len), Some(1728));
+    near(examples.frame(40)[engine.copy_of[17]], [15.320872317, 55.945745005, 48.748890049], 1e-6);
+    near(
+        examples.frame(101 + 7)[engine.copy_of[1000]],
+        [7.038239042, 38.832917685, 44.744594341],
+        1e-6,
+    );
     let run = Source { clip: Some("Run"), fps: Some(60.0), ..Source::file(&fox) };
     assert_eq!(load(&run).unwrap().examples.frame_len(), 70);
 }
@@ -181,8 +186,79 @@ fn texture_coordinates_grow_upward() {
     let mut made = Made::scene();
     let uv = made.floats(&[[0.25, 0.0], [0.5, 0.25], [0.0, 1.0]]);
     made.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(uv);
-    let uv = loaded(&made, "uv").examples.uv.unwrap();
+    let uv = loaded(&made, "uv").examples.engine.unwrap().uv.unwrap();
     assert_eq!(uv, [[0.25, 1.0], [0.5, 0.75], [0.0, 0.0]]);
+}
+
+/// The scene's triangle, and a second one on its edge from 1 to 2, with vertices of its own there.
+fn seamed() -> (Made, usize) {
+    let mut made = Made::scene();
+    let edge = [[3.0, 0.0, 0.0], [2.0, 1.0, 0.0]];
+    let first = [[1.0, 0.0, 0.0], edge[0], edge[1]];
+    let positions = made.floats(&[first, [edge[1], edge[0], [3.0, 1.0, 0.0]]].concat());
+    let up = [0.0, 0.0, 1.0];
+    let raised = made.floats(&[[0.0; 3], up, [0.0; 3], [0.0; 3], up, [0.0; 3]]);
+    let joints = made.bytes(&[[0, 1, 0, 0]; 6]);
+    let both = [0.5, 0.5, 0.0, 0.0];
+    let (upper, lower) = ([1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]);
+    let weights = made.floats(&[upper, lower, both, both, lower, lower]);
+    let primitive = &mut made.json["meshes"][0]["primitives"][0];
+    primitive["attributes"] =
+        json!({ "POSITION": positions, "JOINTS_0": joints, "WEIGHTS_0": weights });
+    primitive["targets"] = json!([{ "POSITION": raised }]);
+    (made, raised)
+}
+
+#[test]
+fn vertices_of_one_place_are_copies_of_one_in_the_file_s_order() {
+    let (made, _) = seamed();
+    let Loaded { examples, .. } = loaded(&made, "welded");
+    assert_eq!((examples.vertex_len(), &examples.triangles[..]), (4, &[[0, 1, 2], [2, 1, 3]][..]));
+    assert_eq!(examples.rest[3], [3.0, 1.0, 0.0]);
+    let engine = examples.engine.as_ref().unwrap();
+    assert_eq!(engine.copy_of, [0, 1, 2, 2, 1, 3]);
+    assert_eq!(engine.triangles, [[0, 1, 2], [3, 4, 5]]);
+    // Nothing shades along the seam.
+    assert_eq!(examples.surface().normals(), [[0.0, 0.0, 1.0]; 6]);
+    let plain = loaded(&Made::scene(), "not-welded").examples;
+    assert!(plain.engine.is_none());
+}
+
+#[test]
+fn vertices_that_move_apart_are_not_one() {
+    let (mut made, _) = seamed();
+    let raised = made.floats(&[[0.0_f32; 3]; 6]);
+    made.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": made.json["meshes"][0]["primitives"][0]["targets"][0]["POSITION"] }, { "POSITION": raised }]);
+    made.json["meshes"][0]["weights"] = json!([0.0, 0.0]);
+    assert_eq!(loaded(&made, "morphs-alike").examples.vertex_len(), 4);
+    let mut apart = [[0.0_f32; 3]; 6];
+    apart[3] = [0.0, 0.0, 1.0];
+    let apart = made.floats(&apart);
+    made.json["meshes"][0]["primitives"][0]["targets"][1] = json!({ "POSITION": apart });
+    assert_eq!(loaded(&made, "morphs-apart").examples.vertex_len(), 5);
+}
+
+#[test]
+fn authored_directions_are_read_and_repaired() {
+    let (mut made, _) = seamed();
+    let lean = [0.6, 0.0, 0.8];
+    let up = [0.0, 0.0, 1.0];
+    let normals = made.floats(&[up, up, up, [f32::NAN, 0.0, 1.0], lean, lean]);
+    let tangents = made.floats(&[[1.0, 0.0, 0.0, -1.0]; 6]);
+    let attributes = &mut made.json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["NORMAL"] = json!(normals);
+    attributes["TANGENT"] = json!(tangents);
+    let Loaded { examples, warnings, .. } = loaded(&made, "authored");
+    assert!(warnings.contains(&FormatWarning::NormalsRepaired { count: 1 }.into()));
+    let engine = examples.engine.unwrap();
+    assert_eq!(engine.tangents.unwrap(), [[1.0, 0.0, 0.0, -1.0]; 6]);
+    for (found, expected) in engine.normals.unwrap().into_iter().zip([up, up, up, up, lean, lean]) {
+        near(found, expected.map(f64::from), 1e-7);
+    }
+    let few = made.floats(&[up; 5]);
+    made.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(few);
+    let error = load(&Source::file(&made.write("few-normals"))).unwrap_err().to_string();
+    assert!(error.contains("mesh body") && error.contains("normals"), "{error}");
 }
 
 #[test]

@@ -269,3 +269,24 @@ fn a_shape_beyond_the_bytes_is_refused() {
     let fault = load(&folder.npz()).unwrap_err().error;
     assert!(fault.to_string().contains("asks for more than its 128 bytes"), "{fault}");
 }
+
+#[test]
+fn texture_coordinates_that_fit_no_corner_name_the_array() {
+    let with = |array: &'static str, shape: &[u64], numbers: &[i64]| {
+        let mut set = seamed(["quads_uv", "tris_uv"]);
+        set.wholes.insert(array, (shape.to_vec(), numbers.to_vec()));
+        set.fault("uv-fault").to_string()
+    };
+    let two = [0, 1, 2, 3, 0, 1, 2, 3];
+    assert_eq!(with("quads_uv", &[2, 4], &two), "quads has 1 faces, quads_uv has 2");
+    assert_eq!(with("tris_uv", &[0, 3], &[]), "tris has 1 faces, tris_uv has 0");
+    assert_eq!(with("tris_uv", &[1, 3], &[4, 7, 5]), "tris_uv 0 names vertex 7 of 7");
+    assert_eq!(with("quads_uv", &[1, 4], &[0, -1, 2, 3]), "quads_uv 0 names vertex -1 of 7");
+    let fault = with("quads_uv", &[1, 3], &[0, 1, 2]);
+    assert!(fault.contains("quads_uv"), "{fault}");
+    let mut set = seamed(["quads_uv", "tris_uv"]);
+    set.wholes.remove("quads_uv");
+    assert_eq!(set.fault("uv-half").to_string(), "quads has 1 faces, quads_uv has 0");
+    set.wholes.remove("tris_uv");
+    assert_eq!(set.fault("uv-none").to_string(), "rest has 5 vertices, uv has 7");
+}

@@ -13,6 +13,7 @@ use super::*;
 use crate::examples::testing::{IDENTITY, triangle};
 use crate::formats::npz::Writer;
 use crate::formats::testing::Folder;
+use crate::mesh::EngineMesh;
 
 mod faults;
 mod real;
@@ -138,7 +139,7 @@ fn what_is_saved_loads_the_same_with_and_without_the_json() {
     saved.transforms[3] = [[0.0, -1.0, 0.0, 0.1], [1.0, 0.0, 0.0, 0.2], [0.0, 0.0, 1.0, 0.3]];
     saved.skeleton.rest[1][2][3] = 0.7;
     saved.split = vec![Split::Extreme, Split::Train, Split::HeldOut];
-    saved.uv = Some(vec![[0.25, 0.5]; 3]);
+    saved.engine = Some(EngineMesh::of_vertices(&saved.rest, &saved.triangles, &[[0.25, 0.5]; 3]));
     save_npz(&folder.npz(), &saved).unwrap();
     let first = std::fs::read(folder.npz()).unwrap();
     for _ in 0..2 {
@@ -249,11 +250,50 @@ fn noise_in_held_out_frames_loads() {
     assert!(loaded.examples.check_rigid_in(&[0, 1]).is_ok());
 }
 
-#[test]
-fn uv_per_corner_is_ignored_and_said() {
+/// The good set with a seam along the edge from 1 to 2, of the quad and of the triangle.
+fn seamed(names: [&'static str; 2]) -> Set {
     let mut set = Set::good();
-    set.reals.insert("uv", (vec![7, 2], vec![0.0; 14]));
-    let loaded = set.load("uv").unwrap();
-    assert!(loaded.examples.uv.is_none());
-    assert_eq!(loaded.warnings, [FormatWarning::UvIgnored { uv_len: 7, vertex_len: 5 }.into()]);
+    let uv =
+        [[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0], [0.75, 0.5], [1.0, 0.5], [0.75, 0.25]];
+    set.reals.insert("uv", (vec![7, 2], uv.as_flattened().to_vec()));
+    set.wholes.insert(names[0], (vec![1, 4], vec![0, 1, 2, 3]));
+    set.wholes.insert(names[1], (vec![1, 3], vec![4, 5, 6]));
+    set
+}
+
+#[test]
+fn uv_by_corner_makes_the_engine_s_vertices() {
+    for names in [["quads_uv", "tris_uv"], ["uv_quads", "uv_tris"]] {
+        let Loaded { examples, warnings, .. } = seamed(names).load("uv-corners").unwrap();
+        assert_eq!(warnings, []);
+        assert_eq!(examples.triangles, [[0, 1, 2], [0, 2, 3], [1, 4, 2]]);
+        let engine = examples.engine.unwrap();
+        // By vertex, then by first use.
+        assert_eq!(engine.copy_of, [0, 1, 1, 2, 2, 3, 4]);
+        assert_eq!(engine.triangles, [[0, 1, 3], [0, 3, 5], [2, 6, 4]]);
+        let uv = engine.uv.unwrap();
+        assert_eq!(
+            [uv[1], uv[2], uv[4], uv[6]],
+            [[0.5, 0.0], [0.75, 0.5], [0.75, 0.25], [1.0, 0.5]]
+        );
+        assert!(engine.normals.is_none() && engine.tangents.is_some());
+    }
+}
+
+#[test]
+fn seams_are_saved_and_load_the_same() {
+    let folder = Folder::new("seams");
+    let saved = seamed(["quads_uv", "tris_uv"]).load("seams-first").unwrap().examples;
+    save_npz(&folder.npz(), &saved).unwrap();
+    let loaded = load(&folder.npz()).unwrap().examples;
+    assert_eq!(loaded.engine, saved.engine);
+}
+
+#[test]
+fn corners_that_agree_are_the_vertices() {
+    let mut set = seamed(["quads_uv", "tris_uv"]);
+    set.wholes.insert("tris_uv", (vec![1, 3], vec![1, 4, 2]));
+    let engine = set.load("uv-agree").unwrap().examples.engine.unwrap();
+    assert!(engine.is_one_each());
+    assert_eq!(engine.triangles, [[0, 1, 2], [0, 2, 3], [1, 4, 2]]);
 }

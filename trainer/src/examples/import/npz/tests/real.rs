@@ -35,7 +35,7 @@ fn dem_bones_loads() {
 
 #[test]
 fn mpfb_arm_loads_and_its_origins_can_be_found_again() {
-    let Some(Loaded { mut examples, warnings, .. }) = shared("mpfb-arm/mpfb_arm.npz") else {
+    let Some(Loaded { examples, warnings, .. }) = shared("mpfb-arm/mpfb_arm.npz") else {
         return;
     };
     assert_eq!(counts(&examples), [264, 899, 1666, 5, 180, 70, 14]);
@@ -62,16 +62,22 @@ fn mpfb_arm_loads_and_its_origins_can_be_found_again() {
             "joint {joint}: {worst}, given {given:?}, found {found:?}"
         );
     }
-    examples.uv = None;
-    assert!(examples.rest_tangents().is_none());
+    assert!(examples.engine.is_none() && examples.surface().tangents().is_none());
 }
 
 #[test]
 fn mpfb_body_loads() {
     let Some(Loaded { examples, warnings, .. }) = shared("mpfb-body/mpfb_body.npz") else { return };
     assert_eq!(counts(&examples), [220, 13380, 26756, 53, 160, 60, 0]);
-    assert_eq!(warnings, [FormatWarning::UvIgnored { uv_len: 14517, vertex_len: 13380 }.into()]);
-    assert!(examples.uv.is_none());
-    let normals = examples.rest_normals();
+    assert_eq!(warnings, []);
+    // As many as the file has coordinates that a corner names.
+    let engine = examples.engine.as_ref().unwrap();
+    assert_eq!(engine.copy_of.len(), 14517);
+    let normals = examples.surface().normals();
+    // Nothing shades along a seam.
+    for (copy, &vertex) in engine.copy_of.iter().enumerate().skip(1) {
+        let beside = engine.copy_of[copy - 1] == vertex;
+        assert!(!beside || normals[copy - 1] == normals[copy]);
+    }
     assert!(normals.iter().all(|n| (n.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-12));
 }

@@ -1,0 +1,78 @@
+//! Authored normals that are not those of the faces.
+
+use super::fan::Fan;
+use crate::numeric::frame;
+use nalgebra::{Matrix3, Vector3};
+
+/// How a frame t, b = n x t of a vertex leans against the surface around it at rest.
+pub(super) struct Lean {
+    /// Axes of the surface's plane.
+    pub(super) plane: [Vector3<f64>; 2],
+    /// t and b along these and along the surface's normal.
+    axes: [Vector3<f64>; 2],
+}
+
+impl Lean {
+    /// Measures a frame against the faces of a vertex; `None` where they have no area at rest.
+    pub(super) fn new(
+        fan: &Fan,
+        at_rest: impl Fn(usize) -> Vector3<f64>,
+        frame: &[Vector3<f64>; 2],
+    ) -> Option<Self> {
+        let normal = fan.normal(at_rest).try_normalize(0.0)?;
+        let along = frame::tangent(&normal);
+        let plane = [along, normal.cross(&along)];
+        let surface = Matrix3::from_columns(&[plane[0], plane[1], normal]).transpose();
+        Some(Self { plane, axes: frame.map(|axis| surface * axis) })
+    }
+
+    /// Gives the images of t and b under the map that takes the plane's axes and the surface's unit normal to these.
+    /// Their cross product is what the map's cofactors make of n.
+    pub(super) fn images(
+        &self,
+        [u, v]: [Vector3<f64>; 2],
+        normal: Vector3<f64>,
+    ) -> [Vector3<f64>; 2] {
+        self.axes.map(|axis| u * axis.x + v * axis.y + normal * axis.z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_leaning_normal_moves_by_the_cofactors_of_the_surface_s_map() {
+        let corners: [Vector3<f64>; 4] = [
+            Vector3::zeros(),
+            Vector3::new(1.0, 0.1, 0.0),
+            Vector3::new(-0.2, 0.9, 0.0),
+            Vector3::new(-0.8, -0.7, 0.0),
+        ];
+        let fan = &Fan::all(&[[0, 1, 2], [0, 2, 3], [0, 3, 1]], 4)[0];
+        let n = Vector3::new(0.5, -0.2, 0.7).normalize();
+        let t = frame::tangent(&n);
+        let rest = |v: usize| corners[v];
+        let lean = Lean::new(fan, rest, &[t, n.cross(&t)]).unwrap();
+        // A map that keeps the surface's normal of length 1 and square to what it makes of the plane.
+        let turn = nalgebra::Rotation3::from_euler_angles(0.3, -1.1, 2.0).into_inner();
+        let map = turn * Matrix3::new(1.3, 0.4, 0.0, -0.2, 0.8, 0.0, 0.0, 0.0, 1.0);
+        let posed = |v: usize| map * corners[v];
+        let images = fan.images(rest, &lean.plane).unwrap();
+        let image = |k: usize| {
+            images.iter().map(|(v, c)| (posed(*v) - posed(0)) * c[k]).sum::<Vector3<f64>>()
+        };
+        let normal = fan.normal(posed).normalize();
+        let [along, across] = lean.images([image(0), image(1)], normal);
+        assert!((along - map * t).norm() < 1e-12);
+        let cofactors = map.try_inverse().unwrap().transpose() * map.determinant();
+        assert!((along.cross(&across) - cofactors * n).norm() < 1e-12);
+    }
+
+    #[test]
+    fn without_area_nothing_leans() {
+        let fan = &Fan::all(&[[0, 1, 2]], 3)[0];
+        let frame = [Vector3::x(), Vector3::y()];
+        assert!(Lean::new(fan, |v| Vector3::x() * v as f64, &frame).is_none());
+    }
+}
