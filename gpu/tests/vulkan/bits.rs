@@ -1,6 +1,8 @@
 //! What comes out has the CPU's bits, and what is not to be written stays as it was.
 
-use crate::common::{self, Case, GOLDEN, POISON, TURNED, differing, hosted_batch, load, odd_batch, parts};
+use crate::common::{
+    self, Case, GOLDEN, POISON, TURNED, differing, hosted_batch, load, odd_batch, parts,
+};
 use crate::{assert_silent, lavapipe, swiftshader};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, Stage};

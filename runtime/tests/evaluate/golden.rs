@@ -64,7 +64,8 @@ const WRITE: &str = "SINEW_WRITE_GOLDEN";
 
 #[test]
 fn the_golden_kernels_and_skins_are_made_as_they_were() {
-    let kernels = [KernelContent::goldens().as_slice(), &[KernelContent::servo()]].map(Pieces::kernels);
+    let kernels =
+        [KernelContent::goldens().as_slice(), &[KernelContent::servo()]].map(Pieces::kernels);
     let names = ["kernel-3.snw", "kernel-3-servo.snw"].into_iter().chain(TURNED_NAMES);
     for (name, pieces) in names.zip(kernels.into_iter().chain(Pieces::turned())) {
         let made = pieces.bytes();

@@ -53,7 +53,8 @@ impl Pieces {
             }
             pieces.section(SectionKind::RestNormals)[12..24].fill(0);
             let coefficients = 4 * (shape.influences - 1);
-            pieces.section(SectionKind::TangentCoefficients)[coefficients..2 * coefficients].fill(0);
+            pieces.section(SectionKind::TangentCoefficients)[coefficients..2 * coefficients]
+                .fill(0);
             pieces
         })
     }

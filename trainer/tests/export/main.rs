@@ -1,6 +1,7 @@
 //! Exported files, read back by the glTF specification and held against the runtime.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
+mod into;
 mod levels;
 mod plays;
 mod rig;

@@ -50,8 +50,9 @@ fn issues(name: &str, glb: &[u8]) -> (u64, u64, Value) {
     (count("numErrors"), count("numWarnings"), issues)
 }
 
+/// Insists on no error and no warning.
 #[track_caller]
-fn valid(name: &str, glb: &[u8]) {
+pub(crate) fn valid(name: &str, glb: &[u8]) {
     let (errors, warnings, issues) = issues(name, glb);
     assert_eq!((errors, warnings), (0, 0), "{name}: {issues:#}");
 }

@@ -158,7 +158,9 @@ pub(super) fn lint(folder: &Path) -> Result<(), String> {
     crate::call::run(cargo(folder, M4F).args(fmt))?;
     let mut command = cargo(folder, M4F);
     command.args(["clippy", "--quiet", "--locked", "--manifest-path", MANIFEST]);
-    command.args(["--bins", "--features", "control,cortex-m,kernel,tangent-coefficients"]).args(triple(M4F));
+    command
+        .args(["--bins", "--features", "control,cortex-m,kernel,tangent-coefficients"])
+        .args(triple(M4F));
     crate::call::run(command.args(["--", "-D", "warnings"]))
 }
 

@@ -18,10 +18,14 @@ pub(super) type Buffers = Vec<Vec<u8>>;
 /// Reads a file and every buffer that it names, inside it or beside it.
 pub(super) fn open(path: &Path) -> Result<(Document, Buffers), FormatError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+    Ok(parse(&bytes, path)?)
+}
+
+/// Parses the bytes of a file and reads every buffer that it names, inside it or beside it.
+pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<(Document, Buffers), SceneError> {
     let not_gltf = |error: gltf::Error| SceneError::NotGltf { reason: error.to_string() };
     let Gltf { document, mut blob } =
-        Gltf::from_slice_without_validation(&bytes).map_err(not_gltf)?;
-    drop(bytes);
+        Gltf::from_slice_without_validation(bytes).map_err(not_gltf)?;
     let mut json = document.into_json();
     check_indices(&json)?;
     check_extensions(&json)?;
@@ -88,7 +92,7 @@ fn check_extensions(json: &gltf::json::Root) -> Result<(), SceneError> {
 }
 
 /// Reads what a URI names: data within it, or a file beside `path`.
-fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
+pub(super) fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, text) = data.split_once(";base64,").ok_or("its data URI is not base64")?;
         return STANDARD.decode(text).map_err(|error| error.to_string());
