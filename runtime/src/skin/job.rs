@@ -1,12 +1,12 @@
 //! The stage `skin`: from the palette to positions, normals and tangents (METHOD §1.8).
 
-use super::blend::{Influences, UNROLL, along, cofactors, moved, side, unit};
-use super::coefficients::{Frame, Vertex};
 use super::lanes::{LANES, Lanes, Posed, QUAD, Quad};
+use crate::numeric::sqrt;
+use super::blend::{UNROLL, Influences, along, cofactors, moved, side, unit};
+use super::coefficients::{Frame, Vertex};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{Le, Matrix3x4, floats, sum};
-use crate::numeric::sqrt;
 use core::cell::Cell;
 use core::ops::Range;
 use glam::Mat4;
@@ -116,13 +116,7 @@ impl SkinJob<'_> {
             _ => {}
         }
         if self.skin.has_coefficients() && (self.normals.is_some() || self.tangents.is_some()) {
-            if UNROLL
-                && skin.influence_len() == 4
-                && remap.is_none()
-                && self.tangents.is_none()
-                && self.rest.positions.is_none()
-                && self.rest.normals.is_none()
-            {
+            if UNROLL && skin.influence_len() == 4 && remap.is_none() && self.tangents.is_none() && self.rest.positions.is_none() && self.rest.normals.is_none() {
                 self.turn_by_four();
                 return Ok(());
             }
@@ -242,12 +236,7 @@ impl SkinJob<'_> {
             for half in 0..LANES / QUAD {
                 let at = at + QUAD * half;
                 let normals = normals.get(at..)?.first_chunk::<QUAD>()?;
-                let frames = [
-                    [normals[0][2], normals[0][2], normals[0][2], normals[0][2]],
-                    [normals[1][2], normals[1][2], normals[1][2], normals[1][2]],
-                    [normals[2][2], normals[2][2], normals[2][2], normals[2][2]],
-                    [normals[3][2], normals[3][2], normals[3][2], normals[3][2]],
-                ];
+                let frames = [[normals[0][2], normals[0][2], normals[0][2], normals[0][2]], [normals[1][2], normals[1][2], normals[1][2], normals[1][2]], [normals[2][2], normals[2][2], normals[2][2], normals[2][2]], [normals[3][2], normals[3][2], normals[3][2], normals[3][2]]];
                 let quad = Quad {
                     positions: positions.get(at..)?.first_chunk()?,
                     normals,
@@ -258,27 +247,16 @@ impl SkinJob<'_> {
                 };
                 lanes.put(half, &quad, palette)?;
             }
-            if by_tangent {
-                lanes.pose::<true>(&mut posed);
-            } else {
-                lanes.pose::<false>(&mut posed);
-            }
+            if by_tangent { lanes.pose::<true>(&mut posed); } else { lanes.pose::<false>(&mut posed); }
             if let Some(out) = self.positions {
                 let [x, y, z] = &posed.positions;
-                for i in 0..LANES {
-                    put3(out.floats.get((at + i) * out.stride..)?, x[i], y[i], z[i])?;
-                }
+                for i in 0..LANES { put3(out.floats.get((at + i) * out.stride..)?, x[i], y[i], z[i])?; }
             }
             if let Some(out) = self.normals {
                 let [x, y, z] = &posed.normals;
                 for i in 0..LANES {
                     let scale = side / sqrt(posed.squares[i]);
-                    put3(
-                        out.floats.get((at + i) * out.stride..)?,
-                        x[i] * scale,
-                        y[i] * scale,
-                        z[i] * scale,
-                    )?;
+                    put3(out.floats.get((at + i) * out.stride..)?, x[i] * scale, y[i] * scale, z[i] * scale)?;
                 }
             }
             at += LANES;

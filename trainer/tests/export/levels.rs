@@ -1,11 +1,11 @@
 //! Further meshes on a model's palette.
 
 use super::scene::Scene;
-use super::{arm, clip, distances, farthest, model, pose, runtime_palette, vectors};
+use super::{arm, clip, distances, export, farthest, model, pose, runtime_palette, vectors};
 use nalgebra::Matrix4;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{ExportError, Exported, Stand, export};
+use sinew_trainer::envelope::export::{ExportError, Exported, Stand};
 use sinew_trainer::envelope::levels::{Level, LevelError};
 use sinew_trainer::examples::Examples;
 use sinew_trainer::formats::Mesh;
@@ -112,4 +112,19 @@ fn a_mesh_in_other_units_or_with_strays_is_told() {
     stray.mesh.positions[5] = [9.0, 9.0, 9.0];
     let exported = export(&model, None, &examples, &clips, &[stray], Stand::AsModel).unwrap();
     assert_eq!(exported.levels[0].far, 1);
+}
+
+#[test]
+fn tmp_skin_on() {
+    let examples = arm(400);
+    let model = model(&examples, Predictor::Kernel, 6, 4);
+    let loaded = Model::from_bytes(&model[..]).unwrap();
+    let skin = loaded.skin().unwrap();
+    let palette = runtime_palette(&loaded.envelope().unwrap(), &pose(&examples, 7));
+    let [a, _] = sinew_trainer::envelope::posed::skin_on(&skin, &palette, 7).unwrap();
+    let mut b = vec![[0.0; 3]; skin.vertex_len()];
+    skin.skin_positions(&palette, &mut b).unwrap();
+    let worst = a.iter().zip(b.as_flattened()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    println!("worst {worst}");
+    assert_eq!(a, b.as_flattened());
 }

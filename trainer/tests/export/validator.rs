@@ -1,9 +1,9 @@
 //! The Khronos validator finds nothing to object to.
 
-use super::{arm, clip, model};
+use super::{arm, clip, export, model};
 use serde_json::Value;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{Stand, by_use, demo_glb, export};
+use sinew_trainer::envelope::export::{Stand, by_use, demo_glb};
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::formats::Mesh;
 use std::path::{Path, PathBuf};

@@ -10,11 +10,12 @@ use serde_json::json;
 use sinew_runtime::format::{Axis, Space};
 use sinew_trainer::envelope::evaluate::{Character, EvaluateError};
 use sinew_trainer::envelope::export::{
-    ExportError, Grafted, IntoError, Stand, export, export_into,
+    Export, ExportError, Grafted, IntoError, Stand, export_into,
 };
 use sinew_trainer::envelope::levels::LevelReport;
 use sinew_trainer::envelope::posed::rest;
 use sinew_trainer::examples::Source;
+use sinew_trainer::formats::appearance;
 use std::path::{Path, PathBuf};
 
 /// Bakes a model and a clip into a GLB that plays in any engine
@@ -25,6 +26,9 @@ use std::path::{Path, PathBuf};
 /// two nodes: proxy_N moves, turns and scales, and proxy_N_axes, the joint of the skin, turns the
 /// axes back. An engine must multiply the nodes' matrices, as glTF asks; one that keeps only a move,
 /// a turn and a scale of each joint in model space loses the shear.
+///
+/// Names, materials and textures of the meshes of CLIP live through, where it is a scene: all that a GLB or glTF
+/// says of them, and of an FBX names, base colours, and pictures that lie beside it.
 ///
 /// Normals are shaded by the joints alone, as engines do it: what the model's tangent coefficients know of them
 /// has no place in glTF.
@@ -98,8 +102,23 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let (glb, said) = match &arguments.into {
         None => {
             let stand = stand(&arguments.space, &arguments.target, &character.space)?;
-            let exported = export(&model, skin, &examples, &clips, &levels, stand)
-                .map_err(|error| blame(error, arguments))?;
+            let appearance = appearance::load(&arguments.clip)?;
+            if !appearance.missing.is_empty() {
+                let names = printable(&appearance.missing.join(", "));
+                let text = format!("images that cannot be read, and are left out: {names}");
+                output.warn(arguments.clip.display(), text);
+            }
+            let (clips, levels, appearance) = (&clips, &levels, &appearance);
+            let export = Export {
+                model: &model,
+                skin,
+                examples: &examples,
+                clips,
+                levels,
+                appearance,
+                stand,
+            };
+            let exported = export.run().map_err(|error| blame(error, arguments))?;
             let names = clips.iter().map(|clip| clip.name.clone()).collect();
             (exported.glb, Said { names, levels: exported.levels, ..Said::default() })
         }

@@ -1,5 +1,6 @@
 //! A character's scene: skeleton, proxies, meshes, and an animation a clip.
 
+use super::dress::parts;
 use super::error::ExportError;
 use super::glb::{Document, Placed};
 use super::mesh::SkinnedMesh;
@@ -10,6 +11,7 @@ use crate::envelope::evaluate::Character;
 use crate::envelope::levels::{Influences, Level, LevelReport, SkinSurface};
 use crate::envelope::posed::{FrameError, rest, skin_on};
 use crate::examples::{Clip, Examples, normals};
+use crate::formats::appearance::Appearance;
 use crate::space::{Conversion, SpaceRequest};
 use rayon::prelude::*;
 use sinew_runtime::format::{Axis, Handedness, Space};
@@ -40,71 +42,90 @@ pub struct Exported {
 
 /// Bakes clips of the examples into a GLB: an animation a clip, of the palettes that the f32
 /// runtime predicts, with the model's mesh and further ones on one skin.
-///
-/// # Errors
-/// - [`ExportError::Model`] and [`ExportError::Frame`]: the model is refused, was made for another
-///   character, or refuses a pose.
-/// - [`ExportError::NoFrames`] and [`ExportError::Times`]: a clip cannot be played.
-/// - [`ExportError::Level`]: a further mesh lies elsewhere.
-/// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: it cannot stand as asked.
-/// - [`ExportError::TooLarge`] and [`ExportError::Json`]: the file cannot be made.
-pub fn export(
-    model: &[u8],
-    skin: Option<&str>,
-    examples: &Examples,
-    clips: &[Clip],
-    levels: &[Level],
-    stand: Stand,
-) -> Result<Exported, ExportError> {
-    let played = Played::new(model, skin, examples, clips)?;
-    let right = played.right_handed(examples)?;
-    let skin = &played.character.skin;
-    let (influences_of_levels, reports) = follow(&played, examples, levels)?;
+#[derive(Clone, Copy)]
+pub struct Export<'a> {
+    /// A model's file.
+    pub model: &'a [u8],
+    /// The skin whose mesh plays; the model's first where none is named.
+    pub skin: Option<&'a str>,
+    /// The poses, and the mesh's triangles and texture coordinates.
+    pub examples: &'a Examples,
+    /// The clips of its frames.
+    pub clips: &'a [Clip],
+    /// Further meshes.
+    pub levels: &'a [Level],
+    /// What the mesh looks like; it has a mesh and a primitive for each name and material that is known.
+    pub appearance: &'a Appearance,
+    /// How it stands.
+    pub stand: Stand,
+}
 
-    let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
-    let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
-    let (mut triangles, mut levels) = (examples.triangles.clone(), levels.to_vec());
-    if let Some(mirror) = &right.mirror {
-        normals_at_rest.iter_mut().for_each(|n| *n = mirror.direction(*n));
-        mirror.triangles(&mut triangles);
-        levels.iter_mut().for_each(|level| level.mesh.convert(mirror));
-    }
+impl Export<'_> {
+    /// Makes the file.
+    ///
+    /// # Errors
+    /// - [`ExportError::Model`] and [`ExportError::Frame`]: the model is refused, was made for another
+    ///   character, or refuses a pose.
+    /// - [`ExportError::NoFrames`] and [`ExportError::Times`]: a clip cannot be played.
+    /// - [`ExportError::Level`]: a further mesh lies elsewhere.
+    /// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: it cannot stand as asked.
+    /// - [`ExportError::TooLarge`] and [`ExportError::Json`]: the file cannot be made.
+    pub fn run(&self) -> Result<Exported, ExportError> {
+        let Self { model, skin, examples, clips, levels, appearance, stand } = *self;
+        let played = Played::new(model, skin, examples, clips)?;
+        let right = played.right_handed(examples)?;
+        let skin = &played.character.skin;
+        let (influences_of_levels, reports) = follow(&played, examples, levels)?;
 
-    let mut document = Document::new(NOTE);
-    let armature = document.node("armature".to_owned(), None, &armature(&right.space, stand)?);
-    let joints = JointNodes::new(&mut document, armature, &right.skeleton);
-    let proxies =
-        ProxyNodes::new(&mut document, &joints.carriers(), &right.centres, &right.carriers);
-    let shown = played.shown();
-    let nodes: Vec<_> = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
-    let inverse_binds = [&joints.inverse_binds[..shown], &proxies.inverse_binds].concat();
-    let palette_skin = document.skin(armature, &nodes, &inverse_binds);
-    let mesh = SkinnedMesh {
-        name: skin.name(),
-        positions: &right.rest,
-        normals: &normals_at_rest,
-        uv: examples.uv.as_deref(),
-        influences: &played.influences,
-        triangles: &triangles,
-    };
-    document.mesh(&mesh, palette_skin);
-    for (level, influences) in levels.iter().zip(&influences_of_levels) {
+        let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
+        let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
+        let (mut triangles, mut levels) = (examples.triangles.clone(), levels.to_vec());
+        if let Some(mirror) = &right.mirror {
+            normals_at_rest.iter_mut().for_each(|n| *n = mirror.direction(*n));
+            mirror.triangles(&mut triangles);
+            levels.iter_mut().for_each(|level| level.mesh.convert(mirror));
+        }
+
+        let mut document = Document::new(NOTE);
+        let armature = document.node("armature".to_owned(), None, &armature(&right.space, stand)?);
+        let joints = JointNodes::new(&mut document, armature, &right.skeleton);
+        let proxies =
+            ProxyNodes::new(&mut document, &joints.carriers(), &right.centres, &right.carriers);
+        let shown = played.shown();
+        let nodes: Vec<_> = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
+        let inverse_binds = [&joints.inverse_binds[..shown], &proxies.inverse_binds].concat();
+        let palette_skin = document.skin(armature, &nodes, &inverse_binds);
+        document.dress(appearance, examples.uv.is_some());
         let mesh = SkinnedMesh {
-            name: &level.name,
-            positions: &level.mesh.positions,
-            normals: &normals(&level.mesh.positions, &level.mesh.triangles),
-            uv: level.mesh.uv.as_deref(),
-            influences,
-            triangles: &level.mesh.triangles,
+            name: appearance.mesh.as_deref().unwrap_or(skin.name()),
+            positions: &right.rest,
+            normals: &normals_at_rest,
+            uv: examples.uv.as_deref(),
+            influences: &played.influences,
+            primitives: &[],
         };
-        document.mesh(&mesh, palette_skin);
+        let materials = &appearance.of_triangles;
+        for part in parts(mesh.name, &examples.ranges, right.rest.len(), &triangles, materials) {
+            document.mesh(&part.of(&mesh), palette_skin);
+        }
+        for (level, influences) in levels.iter().zip(&influences_of_levels) {
+            let mesh = SkinnedMesh {
+                name: &level.name,
+                positions: &level.mesh.positions,
+                normals: &normals(&level.mesh.positions, &level.mesh.triangles),
+                uv: level.mesh.uv.as_deref(),
+                influences,
+                primitives: &[(None, level.mesh.triangles.clone())],
+            };
+            document.mesh(&mesh, palette_skin);
+        }
+        for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
+            let (mut tracks, worlds) = joints.tracks(&right.poses[own.clone()]);
+            tracks.extend(proxies.tracks(&right.palettes[own], &worlds));
+            document.animation(&clip.name, times, tracks);
+        }
+        Ok(Exported { glb: document.finish()?, levels: reports })
     }
-    for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
-        let (mut tracks, worlds) = joints.tracks(&right.poses[own.clone()]);
-        tracks.extend(proxies.tracks(&right.palettes[own], &worlds));
-        document.animation(&clip.name, times, tracks);
-    }
-    Ok(Exported { glb: document.finish()?, levels: reports })
 }
 
 /// Finds what further meshes follow.

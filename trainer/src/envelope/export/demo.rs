@@ -49,7 +49,7 @@ pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportEr
         normals: &examples.rest_normals(),
         uv: examples.uv.as_deref(),
         influences: &influences,
-        triangles: &examples.triangles,
+        primitives: &[(None, examples.triangles.clone())],
     };
     document.mesh(&mesh, skin);
     for clip in clips {

@@ -14,7 +14,7 @@ pub(super) type ArrayIndex = usize;
 /// A tree of members, one scene and one buffer: begun empty, or with a file, of which every member stays
 /// as it is that nobody asks to change.
 pub(super) struct Document {
-    root: Map<String, Value>,
+    pub(super) root: Map<String, Value>,
     pub(super) nodes: Vec<Value>,
     pub(super) meshes: Vec<Value>,
     pub(super) skins: Vec<Value>,

@@ -16,8 +16,8 @@ pub(super) struct SkinnedMesh<'a> {
     pub(super) uv: Option<&'a [[f64; 2]]>,
     /// Joint of the skin and weight, V lists.
     pub(super) influences: &'a [Vec<(usize, f64)>],
-    /// Vertex numbers.
-    pub(super) triangles: &'a [[usize; 3]],
+    /// Vertex numbers of the triangles of each primitive, and its material.
+    pub(super) primitives: &'a [(Option<usize>, Vec<[usize; 3]>)],
 }
 
 impl Document {
@@ -39,9 +39,16 @@ impl Document {
         }
         let joint_len = self.skins[skin]["joints"].as_array().map_or(0, Vec::len);
         attributes.extend(self.influences(mesh.influences, joint_len));
-        let indices = self.indices(mesh.triangles, positions.len());
-        let primitive = json!({ "attributes": attributes, "indices": indices, "mode": 4 });
-        self.meshes.push(json!({ "name": mesh.name, "primitives": [primitive] }));
+        let primitive = |(material, triangles): &(Option<usize>, Vec<[usize; 3]>)| {
+            let indices = self.indices(triangles, positions.len());
+            let mut primitive = json!({ "attributes": attributes, "indices": indices, "mode": 4 });
+            if let Some(material) = material {
+                primitive["material"] = json!(material);
+            }
+            primitive
+        };
+        let primitives: Vec<_> = mesh.primitives.iter().map(primitive).collect();
+        self.meshes.push(json!({ "name": mesh.name, "primitives": primitives }));
         // A skin moves the mesh by itself: under another node, that node's place would be ignored.
         let node = json!({ "name": mesh.name, "mesh": self.meshes.len() - 1, "skin": skin });
         self.nodes.push(node);

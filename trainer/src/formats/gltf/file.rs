@@ -4,10 +4,12 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use gltf::binary::Glb;
 use gltf::buffer::Source;
 use gltf::json::validation::Checked;
 use gltf::{Document, Gltf};
 use percent_encoding::percent_decode_str;
+use serde_json::{Map, Value};
 
 use crate::formats::error::FormatError;
 use crate::formats::scene::SceneError;
@@ -47,6 +49,19 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<(Document, Buffers), Sc
         buffers.push(bytes.map_err(damaged)?);
     }
     Ok((document, buffers))
+}
+
+/// Gives all the members of a file whose bytes [`parse`] takes.
+///
+/// # Errors
+/// [`SceneError::NotGltf`]
+pub(super) fn tree(bytes: &[u8]) -> Result<Map<String, Value>, SceneError> {
+    let not_gltf = |reason: String| SceneError::NotGltf { reason };
+    let json = match bytes.starts_with(b"glTF") {
+        true => Glb::from_slice(bytes).map_err(|error| not_gltf(error.to_string()))?.json,
+        false => bytes.into(),
+    };
+    serde_json::from_slice(&json).map_err(|error| not_gltf(error.to_string()))
 }
 
 /// Checks the indices that the library trusts: gltf-json 1.4 looks into the accessors of a

@@ -1,6 +1,7 @@
 //! glTF 2.0: skeleton, skin, clips and morph targets, as a viewer shows them.
 
 mod accessor;
+pub(super) mod appearance;
 mod clips;
 mod file;
 mod meshes;

@@ -3,7 +3,6 @@
 
 use std::path::Path;
 
-use ::gltf::binary::Glb;
 use ::gltf::{Document, Semantic};
 use nalgebra::Matrix4;
 use serde_json::{Map, Value, json};
@@ -12,6 +11,7 @@ use super::accessor::numbers;
 use super::file::{self, Buffers};
 use super::nodes::Nodes;
 use super::skins::Skins;
+use crate::formats::appearance::image;
 use crate::formats::error::FormatError;
 use crate::formats::scene::SceneError;
 
@@ -81,12 +81,7 @@ impl RiggedFile {
         for (&node, &bind) in skins.joints.iter().zip(&skins.binds) {
             binds[node] = Some(bind);
         }
-        let not_gltf = |reason: String| SceneError::NotGltf { reason };
-        let json = match bytes.starts_with(b"glTF") {
-            true => Glb::from_slice(bytes).map_err(|error| not_gltf(error.to_string()))?.json,
-            false => bytes.into(),
-        };
-        let tree = serde_json::from_slice(&json).map_err(|error| not_gltf(error.to_string()))?;
+        let tree = file::tree(bytes)?;
         let mut file = Self {
             tree,
             bytes: Vec::new(),
@@ -150,7 +145,7 @@ impl RiggedFile {
             let Some(uri) = uri else { continue };
             let damaged = |reason| SceneError::Image { image, reason };
             let bytes = file::resource(&uri, path).map_err(damaged)?;
-            let kind = kind(&bytes)
+            let kind = image::kind(&bytes)
                 .ok_or_else(|| damaged(format!("{uri} is no PNG, JPEG, WebP or KTX2 file")))?;
             self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
             let view =
@@ -169,20 +164,31 @@ impl RiggedFile {
     }
 }
 
+/// Lists the meshes that are a character's, as nodes show them: those with a skin, or all where none has
+/// one.
+pub(super) fn shown_meshes<'a>(
+    document: &'a Document,
+    nodes: &Nodes,
+) -> Vec<(::gltf::Mesh<'a>, ::gltf::Node<'a>)> {
+    let shown = nodes.shown(document);
+    let all = document.nodes().filter(|node| shown[node.index()]);
+    let mut all: Vec<_> = all.filter_map(|node| Some((node.mesh()?, node))).collect();
+    if all.iter().any(|(_, node)| node.skin().is_some()) {
+        all.retain(|(_, node)| node.skin().is_some());
+    }
+    all
+}
+
 /// Reads the meshes that are a character's, and the joints that they are bound to.
 fn meshes(
     document: &Document,
     buffers: &Buffers,
     nodes: &Nodes,
 ) -> Result<(Vec<RiggedMesh>, Skins), SceneError> {
-    let shown = nodes.shown(document);
     let worlds = nodes.worlds(&nodes.locals);
-    let all = document.nodes().filter(|node| shown[node.index()]);
-    let all = all.filter_map(|node| Some((node.mesh()?, node)));
-    let skinned = all.clone().any(|(_, node)| node.skin().is_some());
     let mut skins = Skins::default();
     let mut meshes: Vec<RiggedMesh> = Vec::new();
-    for (mesh, node) in all.filter(|(_, node)| node.skin().is_some() == skinned) {
+    for (mesh, node) in shown_meshes(document, nodes) {
         let name = nodes.names[node.index()].clone();
         let name = node.name().or(mesh.name()).map_or(name, str::to_owned);
         let skin = node.skin().map(|skin| skin.index());
@@ -211,16 +217,4 @@ fn meshes(
         meshes.push(RiggedMesh { node, mesh, name, skin, to_bind, positions });
     }
     Ok((meshes, skins))
-}
-
-/// Tells the media type of an image by its first bytes.
-fn kind(bytes: &[u8]) -> Option<&'static str> {
-    let begins = |with: &[u8]| bytes.starts_with(with);
-    match () {
-        () if begins(b"\x89PNG\r\n\x1a\n") => Some("image/png"),
-        () if begins(b"\xff\xd8\xff") => Some("image/jpeg"),
-        () if begins(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") => Some("image/webp"),
-        () if begins(b"\xabKTX 20\xbb") => Some("image/ktx2"),
-        () => None,
-    }
 }

@@ -5,7 +5,7 @@ mod file;
 mod plays;
 
 use super::{arm, clip, model};
-use file::Glb;
+pub(super) use file::Glb;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::export::{by_use, demo_glb};
 use sinew_trainer::examples::{Clip, Examples};

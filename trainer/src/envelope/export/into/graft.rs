@@ -40,7 +40,7 @@ type Rows = [[f32; 4]; 3];
 /// added. All else of the file stays as it is.
 ///
 /// # Errors
-/// - Those of [`export`](crate::envelope::export::export) that concern model and clips.
+/// - Those of [`Export::run`](crate::envelope::export::Export::run) that concern model and clips.
 /// - [`ExportError::Into`]: the file cannot be read, does not hold the model's mesh, or cannot hold its
 ///   motion.
 pub fn export_into(
