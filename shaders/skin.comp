@@ -242,7 +242,8 @@ void main() {
             + i * params.tangents_stride;
         precise vec3 turned = along(x, y, z, rest.xyz);
         if (has_coefficients) {
-            turned += sums.g * dot3(rest.xyz, frame.g) + sums.h * dot3(rest.xyz, frame.h);
+            turned += sums.g * dot3(rest.xyz, frame.g);
+            turned += sums.h * dot3(rest.xyz, frame.h);
         }
         put(at, unit(turned, 1.0, rest.xyz));
         out_floats[at + 3u] = rest.w;

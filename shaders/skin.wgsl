@@ -229,7 +229,8 @@ fn main(
         let rest = rest_tangent(instance, vertex);
         var turned = along(x, y, z, rest.xyz);
         if has_coefficients {
-            turned += sums.g * dot3(rest.xyz, frame.g) + sums.h * dot3(rest.xyz, frame.h);
+            turned += sums.g * dot3(rest.xyz, frame.g);
+            turned += sums.h * dot3(rest.xyz, frame.h);
         }
         let at = params.tangents_offset + instance * params.tangents_instance_stride
             + i * params.tangents_stride;

@@ -3,9 +3,7 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use wide::bytemuck::cast;
-#[cfg(feature = "kernel")]
-use wide::i32x8;
-use wide::{f32x4, f32x8, u32x8};
+use wide::{f32x4, f32x8, i32x8, u32x8};
 
 /// 8 floats: in one register, which may be two of 4.
 #[cfg(any(
@@ -48,6 +46,9 @@ pub(crate) trait Real:
         otherwise: impl FnOnce() -> Self,
     ) -> Self;
 
+    /// Returns the magnitude of `self` with the sign of another.
+    fn with_sign_of(self, other: Self) -> Self;
+
     /// Returns 2^k of [`ROUND`] + k, k a whole number in [-126, 127].
     fn power_of_two(self) -> Self;
 
@@ -58,6 +59,11 @@ pub(crate) trait Real:
 
 /// 1.5 · 2²³: its last place is 1, so that adding it rounds to a whole number.
 pub(crate) const ROUND: f32 = 12_582_912.0;
+
+/// The bits that a number of half precision has in single precision.
+pub(crate) const HALF_KEPT: u32 = 0x8fff_e000;
+/// What the exponents of half and of single precision differ by, a power of two: a product by it is exact.
+pub(crate) const HALF_SCALE: f32 = f32::from_bits((127 + 127 - 15) << EXPONENT);
 
 /// How far the exponent lies from a float's last bit.
 const EXPONENT: u32 = 23;
@@ -79,6 +85,11 @@ impl Real for f32 {
         otherwise: impl FnOnce() -> Self,
     ) -> Self {
         if self < than { then() } else { otherwise() }
+    }
+
+    #[inline(always)]
+    fn with_sign_of(self, other: Self) -> Self {
+        self.copysign(other)
     }
 
     #[inline(always)]
@@ -106,6 +117,31 @@ impl From<f32> for Register {
         // Neither `splat` nor an array of 8: at opt-level s each is a loop through memory.
         let half = [x, x, x, x];
         Self(cast([half, half]))
+    }
+}
+
+impl From<[f32; 8]> for Register {
+    #[inline(always)]
+    fn from(x: [f32; 8]) -> Self {
+        Self(cast(x))
+    }
+}
+
+impl Register {
+    /// Returns its floats in order.
+    #[inline(always)]
+    pub(crate) fn to_array(self) -> [f32; 8] {
+        cast(self.0)
+    }
+
+    /// Returns the two numbers of half precision in each of 8 words, the lower halves' first, as
+    /// [`halves`](crate::numeric::halves) does.
+    #[inline(always)]
+    pub(crate) fn halves(words: [u32; 8]) -> [Self; 2] {
+        const KEPT: i32x8 = i32x8::new([HALF_KEPT as i32; 8]);
+        let words: i32x8 = cast(words);
+        let single = |high: i32x8| Self(cast((high >> 3) & KEPT)) * HALF_SCALE;
+        [single(words << 16), single(words)]
     }
 }
 
@@ -183,6 +219,13 @@ impl Real for Register {
         otherwise: impl FnOnce() -> Self,
     ) -> Self {
         Self(self.0.simd_lt(than.0).select(then().0, otherwise().0))
+    }
+
+    #[inline(always)]
+    fn with_sign_of(self, other: Self) -> Self {
+        const SIGN: u32x8 = u32x8::new([1 << 31; 8]);
+        let (own, other): (u32x8, u32x8) = (cast(self.0), cast(other.0));
+        Self(cast((own & !SIGN) | (other & SIGN)))
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 //! Loops run over zipped rows and not over indices: optimised for size, an index keeps its check,
 //! and with it a panic that firmware would have to hold.
 
-use crate::lanes::{Eight, Lanes};
+use crate::lanes::{Eight, Lanes, Real};
 
 /// A rigid or affine transform as three rows of four: `y[r] = m[r][0..3] . x + m[r][3]`.
 pub type Matrix3x4 = [[f32; 4]; 3];
@@ -25,13 +25,13 @@ pub(crate) fn floats<const N: usize>(le: &[Le; N]) -> [f32; N] {
 
 /// Returns a . b.
 #[inline]
-pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+pub(crate) fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Returns a x b.
 #[inline]
-pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+pub(crate) fn cross<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 

@@ -3,7 +3,7 @@
 //! Coefficients are minimax fits of relative error, rounded to f32; Horner's scheme, no fused
 //! multiply-add. The tests hold the bounds that the comments state.
 
-use crate::lanes::{ROUND, Real};
+use crate::lanes::{HALF_KEPT, HALF_SCALE, ROUND, Real};
 
 /// Returns the correctly rounded square root of `x >= 0`.
 #[inline]
@@ -28,10 +28,8 @@ pub(crate) fn greater<R: Real>(a: R, b: R) -> R {
 /// Returns the two numbers of half precision in a word, the lower half's first; each is normal, or 0.
 #[inline(always)]
 pub(crate) fn halves(word: u32) -> [f32; 2] {
-    // Sign, exponent and mantissa go where single precision has them; what the exponents' biases differ by is a
-    // power of two, so that the product is exact.
-    const SCALE: f32 = f32::from_bits((127 + 127 - 15) << 23);
-    let single = |high: u32| f32::from_bits((high as i32 >> 3) as u32 & 0x8fff_e000) * SCALE;
+    // Sign, exponent and mantissa go where single precision has them.
+    let single = |high: u32| f32::from_bits((high as i32 >> 3) as u32 & HALF_KEPT) * HALF_SCALE;
     [single(word << 16), single(word)]
 }
 

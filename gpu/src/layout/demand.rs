@@ -8,6 +8,9 @@ use super::stage::{Stage, WORKGROUP};
 use sinew_runtime::Model;
 use sinew_runtime::format::SectionKind;
 
+/// Stands for the offset of an array, or of a section, that is not there.
+pub(super) const NONE: usize = u32::MAX as usize;
+
 /// A batch that has been checked.
 pub(super) struct Demand {
     /// Instances that there is room for.
@@ -68,7 +71,7 @@ pub(super) fn array_members(
     [(offset, Member::Offset(resource, array)), (stride, Member::Number(own))]
 }
 
-/// Returns the member of a part's section: its first word in the blob; 0 if there is no such section.
+/// Returns the member of a part's section: its first word in the blob; [`NONE`] if there is no such section.
 pub(super) fn section_member(
     model: &Model<impl AsRef<[u8]>>,
     part: Option<usize>,
@@ -76,7 +79,7 @@ pub(super) fn section_member(
 ) -> (&'static str, Member) {
     let mut rows = model.sections().map(|section| section.row);
     let found = rows.find(|row| Some(usize::from(row.part)) == part && row.kind == kind.number());
-    (kind.name(), Member::Number(found.map_or(0, |row| row.offset as usize / 4)))
+    (kind.name(), Member::Number(found.map_or(NONE, |row| row.offset as usize / 4)))
 }
 
 /// Checks that what lies at each step of a stride is no longer than that.

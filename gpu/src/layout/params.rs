@@ -2,10 +2,7 @@
 
 use super::array::Array;
 use super::chunk::{Param, Spans};
-use super::demand::{Demand, Member};
-
-/// Stands for the offset of an array that is not there.
-const NONE: usize = u32::MAX as usize;
+use super::demand::{Demand, Member, NONE};
 
 impl Demand {
     /// Returns the bytes of the block: its members, up to a whole number of vectors of four.

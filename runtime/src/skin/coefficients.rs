@@ -1,6 +1,7 @@
 //! Normals and tangents by tangent coefficients (METHOD §1.8).
 
 use super::blend::unit;
+use crate::lanes::Real;
 use crate::linear::{Columns, Le, Matrix3x4, columns, cross, dot, moved, sum, transform};
 use crate::numeric::halves;
 
@@ -9,14 +10,15 @@ const NOTHING: [f32; 3] = [-0.0; 3];
 
 /// Two directions along the surface at rest, across each other and across the normal, which the coefficients g and h
 /// are of.
-pub(super) struct Frame {
-    g: [f32; 3],
-    h: [f32; 3],
+pub(super) struct Frame<R> {
+    pub(super) g: [R; 3],
+    pub(super) h: [R; 3],
 }
 
-impl Frame {
+impl<R: Real> Frame<R> {
     /// Makes that of a normal and the rest tangent, which need not be quite across each other.
-    pub(super) fn of_tangent(normal: [f32; 3], tangent: [f32; 3]) -> Self {
+    #[inline(always)]
+    pub(super) fn of_tangent(normal: [R; 3], tangent: [R; 3]) -> Self {
         let h = cross(normal, tangent);
         Self { g: cross(h, normal), h }
     }
@@ -26,10 +28,12 @@ impl Frame {
     ///
     /// - `up`: the z of the file's own normal. Its sign is on which of two seams the frame turns over; so it does not
     ///   turn where a normal of the caller's crosses the seam and the file's does not.
-    pub(super) fn of_normal([x, y, z]: [f32; 3], up: f32) -> Self {
-        let side = 1.0f32.copysign(up);
+    #[inline(always)]
+    pub(super) fn of_normal([x, y, z]: [R; 3], up: R) -> Self {
+        let one = R::from(1.0);
+        let side = one.with_sign_of(up);
         let (sided, share) = (side * x, x / (side + z));
-        let g = [1.0 - sided * share, -(side * y * share), -sided];
+        let g = [one - sided * share, -(side * y * share), -sided];
         Self { g, h: cross([x, y, z], g) }
     }
 }
@@ -96,7 +100,7 @@ impl Vertex<'_> {
     pub(super) fn normal(
         &self,
         blended: &Columns,
-        frame: &Frame,
+        frame: &Frame<f32>,
         parted: &Parted,
         (rest, side): ([f32; 3], f32),
     ) -> [f32; 3] {
@@ -108,9 +112,9 @@ impl Vertex<'_> {
 }
 
 impl Parted {
-    /// Returns what is added to the image of a direction.
-    pub(super) fn along(&self, frame: &Frame, direction: [f32; 3]) -> [f32; 3] {
+    /// Adds to the image of a direction.
+    pub(super) fn add(&self, frame: &Frame<f32>, direction: [f32; 3], image: [f32; 3]) -> [f32; 3] {
         let (g, h) = (dot(direction, frame.g), dot(direction, frame.h));
-        sum(self.g.map(|x| x * g), self.h.map(|x| x * h))
+        sum(sum(image, self.g.map(|x| x * g)), self.h.map(|x| x * h))
     }
 }

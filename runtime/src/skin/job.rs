@@ -1,12 +1,11 @@
 //! The stage `skin`: from the palette to positions, normals and tangents (METHOD §1.8).
 
-use super::lanes::{LANES, Lanes, Posed, QUAD, Quad};
-use crate::numeric::sqrt;
-use super::blend::{UNROLL, Influences, along, cofactors, moved, side, unit};
+use super::blend::{Influences, UNROLL, along, cofactors, moved, side, unit};
 use super::coefficients::{Frame, Vertex};
+use super::eight::{Columns, EIGHT, Posed, Rows};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
-use crate::linear::{Le, Matrix3x4, floats, sum};
+use crate::linear::{Le, Matrix3x4, floats};
 use core::cell::Cell;
 use core::ops::Range;
 use glam::Mat4;
@@ -115,12 +114,9 @@ impl SkinJob<'_> {
             }
             _ => {}
         }
-        if self.skin.has_coefficients() && (self.normals.is_some() || self.tangents.is_some()) {
-            if UNROLL && skin.influence_len() == 4 && remap.is_none() && self.tangents.is_none() && self.rest.positions.is_none() && self.rest.normals.is_none() {
-                self.turn_by_four();
-                return Ok(());
-            }
-            self.turn(&influences);
+        if skin.has_coefficients() && (self.normals.is_some() || self.tangents.is_some()) {
+            let done = if UNROLL { self.turn_eights().unwrap_or(0) } else { 0 };
+            self.turn(&influences, done..vertices.len());
             return Ok(());
         }
         if remap.is_none()
@@ -178,14 +174,16 @@ impl SkinJob<'_> {
         Ok(())
     }
 
-    /// Moves vertices of a skin with tangent coefficients. `None` stands for what a loaded skin does not have.
+    /// Moves vertices of a skin with tangent coefficients, some of the range. `None` stands for what a loaded skin does
+    /// not have.
     #[cfg_attr(target_os = "none", inline(never))]
-    fn turn(&self, influences: &Influences<'_>) -> Option<()> {
+    fn turn(&self, influences: &Influences<'_>, some: Range<usize>) -> Option<()> {
         let Self { skin, palette, rest, .. } = self;
         let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
         let (coefficients, len) = (skin.coefficients(), skin.influence_len().saturating_sub(1));
         let side = side(palette);
-        for (i, at) in self.vertices.clone().enumerate() {
+        for i in some {
+            let at = self.vertices.start + i;
             let vertex = self.remap.map_or(Some(at), |remap| Some(*remap.get(at)? as usize))?;
             let transform = influences.blend(vertex)?;
             let (indices, weights) = influences.of(vertex)?;
@@ -209,7 +207,7 @@ impl SkinJob<'_> {
             }
             if let Some((out, [x, y, z, hand])) = self.tangents.zip(tangent) {
                 let turned = along(&transform, [x, y, z]).truncate().to_array();
-                let turned = sum(turned, parted.along(&frame, [x, y, z]));
+                let turned = parted.add(&frame, [x, y, z], turned);
                 let [x, y, z] = unit(turned, 1.0).unwrap_or([x, y, z]);
                 out.put(i, [x, y, z, hand])?;
             }
@@ -217,51 +215,46 @@ impl SkinJob<'_> {
         Some(())
     }
 
+    /// Moves vertices of a skin with tangent coefficients side by side, and returns how many of the range's first;
+    /// `None` of those that go one by one.
     #[inline(never)]
-    fn turn_by_four(&self) -> Option<()> {
-        let Self { skin, palette, .. } = self;
+    fn turn_eights(&self) -> Option<usize> {
+        let Self { skin, palette, rest, .. } = self;
+        let given = self.remap.is_some() || rest.positions.is_some() || rest.normals.is_some();
+        if given || self.tangents.is_some() || skin.influence_len() != 4 {
+            return None;
+        }
         let range = self.vertices.clone();
-        let positions = skin.positions().get(range.clone())?;
-        let normals = skin.normals().get(range.clone())?;
-        let by_tangent = skin.has_tangents();
-        let tangents = if by_tangent { skin.tangents().get(range.clone())? } else { &[] };
-        let indices = skin.indices().as_chunks::<4>().0.get(range.clone())?;
-        let weights = skin.weights().as_chunks::<4>().0.get(range.clone())?;
-        let coefficients = skin.coefficients().as_chunks::<3>().0.get(range.clone())?;
+        let tangents = skin.has_tangents().then(|| skin.tangents().get(range.clone()));
+        let mut tangents = tangents.map(|all| all.unwrap_or_default().as_chunks().0.iter());
+        let all = eights(skin.positions(), &range)?
+            .zip(eights(skin.normals(), &range)?)
+            .zip(eights(skin.indices().as_chunks().0, &range)?)
+            .zip(eights(skin.weights().as_chunks().0, &range)?)
+            .zip(eights(skin.coefficients().as_chunks().0, &range)?);
         let side = side(palette);
-        let mut lanes = Lanes::NONE;
-        let mut posed = Posed::NONE;
-        let mut at = 0;
-        while at + LANES <= positions.len() {
-            for half in 0..LANES / QUAD {
-                let at = at + QUAD * half;
-                let normals = normals.get(at..)?.first_chunk::<QUAD>()?;
-                let frames = [[normals[0][2], normals[0][2], normals[0][2], normals[0][2]], [normals[1][2], normals[1][2], normals[1][2], normals[1][2]], [normals[2][2], normals[2][2], normals[2][2], normals[2][2]], [normals[3][2], normals[3][2], normals[3][2], normals[3][2]]];
-                let quad = Quad {
-                    positions: positions.get(at..)?.first_chunk()?,
-                    normals,
-                    frames: if by_tangent { tangents.get(at..)?.first_chunk()? } else { &frames },
-                    indices: indices.get(at..)?.first_chunk()?,
-                    weights: weights.get(at..)?.first_chunk()?,
-                    coefficients: coefficients.get(at..)?.first_chunk()?,
-                };
-                lanes.put(half, &quad, palette)?;
-            }
-            if by_tangent { lanes.pose::<true>(&mut posed); } else { lanes.pose::<false>(&mut posed); }
+        let (mut columns, mut posed) = (Columns::NONE, Posed::NONE);
+        let mut done = 0;
+        for ((((positions, normals), indices), weights), coefficients) in all {
+            let tangents = match &mut tangents {
+                Some(tangents) => Some(tangents.next()?),
+                None => None,
+            };
+            let rows = Rows { positions, normals, tangents, indices, weights, coefficients };
+            columns.read(&rows, palette)?;
+            columns.pose(tangents.is_some(), side, &mut posed);
             if let Some(out) = self.positions {
-                let [x, y, z] = &posed.positions;
-                for i in 0..LANES { put3(out.floats.get((at + i) * out.stride..)?, x[i], y[i], z[i])?; }
+                out.put_rows(done, &posed.positions)?;
             }
             if let Some(out) = self.normals {
-                let [x, y, z] = &posed.normals;
-                for i in 0..LANES {
-                    let scale = side / sqrt(posed.squares[i]);
-                    put3(out.floats.get((at + i) * out.stride..)?, x[i] * scale, y[i] * scale, z[i] * scale)?;
-                }
+                out.put_rows(done, &posed.normals)?;
             }
-            at += LANES;
+            if !posed.squares.iter().all(|square| square.is_normal()) {
+                self.turn(&Influences::new(skin, palette), done..done + EIGHT)?;
+            }
+            done += EIGHT;
         }
-        Some(())
+        Some(done)
     }
 
     /// Moves vertices of a skin without them by their blended transforms.
@@ -327,6 +320,11 @@ fn positions_alone(
     }
 }
 
+/// Returns a range's attribute by eights, without the last few.
+fn eights<'a, T>(all: &'a [T], range: &Range<usize>) -> Option<core::slice::Iter<'a, [T; EIGHT]>> {
+    Some(all.get(range.clone())?.as_chunks().0.iter())
+}
+
 /// Reads an attribute of the caller's rest mesh, or else of the file's.
 #[inline(always)]
 fn of<const N: usize>(
@@ -351,6 +349,20 @@ impl Output<'_> {
         argument.check_least(least.unwrap_or(usize::MAX), self.floats.len())
     }
 
+    /// Writes the attribute of eight vertices from the i-th of the range on.
+    #[inline(always)]
+    fn put_rows(&self, i: usize, rows: &[[f32; 4]; EIGHT]) -> Option<()> {
+        // Chunks of zero would panic.
+        let chunks = self.floats.get(i * self.stride..)?.chunks(self.stride.max(1));
+        for (out, [x, y, z, _]) in chunks.zip(rows) {
+            let [out_x, out_y, out_z] = out.first_chunk()?;
+            out_x.set(*x);
+            out_y.set(*y);
+            out_z.set(*z);
+        }
+        Some(())
+    }
+
     /// Writes the attribute of the i-th vertex of the range.
     #[inline(always)]
     fn put<const N: usize>(&self, i: usize, value: [f32; N]) -> Option<()> {
@@ -362,14 +374,5 @@ impl Output<'_> {
 #[inline(always)]
 fn put<const N: usize>(out: &[Cell<f32>], value: [f32; N]) -> Option<()> {
     out.first_chunk::<N>()?.iter().zip(value).for_each(|(out, value)| out.set(value));
-    Some(())
-}
-
-#[inline(always)]
-fn put3(out: &[Cell<f32>], a: f32, b: f32, c: f32) -> Option<()> {
-    let [x, y, z] = out.first_chunk::<3>()?;
-    x.set(a);
-    y.set(b);
-    z.set(c);
     Some(())
 }

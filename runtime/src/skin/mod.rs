@@ -5,8 +5,8 @@ mod bounds;
 pub(crate) mod check;
 mod coefficients;
 mod counts;
+mod eight;
 mod job;
-mod lanes;
 mod posed_bounds;
 mod view;
 

@@ -72,6 +72,6 @@ fn the_golden_kernels_and_skins_are_made_as_they_were() {
         if std::env::var_os(WRITE).is_some() {
             std::fs::write(golden_path(name), &made).unwrap();
         }
-        assert_eq!(std::fs::read(golden_path(name)).unwrap(), made, "{name}");
+        assert!(std::fs::read(golden_path(name)).unwrap() == made, "{name} is made of other bytes");
     }
 }

@@ -42,7 +42,7 @@ impl Pieces {
             coefficients: true,
         };
         let other = Shape { vertices: 38, influences: 3, tangents: false, ..shape };
-        [(Predictor::Kernel, shape), (Predictor::Rotational, other)].map(|(predictor, shape)| {
+        [(Predictor::Kernel, shape), (Predictor::Hybrid, other)].map(|(predictor, shape)| {
             let mut pieces = Self::sample(predictor, shape);
             for (kind, floats) in [(SectionKind::RestNormals, 3), (SectionKind::RestTangents, 4)] {
                 let Some(content) = pieces.find(kind) else { continue };

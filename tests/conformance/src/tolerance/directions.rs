@@ -46,8 +46,8 @@ pub(super) fn directions(
     let normal = image(&u).plus(&g).cross(&image(&v).plus(&h));
     let tangent = tangent.map(|rest| {
         let part = |of: &Bounded, along: &Bounded| of.times(along.dot(&rest));
-        let added = part(&g, &u).plus(&part(&h, &v));
-        image(&Bounded::exact(rest)).plus(&added).direction(rest, arithmetic)
+        let turned = image(&Bounded::exact(rest)).plus(&part(&g, &u)).plus(&part(&h, &v));
+        turned.direction(rest, arithmetic)
     });
     if normal.value.norm_squared() >= f64::from(f32::MIN_POSITIVE) {
         return (sided(normal.direction(vertex.normal, arithmetic), &normal, side), tangent);
@@ -105,7 +105,7 @@ fn frame(
     let side = 1.0f64.copysign(z);
     let share = x / (side + z);
     // A sum and a division; then a product, and of the first entry a difference.
-    let share_error = share.abs() * gamma(1 + division as usize);
+    let share_error = share.abs() * gamma(1 + division);
     let of = |by: f64| by.abs() * (share_error + (share.abs() + share_error) * gamma(1));
     let value = Vector3::new(1.0 - side * x * share, -(side * y * share), -side * x);
     let error = Vector3::new(of(x) * (1.0 + U) + value.x.abs() * U, of(y), 0.0);

@@ -291,7 +291,7 @@ fn an_output_left_alone_is_caught() {
 /// Runs the stage skin by a file whose tangent coefficients, two halves each, are other ones.
 fn with_others(bytes: &[u8], edit: fn(&mut [[[u8; 2]; 2]])) -> Result<(), Mismatch> {
     let subject = Subject::new("random", bytes, FEWER_POSES);
-    let mut pieces = Pieces::of(bytes).unwrap();
+    let mut pieces = Pieces::of(bytes).expect("a sound file");
     let coefficients = pieces.section(SectionKind::TangentCoefficients);
     edit(coefficients.as_chunks_mut().0.as_chunks_mut().0);
     let other = pieces.bytes();
@@ -300,12 +300,12 @@ fn with_others(bytes: &[u8], edit: fn(&mut [[[u8; 2]; 2]])) -> Result<(), Mismat
         |step: Step<'_>| {
             if let Step::Skin { palettes, skin, out } = step {
                 let skin = SkinBatch { skin: other.skin.layout(), ..skin.clone() };
-                Cpu.skin(&other, palettes, &skin, out).unwrap();
+                Cpu.skin(&other, palettes, &skin, out).expect("a sound batch");
             }
         },
         IEEE,
     );
-    sound(&stages::body(Stage::Skin)(&backend, &subject).unwrap())
+    sound(&stages::body(Stage::Skin)(&backend, &subject).expect("it runs"))
 }
 
 #[test]

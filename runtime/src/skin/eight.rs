@@ -1,0 +1,214 @@
+//! Eight vertices side by side, with four influences each: what [`Vertex`](super::coefficients::Vertex) does to one,
+//! in the same order.
+
+use super::coefficients::Frame;
+use crate::lanes::Register;
+use crate::linear::{Le, Matrix3x4, cross, dot, floats};
+use crate::numeric::sqrt;
+use glam::{Mat4, Vec4};
+
+/// Vertices side by side.
+pub(super) const EIGHT: usize = 8;
+/// Of them those that are turned from rows to columns at once.
+const FOUR: usize = 4;
+
+/// One number of each vertex.
+#[derive(Clone, Copy)]
+#[repr(align(32))]
+struct Lane([f32; EIGHT]);
+
+/// Eight vertices as they lie in the file.
+#[derive(Clone, Copy)]
+pub(super) struct Rows<'a> {
+    pub(super) positions: &'a [[Le; 3]; EIGHT],
+    pub(super) normals: &'a [[Le; 3]; EIGHT],
+    /// Of a skin with rest tangents.
+    pub(super) tangents: Option<&'a [[Le; 4]; EIGHT]>,
+    pub(super) indices: &'a [[[u8; 2]; 4]; EIGHT],
+    pub(super) weights: &'a [[Le; 4]; EIGHT],
+    /// g and h of the first three influences, as two f16.
+    pub(super) coefficients: &'a [[Le; 3]; EIGHT],
+}
+
+/// What they are and what they follow, number by number.
+pub(super) struct Columns {
+    /// By influence, row and column.
+    transforms: [[[Lane; 4]; 3]; 4],
+    weights: [Lane; 4],
+    positions: [Lane; 4],
+    normals: [Lane; 4],
+    tangents: [Lane; 4],
+    coefficients: [[u32; EIGHT]; 3],
+}
+
+/// The vertices in a pose.
+pub(super) struct Posed {
+    /// By vertex; the last of four does not matter.
+    pub(super) positions: [[f32; 4]; EIGHT],
+    /// Likewise; what has no direction is not of length 1.
+    pub(super) normals: [[f32; 4]; EIGHT],
+    /// The squared lengths that the normals had.
+    pub(super) squares: [f32; EIGHT],
+}
+
+impl Posed {
+    pub(super) const NONE: Self =
+        Self { positions: [[0.0; 4]; EIGHT], normals: [[0.0; 4]; EIGHT], squares: [0.0; EIGHT] };
+}
+
+impl Columns {
+    pub(super) const NONE: Self = {
+        const ZERO: Lane = Lane([0.0; EIGHT]);
+        Self {
+            transforms: [[[ZERO; 4]; 3]; 4],
+            weights: [ZERO; 4],
+            positions: [ZERO; 4],
+            normals: [ZERO; 4],
+            tangents: [ZERO; 4],
+            coefficients: [[0; EIGHT]; 3],
+        }
+    };
+
+    /// Reads vertices; `None` stands for an index beyond the palette, which a loaded skin does not have.
+    #[inline(always)]
+    pub(super) fn read(&mut self, rows: &Rows<'_>, palette: &[Matrix3x4]) -> Option<()> {
+        for half in 0..EIGHT / FOUR {
+            let indices = four(rows.indices, half)?;
+            for (k, [x, y, z]) in self.transforms.iter_mut().enumerate() {
+                let transform = |vertex: usize| {
+                    palette.get(usize::from(u16::from_le_bytes(indices[vertex][k])))
+                };
+                let (a, b, c, d) = (transform(0)?, transform(1)?, transform(2)?, transform(3)?);
+                set(x, half, [a[0], b[0], c[0], d[0]]);
+                set(y, half, [a[1], b[1], c[1], d[1]]);
+                set(z, half, [a[2], b[2], c[2], d[2]]);
+            }
+            set_fours(&mut self.weights, half, four(rows.weights, half)?);
+            set_threes(&mut self.positions, half, four(rows.positions, half)?);
+            set_threes(&mut self.normals, half, four(rows.normals, half)?);
+            if let Some(tangents) = rows.tangents {
+                set_fours(&mut self.tangents, half, four(tangents, half)?);
+            }
+        }
+        let [a, b, c] = &mut self.coefficients;
+        for ((([x, y, z], a), b), c) in rows.coefficients.iter().zip(a).zip(b).zip(c) {
+            (*a, *b, *c) = (u32::from_le_bytes(*x), u32::from_le_bytes(*y), u32::from_le_bytes(*z));
+        }
+        Some(())
+    }
+
+    /// Poses the vertices.
+    ///
+    /// - `side`: of the palette, 1 or -1.
+    #[inline(always)]
+    pub(super) fn pose(&self, by_tangent: bool, side: f32, out: &mut Posed) {
+        let (x, n) = (three(&self.positions), three(&self.normals));
+        let frame = if by_tangent {
+            Frame::of_tangent(n, three(&self.tangents))
+        } else {
+            Frame::of_normal(n, n[2])
+        };
+        let [a, b, c] = self.coefficients;
+        let ([g0, h0], [g1, h1], [g2, h2]) =
+            (Register::halves(a), Register::halves(b), Register::halves(c));
+        let parted = ([g0, g1, g2], [h0, h1, h2]);
+        let [px, ux, vx] = self.coordinate::<0>(x, &frame, parted);
+        let [py, uy, vy] = self.coordinate::<1>(x, &frame, parted);
+        let [pz, uz, vz] = self.coordinate::<2>(x, &frame, parted);
+        rows([px, py, pz], &mut out.positions);
+        let normal = cross([ux, uy, uz], [vx, vy, vz]);
+        let square = dot(normal, normal);
+        let scale = Register::from(side) / sqrt(square);
+        let [nx, ny, nz] = normal;
+        rows([nx * scale, ny * scale, nz * scale], &mut out.normals);
+        out.squares = square.to_array();
+    }
+
+    /// Computes one coordinate of the positions and of the images of a frame's directions.
+    #[inline(always)]
+    fn coordinate<const ROW: usize>(
+        &self,
+        x: [Register; 3],
+        frame: &Frame<Register>,
+        (g, h): ([Register; 3], [Register; 3]),
+    ) -> [Register; 3] {
+        let [p, q, r, s] = &self.transforms;
+        let [w0, w1, w2, w3] = &self.weights;
+        let entry = |c: usize| {
+            let of = |transform: &[[Lane; 4]; 3]| register(&transform[ROW][c]);
+            let sum = Register::from(0.0) + of(p) * register(w0) + of(q) * register(w1);
+            sum + of(r) * register(w2) + of(s) * register(w3)
+        };
+        let place = |transform: &[[Lane; 4]; 3]| {
+            let [a, b, c, d] = &transform[ROW];
+            register(a) * x[0] + register(b) * x[1] + register(c) * x[2] + register(d)
+        };
+        let last = place(s);
+        let apart = [place(p) - last, place(q) - last, place(r) - last];
+        let linear = [entry(0), entry(1), entry(2)];
+        [
+            dot(linear, x) + entry(3),
+            dot(linear, frame.g) + dot(g, apart),
+            dot(linear, frame.h) + dot(h, apart),
+        ]
+    }
+}
+
+#[inline(always)]
+fn register(lane: &Lane) -> Register {
+    Register::from(lane.0)
+}
+
+#[inline(always)]
+fn three([x, y, z, _]: &[Lane; 4]) -> [Register; 3] {
+    [register(x), register(y), register(z)]
+}
+
+/// Returns the first or the second four.
+#[inline(always)]
+fn four<T>(eight: &[T; EIGHT], half: usize) -> Option<&[T; FOUR]> {
+    eight.as_chunks().0.get(half)
+}
+
+/// Puts four vertices' four numbers into the first or the second half of their lanes.
+#[inline(always)]
+fn set(lanes: &mut [Lane; 4], half: usize, rows: [[f32; 4]; FOUR]) {
+    let columns = transposed(rows);
+    for (lane, column) in lanes.iter_mut().zip(columns) {
+        if let Some(out) = lane.0.as_chunks_mut().0.get_mut(half) {
+            *out = column;
+        }
+    }
+}
+
+#[inline(always)]
+fn set_fours(lanes: &mut [Lane; 4], half: usize, [a, b, c, d]: &[[Le; 4]; FOUR]) {
+    set(lanes, half, [floats(a), floats(b), floats(c), floats(d)]);
+}
+
+#[inline(always)]
+fn set_threes(lanes: &mut [Lane; 4], half: usize, [a, b, c, d]: &[[Le; 3]; FOUR]) {
+    let of = |le: &[Le; 3]| {
+        let [x, y, z] = floats(le);
+        [x, y, z, 0.0]
+    };
+    set(lanes, half, [of(a), of(b), of(c), of(d)]);
+}
+
+/// Turns three numbers of each vertex into the vertices' rows.
+#[inline(always)]
+fn rows([x, y, z]: [Register; 3], out: &mut [[f32; 4]; EIGHT]) {
+    let (x, y, z) = (x.to_array(), y.to_array(), z.to_array());
+    for (half, out) in out.as_chunks_mut::<FOUR>().0.iter_mut().enumerate() {
+        if let (Some(x), Some(y), Some(z)) = (four(&x, half), four(&y, half), four(&z, half)) {
+            *out = transposed([*x, *y, *z, *z]);
+        }
+    }
+}
+
+#[inline(always)]
+fn transposed([a, b, c, d]: [[f32; 4]; FOUR]) -> [[f32; FOUR]; 4] {
+    let [a, b, c, d] =
+        [Vec4::from_array(a), Vec4::from_array(b), Vec4::from_array(c), Vec4::from_array(d)];
+    Mat4::from_cols(a, b, c, d).transpose().to_cols_array_2d()
+}
