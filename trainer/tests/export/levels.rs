@@ -113,18 +113,3 @@ fn a_mesh_in_other_units_or_with_strays_is_told() {
     let exported = export(&model, None, &examples, &clips, &[stray], Stand::AsModel).unwrap();
     assert_eq!(exported.levels[0].far, 1);
 }
-
-#[test]
-fn tmp_skin_on() {
-    let examples = arm(400);
-    let model = model(&examples, Predictor::Kernel, 6, 4);
-    let loaded = Model::from_bytes(&model[..]).unwrap();
-    let skin = loaded.skin().unwrap();
-    let palette = runtime_palette(&loaded.envelope().unwrap(), &pose(&examples, 7));
-    let [a, _] = sinew_trainer::envelope::posed::skin_on(&skin, &palette, 7).unwrap();
-    let mut b = vec![[0.0; 3]; skin.vertex_len()];
-    skin.skin_positions(&palette, &mut b).unwrap();
-    let worst = a.iter().zip(b.as_flattened()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-    println!("worst {worst}");
-    assert_eq!(a, b.as_flattened());
-}

@@ -42,28 +42,29 @@ impl Appearance {
             self.images.extend(image);
         }
         let place = |number: &Value| places.get(number.as_u64()? as usize).copied().flatten();
-        let mut without = Vec::new();
-        for texture in &mut self.textures {
-            let mut found = set_source(texture, &place);
+        let mut numbers = Vec::new();
+        for mut texture in std::mem::take(&mut self.textures) {
+            let mut found = set_source(&mut texture, place);
             let extensions = texture.get_mut("extensions").and_then(Value::as_object_mut);
             for extension in extensions.into_iter().flat_map(|map| map.values_mut()) {
-                found |= set_source(extension, &place);
+                found |= set_source(extension, place);
             }
-            without.push(!found);
+            numbers.push(found.then_some(self.textures.len()));
+            self.textures.extend(found.then_some(texture));
         }
-        self.remove_textures(|texture| {
-            let number = texture["index"].as_u64().map_or(usize::MAX, |number| number as usize);
-            without.get(number).copied().unwrap_or(true)
+        self.keep_textures(|texture| {
+            let number = numbers.get(texture["index"].as_u64()? as usize).copied().flatten();
+            number.map(|number| texture["index"] = json!(number))
         });
     }
 
     /// Takes the textures away that need other coordinates than one set, or any at all where there are
     /// none.
     pub(crate) fn keep_uv(&mut self, uv: bool) {
-        self.remove_textures(|texture| {
+        self.keep_textures(|texture| {
             let set = |at: &Value| at.get("texCoord").and_then(Value::as_u64);
             let transformed = texture["extensions"].get("KHR_texture_transform").and_then(set);
-            !uv || transformed.or(set(texture)).unwrap_or(0) > 0
+            (uv && transformed.or(set(texture)).unwrap_or(0) == 0).then_some(())
         });
     }
 
@@ -79,8 +80,8 @@ impl Appearance {
         found
     }
 
-    fn remove_textures(&mut self, gone: impl Fn(&Value) -> bool) {
-        self.materials.iter_mut().for_each(|material| remove_textures(material, &gone));
+    fn keep_textures(&mut self, keep: impl Fn(&mut Value) -> Option<()>) {
+        self.materials.iter_mut().for_each(|material| keep_textures(material, &keep));
     }
 }
 
@@ -96,14 +97,16 @@ fn set_source(names: &mut Value, place: impl Fn(&Value) -> Option<usize>) -> boo
     found.is_some()
 }
 
-fn remove_textures(value: &mut Value, gone: &impl Fn(&Value) -> bool) {
+fn keep_textures(value: &mut Value, keep: &impl Fn(&mut Value) -> Option<()>) {
     match value {
         Value::Object(members) => {
-            let is = |name: &str, value: &Value| name.ends_with("Texture") && value.is_object();
-            members.retain(|name, value| !(is(name, value) && gone(value)));
-            members.values_mut().for_each(|value| remove_textures(value, gone));
+            members.retain(|name, value| {
+                let is_texture = name.ends_with("Texture") && value.is_object();
+                !is_texture || keep(value).is_some()
+            });
+            members.values_mut().for_each(|value| keep_textures(value, keep));
         }
-        Value::Array(items) => items.iter_mut().for_each(|value| remove_textures(value, gone)),
+        Value::Array(items) => items.iter_mut().for_each(|value| keep_textures(value, keep)),
         _ => {}
     }
 }

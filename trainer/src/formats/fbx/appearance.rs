@@ -1,6 +1,6 @@
 //! Materials and images of an FBX file as glTF states them: names, base colours and their textures.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::{Map, Value, json};
 use ufbx::{Material, Mesh, Node, Texture};
@@ -32,9 +32,8 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
         textures: (0..scene.textures.len()).map(|texture| json!({ "source": texture })).collect(),
         ..Appearance::default()
     };
-    let names = scene.textures.iter().map(|texture| texture.element.name.to_string());
-    let missing = names.zip(&images).filter(|(_, image)| image.is_none()).map(|(name, _)| name);
-    appearance.missing = missing.collect();
+    let missing = scene.textures.iter().zip(&images).filter(|(_, image)| image.is_none());
+    appearance.missing = missing.map(|(texture, _)| name(texture)).collect();
     appearance.set_images(images);
     Ok(appearance)
 }
@@ -75,18 +74,20 @@ fn stated(material: &Material, images: &[Option<Image>]) -> Value {
 
 /// Reads a texture's file, where it says it is beside the scene or in the same folder.
 fn picture(texture: &Texture, scene: &Path) -> Option<Image> {
-    let beside = |name: &str| {
-        let name = name.replace('\\', "/");
-        let last = Path::new(&name).file_name().map(PathBuf::from);
-        [Some(PathBuf::from(&name)), last]
-    };
-    let names = [&texture.relative_filename, &texture.filename];
-    let mut places = names.into_iter().flat_map(|name| beside(name)).flatten();
+    let relative = texture.relative_filename.replace('\\', "/");
+    let mut places = [relative, name(texture)].into_iter().filter(|place| !place.is_empty());
     let bytes = places.find_map(|place| {
         let bytes = std::fs::read(scene.with_file_name(place)).ok()?;
         image::kind(&bytes).map(|_| bytes)
     })?;
     let mut members = Map::new();
-    members.insert("name".to_owned(), json!(texture.element.name.to_string()));
+    members.insert("name".to_owned(), json!(name(texture)));
     Some(Image { members, bytes })
+}
+
+/// Names a texture as its file.
+fn name(texture: &Texture) -> String {
+    let file = texture.filename.replace('\\', "/");
+    let name = Path::new(&file).file_name().map(|name| name.to_string_lossy().into_owned());
+    name.unwrap_or_else(|| texture.element.name.to_string())
 }

@@ -230,7 +230,7 @@ fn what_cannot_take_the_model_is_refused() {
     }
     let error = scene(refused("short", |glb| glb.bytes.truncate(100)));
     assert!(matches!(error, SceneError::Buffer { buffer: 0, .. } | SceneError::Accessor { .. }));
-    // Neither may a scale of the sample's happen to bring one vertex to another's place.
+    // No turn and no scale undoes this, and none brings one vertex to the place of another.
     let other = refused("other", |glb| {
         glb.change(positions(glb), 3, |x| x[1] = 1.7 * x[1] + 7.7 + 0.31 * x[0] * x[2]);
     });

@@ -98,15 +98,13 @@ struct Candidate {
 }
 
 fn candidates(at_rest: &Matrix4<f64>, unit: f64) -> impl Iterator<Item = Candidate> {
-    let scaled = Matrix4::new_scaling(unit);
+    let bases =
+        [(Matrix4::new_scaling(unit), true), (Matrix4::identity(), true), (*at_rest, false)];
     let turns = axes::rotations().enumerate();
     let turned = turns.flat_map(|(number, turn)| SCALES.map(|scale| (number > 0, turn * scale)));
     turned.flat_map(move |(turned, linear)| {
         let linear = linear.to_homogeneous();
-        [
-            Candidate { to_model: linear * scaled, turned, bound: true },
-            Candidate { to_model: linear * at_rest, turned, bound: false },
-        ]
+        bases.map(|(base, bound)| Candidate { to_model: linear * base, turned, bound })
     })
 }
 
