@@ -108,7 +108,7 @@ fn under_an_armature_that_scales_and_turns() {
     glb.change(matrices, 16, |m| m[12..15].iter_mut().for_each(|x| *x *= 100.0));
     for bound in ["min", "max"] {
         for x in glb.json["accessors"][positions][bound].as_array_mut().unwrap() {
-            *x = json!((x.as_f64().unwrap() as f32 * 100.0) as f32);
+            *x = json!(x.as_f64().unwrap() as f32 * 100.0);
         }
     }
     for node in glb.json["nodes"].as_array_mut().unwrap() {

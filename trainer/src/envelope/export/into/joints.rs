@@ -17,6 +17,9 @@ const SAME_SCALE: f64 = 1e-5;
 /// Farthest that a node's transform may be from a turn and an even scale, over the scale.
 const EVEN: f64 = 1e-3;
 
+/// Frames of the joints in the model, pose by pose.
+type Frames = Vec<Vec<Isometry3<f64>>>;
+
 /// The joints as nodes: the file's own where it has them, others added.
 pub(super) struct OwnJoints {
     /// Their nodes.
@@ -85,6 +88,9 @@ impl OwnJoints {
                 let bind = file.binds[node].unwrap_or_else(|| from_world * worlds[node]);
                 let frame = found.to_model * bind;
                 joints.nodes[joint] = node;
+                if !scale(&frame).is_normal() {
+                    return Err(joints.uneven(joint));
+                }
                 joints.units[joint] = scale(&frame);
                 joints.frames[joint] = isometry(&(frame * even(1.0 / scale(&frame))));
                 part_matrix(&mut document.nodes[node], &joints.tree.locals[node])
@@ -138,7 +144,7 @@ impl OwnJoints {
     pub(super) fn tracks(
         &self,
         poses: &[Vec<Matrix3x4>],
-    ) -> Result<(Vec<Track>, Vec<Vec<Isometry3<f64>>>), IntoError> {
+    ) -> Result<(Vec<Track>, Frames), IntoError> {
         let keys = poses.iter().map(|pose| {
             let maps: Vec<_> = pose.iter().map(square).collect();
             self.place(&maps)
@@ -193,7 +199,7 @@ impl OwnJoints {
                 scale: if kept { own } else { [factor as f32; 3] },
             };
             let rounded = local(&placed[joint]);
-            if !((rounded - wanted).fixed_view::<3, 3>(0, 0).amax() <= EVEN * factor.abs()) {
+            if (rounded - wanted).fixed_view::<3, 3>(0, 0).amax() > EVEN * factor.abs() {
                 return Err(uneven());
             }
             worlds[node] = above * rounded;
@@ -221,6 +227,9 @@ fn part_matrix(node: &mut Value, matrix: &Matrix4<f64>) -> Option<()> {
         return Some(());
     }
     let scale = factors(matrix);
+    if scale.iter().any(|factor| !factor.is_normal()) {
+        return None;
+    }
     let linear =
         matrix.fixed_view::<3, 3>(0, 0) * Matrix3::from_diagonal(&scale.map(f64::recip).into());
     let turn = isometry(&linear.to_homogeneous()).rotation;
