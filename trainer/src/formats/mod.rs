@@ -11,8 +11,10 @@
 //!    enum of its own, a variant of [`FormatError`]. What is left out is a [`FormatWarning`].
 //! 3. Its ending, where the reader is chosen by it and in the message beside: of scenes
 //!    `examples/import/source.rs`, of posed meshes `examples/import/targets.rs`.
-//! 4. Its ending in the help of `sinew train` (`cli/input.rs`) and in the README.
+//! 4. What its meshes look like, in `appearance/load.rs`, where it says so.
+//! 5. Its ending in the help of `sinew train` (`cli/input.rs`) and in the README.
 
+pub mod appearance;
 mod error;
 pub(crate) mod extension;
 pub(crate) mod fbx;

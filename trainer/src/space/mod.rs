@@ -5,5 +5,5 @@ mod conversion;
 mod request;
 
 pub use conversion::Conversion;
-pub(crate) use request::UNITS;
+pub(crate) use request::{SCALES, UNITS};
 pub use request::{SpaceError, SpaceRequest};

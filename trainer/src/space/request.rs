@@ -5,6 +5,10 @@ use sinew_runtime::format::{Axis, Handedness, Space};
 /// Metres that a unit of length may have, as in the file.
 pub(crate) const UNITS: std::ops::RangeInclusive<f32> = 1e-9..=1e9;
 
+/// The units of one file in those of another: powers of ten and inches, 1 first.
+pub(crate) const SCALES: [f64; 11] =
+    [1.0, 0.01, 100.0, 0.1, 10.0, 0.001, 1000.0, 0.0254, 1.0 / 0.0254, 2.54, 1.0 / 2.54];
+
 /// What is said of a space; what is not said stays as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpaceRequest {

@@ -110,6 +110,47 @@ fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
 }
 
 #[test]
+fn a_model_goes_into_the_artist_s_own_file() {
+    let folder = Folder::with_demo("export-into");
+    let size = format!("--vertices 300 --poses {TRAINING} --held-out {HELD_OUT}");
+    folder.sinew(&format!("export-demo rig {size}")).done();
+    let before = folder.read("rig/demo.glb");
+    let run = folder.sinew(&format!("{EXPORT} --into rig/demo.glb -o out.glb"));
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let expected = "sinew: warning: rig/demo.glb: animations that it had move the joints and no \
+                    proxy: train, held-out\n";
+    assert_eq!(run.err, expected);
+    assert!(run.out.contains("meshes: skin, animations: demo (52 frames)"), "{}", run.out);
+    let gltf = gltf::Gltf::from_slice(&folder.read("out.glb")).unwrap();
+    let names: Vec<_> = gltf.animations().map(|animation| animation.name().unwrap()).collect();
+    assert_eq!(names, ["train", "held-out", "demo"]);
+    let run = folder.sinew(&format!("{EXPORT} --into rig/demo.glb -o again.glb --json --quiet"));
+    let found: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let into = json!({
+        "meshes": ["skin"], "added_joints": [], "kept_animations": ["train", "held-out"],
+    });
+    assert_eq!(found["into"], into);
+    assert!(folder.read("again.glb") == folder.read("out.glb"), "the same bytes again");
+
+    fs::write(folder.path("text.glb"), "no glTF").unwrap();
+    let list = folder.list();
+    for (options, expected) in [
+        ("--into rig/demo.glb -o rig/demo.glb", "cannot write rig/demo.glb: it is an input"),
+        ("--into none.glb -o new.glb", "none.glb: cannot be read: "),
+        ("--into text.glb -o new.glb", "text.glb: is no glTF 2.0: "),
+    ] {
+        let line = folder.sinew(&format!("{EXPORT} {options}")).failed();
+        assert!(line.starts_with(expected), "{options}: {line}");
+        assert_eq!(folder.list(), list, "{options}");
+    }
+    for option in ["--also lod1.obj", "--to-up y", "--to-unit 1"] {
+        let run = folder.sinew(&format!("{EXPORT} --into rig/demo.glb -o new.glb {option}"));
+        assert_eq!(run.code, Some(2), "{option}: {}", run.err);
+    }
+    assert!(folder.read("rig/demo.glb") == before);
+}
+
+#[test]
 fn strays_of_a_level_are_warned_of() {
     let folder = Folder::with_demo("export-stray");
     write_obj(&folder, "lod1.obj", 1.0);

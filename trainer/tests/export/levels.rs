@@ -1,11 +1,11 @@
 //! Further meshes on a model's palette.
 
 use super::scene::Scene;
-use super::{arm, clip, distances, farthest, model, pose, runtime_palette, vectors};
+use super::{arm, clip, distances, export, farthest, model, pose, runtime_palette, vectors};
 use nalgebra::Matrix4;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{ExportError, Exported, Stand, export};
+use sinew_trainer::envelope::export::{ExportError, Exported, Stand};
 use sinew_trainer::envelope::levels::{Level, LevelError};
 use sinew_trainer::examples::Examples;
 use sinew_trainer::formats::Mesh;

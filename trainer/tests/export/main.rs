@@ -1,6 +1,8 @@
 //! Exported files, read back by the glTF specification and held against the runtime.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
+mod dressed;
+mod into;
 mod levels;
 mod plays;
 mod rig;
@@ -15,9 +17,12 @@ use shared::shared;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::{Envelope, Matrix3x4, Model};
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
+use sinew_trainer::envelope::export::{Export, ExportError, Exported, Stand};
+use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Clip, Examples, npz};
+use sinew_trainer::formats::appearance::Appearance;
 use sinew_trainer::progress::Silent;
 
 fn set(file: &str) -> Option<Examples> {
@@ -33,6 +38,19 @@ fn model(examples: &Examples, predictor: Predictor, proxies: usize, influences: 
     let proxies = Some(ProxyCount::Fixed(proxies));
     let options = Options { predictor, proxies, influences, ..Options::default() };
     train(examples, &options, &Silent).unwrap().model
+}
+
+/// Exports what has no materials.
+fn export(
+    model: &[u8],
+    skin: Option<&str>,
+    examples: &Examples,
+    clips: &[Clip],
+    levels: &[Level],
+    stand: Stand,
+) -> Result<Exported, ExportError> {
+    let appearance = &Appearance::default();
+    Export { model, skin, examples, clips, levels, appearance, stand }.run()
 }
 
 fn clip(name: &str, first: usize, len: usize) -> Clip {

@@ -1,11 +1,11 @@
 //! An exported file plays what the runtime computes.
 
 use super::scene::Scene;
-use super::{arm, clip, farthest, model, only, pose, runtime_skin, set, vectors};
+use super::{arm, clip, export, farthest, model, only, pose, runtime_skin, set, vectors};
 use nalgebra::{Matrix4, Vector3};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::{Matrix3x4, Model};
-use sinew_trainer::envelope::export::{Stand, export};
+use sinew_trainer::envelope::export::Stand;
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Clip, Examples};

@@ -76,9 +76,12 @@ impl Scene {
         worlds
     }
 
-    /// What each joint of the one skin does to a point of the bind pose.
+    /// What each joint of the first skin does to a point of the bind pose.
     pub(crate) fn palette(&self, worlds: &[Matrix4<f64>]) -> Vec<Matrix4<f64>> {
-        let skin = self.gltf.skins().next().unwrap();
+        self.palette_of(&self.gltf.skins().next().unwrap(), worlds)
+    }
+
+    fn palette_of(&self, skin: &gltf::Skin<'_>, worlds: &[Matrix4<f64>]) -> Vec<Matrix4<f64>> {
         let inverse_binds = skin.reader(self.bytes()).read_inverse_bind_matrices().unwrap();
         let matrix = |m: [[f32; 4]; 4]| Matrix4::from_fn(|row, column| f64::from(m[column][row]));
         let joints = skin.joints().map(|joint| worlds[joint.index()]);
@@ -89,8 +92,19 @@ impl Scene {
     pub(crate) fn skinned(&self, mesh: &str, palette: &[Matrix4<f64>]) -> Vec<Vector3<f64>> {
         let node = self.gltf.nodes().nth(self.node(mesh)).unwrap();
         assert_eq!(node.skin().unwrap().index(), 0);
-        let primitive = node.mesh().unwrap().primitives().next().unwrap();
-        let reader = primitive.reader(self.bytes());
+        self.blended(&node.mesh().unwrap().primitives().next().unwrap(), palette)
+    }
+
+    /// Skins every primitive of a mesh, named as its node, on the node's own skin.
+    pub(crate) fn posed(&self, mesh: &str, worlds: &[Matrix4<f64>]) -> Vec<Vector3<f64>> {
+        let node = self.gltf.nodes().nth(self.node(mesh)).unwrap();
+        let palette = self.palette_of(&node.skin().unwrap(), worlds);
+        let primitives = node.mesh().unwrap().primitives();
+        primitives.flat_map(|primitive| self.blended(&primitive, &palette)).collect()
+    }
+
+    fn blended(&self, of: &gltf::Primitive<'_>, palette: &[Matrix4<f64>]) -> Vec<Vector3<f64>> {
+        let reader = of.reader(self.bytes());
         let positions: Vec<_> = reader.read_positions().unwrap().map(vector).collect();
         let mut out = vec![Vector3::zeros(); positions.len()];
         let mut set = 0;

@@ -1,12 +1,12 @@
 //! Exports of models in the axes and the unit of an engine.
 
 use super::scene::Scene;
-use super::{arm, clip, farthest, model, pose, runtime_skin};
+use super::{arm, clip, export, farthest, model, pose, runtime_skin};
 use nalgebra::Vector3;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Axis, Space};
-use sinew_trainer::envelope::export::{ExportError, Stand, export};
+use sinew_trainer::envelope::export::{ExportError, Stand};
 use sinew_trainer::examples::Examples;
 use sinew_trainer::space::{SpaceError, SpaceRequest};
 

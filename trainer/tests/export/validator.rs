@@ -1,9 +1,9 @@
 //! The Khronos validator finds nothing to object to.
 
-use super::{arm, clip, model};
+use super::{arm, clip, export, model};
 use serde_json::Value;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{Stand, by_use, demo_glb, export};
+use sinew_trainer::envelope::export::{Stand, by_use, demo_glb};
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::formats::Mesh;
 use std::path::{Path, PathBuf};
@@ -50,8 +50,9 @@ fn issues(name: &str, glb: &[u8]) -> (u64, u64, Value) {
     (count("numErrors"), count("numWarnings"), issues)
 }
 
+/// Insists on no error and no warning.
 #[track_caller]
-fn valid(name: &str, glb: &[u8]) {
+pub(crate) fn valid(name: &str, glb: &[u8]) {
     let (errors, warnings, issues) = issues(name, glb);
     assert_eq!((errors, warnings), (0, 0), "{name}: {issues:#}");
 }

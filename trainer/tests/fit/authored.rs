@@ -3,10 +3,11 @@
 use crate::shared::shared;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{Stand, export};
+use sinew_trainer::envelope::export::{Export, Stand};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Examples, Loaded, Source, load};
+use sinew_trainer::formats::appearance::Appearance;
 use sinew_trainer::progress::Silent;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -96,7 +97,16 @@ fn the_fox_keeps_its_texture_and_is_smooth() {
     let Some(file) = shared("gltf-loader/Fox.glb") else { return };
     let Loaded { examples, clips, .. } = load(&Source::file(Path::new(&file))).unwrap();
     let bytes = model(&examples);
-    let exported = export(&bytes, None, &examples, &clips, &[], Stand::AsModel).unwrap().glb;
+    let export = Export {
+        model: &bytes,
+        skin: None,
+        examples: &examples,
+        clips: &clips,
+        levels: &[],
+        appearance: &Appearance::default(),
+        stand: Stand::AsModel,
+    };
+    let exported = export.run().unwrap().glb;
     let [before, after] = [std::fs::read(&file).unwrap(), exported].map(|bytes| attributes(&bytes));
     assert_eq!((after.positions.len(), after.uv.len()), (1728, 1728));
     for vertex in 0..1728 {

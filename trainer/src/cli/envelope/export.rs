@@ -9,10 +9,14 @@ use anyhow::bail;
 use serde_json::json;
 use sinew_runtime::format::{Axis, Space};
 use sinew_trainer::envelope::evaluate::{Character, EvaluateError};
-use sinew_trainer::envelope::export::{ExportError, Stand, export};
+use sinew_trainer::envelope::export::{
+    Export, ExportError, Grafted, IntoError, Stand, export_into,
+};
+use sinew_trainer::envelope::levels::LevelReport;
 use sinew_trainer::envelope::posed::rest;
-use sinew_trainer::examples::{Clip, Source};
-use std::path::PathBuf;
+use sinew_trainer::examples::Source;
+use sinew_trainer::formats::appearance;
+use std::path::{Path, PathBuf};
 
 /// Bakes a model and a clip into a GLB that plays in any engine
 ///
@@ -22,6 +26,9 @@ use std::path::PathBuf;
 /// two nodes: proxy_N moves, turns and scales, and proxy_N_axes, the joint of the skin, turns the
 /// axes back. An engine must multiply the nodes' matrices, as glTF asks; one that keeps only a move,
 /// a turn and a scale of each joint in model space loses the shear.
+///
+/// Names, materials and textures of the meshes of CLIP live through, where it is a scene: all that a GLB or glTF
+/// says of them, and of an FBX names, base colours, and pictures that lie beside it.
 ///
 /// Normals are shaded by the joints alone, as engines do it: what the model's tangent coefficients know of them
 /// has no place in glTF.
@@ -34,6 +41,13 @@ use std::path::PathBuf;
 /// the model; `--up z` turns one that stands along z upright, and with --to-up, --to-forward and
 /// --to-unit the armature turns and scales it from the model's axes and unit, where they are known. glTF
 /// takes `--to-up y --to-forward z --to-unit 1`.
+///
+/// With --into, all that goes into the artist's own GLB or glTF, and the rest of that file stays as it is:
+/// materials, textures, morph targets, other meshes and animations, extras and extensions. The meshes whose
+/// vertices are the model's, found by place in any axes and unit, take its joints and weights; its own
+/// joints, found by name, take keys, and the proxies hang under them. Such a mesh moves to the root of the
+/// scene, where glTF wants what a skin moves. Animations that the file has keep their names and move the
+/// proxies with their joints alone.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A model that `sinew train` wrote
@@ -48,6 +62,14 @@ pub(in crate::cli) struct Arguments {
     /// be given several times
     #[arg(long, value_name = "LOD.obj")]
     also: Vec<PathBuf>,
+    /// Put it into this file (.glb, .gltf), which holds the character in its rest pose, and leave the rest of
+    /// the file alone
+    #[arg(
+        long,
+        value_name = "CHARACTER.glb",
+        conflicts_with_all = ["also", "to_up", "to_forward", "to_hand", "to_unit"]
+    )]
+    into: Option<PathBuf>,
     /// Where to write the file
     #[arg(long, short = 'o', value_name = "OUT.glb")]
     output: PathBuf,
@@ -64,6 +86,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let mut inputs = Source::file(&arguments.clip).files();
     inputs.push(arguments.model.clone());
     inputs.extend_from_slice(&arguments.also);
+    inputs.extend(arguments.into.clone());
     let target = OutputFile::new(&arguments.output, &inputs)?;
     let model = input::read_model(&arguments.model)?;
     let skin = arguments.skin.as_deref();
@@ -75,13 +98,41 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let levels = levels::load(&arguments.also, conversion.as_ref())?;
     input::move_to(&mut input, &arguments.clip, &rest(&character.skin), output)?;
     let input::LoadedInput { examples, clips, .. } = input;
-    let stand = stand(&arguments.space, &arguments.target, &character.space)?;
     let exporting = Bars::busy(output, "exporting");
-    let exported = export(&model, skin, &examples, &clips, &levels, stand)
-        .map_err(|error| blame(error, arguments))?;
-    files::write(&[(&target, &exported.glb)])?;
+    let (glb, said) = match &arguments.into {
+        None => {
+            let stand = stand(&arguments.space, &arguments.target, &character.space)?;
+            let appearance = appearance::load(&arguments.clip)?;
+            if !appearance.missing.is_empty() {
+                let names = printable(&appearance.missing.join(", "));
+                let text = format!("images that cannot be read, and are left out: {names}");
+                output.warn(arguments.clip.display(), text);
+            }
+            let (clips, levels, appearance) = (&clips, &levels, &appearance);
+            let export = Export {
+                model: &model,
+                skin,
+                examples: &examples,
+                clips,
+                levels,
+                appearance,
+                stand,
+            };
+            let exported = export.run().map_err(|error| blame(error, arguments))?;
+            let names = clips.iter().map(|clip| clip.name.clone()).collect();
+            (exported.glb, Said { names, levels: exported.levels, ..Said::default() })
+        }
+        Some(file) => {
+            let grafted = export_into(&model, skin, &examples, &clips, file)
+                .map_err(|error| blame(error, arguments))?;
+            let Grafted { glb, animations: names, meshes, added_joints, kept_animations } = grafted;
+            let into = Some(Into { meshes, added_joints, kept_animations });
+            (glb, Said { names, into, ..Said::default() })
+        }
+    };
+    files::write(&[(&target, &glb)])?;
     drop(exporting);
-    levels::warn(&exported.levels, &arguments.also, output);
+    levels::warn(&said.levels, &arguments.also, output);
     let influences = character.skin.influence_len();
     if influences > USUAL_INFLUENCES {
         let sets = format!(
@@ -90,21 +141,66 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         );
         output.warn(arguments.output.display(), sets);
     }
+    if let (Some(file), Some(into)) = (&arguments.into, &said.into) {
+        into.warn(file, output);
+    }
+    let animations = said.names.iter().zip(&clips);
+    let frames = animations
+        .clone()
+        .map(|(name, clip)| format!("{} ({} frames)", printable(name), clip.times.len()));
     let text = format!(
-        "{}wrote {} ({} bytes), animations: {}",
-        levels::table(&exported.levels),
+        "{}wrote {} ({} bytes), {}animations: {}",
+        levels::table(&said.levels),
         arguments.output.display(),
-        exported.glb.len(),
-        names(&clips)
+        glb.len(),
+        said.into.as_ref().map_or(String::new(), |into| {
+            format!("meshes: {}, ", printable(&into.meshes.join(", ")))
+        }),
+        frames.collect::<Vec<_>>().join(", ")
     );
     let record = json!({
-        "bytes": exported.glb.len(),
-        "animations": clips.iter().map(|clip| {
-            json!({ "name": clip.name, "frames": clip.times.len() })
+        "bytes": glb.len(),
+        "animations": animations.map(|(name, clip)| {
+            json!({ "name": name, "frames": clip.times.len() })
         }).collect::<Vec<_>>(),
-        "levels": exported.levels,
+        "levels": said.levels,
+        "into": said.into,
     });
     output.print(&record, &text)
+}
+
+/// What is told of an export.
+#[derive(Default)]
+struct Said {
+    /// Names of the animations, one a clip.
+    names: Vec<String>,
+    levels: Vec<LevelReport>,
+    into: Option<Into>,
+}
+
+/// What is told of an artist's file.
+#[derive(serde::Serialize)]
+struct Into {
+    meshes: Vec<String>,
+    added_joints: Vec<String>,
+    kept_animations: Vec<String>,
+}
+
+impl Into {
+    fn warn(&self, file: &Path, output: Output) {
+        if !self.added_joints.is_empty() {
+            let joints = printable(&self.added_joints.join(", ")).to_string();
+            output.warn(
+                file.display(),
+                format!("has no nodes of these names, which were added: {joints}"),
+            );
+        }
+        if !self.kept_animations.is_empty() {
+            let names = printable(&self.kept_animations.join(", ")).to_string();
+            let text = format!("animations that it had move the joints and no proxy: {names}");
+            output.warn(file.display(), text);
+        }
+    }
 }
 
 /// Names the file that an error is about.
@@ -115,17 +211,19 @@ fn blame(error: ExportError, arguments: &Arguments) -> anyhow::Error {
         | ExportError::NoFrames { .. }
         | ExportError::Times { .. } => arguments.clip.display().to_string(),
         ExportError::Model(_) | ExportError::Space(_) => arguments.model.display().to_string(),
-        ExportError::Level(_) | ExportError::LeftHanded => return error.into(),
-        ExportError::TooLarge { .. } | ExportError::Glb(_) => {
+        // A file that cannot be read names itself.
+        ExportError::Level(_) | ExportError::LeftHanded | ExportError::Into(IntoError::File(_)) => {
+            return error.into();
+        }
+        ExportError::Into(_) => {
+            let file = arguments.into.as_ref().unwrap_or(&arguments.output);
+            file.display().to_string()
+        }
+        ExportError::TooLarge { .. } | ExportError::Json(_) => {
             arguments.output.display().to_string()
         }
     };
     anyhow::Error::new(error).context(at_fault)
-}
-
-fn names(clips: &[Clip]) -> String {
-    let name = |clip: &Clip| format!("{} ({} frames)", printable(&clip.name), clip.times.len());
-    clips.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
 /// How a GLB is to stand, by what `export` was told.

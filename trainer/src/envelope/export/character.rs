@@ -1,21 +1,20 @@
 //! A character's scene: skeleton, proxies, meshes, and an animation a clip.
 
+use super::dress::parts;
 use super::error::ExportError;
-use super::glb::{Document, Placed, SkinnedMesh};
-use super::proxies::{self, ProxyNodes};
+use super::glb::{Document, Placed};
+use super::mesh::SkinnedMesh;
+use super::played::Played;
+use super::proxies::ProxyNodes;
 use super::skeleton::{JointNodes, quaternion, turned};
-use super::times::key_times;
-use crate::envelope::evaluate::{Character, EvaluateError};
+use crate::envelope::evaluate::Character;
 use crate::envelope::levels::{Influences, Level, LevelReport, SkinSurface};
-use crate::envelope::posed::{FrameError, influences, palette, rest, skin_on};
-use crate::examples::{Clip, Examples, Matrix3x4};
+use crate::envelope::posed::{FrameError, rest, skin_on};
+use crate::examples::{Clip, Examples};
+use crate::formats::appearance::Appearance;
 use crate::space::{Conversion, SpaceRequest};
 use rayon::prelude::*;
-use sinew_runtime::Envelope;
 use sinew_runtime::format::{Axis, Handedness, Space};
-
-/// How far a proxy reaches about its centre where a joint is looked for to carry it, in diagonals.
-const REACH: f64 = 0.05;
 
 /// What a file says of itself.
 const NOTE: &str = "The skin follows nodes called proxy_N under the skeleton's joints. A proxy's outer \
@@ -43,126 +42,125 @@ pub struct Exported {
 
 /// Bakes clips of the examples into a GLB: an animation a clip, of the palettes that the f32
 /// runtime predicts, with the model's mesh and further ones on one skin.
-///
-/// # Errors
-/// - [`ExportError::Model`] and [`ExportError::Frame`]: the model is refused, was made for another
-///   character, or refuses a pose.
-/// - [`ExportError::NoFrames`] and [`ExportError::Times`]: a clip cannot be played.
-/// - [`ExportError::Level`]: a further mesh lies elsewhere.
-/// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: it cannot stand as asked.
-/// - [`ExportError::TooLarge`] and [`ExportError::Glb`]: the file cannot be made.
-pub fn export(
-    model: &[u8],
-    skin: Option<&str>,
-    examples: &Examples,
-    clips: &[Clip],
-    levels: &[Level],
-    stand: Stand,
-) -> Result<Exported, ExportError> {
-    let character = Character::open(model, skin, examples)?;
-    let Character { envelope, skin, space } = character;
-    let hand = SpaceRequest { handedness: Some(Handedness::Right), ..SpaceRequest::default() };
-    let (right, mirror) = Conversion::to(space, &hand)?;
-    let times = clips.iter().map(key_times).collect::<Result<Vec<_>, _>>()?;
-    if clips.is_empty() {
-        return Err(ExportError::NoFrames { clip: "the examples have no clip".to_owned() });
-    }
-    let frames: Vec<usize> =
-        clips.iter().flat_map(|clip| clip.first..clip.first + clip.times.len()).collect();
-    examples.check_rigid_in(&frames).map_err(EvaluateError::Examples)?;
-    let mut palettes = frames
-        .par_iter()
-        .map(|&frame| Ok(palette(&envelope, examples, frame)?.0))
-        .collect::<Result<Vec<_>, FrameError>>()?;
-    let own_influences = influences(&skin);
-    let own = examples.surface();
-    let (mut levels, influences_of_levels, reports) = if levels.is_empty() {
-        Default::default()
-    } else {
-        let keys = palettes.par_iter().zip(&frames);
-        let posed = keys
-            .map(|(palette, &frame)| {
-                let [positions, _] = skin_on(&skin, palette, frame)?;
-                Ok(own.of_first_copies(positions.as_chunks().0))
-            })
-            .collect::<Result<Vec<_>, FrameError>>()?;
-        let surface = SkinSurface {
-            rest: &own.of_first_copies(&rest(&skin)),
-            triangles: &examples.solid_triangles(),
-            influences: &own.of_first_copies(&own_influences),
-            most: skin.influence_len(),
-            diagonal: examples.diagonal(),
-            palettes: &palettes,
-            posed,
-        };
-        let followed = levels.iter().map(|level| surface.follow(level));
-        let followed = followed.collect::<Result<Vec<_>, _>>()?.into_iter();
-        let (influences, reports): (Vec<_>, Vec<_>) = followed.unzip();
-        (levels.to_vec(), influences, reports)
-    };
+#[derive(Clone, Copy)]
+pub struct Export<'a> {
+    /// A model's file.
+    pub model: &'a [u8],
+    /// The skin whose mesh plays; the model's first where none is named.
+    pub skin: Option<&'a str>,
+    /// The poses, and the mesh's triangles and texture coordinates.
+    pub examples: &'a Examples,
+    /// The clips of its frames.
+    pub clips: &'a [Clip],
+    /// Further meshes.
+    pub levels: &'a [Level],
+    /// What the mesh looks like; it has a mesh and a primitive for each name and material that is known.
+    pub appearance: &'a Appearance,
+    /// How it stands.
+    pub stand: Stand,
+}
 
-    // What follows is in the model's space, mirrored where that is left-handed.
-    let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
-    let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
-    let (mut rest, mut triangles) = (rest(&skin), own.engine_triangles().to_vec());
-    let mut skeleton = examples.skeleton.clone();
-    let mut poses: Vec<_> = frames.iter().map(|&frame| examples.pose(frame).to_vec()).collect();
-    if let Some(mirror) = mirror {
-        rest.iter_mut().for_each(|x| *x = mirror.point(*x));
-        normals_at_rest.iter_mut().for_each(|n| *n = mirror.direction(*n));
-        mirror.triangles(&mut triangles);
-        let turn = |b: &mut Matrix3x4| *b = mirror.transform(b);
-        skeleton.rest.iter_mut().for_each(turn);
-        poses.iter_mut().flatten().for_each(turn);
-        for b in palettes.iter_mut().flatten() {
-            // Exact: entries change places and signs.
-            let turned = mirror.transform(&b.map(|row| row.map(f64::from)));
-            *b = turned.map(|row| row.map(|x| x as f32));
+impl Export<'_> {
+    /// Makes the file.
+    ///
+    /// # Errors
+    /// - [`ExportError::Model`] and [`ExportError::Frame`]: the model is refused, was made for another
+    ///   character, or refuses a pose.
+    /// - [`ExportError::NoFrames`] and [`ExportError::Times`]: a clip cannot be played.
+    /// - [`ExportError::Level`]: a further mesh lies elsewhere.
+    /// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: it cannot stand as asked.
+    /// - [`ExportError::TooLarge`] and [`ExportError::Json`]: the file cannot be made.
+    pub fn run(&self) -> Result<Exported, ExportError> {
+        let Self { model, skin, examples, clips, levels, appearance, stand } = *self;
+        let played = Played::new(model, skin, examples, clips)?;
+        let right = played.right_handed(examples)?;
+        let skin = &played.character.skin;
+        let (influences_of_levels, reports) = follow(&played, examples, levels)?;
+
+        let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
+        let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
+        let own = examples.surface();
+        let (mut triangles, mut levels) = (own.engine_triangles().to_vec(), levels.to_vec());
+        if let Some(mirror) = &right.mirror {
+            normals_at_rest.iter_mut().for_each(|n| *n = mirror.direction(*n));
+            mirror.triangles(&mut triangles);
+            levels.iter_mut().for_each(|level| level.mesh.convert(mirror));
         }
-        levels.iter_mut().for_each(|level| level.mesh.convert(&mirror));
-    }
-    let poses: Vec<&[Matrix3x4]> = poses.iter().map(Vec::as_slice).collect();
 
-    let mut document = Document::new(NOTE);
-    let armature = document.node("armature".to_owned(), None, &armature(&right, stand)?);
-    let joints = JointNodes::new(&mut document, armature, &skeleton);
-    let centres = centres(&envelope, &rest, &own_influences);
-    let carriers = proxies::carriers(&palettes, &poses, &centres, REACH * examples.diagonal());
-    let proxies = ProxyNodes::new(&mut document, &joints, &centres, &carriers);
-    let shown = envelope.palette_len() - envelope.proxy_len();
-    let nodes = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
-    let inverse_binds = [&joints.inverse_binds[..shown], &proxies.inverse_binds].concat();
-    let palette_skin = document.skin(armature, nodes, &inverse_binds);
-    let mesh = SkinnedMesh {
-        name: skin.name(),
-        positions: &rest,
-        normals: &normals_at_rest,
-        uv: own.uv(),
-        influences: &own_influences,
-        triangles: &triangles,
-    };
-    document.mesh(&mesh, palette_skin);
-    for (level, influences) in levels.iter().zip(&influences_of_levels) {
-        let surface = level.mesh.surface();
+        let mut document = Document::new(NOTE);
+        let armature = document.node("armature".to_owned(), None, &armature(&right.space, stand)?);
+        let joints = JointNodes::new(&mut document, armature, &right.skeleton);
+        let proxies =
+            ProxyNodes::new(&mut document, &joints.carriers(), &right.centres, &right.carriers);
+        let shown = played.shown();
+        let nodes: Vec<_> = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
+        let inverse_binds = [&joints.inverse_binds[..shown], &proxies.inverse_binds].concat();
+        let palette_skin = document.skin(armature, &nodes, &inverse_binds);
+        document.dress(appearance, own.uv().is_some());
         let mesh = SkinnedMesh {
-            name: &level.name,
-            positions: &surface.copied(&level.mesh.positions),
-            normals: &surface.normals(),
-            uv: surface.uv(),
-            influences: &surface.copied(influences),
-            triangles: surface.engine_triangles(),
+            name: appearance.mesh.as_deref().unwrap_or(skin.name()),
+            positions: &right.rest,
+            normals: &normals_at_rest,
+            uv: own.uv(),
+            influences: &played.influences,
+            primitives: &[],
         };
-        document.mesh(&mesh, palette_skin);
+        let materials = &appearance.of_triangles;
+        let ranges: Vec<_> = skin.ranges().map(|(name, range)| (name.to_owned(), range)).collect();
+        for part in parts(mesh.name, &ranges, right.rest.len(), &triangles, materials) {
+            document.mesh(&part.of(&mesh), palette_skin);
+        }
+        for (level, influences) in levels.iter().zip(&influences_of_levels) {
+            let surface = level.mesh.surface();
+            let mesh = SkinnedMesh {
+                name: &level.name,
+                positions: &surface.copied(&level.mesh.positions),
+                normals: &surface.normals(),
+                uv: surface.uv(),
+                influences: &surface.copied(influences),
+                primitives: &[(None, surface.engine_triangles().to_vec())],
+            };
+            document.mesh(&mesh, palette_skin);
+        }
+        for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
+            let (mut tracks, worlds) = joints.tracks(&right.poses[own.clone()]);
+            tracks.extend(proxies.tracks(&right.palettes[own], &worlds));
+            document.animation(&clip.name, times, tracks);
+        }
+        Ok(Exported { glb: document.finish()?, levels: reports })
     }
-    let mut begin = 0;
-    for (clip, times) in clips.iter().zip(&times) {
-        let own = begin..begin + times.len();
-        begin = own.end;
-        let (mut tracks, worlds) = joints.tracks(&poses[own.clone()]);
-        tracks.extend(proxies.tracks(&palettes[own], &worlds));
-        document.animation(&clip.name, times, tracks);
+}
+
+/// Finds what further meshes follow.
+fn follow(
+    played: &Played<'_>,
+    examples: &Examples,
+    levels: &[Level],
+) -> Result<(Vec<Influences>, Vec<LevelReport>), ExportError> {
+    if levels.is_empty() {
+        return Ok(Default::default());
     }
-    Ok(Exported { glb: document.finish()?, levels: reports })
+    let own = examples.surface();
+    let Played { character: Character { skin, .. }, frames, palettes, influences, .. } = played;
+    let posed = palettes.par_iter().zip(frames);
+    let posed = posed
+        .map(|(palette, &frame)| {
+            let [positions, _] = skin_on(skin, palette, frame)?;
+            Ok(own.of_first_copies(positions.as_chunks().0))
+        })
+        .collect::<Result<Vec<_>, FrameError>>()?;
+    let surface = SkinSurface {
+        rest: &own.of_first_copies(&rest(skin)),
+        triangles: &examples.solid_triangles(),
+        influences: &own.of_first_copies(influences),
+        most: skin.influence_len(),
+        diagonal: examples.diagonal(),
+        palettes,
+        posed,
+    };
+    let followed = levels.iter().map(|level| surface.follow(level));
+    let followed = followed.collect::<Result<Vec<_>, _>>()?.into_iter();
+    Ok(followed.unzip())
 }
 
 /// Places the armature of a right-handed model, so that the character stands as asked.
@@ -184,26 +182,4 @@ fn armature(model: &Space, stand: Stand) -> Result<Placed, ExportError> {
         scale: [conversion.scale() as f32; 3],
         ..Placed::AT_PARENT
     }))
-}
-
-/// Gives the centre of what each proxy moves; of the mesh, where it moves nothing.
-fn centres(envelope: &Envelope<'_>, rest: &[[f64; 3]], influences: &Influences) -> Vec<[f64; 3]> {
-    let first = envelope.palette_len() - envelope.proxy_len();
-    let mut sums = vec![[0.0; 4]; envelope.proxy_len()];
-    let mut all = [0.0; 4];
-    for (x, influences) in rest.iter().zip(influences) {
-        let add = |sum: &mut [f64; 4], weight: f64| {
-            for (sum, x) in sum.iter_mut().zip(x.iter().chain([&1.0])) {
-                *sum += weight * x;
-            }
-        };
-        for &(index, weight) in influences {
-            if let Some(sum) = index.checked_sub(first).and_then(|proxy| sums.get_mut(proxy)) {
-                add(sum, weight);
-            }
-        }
-        add(&mut all, 1.0);
-    }
-    let mean = |[x, y, z, weight]: [f64; 4]| [x / weight, y / weight, z / weight];
-    sums.into_iter().map(|sum| mean(if sum[3] > 0.0 { sum } else { all })).collect()
 }

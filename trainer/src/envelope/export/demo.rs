@@ -1,7 +1,8 @@
 //! The demo character as an artist would hand it over: a skeleton, LBS weights, and animations.
 
 use super::error::ExportError;
-use super::glb::{Document, Placed, SkinnedMesh};
+use super::glb::{Document, Placed};
+use super::mesh::SkinnedMesh;
 use super::skeleton::JointNodes;
 use super::times::key_times;
 use crate::envelope::evaluate::Frames;
@@ -33,7 +34,7 @@ pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
 /// fitted to the training frames, and an animation a clip. The rest pose is the bind pose.
 ///
 /// # Errors
-/// [`ExportError::TooLarge`] and [`ExportError::Glb`].
+/// [`ExportError::TooLarge`] and [`ExportError::Json`].
 pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportError> {
     let weights = weights::baseline(examples);
     let influences: Vec<_> = (0..weights.len()).map(|v| weights.of(v).collect()).collect();
@@ -41,19 +42,19 @@ pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportEr
     let mut document = Document::new(NOTE);
     let armature = document.node("armature".to_owned(), None, &Placed::AT_PARENT);
     let joints = JointNodes::new(&mut document, armature, &examples.skeleton);
-    let skin = document.skin(armature, joints.nodes.clone(), &joints.inverse_binds);
+    let skin = document.skin(armature, &joints.nodes, &joints.inverse_binds);
     let mesh = SkinnedMesh {
         name: "skin",
         positions: &examples.rest,
         normals: &examples.surface().normals(),
         uv: examples.surface().uv(),
         influences: &influences,
-        triangles: &examples.triangles,
+        primitives: &[(None, examples.triangles.clone())],
     };
     document.mesh(&mesh, skin);
     for clip in clips {
         let frames = clip.first..clip.first + clip.times.len();
-        let poses: Vec<_> = frames.map(|frame| examples.pose(frame)).collect();
+        let poses: Vec<_> = frames.map(|frame| examples.pose(frame).to_vec()).collect();
         document.animation(&clip.name, &key_times(clip)?, joints.tracks(&poses).0);
     }
     document.finish()

@@ -1,5 +1,6 @@
 //! Why an export could not be made.
 
+use super::into::error::IntoError;
 use crate::envelope::evaluate::EvaluateError;
 use crate::envelope::levels::LevelError;
 use crate::envelope::posed::FrameError;
@@ -42,6 +43,9 @@ pub enum ExportError {
     /// A space that is asked for is not that of the format.
     #[error("glTF is right-handed: leave out --to-hand left, engines mirror it as they import it")]
     LeftHanded,
+    /// An artist's file cannot take it.
+    #[error(transparent)]
+    Into(#[from] IntoError),
     /// The file would be larger than binary glTF allows.
     #[error("the file takes {bytes} bytes, and binary glTF holds 4 GiB: export fewer frames")]
     TooLarge {
@@ -50,5 +54,5 @@ pub enum ExportError {
     },
     /// The file could not be put together.
     #[error("cannot be put together: {0}")]
-    Glb(#[from] gltf::Error),
+    Json(serde_json::Error),
 }

@@ -6,13 +6,18 @@
 
 mod character;
 mod demo;
+mod dress;
 mod error;
 mod glb;
+mod into;
+mod mesh;
+mod played;
 mod proxies;
 mod skeleton;
 mod stretch;
 mod times;
 
-pub use character::{Exported, Stand, export};
+pub use character::{Export, Exported, Stand};
 pub use demo::{by_use, demo_glb};
 pub use error::ExportError;
+pub use into::{Grafted, IntoError, export_into};

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use sinew_runtime::Matrix3x4;
 
 use super::glb::{ChannelKeys, Document, NodeIndex, Placed, Track};
-use super::skeleton::{JointNodes, continuous, quaternion, turned};
+use super::skeleton::{Carrier, continuous, quaternion, turned};
 use super::stretch::Stretch;
 
 /// The proxies of a palette as nodes of a document.
@@ -16,7 +16,7 @@ use super::stretch::Stretch;
 /// turns the axes back.
 pub(super) struct ProxyNodes {
     chains: Vec<Chain>,
-    /// Inverse bind matrices of the inner nodes.
+    /// Inverse bind matrices of the inner nodes, as they are where units are 1.
     pub(super) inverse_binds: Vec<Matrix3x4>,
 }
 
@@ -25,32 +25,33 @@ struct Chain {
     inner: NodeIndex,
     centre: [f32; 3],
     joint: usize,
+    unit: f64,
 }
 
 impl ProxyNodes {
     /// Adds proxies under the joints that carry them, each in the centre of what it moves.
     pub(super) fn new(
         document: &mut Document,
-        joints: &JointNodes,
+        joints: &[Carrier],
         centres: &[[f64; 3]],
         carriers: &[usize],
     ) -> Self {
         let mut proxies = Self { chains: Vec::new(), inverse_binds: Vec::new() };
-        let at_rest = joints.at_rest();
         for (number, (centre, &joint)) in centres.iter().zip(carriers).enumerate() {
             let centre = centre.map(|x| x as f32);
-            let back = at_rest[joint].inverse();
+            let Carrier { node, ref at_rest, unit } = joints[joint];
+            let back = at_rest.inverse();
             let place = back.transform_point(&centre.map(f64::from).into());
             let placed = Placed {
-                translation: place.coords.map(|x| x as f32).into(),
+                translation: place.coords.map(|x| (x / unit) as f32).into(),
                 rotation: quaternion(&back.rotation),
                 scale: [1.0; 3],
             };
             let name = format!("proxy_{number}");
-            let outer = document.node(name, Some(joints.nodes[joint]), &placed);
+            let outer = document.node(name, Some(node), &placed);
             let name = format!("proxy_{number}_axes");
             let inner = document.node(name, Some(outer), &Placed::AT_PARENT);
-            proxies.chains.push(Chain { outer, inner, centre, joint });
+            proxies.chains.push(Chain { outer, inner, centre, joint, unit });
             let [x, y, z] = centre.map(|x| -x);
             proxies.inverse_binds.push([
                 [1.0, 0.0, 0.0, x],
@@ -91,7 +92,7 @@ impl ProxyNodes {
 /// proxy's centre nearest to where the proxy's own maps do.
 pub(super) fn carriers(
     palettes: &[Vec<Matrix3x4>],
-    poses: &[&[crate::examples::Matrix3x4]],
+    poses: &[Vec<crate::examples::Matrix3x4>],
     centres: &[[f64; 3]],
     radius: f64,
 ) -> Vec<usize> {
@@ -99,7 +100,7 @@ pub(super) fn carriers(
         let mut apart = vec![0.0; poses.first().map_or(0, |pose| pose.len())];
         for (palette, pose) in palettes.iter().zip(poses) {
             let map = palette[palette.len() - centres.len() + proxy].map(|row| row.map(f64::from));
-            for (apart, joint) in apart.iter_mut().zip(*pose) {
+            for (apart, joint) in apart.iter_mut().zip(pose) {
                 // Of the difference of two maps: where it takes the centre, and how it spreads.
                 for (map, joint) in map.iter().zip(joint) {
                     let [x, y, z, w] = std::array::from_fn(|column| map[column] - joint[column]);
@@ -128,7 +129,8 @@ impl Chain {
             let linear = back.rotation.to_rotation_matrix() * linear;
             let stretch = Stretch::of(&linear, before.as_ref());
             before = Some(stretch);
-            places.push(back.transform_point(&moved.into()).coords.map(|x| x as f32).into());
+            let place = back.transform_point(&moved.into()).coords / self.unit;
+            places.push(place.map(|x| x as f32).into());
             turns.push(quaternion(&turned(&stretch.turn)));
             scales.push(stretch.scale.map(|x| x as f32).into());
             axes.push(quaternion(&turned(&stretch.axes.transpose())));

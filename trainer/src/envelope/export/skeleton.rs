@@ -19,6 +19,16 @@ pub(super) struct JointNodes {
     order: Vec<usize>,
 }
 
+/// A joint that proxies can hang on.
+pub(super) struct Carrier {
+    /// Its node.
+    pub(super) node: NodeIndex,
+    /// Its frame in the rest pose, in the space of the palette.
+    pub(super) at_rest: Isometry3<f64>,
+    /// Length of the node's unit in that space.
+    pub(super) unit: f64,
+}
+
 impl JointNodes {
     /// Adds the joints under a node, which stands in the model's own space.
     pub(super) fn new(document: &mut Document, under: NodeIndex, skeleton: &Skeleton) -> Self {
@@ -43,14 +53,19 @@ impl JointNodes {
         joints
     }
 
-    /// Gives the world frames of the joints in the rest pose.
-    pub(super) fn at_rest(&self) -> Vec<Isometry3<f64>> {
-        self.place(&self.binds).1
+    /// Gives the joints as proxies hang on them.
+    pub(super) fn carriers(&self) -> Vec<Carrier> {
+        let (_, at_rest) = self.place(&self.binds);
+        let carrier = |(&node, at_rest)| Carrier { node, at_rest, unit: 1.0 };
+        self.nodes.iter().zip(at_rest).map(carrier).collect()
     }
 
     /// Tracks the joints through poses: J rigid maps each, from the rest pose. Gives the world frames
     /// that they reach, too.
-    pub(super) fn tracks(&self, poses: &[&[Matrix3x4]]) -> (Vec<Track>, Vec<Vec<Isometry3<f64>>>) {
+    pub(super) fn tracks(
+        &self,
+        poses: &[Vec<Matrix3x4>],
+    ) -> (Vec<Track>, Vec<Vec<Isometry3<f64>>>) {
         let keys = poses.iter().map(|pose| {
             let worlds = pose.iter().zip(&self.binds).map(|(map, bind)| square(map) * bind);
             self.place(&worlds.collect::<Vec<_>>())
@@ -88,7 +103,7 @@ impl JointNodes {
     }
 }
 
-fn parents_first(parents: &[Option<usize>]) -> Vec<usize> {
+pub(super) fn parents_first(parents: &[Option<usize>]) -> Vec<usize> {
     let depth = |joint: &usize| std::iter::successors(parents[*joint], |&up| parents[up]).count();
     let mut order: Vec<usize> = (0..parents.len()).collect();
     order.sort_by_key(depth);
@@ -118,7 +133,7 @@ pub(super) fn turned(matrix: &Matrix3<f64>) -> UnitQuaternion<f64> {
 }
 
 /// Gives the rigid map nearest to one that is rigid but for repairable faults.
-fn isometry(map: &Matrix4<f64>) -> Isometry3<f64> {
+pub(super) fn isometry(map: &Matrix4<f64>) -> Isometry3<f64> {
     let linear = map.fixed_view::<3, 3>(0, 0).into_owned();
     let rotation = so3::polar(&linear).map_or(Matrix3::identity(), |(rotation, _)| rotation);
     let moved = Translation3::new(map[(0, 3)], map[(1, 3)], map[(2, 3)]);
@@ -135,6 +150,6 @@ fn rounded(map: &Isometry3<f64>) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| map[(row, column)] as f32))
 }
 
-fn square([x, y, z]: &Matrix3x4) -> Matrix4<f64> {
+pub(super) fn square([x, y, z]: &Matrix3x4) -> Matrix4<f64> {
     Matrix4::from_row_slice([*x, *y, *z, [0.0, 0.0, 0.0, 1.0]].as_flattened())
 }

@@ -12,12 +12,9 @@ use crate::examples::validate::same;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Warning};
 use crate::mesh::EngineMesh;
 use crate::numeric::affine::{joined, parts, to_rows};
-use crate::space::UNITS;
 use crate::space::axes::{self, axis, direction};
+use crate::space::{SCALES, UNITS};
 
-/// The units of one file in those of the other: powers of ten and inches.
-const SCALES: [f64; 11] =
-    [1.0, 0.01, 100.0, 0.1, 10.0, 0.001, 1000.0, 0.0254, 1.0 / 0.0254, 2.54, 1.0 / 2.54];
 /// A change of axes or units must leave less than this share of the distance that there is without.
 const BETTER: f64 = 0.5;
 /// Farthest that posed meshes may lie from a skin of one joint a vertex, RMS over the diagonal.

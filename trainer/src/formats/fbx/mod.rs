@@ -3,6 +3,7 @@
 //! Units and axes stay as they are in the file. Vertices are its control points, in their order; the
 //! meshes of several nodes follow one another in the order of the nodes.
 
+pub(super) mod appearance;
 mod convert;
 mod corners;
 mod frames;

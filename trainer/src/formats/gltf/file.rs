@@ -4,10 +4,12 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use gltf::binary::Glb;
 use gltf::buffer::Source;
 use gltf::json::validation::Checked;
 use gltf::{Document, Gltf};
 use percent_encoding::percent_decode_str;
+use serde_json::{Map, Value};
 
 use crate::formats::error::FormatError;
 use crate::formats::scene::SceneError;
@@ -18,10 +20,14 @@ pub(super) type Buffers = Vec<Vec<u8>>;
 /// Reads a file and every buffer that it names, inside it or beside it.
 pub(super) fn open(path: &Path) -> Result<(Document, Buffers), FormatError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+    Ok(parse(&bytes, path)?)
+}
+
+/// Parses the bytes of a file and reads every buffer that it names, inside it or beside it.
+pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<(Document, Buffers), SceneError> {
     let not_gltf = |error: gltf::Error| SceneError::NotGltf { reason: error.to_string() };
     let Gltf { document, mut blob } =
-        Gltf::from_slice_without_validation(&bytes).map_err(not_gltf)?;
-    drop(bytes);
+        Gltf::from_slice_without_validation(bytes).map_err(not_gltf)?;
     let mut json = document.into_json();
     check_indices(&json)?;
     check_extensions(&json)?;
@@ -43,6 +49,19 @@ pub(super) fn open(path: &Path) -> Result<(Document, Buffers), FormatError> {
         buffers.push(bytes.map_err(damaged)?);
     }
     Ok((document, buffers))
+}
+
+/// Gives all the members of a file whose bytes [`parse`] takes.
+///
+/// # Errors
+/// [`SceneError::NotGltf`]
+pub(super) fn tree(bytes: &[u8]) -> Result<Map<String, Value>, SceneError> {
+    let not_gltf = |reason: String| SceneError::NotGltf { reason };
+    let json = match bytes.starts_with(b"glTF") {
+        true => Glb::from_slice(bytes).map_err(|error| not_gltf(error.to_string()))?.json,
+        false => bytes.into(),
+    };
+    serde_json::from_slice(&json).map_err(|error| not_gltf(error.to_string()))
 }
 
 /// Checks the indices that the library trusts: gltf-json 1.4 looks into the accessors of a
@@ -88,7 +107,7 @@ fn check_extensions(json: &gltf::json::Root) -> Result<(), SceneError> {
 }
 
 /// Reads what a URI names: data within it, or a file beside `path`.
-fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
+pub(super) fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, text) = data.split_once(";base64,").ok_or("its data URI is not base64")?;
         return STANDARD.decode(text).map_err(|error| error.to_string());

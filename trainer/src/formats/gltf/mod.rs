@@ -1,16 +1,17 @@
 //! glTF 2.0: skeleton, skin, clips and morph targets, as a viewer shows them.
 
 mod accessor;
+pub(super) mod appearance;
 mod clips;
 mod file;
 mod meshes;
 mod nodes;
+pub(crate) mod rigged;
 mod skins;
 mod welded;
 
 use std::path::Path;
 
-use ::gltf::Document;
 use nalgebra::{Matrix4, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::format::Space;
@@ -32,7 +33,7 @@ use super::warning::FormatWarning;
 pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene, FormatError> {
     let (document, buffers) = file::open(path)?;
     let nodes = Nodes::read(&document)?;
-    let shown = shown(&document, &nodes);
+    let shown = nodes.shown(&document);
     let (mut meshes, left_out) = Meshes::read(&document, &buffers, |node| shown[node], true)?;
     if meshes.instances.is_empty() {
         let empty = document.meshes().len() == 0;
@@ -97,7 +98,7 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
 pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError> {
     let (document, buffers) = file::open(path)?;
     let nodes = Nodes::read(&document)?;
-    let shown = shown(&document, &nodes);
+    let shown = nodes.shown(&document);
     let (meshes, _) = Meshes::read(&document, &buffers, |node| shown[node], false)?;
     let scene = Scene { nodes, meshes, animations: ClipKeys::read(&document, &buffers)? };
     if scene.meshes.instances.is_empty() {
@@ -124,15 +125,6 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
         rest: None,
         triangles: None,
     })
-}
-
-/// Tells which nodes belong to the scene that the file shows; all of them where it names none.
-fn shown(document: &Document, nodes: &Nodes) -> Vec<bool> {
-    let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) else {
-        return vec![true; nodes.names.len()];
-    };
-    let roots: Vec<usize> = scene.nodes().map(|node| node.index()).collect();
-    (0..nodes.names.len()).map(|node| nodes.upwards(node).any(|up| roots.contains(&up))).collect()
 }
 
 /// What a viewer of the file needs.

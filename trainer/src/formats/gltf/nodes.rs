@@ -30,7 +30,7 @@ pub(super) struct Nodes {
     /// Transforms where nothing is animated.
     pub(super) locals: Vec<Local>,
     /// Nodes, parents before children.
-    order: Vec<usize>,
+    pub(super) order: Vec<usize>,
 }
 
 impl Nodes {
@@ -84,6 +84,15 @@ impl Nodes {
         worlds
     }
 
+    /// Tells which nodes belong to the scene that the file shows; all of them where it names none.
+    pub(super) fn shown(&self, document: &Document) -> Vec<bool> {
+        let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) else {
+            return vec![true; self.names.len()];
+        };
+        let roots: Vec<usize> = scene.nodes().map(|node| node.index()).collect();
+        (0..self.names.len()).map(|node| self.upwards(node).any(|up| roots.contains(&up))).collect()
+    }
+
     /// Walks from a node to its root.
     pub(super) fn upwards(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
         std::iter::successors(Some(node), |&node| self.parents[node])
@@ -91,7 +100,8 @@ impl Nodes {
 }
 
 impl Local {
-    fn matrix(&self) -> Matrix4<f64> {
+    /// Gives the transform as a matrix.
+    pub(super) fn matrix(&self) -> Matrix4<f64> {
         match self {
             Self::Parts { translation, rotation, scale } => {
                 let moved = Translation3::from(*translation).to_homogeneous();

@@ -15,6 +15,7 @@ use crate::formats::scene::SceneError;
 const AGREE: f64 = 1e-4;
 
 /// The joints of every skin that is read, each once.
+#[derive(Default)]
 pub(super) struct Skins {
     /// Node of each joint, J.
     pub(super) joints: Vec<usize>,
@@ -31,7 +32,7 @@ pub(super) struct Member {
     /// Numbers of its joints among the J.
     pub(super) joints: Vec<usize>,
     /// Where its meshes stand in the space of the first skin.
-    shift: Matrix4<f64>,
+    pub(super) shift: Matrix4<f64>,
 }
 
 impl Skins {
@@ -47,12 +48,7 @@ impl Skins {
         nodes: &Nodes,
         meshes: &mut Meshes,
     ) -> Result<Self, SceneError> {
-        let mut all = Self {
-            joints: Vec::new(),
-            binds: Vec::new(),
-            inverse_binds: Vec::new(),
-            members: HashMap::new(),
-        };
+        let mut all = Self::default();
         for instance in 0..meshes.instances.len() {
             let mesh = meshes.instances[instance].name.clone();
             let number = meshes.instances[instance].skin;
@@ -71,7 +67,11 @@ impl Skins {
     }
 
     /// Takes up the joints of a skin.
-    fn join(
+    ///
+    /// # Errors
+    /// [`SceneError::SingularBind`], [`SceneError::OtherBind`] and those of the bind matrices'
+    /// accessor.
+    pub(super) fn join(
         &mut self,
         skin: &gltf::Skin<'_>,
         buffers: &Buffers,

@@ -32,6 +32,14 @@ pub enum SceneError {
         /// What is wrong.
         reason: String,
     },
+    /// An image of a glTF file is absent or of no kind that glTF knows.
+    #[error("image {image}: {reason}")]
+    Image {
+        /// The image.
+        image: usize,
+        /// What is wrong.
+        reason: String,
+    },
     /// An accessor of a glTF file does not fit its use or its buffer.
     #[error("accessor {accessor} {reason}")]
     Accessor {

@@ -1,0 +1,198 @@
+//! Where a model is in an artist's file: its vertices among those of the meshes, found by place.
+
+use std::collections::HashMap;
+
+use nalgebra::{Matrix3, Matrix4, Point3, Vector3};
+
+use super::error::IntoError;
+use crate::examples::{Matrix3x4, spread};
+use crate::formats::gltf::rigged::{RiggedFile, RiggedMesh};
+use crate::space::{SCALES, axes};
+
+/// Farthest that a vertex of the file may be from one of the model's, over the model's diagonal.
+const SAME_PLACE: f64 = 1e-4;
+/// Vertices of each mesh that are looked at while axes and units are sought.
+const SAMPLE: usize = 50;
+/// Trace of a turn by 45 degrees: beyond, axes differ and no pose is meant.
+const TURNED: f64 = 1.0 + std::f64::consts::SQRT_2;
+
+/// Where a model is in a file.
+#[derive(Debug)]
+pub(super) struct Found {
+    /// From the space in which the file's joints are bound to that of the model's rest mesh.
+    pub(super) to_model: Matrix4<f64>,
+    /// From where the model poses its mesh to the file's world.
+    pub(super) to_world: Matrix4<f64>,
+    /// From that space to the world, where the file's joints are at rest.
+    pub(super) at_rest: Matrix4<f64>,
+    /// Vertex of the model that each vertex of each primitive is, by mesh of the file; none for a mesh that
+    /// is not the model's.
+    pub(super) vertices: Vec<Option<Vec<Vec<usize>>>>,
+}
+
+impl Found {
+    /// Finds a model's rest mesh in a file, which may have other axes and another unit: of the turns by
+    /// right angles and the usual scales, about where the meshes are bound or where they stand, the one
+    /// that brings most vertices together. `root` is the node of the reference root, where there is one;
+    /// `poses` are what is to be played.
+    ///
+    /// # Errors
+    /// [`IntoError::NoMesh`] and [`IntoError::Partly`].
+    pub(super) fn new(
+        file: &RiggedFile,
+        root: Option<usize>,
+        rest: &[[f64; 3]],
+        diagonal: f64,
+        poses: &[Vec<Matrix3x4>],
+    ) -> Result<Self, IntoError> {
+        let root = root.and_then(|root| Some((root, file.binds[root]?.try_inverse()?)));
+        let still = file.meshes.first().filter(|mesh| mesh.skin.is_none());
+        let worlds = file.worlds();
+        let at_rest = match (root, still) {
+            (Some((root, inverse)), _) => worlds[root] * inverse,
+            (None, Some(mesh)) => worlds[mesh.node],
+            (None, None) => Matrix4::identity(),
+        };
+        let unit = at_rest.fixed_view::<3, 3>(0, 0).determinant().abs().cbrt();
+        let places = Places::new(rest, SAME_PLACE * diagonal);
+        let sample: Vec<_> = file.meshes.iter().flat_map(sample).collect();
+        let unmoved = Candidate { to_model: Matrix4::identity(), turned: false, bound: true };
+        let mut best = (0, unmoved);
+        for candidate in candidates(&at_rest, unit) {
+            let there =
+                |x: &&Point3<f64>| places.at(candidate.to_model.transform_point(x), None).is_some();
+            let count = sample.iter().filter(there).count();
+            if count > best.0 {
+                best = (count, candidate);
+            }
+        }
+        let (_, Candidate { to_model, turned, bound }) = best;
+        let vertices = match_all(file, &places, &to_model)?;
+        if vertices.iter().all(Option::is_none) {
+            return Err(IntoError::NoMesh);
+        }
+        let back = to_model.try_inverse().unwrap_or_else(Matrix4::identity);
+        // Where joints stand above all turned from where they are bound, poses may have that turn, as
+        // those of such a file have, or begin at the rest mesh: then they take the file's turn.
+        let turn = to_model * (at_rest / unit) * back;
+        let turn = turn.fixed_view::<3, 3>(0, 0).into_owned();
+        let posed_in_world = match turn.trace() < TURNED {
+            true => traces(poses, &turn) > traces(poses, &Matrix3::identity()),
+            false => !turned,
+        };
+        let to_world = match bound && still.is_none() && posed_in_world {
+            true => Matrix4::new_scaling(unit) * back,
+            false => at_rest * back,
+        };
+        Ok(Self { to_model, to_world, at_rest, vertices })
+    }
+}
+
+/// A way from where the file's joints are bound to the model's rest mesh.
+struct Candidate {
+    to_model: Matrix4<f64>,
+    /// Whether it changes axes.
+    turned: bool,
+    /// Whether it begins where the joints are bound, or where they stand.
+    bound: bool,
+}
+
+fn candidates(at_rest: &Matrix4<f64>, unit: f64) -> impl Iterator<Item = Candidate> {
+    let bases =
+        [(Matrix4::new_scaling(unit), true), (Matrix4::identity(), true), (*at_rest, false)];
+    let turns = axes::rotations().enumerate();
+    let turned = turns.flat_map(|(number, turn)| SCALES.map(|scale| (number > 0, turn * scale)));
+    turned.flat_map(move |(turned, linear)| {
+        let linear = linear.to_homogeneous();
+        bases.map(|(base, bound)| Candidate { to_model: linear * base, turned, bound })
+    })
+}
+
+/// Sums the traces of poses seen from a turn: the larger, the nearer they are to it.
+fn traces(poses: &[Vec<Matrix3x4>], turn: &Matrix3<f64>) -> f64 {
+    let linear = |map: &Matrix3x4| Matrix3::from_fn(|row, column| map[row][column]);
+    poses.iter().flatten().map(|map| turn.dot(&linear(map))).sum()
+}
+
+fn sample(mesh: &RiggedMesh) -> impl Iterator<Item = Point3<f64>> {
+    let all: Vec<_> = mesh.positions.iter().flatten().collect();
+    let few = spread(all.len(), SAMPLE).into_iter();
+    few.map(move |vertex| mesh.to_bind.transform_point(&Point3::from(*all[vertex])))
+}
+
+/// Finds the vertices of every mesh.
+fn match_all(
+    file: &RiggedFile,
+    places: &Places<'_>,
+    to_model: &Matrix4<f64>,
+) -> Result<Vec<Option<Vec<Vec<usize>>>>, IntoError> {
+    let mut first = 0;
+    let mut all = Vec::new();
+    for mesh in &file.meshes {
+        let to_model = to_model * mesh.to_bind;
+        let mut missing = None;
+        let (mut number, mut found) = (0, 0);
+        let mut primitives = Vec::new();
+        for positions in &mesh.positions {
+            let mut vertices = Vec::with_capacity(positions.len());
+            for x in positions {
+                let vertex =
+                    places.at(to_model.transform_point(&Point3::from(*x)), Some(first + number));
+                match vertex {
+                    Some(_) => found += 1,
+                    None => missing = missing.or(Some((number, *x))),
+                }
+                vertices.push(vertex.unwrap_or_default());
+                number += 1;
+            }
+            primitives.push(vertices);
+        }
+        first += number;
+        all.push(match missing {
+            None => (found > 0).then_some(primitives),
+            Some(_) if found == 0 => None,
+            Some((vertex, at)) => {
+                let mesh = mesh.name.clone();
+                return Err(IntoError::Partly { mesh, vertex, at, found, len: number });
+            }
+        });
+    }
+    Ok(all)
+}
+
+/// Points in cells, each as wide as a point may be from what is sought.
+struct Places<'a> {
+    points: &'a [[f64; 3]],
+    near: f64,
+    cells: HashMap<[i64; 3], Vec<usize>>,
+}
+
+impl<'a> Places<'a> {
+    fn new(points: &'a [[f64; 3]], near: f64) -> Self {
+        let near = near.max(f64::MIN_POSITIVE);
+        let mut cells: HashMap<_, Vec<usize>> = HashMap::new();
+        for (number, point) in points.iter().enumerate() {
+            cells.entry(point.map(|x| (x / near).floor() as i64)).or_default().push(number);
+        }
+        Self { points, near, cells }
+    }
+
+    /// Finds the point at a place: this one if it is there, which tells points that share a place apart,
+    /// else the nearest, of several the first.
+    fn at(&self, place: Point3<f64>, expected: Option<usize>) -> Option<usize> {
+        let distance = |number: usize| (Vector3::from(self.points[number]) - place.coords).norm();
+        let expected = expected.filter(|&number| number < self.points.len());
+        if let Some(number) = expected.filter(|&number| distance(number) <= self.near) {
+            return Some(number);
+        }
+        let cell: [i64; 3] = place.coords.map(|x| (x / self.near).floor() as i64).into();
+        let cells = (0..27).filter_map(|at| {
+            let [x, y, z] = cell;
+            let beside = |x: i64, step: i64| x.saturating_add(step - 1);
+            self.cells.get(&[beside(x, at % 3), beside(y, at / 3 % 3), beside(z, at / 9)])
+        });
+        let near = cells.flatten().map(|&number| (distance(number), number));
+        let near = near.filter(|(distance, _)| *distance <= self.near);
+        near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, number)| number)
+    }
+}

@@ -1,0 +1,93 @@
+//! Materials and images of an FBX file as glTF states them: names, base colours and their textures.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+use ufbx::{Material, Mesh, Node, Texture};
+
+use super::meshes;
+use super::read::open;
+use crate::formats::appearance::data::{Appearance, Image};
+use crate::formats::appearance::image;
+use crate::formats::error::FormatError;
+
+/// Reads what the meshes look like that [`read`](super::read()) reads.
+///
+/// # Errors
+/// [`FormatError::Read`] and [`FormatError::Scene`].
+pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
+    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+    let scene = open(&bytes)?;
+    let parts = meshes::parts(&scene, &mut Vec::new())?;
+    let shown: Vec<(&Node, &Mesh)> =
+        parts.iter().map(|part| (&scene.nodes[part.node], &scene.meshes[part.mesh])).collect();
+    let images: Vec<_> = scene.textures.iter().map(|texture| picture(texture, path)).collect();
+    let mut appearance = Appearance {
+        mesh: match shown.as_slice() {
+            [(node, _)] => Some(node.element.name.to_string()),
+            _ => None,
+        },
+        of_triangles: shown.iter().flat_map(|(node, mesh)| of_triangles(node, mesh)).collect(),
+        materials: scene.materials.iter().map(|material| stated(material, &images)).collect(),
+        textures: (0..scene.textures.len()).map(|texture| json!({ "source": texture })).collect(),
+        ..Appearance::default()
+    };
+    let missing = scene.textures.iter().zip(&images).filter(|(_, image)| image.is_none());
+    appearance.missing = missing.map(|(texture, _)| name(texture)).collect();
+    appearance.set_images(images);
+    Ok(appearance)
+}
+
+/// Gives the material of each triangle of a mesh: a face of n corners becomes n - 2.
+fn of_triangles(node: &Node, mesh: &Mesh) -> Vec<Option<usize>> {
+    let of_slot = |slot: u32| {
+        let materials = if node.materials.is_empty() { &mesh.materials } else { &node.materials };
+        materials.get(slot as usize).map(|material| material.element.typed_id as usize)
+    };
+    let slots = mesh.face_material.iter().map(Some).chain(std::iter::repeat(None));
+    let faces = mesh.faces.iter().zip(slots).flat_map(|(face, slot)| {
+        let slot = slot.copied().unwrap_or(0);
+        std::iter::repeat_n(of_slot(slot), (face.num_indices as usize).saturating_sub(2))
+    });
+    faces.collect()
+}
+
+fn stated(material: &Material, images: &[Option<Image>]) -> Value {
+    let colour = &material.pbr.base_color;
+    let factor = &material.pbr.base_factor;
+    let factor = if factor.has_value { factor.value_vec4.x } else { 1.0 };
+    let value = &colour.value_vec4;
+    let part = |x: f64| json!((x * factor).clamp(0.0, 1.0));
+    let mut surface = json!({ "metallicFactor": 0 });
+    let texture = colour.texture.as_ref().filter(|_| colour.texture_enabled);
+    let texture = texture.map(|texture| texture.element.typed_id as usize);
+    match texture.filter(|&texture| images.get(texture).is_some_and(Option::is_some)) {
+        // A texture takes the place of the colour.
+        Some(texture) => surface["baseColorTexture"] = json!({ "index": texture }),
+        None if colour.has_value => {
+            surface["baseColorFactor"] = json!([part(value.x), part(value.y), part(value.z), 1]);
+        }
+        None => {}
+    }
+    json!({ "name": material.element.name.to_string(), "pbrMetallicRoughness": surface })
+}
+
+/// Reads a texture's file, where it says it is beside the scene or in the same folder.
+fn picture(texture: &Texture, scene: &Path) -> Option<Image> {
+    let relative = texture.relative_filename.replace('\\', "/");
+    let mut places = [relative, name(texture)].into_iter().filter(|place| !place.is_empty());
+    let bytes = places.find_map(|place| {
+        let bytes = std::fs::read(scene.with_file_name(place)).ok()?;
+        image::kind(&bytes).map(|_| bytes)
+    })?;
+    let mut members = Map::new();
+    members.insert("name".to_owned(), json!(name(texture)));
+    Some(Image { members, bytes })
+}
+
+/// Names a texture as its file.
+fn name(texture: &Texture) -> String {
+    let file = texture.filename.replace('\\', "/");
+    let name = Path::new(&file).file_name().map(|name| name.to_string_lossy().into_owned());
+    name.unwrap_or_else(|| texture.element.name.to_string())
+}

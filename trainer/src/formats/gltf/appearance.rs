@@ -1,0 +1,85 @@
+//! Materials and images of a glTF file, member by member.
+
+use std::path::Path;
+
+use ::gltf::{Document, Primitive, Semantic};
+use serde_json::{Map, Value};
+
+use super::file::{self, Buffers};
+use super::nodes::Nodes;
+use super::rigged::shown_meshes;
+use crate::formats::appearance::data::{Appearance, Image};
+use crate::formats::appearance::image;
+use crate::formats::error::FormatError;
+
+/// Reads what the meshes look like that [`read`](super::read) reads.
+///
+/// # Errors
+/// [`FormatError::Read`] and [`FormatError::Scene`].
+pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
+    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+    let (document, buffers) = file::parse(&bytes, path)?;
+    let mut tree = file::tree(&bytes)?;
+    let meshes = shown_meshes(&document, &Nodes::read(&document)?);
+    let primitives = meshes.iter().flat_map(|(mesh, _)| mesh.primitives());
+    let of_triangles = primitives.flat_map(|primitive| {
+        std::iter::repeat_n(primitive.material().index(), triangle_len(&primitive))
+    });
+    let mut list = |name: &str| match tree.remove(name) {
+        Some(Value::Array(items)) => items,
+        _ => Vec::new(),
+    };
+    let mut appearance = Appearance {
+        mesh: match meshes.as_slice() {
+            [(mesh, node)] => node.name().or(mesh.name()).map(str::to_owned),
+            _ => None,
+        },
+        of_triangles: of_triangles.collect(),
+        materials: list("materials"),
+        textures: list("textures"),
+        samplers: list("samplers"),
+        ..Appearance::default()
+    };
+    let mut images = Vec::new();
+    for (number, members) in list("images").into_iter().enumerate() {
+        let Value::Object(members) = members else { continue };
+        let name = ["name", "uri"].iter().find_map(|name| members.get(*name)?.as_str());
+        let name = name.filter(|name| !name.starts_with("data:")).map(str::to_owned);
+        let image = picture(members, &document, &buffers, path);
+        if image.is_none() {
+            appearance.missing.push(name.unwrap_or_else(|| format!("image {number}")));
+        }
+        images.push(image);
+    }
+    appearance.set_images(images);
+    let required = list("extensionsRequired");
+    let used = appearance.extensions();
+    let required = required.into_iter().filter_map(|name| name.as_str().map(str::to_owned));
+    appearance.required = required.filter(|name| used.contains(name)).collect();
+    Ok(appearance)
+}
+
+fn triangle_len(primitive: &Primitive<'_>) -> usize {
+    let corners = primitive.indices().or_else(|| primitive.get(&Semantic::Positions));
+    corners.map_or(0, |corners| corners.count() / 3)
+}
+
+fn picture(
+    mut members: Map<String, Value>,
+    document: &Document,
+    buffers: &Buffers,
+    path: &Path,
+) -> Option<Image> {
+    members.remove("mimeType");
+    let bytes = match (members.remove("bufferView"), members.remove("uri")) {
+        (Some(view), _) => {
+            let view = document.views().nth(view.as_u64()? as usize)?;
+            let buffer = buffers.get(view.buffer().index())?;
+            let end = view.offset().checked_add(view.length())?;
+            buffer.get(view.offset()..end)?.to_vec()
+        }
+        (None, uri) => file::resource(uri?.as_str()?, path).ok()?,
+    };
+    image::kind(&bytes)?;
+    Some(Image { members, bytes })
+}

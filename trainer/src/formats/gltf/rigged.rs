@@ -1,0 +1,220 @@
+//! A glTF file as it stands, to be added to: its tree and its bytes whole, and where its meshes and
+//! joints are.
+
+use std::path::Path;
+
+use ::gltf::{Document, Semantic};
+use nalgebra::Matrix4;
+use serde_json::{Map, Value, json};
+
+use super::accessor::numbers;
+use super::file::{self, Buffers};
+use super::nodes::Nodes;
+use super::skins::Skins;
+use crate::formats::appearance::image;
+use crate::formats::error::FormatError;
+use crate::formats::scene::SceneError;
+
+/// A glTF file as it stands.
+#[derive(Clone, Debug)]
+pub(crate) struct RiggedFile {
+    /// All of its members; what was in other files is in its bytes.
+    pub(crate) tree: Map<String, Value>,
+    /// The bytes of its one buffer.
+    pub(crate) bytes: Vec<u8>,
+    /// Names of its nodes, made up where it has none.
+    pub(crate) names: Vec<String>,
+    /// Parents of the nodes.
+    pub(crate) parents: Vec<Option<usize>>,
+    /// Nodes, parents before children.
+    pub(crate) order: Vec<usize>,
+    /// Transforms of the nodes where nothing is animated.
+    pub(crate) locals: Vec<Matrix4<f64>>,
+    /// Frames of the nodes that are joints, in the space in which they are bound.
+    pub(crate) binds: Vec<Option<Matrix4<f64>>>,
+    /// The meshes that are read as a character's: those with a skin, or all where none has one.
+    pub(crate) meshes: Vec<RiggedMesh>,
+}
+
+/// A mesh as a node shows it.
+#[derive(Clone, Debug)]
+pub(crate) struct RiggedMesh {
+    /// The node.
+    pub(crate) node: usize,
+    /// The mesh.
+    pub(crate) mesh: usize,
+    /// The node's name, or that of the mesh.
+    pub(crate) name: String,
+    /// Its skin.
+    pub(crate) skin: Option<usize>,
+    /// From the mesh to the space in which joints are bound; to the first mesh where there are none.
+    pub(crate) to_bind: Matrix4<f64>,
+    /// Positions of each primitive.
+    pub(crate) positions: Vec<Vec<[f64; 3]>>,
+}
+
+/// Extensions that hide vertices from who does not know them.
+const COMPRESSIONS: [&str; 3] =
+    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+impl RiggedFile {
+    /// Reads a file, its buffers and its images.
+    ///
+    /// # Errors
+    /// [`FormatError::Read`]; [`FormatError::Scene`] with what is damaged, [`SceneError::Extension`] for
+    /// compressed meshes.
+    pub(crate) fn read(path: &Path) -> Result<Self, FormatError> {
+        let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+        Ok(Self::parse(&bytes, path)?)
+    }
+
+    fn parse(bytes: &[u8], path: &Path) -> Result<Self, SceneError> {
+        let (document, buffers) = file::parse(bytes, path)?;
+        let compressed = |name: &&str| document.extensions_used().any(|used| used == *name);
+        if let Some(name) = COMPRESSIONS.iter().find(|name| compressed(name)) {
+            return Err(SceneError::Extension { name: (*name).to_owned() });
+        }
+        let nodes = Nodes::read(&document)?;
+        let locals: Vec<_> = nodes.locals.iter().map(|local| local.matrix()).collect();
+        let (meshes, skins) = meshes(&document, &buffers, &nodes)?;
+        let mut binds = vec![None; locals.len()];
+        for (&node, &bind) in skins.joints.iter().zip(&skins.binds) {
+            binds[node] = Some(bind);
+        }
+        let tree = file::tree(bytes)?;
+        let mut file = Self {
+            tree,
+            bytes: Vec::new(),
+            names: nodes.names,
+            parents: nodes.parents,
+            order: nodes.order,
+            locals,
+            binds,
+            meshes,
+        };
+        file.join_buffers(&document, &buffers);
+        file.embed_images(path)?;
+        Ok(file)
+    }
+
+    /// Gives the world transform of every node where nothing is animated.
+    pub(crate) fn worlds(&self) -> Vec<Matrix4<f64>> {
+        let mut worlds = self.locals.clone();
+        for &node in &self.order {
+            if let Some(parent) = self.parents[node] {
+                worlds[node] = worlds[parent] * self.locals[node];
+            }
+        }
+        worlds
+    }
+
+    fn items(&mut self, list: &str) -> impl Iterator<Item = &mut Value> {
+        self.tree.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten()
+    }
+
+    /// Makes one buffer of all; of the first nothing moves.
+    fn join_buffers(&mut self, document: &Document, buffers: &Buffers) {
+        let mut begins = Vec::new();
+        for (buffer, bytes) in document.buffers().zip(buffers) {
+            self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+            begins.push(self.bytes.len());
+            self.bytes.extend(&bytes[..buffer.length()]);
+        }
+        for view in self.items("bufferViews") {
+            let buffer = view["buffer"].as_u64().unwrap_or(0) as usize;
+            let begin = begins.get(buffer).copied().unwrap_or(0);
+            if begin > 0 {
+                let offset = view.get("byteOffset").and_then(Value::as_u64).unwrap_or(0) as usize;
+                view["byteOffset"] = json!(begin + offset);
+            }
+            view["buffer"] = json!(0);
+        }
+        for buffer in self.items("buffers") {
+            buffer.as_object_mut().and_then(|buffer| buffer.remove("uri"));
+        }
+    }
+
+    /// Takes in the images that are files of their own.
+    fn embed_images(&mut self, path: &Path) -> Result<(), SceneError> {
+        let uri = |image: &mut Value| {
+            let uri = image.get("uri").and_then(Value::as_str);
+            uri.filter(|uri| !uri.starts_with("data:")).map(str::to_owned)
+        };
+        let uris: Vec<Option<String>> = self.items("images").map(uri).collect();
+        for (image, uri) in uris.into_iter().enumerate() {
+            let Some(uri) = uri else { continue };
+            let damaged = |reason| SceneError::Image { image, reason };
+            let bytes = file::resource(&uri, path).map_err(damaged)?;
+            let kind = image::kind(&bytes)
+                .ok_or_else(|| damaged(format!("{uri} is no PNG, JPEG, WebP or KTX2 file")))?;
+            self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+            let view =
+                json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
+            self.bytes.extend(bytes);
+            let views = self.tree.entry("bufferViews").or_insert_with(|| json!([]));
+            let number = views.as_array().map_or(0, Vec::len);
+            views.as_array_mut().into_iter().for_each(|views| views.push(view.clone()));
+            if let Some(Value::Object(image)) = self.items("images").nth(image) {
+                image.remove("uri");
+                image.insert("bufferView".to_owned(), json!(number));
+                image.insert("mimeType".to_owned(), json!(kind));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Lists the meshes that are a character's, as nodes show them: those with a skin, or all where none has
+/// one.
+pub(super) fn shown_meshes<'a>(
+    document: &'a Document,
+    nodes: &Nodes,
+) -> Vec<(::gltf::Mesh<'a>, ::gltf::Node<'a>)> {
+    let shown = nodes.shown(document);
+    let all = document.nodes().filter(|node| shown[node.index()]);
+    let mut all: Vec<_> = all.filter_map(|node| Some((node.mesh()?, node))).collect();
+    if all.iter().any(|(_, node)| node.skin().is_some()) {
+        all.retain(|(_, node)| node.skin().is_some());
+    }
+    all
+}
+
+/// Reads the meshes that are a character's, and the joints that they are bound to.
+fn meshes(
+    document: &Document,
+    buffers: &Buffers,
+    nodes: &Nodes,
+) -> Result<(Vec<RiggedMesh>, Skins), SceneError> {
+    let worlds = nodes.worlds(&nodes.locals);
+    let mut skins = Skins::default();
+    let mut meshes: Vec<RiggedMesh> = Vec::new();
+    for (mesh, node) in shown_meshes(document, nodes) {
+        let name = nodes.names[node.index()].clone();
+        let name = node.name().or(mesh.name()).map_or(name, str::to_owned);
+        let skin = node.skin().map(|skin| skin.index());
+        let to_bind = match node.skin().filter(|skin| !skins.members.contains_key(&skin.index())) {
+            Some(skin) => {
+                let joined = skins.join(&skin, buffers, nodes, &name)?;
+                let shift = joined.shift;
+                skins.members.insert(skin.index(), joined);
+                shift
+            }
+            None => match skin.and_then(|skin| skins.members.get(&skin)) {
+                Some(joined) => joined.shift,
+                None => meshes
+                    .first()
+                    .and_then(|first| worlds[first.node].try_inverse())
+                    .map_or_else(Matrix4::identity, |back| back * worlds[node.index()]),
+            },
+        };
+        let positions = mesh.primitives().map(|primitive| {
+            let positions = primitive.get(&Semantic::Positions);
+            let positions = positions.map(|accessor| numbers(&accessor, buffers, 3)).transpose()?;
+            Ok(positions.unwrap_or_default().as_chunks().0.to_vec())
+        });
+        let positions = positions.collect::<Result<_, SceneError>>()?;
+        let (node, mesh) = (node.index(), mesh.index());
+        meshes.push(RiggedMesh { node, mesh, name, skin, to_bind, positions });
+    }
+    Ok((meshes, skins))
+}
