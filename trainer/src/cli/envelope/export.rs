@@ -126,7 +126,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             let grafted = export_into(&model, skin, &examples, &clips, file)
                 .map_err(|error| blame(error, arguments))?;
             let Grafted { glb, animations: names, meshes, added_joints, kept_animations } = grafted;
-            let into = Some(Into { meshes, added_joints, kept_animations });
+            let into = Some(IntoReport { meshes, added_joints, kept_animations });
             (glb, Said { names, into, ..Said::default() })
         }
     };
@@ -175,18 +175,18 @@ struct Said {
     /// Names of the animations, one a clip.
     names: Vec<String>,
     levels: Vec<LevelReport>,
-    into: Option<Into>,
+    into: Option<IntoReport>,
 }
 
 /// What is told of an artist's file.
 #[derive(serde::Serialize)]
-struct Into {
+struct IntoReport {
     meshes: Vec<String>,
     added_joints: Vec<String>,
     kept_animations: Vec<String>,
 }
 
-impl Into {
+impl IntoReport {
     fn warn(&self, file: &Path, output: Output) {
         if !self.added_joints.is_empty() {
             let joints = printable(&self.added_joints.join(", ")).to_string();
