@@ -6,6 +6,9 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 /// Smallest eigenvalue of what the edges of a fan span, against the largest, from which they span a plane.
 const FLAT: f64 = 1e-6;
 
+/// Corners of faces, each with how much its edge adds to the images of a plane's two axes.
+pub(super) type Images = Vec<(usize, Vector2<f64>)>;
+
 /// The faces of a vertex. They are given, not found by place: vertices that stand in one place may share the
 /// faces around it out among them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -62,7 +65,7 @@ impl Fan {
         &self,
         at_rest: impl Fn(usize) -> Vector3<f64>,
         axes: &[Vector3<f64>; 2],
-    ) -> Option<Vec<(usize, Vector2<f64>)>> {
+    ) -> Option<Images> {
         let centre = at_rest(self.centre);
         let mut edges: Vec<(usize, Vector2<f64>)> = Vec::new();
         let mut gram = Matrix2::zeros();

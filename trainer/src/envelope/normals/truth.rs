@@ -1,10 +1,10 @@
 //! The true normals of posed meshes.
 
-use super::fan::Fan;
+use super::fan::{Fan, Images};
 use super::lean::Lean;
 use crate::examples::Examples;
 use crate::numeric::frame;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
 /// The true normals of the engine's vertices in the frames of examples: those of the posed mesh, weighted by area;
 /// and where they are authored, what the surface around a vertex makes of its own (METHOD §1.8).
@@ -17,7 +17,7 @@ pub struct TrueNormals<'a> {
 /// The faces of a vertex that are on one side of its hard edges.
 struct Side {
     fan: Fan,
-    lean: Option<(Lean, Vec<(usize, Vector2<f64>)>)>,
+    lean: Option<(Lean, Images)>,
 }
 
 impl<'a> TrueNormals<'a> {
