@@ -11,6 +11,5 @@ mod surface;
 
 pub use corners::Corners;
 pub use engine::EngineMesh;
-pub(crate) use normals::normals;
-pub use normals::{SAME_NORMAL, same_normal};
+pub(crate) use normals::{normals, same_normal};
 pub use surface::Surface;

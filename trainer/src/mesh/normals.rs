@@ -3,10 +3,10 @@
 use nalgebra::Vector3;
 
 /// Unit normals this near are one: files round them.
-pub const SAME_NORMAL: f64 = 1e-3;
+pub(super) const SAME_NORMAL: f64 = 1e-3;
 
 /// Tells whether two unit normals are one but for rounding.
-pub fn same_normal(a: &[f64; 3], b: &[f64; 3]) -> bool {
+pub(crate) fn same_normal(a: &[f64; 3], b: &[f64; 3]) -> bool {
     (Vector3::from(*a) - Vector3::from(*b)).norm() <= SAME_NORMAL
 }
 

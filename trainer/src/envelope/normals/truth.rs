@@ -1,10 +1,10 @@
 //! The true normals of posed meshes.
 
-use super::fan::{Fan, Images};
+use super::fan::Fan;
 use super::lean::Lean;
 use crate::examples::Examples;
 use crate::numeric::frame;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 /// The true normals of the engine's vertices in the frames of examples: those of the posed mesh, weighted by area;
 /// and where they are authored, what the surface around a vertex makes of its own (METHOD §1.8).
@@ -17,7 +17,13 @@ pub struct TrueNormals<'a> {
 /// The faces of a vertex that are on one side of its hard edges.
 struct Side {
     fan: Fan,
-    lean: Option<(Lean, Images)>,
+    leaning: Option<Leaning>,
+}
+
+/// An authored normal, and what the images of the plane's axes are made of.
+struct Leaning {
+    lean: Lean,
+    images: Vec<(usize, Vector2<f64>)>,
 }
 
 impl<'a> TrueNormals<'a> {
@@ -29,11 +35,11 @@ impl<'a> TrueNormals<'a> {
             let normal = Vector3::from(*normal);
             let along = frame::tangent(&normal);
             let lean = Lean::new(&fan, rest, &[along, normal.cross(&along)]);
-            let lean = lean.and_then(|lean| {
+            let leaning = lean.and_then(|lean| {
                 let images = fan.images(rest, &lean.plane)?;
-                Some((lean, images))
+                Some(Leaning { lean, images })
             });
-            Side { fan, lean }
+            Side { fan, leaning }
         };
         let sides = surface
             .authored_normals()
@@ -58,7 +64,7 @@ impl<'a> TrueNormals<'a> {
 impl Side {
     fn posed(&self, at: impl Fn(usize) -> Vector3<f64> + Copy) -> Option<Vector3<f64>> {
         let normal = self.fan.normal(at).try_normalize(0.0)?;
-        let Some((lean, images)) = &self.lean else { return Some(normal) };
+        let Some(Leaning { lean, images }) = &self.leaning else { return Some(normal) };
         let [u, v] = self.fan.carried(images, at, &normal);
         let [along, across] = lean.images([u, v], normal);
         along.cross(&across).try_normalize(0.0)

@@ -42,13 +42,14 @@ fn check(name: &str, file: &Path, expected: &Expected<'_>) -> Grafted {
     let rest = Scene::read(&std::fs::read(file).unwrap());
     let at_rest = rest.posed(mesh, &rest.worlds(None));
     let close = 1e-4 * unit * examples.diagonal();
+    let own_rest = examples.surface().copied(&examples.rest);
     let vertex_of: Vec<usize> = at_rest
         .iter()
         .enumerate()
         .map(|(own, x)| {
-            let far = |v: &usize| (world(Vector3::from(examples.rest[*v])) - x).norm();
-            let is_own = own < examples.vertex_len() && far(&own) < close;
-            let nearest = (0..examples.vertex_len()).min_by(|a, b| far(a).total_cmp(&far(b)));
+            let far = |v: &usize| (world(Vector3::from(own_rest[*v])) - x).norm();
+            let is_own = own < own_rest.len() && far(&own) < close;
+            let nearest = (0..own_rest.len()).min_by(|a, b| far(a).total_cmp(&far(b)));
             let found = if is_own { own } else { nearest.unwrap() };
             assert!(far(&found) < close, "{name}: {own} is {} away", far(&found));
             found
