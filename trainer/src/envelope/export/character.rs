@@ -106,7 +106,9 @@ impl Export<'_> {
             primitives: &[],
         };
         let materials = &appearance.of_triangles;
-        let ranges: Vec<_> = skin.ranges().map(|(name, range)| (name.to_owned(), range)).collect();
+        let ranges = examples.ranges.iter();
+        let ranges: Vec<_> =
+            ranges.map(|(name, range)| (name.clone(), own.engine_range(range))).collect();
         for part in parts(mesh.name, &ranges, right.rest.len(), &triangles, materials) {
             document.mesh(&part.of(&mesh), palette_skin);
         }
