@@ -208,7 +208,7 @@ fn a_box_keeps_its_hard_edges_in_every_pose() {
             assert!((Vector3::from(truth) - expected[copy].normalize()).norm() < 1e-9);
             let found = skinned.vertex(copy).1;
             let off = degrees(&found, &expected[copy]);
-            assert!(off < 10.0, "frame {frame}, copy {copy}: {off}");
+            assert!(off < 45.0, "frame {frame}, copy {copy}: {off}, nearer to another side");
             // Copies with another normal stand square to it, as they do at rest.
             if copy > 0 && engine.copy_of[copy] == engine.copy_of[copy - 1] {
                 assert!(authored[copy] != authored[copy - 1]);
