@@ -74,7 +74,7 @@ bool has_direction(vec3 v) {
     return square >= 1.17549435e-38 && square <= 3.4028234e+38;
 }
 
-// A vector at the length of `side`, which is 1 or -1, or else what stands for its direction.
+// A vector at the length of side, which is 1 or -1, or else what stands for its direction.
 vec3 unit(vec3 v, float side, vec3 rest) {
     if (has_direction(v)) {
         precise float scale = side * (1.0 / sqrt(dot3(v, v)));
@@ -127,7 +127,7 @@ Frame frame_of_tangent(vec3 normal, vec3 tangent) {
     return Frame(cross3(h, normal), h);
 }
 
-// That of a normal alone; `up` is the z of the file's own.
+// That of a normal alone; up is the z of the file's own.
 Frame frame_of_normal(vec3 n, float up) {
     float side = uintBitsToFloat(0x3f800000u | (floatBitsToUint(up) & 0x80000000u));
     precise float sided = side * n.x;

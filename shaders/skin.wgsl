@@ -59,7 +59,7 @@ fn has_direction(v: vec3<f32>) -> bool {
     return square >= 1.17549435e-38 && square <= 3.4028234e+38;
 }
 
-// A vector at the length of `side`, which is 1 or -1, or else what stands for its direction.
+// A vector at the length of side, which is 1 or -1, or else what stands for its direction.
 fn unit(v: vec3<f32>, side: f32, rest: vec3<f32>) -> vec3<f32> {
     if has_direction(v) {
         return v * (side * (1.0 / sqrt(dot3(v, v))));
@@ -109,7 +109,7 @@ fn frame_of_tangent(normal: vec3<f32>, tangent: vec3<f32>) -> Frame {
     return Frame(cross3(h, normal), h);
 }
 
-// That of a normal alone; `up` is the z of the file's own.
+// That of a normal alone; up is the z of the file's own.
 fn frame_of_normal(n: vec3<f32>, up: f32) -> Frame {
     let side = bitcast<f32>(0x3f800000u | (bitcast<u32>(up) & 0x80000000u));
     let sided = side * n.x;
