@@ -56,6 +56,8 @@ fn check(name: &str, file: &Path, expected: &Expected<'_>) -> Grafted {
         })
         .collect();
     assert!(node.skin().is_some());
+    let mut roots = scene.gltf.default_scene().unwrap().nodes();
+    assert!(roots.any(|root| root.index() == node.index()), "{name}: the mesh is not shown");
     let mut most: f64 = 0.0;
     let first = scene.gltf.animations().len() - clips.len();
     for (number, clip) in clips.iter().enumerate() {
