@@ -116,7 +116,8 @@ impl SkinJob<'_> {
             _ => {}
         }
         if skin.has_coefficients() && (self.normals.is_some() || self.tangents.is_some()) {
-            let done = if Lanes::IN_REGISTERS { self.turn_eights().unwrap_or(0) } else { 0 };
+            let done =
+                if Lanes::IN_REGISTERS { self.turn_eights(&influences).unwrap_or(0) } else { 0 };
             self.turn(&influences, done..vertices.len());
             return Ok(());
         }
@@ -219,15 +220,18 @@ impl SkinJob<'_> {
     /// Moves vertices of a skin with tangent coefficients side by side, and returns how many of the range's first;
     /// `None` of those that go one by one.
     #[inline(never)]
-    fn turn_eights(&self) -> Option<usize> {
-        let Self { skin, palette, rest, .. } = self;
-        let given = self.remap.is_some() || rest.positions.is_some() || rest.normals.is_some();
-        if given || self.tangents.is_some() || skin.influence_len() != 4 {
+    fn turn_eights(&self, influences: &Influences<'_>) -> Option<usize> {
+        let Self { skin, palette, .. } = self;
+        let Rest { positions, normals, tangents } = self.rest;
+        let given = positions.is_some() || normals.is_some() || tangents.is_some();
+        if given || self.remap.is_some() || self.tangents.is_some() || skin.influence_len() != 4 {
             return None;
         }
         let range = self.vertices.clone();
-        let tangents = skin.has_tangents().then(|| skin.tangents().get(range.clone()));
-        let mut tangents = tangents.map(|all| all.unwrap_or_default().as_chunks().0.iter());
+        let mut tangents = match skin.has_tangents() {
+            true => Some(eights(skin.tangents(), &range)?),
+            false => None,
+        };
         let all = eights(skin.positions(), &range)?
             .zip(eights(skin.normals(), &range)?)
             .zip(eights(skin.indices().as_chunks().0, &range)?)
@@ -251,7 +255,7 @@ impl SkinJob<'_> {
                 out.put_rows(done, &posed.normals)?;
             }
             if !posed.squares.iter().all(|square| square.is_normal()) {
-                self.turn(&Influences::new(skin, palette), done..done + EIGHT)?;
+                self.turn(influences, done..done + EIGHT)?;
             }
             done += EIGHT;
         }

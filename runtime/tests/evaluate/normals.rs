@@ -396,3 +396,27 @@ fn vertices_side_by_side_have_the_bits_that_each_has_alone() {
         });
     }
 }
+
+#[test]
+fn tangents_of_the_callers_turn_normals_side_by_side_as_one_by_one() {
+    for shape in shapes().filter(|shape| shape.influences == 4 && shape.tangents) {
+        with_skin(shape, |envelope, skin| {
+            let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
+            let v = skin.vertex_len();
+            let mut rng = Rng(8);
+            let given: Vec<[f32; 4]> = (0..v)
+                .map(|_| {
+                    let [x, y, z] = direction(&mut rng);
+                    [x, y, z, 1.0]
+                })
+                .collect();
+            let rest = Rest { tangents: Some(&given), ..Rest::default() };
+            let whole = run(&SkinJob { rest, ..job(skin, &palette) });
+            let mut normals = vec![f32::NAN; 3 * v];
+            let normals_alone = output(cells(&mut normals), 3);
+            SkinJob { rest, normals: normals_alone, ..job(skin, &palette) }.run().unwrap();
+            assert_eq!(bits(&normals), bits(&whole[3 * v..6 * v]));
+            assert_ne!(bits(&normals), bits(&skinned(skin, &palette)[3 * v..6 * v]));
+        });
+    }
+}
