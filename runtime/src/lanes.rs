@@ -319,6 +319,7 @@ pub(crate) fn in_lanes<R: Real, const N: usize>(mut x: [R; N], f: impl Fn(R) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numeric::halves;
 
     const NUMBERS: [f32; 8] =
         [0.0, -0.0, 1.0, -1.5, f32::MIN_POSITIVE, f32::INFINITY, f32::NAN, 0.7];
@@ -377,6 +378,22 @@ mod tests {
         assert_eq!([registers].floats(), &x.map(libm::sqrtf));
         assert_eq!(x.map(<[Register; 1]>::square_root_alone), x.map(libm::sqrtf));
         assert_eq!(x.map(<[f32; 8]>::square_root_alone), x.map(libm::sqrtf));
+    }
+
+    #[test]
+    fn signs_and_halves_have_the_bits_of_one() {
+        // A NaN's sign is one of two; the measure makes all of them one.
+        assert!(agree(|a, b| a.with_sign_of(b), f32::copysign));
+        assert!(!agree(|a, b| a.with_sign_of(b), |a, _| a), "the measure sees");
+        // Both of a word, of every bit pattern that a file may hold.
+        let is_sound = |half: &u32| !matches!(half & 0x7fff, 1..0x400 | 0x7c00..);
+        for half in (0..=0xffff).filter(is_sound) {
+            let word = half << 16 | (0xbc00 ^ half & 0x8000);
+            let [low, high] = Register::halves([word; 8]).map(Register::to_array);
+            let [alone_low, alone_high] = halves(word);
+            assert_eq!(low.map(f32::to_bits), [alone_low.to_bits(); 8]);
+            assert_eq!(high.map(f32::to_bits), [alone_high.to_bits(); 8]);
+        }
     }
 
     #[test]
