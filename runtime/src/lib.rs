@@ -21,6 +21,7 @@ mod limits;
 mod linear;
 mod model;
 mod names;
+pub mod prior;
 mod numeric;
 pub mod skin;
 pub mod stages;
