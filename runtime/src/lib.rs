@@ -35,6 +35,8 @@ pub use kernel::KernelMap;
 pub use limits::Limits;
 pub use linear::Matrix3x4;
 pub use model::{Model, Section};
+#[cfg(feature = "shapes")]
+pub use skin::ShapesJob;
 pub use skin::{Skin, SkinJob};
 pub use workspace::Workspace;
 
