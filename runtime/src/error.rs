@@ -90,6 +90,8 @@ pub enum Argument {
     Jacobian,
     /// Variances.
     Variances,
+    /// Weights of shapes.
+    Weights,
 }
 
 impl CallError {
@@ -147,6 +149,7 @@ impl Argument {
             Self::Outputs => "outputs",
             Self::Jacobian => "Jacobian",
             Self::Variances => "variances",
+            Self::Weights => "weights",
         }
     }
 
@@ -154,6 +157,7 @@ impl Argument {
     const fn elements(self) -> [&'static str; 2] {
         match self {
             Self::Query | Self::Outputs | Self::Jacobian | Self::Variances => ["number", "input"],
+            Self::Weights => ["shape"; 2],
             _ => ["joint"; 2],
         }
     }

@@ -21,6 +21,7 @@ mod limits;
 mod linear;
 mod model;
 mod names;
+pub mod prior;
 mod numeric;
 pub mod skin;
 pub mod stages;
@@ -34,6 +35,8 @@ pub use kernel::KernelMap;
 pub use limits::Limits;
 pub use linear::Matrix3x4;
 pub use model::{Model, Section};
+#[cfg(feature = "shapes")]
+pub use skin::ShapesJob;
 pub use skin::{Skin, SkinJob};
 pub use workspace::Workspace;
 

@@ -250,7 +250,8 @@ fn find_part(
         PartKind::Skin => {
             let palette_len = |part| palette_len(loading, manifest, part);
             let part_len = manifest.parts(file).len();
-            skin::check::counts(&mut out.layout.counts, loading, part_len, palette_len)?
+            let element = |kind| manifest.element(file, part, kind);
+            skin::check::counts(&mut out.layout.counts, loading, part_len, palette_len, element)?
         }
         #[cfg(feature = "kernel")]
         PartKind::Kernel => kernel::check::counts(&out.layout.counts, loading)?,

@@ -68,7 +68,8 @@ pub enum FileErrorKind {
     /// of the tree, an inverse bind matrix not rigid, a normal, tangent or axis not of its length, a
     /// twist too large, weights do not sum to one, a fade does not start and then end, vertices lie
     /// outside a rest box (`found` is the vertex), a range is not inside the mesh, or ends before it
-    /// starts, a first term is not 1.
+    /// starts, a first term is not 1, deltas lie outside their shape's box (`found` is the delta), entries of
+    /// shapes are out of order or move no vertex of their block.
     Invalid,
 }
 
@@ -84,7 +85,9 @@ fn counted(section: Option<SectionKind>, index: u32) -> &'static str {
         Some(SectionKind::EnvelopeCounts) => {
             &["predictor", "joints", "proxies", "root", "groups", "floats of scratch"]
         }
-        Some(SectionKind::SkinCounts) => &["vertices", "influences", "envelope", "ranges"],
+        Some(SectionKind::SkinCounts) => {
+            &["vertices", "influences", "envelope", "ranges", "shapes", "entries", "deltas"]
+        }
         Some(SectionKind::KernelCounts) => &[
             "inputs",
             "outputs",
@@ -159,10 +162,18 @@ impl fmt::Display for FileError {
                 Some(SectionKind::Groups) => {
                     write!(f, "group {index}: expected at word {expected}, found at {found}")
                 }
+                Some(SectionKind::ShapeEntries) => {
+                    write!(f, "entry {index}: expected at delta {expected}, found at {found}")
+                }
+                Some(SectionKind::ShapeSlopes) => write!(
+                    f,
+                    "section {name}: expected the deltas' element type {expected}, found {found}"
+                ),
                 _ => {
                     let what = counted(section, index);
                     let of = match section {
                         Some(SectionKind::KernelCounts) => "rows",
+                        Some(SectionKind::SkinCounts) => "blocks",
                         _ => "groups",
                     };
                     write!(f, "{what}: the {of} need {expected}, found {found}")
@@ -208,6 +219,16 @@ impl fmt::Display for FileError {
                     write!(f, "the range of feature {index} ends before it starts")
                 }
                 Some(SectionKind::Terms) => f.write_str("the first term is not 1"),
+                Some(SectionKind::Shapes) => {
+                    write!(f, "the box of shape {index} does not hold 0, or not delta {found}")
+                }
+                Some(SectionKind::ShapeBlocks) => {
+                    write!(f, "block {index} of vertices does not follow the one before it")
+                }
+                Some(SectionKind::ShapeEntries) => write!(
+                    f,
+                    "entry {index} moves no vertex, or one beyond the mesh, or its shape is out of order"
+                ),
                 _ => write!(f, "element {index} of {name} is not valid"),
             },
         }

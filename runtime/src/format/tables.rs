@@ -99,11 +99,13 @@ pub enum Element {
     U32 = 3,
     /// IEEE 754 half precision.
     F16 = 4,
+    /// Signed, 8 bits, two's complement.
+    I8 = 5,
 }
 
 impl Element {
     /// Every type.
-    pub const ALL: [Self; 5] = [Self::Mixed, Self::F32, Self::U16, Self::U32, Self::F16];
+    pub const ALL: [Self; 6] = [Self::Mixed, Self::F32, Self::U16, Self::U32, Self::F16, Self::I8];
 
     /// Returns its number in the file.
     pub const fn number(self) -> u8 {
@@ -118,6 +120,16 @@ impl Element {
             Self::U16 => "u16",
             Self::U32 => "u32",
             Self::F16 => "f16",
+            Self::I8 => "i8",
+        }
+    }
+
+    /// Returns the bytes of a number; 1 of what is mixed.
+    pub const fn bytes(self) -> usize {
+        match self {
+            Self::F32 | Self::U32 => 4,
+            Self::U16 | Self::F16 => 2,
+            Self::Mixed | Self::I8 => 1,
         }
     }
 }
@@ -247,11 +259,23 @@ pub enum SectionKind {
     TangentCoefficients = 32,
     /// How far a skin's normals were measured to be from the true ones.
     NormalErrors = 33,
+    /// Steps and box of each shape.
+    Shapes = 34,
+    /// Where the entries of each block of vertices start.
+    ShapeBlocks = 35,
+    /// Which vertices of a block a shape moves, and where its deltas start.
+    ShapeEntries = 36,
+    /// How far shapes move vertices.
+    ShapeDeltas = 37,
+    /// How shapes tilt the surface at vertices.
+    ShapeSlopes = 38,
+    /// How far shapes were measured to be from those that were baked.
+    ShapeErrors = 39,
 }
 
 impl SectionKind {
     /// Every kind, by number.
-    pub const ALL: [Self; 33] = [
+    pub const ALL: [Self; 39] = [
         Self::Names,
         Self::Hierarchy,
         Self::InverseBinds,
@@ -285,6 +309,12 @@ impl SectionKind {
         Self::KernelFit,
         Self::TangentCoefficients,
         Self::NormalErrors,
+        Self::Shapes,
+        Self::ShapeBlocks,
+        Self::ShapeEntries,
+        Self::ShapeDeltas,
+        Self::ShapeSlopes,
+        Self::ShapeErrors,
     ];
 
     /// Returns its number in the file.
@@ -333,19 +363,26 @@ impl SectionKind {
             Self::KernelFit => "kernel_fit",
             Self::TangentCoefficients => "tangent_coefficients",
             Self::NormalErrors => "normal_errors",
+            Self::Shapes => "shapes",
+            Self::ShapeBlocks => "shape_blocks",
+            Self::ShapeEntries => "shape_entries",
+            Self::ShapeDeltas => "shape_deltas",
+            Self::ShapeSlopes => "shape_slopes",
+            Self::ShapeErrors => "shape_errors",
         }
     }
 
-    /// Returns the type of its elements.
-    pub const fn element(self) -> Element {
+    /// Returns the types that its elements may have; a file's row says which.
+    pub const fn elements(self) -> &'static [Element] {
         match self {
-            Self::Names | Self::Keys | Self::Groups | Self::Corrections => Element::Mixed,
-            Self::KernelRule | Self::Inputs | Self::Outputs => Element::Mixed,
-            Self::Hierarchy | Self::InfluenceIndices | Self::Terms => Element::U16,
-            Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => Element::U32,
-            Self::KernelCounts => Element::U32,
-            Self::TangentCoefficients => Element::F16,
-            _ => Element::F32,
+            Self::Names | Self::Keys | Self::Groups | Self::Corrections => &[Element::Mixed],
+            Self::KernelRule | Self::Inputs | Self::Outputs => &[Element::Mixed],
+            Self::Hierarchy | Self::InfluenceIndices | Self::Terms => &[Element::U16],
+            Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => &[Element::U32],
+            Self::KernelCounts | Self::ShapeBlocks | Self::ShapeEntries => &[Element::U32],
+            Self::TangentCoefficients => &[Element::F16],
+            Self::ShapeDeltas | Self::ShapeSlopes => &[Element::F32, Element::F16, Element::I8],
+            _ => &[Element::F32],
         }
     }
 }

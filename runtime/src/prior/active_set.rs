@@ -1,0 +1,343 @@
+//! Least squares between bounds: which weights are held at one, found by exchanging all that are wrong at once.
+//!
+//! Block principal pivoting (Júdice and Pires, 1994; Kim and Park, 2011): while the number of wrong ones falls, all are
+//! exchanged; where it does not fall for some rounds, only the last, which ends.
+
+use super::packed::{factor, multiply, rows, solve};
+
+/// Rounds after which the weights are cut to their bounds as they are: of 53 shapes none was seen to need 20.
+pub(super) const ROUNDS_MAX: u32 = 100;
+/// Rounds of exchanging all without fewer wrong ones, before one at a time.
+const PATIENCE: u32 = 3;
+/// What rounding may leave of a bound, in its span.
+const SLACK: f64 = 1.0e-10;
+
+/// A step that is free.
+pub(super) const FREE: f64 = 0.0;
+/// One that is held at its least.
+pub(super) const LOW: f64 = -1.0;
+/// One that is held at its greatest.
+pub(super) const HIGH: f64 = 1.0;
+/// One that keeps its weight at 0, whatever pulls.
+pub(super) const ZERO: f64 = 2.0;
+
+/// Minimises `½ dᵀ H d - gᵀ d` over steps d of n weights between bounds.
+pub(super) struct ActiveSet<'a> {
+    /// H, packed.
+    pub(super) hessian: &'a [f64],
+    /// g.
+    pub(super) pull: &'a [f64],
+    /// The least of each step, and below the greatest; infinite without bounds.
+    pub(super) low: &'a [f64],
+    pub(super) high: &'a [f64],
+    /// What brings each weight to 0.
+    pub(super) zero: &'a [f64],
+    /// [`FREE`], [`LOW`], [`HIGH`] or [`ZERO`] of each step.
+    pub(super) held: &'a mut [f64],
+    /// Factor of the rows and columns of H whose steps are free, packed.
+    pub(super) factor: &'a mut [f64],
+    /// Whether it is that of `held`.
+    pub(super) is_factored: bool,
+    /// d.
+    pub(super) step: &'a mut [f64],
+    /// H d - g.
+    pub(super) slope: &'a mut [f64],
+    /// The free steps, one after the other.
+    pub(super) free: &'a mut [f64],
+}
+
+/// How a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// The step is the least.
+    Least,
+    /// The step was cut to the bounds.
+    Cut,
+    /// H has no factor.
+    NoFactor,
+}
+
+impl ActiveSet<'_> {
+    /// Searches, and counts rounds.
+    pub(super) fn search(&mut self, rounds: &mut u32) -> End {
+        let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
+        while *rounds < ROUNDS_MAX {
+            *rounds += 1;
+            if !self.solve_free() {
+                return End::NoFactor;
+            }
+            let wrong = self.judge();
+            if wrong == 0 {
+                return End::Least;
+            }
+            if wrong < fewest {
+                (fewest, patience) = (wrong, PATIENCE);
+            } else {
+                patience = patience.saturating_sub(1);
+            }
+            self.exchange(if patience > 0 { 0 } else { wrong - 1 });
+        }
+        let bounds = self.low.iter().zip(self.high);
+        for (step, (low, high)) in self.step.iter_mut().zip(bounds) {
+            *step = step.max(*low).min(*high);
+        }
+        End::Cut
+    }
+
+    /// Holds a step at what brings its weight to 0.
+    pub(super) fn hold_at_zero(&mut self, index: usize) {
+        if let Some(held) = self.held.get_mut(index) {
+            *held = ZERO;
+            self.is_factored = false;
+        }
+    }
+
+    /// Computes the step with what is held, and the slope there.
+    fn solve_free(&mut self) -> bool {
+        let n = self.held.len();
+        if !self.is_factored {
+            let Some(len) = self.gather() else { return false };
+            if !factor(self.factor, len) {
+                return false;
+            }
+            self.is_factored = true;
+        }
+        let ends = self.low.iter().zip(self.high).zip(self.zero);
+        let mut is_moved = false;
+        for ((step, held), ((low, high), zero)) in self.step.iter_mut().zip(&*self.held).zip(ends) {
+            *step = match *held {
+                LOW => *low,
+                HIGH => *high,
+                ZERO => *zero,
+                _ => 0.0,
+            };
+            is_moved |= *step != 0.0;
+        }
+        if is_moved {
+            multiply(self.hessian, self.step, self.slope);
+        } else {
+            self.slope.fill(0.0);
+        }
+        let mut len = 0;
+        let pulls = self.pull.iter().zip(&*self.slope).zip(&*self.held);
+        let free = pulls.filter(|(_, held)| **held == FREE).map(|((pull, slope), _)| pull - slope);
+        for (out, pull) in self.free.iter_mut().zip(free) {
+            *out = pull;
+            len += 1;
+        }
+        let free = self.free.get_mut(..len).unwrap_or_default();
+        solve(self.factor, free);
+        let steps = self.step.iter_mut().zip(&*self.held).filter(|(_, held)| **held == FREE);
+        steps.zip(free).for_each(|((step, _), free)| *step = *free);
+        if len < n {
+            multiply(self.hessian, self.step, self.slope);
+            self.slope.iter_mut().zip(self.pull).for_each(|(slope, pull)| *slope -= pull);
+        } else {
+            self.slope.fill(0.0);
+        }
+        true
+    }
+
+    /// Copies the free rows and columns of H, and returns how many there are.
+    fn gather(&mut self) -> Option<usize> {
+        let (mut len, mut out) = (0, self.factor.iter_mut());
+        for (at, row) in rows(self.hessian, self.held.len()).enumerate() {
+            let held = self.held.get(at..)?;
+            if held.first() != Some(&FREE) {
+                continue;
+            }
+            len += 1;
+            for (x, _) in row.iter().zip(held).filter(|(_, held)| **held == FREE) {
+                *out.next()? = *x;
+            }
+        }
+        Some(len)
+    }
+
+    /// Writes what each step is to be over the free ones, and counts those that are not so.
+    fn judge(&mut self) -> usize {
+        let mut wrong = 0;
+        let bounds = self.low.iter().zip(self.high);
+        let steps = self.step.iter().zip(&*self.slope).zip(bounds);
+        let steps = steps.zip(rows(self.hessian, self.held.len()));
+        let held = self.held.iter().zip(&mut *self.free);
+        for ((held, becomes), (((step, slope), (low, high)), row)) in held.zip(steps) {
+            let slack = SLACK * (high - low);
+            // What a slope is worth in steps goes by the diagonal.
+            let steep = row.first().copied().unwrap_or_default() * slack;
+            *becomes = match *held {
+                FREE if *step < low - slack => LOW,
+                FREE if *step > high + slack => HIGH,
+                LOW if *slope < -steep => FREE,
+                HIGH if *slope > steep => FREE,
+                held => held,
+            };
+            wrong += usize::from(becomes != held);
+        }
+        wrong
+    }
+
+    /// Exchanges the steps that are wrong, without so many first.
+    fn exchange(&mut self, without: usize) {
+        let steps = self.held.iter_mut().zip(&*self.free);
+        let wrong = steps.filter(|(held, becomes)| held != becomes);
+        wrong.skip(without).for_each(|(held, becomes)| *held = *becomes);
+        self.is_factored = false;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::super::packed::{add_square, add_to_diagonal, packed_len};
+    use super::*;
+    use std::vec;
+    use std::vec::Vec;
+
+    /// A problem of n steps, another for each seed.
+    struct Problem {
+        hessian: Vec<f64>,
+        pull: Vec<f64>,
+        low: Vec<f64>,
+        high: Vec<f64>,
+    }
+
+    impl Problem {
+        fn new(n: usize, seed: u64) -> Self {
+            let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+            let mut number = || {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+            };
+            let mut hessian = vec![0.0; packed_len(n)];
+            add_to_diagonal(&mut hessian, n, 0.05);
+            for _ in 0..n {
+                let b: Vec<f64> = (0..n).map(|_| number()).collect();
+                add_square(&mut hessian, 1.0, &b);
+            }
+            let pull = (0..n).map(|_| 2.0 * number()).collect();
+            let low: Vec<f64> = (0..n).map(|_| number().min(0.5)).collect();
+            let high = low.iter().map(|low| low + number().abs()).collect();
+            Self { hessian, pull, low, high }
+        }
+
+        /// Returns the step, how the search ended, and its rounds.
+        fn solved(&self, held: &mut [f64], zero: &[f64]) -> (Vec<f64>, End, u32) {
+            let n = self.pull.len();
+            let (mut step, mut slope, mut free) = (vec![7.0; n], vec![7.0; n], vec![7.0; n]);
+            let mut rounds = 0;
+            let mut set = ActiveSet {
+                hessian: &self.hessian,
+                pull: &self.pull,
+                low: &self.low,
+                high: &self.high,
+                zero,
+                held,
+                factor: &mut vec![7.0; packed_len(n)],
+                is_factored: false,
+                step: &mut step,
+                slope: &mut slope,
+                free: &mut free,
+            };
+            let end = set.search(&mut rounds);
+            (step, end, rounds)
+        }
+
+        fn cost(&self, step: &[f64]) -> f64 {
+            let mut product = vec![0.0; step.len()];
+            multiply(&self.hessian, step, &mut product);
+            let each = step.iter().zip(&product).zip(&self.pull);
+            each.map(|((d, h), g)| d * (0.5 * h - g)).sum()
+        }
+
+        /// The least cost over every way to hold steps: gaussian elimination of each, those within the bounds.
+        fn least_cost(&self) -> f64 {
+            let n = self.pull.len();
+            let mut least = f64::INFINITY;
+            for code in 0..3usize.pow(n as u32) {
+                let ways: Vec<usize> = (0..n).map(|i| code / 3usize.pow(i as u32) % 3).collect();
+                let mut step: Vec<f64> =
+                    (0..n).map(|i| [0.0, self.low[i], self.high[i]][ways[i]]).collect();
+                let mut slope = vec![0.0; n];
+                multiply(&self.hessian, &step, &mut slope);
+                let free: Vec<usize> = (0..n).filter(|i| ways[*i] == 0).collect();
+                let entry = |i: usize, j: usize| {
+                    let (i, j) = (i.min(j), i.max(j));
+                    self.hessian[i * n - i * (i + 1) / 2 + j]
+                };
+                let mut table: Vec<Vec<f64>> = free
+                    .iter()
+                    .map(|&i| {
+                        let row = free.iter().map(|&j| entry(i, j));
+                        row.chain([self.pull[i] - slope[i]]).collect()
+                    })
+                    .collect();
+                for k in 0..free.len() {
+                    for i in (0..free.len()).filter(|i| *i != k) {
+                        let by = table[i][k] / table[k][k];
+                        for j in k..=free.len() {
+                            table[i][j] -= by * table[k][j];
+                        }
+                    }
+                }
+                for (k, &i) in free.iter().enumerate() {
+                    step[i] = table[k][free.len()] / table[k][k];
+                }
+                let within = |i: usize| self.low[i] - 1e-12 <= step[i] && step[i] <= self.high[i] + 1e-12;
+                if (0..n).all(within) {
+                    least = least.min(self.cost(&step));
+                }
+            }
+            least
+        }
+    }
+
+    #[test]
+    fn the_least_is_that_of_every_way_to_hold_steps() {
+        let mut several = 0;
+        for (n, seed) in (1..7).flat_map(|n| (0..20).map(move |seed| (n, seed))) {
+            let problem = Problem::new(n, seed * 7 + n as u64);
+            let (step, end, rounds) = problem.solved(&mut vec![FREE; n], &vec![0.0; n]);
+            assert_eq!(end, End::Least);
+            let least = problem.least_cost();
+            assert!((problem.cost(&step) - least).abs() < 1e-10, "{n} {seed}");
+            several += usize::from(rounds > 2);
+        }
+        assert!(several > 20, "the problems ask for rounds: {several}");
+    }
+
+    #[test]
+    fn where_it_starts_changes_no_bit() {
+        for seed in 0..20 {
+            let problem = Problem::new(40, seed);
+            let mut held = vec![FREE; 40];
+            let (cold, _, rounds) = problem.solved(&mut held, &[0.0; 40]);
+            let (again, end, one) = problem.solved(&mut held, &[0.0; 40]);
+            assert_eq!((end, one), (End::Least, 1));
+            assert_eq!(cold, again);
+            assert!((2..30).contains(&rounds), "{rounds}");
+        }
+    }
+
+    #[test]
+    fn what_is_held_at_zero_stays_there() {
+        let problem = Problem::new(5, 3);
+        let zero = [0.25; 5];
+        let (step, end, _) = problem.solved(&mut [FREE, ZERO, FREE, FREE, ZERO], &zero);
+        assert_eq!((end, step[1], step[4]), (End::Least, 0.25, 0.25));
+    }
+
+    #[test]
+    fn without_bounds_one_round_is_enough() {
+        let mut problem = Problem::new(12, 5);
+        problem.low.fill(f64::NEG_INFINITY);
+        problem.high.fill(f64::INFINITY);
+        let (step, end, rounds) = problem.solved(&mut [FREE; 12], &[0.0; 12]);
+        assert_eq!((end, rounds), (End::Least, 1));
+        let mut product = vec![0.0; 12];
+        multiply(&problem.hessian, &step, &mut product);
+        assert!(product.iter().zip(&problem.pull).all(|(a, b)| (a - b).abs() < 1e-10));
+    }
+}
