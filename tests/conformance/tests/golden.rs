@@ -12,7 +12,7 @@ use sinew_runtime::format::{ALIGNMENT, Axis, Handedness, Space};
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
 use sinew_trainer::envelope::model::{
-    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, SkinModel,
+    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, Shapes, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::files;
@@ -116,6 +116,7 @@ fn file_model(predictor: Predictor) -> FileModel {
         tangent_coefficients: None,
         normal_errors: None,
         ranges: vec![("body".to_owned(), 0..20), ("eyes".to_owned(), 20..24)],
+        shapes: Shapes::default(),
     };
     let envelope = EnvelopeModel {
         name: "golden".to_owned(),

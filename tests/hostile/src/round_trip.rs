@@ -10,7 +10,7 @@ use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Spa
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
 use sinew_trainer::envelope::model::{
-    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, SkinModel,
+    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, Shapes, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::kernel::map::{Fade, KernelMap};
@@ -139,6 +139,7 @@ fn skin(envelopes: &[EnvelopeModel], u: &mut Unstructured<'_>) -> Result<SkinMod
         tangent_coefficients: None,
         normal_errors: None,
         ranges,
+        shapes: Shapes::default(),
     })
 }
 

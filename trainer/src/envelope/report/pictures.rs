@@ -221,7 +221,7 @@ impl<'a> Pictures<'a> {
     fn truth(&self, frame: usize) -> Shape {
         let examples = self.comparison.source.examples;
         let positions = examples.surface().copied(examples.frame(frame));
-        let normals = TrueNormals::new(examples).posed(frame);
+        let normals = TrueNormals::new(examples.surface()).posed(examples.frame(frame));
         Shape { name: "truth".to_owned(), positions, normals }
     }
 
