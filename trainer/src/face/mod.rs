@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`basis`] | the neutral mesh, its shapes and identities, read from any of the formats |
 //! | [`names`] | which shapes a column of a take drives |
+//! | [`prior`] | what a take teaches of the weights of all shapes |
 //! | [`take`], [`track`] | an animation of weights; points that are followed |
 
 pub mod basis;
@@ -12,6 +13,7 @@ mod error;
 mod meshes;
 pub mod names;
 mod npz;
+pub mod prior;
 pub mod take;
 pub mod track;
 
