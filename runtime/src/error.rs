@@ -149,7 +149,7 @@ impl Argument {
             Self::Outputs => "outputs",
             Self::Jacobian => "Jacobian",
             Self::Variances => "variances",
-            Self::Weights => "weights",
+            Self::Weights => "shape weights",
         }
     }
 
