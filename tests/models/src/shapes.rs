@@ -191,7 +191,7 @@ impl Pieces {
         let few = Shape { vertices: 9, tangents: false, ..shape };
         let all = [
             (Self::sample(Predictor::Kernel, shape), Element::F32, 150),
-            (Self::sample(Predictor::Rotational, plain), Element::F16, 150),
+            (Self::sample(Predictor::Kernel, plain), Element::F16, 150),
             (Self::sample(Predictor::Hybrid, bare), Element::I8, 150),
             (Self::loose(few), Element::F32, 9),
         ];
