@@ -53,6 +53,10 @@ pub enum sinew_argument {
     Variances = 21,
     /// Weights of shapes.
     ShapeWeights = 22,
+    /// A prior, or a number that says how much a term counts beside it.
+    Prior = 23,
+    /// Pins.
+    Pins = 24,
 
     /// Memory for an object; lengths in bytes.
     Memory = 50,
@@ -95,7 +99,7 @@ pub enum sinew_argument {
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 42] = {
+const NAMES: [(sinew_argument, &CStr); 44] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -121,6 +125,8 @@ const NAMES: [(sinew_argument, &CStr); 42] = {
         (A::Jacobian, c"Jacobian"),
         (A::Variances, c"variances"),
         (A::ShapeWeights, c"shape weights"),
+        (A::Prior, c"prior"),
+        (A::Pins, c"pins"),
         (A::Memory, c"memory"),
         (A::File, c"file"),
         (A::Limits, c"limits"),
@@ -177,6 +183,8 @@ impl From<Argument> for sinew_argument {
             Argument::Jacobian => Self::Jacobian,
             Argument::Variances => Self::Variances,
             Argument::Weights => Self::ShapeWeights,
+            Argument::Prior => Self::Prior,
+            Argument::Pins => Self::Pins,
         }
     }
 }

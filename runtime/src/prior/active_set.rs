@@ -110,7 +110,6 @@ impl ActiveSet<'_> {
 
     /// Computes the aim with what is held.
     fn solve_free(&mut self) -> bool {
-        let n = self.held.len();
         if !self.is_factored {
             let Some(len) = self.gather() else { return false };
             if !factor(self.factor, len) || !self.is_sound(len) {

@@ -9,6 +9,8 @@ mod files;
 mod kernels;
 pub mod mutants;
 pub mod poses;
+mod priors;
+mod priors;
 pub mod recipe;
 pub mod round_trip;
 pub mod targets;

@@ -117,6 +117,17 @@ impl Face {
         Ok((weights.into_iter().map(f64::from).collect(), edit))
     }
 
+    /// Moves all vertices at rest.
+    pub(crate) fn moved(&self, weights: &[f64]) -> Vec<[f64; 3]> {
+        let mut out = self.skin.rest_positions.clone();
+        for (weight, deltas) in weights.iter().zip(&self.skin.shapes.deltas) {
+            for (x, u) in out.as_flattened_mut().iter_mut().zip(deltas.as_flattened()) {
+                *x += weight * u;
+            }
+        }
+        out
+    }
+
     /// Gives what rows of pins look at: B, and the numbers at weights of 0; at rest.
     pub(crate) fn rows(&self, pins: &[Pin]) -> (Mat<f64>, Vec<f64>) {
         let all: Vec<(usize, [f32; 4])> = pins
