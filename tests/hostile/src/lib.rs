@@ -10,7 +10,6 @@ mod kernels;
 pub mod mutants;
 pub mod poses;
 mod priors;
-mod priors;
 pub mod recipe;
 pub mod round_trip;
 pub mod targets;
