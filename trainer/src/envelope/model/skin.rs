@@ -129,8 +129,8 @@ impl Vertex<'_> {
     /// Gives the frame g, h that slopes are along: that of the rest tangent made square to the normal, as far as it is
     /// not, or else of the normal alone.
     pub fn tilt_frame(&self) -> [Vector3<f64>; 2] {
-        let [_, across] = self.frame();
-        [across.cross(&self.normal), across]
+        let [along, across] = self.frame();
+        [self.tangent.map_or(along, |_| across.cross(&self.normal)), across]
     }
 
     /// Blends the vertex's transforms.
