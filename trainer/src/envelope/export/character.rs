@@ -2,7 +2,7 @@
 
 use super::dress::parts;
 use super::error::ExportError;
-use super::glb::{Document, Placed};
+use crate::formats::gltf::write::{Document, Placed};
 use super::mesh::SkinnedMesh;
 use super::played::Played;
 use super::proxies::ProxyNodes;
@@ -69,7 +69,7 @@ impl Export<'_> {
     /// - [`ExportError::NoFrames`] and [`ExportError::Times`]: a clip cannot be played.
     /// - [`ExportError::Level`]: a further mesh lies elsewhere.
     /// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: it cannot stand as asked.
-    /// - [`ExportError::TooLarge`] and [`ExportError::Json`]: the file cannot be made.
+    /// - [`ExportError::Glb`]: the file cannot be made.
     pub fn run(&self) -> Result<Exported, ExportError> {
         let Self { model, skin, examples, clips, levels, appearance, stand } = *self;
         let played = Played::new(model, skin, examples, clips)?;

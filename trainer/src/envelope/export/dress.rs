@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde_json::{Value, json};
 
-use super::glb::Document;
+use crate::formats::gltf::write::Document;
 use super::mesh::SkinnedMesh;
 use crate::formats::appearance::{Appearance, image};
 

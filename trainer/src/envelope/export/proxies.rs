@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::Matrix3x4;
 
-use super::glb::{ChannelKeys, Document, NodeIndex, Placed, Track};
+use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
 use super::skeleton::{Carrier, continuous, quaternion, turned};
 use super::stretch::Stretch;
 

@@ -10,7 +10,7 @@ use super::error::IntoError;
 use super::find::Found;
 use super::joints::{self, OwnJoints};
 use crate::envelope::export::error::ExportError;
-use crate::envelope::export::glb::Document;
+use crate::formats::gltf::write::Document;
 use crate::envelope::export::played::Played;
 use crate::envelope::export::proxies::ProxyNodes;
 use crate::envelope::export::skeleton::square;

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::error::IntoError;
 use super::find::Found;
-use crate::envelope::export::glb::{ChannelKeys, Document, NodeIndex, Placed, Track};
+use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
 use crate::envelope::export::skeleton::{
     Carrier, continuous, isometry, parents_first, quaternion, square,
 };
