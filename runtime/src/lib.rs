@@ -21,6 +21,7 @@ mod limits;
 mod linear;
 mod model;
 mod names;
+#[cfg(feature = "prior")]
 pub mod prior;
 mod numeric;
 pub mod skin;
@@ -37,6 +38,8 @@ pub use linear::Matrix3x4;
 pub use model::{Model, Section};
 #[cfg(feature = "shapes")]
 pub use skin::ShapesJob;
+#[cfg(feature = "prior")]
+pub use prior::{Pin, PinJob, Pins, Prior};
 pub use skin::{Skin, SkinJob};
 pub use workspace::Workspace;
 

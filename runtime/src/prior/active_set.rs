@@ -58,17 +58,16 @@ pub(super) enum End {
 }
 
 impl ActiveSet<'_> {
-    /// Searches, and counts rounds.
-    pub(super) fn search(&mut self, rounds: &mut u32) -> End {
+    /// Searches, and returns in how many rounds.
+    pub(super) fn search(&mut self) -> (End, u32) {
         let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
-        while *rounds < ROUNDS_MAX {
-            *rounds += 1;
+        for round in 1..=ROUNDS_MAX {
             if !self.solve_free() {
-                return End::NoFactor;
+                return (End::NoFactor, round);
             }
             let wrong = self.judge();
             if wrong == 0 {
-                return End::Least;
+                return (End::Least, round);
             }
             if wrong < fewest {
                 (fewest, patience) = (wrong, PATIENCE);
@@ -81,13 +80,20 @@ impl ActiveSet<'_> {
         for (step, (low, high)) in self.step.iter_mut().zip(bounds) {
             *step = step.max(*low).min(*high);
         }
-        End::Cut
+        (End::Cut, ROUNDS_MAX)
+    }
+
+    /// Returns the weight that the step leads to.
+    pub(super) fn weight(&self, index: usize) -> f64 {
+        let step = self.step.get(index).zip(self.zero.get(index));
+        step.map_or(0.0, |(step, zero)| step - zero)
     }
 
     /// Holds a step at what brings its weight to 0.
     pub(super) fn hold_at_zero(&mut self, index: usize) {
-        if let Some(held) = self.held.get_mut(index) {
-            *held = ZERO;
+        let step = self.held.get_mut(index).zip(self.step.get_mut(index)).zip(self.zero.get(index));
+        if let Some(((held, step), zero)) = step {
+            (*held, *step) = (ZERO, *zero);
             self.is_factored = false;
         }
     }
@@ -227,7 +233,6 @@ mod tests {
         fn solved(&self, held: &mut [f64], zero: &[f64]) -> (Vec<f64>, End, u32) {
             let n = self.pull.len();
             let (mut step, mut slope, mut free) = (vec![7.0; n], vec![7.0; n], vec![7.0; n]);
-            let mut rounds = 0;
             let mut set = ActiveSet {
                 hessian: &self.hessian,
                 pull: &self.pull,
@@ -241,7 +246,7 @@ mod tests {
                 slope: &mut slope,
                 free: &mut free,
             };
-            let end = set.search(&mut rounds);
+            let (end, rounds) = set.search();
             (step, end, rounds)
         }
 
