@@ -59,6 +59,18 @@ impl<'a> BakedFace<'a> {
         (0..self.skin.shape_len()).map(name).collect()
     }
 
+    /// Measures the diagonal of the neutral face's box.
+    pub fn diagonal(&self) -> f64 {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for vertex in 0..self.skin.vertex_len() {
+            let place = self.skin.rest_position(vertex).unwrap_or_default().map(f64::from);
+            for ((low, high), x) in low.iter_mut().zip(&mut high).zip(place) {
+                (*low, *high) = (low.min(x), high.max(x));
+            }
+        }
+        low.iter().zip(high).map(|(low, high)| (high - low).powi(2)).sum::<f64>().sqrt()
+    }
+
     /// Gives a vertex's neutral place, and how far each shape moves it.
     pub fn vertex(&self, vertex: usize) -> ([f64; 3], Vec<[f64; 3]>) {
         let rest = self.skin.rest_position(vertex).unwrap_or_default().map(f64::from);

@@ -7,11 +7,16 @@
 //! | [`names`] | which shapes a column of a take drives |
 //! | [`take`], [`track`] | an animation of weights; points that are followed |
 
+pub mod baked;
 pub mod basis;
 mod error;
+pub mod evaluate;
+pub mod measure;
 mod meshes;
 pub mod names;
 mod npz;
+pub mod outline;
+mod skin;
 pub mod take;
 pub mod track;
 
