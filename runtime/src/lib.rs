@@ -21,9 +21,9 @@ mod limits;
 mod linear;
 mod model;
 mod names;
+mod numeric;
 #[cfg(feature = "prior")]
 pub mod prior;
-mod numeric;
 pub mod skin;
 pub mod stages;
 mod workspace;
@@ -36,10 +36,10 @@ pub use kernel::KernelMap;
 pub use limits::Limits;
 pub use linear::Matrix3x4;
 pub use model::{Model, Section};
-#[cfg(feature = "shapes")]
-pub use skin::ShapesJob;
 #[cfg(feature = "prior")]
 pub use prior::{Pin, PinJob, Pins, Prior};
+#[cfg(feature = "shapes")]
+pub use skin::ShapesJob;
 pub use skin::{Skin, SkinJob};
 pub use workspace::Workspace;
 

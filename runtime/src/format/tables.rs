@@ -18,7 +18,8 @@ pub enum PartKind {
 
 impl PartKind {
     /// Every kind that this reader knows.
-    pub const ALL: [Self; 2 + cfg!(feature = "kernel") as usize + cfg!(feature = "prior") as usize] = [
+    pub const ALL: [Self;
+        2 + cfg!(feature = "kernel") as usize + cfg!(feature = "prior") as usize] = [
         Self::Envelope,
         Self::Skin,
         #[cfg(feature = "kernel")]

@@ -290,7 +290,8 @@ mod tests {
                 for (k, &i) in free.iter().enumerate() {
                     step[i] = table[k][free.len()] / table[k][k];
                 }
-                let within = |i: usize| self.low[i] - 1e-12 <= step[i] && step[i] <= self.high[i] + 1e-12;
+                let within =
+                    |i: usize| self.low[i] - 1e-12 <= step[i] && step[i] <= self.high[i] + 1e-12;
                 if (0..n).all(within) {
                     least = least.min(self.cost(&step));
                 }

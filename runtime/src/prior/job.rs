@@ -1,6 +1,6 @@
 //! Pins: from where a few vertices are to be to the weights of all shapes (METHOD §5).
 
-use super::active_set::{ActiveSet, End, FREE, HIGH, LOW, ZERO};
+use super::active_set::{ActiveSet, End, FREE, HIGH, LOW};
 use super::observation::{Vertex, not_finite};
 use super::packed::{add, add_square, add_to_diagonal, dot, packed_len};
 use super::pins::PinList;
@@ -125,7 +125,8 @@ impl<'a> PinJob<'a> {
         let (end, round_len) = self.search(&mut scratch, is_same);
         *scratch.head = head.0;
         let [step, ..] = &scratch.loose;
-        let solved = scratch.anchor.iter().zip(&**step).map(|(anchor, step)| (anchor + step) as f32);
+        let solved =
+            scratch.anchor.iter().zip(&**step).map(|(anchor, step)| (anchor + step) as f32);
         if end == End::NoFactor {
             scratch.head.fill(0.0);
             return Err(CallError::new(CallErrorKind::NonFinite, Argument::Pins));
@@ -236,7 +237,12 @@ impl<'a> PinJob<'a> {
         for (pair, stiffness) in self.symmetry() {
             let [a, b] = pair.map(|shape| scratch.anchor.get(shape).copied().unwrap_or_default());
             for (shape, by) in pair.into_iter().zip([b - a, a - b]) {
-                scratch.pull.iter_mut().skip(shape).take(1).for_each(|pull| *pull += stiffness * by);
+                scratch
+                    .pull
+                    .iter_mut()
+                    .skip(shape)
+                    .take(1)
+                    .for_each(|pull| *pull += stiffness * by);
             }
         }
     }
@@ -278,8 +284,11 @@ impl<'a> PinJob<'a> {
     fn search(&self, scratch: &mut Scratch<'_>, is_same: bool) -> (End, u32) {
         let mut is_factored = is_same;
         for held in &mut *scratch.held {
-            let starts =
-                if is_same && self.is_bounded && (*held == LOW || *held == HIGH) { *held } else { FREE };
+            let starts = if is_same && self.is_bounded && (*held == LOW || *held == HIGH) {
+                *held
+            } else {
+                FREE
+            };
             is_factored &= starts == *held;
             *held = starts;
         }
@@ -339,7 +348,8 @@ impl<'a> PinJob<'a> {
             let tail = step.get(at..).unwrap_or_default();
             let row = self.prior.factor().get(start..start + tail.len()).unwrap_or_default();
             let product = row.iter().zip(tail);
-            let own = product.fold(0.0, |sum, (le, d)| sum + f64::from(f32::from_le_bytes(*le)) * d);
+            let own =
+                product.fold(0.0, |sum, (le, d)| sum + f64::from(f32::from_le_bytes(*le)) * d);
             sum += own * own;
             start += tail.len();
         }

@@ -16,12 +16,7 @@ impl Skin<'_> {
     ///
     /// - `palette`: [`Skin::palette_len`] transforms.
     /// - `weights`: [`Skin::shape_len`] weights z; of fewer the others are 0.
-    pub fn place(
-        &self,
-        vertex: u32,
-        palette: &[Matrix3x4],
-        weights: &[f32],
-    ) -> Option<[f32; 3]> {
+    pub fn place(&self, vertex: u32, palette: &[Matrix3x4], weights: &[f32]) -> Option<[f32; 3]> {
         let moving = Vertex::new(self, palette, vertex)?;
         let mut x = moving.rest;
         for (shape, delta) in self.deltas_of(vertex as usize) {

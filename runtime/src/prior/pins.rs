@@ -164,7 +164,8 @@ mod tests {
         let mut pins = Pins::<3>::new();
         pins.add(Pin::new(0, [0.0; 3])).unwrap();
         pins.add(Pin::new(1, [0.0; 3]).masked([false, true, false])).unwrap();
-        pins.add(Pin::on_screen(2, [[1.0, 0.0, 0.0, 5.0], [0.0, 0.0, 0.0, 1.0]], [0.0; 2])).unwrap();
+        pins.add(Pin::on_screen(2, [[1.0, 0.0, 0.0, 5.0], [0.0, 0.0, 0.0, 1.0]], [0.0; 2]))
+            .unwrap();
         assert_eq!(pins.list().scalar_len(), 3 + 1 + 1);
     }
 
@@ -177,7 +178,10 @@ mod tests {
         };
         let nan = CallErrorKind::NonFinite;
         let range = CallErrorKind::OutOfRange;
-        assert_eq!(refused(Pin::new(3, [0.0, f32::NAN, 0.0]), &mut pins), (nan, Argument::Pins, 3, 0));
+        assert_eq!(
+            refused(Pin::new(3, [0.0, f32::NAN, 0.0]), &mut pins),
+            (nan, Argument::Pins, 3, 0)
+        );
         let stiff = Pin::new(3, [0.0; 3]);
         for (stiffness, kind) in [(f32::INFINITY, nan), (-1.0, range)] {
             let found = refused(stiff.with_stiffness(stiffness), &mut pins);

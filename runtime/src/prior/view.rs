@@ -98,9 +98,9 @@ impl<'a> Prior<'a> {
     /// Lists the pairs of shapes that mirror each other, each with its stiffness: the reciprocal of the mean square by
     /// which they differ.
     pub fn symmetry(&self) -> impl Iterator<Item = ([usize; 2], f32)> + use<'a> {
-        self.symmetry_rows().iter().map(|[pair, stiffness]| {
-            (shapes(pair), f32::from_le_bytes(*stiffness))
-        })
+        self.symmetry_rows()
+            .iter()
+            .map(|[pair, stiffness]| (shapes(pair), f32::from_le_bytes(*stiffness)))
     }
 
     /// Lists the pairs of shapes of which one alone is at work.

@@ -21,7 +21,8 @@ impl Skin<'_> {
     /// Blends the transforms of a vertex; the identity without influences. `None` of a vertex beyond the mesh, or of a
     /// palette that is too short.
     pub(crate) fn blended(&self, palette: &[Matrix3x4], vertex: usize) -> Option<Matrix3x4> {
-        let [x, y, z, _] = Influences::new(self, palette).blend(vertex)?.transpose().to_cols_array_2d();
+        let [x, y, z, _] =
+            Influences::new(self, palette).blend(vertex)?.transpose().to_cols_array_2d();
         Some([x, y, z])
     }
 }

@@ -142,7 +142,7 @@ fn file_model(predictor: Predictor) -> FileModel {
         handedness: Handedness::Right,
         unit: Some(1.0),
     };
-    FileModel { space, envelopes: vec![envelope], skins: vec![skin] }
+    FileModel { space, envelopes: vec![envelope], skins: vec![skin], ..FileModel::default() }
 }
 
 fn golden_path(predictor: Predictor) -> PathBuf {

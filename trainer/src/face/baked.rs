@@ -1,5 +1,6 @@
 //! A face as its file holds it, evaluated by the runtime.
 
+use super::basis::diagonal;
 use super::error::FaceError;
 use sinew_runtime::prior::{Anchor, Edit, Pin, PinJob, Pins, Prior, Temporal};
 use sinew_runtime::skin::{Output, ShapesJob, cells};
@@ -61,14 +62,8 @@ impl<'a> BakedFace<'a> {
 
     /// Measures the diagonal of the neutral face's box.
     pub fn diagonal(&self) -> f64 {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for vertex in 0..self.skin.vertex_len() {
-            let place = self.skin.rest_position(vertex).unwrap_or_default().map(f64::from);
-            for ((low, high), x) in low.iter_mut().zip(&mut high).zip(place) {
-                (*low, *high) = (low.min(x), high.max(x));
-            }
-        }
-        low.iter().zip(high).map(|(low, high)| (high - low).powi(2)).sum::<f64>().sqrt()
+        let rest = |v| self.skin.rest_position(v).unwrap_or_default().map(f64::from);
+        diagonal((0..self.skin.vertex_len()).map(rest))
     }
 
     /// Gives a vertex's neutral place, and how far each shape moves it.

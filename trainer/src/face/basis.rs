@@ -69,6 +69,11 @@ impl Basis {
         self.mesh.positions.len()
     }
 
+    /// Measures the diagonal of the neutral mesh's box.
+    pub fn diagonal(&self) -> f64 {
+        diagonal(self.mesh.positions.iter().copied())
+    }
+
     /// Names the shapes.
     pub fn names(&self) -> Vec<String> {
         self.mesh.shapes.iter().map(|shape| shape.name.clone()).collect()
@@ -111,4 +116,15 @@ impl Basis {
         }
         Ok(self)
     }
+}
+
+/// Measures the diagonal of the box of some places; 0 of none.
+pub(super) fn diagonal(places: impl Iterator<Item = [f64; 3]>) -> f64 {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for place in places {
+        for ((low, high), x) in low.iter_mut().zip(&mut high).zip(place) {
+            (*low, *high) = (low.min(x), high.max(x));
+        }
+    }
+    low.iter().zip(high).map(|(low, high)| (high - low).max(0.0).powi(2)).sum::<f64>().sqrt()
 }

@@ -1,6 +1,6 @@
 //! What can be wrong with a face, a take or a track.
 
-use crate::formats::{CsvError, FileError, FormatError};
+use crate::formats::{CsvError, FileError, FormatError, GlbError};
 use sinew_runtime::CallError;
 use std::path::PathBuf;
 
@@ -93,6 +93,17 @@ pub enum FaceError {
         /// Landmarks.
         len: usize,
     },
+    /// Meshes have not as many principal components as shapes are asked for.
+    #[error("rank {found}: the meshes have {most} principal components")]
+    Rank {
+        /// Shapes asked for.
+        found: usize,
+        /// Components.
+        most: usize,
+    },
+    /// A scene cannot be written.
+    #[error(transparent)]
+    Glb(GlbError),
     /// A face has no faces to draw.
     #[error("has points alone, no faces: give an .obj to write, not a picture or a scene")]
     NoFaces,

@@ -24,7 +24,12 @@ pub(super) fn read(path: &Path) -> Result<ExampleMeshes, FaceError> {
     };
     let (n, len) = (lead[0], lead[1]);
     if n < 2 {
-        return Err(FaceError::Count { array: "meshes", what: "meshes or more", expected: 2, found: n });
+        return Err(FaceError::Count {
+            array: "meshes",
+            what: "meshes or more",
+            expected: 2,
+            found: n,
+        });
     }
     if !points.as_flattened().iter().all(|x| x.is_finite()) {
         return Err(FaceError::NotFinite { array: "meshes" });

@@ -6,6 +6,11 @@
 //! | [`basis`] | the neutral mesh, its shapes and identities, read from any of the formats |
 //! | [`names`] | which shapes a column of a take drives |
 //! | [`take`], [`track`] | an animation of weights; points that are followed |
+//! | [`prior`] | what a take says of the weights of all shapes, and how a file holds it |
+//! | [`train`] | from all these to a file, and the mesh beside it: [`outline`] |
+//! | [`baked`] | a face as its file holds it, solved and shaped by the runtime |
+//! | [`measure`], [`evaluate`] | how far faces are apart; what a few handles reach |
+//! | [`scene`], [`picture`] | a face as binary glTF and as pixels |
 
 pub mod baked;
 pub mod basis;
@@ -16,8 +21,12 @@ mod meshes;
 pub mod names;
 mod npz;
 pub mod outline;
+pub mod picture;
+pub mod prior;
+pub mod scene;
 mod skin;
 pub mod take;
 pub mod track;
+pub mod train;
 
 pub use error::FaceError;

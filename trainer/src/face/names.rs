@@ -135,7 +135,9 @@ pub fn columns(names: &[String], shapes: &[String]) -> Result<Columns, FaceError
         if found.is_empty() && !OTHERS.contains(&name.as_str()) {
             match ANGLES.contains(&name.as_str()) || expression.is_arkit() {
                 true => skipped.push(name.clone()),
-                false => unknown.push(Unknown { name: name.clone(), nearest: nearest(name, shapes) }),
+                false => {
+                    unknown.push(Unknown { name: name.clone(), nearest: nearest(name, shapes) })
+                }
             }
         }
         driven.push(found);
@@ -178,7 +180,8 @@ mod tests {
 
     #[test]
     fn arkit_drives_a_face_of_another_spelling() {
-        let shapes = owned(&["eyeBlink_L", "eyeBlink_R", "jawLeft", "browInnerUp_L", "browInnerUp_R"]);
+        let shapes =
+            owned(&["eyeBlink_L", "eyeBlink_R", "jawLeft", "browInnerUp_L", "browInnerUp_R"]);
         let names = owned(&[
             "Timecode",
             "BlendShapeCount",
@@ -192,8 +195,7 @@ mod tests {
         ]);
         let found = columns(&names, &shapes).unwrap();
         let none = Vec::new;
-        let driven =
-            [none(), none(), vec![1], vec![2], vec![3, 4], none(), none(), none(), none()];
+        let driven = [none(), none(), vec![1], vec![2], vec![3, 4], none(), none(), none(), none()];
         assert_eq!(found.driven, driven);
         assert_eq!(found.skipped, ["TongueOut", "HeadYaw", "RightEyeRoll", "MouthLeft"]);
     }

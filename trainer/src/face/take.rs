@@ -90,7 +90,8 @@ fn of_arrays(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
     let names = archive.texts("names")?;
     count("weights", "columns", names.as_ref().map_or(shapes.len(), Vec::len), width)?;
     let Columns { driven, skipped } = columns(names.as_deref().unwrap_or(shapes), shapes)?;
-    let frame = |row: &[[f64; 1]]| spread(shapes.len(), driven.iter().zip(row.iter().map(|x| x[0])));
+    let frame =
+        |row: &[[f64; 1]]| spread(shapes.len(), driven.iter().zip(row.iter().map(|x| x[0])));
     Ok(Take { frames: rows.data.chunks(width.max(1)).map(frame).collect(), skipped })
 }
 

@@ -87,8 +87,14 @@ mod tests {
     fn bad_cells_are_named() {
         let head = "frame,vertex,x,y,z,stiffness\n0,1,0,0,0,1\n";
         for (line, expected) in [
-            ("0.5,1,0,0,0,1", "line 3, column \"frame\": expected a whole number from 0 on, found 0.5"),
-            ("-1,1,0,0,0,1", "line 3, column \"frame\": expected a whole number from 0 on, found -1"),
+            (
+                "0.5,1,0,0,0,1",
+                "line 3, column \"frame\": expected a whole number from 0 on, found 0.5",
+            ),
+            (
+                "-1,1,0,0,0,1",
+                "line 3, column \"frame\": expected a whole number from 0 on, found -1",
+            ),
             ("0,10,0,0,0,1", "line 3, column \"vertex\": expected a vertex from 0 to 9, found 10"),
             ("0,1,0,0,0,0", "line 3, column \"stiffness\": expected a number above 0, found 0"),
             ("0,1,0,inf,0,1", "line 3, column \"y\": expected a number, found \"inf\""),

@@ -58,7 +58,9 @@ pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, SceneError> {
         }
         let channels = mesh.blend_deformers.iter().flat_map(|blend| blend.channels.iter());
         for channel in channels {
-            let Some(shape) = channel.keyframes.iter().last().map(|key| &key.shape) else { continue };
+            let Some(shape) = channel.keyframes.iter().last().map(|key| &key.shape) else {
+                continue;
+            };
             let name = channel.element.name.to_string();
             if channel.keyframes.len() > 1 {
                 between.push(name.clone());

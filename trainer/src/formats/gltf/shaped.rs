@@ -58,7 +58,8 @@ pub(super) fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, Scen
             let place = world.transform_point(&meshes.positions[vertex].into());
             out.positions.push(place.coords.into());
             out.uv.push(meshes.uv[vertex]);
-            let normal = Vector3::from(normal_matrix(&world) * Vector3::from(meshes.normals[vertex]));
+            let normal =
+                Vector3::from(normal_matrix(&world) * Vector3::from(meshes.normals[vertex]));
             normals.push(normal.try_normalize(0.0).unwrap_or_default().into());
         }
         let mesh = document.nodes().nth(instance.node).and_then(|node| node.mesh());

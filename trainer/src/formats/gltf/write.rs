@@ -88,6 +88,8 @@ pub(crate) enum ChannelKeys {
     Rotation(Vec<[f32; 4]>),
     /// Scales.
     Scale(Vec<[f32; 3]>),
+    /// Weights of a mesh's morph targets, those of a key one after the other.
+    Weights(Vec<[f32; 1]>),
 }
 
 /// What an array holds, and how its elements are called.
@@ -205,6 +207,9 @@ impl Document {
                 }
                 ChannelKeys::Scale(keys) => {
                     ("scale", self.floats(ArrayKind::floats("VEC3"), &keys))
+                }
+                ChannelKeys::Weights(keys) => {
+                    ("weights", self.floats(ArrayKind::floats("SCALAR"), &keys))
                 }
             };
             let sampler = json!({ "input": input, "interpolation": "LINEAR", "output": output });

@@ -65,7 +65,8 @@ mod tests {
     use super::*;
     use crate::formats::testing::Folder;
 
-    const NEUTRAL_TEXT: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3 4/1\n";
+    const NEUTRAL_TEXT: &str =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3 4/1\n";
     const SMILE: &str = "v 0 0 0\nv 1 0 0.5\nv 1 1 0\nv -1 1 0\n";
 
     fn said(folder: &Folder) -> String {
@@ -97,7 +98,10 @@ mod tests {
         assert!(said(&folder).contains("has no shape beside neutral.obj"), "{}", said(&folder));
         folder.write("smile.obj", "v 0 0 0\nf 1 1 1\n");
         let error = said(&folder);
-        assert!(error.ends_with("smile.obj: expected 4 vertices, as neutral.obj has, found 1"), "{error}");
+        assert!(
+            error.ends_with("smile.obj: expected 4 vertices, as neutral.obj has, found 1"),
+            "{error}"
+        );
         folder.write("smile.obj", "v 0 0\n");
         assert!(said(&folder).contains("smile.obj: line 1 is no vertex"), "{}", said(&folder));
         folder.write("neutral.obj", "v 0 0 0\n");

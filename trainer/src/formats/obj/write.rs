@@ -74,7 +74,10 @@ mod tests {
         let other = positions.map(|position| position.map(|x| x + 0.125));
         let moved = moved(&text, &other);
         assert_eq!(parse(moved.as_bytes()).unwrap().positions, other);
-        assert_eq!(moved.lines().skip(4).collect::<Vec<_>>(), text.lines().skip(4).collect::<Vec<_>>());
+        assert_eq!(
+            moved.lines().skip(4).collect::<Vec<_>>(),
+            text.lines().skip(4).collect::<Vec<_>>()
+        );
     }
 
     #[test]
