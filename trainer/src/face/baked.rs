@@ -83,8 +83,7 @@ impl<'a> BakedFace<'a> {
     pub fn shaped(&self, weights: &[f32]) -> Result<Shaped, CallError> {
         let len = self.skin.vertex_len();
         let (mut positions, mut normals) = (vec![[0.0_f32; 3]; len], vec![[0.0_f32; 3]; len]);
-        let output =
-            |floats| Some(Output { floats: cells(floats), stride: 3 });
+        let output = |floats| Some(Output { floats: cells(floats), stride: 3 });
         ShapesJob {
             skin: self.skin,
             weights,

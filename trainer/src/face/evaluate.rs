@@ -3,8 +3,7 @@
 use super::baked::{BakedFace, Terms};
 use super::error::FaceError;
 use super::measure::{Gram, cardinality, roughness};
-use rand::SeedableRng;
-use rand::seq::index;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -106,7 +105,8 @@ impl Protocol<'_> {
     /// [`FaceError::Handles`]: more handles than landmarks; those of the runtime.
     pub fn run(&self, handles: &[usize]) -> Result<Evaluation, FaceError> {
         let gram = Gram::new(&self.face, self.vertices.clone());
-        let owned = |frames: &[&[f64]]| frames.iter().map(|frame| frame.to_vec()).collect::<Vec<_>>();
+        let owned =
+            |frames: &[&[f64]]| frames.iter().map(|frame| frame.to_vec()).collect::<Vec<_>>();
         let frames = owned(&self.frames);
         let mut rows = BTreeMap::new();
         for &count in handles {
@@ -137,7 +137,10 @@ impl Protocol<'_> {
             ("slider_mean", self.slider_mean, Anchor::Mean, false),
             ("prior", self.face, Anchor::Mean, false),
         ];
-        let mut row = Row { nothing: rms(gram, &vec![vec![0.0; frames[0].len()]; frames.len()], frames), ..Row::default() };
+        let mut row = Row {
+            nothing: rms(gram, &vec![vec![0.0; frames[0].len()]; frames.len()], frames),
+            ..Row::default()
+        };
         for (name, face, anchor, is_bounded) in methods {
             let method = Method { name, face, anchor, is_bounded };
             let beta = self.best(&method, &handles, gram, &chosen_on)?;
@@ -154,8 +157,8 @@ impl Protocol<'_> {
     fn draw(&self, count: usize, draw: u64) -> Vec<usize> {
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
         random.set_stream(draw);
-        let drawn = index::sample(&mut random, self.landmarks.len(), count);
-        drawn.iter().map(|place| self.landmarks[place]).collect()
+        let mut left = self.landmarks.to_vec();
+        (0..count).map(|_| left.swap_remove(random.random_range(0..left.len()))).collect()
     }
 
     /// Chooses the β with which a method is nearest to the frames that it is chosen on.

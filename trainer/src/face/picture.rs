@@ -46,15 +46,21 @@ impl<'a> Photographer<'a> {
     ) -> Self {
         let up = space.up.unwrap_or(Axis::Y);
         let view = View { up, handedness: space.handedness, azimuth: AZIMUTH, elevation: 0.0 };
-        let rest: Vec<[f64; 3]> =
-            vertices.map(|v| face.skin.rest_position(v).unwrap_or_default().map(f64::from)).collect();
+        let rest: Vec<[f64; 3]> = vertices
+            .map(|v| face.skin.rest_position(v).unwrap_or_default().map(f64::from))
+            .collect();
         Self { mesh, camera: Camera::fit(&view, &rest, width) }
     }
 
     /// Takes a picture.
     ///
     /// - `pins`: where each is, and where it is to be.
-    pub fn take(&self, shaped: &Shaped, paint: &Paint<'_>, pins: &[([f64; 3], [f64; 3])]) -> Picture {
+    pub fn take(
+        &self,
+        shaped: &Shaped,
+        paint: &Paint<'_>,
+        pins: &[([f64; 3], [f64; 3])],
+    ) -> Picture {
         let surface = self.mesh.surface();
         let positions = surface.copied(&shaped.positions);
         let normals = surface.copied(&shaped.normals);

@@ -2,8 +2,8 @@
 
 use super::baked::BakedFace;
 use super::error::FaceError;
-use crate::formats::gltf::write::{ArrayKind, ChannelKeys, Document, F32, Placed, Track};
 use crate::formats::Mesh;
+use crate::formats::gltf::write::{ArrayKind, ChannelKeys, Document, F32, Placed, Track};
 use crate::mesh::Surface;
 use serde_json::json;
 
@@ -55,7 +55,9 @@ pub fn glb(face: &BakedFace<'_>, mesh: &Mesh, weights: &Weights<'_>) -> Result<V
         let positions = copied(&by(&shaped.positions, &rest.positions));
         let normals = copied(&by(&shaped.normals, &rest.normals));
         let target: serde_json::Map<_, _> =
-            [attribute("POSITION", &positions), attribute("NORMAL", &normals)].into_iter().collect();
+            [attribute("POSITION", &positions), attribute("NORMAL", &normals)]
+                .into_iter()
+                .collect();
         targets.push(target);
     }
     if let Some(uv) = surface.uv() {

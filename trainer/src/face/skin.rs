@@ -66,7 +66,8 @@ impl Welded {
             }
             copy_of.push(place);
         }
-        let welded = triangles.iter().map(|corners| corners.map(|corner| copy_of[corner])).collect();
+        let welded =
+            triangles.iter().map(|corners| corners.map(|corner| copy_of[corner])).collect();
         let engine = EngineMesh {
             copy_of,
             triangles,

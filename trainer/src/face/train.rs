@@ -54,8 +54,9 @@ pub fn of_meshes(
         [0, 1, 2].map(|axis| sum(axis) / n as f64)
     };
     let mean: Vec<[f64; 3]> = (0..len).map(mean).collect();
-    let centred =
-        Mat::from_fn(3 * len, n, |row, at| meshes.positions[at][row / 3][row % 3] - mean[row / 3][row % 3]);
+    let centred = Mat::from_fn(3 * len, n, |row, at| {
+        meshes.positions[at][row / 3][row % 3] - mean[row / 3][row % 3]
+    });
     let none = || FaceError::Rank { found: rank.unwrap_or(1), most: 0 };
     let svd = centred.thin_svd().map_err(|_| none())?;
     // Of N meshes there are N - 1 components.
@@ -88,7 +89,8 @@ pub fn of_meshes(
     let bounds = deviations.iter().map(|d| [-BOUNDS.1 * d, BOUNDS.1 * d]).collect();
     let mut prior = slider(bounds, options.tolerance(&basis));
     prior.name = "prior".to_owned();
-    prior.covariance = Mat::from_fn(rank, rank, |i, j| if i == j { deviations[i].powi(2) } else { 0.0 });
+    prior.covariance =
+        Mat::from_fn(rank, rank, |i, j| if i == j { deviations[i].powi(2) } else { 0.0 });
     prior.fit.frames = n as f32;
     let model = file(&basis, prior, options);
     Ok((basis, model))
@@ -140,8 +142,7 @@ mod tests {
         let at = |amount: [f64; 2]| -> Vec<[f64; 3]> {
             let point = |vertex: usize| {
                 [0, 1, 2].map(|axis| {
-                    let moved: f64 =
-                        (0..2).map(|p| amount[p] * patterns[p][vertex][axis]).sum();
+                    let moved: f64 = (0..2).map(|p| amount[p] * patterns[p][vertex][axis]).sum();
                     5.0 * vertex as f64 + moved
                 })
             };
@@ -159,7 +160,9 @@ mod tests {
         let first = &basis.mesh.shapes[0].deltas;
         // One unit RMS over three vertices of which two move.
         let each = 1.5_f64.sqrt();
-        assert!((first[0][0].abs() - each).abs() < 1e-12 && (first[1][0] - first[0][0]).abs() < 1e-12);
+        assert!(
+            (first[0][0].abs() - each).abs() < 1e-12 && (first[1][0] - first[0][0]).abs() < 1e-12
+        );
         assert!(first[2].iter().all(|x| x.abs() < 1e-12));
         // The energy of a pattern: the mean over meshes of its square, over vertices.
         let prior = &model.priors[0];

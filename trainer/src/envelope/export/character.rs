@@ -2,7 +2,6 @@
 
 use super::dress::parts;
 use super::error::ExportError;
-use crate::formats::gltf::write::{Document, Placed};
 use super::mesh::SkinnedMesh;
 use super::played::Played;
 use super::proxies::ProxyNodes;
@@ -12,6 +11,7 @@ use crate::envelope::levels::{Influences, Level, LevelReport, SkinSurface};
 use crate::envelope::posed::{FrameError, rest, skin_on};
 use crate::examples::{Clip, Examples};
 use crate::formats::appearance::Appearance;
+use crate::formats::gltf::write::{Document, Placed};
 use crate::space::{Conversion, SpaceRequest};
 use rayon::prelude::*;
 use sinew_runtime::format::{Axis, Handedness, Space};

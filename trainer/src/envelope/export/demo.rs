@@ -1,13 +1,13 @@
 //! The demo character as an artist would hand it over: a skeleton, LBS weights, and animations.
 
 use super::error::ExportError;
-use crate::formats::gltf::write::{Document, Placed};
 use super::mesh::SkinnedMesh;
 use super::skeleton::JointNodes;
 use super::times::key_times;
 use crate::envelope::evaluate::Frames;
 use crate::envelope::skin::weights;
 use crate::examples::{Clip, Examples, Split};
+use crate::formats::gltf::write::{Document, Placed};
 
 /// What the file says of itself.
 const NOTE: &str = "A procedural arm: what a rig exports of its skeleton, with the weights of \
