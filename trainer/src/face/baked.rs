@@ -76,6 +76,12 @@ impl<'a> BakedFace<'a> {
         (rest, deltas)
     }
 
+    /// Gives the place of a vertex in a face of S weights.
+    pub fn place(&self, vertex: usize, weights: &[f64]) -> [f64; 3] {
+        let (rest, deltas) = self.vertex(vertex);
+        moved(rest, &deltas, weights)
+    }
+
     /// Shapes the whole face.
     ///
     /// # Errors
@@ -120,6 +126,13 @@ impl<'a> BakedFace<'a> {
         PinJob { anchor, beta, is_bounded, temporal, symmetry, cancels, ..job }
             .run(scratch, weights)
     }
+}
+
+/// Moves a neutral place by S deltas at S weights.
+pub fn moved(rest: [f64; 3], deltas: &[[f64; 3]], weights: &[f64]) -> [f64; 3] {
+    [0, 1, 2].map(|axis| {
+        rest[axis] + deltas.iter().zip(weights).map(|(u, z)| z * u[axis]).sum::<f64>()
+    })
 }
 
 impl Terms<'_> {

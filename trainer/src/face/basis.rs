@@ -4,7 +4,7 @@ use super::error::FaceError;
 use super::{meshes, npz};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::obj::read_folder;
-use crate::formats::{ShapedMesh, fbx, gltf};
+use crate::formats::{ShapedMesh, fbx, gltf, numbers};
 use std::collections::HashSet;
 use std::ops::Range;
 use std::path::Path;
@@ -92,6 +92,21 @@ impl Basis {
         }
         // What was authored belongs to another face.
         self.mesh.normals = None;
+        Ok(())
+    }
+
+    /// Reads its landmarks: vertex numbers in a `.npy`, `.txt` or `.csv` file.
+    ///
+    /// # Errors
+    /// Those of the format; [`FaceError::Vertex`]
+    pub fn mark(&mut self, path: &Path) -> Result<(), FaceError> {
+        let len = self.vertex_len();
+        let vertex = |x: f64| match x >= 0.0 && x.fract() == 0.0 && x < len as f64 {
+            true => Ok(x as usize),
+            false => Err(FaceError::Vertex { place: "a landmark".to_owned(), found: x as i64, len }),
+        };
+        let numbers = numbers::read(path, "landmarks")?;
+        self.landmarks = numbers.into_iter().map(vertex).collect::<Result<_, _>>()?;
         Ok(())
     }
 

@@ -104,6 +104,9 @@ pub enum FaceError {
     /// A scene cannot be written.
     #[error(transparent)]
     Glb(GlbError),
+    /// A picture cannot be encoded.
+    #[error(transparent)]
+    Picture(#[from] png::EncodingError),
     /// A face has no faces to draw.
     #[error("has points alone, no faces: give an .obj to write, not a picture or a scene")]
     NoFaces,

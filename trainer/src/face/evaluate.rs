@@ -1,6 +1,6 @@
 //! What a few handles reach: the protocol of `sinew face eval`, which FACE.md states.
 
-use super::baked::{BakedFace, Terms};
+use super::baked::{BakedFace, Terms, moved};
 use super::error::FaceError;
 use super::measure::{Gram, cardinality, roughness};
 use rand::{RngExt, SeedableRng};
@@ -154,7 +154,7 @@ impl Protocol<'_> {
     }
 
     /// Draws handles among the landmarks, without taking any twice.
-    fn draw(&self, count: usize, draw: u64) -> Vec<usize> {
+    pub fn draw(&self, count: usize, draw: u64) -> Vec<usize> {
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
         random.set_stream(draw);
         let mut left = self.landmarks.to_vec();
@@ -240,18 +240,14 @@ impl Method<'_> {
     ) -> Result<Vec<Vec<f64>>, FaceError> {
         let Self { anchor, is_bounded, .. } = *self;
         let terms = Terms { anchor, beta, is_bounded, ..Terms::edit(&self.face.prior) };
-        let moved: Vec<_> =
+        let of_handles: Vec<_> =
             handles.iter().map(|&vertex| (vertex, self.face.vertex(vertex))).collect();
         let mut scratch = Vec::new();
         let solve = |frame: &Vec<f64>| {
             let pin = |(vertex, (rest, deltas)): &(usize, ([f64; 3], Vec<[f64; 3]>))| {
-                let place = |axis: usize| {
-                    let moved = deltas.iter().zip(frame).map(|(u, z)| z * u[axis]).sum::<f64>();
-                    (rest[axis] + moved) as f32
-                };
-                Pin::new(*vertex as u32, [0, 1, 2].map(place))
+                Pin::new(*vertex as u32, moved(*rest, deltas, frame).map(|x| x as f32))
             };
-            let pins: Vec<Pin> = moved.iter().map(pin).collect();
+            let pins: Vec<Pin> = of_handles.iter().map(pin).collect();
             let mut weights = vec![0.0; frame.len()];
             self.face.solve(&pins, &terms, &mut scratch, &mut weights)?;
             Ok(weights.into_iter().map(f64::from).collect())

@@ -10,7 +10,7 @@
 //! | [`train`] | from all these to a file, and the mesh beside it: [`outline`] |
 //! | [`baked`] | a face as its file holds it, solved and shaped by the runtime |
 //! | [`measure`], [`evaluate`] | how far faces are apart; what a few handles reach |
-//! | [`scene`], [`picture`] | a face as binary glTF and as pixels |
+//! | [`scene`], [`picture`], [`report`] | a face as binary glTF, as pixels, as a page |
 
 pub mod baked;
 pub mod basis;
@@ -23,6 +23,7 @@ mod npz;
 pub mod outline;
 pub mod picture;
 pub mod prior;
+pub mod report;
 pub mod scene;
 mod skin;
 pub mod take;

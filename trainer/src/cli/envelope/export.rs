@@ -219,7 +219,7 @@ fn blame(error: ExportError, arguments: &Arguments) -> anyhow::Error {
             let file = arguments.into.as_ref().unwrap_or(&arguments.output);
             file.display().to_string()
         }
-        ExportError::TooLarge { .. } | ExportError::Json(_) => {
+        ExportError::Glb(_) => {
             arguments.output.display().to_string()
         }
     };

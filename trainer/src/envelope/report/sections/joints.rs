@@ -1,7 +1,7 @@
 //! Errors by joint.
 
 use super::series::{legend, names};
-use crate::envelope::report::bars::bars;
+use crate::page::bars::bars;
 use crate::envelope::report::comparison::Comparison;
 use crate::envelope::report::joints::by_joint;
 use crate::page::html::{grouped, paragraph, percent, table, text};

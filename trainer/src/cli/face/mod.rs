@@ -1,0 +1,11 @@
+//! The commands of faces.
+
+mod command;
+mod eval;
+mod input;
+mod pin;
+mod report;
+mod solve;
+mod train;
+
+pub(super) use command::Command;
