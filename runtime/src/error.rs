@@ -153,7 +153,7 @@ impl Argument {
             Self::Outputs => "outputs",
             Self::Jacobian => "Jacobian",
             Self::Variances => "variances",
-            Self::Weights => "weights",
+            Self::Weights => "shape weights",
             Self::Prior => "prior",
             Self::Pins => "pins",
         }

@@ -51,6 +51,8 @@ pub enum sinew_argument {
     Jacobian = 20,
     /// Variances of a kernel's values.
     Variances = 21,
+    /// Weights of shapes.
+    ShapeWeights = 22,
 
     /// Memory for an object; lengths in bytes.
     Memory = 50,
@@ -93,7 +95,7 @@ pub enum sinew_argument {
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 41] = {
+const NAMES: [(sinew_argument, &CStr); 42] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -118,6 +120,7 @@ const NAMES: [(sinew_argument, &CStr); 41] = {
         (A::Outputs, c"outputs"),
         (A::Jacobian, c"Jacobian"),
         (A::Variances, c"variances"),
+        (A::ShapeWeights, c"shape weights"),
         (A::Memory, c"memory"),
         (A::File, c"file"),
         (A::Limits, c"limits"),
@@ -173,6 +176,7 @@ impl From<Argument> for sinew_argument {
             Argument::Outputs => Self::Outputs,
             Argument::Jacobian => Self::Jacobian,
             Argument::Variances => Self::Variances,
+            Argument::Weights => Self::ShapeWeights,
         }
     }
 }

@@ -43,10 +43,12 @@ impl Bounds {
         self.max.iter_mut().for_each(|x| *x = (*x + by) + rounding(*x));
     }
 
-    /// Adds another: the box of the sums of their points, rounded outward.
+    /// Adds another: the box of the sums of their points, rounded outward; by 0 a side stays where it is.
     #[cfg(feature = "shapes")]
     pub(crate) fn add(&mut self, other: &Self) {
-        let rounding = |x: f32, by: f32| 2.0 * f32::EPSILON * (x.abs() + by.abs());
+        let rounding = |x: f32, by: f32| {
+            if by == 0.0 { 0.0 } else { 2.0 * f32::EPSILON * (x.abs() + by.abs()) }
+        };
         self.min.iter_mut().zip(other.min).for_each(|(x, by)| *x = (*x + by) - rounding(*x, by));
         self.max.iter_mut().zip(other.max).for_each(|(x, by)| *x = (*x + by) + rounding(*x, by));
     }

@@ -12,7 +12,7 @@ use sinew_runtime::kernel::{
     EulerOrder, InputKind, InputRow, KERNEL_SECTIONS, Kernel, KernelCounts, KernelFit, KernelRule,
     NO_TERM, Normalise, OutputKind, OutputRow, QueryRule,
 };
-use sinew_runtime::skin::{NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
+use sinew_runtime::skin::{BLOCK, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
 
 /// Cells of the rows of the table under a heading.
 fn table<'a>(document: &'a str, heading: &str) -> Vec<Vec<&'a str>> {
@@ -40,13 +40,18 @@ fn of_envelope(formula: &str, counts: &EnvelopeCounts) -> u64 {
     })
 }
 
-fn of_skin(formula: &str, counts: &SkinCounts, palette_len: usize) -> u64 {
+fn of_skin(formula: &str, counts: &SkinCounts, palette_len: usize, element: Element) -> u64 {
     evaluate(&formula.replace("(K - 1)", "K-1"), |word| match word {
         "K-1" => Some(counts.influence_len.saturating_sub(1).into()),
         "V" => Some(counts.vertex_len.into()),
         "K" => Some(counts.influence_len.into()),
         "R" => Some(counts.range_len.into()),
         "L" => Some(palette_len as u64),
+        "S" => Some(counts.shape_len.into()),
+        "E" => Some(counts.entry_len.into()),
+        "D" => Some(counts.delta_len.into()),
+        "B" => Some(counts.vertex_len.div_ceil(BLOCK as u32).into()),
+        "w" => Some(element.bytes() as u64),
         _ => None,
     })
 }
@@ -120,7 +125,8 @@ fn the_document_lists_the_sections_of_the_code() {
     let two = envelope.iter().zip(ENVELOPE_SECTIONS).chain(skin.iter().zip(SKIN_SECTIONS));
     for (row, kind) in two.chain(kernel.iter().zip(KERNEL_SECTIONS)) {
         assert_eq!(row[0], kind.number().to_string());
-        assert_eq!((row[1], row[4]), (kind.name(), kind.element().name()));
+        let elements = kind.elements().iter().map(|element| element.name());
+        assert_eq!((row[1], row[4]), (kind.name(), &*elements.collect::<Vec<_>>().join(", ")));
         assert_eq!(SectionKind::from_number(kind.number()), Some(kind));
     }
     let listed = |kind: SectionKind| {
@@ -141,9 +147,12 @@ fn the_document_lists_the_sections_of_the_code() {
     }
     for (row, kind) in skin.iter().zip(SKIN_SECTIONS) {
         for envelope in [0, 7, NO_ENVELOPE] {
-            for [vertex_len, influence_len, range_len, palette_len] in
-                [[7, 2, 2, 3], [1, 1, 0, 1], [900, 4, 11, 73]]
-            {
+            for ([vertex_len, influence_len, range_len, palette_len], [s, e, d], element) in [
+                ([7, 2, 2, 3], [0, 0, 0], Element::F32),
+                ([1, 1, 0, 1], [5, 4, 4], Element::I8),
+                ([900, 4, 11, 73], [53, 400, 9000], Element::F16),
+                ([64, 4, 1, 7], [1, 1, 64], Element::F32),
+            ] {
                 let follows = envelope != NO_ENVELOPE;
                 let has = match row[3] {
                     "yes" => Some(true),
@@ -151,13 +160,18 @@ fn the_document_lists_the_sections_of_the_code() {
                     "with an envelope" => Some(follows),
                     "no, and only if K > 1" if follows && influence_len > 1 => None,
                     "no, and only if K > 1" => Some(false),
+                    "with shapes" => Some(s > 0),
+                    "no, and only with shapes" if s > 0 => None,
+                    "no, and only with shapes" => Some(false),
                     other => panic!("{other}"),
                 };
-                let counts = SkinCounts { vertex_len, influence_len, envelope, range_len };
+                let words = [vertex_len, influence_len, envelope, range_len, s, e, d];
+                let counts = SkinCounts::from_words(words);
                 assert_eq!(counts.has(kind), has, "{}", row[1]);
                 let palette_len = palette_len as usize;
-                let bytes = of_skin(row[2], &counts, palette_len);
-                assert_eq!(counts.section_bytes(kind, palette_len), Some(bytes), "{}", row[1]);
+                let bytes = of_skin(row[2], &counts, palette_len, element);
+                let found = counts.section_bytes(kind, palette_len, element);
+                assert_eq!(found, Some(bytes), "{}", row[1]);
             }
         }
     }
@@ -356,7 +370,7 @@ fn the_document_lays_counts_out_as_the_code() {
     assert_eq!(bytes.as_flattened().len(), EnvelopeCounts::BYTES);
     assert_fields("Counts of an envelope", bytes.as_flattened(), &fields);
 
-    let words: [u32; 4] = [11, 12, 13, 14];
+    let words: [u32; 7] = [11, 12, 13, 14, 15, 16, 17];
     let counts = SkinCounts::from_words(words);
     assert_eq!(counts.words(), words);
     let fields = [
@@ -364,6 +378,9 @@ fn the_document_lays_counts_out_as_the_code() {
         ("influence_len", counts.influence_len.into()),
         ("envelope", counts.envelope.into()),
         ("range_len", counts.range_len.into()),
+        ("shape_len", counts.shape_len.into()),
+        ("entry_len", counts.entry_len.into()),
+        ("delta_len", counts.delta_len.into()),
     ];
     let bytes = words.map(u32::to_le_bytes);
     assert_eq!(bytes.as_flattened().len(), SkinCounts::BYTES);

@@ -146,7 +146,7 @@ fn file_model(predictor: Predictor) -> FileModel {
 }
 
 fn golden_path(predictor: Predictor) -> PathBuf {
-    let name = format!("../golden/envelope-3-{}.snw", predictor.name());
+    let name = format!("../golden/envelope-4-{}.snw", predictor.name());
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 

@@ -16,6 +16,7 @@ mod pieces;
 mod rng;
 mod sample;
 mod shape;
+mod shapes;
 
 pub use bytes::{
     blocks, floats, group_row, halves, input_row, kernel_rule, names, output_row, part_row,
@@ -29,3 +30,4 @@ pub use pieces::{Content, Pieces};
 pub use rng::Rng;
 pub use sample::direction;
 pub use shape::{SMALL, Shape};
+pub use shapes::{SHAPED_NAMES, ShapeContent};

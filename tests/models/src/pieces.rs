@@ -38,7 +38,7 @@ pub struct Content {
 impl Content {
     /// Makes a section that a reader must know.
     pub fn new(kind: SectionKind, part: u16, bytes: Vec<u8>) -> Self {
-        let element = kind.element().number();
+        let element = kind.elements()[0].number();
         Self { kind: kind.number(), part, element, flags: 1, reserved: 0, bytes }
     }
 

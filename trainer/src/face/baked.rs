@@ -130,9 +130,8 @@ impl<'a> BakedFace<'a> {
 
 /// Moves a neutral place by S deltas at S weights.
 pub fn moved(rest: [f64; 3], deltas: &[[f64; 3]], weights: &[f64]) -> [f64; 3] {
-    [0, 1, 2].map(|axis| {
-        rest[axis] + deltas.iter().zip(weights).map(|(u, z)| z * u[axis]).sum::<f64>()
-    })
+    [0, 1, 2]
+        .map(|axis| rest[axis] + deltas.iter().zip(weights).map(|(u, z)| z * u[axis]).sum::<f64>())
 }
 
 impl Terms<'_> {

@@ -103,7 +103,9 @@ impl Basis {
         let len = self.vertex_len();
         let vertex = |x: f64| match x >= 0.0 && x.fract() == 0.0 && x < len as f64 {
             true => Ok(x as usize),
-            false => Err(FaceError::Vertex { place: "a landmark".to_owned(), found: x as i64, len }),
+            false => {
+                Err(FaceError::Vertex { place: "a landmark".to_owned(), found: x as i64, len })
+            }
         };
         let numbers = numbers::read(path, "landmarks")?;
         self.landmarks = numbers.into_iter().map(vertex).collect::<Result<_, _>>()?;

@@ -69,7 +69,14 @@ impl Report<'_> {
     }
 
     fn figures(&self) -> String {
-        let head = ["handles", "nothing", "slider norm", "slider norm, from the mean", "prior", "prior, bounded"];
+        let head = [
+            "handles",
+            "nothing",
+            "slider norm",
+            "slider norm, from the mean",
+            "prior",
+            "prior, bounded",
+        ];
         let rows = self.evaluation.handles.iter().map(|(handles, row)| {
             let figures = [row.nothing, row.slider, row.slider_mean, row.prior, row.bounded];
             let figures = figures.iter().map(|x| format!("{x:.4}"));
@@ -92,15 +99,26 @@ impl Report<'_> {
         for frame in self.strongest(&gram) {
             let truth = narrow(frame);
             let shaped = self.protocol.face.shaped(&truth)?;
-            let slider = self.solve(&self.protocol.slider, Anchor::Current, row, "slider", &pinned, frame, &gram)?;
-            let prior = self.solve(&self.protocol.face, Anchor::Mean, row, "prior", &pinned, frame, &gram)?;
+            let slider = self.solve(
+                &self.protocol.slider,
+                Anchor::Current,
+                row,
+                "slider",
+                &pinned,
+                frame,
+                &gram,
+            )?;
+            let prior =
+                self.solve(&self.protocol.face, Anchor::Mean, row, "prior", &pinned, frame, &gram)?;
             let measured = self.protocol.vertices.clone();
-            let scale = Scale::of(slider.errors[measured.clone()].iter().chain(&prior.errors[measured]));
+            let scale =
+                Scale::of(slider.errors[measured.clone()].iter().chain(&prior.errors[measured]));
             let clay = |shaped: &Shaped, pins: &[_], caption: &str| {
                 let picture = self.photographer.take(shaped, &Paint::Clay, pins);
                 figure(&picture, caption, "", &text(caption))
             };
-            let told = |name: &str, solved: &Solved| format!("{name}: off by {:.4}, RMS", solved.rms);
+            let told =
+                |name: &str, solved: &Solved| format!("{name}: off by {:.4}, RMS", solved.rms);
             let (of_slider, of_prior) = (told("slider norm", &slider), told("prior", &prior));
             let own: Vec<_> = pinned
                 .iter()
@@ -120,8 +138,14 @@ impl Report<'_> {
             let neutral = self.protocol.face.shaped(&vec![0.0; truth.len()])?;
             let nothing = Solved::new(neutral, &shaped, Vec::new(), 0.0);
             let moved = Scale::of(&nothing.errors[self.protocol.vertices.clone()]);
-            let picture = self.photographer.take(&shaped, &Paint::Heat(&nothing.errors, moved), &[]);
-            let first = figure(&picture, "how far the take moves", "", &(colour_bar(&moved, "") + "how far it moves"))?;
+            let picture =
+                self.photographer.take(&shaped, &Paint::Heat(&nothing.errors, moved), &[]);
+            let first = figure(
+                &picture,
+                "how far the take moves",
+                "",
+                &(colour_bar(&moved, "") + "how far it moves"),
+            )?;
             out += &side_by_side(3, &[first, heat(&slider, &of_slider)?, heat(&prior, &of_prior)?]);
         }
         Ok(out)
@@ -131,7 +155,9 @@ impl Report<'_> {
     fn drag(&self, row: &Row) -> Result<String, FaceError> {
         let face = &self.protocol.face;
         let gram = Gram::new(face, self.protocol.vertices.clone());
-        let Some(frame) = self.strongest(&gram).into_iter().next() else { return Ok(String::new()) };
+        let Some(frame) = self.strongest(&gram).into_iter().next() else {
+            return Ok(String::new());
+        };
         let rest = vec![0.0; frame.len()];
         let way = |vertex: usize| {
             let (from, to) = (face.place(vertex, &rest), face.place(vertex, frame));
@@ -198,13 +224,16 @@ impl Report<'_> {
         let terms = Terms { anchor, beta, is_bounded: false, ..Terms::edit(&solver.prior) };
         let places: Vec<[f64; 3]> =
             pinned.iter().map(|&vertex| solver.place(vertex, frame)).collect();
-        let pin = |(&vertex, place): (&usize, &[f64; 3])| Pin::new(vertex as u32, place.map(|x| x as f32));
+        let pin = |(&vertex, place): (&usize, &[f64; 3])| {
+            Pin::new(vertex as u32, place.map(|x| x as f32))
+        };
         let pins: Vec<Pin> = pinned.iter().zip(&places).map(pin).collect();
         let mut weights = vec![0.0; frame.len()];
         solver.solve(&pins, &terms, &mut Vec::new(), &mut weights)?;
         let shaped = self.protocol.face.shaped(&weights)?;
         let truth = self.protocol.face.shaped(&narrow(frame))?;
-        let pins = pinned.iter().zip(places).map(|(&v, place)| (shaped.positions[v], place)).collect();
+        let pins =
+            pinned.iter().zip(places).map(|(&v, place)| (shaped.positions[v], place)).collect();
         let wide: Vec<f64> = weights.into_iter().map(f64::from).collect();
         Ok(Solved::new(shaped, &truth, pins, gram.mean_square(&wide, frame).sqrt()))
     }

@@ -38,10 +38,7 @@ pub(super) fn load(path: &Path) -> anyhow::Result<Model<Vec<u8>>> {
 }
 
 /// Finds the face of a file.
-pub(super) fn open<'a>(
-    model: &'a Model<Vec<u8>>,
-    path: &Path,
-) -> anyhow::Result<BakedFace<'a>> {
+pub(super) fn open<'a>(model: &'a Model<Vec<u8>>, path: &Path) -> anyhow::Result<BakedFace<'a>> {
     BakedFace::open(model).with_context(|| path.display().to_string())
 }
 
@@ -73,7 +70,8 @@ pub(super) fn take(path: &Path, shapes: &[String], output: Output) -> anyhow::Re
 
 /// Parses `A..B`, `A..` or `..B`.
 pub(super) fn range(text: &str) -> Result<[Option<usize>; 2], String> {
-    let expected = || "expected A..B, the first and the end, of which one may be left out".to_owned();
+    let expected =
+        || "expected A..B, the first and the end, of which one may be left out".to_owned();
     let (first, end) = text.split_once("..").ok_or_else(expected)?;
     let number = |text: &str| match text {
         "" => Ok(None),

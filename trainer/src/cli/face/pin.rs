@@ -94,11 +94,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     print(&face, &solved, &target, output)
 }
 
-fn solve(
-    face: &BakedFace<'_>,
-    arguments: &Arguments,
-    output: Output,
-) -> anyhow::Result<Solved> {
+fn solve(face: &BakedFace<'_>, arguments: &Arguments, output: Output) -> anyhow::Result<Solved> {
     let mut weights = vec![0.0; face.skin.shape_len()];
     if let Some(path) = &arguments.weights {
         let take = input::take(path, &face.names(), output)?;
@@ -158,8 +154,7 @@ fn draw(
         _ => {
             let whole = 0..face.skin.vertex_len();
             let width = arguments.width as usize;
-            let camera =
-                Photographer::new(face, &model.space(), outline.faces()?, whole, width);
+            let camera = Photographer::new(face, &model.space(), outline.faces()?, whole, width);
             let pins: Vec<_> = solved.pins.iter().map(|(_, from, to)| (*from, *to)).collect();
             camera.take(&solved.shaped, &Paint::Clay, &pins).png()?
         }
@@ -201,7 +196,10 @@ fn print(
     if unreachable_len > 0 {
         output.warn(
             "pins",
-            format_args!("{unreachable_len} of {} are where no shape moves anything", solved.pins.len()),
+            format_args!(
+                "{unreachable_len} of {} are where no shape moves anything",
+                solved.pins.len()
+            ),
         );
     }
     output.print(&json, &text)

@@ -68,7 +68,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         .collect();
     let bytes = if is_glb {
         let outline = Outline::read(path, face.skin.vertex_len())?;
-        let at = |(frame, weights): &(usize, Vec<f32>)| (*frame as f64 / arguments.fps, weights.clone());
+        let at =
+            |(frame, weights): &(usize, Vec<f32>)| (*frame as f64 / arguments.fps, weights.clone());
         let keys: Vec<_> = frames.iter().map(at).collect();
         glb(&face, outline.faces()?, &Weights::Played(&keys))?
     } else {

@@ -93,7 +93,10 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         }
         Source::Shapes(mut basis) => {
             if arguments.rank.is_some() {
-                bail!("{}: it has shapes: --rank is for example meshes, of which shapes are found", about());
+                bail!(
+                    "{}: it has shapes: --rank is for example meshes, of which shapes are found",
+                    about()
+                );
             }
             for &(identity, by) in &arguments.identity {
                 basis.identify(identity, by).with_context(about)?;
@@ -192,17 +195,18 @@ fn refuse_for_meshes(arguments: &Arguments) -> anyhow::Result<()> {
         ("--identity", !arguments.identity.is_empty()),
     ];
     match given.into_iter().find(|(_, given)| *given) {
-        Some((option, _)) => bail!("it has meshes without shapes: {option} is for a face that has some"),
+        Some((option, _)) => {
+            bail!("it has meshes without shapes: {option} is for a face that has some")
+        }
         None => Ok(()),
     }
 }
 
 /// Parses an identity's number and how much of it.
 fn identity(text: &str) -> Result<(usize, f64), String> {
-    let pair = text.split_once('=').and_then(|(identity, by)| {
-        Some((identity.trim().parse().ok()?, by.trim().parse().ok()?))
-    });
+    let pair = text
+        .split_once('=')
+        .and_then(|(identity, by)| Some((identity.trim().parse().ok()?, by.trim().parse().ok()?)));
     pair.filter(|(_, by): &(usize, f64)| by.is_finite())
         .ok_or_else(|| "expected I=X, the number of an identity and how much of it".to_owned())
 }
-

@@ -7,6 +7,16 @@ use crate::envelope::model::{EnvelopeModel, SkinModel};
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::skin::{NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
 
+/// The sections of shapes.
+const OF_SHAPES: [SectionKind; 6] = [
+    SectionKind::Shapes,
+    SectionKind::ShapeBlocks,
+    SectionKind::ShapeEntries,
+    SectionKind::ShapeDeltas,
+    SectionKind::ShapeSlopes,
+    SectionKind::ShapeErrors,
+];
+
 impl SkinModel {
     /// Writes the part.
     ///
@@ -62,8 +72,9 @@ impl SkinModel {
         ];
         debug_assert!(contents.iter().map(|(kind, _)| *kind).eq(SKIN_SECTIONS));
         let own = contents.into_iter().filter(|(kind, _)| counts.has(*kind) != Some(false));
-        let own = own
-            .filter_map(|(kind, content)| Some((kind, counts.has(kind) == Some(true), content?)));
+        // A reader may leave shapes alone, as it may what a skin need not have.
+        let required = |kind| counts.has(kind) == Some(true) && !OF_SHAPES.contains(&kind);
+        let own = own.filter_map(|(kind, content)| Some((kind, required(kind), content?)));
         Ok(Part {
             kind: PartKind::Skin,
             sections: own.collect(),
