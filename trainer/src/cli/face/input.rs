@@ -50,7 +50,11 @@ pub(super) fn slider_models(
     let own = FileModel {
         space: model.space(),
         envelopes: Vec::new(),
-        skins: vec![SkinModel { envelope: None, ..SkinModel::from_file(&face.skin) }],
+        skins: vec![SkinModel {
+            envelope: None,
+            influences: Vec::new(),
+            ..SkinModel::from_file(&face.skin)
+        }],
         priors: vec![PriorModel::from_file(&face.prior, 0)],
     };
     let [from_zero, from_mean] = sliders(&own);
