@@ -123,12 +123,13 @@ impl<'a> PinJob<'a> {
             self.set_hessian(&mut scratch);
         }
         let (end, round_len) = self.search(&mut scratch, is_same);
-        *scratch.head = head.0;
+        if end == End::Least {
+            *scratch.head = head.0;
+        }
         let [step, ..] = &scratch.loose;
         let solved =
             scratch.anchor.iter().zip(&**step).map(|(anchor, step)| (anchor + step) as f32);
         if end == End::NoFactor {
-            scratch.head.fill(0.0);
             return Err(CallError::new(CallErrorKind::NonFinite, Argument::Pins));
         }
         if let Some(at) = solved.clone().position(|weight| !weight.is_finite()) {
@@ -193,7 +194,7 @@ impl<'a> PinJob<'a> {
         let mut rows = scratch.rows.chunks_exact_mut(scratch.anchor.len() + 1);
         for (index, pin) in self.pins.iter().enumerate() {
             let Some(vertex) = Vertex::new(&self.skin, self.palette, pin.vertex) else { continue };
-            let [x, y, z] = &mut scratch.loose;
+            let [x, y, z, _] = &mut scratch.loose;
             [&mut **x, &mut **y, &mut **z].into_iter().for_each(|deltas| deltas.fill(0.0));
             for (shape, delta) in self.skin.deltas_of(pin.vertex as usize) {
                 for (out, u) in [&mut *x, &mut *y, &mut *z].into_iter().zip(delta) {
@@ -292,7 +293,7 @@ impl<'a> PinJob<'a> {
             is_factored &= starts == *held;
             *held = starts;
         }
-        let [step, slope, free] = &mut scratch.loose;
+        let [step, aim, slope, free] = &mut scratch.loose;
         let mut set = ActiveSet {
             hessian: scratch.hessian,
             pull: scratch.pull,
@@ -302,7 +303,9 @@ impl<'a> PinJob<'a> {
             held: scratch.held,
             factor: scratch.factor,
             is_factored,
+            is_bounded: self.is_bounded,
             step,
+            aim,
             slope,
             free,
         };

@@ -7,7 +7,7 @@ use super::view::Prior;
 /// Words that say of what the rest is.
 const HEAD: usize = 7;
 /// Vectors of S numbers.
-const VECTORS: usize = 9;
+const VECTORS: usize = 10;
 
 impl PriorCounts {
     /// Returns the numbers of scratch that a [`super::PinJob`] needs.
@@ -47,8 +47,8 @@ pub(super) struct Scratch<'a> {
     pub(super) high: &'a mut [f64],
     pub(super) zero: &'a mut [f64],
     pub(super) held: &'a mut [f64],
-    /// Three vectors that a search writes anew.
-    pub(super) loose: [&'a mut [f64]; 3],
+    /// Four vectors that a search writes anew.
+    pub(super) loose: [&'a mut [f64]; 4],
     pub(super) hessian: &'a mut [f64],
     pub(super) factor: &'a mut [f64],
     /// A stiffness and S numbers a scalar of the pins.
@@ -72,7 +72,7 @@ impl<'a> Scratch<'a> {
             high: cut(n)?,
             zero: cut(n)?,
             held: cut(n)?,
-            loose: [cut(n)?, cut(n)?, cut(n)?],
+            loose: [cut(n)?, cut(n)?, cut(n)?, cut(n)?],
             hessian: cut(packed_len(n))?,
             factor: cut(packed_len(n))?,
             rows: cut(scalar_len.checked_mul(n + 1)?)?,
