@@ -15,8 +15,8 @@ const PIN: Colour = [0xd0, 0x30, 0x30];
 const TARGET: Colour = [0xff, 0xff, 0xff];
 /// Light and shadow of clay, and of colours that stand for something.
 const RELIEF: [f64; 2] = [1.0, 0.35];
-/// Radius of a pin and width of the line to its target, in widths of a picture.
-const SIZES: [f64; 2] = [0.008, 0.004];
+/// Radius of a pin and width of the line to its target, pixels, and by how many widths of a picture they grow.
+const SIZES: [(f64, f64); 2] = [(3.0, 0.006), (1.5, 0.002)];
 
 /// What colours stand for.
 pub enum Paint<'a> {
@@ -77,7 +77,7 @@ impl<'a> Photographer<'a> {
         let size = picture.size;
         let mut drawing = Drawing::new(size.width, size.height);
         drawing.image([0.0, 0.0], over_white(picture));
-        let [radius, line] = SIZES.map(|share| share * size.width as f64);
+        let [radius, line] = SIZES.map(|(least, share)| least + share * size.width as f64);
         for pin in pins {
             let [from, to] = [pin.0, pin.1].map(|place| {
                 let [x, y, _] = self.camera.project(&place);

@@ -11,7 +11,7 @@ use crate::page::html::{self, figure, paragraph, section, side_by_side, table, t
 use png::EncodingError;
 use sinew_runtime::prior::{Anchor, Pin};
 
-/// Pictures of a drag, and by how much the last goes beyond.
+/// Pictures of a drag.
 const STEPS: usize = 6;
 /// Frames that are shown.
 const SHOWN: usize = 3;
@@ -94,7 +94,7 @@ impl Report<'_> {
         let gram = Gram::new(&self.protocol.face, self.protocol.vertices.clone());
         let mut out = paragraph(&format!(
             "Expressions of the take that move the most. Red dots are the {handles} handles, in white rings where they \
-             are to be; colours are distances to the take's face, one scale a row."
+             are to be. Colours are distances: how far the take moves the face, then how far the other two are off, on one scale."
         ));
         for frame in self.strongest(&gram) {
             let truth = narrow(frame);
@@ -133,7 +133,7 @@ impl Report<'_> {
             let heat = |solved: &Solved, caption: &str| -> Result<String, EncodingError> {
                 let paint = Paint::Heat(&solved.errors, scale);
                 let picture = self.photographer.take(&solved.shaped, &paint, &[]);
-                figure(&picture, caption, "", &colour_bar(&scale, ""))
+                figure(&picture, caption, "", &(colour_bar(&scale, "") + "how far it is off"))
             };
             let neutral = self.protocol.face.shaped(&vec![0.0; truth.len()])?;
             let nothing = Solved::new(neutral, &shaped, Vec::new(), 0.0);

@@ -1,6 +1,7 @@
 //! The commands of faces.
 
 mod command;
+mod describe;
 mod eval;
 mod input;
 mod pin;
@@ -9,3 +10,4 @@ mod solve;
 mod train;
 
 pub(super) use command::Command;
+pub(super) use describe::describe;
