@@ -4,7 +4,7 @@ use super::error::FaceError;
 use super::{meshes, npz};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::obj::read_folder;
-use crate::formats::{ShapedMesh, fbx, gltf};
+use crate::formats::{ShapedMesh, fbx, gltf, numbers};
 use std::collections::HashSet;
 use std::ops::Range;
 use std::path::Path;
@@ -69,6 +69,11 @@ impl Basis {
         self.mesh.positions.len()
     }
 
+    /// Measures the diagonal of the neutral mesh's box.
+    pub fn diagonal(&self) -> f64 {
+        diagonal(self.mesh.positions.iter().copied())
+    }
+
     /// Names the shapes.
     pub fn names(&self) -> Vec<String> {
         self.mesh.shapes.iter().map(|shape| shape.name.clone()).collect()
@@ -87,6 +92,23 @@ impl Basis {
         }
         // What was authored belongs to another face.
         self.mesh.normals = None;
+        Ok(())
+    }
+
+    /// Reads its landmarks: vertex numbers in a `.npy`, `.txt` or `.csv` file.
+    ///
+    /// # Errors
+    /// Those of the format; [`FaceError::Vertex`]
+    pub fn mark(&mut self, path: &Path) -> Result<(), FaceError> {
+        let len = self.vertex_len();
+        let vertex = |x: f64| match x >= 0.0 && x.fract() == 0.0 && x < len as f64 {
+            true => Ok(x as usize),
+            false => {
+                Err(FaceError::Vertex { place: "a landmark".to_owned(), found: x as i64, len })
+            }
+        };
+        let numbers = numbers::read(path, "landmarks")?;
+        self.landmarks = numbers.into_iter().map(vertex).collect::<Result<_, _>>()?;
         Ok(())
     }
 
@@ -111,4 +133,15 @@ impl Basis {
         }
         Ok(self)
     }
+}
+
+/// Measures the diagonal of the box of some places; 0 of none.
+pub(super) fn diagonal(places: impl Iterator<Item = [f64; 3]>) -> f64 {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for place in places {
+        for ((low, high), x) in low.iter_mut().zip(&mut high).zip(place) {
+            (*low, *high) = (low.min(x), high.max(x));
+        }
+    }
+    low.iter().zip(high).map(|(low, high)| (high - low).max(0.0).powi(2)).sum::<f64>().sqrt()
 }

@@ -1,6 +1,8 @@
 //! What can be wrong with a face, a take or a track.
 
-use crate::formats::{CsvError, FileError, FormatError};
+use crate::formats::{CsvError, FileError, FormatError, GlbError};
+use sinew_runtime::CallError;
+use std::path::PathBuf;
 
 /// A face, a take or a track that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -80,6 +82,47 @@ pub enum FaceError {
         /// How many there are.
         len: usize,
     },
+    /// A file holds no face.
+    #[error("has no face: no prior over the shapes of a skin; `sinew face train` makes one")]
+    NoFace,
+    /// A face has not as many landmarks as handles are asked for.
+    #[error("{found} handles: expected 1 to {len}, as many as the face has landmarks")]
+    Handles {
+        /// Handles asked for.
+        found: usize,
+        /// Landmarks.
+        len: usize,
+    },
+    /// Meshes have not as many principal components as shapes are asked for.
+    #[error("rank {found}: the meshes have {most} principal components")]
+    Rank {
+        /// Shapes asked for.
+        found: usize,
+        /// Components.
+        most: usize,
+    },
+    /// A scene cannot be written.
+    #[error(transparent)]
+    Glb(GlbError),
+    /// A picture cannot be encoded.
+    #[error(transparent)]
+    Picture(#[from] png::EncodingError),
+    /// A face has no faces to draw.
+    #[error("has points alone, no faces: give an .obj to write, not a picture or a scene")]
+    NoFaces,
+    /// The mesh beside a face is another's.
+    #[error("{}: expected {expected} vertices, as the face beside it has, found {found}", file.display())]
+    Beside {
+        /// The mesh.
+        file: PathBuf,
+        /// Vertices of the face.
+        expected: usize,
+        /// Vertices of the mesh.
+        found: usize,
+    },
+    /// The runtime refuses what is asked.
+    #[error(transparent)]
+    Call(#[from] CallError),
     /// A cell must be a whole number, or a positive one, and is not.
     #[error("line {line}, column {column:?}: expected {expected}, found {found}")]
     Cell {

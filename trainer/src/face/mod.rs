@@ -5,16 +5,29 @@
 //! |---|---|
 //! | [`basis`] | the neutral mesh, its shapes and identities, read from any of the formats |
 //! | [`names`] | which shapes a column of a take drives |
-//! | [`prior`] | what a take teaches of the weights of all shapes |
 //! | [`take`], [`track`] | an animation of weights; points that are followed |
+//! | [`prior`] | what a take says of the weights of all shapes, and how a file holds it |
+//! | [`train`] | from all these to a file, and the mesh beside it: [`outline`] |
+//! | [`baked`] | a face as its file holds it, solved and shaped by the runtime |
+//! | [`measure`], [`evaluate`] | how far faces are apart; what a few handles reach |
+//! | [`scene`], [`picture`], [`report`] | a face as binary glTF, as pixels, as a page |
 
+pub mod baked;
 pub mod basis;
 mod error;
+pub mod evaluate;
+pub mod measure;
 mod meshes;
 pub mod names;
 mod npz;
+pub mod outline;
+pub mod picture;
 pub mod prior;
+pub mod report;
+pub mod scene;
+mod skin;
 pub mod take;
 pub mod track;
+pub mod train;
 
 pub use error::FaceError;

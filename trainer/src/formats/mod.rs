@@ -34,6 +34,7 @@ mod warning;
 
 pub use csv::CsvError;
 pub use error::{FileError, FormatError};
+pub use gltf::write::GlbError;
 pub use mesh::Mesh;
 pub use npz::ArrayError;
 pub use posed_meshes::pc2::save_pc2;

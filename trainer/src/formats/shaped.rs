@@ -17,6 +17,8 @@ pub struct ShapedMesh {
     pub uv_faces: Vec<Vec<usize>>,
     /// Authored normals, V.
     pub normals: Option<Vec<[f64; 3]>>,
+    /// Whether vertices are split where corners of one differ, as files for engines have them.
+    pub is_split: bool,
     /// Shapes, S, each with a name of its own.
     pub shapes: Vec<NamedShape>,
     /// Axes and unit.

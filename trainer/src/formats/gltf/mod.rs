@@ -10,6 +10,7 @@ pub(crate) mod rigged;
 mod shaped;
 mod skins;
 mod welded;
+pub(crate) mod write;
 
 use std::path::Path;
 

@@ -36,7 +36,7 @@ pub(super) fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, Scen
     if shaped.is_empty() {
         return Err(SceneError::NoShapes);
     }
-    let mut out = ShapedMesh { space: Space::GLTF, ..ShapedMesh::default() };
+    let mut out = ShapedMesh { space: Space::GLTF, is_split: true, ..ShapedMesh::default() };
     if !plain.is_empty() {
         let meshes = plain.iter().map(|&at| meshes.instances[at].name.clone()).collect();
         out.warnings.push(FormatWarning::UnshapedMeshes { meshes });
