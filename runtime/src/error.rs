@@ -96,6 +96,16 @@ pub enum Argument {
     Prior,
     /// Pins; the index is a place in their list, or the vertex of one that is added.
     Pins,
+    /// Control points.
+    Points,
+    /// Visibilities of control points.
+    Visibility,
+    /// Scores of key views, or a view by its number.
+    Scores,
+    /// Pixels of a picture.
+    Pixels,
+    /// Depths of pixels.
+    Depths,
 }
 
 impl CallError {
@@ -156,6 +166,11 @@ impl Argument {
             Self::Weights => "shape weights",
             Self::Prior => "prior",
             Self::Pins => "pins",
+            Self::Points => "points",
+            Self::Visibility => "visibility",
+            Self::Scores => "scores",
+            Self::Pixels => "pixels",
+            Self::Depths => "depths",
         }
     }
 
@@ -165,6 +180,9 @@ impl Argument {
             Self::Query | Self::Outputs | Self::Jacobian | Self::Variances => ["number", "input"],
             Self::Weights | Self::Prior => ["shape"; 2],
             Self::Pins => ["pin"; 2],
+            Self::Points | Self::Visibility => ["point"; 2],
+            Self::Scores => ["view"; 2],
+            Self::Pixels | Self::Depths => ["pixel"; 2],
             _ => ["joint"; 2],
         }
     }

@@ -26,6 +26,8 @@ mod numeric;
 pub mod prior;
 pub mod skin;
 pub mod stages;
+#[cfg(feature = "views")]
+pub mod views;
 mod workspace;
 
 pub use envelope::{Envelope, LocalTransform, model_space_pose};
@@ -41,6 +43,8 @@ pub use prior::{Pin, PinJob, Pins, Prior};
 #[cfg(feature = "shapes")]
 pub use skin::ShapesJob;
 pub use skin::{Skin, SkinJob};
+#[cfg(feature = "views")]
+pub use views::{Frame, FrameJob, RenderJob, Views};
 pub use workspace::Workspace;
 
 /// The example of `README.md`, compiled.

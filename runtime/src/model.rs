@@ -12,6 +12,8 @@ use crate::limits::Limits;
 #[cfg(feature = "prior")]
 use crate::prior::{self, Prior};
 use crate::skin::{self, Skin};
+#[cfg(feature = "views")]
+use crate::views::{self, Views};
 use core::fmt;
 
 /// A validated model in whatever its bytes are kept: `&[u8]`, `Vec<u8>`, `Arc<[u8]>`, a mapped file.
@@ -134,6 +136,31 @@ impl<B: AsRef<[u8]>> Model<B> {
         self.priors().find(|prior| prior.name() == name)
     }
 
+    /// Returns the first object of key views; `None` if the file has none.
+    #[cfg(feature = "views")]
+    pub fn views(&self) -> Option<Views<'_>> {
+        self.found.first(PartKind::Views, self.bytes.as_ref()).map(Views)
+    }
+
+    /// Lists the objects of key views; keep [`Views::layout`] likewise.
+    #[cfg(feature = "views")]
+    pub fn all_views(&self) -> impl Iterator<Item = Views<'_>> {
+        self.parts_of(PartKind::Views).map(Views)
+    }
+
+    /// Returns the object of key views of this name.
+    #[cfg(feature = "views")]
+    pub fn views_named(&self, name: &str) -> Option<Views<'_>> {
+        self.all_views().find(|views| views.name() == name)
+    }
+
+    /// Returns a map of an object of this model.
+    #[cfg(feature = "views")]
+    pub fn map_of(&self, views: &Views<'_>, map: usize) -> Option<KernelMap<'_>> {
+        let part = u16::try_from(views.map_part(map)?).ok()?;
+        self.part(PartKind::Kernel, part).map(KernelMap)
+    }
+
     /// Returns the skin whose shapes a prior of this model is of.
     #[cfg(feature = "prior")]
     pub fn skin_of(&self, prior: &Prior<'_>) -> Option<Skin<'_>> {
@@ -245,6 +272,15 @@ impl Found {
                         first.keep(&view.0.layout);
                         prior::check::content(&view, loading)?;
                     }
+                    #[cfg(feature = "views")]
+                    PartKind::Views => {
+                        let mut view = Views(view);
+                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
+                        first.keep(&view.0.layout);
+                        let part_len = manifest.parts(loading.file).len();
+                        let outputs = |part| output_rows(loading, manifest, part);
+                        views::check::content(&view, loading, part_len, outputs)?;
+                    }
                 }
             }
         }
@@ -253,10 +289,7 @@ impl Found {
 
     /// Returns the first part of a kind.
     fn first<'a>(&self, kind: PartKind, file: &'a [u8]) -> Option<Part<'a>> {
-        // Kinds are numbered from 1; one that this reader does not know has no place.
-        let missing = !cfg!(feature = "kernel") && kind.number() > 3;
-        let place = usize::from(kind.number()).wrapping_sub(1 + usize::from(missing));
-        let layout = self.firsts.get(place)?;
+        let (_, layout) = PartKind::ALL.iter().zip(&self.firsts).find(|(own, _)| **own == kind)?;
         layout.is_some().then_some(Part { layout: *layout, file })
     }
 }
@@ -277,6 +310,8 @@ fn find_part(
         PartKind::Kernel => &kernel::RULES,
         #[cfg(feature = "prior")]
         PartKind::Prior => &prior::RULES,
+        #[cfg(feature = "views")]
+        PartKind::Views => &views::RULES,
     };
     out.enter(loading, manifest, part, rules)?;
     // The counts are the first of the rules.
@@ -298,6 +333,8 @@ fn find_part(
             let part_len = manifest.parts(file).len();
             prior::check::counts(&out.layout.counts, loading, part_len, shape_len)?
         }
+        #[cfg(feature = "views")]
+        PartKind::Views => views::check::counts(&out.layout.counts, loading)?,
     };
     out.find_sections(loading, manifest, rules, &asked)
 }
@@ -321,6 +358,19 @@ fn shape_len(loading: &Loading<'_>, manifest: &Manifest, part: u16) -> Option<u3
     let words = counts.as_chunks().0.first_chunk()?.map(u32::from_le_bytes);
     let len = skin::SkinCounts::from_words(words).shape_len;
     (row.kind == PartKind::Skin.number()).then_some(len)
+}
+
+/// Returns the rows of what a part gives, if that is a kernel; all of them have been checked.
+#[cfg(feature = "views")]
+fn output_rows<'a>(
+    loading: &Loading<'a>,
+    manifest: &Manifest,
+    part: u16,
+) -> Option<&'a [[u8; kernel::OutputRow::BYTES]]> {
+    let row = manifest.parts(loading.file).nth(part.into())?;
+    let (number, _) = manifest.find(loading.file, part, SectionKind::Outputs.number())?;
+    let rows = manifest.tables().section(number.get(), loading.file)?.as_chunks().0;
+    (row.kind == PartKind::Kernel.number()).then_some(rows)
 }
 
 /// Lists the parts of a kind; a reader's limits keep their number below 65,536.

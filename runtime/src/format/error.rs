@@ -70,7 +70,9 @@ pub enum FileErrorKind {
     /// outside a rest box (`found` is the vertex), a range is not inside the mesh, or ends before it
     /// starts, a first term is not 1, deltas lie outside their shape's box (`found` is the delta), entries of
     /// shapes are out of order or move no vertex of their block, a factor's diagonal is not positive or too small for
-    /// its column, weights have a bound that ends before it starts, a pair is of one shape or cannot be 0, β is 0.
+    /// its column, weights have a bound that ends before it starts, a pair is of one shape or cannot be 0, β is 0, a map
+    /// does not give places and then numbers, an element has one point twice, a mask has more bits than there are
+    /// points, a texture is empty or larger than the format allows.
     Invalid,
 }
 
@@ -100,6 +102,9 @@ fn counted(section: Option<SectionKind>, index: u32) -> &'static str {
             "rows of the variance",
         ],
         Some(SectionKind::PriorCounts) => &["skin", "shapes", "symmetry", "cancel pairs"],
+        Some(SectionKind::ViewsCounts) => {
+            &["points", "elements", "key views", "maps", "textures", "texels"]
+        }
         Some(_) => &[],
     };
     names.get(index as usize).copied().unwrap_or("elements")
@@ -171,12 +176,19 @@ impl fmt::Display for FileError {
                     f,
                     "section {name}: expected the deltas' element type {expected}, found {found}"
                 ),
+                Some(SectionKind::Maps) => {
+                    write!(f, "map {index}: expected {expected} outputs, found {found}")
+                }
+                Some(SectionKind::Textures) => {
+                    write!(f, "texture {index}: expected at texel {expected}, found at {found}")
+                }
                 _ => {
                     let what = counted(section, index);
                     let of = match section {
                         Some(SectionKind::KernelCounts) => "rows",
                         Some(SectionKind::SkinCounts) => "blocks",
                         Some(SectionKind::PriorCounts) => "skins",
+                        Some(SectionKind::ViewsCounts) => "textures",
                         _ => "groups",
                     };
                     write!(f, "{what}: the {of} need {expected}, found {found}")
@@ -245,6 +257,18 @@ impl fmt::Display for FileError {
                     write!(f, "pair {index} of {name} is of one shape, or of one that cannot be 0")
                 }
                 Some(SectionKind::PriorFit) => f.write_str("pins have no stiffness: beta is 0"),
+                Some(SectionKind::Maps) => {
+                    write!(f, "map {index} does not give places, then numbers")
+                }
+                Some(SectionKind::Elements) => {
+                    write!(f, "element {index} has one point twice")
+                }
+                Some(SectionKind::ViewMasks) => {
+                    write!(f, "key view {index} shows points that there are not")
+                }
+                Some(SectionKind::Textures) => {
+                    write!(f, "texture {index} is empty, or wider or higher than 65535 texels")
+                }
                 _ => write!(f, "element {index} of {name} is not valid"),
             },
         }

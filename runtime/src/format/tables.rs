@@ -14,18 +14,25 @@ pub enum PartKind {
     /// How the weights of a skin's shapes belong together (METHOD §5).
     #[cfg(feature = "prior")]
     Prior = 4,
+    /// A drawn object between its key views (METHOD §6).
+    #[cfg(feature = "views")]
+    Views = 5,
 }
 
 impl PartKind {
     /// Every kind that this reader knows.
     pub const ALL: [Self;
-        2 + cfg!(feature = "kernel") as usize + cfg!(feature = "prior") as usize] = [
+        2 + cfg!(feature = "kernel") as usize
+            + cfg!(feature = "prior") as usize
+            + cfg!(feature = "views") as usize] = [
         Self::Envelope,
         Self::Skin,
         #[cfg(feature = "kernel")]
         Self::Kernel,
         #[cfg(feature = "prior")]
         Self::Prior,
+        #[cfg(feature = "views")]
+        Self::Views,
     ];
 
     /// Returns its number in the file.
@@ -42,6 +49,8 @@ impl PartKind {
             Self::Kernel => "kernel",
             #[cfg(feature = "prior")]
             Self::Prior => "prior",
+            #[cfg(feature = "views")]
+            Self::Views => "views",
         }
     }
 
@@ -54,6 +63,8 @@ impl PartKind {
             3 => Some(Self::Kernel),
             #[cfg(feature = "prior")]
             4 => Some(Self::Prior),
+            #[cfg(feature = "views")]
+            5 => Some(Self::Views),
             _ => None,
         }
     }
@@ -295,11 +306,31 @@ pub enum SectionKind {
     CancelPairs = 45,
     /// How stiff pins are by default, and what a prior was measured to reach.
     PriorFit = 46,
+    /// Counts of an object.
+    ViewsCounts = 50,
+    /// The kernels that are an object's maps.
+    Maps = 51,
+    /// Triangles and quads between control points.
+    Elements = 52,
+    /// Texture of each key view.
+    ViewTextures = 53,
+    /// Where control points are in the textures of key views.
+    References = 54,
+    /// Which control points key views show.
+    ViewMasks = 55,
+    /// Size of each texture, and where its texels start.
+    Textures = 56,
+    /// Colours of textures.
+    Texels = 57,
+    /// How an object differs from the one as which it moves.
+    Deformations = 58,
+    /// When another key view takes over, and what an object was measured to reach.
+    ViewsFit = 59,
 }
 
 impl SectionKind {
     /// Every kind, by number.
-    pub const ALL: [Self; 46] = [
+    pub const ALL: [Self; 56] = [
         Self::Names,
         Self::Hierarchy,
         Self::InverseBinds,
@@ -346,6 +377,16 @@ impl SectionKind {
         Self::Symmetry,
         Self::CancelPairs,
         Self::PriorFit,
+        Self::ViewsCounts,
+        Self::Maps,
+        Self::Elements,
+        Self::ViewTextures,
+        Self::References,
+        Self::ViewMasks,
+        Self::Textures,
+        Self::Texels,
+        Self::Deformations,
+        Self::ViewsFit,
     ];
 
     /// Returns its number in the file.
@@ -355,7 +396,9 @@ impl SectionKind {
 
     /// Returns the kind of this number.
     pub fn from_number(number: u16) -> Option<Self> {
-        Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
+        // Numbers are free from 47 to 49.
+        let place = usize::from(if number < 50 { number } else { number - 3 }).checked_sub(1)?;
+        Self::ALL.get(place).copied().filter(|kind| kind.number() == number)
     }
 
     /// Returns its name, as FORMAT.md has it.
@@ -407,6 +450,16 @@ impl SectionKind {
             Self::Symmetry => "symmetry",
             Self::CancelPairs => "cancel_pairs",
             Self::PriorFit => "prior_fit",
+            Self::ViewsCounts => "views_counts",
+            Self::Maps => "maps",
+            Self::Elements => "elements",
+            Self::ViewTextures => "view_textures",
+            Self::References => "references",
+            Self::ViewMasks => "view_masks",
+            Self::Textures => "textures",
+            Self::Texels => "texels",
+            Self::Deformations => "deformations",
+            Self::ViewsFit => "views_fit",
         }
     }
 
@@ -415,12 +468,13 @@ impl SectionKind {
         match self {
             Self::Names | Self::Keys | Self::Groups | Self::Corrections => &[Element::Mixed],
             Self::KernelRule | Self::Inputs | Self::Outputs => &[Element::Mixed],
-            Self::Symmetry => &[Element::Mixed],
+            Self::Symmetry | Self::Texels => &[Element::Mixed],
             Self::Hierarchy | Self::InfluenceIndices | Self::Terms => &[Element::U16],
-            Self::CancelPairs => &[Element::U16],
+            Self::CancelPairs | Self::Elements => &[Element::U16],
             Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => &[Element::U32],
             Self::KernelCounts | Self::ShapeBlocks | Self::ShapeEntries => &[Element::U32],
-            Self::PriorCounts => &[Element::U32],
+            Self::PriorCounts | Self::ViewsCounts | Self::Maps => &[Element::U32],
+            Self::ViewTextures | Self::ViewMasks | Self::Textures => &[Element::U32],
             Self::TangentCoefficients => &[Element::F16],
             Self::ShapeDeltas | Self::ShapeSlopes => &[Element::F32, Element::F16, Element::I8],
             _ => &[Element::F32],
