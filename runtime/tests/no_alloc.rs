@@ -8,7 +8,10 @@ use models::{KernelContent, Pieces, Rng, SMALL};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Rest, cells};
-use sinew_runtime::{LocalTransform, Model, Pin, PinJob, Pins, SkinJob, model_space_pose};
+use sinew_runtime::views::Order;
+use sinew_runtime::{
+    Frame, FrameJob, LocalTransform, Model, Pin, PinJob, Pins, RenderJob, SkinJob, model_space_pose,
+};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -137,6 +140,29 @@ fn pins_allocate_nothing() {
     });
     assert_eq!(count, 0);
     assert_eq!(skin.shape_len(), weights.len());
+}
+
+#[test]
+fn views_allocate_nothing() {
+    let [_, pieces] = Pieces::viewed();
+    let bytes = pieces.bytes();
+    let mut scratch = vec![0.0; 256];
+    let (mut points, mut visibility, mut scores) = ([[0.0; 3]; 9], [0.0; 9], [0.0; 3]);
+    let (mut pixels, mut depths) = (vec![[0; 4]; 48 * 40], vec![f32::MAX; 48 * 40]);
+    let count = allocations(|| {
+        let model = Model::from_bytes(bytes.as_slice()).unwrap();
+        let views = model.views_named("object").unwrap().layout().open(&bytes).unwrap();
+        let map = model.map_of(&views, 0).unwrap();
+        let out = Frame { points: &mut points, visibility: &mut visibility, scores: &mut scores };
+        let job = FrameJob { views, map, parameters: &[0.25, 0.5], last: Some(1), margin: 0.5 };
+        let view = job.run(&mut scratch, out).unwrap().view;
+        let (points, visibility, scores) = (&points, &visibility, &scores);
+        let job = RenderJob { views, points, visibility, scores, view, width: 48 };
+        assert!(job.run(Order::Painter(&mut [0; 6]), &mut pixels).unwrap().element_len > 0);
+        assert!(job.run(Order::Depth(&mut depths), &mut pixels).is_ok());
+        assert!(job.run(Order::Depth(&mut depths[1..]), &mut pixels).is_err());
+    });
+    assert_eq!(count, 0);
 }
 
 #[test]

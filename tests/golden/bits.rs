@@ -8,6 +8,9 @@ pub(crate) mod kernels;
 #[path = "rng.rs"]
 #[allow(unreachable_pub, reason = "other tests export it")]
 mod rng;
+#[cfg(feature = "views")]
+#[path = "views.rs"]
+pub(crate) mod views;
 
 pub(crate) use rng::Rng;
 

@@ -12,9 +12,11 @@ use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::prior::Anchor;
 use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::views::Order;
 use sinew_runtime::{
-    Argument, CallError, CallErrorKind, Envelope, FileError, FileErrorKind, KernelMap, Matrix3x4,
-    Model, Pin, PinJob, Pins, Prior, Skin, SkinJob, model_space_pose,
+    Argument, CallError, CallErrorKind, Envelope, FileError, FileErrorKind, Frame, FrameJob,
+    KernelMap, Matrix3x4, Model, Pin, PinJob, Pins, Prior, RenderJob, Skin, SkinJob, Views,
+    model_space_pose,
 };
 use std::cell::Cell;
 
@@ -163,12 +165,15 @@ pub fn exercise(bytes: &[u8]) -> Option<()> {
     assert!(model.sections().all(|section| section.bytes.len() == section.row.bytes as usize));
     let known = PartKind::ALL.map(PartKind::number);
     let found = model.envelopes().count() + model.skins().count() + model.kernels().count();
-    let found = found + model.priors().count();
+    let found = found + model.priors().count() + model.all_views().count();
     assert_eq!(found, model.parts().filter(|row| known.contains(&row.kind)).count());
     model.envelopes().for_each(|envelope| exercise_envelope(&envelope));
     model.kernels().for_each(|map| exercise_kernel(&map));
     for prior in model.priors() {
         exercise_prior(&prior, &model.skin_of(&prior).unwrap());
+    }
+    for views in model.all_views() {
+        exercise_views(&model, &views);
     }
     for skin in model.skins() {
         let envelope = model.envelope_of(&skin);
@@ -205,6 +210,31 @@ fn exercise_prior(prior: &Prior<'_>, skin: &Skin<'_>) {
     let done = job.run(&mut vec![f64::NAN; len], &mut weights);
     assert!(weights.iter().all(|w| w.is_finite()));
     assert!(done.is_ok() || weights.iter().all(|w| *w == 0.25));
+}
+
+fn exercise_views(model: &Model<&[u8]>, views: &Views<'_>) {
+    let (k, n, e) = (views.point_len(), views.view_len(), views.element_len());
+    assert!(
+        (0..n).all(|view| views.view_name(view).is_some() && views.view_texture(view).is_some())
+    );
+    assert!((0..e).all(|element| views.element(element).is_some()));
+    let (mut points, mut visibility) = (vec![[f32::NAN; 3]; k], vec![f32::NAN; k]);
+    let mut scores = vec![f32::NAN; n];
+    for map in 0..views.counts().map_len as usize {
+        let map = model.map_of(views, map).unwrap();
+        let parameters = vec![0.5; map.query_len()];
+        let mut scratch = vec![f32::NAN; views.counts().frame_scratch_len(&map.counts())];
+        let out = Frame { points: &mut points, visibility: &mut visibility, scores: &mut scores };
+        let job = FrameJob { views: *views, map, parameters: &parameters, last: None, margin: 0.5 };
+        let Ok(found) = job.run(&mut scratch, out) else { continue };
+        assert!(points.as_flattened().iter().all(|x| x.is_finite()));
+        let (points, visibility, scores) = (&*points, &*visibility, &*scores);
+        let job =
+            RenderJob { views: *views, points, visibility, scores, view: found.view, width: 16 };
+        let mut pixels = [[0; 4]; 16 * 12];
+        assert!(job.run(Order::Painter(&mut vec![0; e]), &mut pixels).is_ok());
+        assert!(job.run(Order::Depth(&mut [f32::MAX; 16 * 12]), &mut pixels).is_ok());
+    }
 }
 
 fn exercise_kernel(map: &KernelMap<'_>) {

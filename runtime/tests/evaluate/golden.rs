@@ -6,8 +6,8 @@
 #[path = "../../../tests/golden/bits.rs"]
 mod bits;
 
-use bits::{Found, GOLDEN, Golden, Memory, STAGES, kernels};
-use models::{KernelContent, Pieces, SHAPED_NAMES, TURNED_NAMES, golden_path};
+use bits::{Found, GOLDEN, Golden, Memory, STAGES, kernels, views};
+use models::{KernelContent, Pieces, SHAPED_NAMES, TURNED_NAMES, VIEWED_NAMES, golden_path};
 use sinew_runtime::Model;
 
 fn hashes(golden: &Golden, nudge: f32) -> Found {
@@ -59,18 +59,36 @@ fn the_hash_of_kernels_sees_one_last_place() {
     assert!(nudged.iter().zip(kernels::BITS).all(|(nudged, bits)| *nudged != bits));
 }
 
+fn views_hashes(nudge: f32) -> [u64; 2] {
+    views::VIEWS.map(|file| {
+        let model = views::load(file).unwrap();
+        views::hash(&model, model.views().unwrap(), nudge, &mut [0.0; 256]).unwrap()
+    })
+}
+
+#[test]
+fn bits_of_views_are_those_of_every_other_cpu() {
+    let found = views_hashes(0.0);
+    assert_eq!(found, views::BITS, "found {found:#018x?}");
+}
+
+#[test]
+fn the_hash_of_views_sees_one_last_place() {
+    let nudged = views_hashes(1.2e-7);
+    assert!(nudged.iter().zip(views::BITS).all(|(nudged, bits)| *nudged != bits));
+}
+
 /// Set to write what the maker of models makes instead of comparing it.
 const WRITE: &str = "SINEW_WRITE_GOLDEN";
 
 #[test]
-fn the_golden_kernels_and_skins_are_made_as_they_were() {
+fn the_golden_kernels_skins_and_objects_are_made_as_they_were() {
     let kernels =
         [KernelContent::goldens().as_slice(), &[KernelContent::servo()]].map(Pieces::kernels);
-    let names =
-        ["kernel-4.snw", "kernel-4-servo.snw"].into_iter().chain(TURNED_NAMES).chain(SHAPED_NAMES);
-    for (name, pieces) in
-        names.zip(kernels.into_iter().chain(Pieces::turned()).chain(Pieces::shaped()))
-    {
+    let names = ["kernel-4.snw", "kernel-4-servo.snw"].into_iter().chain(TURNED_NAMES);
+    let names = names.chain(SHAPED_NAMES).chain(VIEWED_NAMES);
+    let all = kernels.into_iter().chain(Pieces::turned()).chain(Pieces::shaped());
+    for (name, pieces) in names.zip(all.chain(Pieces::viewed())) {
         let made = pieces.bytes();
         if std::env::var_os(WRITE).is_some() {
             std::fs::write(golden_path(name), &made).unwrap();

@@ -14,3 +14,4 @@ mod refusals;
 mod rest_mesh;
 mod scratch;
 mod shapes;
+mod views;

@@ -14,6 +14,7 @@ use sinew_runtime::kernel::{
 };
 use sinew_runtime::prior::{PRIOR_SECTIONS, PriorCounts, PriorFit};
 use sinew_runtime::skin::{BLOCK, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
+use sinew_runtime::views::{VIEWS_SECTIONS, ViewsCounts, ViewsFit};
 
 /// Cells of the rows of the table under a heading.
 fn table<'a>(document: &'a str, heading: &str) -> Vec<Vec<&'a str>> {
@@ -90,6 +91,20 @@ fn of_prior(formula: &str, counts: &PriorCounts) -> u64 {
     })
 }
 
+fn of_views(formula: &str, counts: &ViewsCounts) -> u64 {
+    evaluate(formula, |word| match word {
+        "K" => Some(counts.point_len.into()),
+        "E" => Some(counts.element_len.into()),
+        "N" => Some(counts.view_len.into()),
+        "M" => Some(counts.map_len.into()),
+        "T" => Some(counts.texture_len.into()),
+        "X" => Some(counts.texel_len.into()),
+        "B" => Some(counts.point_len.div_ceil(32).into()),
+        "D" => Some(u64::from(2 * counts.point_len + 1)),
+        _ => None,
+    })
+}
+
 fn envelope_counts(predictor: Predictor, [j, p, g]: [u32; 3]) -> EnvelopeCounts {
     let (joint_len, proxy_len, group_len) = (j, p, g);
     EnvelopeCounts { predictor, joint_len, proxy_len, root: 0, group_len, correction_len: 0 }
@@ -135,8 +150,11 @@ fn the_document_lists_the_sections_of_the_code() {
     assert_eq!((envelope.len(), skin.len()), (ENVELOPE_SECTIONS.len(), SKIN_SECTIONS.len()));
     let prior = table(FORMAT, "Sections of a prior");
     assert_eq!((kernel.len(), prior.len()), (KERNEL_SECTIONS.len(), PRIOR_SECTIONS.len()));
+    let views = table(FORMAT, "Sections of views");
+    assert_eq!(views.len(), VIEWS_SECTIONS.len());
     let two = envelope.iter().zip(ENVELOPE_SECTIONS).chain(skin.iter().zip(SKIN_SECTIONS));
     let others = kernel.iter().zip(KERNEL_SECTIONS).chain(prior.iter().zip(PRIOR_SECTIONS));
+    let others = others.chain(views.iter().zip(VIEWS_SECTIONS));
     for (row, kind) in two.chain(others) {
         assert_eq!(row[0], kind.number().to_string());
         let elements = kind.elements().iter().map(|element| element.name());
@@ -144,7 +162,7 @@ fn the_document_lists_the_sections_of_the_code() {
         assert_eq!(SectionKind::from_number(kind.number()), Some(kind));
     }
     let listed = |kind: SectionKind| {
-        let all = envelope.iter().chain(&skin).chain(&kernel).chain(&prior);
+        let all = envelope.iter().chain(&skin).chain(&kernel).chain(&prior).chain(&views);
         all.into_iter().any(|row| row[0] == kind.number().to_string())
     };
     assert!(SectionKind::ALL.into_iter().all(listed));
@@ -209,6 +227,14 @@ fn the_document_lists_the_sections_of_the_code() {
         for words in [[0, 1, 0, 0], [3, 53, 22, 2], [9, 65_535, 1, 0]] {
             let counts = PriorCounts::from_words(words);
             let bytes = of_prior(row[2], &counts);
+            assert_eq!(counts.section_bytes(kind), Some(bytes), "{}", row[1]);
+        }
+    }
+    for (row, kind) in views.iter().zip(VIEWS_SECTIONS) {
+        assert_eq!(row[3], if kind == SectionKind::Deformations { "no" } else { "yes" });
+        for words in [[1, 0, 1, 1, 1, 1], [33, 40, 27, 2, 5, 900], [32, 9, 3, 1, 1, 65_536]] {
+            let counts = ViewsCounts::from_words(words);
+            let bytes = of_views(row[2], &counts);
             assert_eq!(counts.section_bytes(kind), Some(bytes), "{}", row[1]);
         }
     }
@@ -367,6 +393,37 @@ fn the_document_lays_the_numbers_of_a_prior_out_as_the_code() {
     ];
     let bytes = figures.map(f32::to_le_bytes);
     assert_fields("Fit of a prior", bytes.as_flattened(), &fields);
+}
+
+#[test]
+fn the_document_lays_the_numbers_of_views_out_as_the_code() {
+    let words: [u32; 6] = [11, 12, 13, 14, 15, 16];
+    let counts = ViewsCounts::from_words(words);
+    assert_eq!(counts.words(), words);
+    let fields = [
+        ("point_len", counts.point_len.into()),
+        ("element_len", counts.element_len.into()),
+        ("view_len", counts.view_len.into()),
+        ("map_len", counts.map_len.into()),
+        ("texture_len", counts.texture_len.into()),
+        ("texel_len", counts.texel_len.into()),
+    ];
+    let bytes = words.map(u32::to_le_bytes);
+    assert_eq!(bytes.as_flattened().len(), ViewsCounts::BYTES);
+    assert_fields("Counts of views", bytes.as_flattened(), &fields);
+
+    let figures = [1.0, 2.0, 3.0, 4.0];
+    let fit = ViewsFit::from_figures(figures);
+    assert_eq!(fit.figures(), figures);
+    let bits = |x: f32| u64::from(x.to_bits());
+    let fields = [
+        ("margin", bits(fit.margin)),
+        ("rms_error", bits(fit.rms_error)),
+        ("left_out_rms", bits(fit.left_out_rms)),
+        ("visibility", bits(fit.visibility)),
+    ];
+    let bytes = figures.map(f32::to_le_bytes);
+    assert_fields("Fit of views", bytes.as_flattened(), &fields);
 }
 
 #[test]

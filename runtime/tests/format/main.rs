@@ -14,6 +14,7 @@ mod ownership;
 mod priors;
 mod sound;
 mod tables;
+mod views;
 
 use models::Pieces;
 use sinew_runtime::envelope::Predictor;

@@ -87,7 +87,7 @@ fn errors_say_what_is_wrong_in_a_phrase() {
         "part 0: joints: expected at least 1, found 0"
     );
     assert_eq!(
-        phrase(&|b| b.parts.push(PartRow { kind: 5, flags: 1 })),
-        "part 2: unknown required kind, type or flags: 5"
+        phrase(&|b| b.parts.push(PartRow { kind: 9, flags: 1 })),
+        "part 2: unknown required kind, type or flags: 9"
     );
 }

@@ -18,6 +18,7 @@ mod rng;
 mod sample;
 mod shape;
 mod shapes;
+mod views;
 
 pub use bytes::{
     blocks, floats, group_row, halves, input_row, kernel_rule, names, output_row, part_row,
@@ -33,3 +34,4 @@ pub use rng::Rng;
 pub use sample::direction;
 pub use shape::{SMALL, Shape};
 pub use shapes::{SHAPED_NAMES, ShapeContent};
+pub use views::{TextureContent, VIEWED_NAMES, ViewContent, ViewsContent};

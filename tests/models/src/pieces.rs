@@ -118,7 +118,7 @@ impl Pieces {
         self.section(kind)[2 * index..][..2].copy_from_slice(&value.to_le_bytes());
     }
 
-    /// Appends the parts of another file; what its skins follow and its priors are of goes with them.
+    /// Appends the parts of another file; what its skins follow, its priors are of and its maps are goes with them.
     pub fn append(&mut self, other: Self) {
         let first = self.parts.len() as u16;
         self.parts.extend(other.parts);
@@ -134,6 +134,11 @@ impl Pieces {
                 && let Some(skin) = content.bytes.as_chunks_mut().0.first_mut()
             {
                 *skin = (u32::from_le_bytes(*skin) + u32::from(first)).to_le_bytes();
+            }
+            if content.kind == SectionKind::Maps.number() {
+                for map in content.bytes.as_chunks_mut().0 {
+                    *map = (u32::from_le_bytes(*map) + u32::from(first)).to_le_bytes();
+                }
             }
             self.sections.push(content);
         }
