@@ -106,10 +106,14 @@ pub enum sinew_argument {
     Input = 67,
     /// The number of a kernel's output.
     Output = 68,
+    /// Views.
+    Views = 70,
+    /// The number of a map.
+    Map = 71,
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 49] = {
+const NAMES: [(sinew_argument, &CStr); 51] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -161,6 +165,8 @@ const NAMES: [(sinew_argument, &CStr); 49] = {
         (A::Kernel, c"kernel"),
         (A::Input, c"input"),
         (A::Output, c"output"),
+        (A::Views, c"views"),
+        (A::Map, c"map"),
     ]
 };
 

@@ -33,6 +33,8 @@ mod mesh;
 
 mod job;
 
+mod views;
+
 pub use argument::*;
 pub use envelope::*;
 pub use error::*;
@@ -45,6 +47,7 @@ pub use palette::*;
 pub use skin::*;
 pub use status::*;
 pub use version::*;
+pub use views::*;
 
 /// Stops: nothing here panics, but a bare target's linker asks for it.
 #[cfg(target_os = "none")]

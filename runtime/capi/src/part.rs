@@ -1,4 +1,4 @@
-//! Envelopes, skins and kernels as parts of a model: how they are opened, and refused once the model holds
+//! Envelopes, skins, kernels and their like as parts of a model: how they are opened, and refused once the model holds
 //! another file.
 
 use crate::argument::sinew_argument;
@@ -84,10 +84,21 @@ pub(crate) unsafe fn view<'a, T: Part + 'a>(
     at: *const T,
 ) -> Result<(T::View<'a>, [Span; 3]), sinew_error> {
     // SAFETY: the caller's promise is passed on.
+    unsafe { view_in(at) }.map(|(view, _, reads)| (view, reads))
+}
+
+/// Views a part as [`view`] does; returns also the model that it is of.
+///
+/// # Safety
+/// As of [`view`].
+pub(crate) unsafe fn view_in<'a, T: Part + 'a>(
+    at: *const T,
+) -> Result<(T::View<'a>, &'a Model<&'static [u8]>, [Span; 3]), sinew_error> {
+    // SAFETY: the caller's promise is passed on.
     let (part, own) = unsafe { border::object(at) }?;
     // SAFETY: the caller's promise is passed on.
     let (model, [handle, file]) = unsafe { model::loaded(part.model) }?;
     let view = T::view(&part.layout, model.as_bytes());
     let view = view.ok_or(sinew_error::new(sinew_status::Stale, T::ARGUMENT))?;
-    Ok((view, [own, handle, file]))
+    Ok((view, model, [own, handle, file]))
 }

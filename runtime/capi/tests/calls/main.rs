@@ -9,6 +9,7 @@ mod evaluated;
 mod handles;
 mod kernels;
 mod refused;
+mod views;
 
 use handles::Loaded;
 use models::{Pieces, SMALL, Shape};
