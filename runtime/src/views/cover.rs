@@ -43,9 +43,14 @@ pub(super) fn cover<const N: usize>(
     for y in top..bottom {
         let start = [centre(left), centre(y)];
         let mut values = edges.map(|edge| edge.at(start));
+        let mut has_begun = false;
         for x in left..right {
             if values.iter().zip(&edges).all(|(value, edge)| *value >= edge.least) {
+                has_begun = true;
                 each([x, y], values);
+            } else if has_begun {
+                // A row of a convex ring has one stretch.
+                break;
             }
             values.iter_mut().zip(&edges).for_each(|(value, edge)| *value += edge.across);
         }

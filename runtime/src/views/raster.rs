@@ -1,7 +1,7 @@
 //! Elements onto a screen: textures mapped, blended or by depth (METHOD §6, "Raster").
 
 use super::cover::{Step, area, cover, snap};
-use super::texture::{Colour, Texture};
+use super::texture::{ALPHA_MAX, Colour, Texture};
 use crate::numeric::{greater, lesser, sqrt};
 
 /// A corner of an element.
@@ -80,7 +80,8 @@ impl Screen<'_> {
         cover(&ring, size, |[x, y], [towards_c, _, towards_b]| {
             let (s, t) = (towards_b as f32 * share, towards_c as f32 * share);
             let at = |a: f32, b: f32, c: f32| a + (b - a) * s + (c - a) * t;
-            let texel = [0, 1].map(|i| at(a.texel[i], b.texel[i], c.texel[i]));
+            let ([ax, ay], [bx, by], [cx, cy]) = (a.texel, b.texel, c.texel);
+            let texel = [at(ax, bx, cx), at(ay, by, cy)];
             self.put(y * size[0] + x, at(a.depth, b.depth, c.depth), texel, texture);
         });
     }
@@ -103,7 +104,9 @@ impl Screen<'_> {
                 let (top, bottom) = (a + (b - a) * s, d + (c - d) * s);
                 top + (bottom - top) * t
             };
-            let texel = [0, 1].map(|i| at(a.texel[i], b.texel[i], c.texel[i], d.texel[i]));
+            let ([ax, ay], [bx, by]) = (a.texel, b.texel);
+            let ([cx, cy], [dx, dy]) = (c.texel, d.texel);
+            let texel = [at(ax, bx, cx, dx), at(ay, by, cy, dy)];
             let depth = at(a.depth, b.depth, c.depth, d.depth);
             self.put(y * size[0] + x, depth, texel, texture);
         });
@@ -124,7 +127,7 @@ impl Screen<'_> {
         };
         let Some(nearest) = depths.get_mut(at).filter(|nearest| depth < **nearest) else { return };
         let colour = texture.colour(texel);
-        if colour[3] >= 127.5 {
+        if colour[3] >= 0.5 * ALPHA_MAX {
             *nearest = depth;
             *pixel = over(colour, [0; 4]);
         }
@@ -132,12 +135,12 @@ impl Screen<'_> {
 }
 
 /// Returns a colour over another, rounded.
-#[inline]
+#[inline(always)]
 fn over(colour: Colour, below: [u8; 4]) -> [u8; 4] {
-    let through = 1.0 - colour[3] / 255.0;
+    let through = 1.0 - colour[3] / ALPHA_MAX;
     let mut out = below;
     for (out, x) in out.iter_mut().zip(colour) {
-        *out = (x + f32::from(*out) * through + 0.5) as u8;
+        *out = (x / 255.0 + f32::from(*out) * through + 0.5) as u8;
     }
     out
 }
@@ -191,7 +194,7 @@ mod tests {
     }
 
     fn one(texel: &[[u8; 4]; 1]) -> Texture<'_> {
-        Texture { width: 1, texels: texel }
+        Texture { width: 1, height: 1, texels: texel }
     }
 
     fn blended(width: usize, pixels: &mut [[u8; 4]]) -> Screen<'_> {
@@ -210,7 +213,7 @@ mod tests {
             .map(|_| [0; 3].map(|_| 255 * u8::from(random(&mut seed) < 0.5)))
             .map(|[r, g, b]| [r, g, b, 255])
             .collect();
-        let texture = Texture { width: n, texels: &texels };
+        let texture = Texture { width: n, height: n, texels: &texels };
         let cells = 9;
         let cell = n as f32 / cells as f32;
         let place = |x: usize, y: usize| {
@@ -261,7 +264,7 @@ mod tests {
         // Texels of a slope in each direction.
         let n = 256;
         let texels: Vec<_> = (0..n * n).map(|i| [(i % n) as u8, (i / n) as u8, 7, 255]).collect();
-        let texture = Texture { width: n, texels: &texels };
+        let texture = Texture { width: n, height: n, texels: &texels };
         let (size, mut seed, mut seen) = (96, 8, 0);
         for round in 0..40 {
             let mut ring =

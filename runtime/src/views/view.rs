@@ -145,7 +145,7 @@ impl<'a> Views<'a> {
         let row = self.0.entry(TEXTURES, self.counts().texture_len as usize, texture)?;
         let [width, height, start] = row.map(|le| u32::from_le_bytes(le) as usize);
         let texels = self.texels().get(start..)?.get(..width.checked_mul(height)?)?;
-        Some(Texture { width, texels })
+        Some(Texture { width, height, texels })
     }
 
     /// Whether it moves as another object does, from which it was transferred (METHOD §6.6).
@@ -211,7 +211,8 @@ impl<'a> Views<'a> {
     /// Returns s of a key view, and its K offsets.
     pub(super) fn deformation(&self, view: usize) -> Option<(f32, &'a [[Le; 2]])> {
         let words: &[Le] = self.0.bytes(DEFORMATIONS).as_chunks().0;
-        let mut views = words.chunks_exact(2 * self.point_len() + 1);
+        // Chunks of zero would panic: where a product wraps, too.
+        let mut views = words.chunks_exact((2 * self.point_len() + 1).max(1));
         let (ratio, offsets) = views.nth(view).filter(|_| view < self.view_len())?.split_first()?;
         Some((f32::from_le_bytes(*ratio), offsets.as_chunks().0))
     }

@@ -2,6 +2,8 @@
 
 #[cfg(feature = "kernel")]
 use crate::bits::kernels;
+#[cfg(feature = "views")]
+use crate::bits::views;
 use crate::bits::{Found, GOLDEN, Memory, POSES, STAGES, hashes};
 use crate::memory::take;
 use crate::platform::print;
@@ -54,6 +56,7 @@ pub fn bits() -> bool {
         }
     }
     sound &= of_kernels(memory);
+    sound &= of_views(memory);
     print("end\n");
     sound
 }
@@ -84,5 +87,36 @@ fn of_kernels(memory: &mut Memory) -> bool {
 /// Without the part kernel there is nothing to print.
 #[cfg(not(feature = "kernel"))]
 fn of_kernels(_: &mut Memory) -> bool {
+    true
+}
+
+/// Prints a hash of each golden object of key views; returns whether they are the promised ones.
+#[cfg(feature = "views")]
+fn of_views(memory: &mut Memory) -> bool {
+    let mut sound = true;
+    for (file, promised) in views::VIEWS.into_iter().zip(views::BITS) {
+        let model = views::load(file);
+        let Some((model, object)) = model.as_ref().and_then(|model| Some((model, model.views()?)))
+        else {
+            say!("views: not loaded");
+            return false;
+        };
+        match views::hash(model, object, 0.0, &mut memory.scratch) {
+            Ok(bits) => {
+                say!("views {} {bits:016x}", object.is_transferred());
+                sound &= bits == promised;
+            }
+            Err(error) => {
+                say!("views: {error}");
+                sound = false;
+            }
+        }
+    }
+    sound
+}
+
+/// Without views there is nothing to print.
+#[cfg(not(feature = "views"))]
+fn of_views(_: &mut Memory) -> bool {
     true
 }

@@ -1,0 +1,139 @@
+//! Prints what frames and pictures of views cost: `cargo bench -p sinew-runtime --bench views`. One core; medians.
+//!
+//! An object as large as a face of `ict-views`: 158 points, 27 key views, a map of 27 centres and 30 terms, and a
+//! picture of 256 x 256 pixels that its elements fill.
+#![allow(missing_docs, reason = "a program")]
+
+use models::{KernelContent, Pieces, Rng, TextureContent, ViewContent, ViewsContent};
+use sinew_runtime::kernel::{Kernel, NO_TERM, OutputKind, OutputRow};
+use sinew_runtime::views::{NO_POINT, Order};
+use sinew_runtime::{CallError, FileError, Frame, FrameJob, Model, RenderJob};
+use std::hint::black_box;
+use std::time::Instant;
+
+const RUNS: usize = 401;
+const SIZE: usize = 256;
+/// Points of a row and rows of the grid that is textured; two more points are no element's.
+const GRID: [usize; 2] = [12, 13];
+const POINTS: usize = GRID[0] * GRID[1] + 2;
+const VIEWS: usize = 27;
+const INPUTS: usize = 6;
+const TERMS: usize = 30;
+
+#[derive(Debug)]
+#[expect(dead_code, reason = "shown where main fails")]
+enum Refused {
+    File(FileError),
+    Call(CallError),
+}
+
+/// Returns where a point lies, in pixels of the screen and texels of the texture alike.
+fn place(point: usize) -> [f32; 2] {
+    let [x, y] = [point % GRID[0], point / GRID[0]].map(|i| i as f32);
+    [x * SIZE as f32 / (GRID[0] - 1) as f32, y.min(12.0) * SIZE as f32 / (GRID[1] - 1) as f32]
+}
+
+fn map() -> KernelContent {
+    let m = 4 * POINTS + VIEWS;
+    let plain = KernelContent::plain(Kernel::Gaussian, [INPUTS, VIEWS, m]);
+    let mut rng = Rng(6);
+    let about = |value: usize| match (value / 3, value % 3) {
+        (point, axis @ 0..2) if point < POINTS => place(point)[axis],
+        (point, _) if point < POINTS => (point % 7) as f32,
+        _ => 0.75,
+    };
+    let row = |value: usize| {
+        let own = [(); VIEWS].map(|()| 0.02 * rng.unit());
+        let terms = [(); TERMS - 1].map(|()| 0.02 * rng.unit());
+        [&own[..], &[about(value)], &terms].concat()
+    };
+    let coefficients = (0..m).map(row).collect();
+    let free = plain.outputs[0].1;
+    let vector =
+        OutputRow { kind: OutputKind::Vector3, range: (0.0, 0.0), neutral: [0.0; 4], ..free };
+    let outputs = (0..2 * POINTS + VIEWS)
+        .map(|output| (String::new(), if output < POINTS { vector } else { free }));
+    let first = [[NO_TERM; 2]].into_iter();
+    let terms = first.chain((1..TERMS as u16).map(|term| [term / 6, term % INPUTS as u16]));
+    KernelContent { outputs: outputs.collect(), terms: terms.collect(), coefficients, ..plain }
+}
+
+fn object(is_quads: bool) -> ViewsContent {
+    let corner = |x: usize, y: usize| (y * GRID[0] + x) as u16;
+    let cells = (0..GRID[1] - 1).flat_map(|y| (0..GRID[0] - 1).map(move |x| (x, y)));
+    let elements = cells.flat_map(|(x, y)| {
+        let ring = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
+        let [a, b, c, d] = ring;
+        if is_quads { vec![ring] } else { vec![[a, b, c, NO_POINT], [a, c, d, NO_POINT]] }
+    });
+    let mut rng = Rng(9);
+    let mut byte = || (rng.next_u64() >> 56) as u8;
+    let texels = (0..SIZE * SIZE).map(|_| [byte(), byte(), byte(), 255]).collect();
+    let view = ViewContent {
+        name: String::new(),
+        texture: 0,
+        references: (0..POINTS).map(place).collect(),
+        visible: vec![true; POINTS],
+        deformation: None,
+    };
+    ViewsContent {
+        name: "face".to_owned(),
+        maps: vec![0],
+        point_len: POINTS,
+        elements: elements.collect(),
+        views: vec![view; VIEWS],
+        textures: vec![TextureContent { width: SIZE as u32, height: SIZE as u32, texels }],
+        fit: [0.25, 0.0, 0.0, 1.0],
+    }
+}
+
+/// Returns the median of what runs take, in microseconds.
+fn median(mut run: impl FnMut(usize) -> Result<(), CallError>) -> Result<f64, Refused> {
+    let mut times = Vec::new();
+    for number in 0..RUNS {
+        let before = Instant::now();
+        run(number).map_err(Refused::Call)?;
+        times.push(1e6 * before.elapsed().as_secs_f64());
+    }
+    times.sort_by(f64::total_cmp);
+    Ok(times[RUNS / 2])
+}
+
+fn main() -> Result<(), Refused> {
+    for is_quads in [false, true] {
+        let mut pieces = Pieces::kernels(&[map()]);
+        pieces.add_views(&object(is_quads));
+        let model = Model::from_bytes(pieces.bytes()).map_err(Refused::File)?;
+        let Some(views) = model.views() else { return Ok(()) };
+        let Some(map) = model.map_of(&views, 0) else { return Ok(()) };
+        let mut scratch = vec![0.0; views.counts().frame_scratch_len(&map.counts())];
+        let (mut points, mut visibility) = (vec![[0.0; 3]; POINTS], vec![0.0; POINTS]);
+        let mut scores = vec![0.0; VIEWS];
+        let frame = median(|number| {
+            let parameters = [number as f32 / RUNS as f32; INPUTS];
+            let job = FrameJob { views, map, parameters: &parameters, last: Some(0), margin: 0.25 };
+            let out =
+                Frame { points: &mut points, visibility: &mut visibility, scores: &mut scores };
+            black_box(job.run(&mut scratch, out)?);
+            Ok(())
+        })?;
+        let (points, visibility, scores) = (&points, &visibility, &scores);
+        let job = RenderJob { views, points, visibility, scores, view: 0, width: SIZE };
+        let (mut pixels, mut order) = (vec![[0; 4]; SIZE * SIZE], vec![0; views.element_len()]);
+        let painter = median(|_| {
+            black_box(job.run(Order::Painter(&mut order), &mut pixels)?);
+            Ok(())
+        })?;
+        let drawn = pixels.iter().filter(|pixel| pixel[3] > 0).count();
+        let mut depths = vec![0.0; SIZE * SIZE];
+        let depth = median(|_| {
+            depths.fill(f32::INFINITY);
+            black_box(job.run(Order::Depth(&mut depths), &mut pixels)?);
+            Ok(())
+        })?;
+        let name = if is_quads { "quads" } else { "triangles" };
+        println!("{} {name}, {drawn} pixels: frame {frame:.1} us", views.element_len());
+        println!("  picture, by depth {depth:.0} us, painted {painter:.0} us");
+    }
+    Ok(())
+}
