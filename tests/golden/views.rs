@@ -10,7 +10,7 @@ pub(crate) const VIEWS: [&[u8]; 2] =
 
 /// A hash of each of them. Change these only with a reason that the commit states: they are the promise of
 /// METHOD §7.
-pub(crate) const BITS: [u64; 2] = [0xd75a8e47ca8a1d15, 0x18ab7b284a6405e2];
+pub(crate) const BITS: [u64; 2] = [0xa27f_1a8d_4772_bafa, 0xe56e_4528_7412_5083];
 
 /// Frames of a hash.
 const FRAMES: usize = 64;

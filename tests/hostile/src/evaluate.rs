@@ -3,6 +3,7 @@
 use crate::kernels::{evaluate_kernel, read_kernel};
 use crate::poses::pose;
 use crate::priors::{evaluate_prior, read_prior};
+use crate::views::{evaluate_views, read_views};
 use sinew_runtime::envelope::{Predictor, ScratchLayout};
 use sinew_runtime::skin::{Bounds, Output, Rest, cells};
 use sinew_runtime::{CallError, Envelope, Limits, Matrix3x4, Model, Skin, SkinJob};
@@ -33,6 +34,7 @@ pub fn read<B: AsRef<[u8]>>(model: &Model<B>) {
         assert_eq!(skin, Some(prior.shape_len()));
         read_prior(&prior, model.as_bytes());
     }
+    model.all_views().for_each(|views| read_views(model, &views));
     let part = |envelope: Envelope<'_>| envelope.part();
     assert_eq!(model.envelope().map(part), model.envelopes().next().map(part));
 }
@@ -86,7 +88,7 @@ fn read_skin(skin: &Skin<'_>, file: &[u8]) {
 }
 
 /// Evaluates every envelope of a model over poses within its certificate's ranges, by the numbers of
-/// [`pose`], every skin, every kernel over queries and every prior over pins of as many kinds.
+/// [`pose`], every skin, every kernel and every map of views over queries, and every prior over pins of as many kinds.
 ///
 /// # Panics
 /// Where a call is refused, a result is not finite, a confidence is outside 0 and 1, or a vertex
@@ -106,6 +108,9 @@ pub fn evaluate<B: AsRef<[u8]>>(model: &Model<B>, numbers: Range<usize>) {
     }
     for map in model.kernels() {
         numbers.clone().for_each(|number| evaluate_kernel(&map, number));
+    }
+    for views in model.all_views() {
+        numbers.clone().for_each(|number| evaluate_views(model, &views, number));
     }
 }
 

@@ -17,8 +17,8 @@ pub fn files() -> &'static [Vec<u8>] {
     &FILES
 }
 
-/// Makes a file of two envelopes, four skins, two kernels and a prior: those of a rotational and of a kernel model,
-/// a skin that follows nothing, a kernel with everything that there is and one with little, a face.
+/// Makes a file of two envelopes, four skins, four kernels, a prior and views: those of a rotational and of a kernel model,
+/// a skin that follows nothing, a kernel with everything that there is and one with little, a face, an object with two maps.
 fn several() -> Result<Vec<u8>, FileError> {
     let [rotational, kernel, hybrid] = GOLDEN.map(Pieces::of);
     let (mut out, mut loose) = (rotational?, hybrid?);
@@ -29,5 +29,7 @@ fn several() -> Result<Vec<u8>, FileError> {
     let small = KernelContent::plain(Kernel::ThinPlate, [2, 3, 1]);
     out.append(Pieces::kernels(&[KernelContent::every(Kernel::Wendland { l: 3 }), small]));
     out.append(Pieces::face());
+    let [object, _] = Pieces::viewed();
+    out.append(object);
     Ok(out.bytes())
 }

@@ -13,5 +13,6 @@ mod priors;
 pub mod recipe;
 pub mod round_trip;
 pub mod targets;
+mod views;
 
 pub use files::files;
