@@ -74,6 +74,9 @@ pub(crate) unsafe fn open<T: Part>(
     Ok(())
 }
 
+/// A view, its model, and what a call with both reads.
+pub(crate) type InModel<'a, T> = (<T as Part>::View<'a>, &'a Model<&'static [u8]>, [Span; 3]);
+
 /// Views a part in its model's file; returns also what a call with it reads: the part's object, the
 /// model's, and the file.
 ///
@@ -93,7 +96,7 @@ pub(crate) unsafe fn view<'a, T: Part + 'a>(
 /// As of [`view`].
 pub(crate) unsafe fn view_in<'a, T: Part + 'a>(
     at: *const T,
-) -> Result<(T::View<'a>, &'a Model<&'static [u8]>, [Span; 3]), sinew_error> {
+) -> Result<InModel<'a, T>, sinew_error> {
     // SAFETY: the caller's promise is passed on.
     let (part, own) = unsafe { border::object(at) }?;
     // SAFETY: the caller's promise is passed on.
