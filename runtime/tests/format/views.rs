@@ -65,10 +65,10 @@ fn accessors_give_what_was_written() {
         assert_eq!(views.view_texture(at), Some(view.texture as usize));
         let (ratio, offsets) = view.deformation.as_ref().unwrap();
         assert_eq!(views.ratio(at), Some(*ratio));
-        for point in 0..9 {
+        for (point, offset) in offsets.iter().enumerate() {
             assert_eq!(views.reference(at, point), Some(view.references[point]));
             assert_eq!(views.is_visible(at, point), Some(view.visible[point]));
-            assert_eq!(views.offset(at, point), Some(offsets[point]));
+            assert_eq!(views.offset(at, point), Some(*offset));
         }
         assert_eq!((views.reference(at, 9), views.is_visible(at, 9)), (None, None));
     }
