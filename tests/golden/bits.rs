@@ -284,6 +284,8 @@ fn frame(
     vertices.fill(0.0);
     let lent = cells(vertices);
     let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
+    #[cfg(not(feature = "shapes"))]
+    let _ = shaped;
     #[cfg(feature = "shapes")]
     if skin.shape_len() > 0 {
         let weights = cut(&mut memory.weights, skin.shape_len());

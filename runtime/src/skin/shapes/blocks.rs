@@ -49,9 +49,7 @@ impl<'a> Blocks<'a> {
     pub(super) fn of(skin: &Skin<'a>) -> Self {
         let part = &skin.0;
         let number = part.layout.counts[place::ELEMENT];
-        let mut elements = SectionKind::ShapeDeltas.elements().iter();
-        let element = elements.find(|element| u32::from(element.number()) == number);
-        let element = element.copied().unwrap_or(Element::F32);
+        let element = Element::ALL.get(number as usize).copied().unwrap_or(Element::F32);
         Self {
             rows: part.array(SHAPES),
             starts: part.bytes(STARTS).as_chunks().0,

@@ -112,7 +112,11 @@ impl ShapesJob<'_> {
                     Some([x, y, z, _]) => Frame::of_tangent(n, [x, y, z]),
                     None => Frame::of_normal(n, n[2]),
                 };
-                let tilted = [0, 1, 2].map(|i| (n[i] - a * g[i]) - c * h[i]);
+                let tilted = [
+                    (n[0] - a * g[0]) - c * h[0],
+                    (n[1] - a * g[1]) - c * h[1],
+                    (n[2] - a * g[2]) - c * h[2],
+                ];
                 out.put(i, unit(tilted, 1.0).unwrap_or(n))?;
             }
             if let Some((out, [x, y, z, hand])) = self.tangents.zip(tangent) {
