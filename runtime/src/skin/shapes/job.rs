@@ -160,13 +160,9 @@ impl Sums {
                 continue;
             }
             let [step, slope_step, ..] = floats(blocks.rows.get(entry.shape)?);
-            for (run, first) in entry.runs() {
-                let sums = self.deltas.get_mut(run.clone())?;
-                blocks.deltas.add(weight * step, first, sums)?;
-                if tilts {
-                    let sums = self.slopes.get_mut(run)?;
-                    blocks.slopes.add(weight * slope_step, first, sums)?;
-                }
+            blocks.deltas.add_entry(weight * step, entry, &mut self.deltas)?;
+            if tilts {
+                blocks.slopes.add_entry(weight * slope_step, entry, &mut self.slopes)?;
             }
         }
         Some(())
