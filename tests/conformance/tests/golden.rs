@@ -284,8 +284,11 @@ fn shapes_are_baked_as_the_maker_of_models_writes_them() {
             let most = if element == Element::I8 { 127.0 } else { 1.0 };
             let first = moved.iter_mut().flatten().next();
             first.into_iter().for_each(|numbers| *numbers = [most; 5]);
-            // None that is moved nowhere, which would not be there.
-            moved.iter_mut().flatten().for_each(|numbers| numbers[4] = numbers[4].max(1.0));
+            for numbers in moved.iter_mut().flatten() {
+                // None that is moved nowhere, which would not be there; and -0 is read as 0.
+                numbers[4] = numbers[4].max(1.0);
+                numbers.iter_mut().for_each(|x| *x += 0.0);
+            }
             if element == Element::I8 && moved.iter().all(Option::is_none) {
                 *steps = [1.0, 1.0];
             }
