@@ -33,6 +33,8 @@ mod mesh;
 
 mod job;
 
+mod prior;
+
 pub use argument::*;
 pub use envelope::*;
 pub use error::*;
@@ -42,6 +44,7 @@ pub use matrix::*;
 pub use mesh::*;
 pub use model::*;
 pub use palette::*;
+pub use prior::*;
 pub use skin::*;
 pub use status::*;
 pub use version::*;
