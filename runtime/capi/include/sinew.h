@@ -34,7 +34,7 @@
 /// Version of the ABI that this header describes; `sinew_abi_version` returns the library's.
 ///
 /// It grows when a function, a structure or the meaning of a number changes.
-#define SINEW_ABI_VERSION 4
+#define SINEW_ABI_VERSION 5
 
 /// Stands for no part.
 #define SINEW_NO_PART UINT32_MAX
@@ -213,6 +213,8 @@ enum sinew_argument
     SINEW_ARGUMENT_JACOBIAN = 20,
     /// Variances of a kernel's values.
     SINEW_ARGUMENT_VARIANCES = 21,
+    /// Weights of shapes.
+    SINEW_ARGUMENT_SHAPE_WEIGHTS = 22,
     /// Memory for an object; lengths in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
     /// The file; lengths in bytes.
@@ -251,6 +253,8 @@ enum sinew_argument
     SINEW_ARGUMENT_INPUT = 67,
     /// The number of a kernel's output.
     SINEW_ARGUMENT_OUTPUT = 68,
+    /// The number of a shape.
+    SINEW_ARGUMENT_SHAPE = 69,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -365,6 +369,8 @@ typedef struct sinew_limits {
     uint32_t proxies;
     /// Influences of a vertex.
     uint32_t influences;
+    /// Shapes of a skin.
+    uint32_t shapes;
 } sinew_limits;
 
 /// What went wrong; written only when a call returns another status than `SINEW_STATUS_OK`.
@@ -556,6 +562,8 @@ typedef struct sinew_skin_info {
     size_t palette_len;
     /// Named ranges of vertices.
     size_t range_len;
+    /// S, shapes.
+    size_t shape_len;
     /// 1 with tangents, else 0.
     uint32_t has_tangents;
     /// 1 with tangent coefficients, by which jobs then turn normals and tangents; 0 where they go by cofactors,
@@ -632,6 +640,36 @@ typedef struct sinew_bounds {
     /// Greatest coordinates.
     float max[3];
 } sinew_bounds;
+
+/// A shape of a skin.
+typedef struct sinew_shape {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// The box of how far it moves any vertex at a weight of 1, 0 among it.
+    struct sinew_bounds bounds;
+} sinew_shape;
+
+/// Shapes vertices at rest: what it writes a `sinew_skin_job` takes as its rest mesh.
+typedef struct sinew_shapes_job {
+    /// The skin.
+    const struct sinew_skin *skin;
+    /// `sinew_skin_info.shape_len` weights.
+    const float *weights;
+    /// Their number.
+    size_t weights_len;
+    /// First vertex. Of ranges that start at multiples of 64 no sum is computed twice.
+    size_t start;
+    /// One more than the last vertex.
+    size_t end;
+    /// Where to put positions: 3 floats, model space.
+    struct sinew_output positions;
+    /// Where to put normals: 3 floats of length 1; where the shapes leave one no direction, the file's.
+    struct sinew_output normals;
+    /// Where to put tangents: 3 floats of length 1, likewise, then the handedness.
+    struct sinew_output tangents;
+} sinew_shapes_job;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1047,6 +1085,37 @@ sinew_status sinew_skin_bounds(const struct sinew_skin *skin,
                                float rest_offset,
                                struct sinew_bounds *out_bounds,
                                struct sinew_error *out_error);
+
+/// Describes a shape.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
+sinew_status sinew_skin_shape(const struct sinew_skin *skin,
+                              size_t shape,
+                              struct sinew_shape *out_shape,
+                              struct sinew_error *out_error);
+
+/// Runs a shapes job. Its outputs may overlap each other, but nothing that it reads. Jobs may run at the
+/// same time, on any threads, if no output of one overlaps an output of another.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `NON_FINITE`, `OUT_OF_RANGE`,
+/// `NO_ATTRIBUTE`, `STRIDE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_shapes_run(const struct sinew_shapes_job *job,
+                              struct sinew_error *out_error);
+
+/// Computes a box that holds every vertex of the shaped and posed skin, from weights and palette alone.
+///
+/// - `palette`, `palette_len`: `sinew_skin_info.palette_len` transforms.
+/// - `weights`, `weights_len`: `sinew_skin_info.shape_len` weights.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `NON_FINITE`, `NO_VERTICES`, `TOO_LONG`,
+/// `OVERLAP`.
+sinew_status sinew_shapes_bounds(const struct sinew_skin *skin,
+                                 const struct sinew_matrix *palette,
+                                 size_t palette_len,
+                                 const float *weights,
+                                 size_t weights_len,
+                                 struct sinew_bounds *out_bounds,
+                                 struct sinew_error *out_error);
 
 #ifdef __cplusplus
 }  // extern "C"

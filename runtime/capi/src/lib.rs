@@ -33,6 +33,8 @@ mod mesh;
 
 mod job;
 
+mod shapes;
+
 mod prior;
 
 pub use argument::*;
@@ -45,6 +47,7 @@ pub use mesh::*;
 pub use model::*;
 pub use palette::*;
 pub use prior::*;
+pub use shapes::*;
 pub use skin::*;
 pub use status::*;
 pub use version::*;

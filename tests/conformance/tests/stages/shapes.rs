@@ -98,7 +98,7 @@ fn another_step_mask_number_or_slope_is_caught() {
     assert!(taken_for(&file(|_| {})));
     assert!(!taken_for(&file(|own| own.steps[2][0] *= 1.001)), "a step");
     assert!(!taken_for(&file(|own| own.steps[2][1] *= 1.001)), "a slope's");
-    assert!(!taken_for(&file(|own| own.moved[3][100] = None)), "a bit of a mask");
+    assert!(!taken_for(&file(|own| own.moved[3][90] = None)), "a bit of a mask");
     assert!(!taken_for(&file(|own| own.moved[0][64].as_mut().unwrap()[2] += 1.0)), "a number");
     assert!(!taken_for(&file(|own| own.moved[0][129].as_mut().unwrap()[4] += 1.0)), "a slope");
     assert!(!taken_for(&file(|own| own.moved[0].swap(63, 64))), "another block's");

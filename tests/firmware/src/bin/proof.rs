@@ -15,10 +15,10 @@ use sinew_runtime::kernel::{
     EulerOrder, InputKind, InputRow, Kernel, KernelCounts, KernelFit, KernelLayout, KernelRule,
     OutputKind, OutputRow,
 };
-use sinew_runtime::skin::{NormalErrors, Output, Rest, SkinCounts, SkinLayout, cells};
+use sinew_runtime::skin::{NormalErrors, Output, Rest, ShapeErrors, SkinCounts, SkinLayout, cells};
 use sinew_runtime::{
-    CallError, Envelope, KernelMap, Limits, LocalTransform, Matrix3x4, Model, Skin, SkinJob,
-    Workspace, model_space_pose, stages,
+    CallError, Envelope, KernelMap, Limits, LocalTransform, Matrix3x4, Model, ShapesJob, Skin,
+    SkinJob, Workspace, model_space_pose, stages,
 };
 
 firmware::image!(run);
@@ -80,6 +80,7 @@ fn of_envelope(envelope: Envelope<'_>) {
 fn of_skin(skin: Skin<'_>) {
     mesh(skin);
     tell(skinned(skin));
+    tell(shaped(skin));
 }
 
 #[inline(never)]
@@ -155,7 +156,7 @@ fn tables(model: &Model<&[u8]>) {
     let group = GroupRow::from_bytes(&black_box([0; GroupRow::BYTES]));
     black_box((group.words(), group.scratch_len(), group.to_bytes()));
     if let Some(kind) = SectionKind::from_number(black_box(1)) {
-        black_box((kind.name(), kind.element().name(), Element::ALL));
+        black_box((kind.name(), kind.elements().first().map(|own| own.name()), Element::ALL));
         counts(kind);
     }
     if let Some(kernel) = GroupKernel::from_number(black_box(8)) {
@@ -169,10 +170,11 @@ fn counts(kind: SectionKind) {
         black_box((counts.has(kind), counts.section_bytes(kind), counts.palette_len()));
         black_box((counts.words(), counts.predictor.name()));
     }
-    let counts = SkinCounts::from_words(black_box([0; 4]));
-    black_box((counts.has(kind), counts.section_bytes(kind, index()), counts.envelope()));
-    black_box((counts.words(), Predictor::from_number(black_box(1))));
+    let counts = SkinCounts::from_words(black_box([0; 7]));
+    black_box((counts.has(kind), counts.section_bytes(kind, index(), black_box(Element::I8))));
+    black_box((counts.words(), counts.envelope(), Predictor::from_number(black_box(1))));
     black_box(NormalErrors::from_figures(black_box([0.0; 2])).figures());
+    black_box(ShapeErrors::from_figures(black_box([0.0; 2])).figures());
     kernel_rows(kind);
     black_box(Certificate::from_figures(black_box([0.0; 5])).figures());
 }
@@ -238,6 +240,12 @@ fn mesh(skin: Skin<'_>) {
     black_box((s.name(), s.counts(), s.file(), s.envelope_part(), s.has_tangents()));
     black_box((s.rest_position(index()), s.rest_normal(index()), s.rest_tangent(index())));
     black_box((s.rest_box(index()), s.has_coefficients(), s.normal_errors()));
+    black_box((s.shape_len(), s.shape_name(index()), s.shape_element(), s.shape_errors()));
+    black_box((s.shape_delta(index(), index()), s.shape_slopes(index(), index())));
+    black_box(s.shape_box(index()));
+    for delta in s.deltas_of(index()) {
+        black_box(delta);
+    }
     for pair in s.tangent_coefficients(index()) {
         black_box(pair);
     }
@@ -247,6 +255,27 @@ fn mesh(skin: Skin<'_>) {
     for range in s.ranges() {
         black_box(range);
     }
+}
+
+/// Shapes vertices, and bounds what comes of it.
+fn shaped(skin: Skin<'_>) -> Result<(), CallError> {
+    let weights = some::<f32>(&[]);
+    let floats = cells(some_mut(&mut []));
+    let attribute = || {
+        let floats = black_box(floats.get(index()..).unwrap_or_default());
+        black_box(Some(Output { floats, stride: index() }))
+    };
+    ShapesJob {
+        skin,
+        weights,
+        vertices: index()..index(),
+        positions: attribute(),
+        normals: attribute(),
+        tangents: attribute(),
+    }
+    .run()?;
+    black_box(skin.shaped_bounds(some(&[]), weights)?);
+    Ok(())
 }
 
 /// Skins with and without a remap and a mesh of the caller's.
