@@ -130,7 +130,7 @@ fn the_cost_of_smaller_numbers_is_measured() {
         let told = skin.shape_errors().unwrap();
         let near = |a: f32, b: f64| (f64::from(a) - b).abs() <= 1e-6 * b + 1e-12;
         assert!(near(told.largest, largest), "{told:?} {largest}");
-        assert!(near(told.rms, (squares / f64::from(len)).sqrt()), "{told:?}");
+        assert!(near(told.rms, (squares / len as f64).sqrt()), "{told:?}");
         // Half a step of the largest delta, in each of three coordinates.
         let most = 0.2;
         assert!(largest <= 3.0_f64.sqrt() * most * step * 1.01, "{numbers:?} {largest}");

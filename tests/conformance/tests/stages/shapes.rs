@@ -47,7 +47,8 @@ fn off_by(subject: &ShapeSubject<'_>, attribute: usize, factor: f64) -> Result<(
         if batch.vertices.len() != VERTICES {
             return;
         }
-        let own = [batch.positions, batch.normals, batch.tangents][attribute].unwrap();
+        let own =
+            [batch.positions, batch.normals, batch.tangents][attribute].expect("the skin has it");
         for face in 0..batch.instance_len {
             let weights = part(&subject.weights, subject.face_len, face);
             let right = tolerance::shapes(subject, 9, weights, IEEE);
