@@ -38,7 +38,7 @@ fn main() -> Result<(), Refused> {
         for pin in 0..PINS {
             let vertex = (pin * 127 + 3) as u32;
             let [x, y, z] = skin.place(vertex, &[], &start).unwrap_or_default();
-            let by = 0.02 + 0.002 * step as f32;
+            let by = 0.2 + 0.01 * step as f32;
             pins.add(Pin::new(vertex, [x + by, y - 0.5 * by, z + 0.3 * by]))?;
         }
         Ok(pins)

@@ -75,11 +75,11 @@ impl ActiveSet<'_> {
                 return (End::NoFactor, round);
             }
             if !self.is_bounded {
-                self.step.copy_from_slice(self.aim);
+                copy(self.step, self.aim);
                 return (End::Least, round);
             }
             if self.is_within() {
-                self.step.copy_from_slice(self.aim);
+                copy(self.step, self.aim);
                 cost = self.cost_of(Which::Step);
                 if !self.hold() {
                     return (End::Least, round);
@@ -195,7 +195,7 @@ impl ActiveSet<'_> {
             }
             let less = self.cost_of(Which::Tried);
             if less < cost {
-                self.step.copy_from_slice(self.free);
+                copy(self.step, self.free);
                 return Some(less);
             }
             share *= 0.5;
@@ -237,6 +237,11 @@ impl ActiveSet<'_> {
         self.is_factored &= !is_changed;
         is_changed
     }
+}
+
+/// Copies a vector, of the same length: where lengths may differ, firmware would have to hold a panic.
+fn copy(out: &mut [f64], from: &[f64]) {
+    out.iter_mut().zip(from).for_each(|(out, from)| *out = *from);
 }
 
 /// A step whose cost is asked for.
