@@ -343,9 +343,8 @@ mod tests {
                 for k in 0..free.len() {
                     for i in (0..free.len()).filter(|i| *i != k) {
                         let by = table[i][k] / table[k][k];
-                        for j in k..=free.len() {
-                            table[i][j] -= by * table[k][j];
-                        }
+                        let pivot = table[k].clone();
+                        table[i].iter_mut().zip(&pivot).for_each(|(x, own)| *x -= by * own);
                     }
                 }
                 for (k, &i) in free.iter().enumerate() {

@@ -147,7 +147,7 @@ impl<'a> PinJob<'a> {
         let shape_len = self.skin.shape_len();
         Argument::Prior.check_len(shape_len, self.prior.shape_len())?;
         Argument::Palette.check_len(self.skin.palette_len(), self.palette.len())?;
-        let last = self.temporal.map_or(&*weights, |temporal| temporal.weights);
+        let last = self.temporal.map_or(weights, |temporal| temporal.weights);
         for weights in [weights, last] {
             self.skin.check_weights(weights)?;
         }
