@@ -389,8 +389,12 @@ mod tests {
 
     #[test]
     fn what_is_held_at_zero_stays_there() {
-        let problem = Problem::new(5, 3);
+        let mut problem = Problem::new(5, 3);
         let zero = [0.25; 5];
+        // A weight that is held at 0 has bounds that hold 0.
+        for held in [1, 4] {
+            (problem.low[held], problem.high[held]) = (-1.0, 1.0);
+        }
         let (step, end, _) = problem.solved(&mut [FREE, ZERO, FREE, FREE, ZERO], &zero);
         assert_eq!((end, step[1], step[4]), (End::Least, 0.25, 0.25));
     }
