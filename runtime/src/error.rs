@@ -92,6 +92,10 @@ pub enum Argument {
     Variances,
     /// Weights of shapes.
     Weights,
+    /// The prior, or a number that says how much a term counts beside it.
+    Prior,
+    /// Pins; the index is a place in their list, or the vertex of one that is added.
+    Pins,
 }
 
 impl CallError {
@@ -150,6 +154,8 @@ impl Argument {
             Self::Jacobian => "Jacobian",
             Self::Variances => "variances",
             Self::Weights => "shape weights",
+            Self::Prior => "prior",
+            Self::Pins => "pins",
         }
     }
 
@@ -157,7 +163,8 @@ impl Argument {
     const fn elements(self) -> [&'static str; 2] {
         match self {
             Self::Query | Self::Outputs | Self::Jacobian | Self::Variances => ["number", "input"],
-            Self::Weights => ["shape"; 2],
+            Self::Weights | Self::Prior => ["shape"; 2],
+            Self::Pins => ["pin"; 2],
             _ => ["joint"; 2],
         }
     }

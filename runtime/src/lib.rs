@@ -22,6 +22,8 @@ mod linear;
 mod model;
 mod names;
 mod numeric;
+#[cfg(feature = "prior")]
+pub mod prior;
 pub mod skin;
 pub mod stages;
 mod workspace;
@@ -34,6 +36,8 @@ pub use kernel::KernelMap;
 pub use limits::Limits;
 pub use linear::Matrix3x4;
 pub use model::{Model, Section};
+#[cfg(feature = "prior")]
+pub use prior::{Pin, PinJob, Pins, Prior};
 #[cfg(feature = "shapes")]
 pub use skin::ShapesJob;
 pub use skin::{Skin, SkinJob};

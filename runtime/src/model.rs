@@ -9,6 +9,8 @@ use crate::format::{
 #[cfg(feature = "kernel")]
 use crate::kernel::{self, KernelMap};
 use crate::limits::Limits;
+#[cfg(feature = "prior")]
+use crate::prior::{self, Prior};
 use crate::skin::{self, Skin};
 use core::fmt;
 
@@ -114,6 +116,30 @@ impl<B: AsRef<[u8]>> Model<B> {
         self.kernels().find(|kernel| kernel.name() == name)
     }
 
+    /// Returns the first prior; `None` if the file has none.
+    #[cfg(feature = "prior")]
+    pub fn prior(&self) -> Option<Prior<'_>> {
+        self.found.first(PartKind::Prior, self.bytes.as_ref()).map(Prior)
+    }
+
+    /// Lists the priors; keep [`Prior::layout`] likewise.
+    #[cfg(feature = "prior")]
+    pub fn priors(&self) -> impl Iterator<Item = Prior<'_>> {
+        self.parts_of(PartKind::Prior).map(Prior)
+    }
+
+    /// Returns the prior of this name.
+    #[cfg(feature = "prior")]
+    pub fn prior_named(&self, name: &str) -> Option<Prior<'_>> {
+        self.priors().find(|prior| prior.name() == name)
+    }
+
+    /// Returns the skin whose shapes a prior of this model is of.
+    #[cfg(feature = "prior")]
+    pub fn skin_of(&self, prior: &Prior<'_>) -> Option<Skin<'_>> {
+        self.part(PartKind::Skin, u16::try_from(prior.counts().skin).ok()?).map(Skin)
+    }
+
     /// Returns the envelope whose palette a skin of this model follows.
     pub fn envelope_of(&self, skin: &Skin<'_>) -> Option<Envelope<'_>> {
         let part = skin.counts().envelope()?;
@@ -212,6 +238,13 @@ impl Found {
                         first.keep(&view.0.layout);
                         kernel::check::content(&view, loading)?;
                     }
+                    #[cfg(feature = "prior")]
+                    PartKind::Prior => {
+                        let mut view = Prior(view);
+                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
+                        first.keep(&view.0.layout);
+                        prior::check::content(&view, loading)?;
+                    }
                 }
             }
         }
@@ -220,8 +253,10 @@ impl Found {
 
     /// Returns the first part of a kind.
     fn first<'a>(&self, kind: PartKind, file: &'a [u8]) -> Option<Part<'a>> {
-        // Kinds are numbered from 1.
-        let layout = self.firsts.get(usize::from(kind.number()).wrapping_sub(1))?;
+        // Kinds are numbered from 1; one that this reader does not know has no place.
+        let missing = !cfg!(feature = "kernel") && kind.number() > 3;
+        let place = usize::from(kind.number()).wrapping_sub(1 + usize::from(missing));
+        let layout = self.firsts.get(place)?;
         layout.is_some().then_some(Part { layout: *layout, file })
     }
 }
@@ -240,6 +275,8 @@ fn find_part(
         PartKind::Skin => &skin::RULES,
         #[cfg(feature = "kernel")]
         PartKind::Kernel => &kernel::RULES,
+        #[cfg(feature = "prior")]
+        PartKind::Prior => &prior::RULES,
     };
     out.enter(loading, manifest, part, rules)?;
     // The counts are the first of the rules.
@@ -255,6 +292,12 @@ fn find_part(
         }
         #[cfg(feature = "kernel")]
         PartKind::Kernel => kernel::check::counts(&out.layout.counts, loading)?,
+        #[cfg(feature = "prior")]
+        PartKind::Prior => {
+            let shape_len = |part| shape_len(loading, manifest, part);
+            let part_len = manifest.parts(file).len();
+            prior::check::counts(&out.layout.counts, loading, part_len, shape_len)?
+        }
     };
     out.find_sections(loading, manifest, rules, &asked)
 }
@@ -267,6 +310,17 @@ fn palette_len(loading: &Loading<'_>, manifest: &Manifest, part: u16) -> Option<
     let words = counts.as_chunks().0.first_chunk()?.map(u32::from_le_bytes);
     let len = EnvelopeCounts::from_words(words)?.palette_len() as u32;
     (row.kind == PartKind::Envelope.number()).then_some(len)
+}
+
+/// Counts the shapes of a part, if that is a skin; all of them have been checked.
+#[cfg(feature = "prior")]
+fn shape_len(loading: &Loading<'_>, manifest: &Manifest, part: u16) -> Option<u32> {
+    let row = manifest.parts(loading.file).nth(part.into())?;
+    let (number, _) = manifest.find(loading.file, part, SectionKind::SkinCounts.number())?;
+    let counts = manifest.tables().section(number.get(), loading.file)?;
+    let words = counts.as_chunks().0.first_chunk()?.map(u32::from_le_bytes);
+    let len = skin::SkinCounts::from_words(words).shape_len;
+    (row.kind == PartKind::Skin.number()).then_some(len)
 }
 
 /// Lists the parts of a kind; a reader's limits keep their number below 65,536.

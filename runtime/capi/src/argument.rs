@@ -53,6 +53,10 @@ pub enum sinew_argument {
     Variances = 21,
     /// Weights of shapes.
     ShapeWeights = 22,
+    /// A prior, or a number that says how much a term counts beside it.
+    Prior = 23,
+    /// Pins.
+    Pins = 24,
 
     /// Memory for an object; lengths in bytes.
     Memory = 50,
@@ -97,7 +101,7 @@ pub enum sinew_argument {
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 43] = {
+const NAMES: [(sinew_argument, &CStr); 45] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -123,6 +127,8 @@ const NAMES: [(sinew_argument, &CStr); 43] = {
         (A::Jacobian, c"Jacobian"),
         (A::Variances, c"variances"),
         (A::ShapeWeights, c"shape weights"),
+        (A::Prior, c"prior"),
+        (A::Pins, c"pins"),
         (A::Memory, c"memory"),
         (A::File, c"file"),
         (A::Limits, c"limits"),
@@ -180,6 +186,8 @@ impl From<Argument> for sinew_argument {
             Argument::Jacobian => Self::Jacobian,
             Argument::Variances => Self::Variances,
             Argument::Weights => Self::ShapeWeights,
+            Argument::Prior => Self::Prior,
+            Argument::Pins => Self::Pins,
         }
     }
 }

@@ -35,6 +35,8 @@ mod job;
 
 mod shapes;
 
+mod prior;
+
 pub use argument::*;
 pub use envelope::*;
 pub use error::*;
@@ -44,6 +46,7 @@ pub use matrix::*;
 pub use mesh::*;
 pub use model::*;
 pub use palette::*;
+pub use prior::*;
 pub use shapes::*;
 pub use skin::*;
 pub use status::*;

@@ -69,7 +69,8 @@ pub enum FileErrorKind {
     /// twist too large, weights do not sum to one, a fade does not start and then end, vertices lie
     /// outside a rest box (`found` is the vertex), a range is not inside the mesh, or ends before it
     /// starts, a first term is not 1, deltas lie outside their shape's box (`found` is the delta), entries of
-    /// shapes are out of order or move no vertex of their block.
+    /// shapes are out of order or move no vertex of their block, a factor's diagonal is not positive or too small for
+    /// its column, weights have a bound that ends before it starts, a pair is of one shape or cannot be 0, β is 0.
     Invalid,
 }
 
@@ -98,6 +99,7 @@ fn counted(section: Option<SectionKind>, index: u32) -> &'static str {
             "values",
             "rows of the variance",
         ],
+        Some(SectionKind::PriorCounts) => &["skin", "shapes", "symmetry", "cancel pairs"],
         Some(_) => &[],
     };
     names.get(index as usize).copied().unwrap_or("elements")
@@ -174,6 +176,7 @@ impl fmt::Display for FileError {
                     let of = match section {
                         Some(SectionKind::KernelCounts) => "rows",
                         Some(SectionKind::SkinCounts) => "blocks",
+                        Some(SectionKind::PriorCounts) => "skins",
                         _ => "groups",
                     };
                     write!(f, "{what}: the {of} need {expected}, found {found}")
@@ -229,6 +232,19 @@ impl fmt::Display for FileError {
                     f,
                     "entry {index} moves no vertex, or one beyond the mesh, or its shape is out of order"
                 ),
+                Some(SectionKind::PriorFactor) => {
+                    write!(f, "float {index} of {name} is too small for the diagonal of its column")
+                }
+                Some(SectionKind::WeightBounds) => {
+                    write!(f, "the bounds of weight {index} end before they start")
+                }
+                Some(SectionKind::Symmetry) => {
+                    write!(f, "pair {index} of {name} is of one shape, or its stiffness negative")
+                }
+                Some(SectionKind::CancelPairs) => {
+                    write!(f, "pair {index} of {name} is of one shape, or of one that cannot be 0")
+                }
+                Some(SectionKind::PriorFit) => f.write_str("pins have no stiffness: beta is 0"),
                 _ => write!(f, "element {index} of {name} is not valid"),
             },
         }

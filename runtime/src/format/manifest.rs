@@ -85,6 +85,12 @@ impl FileId {
     /// That of no file.
     pub(crate) const NONE: Self = Self { len: 0, checksum: 0 };
 
+    /// Returns its numbers.
+    #[cfg(feature = "prior")]
+    pub(crate) const fn words(self) -> [u32; 2] {
+        [self.len, self.checksum]
+    }
+
     /// Reads it; `None` of bytes that are too short to be a file.
     pub fn of(file: &[u8]) -> Option<Self> {
         let checksum = file.get(CHECKSUM_OFFSET..)?.first_chunk()?;

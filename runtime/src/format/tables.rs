@@ -11,15 +11,21 @@ pub enum PartKind {
     /// A function of a few numbers (METHOD §2).
     #[cfg(feature = "kernel")]
     Kernel = 3,
+    /// How the weights of a skin's shapes belong together (METHOD §5).
+    #[cfg(feature = "prior")]
+    Prior = 4,
 }
 
 impl PartKind {
     /// Every kind that this reader knows.
-    pub const ALL: [Self; if cfg!(feature = "kernel") { 3 } else { 2 }] = [
+    pub const ALL: [Self;
+        2 + cfg!(feature = "kernel") as usize + cfg!(feature = "prior") as usize] = [
         Self::Envelope,
         Self::Skin,
         #[cfg(feature = "kernel")]
         Self::Kernel,
+        #[cfg(feature = "prior")]
+        Self::Prior,
     ];
 
     /// Returns its number in the file.
@@ -34,6 +40,8 @@ impl PartKind {
             Self::Skin => "skin",
             #[cfg(feature = "kernel")]
             Self::Kernel => "kernel",
+            #[cfg(feature = "prior")]
+            Self::Prior => "prior",
         }
     }
 
@@ -44,6 +52,8 @@ impl PartKind {
             2 => Some(Self::Skin),
             #[cfg(feature = "kernel")]
             3 => Some(Self::Kernel),
+            #[cfg(feature = "prior")]
+            4 => Some(Self::Prior),
             _ => None,
         }
     }
@@ -271,11 +281,25 @@ pub enum SectionKind {
     ShapeSlopes = 38,
     /// How far shapes were measured to be from those that were baked.
     ShapeErrors = 39,
+    /// Counts of a prior.
+    PriorCounts = 40,
+    /// Mean weights.
+    PriorMean = 41,
+    /// Factor of the precision of weights.
+    PriorFactor = 42,
+    /// Least and greatest weights.
+    WeightBounds = 43,
+    /// Pairs of shapes that mirror each other.
+    Symmetry = 44,
+    /// Pairs of shapes of which one alone is at work.
+    CancelPairs = 45,
+    /// How stiff pins are by default, and what a prior was measured to reach.
+    PriorFit = 46,
 }
 
 impl SectionKind {
     /// Every kind, by number.
-    pub const ALL: [Self; 39] = [
+    pub const ALL: [Self; 46] = [
         Self::Names,
         Self::Hierarchy,
         Self::InverseBinds,
@@ -315,6 +339,13 @@ impl SectionKind {
         Self::ShapeDeltas,
         Self::ShapeSlopes,
         Self::ShapeErrors,
+        Self::PriorCounts,
+        Self::PriorMean,
+        Self::PriorFactor,
+        Self::WeightBounds,
+        Self::Symmetry,
+        Self::CancelPairs,
+        Self::PriorFit,
     ];
 
     /// Returns its number in the file.
@@ -369,6 +400,13 @@ impl SectionKind {
             Self::ShapeDeltas => "shape_deltas",
             Self::ShapeSlopes => "shape_slopes",
             Self::ShapeErrors => "shape_errors",
+            Self::PriorCounts => "prior_counts",
+            Self::PriorMean => "prior_mean",
+            Self::PriorFactor => "prior_factor",
+            Self::WeightBounds => "weight_bounds",
+            Self::Symmetry => "symmetry",
+            Self::CancelPairs => "cancel_pairs",
+            Self::PriorFit => "prior_fit",
         }
     }
 
@@ -377,9 +415,12 @@ impl SectionKind {
         match self {
             Self::Names | Self::Keys | Self::Groups | Self::Corrections => &[Element::Mixed],
             Self::KernelRule | Self::Inputs | Self::Outputs => &[Element::Mixed],
+            Self::Symmetry => &[Element::Mixed],
             Self::Hierarchy | Self::InfluenceIndices | Self::Terms => &[Element::U16],
+            Self::CancelPairs => &[Element::U16],
             Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => &[Element::U32],
             Self::KernelCounts | Self::ShapeBlocks | Self::ShapeEntries => &[Element::U32],
+            Self::PriorCounts => &[Element::U32],
             Self::TangentCoefficients => &[Element::F16],
             Self::ShapeDeltas | Self::ShapeSlopes => &[Element::F32, Element::F16, Element::I8],
             _ => &[Element::F32],

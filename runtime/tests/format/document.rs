@@ -12,6 +12,7 @@ use sinew_runtime::kernel::{
     EulerOrder, InputKind, InputRow, KERNEL_SECTIONS, Kernel, KernelCounts, KernelFit, KernelRule,
     NO_TERM, Normalise, OutputKind, OutputRow, QueryRule,
 };
+use sinew_runtime::prior::{PRIOR_SECTIONS, PriorCounts, PriorFit};
 use sinew_runtime::skin::{BLOCK, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
 
 /// Cells of the rows of the table under a heading.
@@ -78,6 +79,17 @@ fn of_kernel(formula: &str, counts: &KernelCounts) -> u64 {
     })
 }
 
+fn of_prior(formula: &str, counts: &PriorCounts) -> u64 {
+    let s = u64::from(counts.shape_len);
+    evaluate(formula, |word| match word {
+        "S" => Some(s),
+        "T" => Some(s * (s + 1) / 2),
+        "Y" => Some(counts.symmetry_len.into()),
+        "C" => Some(counts.cancel_len.into()),
+        _ => None,
+    })
+}
+
 fn envelope_counts(predictor: Predictor, [j, p, g]: [u32; 3]) -> EnvelopeCounts {
     let (joint_len, proxy_len, group_len) = (j, p, g);
     EnvelopeCounts { predictor, joint_len, proxy_len, root: 0, group_len, correction_len: 0 }
@@ -121,16 +133,18 @@ fn the_document_lists_the_sections_of_the_code() {
     let skin = table(FORMAT, "Sections of a skin");
     let kernel = table(FORMAT, "Sections of a kernel");
     assert_eq!((envelope.len(), skin.len()), (ENVELOPE_SECTIONS.len(), SKIN_SECTIONS.len()));
-    assert_eq!(kernel.len(), KERNEL_SECTIONS.len());
+    let prior = table(FORMAT, "Sections of a prior");
+    assert_eq!((kernel.len(), prior.len()), (KERNEL_SECTIONS.len(), PRIOR_SECTIONS.len()));
     let two = envelope.iter().zip(ENVELOPE_SECTIONS).chain(skin.iter().zip(SKIN_SECTIONS));
-    for (row, kind) in two.chain(kernel.iter().zip(KERNEL_SECTIONS)) {
+    let others = kernel.iter().zip(KERNEL_SECTIONS).chain(prior.iter().zip(PRIOR_SECTIONS));
+    for (row, kind) in two.chain(others) {
         assert_eq!(row[0], kind.number().to_string());
         let elements = kind.elements().iter().map(|element| element.name());
         assert_eq!((row[1], row[4]), (kind.name(), &*elements.collect::<Vec<_>>().join(", ")));
         assert_eq!(SectionKind::from_number(kind.number()), Some(kind));
     }
     let listed = |kind: SectionKind| {
-        let all = envelope.iter().chain(&skin).chain(&kernel);
+        let all = envelope.iter().chain(&skin).chain(&kernel).chain(&prior);
         all.into_iter().any(|row| row[0] == kind.number().to_string())
     };
     assert!(SectionKind::ALL.into_iter().all(listed));
@@ -188,6 +202,14 @@ fn the_document_lists_the_sections_of_the_code() {
             };
             assert_eq!(counts.has(kind), has, "{}", row[1]);
             assert_eq!(counts.section_bytes(kind), Some(of_kernel(row[2], &counts)), "{}", row[1]);
+        }
+    }
+    for (row, kind) in prior.iter().zip(PRIOR_SECTIONS) {
+        assert_eq!(row[3], "yes");
+        for words in [[0, 1, 0, 0], [3, 53, 22, 2], [9, 65_535, 1, 0]] {
+            let counts = PriorCounts::from_words(words);
+            let bytes = of_prior(row[2], &counts);
+            assert_eq!(counts.section_bytes(kind), Some(bytes), "{}", row[1]);
         }
     }
 }
@@ -316,6 +338,35 @@ fn the_document_lays_the_numbers_of_a_kernel_out_as_the_code() {
     ];
     let bytes = figures.map(f32::to_le_bytes);
     assert_fields("Fit of a kernel", bytes.as_flattened(), &fields);
+}
+
+#[test]
+fn the_document_lays_the_numbers_of_a_prior_out_as_the_code() {
+    let words: [u32; 4] = [11, 12, 13, 14];
+    let counts = PriorCounts::from_words(words);
+    assert_eq!(counts.words(), words);
+    let fields = [
+        ("skin", counts.skin.into()),
+        ("shape_len", counts.shape_len.into()),
+        ("symmetry_len", counts.symmetry_len.into()),
+        ("cancel_len", counts.cancel_len.into()),
+    ];
+    let bytes = words.map(u32::to_le_bytes);
+    assert_eq!(bytes.as_flattened().len(), PriorCounts::BYTES);
+    assert_fields("Counts of a prior", bytes.as_flattened(), &fields);
+
+    let figures = [1.0, 2.0, 3.0, 4.0];
+    let fit = PriorFit::from_figures(figures);
+    assert_eq!(fit.figures(), figures);
+    let bits = |x: f32| u64::from(x.to_bits());
+    let fields = [
+        ("beta", bits(fit.beta)),
+        ("frames", bits(fit.frames)),
+        ("error", bits(fit.error)),
+        ("slider_error", bits(fit.slider_error)),
+    ];
+    let bytes = figures.map(f32::to_le_bytes);
+    assert_fields("Fit of a prior", bytes.as_flattened(), &fields);
 }
 
 #[test]

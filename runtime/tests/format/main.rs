@@ -11,6 +11,7 @@ mod kernels;
 mod limits;
 mod message;
 mod ownership;
+mod priors;
 mod shapes;
 mod sound;
 mod tables;

@@ -143,7 +143,7 @@ fn file_model(predictor: Predictor) -> FileModel {
         handedness: Handedness::Right,
         unit: Some(1.0),
     };
-    FileModel { space, envelopes: vec![envelope], skins: vec![skin] }
+    FileModel { space, envelopes: vec![envelope], skins: vec![skin], ..FileModel::default() }
 }
 
 fn golden_path(predictor: Predictor) -> PathBuf {
@@ -298,7 +298,12 @@ fn shapes_are_baked_as_the_maker_of_models_writes_them() {
         let expected = Model::from_bytes(pieces.bytes()).unwrap();
         let mut skin = SkinModel::from_file(&expected.skin().unwrap());
         skin.shapes.numbers = numbers;
-        let file = FileModel { space: Space::default(), envelopes: Vec::new(), skins: vec![skin] };
+        let file = FileModel {
+            space: Space::default(),
+            envelopes: Vec::new(),
+            skins: vec![skin],
+            ..FileModel::default()
+        };
         let found = Model::from_bytes(file.bake().unwrap()).unwrap();
         for kind in [
             SectionKind::SkinCounts,

@@ -49,7 +49,7 @@ fn file_model(u: &mut Unstructured<'_>) -> Result<FileModel> {
     let envelopes = list(envelope_len, || envelope(u))?;
     let skin_len = u.int_in_range(usize::from(envelope_len == 0)..=3)?;
     let skins = list(skin_len, || skin(&envelopes, u))?;
-    Ok(FileModel { space: space(u)?, envelopes, skins })
+    Ok(FileModel { space: space(u)?, envelopes, skins, ..FileModel::default() })
 }
 
 fn space(u: &mut Unstructured<'_>) -> Result<Space> {

@@ -12,6 +12,7 @@ pub mod head;
 mod kernels;
 mod message;
 mod pieces;
+mod priors;
 #[path = "../../golden/rng.rs"]
 mod rng;
 mod sample;
@@ -27,6 +28,7 @@ pub use groups::{GroupContent, sample_groups};
 pub use kernels::{KernelContent, VarianceContent};
 pub use message::{Message, seal};
 pub use pieces::{Content, Pieces};
+pub use priors::PriorContent;
 pub use rng::Rng;
 pub use sample::direction;
 pub use shape::{SMALL, Shape};

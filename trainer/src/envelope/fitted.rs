@@ -110,7 +110,12 @@ impl Fitted {
             lbs_training_rms: length(certificate.lbs_training_rms),
             correction_error: rounding::farthest(groups, training, &envelope, &skin) as f32,
         };
-        FileModel { space: examples.space, envelopes: vec![envelope], skins: vec![skin] }
+        FileModel {
+            space: examples.space,
+            envelopes: vec![envelope],
+            skins: vec![skin],
+            ..FileModel::default()
+        }
     }
 }
 

@@ -318,6 +318,7 @@ fn without_coefficients(model: &[u8], skin: &str) -> Vec<u8> {
         space: loaded.space(),
         envelopes: loaded.envelopes().map(|e| EnvelopeModel::from_file(&e)).collect(),
         skins: skins.collect(),
+        ..FileModel::default()
     };
     model.bake().unwrap()
 }

@@ -64,7 +64,12 @@ fn face(numbers: ShapeNumbers) -> (SkinModel, Vec<[usize; 3]>) {
 }
 
 fn baked(skin: SkinModel) -> Model<Vec<u8>> {
-    let file = FileModel { space: Space::default(), envelopes: Vec::new(), skins: vec![skin] };
+    let file = FileModel {
+        space: Space::default(),
+        envelopes: Vec::new(),
+        skins: vec![skin],
+        ..FileModel::default()
+    };
     Model::from_bytes(file.bake().unwrap()).unwrap()
 }
 
@@ -182,7 +187,12 @@ fn shapes_that_do_not_fit_are_refused() {
     let refused = |edit: &dyn Fn(&mut Shapes)| {
         let (mut face, _) = face(ShapeNumbers::I8);
         edit(&mut face.shapes);
-        let file = FileModel { space: Space::default(), envelopes: Vec::new(), skins: vec![face] };
+        let file = FileModel {
+            space: Space::default(),
+            envelopes: Vec::new(),
+            skins: vec![face],
+            ..FileModel::default()
+        };
         file.bake().unwrap_err()
     };
     let length = |what, expected, found| BakeError::Length { what, expected, found };

@@ -131,7 +131,7 @@ impl ShapesJob<'_> {
 
 impl Skin<'_> {
     /// Checks the weights of shapes.
-    pub(super) fn check_weights(&self, weights: &[f32]) -> Result<(), CallError> {
+    pub(crate) fn check_weights(&self, weights: &[f32]) -> Result<(), CallError> {
         Argument::Weights.check_len(self.shape_len(), weights.len())?;
         match weights.iter().position(|weight| !weight.is_finite()) {
             None => Ok(()),

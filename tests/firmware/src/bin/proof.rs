@@ -15,10 +15,11 @@ use sinew_runtime::kernel::{
     EulerOrder, InputKind, InputRow, Kernel, KernelCounts, KernelFit, KernelLayout, KernelRule,
     OutputKind, OutputRow,
 };
+use sinew_runtime::prior::{Anchor, PriorCounts, PriorLayout, Temporal};
 use sinew_runtime::skin::{NormalErrors, Output, Rest, ShapeErrors, SkinCounts, SkinLayout, cells};
 use sinew_runtime::{
-    CallError, Envelope, KernelMap, Limits, LocalTransform, Matrix3x4, Model, ShapesJob, Skin,
-    SkinJob, Workspace, model_space_pose, stages,
+    CallError, Envelope, KernelMap, Limits, LocalTransform, Matrix3x4, Model, Pin, PinJob, Pins,
+    Prior, ShapesJob, Skin, SkinJob, Workspace, model_space_pose, stages,
 };
 
 firmware::image!(run);
@@ -61,6 +62,15 @@ fn run() -> bool {
         if let Some(kernel) = kept.open(some(&[])) {
             of_kernel(kernel);
         }
+    }
+    let first = [model.prior(), model.prior_named(name)].into_iter().flatten();
+    for prior in first.chain(model.priors()) {
+        if let Some(skin) = model.skin_of(&prior) {
+            tell(pinned(prior, skin));
+        }
+        let kept: PriorLayout = prior.layout();
+        black_box(kept.counts());
+        black_box(kept.open(some(&[])).is_some());
     }
     black_box(model.into_bytes());
     true
@@ -255,6 +265,45 @@ fn mesh(skin: Skin<'_>) {
     for range in s.ranges() {
         black_box(range);
     }
+}
+
+/// Reads a prior, and solves for pins.
+#[inline(never)]
+fn pinned(prior: Prior<'_>, skin: Skin<'_>) -> Result<(), CallError> {
+    let counts = prior.counts();
+    let counts = PriorCounts::from_words(black_box(counts.words()));
+    black_box((prior.name(), prior.file(), prior.part(), prior.fit().figures()));
+    black_box((prior.mean(index()), prior.weight_bounds(index())));
+    black_box((prior.factor_entry(index(), index()), counts.pin_scratch_len(index())));
+    if let Some(kind) = SectionKind::from_number(black_box(1)) {
+        black_box(counts.section_bytes(kind));
+    }
+    for (pair, stiffness) in prior.symmetry() {
+        black_box((pair, stiffness));
+    }
+    for pair in prior.cancel_pairs() {
+        black_box(pair);
+    }
+    let mut pins = Pins::<4>::new();
+    for vertex in 0..black_box(5) {
+        pins.add(black_box(Pin::new(vertex, [0.5; 3])))?;
+    }
+    pins.add(black_box(Pin::on_screen(1, [[0.0; 4]; 2], [0.0; 2]).masked([true, false, true])))?;
+    let weights = some::<f32>(&[]);
+    let job = PinJob {
+        palette: some(&[]),
+        anchor: if black_box(true) { Anchor::Mean } else { Anchor::Current },
+        beta: black_box(1.0),
+        is_bounded: black_box(true),
+        temporal: black_box(Some(Temporal { weights, stiffness: 1.0 })),
+        symmetry: black_box(1.0),
+        cancels: black_box(true),
+        ..PinJob::new(prior, skin, pins.list())
+    };
+    black_box(job.run(some_mut(&mut []), some_mut(&mut []))?);
+    black_box(skin.place(black_box(0), some(&[]), weights));
+    pins.clear();
+    Ok(())
 }
 
 /// Shapes vertices, and bounds what comes of it.

@@ -37,7 +37,7 @@ impl Image {
             Self::Cost => Some("cortex-m"),
             Self::CostServo => Some("cortex-m,kernel"),
             Self::CostNormals => Some("cortex-m,tangent-coefficients"),
-            Self::Bits | Self::Proof => Some("kernel,shapes,tangent-coefficients"),
+            Self::Bits | Self::Proof => Some("kernel,prior,shapes,tangent-coefficients"),
             Self::Servo | Self::SizeServo => Some("kernel"),
             Self::SizeNormals => Some("tangent-coefficients"),
             Self::SizeShapes => Some("shapes"),
@@ -163,7 +163,7 @@ pub(super) fn lint(folder: &Path) -> Result<(), String> {
     let mut command = cargo(folder, M4F);
     command.args(["clippy", "--quiet", "--locked", "--manifest-path", MANIFEST]);
     command
-        .args(["--bins", "--features", "control,cortex-m,kernel,shapes,tangent-coefficients"])
+        .args(["--bins", "--features", "control,cortex-m,kernel,prior,shapes,tangent-coefficients"])
         .args(triple(M4F));
     crate::call::run(command.args(["--", "-D", "warnings"]))
 }

@@ -2,50 +2,62 @@
 
 use serde_json::{Map, Value, json};
 
-use super::error::ExportError;
+/// A glTF file that cannot be put together.
+#[derive(Debug, thiserror::Error)]
+pub enum GlbError {
+    /// The file would be larger than binary glTF allows.
+    #[error("the file takes {bytes} bytes, and binary glTF holds 4 GiB: export fewer frames")]
+    TooLarge {
+        /// Bytes needed.
+        bytes: usize,
+    },
+    /// The file could not be put together.
+    #[error("cannot be put together: {0}")]
+    Json(serde_json::Error),
+}
 
 /// A node of the document.
-pub(super) type NodeIndex = usize;
+pub(crate) type NodeIndex = usize;
 /// A skin of the document.
-pub(super) type SkinIndex = usize;
+pub(crate) type SkinIndex = usize;
 /// An array of the document.
-pub(super) type ArrayIndex = usize;
+pub(crate) type ArrayIndex = usize;
 
 /// A tree of members, one scene and one buffer: begun empty, or with a file, of which every member stays
 /// as it is that nobody asks to change.
-pub(super) struct Document {
-    pub(super) root: Map<String, Value>,
-    pub(super) nodes: Vec<Value>,
-    pub(super) meshes: Vec<Value>,
-    pub(super) skins: Vec<Value>,
-    pub(super) animations: Vec<Value>,
-    pub(super) accessors: Vec<Value>,
-    pub(super) views: Vec<Value>,
+pub(crate) struct Document {
+    pub(crate) root: Map<String, Value>,
+    pub(crate) nodes: Vec<Value>,
+    pub(crate) meshes: Vec<Value>,
+    pub(crate) skins: Vec<Value>,
+    pub(crate) animations: Vec<Value>,
+    pub(crate) accessors: Vec<Value>,
+    pub(crate) views: Vec<Value>,
     /// Nodes of the scene that is shown; none where the file has no scene.
     scene: Option<Vec<Value>>,
     /// Accessors and views that nothing uses any more; new ones take their places.
-    pub(super) free: [Vec<usize>; 2],
-    pub(super) bytes: Vec<u8>,
+    pub(crate) free: [Vec<usize>; 2],
+    pub(crate) bytes: Vec<u8>,
 }
 
 /// Places a node against its parent: scaled, then turned, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Placed {
+pub(crate) struct Placed {
     /// Where its origin is.
-    pub(super) translation: [f32; 3],
+    pub(crate) translation: [f32; 3],
     /// A unit quaternion, xyzw.
-    pub(super) rotation: [f32; 4],
+    pub(crate) rotation: [f32; 4],
     /// Factors along its own axes.
-    pub(super) scale: [f32; 3],
+    pub(crate) scale: [f32; 3],
 }
 
 impl Placed {
     /// Coincides with the parent.
-    pub(super) const AT_PARENT: Self =
+    pub(crate) const AT_PARENT: Self =
         Self { translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] };
 
     /// States in a node's members what differs from its parent's place.
-    pub(super) fn state(&self, node: &mut Value) {
+    pub(crate) fn state(&self, node: &mut Value) {
         let Self { translation, rotation, scale } = *self;
         let rest = Self::AT_PARENT;
         for (name, differs, numbers) in [
@@ -61,25 +73,27 @@ impl Placed {
 }
 
 /// What moves one property of a node: one value a key time.
-pub(super) struct Track {
+pub(crate) struct Track {
     /// The node.
-    pub(super) node: NodeIndex,
+    pub(crate) node: NodeIndex,
     /// The values.
-    pub(super) keys: ChannelKeys,
+    pub(crate) keys: ChannelKeys,
 }
 
 /// Values of one property.
-pub(super) enum ChannelKeys {
+pub(crate) enum ChannelKeys {
     /// Translations.
     Translation(Vec<[f32; 3]>),
     /// Unit quaternions, xyzw.
     Rotation(Vec<[f32; 4]>),
     /// Scales.
     Scale(Vec<[f32; 3]>),
+    /// Weights of a mesh's morph targets, those of a key one after the other.
+    Weights(Vec<[f32; 1]>),
 }
 
 /// What an array holds, and how its elements are called.
-pub(super) struct ArrayKind {
+pub(crate) struct ArrayKind {
     component: u32,
     element: &'static str,
     target: Option<u32>,
@@ -87,12 +101,12 @@ pub(super) struct ArrayKind {
 
 impl ArrayKind {
     /// An attribute of vertices of these components.
-    pub(super) const fn vertices(component: u32, element: &'static str) -> Self {
+    pub(crate) const fn vertices(component: u32, element: &'static str) -> Self {
         Self { component, element, target: Some(34962) }
     }
 
     /// Floats that are no vertices'.
-    const fn floats(element: &'static str) -> Self {
+    pub(crate) const fn floats(element: &'static str) -> Self {
         Self { component: F32, element, target: None }
     }
 
@@ -103,14 +117,14 @@ impl ArrayKind {
 }
 
 /// The components of glTF.
-pub(super) const U8: u32 = 5121;
-pub(super) const U16: u32 = 5123;
-pub(super) const U32: u32 = 5125;
-pub(super) const F32: u32 = 5126;
+pub(crate) const U8: u32 = 5121;
+pub(crate) const U16: u32 = 5123;
+pub(crate) const U32: u32 = 5125;
+pub(crate) const F32: u32 = 5126;
 
 impl Document {
     /// Begins a document whose asset carries a note.
-    pub(super) fn new(note: &str) -> Self {
+    pub(crate) fn new(note: &str) -> Self {
         let generator = format!("sinew {}", env!("CARGO_PKG_VERSION"));
         let asset = json!({ "version": "2.0", "generator": generator, "extras": { "note": note } });
         let scenes = json!([{ "nodes": [] }]);
@@ -119,7 +133,7 @@ impl Document {
     }
 
     /// Begins with a file's tree and the bytes of its one buffer.
-    pub(super) fn of(mut root: Map<String, Value>, bytes: Vec<u8>) -> Self {
+    pub(crate) fn of(mut root: Map<String, Value>, bytes: Vec<u8>) -> Self {
         let mut list = |name: &str| match root.remove(name) {
             Some(Value::Array(items)) => items,
             _ => Vec::new(),
@@ -138,7 +152,7 @@ impl Document {
     }
 
     /// Adds a node under a parent, or to the scene.
-    pub(super) fn node(
+    pub(crate) fn node(
         &mut self,
         name: String,
         parent: Option<NodeIndex>,
@@ -158,14 +172,14 @@ impl Document {
     }
 
     /// Adds a node to the scene.
-    pub(super) fn show(&mut self, node: NodeIndex) {
+    pub(crate) fn show(&mut self, node: NodeIndex) {
         if let Some(scene) = &mut self.scene {
             scene.push(json!(node));
         }
     }
 
     /// Adds a skin of joints under a common root, with their inverse bind matrices (rows of 3 x 4).
-    pub(super) fn skin(
+    pub(crate) fn skin(
         &mut self,
         root: NodeIndex,
         joints: &[NodeIndex],
@@ -178,7 +192,7 @@ impl Document {
 
     /// Adds an animation with keys at some times, in seconds, ascending; between them values are
     /// interpolated linearly, rotations along the shorter arc.
-    pub(super) fn animation(&mut self, name: &str, times: &[f32], tracks: Vec<Track>) {
+    pub(crate) fn animation(&mut self, name: &str, times: &[f32], tracks: Vec<Track>) {
         let times: Vec<[f32; 1]> = times.iter().map(|&time| [time]).collect();
         let input = self.floats(ArrayKind::floats("SCALAR"), &times);
         self.bound(input, &times);
@@ -194,6 +208,9 @@ impl Document {
                 ChannelKeys::Scale(keys) => {
                     ("scale", self.floats(ArrayKind::floats("VEC3"), &keys))
                 }
+                ChannelKeys::Weights(keys) => {
+                    ("weights", self.floats(ArrayKind::floats("SCALAR"), &keys))
+                }
             };
             let sampler = json!({ "input": input, "interpolation": "LINEAR", "output": output });
             let sampler = push(&mut samplers, sampler);
@@ -206,8 +223,8 @@ impl Document {
     /// Gives the file's bytes.
     ///
     /// # Errors
-    /// [`ExportError::TooLarge`] and [`ExportError::Json`].
-    pub(super) fn finish(mut self) -> Result<Vec<u8>, ExportError> {
+    /// [`GlbError`]
+    pub(crate) fn finish(mut self) -> Result<Vec<u8>, GlbError> {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let shown = self.root.get("scene").and_then(Value::as_u64).unwrap_or(0) as usize;
         let scene = self.root.get_mut("scenes").and_then(|scenes| scenes.get_mut(shown));
@@ -230,10 +247,10 @@ impl Document {
         let mut buffer = first.map_or(json!({}), Value::take);
         buffer["byteLength"] = json!(self.bytes.len());
         self.root.insert("buffers".to_owned(), json!([buffer]));
-        let mut json = serde_json::to_vec(&self.root).map_err(ExportError::Json)?;
+        let mut json = serde_json::to_vec(&self.root).map_err(GlbError::Json)?;
         json.resize(json.len().next_multiple_of(4), b' ');
         let bytes = HEADS + json.len() + self.bytes.len();
-        let length = u32::try_from(bytes).map_err(|_| ExportError::TooLarge { bytes })?;
+        let length = u32::try_from(bytes).map_err(|_| GlbError::TooLarge { bytes })?;
         let mut glb = Vec::with_capacity(bytes);
         glb.extend(b"glTF");
         glb.extend([2, length].map(u32::to_le_bytes).as_flattened());
@@ -246,7 +263,7 @@ impl Document {
     }
 
     /// Adds vertex numbers of triangles.
-    pub(super) fn indices(&mut self, triangles: &[[usize; 3]], vertex_len: usize) -> ArrayIndex {
+    pub(crate) fn indices(&mut self, triangles: &[[usize; 3]], vertex_len: usize) -> ArrayIndex {
         let corners = triangles.as_flattened();
         // The largest number of a width is kept free: some engines restart a strip at it.
         if vertex_len <= usize::from(u16::MAX) {
@@ -258,7 +275,7 @@ impl Document {
     }
 
     /// Adds matrices, rows of 3 x 4.
-    pub(super) fn matrices(&mut self, matrices: &[[[f32; 4]; 3]]) -> ArrayIndex {
+    pub(crate) fn matrices(&mut self, matrices: &[[[f32; 4]; 3]]) -> ArrayIndex {
         let columns = |m: &[[f32; 4]; 3]| -> [f32; 16] {
             std::array::from_fn(|at| match (at % 4, at / 4) {
                 (3, 3) => 1.0,
@@ -271,7 +288,7 @@ impl Document {
     }
 
     /// Adds rows of floats.
-    pub(super) fn floats<const N: usize>(
+    pub(crate) fn floats<const N: usize>(
         &mut self,
         kind: ArrayKind,
         rows: &[[f32; N]],
@@ -281,7 +298,7 @@ impl Document {
     }
 
     /// Adds an array in a view of its own, which begins on a multiple of four.
-    pub(super) fn array(&mut self, kind: ArrayKind, len: usize, bytes: Vec<u8>) -> ArrayIndex {
+    pub(crate) fn array(&mut self, kind: ArrayKind, len: usize, bytes: Vec<u8>) -> ArrayIndex {
         let ArrayKind { component, element, target } = kind;
         let view = self.view(bytes);
         if let Some(target) = target {
@@ -294,7 +311,7 @@ impl Document {
     }
 
     /// Adds bytes, which begin on a multiple of four.
-    pub(super) fn view(&mut self, bytes: Vec<u8>) -> usize {
+    pub(crate) fn view(&mut self, bytes: Vec<u8>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let begin = self.bytes.len();
         let view = json!({ "buffer": 0, "byteOffset": begin, "byteLength": bytes.len() });
@@ -303,7 +320,7 @@ impl Document {
     }
 
     /// States an array's bounds, which glTF wants of positions and of key times.
-    pub(super) fn bound<const N: usize>(&mut self, array: ArrayIndex, rows: &[[f32; N]]) {
+    pub(crate) fn bound<const N: usize>(&mut self, array: ArrayIndex, rows: &[[f32; N]]) {
         let bound = |choose: fn(f32, f32) -> f32, from: f32| -> Value {
             let all = |axis: usize| rows.iter().map(|row| row[axis]).fold(from, choose);
             (0..N).map(all).collect()

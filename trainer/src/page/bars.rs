@@ -1,10 +1,10 @@
 //! Bars in tables and under pictures, as inline SVG.
 
-use crate::page::colour::{Scale, heat};
+use super::colour::{Scale, heat};
 use std::fmt::Write;
 
 /// A bar for each value against the largest of all.
-pub(super) fn bars(values: &[(&str, f64)], most: f64) -> String {
+pub(crate) fn bars(values: &[(&str, f64)], most: f64) -> String {
     let height = 9 * values.len();
     let mut out = format!("<svg class=\"bars\" viewBox=\"0 0 200 {height}\" aria-hidden=\"true\">");
     for (row, (class, value)) in values.iter().enumerate() {
@@ -19,7 +19,7 @@ pub(super) fn bars(values: &[(&str, f64)], most: f64) -> String {
 }
 
 /// The colours of a scale and the errors that they stand for.
-pub(super) fn colour_bar(scale: &Scale, unit: &str) -> String {
+pub(crate) fn colour_bar(scale: &Scale, unit: &str) -> String {
     const STRIPS: usize = 60;
     const WIDTH: f64 = 300.0;
     let mut out = String::from("<svg class=\"scale\" viewBox=\"-14 0 328 34\" role=\"img\" ");
