@@ -10,7 +10,7 @@ use sinew_trainer::envelope::model::{FileModel, ShapeNumbers};
 use sinew_trainer::face::baked::BakedFace;
 use sinew_trainer::face::basis::{self, Basis, Source};
 use sinew_trainer::face::outline;
-use sinew_trainer::face::train::{Options, of_meshes, of_take};
+use sinew_trainer::face::train::{HANDLES, Options, measure, of_meshes, of_take};
 use std::path::PathBuf;
 
 /// Learns from a take how the expressions of a face go together, and bakes the face and that into a file.
@@ -133,13 +133,22 @@ fn print(
         "landmarks": basis.landmarks.len(),
         "frames": fit.frames,
         "tolerance": tolerance,
+        "error": fit.error,
+        "slider_error": fit.slider_error,
         "mirrored_pairs": counts.symmetry_len,
         "cancelling_pairs": counts.cancel_len,
         "bytes": bytes.len(),
         "mesh": mesh.named().display().to_string(),
     });
+    let reached = match fit.error > 0.0 {
+        true => format!(
+            "{HANDLES} landmarks leave {:.3e} on the last quarter, learned from the rest; the slider norm {:.3e}\n",
+            fit.error, fit.slider_error
+        ),
+        false => String::new(),
+    };
     let text = format!(
-        "{}: {}, {}, {}\n{learned}pins hold to {tolerance:.3e}; {} mirrored, {} cancelling\n\
+        "{}: {}, {}, {}\n{learned}{reached}pins hold to {tolerance:.3e}; {} mirrored, {} cancelling\n\
          wrote {} ({} bytes) and {}\n",
         printable(face.skin.name()),
         counted(vertices, "vertex", "vertices"),
@@ -178,7 +187,9 @@ fn with_take(
         path.display(),
         format_args!("move {driven}"),
     );
-    Ok((of_take(basis, &frames, options), learned))
+    let mut model = of_take(basis, &frames, options);
+    measure(&mut model, basis, &frames, options)?;
+    Ok((model, learned))
 }
 
 /// Sets the landmarks that were given.
