@@ -123,9 +123,9 @@ impl Basis {
         }
         let finite = |all: &[[f64; 3]]| all.as_flattened().iter().all(|x| x.is_finite());
         for (array, sound) in [
-            ("of positions", finite(&self.mesh.positions)),
-            ("of shapes", shapes.iter().all(|shape| finite(&shape.deltas))),
-            ("of identities", self.identities.iter().all(|deltas| finite(deltas))),
+            ("neutral", finite(&self.mesh.positions)),
+            ("expression_deltas", shapes.iter().all(|shape| finite(&shape.deltas))),
+            ("identity_deltas", self.identities.iter().all(|deltas| finite(deltas))),
         ] {
             if !sound {
                 return Err(FaceError::NotFinite { array });

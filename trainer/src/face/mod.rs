@@ -27,6 +27,8 @@ pub mod report;
 pub mod scene;
 mod skin;
 pub mod take;
+#[cfg(test)]
+mod tests;
 pub mod track;
 pub mod train;
 
