@@ -1,7 +1,8 @@
 //! Faces and takes as arrays, and what is refused of them.
 
-use super::basis::{self, Basis, Source};
+use super::basis::Basis;
 use super::error::FaceError;
+use super::source::{self, Source};
 use super::take;
 use crate::formats::npz::Writer;
 use crate::formats::testing::{Folder, shared};
@@ -48,7 +49,7 @@ impl Arrays {
     }
 
     fn read(&self, test: &str) -> Result<Basis, FaceError> {
-        match basis::read(&self.write(&Folder::new(test)))? {
+        match source::read(&self.write(&Folder::new(test)))? {
             Source::Shapes(basis) => Ok(basis),
             Source::Meshes(_) => panic!("it has shapes"),
         }
@@ -168,7 +169,7 @@ fn frames_are_picked_within_a_take() {
 #[test]
 fn the_head_of_ict_facekit_is_known() {
     let Some(file) = shared("ict-facekit/ict_head.npz") else { return };
-    let Source::Shapes(basis) = basis::read(&file).unwrap() else { panic!("it has shapes") };
+    let Source::Shapes(basis) = source::read(&file).unwrap() else { panic!("it has shapes") };
     assert_eq!((basis.vertex_len(), basis.mesh.shapes.len()), (11_248, 57));
     assert_eq!((basis.mesh.faces.len(), basis.identities.len()), (11_144, 30));
     assert_eq!((basis.landmarks.len(), basis.landmarks[0]), (68, 1225));

@@ -8,8 +8,9 @@ use serde_json::json;
 use sinew_runtime::Model;
 use sinew_trainer::envelope::model::{FileModel, ShapeNumbers};
 use sinew_trainer::face::baked::BakedFace;
-use sinew_trainer::face::basis::{self, Basis, Source};
+use sinew_trainer::face::basis::Basis;
 use sinew_trainer::face::outline;
+use sinew_trainer::face::source::{self, Source};
 use sinew_trainer::face::train::{HANDLES, Options, measure, of_meshes, of_take};
 use std::path::PathBuf;
 
@@ -81,8 +82,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             NumbersName::I8 => ShapeNumbers::I8,
         },
     };
-    let source = basis::read(path).with_context(about)?;
-    let (basis, model, learned) = match source {
+    let found = source::read(path).with_context(about)?;
+    let (basis, model, learned) = match found {
         Source::Meshes(meshes) => {
             refuse_for_meshes(arguments).with_context(about)?;
             let len = counted(meshes.positions.len(), "mesh", "meshes");

@@ -1,57 +1,8 @@
-//! Tables as CSV: a line of names, then a row a line.
+//! Reads tables.
 
-use super::error::FormatError;
+use super::error::CsvError;
+use crate::formats::error::FormatError;
 use std::path::Path;
-
-/// A table that cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub enum CsvError {
-    /// It is no text, or its quotes do not close.
-    #[error("line {line}: {reason}")]
-    Text {
-        /// The line, the first being 1.
-        line: u64,
-        /// What the reader says.
-        reason: String,
-    },
-    /// Two columns have one name.
-    #[error("line 1: two columns are named {name:?}")]
-    Twice {
-        /// The name.
-        name: String,
-    },
-    /// A column that is needed is absent.
-    #[error("line 1: there is no column {name:?}; there are {found}")]
-    Missing {
-        /// Its name.
-        name: String,
-        /// Those that there are.
-        found: String,
-    },
-    /// A row is shorter or longer than the line of names.
-    #[error("line {line}: expected {expected} columns, found {found}")]
-    Row {
-        /// The line, the first being 1.
-        line: u64,
-        /// Columns that have names.
-        expected: usize,
-        /// Columns of the line.
-        found: usize,
-    },
-    /// A cell is no number.
-    #[error("line {line}, column {column:?}: expected a number, found {found:?}")]
-    Number {
-        /// The line, the first being 1.
-        line: u64,
-        /// The column's name.
-        column: String,
-        /// What is there.
-        found: String,
-    },
-    /// There is no row.
-    #[error("has no row below its line of names")]
-    Empty,
-}
 
 /// A table of cells with named columns.
 pub(crate) struct Table {
