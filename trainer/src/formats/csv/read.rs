@@ -41,7 +41,7 @@ impl Table {
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(wrong)?;
-            let line = record.position().map_or(1, csv::Position::line);
+            let line = record.position().map_or(1, |position| line(text, position));
             let (expected, found) = (names.len(), record.len());
             if found != expected {
                 return Err(CsvError::Row { line, expected, found });
@@ -81,6 +81,13 @@ impl Table {
             Ok((*line, columns.iter().map(number).collect::<Result<_, _>>()?))
         })
     }
+}
+
+/// Says in which line a row is: a position is that of the empty lines before it.
+fn line(text: &[u8], position: &csv::Position) -> u64 {
+    let rest = text.get(position.byte() as usize..).unwrap_or_default();
+    let empty = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
+    position.line() + empty.filter(|byte| **byte == b'\n').count() as u64
 }
 
 #[cfg(test)]
