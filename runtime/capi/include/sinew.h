@@ -1,7 +1,7 @@
 /* Sinew: evaluates baked models of how skin moves. Made by cbindgen of runtime/capi/src; do not edit.
  *
  * Objects: a model is a loaded file, an envelope predicts a palette, a skin is a mesh that follows one,
- * a kernel is a function of a few numbers. They lie in memory of the caller, who asks for its size
+ * a kernel is a function of a few numbers, a prior says how weights of shapes belong together. They lie in memory of the caller, who asks for its size
  * (sinew_*_bytes) or takes an array of SINEW_*_WORDS uintptr_t. Nothing is allocated and nothing has to
  * be freed. The file's bytes must stay, unchanged, while a model of them is in use; a model's memory must
  * stay for as long as its parts are used, but may be loaded again: calls then refuse what was opened
@@ -34,7 +34,7 @@
 /// Version of the ABI that this header describes; `sinew_abi_version` returns the library's.
 ///
 /// It grows when a function, a structure or the meaning of a number changes.
-#define SINEW_ABI_VERSION 4
+#define SINEW_ABI_VERSION 5
 
 /// Stands for no part.
 #define SINEW_NO_PART UINT32_MAX
@@ -57,6 +57,13 @@
 /// Elements of a `uintptr_t` array that holds a skin on every target:
 /// `uintptr_t memory[SINEW_SKIN_WORDS]`.
 #define SINEW_SKIN_WORDS 48
+
+/// Elements of a `uintptr_t` array that holds a prior on every target:
+/// `uintptr_t memory[SINEW_PRIOR_WORDS]`.
+#define SINEW_PRIOR_WORDS 48
+
+/// The most pins of a job.
+#define SINEW_PINS_MAX 64
 
 /// What a call came to. 1 to 99: the call is wrong, from 50 on in what only C can get wrong. From 100
 /// on: the file is.
@@ -213,6 +220,12 @@ enum sinew_argument
     SINEW_ARGUMENT_JACOBIAN = 20,
     /// Variances of a kernel's values.
     SINEW_ARGUMENT_VARIANCES = 21,
+    /// Weights of shapes.
+    SINEW_ARGUMENT_SHAPE_WEIGHTS = 22,
+    /// A prior, or a number that says how much a term counts beside it.
+    SINEW_ARGUMENT_PRIOR = 23,
+    /// Pins.
+    SINEW_ARGUMENT_PINS = 24,
     /// Memory for an object; lengths in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
     /// The file; lengths in bytes.
@@ -251,6 +264,8 @@ enum sinew_argument
     SINEW_ARGUMENT_INPUT = 67,
     /// The number of a kernel's output.
     SINEW_ARGUMENT_OUTPUT = 68,
+    /// The number of a shape.
+    SINEW_ARGUMENT_SHAPE = 69,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -343,6 +358,10 @@ typedef struct sinew_kernel sinew_kernel;
 /// skins and kernels point to it: it must stay in its place, and outlive them.
 typedef struct sinew_model sinew_model;
 
+/// How the weights of a skin's shapes belong together. It points to its model: where that has been loaded again
+/// with another file, or is loaded no more, every call refuses the prior.
+typedef struct sinew_prior sinew_prior;
+
 /// A mesh of V vertices that follows an envelope's palette, or stays at rest if it follows none. It
 /// points to its model: where that has been loaded again with another file, or is loaded no more,
 /// every call refuses the skin.
@@ -365,6 +384,8 @@ typedef struct sinew_limits {
     uint32_t proxies;
     /// Influences of a vertex.
     uint32_t influences;
+    /// Shapes of a skin.
+    uint32_t shapes;
 } sinew_limits;
 
 /// What went wrong; written only when a call returns another status than `SINEW_STATUS_OK`.
@@ -556,6 +577,8 @@ typedef struct sinew_skin_info {
     size_t palette_len;
     /// Named ranges of vertices.
     size_t range_len;
+    /// S, shapes.
+    size_t shape_len;
     /// 1 with tangents, else 0.
     uint32_t has_tangents;
     /// 1 with tangent coefficients, by which jobs then turn normals and tangents; 0 where they go by cofactors,
@@ -632,6 +655,132 @@ typedef struct sinew_bounds {
     /// Greatest coordinates.
     float max[3];
 } sinew_bounds;
+
+/// A shape of a skin.
+typedef struct sinew_shape {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// The box of how far it moves any vertex at a weight of 1, 0 among it.
+    struct sinew_bounds bounds;
+} sinew_shape;
+
+/// Shapes vertices at rest: what it writes a `sinew_skin_job` takes as its rest mesh.
+typedef struct sinew_shapes_job {
+    /// The skin.
+    const struct sinew_skin *skin;
+    /// `sinew_skin_info.shape_len` weights.
+    const float *weights;
+    /// Their number.
+    size_t weights_len;
+    /// First vertex. Of ranges that start at multiples of 64 no sum is computed twice.
+    size_t start;
+    /// One more than the last vertex.
+    size_t end;
+    /// Where to put positions: 3 floats, model space.
+    struct sinew_output positions;
+    /// Where to put normals: 3 floats of length 1; where the shapes leave one no direction, the file's.
+    struct sinew_output normals;
+    /// Where to put tangents: 3 floats of length 1, likewise, then the handedness.
+    struct sinew_output tangents;
+} sinew_shapes_job;
+
+/// What a prior is made of, and what it was measured to reach; lengths are in the file's unit.
+typedef struct sinew_prior_info {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// Its number among the file's parts.
+    uint32_t part;
+    /// That of its skin.
+    uint32_t skin_part;
+    /// S, shapes of its skin.
+    size_t shape_len;
+    /// Pairs of shapes that mirror each other.
+    size_t symmetry_len;
+    /// Pairs of shapes of which one alone is at work.
+    size_t cancel_len;
+    /// Doubles of scratch that a job without pins needs.
+    size_t scratch_len;
+    /// Doubles of scratch that each scalar of its pins needs: at most three a pin.
+    size_t scratch_len_each;
+    /// The square of the length by which a pin of stiffness 1 may miss.
+    float beta;
+    /// Frames that it was learned from; 0 of one that was not.
+    float frames;
+    /// RMS over vertices of the distance to held-out frames; 0 if it was not measured.
+    float error;
+    /// The same of the prior without covariance.
+    float slider_error;
+} sinew_prior_info;
+
+/// Where a vertex is to be, as far as up to three rows look at it.
+typedef struct sinew_pin {
+    /// The vertex of the skin.
+    uint32_t vertex;
+    /// What is looked at of its posed position x: `row . (x, 1)`, three rows of four. A row whose first three
+    /// numbers are 0 looks at nothing.
+    float rows[3][4];
+    /// What each row is to give.
+    float target[3];
+    /// How much it counts against others and the prior; 1 is the prior's tolerance.
+    float stiffness;
+} sinew_pin;
+
+/// Solves weights of all shapes for pins.
+typedef struct sinew_pin_job {
+    /// The prior.
+    const struct sinew_prior *prior;
+    /// Its skin, or another with the same shapes.
+    const struct sinew_skin *skin;
+    /// `sinew_skin_info.palette_len` transforms of the pose in which pins are where they are.
+    const struct sinew_matrix *palette;
+    /// Their number.
+    size_t palette_len;
+    /// The pins, in any order.
+    const struct sinew_pin *pins;
+    /// Their number, at most `SINEW_PINS_MAX`.
+    size_t pins_len;
+    /// 0 to change the weights that are there as little as pins allow, else the mean ones.
+    uint32_t is_from_mean;
+    /// 1 to keep weights between the prior's bounds, else 0.
+    uint32_t is_bounded;
+    /// 1 to hold the smaller weight of each pair that cancels at 0, else 0.
+    uint32_t cancels;
+    /// The square of the length by which a pin of stiffness 1 may miss: `sinew_prior_info.beta`, or another.
+    float beta;
+    /// How much the prior's symmetry counts; 0 leaves it out, 1 is as stiff as the prior has it.
+    float symmetry;
+    /// How much the frame before counts: the reciprocal of the mean square by which a weight changes.
+    float temporal;
+    /// Null, or the S weights of the frame before.
+    const float *last_weights;
+    /// Their number.
+    size_t last_len;
+    /// At least `scratch_len + scalars * scratch_len_each` doubles of `sinew_prior_info`. What it holds of a run
+    /// with the same prior, terms and pins but for their targets is used again: keep it for a drag.
+    double *scratch;
+    /// Their number.
+    size_t scratch_len;
+    /// The S weights that are there; receives those that are solved.
+    float *weights;
+    /// Their number.
+    size_t weights_len;
+} sinew_pin_job;
+
+/// What a pin job did.
+typedef struct sinew_edit {
+    /// How unlikely the prior finds the change.
+    float norm;
+    /// Pins that no shape moves, which count as none.
+    uint32_t unreachable_len;
+    /// Factors and solves that it took; 0 where there was nothing to solve.
+    uint32_t round_len;
+    /// 1 where bounds were found to hold at the least, 0 where weights were cut to them.
+    uint32_t is_least;
+} sinew_edit;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1047,6 +1196,90 @@ sinew_status sinew_skin_bounds(const struct sinew_skin *skin,
                                float rest_offset,
                                struct sinew_bounds *out_bounds,
                                struct sinew_error *out_error);
+
+/// Describes a shape.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
+sinew_status sinew_skin_shape(const struct sinew_skin *skin,
+                              size_t shape,
+                              struct sinew_shape *out_shape,
+                              struct sinew_error *out_error);
+
+/// Runs a shapes job. Its outputs may overlap each other, but nothing that it reads. Jobs may run at the
+/// same time, on any threads, if no output of one overlaps an output of another.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `NON_FINITE`, `OUT_OF_RANGE`,
+/// `NO_ATTRIBUTE`, `STRIDE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_shapes_run(const struct sinew_shapes_job *job,
+                              struct sinew_error *out_error);
+
+/// Computes a box that holds every vertex of the shaped and posed skin, from weights and palette alone.
+///
+/// - `palette`, `palette_len`: `sinew_skin_info.palette_len` transforms.
+/// - `weights`, `weights_len`: `sinew_skin_info.shape_len` weights.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `NON_FINITE`, `NO_VERTICES`, `TOO_LONG`,
+/// `OVERLAP`.
+sinew_status sinew_shapes_bounds(const struct sinew_skin *skin,
+                                 const struct sinew_matrix *palette,
+                                 size_t palette_len,
+                                 const float *weights,
+                                 size_t weights_len,
+                                 struct sinew_bounds *out_bounds,
+                                 struct sinew_error *out_error);
+
+/// Returns the bytes of memory that a prior needs: at most those of `SINEW_PRIOR_WORDS` words.
+size_t sinew_prior_bytes(void);
+
+/// Opens a prior of a model.
+///
+/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `index`: which of those; 0 for the first.
+/// - `memory`, `memory_bytes`: for the prior; at least `sinew_prior_bytes()`, aligned as a `uintptr_t`.
+/// - `out_prior`: receives the handle, which is `memory`.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
+sinew_status sinew_prior_open(const struct sinew_model *model,
+                              const char *name,
+                              size_t name_len,
+                              size_t index,
+                              void *memory,
+                              size_t memory_bytes,
+                              const struct sinew_prior **out_prior,
+                              struct sinew_error *out_error);
+
+/// Says what a prior is made of.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+sinew_status sinew_prior_describe(const struct sinew_prior *prior,
+                                  struct sinew_prior_info *out_info,
+                                  struct sinew_error *out_error);
+
+/// Computes where a vertex is with weights and a palette: as a target it makes a pin hold the vertex there.
+///
+/// - `palette`, `palette_len`: `sinew_skin_info.palette_len` transforms.
+/// - `weights`, `weights_len`: a weight of each shape; of fewer the others are 0.
+/// - `out_place`: receives 3 floats, model space.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_skin_place(const struct sinew_skin *skin,
+                              uint32_t vertex,
+                              const struct sinew_matrix *palette,
+                              size_t palette_len,
+                              const float *weights,
+                              size_t weights_len,
+                              float (*out_place)[3],
+                              struct sinew_error *out_error);
+
+/// Runs a pin job. Without a pin that any shape moves the weights stay as they are.
+///
+/// - `out_edit`: null, or receives what it did.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `OUT_OF_RANGE`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_pins_solve(const struct sinew_pin_job *job,
+                              struct sinew_edit *out_edit,
+                              struct sinew_error *out_error);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -96,10 +96,12 @@ pub enum sinew_argument {
     Input = 67,
     /// The number of a kernel's output.
     Output = 68,
+    /// The number of a shape.
+    Shape = 69,
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 44] = {
+const NAMES: [(sinew_argument, &CStr); 45] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -146,6 +148,7 @@ const NAMES: [(sinew_argument, &CStr); 44] = {
         (A::Kernel, c"kernel"),
         (A::Input, c"input"),
         (A::Output, c"output"),
+        (A::Shape, c"shape"),
     ]
 };
 

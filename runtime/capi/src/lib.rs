@@ -33,6 +33,10 @@ mod mesh;
 
 mod job;
 
+mod shapes;
+
+mod prior;
+
 pub use argument::*;
 pub use envelope::*;
 pub use error::*;
@@ -42,6 +46,8 @@ pub use matrix::*;
 pub use mesh::*;
 pub use model::*;
 pub use palette::*;
+pub use prior::*;
+pub use shapes::*;
 pub use skin::*;
 pub use status::*;
 pub use version::*;

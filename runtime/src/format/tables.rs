@@ -426,4 +426,25 @@ impl SectionKind {
             _ => &[Element::F32],
         }
     }
+
+    /// Whether the elements of the kind of a number may have the type of a number; those of an unknown kind any.
+    pub(crate) fn takes(kind: u16, element: u8) -> bool {
+        // A bit a type: what `elements` returns is ten times as large, and firmware reads files as well.
+        const BITS: [u8; SectionKind::ALL.len()] = {
+            let mut bits = [0; SectionKind::ALL.len()];
+            let mut at = 0;
+            while at < bits.len() {
+                let elements = SectionKind::ALL[at].elements();
+                let mut own = 0;
+                while own < elements.len() {
+                    bits[at] |= 1 << elements[own].number();
+                    own += 1;
+                }
+                at += 1;
+            }
+            bits
+        };
+        let bits = BITS.get(usize::from(kind).wrapping_sub(1));
+        bits.is_none_or(|bits| u32::from(*bits).checked_shr(element.into()).unwrap_or(0) & 1 == 1)
+    }
 }

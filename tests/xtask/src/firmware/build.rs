@@ -20,6 +20,7 @@ pub(super) enum Image {
     SizeAll,
     SizeServo,
     SizeNormals,
+    SizeShapes,
     ControlPanic,
     ControlAlloc,
 }
@@ -36,9 +37,10 @@ impl Image {
             Self::Cost => Some("cortex-m"),
             Self::CostServo => Some("cortex-m,kernel"),
             Self::CostNormals => Some("cortex-m,tangent-coefficients"),
-            Self::Bits | Self::Proof => Some("kernel,tangent-coefficients"),
+            Self::Bits | Self::Proof => Some("kernel,prior,shapes,tangent-coefficients"),
             Self::Servo | Self::SizeServo => Some("kernel"),
             Self::SizeNormals => Some("tangent-coefficients"),
+            Self::SizeShapes => Some("shapes"),
             Self::ControlPanic | Self::ControlAlloc => Some("control"),
             Self::Minimal | Self::Bare | Self::SizeRotational | Self::SizeAny | Self::SizeAll => {
                 None
@@ -61,6 +63,7 @@ impl Image {
             Self::SizeAll => "size_all",
             Self::SizeServo => "size_servo",
             Self::SizeNormals => "size_normals",
+            Self::SizeShapes => "size_shapes",
             Self::ControlPanic => "control_panic",
             Self::ControlAlloc => "control_alloc",
         }
@@ -106,6 +109,7 @@ pub(super) fn others(folder: &Path) -> Result<(), String> {
             Image::ENVELOPES,
             Image::KERNEL,
             &[Image::SizeNormals],
+            &[Image::SizeShapes],
             &[Image::Cost],
             &[Image::CostServo],
             &[Image::CostNormals],
@@ -159,7 +163,7 @@ pub(super) fn lint(folder: &Path) -> Result<(), String> {
     let mut command = cargo(folder, M4F);
     command.args(["clippy", "--quiet", "--locked", "--manifest-path", MANIFEST]);
     command
-        .args(["--bins", "--features", "control,cortex-m,kernel,tangent-coefficients"])
+        .args(["--bins", "--features", "control,cortex-m,kernel,prior,shapes,tangent-coefficients"])
         .args(triple(M4F));
     crate::call::run(command.args(["--", "-D", "warnings"]))
 }

@@ -157,6 +157,7 @@ fn costs(folder: &Path) -> Result<(), String> {
             ("all", Image::SizeAll),
             ("servo", Image::SizeServo),
             ("normals", Image::SizeNormals),
+            ("shapes", Image::SizeShapes),
         ] {
             figures.push((format!("{} {name} code", profile.name()), bytes(image)? - bare));
         }
