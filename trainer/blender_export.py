@@ -119,34 +119,33 @@ def faces_and_rest(scene, mesh, armature):
         scene.frame_set(scene.frame_current)
         with Evaluated(mesh) as (shape, world):
             rest = positions(shape, world)
-            quads = [list(p.vertices) for p in shape.polygons if p.loop_total == 4]
+            quads = [list(p.loop_indices) for p in shape.polygons if p.loop_total == 4]
             shape.calc_loop_triangles()
             others = {p.index for p in shape.polygons if p.loop_total != 4}
-            tris = [list(t.vertices) for t in shape.loop_triangles if t.polygon_index in others]
-            uv = coordinates(shape)
+            tris = [list(t.loops) for t in shape.loop_triangles if t.polygon_index in others]
+            vertices = np.empty(len(shape.loops), np.int32)
+            shape.loops.foreach_get("vertex_index", vertices)
+            uv, uv_of = coordinates(shape)
     finally:
         armature.data.pose_position = position
     if not quads and not tris:
         raise Problem(f"mesh {mesh.name} has no faces")
-    found = {"rest": rest, "quads": np.array(quads, np.int32).reshape(-1, 4)}
-    found["tris"] = np.array(tris, np.int32).reshape(-1, 3)
-    if uv is not None:
-        found["uv"] = uv
+    found = {"rest": rest, "uv": uv}
+    for name, corners in (("quads", quads), ("tris", tris)):
+        if corners:
+            found[name] = vertices[np.array(corners)]
+            found[f"{name}_uv"] = uv_of[np.array(corners)] if len(uv) else uv
     return {name: array for name, array in found.items() if len(array)}
 
 
 def coordinates(shape):
-    """Texture coordinates a vertex; none where a seam gives a vertex several."""
+    """Texture coordinates, and which of them each corner has; none without a texture."""
     if shape.uv_layers.active is None:
-        return None
+        return np.empty(0), np.empty(0)
     corners = np.empty(2 * len(shape.loops), np.float32)
     shape.uv_layers.active.data.foreach_get("uv", corners)
-    corners = corners.reshape(-1, 2)
-    vertices = np.empty(len(shape.loops), np.int32)
-    shape.loops.foreach_get("vertex_index", vertices)
-    uv = np.zeros((len(shape.vertices), 2), np.float32)
-    uv[vertices] = corners
-    return uv if np.abs(uv[vertices] - corners).max(initial=0.0) < 1e-5 else None
+    uv, uv_of = np.unique(corners.reshape(-1, 2), axis=0, return_inverse=True)
+    return uv, uv_of.reshape(-1).astype(np.int32)
 
 
 def skeleton(armature, bones):

@@ -10,7 +10,8 @@ use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Rest, cells};
 use sinew_runtime::views::Order;
 use sinew_runtime::{
-    Frame, FrameJob, LocalTransform, Model, Pin, PinJob, Pins, RenderJob, SkinJob, model_space_pose,
+    Frame, FrameJob, LocalTransform, Model, Pin, PinJob, Pins, RenderJob, ShapesJob, SkinJob,
+    model_space_pose,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -140,6 +141,36 @@ fn pins_allocate_nothing() {
     });
     assert_eq!(count, 0);
     assert_eq!(skin.shape_len(), weights.len());
+}
+
+#[test]
+fn shapes_allocate_nothing() {
+    let [pieces, ..] = Pieces::shaped();
+    let bytes = pieces.bytes();
+    let model = Model::from_bytes(bytes.as_slice()).unwrap();
+    let skin = model.skin().unwrap();
+    let (weights, palette) =
+        (vec![0.5; skin.shape_len()], vec![common::IDENTITY; skin.palette_len()]);
+    let mut out = vec![0.0; 10 * skin.vertex_len()];
+    let count = allocations(|| {
+        let model = Model::from_bytes(bytes.as_slice()).unwrap();
+        let skin = model.skin().unwrap();
+        assert_eq!(skin.shape_name(2), Some("shape 2"));
+        assert!(skin.deltas_of(7).count() > 0);
+        skin.shaped_bounds(&palette, &weights).unwrap();
+        let out = cells(&mut out);
+        ShapesJob {
+            skin,
+            weights: &weights,
+            vertices: 0..skin.vertex_len(),
+            positions: output(out, 10),
+            normals: output(&out[3..], 10),
+            tangents: output(&out[6..], 10),
+        }
+        .run()
+        .unwrap();
+    });
+    assert_eq!(count, 0);
 }
 
 #[test]

@@ -14,11 +14,12 @@ pub(crate) mod views;
 
 pub(crate) use rng::Rng;
 
+#[cfg(feature = "shapes")]
+use sinew_runtime::ShapesJob;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{
-    CallError, Envelope, LocalTransform, Matrix3x4, ShapesJob, Skin, SkinJob, model_space_pose,
-    stages,
+    CallError, Envelope, LocalTransform, Matrix3x4, Skin, SkinJob, model_space_pose, stages,
 };
 
 /// A golden file, and a hash of the bits of each of its stages.
@@ -286,6 +287,9 @@ fn frame(
     vertices.fill(0.0);
     let lent = cells(vertices);
     let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
+    #[cfg(not(feature = "shapes"))]
+    let _ = shaped;
+    #[cfg(feature = "shapes")]
     if skin.shape_len() > 0 {
         let weights = cut(&mut memory.weights, skin.shape_len());
         let (positions, normals) = (attribute(0), attribute(3));

@@ -20,7 +20,12 @@ const INFLUENCES: usize = 4;
 
 /// Makes a kernel model of so many vertices: 20 joints, 40 helpers, four influences, no tangents.
 pub(crate) fn file_model(vertices: usize) -> FileModel {
-    FileModel { space: Space::default(), envelopes: vec![envelope()], skins: vec![skin(vertices)] }
+    FileModel {
+        space: Space::default(),
+        envelopes: vec![envelope()],
+        skins: vec![skin(vertices)],
+        ..FileModel::default()
+    }
 }
 
 fn envelope() -> EnvelopeModel {

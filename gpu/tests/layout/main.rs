@@ -6,3 +6,4 @@ mod common;
 mod kernels;
 mod parts;
 mod plans;
+mod shapes;

@@ -106,6 +106,8 @@ pub enum sinew_argument {
     Input = 67,
     /// The number of a kernel's output.
     Output = 68,
+    /// The number of a shape.
+    Shape = 69,
     /// Views.
     Views = 70,
     /// The number of a map.
@@ -113,7 +115,7 @@ pub enum sinew_argument {
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 51] = {
+const NAMES: [(sinew_argument, &CStr); 52] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -165,6 +167,7 @@ const NAMES: [(sinew_argument, &CStr); 51] = {
         (A::Kernel, c"kernel"),
         (A::Input, c"input"),
         (A::Output, c"output"),
+        (A::Shape, c"shape"),
         (A::Views, c"views"),
         (A::Map, c"map"),
     ]

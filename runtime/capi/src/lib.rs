@@ -33,6 +33,10 @@ mod mesh;
 
 mod job;
 
+mod shapes;
+
+mod prior;
+
 mod views;
 
 pub use argument::*;
@@ -44,6 +48,8 @@ pub use matrix::*;
 pub use mesh::*;
 pub use model::*;
 pub use palette::*;
+pub use prior::*;
+pub use shapes::*;
 pub use skin::*;
 pub use status::*;
 pub use version::*;

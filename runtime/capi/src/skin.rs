@@ -73,6 +73,8 @@ pub struct sinew_skin_info {
     pub palette_len: usize,
     /// Named ranges of vertices.
     pub range_len: usize,
+    /// S, shapes.
+    pub shape_len: usize,
     /// 1 with tangents, else 0.
     pub has_tangents: u32,
     /// 1 with tangent coefficients, by which jobs then turn normals and tangents; 0 where they go by cofactors,
@@ -149,6 +151,7 @@ pub unsafe extern "C" fn sinew_skin_describe(
             influence_len: skin.influence_len(),
             palette_len: skin.palette_len(),
             range_len: skin.counts().range_len as usize,
+            shape_len: skin.shape_len(),
             has_tangents: u32::from(skin.has_tangents()),
             has_coefficients: u32::from(skin.has_coefficients()),
         };

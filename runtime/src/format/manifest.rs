@@ -176,8 +176,7 @@ impl Manifest {
     pub(crate) fn element(&self, file: &[u8], part: u16, kind: SectionKind) -> Option<Element> {
         let mut rows = self.sections(file);
         let row = rows.find(|row| (row.part, row.kind) == (part, kind.number()))?;
-        let mut elements = kind.elements().iter();
-        elements.find(|element| element.number() == row.element).copied()
+        Element::ALL.get(usize::from(row.element)).copied()
     }
 
     fn check_parts(&self, loading: &Loading<'_>) -> Checked {
@@ -241,22 +240,16 @@ impl Manifest {
 /// Finds what the row of a part's section says that this reader does not know, as far as it knows the
 /// kinds of both.
 fn unknown(part: PartRow, row: &SectionRow) -> Option<u16> {
-    let kind = SectionKind::from_number(row.kind);
-    let kind = kind.filter(|_| PartKind::from_number(part.kind).is_some());
+    let is_known = PartKind::from_number(part.kind).is_some();
     if u16::from(row.flags) & !REQUIRED != 0 {
         Some(row.flags.into())
     } else if row.reserved != 0 {
         Some(row.reserved)
-    } else if kind.is_some_and(|kind| !takes(kind, row.element)) {
+    } else if is_known && !SectionKind::takes(row.kind, row.element) {
         Some(row.element.into())
     } else {
         None
     }
-}
-
-/// Whether the elements of a kind may have the type of this number.
-fn takes(kind: SectionKind, number: u8) -> bool {
-    kind.elements().iter().any(|element| element.number() == number)
 }
 
 /// The byte strings of a message: part rows, section rows, padding, blob.

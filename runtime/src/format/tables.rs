@@ -396,9 +396,17 @@ impl SectionKind {
 
     /// Returns the kind of this number.
     pub fn from_number(number: u16) -> Option<Self> {
-        // Numbers are free from 47 to 49.
-        let place = usize::from(if number < 50 { number } else { number - 3 }).checked_sub(1)?;
-        Self::ALL.get(place).copied().filter(|kind| kind.number() == number)
+        Self::ALL.get(Self::place(number)?).copied()
+    }
+
+    /// Returns the place of a number in [`Self::ALL`], or past it; from 47 to 49 none is taken.
+    fn place(number: u16) -> Option<usize> {
+        let free = match number {
+            0 | 47..=49 => return None,
+            ..47 => 0,
+            _ => 3,
+        };
+        Some(usize::from(number - free - 1))
     }
 
     /// Returns its name, as FORMAT.md has it.
@@ -479,5 +487,26 @@ impl SectionKind {
             Self::ShapeDeltas | Self::ShapeSlopes => &[Element::F32, Element::F16, Element::I8],
             _ => &[Element::F32],
         }
+    }
+
+    /// Whether the elements of the kind of a number may have the type of a number; those of an unknown kind any.
+    pub(crate) fn takes(kind: u16, element: u8) -> bool {
+        // A bit a type: what `elements` returns is ten times as large, and firmware reads files as well.
+        const BITS: [u8; SectionKind::ALL.len()] = {
+            let mut bits = [0; SectionKind::ALL.len()];
+            let mut at = 0;
+            while at < bits.len() {
+                let elements = SectionKind::ALL[at].elements();
+                let mut own = 0;
+                while own < elements.len() {
+                    bits[at] |= 1 << elements[own].number();
+                    own += 1;
+                }
+                at += 1;
+            }
+            bits
+        };
+        let bits = Self::place(kind).and_then(|place| BITS.get(place));
+        bits.is_none_or(|bits| u32::from(*bits).checked_shr(element.into()).unwrap_or(0) & 1 == 1)
     }
 }

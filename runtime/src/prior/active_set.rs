@@ -75,11 +75,11 @@ impl ActiveSet<'_> {
                 return (End::NoFactor, round);
             }
             if !self.is_bounded {
-                self.step.copy_from_slice(self.aim);
+                copy(self.step, self.aim);
                 return (End::Least, round);
             }
             if self.is_within() {
-                self.step.copy_from_slice(self.aim);
+                copy(self.step, self.aim);
                 cost = self.cost_of(Which::Step);
                 if !self.hold() {
                     return (End::Least, round);
@@ -195,7 +195,7 @@ impl ActiveSet<'_> {
             }
             let less = self.cost_of(Which::Tried);
             if less < cost {
-                self.step.copy_from_slice(self.free);
+                copy(self.step, self.free);
                 return Some(less);
             }
             share *= 0.5;
@@ -237,6 +237,11 @@ impl ActiveSet<'_> {
         self.is_factored &= !is_changed;
         is_changed
     }
+}
+
+/// Copies a vector, of the same length: where lengths may differ, firmware would have to hold a panic.
+fn copy(out: &mut [f64], from: &[f64]) {
+    out.iter_mut().zip(from).for_each(|(out, from)| *out = *from);
 }
 
 /// A step whose cost is asked for.
@@ -338,9 +343,8 @@ mod tests {
                 for k in 0..free.len() {
                     for i in (0..free.len()).filter(|i| *i != k) {
                         let by = table[i][k] / table[k][k];
-                        for j in k..=free.len() {
-                            table[i][j] -= by * table[k][j];
-                        }
+                        let pivot = table[k].clone();
+                        table[i].iter_mut().zip(&pivot).for_each(|(x, own)| *x -= by * own);
                     }
                 }
                 for (k, &i) in free.iter().enumerate() {
@@ -385,8 +389,12 @@ mod tests {
 
     #[test]
     fn what_is_held_at_zero_stays_there() {
-        let problem = Problem::new(5, 3);
+        let mut problem = Problem::new(5, 3);
         let zero = [0.25; 5];
+        // A weight that is held at 0 has bounds that hold 0.
+        for held in [1, 4] {
+            (problem.low[held], problem.high[held]) = (-1.0, 1.0);
+        }
         let (step, end, _) = problem.solved(&mut [FREE, ZERO, FREE, FREE, ZERO], &zero);
         assert_eq!((end, step[1], step[4]), (End::Least, 0.25, 0.25));
     }

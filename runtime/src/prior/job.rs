@@ -147,7 +147,7 @@ impl<'a> PinJob<'a> {
         let shape_len = self.skin.shape_len();
         Argument::Prior.check_len(shape_len, self.prior.shape_len())?;
         Argument::Palette.check_len(self.skin.palette_len(), self.palette.len())?;
-        let last = self.temporal.map_or(&*weights, |temporal| temporal.weights);
+        let last = self.temporal.map_or(weights, |temporal| temporal.weights);
         for weights in [weights, last] {
             self.skin.check_weights(weights)?;
         }
@@ -191,7 +191,8 @@ impl<'a> PinJob<'a> {
     fn observe(&self, scratch: &mut Scratch<'_>) -> Result<(bool, usize), CallError> {
         scratch.pull.fill(0.0);
         let (mut is_same, mut unreachable) = (true, 0);
-        let mut rows = scratch.rows.chunks_exact_mut(scratch.anchor.len() + 1);
+        // Chunks of zero would panic.
+        let mut rows = scratch.rows.chunks_exact_mut((scratch.anchor.len() + 1).max(1));
         for (index, pin) in self.pins.iter().enumerate() {
             let Some(vertex) = Vertex::new(&self.skin, self.palette, pin.vertex) else { continue };
             let [x, y, z, _] = &mut scratch.loose;
@@ -262,7 +263,8 @@ impl<'a> PinJob<'a> {
             add_square(rest, 1.0, own);
             rest = rest.get_mut(len..).unwrap_or_default();
         }
-        for row in scratch.rows.chunks_exact(n + 1) {
+        // Likewise.
+        for row in scratch.rows.chunks_exact((n + 1).max(1)) {
             if let Some((strength, row)) = row.split_first() {
                 add_square(hessian, *strength, row);
             }

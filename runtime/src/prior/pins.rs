@@ -104,9 +104,17 @@ impl<const N: usize> Pins<N> {
         if pin.stiffness < 0.0 {
             return Err(error(CallErrorKind::OutOfRange));
         }
-        let at = self.0.partition_point(|other| other.order(&pin).is_le());
-        let full = |_| error(CallErrorKind::OutOfRange).values(N, N + 1);
-        self.0.insert(at, pin).map_err(full)
+        let mut last = pin;
+        if self.0.is_full() {
+            return Err(error(CallErrorKind::OutOfRange).values(N, N + 1));
+        }
+        // Those behind it move on by one.
+        for other in &mut self.0 {
+            if other.order(&last).is_gt() {
+                core::mem::swap(other, &mut last);
+            }
+        }
+        self.0.push(last).map_err(|_| error(CallErrorKind::OutOfRange))
     }
 
     /// Removes all.

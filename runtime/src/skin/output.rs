@@ -14,7 +14,7 @@ pub struct Output<'a> {
     pub stride: usize,
 }
 
-/// Lends floats to several attributes of a [`SkinJob`]; they are written and never read.
+/// Lends floats to several attributes of a [`super::SkinJob`]; they are written and never read.
 pub fn cells(floats: &mut [f32]) -> &[Cell<f32>] {
     Cell::from_mut(floats).as_slice_of_cells()
 }

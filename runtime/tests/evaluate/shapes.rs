@@ -6,6 +6,7 @@ use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Element, SectionKind};
 use sinew_runtime::skin::{BLOCK, Rest, cells};
 use sinew_runtime::{Argument, CallError, CallErrorKind, Model, ShapesJob, Skin, SkinJob};
+use std::ops::Range;
 
 const ELEMENTS: [Element; 3] = [Element::F32, Element::F16, Element::I8];
 
@@ -36,7 +37,7 @@ fn weights(rng: &mut Rng) -> Vec<f32> {
 }
 
 /// Positions, normals and tangents of a range, one vertex after the other.
-fn run(skin: Skin<'_>, weights: &[f32], vertices: std::ops::Range<usize>) -> Vec<[f32; 10]> {
+fn run(skin: Skin<'_>, weights: &[f32], vertices: Range<usize>) -> Vec<[f32; 10]> {
     let mut out = vec![[0.0; 10]; vertices.len()];
     let lent = cells(out.as_flattened_mut());
     let job = ShapesJob {
@@ -302,8 +303,11 @@ fn bad_calls_are_refused_and_write_nothing() {
         assert_eq!(skin.shaped_bounds(&[IDENTITY; 3], &weights), Err(error));
     }
     let range = call_error(CallErrorKind::OutOfRange, Argument::Vertices);
-    for (vertices, index) in [(0..VERTICES + 1, 0), (usize::MAX..usize::MAX, usize::MAX), (9..8, 9)]
-    {
+    for (vertices, index) in [
+        (0..VERTICES + 1, 0),
+        (usize::MAX..usize::MAX, usize::MAX),
+        (Range { start: 9, end: 8 }, 9),
+    ] {
         let error = CallError { index, expected: VERTICES, found: vertices.end, ..range };
         assert_eq!(refused(ShapesJob { vertices, ..job.clone() }), error);
     }

@@ -12,6 +12,7 @@ mod limits;
 mod message;
 mod ownership;
 mod priors;
+mod shapes;
 mod sound;
 mod tables;
 mod views;

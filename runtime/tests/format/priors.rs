@@ -102,15 +102,16 @@ fn each_section_is_required_and_has_its_length() {
 
 #[test]
 fn each_float_is_checked() {
-    for (section, each, after) in [
-        (SectionKind::PriorMean, 1, 0),
-        (SectionKind::PriorFactor, 1, 0),
-        (SectionKind::WeightBounds, 1, 0),
-        (SectionKind::Symmetry, 2, 1),
-        (SectionKind::PriorFit, 1, 0),
+    // The word of the first float.
+    for (section, at) in [
+        (SectionKind::PriorMean, 0),
+        (SectionKind::PriorFactor, 0),
+        (SectionKind::WeightBounds, 0),
+        (SectionKind::Symmetry, 1),
+        (SectionKind::PriorFit, 0),
     ] {
         for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 2.0e9] {
-            let refused = edited(|pieces| pieces.set_float(section, each + after - 1, value));
+            let refused = edited(|pieces| pieces.set_float(section, at, value));
             assert_eq!(refused, Err(error(Kind::Float, section, 0)), "{section:?} {value}");
         }
     }

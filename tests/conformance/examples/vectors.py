@@ -58,8 +58,9 @@ def check(folder):
 
 
 folders = sorted(path.parent for path in pathlib.Path(sys.argv[1]).glob("*/case.json"))
-# Kernels have nothing to skin.
-folders = [folder for folder in folders if not folder.name.startswith("kernel-")]
+# Kernels and shapes have nothing to skin.
+others = ("kernel-", "shapes-")
+folders = [folder for folder in folders if not folder.name.startswith(others)]
 results = [(folder.name, *check(folder)) for folder in folders]
 for name, ratio, values in results:
     print(f"{name}: {values} values, {ratio:.3f} of the tolerance")

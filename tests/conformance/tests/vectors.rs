@@ -5,7 +5,8 @@
 
 use conformance::backend::Loaded;
 use conformance::vectors::{Folder, VectorError, write};
-use sinew_runtime::{Matrix3x4, Model};
+use sinew_runtime::skin::{Output as Attribute, cells};
+use sinew_runtime::{Matrix3x4, Model, ShapesJob};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -45,11 +46,16 @@ fn cases(folder: &Path) -> Vec<PathBuf> {
     out
 }
 
+/// Those whose names begin so.
+fn named(folder: &Path, start: &str) -> Vec<PathBuf> {
+    let is_it = |case: &PathBuf| case.file_name().unwrap().to_str().unwrap().starts_with(start);
+    cases(folder).into_iter().filter(is_it).collect()
+}
+
 /// Those of an envelope and its skin.
 fn skinned(folder: &Path) -> Vec<PathBuf> {
-    let is_kernel =
-        |case: &PathBuf| case.file_name().unwrap().to_str().unwrap().starts_with("kernel-");
-    cases(folder).into_iter().filter(|case| !is_kernel(case)).collect()
+    let others = ["kernel-", "shapes-"].map(|start| named(folder, start)).concat();
+    cases(folder).into_iter().filter(|case| !others.contains(case)).collect()
 }
 
 fn json(case: &Path) -> serde_json::Value {
@@ -158,10 +164,10 @@ fn skins_are_what_the_runtime_makes_of_the_palettes() {
 fn outputs_are_what_the_runtime_makes_of_the_queries() {
     let out = place("kernels");
     write(&out).unwrap();
-    let all = cases(&out).len() - skinned(&out).len();
+    let all = named(&out, "kernel-");
     // One of each, and a servo.
-    assert_eq!(all, 16);
-    for case in cases(&out).into_iter().filter(|case| !skinned(&out).contains(case)) {
+    assert_eq!(all.len(), 16);
+    for case in all {
         let model = Model::from_bytes(fs::read(case.join("model.snw")).unwrap()).unwrap();
         let kernel = model.kernel().unwrap();
         let [queries, outputs, confidences] =
@@ -216,4 +222,27 @@ fn place_of_nothing() -> PathBuf {
     let path = place("nothing");
     fs::create_dir(&path).unwrap();
     path
+}
+
+#[test]
+fn meshes_are_what_the_runtime_makes_of_the_weights() {
+    let out = place("faces");
+    write(&out).unwrap();
+    let all = named(&out, "shapes-");
+    assert_eq!(all.len(), 4);
+    for case in all {
+        let model = Model::from_bytes(fs::read(case.join("model.snw")).unwrap()).unwrap();
+        let skin = model.skin().unwrap();
+        let read = |array: &str| floats(case.join(format!("{array}.f32")));
+        let (weights, positions) = (read("weight"), read("positions"));
+        let faces = weights.chunks(skin.shape_len()).zip(positions.chunks(3 * skin.vertex_len()));
+        for (weights, positions) in faces {
+            let mut found = vec![f32::NAN; positions.len()];
+            let to = Some(Attribute { floats: cells(&mut found), stride: 3 });
+            let (vertices, normals, tangents) = (0..skin.vertex_len(), None, None);
+            ShapesJob { skin, weights, vertices, positions: to, normals, tangents }.run().unwrap();
+            assert_eq!(found, positions);
+        }
+        assert_eq!(case.join("tangents.tolerance.f32").exists(), skin.has_tangents());
+    }
 }

@@ -1,6 +1,8 @@
 //! Frames of which sizes are measured: the least that one needs, and all that one may.
 
 use core::hint::black_box;
+#[cfg(feature = "shapes")]
+use sinew_runtime::ShapesJob;
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{
     CallError, Envelope, LocalTransform, Matrix3x4, Model, SkinJob, model_space_pose,
@@ -45,6 +47,30 @@ pub fn whole(bytes: &[u8]) -> Option<Result<(), CallError>> {
             vertices: 0..skin.vertex_len(),
             remap: None,
             rest: Rest::default(),
+            positions: black_box(attribute(0)),
+            normals: black_box(attribute(3)),
+            tangents: black_box(attribute(6)),
+        }
+        .run()
+    };
+    Some(frame())
+}
+
+/// Loads, shapes positions, normals and tangents at rest, and bounds; `None` where nothing is loaded.
+#[cfg(feature = "shapes")]
+#[inline(always)]
+pub fn shaped(bytes: &[u8]) -> Option<Result<(), CallError>> {
+    let model = Model::from_bytes(bytes).ok()?;
+    let skin = model.skin()?;
+    let (weights, out) = black_box::<(&[f32], &mut [f32])>((&[], &mut []));
+    let lent = cells(out);
+    let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
+    let frame = || {
+        black_box(skin.shaped_bounds(black_box(&[]), weights)?);
+        ShapesJob {
+            skin,
+            weights,
+            vertices: 0..skin.vertex_len(),
             positions: black_box(attribute(0)),
             normals: black_box(attribute(3)),
             tangents: black_box(attribute(6)),

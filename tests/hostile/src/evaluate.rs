@@ -6,7 +6,7 @@ use crate::priors::{evaluate_prior, read_prior};
 use crate::views::{evaluate_views, read_views};
 use sinew_runtime::envelope::{Predictor, ScratchLayout};
 use sinew_runtime::skin::{Bounds, Output, Rest, cells};
-use sinew_runtime::{CallError, Envelope, Limits, Matrix3x4, Model, Skin, SkinJob};
+use sinew_runtime::{CallError, Envelope, Limits, Matrix3x4, Model, ShapesJob, Skin, SkinJob};
 use std::ops::Range;
 
 /// Reads all that a model's accessors give.
@@ -78,6 +78,12 @@ fn read_skin(skin: &Skin<'_>, file: &[u8]) {
         assert!(skin.influences(vertex).all(|(index, _)| index < skin.palette_len()));
         assert!(skin.rest_position(vertex).is_some() && skin.rest_normal(vertex).is_some());
         assert_eq!(skin.rest_tangent(vertex).is_some(), skin.has_tangents());
+        let deltas: Vec<_> = skin.deltas_of(vertex).collect();
+        assert!(deltas.is_sorted_by_key(|(shape, _)| *shape));
+        for (shape, delta) in deltas {
+            assert!(skin.shape_box(shape).is_some_and(|bounds| bounds.contains(delta)));
+            assert!(skin.shape_slopes(shape, vertex).is_some());
+        }
     }
     let ranges: Vec<_> = skin.ranges().map(|(_, range)| range).collect();
     assert_eq!(ranges.len(), skin.counts().range_len as usize);
@@ -141,7 +147,16 @@ pub fn evaluate_pose<B: AsRef<[u8]>>(
 }
 
 fn evaluate_skin(skin: &Skin<'_>, palette: &[Matrix3x4], named: &str) {
-    let (vertices, bounds) = match skinned(skin, palette) {
+    check_skinned(skin, skinned(skin, palette, &[]), named);
+    if skin.shape_len() > 0 {
+        let weight = |shape: usize| [-1.0, 2.0, 0.0, 0.5][shape % 4];
+        let weights: Vec<f32> = (0..skin.shape_len()).map(weight).collect();
+        check_skinned(skin, skinned(skin, palette, &weights), named);
+    }
+}
+
+fn check_skinned(skin: &Skin<'_>, found: Result<Skinned, CallError>, named: &str) {
+    let (vertices, bounds) = match found {
         Ok(found) => found,
         Err(error) => panic!("{named}: {error}"),
     };
@@ -161,13 +176,33 @@ fn check(named: &str, what: &str, values: &[f32]) {
     assert!(unsound.is_none(), "{named}: {what} {unsound:?} is not finite");
 }
 
-/// Skins a mesh: position, normal and, where there are any, tangent of each vertex; not a number where
+/// Floats of the vertices, and the bounds.
+type Skinned = (Vec<f32>, Option<Bounds>);
+
+/// Skins a mesh, shaped if there are weights: position, normal and, where there are any, tangent of each vertex; not a number where
 /// nothing was written. And its bounds.
-fn skinned(
-    skin: &Skin<'_>,
-    palette: &[Matrix3x4],
-) -> Result<(Vec<f32>, Option<Bounds>), CallError> {
-    let stride = stride(skin);
+fn skinned(skin: &Skin<'_>, palette: &[Matrix3x4], weights: &[f32]) -> Result<Skinned, CallError> {
+    let (stride, v) = (stride(skin), skin.vertex_len());
+    let (mut positions, mut normals) = (vec![[f32::NAN; 3]; v], vec![[f32::NAN; 3]; v]);
+    let mut tangents = vec![[f32::NAN; 4]; if skin.has_tangents() { v } else { 0 }];
+    let mut rest = Rest::default();
+    if !weights.is_empty() {
+        let to = |floats, stride| Some(Output { floats: cells(floats), stride });
+        ShapesJob {
+            skin: *skin,
+            weights,
+            vertices: 0..v,
+            positions: to(positions.as_flattened_mut(), 3),
+            normals: to(normals.as_flattened_mut(), 3),
+            tangents: to(tangents.as_flattened_mut(), 4).filter(|_| skin.has_tangents()),
+        }
+        .run()?;
+        let all = [positions.as_flattened(), normals.as_flattened(), tangents.as_flattened()];
+        all.into_iter().for_each(|floats| check("at rest", "shaped vertex", floats));
+        rest.positions = Some(&positions);
+        rest.normals = Some(&normals);
+        rest.tangents = skin.has_tangents().then_some(&tangents);
+    }
     let mut out = vec![f32::NAN; stride * skin.vertex_len()];
     let lent = cells(&mut out);
     let attribute = |start: usize| {
@@ -179,13 +214,16 @@ fn skinned(
         palette,
         vertices: 0..skin.vertex_len(),
         remap: None,
-        rest: Rest::default(),
+        rest,
         positions: attribute(0),
         normals: attribute(3),
         tangents: attribute(6).filter(|_| skin.has_tangents()),
     }
     .run()?;
-    let bounds = skin.bounds(palette, 0.0)?;
+    let bounds = match weights {
+        [] => skin.bounds(palette, 0.0)?,
+        _ => skin.shaped_bounds(palette, weights)?,
+    };
     Ok((out, bounds))
 }
 

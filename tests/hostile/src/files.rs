@@ -1,7 +1,8 @@
 //! The files that everything starts from.
 
-use models::{GOLDEN, KernelContent, Pieces};
+use models::{GOLDEN, KernelContent, Pieces, ShapeContent};
 use sinew_runtime::FileError;
+use sinew_runtime::format::Element;
 use sinew_runtime::kernel::Kernel;
 use std::sync::LazyLock;
 
@@ -18,13 +19,16 @@ pub fn files() -> &'static [Vec<u8>] {
 }
 
 /// Makes a file of two envelopes, four skins, four kernels, a prior and views: those of a rotational and of a kernel model,
-/// a skin that follows nothing, a kernel with everything that there is and one with little, a face, an object with two maps.
+/// a skin that follows nothing, two of them with shapes, a kernel with everything that there is and one with little, a
+/// face, an object with two maps.
 fn several() -> Result<Vec<u8>, FileError> {
     let [rotational, kernel, hybrid] = GOLDEN.map(Pieces::of);
     let (mut out, mut loose) = (rotational?, hybrid?);
+    out.set_shapes(&ShapeContent::sample(Element::I8, 6, 24));
     out.append(kernel?);
     loose.keep_vertices(3);
     loose.loosen();
+    loose.set_shapes(&ShapeContent::sample(Element::F16, 6, 3));
     out.append(loose);
     let small = KernelContent::plain(Kernel::ThinPlate, [2, 3, 1]);
     out.append(Pieces::kernels(&[KernelContent::every(Kernel::Wendland { l: 3 }), small]));

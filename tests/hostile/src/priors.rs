@@ -55,7 +55,7 @@ pub(crate) fn evaluate_prior(
     let job = PinJob {
         palette,
         anchor: if number.is_multiple_of(2) { Anchor::Mean } else { Anchor::Current },
-        is_bounded: number % 3 != 0,
+        is_bounded: !number.is_multiple_of(3),
         temporal: Some(Temporal { weights: &weights, stiffness: 0.5 }),
         symmetry: (number % 4) as f32,
         cancels: number.is_multiple_of(5),

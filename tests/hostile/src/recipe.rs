@@ -112,7 +112,7 @@ fn follow(mut pieces: Pieces, u: &mut Unstructured<'_>, out: &mut Vec<u8>) -> Re
 }
 
 fn change(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
-    match u.int_in_range(0..=20)? {
+    match u.int_in_range(0..=21)? {
         0..=3 => with_floats(pieces, u, |bytes, u| set_word(bytes, u)),
         4..=6 => with_floats(pieces, u, |bytes, u| fill(bytes, u)),
         7..=9 => with_floats(pieces, u, |bytes, u| scale(bytes, u)),
@@ -144,6 +144,7 @@ fn change(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
         }
         17 => counts(pieces, u),
         18 => kernel(pieces, u),
+        19 => shapes(pieces, u),
         _ => group(pieces, u),
     }
 }
@@ -358,6 +359,24 @@ fn kernel(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     let Some(row) = content.bytes.get_mut(at..at + bytes) else { return Ok(()) };
     // The first word holds what is no float.
     row[u.choose_index(4)?] = u.int_in_range(0..=14)?;
+    Ok(())
+}
+
+/// Changes a word of where blocks of shapes start, or of their entries.
+fn shapes(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
+    let kinds = [SectionKind::ShapeBlocks, SectionKind::ShapeEntries].map(SectionKind::number);
+    let own = pieces.sections.iter_mut().filter(|content| kinds.contains(&content.kind));
+    let mut own: Vec<_> = own.map(|content| content.bytes.as_chunks_mut::<4>().0).collect();
+    let at = u.choose_index(own.len().max(1))?;
+    let Some(words) = own.get_mut(at) else { return Ok(()) };
+    let at = u.choose_index(words.len().max(1))?;
+    let Some(word) = words.get_mut(at) else { return Ok(()) };
+    let value = match u.int_in_range(0..=2)? {
+        0 => integer(u)?,
+        1 => u32::from_le_bytes(*word) ^ 1 << u.int_in_range(0..=31)?,
+        _ => u32::from_le_bytes(*word).wrapping_add_signed(u.int_in_range(-2..=2)?),
+    };
+    *word = value.to_le_bytes();
     Ok(())
 }
 

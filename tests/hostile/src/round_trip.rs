@@ -10,7 +10,7 @@ use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Spa
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
 use sinew_trainer::envelope::model::{
-    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, Shapes, SkinModel,
+    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, ShapeNumbers, Shapes, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::kernel::map::{Fade, KernelMap};
@@ -139,7 +139,21 @@ fn skin(envelopes: &[EnvelopeModel], u: &mut Unstructured<'_>) -> Result<SkinMod
         tangent_coefficients: None,
         normal_errors: None,
         ranges,
-        shapes: Shapes::default(),
+        shapes: shapes(vertex_len, u)?,
+    })
+}
+
+/// Describes up to three shapes, some of whose vertices they do not move.
+fn shapes(vertex_len: usize, u: &mut Unstructured<'_>) -> Result<Shapes> {
+    let names = list(u.choose_index(4)?, || name(u))?;
+    let moved = |u: &mut Unstructured<'_>| -> Result<[f64; 3]> {
+        if u.arbitrary()? { vector(u, 1e6) } else { Ok([0.0; 3]) }
+    };
+    Ok(Shapes {
+        deltas: list(names.len(), || list(vertex_len, || moved(u)))?,
+        slopes: list(names.len(), || list(vertex_len, || moved(u).map(|[a, c, _]| [a, c])))?,
+        numbers: *u.choose(&[ShapeNumbers::F32, ShapeNumbers::F16, ShapeNumbers::I8])?,
+        names,
     })
 }
 
@@ -283,6 +297,27 @@ fn compare_skin(parts: &SkinModel, skin: &Skin<'_>) {
     }
     let ranges = skin.ranges().map(|(name, range)| (name.to_owned(), range));
     assert!(ranges.eq(parts.ranges.iter().cloned()));
+    compare_shapes(&parts.shapes, skin);
+}
+
+/// Compares shapes, those of single precision rounded, the others as near as the file says.
+fn compare_shapes(parts: &Shapes, skin: &Skin<'_>) {
+    assert_eq!(skin.shape_len(), parts.names.len());
+    let most = skin.shape_errors().map_or(0.0, |errors| errors.largest);
+    for (shape, name) in parts.names.iter().enumerate() {
+        assert_eq!(skin.shape_name(shape), Some(name.as_str()));
+        for (vertex, delta) in parts.deltas[shape].iter().enumerate() {
+            let found = skin.shape_delta(shape, vertex).unwrap_or([f32::NAN; 3]);
+            let error = found.iter().zip(delta).map(|(x, y)| (f64::from(*x) - y).abs());
+            let error = error.fold(0.0, f64::max);
+            assert!(error <= f64::from(most) * 1.001, "{error} {most}");
+            if parts.numbers == ShapeNumbers::F32 {
+                assert_eq!(found, delta.map(|x| x as f32));
+                let slopes = parts.slopes[shape][vertex].map(|x| x as f32);
+                assert_eq!(skin.shape_slopes(shape, vertex), Some(slopes));
+            }
+        }
+    }
 }
 
 fn compare_reconstruction(parts: &EnvelopeModel, envelope: &Envelope<'_>) {

@@ -31,7 +31,7 @@ impl ShapeContent {
             0 => true,
             1 => false,
             2 => vertex % 3 == 1,
-            3 => vertex / 11 % 2 == 0,
+            3 => (vertex / 11).is_multiple_of(2),
             4 => vertex + 1 == vertex_len,
             _ => rng.unit() < 0.0,
         };

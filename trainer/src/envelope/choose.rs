@@ -7,7 +7,7 @@ use super::fitted::{Fitted, corrected};
 use super::helpers::fit::{self, Helpers};
 use super::levels::AddError;
 use super::levels::{self, LevelReport};
-use super::model::FileModel;
+use super::model::{FileModel, SkinModel};
 use super::normals::{Fan, PosedSurface};
 use super::options::{FileSkins, Options, Predict};
 use super::rotational::ProxyCount;
@@ -32,6 +32,8 @@ const PROXIES: usize = 40;
 const QUARTERS: [usize; 4] = [1, 2, 4, 8];
 /// Fewer proxies are taken where their error is within this of the best.
 const FEWER: f64 = 1.02;
+/// Tangent coefficients give way to a budget where positions else err so many times as much.
+const COEFFICIENTS_COST: f64 = 1.5;
 
 /// A trained model.
 pub struct Trained {
@@ -71,6 +73,8 @@ pub struct CandidateReport {
     pub refined: Option<bool>,
     /// P.
     pub proxies: usize,
+    /// Whether the file's skins have tangent coefficients.
+    pub tangent_coefficients: bool,
     /// Bytes of the file; none where it would be larger than allowed.
     pub bytes: Option<usize>,
     /// Cross-validated error; none where the file would be too large.
@@ -100,6 +104,7 @@ impl TrainingReport {
 /// An envelope that was fitted and fits the budget.
 struct Candidate {
     fitted: Fitted,
+    tangent_coefficients: bool,
     report: usize,
     validated_rms: f64,
     rotational: Option<RotationalReport>,
@@ -213,13 +218,12 @@ impl PredictorSearch<'_> {
         let refined = rotational.refined.as_ref();
         let best = refined.unwrap_or(&rotational.unrefined);
         let fitted = rotational.fitted(self.training, best);
-        let bytes = self.bytes(&fitted)?;
-        self.add(
-            fitted,
-            Some(refined.is_some()),
-            (bytes <= self.budget()).then_some((bytes, &best.validated, Vec::new())),
-            Some(&rotational.report),
-        );
+        for coefficients in self.with_coefficients() {
+            let bytes = self.bytes(&fitted, coefficients)?;
+            let fits = (bytes <= self.budget()).then_some((bytes, &best.validated, Vec::new()));
+            let fitted = (fitted.clone(), coefficients);
+            self.add(fitted, Some(refined.is_some()), fits, Some(&rotational.report));
+        }
         Ok(())
     }
 
@@ -250,10 +254,12 @@ impl PredictorSearch<'_> {
     /// Plain LBS: a palette of joints without helpers.
     fn joints_alone(&mut self) -> Result<(), TrainError> {
         let fitted = Fitted::new(self.training, self.training.lbs.weights.clone(), None);
-        let bytes = self.bytes(&fitted)?;
         let palette = self.training.poses.stacked();
-        let fits = bytes <= self.budget();
-        self.add(fitted, None, fits.then_some((bytes, &palette, Vec::new())), None);
+        for coefficients in self.with_coefficients() {
+            let bytes = self.bytes(&fitted, coefficients)?;
+            let fits = (bytes <= self.budget()).then_some((bytes, &palette, Vec::new()));
+            self.add((fitted.clone(), coefficients), None, fits, None);
+        }
         Ok(())
     }
 
@@ -283,31 +289,32 @@ impl PredictorSearch<'_> {
     /// leaves.
     fn corrected(
         &mut self,
-        mut fitted: Fitted,
+        fitted: Fitted,
         target: &CorrectionTarget<'_>,
         validated: &Mat<f64>,
         refined: Option<bool>,
         report: Option<&RotationalReport>,
     ) -> Result<(), TrainError> {
         let search = Search::new(*target, self.progress);
-        fitted = fitted.with(search.nothing());
-        let without = self.bytes(&fitted)?;
-        let room = self.budget().saturating_sub(without);
-        let correction = if without > self.budget() { None } else { search.fit(room) };
-        let Some(correction) = correction else {
-            self.add(fitted, refined, None, report);
-            return Ok(());
-        };
-        fitted = fitted.with(correction.groups);
-        let palette = corrected(validated.clone(), &correction.validated);
-        let bytes = without + correction.bytes;
-        self.add(fitted, refined, Some((bytes, &palette, correction.reports)), report);
+        let fitted = fitted.with(search.nothing());
+        for coefficients in self.with_coefficients() {
+            let without = self.bytes(&fitted, coefficients)?;
+            let room = self.budget().checked_sub(without);
+            let Some(correction) = room.and_then(|room| search.fit(room)) else {
+                self.add((fitted.clone(), coefficients), refined, None, report);
+                continue;
+            };
+            let palette = corrected(validated.clone(), &correction.validated);
+            let fits = (without + correction.bytes, &palette, correction.reports);
+            let fitted = fitted.clone().with(correction.groups);
+            self.add((fitted, coefficients), refined, Some(fits), report);
+        }
         Ok(())
     }
 
     fn add(
         &mut self,
-        fitted: Fitted,
+        (fitted, tangent_coefficients): (Fitted, bool),
         refined: Option<bool>,
         fits: Option<(usize, &Mat<f64>, Vec<GroupReport>)>,
         rotational: Option<&RotationalReport>,
@@ -316,6 +323,7 @@ impl PredictorSearch<'_> {
             predictor: fitted.envelope.predictor().name(),
             refined,
             proxies: fitted.envelope.proxy_len(),
+            tangent_coefficients,
             bytes: None,
             validated_rms: None,
             groups: Vec::new(),
@@ -326,7 +334,13 @@ impl PredictorSearch<'_> {
             report.groups = groups;
             let rotational = rotational.cloned();
             let report = self.reports.len();
-            self.candidates.push(Candidate { fitted, report, validated_rms, rotational });
+            self.candidates.push(Candidate {
+                fitted,
+                tangent_coefficients,
+                report,
+                validated_rms,
+                rotational,
+            });
         }
         self.reports.push(report);
     }
@@ -335,14 +349,19 @@ impl PredictorSearch<'_> {
         self.options.budget.unwrap_or(usize::MAX)
     }
 
+    /// Whether skins are to have tangent coefficients, as it is tried: under a budget positions may need their bytes.
+    fn with_coefficients(&self) -> impl Iterator<Item = bool> + use<> {
+        [true].into_iter().chain(self.options.budget.map(|_| false))
+    }
+
     /// Bytes of the file.
-    fn bytes(&mut self, fitted: &Fitted) -> Result<usize, TrainError> {
+    fn bytes(&mut self, fitted: &Fitted, coefficients: bool) -> Result<usize, TrainError> {
         let mut model = fitted.file_model(self.training, self.examples, Certificate::default());
         match &self.options.meshes {
             FileSkins::Skins(further) => {
                 levels::reserve(&mut model, further);
-                for skin in &mut model.skins {
-                    skin.reserve_coefficients();
+                if coefficients {
+                    model.skins.iter_mut().for_each(SkinModel::reserve_coefficients);
                 }
                 if let Some(own) = model.skins.first_mut() {
                     own.normal_errors = Some(NormalErrors { model: 0.0, lbs: 0.0 });
@@ -358,9 +377,10 @@ impl PredictorSearch<'_> {
     /// Takes the candidate that scores best, with fewer proxies where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
         let Self { training, examples, progress, lbs_rms, reports, candidates, .. } = self;
-        let of = |c: &Candidate| (c.fitted.envelope.predictor(), reports[c.report].refined);
-        let best = candidates.iter().min_by(|a, b| a.validated_rms.total_cmp(&b.validated_rms));
-        let Some(best) = best else {
+        let of = |c: &Candidate| {
+            (c.fitted.envelope.predictor(), reports[c.report].refined, c.tangent_coefficients)
+        };
+        let Some(best) = best(&candidates) else {
             let budget = self.options.budget.unwrap_or(usize::MAX);
             return Err(TrainError::Budget { budget, least: self.least_bytes });
         };
@@ -380,8 +400,9 @@ impl PredictorSearch<'_> {
         let levels = match &self.options.meshes {
             FileSkins::Skins(further) => {
                 progress.step("normals", 1);
-                fit_normals(&mut model, &palette, training, examples)?;
-                levels::add(&mut model, further, examples)?
+                let coefficients = chosen.tangent_coefficients;
+                fit_normals(&mut model, coefficients.then_some(&palette), training, examples)?;
+                levels::add(&mut model, further, coefficients, examples)?
             }
             FileSkins::PaletteAlone => {
                 model.skins.clear();
@@ -402,22 +423,43 @@ impl PredictorSearch<'_> {
     }
 }
 
-/// Fits the tangent coefficients of a model's own skin to palettes of the training poses (3n x 4 a transform, in
-/// training units), and measures its normals on the training frames as `evaluate` does.
+/// Finds the candidate with the least error: one without tangent coefficients only where those with them leave
+/// [`COEFFICIENTS_COST`] times as much.
+fn best(candidates: &[Candidate]) -> Option<&Candidate> {
+    let least = |coefficients| {
+        let alike = candidates.iter().filter(move |c| c.tangent_coefficients == coefficients);
+        alike.min_by(|a, b| a.validated_rms.total_cmp(&b.validated_rms))
+    };
+    match (least(true), least(false)) {
+        (Some(with), Some(without))
+            if with.validated_rms > COEFFICIENTS_COST * without.validated_rms =>
+        {
+            Some(without)
+        }
+        (with, without) => with.or(without),
+    }
+}
+
+/// Fits the tangent coefficients of a model's own skin, and measures its normals on the training frames as
+/// `evaluate` does.
+///
+/// - `palettes`: of the training poses, 3n x 4 a transform, in training units; `None` for a skin without coefficients.
 fn fit_normals(
     model: &mut FileModel,
-    palettes: &Mat<f64>,
+    palettes: Option<&Mat<f64>>,
     training: &Training,
     examples: &Examples,
 ) -> Result<(), TrainError> {
-    let surface = PosedSurface {
-        rest: &training.rest,
-        trajectories: &training.trajectories,
-        palettes,
-        fans: &Fan::of(&examples.surface()),
-        authored: examples.surface().authored_normals().is_some(),
-    };
-    model.skins.iter_mut().for_each(|skin| surface.fit(skin, training.unit));
+    if let Some(palettes) = palettes {
+        let surface = PosedSurface {
+            rest: &training.rest,
+            trajectories: &training.trajectories,
+            palettes,
+            fans: &Fan::of(&examples.surface()),
+            authored: examples.surface().authored_normals().is_some(),
+        };
+        model.skins.iter_mut().for_each(|skin| surface.fit(skin, training.unit));
+    }
     let bytes = model.bake()?;
     let character = Character::open(&bytes, None, examples)?;
     let frames = examples.frames_of(Split::Train);

@@ -14,6 +14,7 @@ use sinew_runtime::envelope::Certificate;
 use std::ops::Range;
 
 /// A fitted envelope, in training units.
+#[derive(Clone)]
 pub struct Fitted {
     /// What predicts the palette.
     pub envelope: EnvelopeModel,

@@ -1,10 +1,7 @@
 //! What a face is made of: a neutral mesh and its shapes.
 
 use super::error::FaceError;
-use super::{meshes, npz};
-use crate::formats::extension::{extension, unknown_format};
-use crate::formats::obj::read_folder;
-use crate::formats::{ShapedMesh, fbx, gltf, numbers};
+use crate::formats::{ShapedMesh, numbers};
 use std::collections::HashSet;
 use std::ops::Range;
 use std::path::Path;
@@ -31,36 +28,9 @@ pub struct ExampleMeshes {
     pub positions: Vec<Vec<[f64; 3]>>,
 }
 
-/// What a file gives to make a face of.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Source {
-    /// A neutral mesh and named shapes.
-    Shapes(Basis),
-    /// Meshes, of which shapes are still to be found.
-    Meshes(ExampleMeshes),
-}
-
-/// Reads a face: a `.npz`, a scene with morph targets (`.glb`, `.gltf`, `.fbx`), or a folder of OBJ files.
-///
-/// # Errors
-/// [`FaceError::Format`], [`FaceError::File`], and what the arrays of a `.npz` lack; [`FaceError::NoShapes`],
-/// [`FaceError::Twice`] and [`FaceError::NotFinite`] of any.
-pub fn read(path: &Path) -> Result<Source, FaceError> {
-    if path.is_dir() {
-        return Basis::of(read_folder(path)?).check().map(Source::Shapes);
-    }
-    let mesh = match extension(path).as_str() {
-        "npz" if npz::has_shapes(path)? => return npz::read(path)?.check().map(Source::Shapes),
-        "npz" => return meshes::read(path).map(Source::Meshes),
-        "glb" | "gltf" => gltf::read_shapes(path)?,
-        "fbx" => fbx::read_shapes(path)?,
-        _ => return Err(unknown_format(path, ".npz, .glb, .gltf or .fbx, or a folder").into()),
-    };
-    Basis::of(mesh).check().map(Source::Shapes)
-}
-
 impl Basis {
-    fn of(mesh: ShapedMesh) -> Self {
+    /// Makes a face of a mesh and its shapes alone.
+    pub(super) fn of(mesh: ShapedMesh) -> Self {
         Self { mesh, ..Self::default() }
     }
 
@@ -112,7 +82,11 @@ impl Basis {
         Ok(())
     }
 
-    fn check(self) -> Result<Self, FaceError> {
+    /// Checks it.
+    ///
+    /// # Errors
+    /// [`FaceError::NoShapes`], [`FaceError::Twice`] and [`FaceError::NotFinite`].
+    pub(super) fn check(self) -> Result<Self, FaceError> {
         let shapes = &self.mesh.shapes;
         if shapes.is_empty() {
             return Err(FaceError::NoShapes);
@@ -123,9 +97,9 @@ impl Basis {
         }
         let finite = |all: &[[f64; 3]]| all.as_flattened().iter().all(|x| x.is_finite());
         for (array, sound) in [
-            ("of positions", finite(&self.mesh.positions)),
-            ("of shapes", shapes.iter().all(|shape| finite(&shape.deltas))),
-            ("of identities", self.identities.iter().all(|deltas| finite(deltas))),
+            ("neutral", finite(&self.mesh.positions)),
+            ("expression_deltas", shapes.iter().all(|shape| finite(&shape.deltas))),
+            ("identity_deltas", self.identities.iter().all(|deltas| finite(deltas))),
         ] {
             if !sound {
                 return Err(FaceError::NotFinite { array });

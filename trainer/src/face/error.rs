@@ -1,5 +1,6 @@
 //! What can be wrong with a face, a take or a track.
 
+use crate::bake::BakeError;
 use crate::formats::{CsvError, FileError, FormatError, GlbError};
 use sinew_runtime::CallError;
 use std::path::PathBuf;
@@ -104,6 +105,9 @@ pub enum FaceError {
     /// A scene cannot be written.
     #[error(transparent)]
     Glb(GlbError),
+    /// What was learned cannot be baked.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
     /// A picture cannot be encoded.
     #[error(transparent)]
     Picture(#[from] png::EncodingError),

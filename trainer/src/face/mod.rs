@@ -3,7 +3,7 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | [`basis`] | the neutral mesh, its shapes and identities, read from any of the formats |
+//! | [`basis`], [`source`] | the neutral mesh, its shapes and identities, read from any of the formats |
 //! | [`names`] | which shapes a column of a take drives |
 //! | [`take`], [`track`] | an animation of weights; points that are followed |
 //! | [`prior`] | what a take says of the weights of all shapes, and how a file holds it |
@@ -26,7 +26,10 @@ pub mod prior;
 pub mod report;
 pub mod scene;
 mod skin;
+pub mod source;
 pub mod take;
+#[cfg(test)]
+mod tests;
 pub mod track;
 pub mod train;
 

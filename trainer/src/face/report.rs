@@ -171,13 +171,14 @@ impl Report<'_> {
             "Vertex {vertex} alone is dragged from where it is in the neutral face to where the first expression above has \
              it, weights between their bounds. Above the slider norm, below the prior."
         ));
-        for (name, solver) in [("slider", &self.protocol.slider), ("prior", face)] {
+        let both = [("slider", "slider norm", &self.protocol.slider), ("prior", "prior", face)];
+        for (method, name, solver) in both {
             let mut pictures = Vec::new();
             let (mut scratch, mut weights) = (Vec::new(), vec![0.0_f32; frame.len()]);
             for step in 0..STEPS {
                 let share = step as f64 / (STEPS - 1) as f64;
                 let target = [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis]));
-                let beta = row.methods.get(name).map_or(1.0, |figures| figures.beta) as f32;
+                let beta = row.methods.get(method).map_or(1.0, |figures| figures.beta) as f32;
                 weights.fill(0.0);
                 let terms = Terms { beta, ..Terms::edit(&solver.prior) };
                 let pin = Pin::new(vertex as u32, target.map(|x| x as f32));

@@ -1,11 +1,15 @@
 //! From a face's shapes and a take to what a file holds of both.
 
+use super::baked::BakedFace;
 use super::basis::{Basis, ExampleMeshes};
 use super::error::FaceError;
+use super::evaluate::Protocol;
 use super::prior::{PriorModel, learned, pairs, slider};
+use crate::bake::BakeError;
 use crate::envelope::model::{FileModel, ShapeNumbers};
 use crate::formats::{NamedShape, ShapedMesh};
 use faer::Mat;
+use sinew_runtime::Model;
 
 /// The length by which a pin may miss, in diagonals of the face, where none is given.
 pub const TOLERANCE: f64 = 5e-4;
@@ -13,6 +17,12 @@ pub const TOLERANCE: f64 = 5e-4;
 pub const ENERGY: f64 = 0.999;
 /// Bounds of blendshape weights, and of the weights of shapes found in meshes, in standard deviations.
 const BOUNDS: ([f64; 2], f64) = ([0.0, 1.0], 3.0);
+
+/// Handles of which a file states what they reach.
+pub const HANDLES: usize = 8;
+/// Every so many frames are measured, and least frames to measure at all.
+const EVERY: usize = 25;
+const LEAST: usize = 8 * EVERY;
 
 /// How a face is baked.
 #[derive(Clone, Debug)]
@@ -94,6 +104,50 @@ pub fn of_meshes(
     prior.fit.frames = n as f32;
     let model = file(&basis, prior, options);
     Ok((basis, model))
+}
+
+/// Measures what [`HANDLES`] of a face's landmarks reach on the last quarter of the frames, of which the prior that is
+/// measured knows nothing, and states it in the file. Where there are not so many landmarks, or too few frames, it states
+/// nothing.
+///
+/// # Errors
+/// Those of the protocol and of baking.
+pub fn measure(
+    model: &mut FileModel,
+    basis: &Basis,
+    frames: &[Vec<f64>],
+    options: &Options,
+) -> Result<(), FaceError> {
+    let cut = frames.len() - frames.len() / 4;
+    if basis.landmarks.len() < HANDLES || frames.len() < LEAST {
+        return Ok(());
+    }
+    let own = of_take(basis, &frames[..cut], options);
+    let [slider, slider_mean] = sliders(&own);
+    let load = |model: &FileModel| -> Result<Model<Vec<u8>>, FaceError> {
+        Model::from_bytes(model.bake()?).map_err(|error| BakeError::Refused(error).into())
+    };
+    let (own, slider, slider_mean) = (load(&own)?, load(&slider)?, load(&slider_mean)?);
+    let face = BakedFace::open(&own)?;
+    let every = |frames: &'_ [Vec<f64>]| -> Vec<Vec<f64>> {
+        frames.iter().step_by(EVERY).cloned().collect()
+    };
+    let (training, held_out) = (every(&frames[..cut]), every(&frames[cut..]));
+    let evaluation = Protocol {
+        face,
+        slider: BakedFace::open(&slider)?,
+        slider_mean: BakedFace::open(&slider_mean)?,
+        landmarks: &basis.landmarks,
+        vertices: face.skin.ranges().next().map_or(0..basis.vertex_len(), |(_, range)| range),
+        chosen_on: training.iter().map(Vec::as_slice).collect(),
+        frames: held_out.iter().map(Vec::as_slice).collect(),
+    }
+    .run(&[HANDLES])?;
+    for (prior, row) in model.priors.iter_mut().zip(evaluation.handles.values()) {
+        prior.fit.error = row.prior as f32;
+        prior.fit.slider_error = row.slider as f32;
+    }
+    Ok(())
 }
 
 /// Gives the same file twice more, its prior that of the slider norm (Lewis and Anjyo 2010): from 0, and around the

@@ -4,7 +4,8 @@
 //!
 //! A new format takes these steps:
 //! 1. A file or folder of its own here, whose `read` makes of a path one of the structs that other
-//!    formats make too: a `SampledScene` (a character, its joints and clips), `PosedMeshes`, a [`Mesh`].
+//!    formats make too: a `SampledScene` (a character, its joints and clips), `PosedMeshes`, a [`Mesh`], a
+//!    [`ShapedMesh`] (a face and its shapes).
 //!    It checks all that the file says of itself, so that no bytes make it panic, and has a test that
 //!    spoils them.
 //! 2. An error that says what to export instead. A scene adds to [`SceneError`]; what is new has an

@@ -66,6 +66,25 @@ fn a_scene_becomes_the_examples_that_it_shows() {
     near(&examples.frame(2)[5], &[0.3, -0.5, 1.3]);
     near(&examples.frame(2)[0], &[0.2, 0.0, 0.5]);
     near(&examples.frame(1)[0], &[0.15, 0.0, 0.5]);
+    // Vertices 2, 3 and 4 have two places in the texture each.
+    let surface = examples.surface();
+    let uv = surface.uv().unwrap().iter().enumerate();
+    let mut found: Vec<_> = uv.map(|(copy, uv)| (surface.copy_of(copy), *uv)).collect();
+    found.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    // Copies that differ in their tangents alone.
+    found.dedup();
+    let expected = [
+        (0, [0.0, 0.0]),
+        (1, [1.0, 0.0]),
+        (2, [1.0, 1.0]),
+        (2, [1.0, 2.0]),
+        (3, [0.0, 1.0]),
+        (3, [0.0, 2.0]),
+        (4, [2.0, 3.0]),
+        (4, [3.0, 1.0]),
+        (5, [3.0, 0.0]),
+    ];
+    assert_eq!(found, expected);
 }
 
 /// Blender's own exporter writes other axes and units, and every bone.

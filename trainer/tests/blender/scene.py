@@ -35,6 +35,10 @@ bpy.ops.object.mode_set(mode="OBJECT")
 shape = bpy.data.meshes.new("Limb")
 corners = [(10, 0, 50), (-10, 0, 50), (-10, 0, 150), (10, 0, 150), (0, 30, 180), (30, 30, 150)]
 shape.from_pydata(corners, [], [(0, 1, 2, 3), (3, 2, 4), (0, 3, 4, 5, 1)])
+# A seam: the edge from vertex 2 to 3 lies elsewhere in the triangle's texture than in the quad's.
+texture = [(0, 0), (1, 0), (1, 1), (0, 1), (0, 2), (1, 2), (2, 3), (0, 0), (0, 1), (3, 1), (3, 0), (1, 0)]
+for corner, uv in zip(shape.uv_layers.new(name="Texture").data, texture, strict=True):
+    corner.uv = uv
 limb = add("Limb", shape)
 limb.parent = rig
 for name, vertices in (("upper", [0, 1]), ("lower", [2, 3, 4, 5])):

@@ -8,7 +8,8 @@ mod shared;
 
 use sinew_runtime::Model;
 use sinew_trainer::envelope::model::{FileModel, ShapeNumbers};
-use sinew_trainer::face::basis::{self, Basis, Source};
+use sinew_trainer::face::basis::Basis;
+use sinew_trainer::face::source::{self, Source};
 use sinew_trainer::face::take::{self, Take};
 use sinew_trainer::face::train::{Options, of_take};
 
@@ -20,7 +21,7 @@ pub(crate) fn options() -> Options {
 pub(crate) fn head() -> Option<(Basis, Take)> {
     let file = shared::shared("ict-facekit/ict_head.npz")?;
     let take = shared::shared("arkit-rom/alex_rom_3.csv")?;
-    let Source::Shapes(basis) = basis::read(&file).unwrap() else { panic!("it has shapes") };
+    let Source::Shapes(basis) = source::read(&file).unwrap() else { panic!("it has shapes") };
     let take = take::read(&take, &basis.names()).unwrap();
     Some((basis, take))
 }

@@ -9,6 +9,7 @@ mod odd_characters;
 mod real_sets;
 mod scenes;
 mod seams;
+mod shapes;
 #[path = "../shared/mod.rs"]
 mod shared;
 mod skins;

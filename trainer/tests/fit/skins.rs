@@ -172,6 +172,8 @@ fn a_budget_covers_every_skin() {
     };
     let within = budget(all).unwrap();
     assert!(within.model.len() <= all);
+    let model = Model::from_bytes(within.model.as_slice()).unwrap();
+    assert!(model.skins().all(|skin| skin.has_coefficients()));
     // What holds the mesh without a correction, but not the further one.
     let own = trained(&examples, &[]).model.len();
     let model = Model::from_bytes(within.model.as_slice()).unwrap();

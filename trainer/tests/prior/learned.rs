@@ -4,8 +4,8 @@ use super::common::*;
 use super::shared::shared;
 use sinew_runtime::prior::{Anchor, Pin};
 use sinew_trainer::envelope::model::{Shapes, SkinModel};
-use sinew_trainer::face::basis::{Source, read};
 use sinew_trainer::face::prior::{learned, pairs, slider};
+use sinew_trainer::face::source::{Source, read};
 use sinew_trainer::face::take;
 
 /// Vertices that a face of this test has: every so many of the head's.

@@ -39,8 +39,8 @@ fn a_pinned_vertex_goes_where_the_pin_is_and_the_pose_stays() {
     let (v, n) = (skin.vertex_len(), skin.shape_len());
     let posed = |weights: &[f32]| {
         let mut rest = vec![[0.0f32; 3]; v];
-        let out = |floats| Some(Output { floats, stride: 3 });
-        let (skin_all, positions) = (0..v, out(cells(rest.as_flattened_mut())));
+        let skin_all = 0..v;
+        let positions = Some(Output { floats: cells(rest.as_flattened_mut()), stride: 3 });
         ShapesJob {
             skin,
             weights,
@@ -58,7 +58,7 @@ fn a_pinned_vertex_goes_where_the_pin_is_and_the_pose_stays() {
             vertices: skin_all,
             remap: None,
             rest: Rest { positions: Some(&rest), ..Rest::default() },
-            positions: out(cells(posed.as_flattened_mut())),
+            positions: Some(Output { floats: cells(posed.as_flattened_mut()), stride: 3 }),
             normals: None,
             tangents: None,
         }

@@ -161,10 +161,10 @@ fn the_inner_product_does_not_depend_on_preimages_and_the_kernel_reproduces() {
             assert!((inner(&x, &g) - inner(&other, &g)).abs() < 1e-12 * size);
             assert!((inner(&x, &g) - inner(&f, &y)).abs() < 1e-12 * size);
             // ⟨f, A e_i⟩ = f_i, of which Eq. 5 is the square: c² / λ.
-            for i in 0..n {
+            for (i, at) in f.iter().enumerate() {
                 let e: Vec<f64> = (0..n).map(|j| f64::from(i == j)).collect();
                 let column = image(&e);
-                assert!((inner(&x, &column) - f[i]).abs() < 1e-12 * size);
+                assert!((inner(&x, &column) - at).abs() < 1e-12 * size);
                 for k in [0, 7, n - 1] {
                     let other: Vec<f64> = (0..n).map(|j| f64::from(k == j)).collect();
                     assert!((inner(&e, &image(&other)) - edit.a[(i, k)]).abs() < 1e-12 * scale);

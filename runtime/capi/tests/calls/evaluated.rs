@@ -1,13 +1,13 @@
 //! Poses, palettes and skins: the runtime's bits.
 
 use crate::common::random_pose;
-use crate::handles::{Loaded, NONE, done, output};
+use crate::handles::{Loaded, NONE, done, name, output};
 use crate::{Both, common, each, with};
 use models::{Pieces, Rng, SMALL, direction};
 use sinew_capi::*;
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::skin::Rest;
-use sinew_runtime::{Model, SkinJob};
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{Model, ShapesJob, SkinJob};
 
 #[test]
 fn evaluation_has_the_bits_of_the_runtime() {
@@ -166,4 +166,54 @@ fn parts_can_be_moved_and_files_lie_anywhere() {
         let all = 0..rust.1.vertex_len();
         assert_eq!(moved.run(moved.job(palette, all.clone())), skin.run(skin.job(palette, all)));
     });
+}
+
+#[test]
+fn shapes_have_the_bits_of_the_runtime() {
+    for pieces in Pieces::shaped() {
+        let file = pieces.bytes();
+        let (model, rust) = (Loaded::new(&file), Model::from_bytes(&file).unwrap());
+        let (found, skin) = (model.skin(None, 0).unwrap(), rust.skin().unwrap());
+        let (v, s) = (skin.vertex_len(), skin.shape_len());
+        assert_eq!(found.info().shape_len, s);
+        for shape in 0..s {
+            let (in_c, bounds) = (found.shape(shape), skin.shape_box(shape).unwrap());
+            assert_eq!(name(in_c.name, in_c.name_len), skin.shape_name(shape).unwrap());
+            assert_eq!((in_c.bounds.min, in_c.bounds.max), (bounds.min, bounds.max));
+        }
+        let mut random = Rng(13);
+        let weights: Vec<f32> = (0..s).map(|_| random.unit() * 1.5 + 0.5).collect();
+        let palette = vec![common::IDENTITY; skin.palette_len()];
+        let bounds = skin.shaped_bounds(&palette, &weights).unwrap().unwrap();
+        let bounds_in_c = found.shaped_bounds(&palette, &weights);
+        assert_eq!((bounds_in_c.min, bounds_in_c.max), (bounds.min, bounds.max));
+        let vertices = v / 3..v;
+        let (mut in_c, mut in_rust) = (vec![f32::NAN; 10 * v], vec![f32::NAN; 10 * v]);
+        let lent = cells(&mut in_rust);
+        let to = |first: usize| Some(Output { floats: &lent[first..], stride: 10 });
+        ShapesJob {
+            skin,
+            weights: &weights,
+            vertices: vertices.clone(),
+            positions: to(0),
+            normals: to(3),
+            tangents: to(6).filter(|_| skin.has_tangents()),
+        }
+        .run()
+        .unwrap();
+        let (at, len) = (in_c.as_mut_ptr(), in_c.len());
+        let shared = |first: usize| sinew_output {
+            floats: at.wrapping_add(first),
+            len: len - first,
+            stride: 10,
+        };
+        let mut job = found.shapes_job(&weights, vertices);
+        (job.positions, job.normals) = (shared(0), shared(3));
+        if skin.has_tangents() {
+            job.tangents = shared(6);
+        }
+        // SAFETY: three outputs within one buffer; no other reference to it is used.
+        done(unsafe { sinew_shapes_run(&raw const job, NONE) });
+        assert_eq!(common::bits(&in_c), common::bits(&in_rust));
+    }
 }

@@ -214,6 +214,32 @@ impl Skin {
         get(|out| unsafe { sinew_skin_bounds(self.handle, at, len, rest_offset, out, NONE) })
     }
 
+    pub fn shape(&self, index: usize) -> sinew_shape {
+        // SAFETY: an open skin and one structure to be written.
+        get(|out| unsafe { sinew_skin_shape(self.handle, index, out, NONE) })
+    }
+
+    pub fn shaped_bounds(&self, palette: &[Matrix3x4], weights: &[f32]) -> sinew_bounds {
+        let (at, len, w) = (matrices(palette), palette.len(), weights.as_ptr());
+        // SAFETY: an open skin, two arrays with their lengths, a structure to be written.
+        get(|out| unsafe { sinew_shapes_bounds(self.handle, at, len, w, weights.len(), out, NONE) })
+    }
+
+    /// Makes a job of shapes that writes nothing yet.
+    pub fn shapes_job(&self, weights: &[f32], vertices: Range<usize>) -> sinew_shapes_job {
+        let nothing = sinew_output { floats: null_mut(), len: 0, stride: 0 };
+        sinew_shapes_job {
+            skin: self.handle,
+            weights: weights.as_ptr(),
+            weights_len: weights.len(),
+            start: vertices.start,
+            end: vertices.end,
+            positions: nothing,
+            normals: nothing,
+            tangents: nothing,
+        }
+    }
+
     /// Makes a job that writes nothing yet.
     pub fn job(&self, palette: &[Matrix3x4], vertices: Range<usize>) -> sinew_skin_job {
         let nothing = sinew_output { floats: null_mut(), len: 0, stride: 0 };

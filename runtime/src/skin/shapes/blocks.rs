@@ -15,6 +15,9 @@ const ENTRIES: usize = Rule::place(&RULES, SectionKind::ShapeEntries);
 const DELTAS: usize = Rule::place(&RULES, SectionKind::ShapeDeltas);
 const SLOPES: usize = Rule::place(&RULES, SectionKind::ShapeSlopes);
 
+/// Products that are computed side by side.
+const ROOM: usize = 16;
+
 /// All that a skin's file says of its shapes.
 #[derive(Clone, Copy)]
 pub(super) struct Blocks<'a> {
@@ -49,9 +52,7 @@ impl<'a> Blocks<'a> {
     pub(super) fn of(skin: &Skin<'a>) -> Self {
         let part = &skin.0;
         let number = part.layout.counts[place::ELEMENT];
-        let mut elements = SectionKind::ShapeDeltas.elements().iter();
-        let element = elements.find(|element| u32::from(element.number()) == number);
-        let element = element.copied().unwrap_or(Element::F32);
+        let element = Element::ALL.get(number as usize).copied().unwrap_or(Element::F32);
         Self {
             rows: part.array(SHAPES),
             starts: part.bytes(STARTS).as_chunks().0,
@@ -101,9 +102,15 @@ impl Entry {
         (self.mask & bit != 0).then_some(self.start + before)
     }
 
+    /// Whether the vertices that it moves follow each other, eight and more on average.
+    const fn is_in_runs(self) -> bool {
+        let run_len = (self.mask & !(self.mask << 1)).count_ones();
+        8 * run_len <= self.mask.count_ones()
+    }
+
     /// Lists the vertices that it moves as runs: the first of each, how many, and its first delta.
     #[inline(always)]
-    pub(super) fn runs(self) -> impl Iterator<Item = (Range<usize>, usize)> {
+    fn runs(self) -> impl Iterator<Item = (Range<usize>, usize)> {
         let (mut mask, mut at, mut delta) = (self.mask, 0, self.start);
         core::iter::from_fn(move || {
             if mask == 0 {
@@ -130,14 +137,39 @@ impl Numbers<'_> {
         Some(out)
     }
 
-    /// Adds `weight` times arrays of N numbers, from the one of a number on.
+    /// Adds `weight` times the arrays of N numbers of an entry to the sums of a block.
     #[inline(always)]
-    pub(super) fn add<const N: usize>(
+    pub(super) fn add_entry<const N: usize>(
         &self,
         weight: f32,
-        first: usize,
-        sums: &mut [[f32; N]],
+        entry: Entry,
+        sums: &mut [[f32; N]; BLOCK],
     ) -> Option<()> {
+        if entry.is_in_runs() {
+            for (run, first) in entry.runs() {
+                self.add(weight, first, sums.get_mut(run)?)?;
+            }
+            return Some(());
+        }
+        let (mut mask, mut first) = (entry.mask, entry.start);
+        while mask != 0 {
+            // Products side by side, then each to its vertex.
+            let mut room = [[0.0; N]; ROOM];
+            let products = room.get_mut(..ROOM.min(mask.count_ones() as usize))?;
+            self.add(weight, first, products)?;
+            first += products.len();
+            for product in products {
+                let sum = sums.get_mut(mask.trailing_zeros() as usize)?;
+                sum.iter_mut().zip(product).for_each(|(sum, product)| *sum += *product);
+                mask &= mask.wrapping_sub(1);
+            }
+        }
+        Some(())
+    }
+
+    /// Adds `weight` times arrays of N numbers, from the one of a number on.
+    #[inline(always)]
+    fn add<const N: usize>(&self, weight: f32, first: usize, sums: &mut [[f32; N]]) -> Option<()> {
         let each = N * self.element.bytes();
         let bytes = self.bytes.get(first.checked_mul(each)?..)?.get(..sums.len() * each)?;
         let sums = sums.as_flattened_mut();

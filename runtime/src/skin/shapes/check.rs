@@ -21,8 +21,10 @@ pub(crate) fn counts(
     let most = if words[place::SHAPES] == 0 { 0 } else { u32::MAX };
     let ranges = [(place::ENTRIES, 0, most), (place::DELTAS, 0, most)];
     check_counts(loading, SectionKind::SkinCounts, words, &ranges)?;
-    let deltas = element(SectionKind::ShapeDeltas).unwrap_or(Element::F32);
-    let slopes = element(SectionKind::ShapeSlopes).unwrap_or(deltas);
+    let (deltas, slopes) = (element(SectionKind::ShapeDeltas), element(SectionKind::ShapeSlopes));
+    // Whether both are there is found out when all sections are.
+    let deltas = deltas.or(slopes).unwrap_or(Element::F32);
+    let slopes = slopes.unwrap_or(deltas);
     if slopes != deltas {
         let values = [deltas, slopes].map(|element| element.number().into());
         return Err(loading.refuse(Kind::Mismatch, Some(SectionKind::ShapeSlopes), 0, values));

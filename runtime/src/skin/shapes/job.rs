@@ -112,7 +112,11 @@ impl ShapesJob<'_> {
                     Some([x, y, z, _]) => Frame::of_tangent(n, [x, y, z]),
                     None => Frame::of_normal(n, n[2]),
                 };
-                let tilted = [0, 1, 2].map(|i| (n[i] - a * g[i]) - c * h[i]);
+                let tilted = [
+                    (n[0] - a * g[0]) - c * h[0],
+                    (n[1] - a * g[1]) - c * h[1],
+                    (n[2] - a * g[2]) - c * h[2],
+                ];
                 out.put(i, unit(tilted, 1.0).unwrap_or(n))?;
             }
             if let Some((out, [x, y, z, hand])) = self.tangents.zip(tangent) {
@@ -156,13 +160,9 @@ impl Sums {
                 continue;
             }
             let [step, slope_step, ..] = floats(blocks.rows.get(entry.shape)?);
-            for (run, first) in entry.runs() {
-                let sums = self.deltas.get_mut(run.clone())?;
-                blocks.deltas.add(weight * step, first, sums)?;
-                if tilts {
-                    let sums = self.slopes.get_mut(run)?;
-                    blocks.slopes.add(weight * slope_step, first, sums)?;
-                }
+            blocks.deltas.add_entry(weight * step, entry, &mut self.deltas)?;
+            if tilts {
+                blocks.slopes.add_entry(weight * slope_step, entry, &mut self.slopes)?;
             }
         }
         Some(())

@@ -3,6 +3,7 @@
 mod case;
 mod folder;
 mod kernel;
+mod shapes;
 mod tolerances;
 mod written;
 
@@ -24,6 +25,8 @@ const CHARACTER_POSES: usize = 77;
 
 /// Queries of a kernel.
 const QUERIES: usize = 41;
+/// Lists of weights of a skin's shapes.
+const FACES: usize = 7;
 
 /// Writes the vectors into a folder that is not there or is empty; it appears whole or not at all.
 ///
@@ -47,6 +50,9 @@ pub fn write(out: &Path) -> Result<(), VectorError> {
         let name = content.name.replace([' ', '/'], "-").replace('é', "e");
         let bytes = Pieces::kernels(&[content]).bytes();
         kernel::write(&format!("kernel-{name}"), &bytes, QUERIES, &folder)?;
+    }
+    for (element, pieces) in ["f32", "f16", "i8", "few"].into_iter().zip(Pieces::shaped()) {
+        shapes::write(&format!("shapes-{element}"), &pieces.bytes(), FACES, &folder)?;
     }
     folder.finish()
 }

@@ -15,10 +15,11 @@ use sinew_runtime::kernel::{
     EulerOrder, InputKind, InputRow, Kernel, KernelCounts, KernelFit, KernelLayout, KernelRule,
     OutputKind, OutputRow,
 };
-use sinew_runtime::skin::{NormalErrors, Output, Rest, SkinCounts, SkinLayout, cells};
+use sinew_runtime::prior::{Anchor, PriorCounts, PriorLayout, Temporal};
+use sinew_runtime::skin::{NormalErrors, Output, Rest, ShapeErrors, SkinCounts, SkinLayout, cells};
 use sinew_runtime::{
-    CallError, Envelope, KernelMap, Limits, LocalTransform, Matrix3x4, Model, Skin, SkinJob,
-    Workspace, model_space_pose, stages,
+    CallError, Envelope, KernelMap, Limits, LocalTransform, Matrix3x4, Model, Pin, PinJob, Pins,
+    Prior, ShapesJob, Skin, SkinJob, Workspace, model_space_pose, stages,
 };
 
 firmware::image!(run);
@@ -62,6 +63,15 @@ fn run() -> bool {
             of_kernel(kernel);
         }
     }
+    let first = [model.prior(), model.prior_named(name)].into_iter().flatten();
+    for prior in first.chain(model.priors()) {
+        if let Some(skin) = model.skin_of(&prior) {
+            tell(pinned(prior, skin));
+        }
+        let kept: PriorLayout = prior.layout();
+        black_box(kept.counts());
+        black_box(kept.open(some(&[])).is_some());
+    }
     black_box(model.into_bytes());
     true
 }
@@ -80,6 +90,7 @@ fn of_envelope(envelope: Envelope<'_>) {
 fn of_skin(skin: Skin<'_>) {
     mesh(skin);
     tell(skinned(skin));
+    tell(shaped(skin));
 }
 
 #[inline(never)]
@@ -155,7 +166,7 @@ fn tables(model: &Model<&[u8]>) {
     let group = GroupRow::from_bytes(&black_box([0; GroupRow::BYTES]));
     black_box((group.words(), group.scratch_len(), group.to_bytes()));
     if let Some(kind) = SectionKind::from_number(black_box(1)) {
-        black_box((kind.name(), kind.element().name(), Element::ALL));
+        black_box((kind.name(), kind.elements().first().map(|own| own.name()), Element::ALL));
         counts(kind);
     }
     if let Some(kernel) = GroupKernel::from_number(black_box(8)) {
@@ -169,10 +180,11 @@ fn counts(kind: SectionKind) {
         black_box((counts.has(kind), counts.section_bytes(kind), counts.palette_len()));
         black_box((counts.words(), counts.predictor.name()));
     }
-    let counts = SkinCounts::from_words(black_box([0; 4]));
-    black_box((counts.has(kind), counts.section_bytes(kind, index()), counts.envelope()));
-    black_box((counts.words(), Predictor::from_number(black_box(1))));
+    let counts = SkinCounts::from_words(black_box([0; 7]));
+    black_box((counts.has(kind), counts.section_bytes(kind, index(), black_box(Element::I8))));
+    black_box((counts.words(), counts.envelope(), Predictor::from_number(black_box(1))));
     black_box(NormalErrors::from_figures(black_box([0.0; 2])).figures());
+    black_box(ShapeErrors::from_figures(black_box([0.0; 2])).figures());
     kernel_rows(kind);
     black_box(Certificate::from_figures(black_box([0.0; 5])).figures());
 }
@@ -238,6 +250,12 @@ fn mesh(skin: Skin<'_>) {
     black_box((s.name(), s.counts(), s.file(), s.envelope_part(), s.has_tangents()));
     black_box((s.rest_position(index()), s.rest_normal(index()), s.rest_tangent(index())));
     black_box((s.rest_box(index()), s.has_coefficients(), s.normal_errors()));
+    black_box((s.shape_len(), s.shape_name(index()), s.shape_element(), s.shape_errors()));
+    black_box((s.shape_delta(index(), index()), s.shape_slopes(index(), index())));
+    black_box(s.shape_box(index()));
+    for delta in s.deltas_of(index()) {
+        black_box(delta);
+    }
     for pair in s.tangent_coefficients(index()) {
         black_box(pair);
     }
@@ -247,6 +265,66 @@ fn mesh(skin: Skin<'_>) {
     for range in s.ranges() {
         black_box(range);
     }
+}
+
+/// Reads a prior, and solves for pins.
+#[inline(never)]
+fn pinned(prior: Prior<'_>, skin: Skin<'_>) -> Result<(), CallError> {
+    let counts = prior.counts();
+    let counts = PriorCounts::from_words(black_box(counts.words()));
+    black_box((prior.name(), prior.file(), prior.part(), prior.fit().figures()));
+    black_box((prior.mean(index()), prior.weight_bounds(index())));
+    black_box((prior.factor_entry(index(), index()), counts.pin_scratch_len(index())));
+    if let Some(kind) = SectionKind::from_number(black_box(1)) {
+        black_box(counts.section_bytes(kind));
+    }
+    for (pair, stiffness) in prior.symmetry() {
+        black_box((pair, stiffness));
+    }
+    for pair in prior.cancel_pairs() {
+        black_box(pair);
+    }
+    let mut pins = Pins::<4>::new();
+    for vertex in 0..black_box(5) {
+        pins.add(black_box(Pin::new(vertex, [0.5; 3])))?;
+    }
+    pins.add(black_box(Pin::on_screen(1, [[0.0; 4]; 2], [0.0; 2]).masked([true, false, true])))?;
+    let weights = some::<f32>(&[]);
+    let job = PinJob {
+        palette: some(&[]),
+        anchor: if black_box(true) { Anchor::Mean } else { Anchor::Current },
+        beta: black_box(1.0),
+        is_bounded: black_box(true),
+        temporal: black_box(Some(Temporal { weights, stiffness: 1.0 })),
+        symmetry: black_box(1.0),
+        cancels: black_box(true),
+        ..PinJob::new(prior, skin, pins.list())
+    };
+    black_box(job.run(some_mut(&mut []), some_mut(&mut []))?);
+    black_box(skin.place(black_box(0), some(&[]), weights));
+    pins.clear();
+    Ok(())
+}
+
+/// Shapes vertices, and bounds what comes of it.
+fn shaped(skin: Skin<'_>) -> Result<(), CallError> {
+    let weights = some::<f32>(&[]);
+    let floats = cells(some_mut(&mut []));
+    let attribute = || {
+        let floats = black_box(floats.get(index()..).unwrap_or_default());
+        black_box(Some(Output { floats, stride: index() }))
+    };
+    ShapesJob {
+        skin,
+        weights,
+        vertices: index()..index(),
+        positions: attribute(),
+        normals: attribute(),
+        tangents: attribute(),
+    }
+    .run()?;
+    black_box(skin.shaped_bounds(some(&[]), weights)?);
+    Ok(())
 }
 
 /// Skins with and without a remap and a mesh of the caller's.

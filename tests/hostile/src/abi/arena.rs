@@ -48,6 +48,7 @@ pub(super) struct Arena {
     pub(super) skin_palette: Range<usize>,
     pub(super) remap: Range<usize>,
     pub(super) rest: [Range<usize>; 3],
+    pub(super) weights: Range<usize>,
     pub(super) query: Range<usize>,
     /// Room for a name, limits or a job.
     pub(super) argument: Range<usize>,
@@ -98,6 +99,7 @@ impl Arena {
             skin_palette: place(size_of_val(&*frame.skin_palette)),
             remap: place(size_of_val(&*frame.remap)),
             rest: [12, 12, 16].map(|bytes| place(bytes * frame.vertex_len)),
+            weights: place(size_of_val(&*frame.weights)),
             query: place(size_of_val(&*frame.query)),
             argument: place(
                 frame
@@ -139,6 +141,7 @@ impl Arena {
             (self.poses.start, bytes(poses)),
             (self.skin_palette.start, bytes(floats(&frame.skin_palette))),
             (self.remap.start, remap.collect()),
+            (self.weights.start, bytes(frame.weights.iter().copied())),
             (self.query.start, bytes(frame.query.iter().copied())),
             (positions, bytes(frame.rest_positions.as_flattened().iter().copied())),
             (normals, bytes(frame.rest_normals.as_flattened().iter().copied())),

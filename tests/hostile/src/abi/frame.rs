@@ -6,7 +6,7 @@ use sinew_capi::sinew_error;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::skin::{Bounds, Output, Rest, SkinLayout, cells};
 use sinew_runtime::{
-    CallError, Envelope, KernelMap, LocalTransform, Matrix3x4, Model, Skin, SkinJob,
+    CallError, Envelope, KernelMap, LocalTransform, Matrix3x4, Model, ShapesJob, Skin, SkinJob,
 };
 use std::ops::Range;
 
@@ -34,6 +34,8 @@ pub(super) struct Frame {
     pub(super) influence_len: usize,
     pub(super) range_len: usize,
     pub(super) has_tangents: bool,
+    /// Weights of its shapes.
+    pub(super) weights: Vec<f32>,
     /// The palette of the skin's own envelope.
     pub(super) skin_palette: Vec<Matrix3x4>,
     /// A remap, and a rest mesh of another shape.
@@ -118,6 +120,7 @@ impl Frame {
         self.range_len = skin.ranges().count();
         self.has_tangents = skin.has_tangents();
         self.skin_palette = palette;
+        self.weights = (0..skin.shape_len()).map(|shape| 0.75 - 0.5 * shape as f32).collect();
         // Every vertex twice, the last one first.
         self.remap = (0..v as u32).rev().flat_map(|vertex| [vertex; 2]).collect();
         let positions = (0..v).filter_map(|vertex| skin.rest_position(vertex));
@@ -176,6 +179,36 @@ impl Frame {
         if let Err(error) = job.run() {
             panic!("the runtime refuses a job without a fault: {error}");
         }
+    }
+
+    /// Shapes vertices into floats that hold something.
+    ///
+    /// # Panics
+    /// Where the runtime refuses that.
+    pub(super) fn shape(
+        &self,
+        file: &[u8],
+        vertices: Range<usize>,
+        outputs: [Option<(usize, usize)>; 3],
+        floats: &mut [f32],
+    ) {
+        let Some(skin) = self.layout.and_then(|layout| layout.open(file)) else { return };
+        let floats = cells(floats);
+        let [positions, normals, tangents] = outputs.map(|output| {
+            let (first, stride) = output?;
+            Some(Output { floats: floats.get(first..).unwrap_or_default(), stride })
+        });
+        let weights = &self.weights;
+        let job = ShapesJob { skin, weights, vertices, positions, normals, tangents };
+        if let Err(error) = job.run() {
+            panic!("the runtime refuses a job without a fault: {error}");
+        }
+    }
+
+    /// Computes the bounds of the shaped skin.
+    pub(super) fn shaped_bounds(&self, file: &[u8]) -> Option<Bounds> {
+        let skin = self.layout?.open(file)?;
+        skin.shaped_bounds(&self.skin_palette, &self.weights).ok()?
     }
 
     /// Computes the bounds of the skin.

@@ -4,6 +4,8 @@ use super::arena::{BATCH, BLANK, bytes, floats};
 use super::call::Call;
 use super::frame::Asked;
 use super::kernels;
+use super::outputs::{FLOATS, outputs};
+use super::shapes;
 use super::shared::{optional, unknown, wanted};
 use crate::recipe;
 use arbitrary::Result;
@@ -18,7 +20,7 @@ use sinew_status as Status;
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions by their names.
-pub(super) const FUNCTIONS: [(&str, Function); 29] = [
+pub(super) const FUNCTIONS: [(&str, Function); 32] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
     ("sinew_model_describe", model_describe),
@@ -41,6 +43,9 @@ pub(super) const FUNCTIONS: [(&str, Function); 29] = [
     ("sinew_skin_influences", influences),
     ("sinew_skin_run", run),
     ("sinew_skin_bounds", bounds),
+    ("sinew_skin_shape", shapes::shape),
+    ("sinew_shapes_run", shapes::run),
+    ("sinew_shapes_bounds", shapes::bounds),
     ("sinew_kernel_open", kernels::open),
     ("sinew_kernel_describe", kernels::describe),
     ("sinew_kernel_input", kernels::input),
@@ -88,7 +93,9 @@ fn limits(call: &mut Call<'_, '_>) -> Result<*const sinew_limits> {
     let tables = [tables as u16, (tables >> 16) as u16];
     let mut content = file_bytes.to_ne_bytes().to_vec();
     content.extend(tables.into_iter().flat_map(u16::to_ne_bytes));
-    content.extend([vertices, joints, proxies, u32::MAX].into_iter().flat_map(u32::to_ne_bytes));
+    content.extend(
+        [vertices, joints, proxies, u32::MAX, u32::MAX].into_iter().flat_map(u32::to_ne_bytes),
+    );
     call.arena.write(place, &content);
     // Other bytes are other limits; and a null pointer is none.
     let drawn = call.faults.len();
@@ -369,9 +376,6 @@ fn run(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_skin_run(job, error) })
 }
 
-/// Floats of a vertex in the outputs' room.
-const FLOATS: usize = 12;
-
 /// Draws a remap: the frame's, or a shorter one, or one with a vertex that is not there.
 fn remap(call: &mut Call<'_, '_>) -> Result<(*const u32, usize)> {
     let place = call.arena.remap.clone();
@@ -397,44 +401,6 @@ fn rest_mesh(call: &mut Call<'_, '_>) -> Result<([*const f32; 3], usize)> {
         }
     }
     Ok((rest, len))
-}
-
-type Outputs = ([sinew_output; 3], [Option<(usize, usize)>; 3]);
-
-/// Draws outputs: interleaved in one room, or over each other, some left out, or astray. Returns also
-/// the first float and the stride of each.
-fn outputs(call: &mut Call<'_, '_>, n: usize, has_tangents: bool) -> Result<Outputs> {
-    let room = call.result_place(4 * FLOATS * n);
-    let mut outputs = [sinew_output { floats: null_mut(), len: 0, stride: 0 }; 3];
-    let mut asked = [None; 3];
-    for (i, (own, first, argument)) in
-        [(3, 0, Argument::Positions), (3, 3, Argument::Normals), (4, 6, Argument::Tangents)]
-            .into_iter()
-            .enumerate()
-    {
-        if call.one_in(3)? || (own == 4 && !has_tangents && !call.one_in(8)?) {
-            continue;
-        }
-        let mut stride = call.u.int_in_range(own..=FLOATS - 2)?;
-        if call.one_in(16)? {
-            stride = call.u.int_in_range(0..=own)?;
-        }
-        // Within the room whatever the stride: of no vertex there is none.
-        let first = if call.one_in(8)? { call.u.int_in_range(0..=2)? } else { first };
-        let first = if n == 0 { 0 } else { first.min(FLOATS - own) };
-        let place = room.start + 4 * first..room.end;
-        let len = place.len() / 4;
-        let least = n.checked_sub(1).map_or(0, |last| last * stride + own);
-        let (floats, len) = call.output_at(place, len, least, stride < own, argument)?;
-        outputs[i] = sinew_output { floats, len, stride };
-        asked[i] = (!floats.is_null() || len > 0).then_some((first, stride));
-        let is_asked = asked[i].is_some();
-        call.fault_if(is_asked && stride < own, Status::Stride, argument);
-        call.fault_if(is_asked && own == 4 && !has_tangents, Status::NoAttribute, argument);
-    }
-    let nothing = asked.iter().all(Option::is_none);
-    call.fault_if(nothing, Status::NoOutput, Argument::Call);
-    Ok((outputs, asked))
 }
 
 fn bounds(call: &mut Call<'_, '_>) -> Result<sinew_status> {

@@ -11,6 +11,8 @@ mod frame;
 mod functions;
 mod header;
 mod kernels;
+mod outputs;
+mod shapes;
 mod shared;
 
 use crate::recipe;

@@ -21,6 +21,7 @@ pub(super) enum Image {
     SizeServo,
     SizeNormals,
     SizeViews,
+    SizeShapes,
     ControlPanic,
     ControlAlloc,
 }
@@ -37,11 +38,12 @@ impl Image {
             Self::Cost => Some("cortex-m"),
             Self::CostServo => Some("cortex-m,kernel"),
             Self::CostNormals => Some("cortex-m,tangent-coefficients"),
-            Self::Bits => Some("kernel,tangent-coefficients,views"),
-            Self::Proof => Some("kernel,tangent-coefficients"),
+            Self::Bits => Some("kernel,prior,shapes,tangent-coefficients,views"),
+            Self::Proof => Some("kernel,prior,shapes,tangent-coefficients"),
             Self::Servo | Self::SizeServo => Some("kernel"),
             Self::SizeNormals => Some("tangent-coefficients"),
             Self::SizeViews => Some("views"),
+            Self::SizeShapes => Some("shapes"),
             Self::ControlPanic | Self::ControlAlloc => Some("control"),
             Self::Minimal | Self::Bare | Self::SizeRotational | Self::SizeAny | Self::SizeAll => {
                 None
@@ -65,6 +67,7 @@ impl Image {
             Self::SizeServo => "size_servo",
             Self::SizeNormals => "size_normals",
             Self::SizeViews => "size_views",
+            Self::SizeShapes => "size_shapes",
             Self::ControlPanic => "control_panic",
             Self::ControlAlloc => "control_alloc",
         }
@@ -111,6 +114,7 @@ pub(super) fn others(folder: &Path) -> Result<(), String> {
             Image::KERNEL,
             &[Image::SizeNormals],
             &[Image::SizeViews],
+            &[Image::SizeShapes],
             &[Image::Cost],
             &[Image::CostServo],
             &[Image::CostNormals],
@@ -164,7 +168,11 @@ pub(super) fn lint(folder: &Path) -> Result<(), String> {
     let mut command = cargo(folder, M4F);
     command.args(["clippy", "--quiet", "--locked", "--manifest-path", MANIFEST]);
     command
-        .args(["--bins", "--features", "control,cortex-m,kernel,tangent-coefficients,views"])
+        .args([
+            "--bins",
+            "--features",
+            "control,cortex-m,kernel,prior,shapes,tangent-coefficients,views",
+        ])
         .args(triple(M4F));
     crate::call::run(command.args(["--", "-D", "warnings"]))
 }

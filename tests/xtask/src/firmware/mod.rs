@@ -158,6 +158,7 @@ fn costs(folder: &Path) -> Result<(), String> {
             ("servo", Image::SizeServo),
             ("normals", Image::SizeNormals),
             ("views", Image::SizeViews),
+            ("shapes", Image::SizeShapes),
         ] {
             figures.push((format!("{} {name} code", profile.name()), bytes(image)? - bare));
         }

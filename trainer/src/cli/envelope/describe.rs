@@ -37,12 +37,22 @@ fn of_skin(model: &Model<Vec<u8>>, skin: &Skin<'_>) -> String {
         if skin.has_tangents() { "with tangents" } else { "without tangents" },
     );
     let coefficients = if skin.has_coefficients() { "tangent coefficients" } else { "cofactors" };
-    out += &format!("  normals by {coefficients}");
-    if let Some(errors) = skin.normal_errors() {
-        let [model, lbs] = errors.figures().map(f32::to_degrees);
-        out += &format!(": off by {model:.2} °, LBS by {lbs:.2} °, RMS on the training frames");
+    if skin.envelope_part().is_some() {
+        out += &format!("  normals by {coefficients}");
+        if let Some(errors) = skin.normal_errors() {
+            let [model, lbs] = errors.figures().map(f32::to_degrees);
+            out += &format!(": off by {model:.2} °, LBS by {lbs:.2} °, RMS on the training frames");
+        }
+        out += "\n";
     }
-    out += "\n";
+    if skin.shape_len() > 0 {
+        let element = skin.shape_element().name();
+        out += &format!("  {} in {element}", counted(skin.shape_len(), "shape", "shapes"));
+        if let Some(errors) = skin.shape_errors() {
+            out += &format!(": off by {:.3e} at the most, {:.3e} RMS", errors.largest, errors.rms);
+        }
+        out += "\n";
+    }
     for (name, vertices) in skin.ranges() {
         let name = printable(name);
         out += &format!("  {name}: vertices {} to {}\n", vertices.start, vertices.end);

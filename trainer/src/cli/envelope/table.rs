@@ -8,7 +8,9 @@ use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
 pub(super) fn report(report: &TrainingReport) -> String {
     let [name, proxies, bytes, rms] =
         ["candidate", "proxies", "bytes", "cross-validated error, % of the diagonal"];
-    let mut out = format!("{name:<22}{proxies:>8}{bytes:>12}   {rms}\n");
+    let names = report.candidates.iter().map(|candidate| kind(candidate).len() + 1);
+    let width = names.fold(22, usize::max);
+    let mut out = format!("{name:<width$}{proxies:>8}{bytes:>12}   {rms}\n");
     for (index, candidate) in report.candidates.iter().enumerate() {
         let mark = if index == report.chosen { " <- taken" } else { "" };
         let (bytes, rms) = match (candidate.bytes, candidate.validated_rms) {
@@ -16,7 +18,7 @@ pub(super) fn report(report: &TrainingReport) -> String {
             _ => ("too many".to_owned(), "-".to_owned()),
         };
         let (name, proxies) = (kind(candidate), candidate.proxies);
-        out += &format!("{name:<22}{proxies:>8}{bytes:>12}   {rms}{mark}\n");
+        out += &format!("{name:<width$}{proxies:>8}{bytes:>12}   {rms}{mark}\n");
     }
     out += "training frames       error, % of the diagonal\n";
     let validated = report.chosen().validated_rms.unwrap_or_default();
@@ -31,11 +33,11 @@ pub(super) fn report(report: &TrainingReport) -> String {
 }
 
 fn kind(candidate: &CandidateReport) -> String {
-    if candidate.proxies == 0 {
-        return "joints alone (LBS)".to_owned();
-    }
+    let predictor = if candidate.proxies == 0 { "joints alone (LBS)" } else { candidate.predictor };
     let unrefined = if candidate.refined == Some(false) { ", unrefined" } else { "" };
-    format!("{}{unrefined}", candidate.predictor)
+    // What they buy are normals; said only of those that the budget left without.
+    let bare = if candidate.tangent_coefficients { "" } else { ", cofactors" };
+    format!("{predictor}{unrefined}{bare}")
 }
 
 /// Describes a measurement, with LBS beside it.

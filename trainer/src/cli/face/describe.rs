@@ -43,6 +43,8 @@ fn as_json(prior: &Prior<'_>) -> Value {
         "shapes": counts.shape_len,
         "frames": fit.frames,
         "tolerance": f64::from(fit.beta).sqrt(),
+        "error": fit.error,
+        "slider_error": fit.slider_error,
         "mirrored_pairs": counts.symmetry_len,
         "cancelling_pairs": counts.cancel_len,
         "scratch_bytes_for_8_pins": 8 * counts.pin_scratch_len(24),

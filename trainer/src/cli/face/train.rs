@@ -8,9 +8,10 @@ use serde_json::json;
 use sinew_runtime::Model;
 use sinew_trainer::envelope::model::{FileModel, ShapeNumbers};
 use sinew_trainer::face::baked::BakedFace;
-use sinew_trainer::face::basis::{self, Basis, Source};
+use sinew_trainer::face::basis::Basis;
 use sinew_trainer::face::outline;
-use sinew_trainer::face::train::{Options, of_meshes, of_take};
+use sinew_trainer::face::source::{self, Source};
+use sinew_trainer::face::train::{HANDLES, Options, measure, of_meshes, of_take};
 use std::path::PathBuf;
 
 /// Learns from a take how the expressions of a face go together, and bakes the face and that into a file.
@@ -81,8 +82,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             NumbersName::I8 => ShapeNumbers::I8,
         },
     };
-    let source = basis::read(path).with_context(about)?;
-    let (basis, model, learned) = match source {
+    let found = source::read(path).with_context(about)?;
+    let (basis, model, learned) = match found {
         Source::Meshes(meshes) => {
             refuse_for_meshes(arguments).with_context(about)?;
             let len = counted(meshes.positions.len(), "mesh", "meshes");
@@ -133,13 +134,22 @@ fn print(
         "landmarks": basis.landmarks.len(),
         "frames": fit.frames,
         "tolerance": tolerance,
+        "error": fit.error,
+        "slider_error": fit.slider_error,
         "mirrored_pairs": counts.symmetry_len,
         "cancelling_pairs": counts.cancel_len,
         "bytes": bytes.len(),
         "mesh": mesh.named().display().to_string(),
     });
+    let reached = match fit.error > 0.0 {
+        true => format!(
+            "{HANDLES} landmarks leave {:.3e} on the last quarter, learned from the rest; the slider norm {:.3e}\n",
+            fit.error, fit.slider_error
+        ),
+        false => String::new(),
+    };
     let text = format!(
-        "{}: {}, {}, {}\n{learned}pins hold to {tolerance:.3e}; {} mirrored, {} cancelling\n\
+        "{}: {}, {}, {}\n{learned}{reached}pins hold to {tolerance:.3e}; {} mirrored, {} cancelling\n\
          wrote {} ({} bytes) and {}\n",
         printable(face.skin.name()),
         counted(vertices, "vertex", "vertices"),
@@ -178,7 +188,9 @@ fn with_take(
         path.display(),
         format_args!("move {driven}"),
     );
-    Ok((of_take(basis, &frames, options), learned))
+    let mut model = of_take(basis, &frames, options);
+    measure(&mut model, basis, &frames, options)?;
+    Ok((model, learned))
 }
 
 /// Sets the landmarks that were given.

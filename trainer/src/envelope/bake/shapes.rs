@@ -114,10 +114,14 @@ impl Rounded {
 impl ShapeNumbers {
     /// Chooses what numbers are multiplied by, so that the largest has the most places.
     fn step(self, values: &[f64]) -> f32 {
+        if values.iter().any(|x| !x.is_finite()) {
+            // Which no reader takes.
+            return f32::NAN;
+        }
         let most = values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         match self {
             // A product by 1 is exact.
-            _ if most == 0.0 || !most.is_finite() => 1.0,
+            _ if most == 0.0 => 1.0,
             Self::F32 => 1.0,
             // A power of two is exact; the largest becomes less than 2, so the least that counts is 3e-5 of it.
             Self::F16 => 2.0_f64.powf(most.log2().floor().max(-120.0)) as f32,

@@ -44,11 +44,14 @@ pub fn check_names(levels: &[Level]) -> Result<(), LevelError> {
 /// Adds meshes as skins that follow a model's first envelope, as its first skin does in the training
 /// frames by the runtime.
 ///
+/// - `coefficients`: whether they get tangent coefficients.
+///
 /// # Errors
 /// Every [`AddError`].
 pub fn add(
     model: &mut FileModel,
     levels: &[Level],
+    coefficients: bool,
     examples: &Examples,
 ) -> Result<Vec<LevelReport>, AddError> {
     if levels.is_empty() {
@@ -81,7 +84,9 @@ pub fn add(
     let (influences, reports): (Vec<_>, Vec<_>) = followed.into_iter().unzip();
     for (level, influences) in levels.iter().zip(influences) {
         let mut skin = skin_of(level, &influences);
-        fit_normals(&mut skin, level, &surface);
+        if coefficients {
+            fit_normals(&mut skin, level, &surface);
+        }
         model.skins.push(skin);
     }
     Ok(reports)

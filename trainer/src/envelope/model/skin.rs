@@ -62,7 +62,10 @@ impl SkinModel {
             rest_positions: vertices.clone().map(|v| wide(skin.rest_position(v))).collect(),
             rest_normals: vertices.clone().map(|v| wide(skin.rest_normal(v))).collect(),
             rest_tangents: (!tangents.is_empty()).then_some(tangents),
-            influences: vertices.clone().map(influences).collect(),
+            influences: match skin.envelope_part() {
+                Some(_) => vertices.clone().map(influences).collect(),
+                None => Vec::new(),
+            },
             tangent_coefficients: skin
                 .has_coefficients()
                 .then(|| vertices.map(|v| coefficients(skin, v)).collect()),

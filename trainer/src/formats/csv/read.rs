@@ -1,57 +1,8 @@
-//! Tables as CSV: a line of names, then a row a line.
+//! Reads tables.
 
-use super::error::FormatError;
+use super::error::CsvError;
+use crate::formats::error::FormatError;
 use std::path::Path;
-
-/// A table that cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub enum CsvError {
-    /// It is no text, or its quotes do not close.
-    #[error("line {line}: {reason}")]
-    Text {
-        /// The line, the first being 1.
-        line: u64,
-        /// What the reader says.
-        reason: String,
-    },
-    /// Two columns have one name.
-    #[error("line 1: two columns are named {name:?}")]
-    Twice {
-        /// The name.
-        name: String,
-    },
-    /// A column that is needed is absent.
-    #[error("line 1: there is no column {name:?}; there are {found}")]
-    Missing {
-        /// Its name.
-        name: String,
-        /// Those that there are.
-        found: String,
-    },
-    /// A row is shorter or longer than the line of names.
-    #[error("line {line}: expected {expected} columns, found {found}")]
-    Row {
-        /// The line, the first being 1.
-        line: u64,
-        /// Columns that have names.
-        expected: usize,
-        /// Columns of the line.
-        found: usize,
-    },
-    /// A cell is no number.
-    #[error("line {line}, column {column:?}: expected a number, found {found:?}")]
-    Number {
-        /// The line, the first being 1.
-        line: u64,
-        /// The column's name.
-        column: String,
-        /// What is there.
-        found: String,
-    },
-    /// There is no row.
-    #[error("has no row below its line of names")]
-    Empty,
-}
 
 /// A table of cells with named columns.
 pub(crate) struct Table {
@@ -90,7 +41,7 @@ impl Table {
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(wrong)?;
-            let line = record.position().map_or(1, csv::Position::line);
+            let line = record.position().map_or(1, |position| line(text, position));
             let (expected, found) = (names.len(), record.len());
             if found != expected {
                 return Err(CsvError::Row { line, expected, found });
@@ -130,6 +81,13 @@ impl Table {
             Ok((*line, columns.iter().map(number).collect::<Result<_, _>>()?))
         })
     }
+}
+
+/// Says in which line a row is: a position is that of the empty lines before it.
+fn line(text: &[u8], position: &csv::Position) -> u64 {
+    let rest = text.get(position.byte() as usize..).unwrap_or_default();
+    let empty = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
+    position.line() + empty.filter(|byte| **byte == b'\n').count() as u64
 }
 
 #[cfg(test)]

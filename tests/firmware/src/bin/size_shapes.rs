@@ -1,0 +1,13 @@
+//! What `size_all` calls, of skins with shapes, and shapes them.
+#![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
+
+use core::hint::black_box;
+use firmware::frame::{shaped, whole};
+
+firmware::image!(run);
+
+fn run() -> bool {
+    let bytes = black_box(&[]);
+    let done = [whole(bytes), shaped(bytes)];
+    done.into_iter().all(|done| done.is_some_and(|done| black_box(done).is_ok()))
+}

@@ -1,0 +1,80 @@
+//! The functions of shapes, with the arguments that they take.
+
+use super::arena::{BLANK, bytes};
+use super::call::Call;
+use super::outputs::{FLOATS, outputs};
+use super::shared::unknown;
+use arbitrary::Result;
+use sinew_capi::*;
+
+use sinew_argument as Argument;
+use sinew_status as Status;
+
+pub(super) fn shape(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let skin = call.skin()?;
+    let shape = call.number(call.arena.frame.weights.len(), Argument::Shape)?;
+    let out = call.output_one(Argument::Result)?;
+    let error = call.ready(unknown);
+    // SAFETY: as for each call of `functions`: pointers are null, misaligned, or into the arena, with
+    // lengths that stay within it or reach beyond the address space; handles are null, misaligned, or
+    // point to enough of it, where an object is loaded or the memory is blank or empty.
+    Ok(unsafe { sinew_skin_shape(skin, shape, out, error) })
+}
+
+/// Draws weights: the frame's, or with one that is no number.
+fn weights(call: &mut Call<'_, '_>) -> Result<(*const f32, usize)> {
+    let (place, len) = (call.arena.weights.clone(), call.arena.frame.weights.len());
+    if call.one_in(8)? && len > 0 {
+        call.arena.write(place.start, &f32::NAN.to_ne_bytes());
+        call.fault(Status::NonFinite, Argument::ShapeWeights);
+    }
+    call.input(place, len, Argument::ShapeWeights)
+}
+
+pub(super) fn run(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let skin = call.skin()?;
+    let (weights, weights_len) = weights(call)?;
+    let (start, end, n) = call.vertices(call.arena.frame.vertex_len)?;
+    let (outputs, asked) = outputs(call, n, call.arena.frame.has_tangents)?;
+    let [positions, normals, tangents] = outputs;
+    let place = call.arena.argument.start;
+    let job = call.arena.at::<sinew_shapes_job>(place);
+    // SAFETY: the place is aligned and large enough, and the structure has no padding.
+    unsafe {
+        job.write(sinew_shapes_job {
+            skin,
+            weights,
+            weights_len,
+            start,
+            end,
+            positions,
+            normals,
+            tangents,
+        });
+    }
+    // Any other bytes would be pointers to no memory of the caller.
+    let job = call.input_fixed(place, Argument::Job)?;
+    call.shared = true;
+    let error = call.ready(|arena| {
+        let mut floats = vec![f32::from_ne_bytes([BLANK; 4]); FLOATS * n];
+        arena.frame.shape(arena.file_bytes(), start..end, asked, &mut floats);
+        bytes(floats)
+    });
+    // SAFETY: as above.
+    Ok(unsafe { sinew_shapes_run(job, error) })
+}
+
+pub(super) fn bounds(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    call.fault_if(call.arena.frame.vertex_len == 0, Status::NoVertices, Argument::Skin);
+    let (skin, p) = (call.skin()?, call.arena.frame.skin_palette.len());
+    let (palette, palette_len) =
+        call.input(call.arena.skin_palette.clone(), p, Argument::Palette)?;
+    let (weights, weights_len) = weights(call)?;
+    let out = call.output_one(Argument::Result)?;
+    let error = call.ready(|arena| {
+        let bounds = arena.frame.shaped_bounds(arena.file_bytes());
+        bytes(bounds.into_iter().flat_map(|bounds| [bounds.min, bounds.max]).flatten())
+    });
+    // SAFETY: as above.
+    Ok(unsafe { sinew_shapes_bounds(skin, palette, palette_len, weights, weights_len, out, error) })
+}

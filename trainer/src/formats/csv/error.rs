@@ -1,0 +1,51 @@
+//! What can be wrong with a table.
+
+/// A table that cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum CsvError {
+    /// It is no text, or its quotes do not close.
+    #[error("line {line}: {reason}")]
+    Text {
+        /// The line, the first being 1.
+        line: u64,
+        /// What the reader says.
+        reason: String,
+    },
+    /// Two columns have one name.
+    #[error("line 1: two columns are named {name:?}")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// A column that is needed is absent.
+    #[error("line 1: there is no column {name:?}; there are {found}")]
+    Missing {
+        /// Its name.
+        name: String,
+        /// Those that there are.
+        found: String,
+    },
+    /// A row is shorter or longer than the line of names.
+    #[error("line {line}: expected {expected} columns, found {found}")]
+    Row {
+        /// The line, the first being 1.
+        line: u64,
+        /// Columns that have names.
+        expected: usize,
+        /// Columns of the line.
+        found: usize,
+    },
+    /// A cell is no number.
+    #[error("line {line}, column {column:?}: expected a number, found {found:?}")]
+    Number {
+        /// The line, the first being 1.
+        line: u64,
+        /// The column's name.
+        column: String,
+        /// What is there.
+        found: String,
+    },
+    /// There is no row.
+    #[error("has no row below its line of names")]
+    Empty,
+}
