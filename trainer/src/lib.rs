@@ -24,3 +24,4 @@ pub mod numeric;
 pub mod page;
 pub mod progress;
 pub mod space;
+pub mod views;

@@ -1,0 +1,11 @@
+//! What views between views reach: against held-out views, closed forms and truth that tests make.
+#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
+
+mod common;
+mod deformation;
+mod left_out;
+mod pixels;
+#[path = "../shared/mod.rs"]
+mod shared;
+mod tiger;
+mod turning;
