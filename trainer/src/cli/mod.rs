@@ -10,6 +10,7 @@ mod inspect;
 mod kernel;
 mod output;
 mod space;
+mod views;
 
 pub(crate) use command::main;
 use output::{Output, counted, printable};

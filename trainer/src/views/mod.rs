@@ -6,7 +6,9 @@
 //! object's motion to another, and [`naive`] is the network over pixels that S1 warns of.
 
 pub mod deformation;
+pub mod demo;
 pub mod fit;
 pub mod inverse;
+pub mod motion;
 pub mod naive;
 pub mod set;

@@ -11,7 +11,7 @@ use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
 /// One over the widths of gaussians, in mean distances of the views.
-const EPSILONS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+const EPSILONS: [f64; 5] = [0.75, 1.0, 1.5, 2.0, 4.0];
 
 /// A network of pixels by what it is made of: a kernel and one over its width.
 pub const NETWORKS: [(Kernel, f64); 7] = [

@@ -85,3 +85,24 @@ pub(crate) fn rms(squares: &[f64]) -> f64 {
 pub(crate) fn most(squares: &[f64]) -> f64 {
     squares.iter().copied().fold(0.0, f64::max).sqrt()
 }
+
+/// A folder of its own for one test, removed at its end.
+pub(crate) struct Folder(PathBuf);
+
+impl Folder {
+    pub(crate) fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("sinew-views-{}-{test}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}

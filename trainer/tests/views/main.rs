@@ -3,6 +3,8 @@
 
 mod common;
 mod deformation;
+mod demo;
+mod faults;
 mod left_out;
 mod pixels;
 #[path = "../shared/mod.rs"]

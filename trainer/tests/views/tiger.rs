@@ -10,17 +10,17 @@ const OVER_LINEAR: f64 = 1.02;
 
 /// Squares of what left-out keys are missed by: by a map of the others, and by lines between them.
 fn left_out(path: &AnimatedPath) -> [Vec<f64>; 2] {
-    let kept: Vec<usize> = (0..path.times.len()).step_by(2).collect();
+    let last = path.times.len() - 1;
+    let kept: Vec<usize> = (0..=last).filter(|key| key % 2 == 0 || *key == last).collect();
     let of = |key: usize| view(&[("time", path.times[key])], path.keys[key].clone());
     let train = kept.iter().map(|&key| of(key)).collect();
     let set = examples(vec![Parameter::Scalar("time".to_owned())], train);
     let map = fit(&set, &[], FitOptions { exact: true }).unwrap();
     let (mut own, mut linear) = (Vec::new(), Vec::new());
-    for key in (1..path.times.len()).step_by(2) {
+    for key in (1..last).step_by(2) {
         let found = map.shown(&of(key).values).unwrap().points;
         own.extend(apart(&found, &path.keys[key])[..path.vertex_len].to_vec());
-        // Beyond the last key that is kept the last line goes on.
-        let after = kept.iter().position(|&other| other > key).unwrap_or(kept.len() - 1);
+        let after = kept.iter().position(|&other| other > key).unwrap();
         let [a, b] = [kept[after - 1], kept[after]];
         let share = (path.times[key] - path.times[a]) / (path.times[b] - path.times[a]);
         let between = path.keys[a].iter().zip(&path.keys[b]);

@@ -67,12 +67,6 @@ impl Space<'_> {
                 *input = self.inputs[*input];
             }
         }
-        self.of_terms(Some(degree), terms)
-    }
-
-    /// Makes the polynomials that monomials of all inputs span, whatever degree they are said to have.
-    pub fn of_terms(&self, degree: Option<usize>, terms: Vec<Term>) -> Polynomial {
-        let n = self.points.nrows();
         let mut at_samples = Mat::zeros(n, terms.len());
         for i in 0..n {
             let u: Vec<f64> = self.points.row(i).iter().copied().collect();
@@ -81,7 +75,7 @@ impl Space<'_> {
         }
         let basis = basis(&at_samples, self.tolerance);
         let values = &at_samples * &basis;
-        Polynomial { degree, terms, basis, values }
+        Polynomial { degree: Some(degree), terms, basis, values }
     }
 }
 

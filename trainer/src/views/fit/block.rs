@@ -3,8 +3,9 @@
 use super::candidate::Width;
 use super::terms::{Monomial, TermSet, terms};
 use crate::kernel::scattered::leave_one_out::LeaveOneOut;
-use crate::kernel::scattered::polynomial::{Polynomial, RANK_F64, Space};
+use crate::kernel::scattered::polynomial::{Polynomial, RANK_F64};
 use crate::kernel::scattered::solve::solve;
+use crate::kernel::sum::{Term, powers};
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 use serde::Serialize;
@@ -90,8 +91,7 @@ impl Block {
             };
             let features: Vec<usize> = (0..points.ncols()).collect();
             let (own, values) = (pick(points, &features), pick(&self.values, columns));
-            let space = Space { points: &own, inputs: &features, tolerance: RANK_F64 };
-            let polynomial = space.of_terms(None, list.clone());
+            let polynomial = determined(&own, &list);
             let (kernels, coefficients, left_out) = match width {
                 Some(width) => with_kernels(width, &own, polynomial, &values)?,
                 None => alone(&polynomial, &values),
@@ -150,6 +150,40 @@ fn with_kernels(
     Some((solved.kernels, solved.monomials, left_out))
 }
 
+/// Makes the polynomials that views tell apart, of monomials by ascending degree: one that follows from those
+/// before it is left out, so that no view between two others is made of products that none of them shows.
+fn determined(points: &Mat<f64>, terms: &[Term]) -> Polynomial {
+    let n = points.nrows();
+    let mut all = Mat::zeros(n, terms.len());
+    for i in 0..n {
+        let u: Vec<f64> = points.row(i).iter().copied().collect();
+        powers(terms, &u).iter().enumerate().for_each(|(t, power)| all[(i, t)] = *power);
+    }
+    let (mut kept, mut directions): (Vec<usize>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+    for t in 0..terms.len() {
+        let mut rest: Vec<f64> = all.col(t).iter().copied().collect();
+        let norm = |of: &[f64]| of.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let whole = norm(&rest);
+        // Twice is enough to be orthogonal.
+        for direction in directions.iter().chain(&directions) {
+            let along: f64 = direction.iter().zip(&rest).map(|(d, x)| d * x).sum();
+            rest.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
+        }
+        let left = norm(&rest);
+        if left > RANK_F64 * whole && left > 0.0 {
+            rest.iter_mut().for_each(|x| *x /= left);
+            directions.push(rest);
+            kept.push(t);
+        }
+    }
+    Polynomial {
+        degree: None,
+        terms: terms.to_vec(),
+        basis: Mat::from_fn(terms.len(), kept.len(), |t, r| f64::from(u8::from(kept[r] == t))),
+        values: Mat::from_fn(n, kept.len(), |i, r| all[(i, kept[r])]),
+    }
+}
+
 /// Fits a polynomial by least squares.
 fn alone(polynomial: &Polynomial, values: &Mat<f64>) -> Coefficients {
     let qr = polynomial.values.qr();
@@ -157,4 +191,19 @@ fn alone(polynomial: &Polynomial, values: &Mat<f64>) -> Coefficients {
     let residuals = values - &polynomial.values * &basis;
     let left_out = LeaveOneOut::of_hat(qr.compute_thin_Q(), residuals);
     (Mat::zeros(values.nrows(), values.ncols()), &polynomial.basis * basis, left_out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::sum::monomials;
+
+    #[test]
+    fn products_that_no_view_shows_are_left_out() {
+        // A smile, an open jaw, never both: x y follows from 1, x and y.
+        let points = Mat::from_fn(3, 2, |i, c| [[-0.4, -0.3], [0.6, -0.3], [-0.4, 0.7]][i][c]);
+        let found = determined(&points, &monomials(2, 2));
+        assert_eq!((found.rank(), found.terms.len()), (3, 6));
+        assert!((0..6).all(|t| (found.basis.row(t).norm_max() > 0.0) == (t < 3)));
+    }
 }

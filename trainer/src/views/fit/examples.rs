@@ -25,6 +25,11 @@ const SAME: f64 = 1e-9;
 /// taken.
 const ROUNDING: f64 = 1e-4;
 
+/// Share of the error of lines from view to view that another candidate must come below: a few views say little of
+/// which is better. *Measured* on 91 paths of `noto-tiger`, every second key left out: 1.072 times the error of lines
+/// without this, 1.025 at 0.8, 1.004 here.
+const BETTER: f64 = 0.5;
+
 /// What a fit is asked for.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FitOptions {
@@ -94,6 +99,12 @@ pub fn fit(
     let chosen = chosen.unwrap_or(0);
     let mut order: Vec<&Tried> = tried[chosen].iter().collect();
     order.sort_by(|a, b| a.error().total_cmp(&b.error()));
+    if let Some(plain) = order.iter().position(|tried| tried.is_plain())
+        && order[0].error() > BETTER * order[plain].error()
+    {
+        let plain = order.remove(plain);
+        order.insert(0, plain);
+    }
     let views = examples.train.len();
     let limit = ROUNDING * extent(&examples.train);
     let narrow = order.iter().find_map(|&first| {
@@ -120,6 +131,11 @@ struct Tried {
 }
 
 impl Tried {
+    /// Whether it is lines from view to view.
+    fn is_plain(&self) -> bool {
+        self.candidate.polynomial == "linear" && self.candidate.kernel == Some(Width::PLAIN)
+    }
+
     fn error(&self) -> f64 {
         self.candidate.left_out.unwrap_or(f64::INFINITY)
     }

@@ -1,9 +1,9 @@
 //! What a set of views holds.
 
 use super::elements::Element;
+use super::image::Image;
 use sinew_runtime::kernel::EulerOrder;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 /// Parameters by name: angles in degrees.
 pub type Values = BTreeMap<String, f64>;
@@ -61,7 +61,7 @@ pub struct View {
     /// K depths in pixels, growing away from the viewer; empty where there are none.
     pub depths: Vec<f64>,
     /// The picture of a key view.
-    pub image: Option<PathBuf>,
+    pub image: Option<Image>,
 }
 
 impl ViewSet {

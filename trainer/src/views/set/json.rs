@@ -4,6 +4,7 @@ use super::data::{Examples, Parameter, Values, View, ViewSet};
 use super::depth::depths;
 use super::elements::{Element, check_elements, triangulated};
 use super::error::SetError;
+use super::image::Image;
 use crate::formats::{FormatError, obj};
 use serde::Deserialize;
 use serde_json::Value;
@@ -58,6 +59,7 @@ enum Axis {
 #[derive(Deserialize)]
 struct WrittenView {
     image: Option<String>,
+    mask: Option<String>,
     points: Vec<Option<[f64; 2]>>,
     visible: Option<Vec<bool>>,
     depth: Option<Vec<f64>>,
@@ -173,7 +175,7 @@ fn view(
     folder: &Path,
     named: &str,
 ) -> Result<View, SetError> {
-    let WrittenView { image, points, visible, depth, values: all } = written;
+    let WrittenView { image, mask, points, visible, depth, values: all } = written;
     let mut values = Values::new();
     for name in parameters.iter().flat_map(Parameter::names) {
         let own = all.get(name).or_else(|| all.get(&format!("{name}{DEGREES}")));
@@ -188,7 +190,10 @@ fn view(
         visible: visible.unwrap_or_else(all_known),
         points,
         depths: depth.unwrap_or_default(),
-        image: image.map(|image| folder.join(image)),
+        image: image.map(|file| Image {
+            file: folder.join(file),
+            mask: mask.map(|mask| folder.join(mask)),
+        }),
     };
     let expected = view.points.len();
     let depths = if view.depths.is_empty() { expected } else { view.depths.len() };

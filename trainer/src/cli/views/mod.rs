@@ -1,0 +1,6 @@
+//! The commands of views: `sinew views ...`.
+
+mod command;
+mod demo;
+
+pub(super) use command::Command;
