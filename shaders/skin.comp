@@ -4,6 +4,7 @@
 
 #include "params.glsl"
 #include "blob.glsl"
+#include "frame.glsl"
 
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Palettes {
@@ -52,36 +53,10 @@ void put(uint at, vec3 v) {
     out_floats[at + 2u] = v.z;
 }
 
-vec3 cross3(vec3 a, vec3 b) {
-    precise vec3 product = a.yzx * b.zxy - a.zxy * b.yzx;
-    return product;
-}
-
 // A matrix of columns x, y, z times a vector.
 vec3 along(vec3 x, vec3 y, vec3 z, vec3 v) {
     precise vec3 sum = x * v.x + y * v.y + z * v.z;
     return sum;
-}
-
-float dot3(vec3 a, vec3 b) {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
-}
-
-// Whether a vector has a direction: its square is a normal number.
-bool has_direction(vec3 v) {
-    float square = dot3(v, v);
-    return square >= 1.17549435e-38 && square <= 3.4028234e+38;
-}
-
-// A vector at the length of side, which is 1 or -1, or else what stands for its direction.
-vec3 unit(vec3 v, float side, vec3 rest) {
-    if (has_direction(v)) {
-        precise float scale = side * (1.0 / sqrt(dot3(v, v)));
-        precise vec3 direction = v * scale;
-        return direction;
-    }
-    return rest;
 }
 
 // -1 where a palette mirrors, by its first transform, else 1.
@@ -108,32 +83,6 @@ vec3 moved(uint at, vec3 point) {
     vec3 z = vec3(a.z, b.z, c.z);
     precise vec3 place = along(x, y, z, point) + vec3(a.w, b.w, c.w);
     return place;
-}
-
-// A number of half precision, normal or 0, in the upper half of a word.
-float half_float(uint high) {
-    uint bits = uint(int(high) >> 3) & 0x8fffe000u;
-    return uintBitsToFloat((bits & 0x7fffffffu) == 0u ? bits : bits + 0x38000000u);
-}
-
-// Two directions along the surface at rest, which tangent coefficients g and h are of.
-struct Frame {
-    vec3 g;
-    vec3 h;
-};
-
-Frame frame_of_tangent(vec3 normal, vec3 tangent) {
-    vec3 h = cross3(normal, tangent);
-    return Frame(cross3(h, normal), h);
-}
-
-// That of a normal alone; up is the z of the file's own.
-Frame frame_of_normal(vec3 n, float up) {
-    float side = uintBitsToFloat(0x3f800000u | (floatBitsToUint(up) & 0x80000000u));
-    precise float sided = side * n.x;
-    precise float share = n.x / (side + n.z);
-    precise vec3 g = vec3(1.0 - sided * share, -(side * n.y * share), -sided);
-    return Frame(g, cross3(n, g));
 }
 
 // What tangent coefficients add to the images of a frame's directions: sums of g and h times how far a

@@ -40,31 +40,9 @@ fn put(at: u32, v: vec3<f32>) {
     out[at + 2u] = v.z;
 }
 
-fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
-    return a.yzx * b.zxy - a.zxy * b.yzx;
-}
-
 // A matrix of columns x, y, z times a vector.
 fn along(x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     return x * v.x + y * v.y + z * v.z;
-}
-
-fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-// Whether a vector has a direction: its square is a normal number.
-fn has_direction(v: vec3<f32>) -> bool {
-    let square = dot3(v, v);
-    return square >= 1.17549435e-38 && square <= 3.4028234e+38;
-}
-
-// A vector at the length of side, which is 1 or -1, or else what stands for its direction.
-fn unit(v: vec3<f32>, side: f32, rest: vec3<f32>) -> vec3<f32> {
-    if has_direction(v) {
-        return v * (side * (1.0 / sqrt(dot3(v, v))));
-    }
-    return rest;
 }
 
 // -1 where a palette mirrors, by its first transform, else 1.
@@ -90,32 +68,6 @@ fn moved(at: u32, point: vec3<f32>) -> vec3<f32> {
     let y = vec3<f32>(a.y, b.y, c.y);
     let z = vec3<f32>(a.z, b.z, c.z);
     return along(x, y, z, point) + vec3<f32>(a.w, b.w, c.w);
-}
-
-// A number of half precision, normal or 0, in the upper half of a word.
-fn half_float(high: u32) -> f32 {
-    let bits = bitcast<u32>(bitcast<i32>(high) >> 3u) & 0x8fffe000u;
-    return bitcast<f32>(select(bits + 0x38000000u, bits, (bits & 0x7fffffffu) == 0u));
-}
-
-// Two directions along the surface at rest, which tangent coefficients g and h are of.
-struct Frame {
-    g: vec3<f32>,
-    h: vec3<f32>,
-}
-
-fn frame_of_tangent(normal: vec3<f32>, tangent: vec3<f32>) -> Frame {
-    let h = cross3(normal, tangent);
-    return Frame(cross3(h, normal), h);
-}
-
-// That of a normal alone; up is the z of the file's own.
-fn frame_of_normal(n: vec3<f32>, up: f32) -> Frame {
-    let side = bitcast<f32>(0x3f800000u | (bitcast<u32>(up) & 0x80000000u));
-    let sided = side * n.x;
-    let share = n.x / (side + n.z);
-    let g = vec3<f32>(1.0 - sided * share, -(side * n.y * share), -sided);
-    return Frame(g, cross3(n, g));
 }
 
 // What tangent coefficients add to the images of a frame's directions: sums of g and h times how far a

@@ -90,6 +90,22 @@ pub enum Argument {
     Jacobian,
     /// Variances.
     Variances,
+    /// Weights of shapes.
+    Weights,
+    /// The prior, or a number that says how much a term counts beside it.
+    Prior,
+    /// Pins; the index is a place in their list, or the vertex of one that is added.
+    Pins,
+    /// Control points.
+    Points,
+    /// Visibilities of control points.
+    Visibility,
+    /// Scores of key views, or a view by its number.
+    Scores,
+    /// Pixels of a picture.
+    Pixels,
+    /// Depths of pixels.
+    Depths,
 }
 
 impl CallError {
@@ -147,6 +163,14 @@ impl Argument {
             Self::Outputs => "outputs",
             Self::Jacobian => "Jacobian",
             Self::Variances => "variances",
+            Self::Weights => "shape weights",
+            Self::Prior => "prior",
+            Self::Pins => "pins",
+            Self::Points => "points",
+            Self::Visibility => "visibility",
+            Self::Scores => "scores",
+            Self::Pixels => "pixels",
+            Self::Depths => "depths",
         }
     }
 
@@ -154,6 +178,11 @@ impl Argument {
     const fn elements(self) -> [&'static str; 2] {
         match self {
             Self::Query | Self::Outputs | Self::Jacobian | Self::Variances => ["number", "input"],
+            Self::Weights | Self::Prior => ["shape"; 2],
+            Self::Pins => ["pin"; 2],
+            Self::Points | Self::Visibility => ["point"; 2],
+            Self::Scores => ["view"; 2],
+            Self::Pixels | Self::Depths => ["pixel"; 2],
             _ => ["joint"; 2],
         }
     }

@@ -22,8 +22,12 @@ mod linear;
 mod model;
 mod names;
 mod numeric;
+#[cfg(feature = "prior")]
+pub mod prior;
 pub mod skin;
 pub mod stages;
+#[cfg(feature = "views")]
+pub mod views;
 mod workspace;
 
 pub use envelope::{Envelope, LocalTransform, model_space_pose};
@@ -34,7 +38,13 @@ pub use kernel::KernelMap;
 pub use limits::Limits;
 pub use linear::Matrix3x4;
 pub use model::{Model, Section};
+#[cfg(feature = "prior")]
+pub use prior::{Pin, PinJob, Pins, Prior};
+#[cfg(feature = "shapes")]
+pub use skin::ShapesJob;
 pub use skin::{Skin, SkinJob};
+#[cfg(feature = "views")]
+pub use views::{Frame, FrameJob, RenderJob, Views};
 pub use workspace::Workspace;
 
 /// The example of `README.md`, compiled.

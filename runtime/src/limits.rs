@@ -20,6 +20,8 @@ pub struct Limits {
     pub proxies: u32,
     /// Influences of a vertex.
     pub influences: u32,
+    /// Shapes of a skin; the format itself holds at most 65,535.
+    pub shapes: u32,
 }
 
 impl Limits {
@@ -32,6 +34,7 @@ impl Limits {
         joints: 4096,
         proxies: 1024,
         influences: 32,
+        shapes: 4096,
     };
 
     /// What the format itself holds.
@@ -43,6 +46,7 @@ impl Limits {
         joints: u32::MAX,
         proxies: u32::MAX,
         influences: u32::MAX,
+        shapes: u32::MAX,
     };
 }
 

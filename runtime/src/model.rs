@@ -9,7 +9,11 @@ use crate::format::{
 #[cfg(feature = "kernel")]
 use crate::kernel::{self, KernelMap};
 use crate::limits::Limits;
+#[cfg(feature = "prior")]
+use crate::prior::{self, Prior};
 use crate::skin::{self, Skin};
+#[cfg(feature = "views")]
+use crate::views::{self, Views};
 use core::fmt;
 
 /// A validated model in whatever its bytes are kept: `&[u8]`, `Vec<u8>`, `Arc<[u8]>`, a mapped file.
@@ -114,6 +118,55 @@ impl<B: AsRef<[u8]>> Model<B> {
         self.kernels().find(|kernel| kernel.name() == name)
     }
 
+    /// Returns the first prior; `None` if the file has none.
+    #[cfg(feature = "prior")]
+    pub fn prior(&self) -> Option<Prior<'_>> {
+        self.found.first(PartKind::Prior, self.bytes.as_ref()).map(Prior)
+    }
+
+    /// Lists the priors; keep [`Prior::layout`] likewise.
+    #[cfg(feature = "prior")]
+    pub fn priors(&self) -> impl Iterator<Item = Prior<'_>> {
+        self.parts_of(PartKind::Prior).map(Prior)
+    }
+
+    /// Returns the prior of this name.
+    #[cfg(feature = "prior")]
+    pub fn prior_named(&self, name: &str) -> Option<Prior<'_>> {
+        self.priors().find(|prior| prior.name() == name)
+    }
+
+    /// Returns the first object of key views; `None` if the file has none.
+    #[cfg(feature = "views")]
+    pub fn views(&self) -> Option<Views<'_>> {
+        self.found.first(PartKind::Views, self.bytes.as_ref()).map(Views)
+    }
+
+    /// Lists the objects of key views; keep [`Views::layout`] likewise.
+    #[cfg(feature = "views")]
+    pub fn all_views(&self) -> impl Iterator<Item = Views<'_>> {
+        self.parts_of(PartKind::Views).map(Views)
+    }
+
+    /// Returns the object of key views of this name.
+    #[cfg(feature = "views")]
+    pub fn views_named(&self, name: &str) -> Option<Views<'_>> {
+        self.all_views().find(|views| views.name() == name)
+    }
+
+    /// Returns a map of an object of this model.
+    #[cfg(feature = "views")]
+    pub fn map_of(&self, views: &Views<'_>, map: usize) -> Option<KernelMap<'_>> {
+        let part = u16::try_from(views.map_part(map)?).ok()?;
+        self.part(PartKind::Kernel, part).map(KernelMap)
+    }
+
+    /// Returns the skin whose shapes a prior of this model is of.
+    #[cfg(feature = "prior")]
+    pub fn skin_of(&self, prior: &Prior<'_>) -> Option<Skin<'_>> {
+        self.part(PartKind::Skin, u16::try_from(prior.counts().skin).ok()?).map(Skin)
+    }
+
     /// Returns the envelope whose palette a skin of this model follows.
     pub fn envelope_of(&self, skin: &Skin<'_>) -> Option<Envelope<'_>> {
         let part = skin.counts().envelope()?;
@@ -212,6 +265,22 @@ impl Found {
                         first.keep(&view.0.layout);
                         kernel::check::content(&view, loading)?;
                     }
+                    #[cfg(feature = "prior")]
+                    PartKind::Prior => {
+                        let mut view = Prior(view);
+                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
+                        first.keep(&view.0.layout);
+                        prior::check::content(&view, loading)?;
+                    }
+                    #[cfg(feature = "views")]
+                    PartKind::Views => {
+                        let mut view = Views(view);
+                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
+                        first.keep(&view.0.layout);
+                        let part_len = manifest.parts(loading.file).len();
+                        let outputs = |part| output_rows(loading, manifest, part);
+                        views::check::content(&view, loading, part_len, outputs)?;
+                    }
                 }
             }
         }
@@ -220,8 +289,7 @@ impl Found {
 
     /// Returns the first part of a kind.
     fn first<'a>(&self, kind: PartKind, file: &'a [u8]) -> Option<Part<'a>> {
-        // Kinds are numbered from 1.
-        let layout = self.firsts.get(usize::from(kind.number()).wrapping_sub(1))?;
+        let (_, layout) = PartKind::ALL.iter().zip(&self.firsts).find(|(own, _)| **own == kind)?;
         layout.is_some().then_some(Part { layout: *layout, file })
     }
 }
@@ -240,6 +308,10 @@ fn find_part(
         PartKind::Skin => &skin::RULES,
         #[cfg(feature = "kernel")]
         PartKind::Kernel => &kernel::RULES,
+        #[cfg(feature = "prior")]
+        PartKind::Prior => &prior::RULES,
+        #[cfg(feature = "views")]
+        PartKind::Views => &views::RULES,
     };
     out.enter(loading, manifest, part, rules)?;
     // The counts are the first of the rules.
@@ -250,10 +322,19 @@ fn find_part(
         PartKind::Skin => {
             let palette_len = |part| palette_len(loading, manifest, part);
             let part_len = manifest.parts(file).len();
-            skin::check::counts(&mut out.layout.counts, loading, part_len, palette_len)?
+            let element = |kind| manifest.element(file, part, kind);
+            skin::check::counts(&mut out.layout.counts, loading, part_len, palette_len, element)?
         }
         #[cfg(feature = "kernel")]
         PartKind::Kernel => kernel::check::counts(&out.layout.counts, loading)?,
+        #[cfg(feature = "prior")]
+        PartKind::Prior => {
+            let shape_len = |part| shape_len(loading, manifest, part);
+            let part_len = manifest.parts(file).len();
+            prior::check::counts(&out.layout.counts, loading, part_len, shape_len)?
+        }
+        #[cfg(feature = "views")]
+        PartKind::Views => views::check::counts(&out.layout.counts, loading)?,
     };
     out.find_sections(loading, manifest, rules, &asked)
 }
@@ -266,6 +347,30 @@ fn palette_len(loading: &Loading<'_>, manifest: &Manifest, part: u16) -> Option<
     let words = counts.as_chunks().0.first_chunk()?.map(u32::from_le_bytes);
     let len = EnvelopeCounts::from_words(words)?.palette_len() as u32;
     (row.kind == PartKind::Envelope.number()).then_some(len)
+}
+
+/// Counts the shapes of a part, if that is a skin; all of them have been checked.
+#[cfg(feature = "prior")]
+fn shape_len(loading: &Loading<'_>, manifest: &Manifest, part: u16) -> Option<u32> {
+    let row = manifest.parts(loading.file).nth(part.into())?;
+    let (number, _) = manifest.find(loading.file, part, SectionKind::SkinCounts.number())?;
+    let counts = manifest.tables().section(number.get(), loading.file)?;
+    let words = counts.as_chunks().0.first_chunk()?.map(u32::from_le_bytes);
+    let len = skin::SkinCounts::from_words(words).shape_len;
+    (row.kind == PartKind::Skin.number()).then_some(len)
+}
+
+/// Returns the rows of what a part gives, if that is a kernel; all of them have been checked.
+#[cfg(feature = "views")]
+fn output_rows<'a>(
+    loading: &Loading<'a>,
+    manifest: &Manifest,
+    part: u16,
+) -> Option<&'a [[u8; kernel::OutputRow::BYTES]]> {
+    let row = manifest.parts(loading.file).nth(part.into())?;
+    let (number, _) = manifest.find(loading.file, part, SectionKind::Outputs.number())?;
+    let rows = manifest.tables().section(number.get(), loading.file)?.as_chunks().0;
+    (row.kind == PartKind::Kernel.number()).then_some(rows)
 }
 
 /// Lists the parts of a kind; a reader's limits keep their number below 65,536.

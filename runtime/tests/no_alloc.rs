@@ -8,7 +8,7 @@ use models::{KernelContent, Pieces, Rng, SMALL};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Rest, cells};
-use sinew_runtime::{LocalTransform, Model, SkinJob, model_space_pose};
+use sinew_runtime::{LocalTransform, Model, Pin, PinJob, Pins, SkinJob, model_space_pose};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -111,6 +111,32 @@ fn kernels_allocate_nothing() {
         assert!(map.evaluate(&query[1..], &mut scratch, &mut out).is_err());
     });
     assert_eq!(count, 0);
+}
+
+#[test]
+fn pins_allocate_nothing() {
+    let bytes = Pieces::face().bytes();
+    let model = Model::from_bytes(bytes.as_slice()).unwrap();
+    let (prior, skin) = (model.prior().unwrap(), model.skin().unwrap());
+    let mut scratch = vec![0.0; prior.counts().pin_scratch_len(12)];
+    let mut weights = vec![0.5; 8];
+    let count = allocations(|| {
+        let model = Model::from_bytes(bytes.as_slice()).unwrap();
+        let prior = model.prior_named("prior").unwrap().layout().open(&bytes).unwrap();
+        let skin = model.skin_of(&prior).unwrap();
+        let mut pins = Pins::<4>::new();
+        for vertex in 0..4 {
+            pins.add(Pin::new(vertex, [0.25 * vertex as f32; 3])).unwrap();
+        }
+        assert!(pins.add(Pin::new(5, [0.0; 3])).is_err());
+        let job = PinJob { cancels: true, symmetry: 1.0, ..PinJob::new(prior, skin, pins.list()) };
+        let edit = job.run(&mut scratch, &mut weights).unwrap();
+        assert!(edit.is_least && edit.round_len > 0);
+        assert!(job.run(&mut scratch[1..], &mut weights).is_err());
+        assert!(skin.place(3, &[], &weights).is_some());
+    });
+    assert_eq!(count, 0);
+    assert_eq!(skin.shape_len(), weights.len());
 }
 
 #[test]

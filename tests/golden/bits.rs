@@ -14,7 +14,8 @@ pub(crate) use rng::Rng;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{
-    CallError, Envelope, LocalTransform, Matrix3x4, Skin, SkinJob, model_space_pose, stages,
+    CallError, Envelope, LocalTransform, Matrix3x4, ShapesJob, Skin, SkinJob, model_space_pose,
+    stages,
 };
 
 /// A golden file, and a hash of the bits of each of its stages.
@@ -27,15 +28,15 @@ pub(crate) struct Golden {
 
 /// The palette before it is corrected is "palette"; "correction" is what it is then, with the
 /// confidence.
-pub(crate) const STAGES: [&str; 7] =
-    ["pose", "gradients", "palette", "features", "correction", "skin", "bounds"];
+pub(crate) const STAGES: [&str; 8] =
+    ["pose", "gradients", "palette", "features", "correction", "skin", "bounds", "shapes"];
 
 /// Change these only with a reason that the commit states: they are the promise of METHOD §7.
-pub(crate) const GOLDEN: [Golden; 5] = [
+pub(crate) const GOLDEN: [Golden; 8] = [
     Golden {
         name: "rotational",
         predictor: Predictor::Rotational,
-        file: include_bytes!("envelope-3-rotational.snw"),
+        file: include_bytes!("envelope-4-rotational.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0x831c_b019_d3a8_7b88,
@@ -44,12 +45,13 @@ pub(crate) const GOLDEN: [Golden; 5] = [
             0x4cbe_b5e8_df9b_9055,
             0xf762_fb2e_2bd0_d6a0,
             0x6d26_a0d8_2bfc_0717,
+            0,
         ],
     },
     Golden {
         name: "kernel",
         predictor: Predictor::Kernel,
-        file: include_bytes!("envelope-3-kernel.snw"),
+        file: include_bytes!("envelope-4-kernel.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0,
@@ -58,12 +60,13 @@ pub(crate) const GOLDEN: [Golden; 5] = [
             0x6a87_d1c8_7900_204b,
             0xed78_2484_cf1f_3fce,
             0x72a4_ecdb_bc86_1b49,
+            0,
         ],
     },
     Golden {
         name: "hybrid",
         predictor: Predictor::Hybrid,
-        file: include_bytes!("envelope-3-hybrid.snw"),
+        file: include_bytes!("envelope-4-hybrid.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0x831c_b019_d3a8_7b88,
@@ -72,12 +75,13 @@ pub(crate) const GOLDEN: [Golden; 5] = [
             0x1b83_1b67_4845_effd,
             0xa1e8_c033_9c5a_1f8e,
             0x4527_a260_da4b_cad9,
+            0,
         ],
     },
     Golden {
         name: "tangents",
         predictor: Predictor::Kernel,
-        file: include_bytes!("skin-3-tangents.snw"),
+        file: include_bytes!("skin-4-tangents.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -86,12 +90,13 @@ pub(crate) const GOLDEN: [Golden; 5] = [
             0x9a46_de44_869d_2c5f,
             0x07db_2c77_9f5f_cc82,
             0x2289_5318_142d_a42f,
+            0,
         ],
     },
     Golden {
         name: "normals",
         predictor: Predictor::Hybrid,
-        file: include_bytes!("skin-3-normals.snw"),
+        file: include_bytes!("skin-4-normals.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0x6b62_e67d_5cad_ccd2,
@@ -100,6 +105,52 @@ pub(crate) const GOLDEN: [Golden; 5] = [
             0x7b7e_05ee_3e99_31ac,
             0x7475_c59c_ac63_6b35,
             0xbd5d_118f_cf17_0b32,
+            0,
+        ],
+    },
+    Golden {
+        name: "shapes of f32",
+        predictor: Predictor::Kernel,
+        file: include_bytes!("shapes-4-f32.snw"),
+        bits: [
+            0x6d8f_7764_86bf_b108,
+            0,
+            0x8d6c_ffdd_2431_e4fa,
+            0xf68e_48a0_464c_8985,
+            0x9a46_de44_869d_2c5f,
+            0xe781_0788_4b99_8e6a,
+            0x41fb_f003_b6f0_a6d9,
+            0x5140_e50b_8dfc_0b5b,
+        ],
+    },
+    Golden {
+        name: "shapes of f16",
+        predictor: Predictor::Kernel,
+        file: include_bytes!("shapes-4-f16.snw"),
+        bits: [
+            0x6d8f_7764_86bf_b108,
+            0,
+            0x8d6c_ffdd_2431_e4fa,
+            0xf68e_48a0_464c_8985,
+            0x9a46_de44_869d_2c5f,
+            0xedaa_f253_4288_ab02,
+            0x41fb_f003_b6f0_a6d9,
+            0x865b_7ca4_61fa_10ab,
+        ],
+    },
+    Golden {
+        name: "shapes of i8",
+        predictor: Predictor::Hybrid,
+        file: include_bytes!("shapes-4-i8.snw"),
+        bits: [
+            0x6d8f_7764_86bf_b108,
+            0xc540_68e0_2f26_8909,
+            0x635f_2e6a_3ef9_ecde,
+            0xf68e_48a0_464c_8985,
+            0xafad_a3a2_0134_6be2,
+            0xc93d_f963_c577_ceb5,
+            0x68f1_c800_8ed7_ea4e,
+            0x9632_27b0_f4a6_203f,
         ],
     },
 ];
@@ -110,6 +161,7 @@ pub(crate) const POSES: usize = 1024;
 const JOINTS: usize = 24;
 const PROXIES: usize = 24;
 const VERTICES: usize = 1000;
+const SHAPES: usize = 16;
 
 /// Room for every array of a frame; zeros.
 pub(crate) struct Memory {
@@ -118,6 +170,7 @@ pub(crate) struct Memory {
     pub(crate) palette: [Matrix3x4; JOINTS + PROXIES],
     pub(crate) scratch: [f32; 1024],
     pub(crate) skin: [f32; 10 * VERTICES],
+    weights: [f32; SHAPES],
     relative: [[f32; 3]; 4 * JOINTS],
     rotations: [[f32; 3]; JOINTS],
     gradients: [[f32; 3]; 3 * PROXIES],
@@ -132,6 +185,7 @@ impl Memory {
             palette: [[[0.0; 4]; 3]; JOINTS + PROXIES],
             scratch: [0.0; 1024],
             skin: [0.0; 10 * VERTICES],
+            weights: [0.0; SHAPES],
             relative: [[0.0; 3]; 4 * JOINTS],
             rotations: [[0.0; 3]; JOINTS],
             gradients: [[0.0; 3]; 3 * PROXIES],
@@ -162,7 +216,7 @@ pub(crate) fn hashes(
     memory: &mut Memory,
 ) -> Result<Found, CallError> {
     let mut found = Found { bits: [0; STAGES.len()], faded: 0, finite: true };
-    let mut rng = Rng(2007);
+    let (mut rng, mut weight) = (Rng(2007), Rng(2010));
     for i in 0..poses {
         // Small, usual and wild rotations, through every branch of the logarithm.
         let turn = [0.01, 0.3, 1.0, 8.0][i % 4];
@@ -172,6 +226,12 @@ pub(crate) fn hashes(
             first.translation[0] += nudge;
         }
         local.iter_mut().for_each(|local| local.rotation[0] += nudge);
+        let weights = cut(&mut memory.weights, skin.shape_len());
+        // From -1 to 2, and here and there 0.
+        for out in weights {
+            let number = weight.unit();
+            *out = if number.abs() < 0.25 { 0.0 } else { number * 1.5 + 0.5 + nudge };
+        }
         frame(envelope, skin, memory, &mut found)?;
     }
     Ok(found)
@@ -185,7 +245,9 @@ fn frame(
     found: &mut Found,
 ) -> Result<(), CallError> {
     let (v, j, p) = (skin.vertex_len(), envelope.joint_len(), envelope.proxy_len());
-    let Found { bits: [posed, gradient, base, feature, corrected, skinned, bounded], .. } = found;
+    let Found {
+        bits: [posed, gradient, base, feature, corrected, skinned, bounded, shaped], ..
+    } = found;
     let pose = cut(&mut memory.pose, j);
     model_space_pose(&envelope, cut(&mut memory.local, j), pose)?;
     add(posed, pose.as_flattened().as_flattened());
@@ -221,6 +283,18 @@ fn frame(
     vertices.fill(0.0);
     let lent = cells(vertices);
     let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
+    if skin.shape_len() > 0 {
+        let weights = cut(&mut memory.weights, skin.shape_len());
+        let (positions, normals) = (attribute(0), attribute(3));
+        let tangents = attribute(6).filter(|_| skin.has_tangents());
+        ShapesJob { skin, weights, vertices: 0..v, positions, normals, tangents }.run()?;
+        lent.iter().for_each(|x| add(shaped, &[x.get()]));
+        if let Some(bounds) = skin.shaped_bounds(palette, weights)? {
+            add(shaped, &bounds.min);
+            add(shaped, &bounds.max);
+        }
+        lent.iter().for_each(|x| x.set(0.0));
+    }
     let job = SkinJob {
         skin,
         palette,

@@ -16,6 +16,7 @@
 pub mod bake;
 pub mod envelope;
 pub mod examples;
+pub mod face;
 pub mod files;
 pub mod formats;
 pub mod kernel;

@@ -4,7 +4,7 @@ use faer::Mat;
 use sinew_runtime::envelope::Certificate;
 use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::format::Space;
-use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input, SkinModel};
+use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input, Shapes, SkinModel};
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::kernel::map::{Fade, KernelMap};
 
@@ -73,6 +73,7 @@ fn skin(vertices: usize) -> SkinModel {
         tangent_coefficients: None,
         normal_errors: None,
         ranges: Vec::new(),
+        shapes: Shapes::default(),
     }
 }
 

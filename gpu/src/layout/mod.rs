@@ -2,8 +2,9 @@
 //! another wgpu, on Metal or on WebGPU proper can drive the shaders with this module alone.
 //!
 //! 1. Upload [`sinew_runtime::Model::blob`] as it is: [`Resource::Blob`].
-//! 2. Say in a [`Batch`] how many instances of an envelope there are, or in a [`KernelBatch`] how many
-//!    queries of a kernel, and where their arrays lie; [`Plan::new`] or [`Plan::of_kernel`] checks that,
+//! 2. Say in a [`Batch`] how many instances of an envelope there are, in a [`KernelBatch`] how many
+//!    queries of a kernel, or in a [`ShapesBatch`] how many faces of a skin, and where their arrays lie;
+//!    [`Plan::new`], [`Plan::of_kernel`] or [`Plan::of_shapes`] checks that,
 //!    cuts it where a binding or a dispatch would be too large, and gives the bytes that each
 //!    [`Resource`] needs and the content of [`Resource::Params`].
 //! 3. Make a pipeline of each of [`Plan::stages`], entry point `main`, bound as [`Stage::bindings`]
@@ -17,6 +18,7 @@
 //! Of a kernel, outputs and the confidence are computed here; its Jacobian and its variance on a CPU alone.
 
 mod array;
+mod attribute;
 mod chunk;
 mod demand;
 mod envelope;
@@ -27,14 +29,17 @@ mod limits;
 mod params;
 mod plan;
 mod resource;
+mod shapes;
 mod stage;
 
 pub use array::Array;
+pub use attribute::Attribute;
 pub use chunk::{Chunk, Param, Span};
-pub use envelope::{Attribute, Batch, Rest, SkinBatch};
+pub use envelope::{Batch, Rest, SkinBatch};
 pub use error::LayoutError;
 pub use kernel::KernelBatch;
 pub use limits::DeviceLimits;
 pub use plan::Plan;
 pub use resource::{ALIGNMENT, Resource};
+pub use shapes::ShapesBatch;
 pub use stage::{Binding, Stage, WORKGROUP};

@@ -7,8 +7,9 @@ use super::error::LayoutError;
 use super::kernel::{self, KernelBatch};
 use super::limits::DeviceLimits;
 use super::resource::{ALIGNMENT, Resource};
+use super::shapes::{self, ShapesBatch};
 use super::stage::Stage;
-use sinew_runtime::{Envelope, KernelMap, Model};
+use sinew_runtime::{Envelope, KernelMap, Model, Skin};
 use std::ops::Range;
 
 /// So many words are [`ALIGNMENT`] bytes.
@@ -63,6 +64,27 @@ impl Plan {
     ) -> Result<Self, LayoutError> {
         limits.check()?;
         Self::cut(&kernel::demand(model, kernel, batch)?, limits)
+    }
+
+    /// Checks a batch of the shapes of a model's skin against itself and a device, and cuts it.
+    ///
+    /// # Errors
+    /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the shaders.
+    /// - [`LayoutError::OtherFile`]: the skin is not the model's.
+    /// - [`LayoutError::NoInstances`]
+    /// - [`LayoutError::NoOutput`]
+    /// - [`LayoutError::VertexRange`], [`LayoutError::NoTangents`], [`LayoutError::Stride`]: the batch asks
+    ///   for what the skin does not have, or for arrays that overlap themselves.
+    /// - [`LayoutError::Binding`], [`LayoutError::Workgroups`]: the model, or one instance, is too large for
+    ///   the device.
+    pub fn of_shapes(
+        model: &Model<impl AsRef<[u8]>>,
+        skin: &Skin<'_>,
+        batch: &ShapesBatch,
+        limits: &DeviceLimits,
+    ) -> Result<Self, LayoutError> {
+        limits.check()?;
+        Self::cut(&shapes::demand(model, skin, batch)?, limits)
     }
 
     /// Cuts a batch.

@@ -15,6 +15,8 @@ pub enum Resource {
     Poses,
     /// The numbers of a kernel's query, an instance after the other. Written each frame.
     Queries,
+    /// The weights of a skin's shapes, an instance after the other. Written each frame.
+    Weights,
     /// What stages hand to each other, and threads of a stage. Never read or written by the host.
     Scratch,
     /// The palette of each instance, 3x4 rows.
@@ -23,17 +25,18 @@ pub enum Resource {
     Confidences,
     /// What the host brings to the skin: a remap, a rest mesh. Only a batch that names one needs it.
     Host,
-    /// What comes out at the far end: skinned attributes; a kernel's outputs and the confidence in them.
+    /// What comes out at the far end: shaped or skinned attributes; a kernel's outputs and the confidence in them.
     Out,
 }
 
 impl Resource {
     /// Every resource.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Params,
         Self::Blob,
         Self::Poses,
         Self::Queries,
+        Self::Weights,
         Self::Scratch,
         Self::Palettes,
         Self::Confidences,
@@ -48,6 +51,7 @@ impl Resource {
             Self::Blob => "blob",
             Self::Poses => "poses",
             Self::Queries => "queries",
+            Self::Weights => "weights",
             Self::Scratch => "scratch",
             Self::Palettes => "palettes",
             Self::Confidences => "confidences",

@@ -19,6 +19,8 @@ pub enum Stage {
     Features,
     /// Features to what the kernel maps add to palettes: one workgroup a group of proxies.
     Correction,
+    /// Weights of shapes to the rest mesh that a skin then moves: one workgroup a block of vertices.
+    Shapes,
     /// Palettes to positions, normals and tangents: one thread a vertex.
     Skin,
     /// Rotations, or what the correction has found, to one number: one workgroup.
@@ -61,12 +63,13 @@ macro_rules! spirv {
 impl Stage {
     /// Every stage, in an order in which each comes after those that it reads from, and waits for no
     /// other: nothing reads confidences, so they come last.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Gradients,
         Self::Palette,
         Self::Joints,
         Self::Features,
         Self::Correction,
+        Self::Shapes,
         Self::Skin,
         Self::Confidence,
         Self::Kernel,
@@ -81,6 +84,7 @@ impl Stage {
             Self::Features => "features",
             Self::Correction => "correction",
             Self::Confidence => "confidence",
+            Self::Shapes => "shapes",
             Self::Skin => "skin",
             Self::Kernel => "kernel",
         }
@@ -95,7 +99,8 @@ impl Stage {
             Self::Features => wgsl!("params", "blob", "features"),
             Self::Correction => wgsl!("params", "blob", "numeric", "correction"),
             Self::Confidence => wgsl!("params", "blob", "numeric", "confidence"),
-            Self::Skin => wgsl!("params", "blob", "skin"),
+            Self::Shapes => wgsl!("shapes_params", "blob", "frame", "shapes"),
+            Self::Skin => wgsl!("params", "blob", "frame", "skin"),
             Self::Kernel => wgsl!(
                 "kernel_params",
                 "blob",
@@ -118,6 +123,7 @@ impl Stage {
             Self::Features => spirv!("features"),
             Self::Correction => spirv!("correction"),
             Self::Confidence => spirv!("confidence"),
+            Self::Shapes => spirv!("shapes"),
             Self::Skin => spirv!("skin"),
             Self::Kernel => spirv!("kernel"),
         }
@@ -126,11 +132,14 @@ impl Stage {
     /// Lists what it binds: number 0 the uniform [`Resource::Params`], the others storage buffers,
     /// four at most.
     pub const fn bindings(self) -> &'static [Binding] {
-        use Resource::{Blob, Confidences, Host, Out, Palettes, Params, Poses, Queries, Scratch};
+        use Resource::{
+            Blob, Confidences, Host, Out, Palettes, Params, Poses, Queries, Scratch, Weights,
+        };
         const PARAMS: Binding = Binding::read(Params);
         const BLOB: Binding = Binding::read(Blob);
         const POSES: Binding = Binding::read(Poses);
         const QUERIES: Binding = Binding::read(Queries);
+        const WEIGHTS: Binding = Binding::read(Weights);
         const SCRATCH: Binding = Binding::read(Scratch);
         const PALETTES: Binding = Binding::read(Palettes);
         const HOST: Binding = Binding::read(Host);
@@ -143,6 +152,7 @@ impl Stage {
             Self::Palette => &[PARAMS, BLOB, POSES, SCRATCH, OUT_PALETTES],
             Self::Joints => &[PARAMS, BLOB, POSES, OUT_PALETTES],
             Self::Correction => &[PARAMS, BLOB, POSES, OUT_SCRATCH, OUT_PALETTES],
+            Self::Shapes => &[PARAMS, BLOB, WEIGHTS, OUT],
             Self::Skin => &[PARAMS, BLOB, PALETTES, HOST, OUT],
             Self::Confidence => &[PARAMS, BLOB, SCRATCH, OUT_CONFIDENCES],
             Self::Kernel => &[PARAMS, BLOB, QUERIES, OUT_SCRATCH, OUT],

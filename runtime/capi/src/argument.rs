@@ -51,6 +51,22 @@ pub enum sinew_argument {
     Jacobian = 20,
     /// Variances of a kernel's values.
     Variances = 21,
+    /// Weights of shapes.
+    ShapeWeights = 22,
+    /// A prior, or a number that says how much a term counts beside it.
+    Prior = 23,
+    /// Pins.
+    Pins = 24,
+    /// Control points.
+    Points = 25,
+    /// Visibilities of control points.
+    Visibility = 26,
+    /// Scores of key views, or a view by its number.
+    Scores = 27,
+    /// Pixels of a picture.
+    Pixels = 28,
+    /// Depths of pixels.
+    Depths = 29,
 
     /// Memory for an object; lengths in bytes.
     Memory = 50,
@@ -93,7 +109,7 @@ pub enum sinew_argument {
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 41] = {
+const NAMES: [(sinew_argument, &CStr); 49] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -118,6 +134,14 @@ const NAMES: [(sinew_argument, &CStr); 41] = {
         (A::Outputs, c"outputs"),
         (A::Jacobian, c"Jacobian"),
         (A::Variances, c"variances"),
+        (A::ShapeWeights, c"shape weights"),
+        (A::Prior, c"prior"),
+        (A::Pins, c"pins"),
+        (A::Points, c"points"),
+        (A::Visibility, c"visibility"),
+        (A::Scores, c"scores"),
+        (A::Pixels, c"pixels"),
+        (A::Depths, c"depths"),
         (A::Memory, c"memory"),
         (A::File, c"file"),
         (A::Limits, c"limits"),
@@ -173,6 +197,14 @@ impl From<Argument> for sinew_argument {
             Argument::Outputs => Self::Outputs,
             Argument::Jacobian => Self::Jacobian,
             Argument::Variances => Self::Variances,
+            Argument::Weights => Self::ShapeWeights,
+            Argument::Prior => Self::Prior,
+            Argument::Pins => Self::Pins,
+            Argument::Points => Self::Points,
+            Argument::Visibility => Self::Visibility,
+            Argument::Scores => Self::Scores,
+            Argument::Pixels => Self::Pixels,
+            Argument::Depths => Self::Depths,
         }
     }
 }

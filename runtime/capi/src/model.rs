@@ -53,6 +53,8 @@ pub struct sinew_limits {
     pub proxies: u32,
     /// Influences of a vertex.
     pub influences: u32,
+    /// Shapes of a skin.
+    pub shapes: u32,
 }
 
 /// A direction along an axis.
@@ -134,10 +136,18 @@ pub unsafe extern "C" fn sinew_limits_default(
 ) -> sinew_status {
     let body = || {
         let out = Array::one(out_limits, sinew_argument::Result)?;
-        let Limits { file_bytes, parts, sections, vertices, joints, proxies, influences } =
+        let Limits { file_bytes, parts, sections, vertices, joints, proxies, influences, shapes } =
             Limits::DEFAULT;
-        let limits =
-            sinew_limits { file_bytes, parts, sections, vertices, joints, proxies, influences };
+        let limits = sinew_limits {
+            file_bytes,
+            parts,
+            sections,
+            vertices,
+            joints,
+            proxies,
+            influences,
+            shapes,
+        };
         // SAFETY: one element, which the caller lets be written.
         unsafe { out.store(limits) };
         Ok(())
@@ -310,8 +320,16 @@ fn axis(axis: Option<Axis>) -> sinew_axis {
 
 impl From<&sinew_limits> for Limits {
     fn from(limits: &sinew_limits) -> Self {
-        let sinew_limits { file_bytes, parts, sections, vertices, joints, proxies, influences } =
-            *limits;
-        Self { file_bytes, parts, sections, vertices, joints, proxies, influences }
+        let sinew_limits {
+            file_bytes,
+            parts,
+            sections,
+            vertices,
+            joints,
+            proxies,
+            influences,
+            shapes,
+        } = *limits;
+        Self { file_bytes, parts, sections, vertices, joints, proxies, influences, shapes }
     }
 }

@@ -68,7 +68,11 @@ pub enum FileErrorKind {
     /// of the tree, an inverse bind matrix not rigid, a normal, tangent or axis not of its length, a
     /// twist too large, weights do not sum to one, a fade does not start and then end, vertices lie
     /// outside a rest box (`found` is the vertex), a range is not inside the mesh, or ends before it
-    /// starts, a first term is not 1.
+    /// starts, a first term is not 1, deltas lie outside their shape's box (`found` is the delta), entries of
+    /// shapes are out of order or move no vertex of their block, a factor's diagonal is not positive or too small for
+    /// its column, weights have a bound that ends before it starts, a pair is of one shape or cannot be 0, β is 0, a map
+    /// does not give places and then numbers, an element has one point twice, a mask has more bits than there are
+    /// points, a texture is empty or larger than the format allows.
     Invalid,
 }
 
@@ -84,7 +88,9 @@ fn counted(section: Option<SectionKind>, index: u32) -> &'static str {
         Some(SectionKind::EnvelopeCounts) => {
             &["predictor", "joints", "proxies", "root", "groups", "floats of scratch"]
         }
-        Some(SectionKind::SkinCounts) => &["vertices", "influences", "envelope", "ranges"],
+        Some(SectionKind::SkinCounts) => {
+            &["vertices", "influences", "envelope", "ranges", "shapes", "entries", "deltas"]
+        }
         Some(SectionKind::KernelCounts) => &[
             "inputs",
             "outputs",
@@ -95,6 +101,10 @@ fn counted(section: Option<SectionKind>, index: u32) -> &'static str {
             "values",
             "rows of the variance",
         ],
+        Some(SectionKind::PriorCounts) => &["skin", "shapes", "symmetry", "cancel pairs"],
+        Some(SectionKind::ViewsCounts) => {
+            &["points", "elements", "key views", "maps", "textures", "texels"]
+        }
         Some(_) => &[],
     };
     names.get(index as usize).copied().unwrap_or("elements")
@@ -159,10 +169,26 @@ impl fmt::Display for FileError {
                 Some(SectionKind::Groups) => {
                     write!(f, "group {index}: expected at word {expected}, found at {found}")
                 }
+                Some(SectionKind::ShapeEntries) => {
+                    write!(f, "entry {index}: expected at delta {expected}, found at {found}")
+                }
+                Some(SectionKind::ShapeSlopes) => write!(
+                    f,
+                    "section {name}: expected the deltas' element type {expected}, found {found}"
+                ),
+                Some(SectionKind::Maps) => {
+                    write!(f, "map {index}: expected {expected} outputs, found {found}")
+                }
+                Some(SectionKind::Textures) => {
+                    write!(f, "texture {index}: expected at texel {expected}, found at {found}")
+                }
                 _ => {
                     let what = counted(section, index);
                     let of = match section {
                         Some(SectionKind::KernelCounts) => "rows",
+                        Some(SectionKind::SkinCounts) => "blocks",
+                        Some(SectionKind::PriorCounts) => "skins",
+                        Some(SectionKind::ViewsCounts) => "textures",
                         _ => "groups",
                     };
                     write!(f, "{what}: the {of} need {expected}, found {found}")
@@ -208,6 +234,41 @@ impl fmt::Display for FileError {
                     write!(f, "the range of feature {index} ends before it starts")
                 }
                 Some(SectionKind::Terms) => f.write_str("the first term is not 1"),
+                Some(SectionKind::Shapes) => {
+                    write!(f, "the box of shape {index} does not hold 0, or not delta {found}")
+                }
+                Some(SectionKind::ShapeBlocks) => {
+                    write!(f, "block {index} of vertices does not follow the one before it")
+                }
+                Some(SectionKind::ShapeEntries) => write!(
+                    f,
+                    "entry {index} moves no vertex, or one beyond the mesh, or its shape is out of order"
+                ),
+                Some(SectionKind::PriorFactor) => {
+                    write!(f, "float {index} of {name} is too small for the diagonal of its column")
+                }
+                Some(SectionKind::WeightBounds) => {
+                    write!(f, "the bounds of weight {index} end before they start")
+                }
+                Some(SectionKind::Symmetry) => {
+                    write!(f, "pair {index} of {name} is of one shape, or its stiffness negative")
+                }
+                Some(SectionKind::CancelPairs) => {
+                    write!(f, "pair {index} of {name} is of one shape, or of one that cannot be 0")
+                }
+                Some(SectionKind::PriorFit) => f.write_str("pins have no stiffness: beta is 0"),
+                Some(SectionKind::Maps) => {
+                    write!(f, "map {index} does not give places, then numbers")
+                }
+                Some(SectionKind::Elements) => {
+                    write!(f, "element {index} has one point twice")
+                }
+                Some(SectionKind::ViewMasks) => {
+                    write!(f, "key view {index} shows points that there are not")
+                }
+                Some(SectionKind::Textures) => {
+                    write!(f, "texture {index} is empty, or wider or higher than 65535 texels")
+                }
                 _ => write!(f, "element {index} of {name} is not valid"),
             },
         }

@@ -4,7 +4,7 @@ use super::error::{FileErrorKind as Kind, saturated};
 use super::message::{ALIGNMENT, CHECKSUM_OFFSET, FEATURES, HEAD_BYTES, MAGIC, VERSION, checksum};
 use super::refusal::{Checked, Loading};
 use super::space::Space;
-use super::tables::{PartKind, PartRow, REQUIRED, SectionKind, SectionRow};
+use super::tables::{Element, PartKind, PartRow, REQUIRED, SectionKind, SectionRow};
 use core::num::NonZeroU16;
 
 /// Where bytes lie in the file; a file has less than 4 GiB.
@@ -84,6 +84,12 @@ pub struct FileId {
 impl FileId {
     /// That of no file.
     pub(crate) const NONE: Self = Self { len: 0, checksum: 0 };
+
+    /// Returns its numbers.
+    #[cfg(feature = "prior")]
+    pub(crate) const fn words(self) -> [u32; 2] {
+        [self.len, self.checksum]
+    }
 
     /// Reads it; `None` of bytes that are too short to be a file.
     pub fn of(file: &[u8]) -> Option<Self> {
@@ -166,6 +172,14 @@ impl Manifest {
         None
     }
 
+    /// Returns the type of the elements of a part's section of one kind.
+    pub(crate) fn element(&self, file: &[u8], part: u16, kind: SectionKind) -> Option<Element> {
+        let mut rows = self.sections(file);
+        let row = rows.find(|row| (row.part, row.kind) == (part, kind.number()))?;
+        let mut elements = kind.elements().iter();
+        elements.find(|element| element.number() == row.element).copied()
+    }
+
     fn check_parts(&self, loading: &Loading<'_>) -> Checked {
         let file = loading.file;
         if !self.parts.len().is_multiple_of(PartRow::BYTES) || self.parts.len() == 0 {
@@ -233,11 +247,16 @@ fn unknown(part: PartRow, row: &SectionRow) -> Option<u16> {
         Some(row.flags.into())
     } else if row.reserved != 0 {
         Some(row.reserved)
-    } else if kind.is_some_and(|kind| kind.element().number() != row.element) {
+    } else if kind.is_some_and(|kind| !takes(kind, row.element)) {
         Some(row.element.into())
     } else {
         None
     }
+}
+
+/// Whether the elements of a kind may have the type of this number.
+fn takes(kind: SectionKind, number: u8) -> bool {
+    kind.elements().iter().any(|element| element.number() == number)
 }
 
 /// The byte strings of a message: part rows, section rows, padding, blob.

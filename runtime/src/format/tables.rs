@@ -11,15 +11,28 @@ pub enum PartKind {
     /// A function of a few numbers (METHOD §2).
     #[cfg(feature = "kernel")]
     Kernel = 3,
+    /// How the weights of a skin's shapes belong together (METHOD §5).
+    #[cfg(feature = "prior")]
+    Prior = 4,
+    /// A drawn object between its key views (METHOD §6).
+    #[cfg(feature = "views")]
+    Views = 5,
 }
 
 impl PartKind {
     /// Every kind that this reader knows.
-    pub const ALL: [Self; if cfg!(feature = "kernel") { 3 } else { 2 }] = [
+    pub const ALL: [Self;
+        2 + cfg!(feature = "kernel") as usize
+            + cfg!(feature = "prior") as usize
+            + cfg!(feature = "views") as usize] = [
         Self::Envelope,
         Self::Skin,
         #[cfg(feature = "kernel")]
         Self::Kernel,
+        #[cfg(feature = "prior")]
+        Self::Prior,
+        #[cfg(feature = "views")]
+        Self::Views,
     ];
 
     /// Returns its number in the file.
@@ -34,6 +47,10 @@ impl PartKind {
             Self::Skin => "skin",
             #[cfg(feature = "kernel")]
             Self::Kernel => "kernel",
+            #[cfg(feature = "prior")]
+            Self::Prior => "prior",
+            #[cfg(feature = "views")]
+            Self::Views => "views",
         }
     }
 
@@ -44,6 +61,10 @@ impl PartKind {
             2 => Some(Self::Skin),
             #[cfg(feature = "kernel")]
             3 => Some(Self::Kernel),
+            #[cfg(feature = "prior")]
+            4 => Some(Self::Prior),
+            #[cfg(feature = "views")]
+            5 => Some(Self::Views),
             _ => None,
         }
     }
@@ -99,11 +120,13 @@ pub enum Element {
     U32 = 3,
     /// IEEE 754 half precision.
     F16 = 4,
+    /// Signed, 8 bits, two's complement.
+    I8 = 5,
 }
 
 impl Element {
     /// Every type.
-    pub const ALL: [Self; 5] = [Self::Mixed, Self::F32, Self::U16, Self::U32, Self::F16];
+    pub const ALL: [Self; 6] = [Self::Mixed, Self::F32, Self::U16, Self::U32, Self::F16, Self::I8];
 
     /// Returns its number in the file.
     pub const fn number(self) -> u8 {
@@ -118,6 +141,16 @@ impl Element {
             Self::U16 => "u16",
             Self::U32 => "u32",
             Self::F16 => "f16",
+            Self::I8 => "i8",
+        }
+    }
+
+    /// Returns the bytes of a number; 1 of what is mixed.
+    pub const fn bytes(self) -> usize {
+        match self {
+            Self::F32 | Self::U32 => 4,
+            Self::U16 | Self::F16 => 2,
+            Self::Mixed | Self::I8 => 1,
         }
     }
 }
@@ -247,11 +280,57 @@ pub enum SectionKind {
     TangentCoefficients = 32,
     /// How far a skin's normals were measured to be from the true ones.
     NormalErrors = 33,
+    /// Steps and box of each shape.
+    Shapes = 34,
+    /// Where the entries of each block of vertices start.
+    ShapeBlocks = 35,
+    /// Which vertices of a block a shape moves, and where its deltas start.
+    ShapeEntries = 36,
+    /// How far shapes move vertices.
+    ShapeDeltas = 37,
+    /// How shapes tilt the surface at vertices.
+    ShapeSlopes = 38,
+    /// How far shapes were measured to be from those that were baked.
+    ShapeErrors = 39,
+    /// Counts of a prior.
+    PriorCounts = 40,
+    /// Mean weights.
+    PriorMean = 41,
+    /// Factor of the precision of weights.
+    PriorFactor = 42,
+    /// Least and greatest weights.
+    WeightBounds = 43,
+    /// Pairs of shapes that mirror each other.
+    Symmetry = 44,
+    /// Pairs of shapes of which one alone is at work.
+    CancelPairs = 45,
+    /// How stiff pins are by default, and what a prior was measured to reach.
+    PriorFit = 46,
+    /// Counts of an object.
+    ViewsCounts = 50,
+    /// The kernels that are an object's maps.
+    Maps = 51,
+    /// Triangles and quads between control points.
+    Elements = 52,
+    /// Texture of each key view.
+    ViewTextures = 53,
+    /// Where control points are in the textures of key views.
+    References = 54,
+    /// Which control points key views show.
+    ViewMasks = 55,
+    /// Size of each texture, and where its texels start.
+    Textures = 56,
+    /// Colours of textures.
+    Texels = 57,
+    /// How an object differs from the one as which it moves.
+    Deformations = 58,
+    /// When another key view takes over, and what an object was measured to reach.
+    ViewsFit = 59,
 }
 
 impl SectionKind {
     /// Every kind, by number.
-    pub const ALL: [Self; 33] = [
+    pub const ALL: [Self; 56] = [
         Self::Names,
         Self::Hierarchy,
         Self::InverseBinds,
@@ -285,6 +364,29 @@ impl SectionKind {
         Self::KernelFit,
         Self::TangentCoefficients,
         Self::NormalErrors,
+        Self::Shapes,
+        Self::ShapeBlocks,
+        Self::ShapeEntries,
+        Self::ShapeDeltas,
+        Self::ShapeSlopes,
+        Self::ShapeErrors,
+        Self::PriorCounts,
+        Self::PriorMean,
+        Self::PriorFactor,
+        Self::WeightBounds,
+        Self::Symmetry,
+        Self::CancelPairs,
+        Self::PriorFit,
+        Self::ViewsCounts,
+        Self::Maps,
+        Self::Elements,
+        Self::ViewTextures,
+        Self::References,
+        Self::ViewMasks,
+        Self::Textures,
+        Self::Texels,
+        Self::Deformations,
+        Self::ViewsFit,
     ];
 
     /// Returns its number in the file.
@@ -294,7 +396,9 @@ impl SectionKind {
 
     /// Returns the kind of this number.
     pub fn from_number(number: u16) -> Option<Self> {
-        Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
+        // Numbers are free from 47 to 49.
+        let place = usize::from(if number < 50 { number } else { number - 3 }).checked_sub(1)?;
+        Self::ALL.get(place).copied().filter(|kind| kind.number() == number)
     }
 
     /// Returns its name, as FORMAT.md has it.
@@ -333,19 +437,47 @@ impl SectionKind {
             Self::KernelFit => "kernel_fit",
             Self::TangentCoefficients => "tangent_coefficients",
             Self::NormalErrors => "normal_errors",
+            Self::Shapes => "shapes",
+            Self::ShapeBlocks => "shape_blocks",
+            Self::ShapeEntries => "shape_entries",
+            Self::ShapeDeltas => "shape_deltas",
+            Self::ShapeSlopes => "shape_slopes",
+            Self::ShapeErrors => "shape_errors",
+            Self::PriorCounts => "prior_counts",
+            Self::PriorMean => "prior_mean",
+            Self::PriorFactor => "prior_factor",
+            Self::WeightBounds => "weight_bounds",
+            Self::Symmetry => "symmetry",
+            Self::CancelPairs => "cancel_pairs",
+            Self::PriorFit => "prior_fit",
+            Self::ViewsCounts => "views_counts",
+            Self::Maps => "maps",
+            Self::Elements => "elements",
+            Self::ViewTextures => "view_textures",
+            Self::References => "references",
+            Self::ViewMasks => "view_masks",
+            Self::Textures => "textures",
+            Self::Texels => "texels",
+            Self::Deformations => "deformations",
+            Self::ViewsFit => "views_fit",
         }
     }
 
-    /// Returns the type of its elements.
-    pub const fn element(self) -> Element {
+    /// Returns the types that its elements may have; a file's row says which.
+    pub const fn elements(self) -> &'static [Element] {
         match self {
-            Self::Names | Self::Keys | Self::Groups | Self::Corrections => Element::Mixed,
-            Self::KernelRule | Self::Inputs | Self::Outputs => Element::Mixed,
-            Self::Hierarchy | Self::InfluenceIndices | Self::Terms => Element::U16,
-            Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => Element::U32,
-            Self::KernelCounts => Element::U32,
-            Self::TangentCoefficients => Element::F16,
-            _ => Element::F32,
+            Self::Names | Self::Keys | Self::Groups | Self::Corrections => &[Element::Mixed],
+            Self::KernelRule | Self::Inputs | Self::Outputs => &[Element::Mixed],
+            Self::Symmetry | Self::Texels => &[Element::Mixed],
+            Self::Hierarchy | Self::InfluenceIndices | Self::Terms => &[Element::U16],
+            Self::CancelPairs | Self::Elements => &[Element::U16],
+            Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => &[Element::U32],
+            Self::KernelCounts | Self::ShapeBlocks | Self::ShapeEntries => &[Element::U32],
+            Self::PriorCounts | Self::ViewsCounts | Self::Maps => &[Element::U32],
+            Self::ViewTextures | Self::ViewMasks | Self::Textures => &[Element::U32],
+            Self::TangentCoefficients => &[Element::F16],
+            Self::ShapeDeltas | Self::ShapeSlopes => &[Element::F32, Element::F16, Element::I8],
+            _ => &[Element::F32],
         }
     }
 }

@@ -16,6 +16,17 @@ pub(super) struct Influences<'a> {
     len: usize,
 }
 
+#[cfg(feature = "prior")]
+impl Skin<'_> {
+    /// Blends the transforms of a vertex; the identity without influences. `None` of a vertex beyond the mesh, or of a
+    /// palette that is too short.
+    pub(crate) fn blended(&self, palette: &[Matrix3x4], vertex: usize) -> Option<Matrix3x4> {
+        let [x, y, z, _] =
+            Influences::new(self, palette).blend(vertex)?.transpose().to_cols_array_2d();
+        Some([x, y, z])
+    }
+}
+
 /// Whether the usual number of influences gets code of its own: a quarter faster on x86-64, but small
 /// processors have too few registers for it (31 instructions a vertex more on a Cortex-M4F).
 const UNROLL: bool = cfg!(any(target_pointer_width = "64", target_family = "wasm"));

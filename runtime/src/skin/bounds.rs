@@ -43,6 +43,16 @@ impl Bounds {
         self.max.iter_mut().for_each(|x| *x = (*x + by) + rounding(*x));
     }
 
+    /// Adds another: the box of the sums of their points, rounded outward; by 0 a side stays where it is.
+    #[cfg(feature = "shapes")]
+    pub(crate) fn add(&mut self, other: &Self) {
+        let rounding = |x: f32, by: f32| {
+            if by == 0.0 { 0.0 } else { 2.0 * f32::EPSILON * (x.abs() + by.abs()) }
+        };
+        self.min.iter_mut().zip(other.min).for_each(|(x, by)| *x = (*x + by) - rounding(*x, by));
+        self.max.iter_mut().zip(other.max).for_each(|(x, by)| *x = (*x + by) + rounding(*x, by));
+    }
+
     /// Moves the box by a transform and widens it by `slack` of the largest magnitude that its sums can
     /// reach.
     pub(crate) fn moved(&self, transform: &Matrix3x4, slack: f32) -> Self {
@@ -61,4 +71,11 @@ impl Bounds {
         }
         out
     }
+}
+
+/// Whether a point lies in a box or on its faces; in one that holds nothing no point does.
+pub(super) fn is_inside(corners: &[Le; 6], point: [f32; 3]) -> bool {
+    let (min, max) = corners.split_at(3);
+    let mut sides = point.iter().zip(min.iter().zip(max));
+    sides.all(|(x, (min, max))| f32::from_le_bytes(*min) <= *x && *x <= f32::from_le_bytes(*max))
 }

@@ -1,13 +1,16 @@
 //! The checks of a skin, in the order that FORMAT.md lists.
 
+use super::bounds::is_inside;
 use super::counts::{
     LENGTH_TOLERANCE, NO_ENVELOPE, RULES, SkinCounts, WEIGHT_SUM_TOLERANCE, place,
 };
+#[cfg(feature = "shapes")]
+use super::shapes;
 use super::view::Skin;
 use crate::format::content::{check_counts, check_floats, check_index, check_names};
 use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
-use crate::format::{FileErrorKind as Kind, SectionKind};
+use crate::format::{Element, FileErrorKind as Kind, SectionKind};
 use crate::linear::{Le, dot, floats};
 
 /// Checks a skin's counts, adds the length of its palette to them, and returns what they ask of its
@@ -15,19 +18,32 @@ use crate::linear::{Le, dot, floats};
 ///
 /// - `part_len`: parts of the file.
 /// - `palette_len`: counts the palette of a part, if that is an envelope.
+/// - `element`: finds what a section of this part is an array of, if it is there.
 pub(crate) fn counts(
     words: &mut [u32; COUNTS],
     loading: &Loading<'_>,
     part_len: usize,
     palette_len: impl Fn(u16) -> Option<u32>,
+    element: impl Fn(SectionKind) -> Option<Element>,
 ) -> Checked<Asked> {
     let section = SectionKind::SkinCounts;
     let counts = SkinCounts::from_words(first_counts(words));
     // More influences than indices can tell apart have no transforms to be of.
     let most = loading.limits.influences.min(u16::MAX.into());
     let (least, most) = if counts.envelope == NO_ENVELOPE { (0, 0) } else { (1, most) };
-    let ranges = [(place::VERTICES, 0, loading.limits.vertices), (place::INFLUENCES, least, most)];
+    let ranges = [
+        (place::VERTICES, 0, loading.limits.vertices),
+        (place::INFLUENCES, least, most),
+        (place::SHAPES, 0, loading.limits.shapes.min(u16::MAX.into())),
+    ];
     check_counts(loading, section, words, &ranges)?;
+    #[cfg(feature = "shapes")]
+    let element = shapes::check::counts(words, loading, element)?;
+    #[cfg(not(feature = "shapes"))]
+    let element = {
+        let _ = element;
+        Element::F32
+    };
     let palette_len = match counts.envelope {
         NO_ENVELOPE => Some(0),
         _ => counts.envelope().and_then(palette_len),
@@ -37,7 +53,7 @@ pub(crate) fn counts(
         return Err(loading.refuse(Kind::Index, Some(section), place::ENVELOPE, values));
     };
     words[place::PALETTE] = palette_len;
-    Ok(counts.asked(palette_len))
+    Ok(counts.asked(palette_len, element))
 }
 
 /// Checks the content of a skin whose sections all have their length.
@@ -47,7 +63,7 @@ pub(crate) fn content(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
 
 /// The checks of the content, in their order, likewise as an envelope's.
 static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked;
-    if cfg!(feature = "tangent-coefficients") { 7 } else { 6 }] = [
+    6 + cfg!(feature = "tangent-coefficients") as usize + cfg!(feature = "shapes") as usize] = [
     |skin, loading| check_names(loading, skin.names()),
     |skin, loading| check_floats(loading, &skin.0, &RULES),
     |skin, loading| {
@@ -60,6 +76,8 @@ static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked;
     check_influences,
     #[cfg(feature = "tangent-coefficients")]
     check_coefficients,
+    #[cfg(feature = "shapes")]
+    shapes::check::content,
 ];
 
 /// Checks that directions of so many floats have length 1, or if they are normals 0, and if they are
@@ -143,11 +161,4 @@ fn check_coefficients(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
             Err(loading.refuse(Kind::Float, section, at, [0; 2]))
         }
     }
-}
-
-/// Whether a point lies in a box or on its faces; in one that holds nothing no point does.
-fn is_inside(corners: &[Le; 6], point: [f32; 3]) -> bool {
-    let (min, max) = corners.split_at(3);
-    let mut sides = point.iter().zip(min.iter().zip(max));
-    sides.all(|(x, (min, max))| f32::from_le_bytes(*min) <= *x && *x <= f32::from_le_bytes(*max))
 }

@@ -1,8 +1,8 @@
 //! The numbers of a skin.
 
-use crate::format::SectionKind;
 use crate::format::part::{Asked, COUNTS, SECTIONS};
 use crate::format::rule::{ALWAYS, OPTIONAL, Rule};
+use crate::format::{Element, SectionKind};
 
 /// How far the weights of a vertex may sum from one: rounding of 32 influences is below 4e-6.
 pub const WEIGHT_SUM_TOLERANCE: f32 = 1.0e-5;
@@ -23,22 +23,30 @@ pub struct SkinCounts {
     pub envelope: u32,
     /// Named ranges of vertices, R.
     pub range_len: u32,
+    /// Shapes, S.
+    pub shape_len: u32,
+    /// Pairs of a block of vertices and a shape that moves some of them, E; 0 without shapes.
+    pub entry_len: u32,
+    /// Pairs of a vertex and a shape that moves it, D; 0 without shapes.
+    pub delta_len: u32,
 }
 
 impl SkinCounts {
     /// Bytes of section `skin_counts`.
-    pub const BYTES: usize = 16;
+    pub const BYTES: usize = 28;
 
     /// Lists the counts in the order of the file.
-    pub const fn words(&self) -> [u32; 4] {
-        let Self { vertex_len, influence_len, envelope, range_len } = *self;
-        [vertex_len, influence_len, envelope, range_len]
+    pub const fn words(&self) -> [u32; 7] {
+        let Self { vertex_len, influence_len, envelope, range_len, .. } = *self;
+        let Self { shape_len, entry_len, delta_len, .. } = *self;
+        [vertex_len, influence_len, envelope, range_len, shape_len, entry_len, delta_len]
     }
 
     /// Makes them of their words.
-    pub const fn from_words(words: [u32; 4]) -> Self {
-        let [vertex_len, influence_len, envelope, range_len] = words;
-        Self { vertex_len, influence_len, envelope, range_len }
+    pub const fn from_words(words: [u32; 7]) -> Self {
+        let [vertex_len, influence_len, envelope, range_len, shape_len, entry_len, delta_len] =
+            words;
+        Self { vertex_len, influence_len, envelope, range_len, shape_len, entry_len, delta_len }
     }
 
     /// Returns the part whose palette it follows.
@@ -49,7 +57,7 @@ impl SkinCounts {
     /// Whether a skin of these counts must have a section, may have it (`None`), or must not.
     pub fn has(&self, section: SectionKind) -> Option<bool> {
         let Some(rule) = Rule::of(&RULES, section) else { return Some(false) };
-        let has = rule.has == OPTIONAL || self.asked(0).has & rule.has != 0;
+        let has = rule.has == OPTIONAL || self.asked(0, Element::F32).has & rule.has != 0;
         if has && rule.has & OPTIONAL != 0 { None } else { Some(has) }
     }
 
@@ -57,21 +65,46 @@ impl SkinCounts {
     /// or no skin has it.
     ///
     /// - `palette_len`: transforms of the envelope's palette, L.
-    pub fn section_bytes(&self, section: SectionKind, palette_len: usize) -> Option<u64> {
-        Rule::of(&RULES, section)?.bytes(&self.asked(u32::try_from(palette_len).ok()?).sizes)
+    /// - `element`: what the deltas and slopes of shapes are.
+    pub fn section_bytes(
+        &self,
+        section: SectionKind,
+        palette_len: usize,
+        element: Element,
+    ) -> Option<u64> {
+        let palette_len = u32::try_from(palette_len).ok()?;
+        Rule::of(&RULES, section)?.bytes(&self.asked(palette_len, element).sizes)
+    }
+
+    /// Counts the names behind the part's own.
+    pub(crate) const fn name_len(&self) -> u32 {
+        self.range_len.saturating_add(self.shape_len)
     }
 
     /// Returns what they ask of the sections, as [`RULES`] have it.
-    pub(crate) const fn asked(&self, palette_len: u32) -> Asked {
-        let Self { vertex_len: v, influence_len: k, range_len: r, envelope } = *self;
-        let follows = if envelope == NO_ENVELOPE { 0 } else { FOLLOWS };
-        #[cfg(feature = "tangent-coefficients")]
+    pub(crate) const fn asked(&self, palette_len: u32, element: Element) -> Asked {
+        let Self { vertex_len: v, influence_len: k, range_len: r, shape_len: s, .. } = *self;
+        let follows = if self.envelope == NO_ENVELOPE { 0 } else { FOLLOWS };
+        let blends = if follows != 0 && k > 1 { BLENDS } else { 0 };
+        let shaped = if s > 0 { SHAPED } else { 0 };
+        let has = ALWAYS | follows | blends | shaped;
+        let (names, others) = (self.name_len(), k.saturating_sub(1));
+        #[cfg(feature = "shapes")]
         {
-            let blends = if follows != 0 && k > 1 { BLENDS } else { 0 };
-            Asked::new(ALWAYS | follows | blends, [1, v, k, palette_len, r, k.saturating_sub(1)])
+            let (e, d, width) = (self.entry_len, self.delta_len, element.bytes() as u32);
+            let starts = v.div_ceil(BLOCK as u32) + 1;
+            Asked::new(has, [1, v, k, palette_len, r, names, others, s, starts, e, d, width])
         }
-        #[cfg(not(feature = "tangent-coefficients"))]
-        Asked::new(ALWAYS | follows, [1, v, k, palette_len, r])
+        #[cfg(all(not(feature = "shapes"), feature = "tangent-coefficients"))]
+        {
+            let _ = element;
+            Asked::new(has, [1, v, k, palette_len, r, names, others])
+        }
+        #[cfg(not(any(feature = "shapes", feature = "tangent-coefficients")))]
+        {
+            let _ = (element, others);
+            Asked::new(has, [1, v, k, palette_len, r, names])
+        }
     }
 }
 
@@ -100,29 +133,70 @@ impl NormalErrors {
     }
 }
 
-/// Where the counts stand in their section, and behind them what follows from the envelope.
+/// How far a skin's shapes, as the file has them, were measured to be from those that were baked, each at its
+/// weight of 1: lengths in the file's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeErrors {
+    /// The farthest of any vertex of any shape.
+    pub largest: f32,
+    /// RMS over shapes and the vertices that they move.
+    pub rms: f32,
+}
+
+impl ShapeErrors {
+    /// Bytes of section `shape_errors`.
+    pub const BYTES: usize = 8;
+
+    /// Lists the figures in the order of the file.
+    pub const fn figures(&self) -> [f32; 2] {
+        [self.largest, self.rms]
+    }
+
+    /// Makes them of their figures.
+    pub const fn from_figures([largest, rms]: [f32; 2]) -> Self {
+        Self { largest, rms }
+    }
+}
+
+/// Where the counts stand in their section, and behind them what follows from the envelope and from the section
+/// of deltas.
 pub(crate) mod place {
     pub(crate) const VERTICES: usize = 0;
     pub(crate) const INFLUENCES: usize = 1;
     pub(crate) const ENVELOPE: usize = 2;
-    pub(crate) const PALETTE: usize = 4;
+    pub(crate) const SHAPES: usize = 4;
+    #[cfg(feature = "shapes")]
+    pub(crate) const ENTRIES: usize = 5;
+    #[cfg(feature = "shapes")]
+    pub(crate) const DELTAS: usize = 6;
+    pub(crate) const PALETTE: usize = 7;
+    #[cfg(feature = "shapes")]
+    pub(crate) const ELEMENT: usize = 8;
 }
 
 /// Bit of a skin with an envelope.
 const FOLLOWS: u8 = 4;
 /// Bit of one of which a vertex has several influences.
-#[cfg(feature = "tangent-coefficients")]
 const BLENDS: u8 = 8;
+/// Bit of one with shapes.
+const SHAPED: u8 = 16;
+
+/// Vertices of a block, by which shapes are stored: a bit of a mask each.
+pub const BLOCK: usize = 64;
 
 /// The sections of a skin, in the order in which the trainer writes them.
 pub const SKIN_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && place::PALETTE < COUNTS);
 
-/// What a skin asks of its sections. Sizes: 1, V, K, L, R, K - 1.
-pub(crate) const RULES: [Rule; if cfg!(feature = "tangent-coefficients") { 11 } else { 9 }] = [
+/// The sections of tangent coefficients and those of shapes, as far as they are read.
+const MORE: [usize; 2] =
+    [2 * cfg!(feature = "tangent-coefficients") as usize, 6 * cfg!(feature = "shapes") as usize];
+
+/// What a skin asks of its sections. Sizes: 1, V, K, L, R, R + S, K - 1, S, blocks + 1, E, D, bytes of a number.
+pub(crate) const RULES: [Rule; 9 + MORE[0] + MORE[1]] = [
     Rule::new(SectionKind::SkinCounts, SkinCounts::BYTES as u8, [0, 0]),
-    Rule::new(SectionKind::Names, 4, [4, 0]).or_more(4),
+    Rule::new(SectionKind::Names, 4, [5, 0]).or_more(4),
     Rule::floats(SectionKind::RestPositions, 12, [1, 0]),
     Rule::floats(SectionKind::RestNormals, 12, [1, 0]),
     Rule::floats(SectionKind::RestTangents, 16, [1, 0]).with(OPTIONAL),
@@ -131,9 +205,23 @@ pub(crate) const RULES: [Rule; if cfg!(feature = "tangent-coefficients") { 11 } 
     Rule::floats(SectionKind::RestBoxes, 24, [3, 0]).with(FOLLOWS),
     Rule::new(SectionKind::Ranges, 8, [4, 0]),
     #[cfg(feature = "tangent-coefficients")]
-    Rule::new(SectionKind::TangentCoefficients, 4, [1, 5]).with(BLENDS | OPTIONAL),
+    Rule::new(SectionKind::TangentCoefficients, 4, [1, 6]).with(BLENDS | OPTIONAL),
     #[cfg(feature = "tangent-coefficients")]
     Rule::new(SectionKind::NormalErrors, NormalErrors::BYTES as u8, [0, 0])
         .with(OPTIONAL)
+        .unsigned(),
+    #[cfg(feature = "shapes")]
+    Rule::floats(SectionKind::Shapes, 32, [7, 0]).with(SHAPED),
+    #[cfg(feature = "shapes")]
+    Rule::new(SectionKind::ShapeBlocks, 4, [8, 0]).with(SHAPED),
+    #[cfg(feature = "shapes")]
+    Rule::new(SectionKind::ShapeEntries, 16, [9, 0]).with(SHAPED),
+    #[cfg(feature = "shapes")]
+    Rule::new(SectionKind::ShapeDeltas, 3, [10, 11]).with(SHAPED),
+    #[cfg(feature = "shapes")]
+    Rule::new(SectionKind::ShapeSlopes, 2, [10, 11]).with(SHAPED),
+    #[cfg(feature = "shapes")]
+    Rule::new(SectionKind::ShapeErrors, ShapeErrors::BYTES as u8, [0, 0])
+        .with(SHAPED | OPTIONAL)
         .unsigned(),
 ];

@@ -7,13 +7,20 @@ mod coefficients;
 mod counts;
 mod eight;
 mod job;
+mod output;
 mod posed_bounds;
+#[cfg(feature = "shapes")]
+mod shapes;
 mod view;
 
 pub use bounds::Bounds;
 pub(crate) use counts::RULES;
 pub use counts::{
-    LENGTH_TOLERANCE, NO_ENVELOPE, NormalErrors, SKIN_SECTIONS, SkinCounts, WEIGHT_SUM_TOLERANCE,
+    BLOCK, LENGTH_TOLERANCE, NO_ENVELOPE, NormalErrors, SKIN_SECTIONS, ShapeErrors, SkinCounts,
+    WEIGHT_SUM_TOLERANCE,
 };
-pub use job::{Output, Rest, SkinJob, cells};
+pub use job::{Rest, SkinJob};
+pub use output::{Output, cells};
+#[cfg(feature = "shapes")]
+pub use shapes::ShapesJob;
 pub use view::{Skin, SkinLayout};

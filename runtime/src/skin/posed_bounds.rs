@@ -29,6 +29,17 @@ impl Skin<'_> {
         if !(0.0..=f32::MAX).contains(&rest_offset) {
             return Err(CallError::new(CallErrorKind::OutOfRange, Argument::RestPositions));
         }
+        Ok(self.posed_bounds(palette, |rest| rest.widen(rest_offset)))
+    }
+
+    /// Computes a box that holds every vertex of the posed skin, after `widen` has widened each box at rest.
+    ///
+    /// - `palette`: as many transforms as it takes.
+    pub(super) fn posed_bounds(
+        &self,
+        palette: &[Matrix3x4],
+        widen: impl Fn(&mut Bounds),
+    ) -> Option<Bounds> {
         // A weighted mean of K terms and a product of 4 err by less than K + 8 roundings.
         let slack = WEIGHT_SUM_TOLERANCE + (self.influence_len() as f32 + 8.0) * f32::EPSILON;
         let mut union: Option<Bounds> = None;
@@ -38,16 +49,16 @@ impl Skin<'_> {
         };
         for (rest, transform) in self.boxes().iter().zip(palette) {
             if let Some(mut rest) = Bounds::from_corners(rest) {
-                rest.widen(rest_offset);
+                widen(&mut rest);
                 join(&rest.moved(transform, slack));
             }
         }
         let fixed = if self.envelope_part().is_none() { self.positions() } else { &[] };
         for position in fixed {
             let mut rest = Bounds::of(floats(position));
-            rest.widen(rest_offset);
+            widen(&mut rest);
             join(&rest);
         }
-        Ok(union)
+        union
     }
 }

@@ -101,6 +101,11 @@ impl<'a> Skin<'a> {
         self.0.layout.counts[place::PALETTE] as usize
     }
 
+    /// Returns S, the number of shapes.
+    pub const fn shape_len(&self) -> usize {
+        self.0.layout.counts[place::SHAPES] as usize
+    }
+
     /// Whether it has tangents.
     pub const fn has_tangents(&self) -> bool {
         self.0.layout.has(TANGENTS)
@@ -119,6 +124,12 @@ impl<'a> Skin<'a> {
             let index = |le: &Le| u32::from_le_bytes(*le) as usize;
             Some((names.get(name)?, index(start)..index(end)))
         })
+    }
+
+    /// Returns a shape's name.
+    pub fn shape_name(&self, shape: usize) -> Option<&'a str> {
+        let names = self.names();
+        names.get(1 + self.range_rows().len() + shape).filter(|_| shape < self.shape_len())
     }
 
     /// Returns a vertex's rest position.
@@ -175,7 +186,8 @@ impl<'a> Skin<'a> {
     }
 
     pub(crate) fn names(&self) -> Names<'a> {
-        Names::new(self.0.bytes(NAMES), self.range_rows().len() + 1)
+        let len = self.range_rows().len() + self.shape_len() + 1;
+        Names::new(self.0.bytes(NAMES), len)
     }
 
     pub(crate) fn positions(&self) -> &'a [[Le; 3]] {

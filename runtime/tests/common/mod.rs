@@ -10,10 +10,11 @@
 use models::{Pieces, Rng, Shape};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{PartKind, SectionKind};
+use sinew_runtime::prior::Anchor;
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{
     Argument, CallError, CallErrorKind, Envelope, FileError, FileErrorKind, KernelMap, Matrix3x4,
-    Model, Skin, SkinJob, model_space_pose,
+    Model, Pin, PinJob, Pins, Prior, Skin, SkinJob, model_space_pose,
 };
 use std::cell::Cell;
 
@@ -162,9 +163,13 @@ pub fn exercise(bytes: &[u8]) -> Option<()> {
     assert!(model.sections().all(|section| section.bytes.len() == section.row.bytes as usize));
     let known = PartKind::ALL.map(PartKind::number);
     let found = model.envelopes().count() + model.skins().count() + model.kernels().count();
+    let found = found + model.priors().count();
     assert_eq!(found, model.parts().filter(|row| known.contains(&row.kind)).count());
     model.envelopes().for_each(|envelope| exercise_envelope(&envelope));
     model.kernels().for_each(|map| exercise_kernel(&map));
+    for prior in model.priors() {
+        exercise_prior(&prior, &model.skin_of(&prior).unwrap());
+    }
     for skin in model.skins() {
         let envelope = model.envelope_of(&skin);
         assert_eq!(envelope.is_some(), skin.envelope_part().is_some());
@@ -177,6 +182,29 @@ pub fn exercise(bytes: &[u8]) -> Option<()> {
         }
     }
     Some(())
+}
+
+fn exercise_prior(prior: &Prior<'_>, skin: &Skin<'_>) {
+    let n = prior.shape_len();
+    assert!((0..n).all(|s| prior.mean(s).is_some() && prior.weight_bounds(s).is_some()));
+    assert!((0..n).all(|s| prior.factor_entry(s, s).is_some_and(|x| x > 0.0)));
+    let palette = vec![IDENTITY; skin.palette_len()];
+    let mut pins = Pins::<2>::new();
+    for vertex in (0..skin.vertex_len() as u32).take(2) {
+        pins.add(Pin::new(vertex, [0.5, 1.0, -0.25])).unwrap();
+    }
+    let len = prior.counts().pin_scratch_len(pins.list().scalar_len());
+    let mut weights = vec![0.25; n];
+    let job = PinJob {
+        palette: &palette,
+        anchor: Anchor::Mean,
+        cancels: true,
+        symmetry: 1.0,
+        ..PinJob::new(*prior, *skin, pins.list())
+    };
+    let done = job.run(&mut vec![f64::NAN; len], &mut weights);
+    assert!(weights.iter().all(|w| w.is_finite()));
+    assert!(done.is_ok() || weights.iter().all(|w| *w == 0.25));
 }
 
 fn exercise_kernel(map: &KernelMap<'_>) {

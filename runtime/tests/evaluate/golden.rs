@@ -7,7 +7,7 @@
 mod bits;
 
 use bits::{Found, GOLDEN, Golden, Memory, STAGES, kernels};
-use models::{KernelContent, Pieces, TURNED_NAMES, golden_path};
+use models::{KernelContent, Pieces, SHAPED_NAMES, TURNED_NAMES, golden_path};
 use sinew_runtime::Model;
 
 fn hashes(golden: &Golden, nudge: f32) -> Found {
@@ -66,8 +66,11 @@ const WRITE: &str = "SINEW_WRITE_GOLDEN";
 fn the_golden_kernels_and_skins_are_made_as_they_were() {
     let kernels =
         [KernelContent::goldens().as_slice(), &[KernelContent::servo()]].map(Pieces::kernels);
-    let names = ["kernel-3.snw", "kernel-3-servo.snw"].into_iter().chain(TURNED_NAMES);
-    for (name, pieces) in names.zip(kernels.into_iter().chain(Pieces::turned())) {
+    let names =
+        ["kernel-4.snw", "kernel-4-servo.snw"].into_iter().chain(TURNED_NAMES).chain(SHAPED_NAMES);
+    for (name, pieces) in
+        names.zip(kernels.into_iter().chain(Pieces::turned()).chain(Pieces::shaped()))
+    {
         let made = pieces.bytes();
         if std::env::var_os(WRITE).is_some() {
             std::fs::write(golden_path(name), &made).unwrap();

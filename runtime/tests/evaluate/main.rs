@@ -13,3 +13,4 @@ mod reference;
 mod refusals;
 mod rest_mesh;
 mod scratch;
+mod shapes;

@@ -12,7 +12,8 @@ use sinew_runtime::kernel::{
     EulerOrder, InputKind, InputRow, KERNEL_SECTIONS, Kernel, KernelCounts, KernelFit, KernelRule,
     NO_TERM, Normalise, OutputKind, OutputRow, QueryRule,
 };
-use sinew_runtime::skin::{NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
+use sinew_runtime::prior::{PRIOR_SECTIONS, PriorCounts, PriorFit};
+use sinew_runtime::skin::{BLOCK, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
 
 /// Cells of the rows of the table under a heading.
 fn table<'a>(document: &'a str, heading: &str) -> Vec<Vec<&'a str>> {
@@ -40,13 +41,18 @@ fn of_envelope(formula: &str, counts: &EnvelopeCounts) -> u64 {
     })
 }
 
-fn of_skin(formula: &str, counts: &SkinCounts, palette_len: usize) -> u64 {
+fn of_skin(formula: &str, counts: &SkinCounts, palette_len: usize, element: Element) -> u64 {
     evaluate(&formula.replace("(K - 1)", "K-1"), |word| match word {
         "K-1" => Some(counts.influence_len.saturating_sub(1).into()),
         "V" => Some(counts.vertex_len.into()),
         "K" => Some(counts.influence_len.into()),
         "R" => Some(counts.range_len.into()),
         "L" => Some(palette_len as u64),
+        "S" => Some(counts.shape_len.into()),
+        "E" => Some(counts.entry_len.into()),
+        "D" => Some(counts.delta_len.into()),
+        "B" => Some(counts.vertex_len.div_ceil(BLOCK as u32).into()),
+        "w" => Some(element.bytes() as u64),
         _ => None,
     })
 }
@@ -70,6 +76,17 @@ fn of_kernel(formula: &str, counts: &KernelCounts) -> u64 {
             Some(word) => count(word).map(|len| u64::from(len.div_ceil(8))),
             None => count(word).map(u64::from),
         }
+    })
+}
+
+fn of_prior(formula: &str, counts: &PriorCounts) -> u64 {
+    let s = u64::from(counts.shape_len);
+    evaluate(formula, |word| match word {
+        "S" => Some(s),
+        "T" => Some(s * (s + 1) / 2),
+        "Y" => Some(counts.symmetry_len.into()),
+        "C" => Some(counts.cancel_len.into()),
+        _ => None,
     })
 }
 
@@ -116,15 +133,18 @@ fn the_document_lists_the_sections_of_the_code() {
     let skin = table(FORMAT, "Sections of a skin");
     let kernel = table(FORMAT, "Sections of a kernel");
     assert_eq!((envelope.len(), skin.len()), (ENVELOPE_SECTIONS.len(), SKIN_SECTIONS.len()));
-    assert_eq!(kernel.len(), KERNEL_SECTIONS.len());
+    let prior = table(FORMAT, "Sections of a prior");
+    assert_eq!((kernel.len(), prior.len()), (KERNEL_SECTIONS.len(), PRIOR_SECTIONS.len()));
     let two = envelope.iter().zip(ENVELOPE_SECTIONS).chain(skin.iter().zip(SKIN_SECTIONS));
-    for (row, kind) in two.chain(kernel.iter().zip(KERNEL_SECTIONS)) {
+    let others = kernel.iter().zip(KERNEL_SECTIONS).chain(prior.iter().zip(PRIOR_SECTIONS));
+    for (row, kind) in two.chain(others) {
         assert_eq!(row[0], kind.number().to_string());
-        assert_eq!((row[1], row[4]), (kind.name(), kind.element().name()));
+        let elements = kind.elements().iter().map(|element| element.name());
+        assert_eq!((row[1], row[4]), (kind.name(), &*elements.collect::<Vec<_>>().join(", ")));
         assert_eq!(SectionKind::from_number(kind.number()), Some(kind));
     }
     let listed = |kind: SectionKind| {
-        let all = envelope.iter().chain(&skin).chain(&kernel);
+        let all = envelope.iter().chain(&skin).chain(&kernel).chain(&prior);
         all.into_iter().any(|row| row[0] == kind.number().to_string())
     };
     assert!(SectionKind::ALL.into_iter().all(listed));
@@ -141,9 +161,12 @@ fn the_document_lists_the_sections_of_the_code() {
     }
     for (row, kind) in skin.iter().zip(SKIN_SECTIONS) {
         for envelope in [0, 7, NO_ENVELOPE] {
-            for [vertex_len, influence_len, range_len, palette_len] in
-                [[7, 2, 2, 3], [1, 1, 0, 1], [900, 4, 11, 73]]
-            {
+            for ([vertex_len, influence_len, range_len, palette_len], [s, e, d], element) in [
+                ([7, 2, 2, 3], [0, 0, 0], Element::F32),
+                ([1, 1, 0, 1], [5, 4, 4], Element::I8),
+                ([900, 4, 11, 73], [53, 400, 9000], Element::F16),
+                ([64, 4, 1, 7], [1, 1, 64], Element::F32),
+            ] {
                 let follows = envelope != NO_ENVELOPE;
                 let has = match row[3] {
                     "yes" => Some(true),
@@ -151,13 +174,18 @@ fn the_document_lists_the_sections_of_the_code() {
                     "with an envelope" => Some(follows),
                     "no, and only if K > 1" if follows && influence_len > 1 => None,
                     "no, and only if K > 1" => Some(false),
+                    "with shapes" => Some(s > 0),
+                    "no, and only with shapes" if s > 0 => None,
+                    "no, and only with shapes" => Some(false),
                     other => panic!("{other}"),
                 };
-                let counts = SkinCounts { vertex_len, influence_len, envelope, range_len };
+                let words = [vertex_len, influence_len, envelope, range_len, s, e, d];
+                let counts = SkinCounts::from_words(words);
                 assert_eq!(counts.has(kind), has, "{}", row[1]);
                 let palette_len = palette_len as usize;
-                let bytes = of_skin(row[2], &counts, palette_len);
-                assert_eq!(counts.section_bytes(kind, palette_len), Some(bytes), "{}", row[1]);
+                let bytes = of_skin(row[2], &counts, palette_len, element);
+                let found = counts.section_bytes(kind, palette_len, element);
+                assert_eq!(found, Some(bytes), "{}", row[1]);
             }
         }
     }
@@ -174,6 +202,14 @@ fn the_document_lists_the_sections_of_the_code() {
             };
             assert_eq!(counts.has(kind), has, "{}", row[1]);
             assert_eq!(counts.section_bytes(kind), Some(of_kernel(row[2], &counts)), "{}", row[1]);
+        }
+    }
+    for (row, kind) in prior.iter().zip(PRIOR_SECTIONS) {
+        assert_eq!(row[3], "yes");
+        for words in [[0, 1, 0, 0], [3, 53, 22, 2], [9, 65_535, 1, 0]] {
+            let counts = PriorCounts::from_words(words);
+            let bytes = of_prior(row[2], &counts);
+            assert_eq!(counts.section_bytes(kind), Some(bytes), "{}", row[1]);
         }
     }
 }
@@ -305,6 +341,35 @@ fn the_document_lays_the_numbers_of_a_kernel_out_as_the_code() {
 }
 
 #[test]
+fn the_document_lays_the_numbers_of_a_prior_out_as_the_code() {
+    let words: [u32; 4] = [11, 12, 13, 14];
+    let counts = PriorCounts::from_words(words);
+    assert_eq!(counts.words(), words);
+    let fields = [
+        ("skin", counts.skin.into()),
+        ("shape_len", counts.shape_len.into()),
+        ("symmetry_len", counts.symmetry_len.into()),
+        ("cancel_len", counts.cancel_len.into()),
+    ];
+    let bytes = words.map(u32::to_le_bytes);
+    assert_eq!(bytes.as_flattened().len(), PriorCounts::BYTES);
+    assert_fields("Counts of a prior", bytes.as_flattened(), &fields);
+
+    let figures = [1.0, 2.0, 3.0, 4.0];
+    let fit = PriorFit::from_figures(figures);
+    assert_eq!(fit.figures(), figures);
+    let bits = |x: f32| u64::from(x.to_bits());
+    let fields = [
+        ("beta", bits(fit.beta)),
+        ("frames", bits(fit.frames)),
+        ("error", bits(fit.error)),
+        ("slider_error", bits(fit.slider_error)),
+    ];
+    let bytes = figures.map(f32::to_le_bytes);
+    assert_fields("Fit of a prior", bytes.as_flattened(), &fields);
+}
+
+#[test]
 fn the_document_names_the_numbers_of_a_kernel() {
     let inputs = table(FORMAT, "Inputs");
     assert_eq!(inputs.len(), InputKind::ALL.len());
@@ -356,7 +421,7 @@ fn the_document_lays_counts_out_as_the_code() {
     assert_eq!(bytes.as_flattened().len(), EnvelopeCounts::BYTES);
     assert_fields("Counts of an envelope", bytes.as_flattened(), &fields);
 
-    let words: [u32; 4] = [11, 12, 13, 14];
+    let words: [u32; 7] = [11, 12, 13, 14, 15, 16, 17];
     let counts = SkinCounts::from_words(words);
     assert_eq!(counts.words(), words);
     let fields = [
@@ -364,6 +429,9 @@ fn the_document_lays_counts_out_as_the_code() {
         ("influence_len", counts.influence_len.into()),
         ("envelope", counts.envelope.into()),
         ("range_len", counts.range_len.into()),
+        ("shape_len", counts.shape_len.into()),
+        ("entry_len", counts.entry_len.into()),
+        ("delta_len", counts.delta_len.into()),
     ];
     let bytes = words.map(u32::to_le_bytes);
     assert_eq!(bytes.as_flattened().len(), SkinCounts::BYTES);

@@ -2,22 +2,25 @@
 
 use crate::common::{envelope_error, file_error, skin_error};
 use crate::edited;
-use models::{Content, Pieces, SMALL, Shape};
+use models::{Content, Pieces, SMALL, Shape, ShapeContent};
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::format::{PartRow, SectionKind};
+use sinew_runtime::format::{Element, PartRow, SectionKind};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
 
 #[test]
 fn limits_are_honoured() {
-    let bytes = Pieces::several().bytes();
+    let mut pieces = Pieces::several();
+    pieces.set_shapes(&ShapeContent::sample(Element::I8, 3, SMALL.vertices));
+    let bytes = pieces.bytes();
     let exact = Limits {
         file_bytes: bytes.len() as u32,
         parts: 5,
-        sections: 9 + 11 + 9 + 11 + 7,
+        sections: 9 + 11 + 9 + 11 + 7 + 6,
         vertices: SMALL.vertices as u32,
         joints: SMALL.joints as u32,
         proxies: SMALL.proxies as u32,
         influences: SMALL.influences as u32,
+        shapes: 3,
     };
     assert!(Model::from_bytes_with(&bytes, &exact).is_ok());
     let refused = |limits: Limits, error: FileError, most| {
@@ -32,11 +35,12 @@ fn limits_are_honoured() {
     let file_bytes = less(exact.file_bytes);
     refused(Limits { file_bytes, ..exact }, whole(0), file_bytes);
     refused(Limits { parts: 4, ..exact }, whole(1), 4);
-    refused(Limits { sections: 46, ..exact }, whole(2), 46);
+    refused(Limits { sections: 52, ..exact }, whole(2), 52);
     refused(Limits { vertices: 6, ..exact }, skin(0), 6);
     refused(Limits { joints: 3, ..exact }, envelope(1), 3);
     refused(Limits { proxies: 2, ..exact }, envelope(2), 2);
     refused(Limits { influences: 1, ..exact }, skin(1), 1);
+    refused(Limits { shapes: 2, ..exact }, skin(4), 2);
     for at in [1, 2] {
         let section = SectionKind::EnvelopeCounts;
         let empty = FileError { index: at, expected: 1, ..envelope_error(Kind::Empty, section) };

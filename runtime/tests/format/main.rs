@@ -11,6 +11,7 @@ mod kernels;
 mod limits;
 mod message;
 mod ownership;
+mod priors;
 mod sound;
 mod tables;
 

@@ -32,7 +32,7 @@ fn each_row_of_the_part_table_is_checked() {
         file.padding.push(0);
     });
     assert_eq!(error(&odd), file_error(Kind::Malformed));
-    assert_eq!(PartKind::ALL.map(PartKind::number), [1, 2, 3]);
+    assert_eq!(PartKind::ALL.map(PartKind::number), [1, 2, 3, 4, 5]);
 }
 
 #[test]
@@ -127,9 +127,12 @@ fn each_section_is_required_and_has_its_length() {
         influence_len: u32::MAX,
         envelope: 0,
         range_len: u32::MAX,
+        shape_len: u32::MAX,
+        entry_len: 0,
+        delta_len: u32::MAX,
     };
-    assert_eq!(huge.section_bytes(SectionKind::InfluenceWeights, 1), None);
-    assert_eq!(huge.section_bytes(SectionKind::Names, 1), Some(1 << 34));
+    assert_eq!(huge.section_bytes(SectionKind::InfluenceWeights, 1, Element::F32), None);
+    assert_eq!(huge.section_bytes(SectionKind::Names, 1, Element::F32), Some(1 << 34));
 }
 
 fn section_of(predictor: Predictor, part: u16, section: SectionKind) {
@@ -186,7 +189,7 @@ fn section_of(predictor: Predictor, part: u16, section: SectionKind) {
         let stated = match (part, section) {
             (_, SectionKind::Corrections) => Some(found as u64),
             (0, _) => envelope.section_bytes(section),
-            _ => skin.section_bytes(section, envelope.palette_len()),
+            _ => skin.section_bytes(section, envelope.palette_len(), Element::F32),
         };
         let (expected, found) = (stated.unwrap() as u32, found.wrapping_add_signed(change) as u32);
         assert_eq!(refused, Err(FileError { expected, found, ..error(Kind::Length) }));

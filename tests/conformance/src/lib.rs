@@ -11,6 +11,7 @@ pub mod kernels;
 pub mod matrix;
 pub mod models;
 pub mod poses;
+pub mod shapes;
 pub mod stages;
 pub mod subject;
 pub mod tolerance;

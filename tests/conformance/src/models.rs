@@ -11,7 +11,7 @@ use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::format::SectionKind;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::model::{
-    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, SkinModel,
+    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, Shapes, SkinModel,
 };
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -162,6 +162,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
         tangent_coefficients: None,
         normal_errors: None,
         ranges: Vec::new(),
+        shapes: Shapes::default(),
     };
     let envelope = EnvelopeModel {
         name: "random".to_owned(),

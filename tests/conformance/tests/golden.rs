@@ -12,7 +12,7 @@ use sinew_runtime::format::{ALIGNMENT, Axis, Handedness, Space};
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
 use sinew_trainer::envelope::model::{
-    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, SkinModel,
+    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, Shapes, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::files;
@@ -116,6 +116,7 @@ fn file_model(predictor: Predictor) -> FileModel {
         tangent_coefficients: None,
         normal_errors: None,
         ranges: vec![("body".to_owned(), 0..20), ("eyes".to_owned(), 20..24)],
+        shapes: Shapes::default(),
     };
     let envelope = EnvelopeModel {
         name: "golden".to_owned(),
@@ -141,11 +142,11 @@ fn file_model(predictor: Predictor) -> FileModel {
         handedness: Handedness::Right,
         unit: Some(1.0),
     };
-    FileModel { space, envelopes: vec![envelope], skins: vec![skin] }
+    FileModel { space, envelopes: vec![envelope], skins: vec![skin], ..FileModel::default() }
 }
 
 fn golden_path(predictor: Predictor) -> PathBuf {
-    let name = format!("../golden/envelope-3-{}.snw", predictor.name());
+    let name = format!("../golden/envelope-4-{}.snw", predictor.name());
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 

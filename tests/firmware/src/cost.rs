@@ -35,7 +35,7 @@ pub fn servo() -> bool {
 
 #[cfg(feature = "kernel")]
 fn servo_kernel(memory: &mut Memory) -> Option<()> {
-    let file = black_box(&include_bytes!("../../golden/kernel-3-servo.snw")[..]);
+    let file = black_box(&include_bytes!("../../golden/kernel-4-servo.snw")[..]);
     let mut loaded = None;
     let load_stack = stack_of(&mut || loaded = Model::from_bytes(file).ok());
     let loading = instructions_of(|| loaded = Model::from_bytes(file).ok());

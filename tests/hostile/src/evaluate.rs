@@ -2,6 +2,7 @@
 
 use crate::kernels::{evaluate_kernel, read_kernel};
 use crate::poses::pose;
+use crate::priors::{evaluate_prior, read_prior};
 use sinew_runtime::envelope::{Predictor, ScratchLayout};
 use sinew_runtime::skin::{Bounds, Output, Rest, cells};
 use sinew_runtime::{CallError, Envelope, Limits, Matrix3x4, Model, Skin, SkinJob};
@@ -27,9 +28,16 @@ pub fn read<B: AsRef<[u8]>>(model: &Model<B>) {
         read_skin(&skin, model.as_bytes());
     }
     model.kernels().for_each(|map| read_kernel(&map, model.as_bytes()));
+    for prior in model.priors() {
+        let skin = model.skin_of(&prior).map(|skin| skin.shape_len());
+        assert_eq!(skin, Some(prior.shape_len()));
+        read_prior(&prior, model.as_bytes());
+    }
     let part = |envelope: Envelope<'_>| envelope.part();
     assert_eq!(model.envelope().map(part), model.envelopes().next().map(part));
 }
+
+const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 fn read_envelope(envelope: &Envelope<'_>, file: &[u8], is_followed: bool) {
     let (joint_len, palette_len) = (envelope.joint_len(), envelope.palette_len());
@@ -78,7 +86,7 @@ fn read_skin(skin: &Skin<'_>, file: &[u8]) {
 }
 
 /// Evaluates every envelope of a model over poses within its certificate's ranges, by the numbers of
-/// [`pose`], every skin, and every kernel over queries of as many kinds.
+/// [`pose`], every skin, every kernel over queries and every prior over pins of as many kinds.
 ///
 /// # Panics
 /// Where a call is refused, a result is not finite, a confidence is outside 0 and 1, or a vertex
@@ -91,6 +99,10 @@ pub fn evaluate<B: AsRef<[u8]>>(model: &Model<B>, numbers: Range<usize>) {
     }
     for skin in model.skins().filter(|skin| skin.envelope_part().is_none()) {
         evaluate_skin(&skin, &[], "at rest");
+    }
+    for (prior, skin) in model.priors().filter_map(|prior| Some((prior, model.skin_of(&prior)?))) {
+        let palette = vec![IDENTITY; skin.palette_len()];
+        numbers.clone().for_each(|number| evaluate_prior(&prior, &skin, &palette, number));
     }
     for map in model.kernels() {
         numbers.clone().for_each(|number| evaluate_kernel(&map, number));

@@ -17,8 +17,8 @@ pub fn files() -> &'static [Vec<u8>] {
     &FILES
 }
 
-/// Makes a file of two envelopes, three skins and two kernels: those of a rotational and of a kernel model,
-/// a skin that follows nothing, a kernel with everything that there is and one with little.
+/// Makes a file of two envelopes, four skins, two kernels and a prior: those of a rotational and of a kernel model,
+/// a skin that follows nothing, a kernel with everything that there is and one with little, a face.
 fn several() -> Result<Vec<u8>, FileError> {
     let [rotational, kernel, hybrid] = GOLDEN.map(Pieces::of);
     let (mut out, mut loose) = (rotational?, hybrid?);
@@ -28,5 +28,6 @@ fn several() -> Result<Vec<u8>, FileError> {
     out.append(loose);
     let small = KernelContent::plain(Kernel::ThinPlate, [2, 3, 1]);
     out.append(Pieces::kernels(&[KernelContent::every(Kernel::Wendland { l: 3 }), small]));
+    out.append(Pieces::face());
     Ok(out.bytes())
 }

@@ -9,6 +9,7 @@ mod files;
 mod kernels;
 pub mod mutants;
 pub mod poses;
+mod priors;
 pub mod recipe;
 pub mod round_trip;
 pub mod targets;

@@ -10,7 +10,7 @@ use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Spa
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
 use sinew_trainer::envelope::model::{
-    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, SkinModel,
+    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, Shapes, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::kernel::map::{Fade, KernelMap};
@@ -49,7 +49,7 @@ fn file_model(u: &mut Unstructured<'_>) -> Result<FileModel> {
     let envelopes = list(envelope_len, || envelope(u))?;
     let skin_len = u.int_in_range(usize::from(envelope_len == 0)..=3)?;
     let skins = list(skin_len, || skin(&envelopes, u))?;
-    Ok(FileModel { space: space(u)?, envelopes, skins })
+    Ok(FileModel { space: space(u)?, envelopes, skins, ..FileModel::default() })
 }
 
 fn space(u: &mut Unstructured<'_>) -> Result<Space> {
@@ -139,6 +139,7 @@ fn skin(envelopes: &[EnvelopeModel], u: &mut Unstructured<'_>) -> Result<SkinMod
         tangent_coefficients: None,
         normal_errors: None,
         ranges,
+        shapes: Shapes::default(),
     })
 }
 

@@ -12,10 +12,12 @@ pub mod head;
 mod kernels;
 mod message;
 mod pieces;
+mod priors;
 #[path = "../../golden/rng.rs"]
 mod rng;
 mod sample;
 mod shape;
+mod shapes;
 
 pub use bytes::{
     blocks, floats, group_row, halves, input_row, kernel_rule, names, output_row, part_row,
@@ -26,6 +28,8 @@ pub use groups::{GroupContent, sample_groups};
 pub use kernels::{KernelContent, VarianceContent};
 pub use message::{Message, seal};
 pub use pieces::{Content, Pieces};
+pub use priors::PriorContent;
 pub use rng::Rng;
 pub use sample::direction;
 pub use shape::{SMALL, Shape};
+pub use shapes::{SHAPED_NAMES, ShapeContent};

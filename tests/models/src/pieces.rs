@@ -38,7 +38,7 @@ pub struct Content {
 impl Content {
     /// Makes a section that a reader must know.
     pub fn new(kind: SectionKind, part: u16, bytes: Vec<u8>) -> Self {
-        let element = kind.element().number();
+        let element = kind.elements()[0].number();
         Self { kind: kind.number(), part, element, flags: 1, reserved: 0, bytes }
     }
 
@@ -118,7 +118,7 @@ impl Pieces {
         self.section(kind)[2 * index..][..2].copy_from_slice(&value.to_le_bytes());
     }
 
-    /// Appends the parts of another file; what its skins follow goes with them.
+    /// Appends the parts of another file; what its skins follow and its priors are of goes with them.
     pub fn append(&mut self, other: Self) {
         let first = self.parts.len() as u16;
         self.parts.extend(other.parts);
@@ -129,6 +129,11 @@ impl Pieces {
                 && u32::from_le_bytes(*envelope) != NO_ENVELOPE
             {
                 *envelope = (u32::from_le_bytes(*envelope) + u32::from(first)).to_le_bytes();
+            }
+            if content.kind == SectionKind::PriorCounts.number()
+                && let Some(skin) = content.bytes.as_chunks_mut().0.first_mut()
+            {
+                *skin = (u32::from_le_bytes(*skin) + u32::from(first)).to_le_bytes();
             }
             self.sections.push(content);
         }

@@ -25,7 +25,9 @@ impl Pieces {
         let skin = skin(shape, palette_len, &mut rng);
         let envelope = envelope(predictor, shape, &mut rng);
         let written = envelope.iter().chain(&skin).map(|(kind, _)| *kind);
-        assert!(written.eq(ENVELOPE_SECTIONS.into_iter().chain(SKIN_SECTIONS)));
+        // Those of shapes come last: see [`Pieces::set_shapes`].
+        let of_skin = SKIN_SECTIONS.into_iter().take(skin.len());
+        assert!(written.eq(ENVELOPE_SECTIONS.into_iter().chain(of_skin)));
         let envelope = envelope.into_iter().filter(|(kind, _)| has(predictor, *kind));
         let skin = skin.into_iter().filter(|(kind, _)| match kind {
             SectionKind::RestTangents => shape.tangents,
@@ -163,8 +165,8 @@ fn skin(shape: Shape, palette_len: usize, rng: &mut Rng) -> Vec<Written> {
         }
     }
     vec![
-        // V, K, the envelope, R.
-        (SectionKind::SkinCounts, words(&[end, k as u32, 0, 2])),
+        // V, K, the envelope, R, and no shapes.
+        (SectionKind::SkinCounts, words(&[end, k as u32, 0, 2, 0, 0, 0])),
         (SectionKind::Names, names("sleeve", &["upper".into(), "lower".into()])),
         (SectionKind::RestPositions, floats(&positions)),
         (SectionKind::RestNormals, floats(normals.as_flattened())),

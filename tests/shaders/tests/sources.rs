@@ -4,7 +4,9 @@ use naga::front::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use shaders::{compile, folder, sources};
-use sinew_gpu::layout::{Batch, DeviceLimits, KernelBatch, Plan, Resource, Stage, WORKGROUP};
+use sinew_gpu::layout::{
+    Batch, DeviceLimits, KernelBatch, Plan, Resource, ShapesBatch, Stage, WORKGROUP,
+};
 use sinew_runtime::Model;
 use std::collections::BTreeSet;
 use std::fs;
@@ -35,16 +37,16 @@ fn the_committed_spirv_is_what_the_glsl_gives() {
 fn a_changed_source_gives_other_bytes() {
     let copy = std::env::temp_dir().join(format!("sinew-shaders-{}", std::process::id()));
     fs::create_dir_all(&copy).unwrap();
-    for file in ["skin.comp", "params.glsl", "blob.glsl"] {
+    for file in ["skin.comp", "params.glsl", "blob.glsl", "frame.glsl"] {
         fs::copy(folder().join(file), copy.join(file)).unwrap();
     }
-    let changed = copy.join("skin.comp");
+    let (shader, changed) = (copy.join("skin.comp"), copy.join("frame.glsl"));
     let source = fs::read_to_string(&changed).unwrap();
-    let same = compile(&changed).unwrap();
+    let same = compile(&shader).unwrap();
     fs::write(&changed, source.replace("1.0 / sqrt", "2.0 / sqrt")).unwrap();
-    let other = compile(&changed).unwrap();
+    let other = compile(&shader).unwrap();
     fs::write(&changed, source.replace("1.0 / sqrt", "1.0 / / sqrt")).unwrap();
-    let wrong = compile(&changed);
+    let wrong = compile(&shader);
     fs::remove_dir_all(&copy).unwrap();
     assert_eq!(same, Stage::Skin.spirv());
     assert_ne!(other, Stage::Skin.spirv());
@@ -116,16 +118,22 @@ fn golden(name: &str) -> Model<Vec<u8>> {
 #[test]
 fn the_uniform_block_is_what_the_layout_writes() {
     const LIMITS: &DeviceLimits = &DeviceLimits::DOWNLEVEL;
-    let [of_envelope, of_kernel] = ["envelope-3-hybrid.snw", "kernel-3.snw"].map(golden);
+    let [of_envelope, of_kernel] = ["envelope-4-hybrid.snw", "kernel-4.snw"].map(golden);
     let (envelope, skin) = (of_envelope.envelope().unwrap(), of_envelope.skin().unwrap());
     let batch = Batch::skinned(&envelope, &skin, 1);
     let envelope = Plan::new(&of_envelope, &envelope, &batch, LIMITS).unwrap();
     let kernel = of_kernel.kernel().unwrap();
     let batch = KernelBatch::new(&kernel, 1);
     let kernel = Plan::of_kernel(&of_kernel, &kernel, &batch, LIMITS).unwrap();
-    for (plan, file) in [(envelope, "params.glsl"), (kernel, "kernel_params.glsl")] {
-        let of_kernel = plan.stages().eq([Stage::Kernel]);
-        let is_own = |stage: Stage| (stage == Stage::Kernel) == of_kernel;
+    let of_skin = golden("shapes-4-f32.snw");
+    let skin = of_skin.skin().unwrap();
+    let shapes = Plan::of_shapes(&of_skin, &skin, &ShapesBatch::new(&skin, 1), LIMITS).unwrap();
+    let plans =
+        [(envelope, "params.glsl"), (kernel, "kernel_params.glsl"), (shapes, "shapes_params.glsl")];
+    for (plan, file) in plans {
+        // A kernel, and shapes, have a block of their own.
+        let alone = [Stage::Kernel, Stage::Shapes].map(|stage| plan.stages().eq([stage]));
+        let is_own = |stage: Stage| [Stage::Kernel, Stage::Shapes].map(|own| own == stage) == alone;
         let chunk = &plan.chunks()[0];
         let written: Vec<_> = chunk.params().iter().map(|(name, _)| *name).collect();
         let bytes = chunk.span(Resource::Params).unwrap().bytes;

@@ -4,8 +4,8 @@ use super::error::BakeError;
 use super::sections::{Sections, narrow};
 use sinew_runtime::Model;
 use sinew_runtime::format::{
-    ALIGNMENT, CHECKSUM_OFFSET, FEATURES, File, MAGIC, PartKind, PartRow, SectionRow, Space,
-    VERSION, checksum,
+    ALIGNMENT, CHECKSUM_OFFSET, Element, FEATURES, File, MAGIC, PartKind, PartRow, SectionKind,
+    SectionRow, Space, VERSION, checksum,
 };
 
 /// A part of a file, written.
@@ -14,6 +14,8 @@ pub struct Part {
     pub kind: PartKind,
     /// Its sections, in the order of its kind.
     pub sections: Sections,
+    /// What those are arrays of whose kind leaves a choice.
+    pub element: Element,
 }
 
 /// Writes a file of parts and loads it once, so that what is returned is known to load.
@@ -31,14 +33,14 @@ pub fn bake(space: Space, parts: &[Part]) -> Result<Vec<u8>, BakeError> {
 /// Lays sections out in a blob, writes the message, and seals it with its checksum.
 fn assemble(space: Space, parts: &[Part]) -> Result<Vec<u8>, BakeError> {
     let (mut part_rows, mut rows, mut blob) = (Vec::new(), Vec::new(), Vec::new());
-    for (part, Part { kind, sections }) in parts.iter().enumerate() {
+    for (part, Part { kind, sections, element }) in parts.iter().enumerate() {
         part_rows.extend(PartRow::new(*kind).to_bytes());
         for (kind, required, content) in sections {
             blob.resize(blob.len().next_multiple_of(ALIGNMENT), 0);
             let row = SectionRow {
                 kind: kind.number(),
                 part: narrow("parts", part)?,
-                element: kind.element().number(),
+                element: chosen(*kind, *element).number(),
                 flags: u8::from(*required),
                 reserved: 0,
                 offset: narrow("blob bytes", blob.len())?,
@@ -73,6 +75,12 @@ fn assemble(space: Space, parts: &[Part]) -> Result<Vec<u8>, BakeError> {
         field.copy_from_slice(&sum);
     }
     Ok(bytes)
+}
+
+/// Returns the type of a section's elements: the part's, or the one that its kind has.
+fn chosen(kind: SectionKind, of_part: Element) -> Element {
+    let elements = kind.elements();
+    if elements.contains(&of_part) { of_part } else { elements.first().copied().unwrap_or(of_part) }
 }
 
 fn serialize(value: &impl serde::Serialize) -> Vec<u8> {

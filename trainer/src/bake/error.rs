@@ -43,6 +43,9 @@ pub enum BakeError {
         /// Their sum.
         sum: f64,
     },
+    /// The covariance of a prior has no inverse.
+    #[error("the covariance of the weights has no inverse")]
+    Covariance,
     /// A skin names an envelope that is not there.
     #[error("skin {skin} follows envelope {envelope}, of {found}")]
     NoEnvelope {

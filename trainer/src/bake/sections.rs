@@ -42,11 +42,13 @@ pub(crate) fn floats(values: &[f64]) -> Vec<u8> {
 
 /// Writes numbers in half precision, those too small for a normal one as 0.
 pub(crate) fn halves(values: impl IntoIterator<Item = f64>) -> Vec<u8> {
-    let rounded = |x: f64| {
-        let half = f16::from_f64_const(x);
-        if half.is_normal() || half.is_infinite() || half.is_nan() { half } else { f16::ZERO }
-    };
-    values.into_iter().flat_map(|x| rounded(x).to_le_bytes()).collect()
+    values.into_iter().flat_map(|x| half(x).to_le_bytes()).collect()
+}
+
+/// Rounds a number to half precision, one too small for a normal one to 0.
+pub(crate) fn half(x: f64) -> f16 {
+    let half = f16::from_f64_const(x);
+    if half.is_normal() || half.is_infinite() || half.is_nan() { half } else { f16::ZERO }
 }
 
 pub(crate) fn check_len(

@@ -1,7 +1,7 @@
 //! `sinew inspect`: what a model file holds.
 
 use super::described::Described;
-use super::{Output, envelope, input, kernel, printable, space};
+use super::{Output, envelope, face, input, kernel, printable, space};
 use anyhow::Context;
 use serde_json::{Value, json};
 use sinew_runtime::format::{Element, PartKind, PartRow, SectionKind};
@@ -9,11 +9,11 @@ use sinew_runtime::{Model, Section};
 use std::path::PathBuf;
 
 /// Shows what MODEL holds: its parts (envelopes predict palettes, skins are meshes that follow them,
-/// kernels are functions of scattered data), the axes and the unit of its numbers, and its bytes by
+/// kernels are functions of scattered data, priors say how a face's shapes go together), the axes and the unit of its numbers, and its bytes by
 /// section.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// A model that `sinew train` wrote, or `sinew kernel train`
+    /// A model that `sinew train` wrote, `sinew kernel train` or `sinew face train`
     model: PathBuf,
 }
 
@@ -22,6 +22,7 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let model = Model::from_bytes(bytes).with_context(|| arguments.model.display().to_string())?;
     let mut described = envelope::describe(&model);
     described.extend(kernel::describe(&model));
+    described.extend(face::describe(&model));
     let len = model.as_bytes().len();
     let mut text = format!("{}: {len} bytes\n", arguments.model.display());
     text += &format!("space: {}\n", space::describe(&model.space()));
@@ -99,6 +100,7 @@ fn as_json(model: &Model<Vec<u8>>, described: &[Described]) -> Value {
         "envelopes": of(PartKind::Envelope),
         "skins": of(PartKind::Skin),
         "kernels": of(PartKind::Kernel),
+        "priors": of(PartKind::Prior),
         "sections": sections,
         "other_bytes": around(model),
     })

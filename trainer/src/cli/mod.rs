@@ -4,6 +4,7 @@ mod bars;
 mod command;
 mod described;
 mod envelope;
+mod face;
 mod files;
 mod input;
 mod inspect;

@@ -3,7 +3,7 @@
 use super::correction::rounding;
 use super::evaluate::largest;
 use super::levels;
-use super::model::{EnvelopeModel, FileModel, Group, Reconstruction, SkinModel};
+use super::model::{EnvelopeModel, FileModel, Group, Reconstruction, Shapes, SkinModel};
 use crate::envelope::skin::blend::Weights;
 use crate::envelope::skin::stacked::{self, map_of};
 use crate::envelope::skin::training::Training;
@@ -99,6 +99,7 @@ impl Fitted {
             tangent_coefficients: None,
             normal_errors: None,
             ranges: examples.ranges.iter().map(of_engine).collect(),
+            shapes: Shapes::default(),
         };
         let groups = &self.envelope.groups;
         let length = |share: f32| (training.unit * f64::from(share)) as f32;
@@ -109,7 +110,12 @@ impl Fitted {
             lbs_training_rms: length(certificate.lbs_training_rms),
             correction_error: rounding::farthest(groups, training, &envelope, &skin) as f32,
         };
-        FileModel { space: examples.space, envelopes: vec![envelope], skins: vec![skin] }
+        FileModel {
+            space: examples.space,
+            envelopes: vec![envelope],
+            skins: vec![skin],
+            ..FileModel::default()
+        }
     }
 }
 

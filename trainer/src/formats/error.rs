@@ -1,5 +1,6 @@
 //! What can be wrong with a file, whatever its format.
 
+use super::csv::CsvError;
 use super::npz::ArrayError;
 use super::obj::ObjError;
 use super::posed_meshes::{PointCacheError, SequenceError};
@@ -45,7 +46,10 @@ pub enum FormatError {
     /// Meshes do not follow one another.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
-    /// The file is no OBJ.
+    /// The file is no OBJ, or a folder of them is not a face.
     #[error(transparent)]
     Obj(#[from] ObjError),
+    /// The file is no table of numbers.
+    #[error(transparent)]
+    Csv(#[from] CsvError),
 }

@@ -15,6 +15,7 @@
 //! 5. Its ending in the help of `sinew train` (`cli/input.rs`) and in the README.
 
 pub mod appearance;
+pub(crate) mod csv;
 mod error;
 pub(crate) mod extension;
 pub(crate) mod fbx;
@@ -26,14 +27,18 @@ pub mod obj;
 mod polygons;
 pub(crate) mod posed_meshes;
 pub(crate) mod scene;
+mod shaped;
 #[cfg(test)]
 pub(crate) mod testing;
 mod warning;
 
+pub use csv::CsvError;
 pub use error::{FileError, FormatError};
+pub use gltf::write::GlbError;
 pub use mesh::Mesh;
 pub use npz::ArrayError;
 pub use posed_meshes::pc2::save_pc2;
 pub use posed_meshes::{PointCacheError, SequenceError};
 pub use scene::SceneError;
+pub use shaped::{NamedShape, ShapedMesh};
 pub use warning::FormatWarning;

@@ -15,6 +15,16 @@ pub enum FormatWarning {
         /// The meshes.
         meshes: Vec<String>,
     },
+    /// Meshes without shapes stand beside meshes that have some, and are left out.
+    UnshapedMeshes {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+    /// Channels with shapes between, of which only the last is taken.
+    ShapesBetween {
+        /// The channels.
+        channels: Vec<String>,
+    },
     /// Clips that move no joint and no shape of the mesh are left out.
     IdleClips {
         /// The clips.
@@ -39,6 +49,16 @@ impl fmt::Display for FormatWarning {
             }
             FormatWarning::UnskinnedMeshes { meshes } => {
                 write!(f, "meshes without a skin are left out: {}", meshes.join(", "))
+            }
+            FormatWarning::UnshapedMeshes { meshes } => {
+                write!(f, "meshes without shapes are left out: {}", meshes.join(", "))
+            }
+            FormatWarning::ShapesBetween { channels } => {
+                write!(
+                    f,
+                    "shapes between are left out, the last of each channel is taken: {}",
+                    channels.join(", ")
+                )
             }
             FormatWarning::IdleClips { clips } => {
                 write!(

@@ -5,7 +5,7 @@ use super::rotations::Feature;
 use super::sum::Term;
 use crate::bake::sections::{blocks, floats, names, narrow, words};
 use crate::bake::{BakeError, Part, Sections};
-use sinew_runtime::format::{PartKind, SectionKind};
+use sinew_runtime::format::{Element, PartKind, SectionKind};
 use sinew_runtime::kernel::{
     InputKind as FileInput, InputRow, KernelCounts, KernelFit, KernelRule, NO_TERM,
     OutputKind as FileOutput, OutputRow,
@@ -58,7 +58,7 @@ pub fn part(model: &KernelModel) -> Result<Part, BakeError> {
         reciprocal_condition: model.fit.rcond as f32,
     };
     sections.push((SectionKind::KernelFit, true, floats(&fit.figures().map(f64::from))));
-    Ok(Part { kind: PartKind::Kernel, sections })
+    Ok(Part { kind: PartKind::Kernel, sections, element: Element::F32 })
 }
 
 fn rule(model: &KernelModel) -> KernelRule {

@@ -6,9 +6,9 @@
 //! each set of them, and meets no example that it has not seen so.
 
 use super::deformation::{centred, norm};
-use super::fit::{FitError, FittedMap, given, names_of};
-use super::set::{Values, View};
-use crate::kernel::model::features;
+use super::fit::{FitError, MapOutputs, given, names_of};
+use super::set::Values;
+use crate::kernel::model::{InputKind, KernelModel, features};
 use nalgebra::{DMatrix, DVector};
 
 /// Steps at most.
@@ -34,28 +34,57 @@ pub struct Found {
 /// Finds the parameters at which a map gives points, apart from where they are and how large.
 ///
 /// - `points`: K of them, none where a point is not seen.
-/// - `start`: parameters to begin with, as those of the frame before; none takes the example nearest in shape.
+/// - `starts`: parameters to begin with, of which the nearest in shape is taken: the examples', those of the frame
+///   before, or [`starts`].
 ///
 /// # Errors
 /// [`FitError`] of the examples' values.
 pub fn find(
-    map: &FittedMap,
-    views: &[View],
+    model: &KernelModel,
+    outputs: MapOutputs,
     points: &[Option<[f64; 2]>],
-    start: Option<&Values>,
+    starts: &[Values],
 ) -> Result<Found, FitError> {
     let seen: Vec<usize> = (0..points.len()).filter(|&k| points[k].is_some()).collect();
     let target: Vec<[f64; 2]> = points.iter().copied().flatten().collect();
-    let problem = Problem { map, seen: &seen, target: &target };
-    let start = match start {
-        Some(values) => values.clone(),
-        None => problem.nearest(views)?,
-    };
-    problem.solve(given(&map.model.inputs, &start)?)
+    let problem = Problem { model, outputs, seen: &seen, target: &target };
+    let start = problem.nearest(starts)?;
+    problem.solve(given(&model.inputs, &start)?)
+}
+
+/// Lists parameters all over what a map was learned from, to begin with where nothing is known: the ends and the middle
+/// of numbers, angles all round where there is one, else where faces look.
+pub fn starts(model: &KernelModel) -> Vec<Values> {
+    let mut out = vec![Values::new()];
+    let mut feature = 0;
+    for input in &model.inputs {
+        let [low, high] = model.ranges[feature];
+        feature += input.kind.feature_len();
+        let own: Vec<&str> =
+            input.name.splitn(input.kind.given_len(), ',').filter(|name| !name.is_empty()).collect();
+        let places: Vec<f64> = match (input.kind, own.len()) {
+            (InputKind::Rotation { .. }, 1) => (0..12).map(|step| 30.0 * f64::from(step)).collect(),
+            (InputKind::Rotation { .. }, _) => vec![-40.0, -15.0, 0.0, 15.0, 40.0],
+            _ => vec![low, 0.5 * (low + high), high],
+        };
+        for name in own {
+            let with = |values: &Values| {
+                let values = values.clone();
+                places.iter().map(move |place| {
+                    let mut values = values.clone();
+                    values.insert(name.to_owned(), *place);
+                    values
+                })
+            };
+            out = out.iter().flat_map(with).collect();
+        }
+    }
+    out
 }
 
 struct Problem<'a> {
-    map: &'a FittedMap,
+    model: &'a KernelModel,
+    outputs: MapOutputs,
     /// Numbers of the points that are given.
     seen: &'a [usize],
     /// Where they are.
@@ -70,8 +99,8 @@ struct Guess {
 }
 
 impl Problem<'_> {
-    /// Returns the parameters of the example whose shape is nearest.
-    fn nearest(&self, views: &[View]) -> Result<Values, FitError> {
+    /// Returns the parameters whose shape is nearest.
+    fn nearest(&self, starts: &[Values]) -> Result<Values, FitError> {
         let shape = |points: &[[f64; 2]]| {
             let own = centred(points).0;
             let size = norm(&own).max(f64::MIN_POSITIVE);
@@ -79,13 +108,13 @@ impl Problem<'_> {
         };
         let own = shape(self.target);
         let mut best = (f64::INFINITY, None);
-        for view in views {
-            let points = self.map.shown(&view.values)?.points;
+        for values in starts {
+            let points = self.outputs.evaluate(self.model, values)?.points;
             let other = shape(&self.seen.iter().map(|&k| points[k]).collect::<Vec<_>>());
             let apart = own.as_flattened().iter().zip(other.as_flattened());
             let squares = apart.map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
             if squares < best.0 {
-                best = (squares, Some(&view.values));
+                best = (squares, Some(values));
             }
         }
         Ok(best.1.cloned().unwrap_or_default())
@@ -127,7 +156,7 @@ impl Problem<'_> {
                 break;
             }
         }
-        let inputs = &self.map.model.inputs;
+        let inputs = &self.model.inputs;
         let names = names_of(inputs).into_iter().map(str::to_owned);
         let values = names.zip(free.iter().map(|&at| guess.given[at])).collect();
         let rms = (residuals.norm_squared() / self.target.len().max(1) as f64).sqrt();
@@ -136,7 +165,7 @@ impl Problem<'_> {
 
     /// Lists the numbers of what is given that have a name, in the order of their names.
     fn free(&self) -> Vec<usize> {
-        let inputs = &self.map.model.inputs;
+        let inputs = &self.model.inputs;
         let parts = inputs.iter().flat_map(|input| {
             let len = input.kind.given_len();
             input.name.splitn(len, ',').map(|name| !name.is_empty()).collect::<Vec<_>>()
@@ -146,9 +175,9 @@ impl Problem<'_> {
 
     /// Evaluates the points that are seen.
     fn points(&self, given: &[f64]) -> Result<Vec<[f64; 2]>, FitError> {
-        let evaluated = self.map.model.evaluate(given);
-        let evaluated = evaluated.map_err(|error| FitError::Site { view: 0, error })?;
-        let shown = self.map.outputs.shown(&evaluated.numbers);
+        let evaluated = self.model.evaluate(given);
+        let evaluated = evaluated.map_err(FitError::Given)?;
+        let shown = self.outputs.shown(&evaluated.numbers);
         Ok(self.seen.iter().map(|&k| shown.points[k]).collect())
     }
 
@@ -162,9 +191,9 @@ impl Problem<'_> {
 
     /// Returns the derivatives of what is taken off the target: by parameters, by scale and by shift.
     fn jacobian(&self, guess: &Guess, free: &[usize]) -> Result<DMatrix<f64>, FitError> {
-        let model = &self.map.model;
+        let model = self.model;
         let at = |given: &[f64]| {
-            features(&model.inputs, given).map_err(|error| FitError::Site { view: 0, error })
+            features(&model.inputs, given).map_err(FitError::Given)
         };
         let by_features = model.sum.jacobian(&at(&guess.given)?);
         let target = self.target.as_flattened();

@@ -4,6 +4,7 @@
 mod check;
 mod common;
 mod export;
+mod face;
 mod import;
 mod kernel;
 mod outputs;

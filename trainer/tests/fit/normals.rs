@@ -8,7 +8,7 @@ use sinew_runtime::format::Space;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Frames, evaluate};
 use sinew_trainer::envelope::levels::Level;
-use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, SkinModel};
+use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Shapes, SkinModel};
 use sinew_trainer::envelope::normals::{Fan, PosedSurface};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{FileSkins, Options, Predict, train};
@@ -48,6 +48,7 @@ fn skin(
         tangent_coefficients: None,
         normal_errors: None,
         ranges: Vec::new(),
+        shapes: Shapes::default(),
     }
 }
 
@@ -317,6 +318,7 @@ fn without_coefficients(model: &[u8], skin: &str) -> Vec<u8> {
         space: loaded.space(),
         envelopes: loaded.envelopes().map(|e| EnvelopeModel::from_file(&e)).collect(),
         skins: skins.collect(),
+        ..FileModel::default()
     };
     model.bake().unwrap()
 }

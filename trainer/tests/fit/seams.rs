@@ -194,7 +194,7 @@ fn a_box_keeps_its_hard_edges_in_every_pose() {
     assert_eq!(engine.copy_of.len(), examples.vertex_len() + 2 * 8 + edges);
     let bytes = model(&examples);
     let character = Character::open(&bytes, None, &examples).unwrap();
-    let truth = TrueNormals::new(&examples);
+    let truth = TrueNormals::new(examples.surface());
     for frame in examples.frames_of(Split::HeldOut) {
         let at = |v: usize| Vector3::from(examples.frame(frame)[v]);
         // The faces of each copy, found by its own triangles.
@@ -204,7 +204,7 @@ fn a_box_keeps_its_hard_edges_in_every_pose() {
             corners.iter().for_each(|&corner| expected[corner] += (b - a).cross(&(c - a)));
         }
         let skinned = skin(&character, &examples, frame).unwrap();
-        for (copy, truth) in truth.posed(frame).into_iter().enumerate() {
+        for (copy, truth) in truth.posed(examples.frame(frame)).into_iter().enumerate() {
             assert!((Vector3::from(truth) - expected[copy].normalize()).norm() < 1e-9);
             let found = skinned.vertex(copy).1;
             let off = degrees(&found, &expected[copy]);

@@ -78,12 +78,13 @@ fn points_alone_tell_their_parameters() {
     let Some(set) = head() else { return };
     let views = &set.maps[0].train;
     let map = fit(&set.maps[0], &[], FitOptions::default()).unwrap();
+    let starts: Vec<_> = views.iter().map(|view| view.values.clone()).collect();
     let (mut angle, mut weight, mut off) = (0.0f64, 0.0f64, 0.0f64);
     for view in views {
         // Elsewhere and in another size, and only what is seen.
         let moved = |k: usize| view.points[k].map(|[x, y]| [0.7 * x + 31.0, 0.7 * y - 12.0]);
         let points: Vec<_> = (0..158).map(|k| moved(k).filter(|_| view.visible[k])).collect();
-        let found = find(&map, views, &points, None).unwrap();
+        let found = find(&map.model, map.outputs, &points, &starts).unwrap();
         for (name, value) in &view.values {
             let apart = (found.values[name] - value).abs();
             let is_angle = name == "yaw" || name == "pitch";

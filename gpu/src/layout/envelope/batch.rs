@@ -1,6 +1,7 @@
 //! A batch of instances of one model, as the host describes it.
 
 use crate::layout::array::Array;
+use crate::layout::attribute::Attribute;
 use sinew_runtime::skin::SkinLayout;
 use sinew_runtime::{Envelope, Skin};
 use std::ops::Range;
@@ -56,25 +57,6 @@ pub struct Rest {
     pub normals: Option<Array>,
     /// V tangents of 4 floats: length 1, and the handedness.
     pub tangents: Option<Array>,
-}
-
-/// Where an attribute is written in [`crate::layout::Resource::Out`]: vertex i *of the range* of instance n at
-/// `offset + n * instance_stride + i * stride`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Attribute {
-    /// The first instance's first vertex.
-    pub offset: usize,
-    /// Floats from a vertex to the next; at least the attribute's own, 3 or 4.
-    pub stride: usize,
-    /// Floats from an instance to the next.
-    pub instance_stride: usize,
-}
-
-impl Attribute {
-    /// Returns where it lies, as an array with a stretch of words an instance.
-    pub(super) fn array(&self) -> Array {
-        Array { offset: self.offset, stride: self.instance_stride }
-    }
 }
 
 impl Batch {

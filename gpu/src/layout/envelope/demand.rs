@@ -1,8 +1,9 @@
 //! What a batch of an envelope asks for.
 
-use super::batch::{Attribute, Batch};
+use super::batch::{Batch, SkinBatch};
 use super::check::check;
 use crate::layout::array::Array;
+use crate::layout::attribute::{Attribute, attribute_members};
 use crate::layout::demand::{Demand, Member, array_members, section_member, threads};
 use crate::layout::error::LayoutError;
 use crate::layout::resource::Resource;
@@ -155,29 +156,13 @@ fn outer(batch: &Batch, scratch: &ScratchLayout) -> Vec<(&'static str, Member)> 
     let arrays = arrays
         .into_iter()
         .flat_map(|(names, resource, array)| array_members(names, resource, array));
-    let attribute = |[offset, stride, instance_stride]: [&'static str; 3],
-                     attribute: Option<Attribute>| {
-        let array = attribute.map(|own| own.array());
-        let [offset, instance_stride] =
-            array_members([offset, instance_stride], Resource::Out, array);
-        let stride = (stride, Member::Number(attribute.map_or(0, |own| own.stride)));
-        [offset, stride, instance_stride]
-    };
-    let attributes = [
-        attribute(
-            ["positions_offset", "positions_stride", "positions_instance_stride"],
-            own.and_then(|own| own.positions),
-        ),
-        attribute(
-            ["normals_offset", "normals_stride", "normals_instance_stride"],
-            own.and_then(|own| own.normals),
-        ),
-        attribute(
-            ["tangents_offset", "tangents_stride", "tangents_instance_stride"],
-            own.and_then(|own| own.tangents),
-        ),
+    let attribute = |of: fn(&SkinBatch) -> Option<Attribute>| own.and_then(of);
+    let [positions, normals, tangents] = [
+        attribute(|own| own.positions),
+        attribute(|own| own.normals),
+        attribute(|own| own.tangents),
     ];
-    arrays.chain(attributes.into_iter().flatten()).collect()
+    arrays.chain(attribute_members(positions, normals, tangents)).collect()
 }
 
 fn number((name, number): (&'static str, usize)) -> (&'static str, Member) {

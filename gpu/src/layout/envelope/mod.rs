@@ -4,5 +4,5 @@ mod batch;
 mod check;
 mod demand;
 
-pub use batch::{Attribute, Batch, Rest, SkinBatch};
+pub use batch::{Batch, Rest, SkinBatch};
 pub(super) use demand::demand;

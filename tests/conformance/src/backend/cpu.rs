@@ -3,9 +3,10 @@
 use super::{Backend, Failure, Gradients, Loaded, Whole, part};
 use crate::compare::POISON;
 use crate::kernels::KernelSubject;
-use sinew_gpu::layout::{Attribute, SkinBatch, Stage};
+use crate::shapes::ShapeSubject;
+use sinew_gpu::layout::{Attribute, ShapesBatch, SkinBatch, Stage};
 use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::{Matrix3x4, SkinJob, stages};
+use sinew_runtime::{Matrix3x4, ShapesJob, SkinJob, stages};
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 
 /// The runtime itself, one pose after the other.
@@ -24,7 +25,7 @@ impl Backend for Cpu {
             Stage::Features | Stage::Correction => predictor.corrects(),
             Stage::Confidence => !predictor.corrects(),
             Stage::Skin => loaded.skin.vertex_len() > 0,
-            Stage::Kernel => false,
+            Stage::Kernel | Stage::Shapes => false,
         }
     }
 
@@ -178,6 +179,33 @@ impl Backend for Cpu {
         for (i, confidence) in out_confidences.iter_mut().enumerate() {
             let own = part_mut(out, n, i);
             *confidence = kernel.evaluate(part(queries, n, i), &mut scratch, own)?;
+        }
+        Ok(())
+    }
+
+    fn shapes(
+        &self,
+        subject: &ShapeSubject<'_>,
+        batch: &ShapesBatch,
+        out: &mut [f32],
+    ) -> Result<(), Failure> {
+        let out = cells(out);
+        for face in 0..subject.face_len {
+            let at = |attribute: Option<Attribute>| {
+                attribute.map(|own| Output {
+                    floats: &out[own.offset + face * own.instance_stride..],
+                    stride: own.stride,
+                })
+            };
+            let job = ShapesJob {
+                skin: subject.skin,
+                weights: part(&subject.weights, subject.face_len, face),
+                vertices: batch.vertices.clone(),
+                positions: at(batch.positions),
+                normals: at(batch.normals),
+                tangents: at(batch.tangents),
+            };
+            job.run()?;
         }
         Ok(())
     }

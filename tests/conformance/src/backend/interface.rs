@@ -2,8 +2,9 @@
 
 use crate::compare::{POISON, poisoned};
 use crate::kernels::KernelSubject;
+use crate::shapes::ShapeSubject;
 use sinew_gpu::headless::HeadlessError;
-use sinew_gpu::layout::{Attribute, LayoutError, SkinBatch, Stage};
+use sinew_gpu::layout::{Attribute, LayoutError, ShapesBatch, SkinBatch, Stage};
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin};
 use sinew_trainer::envelope::model::{EnvelopeModel, SkinModel};
 use sinew_trainer::kernel::arithmetic::Arithmetic;
@@ -142,6 +143,17 @@ pub trait Backend {
         out_confidences: &mut [f32],
     ) -> Result<(), Failure>;
 
+    /// Goes from the weights of n faces to rest meshes; leaves every float between and beyond the attributes alone.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn shapes(
+        &self,
+        subject: &ShapeSubject<'_>,
+        batch: &ShapesBatch,
+        out: &mut [f32],
+    ) -> Result<(), Failure>;
+
     /// Goes from poses to palettes, confidences and the skin.
     ///
     /// # Errors
@@ -204,9 +216,18 @@ impl Gradients {
 /// Makes floats for the skins of n instances to be written to, with room to spare that nobody may
 /// touch.
 pub fn poisoned_out(skin: &SkinBatch, n: usize) -> Vec<f32> {
-    let last = skin.vertices.len().checked_sub(1);
-    let ends = attributes(skin).into_iter().filter_map(|(attribute, own)| {
-        let Attribute { offset, stride, instance_stride } = attribute?;
+    poisoned_attributes(&attributes(skin), skin.vertices.len(), n)
+}
+
+/// Makes floats likewise for attributes of so many vertices, with the floats of each.
+pub fn poisoned_attributes(
+    attributes: &[(Option<Attribute>, usize)],
+    vertex_len: usize,
+    n: usize,
+) -> Vec<f32> {
+    let last = vertex_len.checked_sub(1);
+    let ends = attributes.iter().filter_map(|(attribute, own)| {
+        let Attribute { offset, stride, instance_stride } = (*attribute)?;
         Some(offset + last? * stride + own + n.saturating_sub(1) * instance_stride)
     });
     vec![POISON; ends.max().unwrap_or(0) + 5]

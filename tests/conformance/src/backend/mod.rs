@@ -5,6 +5,6 @@ mod interface;
 
 pub use cpu::Cpu;
 pub use interface::{
-    Backend, Failure, Gradients, Loaded, Whole, attributes, floats, part, poisoned_out,
-    poisoned_transforms,
+    Backend, Failure, Gradients, Loaded, Whole, attributes, floats, part, poisoned_attributes,
+    poisoned_out, poisoned_transforms,
 };

@@ -2,9 +2,9 @@
 
 use clap::Parser;
 use conformance::devices::{list, open};
-use conformance::kernels;
 use conformance::matrix::{Matrix, markdown, page};
 use conformance::subject::{self, FEWER_POSES};
+use conformance::{kernels, shapes};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -59,11 +59,12 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
         subject::trained(POSES).into_iter().chain(subject::shapes(FEWER_POSES)).collect();
     eprintln!("conformance: cpu");
     let kernels = kernels::kernels(kernels::QUERIES);
-    let mut matrix = Matrix::new(&subjects, &kernels);
+    let shaped = shapes::shapes(shapes::FACES);
+    let mut matrix = Matrix::new(&subjects, &kernels, &shaped);
     for info in devices {
         eprintln!("conformance: {}, {}, {}", info.api, info.name, info.driver);
         match open(&info, false) {
-            Ok(device) => matrix.add(&*device, &subjects, &kernels),
+            Ok(device) => matrix.add(&*device, &subjects, &kernels, &shaped),
             Err(error) => matrix.add_unopened(&info, &error),
         }
     }

@@ -3,12 +3,14 @@
 
 mod batched;
 mod kernel;
+mod shapes;
 
 use crate::backend::{Backend, Failure, Gradients, Loaded, Whole, floats};
 use crate::kernels::KernelSubject;
+use crate::shapes::ShapeSubject;
 use batched::Batched;
 use sinew_gpu::headless::Device;
-use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, SkinBatch, Stage};
+use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, ShapesBatch, SkinBatch, Stage};
 use sinew_runtime::Matrix3x4;
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 
@@ -184,6 +186,15 @@ impl Backend for Gpu<'_> {
         out_confidences: &mut [f32],
     ) -> Result<(), Failure> {
         kernel::evaluate(self.device, &self.limits, subject, queries, [out, out_confidences])
+    }
+
+    fn shapes(
+        &self,
+        subject: &ShapeSubject<'_>,
+        batch: &ShapesBatch,
+        out: &mut [f32],
+    ) -> Result<(), Failure> {
+        shapes::evaluate(self.device, &self.limits, subject, batch, out)
     }
 
     fn whole(

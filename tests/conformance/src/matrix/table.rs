@@ -4,7 +4,8 @@ use crate::backend::{Backend, Cpu, Failure};
 use crate::finding::{Finding, sound};
 use crate::gpu::Gpu;
 use crate::kernels::KernelSubject;
-use crate::stages::{applies, body, kernel, whole};
+use crate::shapes::ShapeSubject;
+use crate::stages::{applies, body, kernel, shapes, whole};
 use crate::subject::Subject;
 use serde::Serialize;
 use sinew_gpu::headless::{Device, DeviceInfo};
@@ -58,7 +59,11 @@ pub struct Row {
 
 impl Matrix {
     /// Begins with the CPU.
-    pub fn new(subjects: &[Subject<'_>], kernels: &[KernelSubject<'_>]) -> Self {
+    pub fn new(
+        subjects: &[Subject<'_>],
+        kernels: &[KernelSubject<'_>],
+        shaped: &[ShapeSubject<'_>],
+    ) -> Self {
         let mut out = Self {
             version: env!("CARGO_PKG_VERSION"),
             model_len: subjects.len(),
@@ -68,7 +73,7 @@ impl Matrix {
             backends: Vec::new(),
         };
         let (device, driver) = (std::env::consts::ARCH.to_owned(), "sinew-runtime".to_owned());
-        let stages = rows(&Cpu, subjects, kernels);
+        let stages = rows(&Cpu, subjects, kernels, shaped);
         out.backends.push(Column { api: "cpu", device, driver, stages });
         out
     }
@@ -79,8 +84,9 @@ impl Matrix {
         device: &dyn Device,
         subjects: &[Subject<'_>],
         kernels: &[KernelSubject<'_>],
+        shaped: &[ShapeSubject<'_>],
     ) {
-        let rows = rows(&Gpu::new(device), subjects, kernels);
+        let rows = rows(&Gpu::new(device), subjects, kernels, shaped);
         self.backends.push(Column::of(device.info(), rows));
     }
 
@@ -108,13 +114,15 @@ impl Column {
     }
 }
 
-/// Runs every body on every model that has the stage, and on every kernel.
+/// Runs every body on every model that has the stage, on every kernel, and on every skin with shapes.
 fn rows(
     backend: &dyn Backend,
     subjects: &[Subject<'_>],
     kernels: &[KernelSubject<'_>],
+    shaped: &[ShapeSubject<'_>],
 ) -> Vec<Row> {
-    let of_envelope = Stage::ALL.into_iter().filter(|stage| *stage != Stage::Kernel);
+    let of_envelope =
+        Stage::ALL.into_iter().filter(|stage| !matches!(stage, Stage::Kernel | Stage::Shapes));
     let stage = |stage: Stage| {
         let own = subjects.iter().filter(|subject| applies(stage, backend, &subject.loaded));
         let run = |own: &Subject<'_>| (own.described(), body(stage)(backend, own));
@@ -124,7 +132,9 @@ fn rows(
     let whole = row("whole", skinned.map(|own| (own.described(), whole::body(backend, own))));
     let kernels = kernels.iter().map(|own| (own.described(), kernel::body(backend, own)));
     let kernel = row(Stage::Kernel.name(), kernels);
-    of_envelope.map(stage).chain([whole, kernel]).collect()
+    let shaped = shaped.iter().map(|own| (own.described(), shapes::body(backend, own)));
+    let shaped = row(Stage::Shapes.name(), shaped);
+    of_envelope.map(stage).chain([whole, kernel, shaped]).collect()
 }
 
 /// Adds up what a body finds of each model, by its description.

@@ -9,10 +9,11 @@ use sinew_gpu::layout::Stage;
 /// What is compared of a stage, or of several.
 pub type Body = fn(&dyn Backend, &Subject<'_>) -> Result<Vec<Finding>, Failure>;
 
-/// Returns the body of a stage of an envelope or of its skin; that of a kernel is [`super::kernel::body`].
+/// Returns the body of a stage of an envelope or of its skin; that of a kernel is [`super::kernel::body`], that of shapes
+/// [`super::shapes::body`].
 ///
 /// # Panics
-/// If the stage is a kernel's.
+/// If the stage is a kernel's, or that of shapes.
 pub fn body(stage: Stage) -> Body {
     match stage {
         Stage::Gradients => gradients::body,
@@ -22,7 +23,7 @@ pub fn body(stage: Stage) -> Body {
         Stage::Correction => correction::body,
         Stage::Confidence => confidence::body,
         Stage::Skin => skin::body,
-        Stage::Kernel => panic!("a kernel has no poses"),
+        Stage::Kernel | Stage::Shapes => panic!("neither a kernel nor shapes have poses"),
     }
 }
 

@@ -12,6 +12,7 @@ pub mod joints;
 pub mod kernel;
 pub mod layout;
 pub mod palette;
+pub mod shapes;
 pub mod skin;
 mod transforms;
 pub mod whole;

@@ -91,7 +91,7 @@ fn side(palette: &Inexact<Transform>) -> Option<f64> {
 }
 
 /// The frame's two directions: u, v.
-fn frame(
+pub(super) fn frame(
     normal: Vector3<f64>,
     tangent: Option<Vector3<f64>>,
     Arithmetic { division, .. }: Arithmetic,
@@ -148,13 +148,13 @@ fn parted(
 
 /// A vector with bounds of its entries.
 #[derive(Clone, Copy)]
-struct Bounded {
-    value: Vector3<f64>,
-    error: Vector3<f64>,
+pub(super) struct Bounded {
+    pub(super) value: Vector3<f64>,
+    pub(super) error: Vector3<f64>,
 }
 
 impl Bounded {
-    fn exact(value: Vector3<f64>) -> Self {
+    pub(super) fn exact(value: Vector3<f64>) -> Self {
         Self { value, error: Vector3::zeros() }
     }
 
@@ -166,13 +166,13 @@ impl Bounded {
         self.value.abs() + self.error
     }
 
-    fn plus(&self, other: &Self) -> Self {
+    pub(super) fn plus(&self, other: &Self) -> Self {
         let (value, error) = (self.value + other.value, self.error + other.error);
         Self { value, error: error + (value.abs() + error) * U }
     }
 
     /// One product an entry.
-    fn times(&self, (by, by_error): (f64, f64)) -> Self {
+    pub(super) fn times(&self, (by, by_error): (f64, f64)) -> Self {
         let inherited = self.value.abs() * by_error + self.error * (by.abs() + by_error);
         let error = inherited + self.most() * ((by.abs() + by_error) * U);
         Self { value: self.value * by, error }
@@ -197,7 +197,7 @@ impl Bounded {
     /// root, and a division and a product follow: 2.5u, here 3u, a root and a division. No two unit
     /// vectors are farther apart than 2: also where the squared length is no normal number, for which
     /// the rest direction stands, in one of two evaluations.
-    fn direction(
+    pub(super) fn direction(
         &self,
         rest: Vector3<f64>,
         Arithmetic { division, root }: Arithmetic,

@@ -23,6 +23,7 @@ mod inexact;
 mod joints;
 mod kernel;
 mod palette;
+mod shapes;
 mod skin;
 mod whole;
 
@@ -37,6 +38,7 @@ pub use inexact::{
 pub use joints::joints;
 pub use kernel::kernel;
 pub use palette::palette;
+pub use shapes::shapes;
 pub use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
 pub use skin::{Skinned, rest, skin};
 pub use whole::whole;

@@ -6,4 +6,5 @@ mod kernel;
 mod lavapipe;
 mod layer;
 mod matrix;
+mod shapes;
 mod software;

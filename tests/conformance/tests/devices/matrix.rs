@@ -1,27 +1,32 @@
 //! The matrix tells what fails, in every form.
 
 use crate::software::{Fault, Software};
-use ::models::{KernelContent, Pieces};
+use ::models::{KernelContent, Pieces, ShapeContent};
 use conformance::kernels::KernelSubject;
 use conformance::matrix::{Matrix, markdown, page};
 use conformance::models::{self, shape_of};
+use conformance::shapes::ShapeSubject;
 use conformance::subject::Subject;
 use sinew_gpu::headless::{Device, HeadlessError};
 use sinew_gpu::layout::{Resource, Stage};
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::format::{Element, SectionKind};
 
 /// One model of one predictor: the stages of the others have nothing to compare.
 fn matrix(fault: Option<Fault>) -> Matrix {
     let random = models::random(shape_of(Predictor::Rotational));
     let mut pieces = Pieces::of(&random).expect("a random model is sound");
     pieces.append(Pieces::kernels(&[KernelContent::servo()]));
+    let vertex_len = pieces.section(SectionKind::RestPositions).len() / 12;
+    pieces.set_shapes(&ShapeContent::sample(Element::F16, 3, vertex_len));
     let bytes = pieces.bytes();
+    let shaped = [ShapeSubject::new(&bytes, 5)];
     let subjects = [Subject::new("random", &bytes, 14)];
     let kernels = [KernelSubject::new(&bytes, 14)];
-    let mut out = Matrix::new(&subjects, &kernels);
+    let mut out = Matrix::new(&subjects, &kernels, &shaped);
     let mut device = Software::new(&bytes, fault);
     device.info.name = "<b>evil | device\n</b>".to_owned();
-    out.add(&device, &subjects, &kernels);
+    out.add(&device, &subjects, &kernels, &shaped);
     out
 }
 
@@ -46,6 +51,9 @@ fn a_bit_is_counted_and_a_stage_left_out_fails() {
 
     let kernel = row(&matrix(Some(Fault::Bit(Stage::Kernel, Resource::Out, 5))), "kernel");
     assert_eq!((kernel.cases, kernel.differing, kernel.failure), (28, 1, None));
+
+    let shapes = row(&matrix(Some(Fault::Idle(Stage::Shapes))), "shapes");
+    assert!(shapes.cases > 1000 && shapes.failure.is_some());
 
     let stray = matrix(Some(Fault::Stray(Stage::Palette, Resource::Scratch, 0)));
     assert!(row(&stray, "palette").failure.unwrap().contains("which is not its own"));

@@ -6,7 +6,8 @@ use sinew_gpu::headless::{Device, DeviceInfo, HeadlessError, Uploaded};
 use sinew_gpu::layout::{Chunk, DeviceLimits, Plan, Resource, Stage};
 use sinew_runtime::envelope::ScratchLayout;
 use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::{CallError, KernelMap, Matrix3x4, Model, Skin, SkinJob, stages};
+use sinew_runtime::{CallError, KernelMap, Matrix3x4, Model, ShapesJob, Skin, SkinJob, stages};
+use std::ops::Range;
 use std::time::Duration;
 
 /// What goes wrong, in the stage that it names.
@@ -53,6 +54,9 @@ impl Device for Software<'_> {
         let part = if plan.stages().eq([Stage::Kernel]) {
             let kernel = model.kernel().and_then(|kernel| kernel.layout().open(self.bytes));
             Part::Kernel(kernel.expect("it holds a kernel"))
+        } else if plan.stages().eq([Stage::Shapes]) {
+            let skin = model.skin().and_then(|skin| skin.layout().open(self.bytes));
+            Part::Shapes(skin.expect("it holds a skin"))
         } else {
             Part::Envelope(Box::new(Loaded::new(self.bytes)))
         };
@@ -75,6 +79,7 @@ impl Device for Software<'_> {
 enum Part<'a> {
     Envelope(Box<Loaded<'a>>),
     Kernel(KernelMap<'a>),
+    Shapes(Skin<'a>),
 }
 
 struct Batch<'a> {
@@ -115,6 +120,7 @@ impl Uploaded for Batch<'_> {
                 let ran = match part {
                     Part::Envelope(loaded) => instance.run(stage, &loaded),
                     Part::Kernel(kernel) => instance.kernel(&kernel),
+                    Part::Shapes(skin) => instance.shapes(skin),
                 };
                 let doing = stage.name();
                 ran.map_err(|e| HeadlessError::Refused { doing, detail: e.to_string() })?;
@@ -243,7 +249,7 @@ impl Instance<'_, '_> {
                 self.put(Resource::Confidences, at, &[value]);
             }
             Stage::Skin => self.skin(loaded.skin, palette_at, palette_floats)?,
-            Stage::Kernel => panic!("an envelope has no queries"),
+            Stage::Kernel | Stage::Shapes => panic!("an envelope has neither"),
         }
         Ok(())
     }
@@ -266,6 +272,20 @@ impl Instance<'_, '_> {
         palette_floats: usize,
     ) -> Result<(), CallError> {
         let palette: Vec<Matrix3x4> = self.take(Resource::Palettes, palette_at, palette_floats);
+        let ([positions, normals, tangents], vertices) = self.outputs();
+        let (remap, rest, palette) = (None, Rest::default(), &palette[..]);
+        SkinJob { skin, palette, vertices, remap, rest, positions, normals, tangents }.run()
+    }
+
+    fn shapes(&mut self, skin: Skin<'_>) -> Result<(), CallError> {
+        let at = self.place(Resource::Weights, "weights");
+        let weights: &[f32] = &self.take::<f32>(Resource::Weights, at, skin.shape_len());
+        let ([positions, normals, tangents], vertices) = self.outputs();
+        ShapesJob { skin, weights, vertices, positions, normals, tangents }.run()
+    }
+
+    /// Where the attributes of this instance are written, and of which vertices.
+    fn outputs(&mut self) -> ([Option<Output<'_>>; 3], Range<usize>) {
         let first = self.param("vertex_first");
         let vertices = first..first + self.param("vertex_len");
         let bound = self.chunk.span(Resource::Out).expect("it is bound").offset as usize / 4;
@@ -277,10 +297,8 @@ impl Instance<'_, '_> {
         };
         let places = ["positions", "normals", "tangents"].map(place);
         let out = cells(&mut self.batch.buffers[Resource::Out as usize]);
-        let [positions, normals, tangents] = places
-            .map(|place| place.map(|(start, stride)| Output { floats: &out[start..], stride }));
-        let (remap, rest, palette) = (None, Rest::default(), &palette[..]);
-        SkinJob { skin, palette, vertices, remap, rest, positions, normals, tangents }.run()
+        let output = |(start, stride)| Output { floats: &out[start..], stride };
+        (places.map(|place| place.map(output)), vertices)
     }
 }
 

@@ -2,8 +2,9 @@
 
 use conformance::backend::{Backend, Cpu, Failure, Gradients, Loaded, Whole};
 use conformance::kernels::KernelSubject;
+use conformance::shapes::ShapeSubject;
 use conformance::tolerance::Arithmetic;
-use sinew_gpu::layout::{SkinBatch, Stage};
+use sinew_gpu::layout::{ShapesBatch, SkinBatch, Stage};
 use sinew_runtime::Matrix3x4;
 
 /// What a stage was given, and what it gives.
@@ -35,6 +36,10 @@ pub(crate) enum Step<'a> {
     Skin {
         palettes: &'a [Matrix3x4],
         skin: &'a SkinBatch,
+        out: &'a mut [f32],
+    },
+    Shapes {
+        batch: &'a ShapesBatch,
         out: &'a mut [f32],
     },
     Kernel {
@@ -148,6 +153,17 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         Ok(())
     }
 
+    fn shapes(
+        &self,
+        subject: &ShapeSubject<'_>,
+        batch: &ShapesBatch,
+        out: &mut [f32],
+    ) -> Result<(), Failure> {
+        Cpu.shapes(subject, batch, out)?;
+        (self.0)(Step::Shapes { batch, out });
+        Ok(())
+    }
+
     fn whole(
         &self,
         loaded: &Loaded<'_>,
@@ -233,6 +249,10 @@ impl Backend for Idle {
         _: &mut [f32],
         _: &mut [f32],
     ) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn shapes(&self, _: &ShapeSubject<'_>, _: &ShapesBatch, _: &mut [f32]) -> Result<(), Failure> {
         Ok(())
     }
 

@@ -6,6 +6,7 @@ mod controls;
 mod correction;
 mod empty;
 mod kernel;
+mod shapes;
 
 use conformance::backend::Cpu;
 use conformance::finding::{Finding, sound};

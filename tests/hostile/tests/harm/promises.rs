@@ -14,6 +14,7 @@ const UNLIMITED: Limits = Limits {
     joints: u32::MAX,
     proxies: u32::MAX,
     influences: u32::MAX,
+    shapes: u32::MAX,
 };
 
 /// Loads a golden in which a count is changed, and tells why it is refused.
@@ -75,6 +76,11 @@ fn what_counts_promise_must_be_there_before_anything_is_read() {
         length(SectionKind::InfluenceIndices, 2 * 24 * 65_535, skin(1, 65_535));
         length(SectionKind::Names, 4 * 0xffff_ffff, skin(3, 0xffff_fffe));
         length(SectionKind::Names, u64::MAX, skin(3, u32::MAX));
+        limit(SkinCounts, 4, 65_535, skin(4, u32::MAX));
+        length(SectionKind::Names, 4 * (1 + 2 + 65_535), skin(4, 65_535));
+        // Without shapes.
+        limit(SkinCounts, 5, 0, skin(5, u32::MAX));
+        limit(SkinCounts, 6, 0, skin(6, u32::MAX));
     }
 }
 

@@ -219,9 +219,7 @@ fn blame(error: ExportError, arguments: &Arguments) -> anyhow::Error {
             let file = arguments.into.as_ref().unwrap_or(&arguments.output);
             file.display().to_string()
         }
-        ExportError::TooLarge { .. } | ExportError::Json(_) => {
-            arguments.output.display().to_string()
-        }
+        ExportError::Glb(_) => arguments.output.display().to_string(),
     };
     anyhow::Error::new(error).context(at_fault)
 }

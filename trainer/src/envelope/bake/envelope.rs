@@ -7,7 +7,7 @@ use crate::envelope::model::{EnvelopeModel, Key, Reconstruction};
 use crate::examples::{Matrix3x4, Skeleton};
 use nalgebra::{Matrix4, SMatrix};
 use sinew_runtime::envelope::{ENVELOPE_SECTIONS, EnvelopeCounts, NO_JOINT};
-use sinew_runtime::format::{PartKind, SectionKind};
+use sinew_runtime::format::{Element, PartKind, SectionKind};
 
 impl EnvelopeModel {
     /// Writes the part.
@@ -35,7 +35,7 @@ impl EnvelopeModel {
         debug_assert!(contents.iter().map(|(kind, _)| *kind).eq(ENVELOPE_SECTIONS));
         let own = contents.into_iter().filter(|(kind, _)| counts.has(*kind));
         let sections = own.map(|(kind, content)| (kind, true, content)).collect();
-        Ok(Part { kind: PartKind::Envelope, sections })
+        Ok(Part { kind: PartKind::Envelope, sections, element: Element::F32 })
     }
 
     /// Checks the arrays against each other and counts them.

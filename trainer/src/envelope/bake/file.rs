@@ -4,7 +4,7 @@ use crate::bake::{BakeError, bake};
 use crate::envelope::model::FileModel;
 
 impl FileModel {
-    /// Bakes a file, the envelopes first, and loads it once, so that what is returned is known to
+    /// Bakes a file, the envelopes first, the priors last, and loads it once, so that what is returned is known to
     /// load.
     ///
     /// Weights are divided by their sum, then rounded; all else is rounded as it is.
@@ -15,6 +15,7 @@ impl FileModel {
     /// - [`BakeError::Hierarchy`]: joints do not form one tree.
     /// - [`BakeError::RestFrame`]: a rest frame is singular.
     /// - [`BakeError::Weights`]: a vertex has no positive sum of weights.
+    /// - [`BakeError::Covariance`]: a prior's covariance has no inverse.
     /// - [`BakeError::NoEnvelope`]: a skin follows an envelope that is not there.
     /// - [`BakeError::Refused`]: anything else that the runtime would refuse, as a number that is not
     ///   finite.
@@ -30,6 +31,9 @@ impl FileModel {
                 self.envelopes.get(envelope).ok_or(missing)
             };
             parts.push(model.part(model.envelope.map(followed).transpose()?)?);
+        }
+        for prior in &self.priors {
+            parts.push(prior.part(found + prior.skin)?);
         }
         bake(self.space, &parts)
     }

@@ -3,4 +3,5 @@
 mod envelope;
 mod file;
 mod groups;
+mod shapes;
 mod skin;

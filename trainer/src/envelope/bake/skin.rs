@@ -1,10 +1,21 @@
 //! How a file holds a skin.
 
+use super::shapes;
 use crate::bake::sections::{check_len, floats, halves, names, narrow, words};
 use crate::bake::{BakeError, Part};
 use crate::envelope::model::{EnvelopeModel, SkinModel};
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::skin::{NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
+
+/// The sections of shapes.
+const OF_SHAPES: [SectionKind; 6] = [
+    SectionKind::Shapes,
+    SectionKind::ShapeBlocks,
+    SectionKind::ShapeEntries,
+    SectionKind::ShapeDeltas,
+    SectionKind::ShapeSlopes,
+    SectionKind::ShapeErrors,
+];
 
 impl SkinModel {
     /// Writes the part.
@@ -15,19 +26,24 @@ impl SkinModel {
         check_len("rest normals", v, self.rest_normals.len())?;
         check_len("rest tangents", v, self.rest_tangents.as_ref().map_or(v, Vec::len))?;
         check_len("influences", envelope.map_or(0, |_| v), self.influences.len())?;
+        let shapes = shapes::write(&self.shapes, v)?;
         let k = self.influence_len().max(usize::from(envelope.is_some()));
         let counts = SkinCounts {
             vertex_len: narrow("vertices", v)?,
             influence_len: narrow("influences", k)?,
             envelope: self.envelope.map_or(Ok(NO_ENVELOPE), |number| narrow("envelope", number))?,
             range_len: narrow("ranges", self.ranges.len())?,
+            shape_len: narrow("shapes", self.shapes.len())?,
+            entry_len: narrow("entries of shapes", shapes.entry_len())?,
+            delta_len: narrow("deltas of shapes", shapes.delta_len)?,
         };
         let rounded: Vec<_> = self.rest_positions.iter().map(|x| x.map(|x| x as f32)).collect();
         let mut ranges = Vec::new();
         for (_, range) in &self.ranges {
             ranges.extend([narrow::<u32>("vertex", range.start)?, narrow("vertex", range.end)?]);
         }
-        let all_names = [&self.name].into_iter().chain(self.ranges.iter().map(|(name, _)| name));
+        let range_names = self.ranges.iter().map(|(name, _)| name);
+        let all_names = [&self.name].into_iter().chain(range_names).chain(&self.shapes.names);
         let palette_len = envelope.map_or(0, EnvelopeModel::palette_len);
         let contents = [
             (SectionKind::SkinCounts, Some(words(&counts.words()))),
@@ -47,12 +63,23 @@ impl SkinModel {
                 SectionKind::NormalErrors,
                 self.normal_errors.map(|errors| floats(&errors.figures().map(f64::from))),
             ),
+            (SectionKind::Shapes, Some(shapes.rows)),
+            (SectionKind::ShapeBlocks, Some(shapes.blocks)),
+            (SectionKind::ShapeEntries, Some(shapes.entries)),
+            (SectionKind::ShapeDeltas, Some(shapes.deltas)),
+            (SectionKind::ShapeSlopes, Some(shapes.slopes)),
+            (SectionKind::ShapeErrors, Some(shapes.errors)),
         ];
         debug_assert!(contents.iter().map(|(kind, _)| *kind).eq(SKIN_SECTIONS));
         let own = contents.into_iter().filter(|(kind, _)| counts.has(*kind) != Some(false));
-        let own = own
-            .filter_map(|(kind, content)| Some((kind, counts.has(kind) == Some(true), content?)));
-        Ok(Part { kind: PartKind::Skin, sections: own.collect() })
+        // A reader may leave shapes alone, as it may what a skin need not have.
+        let required = |kind| counts.has(kind) == Some(true) && !OF_SHAPES.contains(&kind);
+        let own = own.filter_map(|(kind, content)| Some((kind, required(kind), content?)));
+        Ok(Part {
+            kind: PartKind::Skin,
+            sections: own.collect(),
+            element: self.shapes.numbers.element(),
+        })
     }
 }
 

@@ -74,7 +74,7 @@ impl Measured {
         examples: &Examples,
         frames: &[usize],
     ) -> Result<Self, EvaluateError> {
-        let truth = TrueNormals::new(examples);
+        let truth = TrueNormals::new(examples.surface());
         let frames = frames.par_iter().map(|&frame| {
             let skin = skin(character, examples, frame)?;
             let measured = MeasuredFrame::new(examples, &truth, frame, |v| skin.vertex(v));
@@ -85,7 +85,7 @@ impl Measured {
 
     /// Measures the baseline.
     pub fn lbs(lbs: &Baseline, examples: &Examples, frames: &[usize]) -> Self {
-        let truth = TrueNormals::new(examples);
+        let truth = TrueNormals::new(examples.surface());
         let frames = frames.par_iter().map(|&frame| {
             MeasuredFrame::new(examples, &truth, frame, |v| lbs.vertex(examples, frame, v))
         });
@@ -249,7 +249,7 @@ impl MeasuredFrame {
         let mut distances = vec![0.0; positions.len()];
         let mut angles = Vec::with_capacity(surface.engine_len());
         // Copies of one vertex have one place.
-        for (copy, expected) in truth.posed(frame).into_iter().enumerate() {
+        for (copy, expected) in truth.posed(examples.frame(frame)).into_iter().enumerate() {
             let (position, normal) = skinned(copy);
             let vertex = surface.copy_of(copy);
             distances[vertex] = (position - Vector3::from(positions[vertex])).norm();

@@ -2,7 +2,6 @@
 
 use super::dress::parts;
 use super::error::ExportError;
-use super::glb::{Document, Placed};
 use super::mesh::SkinnedMesh;
 use super::played::Played;
 use super::proxies::ProxyNodes;
@@ -12,6 +11,7 @@ use crate::envelope::levels::{Influences, Level, LevelReport, SkinSurface};
 use crate::envelope::posed::{FrameError, rest, skin_on};
 use crate::examples::{Clip, Examples};
 use crate::formats::appearance::Appearance;
+use crate::formats::gltf::write::{Document, Placed};
 use crate::space::{Conversion, SpaceRequest};
 use rayon::prelude::*;
 use sinew_runtime::format::{Axis, Handedness, Space};
@@ -69,7 +69,7 @@ impl Export<'_> {
     /// - [`ExportError::NoFrames`] and [`ExportError::Times`]: a clip cannot be played.
     /// - [`ExportError::Level`]: a further mesh lies elsewhere.
     /// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: it cannot stand as asked.
-    /// - [`ExportError::TooLarge`] and [`ExportError::Json`]: the file cannot be made.
+    /// - [`ExportError::Glb`]: the file cannot be made.
     pub fn run(&self) -> Result<Exported, ExportError> {
         let Self { model, skin, examples, clips, levels, appearance, stand } = *self;
         let played = Played::new(model, skin, examples, clips)?;

@@ -1,13 +1,13 @@
 //! The demo character as an artist would hand it over: a skeleton, LBS weights, and animations.
 
 use super::error::ExportError;
-use super::glb::{Document, Placed};
 use super::mesh::SkinnedMesh;
 use super::skeleton::JointNodes;
 use super::times::key_times;
 use crate::envelope::evaluate::Frames;
 use crate::envelope::skin::weights;
 use crate::examples::{Clip, Examples, Split};
+use crate::formats::gltf::write::{Document, Placed};
 
 /// What the file says of itself.
 const NOTE: &str = "A procedural arm: what a rig exports of its skeleton, with the weights of \
@@ -34,7 +34,7 @@ pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
 /// fitted to the training frames, and an animation a clip. The rest pose is the bind pose.
 ///
 /// # Errors
-/// [`ExportError::TooLarge`] and [`ExportError::Json`].
+/// [`ExportError::Glb`].
 pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportError> {
     let weights = weights::baseline(examples);
     let influences: Vec<_> = (0..weights.len()).map(|v| weights.of(v).collect()).collect();
@@ -57,5 +57,5 @@ pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportEr
         let poses: Vec<_> = frames.map(|frame| examples.pose(frame).to_vec()).collect();
         document.animation(&clip.name, &key_times(clip)?, joints.tracks(&poses).0);
     }
-    document.finish()
+    Ok(document.finish()?)
 }

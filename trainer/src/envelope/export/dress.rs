@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use serde_json::{Value, json};
 
-use super::glb::Document;
 use super::mesh::SkinnedMesh;
 use crate::formats::appearance::{Appearance, image};
+use crate::formats::gltf::write::Document;
 
 /// A part of a mesh: its name, its vertices, and the triangles of each of its materials.
 pub(super) struct Part<'a> {

@@ -4,6 +4,7 @@ use super::into::error::IntoError;
 use crate::envelope::evaluate::EvaluateError;
 use crate::envelope::levels::LevelError;
 use crate::envelope::posed::FrameError;
+use crate::formats::GlbError;
 use crate::space::SpaceError;
 
 /// An export that could not be made.
@@ -46,13 +47,7 @@ pub enum ExportError {
     /// An artist's file cannot take it.
     #[error(transparent)]
     Into(#[from] IntoError),
-    /// The file would be larger than binary glTF allows.
-    #[error("the file takes {bytes} bytes, and binary glTF holds 4 GiB: export fewer frames")]
-    TooLarge {
-        /// Bytes needed.
-        bytes: usize,
-    },
-    /// The file could not be put together.
-    #[error("cannot be put together: {0}")]
-    Json(serde_json::Error),
+    /// The file cannot be put together.
+    #[error(transparent)]
+    Glb(#[from] GlbError),
 }

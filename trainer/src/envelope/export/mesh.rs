@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::glb::{ArrayIndex, ArrayKind, Document, F32, SkinIndex, U8, U16};
+use crate::formats::gltf::write::{ArrayIndex, ArrayKind, Document, F32, SkinIndex, U8, U16};
 
 /// A mesh of V vertices on a skin, in its bind pose.
 pub(super) struct SkinnedMesh<'a> {

@@ -8,7 +8,6 @@ mod character;
 mod demo;
 mod dress;
 mod error;
-mod glb;
 mod into;
 mod mesh;
 mod played;

@@ -4,9 +4,9 @@ use nalgebra::{Isometry3, Matrix3, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::Matrix3x4;
 
-use super::glb::{ChannelKeys, Document, NodeIndex, Placed, Track};
 use super::skeleton::{Carrier, continuous, quaternion, turned};
 use super::stretch::Stretch;
+use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
 
 /// The proxies of a palette as nodes of a document.
 ///

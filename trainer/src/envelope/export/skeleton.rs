@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry3, Matrix3, Matrix4, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-use super::glb::{ChannelKeys, Document, NodeIndex, Placed, Track};
 use crate::examples::{Matrix3x4, Skeleton};
+use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
 use crate::numeric::so3;
 
 /// The joints of a skeleton as nodes of a document.

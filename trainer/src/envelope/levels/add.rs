@@ -2,7 +2,7 @@
 
 use super::follow::{Influences, Level, LevelError, LevelReport, SkinSurface};
 use crate::bake::BakeError;
-use crate::envelope::model::{FileModel, SkinModel};
+use crate::envelope::model::{FileModel, Shapes, SkinModel};
 use crate::envelope::normals::{Fan, PosedSurface};
 use crate::envelope::posed::{FrameError, influences, palette, rest, skin_on};
 use crate::examples::{Examples, Split};
@@ -134,5 +134,6 @@ fn skin_of(level: &Level, influences: &Influences) -> SkinModel {
         tangent_coefficients: None,
         normal_errors: None,
         ranges: Vec::new(),
+        shapes: Shapes::default(),
     }
 }

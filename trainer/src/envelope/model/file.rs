@@ -2,9 +2,10 @@
 
 use super::envelope::EnvelopeModel;
 use super::skin::SkinModel;
+use crate::face::prior::PriorModel;
 use sinew_runtime::format::Space;
 
-/// Envelopes and the skins that follow them, in the examples' order.
+/// Envelopes, the skins that follow them, in the examples' order, and priors over the weights of their shapes.
 #[derive(Clone, Debug, Default)]
 pub struct FileModel {
     /// The space of all their numbers.
@@ -13,4 +14,6 @@ pub struct FileModel {
     pub envelopes: Vec<EnvelopeModel>,
     /// The meshes that follow them.
     pub skins: Vec<SkinModel>,
+    /// What is known of the weights of skins' shapes.
+    pub priors: Vec<PriorModel>,
 }

@@ -6,10 +6,12 @@ mod group;
 mod key;
 mod order;
 mod restated;
+mod shapes;
 mod skin;
 
 pub use envelope::{EnvelopeModel, Reconstruction};
 pub use file::FileModel;
 pub use group::{Group, Input};
 pub use key::{Factors, Key, angles, stretch, symmetric};
+pub use shapes::{ShapeNumbers, Shapes};
 pub use skin::{SkinModel, Vertex};

@@ -1,5 +1,6 @@
 //! A skin in f64: a mesh, and how it follows a palette.
 
+use super::shapes::Shapes;
 use crate::numeric::frame;
 use nalgebra::{Matrix3x4, Vector3, Vector4};
 use sinew_runtime::Skin;
@@ -29,6 +30,8 @@ pub struct SkinModel {
     pub normal_errors: Option<NormalErrors>,
     /// The meshes that it was made of, by name: ranges of vertices, one after the other.
     pub ranges: Vec<(String, Range<usize>)>,
+    /// Its shapes.
+    pub shapes: Shapes,
 }
 
 /// A vertex of the rest pose.
@@ -65,6 +68,7 @@ impl SkinModel {
                 .then(|| vertices.map(|v| coefficients(skin, v)).collect()),
             normal_errors: skin.normal_errors(),
             ranges: skin.ranges().map(|(name, range)| (name.to_owned(), range)).collect(),
+            shapes: Shapes::from_file(skin),
         }
     }
 
@@ -120,6 +124,13 @@ impl Vertex<'_> {
     pub fn frame(&self) -> [Vector3<f64>; 2] {
         let along = self.tangent.map_or_else(|| frame::tangent(&self.normal), |(t, _)| t);
         [along, self.normal.cross(&along)]
+    }
+
+    /// Gives the frame g, h that slopes are along: that of the rest tangent made square to the normal, as far as it is
+    /// not, or else of the normal alone.
+    pub fn tilt_frame(&self) -> [Vector3<f64>; 2] {
+        let [along, across] = self.frame();
+        [self.tangent.map_or(along, |_| across.cross(&self.normal)), across]
     }
 
     /// Blends the vertex's transforms.

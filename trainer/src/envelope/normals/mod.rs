@@ -3,6 +3,7 @@
 mod fan;
 mod fit;
 mod lean;
+mod tilt;
 mod truth;
 
 pub use fan::Fan;

@@ -2,14 +2,14 @@
 
 use super::fan::Fan;
 use super::lean::Lean;
-use crate::examples::Examples;
+use crate::mesh::{Surface, normals};
 use crate::numeric::frame;
 use nalgebra::{Vector2, Vector3};
 
-/// The true normals of the engine's vertices in the frames of examples: those of the posed mesh, weighted by area;
+/// The true normals of the engine's vertices of a surface wherever its vertices go: those of the posed mesh, weighted by area;
 /// and where they are authored, what the surface around a vertex makes of its own (METHOD §1.8).
 pub struct TrueNormals<'a> {
-    examples: &'a Examples,
+    surface: Surface<'a>,
     /// Of each of the engine's vertices, where normals are authored.
     sides: Option<Vec<Side>>,
 }
@@ -27,10 +27,9 @@ struct Leaning {
 }
 
 impl<'a> TrueNormals<'a> {
-    /// Measures how the authored normals of examples lean.
-    pub fn new(examples: &'a Examples) -> Self {
-        let surface = examples.surface();
-        let rest = |vertex: usize| Vector3::from(examples.rest[vertex]);
+    /// Measures how the authored normals of a surface lean at rest.
+    pub fn new(surface: Surface<'a>) -> Self {
+        let rest = |vertex: usize| Vector3::from(surface.positions[vertex]);
         let side = |(fan, normal): (Fan, &[f64; 3])| {
             let normal = Vector3::from(*normal);
             let along = frame::tangent(&normal);
@@ -44,19 +43,17 @@ impl<'a> TrueNormals<'a> {
         let sides = surface
             .authored_normals()
             .map(|normals| Fan::of(&surface).into_iter().zip(normals).map(side).collect());
-        Self { examples, sides }
+        Self { surface, sides }
     }
 
-    /// Computes the E normals of frame `index`, of length 1, or 0 where there is none.
+    /// Computes the E normals, of length 1, or 0 where there is none.
     ///
-    /// # Panics
-    /// If `index` is not a frame.
-    pub fn posed(&self, index: usize) -> Vec<[f64; 3]> {
+    /// - `posed`: positions of the surface's vertices, V.
+    pub fn posed(&self, posed: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let Some(sides) = &self.sides else {
-            return self.examples.surface().copied(&self.examples.posed_normals(index));
+            return self.surface.copied(&normals(posed, self.surface.triangles));
         };
-        let frame = self.examples.frame(index);
-        let at = |vertex: usize| Vector3::from(frame[vertex]);
+        let at = |vertex: usize| Vector3::from(posed[vertex]);
         sides.iter().map(|side| side.posed(at).unwrap_or_default().into()).collect()
     }
 }

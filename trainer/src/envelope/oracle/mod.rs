@@ -7,7 +7,9 @@
 mod correction;
 mod evaluate;
 mod reconstruction;
+mod shapes;
 mod skin;
 
 pub use reconstruction::stack;
+pub use shapes::ShapedVertex;
 pub use skin::SkinnedVertex;

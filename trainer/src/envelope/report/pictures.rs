@@ -1,10 +1,10 @@
 //! The pictures of a report: which side they are taken from, and what is in them.
 
-use super::bars::colour_bar;
 use super::comparison::{Comparison, Series};
 use crate::envelope::evaluate::{EvaluateError, skin};
 use crate::envelope::normals::TrueNormals;
 use crate::examples::Examples;
+use crate::page::bars::colour_bar;
 use crate::page::camera::{Camera, Resolution, View};
 use crate::page::colour::{Colour, Scale};
 use crate::page::html::{figure, text};
@@ -221,7 +221,7 @@ impl<'a> Pictures<'a> {
     fn truth(&self, frame: usize) -> Shape {
         let examples = self.comparison.source.examples;
         let positions = examples.surface().copied(examples.frame(frame));
-        let normals = TrueNormals::new(examples).posed(frame);
+        let normals = TrueNormals::new(examples.surface()).posed(examples.frame(frame));
         Shape { name: "truth".to_owned(), positions, normals }
     }
 

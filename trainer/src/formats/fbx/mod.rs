@@ -10,7 +10,9 @@ mod frames;
 mod joints;
 mod meshes;
 mod read;
+mod shaped;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use read::read;
+pub(crate) use shaped::read_shapes;

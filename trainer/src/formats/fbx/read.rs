@@ -84,7 +84,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<SceneRoot, SceneError> {
 }
 
 /// Tells what a scene says of its axes and its unit.
-fn space(settings: &SceneSettings) -> Space {
+pub(super) fn space(settings: &SceneSettings) -> Space {
     let axis = |axis: CoordinateAxis| match axis {
         CoordinateAxis::PositiveX => Some(Axis::X),
         CoordinateAxis::NegativeX => Some(Axis::MinusX),

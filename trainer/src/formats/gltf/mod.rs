@@ -7,8 +7,10 @@ mod file;
 mod meshes;
 mod nodes;
 pub(crate) mod rigged;
+mod shaped;
 mod skins;
 mod welded;
+pub(crate) mod write;
 
 use std::path::Path;
 
@@ -25,6 +27,7 @@ use super::error::FormatError;
 use super::posed_meshes::PosedMeshes;
 use super::scene::{Clip, SampledScene, Sampling, SceneError, sample_times};
 use super::warning::FormatWarning;
+pub(crate) use shaped::read_shapes;
 
 /// Reads a rigged character: every mesh that has a skin, its joints, and every clip that moves them.
 ///

@@ -24,4 +24,18 @@ pub enum ObjError {
     /// There is no face to build triangles of.
     #[error("has no face of three corners or more; export a polygon mesh")]
     NoFaces,
+    /// A folder has no neutral mesh.
+    #[error("has no neutral.obj: save the face at rest under that name, and each shape beside it")]
+    NoNeutral,
+    /// A folder has a neutral mesh alone.
+    #[error("has no shape beside neutral.obj: save each as an OBJ of its own")]
+    NoShapes,
+    /// A shape has other vertices than the neutral mesh.
+    #[error("expected {expected} vertices, as neutral.obj has, found {found}")]
+    Vertices {
+        /// How many the neutral mesh has.
+        expected: usize,
+        /// How many the shape has.
+        found: usize,
+    },
 }

@@ -42,15 +42,15 @@ pub(in crate::formats) struct Parsed {
     pub(in crate::formats) positions: Vec<[f64; 3]>,
     pub(in crate::formats) polygons: Polygons,
     /// The corners of the polygons, one after another.
-    corners: Vec<Corner>,
-    texture: Vec<[f64; 2]>,
+    pub(super) corners: Vec<Corner>,
+    pub(super) texture: Vec<[f64; 2]>,
     normals: Vec<[f64; 3]>,
 }
 
 /// What a face names at a corner, from 0 on.
-struct Corner {
+pub(super) struct Corner {
     vertex: usize,
-    texture: Option<usize>,
+    pub(super) texture: Option<usize>,
     normal: Option<usize>,
 }
 

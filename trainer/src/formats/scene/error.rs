@@ -81,6 +81,9 @@ pub enum SceneError {
     /// There is no mesh of triangles.
     #[error("holds no mesh: export the character's mesh together with its armature")]
     NoMesh,
+    /// No mesh has shapes.
+    #[error("has no blendshape: export the face with its shape keys (morph targets)")]
+    NoShapes,
     /// A mesh has faces of another kind.
     #[error("mesh {mesh} is made of {mode}: export it as triangles")]
     NoTriangles {

@@ -14,6 +14,9 @@ pub enum FitError {
         /// Why.
         error: EvaluationError,
     },
+    /// Parameters cannot be taken.
+    #[error(transparent)]
+    Given(#[from] EvaluationError),
     /// A parameter has no value.
     #[error("parameter \"{0}\" is missing")]
     Missing(String),

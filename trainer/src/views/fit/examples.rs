@@ -71,10 +71,7 @@ impl FittedMap {
     /// # Errors
     /// [`FitError`] of the values.
     pub fn shown(&self, values: &Values) -> Result<Shown, FitError> {
-        let given = given(&self.model.inputs, values)?;
-        let evaluated = self.model.evaluate(&given);
-        let evaluated = evaluated.map_err(|error| FitError::Site { view: 0, error })?;
-        Ok(self.outputs.shown(&evaluated.numbers))
+        self.outputs.evaluate(&self.model, values)
     }
 }
 

@@ -1,6 +1,9 @@
 //! What a map of views gives: points with depths, visibility, scores, in the order of the file.
 
-use crate::kernel::model::{Output, OutputKind};
+use super::error::FitError;
+use super::inputs::given;
+use crate::kernel::model::{KernelModel, Output, OutputKind};
+use crate::views::set::Values;
 
 /// Above it a point is seen.
 const SEEN: f64 = 0.5;
@@ -68,6 +71,15 @@ impl MapOutputs {
             of("view", self.views, scalar),
         ]
         .concat()
+    }
+
+    /// Evaluates a map of these outputs.
+    ///
+    /// # Errors
+    /// [`FitError`] of the values.
+    pub fn evaluate(self, model: &KernelModel, values: &Values) -> Result<Shown, FitError> {
+        let evaluated = model.evaluate(&given(&model.inputs, values)?)?;
+        Ok(self.shown(&evaluated.numbers))
     }
 
     /// Reads the numbers of all outputs.

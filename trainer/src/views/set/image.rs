@@ -18,6 +18,14 @@ pub struct Image {
 }
 
 impl Image {
+    /// Loads the picture, whatever its size.
+    ///
+    /// # Errors
+    /// [`SetError::Image`], and [`SetError::ImageSize`] of its mask.
+    pub fn load_any(&self) -> Result<Picture, SetError> {
+        self.load(size(&self.file)?)
+    }
+
     /// Loads the picture; beyond its mask nothing is covered.
     ///
     /// # Errors

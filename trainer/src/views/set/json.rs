@@ -102,14 +102,28 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
     Ok(set)
 }
 
-/// Reads the points of one view: `points`, and `visible` where not all are.
+/// Reads views of an instance: each has the name of a prototype's key view under `view`, and its picture.
 ///
 /// # Errors
-/// [`SetError`] of reading and of lengths.
-pub fn read_points(path: &Path) -> Result<View, SetError> {
-    let written: WrittenView =
-        serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
-    view(written, &[], path.parent().unwrap_or(Path::new("")), &path.display().to_string())
+/// [`SetError`] of reading, and of each view by itself.
+pub fn read_instance(path: &Path) -> Result<Vec<(String, View)>, SetError> {
+    #[derive(Deserialize)]
+    struct Instance {
+        views: Vec<Named>,
+    }
+    #[derive(Deserialize)]
+    struct Named {
+        view: String,
+        #[serde(flatten)]
+        own: WrittenView,
+    }
+    let written: Instance = serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let one = |Named { view: name, own }| {
+        let read = view(own, &[], folder, &name)?;
+        Ok((name, read))
+    };
+    written.views.into_iter().map(one).collect()
 }
 
 fn examples(map: WrittenMap, folder: &Path) -> Result<Examples, SetError> {

@@ -16,6 +16,6 @@ pub use drawing::read_drawing;
 pub use elements::{Element, check_elements, triangulated};
 pub use error::SetError;
 pub use image::Image;
-pub use json::{read, read_points};
+pub use json::{read, read_instance};
 pub use lottie::{AnimatedPath, read_lottie};
 pub use write::as_json;

@@ -10,13 +10,13 @@ use super::error::IntoError;
 use super::find::Found;
 use super::joints::{self, OwnJoints};
 use crate::envelope::export::error::ExportError;
-use crate::envelope::export::glb::Document;
 use crate::envelope::export::played::Played;
 use crate::envelope::export::proxies::ProxyNodes;
 use crate::envelope::export::skeleton::square;
 use crate::examples::{Clip, Examples};
 use crate::formats::FileError;
 use crate::formats::gltf::rigged::{RiggedFile, RiggedMesh};
+use crate::formats::gltf::write::Document;
 
 /// An artist's file that plays a model.
 pub struct Grafted {

@@ -5,12 +5,12 @@ use serde_json::Value;
 
 use super::error::IntoError;
 use super::find::Found;
-use crate::envelope::export::glb::{ChannelKeys, Document, NodeIndex, Placed, Track};
 use crate::envelope::export::skeleton::{
     Carrier, continuous, isometry, parents_first, quaternion, square,
 };
 use crate::examples::{Matrix3x4, Skeleton};
 use crate::formats::gltf::rigged::RiggedFile;
+use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
 
 /// A scale is that of its node within this share.
 const SAME_SCALE: f64 = 1e-5;

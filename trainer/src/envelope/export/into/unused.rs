@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::envelope::export::glb::Document;
+use crate::formats::gltf::write::Document;
 
 impl Document {
     /// Makes room of arrays that nothing uses any more, and of the views that they alone used; their

@@ -1,9 +1,9 @@
 //! Errors by joint.
 
 use super::series::{legend, names};
-use crate::envelope::report::bars::bars;
 use crate::envelope::report::comparison::Comparison;
 use crate::envelope::report::joints::by_joint;
+use crate::page::bars::bars;
 use crate::page::html::{grouped, paragraph, percent, table, text};
 
 /// A row for each joint: vertices, errors, the model's worst frame, bars.

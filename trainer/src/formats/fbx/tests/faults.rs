@@ -105,7 +105,7 @@ fn joints_under_a_constraint_without_keys_are_refused() {
 #[test]
 fn spoiled_scenes_do_not_panic() {
     let mut arm = Arm::skinned("Linear");
-    arm.scene.channel(arm.mesh, &[(50.0, 3, [0.0, 0.0, 2.0]), (100.0, 3, [0.0, 1.0, 1.0])]);
+    arm.scene.channel(arm.mesh, "", &[(50.0, 3, [0.0, 0.0, 2.0]), (100.0, 3, [0.0, 1.0, 1.0])]);
     let text = arm.scene.text();
     assert!(arm.rig().shapes.is_some());
     spoil(text.as_bytes(), |bytes| drop(parse(bytes, &KEYS)));

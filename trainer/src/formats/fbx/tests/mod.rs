@@ -12,6 +12,7 @@ use std::path::Path;
 mod faults;
 mod real;
 mod scene;
+mod shaped;
 
 use scene::{Scene, translation};
 
@@ -129,7 +130,7 @@ fn dual_quaternions_turn_where_linear_blending_shrinks() {
 fn blendshapes_move_before_the_skin_through_the_shapes_between() {
     let mut arm = Arm::skinned("Linear");
     let between = [(50.0, 3, [0.0, 0.0, 2.0]), (100.0, 3, [0.0, 1.0, 1.0])];
-    let channel = arm.scene.channel(arm.mesh, &between);
+    let channel = arm.scene.channel(arm.mesh, "", &between);
     assert!(!arm.rig().morphs, "a channel at rest moves nothing");
     arm.scene.keys(arm.layer, channel, "DeformPercent", "d|DeformPercent", &[(1, 25.0), (2, 75.0)]);
     let rig = arm.rig();

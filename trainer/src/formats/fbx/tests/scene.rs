@@ -101,12 +101,17 @@ impl Scene {
 
     /// Adds a channel of shapes, each with the weight in percent at which it is reached, the vertices
     /// that it moves, and by how much.
-    pub(super) fn channel(&mut self, mesh: u32, shapes: &[(f64, i32, [f64; 3])]) -> u32 {
+    pub(super) fn channel(
+        &mut self,
+        mesh: u32,
+        name: &str,
+        shapes: &[(f64, i32, [f64; 3])],
+    ) -> u32 {
         let blend = self.object("Deformer", "", "BlendShape", "");
         self.connect(blend, mesh);
         let weights: Vec<f64> = shapes.iter().map(|shape| shape.0).collect();
         let inside = "DeformPercent: 0\n".to_owned() + &numbers("FullWeights", &weights);
-        let channel = self.object("Deformer", "", "BlendShapeChannel", &inside);
+        let channel = self.object("Deformer", name, "BlendShapeChannel", &inside);
         self.connect(channel, blend);
         for (_, vertex, offset) in shapes {
             let inside = numbers("Indexes", &[*vertex]) + &numbers("Vertices", offset);

@@ -2,6 +2,7 @@
 
 mod faults;
 mod made;
+mod shaped;
 
 use super::*;
 use crate::examples::{Loaded, Source, Split, Warning, load};

@@ -1,0 +1,139 @@
+//! Batches of a skin's shapes, and what they ask for.
+
+use super::array::Array;
+use super::attribute::{Attribute, attribute_members};
+use super::demand::{Demand, Member, array_members, check_stride, section_member};
+use super::error::LayoutError;
+use super::resource::Resource;
+use super::stage::Stage;
+use sinew_runtime::format::{PartKind, SectionKind};
+use sinew_runtime::skin::BLOCK;
+use sinew_runtime::{Model, Skin};
+use std::ops::Range;
+
+/// Shaped rest meshes of one skin, with an envelope or without: a [`sinew_runtime::ShapesJob`] for every instance.
+///
+/// Offsets and strides count floats. What it writes a [`super::SkinBatch`] takes as its rest mesh: the buffer of
+/// [`Resource::Out`] here is that of [`Resource::Host`] there, attributes without gaps between vertices.
+#[derive(Clone, Debug)]
+pub struct ShapesBatch {
+    /// How many instances there are room for. A frame can evaluate fewer, the first ones; nothing is written
+    /// for the others.
+    pub instance_len: usize,
+    /// The vertices.
+    pub vertices: Range<usize>,
+    /// [`Resource::Weights`]: [`Skin::shape_len`] weights, finite ones. A stride of 0 gives all the same.
+    pub weights: Array,
+    /// Where to put positions: 3 floats, model space.
+    pub positions: Option<Attribute>,
+    /// Where to put normals: 3 floats of length 1.
+    pub normals: Option<Attribute>,
+    /// Where to put tangents: 3 floats of length 1 and the handedness.
+    pub tangents: Option<Attribute>,
+}
+
+impl ShapesBatch {
+    /// Describes all vertices without gaps: instance after instance, of each its V positions, then its V normals
+    /// and, where the skin has them, its V tangents.
+    pub fn new(skin: &Skin<'_>, instance_len: usize) -> Self {
+        let vertex_len = skin.vertex_len();
+        let floats = if skin.has_tangents() { 10 } else { 6 };
+        let attribute = |before: usize, stride| {
+            let (offset, instance_stride) = (before * vertex_len, floats * vertex_len);
+            Some(Attribute { offset, stride, instance_stride })
+        };
+        Self {
+            instance_len,
+            vertices: 0..vertex_len,
+            weights: Array { offset: 0, stride: skin.shape_len() },
+            positions: attribute(0, 3),
+            normals: attribute(3, 3),
+            tangents: attribute(6, 4).filter(|_| skin.has_tangents()),
+        }
+    }
+
+    /// Lists the attributes with the floats of each.
+    fn attributes(&self) -> [(Option<Attribute>, usize); 3] {
+        [(self.positions, 3), (self.normals, 3), (self.tangents, 4)]
+    }
+
+    fn check(&self, model: &Model<impl AsRef<[u8]>>, skin: &Skin<'_>) -> Result<(), LayoutError> {
+        if skin.file() != model.id() {
+            return Err(LayoutError::OtherFile { part: PartKind::Skin });
+        }
+        if self.instance_len == 0 {
+            return Err(LayoutError::NoInstances);
+        }
+        let attributes = self.attributes();
+        if attributes.iter().all(|(attribute, _)| attribute.is_none()) {
+            return Err(LayoutError::NoOutput);
+        }
+        let (Range { start, end }, vertex_len) = (self.vertices.clone(), skin.vertex_len());
+        if start > end || end > vertex_len {
+            return Err(LayoutError::VertexRange { start, end, vertex_len });
+        }
+        if self.tangents.is_some() && !skin.has_tangents() {
+            return Err(LayoutError::NoTangents);
+        }
+        let mut written = attributes.into_iter().filter_map(|(own, len)| Some((own?.stride, len)));
+        written.try_for_each(|(stride, least)| check_stride(Resource::Out, least, stride))
+    }
+
+    /// Counts the blocks that have any of the vertices.
+    fn block_len(&self) -> u64 {
+        let Range { start, end } = self.vertices;
+        if start == end { 0 } else { (end.div_ceil(BLOCK) - start / BLOCK) as u64 }
+    }
+
+    /// Lists the arrays with the words of one instance.
+    fn arrays(&self, shape_len: usize) -> Vec<(Resource, Array, usize)> {
+        // A skin without shapes has no weights, but a binding must have something.
+        let mut out = vec![(Resource::Weights, self.weights, shape_len.max(1))];
+        let Some(last) = self.vertices.len().checked_sub(1) else { return out };
+        out.extend(self.attributes().into_iter().filter_map(|(attribute, len)| {
+            let own = attribute?;
+            let len = last.saturating_mul(own.stride).saturating_add(len);
+            Some((Resource::Out, own.array(), len))
+        }));
+        out
+    }
+}
+
+/// The sections that shaders read, by the name of their member.
+const SECTIONS: [SectionKind; 8] = [
+    SectionKind::RestPositions,
+    SectionKind::RestNormals,
+    SectionKind::RestTangents,
+    SectionKind::Shapes,
+    SectionKind::ShapeBlocks,
+    SectionKind::ShapeEntries,
+    SectionKind::ShapeDeltas,
+    SectionKind::ShapeSlopes,
+];
+
+/// Checks a batch against a model and a skin, and says what it asks for.
+pub(super) fn demand(
+    model: &Model<impl AsRef<[u8]>>,
+    skin: &Skin<'_>,
+    batch: &ShapesBatch,
+) -> Result<Demand, LayoutError> {
+    batch.check(model, skin)?;
+    let counts = [
+        ("vertex_first", batch.vertices.start),
+        ("vertex_len", batch.vertices.len()),
+        ("element", usize::from(skin.shape_element().number())),
+    ];
+    let counts = counts.map(|(name, number)| (name, Member::Number(number)));
+    let sections = SECTIONS.map(|kind| section_member(model, Some(skin.part()), kind));
+    let names = ["weights_offset", "weights_stride"];
+    let weights = array_members(names, Resource::Weights, Some(batch.weights));
+    let attributes = attribute_members(batch.positions, batch.normals, batch.tangents);
+    let members = counts.into_iter().chain(sections).chain(weights).chain(attributes);
+    Ok(Demand {
+        instance_len: batch.instance_len,
+        stages: vec![(Stage::Shapes, batch.block_len())],
+        arrays: batch.arrays(skin.shape_len()),
+        members: members.collect(),
+        blob_bytes: model.blob().len() as u64,
+    })
+}

@@ -1,0 +1,196 @@
+//! Pins: what is asked of single vertices, and a list of them.
+
+use crate::error::{Argument, CallError, CallErrorKind};
+use core::cmp::Ordering;
+use heapless::Vec;
+
+/// Where a vertex is to be, as far as up to three rows look at it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pin {
+    /// The vertex of the skin.
+    pub vertex: u32,
+    /// What is looked at of its posed position x: `row · (x, 1)`. A row whose first three numbers are 0 looks at
+    /// nothing.
+    pub rows: [[f32; 4]; 3],
+    /// What each row is to give.
+    pub target: [f32; 3],
+    /// How much it counts against others and the prior; 1 is the prior's tolerance.
+    pub stiffness: f32,
+}
+
+impl Pin {
+    /// Makes a pin of a whole position, of stiffness 1.
+    ///
+    /// - `target`: in model space. Where the vertex is now makes the pin hold it there: [`crate::Skin::place`].
+    pub const fn new(vertex: u32, target: [f32; 3]) -> Self {
+        let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        Self { vertex, rows, target, stiffness: 1.0 }
+    }
+
+    /// Makes a pin of a place on a screen, of stiffness 1.
+    ///
+    /// - `projection`: from a position to the screen, in units of the screen.
+    /// - `target`: on the screen, divided by nothing: where a camera has perspective, give rows `p_i - target_i p_w`
+    ///   and targets of 0.
+    pub const fn on_screen(vertex: u32, projection: [[f32; 4]; 2], target: [f32; 2]) -> Self {
+        let ([a, b], [x, y]) = (projection, target);
+        Self { vertex, rows: [a, b, [0.0; 4]], target: [x, y, 0.0], stiffness: 1.0 }
+    }
+
+    /// Leaves coordinates free, by their rows.
+    pub const fn masked(mut self, keep: [bool; 3]) -> Self {
+        let mut row = 0;
+        while row < 3 {
+            if !keep[row] {
+                self.rows[row] = [0.0; 4];
+            }
+            row += 1;
+        }
+        self
+    }
+
+    /// Sets the stiffness.
+    pub const fn with_stiffness(self, stiffness: f32) -> Self {
+        Self { stiffness, ..self }
+    }
+
+    /// Lists its rows that look at something, each with its target.
+    pub(super) fn looks(&self) -> impl Iterator<Item = ([f32; 4], f32)> {
+        let all = self.rows.into_iter().zip(self.target);
+        all.filter(|([x, y, z, _], _)| [*x, *y, *z] != [0.0; 3])
+    }
+
+    /// Orders pins so that their rows come in one order, however they were added.
+    fn order(&self, other: &Self) -> Ordering {
+        let floats = |pin: &Self| {
+            let [a, b, c] = pin.rows;
+            let ([x, y, z], s) = (pin.target, pin.stiffness);
+            [a, b, c, [s, x, y, z]]
+        };
+        let (own, others) = (floats(self), floats(other));
+        let pairs = own.as_flattened().iter().zip(others.as_flattened());
+        let by_floats = pairs.map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne());
+        self.vertex.cmp(&other.vertex).then(by_floats.unwrap_or(Ordering::Equal))
+    }
+}
+
+/// At most N pins, in an order that does not depend on the one in which they are added.
+///
+/// Several of one vertex count as one at the mean of their targets by stiffness, as least squares have it.
+#[derive(Clone, Debug, Default)]
+pub struct Pins<const N: usize>(Vec<Pin, N>);
+
+/// The pins of a [`Pins`] of any capacity.
+#[derive(Clone, Copy, Debug)]
+pub struct PinList<'a>(&'a [Pin]);
+
+impl<const N: usize> Pins<N> {
+    /// Makes a list without pins.
+    pub const fn new() -> Self {
+        Self(Vec::new())
+    }
+
+    /// Adds a pin.
+    ///
+    /// # Errors
+    /// - [`CallErrorKind::OutOfRange`]: there are N pins, or the stiffness is negative; the index is N then 0.
+    /// - [`CallErrorKind::NonFinite`]: a number of it is not finite; the index is its vertex.
+    pub fn add(&mut self, pin: Pin) -> Result<(), CallError> {
+        let error = |kind| CallError::new(kind, Argument::Pins).at(pin.vertex as usize);
+        let rows = pin.rows.as_flattened().iter();
+        if !rows.chain(&pin.target).chain([&pin.stiffness]).all(|x| x.is_finite()) {
+            return Err(error(CallErrorKind::NonFinite));
+        }
+        if pin.stiffness < 0.0 {
+            return Err(error(CallErrorKind::OutOfRange));
+        }
+        let at = self.0.partition_point(|other| other.order(&pin).is_le());
+        let full = |_| error(CallErrorKind::OutOfRange).values(N, N + 1);
+        self.0.insert(at, pin).map_err(full)
+    }
+
+    /// Removes all.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// Returns them for a job.
+    pub fn list(&self) -> PinList<'_> {
+        PinList(&self.0)
+    }
+}
+
+impl<'a> PinList<'a> {
+    /// Lists them in their order.
+    pub fn iter(&self) -> core::slice::Iter<'a, Pin> {
+        self.0.iter()
+    }
+
+    /// Counts the rows that look at something: the scalars of a solve.
+    pub fn scalar_len(&self) -> usize {
+        self.0.iter().map(|pin| pin.looks().count()).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn the_order_of_adding_is_irrelevant() {
+        let all = [
+            Pin::new(7, [1.0, 2.0, 3.0]),
+            Pin::new(2, [1.0, 2.0, 3.0]),
+            Pin::new(7, [0.0, 2.0, 3.0]),
+            Pin::new(7, [1.0, 2.0, 3.0]).with_stiffness(0.5),
+            Pin::new(7, [1.0, 2.0, 3.0]).masked([true, false, true]),
+        ];
+        let list = |order: [usize; 5]| -> Vec<Pin> {
+            let mut pins = Pins::<5>::new();
+            order.iter().for_each(|at| pins.add(all[*at]).unwrap());
+            pins.list().iter().copied().collect()
+        };
+        let first = list([0, 1, 2, 3, 4]);
+        for order in [[4, 3, 2, 1, 0], [2, 0, 4, 1, 3], [3, 4, 0, 2, 1]] {
+            assert_eq!(list(order), first);
+        }
+        assert_eq!(first.iter().map(|pin| pin.vertex).collect::<Vec<_>>(), [2, 7, 7, 7, 7]);
+    }
+
+    #[test]
+    fn only_what_is_pinned_counts() {
+        let mut pins = Pins::<3>::new();
+        pins.add(Pin::new(0, [0.0; 3])).unwrap();
+        pins.add(Pin::new(1, [0.0; 3]).masked([false, true, false])).unwrap();
+        pins.add(Pin::on_screen(2, [[1.0, 0.0, 0.0, 5.0], [0.0, 0.0, 0.0, 1.0]], [0.0; 2]))
+            .unwrap();
+        assert_eq!(pins.list().scalar_len(), 3 + 1 + 1);
+    }
+
+    #[test]
+    fn what_cannot_be_pinned_is_refused_and_nothing_added() {
+        let mut pins = Pins::<1>::new();
+        let refused = |pin, pins: &mut Pins<1>| {
+            let error = pins.add(pin).unwrap_err();
+            (error.kind, error.argument, error.index, error.expected)
+        };
+        let nan = CallErrorKind::NonFinite;
+        let range = CallErrorKind::OutOfRange;
+        assert_eq!(
+            refused(Pin::new(3, [0.0, f32::NAN, 0.0]), &mut pins),
+            (nan, Argument::Pins, 3, 0)
+        );
+        let stiff = Pin::new(3, [0.0; 3]);
+        for (stiffness, kind) in [(f32::INFINITY, nan), (-1.0, range)] {
+            let found = refused(stiff.with_stiffness(stiffness), &mut pins);
+            assert_eq!(found, (kind, Argument::Pins, 3, 0));
+        }
+        assert_eq!(pins.list().iter().len(), 0);
+        pins.add(stiff).unwrap();
+        assert_eq!(refused(Pin::new(4, [0.0; 3]), &mut pins), (range, Argument::Pins, 4, 1));
+        pins.clear();
+        pins.add(stiff).unwrap();
+    }
+}

@@ -1,0 +1,170 @@
+//! The stage `shapes`: from weights to the rest mesh that a skin then moves (METHOD §5).
+
+use super::super::blend::unit;
+use super::super::coefficients::Frame;
+use super::super::counts::BLOCK;
+use super::super::output::Output;
+use super::super::view::Skin;
+use super::blocks::Blocks;
+use crate::error::{Argument, CallError, CallErrorKind};
+use crate::linear::floats;
+use core::ops::Range;
+
+/// Shapes a range of vertices at rest.
+///
+/// Each vertex is moved by `sum z_s u_s` over the shapes whose weight is not 0, in their order, added to its rest
+/// position. What it writes a [`super::super::SkinJob`] takes as its rest mesh.
+#[derive(Clone, Debug)]
+pub struct ShapesJob<'a> {
+    /// The skin.
+    pub skin: Skin<'a>,
+    /// [`Skin::shape_len`] weights z.
+    pub weights: &'a [f32],
+    /// The vertices. Ranges can run at the same time; of those that start at multiples of
+    /// [`super::super::BLOCK`] none is summed twice.
+    pub vertices: Range<usize>,
+    /// Where to put positions: 3 floats, model space.
+    pub positions: Option<Output<'a>>,
+    /// Where to put normals: 3 floats of length 1, tilted by the sums of the shapes' slopes; at a weight of 1 of one
+    /// shape alone those of the shaped surface. Where they leave no direction, the file's, which may be 0.
+    pub normals: Option<Output<'a>>,
+    /// Where to put tangents: 3 floats of length 1, tilted likewise, then the file's handedness.
+    pub tangents: Option<Output<'a>>,
+}
+
+/// What shapes add to a block of vertices.
+struct Sums {
+    deltas: [[f32; 3]; BLOCK],
+    slopes: [[f32; 2]; BLOCK],
+}
+
+impl ShapesJob<'_> {
+    /// Runs the job.
+    ///
+    /// # Errors
+    /// - [`CallErrorKind::NoOutput`]: there is no attribute to write.
+    /// - [`CallErrorKind::Length`]: `weights` has another length.
+    /// - [`CallErrorKind::NonFinite`]: a weight is not finite.
+    /// - [`CallErrorKind::OutOfRange`]: `vertices` is not inside the skin.
+    /// - [`CallErrorKind::NoAttribute`]: tangents are asked for, and the skin has none.
+    /// - [`CallErrorKind::Stride`]: a stride is shorter than its attribute.
+    /// - [`CallErrorKind::TooShort`]: an output is too short for its attribute.
+    pub fn run(&self) -> Result<(), CallError> {
+        self.check()?;
+        let Range { start, end } = self.vertices;
+        let blocks = Blocks::of(&self.skin);
+        let tilts = self.normals.is_some() || self.tangents.is_some();
+        let mut sums = Sums::NONE;
+        for block in start / BLOCK..end.div_ceil(BLOCK) {
+            let first = block * BLOCK;
+            sums.add(&blocks, block, self.weights, tilts);
+            let own = start.max(first)..end.min(first + BLOCK);
+            self.write(own, &sums);
+        }
+        Ok(())
+    }
+
+    fn check(&self) -> Result<(), CallError> {
+        let outputs = [
+            (self.positions, 3, Argument::Positions),
+            (self.normals, 3, Argument::Normals),
+            (self.tangents, 4, Argument::Tangents),
+        ];
+        if outputs.iter().all(|(output, ..)| output.is_none()) {
+            return Err(CallError::new(CallErrorKind::NoOutput, Argument::Call));
+        }
+        self.skin.check_weights(self.weights)?;
+        let (Range { start, end }, most) = (self.vertices.clone(), self.skin.vertex_len());
+        if start > end || end > most {
+            let error = CallError::new(CallErrorKind::OutOfRange, Argument::Vertices);
+            return Err(error.at(start).values(most, end));
+        }
+        if self.tangents.is_some() && !self.skin.has_tangents() {
+            return Err(CallError::new(CallErrorKind::NoAttribute, Argument::Tangents));
+        }
+        for (output, len, argument) in outputs {
+            if let Some(output) = output {
+                output.check(end - start, len, argument)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes vertices of one block. `None` stands for what a loaded skin does not have.
+    fn write(&self, vertices: Range<usize>, sums: &Sums) -> Option<()> {
+        let skin = &self.skin;
+        let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
+        for vertex in vertices {
+            let i = vertex - self.vertices.start;
+            if let Some(out) = self.positions {
+                let ([x, y, z], [u, v, w]) =
+                    (floats(positions.get(vertex)?), *sums.deltas.get(vertex % BLOCK)?);
+                out.put(i, [x + u, y + v, z + w])?;
+            }
+            if self.normals.is_none() && self.tangents.is_none() {
+                continue;
+            }
+            let [a, c] = *sums.slopes.get(vertex % BLOCK)?;
+            let n = floats(normals.get(vertex)?);
+            let tangent = tangents.get(vertex).map(floats);
+            if let Some(out) = self.normals {
+                let Frame { g, h } = match tangent {
+                    Some([x, y, z, _]) => Frame::of_tangent(n, [x, y, z]),
+                    None => Frame::of_normal(n, n[2]),
+                };
+                let tilted = [0, 1, 2].map(|i| (n[i] - a * g[i]) - c * h[i]);
+                out.put(i, unit(tilted, 1.0).unwrap_or(n))?;
+            }
+            if let Some((out, [x, y, z, hand])) = self.tangents.zip(tangent) {
+                let tilted = [x + a * n[0], y + a * n[1], z + a * n[2]];
+                let [x, y, z] = unit(tilted, 1.0).unwrap_or([x, y, z]);
+                out.put(i, [x, y, z, hand])?;
+            }
+        }
+        Some(())
+    }
+}
+
+impl Skin<'_> {
+    /// Checks the weights of shapes.
+    pub(crate) fn check_weights(&self, weights: &[f32]) -> Result<(), CallError> {
+        Argument::Weights.check_len(self.shape_len(), weights.len())?;
+        match weights.iter().position(|weight| !weight.is_finite()) {
+            None => Ok(()),
+            Some(at) => Err(CallError::new(CallErrorKind::NonFinite, Argument::Weights).at(at)),
+        }
+    }
+}
+
+impl Sums {
+    const NONE: Self = Self { deltas: [[0.0; 3]; BLOCK], slopes: [[0.0; 2]; BLOCK] };
+
+    /// Sums what shapes add to a block. `None` likewise.
+    #[cfg_attr(target_os = "none", inline(never))]
+    fn add(
+        &mut self,
+        blocks: &Blocks<'_>,
+        block: usize,
+        weights: &[f32],
+        tilts: bool,
+    ) -> Option<()> {
+        self.deltas.as_flattened_mut().fill(0.0);
+        self.slopes.as_flattened_mut().fill(0.0);
+        for entry in blocks.entries_of(block) {
+            let weight = *weights.get(entry.shape)?;
+            if weight == 0.0 {
+                continue;
+            }
+            let [step, slope_step, ..] = floats(blocks.rows.get(entry.shape)?);
+            for (run, first) in entry.runs() {
+                let sums = self.deltas.get_mut(run.clone())?;
+                blocks.deltas.add(weight * step, first, sums)?;
+                if tilts {
+                    let sums = self.slopes.get_mut(run)?;
+                    blocks.slopes.add(weight * slope_step, first, sums)?;
+                }
+            }
+        }
+        Some(())
+    }
+}

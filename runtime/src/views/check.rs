@@ -1,0 +1,142 @@
+//! The checks of an object, in the order that FORMAT.md lists.
+
+use super::counts::{NO_POINT, RULES, ViewsCounts, place};
+use super::view::Views;
+use crate::format::content::{check_counts, check_floats, check_index, check_names};
+use crate::format::part::{Asked, COUNTS, first_counts};
+use crate::format::refusal::{Checked, Loading};
+use crate::format::{FileErrorKind as Kind, SectionKind, saturated};
+use crate::kernel::{OutputKind, OutputRow};
+use crate::linear::Le;
+
+/// Checks an object's counts, and returns what they ask of its sections.
+pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<Asked> {
+    // Points are u16, of which the greatest stands for none; so are elements where they are sorted.
+    let most = u32::from(u16::MAX);
+    let ranges = [
+        (place::POINTS, 1, most),
+        (place::ELEMENTS, 0, most),
+        (place::VIEWS, 1, most),
+        (place::MAPS, 1, most),
+        (place::TEXTURES, 1, most),
+        (place::TEXELS, 1, u32::MAX / 4),
+    ];
+    check_counts(loading, SectionKind::ViewsCounts, words, &ranges)?;
+    Ok(ViewsCounts::from_words(first_counts(words)).asked())
+}
+
+/// Checks the content of an object whose sections all have their length.
+///
+/// - `part_len`: parts of the file.
+/// - `outputs`: returns the rows of what a part gives, if that is a kernel.
+pub(crate) fn content<'a>(
+    views: &Views<'_>,
+    loading: &Loading<'_>,
+    part_len: usize,
+    outputs: impl Fn(u16) -> Option<&'a [[u8; OutputRow::BYTES]]>,
+) -> Checked {
+    CHECKS.iter().try_for_each(|check| check(views, loading))?;
+    for (index, part) in views.maps().iter().enumerate() {
+        let section = SectionKind::Maps;
+        let part = u32::from_le_bytes(*part);
+        let Some(rows) = u16::try_from(part).ok().and_then(&outputs) else {
+            return Err(loading.refuse(Kind::Index, Some(section), index, [part_len as u32, part]));
+        };
+        let ViewsCounts { point_len, view_len, .. } = views.counts();
+        let expected =
+            [saturated(2 * u64::from(point_len) + u64::from(view_len)), rows.len() as u32];
+        if expected[0] != expected[1] {
+            return Err(loading.refuse(Kind::Mismatch, Some(section), index, expected));
+        }
+        let (places, numbers) = rows.split_at(rows.len().min(point_len as usize));
+        let is_of =
+            |row: &[u8; OutputRow::BYTES], kind: OutputKind| row.first() == Some(&kind.number());
+        let is_sound = places.iter().all(|row| is_of(row, OutputKind::Vector3))
+            && numbers.iter().all(|row| is_of(row, OutputKind::Scalar));
+        if !is_sound {
+            return loading.invalid(section, index);
+        }
+    }
+    Ok(())
+}
+
+/// The checks of the content, in their order, likewise as an envelope's.
+static CHECKS: [fn(&Views<'_>, &Loading<'_>) -> Checked; 6] = [
+    |views, loading| check_names(loading, views.names()),
+    |views, loading| check_floats(loading, &views.0, &RULES),
+    check_elements,
+    check_view_textures,
+    check_masks,
+    check_textures,
+];
+
+/// Checks that elements are of points of the object, no two of one element the same.
+fn check_elements(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
+    let section = SectionKind::Elements;
+    for (index, row) in views.elements().iter().enumerate() {
+        let points = row.map(u16::from_le_bytes);
+        let [a, b, c, d] = points;
+        let len = if d == NO_POINT { 3 } else { 4 };
+        for (corner, point) in points.iter().take(len).enumerate() {
+            check_index(
+                loading,
+                section,
+                4 * index + corner,
+                views.counts().point_len,
+                (*point).into(),
+            )?;
+        }
+        if a == b || a == c || a == d || b == c || b == d || c == d {
+            return loading.invalid(section, index);
+        }
+    }
+    Ok(())
+}
+
+/// Checks that key views are of textures of the object.
+fn check_view_textures(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
+    let below = views.counts().texture_len;
+    for (index, texture) in views.view_textures().iter().enumerate() {
+        let texture = u32::from_le_bytes(*texture);
+        check_index(loading, SectionKind::ViewTextures, index, below, texture)?;
+    }
+    Ok(())
+}
+
+/// Checks that the bits of a mask beyond its points are 0.
+fn check_masks(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
+    let point_len = views.point_len();
+    let words = point_len.div_ceil(32);
+    let Some(bits) = point_len.checked_rem(32).filter(|bits| *bits > 0) else { return Ok(()) };
+    let is_unsound = |le: &Le| u32::from_le_bytes(*le) >> bits != 0;
+    let lasts = views.masks().chunks_exact(words.max(1)).filter_map(<[_]>::last);
+    match lasts.map(is_unsound).position(|unsound| unsound) {
+        None => Ok(()),
+        Some(view) => loading.invalid(SectionKind::ViewMasks, view),
+    }
+}
+
+/// Checks that textures have texels, of all of which each has its own.
+fn check_textures(views: &Views<'_>, loading: &Loading<'_>) -> Checked {
+    let section = SectionKind::Textures;
+    let mut end = 0;
+    for (index, row) in views.textures().iter().enumerate() {
+        let [width, height, start] = row.map(u32::from_le_bytes);
+        let most = u32::from(u16::MAX);
+        let is_sized = (1..=most).contains(&width) && (1..=most).contains(&height);
+        if !is_sized {
+            return loading.invalid(section, index);
+        }
+        if u64::from(start) != end {
+            let values = [saturated(end), start];
+            return Err(loading.refuse(Kind::Mismatch, Some(section), index, values));
+        }
+        end += u64::from(width) * u64::from(height);
+    }
+    let found = views.counts().texel_len;
+    if end == u64::from(found) {
+        return Ok(());
+    }
+    let values = [saturated(end), found];
+    Err(loading.refuse(Kind::Mismatch, Some(SectionKind::ViewsCounts), place::TEXELS, values))
+}

@@ -1,0 +1,183 @@
+//! Which pixels an element covers: edge functions of whole numbers, so that neighbours share every pixel exactly once
+//! (METHOD §6, "Raster").
+
+use crate::numeric::{greater, lesser};
+
+/// A place on the screen, x to the right and y down, in steps of a pixel's 256th.
+pub(super) type Step = [i64; 2];
+
+/// Steps of a pixel.
+const PIXEL: i64 = 256;
+/// How far places may be from the screen's corner, in steps: with 2^20 pixels an edge function stays below 2^60.
+const STEPS_MAX: f32 = 268_435_456.0;
+
+/// Snaps a place in pixels to steps; one that is farther out than 2^20 pixels, to where it leaves them.
+pub(super) fn snap(place: [f32; 2]) -> Step {
+    place.map(|x| {
+        let steps = lesser(STEPS_MAX, greater(-STEPS_MAX, x * PIXEL as f32));
+        libm::floorf(steps + 0.5) as i64
+    })
+}
+
+/// Returns twice the area of the triangle a b c, positive where it turns clockwise on the screen.
+pub(super) const fn area([ax, ay]: Step, [bx, by]: Step, [cx, cy]: Step) -> i64 {
+    (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+}
+
+/// Hands over the pixels whose centres lie in a convex clockwise ring, row by row from the top, each with its edge
+/// functions: of edge i, from corner i to the next, twice the area of its triangle with the centre.
+///
+/// A centre on an edge is inside if the edge is a left one or a horizontal top one.
+pub(super) fn cover<const N: usize>(
+    ring: &[Step; N],
+    [width, height]: [usize; 2],
+    mut each: impl FnMut([usize; 2], [i64; N]),
+) {
+    let (left, right) = span(ring.map(|[x, _]| x), width);
+    let (top, bottom) = span(ring.map(|[_, y]| y), height);
+    let mut edges = [Edge::default(); N];
+    let ends = ring.iter().cycle().skip(1);
+    for ((edge, from), to) in edges.iter_mut().zip(ring).zip(ends) {
+        *edge = Edge::new(*from, *to);
+    }
+    for y in top..bottom {
+        let start = [centre(left), centre(y)];
+        let mut values = edges.map(|edge| edge.at(start));
+        for x in left..right {
+            if values.iter().zip(&edges).all(|(value, edge)| *value >= edge.least) {
+                each([x, y], values);
+            }
+            values.iter_mut().zip(&edges).for_each(|(value, edge)| *value += edge.across);
+        }
+    }
+}
+
+/// An edge function: 0 on the edge, positive inside.
+#[derive(Clone, Copy, Default)]
+struct Edge {
+    from: Step,
+    to: Step,
+    /// Its change from a pixel to the next on the right.
+    across: i64,
+    /// Its least value inside: 0 of an edge that owns the centres on it, else 1.
+    least: i64,
+}
+
+impl Edge {
+    const fn new(from: Step, to: Step) -> Self {
+        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        let owns = dy < 0 || dy == 0 && dx > 0;
+        Self { from, to, across: -dy * PIXEL, least: !owns as i64 }
+    }
+
+    const fn at(self, place: Step) -> i64 {
+        area(self.from, self.to, place)
+    }
+}
+
+/// Returns the pixels, first and past the last, whose centres may lie between the least and the greatest coordinate.
+fn span<const N: usize>(coordinates: [i64; N], len: usize) -> (usize, usize) {
+    let least = coordinates.iter().copied().min().unwrap_or_default();
+    let greatest = coordinates.iter().copied().max().unwrap_or_default();
+    // A pixel's centre is half a pixel from its start.
+    let pixel = |step: i64| usize::try_from((step + PIXEL / 2).div_euclid(PIXEL)).unwrap_or(0);
+    (pixel(least - 1).min(len), pixel(greatest).min(len))
+}
+
+const fn centre(pixel: usize) -> i64 {
+    pixel as i64 * PIXEL + PIXEL / 2
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec;
+    use std::vec::Vec;
+
+    /// Counts how often each pixel is covered.
+    fn counted<const N: usize>(rings: &[[Step; N]], size: [usize; 2]) -> Vec<u32> {
+        let mut counts = vec![0; size[0] * size[1]];
+        for ring in rings {
+            cover(ring, size, |[x, y], _| counts[y * size[0] + x] += 1);
+        }
+        counts
+    }
+
+    /// Random numbers in [0, 1).
+    fn random(seed: &mut u64) -> f32 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (*seed >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    /// Corners of a grid of n x n cells over a square, those inside moved at random, every other one onto a pixel's
+    /// centre.
+    fn grid(n: usize, size: usize) -> Vec<Vec<Step>> {
+        let (mut seed, cell) = (3, size as f32 / n as f32);
+        let mut place = |i: usize| {
+            let moved = if i == 0 || i == n { 0.0 } else { 0.2 * (random(&mut seed) - 0.5) };
+            cell * (i as f32 + moved)
+        };
+        let mut corner = |x: usize, y: usize| {
+            let steps = snap([place(x), place(y)]);
+            let inner = |i| i > 0 && i < n;
+            let is_centred = (x + y).is_multiple_of(2) && inner(x) && inner(y);
+            if is_centred { steps.map(|s| s / PIXEL * PIXEL + PIXEL / 2) } else { steps }
+        };
+        (0..=n).map(|y| (0..=n).map(|x| corner(x, y)).collect()).collect()
+    }
+
+    #[test]
+    fn triangles_and_quads_cover_every_pixel_once() {
+        for (n, size) in [(23, 512), (97, 512), (128, 512)] {
+            let grid = grid(n, size);
+            let (mut triangles, mut quads) = (Vec::new(), Vec::new());
+            for (y, rows) in grid.windows(2).enumerate() {
+                for x in 0..n {
+                    let [a, b, c, d] = [rows[0][x], rows[0][x + 1], rows[1][x + 1], rows[1][x]];
+                    match (x + y) % 3 {
+                        0 => triangles.extend([[a, b, c], [a, c, d]]),
+                        1 => triangles.extend([[a, b, d], [b, c, d]]),
+                        _ => quads.push([a, b, c, d]),
+                    }
+                }
+            }
+            let sums = counted(&triangles, [size; 2]).into_iter();
+            let sums = sums.zip(counted(&quads, [size; 2])).map(|(a, b)| a + b);
+            assert!(sums.into_iter().all(|count| count == 1), "{n}");
+        }
+    }
+
+    #[test]
+    fn a_centre_on_an_edge_belongs_to_the_left_and_the_top() {
+        // Corners on centres: the square from 1.5 to 3.5 has the centres of pixels 1 and 2, not those of 3.
+        let [low, high] = [centre(1), centre(3)];
+        let square = [[low, low], [high, low], [high, high], [low, high]];
+        let expected = [0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 1, 0, 0];
+        let found = counted(&[square], [5, 5]);
+        assert_eq!(found[..15], expected);
+        assert!(found[15..].iter().all(|count| *count == 0));
+    }
+
+    #[test]
+    fn edge_functions_are_those_of_each_pixel() {
+        let ring = [[-700, -300], [2000, 100], [300, 1900]];
+        cover(&ring, [9, 9], |[x, y], values| {
+            let p = [centre(x), centre(y)];
+            let [a, b, c] = ring;
+            assert_eq!(values, [area(a, b, p), area(b, c, p), area(c, a, p)]);
+        });
+        assert!(counted(&[ring], [9, 9]).contains(&1));
+    }
+
+    #[test]
+    fn what_is_far_out_or_flat_is_no_trouble() {
+        let far = [[-9e9, -9e9], [9e9, -9e9], [0.0, f32::MAX]].map(snap);
+        assert!(counted(&[far], [8, 8]).iter().all(|count| *count == 1));
+        let flat = [[0.0, 0.0], [4.0, 4.0], [8.0, 8.0]].map(snap);
+        assert!(counted(&[flat], [8, 8]).iter().all(|count| *count == 0));
+        let beside = [[-9.0, 1.0], [-1.0, 1.0], [-9.0, 7.0]].map(snap);
+        assert!(counted(&[beside], [8, 8]).iter().all(|count| *count == 0));
+        assert_eq!(snap([f32::NAN, 0.25])[1], 64);
+    }
+}

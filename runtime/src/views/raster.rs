@@ -1,0 +1,366 @@
+//! Elements onto a screen: textures mapped, blended or by depth (METHOD §6, "Raster").
+
+use super::cover::{Step, area, cover, snap};
+use super::texture::{Colour, Texture};
+use crate::numeric::{greater, lesser, sqrt};
+
+/// A corner of an element.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Corner {
+    /// Where it is on the screen, in pixels, y down.
+    pub(super) place: [f32; 2],
+    /// How far it is from the viewer.
+    pub(super) depth: f32,
+    /// Where it is in its texture, in texels.
+    pub(super) texel: [f32; 2],
+}
+
+/// What elements are drawn to.
+pub(super) struct Screen<'a> {
+    pub(super) width: usize,
+    /// RGBA8, colours times their alpha, row by row from the top.
+    pub(super) pixels: &'a mut [[u8; 4]],
+    /// How far each pixel is; without them elements are blended, one over the other.
+    pub(super) depths: Option<&'a mut [f32]>,
+}
+
+impl Screen<'_> {
+    /// Draws a triangle whose texture is mapped affinely; returns whether it is flipped against its texture.
+    pub(super) fn triangle(&mut self, corners: [Corner; 3], texture: &Texture<'_>) -> bool {
+        let [a, b, c] = corners;
+        let [p, q, r] = corners.map(|corner| snap(corner.place));
+        let whole = area(p, q, r);
+        let is_flipped = flips(whole, turn([a, b, c]));
+        match whole {
+            0 => {}
+            1.. => self.clockwise_triangle([a, b, c], [p, q, r], texture),
+            _ => self.clockwise_triangle([a, c, b], [p, r, q], texture),
+        }
+        is_flipped
+    }
+
+    /// Draws a quad whose texture is mapped bilinearly where it is convex on the screen, and as two triangles where it
+    /// is not; returns whether it is flipped against its texture, or folded.
+    pub(super) fn quad(&mut self, corners: [Corner; 4], texture: &Texture<'_>) -> bool {
+        let [a, b, c, d] = corners;
+        let ring = corners.map(|corner| snap(corner.place));
+        let [p, q, r, s] = ring;
+        let turns = [area(s, p, q), area(p, q, r), area(q, r, s), area(r, s, p)];
+        let whole = turns.iter().sum::<i64>();
+        let is_flipped = flips(whole, turn([a, b, c]) + turn([a, c, d]));
+        // Corners at which it turns against itself; a straight one turns either way.
+        let reflex = turns.map(|turn| flips(turn, whole as f32));
+        match reflex {
+            [false, false, false, false] => match whole {
+                0 => {}
+                1.. => self.clockwise_quad(corners, ring, texture),
+                _ => self.clockwise_quad([a, d, c, b], [p, s, r, q], texture),
+            },
+            [true, ..] | [_, _, true, _] => {
+                self.triangle([a, b, c], texture);
+                self.triangle([a, c, d], texture);
+            }
+            _ => {
+                self.triangle([a, b, d], texture);
+                self.triangle([b, c, d], texture);
+            }
+        }
+        is_flipped || reflex.contains(&true)
+    }
+
+    fn clockwise_triangle(
+        &mut self,
+        [a, b, c]: [Corner; 3],
+        ring: [Step; 3],
+        texture: &Texture<'_>,
+    ) {
+        let [p, q, r] = ring;
+        let share = 1.0 / area(p, q, r) as f32;
+        let size = self.size();
+        cover(&ring, size, |[x, y], [towards_c, _, towards_b]| {
+            let (s, t) = (towards_b as f32 * share, towards_c as f32 * share);
+            let at = |a: f32, b: f32, c: f32| a + (b - a) * s + (c - a) * t;
+            let texel = [0, 1].map(|i| at(a.texel[i], b.texel[i], c.texel[i]));
+            self.put(y * size[0] + x, at(a.depth, b.depth, c.depth), texel, texture);
+        });
+    }
+
+    fn clockwise_quad(
+        &mut self,
+        [a, b, c, d]: [Corner; 4],
+        ring: [Step; 4],
+        texture: &Texture<'_>,
+    ) {
+        let [p, q, r, s] = ring;
+        // How far the ring is from a parallelogram: e x g and g x f, of e = q - p, f = s - p, g = r - q - f.
+        let e_g = area(p, q, r) - area(p, q, s);
+        let g_f = area(p, r, s) - area(p, q, s);
+        let size = self.size();
+        cover(&ring, size, |[x, y], [above, beyond, below, before]| {
+            let s = root(before, beyond, e_g);
+            let t = root(above, below, g_f);
+            let at = |a: f32, b: f32, c: f32, d: f32| {
+                let (top, bottom) = (a + (b - a) * s, d + (c - d) * s);
+                top + (bottom - top) * t
+            };
+            let texel = [0, 1].map(|i| at(a.texel[i], b.texel[i], c.texel[i], d.texel[i]));
+            let depth = at(a.depth, b.depth, c.depth, d.depth);
+            self.put(y * size[0] + x, depth, texel, texture);
+        });
+    }
+
+    fn size(&self) -> [usize; 2] {
+        [self.width, self.pixels.len().checked_div(self.width).unwrap_or(0)]
+    }
+
+    /// Writes a pixel, if nothing nearer is there and there is something to be seen.
+    #[inline]
+    fn put(&mut self, at: usize, depth: f32, texel: [f32; 2], texture: &Texture<'_>) {
+        let Some(pixel) = self.pixels.get_mut(at) else { return };
+        let Some(depths) = &mut self.depths else {
+            let colour = texture.colour(texel);
+            *pixel = over(colour, *pixel);
+            return;
+        };
+        let Some(nearest) = depths.get_mut(at).filter(|nearest| depth < **nearest) else { return };
+        let colour = texture.colour(texel);
+        if colour[3] >= 127.5 {
+            *nearest = depth;
+            *pixel = over(colour, [0; 4]);
+        }
+    }
+}
+
+/// Returns a colour over another, rounded.
+#[inline]
+fn over(colour: Colour, below: [u8; 4]) -> [u8; 4] {
+    let through = 1.0 - colour[3] / 255.0;
+    let mut out = below;
+    for (out, x) in out.iter_mut().zip(colour) {
+        *out = (x + f32::from(*out) * through + 0.5) as u8;
+    }
+    out
+}
+
+/// Returns twice the area of a triangle in its texture, positive where it turns clockwise.
+fn turn([a, b, c]: [Corner; 3]) -> f32 {
+    let [[ax, ay], [bx, by], [cx, cy]] = [a, b, c].map(|corner| corner.texel);
+    (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+}
+
+/// Whether two areas turn against each other; one that is 0 turns either way.
+fn flips(steps: i64, other: f32) -> bool {
+    steps > 0 && other < 0.0 || steps < 0 && other > 0.0
+}
+
+/// Returns the share in [0, 1] of a way across a convex quad that a pixel has gone, of the edge functions at the
+/// quad's two ends of that way, neither negative.
+///
+/// The share x solves `bend x² + (after - bend + before) x - before = 0`, which is negative at 0 and positive at 1: of
+/// the two roots the one at which it rises. Each form keeps its last places where the other would lose them.
+fn root(before: i64, after: i64, bend: i64) -> f32 {
+    let slope = (after + before - bend) as f32;
+    let (before, bend) = (before as f32, bend as f32);
+    let square = slope * slope + 4.0 * bend * before;
+    let height = sqrt(greater(square, 0.0));
+    let share = if slope >= 0.0 {
+        let sum = slope + height;
+        if sum > 0.0 { 2.0 * before / sum } else { 0.0 }
+    } else {
+        (height - slope) / (2.0 * bend)
+    };
+    lesser(greater(share, 0.0), 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec;
+    use std::vec::Vec;
+
+    const BLACK: [u8; 4] = [0, 0, 0, 255];
+
+    fn corner(place: [f32; 2], depth: f32, texel: [f32; 2]) -> Corner {
+        Corner { place, depth, texel }
+    }
+
+    /// Corners that lie in the texture where they lie on the screen.
+    fn same<const N: usize>(places: [[f32; 2]; N], depth: f32) -> [Corner; N] {
+        places.map(|place| corner(place, depth, place))
+    }
+
+    fn one(texel: &[[u8; 4]; 1]) -> Texture<'_> {
+        Texture { width: 1, texels: texel }
+    }
+
+    fn blended(width: usize, pixels: &mut [[u8; 4]]) -> Screen<'_> {
+        Screen { width, pixels, depths: None }
+    }
+
+    fn random(seed: &mut u64) -> f32 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (*seed >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    #[test]
+    fn where_it_is_in_its_texture_an_element_shows_it() {
+        let (n, mut seed) = (128usize, 5);
+        let texels: Vec<[u8; 4]> = (0..n * n)
+            .map(|_| [0; 3].map(|_| 255 * u8::from(random(&mut seed) < 0.5)))
+            .map(|[r, g, b]| [r, g, b, 255])
+            .collect();
+        let texture = Texture { width: n, texels: &texels };
+        let cells = 9;
+        let cell = n as f32 / cells as f32;
+        let place = |x: usize, y: usize| {
+            let mut seed = (x * 31 + y) as u64;
+            [x, y].map(|i| {
+                let inner = if i == 0 || i == cells { 0.0 } else { 0.5 };
+                cell * (i as f32 + inner * (random(&mut seed) - 0.5))
+            })
+        };
+        let mut pixels = vec![[9; 4]; n * n];
+        let mut screen = blended(n, &mut pixels);
+        for (y, x) in (0..cells).flat_map(|y| (0..cells).map(move |x| (y, x))) {
+            let ring = [place(x, y), place(x + 1, y), place(x + 1, y + 1), place(x, y + 1)];
+            let [a, b, c, d] = same(ring, 0.0);
+            let flipped = match (x + y) % 3 {
+                0 => screen.quad([a, b, c, d], &texture),
+                1 => screen.triangle([a, b, c], &texture) | screen.triangle([c, d, a], &texture),
+                _ => screen.triangle([b, a, d], &texture) | screen.triangle([d, c, b], &texture),
+            };
+            assert!(!flipped);
+        }
+        let apart = pixels.iter().zip(&texels).flat_map(|(a, b)| a.iter().zip(b));
+        let worst = apart.map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(worst <= Some(1), "{worst:?}");
+    }
+
+    /// Inverts the bilinear map of a quad by Newton steps.
+    fn inverted(ring: [[f64; 2]; 4], p: [f64; 2]) -> [f64; 2] {
+        let [a, b, c, d] = ring;
+        let (mut s, mut t) = (0.5, 0.5);
+        for _ in 0..60 {
+            let at = |i: usize| {
+                (1.0 - t) * (a[i] + (b[i] - a[i]) * s) + t * (d[i] + (c[i] - d[i]) * s) - p[i]
+            };
+            let by_s = |i: usize| (1.0 - t) * (b[i] - a[i]) + t * (c[i] - d[i]);
+            let by_t = |i: usize| (1.0 - s) * (d[i] - a[i]) + s * (c[i] - b[i]);
+            let (x, y) = (at(0), at(1));
+            let det = by_s(0) * by_t(1) - by_s(1) * by_t(0);
+            let (ds, dt) = ((x * by_t(1) - y * by_t(0)) / det, (by_s(0) * y - by_s(1) * x) / det);
+            (s, t) = (s - ds, t - dt);
+        }
+        assert!([s, t].iter().all(|x| (-1e-6..=1.0 + 1e-6).contains(x)), "{s} {t}");
+        [s, t]
+    }
+
+    #[test]
+    fn quads_are_inverted_as_in_double_precision() {
+        // Texels of a slope in each direction.
+        let n = 256;
+        let texels: Vec<_> = (0..n * n).map(|i| [(i % n) as u8, (i / n) as u8, 7, 255]).collect();
+        let texture = Texture { width: n, texels: &texels };
+        let (size, mut seed, mut seen) = (96, 8, 0);
+        for round in 0..40 {
+            let mut ring =
+                [[20.0f32, 20.0], [76.0, 20.0], [76.0, 76.0], [20.0, 76.0]].map(|corner| {
+                    let moved = 30.0 * (1.0 - 1.0 / (1 + round) as f32);
+                    corner
+                        .map(|x| ((x + moved * (random(&mut seed) - 0.5)) * 256.0).round() / 256.0)
+                });
+            if round % 2 == 1 {
+                ring.reverse();
+            }
+            let ends = [[0.5, 0.5], [255.5, 0.5], [255.5, 255.5], [0.5, 255.5]];
+            let mut corners = [Corner::default(); 4];
+            for ((corner, place), texel) in corners.iter_mut().zip(ring).zip(ends) {
+                *corner = Corner { place, depth: 0.0, texel };
+            }
+            let mut pixels = vec![[0; 4]; size * size];
+            let flipped = blended(size, &mut pixels).quad(corners, &texture);
+            assert_eq!(flipped, round % 2 == 1);
+            for (at, pixel) in pixels.iter().enumerate().filter(|(_, pixel)| pixel[3] > 0) {
+                let p = [at % size, at / size].map(|x| x as f64 + 0.5);
+                let share = inverted(ring.map(|place| place.map(f64::from)), p);
+                let expected = share.map(|share| 255.0 * share);
+                for (found, expected) in pixel.iter().zip(expected) {
+                    assert!((f64::from(*found) - expected).abs() <= 0.51, "{found} {expected}");
+                }
+                seen += 1;
+            }
+        }
+        assert!(seen > 100_000);
+    }
+
+    #[test]
+    fn a_quad_that_is_not_convex_is_covered_once_and_told() {
+        let half = [[0, 0, 0, 128]];
+        for first in 0..4 {
+            // The corner at 24, 24 points inwards.
+            let mut ring = [[8.0, 8.0], [56.0, 8.0], [24.0, 24.0], [8.0, 56.0]];
+            ring.rotate_left(first);
+            let mut pixels = vec![[0; 4]; 64 * 64];
+            assert!(blended(64, &mut pixels).quad(same(ring, 0.0), &one(&half)));
+            let area = pixels.iter().filter(|pixel| pixel[3] == 128).count();
+            assert!((700..=840).contains(&area), "{area}");
+            assert!(pixels.iter().all(|pixel| pixel[3] == 0 || pixel[3] == 128));
+        }
+    }
+
+    #[test]
+    fn what_turns_against_its_texture_is_told_and_drawn() {
+        let ring = [[1.0, 1.0], [7.0, 1.0], [1.0, 7.0]];
+        let [a, b, c] = ring;
+        let red = [[255, 0, 0, 255]];
+        let mirrored = [corner(a, 0.0, a), corner(b, 0.0, c), corner(c, 0.0, b)];
+        for (corners, expected) in [(same(ring, 0.0), false), (mirrored, true)] {
+            let mut pixels = vec![BLACK; 64];
+            assert_eq!(blended(8, &mut pixels).triangle(corners, &one(&red)), expected);
+            assert_eq!(pixels.iter().filter(|pixel| pixel[0] == 255).count(), 15);
+        }
+        let flat = [a, b, [4.0, 1.0]];
+        let mut pixels = vec![BLACK; 64];
+        assert!(!blended(8, &mut pixels).triangle(same(flat, 0.0), &one(&red)));
+        assert!(pixels.iter().all(|pixel| *pixel == BLACK));
+    }
+
+    #[test]
+    fn without_depths_elements_are_blended() {
+        let ring = same([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]], 0.0);
+        let mut pixels = vec![[100, 200, 40, 255]; 4];
+        blended(2, &mut pixels).quad(ring, &one(&[[200, 100, 0, 51]]));
+        // A fifth of the one and four of the other.
+        assert_eq!(pixels, [[120, 180, 32, 255]; 4]);
+    }
+
+    #[test]
+    fn with_depths_the_nearer_wins_then_the_first() {
+        let ring = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+        let colours = [[10, 0, 0, 255], [20, 0, 0, 255], [30, 0, 0, 255], [40, 0, 0, 127]];
+        for (order, expected) in [([0, 1, 2, 3], 10), ([1, 0, 3, 2], 20), ([2, 3, 1, 0], 20)] {
+            let depths = [5.0, 5.0, 6.0, 1.0];
+            let (mut pixels, mut nearest) = (vec![BLACK; 16], vec![f32::INFINITY; 16]);
+            let mut screen = Screen { width: 4, pixels: &mut pixels, depths: Some(&mut nearest) };
+            for element in order {
+                screen.quad(same(ring, depths[element]), &one(&[colours[element]]));
+            }
+            assert!(pixels.iter().all(|pixel| *pixel == [expected, 0, 0, 255]));
+            assert_eq!(nearest, [5.0; 16]);
+        }
+    }
+
+    #[test]
+    fn depths_lie_on_the_plane_of_their_corners() {
+        let place = [[0.0, 0.0], [8.0, 0.0], [0.0, 8.0]];
+        let corners = place.map(|[x, y]| corner([x, y], 3.0 + 0.5 * x - 0.25 * y, [x, y]));
+        let (mut pixels, mut nearest) = (vec![BLACK; 64], vec![f32::INFINITY; 64]);
+        let mut screen = Screen { width: 8, pixels: &mut pixels, depths: Some(&mut nearest) };
+        screen.triangle(corners, &one(&[[1, 2, 3, 255]]));
+        for (at, depth) in nearest.iter().enumerate().filter(|(_, depth)| depth.is_finite()) {
+            let [x, y] = [at % 8, at / 8].map(|x| x as f32 + 0.5);
+            assert!((depth - (3.0 + 0.5 * x - 0.25 * y)).abs() < 1e-5);
+        }
+    }
+}

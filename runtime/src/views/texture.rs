@@ -1,0 +1,103 @@
+//! Textures, and their colours between texels.
+
+use crate::numeric::{greater, lesser};
+
+/// A picture of RGBA8 texels, sRGB, straight alpha, row by row from the top.
+#[derive(Clone, Copy, Debug)]
+pub struct Texture<'a> {
+    pub(super) width: usize,
+    pub(super) texels: &'a [[u8; 4]],
+}
+
+/// A colour times its alpha, and that alpha, in [0, 255] and as sRGB encodes it: the numbers of a file are neither
+/// decoded nor encoded again.
+pub(super) type Colour = [f32; 4];
+
+impl<'a> Texture<'a> {
+    /// Returns width and height in texels.
+    pub const fn size(&self) -> [usize; 2] {
+        match self.texels.len().checked_div(self.width) {
+            Some(height) => [self.width, height],
+            None => [0; 2],
+        }
+    }
+
+    /// Returns its texels.
+    pub const fn texels(&self) -> &'a [[u8; 4]] {
+        self.texels
+    }
+
+    /// Returns the colour at a place in texels, whose centres are at 0.5, between the four nearest; beyond the centres
+    /// of the outermost, theirs.
+    #[inline]
+    pub(super) fn colour(&self, [x, y]: [f32; 2]) -> Colour {
+        let [width, height] = self.size();
+        let ((x0, x1, across), (y0, y1, down)) = (between(x, width), between(y, height));
+        let rows = [y0, y1].map(|y| {
+            let [left, right] = [x0, x1].map(|x| self.texel(y * width + x));
+            mixed(left, right, across)
+        });
+        mixed(rows[0], rows[1], down)
+    }
+
+    #[inline]
+    fn texel(&self, at: usize) -> Colour {
+        let [r, g, b, a] = self.texels.get(at).copied().unwrap_or_default();
+        let share = f32::from(a) / 255.0;
+        [f32::from(r) * share, f32::from(g) * share, f32::from(b) * share, f32::from(a)]
+    }
+}
+
+/// Returns the two texels of `len` beside a coordinate, and its way from the first to the second.
+#[inline]
+fn between(x: f32, len: usize) -> (usize, usize, f32) {
+    let last = len.saturating_sub(1);
+    let kept = lesser(last as f32, greater(0.0, x - 0.5));
+    let first = kept as usize;
+    (first, (first + 1).min(last), kept - first as f32)
+}
+
+#[inline]
+fn mixed(a: Colour, b: Colour, share: f32) -> Colour {
+    let mut out = a;
+    for (out, b) in out.iter_mut().zip(b) {
+        *out += (b - *out) * share;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXELS: [[u8; 4]; 6] = [
+        [255, 0, 0, 255],
+        [0, 255, 0, 255],
+        [0, 0, 255, 0],
+        [10, 20, 30, 255],
+        [40, 50, 60, 255],
+        [200, 100, 50, 51],
+    ];
+    const TEXTURE: Texture<'_> = Texture { width: 3, texels: &TEXELS };
+
+    #[test]
+    fn centres_give_their_texel_times_its_alpha() {
+        assert_eq!(TEXTURE.size(), [3, 2]);
+        assert_eq!(TEXTURE.colour([0.5, 0.5]), [255.0, 0.0, 0.0, 255.0]);
+        assert_eq!(TEXTURE.colour([1.5, 1.5]), [40.0, 50.0, 60.0, 255.0]);
+        assert_eq!(TEXTURE.colour([2.5, 1.5]), [40.0, 20.0, 10.0, 51.0]);
+        // Nothing is seen of a colour without alpha.
+        assert_eq!(TEXTURE.colour([2.5, 0.5]), [0.0; 4]);
+    }
+
+    #[test]
+    fn between_centres_colours_are_weighed_and_beyond_them_kept() {
+        assert_eq!(TEXTURE.colour([1.25, 0.5]), [63.75, 191.25, 0.0, 255.0]);
+        // A quarter of each of the first four.
+        assert_eq!(TEXTURE.colour([1.0, 1.0]), [76.25, 81.25, 22.5, 255.0]);
+        assert_eq!(TEXTURE.colour([-7.0, -1e30]), TEXTURE.colour([0.5, 0.5]));
+        assert_eq!(TEXTURE.colour([1e30, 9.0]), TEXTURE.colour([2.5, 1.5]));
+        assert!(TEXTURE.colour([f32::NAN, f32::INFINITY]).iter().all(|x| x.is_finite()));
+        assert_eq!(Texture { width: 0, texels: &[] }.colour([0.0, 0.0]), [0.0; 4]);
+    }
+}

@@ -1,0 +1,225 @@
+//! An object in a loaded file: what loading found of it, and what it holds.
+
+use super::counts::{NO_POINT, RULES, ViewsCounts, ViewsFit, mask_len};
+use super::texture::Texture;
+use crate::format::part::{Part, PartLayout, first_counts};
+use crate::format::rule::Rule;
+use crate::format::{FileId, SectionKind};
+use crate::linear::{Le, floats};
+use crate::names::Names;
+use core::fmt;
+
+/// What loading found of an object: its counts, and where its arrays lie. It borrows nothing, so that it can be kept
+/// beside the model, and views be made of it each frame.
+#[derive(Clone, Copy, Debug)]
+pub struct ViewsLayout(pub(crate) PartLayout);
+
+const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
+const MAPS: usize = Rule::place(&RULES, SectionKind::Maps);
+const ELEMENTS: usize = Rule::place(&RULES, SectionKind::Elements);
+const VIEW_TEXTURES: usize = Rule::place(&RULES, SectionKind::ViewTextures);
+const REFERENCES: usize = Rule::place(&RULES, SectionKind::References);
+const MASKS: usize = Rule::place(&RULES, SectionKind::ViewMasks);
+const TEXTURES: usize = Rule::place(&RULES, SectionKind::Textures);
+const TEXELS: usize = Rule::place(&RULES, SectionKind::Texels);
+const DEFORMATIONS: usize = Rule::place(&RULES, SectionKind::Deformations);
+const FIT: usize = Rule::place(&RULES, SectionKind::ViewsFit);
+
+impl ViewsLayout {
+    /// Returns the object; `None` if the bytes are not those of the file in which it was found, by their length and
+    /// the checksum that they state.
+    ///
+    /// Nothing is read again. Of bytes that have changed otherwise the object gives wrong numbers and pictures, but
+    /// never panics.
+    pub fn open<'a>(&self, file: &'a [u8]) -> Option<Views<'a>> {
+        self.0.open(file).map(Views)
+    }
+
+    /// Returns the counts.
+    pub const fn counts(&self) -> ViewsCounts {
+        ViewsCounts::from_words(first_counts(&self.0.counts))
+    }
+}
+
+/// An element of an object, by the numbers of its points in the order in which its edges go round.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// Its texture is mapped affinely.
+    Triangle([usize; 3]),
+    /// Its texture is mapped bilinearly.
+    Quad([usize; 4]),
+}
+
+/// An object of K control points, as N key views show it; borrowed from a loaded model.
+///
+/// Accessors by number return `None` beyond their range.
+#[derive(Clone, Copy)]
+pub struct Views<'a>(pub(crate) Part<'a>);
+
+impl<'a> Views<'a> {
+    /// Returns what loading found, to open it again.
+    pub const fn layout(&self) -> ViewsLayout {
+        ViewsLayout(self.0.layout)
+    }
+
+    /// Tells in which file it is.
+    pub const fn file(&self) -> FileId {
+        self.0.id()
+    }
+
+    /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told apart.
+    pub const fn part(&self) -> usize {
+        self.0.index()
+    }
+
+    /// Returns the part's name.
+    pub fn name(&self) -> &'a str {
+        self.names().get(0).unwrap_or_default()
+    }
+
+    /// Returns its counts.
+    pub const fn counts(&self) -> ViewsCounts {
+        self.layout().counts()
+    }
+
+    /// Returns K, the number of control points.
+    pub const fn point_len(&self) -> usize {
+        self.counts().point_len as usize
+    }
+
+    /// Returns E, the number of elements.
+    pub const fn element_len(&self) -> usize {
+        self.counts().element_len as usize
+    }
+
+    /// Returns N, the number of key views.
+    pub const fn view_len(&self) -> usize {
+        self.counts().view_len as usize
+    }
+
+    /// Returns a key view's name.
+    pub fn view_name(&self, view: usize) -> Option<&'a str> {
+        self.names().get(view.checked_add(1)?).filter(|_| view < self.view_len())
+    }
+
+    /// Returns the part, a kernel, that is a map; [`crate::Model::map_of`] returns the kernel itself.
+    pub fn map_part(&self, map: usize) -> Option<usize> {
+        let [part] = self.0.entry(MAPS, self.counts().map_len as usize, map)?;
+        Some(u32::from_le_bytes(*part) as usize)
+    }
+
+    /// Returns an element; they are drawn in their order where depths do not tell another.
+    pub fn element(&self, element: usize) -> Option<Element> {
+        let points = self.elements().get(element).filter(|_| element < self.element_len())?;
+        let [a, b, c, d] = points.map(|le| usize::from(u16::from_le_bytes(le)));
+        Some(if d == NO_POINT.into() {
+            Element::Triangle([a, b, c])
+        } else {
+            Element::Quad([a, b, c, d])
+        })
+    }
+
+    /// Returns the texture of a key view, by its number.
+    pub fn view_texture(&self, view: usize) -> Option<usize> {
+        let [texture] = self.0.entry(VIEW_TEXTURES, self.view_len(), view)?;
+        Some(u32::from_le_bytes(*texture) as usize)
+    }
+
+    /// Returns where a point is in the texture of a key view: x to the right and y down, in texels, whose centres are
+    /// at 0.5.
+    pub fn reference(&self, view: usize, point: usize) -> Option<[f32; 2]> {
+        self.references(view).get(point).map(floats)
+    }
+
+    /// Whether a point is to be seen in a key view.
+    pub fn is_visible(&self, view: usize, point: usize) -> Option<bool> {
+        let words = mask_len(self.counts().point_len) as usize;
+        let mask: &[Le] = self.0.bytes(MASKS).as_chunks().0;
+        let word = mask.get(view.checked_mul(words)?.checked_add(point / 32)?)?;
+        let is_there = view < self.view_len() && point < self.point_len();
+        is_there.then_some(u32::from_le_bytes(*word) >> (point % 32) & 1 == 1)
+    }
+
+    /// Returns a texture.
+    pub fn texture(&self, texture: usize) -> Option<Texture<'a>> {
+        let row = self.0.entry(TEXTURES, self.counts().texture_len as usize, texture)?;
+        let [width, height, start] = row.map(|le| u32::from_le_bytes(le) as usize);
+        let texels = self.texels().get(start..)?.get(..width.checked_mul(height)?)?;
+        Some(Texture { width, texels })
+    }
+
+    /// Whether it moves as another object does, from which it was transferred (METHOD §6.6).
+    pub const fn is_transferred(&self) -> bool {
+        self.0.layout.has(DEFORMATIONS)
+    }
+
+    /// Returns s of a key view, by which the prototype's motion is scaled; `None` of what is not transferred.
+    pub fn ratio(&self, view: usize) -> Option<f32> {
+        self.deformation(view).map(|(ratio, _)| ratio)
+    }
+
+    /// Returns `R' - s R` of a point in a key view, R and R' the centred references of the prototype and of the object
+    /// itself, in pixels of the screen; `None` of what is not transferred.
+    pub fn offset(&self, view: usize, point: usize) -> Option<[f32; 2]> {
+        self.deformation(view)?.1.get(point).map(floats)
+    }
+
+    /// Returns when another key view takes over by default, and what the object was measured to reach.
+    pub fn fit(&self) -> ViewsFit {
+        let figures = self.0.array(FIT).first().map(floats);
+        ViewsFit::from_figures(figures.unwrap_or_default())
+    }
+
+    pub(super) fn names(&self) -> Names<'a> {
+        Names::new(self.0.bytes(NAMES), self.view_len().saturating_add(1))
+    }
+
+    pub(super) fn maps(&self) -> &'a [Le] {
+        self.0.bytes(MAPS).as_chunks().0
+    }
+
+    pub(super) fn elements(&self) -> &'a [[[u8; 2]; 4]] {
+        self.0.bytes(ELEMENTS).as_chunks().0.as_chunks().0
+    }
+
+    pub(super) fn view_textures(&self) -> &'a [Le] {
+        self.0.bytes(VIEW_TEXTURES).as_chunks().0
+    }
+
+    pub(super) fn masks(&self) -> &'a [Le] {
+        self.0.bytes(MASKS).as_chunks().0
+    }
+
+    pub(super) fn textures(&self) -> &'a [[Le; 3]] {
+        self.0.array(TEXTURES)
+    }
+
+    fn texels(&self) -> &'a [[u8; 4]] {
+        self.0.bytes(TEXELS).as_chunks().0
+    }
+
+    /// Returns a key view's references, K of them.
+    pub(super) fn references(&self, view: usize) -> &'a [[Le; 2]] {
+        if view >= self.view_len() {
+            return &[];
+        }
+        // Chunks of zero would panic.
+        let mut views = self.0.array(REFERENCES).chunks_exact(self.point_len().max(1));
+        views.nth(view).unwrap_or_default()
+    }
+
+    /// Returns s of a key view, and its K offsets.
+    pub(super) fn deformation(&self, view: usize) -> Option<(f32, &'a [[Le; 2]])> {
+        let words: &[Le] = self.0.bytes(DEFORMATIONS).as_chunks().0;
+        let mut views = words.chunks_exact(2 * self.point_len() + 1);
+        let (ratio, offsets) = views.nth(view).filter(|_| view < self.view_len())?.split_first()?;
+        Some((f32::from_le_bytes(*ratio), offsets.as_chunks().0))
+    }
+}
+
+impl fmt::Debug for Views<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, counts) = (self.name(), self.counts());
+        f.debug_struct("Views").field("name", &name).field("counts", &counts).finish()
+    }
+}

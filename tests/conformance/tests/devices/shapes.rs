@@ -1,0 +1,102 @@
+//! Shapes on real devices: lavapipe has the CPU's bits, others are within the tolerances.
+
+use crate::lavapipe::{APIS, lavapipe};
+use crate::software::{Fault, Software};
+use conformance::backend::Failure;
+use conformance::devices::{Counter, LAVAPIPE, list, open};
+use conformance::finding::sound;
+use conformance::gpu::Gpu;
+use conformance::shapes::{FACES, ShapeSubject, files, shapes};
+use conformance::stages::shapes::body;
+use sinew_gpu::headless::Device;
+use sinew_gpu::layout::{DeviceLimits, Resource, Stage};
+
+/// Runs every skin; returns the values compared, and how many differ.
+fn evaluate(device: &dyn Device, face_len: usize) -> (usize, usize) {
+    let (mut values, mut differing) = (0, 0);
+    let on = |limits: DeviceLimits, subject: &ShapeSubject<'_>| {
+        let findings = body(&Gpu { device, limits }, subject);
+        let findings = findings.unwrap_or_else(|e| panic!("{}: {e}", subject.described()));
+        assert_eq!(sound(&findings), Ok(()), "{}", subject.described());
+        findings
+    };
+    for subject in shapes(face_len) {
+        // The second cuts batches into chunks of few faces.
+        let blob = subject.model.blob().len().next_multiple_of(4) as u64;
+        let mesh = 44 * subject.skin.vertex_len() as u64 + 300;
+        let cut = DeviceLimits { storage_binding_bytes: blob.max(2 * mesh), ..device.limits() };
+        for limits in [device.limits(), cut] {
+            for finding in on(limits, &subject) {
+                values += finding.values;
+                differing += finding.differing;
+            }
+        }
+    }
+    (values, differing)
+}
+
+#[test]
+fn the_runtime_behind_the_trait_gives_the_runtimes_bits() {
+    for bytes in files() {
+        let subject = ShapeSubject::new(bytes, 5);
+        let findings = body(&Gpu::new(&Software::new(bytes, None)), &subject).unwrap();
+        assert_eq!(sound(&findings), Ok(()), "{}", subject.described());
+        assert!(findings.iter().all(|finding| finding.differing == 0));
+    }
+}
+
+#[test]
+fn a_device_that_is_wrong_about_shapes_is_caught() {
+    for bytes in files() {
+        let subject = ShapeSubject::new(bytes, 5);
+        let run = |fault| body(&Gpu::new(&Software::new(bytes, Some(fault))), &subject);
+        let flipped = run(Fault::Bit(Stage::Shapes, Resource::Out, 1)).unwrap();
+        assert!(flipped.iter().any(|finding| finding.differing > 0), "one bit");
+        let idle = run(Fault::Idle(Stage::Shapes)).unwrap();
+        assert!(sound(&idle).is_err(), "left alone");
+        // A weight, or before them; before the first attribute of the range.
+        for (resource, float) in
+            [(Resource::Weights, 3), (Resource::Weights, 7), (Resource::Out, 0)]
+        {
+            let stray = run(Fault::Stray(Stage::Shapes, resource, float));
+            let is_seen = match &stray {
+                Ok(findings) => sound(findings).is_err(),
+                Err(failure) => matches!(failure, Failure::Touched { .. }),
+            };
+            assert!(is_seen || subject.skin.shape_len() == 0, "{resource:?} {float}: {stray:?}");
+        }
+    }
+}
+
+#[test]
+fn lavapipe_has_the_bits_of_the_cpu() {
+    for api in APIS {
+        let device = open(&lavapipe(api), false).unwrap();
+        let (values, differing) = evaluate(&*device, FACES);
+        println!("{:?}: {differing} of {values} values have other bits", device.info());
+        assert_eq!(differing, 0);
+        assert!(values > 1_000_000, "{values}");
+    }
+}
+
+#[test]
+fn validation_is_silent() {
+    Counter::install();
+    for api in APIS {
+        let before = Counter::message_len();
+        let device = open(&lavapipe(api), true).unwrap();
+        let (values, _) = evaluate(&*device, 7);
+        let counted = device.message_len().unwrap_or_else(|| Counter::message_len() - before);
+        assert!(values > 100_000 && counted == 0, "{counted} messages");
+    }
+}
+
+#[test]
+fn every_other_device_is_within_the_tolerances() {
+    for info in list().unwrap().iter().filter(|info| info.driver != LAVAPIPE) {
+        let device = open(info, false).unwrap();
+        let (values, differing) = evaluate(&*device, FACES);
+        println!("{info:?}: {differing} of {values} values have other bits");
+        assert!(values > 1_000_000, "{values}");
+    }
+}

@@ -1,0 +1,118 @@
+//! Faces, takes and numbers as the command line names them.
+
+use crate::cli::Output;
+use crate::cli::input::read_model;
+use crate::cli::printable;
+use anyhow::Context;
+use sinew_runtime::Model;
+use sinew_runtime::prior::Anchor;
+use sinew_trainer::envelope::model::{FileModel, SkinModel};
+use sinew_trainer::face::baked::BakedFace;
+use sinew_trainer::face::prior::PriorModel;
+use sinew_trainer::face::take::{self, Take};
+use sinew_trainer::face::train::sliders;
+use std::ops::Range;
+use std::path::Path;
+
+/// Where weights are changed from.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub(super) enum AnchorName {
+    /// As little as may be from the weights now
+    Current,
+    /// As little as may be from the mean of the take
+    Mean,
+}
+
+impl AnchorName {
+    pub(super) const fn anchor(self) -> Anchor {
+        match self {
+            Self::Current => Anchor::Current,
+            Self::Mean => Anchor::Mean,
+        }
+    }
+}
+
+/// Loads a file.
+pub(super) fn load(path: &Path) -> anyhow::Result<Model<Vec<u8>>> {
+    Model::from_bytes(read_model(path)?).with_context(|| path.display().to_string())
+}
+
+/// Finds the face of a file.
+pub(super) fn open<'a>(model: &'a Model<Vec<u8>>, path: &Path) -> anyhow::Result<BakedFace<'a>> {
+    BakedFace::open(model).with_context(|| path.display().to_string())
+}
+
+/// Bakes the same skin with the slider norm: from 0, and around the learned mean.
+pub(super) fn slider_models(
+    model: &Model<Vec<u8>>,
+    face: &BakedFace<'_>,
+) -> anyhow::Result<[Model<Vec<u8>>; 2]> {
+    let own = FileModel {
+        space: model.space(),
+        envelopes: Vec::new(),
+        skins: vec![SkinModel {
+            envelope: None,
+            influences: Vec::new(),
+            ..SkinModel::from_file(&face.skin)
+        }],
+        priors: vec![PriorModel::from_file(&face.prior, 0)],
+    };
+    let [from_zero, from_mean] = sliders(&own);
+    let load = |model: FileModel| anyhow::Ok(Model::from_bytes(model.bake()?)?);
+    Ok([load(from_zero)?, load(from_mean)?])
+}
+
+/// Reads a take of a face, and tells what of it the face has no shape for.
+pub(super) fn take(path: &Path, shapes: &[String], output: Output) -> anyhow::Result<Take> {
+    let read = take::read(path, shapes).with_context(|| path.display().to_string())?;
+    if !read.skipped.is_empty() && !output.quiet {
+        let skipped = printable(&read.skipped.join(", "));
+        eprintln!("sinew: {}: the face has no shape for {skipped}", path.display());
+    }
+    Ok(read)
+}
+
+/// Parses `A..B`, `A..` or `..B`.
+pub(super) fn range(text: &str) -> Result<[Option<usize>; 2], String> {
+    let expected =
+        || "expected A..B, the first and the end, of which one may be left out".to_owned();
+    let (first, end) = text.split_once("..").ok_or_else(expected)?;
+    let number = |text: &str| match text {
+        "" => Ok(None),
+        text => text.parse().map(Some).map_err(|_| expected()),
+    };
+    Ok([number(first)?, number(end)?])
+}
+
+/// Fills in the ends of a range that were left out.
+pub(super) fn within(range: Option<[Option<usize>; 2]>, len: usize) -> Range<usize> {
+    let [first, end] = range.unwrap_or_default();
+    first.unwrap_or(0)..end.unwrap_or(len)
+}
+
+/// Parses a length above 0.
+pub(super) fn length(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
+    number.ok_or_else(|| "expected a number above 0".to_owned())
+}
+
+/// Parses a number from 0 on.
+pub(super) fn stiffness(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|x: &f32| x.is_finite() && *x >= 0.0);
+    number.ok_or_else(|| "expected a number from 0 on".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_may_leave_an_end_out() {
+        assert_eq!(range("3..7"), Ok([Some(3), Some(7)]));
+        assert_eq!(range("3.."), Ok([Some(3), None]));
+        assert_eq!(range(".."), Ok([None, None]));
+        assert!(range("3").is_err() && range("a..3").is_err() && range("-1..3").is_err());
+        assert_eq!(within(range("..7").ok(), 10), 0..7);
+        assert_eq!(within(None, 10), 0..10);
+    }
+}

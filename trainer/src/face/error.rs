@@ -1,0 +1,159 @@
+//! What can be wrong with a face, a take or a track.
+
+use crate::formats::{CsvError, FileError, FormatError, GlbError};
+use sinew_runtime::CallError;
+use std::path::PathBuf;
+
+/// A face, a take or a track that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum FaceError {
+    /// The file cannot be read, or is no such file.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// A file of a folder cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The face has no shape.
+    #[error("has no shape: a face needs a neutral mesh and at least one")]
+    NoShapes,
+    /// Two shapes have one name.
+    #[error("two shapes are named {name:?}")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+    /// Two arrays do not fit each other.
+    #[error("array {array}: expected {expected} {what}, found {found}")]
+    Count {
+        /// The array.
+        array: &'static str,
+        /// What is counted.
+        what: &'static str,
+        /// How many there must be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// Something names a vertex that is not there.
+    #[error("{place} names vertex {found} of {len}")]
+    Vertex {
+        /// Where.
+        place: String,
+        /// The number found.
+        found: i64,
+        /// How many there are.
+        len: usize,
+    },
+    /// A number of the face is not finite.
+    #[error("array {array} holds a number that is not finite")]
+    NotFinite {
+        /// The array.
+        array: &'static str,
+    },
+    /// An identity is asked for that is not there.
+    #[error("there is no identity {found}: there are {len}, the first is 0")]
+    Identity {
+        /// The number asked for.
+        found: usize,
+        /// How many there are.
+        len: usize,
+    },
+    /// Columns of a take are neither shapes of the face nor known to have none.
+    #[error("unknown {}", .unknown.iter().map(Unknown::to_string).collect::<Vec<_>>().join("; "))]
+    Names {
+        /// Each, with those that are most like it.
+        unknown: Vec<Unknown>,
+    },
+    /// A take drives no shape.
+    #[error("no column drives a shape of the face; its shapes are {known}")]
+    NoColumns {
+        /// The shapes.
+        known: String,
+    },
+    /// A range of frames or vertices is empty or reaches beyond what is there.
+    #[error("{what} {first}..{end}: expected a range within 0..{len} that is not empty")]
+    Range {
+        /// What is counted.
+        what: &'static str,
+        /// The first.
+        first: usize,
+        /// The end.
+        end: usize,
+        /// How many there are.
+        len: usize,
+    },
+    /// A file holds no face.
+    #[error("has no face: no prior over the shapes of a skin; `sinew face train` makes one")]
+    NoFace,
+    /// A face has not as many landmarks as handles are asked for.
+    #[error("{found} handles: expected 1 to {len}, as many as the face has landmarks")]
+    Handles {
+        /// Handles asked for.
+        found: usize,
+        /// Landmarks.
+        len: usize,
+    },
+    /// Meshes have not as many principal components as shapes are asked for.
+    #[error("rank {found}: the meshes have {most} principal components")]
+    Rank {
+        /// Shapes asked for.
+        found: usize,
+        /// Components.
+        most: usize,
+    },
+    /// A scene cannot be written.
+    #[error(transparent)]
+    Glb(GlbError),
+    /// A picture cannot be encoded.
+    #[error(transparent)]
+    Picture(#[from] png::EncodingError),
+    /// A face has no faces to draw.
+    #[error("has points alone, no faces: give an .obj to write, not a picture or a scene")]
+    NoFaces,
+    /// The mesh beside a face is another's.
+    #[error("{}: expected {expected} vertices, as the face beside it has, found {found}", file.display())]
+    Beside {
+        /// The mesh.
+        file: PathBuf,
+        /// Vertices of the face.
+        expected: usize,
+        /// Vertices of the mesh.
+        found: usize,
+    },
+    /// The runtime refuses what is asked.
+    #[error(transparent)]
+    Call(#[from] CallError),
+    /// A cell must be a whole number, or a positive one, and is not.
+    #[error("line {line}, column {column:?}: expected {expected}, found {found}")]
+    Cell {
+        /// The line, the first being 1.
+        line: u64,
+        /// The column.
+        column: &'static str,
+        /// What it must be.
+        expected: String,
+        /// What it is.
+        found: f64,
+    },
+}
+
+/// A name that is unknown.
+#[derive(Debug)]
+pub struct Unknown {
+    /// The name.
+    pub name: String,
+    /// Known names, the most like it first.
+    pub nearest: Vec<String>,
+}
+
+impl std::fmt::Display for Unknown {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:?} (did you mean {}?)", self.name, self.nearest.join(", "))
+    }
+}
+
+impl From<CsvError> for FaceError {
+    fn from(error: CsvError) -> Self {
+        FormatError::from(error).into()
+    }
+}

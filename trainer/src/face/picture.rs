@@ -1,0 +1,107 @@
+//! Pictures of a face, with its pins.
+
+use super::baked::{BakedFace, Shaped};
+use crate::formats::Mesh;
+use crate::page::camera::{Camera, View};
+use crate::page::colour::{Colour, Scale};
+use crate::page::drawing::Drawing;
+use crate::page::picture::Picture;
+use crate::page::render::{Look, ShadedMesh};
+use sinew_runtime::format::{Axis, Space};
+
+/// Clay, and what pins and their targets are drawn in.
+const CLAY: Colour = [0xd8, 0xcf, 0xc3];
+const PIN: Colour = [0xd0, 0x30, 0x30];
+const TARGET: Colour = [0xff, 0xff, 0xff];
+/// Light and shadow of clay, and of colours that stand for something.
+const RELIEF: [f64; 2] = [1.0, 0.35];
+/// Radius of a pin and width of the line to its target, pixels, and by how many widths of a picture they grow.
+const SIZES: [(f64, f64); 2] = [(3.0, 0.006), (1.5, 0.002)];
+
+/// What colours stand for.
+pub enum Paint<'a> {
+    /// Nothing.
+    Clay,
+    /// A number a vertex of the face.
+    Heat(&'a [f64], Scale),
+}
+
+/// Takes pictures of a face from one place.
+pub struct Photographer<'a> {
+    mesh: &'a Mesh,
+    camera: Camera,
+}
+
+impl<'a> Photographer<'a> {
+    /// Looks at a face from before it, so that its neutral mesh fits.
+    ///
+    /// - `vertices`: what is to fit: those of the face, without what stands around it.
+    /// - `width`: pixels in a row.
+    pub fn new(
+        face: &BakedFace<'_>,
+        space: &Space,
+        mesh: &'a Mesh,
+        vertices: std::ops::Range<usize>,
+        width: usize,
+    ) -> Self {
+        let up = space.up.unwrap_or(Axis::Y);
+        let view = View { up, handedness: space.handedness, azimuth: AZIMUTH, elevation: 0.0 };
+        let rest: Vec<[f64; 3]> = vertices
+            .map(|v| face.skin.rest_position(v).unwrap_or_default().map(f64::from))
+            .collect();
+        Self { mesh, camera: Camera::fit(&view, &rest, width) }
+    }
+
+    /// Takes a picture.
+    ///
+    /// - `pins`: where each is, and where it is to be.
+    pub fn take(
+        &self,
+        shaped: &Shaped,
+        paint: &Paint<'_>,
+        pins: &[([f64; 3], [f64; 3])],
+    ) -> Picture {
+        let surface = self.mesh.surface();
+        let positions = surface.copied(&shaped.positions);
+        let normals = surface.copied(&shaped.normals);
+        let triangles = surface.engine_triangles();
+        let mesh = ShadedMesh { positions: &positions, normals: &normals, triangles };
+        let (colours, relief) = match paint {
+            Paint::Clay => (vec![CLAY; positions.len()], RELIEF[0]),
+            Paint::Heat(numbers, scale) => {
+                let colours: Vec<Colour> = numbers.iter().map(|x| scale.colour(*x)).collect();
+                (surface.copied(&colours), RELIEF[1])
+            }
+        };
+        let picture = mesh.draw(&colours, Look { relief, borders: false }, &self.camera);
+        let size = picture.size;
+        let mut drawing = Drawing::new(size.width, size.height);
+        drawing.image([0.0, 0.0], over_white(picture));
+        let [radius, line] = SIZES.map(|(least, share)| least + share * size.width as f64);
+        for pin in pins {
+            let [from, to] = [pin.0, pin.1].map(|place| {
+                let [x, y, _] = self.camera.project(&place);
+                [x, y]
+            });
+            drawing.line(vec![from, to], line, PIN);
+            drawing.dot(to, radius, TARGET);
+            drawing.dot(from, 0.7 * radius, PIN);
+        }
+        drawing.picture()
+    }
+}
+
+/// A little from the side, so that depth is seen.
+const AZIMUTH: f64 = 20.0;
+
+/// Lays what is not covered on white.
+fn over_white(mut picture: Picture) -> Picture {
+    for pixel in picture.rgba.as_chunks_mut::<4>().0 {
+        let share = f64::from(pixel[3]) / 255.0;
+        for part in &mut pixel[..3] {
+            *part = (f64::from(*part) * share + 255.0 * (1.0 - share)).round() as u8;
+        }
+        pixel[3] = 255;
+    }
+    picture
+}

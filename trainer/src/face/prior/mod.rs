@@ -1,0 +1,10 @@
+//! Priors over the weights of shapes: what a take teaches of them, and how a file holds it (METHOD §5).
+
+mod bake;
+mod learn;
+mod model;
+mod pairs;
+
+pub use learn::{FLOOR, beta, learned, slider};
+pub use model::PriorModel;
+pub use pairs::{Pairs, pairs};

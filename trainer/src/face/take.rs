@@ -1,0 +1,118 @@
+//! A take: the weights of a face's shapes, frame by frame.
+
+use super::error::FaceError;
+use super::names::{Columns, columns};
+use super::npz::count;
+use crate::formats::extension::{extension, unknown_format};
+use crate::formats::npz::Archive;
+use crate::formats::{FormatError, csv};
+use std::ops::Range;
+use std::path::Path;
+
+/// Weights of S shapes over N frames.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Take {
+    /// Weights, N x S; 0 of what no column drives.
+    pub frames: Vec<Vec<f64>>,
+    /// Expressions and angles of the file that the face has no shape for.
+    pub skipped: Vec<String>,
+}
+
+/// Reads a take of a face: a `.csv` of named columns, or a `.npz` with `weights` (N, C) and, where they are not the
+/// face's shapes in order, `names` (C).
+///
+/// # Errors
+/// Those of the formats; [`FaceError::Names`] and [`FaceError::NoColumns`]; [`FaceError::Count`] where a `.npz` has
+/// not as many columns as names.
+pub fn read(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
+    match extension(path).as_str() {
+        "csv" => of_table(&csv::read(path)?, shapes),
+        "npz" => of_arrays(path, shapes),
+        _ => Err(unknown_format(path, ".csv or .npz").into()),
+    }
+}
+
+impl Take {
+    /// Picks frames: every so many of a range, from one on.
+    ///
+    /// # Errors
+    /// [`FaceError::Range`]: the range is empty or reaches beyond the take.
+    pub fn pick(
+        &self,
+        range: &Range<usize>,
+        from: usize,
+        every: usize,
+    ) -> Result<Vec<&[f64]>, FaceError> {
+        let picked = check(range, self.frames.len()).map(|()| {
+            let frames = self.frames[range.clone()].iter().skip(from).step_by(every.max(1));
+            frames.map(Vec::as_slice).collect::<Vec<_>>()
+        })?;
+        if picked.is_empty() {
+            return Err(FaceError::Range {
+                what: "frames",
+                first: range.start + from,
+                end: range.end,
+                len: self.frames.len(),
+            });
+        }
+        Ok(picked)
+    }
+}
+
+fn check(range: &Range<usize>, len: usize) -> Result<(), FaceError> {
+    if range.start < range.end && range.end <= len {
+        return Ok(());
+    }
+    Err(FaceError::Range { what: "frames", first: range.start, end: range.end, len })
+}
+
+fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, FaceError> {
+    let Columns { driven, skipped } = columns(&table.names, shapes)?;
+    let used: Vec<usize> = (0..driven.len()).filter(|&at| !driven[at].is_empty()).collect();
+    let mut frames = Vec::new();
+    for row in table.numbers(&used) {
+        let (_, numbers) = row?;
+        frames.push(spread(shapes.len(), used.iter().map(|&at| &driven[at]).zip(numbers)));
+    }
+    Ok(Take { frames, skipped })
+}
+
+fn of_arrays(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
+    let mut archive = Archive::open(path)?;
+    let rows = archive.required::<f64, 1>("weights", &[0])?;
+    let (n, width) = (rows.lead[0], rows.lead[1]);
+    if n == 0 {
+        return Err(FaceError::Range { what: "frames", first: 0, end: 0, len: 0 });
+    }
+    if !rows.data.as_flattened().iter().all(|x| x.is_finite()) {
+        return Err(FaceError::NotFinite { array: "weights" });
+    }
+    let names = archive.texts("names")?;
+    count("weights", "columns", names.as_ref().map_or(shapes.len(), Vec::len), width)?;
+    let Columns { driven, skipped } = columns(names.as_deref().unwrap_or(shapes), shapes)?;
+    let frame =
+        |row: &[[f64; 1]]| spread(shapes.len(), driven.iter().zip(row.iter().map(|x| x[0])));
+    Ok(Take { frames: rows.data.chunks(width.max(1)).map(frame).collect(), skipped })
+}
+
+/// Gives each shape the number of the column that drives it.
+fn spread<'a>(len: usize, columns: impl Iterator<Item = (&'a Vec<usize>, f64)>) -> Vec<f64> {
+    let mut weights = vec![0.0; len];
+    for (driven, number) in columns {
+        driven.iter().for_each(|&shape| weights[shape] = number);
+    }
+    weights
+}
+
+/// Writes weights as a table: a line of names, then a frame a line, its number first.
+pub fn to_csv(shapes: &[String], frames: &[(usize, Vec<f64>)]) -> Result<Vec<u8>, FormatError> {
+    let wrong = |error: ::csv::Error| FormatError::Write(error.into());
+    let mut out = ::csv::Writer::from_writer(Vec::new());
+    out.write_record(std::iter::once("frame").chain(shapes.iter().map(String::as_str)))
+        .map_err(wrong)?;
+    for (frame, weights) in frames {
+        let numbers = weights.iter().map(|weight| (*weight as f32).to_string());
+        out.write_record(std::iter::once(frame.to_string()).chain(numbers)).map_err(wrong)?;
+    }
+    out.into_inner().map_err(|error| FormatError::Write(error.into_error()))
+}

@@ -1,0 +1,181 @@
+//! From a face's shapes and a take to what a file holds of both.
+
+use super::basis::{Basis, ExampleMeshes};
+use super::error::FaceError;
+use super::prior::{PriorModel, learned, pairs, slider};
+use crate::envelope::model::{FileModel, ShapeNumbers};
+use crate::formats::{NamedShape, ShapedMesh};
+use faer::Mat;
+
+/// The length by which a pin may miss, in diagonals of the face, where none is given.
+pub const TOLERANCE: f64 = 5e-4;
+/// Share of the energy of example meshes that their shapes keep, where no rank is given.
+pub const ENERGY: f64 = 0.999;
+/// Bounds of blendshape weights, and of the weights of shapes found in meshes, in standard deviations.
+const BOUNDS: ([f64; 2], f64) = ([0.0, 1.0], 3.0);
+
+/// How a face is baked.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// What its skin is called.
+    pub name: String,
+    /// The length by which a pin may miss; [`TOLERANCE`] without.
+    pub tolerance: Option<f64>,
+    /// What the file holds deltas in.
+    pub numbers: ShapeNumbers,
+}
+
+/// Makes a file of a face and the prior that frames of weights teach.
+///
+/// - `frames`: N x S weights.
+pub fn of_take(basis: &Basis, frames: &[Vec<f64>], options: &Options) -> FileModel {
+    let deltas: Vec<_> = basis.mesh.shapes.iter().map(|shape| shape.deltas.clone()).collect();
+    let pairs = pairs(&basis.names(), &deltas);
+    let bounds = vec![BOUNDS.0; deltas.len()];
+    let prior = learned(frames, bounds, &pairs, options.tolerance(basis));
+    file(basis, prior, options)
+}
+
+/// Finds shapes in example meshes, by principal components (S0 Eq. 8), and the prior that they are: the mean mesh is
+/// the neutral one, and a shape at weight 1 moves the vertices by one unit of length, RMS.
+///
+/// - `rank`: how many shapes; as many as keep [`ENERGY`] without.
+///
+/// # Errors
+/// [`FaceError::Rank`]: the meshes have not so many components.
+pub fn of_meshes(
+    meshes: &ExampleMeshes,
+    rank: Option<usize>,
+    options: &Options,
+) -> Result<(Basis, FileModel), FaceError> {
+    let (n, len) = (meshes.positions.len(), meshes.mesh.positions.len());
+    let mean = |vertex: usize| -> [f64; 3] {
+        let sum = |axis: usize| meshes.positions.iter().map(|mesh| mesh[vertex][axis]).sum::<f64>();
+        [0, 1, 2].map(|axis| sum(axis) / n as f64)
+    };
+    let mean: Vec<[f64; 3]> = (0..len).map(mean).collect();
+    let centred = Mat::from_fn(3 * len, n, |row, at| {
+        meshes.positions[at][row / 3][row % 3] - mean[row / 3][row % 3]
+    });
+    let none = || FaceError::Rank { found: rank.unwrap_or(1), most: 0 };
+    let svd = centred.thin_svd().map_err(|_| none())?;
+    // Of N meshes there are N - 1 components.
+    let energies: Vec<f64> =
+        svd.S().column_vector().iter().take(n - 1).map(|s| s * s / n as f64).collect();
+    let least = 1e-12 * energies.first().copied().unwrap_or(0.0);
+    let most = energies.iter().filter(|energy| **energy > least).count();
+    let total: f64 = energies.iter().sum();
+    let mut kept = 0.0;
+    let needed = energies.iter().take_while(|energy| {
+        let before = kept;
+        kept += **energy;
+        before < ENERGY * total
+    });
+    let rank = rank.unwrap_or(needed.count()).max(1);
+    if rank > most {
+        return Err(FaceError::Rank { found: rank, most });
+    }
+    let size = (len as f64).sqrt();
+    let shape = |mode: usize| {
+        let column = svd.U().col(mode);
+        let deltas =
+            (0..len).map(|vertex| [0, 1, 2].map(|axis| size * column[3 * vertex + axis])).collect();
+        NamedShape { name: format!("mode {mode}"), deltas }
+    };
+    let shapes = (0..rank).map(shape).collect();
+    let mesh = ShapedMesh { positions: mean, shapes, ..meshes.mesh.clone() };
+    let basis = Basis { mesh, ..Basis::default() };
+    let deviations: Vec<f64> = energies[..rank].iter().map(|x| x.sqrt() / size).collect();
+    let bounds = deviations.iter().map(|d| [-BOUNDS.1 * d, BOUNDS.1 * d]).collect();
+    let mut prior = slider(bounds, options.tolerance(&basis));
+    prior.name = "prior".to_owned();
+    prior.covariance =
+        Mat::from_fn(rank, rank, |i, j| if i == j { deviations[i].powi(2) } else { 0.0 });
+    prior.fit.frames = n as f32;
+    let model = file(&basis, prior, options);
+    Ok((basis, model))
+}
+
+/// Gives the same file twice more, its prior that of the slider norm (Lewis and Anjyo 2010): from 0, and around the
+/// mean that was learned.
+pub fn sliders(model: &FileModel) -> [FileModel; 2] {
+    let with = |keeps_mean: bool| {
+        let mut model = model.clone();
+        for prior in &mut model.priors {
+            let own = slider(prior.bounds.clone(), 1.0);
+            let mean = if keeps_mean { prior.mean.clone() } else { own.mean.clone() };
+            *prior = PriorModel { mean, fit: prior.fit, skin: prior.skin, ..own };
+        }
+        model
+    };
+    [with(false), with(true)]
+}
+
+fn file(basis: &Basis, prior: PriorModel, options: &Options) -> FileModel {
+    FileModel {
+        space: basis.mesh.space,
+        envelopes: Vec::new(),
+        skins: vec![basis.skin(&options.name, options.numbers)],
+        priors: vec![prior],
+    }
+}
+
+impl Options {
+    fn tolerance(&self, basis: &Basis) -> f64 {
+        self.tolerance.unwrap_or_else(|| TOLERANCE * basis.diagonal())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options() -> Options {
+        Options { name: "face".to_owned(), tolerance: None, numbers: ShapeNumbers::F32 }
+    }
+
+    /// Meshes of three points that move by two patterns alone, twice as far by the first.
+    fn meshes() -> ExampleMeshes {
+        let patterns =
+            [[[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]], [[0.0; 3], [0.0, 1.0, 0.0], [0.0; 3]]];
+        let amounts = [[2.0, 0.0], [-2.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+        let at = |amount: [f64; 2]| -> Vec<[f64; 3]> {
+            let point = |vertex: usize| {
+                [0, 1, 2].map(|axis| {
+                    let moved: f64 = (0..2).map(|p| amount[p] * patterns[p][vertex][axis]).sum();
+                    5.0 * vertex as f64 + moved
+                })
+            };
+            (0..3).map(point).collect()
+        };
+        let positions: Vec<_> = amounts.map(at).into();
+        let mesh = ShapedMesh { positions: positions[0].clone(), ..ShapedMesh::default() };
+        ExampleMeshes { mesh, positions }
+    }
+
+    #[test]
+    fn components_are_the_patterns_by_which_meshes_move() {
+        let (basis, model) = of_meshes(&meshes(), Some(2), &options()).unwrap();
+        assert_eq!(basis.mesh.positions[2], [10.0; 3]);
+        let first = &basis.mesh.shapes[0].deltas;
+        // One unit RMS over three vertices of which two move.
+        let each = 1.5_f64.sqrt();
+        assert!(
+            (first[0][0].abs() - each).abs() < 1e-12 && (first[1][0] - first[0][0]).abs() < 1e-12
+        );
+        assert!(first[2].iter().all(|x| x.abs() < 1e-12));
+        // The energy of a pattern: the mean over meshes of its square, over vertices.
+        let prior = &model.priors[0];
+        assert!((prior.covariance[(0, 0)] - 2.0 * 4.0 * 2.0 / 4.0 / 3.0).abs() < 1e-12);
+        assert!((prior.covariance[(1, 1)] - 2.0 / 4.0 / 3.0).abs() < 1e-12);
+        assert_eq!(prior.mean, [0.0; 2]);
+    }
+
+    #[test]
+    fn a_rank_beyond_the_components_is_refused_and_energy_chooses_without() {
+        let error = of_meshes(&meshes(), Some(3), &options()).unwrap_err().to_string();
+        assert_eq!(error, "rank 3: the meshes have 2 principal components");
+        let (basis, _) = of_meshes(&meshes(), None, &options()).unwrap();
+        assert_eq!(basis.mesh.shapes.len(), 2);
+    }
+}

@@ -1,0 +1,350 @@
+//! A glTF file in the making, as the tree that it is: nodes, skins, animations, and the bytes behind them.
+
+use serde_json::{Map, Value, json};
+
+/// A glTF file that cannot be put together.
+#[derive(Debug, thiserror::Error)]
+pub enum GlbError {
+    /// The file would be larger than binary glTF allows.
+    #[error("the file takes {bytes} bytes, and binary glTF holds 4 GiB: export fewer frames")]
+    TooLarge {
+        /// Bytes needed.
+        bytes: usize,
+    },
+    /// The file could not be put together.
+    #[error("cannot be put together: {0}")]
+    Json(serde_json::Error),
+}
+
+/// A node of the document.
+pub(crate) type NodeIndex = usize;
+/// A skin of the document.
+pub(crate) type SkinIndex = usize;
+/// An array of the document.
+pub(crate) type ArrayIndex = usize;
+
+/// A tree of members, one scene and one buffer: begun empty, or with a file, of which every member stays
+/// as it is that nobody asks to change.
+pub(crate) struct Document {
+    pub(crate) root: Map<String, Value>,
+    pub(crate) nodes: Vec<Value>,
+    pub(crate) meshes: Vec<Value>,
+    pub(crate) skins: Vec<Value>,
+    pub(crate) animations: Vec<Value>,
+    pub(crate) accessors: Vec<Value>,
+    pub(crate) views: Vec<Value>,
+    /// Nodes of the scene that is shown; none where the file has no scene.
+    scene: Option<Vec<Value>>,
+    /// Accessors and views that nothing uses any more; new ones take their places.
+    pub(crate) free: [Vec<usize>; 2],
+    pub(crate) bytes: Vec<u8>,
+}
+
+/// Places a node against its parent: scaled, then turned, then moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Placed {
+    /// Where its origin is.
+    pub(crate) translation: [f32; 3],
+    /// A unit quaternion, xyzw.
+    pub(crate) rotation: [f32; 4],
+    /// Factors along its own axes.
+    pub(crate) scale: [f32; 3],
+}
+
+impl Placed {
+    /// Coincides with the parent.
+    pub(crate) const AT_PARENT: Self =
+        Self { translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] };
+
+    /// States in a node's members what differs from its parent's place.
+    pub(crate) fn state(&self, node: &mut Value) {
+        let Self { translation, rotation, scale } = *self;
+        let rest = Self::AT_PARENT;
+        for (name, differs, numbers) in [
+            ("translation", translation != rest.translation, json!(translation)),
+            ("rotation", rotation != rest.rotation, json!(rotation)),
+            ("scale", scale != rest.scale, json!(scale)),
+        ] {
+            if differs {
+                node[name] = numbers;
+            }
+        }
+    }
+}
+
+/// What moves one property of a node: one value a key time.
+pub(crate) struct Track {
+    /// The node.
+    pub(crate) node: NodeIndex,
+    /// The values.
+    pub(crate) keys: ChannelKeys,
+}
+
+/// Values of one property.
+pub(crate) enum ChannelKeys {
+    /// Translations.
+    Translation(Vec<[f32; 3]>),
+    /// Unit quaternions, xyzw.
+    Rotation(Vec<[f32; 4]>),
+    /// Scales.
+    Scale(Vec<[f32; 3]>),
+    /// Weights of a mesh's morph targets, those of a key one after the other.
+    Weights(Vec<[f32; 1]>),
+}
+
+/// What an array holds, and how its elements are called.
+pub(crate) struct ArrayKind {
+    component: u32,
+    element: &'static str,
+    target: Option<u32>,
+}
+
+impl ArrayKind {
+    /// An attribute of vertices of these components.
+    pub(crate) const fn vertices(component: u32, element: &'static str) -> Self {
+        Self { component, element, target: Some(34962) }
+    }
+
+    /// Floats that are no vertices'.
+    pub(crate) const fn floats(element: &'static str) -> Self {
+        Self { component: F32, element, target: None }
+    }
+
+    /// Vertex numbers.
+    const fn indices(component: u32) -> Self {
+        Self { component, element: "SCALAR", target: Some(34963) }
+    }
+}
+
+/// The components of glTF.
+pub(crate) const U8: u32 = 5121;
+pub(crate) const U16: u32 = 5123;
+pub(crate) const U32: u32 = 5125;
+pub(crate) const F32: u32 = 5126;
+
+impl Document {
+    /// Begins a document whose asset carries a note.
+    pub(crate) fn new(note: &str) -> Self {
+        let generator = format!("sinew {}", env!("CARGO_PKG_VERSION"));
+        let asset = json!({ "version": "2.0", "generator": generator, "extras": { "note": note } });
+        let scenes = json!([{ "nodes": [] }]);
+        let root = [("asset", asset), ("scene", json!(0)), ("scenes", scenes)];
+        Self::of(root.map(|(name, value)| (name.to_owned(), value)).into_iter().collect(), vec![])
+    }
+
+    /// Begins with a file's tree and the bytes of its one buffer.
+    pub(crate) fn of(mut root: Map<String, Value>, bytes: Vec<u8>) -> Self {
+        let mut list = |name: &str| match root.remove(name) {
+            Some(Value::Array(items)) => items,
+            _ => Vec::new(),
+        };
+        let [nodes, meshes, skins] = ["nodes", "meshes", "skins"].map(&mut list);
+        let [animations, accessors] = ["animations", "accessors"].map(&mut list);
+        let views = list("bufferViews");
+        let shown = root.get("scene").and_then(Value::as_u64).unwrap_or(0) as usize;
+        let scene = root.get_mut("scenes").and_then(|scenes| scenes.get_mut(shown));
+        let scene = scene.map(|scene| match scene.get_mut("nodes").map(Value::take) {
+            Some(Value::Array(nodes)) => nodes,
+            _ => Vec::new(),
+        });
+        let free = Default::default();
+        Self { root, nodes, meshes, skins, animations, accessors, views, scene, free, bytes }
+    }
+
+    /// Adds a node under a parent, or to the scene.
+    pub(crate) fn node(
+        &mut self,
+        name: String,
+        parent: Option<NodeIndex>,
+        placed: &Placed,
+    ) -> NodeIndex {
+        let mut node = json!({ "name": name });
+        placed.state(&mut node);
+        let node = push(&mut self.nodes, node);
+        match parent {
+            None => self.show(node),
+            Some(parent) => match self.nodes[parent].get_mut("children") {
+                Some(Value::Array(children)) => children.push(json!(node)),
+                _ => self.nodes[parent]["children"] = json!([node]),
+            },
+        }
+        node
+    }
+
+    /// Adds a node to the scene.
+    pub(crate) fn show(&mut self, node: NodeIndex) {
+        if let Some(scene) = &mut self.scene {
+            scene.push(json!(node));
+        }
+    }
+
+    /// Adds a skin of joints under a common root, with their inverse bind matrices (rows of 3 x 4).
+    pub(crate) fn skin(
+        &mut self,
+        root: NodeIndex,
+        joints: &[NodeIndex],
+        inverse_binds: &[[[f32; 4]; 3]],
+    ) -> SkinIndex {
+        let matrices = self.matrices(inverse_binds);
+        let skin = json!({ "joints": joints, "inverseBindMatrices": matrices, "skeleton": root });
+        push(&mut self.skins, skin)
+    }
+
+    /// Adds an animation with keys at some times, in seconds, ascending; between them values are
+    /// interpolated linearly, rotations along the shorter arc.
+    pub(crate) fn animation(&mut self, name: &str, times: &[f32], tracks: Vec<Track>) {
+        let times: Vec<[f32; 1]> = times.iter().map(|&time| [time]).collect();
+        let input = self.floats(ArrayKind::floats("SCALAR"), &times);
+        self.bound(input, &times);
+        let (mut channels, mut samplers) = (Vec::new(), Vec::new());
+        for Track { node, keys } in tracks {
+            let (path, output) = match keys {
+                ChannelKeys::Translation(keys) => {
+                    ("translation", self.floats(ArrayKind::floats("VEC3"), &keys))
+                }
+                ChannelKeys::Rotation(keys) => {
+                    ("rotation", self.floats(ArrayKind::floats("VEC4"), &keys))
+                }
+                ChannelKeys::Scale(keys) => {
+                    ("scale", self.floats(ArrayKind::floats("VEC3"), &keys))
+                }
+                ChannelKeys::Weights(keys) => {
+                    ("weights", self.floats(ArrayKind::floats("SCALAR"), &keys))
+                }
+            };
+            let sampler = json!({ "input": input, "interpolation": "LINEAR", "output": output });
+            let sampler = push(&mut samplers, sampler);
+            let target = json!({ "node": node, "path": path });
+            channels.push(json!({ "sampler": sampler, "target": target }));
+        }
+        self.animations.push(json!({ "name": name, "channels": channels, "samplers": samplers }));
+    }
+
+    /// Gives the file's bytes.
+    ///
+    /// # Errors
+    /// [`GlbError`]
+    pub(crate) fn finish(mut self) -> Result<Vec<u8>, GlbError> {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let shown = self.root.get("scene").and_then(Value::as_u64).unwrap_or(0) as usize;
+        let scene = self.root.get_mut("scenes").and_then(|scenes| scenes.get_mut(shown));
+        if let Some((scene, nodes)) = scene.zip(self.scene).filter(|(_, nodes)| !nodes.is_empty()) {
+            scene["nodes"] = Value::Array(nodes);
+        }
+        for (name, items) in [
+            ("nodes", self.nodes),
+            ("meshes", self.meshes),
+            ("skins", self.skins),
+            ("animations", self.animations),
+            ("accessors", self.accessors),
+            ("bufferViews", self.views),
+        ] {
+            if !items.is_empty() {
+                self.root.insert(name.to_owned(), Value::Array(items));
+            }
+        }
+        let first = self.root.get_mut("buffers").and_then(|buffers| buffers.get_mut(0));
+        let mut buffer = first.map_or(json!({}), Value::take);
+        buffer["byteLength"] = json!(self.bytes.len());
+        self.root.insert("buffers".to_owned(), json!([buffer]));
+        let mut json = serde_json::to_vec(&self.root).map_err(GlbError::Json)?;
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let bytes = HEADS + json.len() + self.bytes.len();
+        let length = u32::try_from(bytes).map_err(|_| GlbError::TooLarge { bytes })?;
+        let mut glb = Vec::with_capacity(bytes);
+        glb.extend(b"glTF");
+        glb.extend([2, length].map(u32::to_le_bytes).as_flattened());
+        for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &self.bytes)] {
+            glb.extend((chunk.len() as u32).to_le_bytes());
+            glb.extend(kind);
+            glb.extend(chunk);
+        }
+        Ok(glb)
+    }
+
+    /// Adds vertex numbers of triangles.
+    pub(crate) fn indices(&mut self, triangles: &[[usize; 3]], vertex_len: usize) -> ArrayIndex {
+        let corners = triangles.as_flattened();
+        // The largest number of a width is kept free: some engines restart a strip at it.
+        if vertex_len <= usize::from(u16::MAX) {
+            let bytes = corners.iter().flat_map(|&vertex| (vertex as u16).to_le_bytes()).collect();
+            return self.array(ArrayKind::indices(U16), corners.len(), bytes);
+        }
+        let bytes = corners.iter().flat_map(|&vertex| (vertex as u32).to_le_bytes()).collect();
+        self.array(ArrayKind::indices(U32), corners.len(), bytes)
+    }
+
+    /// Adds matrices, rows of 3 x 4.
+    pub(crate) fn matrices(&mut self, matrices: &[[[f32; 4]; 3]]) -> ArrayIndex {
+        let columns = |m: &[[f32; 4]; 3]| -> [f32; 16] {
+            std::array::from_fn(|at| match (at % 4, at / 4) {
+                (3, 3) => 1.0,
+                (3, _) => 0.0,
+                (row, column) => m[row][column],
+            })
+        };
+        let matrices: Vec<[f32; 16]> = matrices.iter().map(columns).collect();
+        self.floats(ArrayKind::floats("MAT4"), &matrices)
+    }
+
+    /// Adds rows of floats.
+    pub(crate) fn floats<const N: usize>(
+        &mut self,
+        kind: ArrayKind,
+        rows: &[[f32; N]],
+    ) -> ArrayIndex {
+        let bytes = rows.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
+        self.array(kind, rows.len(), bytes)
+    }
+
+    /// Adds an array in a view of its own, which begins on a multiple of four.
+    pub(crate) fn array(&mut self, kind: ArrayKind, len: usize, bytes: Vec<u8>) -> ArrayIndex {
+        let ArrayKind { component, element, target } = kind;
+        let view = self.view(bytes);
+        if let Some(target) = target {
+            self.views[view]["target"] = json!(target);
+        }
+        let accessor = json!({
+            "bufferView": view, "componentType": component, "count": len, "type": element,
+        });
+        put(&mut self.accessors, &mut self.free[0], accessor)
+    }
+
+    /// Adds bytes, which begin on a multiple of four.
+    pub(crate) fn view(&mut self, bytes: Vec<u8>) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let begin = self.bytes.len();
+        let view = json!({ "buffer": 0, "byteOffset": begin, "byteLength": bytes.len() });
+        self.bytes.extend(bytes);
+        put(&mut self.views, &mut self.free[1], view)
+    }
+
+    /// States an array's bounds, which glTF wants of positions and of key times.
+    pub(crate) fn bound<const N: usize>(&mut self, array: ArrayIndex, rows: &[[f32; N]]) {
+        let bound = |choose: fn(f32, f32) -> f32, from: f32| -> Value {
+            let all = |axis: usize| rows.iter().map(|row| row[axis]).fold(from, choose);
+            (0..N).map(all).collect()
+        };
+        self.accessors[array]["min"] = bound(f32::min, f32::INFINITY);
+        self.accessors[array]["max"] = bound(f32::max, f32::NEG_INFINITY);
+    }
+}
+
+/// Bytes of a GLB's head and of those of its two chunks.
+const HEADS: usize = 12 + 8 + 8;
+
+fn push(items: &mut Vec<Value>, item: Value) -> usize {
+    items.push(item);
+    items.len() - 1
+}
+
+/// Puts an item where one is free, else at the end.
+fn put(items: &mut Vec<Value>, free: &mut Vec<usize>, item: Value) -> usize {
+    match free.pop() {
+        None => push(items, item),
+        Some(place) => {
+            items[place] = item;
+            place
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! What faces reach on real data, by the runtime and the bytes of a file.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
+
+mod bars;
+mod meshes;
+#[path = "../shared/mod.rs"]
+mod shared;
+
+use sinew_runtime::Model;
+use sinew_trainer::envelope::model::{FileModel, ShapeNumbers};
+use sinew_trainer::face::basis::{self, Basis, Source};
+use sinew_trainer::face::take::{self, Take};
+use sinew_trainer::face::train::{Options, of_take};
+
+pub(crate) fn options() -> Options {
+    Options { name: "head".to_owned(), tolerance: None, numbers: ShapeNumbers::F32 }
+}
+
+/// Reads the head and the take; none where there is no shared data.
+pub(crate) fn head() -> Option<(Basis, Take)> {
+    let file = shared::shared("ict-facekit/ict_head.npz")?;
+    let take = shared::shared("arkit-rom/alex_rom_3.csv")?;
+    let Source::Shapes(basis) = basis::read(&file).unwrap() else { panic!("it has shapes") };
+    let take = take::read(&take, &basis.names()).unwrap();
+    Some((basis, take))
+}
+
+pub(crate) fn trained(basis: &Basis, frames: &[Vec<f64>]) -> FileModel {
+    of_take(basis, frames, &options())
+}
+
+pub(crate) fn loaded(model: &FileModel) -> Model<Vec<u8>> {
+    Model::from_bytes(model.bake().unwrap()).unwrap()
+}

@@ -1,0 +1,12 @@
+//! What pins do with a prior: against dense solves, every way to hold weights, and the identities of S0 §3.
+#![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
+
+mod bad_calls;
+mod common;
+mod learned;
+mod pins;
+mod posed;
+#[path = "../shared/mod.rs"]
+mod shared;
+mod theory;
+mod trackers;
