@@ -32,14 +32,17 @@ fn object(model: &ViewsModel) -> Result<Part, BakeError> {
         texture_len: narrow("textures", model.keys.len())?,
         texel_len: narrow("texels", texels.clone().sum())?,
     };
-    let numbers = |len: usize| (0..len).map(|n| narrow("key views", n)).collect::<Result<Vec<u32>, _>>();
+    let numbers =
+        |len: usize| (0..len).map(|n| narrow("key views", n)).collect::<Result<Vec<u32>, _>>();
     let mut textures = Vec::new();
     let mut start = 0;
     for (key, texels) in model.keys.iter().zip(texels) {
         let size = key.picture.size;
-        for (what, number) in
-            [("a texture's width", size.width), ("a texture's height", size.height), ("texels", start)]
-        {
+        for (what, number) in [
+            ("a texture's width", size.width),
+            ("a texture's height", size.height),
+            ("texels", start),
+        ] {
             textures.push(narrow(what, number)?);
         }
         start += texels;
@@ -55,7 +58,11 @@ fn object(model: &ViewsModel) -> Result<Part, BakeError> {
         (SectionKind::References, true, model.keys.iter().flat_map(points).collect()),
         (SectionKind::ViewMasks, true, words(&masks(&model.keys))),
         (SectionKind::Textures, true, words(&textures)),
-        (SectionKind::Texels, true, model.keys.iter().flat_map(|key| key.picture.rgba.clone()).collect()),
+        (
+            SectionKind::Texels,
+            true,
+            model.keys.iter().flat_map(|key| key.picture.rgba.clone()).collect(),
+        ),
     ];
     let references: Option<Vec<_>> = model.keys.iter().map(|key| key.reference.as_ref()).collect();
     if let Some(references) = references.filter(|all| !all.is_empty()) {

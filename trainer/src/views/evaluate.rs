@@ -14,7 +14,7 @@ pub struct Measured {
     pub max: f64,
     /// Share of points whose visibility is right.
     pub visibility: f64,
-    /// Peak over RMS error of pictures, dB; none where views have none, or nothing is off.
+    /// Peak over RMS error of pictures where elements cover them, dB; none where views have none, or nothing is off.
     pub psnr: Option<f64>,
     /// Elements that were drawn turned over.
     pub flipped: usize,
@@ -58,7 +58,8 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
     let (mut right, mut marks, mut flipped, mut count) = (0, 0, 0, 0);
     let (mut off, mut numbers) = (0.0, 0);
     for examples in &set.maps {
-        let wrong = |view| move |error| EvaluateError::Play { map: examples.name.clone(), view, error };
+        let wrong =
+            |view| move |error| EvaluateError::Play { map: examples.name.clone(), view, error };
         let views: &[View] = if is_tested { &examples.test } else { &examples.train };
         for (number, view) in views.iter().enumerate() {
             // Each by itself: what was shown before must not matter.
@@ -70,7 +71,8 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
             let played = player.play(&view.values).map_err(wrong(number))?;
             for ([x, y, _], point) in played.points.iter().zip(&view.points) {
                 let Some(point) = point else { continue };
-                let square = (f64::from(*x) - point[0]).powi(2) + (f64::from(*y) - point[1]).powi(2);
+                let square =
+                    (f64::from(*x) - point[0]).powi(2) + (f64::from(*y) - point[1]).powi(2);
                 (squares, most, known) = (squares + square, most.max(square), known + 1);
             }
             let seen = played.visibility.iter().map(|x| *x > 0.5);
@@ -81,9 +83,12 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Evalu
             flipped += drawn.flipped_len;
             if let Some(image) = &view.image {
                 let truth = multiplied(&image.load(player.size())?);
-                let apart = truth.rgba.iter().zip(&picture.rgba);
-                off += apart.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum::<f64>();
-                numbers += truth.rgba.len();
+                let pixels = truth.rgba.chunks(4).zip(picture.rgba.chunks(4));
+                for (own, found) in pixels.filter(|(_, found)| found[3] > 0) {
+                    let apart = own.iter().zip(found);
+                    off += apart.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum::<f64>();
+                    numbers += own.len();
+                }
             }
         }
     }

@@ -60,8 +60,11 @@ pub fn starts(model: &KernelModel) -> Vec<Values> {
     for input in &model.inputs {
         let [low, high] = model.ranges[feature];
         feature += input.kind.feature_len();
-        let own: Vec<&str> =
-            input.name.splitn(input.kind.given_len(), ',').filter(|name| !name.is_empty()).collect();
+        let own: Vec<&str> = input
+            .name
+            .splitn(input.kind.given_len(), ',')
+            .filter(|name| !name.is_empty())
+            .collect();
         let places: Vec<f64> = match (input.kind, own.len()) {
             (InputKind::Rotation { .. }, 1) => (0..12).map(|step| 30.0 * f64::from(step)).collect(),
             (InputKind::Rotation { .. }, _) => vec![-40.0, -15.0, 0.0, 15.0, 40.0],
@@ -192,9 +195,7 @@ impl Problem<'_> {
     /// Returns the derivatives of what is taken off the target: by parameters, by scale and by shift.
     fn jacobian(&self, guess: &Guess, free: &[usize]) -> Result<DMatrix<f64>, FitError> {
         let model = self.model;
-        let at = |given: &[f64]| {
-            features(&model.inputs, given).map_err(FitError::Given)
-        };
+        let at = |given: &[f64]| features(&model.inputs, given).map_err(FitError::Given);
         let by_features = model.sum.jacobian(&at(&guess.given)?);
         let target = self.target.as_flattened();
         let mut out = DMatrix::zeros(target.len(), free.len() + 3);

@@ -95,11 +95,8 @@ pub fn transfer(
 
 fn key_of(object: &Views<'_>, named: &str, taken: &[usize]) -> Result<usize, TransferError> {
     let names: Vec<&str> = (0..).map_while(|view| object.view_name(view)).collect();
-    let wrong = |what| TransferError::View {
-        view: named.to_owned(),
-        what,
-        expected: names.join(", "),
-    };
+    let wrong =
+        |what| TransferError::View { view: named.to_owned(), what, expected: names.join(", ") };
     let number = names.iter().position(|name| *name == named);
     let number = number.ok_or_else(|| wrong("no key view"))?;
     if taken.contains(&number) { Err(wrong("it is there twice")) } else { Ok(number) }

@@ -57,7 +57,8 @@ impl Block {
         let (n, m) = (values.len(), values.first().map_or(0, Vec::len));
         let mut groups: Vec<Group> = Vec::new();
         for column in 0..m {
-            let rows: Vec<usize> = (0..n).filter(|&i| values[i][column].is_some()).collect();
+            let is_known = |own: &Vec<Option<f64>>| own.get(column).is_some_and(Option::is_some);
+            let rows: Vec<usize> = (0..n).filter(|&i| is_known(&values[i])).collect();
             match groups.iter_mut().find(|group| group.rows == rows) {
                 Some(group) => group.columns.push(column),
                 None => groups.push(Group { rows, columns: vec![column] }),

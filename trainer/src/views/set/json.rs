@@ -117,7 +117,8 @@ pub fn read_instance(path: &Path) -> Result<Vec<(String, View)>, SetError> {
         #[serde(flatten)]
         own: WrittenView,
     }
-    let written: Instance = serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
+    let written: Instance =
+        serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let one = |Named { view: name, own }| {
         let read = view(own, &[], folder, &name)?;
