@@ -48,7 +48,7 @@ impl Pose {
         turns[3] = -4.0 * s;
         (turns[5], turns[8]) = (-24.0 * s, 24.0 * s);
         (turns[6], turns[9]) = (-12.0 - 10.0 * s, 12.0 - 10.0 * s);
-        (turns[11], turns[14]) = (26.0 * s, -26.0 * s);
+        (turns[11], turns[14]) = (10.0 + 16.0 * s, -10.0 - 16.0 * s);
         (turns[12], turns[15]) = (16.0 * (1.0 - c), 16.0 * (1.0 + c));
         Self { shift: [0.0, 0.012 * (2.0 * phase).cos()], turns }
     }
@@ -58,11 +58,11 @@ impl Pose {
         let up = (std::f64::consts::PI * time).sin();
         let bent = (2.0 * std::f64::consts::PI * time).sin().powi(2);
         let mut turns = [0.0; 16];
-        (turns[5], turns[8]) = (70.0 * up, -70.0 * up);
-        (turns[6], turns[9]) = (25.0 * up, -25.0 * up);
+        (turns[5], turns[8]) = (45.0 * up, -45.0 * up);
+        (turns[6], turns[9]) = (20.0 * up, -20.0 * up);
         (turns[11], turns[14]) = (20.0 * bent, -20.0 * bent);
         (turns[12], turns[15]) = (-35.0 * bent, 35.0 * bent);
-        Self { shift: [0.0, -0.14 * up * up], turns }
+        Self { shift: [0.0, -0.06 * up * up], turns }
     }
 
     /// Poses joints that are at rest, pixels.

@@ -2,7 +2,7 @@
 
 use super::fit::{FitError, given};
 use super::set::Values;
-use crate::kernel::model::{Input, inputs_of, query_numbers};
+use crate::kernel::model::{Input, InputKind, inputs_of, query_numbers};
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
 use sinew_runtime::kernel::KernelMap;
@@ -41,6 +41,16 @@ pub enum PlayError {
     /// Parameters cannot be taken.
     #[error(transparent)]
     Values(#[from] FitError),
+    /// A number is farther from the examples than they are from each other.
+    #[error("parameter \"{name}\" is {value}, expected {} to {}", range[0], range[1])]
+    Outside {
+        /// The parameter.
+        name: String,
+        /// What it is.
+        value: f64,
+        /// The examples' range, on both sides as wide again.
+        range: [f64; 2],
+    },
     /// The runtime refuses the call.
     #[error("{0}")]
     Call(CallError),
@@ -87,9 +97,10 @@ impl<'a> Player<'a> {
     /// Evaluates the map, after what it showed before.
     ///
     /// # Errors
-    /// [`PlayError::Values`] and [`PlayError::Call`].
+    /// [`PlayError::Values`], [`PlayError::Outside`] and [`PlayError::Call`].
     pub fn play(&mut self, values: &Values) -> Result<Played, PlayError> {
         let given = given(&self.inputs, values)?;
+        self.check(values)?;
         let numbers = query_numbers(&self.inputs, &given).map_err(FitError::Given)?;
         let parameters: Vec<f32> = numbers.iter().map(|x| *x as f32).collect();
         let (k, n) = (self.views.point_len(), self.views.view_len());
@@ -117,6 +128,25 @@ impl<'a> Player<'a> {
         (out.view, out.confidence) = (found.view, found.confidence);
         self.last = Some(found.view);
         Ok(out)
+    }
+
+    /// Refuses numbers that the examples say nothing of; angles come round.
+    fn check(&self, values: &Values) -> Result<(), PlayError> {
+        let mut feature = 0;
+        for input in &self.inputs {
+            let range = self.map.feature(feature).unwrap_or_default().map(f64::from);
+            feature += input.kind.feature_len();
+            let ([.., low, high], Some(&value)) = (range, values.get(&input.name)) else {
+                continue;
+            };
+            // One that no example changes does not count.
+            let range = [2.0 * low - high, 2.0 * high - low];
+            let is_within = range[0] == range[1] || (range[0]..=range[1]).contains(&value);
+            if input.kind == InputKind::Scalar && !is_within {
+                return Err(PlayError::Outside { name: input.name.clone(), value, range });
+            }
+        }
+        Ok(())
     }
 
     /// Draws what was played: by depth where the object has one, else in the order of its elements; colours are times

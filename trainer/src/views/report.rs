@@ -92,7 +92,7 @@ fn sheet(model: &Model<Vec<u8>>, examples: &Examples) -> Result<Picture, ReportE
         }
         let (picture, _) = shown(model, examples, &values)?;
         let corner = [(GAP + column * cell[0]) as f64, (GAP + row * cell[1]) as f64];
-        out.image(corner, picture);
+        out.image(corner, on_white(&picture));
         let near = |(name, value): (&String, &f64)| {
             values.get(name).is_some_and(|own| (own - value).abs() < 1e-9)
         };
@@ -117,6 +117,18 @@ fn shown(
     let mut player = Player::new(model, Some(&examples.name))?;
     let played = player.play(values)?;
     Ok((straight(&player.draw(&played)?.0), played))
+}
+
+/// Lays a picture on white, as drawings are.
+fn on_white(picture: &Picture) -> Picture {
+    let mut out = picture.clone();
+    for pixel in out.rgba.chunks_mut(4) {
+        let alpha = f64::from(pixel[3]) / 255.0;
+        let laid = |x: u8| (f64::from(x) * alpha + 255.0 * (1.0 - alpha)).round() as u8;
+        pixel.iter_mut().for_each(|x| *x = laid(*x));
+        pixel[3] = 0xff;
+    }
+    out
 }
 
 /// Returns parameters half-way between the first examples.
@@ -154,7 +166,7 @@ fn made_of(
     let with_mesh = |picture: &Picture, points: &[[f64; 2]], seen: &[bool]| {
         let Resolution { width, height } = picture.size;
         let mut out = Drawing::new(width, height);
-        out.image([0.0; 2], picture.clone());
+        out.image([0.0; 2], on_white(picture));
         for element in set.elements.iter().map(Element::points) {
             if element.iter().all(|&k| seen[k]) {
                 let ring = element.iter().chain(element.first()).map(|&k| points[k]);

@@ -11,7 +11,7 @@ use sinew_trainer::views::evaluate::evaluate;
 use sinew_trainer::views::fit::FitOptions;
 use sinew_trainer::views::inverse::{find, starts};
 use sinew_trainer::views::player::{Player, multiplied};
-use sinew_trainer::views::set::{Image, Values, View, ViewSet};
+use sinew_trainer::views::set::{Image, Values, View, ViewSet, read};
 use sinew_trainer::views::train::{Trained, train};
 use sinew_trainer::views::transfer::transfer;
 
@@ -37,7 +37,9 @@ fn differ(a: &Picture, b: &Picture) -> u8 {
 #[test]
 fn the_run_time_shows_what_was_trained() {
     let folder = Folder::new("baked");
-    let mut sets = write(&folder.path("")).unwrap();
+    let written = write(&folder.path("")).unwrap();
+    let again = |set: &ViewSet| read(&folder.path(&set.name).join("views.json"), None).unwrap();
+    let mut sets: Vec<ViewSet> = written.iter().map(again).collect();
     sets.extend(head());
     for set in sets {
         let (trained, file) = trained(&set);
