@@ -127,6 +127,10 @@ fn what_cannot_be_done_is_told_in_a_line() {
             "\"nod\" is no parameter: expected pitch, yaw, bend",
         ),
         (
+            "views render panel.sinew --set yaw=1 --set pitch=2 --set bend=5 -o x.png",
+            "parameter \"bend\" is 5, expected -1 to 2",
+        ),
+        (
             "views render panel.sinew --map run -o x.png",
             "panel.sinew: it has no map \"run\"; there are main",
         ),
