@@ -26,3 +26,4 @@ pub mod numeric;
 pub mod page;
 pub mod progress;
 pub mod space;
+pub mod views;

@@ -1,7 +1,7 @@
 //! The command that was given, of all parts.
 
 use super::output::{Output, in_a_line, tell};
-use super::{envelope, face, inspect, kernel};
+use super::{envelope, face, inspect, kernel, views};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -30,6 +30,9 @@ enum Command {
     /// Drags a few points of a face and lets the rest follow as it does in a take
     #[command(subcommand)]
     Face(face::Command),
+    /// Makes pictures between pictures: from a few views with matched points to any other
+    #[command(subcommand)]
+    Views(views::Command),
 }
 
 pub(crate) fn main() -> ExitCode {
@@ -39,6 +42,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Inspect(arguments) => inspect::run(arguments, cli.output),
         Command::Kernel(command) => command.run(cli.output),
         Command::Face(command) => command.run(cli.output),
+        Command::Views(command) => command.run(cli.output),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -11,6 +11,7 @@ mod inspect;
 mod kernel;
 mod output;
 mod space;
+mod views;
 
 pub(crate) use command::main;
 use output::{Output, counted, printable};

@@ -13,6 +13,7 @@ mod report;
 #[path = "../shared/mod.rs"]
 mod shared;
 mod skins;
+mod views;
 
 use common::{Folder, HELD_OUT, PROXIES, Set, TRAINING, read_npy};
 use serde_json::{Value, json};

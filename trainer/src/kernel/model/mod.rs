@@ -7,6 +7,6 @@ mod output;
 
 pub use from_file::inputs_of;
 pub use function::{Evaluated, Figures, KernelModel};
-pub(super) use input::features;
+pub(crate) use input::features;
 pub use input::{EvaluationError, Input, InputKind, query_numbers};
 pub use output::{Output, OutputKind};

@@ -1,0 +1,79 @@
+//! `sinew views animate`: pictures along a path of parameters.
+
+use super::frames::Frames;
+use super::input::load;
+use crate::cli::{Output, counted};
+use anyhow::{Context, bail};
+use serde::Deserialize;
+use serde_json::json;
+use sinew_trainer::views::player::Player;
+use sinew_trainer::views::set::Values;
+use std::path::{Path, PathBuf};
+
+/// Draws the object of MODEL along a path of parameters.
+///
+/// PATH is JSON: `keys`, a list of parameters by name, and `frames`, how many pictures lead from each key to the next.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Arguments {
+    /// A file that `sinew views train` wrote
+    model: PathBuf,
+    /// Name of the map, where MODEL has several
+    #[arg(long)]
+    map: Option<String>,
+    /// The path
+    #[arg(long, value_name = "PATH")]
+    path: PathBuf,
+    /// The folder to fill with pictures
+    #[arg(short, long, value_name = "FOLDER")]
+    out: PathBuf,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    keys: Vec<Values>,
+    #[serde(default = "frames")]
+    frames: usize,
+}
+
+const fn frames() -> usize {
+    12
+}
+
+pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let about = || arguments.model.display().to_string();
+    let path = read(&arguments.path)?;
+    let model = load(&arguments.model)?;
+    let mut player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
+    let mut frames = Frames::new(&arguments.out)?;
+    for (number, values) in path.iter().enumerate() {
+        let played = player.play(values).with_context(|| format!("frame {number}"))?;
+        frames.add(&player.draw(&played)?.0)?;
+    }
+    let count = frames.count();
+    let text = format!("{}: {}\n", arguments.out.display(), counted(count, "frame", "frames"));
+    output.print(&json!({ "frames": count }), &text)
+}
+
+/// Lists the parameters of all frames.
+fn read(file: &Path) -> anyhow::Result<Vec<Values>> {
+    let about = || file.display().to_string();
+    let text = std::fs::read(file).with_context(about)?;
+    let Written { keys, frames } = serde_json::from_slice(&text).with_context(about)?;
+    let (Some(last), true) = (keys.last(), frames > 0) else {
+        bail!("{}: expected `keys`, and `frames` above 0", about());
+    };
+    let mut out = Vec::new();
+    for pair in keys.windows(2) {
+        for frame in 0..frames {
+            let share = frame as f64 / frames as f64;
+            let between = |(name, from): (&String, &f64)| {
+                let to = pair[1].get(name).unwrap_or(from);
+                (name.clone(), from + share * (to - from))
+            };
+            out.push(pair[0].iter().map(between).collect());
+        }
+    }
+    out.push(last.clone());
+    Ok(out)
+}

@@ -1,0 +1,34 @@
+//! `sinew views eval`: a file against views.
+
+use super::input::{SetArguments, load};
+use crate::cli::Output;
+use anyhow::Context;
+use sinew_trainer::views::evaluate::evaluate;
+use std::path::PathBuf;
+
+/// Measures MODEL on the views under `test`, or, where there are none, on those under `train`: points in pixels, the
+/// share of points whose visibility is right, pictures in dB.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Arguments {
+    /// A file that `sinew views train` wrote
+    model: PathBuf,
+    #[command(flatten)]
+    set: SetArguments,
+}
+
+pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let model = load(&arguments.model)?;
+    let set = arguments.set.read()?;
+    let found =
+        evaluate(&model, &set).with_context(|| arguments.set.file().display().to_string())?;
+    let line = |name: &str, value: f64, unit: &str| format!("{name:<24}{value:>10.4}{unit}\n");
+    let mut text = format!("{:<24}{:>10}\n", "views", found.views);
+    text += &line("points, RMS", found.rms, " px");
+    text += &line("points, most", found.max, " px");
+    text += &line("visibility", found.visibility, "");
+    if let Some(psnr) = found.psnr {
+        text += &line("pictures, PSNR", psnr, " dB");
+    }
+    text += &format!("{:<24}{:>10}\n", "elements turned over", found.flipped);
+    output.print(&found, &text)
+}

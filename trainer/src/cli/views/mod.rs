@@ -1,0 +1,19 @@
+//! The commands of views: `sinew views ...`.
+
+mod animate;
+mod command;
+mod demo;
+mod describe;
+mod drive;
+mod eval;
+mod frames;
+mod input;
+mod pin;
+mod render;
+mod report;
+mod train;
+mod transfer;
+mod values;
+
+pub(super) use command::Command;
+pub(super) use describe::describe;

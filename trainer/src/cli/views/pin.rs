@@ -1,0 +1,82 @@
+//! `sinew views pin`: a picture with a few points dragged.
+
+use super::input::load;
+use super::values::{assignment, values};
+use crate::cli::Output;
+use crate::cli::files::{OutputFile, write};
+use anyhow::{Context, bail};
+use serde_json::json;
+use sinew_trainer::kernel::model::KernelModel;
+use sinew_trainer::views::fit::MapOutputs;
+use sinew_trainer::views::pin::{Pin, bend, follow};
+use sinew_trainer::views::player::{Player, straight};
+use std::path::PathBuf;
+
+/// Draws the object of MODEL with points dragged to places: parameters follow first, by what the examples say goes
+/// together, then what lies near a point.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Arguments {
+    /// A file that `sinew views train` wrote
+    model: PathBuf,
+    /// Name of the map, where MODEL has several
+    #[arg(long)]
+    map: Option<String>,
+    /// A parameter to begin with, angles in degrees; once for each
+    #[arg(long, value_name = "NAME=NUMBER", value_parser = assignment)]
+    set: Vec<(String, f64)>,
+    /// A point by its number and where it is dragged to, in pixels; once for each
+    #[arg(long, value_name = "POINT=X,Y", value_parser = pin, required = true)]
+    pin: Vec<Pin>,
+    /// The picture to write, PNG
+    #[arg(short, long, value_name = "PNG")]
+    out: PathBuf,
+}
+
+fn pin(text: &str) -> Result<Pin, String> {
+    let parts = text.split_once('=').and_then(|(point, at)| Some((point, at.split_once(',')?)));
+    let (point, (x, y)) = parts.ok_or("expected POINT=X,Y")?;
+    match (point.parse(), x.parse::<f64>(), y.parse::<f64>()) {
+        (Ok(point), Ok(x), Ok(y)) if x.is_finite() && y.is_finite() => Ok((point, [x, y])),
+        _ => Err("expected POINT=X,Y, a whole number and two numbers".to_owned()),
+    }
+}
+
+pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let about = || arguments.model.display().to_string();
+    let target = OutputFile::new(&arguments.out, std::slice::from_ref(&arguments.model))?;
+    let model = load(&arguments.model)?;
+    let mut player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
+    if player.views().is_transferred() {
+        bail!("{}: its motion is lent: drag its prototype", about());
+    }
+    let outputs =
+        MapOutputs { points: player.views().point_len(), views: player.views().view_len() };
+    for (number, (point, _)) in arguments.pin.iter().enumerate() {
+        if *point >= outputs.points {
+            bail!("pin {number}: point {point}, of {}", outputs.points);
+        }
+        if arguments.pin[..number].iter().any(|(other, _)| other == point) {
+            bail!("pin {number}: point {point} is dragged twice");
+        }
+    }
+    let map = KernelModel::from_file(player.map());
+    let found = follow(&map, outputs, &values(&arguments.set)?, &arguments.pin)?;
+    let mut played = player.play(&found)?;
+    let mut points: Vec<[f64; 2]> =
+        played.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();
+    let off = |(point, to): &Pin| {
+        let at = points[*point];
+        (at[0] - to[0]).hypot(at[1] - to[1])
+    };
+    let left = arguments.pin.iter().map(off).fold(0.0, f64::max);
+    bend(&mut points, &arguments.pin);
+    for (played, [x, y]) in played.points.iter_mut().zip(&points) {
+        (played[0], played[1]) = (*x as f32, *y as f32);
+    }
+    write(&[(&target, &straight(&player.draw(&played)?.0).png()?)])?;
+    let mut text = format!("{}: ", target.named().display());
+    let named: Vec<String> =
+        found.iter().map(|(name, value)| format!("{name} {value:.3}")).collect();
+    text += &format!("{}; {left:.2} px are left for what lies near\n", named.join(", "));
+    output.print(&json!({ "values": found, "left": left }), &text)
+}

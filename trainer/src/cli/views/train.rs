@@ -1,0 +1,85 @@
+//! `sinew views train`: from views to an object in a file.
+
+use super::input::SetArguments;
+use crate::cli::files::{OutputFile, write};
+use crate::cli::{Output, counted, printable};
+use anyhow::Context;
+use serde_json::json;
+use sinew_runtime::format::Space;
+use sinew_trainer::bake::bake;
+use sinew_trainer::views::bake::parts;
+use sinew_trainer::views::fit::{Candidate, Choice, FitOptions};
+use sinew_trainer::views::train::{Trained, train};
+use std::path::PathBuf;
+
+/// Learns every view between the views of VIEWS, and bakes it with their pictures into a file.
+///
+/// VIEWS is JSON: `image_size`, and under `train` a view each, with its `points` in pixels, its parameters by name
+/// (angles end in `_deg`), and, of key views, its `image`. `sinew views demo` writes some to look at, VIEWS.md
+/// says the rest.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Arguments {
+    #[command(flatten)]
+    set: SetArguments,
+    /// The file to write
+    #[arg(short, long, value_name = "MODEL")]
+    out: PathBuf,
+    /// Meets the points of every view, also where that is not what predicts left-out views best
+    #[arg(long)]
+    exact: bool,
+}
+
+pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
+    let file = arguments.set.file();
+    let target = OutputFile::new(&arguments.out, &[file.to_owned()])?;
+    let set = arguments.set.read()?;
+    let options = FitOptions { exact: arguments.exact };
+    let Trained { model, choices } =
+        train(&set, options).with_context(|| file.display().to_string())?;
+    let bytes = bake(Space::default(), &parts(&model)?)?;
+    write(&[(&target, &bytes)])?;
+    let mut text = format!(
+        "{}: {}, {}, {}\n",
+        printable(&model.name),
+        counted(model.point_len, "point", "points"),
+        counted(model.elements.len(), "element", "elements"),
+        counted(model.keys.len(), "key view", "key views"),
+    );
+    for (map, choice) in model.maps.iter().zip(&choices) {
+        text += &described(&map.name, choice);
+    }
+    text += &format!("{:<36}{:>12.3e}\n", "points at the views, RMS pixels", model.fit.rms);
+    text += &format!("{}: {} bytes\n", target.named().display(), bytes.len());
+    let maps: Vec<_> = model.maps.iter().map(|map| &map.name).zip(&choices).collect();
+    let json = json!({
+        "bytes": bytes.len(),
+        "points": model.point_len,
+        "elements": model.elements.len(),
+        "key_views": model.keys.len(),
+        "rms": model.fit.rms,
+        "maps": maps.iter().map(|(name, choice)| json!({ "name": name, "choice": choice })).collect::<Vec<_>>(),
+    });
+    output.print(&json, &text)
+}
+
+fn described(name: &str, choice: &Choice) -> String {
+    let inputs: Vec<String> = choice.inputs.iter().map(|input| printable(input)).collect();
+    let mut out = format!("map \"{}\" of {}\n", printable(name), inputs.join("; "));
+    for (what, candidate) in
+        [("points", choice.points), ("depths", choice.depths), ("visibility", choice.visibility)]
+    {
+        out += &format!("  {what:<14}{}\n", chosen(&candidate));
+    }
+    out
+}
+
+fn chosen(candidate: &Candidate) -> String {
+    let mut out = candidate.polynomial.to_owned();
+    if let Some(width) = candidate.kernel {
+        out += &format!(" and kernel {}", width.kernel.name());
+    }
+    match candidate.left_out {
+        Some(rms) => out + &format!(", views left out {rms:.2e}"),
+        None => out + ", too few views to leave one out",
+    }
+}

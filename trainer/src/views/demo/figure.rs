@@ -1,0 +1,104 @@
+//! A figure drawn with a broad pen: its joints, its mask and its picture.
+
+use super::paint::{empty, fill};
+use crate::page::colour::Colour;
+use crate::page::picture::Picture;
+use crate::views::motion::JOINTS;
+
+const SIZE: [usize; 2] = [240, 300];
+/// The joints of [`JOINTS`].
+const REST: [[f64; 2]; 16] = [
+    [120.0, 175.0],
+    [120.0, 170.0],
+    [120.0, 105.0],
+    [120.0, 60.0],
+    [98.0, 108.0],
+    [68.0, 130.0],
+    [38.0, 150.0],
+    [142.0, 108.0],
+    [172.0, 130.0],
+    [202.0, 150.0],
+    [106.0, 178.0],
+    [98.0, 222.0],
+    [90.0, 266.0],
+    [134.0, 178.0],
+    [142.0, 222.0],
+    [150.0, 266.0],
+];
+/// Half the pen's width, by the joint at a bone's end; the hip's bone is the body's own.
+const PEN: [f64; 16] =
+    [0.0, 20.0, 24.0, 9.0, 12.0, 10.0, 9.0, 12.0, 10.0, 9.0, 14.0, 13.0, 11.0, 14.0, 13.0, 11.0];
+const HEAD: f64 = 27.0;
+const OUTLINE: f64 = 3.0;
+const INK: Colour = [0x2a, 0x2a, 0x33];
+const SKIN: Colour = [0xf0, 0xb9, 0x8d];
+const SHIRT: Colour = [0x3f, 0x7f, 0xbf];
+const TROUSERS: Colour = [0x7a, 0x55, 0x3a];
+const STRIPE: Colour = [0xf5, 0xd8, 0x4a];
+
+/// Draws the figure: its description and its pictures, `texture.png` and `mask.png`.
+pub(super) fn drawn() -> (String, Vec<(String, Picture)>) {
+    let mut texture = empty(SIZE);
+    let order = [12, 11, 15, 14, 10, 13, 6, 5, 9, 8, 4, 7, 1, 2, 3];
+    for joint in order {
+        bone(&mut texture, joint, PEN[joint] + OUTLINE, INK);
+    }
+    disc(&mut texture, [REST[3][0], REST[3][1] - 12.0], HEAD + OUTLINE, INK);
+    for joint in order {
+        bone(&mut texture, joint, PEN[joint], colour(joint));
+    }
+    for stripe in 0..4 {
+        let y = 106.0 + 16.0 * f64::from(stripe);
+        fill(&mut texture, STRIPE, |[px, py]| (px - 120.0).abs() < 19.0 && (py - y).abs() < 3.0);
+    }
+    let face = [REST[3][0], REST[3][1] - 12.0];
+    disc(&mut texture, face, HEAD, SKIN);
+    for side in [-1.0, 1.0] {
+        disc(&mut texture, [face[0] + 10.0 * side, face[1] - 4.0], 3.5, INK);
+    }
+    fill(&mut texture, INK, |[x, y]| {
+        let [x, y] = [x - face[0], y - face[1]];
+        ((x * x + y * y).sqrt() - 15.0).abs() < 1.5 && y > 6.0
+    });
+    let mut mask = empty(SIZE);
+    for (mask, drawn) in mask.rgba.chunks_mut(4).zip(texture.rgba.chunks(4)) {
+        let grey = if drawn[3] >= 0x80 { 0xff } else { 0 };
+        mask.copy_from_slice(&[grey, grey, grey, 0xff]);
+    }
+    let pictures = [("texture.png", texture), ("mask.png", mask)];
+    (description(), pictures.map(|(name, picture)| (name.to_owned(), picture)).into())
+}
+
+fn description() -> String {
+    let [width, height] = SIZE;
+    let mut out = format!("height: {height}\nskeleton:\n");
+    for ((name, parent), [x, y]) in JOINTS.iter().zip(REST) {
+        let parent = parent.map_or("null", |parent| JOINTS[parent].0);
+        out += &format!("- loc:\n  - {x}\n  - {y}\n  name: {name}\n  parent: {parent}\n");
+    }
+    out + &format!("width: {width}\n")
+}
+
+fn colour(joint: usize) -> Colour {
+    match joint {
+        10..=15 => TROUSERS,
+        3 | 6 | 9 => SKIN,
+        _ => SHIRT,
+    }
+}
+
+fn bone(picture: &mut Picture, joint: usize, width: f64, colour: Colour) {
+    let Some(parent) = JOINTS[joint].1 else { return };
+    let (a, b) = (REST[parent], REST[joint]);
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let squared = along[0] * along[0] + along[1] * along[1];
+    fill(picture, colour, |[x, y]| {
+        let to = [x - a[0], y - a[1]];
+        let share = ((to[0] * along[0] + to[1] * along[1]) / squared).clamp(0.0, 1.0);
+        (to[0] - share * along[0]).hypot(to[1] - share * along[1]) <= width
+    });
+}
+
+fn disc(picture: &mut Picture, [x, y]: [f64; 2], radius: f64, colour: Colour) {
+    fill(picture, colour, |[px, py]| (px - x).hypot(py - y) <= radius);
+}

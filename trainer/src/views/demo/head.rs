@@ -1,0 +1,118 @@
+//! A head that turns all the way round: what faces away is not seen.
+
+use super::Made;
+use super::paint::{empty, polygon};
+use crate::page::colour::Colour;
+use crate::views::set::{Element, Examples, Image, Parameter, View, ViewSet};
+use std::f64::consts::{PI, TAU};
+
+const SIZE: [usize; 2] = [160, 192];
+/// Quads around and from top to bottom.
+const QUADS: [usize; 2] = [16, 8];
+/// Views around.
+const VIEWS: usize = 12;
+/// Half the width, the height and the depth, pixels.
+const RADII: [f64; 3] = [56.0, 78.0, 66.0];
+/// Where the eye is, pixels before the middle.
+const EYE: f64 = 600.0;
+const SKIN: [Colour; 2] = [[0xf0, 0xb9, 0x8d], [0xe2, 0xa6, 0x79]];
+const HAIR: [Colour; 2] = [[0x5b, 0x3a, 0x24], [0x6d, 0x47, 0x2d]];
+const EYES: Colour = [0x2a, 0x4a, 0x7a];
+const MOUTH: Colour = [0xb5, 0x3b, 0x3b];
+
+/// Makes the set: views all around to learn from, and those half-way between.
+pub(super) fn made() -> Made {
+    let mut examples = Examples {
+        name: "main".to_owned(),
+        parameters: vec![Parameter::Rotation {
+            angles: [None, Some("yaw".to_owned()), None],
+            order: None,
+        }],
+        train: Vec::new(),
+        test: Vec::new(),
+    };
+    let mut pictures = Vec::new();
+    let step = 360.0 / VIEWS as f64;
+    for number in 0..VIEWS {
+        let yaw = step * number as f64;
+        let mut own = view(yaw);
+        let file = format!("view{number:02}.png");
+        own.image = Some(Image { file: file.clone().into(), mask: None });
+        let known = own.known();
+        let mut picture = empty(SIZE);
+        for (quad, element) in elements().iter().enumerate() {
+            let corners: Vec<[f64; 2]> = element.points().iter().map(|&k| known[k]).collect();
+            if faces(&corners) {
+                polygon(&mut picture, colour(quad), &corners);
+            }
+        }
+        pictures.push((file, picture));
+        examples.train.push(own);
+        examples.test.push(view(yaw + 0.5 * step));
+    }
+    let name = "head".to_owned();
+    Made { set: ViewSet { name, size: SIZE, elements: elements(), maps: vec![examples] }, pictures }
+}
+
+fn elements() -> Vec<Element> {
+    let [around, down] = QUADS;
+    let quad = |place: usize| {
+        let (column, row) = (place % around, place / around);
+        let next = (column + 1) % around;
+        let at = |column: usize, row: usize| row * around + column;
+        Element::Quad([at(column, row), at(next, row), at(next, row + 1), at(column, row + 1)])
+    };
+    (0..around * (down - 1)).map(quad).collect()
+}
+
+/// Tells whether corners that go round as an element's do are seen from outside.
+fn faces(corners: &[[f64; 2]]) -> bool {
+    let turn = |at: usize| {
+        let (a, b) = (corners[at], corners[(at + 1) % corners.len()]);
+        a[0] * b[1] - a[1] * b[0]
+    };
+    (0..corners.len()).map(turn).sum::<f64>() > 0.0
+}
+
+fn colour(quad: usize) -> Colour {
+    let (column, row) = (quad % QUADS[0], quad / QUADS[0]);
+    let front = column.min(QUADS[0] - 1 - column);
+    let shade = (column + row) % 2;
+    match (front, row) {
+        (1, 2) => EYES,
+        (0, 5) => MOUTH,
+        (0..=3, 1..) => SKIN[shade],
+        (4, 2..) => SKIN[shade],
+        _ if row < 5 => HAIR[shade],
+        _ => SKIN[shade],
+    }
+}
+
+/// A view at a yaw: the ring's first point is in front, where z is large.
+fn view(yaw: f64) -> View {
+    let [around, down] = QUADS;
+    let (s, c) = yaw.to_radians().sin_cos();
+    let places = (0..down).flat_map(|j| (0..around).map(move |i| (i, j)));
+    let point = |(i, j): (usize, usize)| {
+        let theta = PI * (j as f64 + 0.5) / down as f64;
+        let phi = TAU * i as f64 / around as f64;
+        let unit = [theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos()];
+        let [x, y, z] = [0, 1, 2].map(|axis| RADII[axis] * unit[axis]);
+        let normal = [0, 2].map(|axis| unit[axis] / RADII[axis]);
+        let (x, z) = (c * x + s * z, c * z - s * x);
+        let outward = c * normal[1] - s * normal[0];
+        let rise = unit[1] / RADII[1];
+        let nearer = EYE / (EYE - z);
+        let to_eye = outward * (EYE - z) - (s * normal[1] + c * normal[0]) * x - rise * y;
+        let place = [0.5 * SIZE[0] as f64 + nearer * x, 0.5 * SIZE[1] as f64 - nearer * y];
+        (place, -z, to_eye > 0.0)
+    };
+    let all: Vec<([f64; 2], f64, bool)> = places.map(point).collect();
+    View {
+        values: [("yaw".to_owned(), yaw)].into(),
+        points: all.iter().map(|(place, ..)| Some(*place)).collect(),
+        visible: all.iter().map(|(.., seen)| *seen).collect(),
+        depths: all.iter().map(|(_, depth, _)| *depth).collect(),
+        image: None,
+    }
+}

@@ -1,0 +1,55 @@
+//! Sets of views that need no download: a drawn figure that walks and jumps, a panel in perspective that bends,
+//! a head that turns all the way round.
+
+mod figure;
+mod head;
+mod paint;
+mod panel;
+
+use super::set::{SetError, ViewSet, as_json, read_drawing};
+use crate::formats::FormatError;
+use crate::page::picture::Picture;
+use std::path::Path;
+
+/// A set with its pictures, by the names that the set has for them.
+pub(super) struct Made {
+    set: ViewSet,
+    pictures: Vec<(String, Picture)>,
+}
+
+/// Writes the sets: in a folder each, with `views.json` and its pictures; the figure's also as a drawing,
+/// `char_cfg.yaml` with `texture.png` and `mask.png`.
+///
+/// # Errors
+/// [`SetError`]: a file cannot be written.
+pub fn write(folder: &Path) -> Result<Vec<ViewSet>, SetError> {
+    let own = folder.join("figure");
+    let (description, pictures) = figure::drawn();
+    save(&own, &pictures, "char_cfg.yaml", &description)?;
+    let figure = read_drawing(&own.join("char_cfg.yaml"))?;
+    save(&own, &[], "views.json", &as_json(&figure).to_string())?;
+    let mut sets = vec![figure];
+    for Made { set, pictures } in [panel::made(), head::made()] {
+        save(&folder.join(&set.name), &pictures, "views.json", &as_json(&set).to_string())?;
+        sets.push(set);
+    }
+    Ok(sets)
+}
+
+fn save(
+    folder: &Path,
+    pictures: &[(String, Picture)],
+    name: &str,
+    text: &str,
+) -> Result<(), SetError> {
+    let write = |name: &str, bytes: &[u8]| {
+        crate::files::write(&folder.join(name), bytes).map_err(FormatError::Write)
+    };
+    std::fs::create_dir_all(folder).map_err(FormatError::Write)?;
+    for (name, picture) in pictures {
+        let png =
+            picture.png().map_err(|error| FormatError::Write(std::io::Error::other(error)))?;
+        write(name, &png)?;
+    }
+    Ok(write(name, text.as_bytes())?)
+}

@@ -1,0 +1,104 @@
+//! A model file held against views, by the runtime.
+
+use super::player::{PlayError, Player, multiplied};
+use super::set::{SetError, View, ViewSet};
+use serde::Serialize;
+use sinew_runtime::Model;
+
+/// What a file is off by: points in pixels.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Measured {
+    /// RMS over known points.
+    pub rms: f64,
+    /// The most.
+    pub max: f64,
+    /// Share of points whose visibility is right.
+    pub visibility: f64,
+    /// Peak over RMS error of pictures where elements cover them, dB; none where views have none, or nothing is off.
+    pub psnr: Option<f64>,
+    /// Elements that were drawn turned over.
+    pub flipped: usize,
+    /// Views.
+    pub views: usize,
+}
+
+/// What cannot be measured.
+#[derive(Debug, thiserror::Error)]
+pub enum EvaluateError {
+    /// A view cannot be shown.
+    #[error("\"{map}\", view {view}: {error}")]
+    Play {
+        /// The motion.
+        map: String,
+        /// The view.
+        view: usize,
+        /// Why.
+        error: PlayError,
+    },
+    /// A picture cannot be read.
+    #[error(transparent)]
+    Set(#[from] SetError),
+    /// The file is of another object.
+    #[error("the file has {file} points, the views {views}")]
+    Points {
+        /// Of the file.
+        file: usize,
+        /// Of the views.
+        views: usize,
+    },
+}
+
+/// Measures a file on a set: on its views to measure with if it has some, else on those to learn from.
+///
+/// # Errors
+/// [`EvaluateError`].
+pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, EvaluateError> {
+    let is_tested = set.maps.iter().any(|map| !map.test.is_empty());
+    let (mut squares, mut most, mut known) = (0.0, 0.0f64, 0);
+    let (mut right, mut marks, mut flipped, mut count) = (0, 0, 0, 0);
+    let (mut off, mut numbers) = (0.0, 0);
+    for examples in &set.maps {
+        let wrong =
+            |view| move |error| EvaluateError::Play { map: examples.name.clone(), view, error };
+        let views: &[View] = if is_tested { &examples.test } else { &examples.train };
+        for (number, view) in views.iter().enumerate() {
+            // Each by itself: what was shown before must not matter.
+            let mut player = Player::new(model, Some(&examples.name)).map_err(wrong(number))?;
+            let file = player.views().point_len();
+            if file != view.points.len() {
+                return Err(EvaluateError::Points { file, views: view.points.len() });
+            }
+            let played = player.play(&view.values).map_err(wrong(number))?;
+            for ([x, y, _], point) in played.points.iter().zip(&view.points) {
+                let Some(point) = point else { continue };
+                let square =
+                    (f64::from(*x) - point[0]).powi(2) + (f64::from(*y) - point[1]).powi(2);
+                (squares, most, known) = (squares + square, most.max(square), known + 1);
+            }
+            let seen = played.visibility.iter().map(|x| *x > 0.5);
+            right += seen.zip(&view.visible).filter(|(a, b)| a == *b).count();
+            marks += view.visible.len();
+            count += 1;
+            let (picture, drawn) = player.draw(&played).map_err(wrong(number))?;
+            flipped += drawn.flipped_len;
+            if let Some(image) = &view.image {
+                let truth = multiplied(&image.load(player.size())?);
+                let pixels = truth.rgba.chunks(4).zip(picture.rgba.chunks(4));
+                for (own, found) in pixels.filter(|(_, found)| found[3] > 0) {
+                    let apart = own.iter().zip(found);
+                    off += apart.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum::<f64>();
+                    numbers += own.len();
+                }
+            }
+        }
+    }
+    let psnr = 20.0 * 255.0f64.log10() - 10.0 * (off / numbers.max(1) as f64).log10();
+    Ok(Measured {
+        rms: (squares / known.max(1) as f64).sqrt(),
+        max: most.sqrt(),
+        visibility: right as f64 / marks.max(1) as f64,
+        psnr: Some(psnr).filter(|_| off > 0.0),
+        flipped,
+        views: count,
+    })
+}

@@ -1,0 +1,235 @@
+//! From points to parameters: what must have been set for points to stand where they are seen (S1 §2's
+//! attitude, METHOD §6.2).
+//!
+//! A few steps of Gauss and Newton on the map itself, damped, from the example that is nearest in shape. It
+//! takes whatever points are visible; a second map from points to parameters would have to be learned for
+//! each set of them, and meets no example that it has not seen so.
+
+use super::deformation::{centred, norm};
+use super::fit::{FitError, MapOutputs, given, names_of};
+use super::set::Values;
+use crate::kernel::model::{InputKind, KernelModel, features};
+use nalgebra::{DMatrix, DVector};
+
+/// Steps at most.
+const STEPS: usize = 60;
+/// Damping at first, as a share of the normal matrix's diagonal, and what it changes by.
+const DAMPING: (f64, f64) = (1e-3, 10.0);
+/// Above it no step helps.
+const MOST_DAMPING: f64 = 1e12;
+/// Change of the error, over itself, below which it is found.
+const FOUND: f64 = 1e-14;
+/// Step of a parameter for its derivative, in the units of the features' change.
+const DIFFERENCE: f64 = 1e-4;
+
+/// Parameters of points, and what they leave.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The parameters.
+    pub values: Values,
+    /// RMS distance of the map's points from those given, moved and scaled onto them, pixels.
+    pub rms: f64,
+}
+
+/// Finds the parameters at which a map gives points, apart from where they are and how large.
+///
+/// - `points`: K of them, none where a point is not seen.
+/// - `starts`: parameters to begin with, of which the nearest in shape is taken: the examples', those of the frame
+///   before, or [`starts`].
+///
+/// # Errors
+/// [`FitError`] of the examples' values.
+pub fn find(
+    model: &KernelModel,
+    outputs: MapOutputs,
+    points: &[Option<[f64; 2]>],
+    starts: &[Values],
+) -> Result<Found, FitError> {
+    let seen: Vec<usize> = (0..points.len()).filter(|&k| points[k].is_some()).collect();
+    let target: Vec<[f64; 2]> = points.iter().copied().flatten().collect();
+    let problem = Problem { model, outputs, seen: &seen, target: &target };
+    let start = problem.nearest(starts)?;
+    problem.solve(given(&model.inputs, &start)?)
+}
+
+/// Lists parameters all over what a map was learned from, to begin with where nothing is known: the ends and the middle
+/// of numbers, angles all round where there is one, else where faces look.
+pub fn starts(model: &KernelModel) -> Vec<Values> {
+    let mut out = vec![Values::new()];
+    let mut feature = 0;
+    for input in &model.inputs {
+        let [low, high] = model.ranges[feature];
+        feature += input.kind.feature_len();
+        let own: Vec<&str> = input
+            .name
+            .splitn(input.kind.given_len(), ',')
+            .filter(|name| !name.is_empty())
+            .collect();
+        let places: Vec<f64> = match (input.kind, own.len()) {
+            (InputKind::Rotation { .. }, 1) => (0..12).map(|step| 30.0 * f64::from(step)).collect(),
+            (InputKind::Rotation { .. }, _) => vec![-40.0, -15.0, 0.0, 15.0, 40.0],
+            _ => vec![low, 0.5 * (low + high), high],
+        };
+        for name in own {
+            let with = |values: &Values| {
+                let values = values.clone();
+                places.iter().map(move |place| {
+                    let mut values = values.clone();
+                    values.insert(name.to_owned(), *place);
+                    values
+                })
+            };
+            out = out.iter().flat_map(with).collect();
+        }
+    }
+    out
+}
+
+struct Problem<'a> {
+    model: &'a KernelModel,
+    outputs: MapOutputs,
+    /// Numbers of the points that are given.
+    seen: &'a [usize],
+    /// Where they are.
+    target: &'a [[f64; 2]],
+}
+
+/// A state of the search: what is given of the inputs, and how target points come to lie on the map's.
+struct Guess {
+    given: Vec<f64>,
+    scale: f64,
+    shift: [f64; 2],
+}
+
+impl Problem<'_> {
+    /// Returns the parameters whose shape is nearest.
+    fn nearest(&self, starts: &[Values]) -> Result<Values, FitError> {
+        let shape = |points: &[[f64; 2]]| {
+            let own = centred(points).0;
+            let size = norm(&own).max(f64::MIN_POSITIVE);
+            own.into_iter().map(|point| point.map(|x| x / size)).collect::<Vec<_>>()
+        };
+        let own = shape(self.target);
+        let mut best = (f64::INFINITY, None);
+        for values in starts {
+            let points = self.outputs.evaluate(self.model, values)?.points;
+            let other = shape(&self.seen.iter().map(|&k| points[k]).collect::<Vec<_>>());
+            let apart = own.as_flattened().iter().zip(other.as_flattened());
+            let squares = apart.map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+            if squares < best.0 {
+                best = (squares, Some(values));
+            }
+        }
+        Ok(best.1.cloned().unwrap_or_default())
+    }
+
+    fn solve(&self, given: Vec<f64>) -> Result<Found, FitError> {
+        let free = self.free();
+        let points = self.points(&given)?;
+        let (own, other) = (centred(self.target), centred(&points));
+        let scale = norm(&other.0) / norm(&own.0).max(f64::MIN_POSITIVE);
+        let shift = [0, 1].map(|axis| other.1[axis] - scale * own.1[axis]);
+        let mut guess = Guess { given, scale, shift };
+        let mut residuals = self.residuals(&guess)?;
+        let mut damping = DAMPING.0;
+        for _ in 0..STEPS {
+            let jacobian = self.jacobian(&guess, &free)?;
+            let normal = jacobian.transpose() * &jacobian;
+            let slope = jacobian.transpose() * &residuals;
+            let before = residuals.norm_squared();
+            let mut is_better = false;
+            while damping < MOST_DAMPING {
+                let mut damped = normal.clone();
+                for i in 0..damped.nrows() {
+                    damped[(i, i)] += damping * normal[(i, i)].max(f64::MIN_POSITIVE);
+                }
+                let step = damped.cholesky().map(|factor| factor.solve(&slope));
+                let next = step.map(|step| guess.moved(&free, &step));
+                if let Some(next) = next
+                    && let Ok(left) = self.residuals(&next)
+                    && left.norm_squared() < before
+                {
+                    (guess, residuals, is_better) = (next, left, true);
+                    damping /= DAMPING.1;
+                    break;
+                }
+                damping *= DAMPING.1;
+            }
+            if !is_better || before - residuals.norm_squared() < FOUND * before {
+                break;
+            }
+        }
+        let inputs = &self.model.inputs;
+        let names = names_of(inputs).into_iter().map(str::to_owned);
+        let values = names.zip(free.iter().map(|&at| guess.given[at])).collect();
+        let rms = (residuals.norm_squared() / self.target.len().max(1) as f64).sqrt();
+        Ok(Found { values, rms })
+    }
+
+    /// Lists the numbers of what is given that have a name, in the order of their names.
+    fn free(&self) -> Vec<usize> {
+        let inputs = &self.model.inputs;
+        let parts = inputs.iter().flat_map(|input| {
+            let len = input.kind.given_len();
+            input.name.splitn(len, ',').map(|name| !name.is_empty()).collect::<Vec<_>>()
+        });
+        parts.enumerate().filter(|(_, named)| *named).map(|(at, _)| at).collect()
+    }
+
+    /// Evaluates the points that are seen.
+    fn points(&self, given: &[f64]) -> Result<Vec<[f64; 2]>, FitError> {
+        let evaluated = self.model.evaluate(given);
+        let evaluated = evaluated.map_err(FitError::Given)?;
+        let shown = self.outputs.shown(&evaluated.numbers);
+        Ok(self.seen.iter().map(|&k| shown.points[k]).collect())
+    }
+
+    /// Returns target points, moved and scaled, less the map's: 2 x seen.
+    fn residuals(&self, guess: &Guess) -> Result<DVector<f64>, FitError> {
+        let points = self.points(&guess.given)?;
+        let (own, target) = (points.as_flattened(), self.target.as_flattened());
+        let moved = |at: usize| guess.scale * target[at] + guess.shift[at % 2];
+        Ok(DVector::from_fn(own.len(), |at, _| moved(at) - own[at]))
+    }
+
+    /// Returns the derivatives of what is taken off the target: by parameters, by scale and by shift.
+    fn jacobian(&self, guess: &Guess, free: &[usize]) -> Result<DMatrix<f64>, FitError> {
+        let model = self.model;
+        let at = |given: &[f64]| features(&model.inputs, given).map_err(FitError::Given);
+        let by_features = model.sum.jacobian(&at(&guess.given)?);
+        let target = self.target.as_flattened();
+        let mut out = DMatrix::zeros(target.len(), free.len() + 3);
+        for (column, &number) in free.iter().enumerate() {
+            let step = |sign: f64| {
+                let mut given = guess.given.clone();
+                given[number] += sign * DIFFERENCE;
+                at(&given)
+            };
+            let (after, before) = (step(1.0)?, step(-1.0)?);
+            for (place, &k) in self.seen.iter().enumerate() {
+                for axis in 0..2 {
+                    let slopes =
+                        after.iter().zip(&before).enumerate().map(|(f, (after, before))| {
+                            by_features[(3 * k + axis, f)] * (after - before)
+                        });
+                    out[(2 * place + axis, column)] = slopes.sum::<f64>() / (2.0 * DIFFERENCE);
+                }
+            }
+        }
+        for (at, x) in target.iter().enumerate() {
+            out[(at, free.len())] = -x;
+            out[(at, free.len() + 1 + at % 2)] = -1.0;
+        }
+        Ok(out)
+    }
+}
+
+impl Guess {
+    fn moved(&self, free: &[usize], step: &DVector<f64>) -> Self {
+        let mut given = self.given.clone();
+        free.iter().enumerate().for_each(|(at, &number)| given[number] += step[at]);
+        let last = free.len();
+        let shift = [self.shift[0] + step[last + 1], self.shift[1] + step[last + 2]];
+        Self { given, scale: self.scale + step[last], shift }
+    }
+}

@@ -1,0 +1,214 @@
+//! A few points dragged: parameters follow first, by what examples say goes together, then what lies near.
+
+use super::fit::{FitError, MapOutputs, given, names_of};
+use super::set::Values;
+use crate::kernel::model::{InputKind, KernelModel};
+use crate::kernel::rotations::Feature;
+use nalgebra::{DMatrix, DVector};
+use sinew_runtime::kernel::EulerOrder;
+
+/// Pixels by which a pin may be missed before parameters leave what examples say.
+const NOISE: f64 = 0.5;
+/// Steps at most.
+const STEPS: usize = 20;
+/// Step of a parameter for its derivative.
+const DIFFERENCE: f64 = 1e-4;
+/// Spread of an angle, degrees, where a file has no examples.
+const ANGLE: f64 = 20.0;
+/// Share of the mean variance that every parameter has at least.
+const FLOOR: f64 = 1e-3;
+/// Share of the object's size that what a pin is still off by carries along.
+const REACH: f64 = 0.1;
+
+/// A point and where it is dragged to, pixels.
+pub type Pin = (usize, [f64; 2]);
+
+/// Finds the parameters that bring points nearest to where they are dragged, near those given: of the most likely change
+/// by the examples' covariance (METHOD §5, weight space).
+///
+/// # Errors
+/// [`FitError`] of the values.
+pub fn follow(
+    model: &KernelModel,
+    outputs: MapOutputs,
+    start: &Values,
+    pins: &[Pin],
+) -> Result<Values, FitError> {
+    let names: Vec<String> = names_of(&model.inputs).into_iter().map(str::to_owned).collect();
+    let by_name =
+        |x: &DVector<f64>| -> Values { names.iter().cloned().zip(x.iter().copied()).collect() };
+    given(&model.inputs, start)?;
+    let from = DVector::from_iterator(names.len(), names.iter().map(|name| start[name]));
+    let covariance = covariance(model, &names);
+    let places = |x: &DVector<f64>| -> Result<DVector<f64>, FitError> {
+        let points = outputs.evaluate(model, &by_name(x))?.points;
+        Ok(DVector::from_iterator(2 * pins.len(), pins.iter().flat_map(|(k, _)| points[*k])))
+    };
+    let target = DVector::from_iterator(2 * pins.len(), pins.iter().flat_map(|(_, to)| *to));
+    let noise = DMatrix::identity(2 * pins.len(), 2 * pins.len()) * (NOISE * NOISE);
+    let mut x = from.clone();
+    for _ in 0..STEPS {
+        let here = places(&x)?;
+        let mut jacobian = DMatrix::zeros(2 * pins.len(), names.len());
+        for column in 0..names.len() {
+            let moved = |sign: f64| {
+                let mut x = x.clone();
+                x[column] += sign * DIFFERENCE;
+                places(&x)
+            };
+            jacobian.set_column(column, &((moved(1.0)? - moved(-1.0)?) / (2.0 * DIFFERENCE)));
+        }
+        let wanted = &target - &here + &jacobian * (&x - &from);
+        let spread = &covariance * jacobian.transpose();
+        let Some(solved) = (&jacobian * &spread + &noise).cholesky() else { break };
+        let next = &from + spread * solved.solve(&wanted);
+        let step = (&next - &x).norm();
+        x = next;
+        if step < 1e-9 {
+            break;
+        }
+    }
+    Ok(by_name(&x))
+}
+
+/// Bends points so that those that are dragged come to lie where they are dragged to: what is near goes along.
+pub fn bend(points: &mut [[f64; 2]], pins: &[Pin]) {
+    let (centre, size) = (super::deformation::centred(points), points.len().max(1) as f64);
+    let reach = REACH * super::deformation::norm(&centre.0) / size.sqrt() * 2.0;
+    let hold = |a: [f64; 2], b: [f64; 2]| {
+        let square = (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
+        libm::exp(-square / (reach * reach))
+    };
+    let at: Vec<[f64; 2]> = pins.iter().map(|(k, _)| points[*k]).collect();
+    let matrix = DMatrix::from_fn(pins.len(), pins.len(), |i, k| {
+        hold(at[i], at[k]) + if i == k { 1e-9 } else { 0.0 }
+    });
+    let off = DMatrix::from_fn(pins.len(), 2, |i, axis| pins[i].1[axis] - at[i][axis]);
+    let Some(solved) = matrix.cholesky().map(|factor| factor.solve(&off)) else { return };
+    for point in points.iter_mut() {
+        let own = *point;
+        for (row, pin) in at.iter().enumerate() {
+            let share = hold(own, *pin);
+            (0..2).for_each(|axis| point[axis] += share * solved[(row, axis)]);
+        }
+    }
+}
+
+/// Estimates the covariance of the examples' parameters: from the kernel's centres, which are the examples; else from
+/// their ranges.
+fn covariance(model: &KernelModel, names: &[String]) -> DMatrix<f64> {
+    let rows = examples(model);
+    let d = names.len();
+    let mut out = DMatrix::zeros(d, d);
+    if rows.len() > 1 {
+        let n = rows.len() as f64;
+        let mean: Vec<f64> =
+            (0..d).map(|c| rows.iter().map(|row| row[c]).sum::<f64>() / n).collect();
+        for row in &rows {
+            for (i, k) in (0..d).flat_map(|i| (0..d).map(move |k| (i, k))) {
+                out[(i, k)] += (row[i] - mean[i]) * (row[k] - mean[k]) / n;
+            }
+        }
+    } else {
+        let spreads: Vec<f64> = spreads(model);
+        (0..d).for_each(|c| out[(c, c)] = spreads[c].powi(2));
+    }
+    // A parameter that no example changes may still be dragged a little.
+    let floor = FLOOR * out.trace() / d.max(1) as f64;
+    (0..d).for_each(|c| out[(c, c)] += floor);
+    out
+}
+
+/// Lists spreads of parameters by their ranges.
+fn spreads(model: &KernelModel) -> Vec<f64> {
+    let mut out = Vec::new();
+    let mut feature = 0;
+    for input in &model.inputs {
+        let [low, high] = model.ranges[feature];
+        feature += input.kind.feature_len();
+        match input.kind {
+            InputKind::Rotation { .. } => {
+                let named = input.name.splitn(3, ',').filter(|name| !name.is_empty());
+                out.extend(named.map(|_| ANGLE));
+            }
+            _ => out.push((high - low) / 12f64.sqrt()),
+        }
+    }
+    out
+}
+
+/// Reads the examples' parameters out of the centres, in the order of their names.
+fn examples(model: &KernelModel) -> Vec<Vec<f64>> {
+    let sum = &model.sum;
+    let row = |k: usize| {
+        let value = |c: usize| match sum.scale[c] {
+            0.0 => sum.shift[c],
+            scale => sum.centres[(c, k)] / scale + sum.shift[c],
+        };
+        let (mut out, mut first) = (Vec::new(), 0);
+        for input in &model.inputs {
+            match input.kind {
+                InputKind::Rotation { feature: Feature::Matrix, order: Some(order) } => {
+                    let matrix: [f64; 9] = std::array::from_fn(|entry| value(first + entry));
+                    let angles = angles(order, &matrix);
+                    let named = input.name.splitn(3, ',').zip(angles);
+                    out.extend(named.filter(|(name, _)| !name.is_empty()).map(|(_, angle)| angle));
+                }
+                _ => out.push(value(first)),
+            }
+            first += input.kind.feature_len();
+        }
+        out
+    };
+    (0..sum.centres.ncols()).map(row).collect()
+}
+
+/// Returns the angles in degrees about x, y and z of a rotation's matrix, by rows, in an order.
+fn angles(order: EulerOrder, matrix: &[f64; 9]) -> [f64; 3] {
+    let [i, j, k] = match order {
+        EulerOrder::Xyz => [0, 1, 2],
+        EulerOrder::Xzy => [0, 2, 1],
+        EulerOrder::Yxz => [1, 0, 2],
+        EulerOrder::Yzx => [1, 2, 0],
+        EulerOrder::Zxy => [2, 0, 1],
+        EulerOrder::Zyx => [2, 1, 0],
+    };
+    let sign = if (i + 1) % 3 == j { 1.0 } else { -1.0 };
+    let at = |r: usize, c: usize| matrix[3 * r + c];
+    let mut out = [0.0; 3];
+    out[i] = (sign * at(k, j)).atan2(at(k, k));
+    out[j] = (-sign * at(k, i)).clamp(-1.0, 1.0).asin();
+    out[k] = (sign * at(j, i)).atan2(at(i, i));
+    out.map(f64::to_degrees)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::rotations::from_euler;
+
+    #[test]
+    fn angles_come_back_from_their_matrix() {
+        for order in EulerOrder::ALL {
+            let expected = [25.0, -70.0, 140.0];
+            let expected =
+                [0, 1, 2].map(|axis| if axis == middle(order) { -40.0 } else { expected[axis] });
+            let matrix = Feature::Matrix.of(from_euler(order, expected)).unwrap();
+            let found = angles(order, &matrix.try_into().unwrap());
+            assert!((0..3).all(|axis| (found[axis] - expected[axis]).abs() < 1e-9), "{order:?}");
+        }
+    }
+
+    fn middle(order: EulerOrder) -> usize {
+        "XYZ".find(&order.name()[1..2]).unwrap()
+    }
+
+    #[test]
+    fn what_is_dragged_comes_to_its_place_and_what_is_far_stays() {
+        let grid = |place: usize| [f64::from(place as u32 % 10), f64::from(place as u32 / 10)];
+        let mut points: Vec<[f64; 2]> = (0..100).map(grid).collect();
+        bend(&mut points, &[(0, [-0.5, 0.25]), (11, [1.0, 1.0])]);
+        assert!((points[0][0] + 0.5).abs() < 1e-6 && (points[11][1] - 1.0).abs() < 1e-6);
+        assert!((points[99][0] - 9.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,200 @@
+//! A model file, shown by the runtime: what an engine does each frame.
+
+use super::fit::{FitError, given};
+use super::set::Values;
+use crate::kernel::model::{Input, InputKind, inputs_of, query_numbers};
+use crate::page::camera::Resolution;
+use crate::page::picture::Picture;
+use sinew_runtime::kernel::KernelMap;
+use sinew_runtime::views::{Drawn, Frame, FrameJob, Order, RenderJob, Views};
+use sinew_runtime::{CallError, Model};
+
+/// One of a model's maps, with what it showed last.
+pub struct Player<'a> {
+    views: Views<'a>,
+    map: KernelMap<'a>,
+    inputs: Vec<Input>,
+    last: Option<usize>,
+}
+
+/// What a map gives for parameters, in single precision.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Played {
+    /// K points and their depths.
+    pub points: Vec<[f32; 3]>,
+    /// K visibilities, above 0.5 where a point is seen.
+    pub visibility: Vec<f32>,
+    /// N scores.
+    pub scores: Vec<f32>,
+    /// The characteristic view.
+    pub view: usize,
+    /// The map's confidence.
+    pub confidence: f32,
+}
+
+/// What cannot be shown.
+#[derive(Debug, thiserror::Error)]
+pub enum PlayError {
+    /// The file has no object, or not this map.
+    #[error("{0}")]
+    Missing(String),
+    /// Parameters cannot be taken.
+    #[error(transparent)]
+    Values(#[from] FitError),
+    /// A number is farther from the examples than they are from each other.
+    #[error("parameter \"{name}\" is {value}, expected {} to {}", range[0], range[1])]
+    Outside {
+        /// The parameter.
+        name: String,
+        /// What it is.
+        value: f64,
+        /// The examples' range, on both sides as wide again.
+        range: [f64; 2],
+    },
+    /// The runtime refuses the call.
+    #[error("{0}")]
+    Call(CallError),
+}
+
+impl<'a> Player<'a> {
+    /// Opens a map of a file's first object; the first where none is named.
+    ///
+    /// # Errors
+    /// [`PlayError::Missing`].
+    pub fn new(model: &'a Model<Vec<u8>>, map: Option<&str>) -> Result<Self, PlayError> {
+        let lacking = |what: &str| PlayError::Missing(what.to_owned());
+        let views = model.views().ok_or_else(|| lacking("it has no views"))?;
+        let maps = (0..).map_while(|number| model.map_of(&views, number));
+        let names: Vec<&str> = maps.clone().map(|map| map.name()).collect();
+        let found = match map {
+            Some(name) => maps.clone().find(|map| map.name() == name),
+            None => maps.clone().next(),
+        };
+        let unknown = || {
+            let map = map.unwrap_or_default();
+            PlayError::Missing(format!("it has no map \"{map}\"; there are {}", names.join(", ")))
+        };
+        let map = found.ok_or_else(unknown)?;
+        Ok(Self { views, map, inputs: inputs_of(&map), last: None })
+    }
+
+    /// Returns the map.
+    pub fn map(&self) -> &KernelMap<'a> {
+        &self.map
+    }
+
+    /// Returns the object.
+    pub fn views(&self) -> &Views<'a> {
+        &self.views
+    }
+
+    /// Returns the width and height of the first key view's picture.
+    pub fn size(&self) -> [usize; 2] {
+        let texture = self.views.view_texture(0).and_then(|number| self.views.texture(number));
+        texture.map_or([0; 2], |texture| texture.size())
+    }
+
+    /// Evaluates the map, after what it showed before.
+    ///
+    /// # Errors
+    /// [`PlayError::Values`], [`PlayError::Outside`] and [`PlayError::Call`].
+    pub fn play(&mut self, values: &Values) -> Result<Played, PlayError> {
+        let given = given(&self.inputs, values)?;
+        self.check(values)?;
+        let numbers = query_numbers(&self.inputs, &given).map_err(FitError::Given)?;
+        let parameters: Vec<f32> = numbers.iter().map(|x| *x as f32).collect();
+        let (k, n) = (self.views.point_len(), self.views.view_len());
+        let mut out = Played {
+            points: vec![[0.0; 3]; k],
+            visibility: vec![0.0; k],
+            scores: vec![0.0; n],
+            view: 0,
+            confidence: 0.0,
+        };
+        let len = self.views.counts().frame_scratch_len(&self.map.counts());
+        let job = FrameJob {
+            views: self.views,
+            map: self.map,
+            parameters: &parameters,
+            last: self.last,
+            margin: self.views.fit().margin,
+        };
+        let frame = Frame {
+            points: &mut out.points,
+            visibility: &mut out.visibility,
+            scores: &mut out.scores,
+        };
+        let found = job.run(&mut vec![0.0; len], frame).map_err(PlayError::Call)?;
+        (out.view, out.confidence) = (found.view, found.confidence);
+        self.last = Some(found.view);
+        Ok(out)
+    }
+
+    /// Refuses numbers that the examples say nothing of; angles come round.
+    fn check(&self, values: &Values) -> Result<(), PlayError> {
+        let mut feature = 0;
+        for input in &self.inputs {
+            let range = self.map.feature(feature).unwrap_or_default().map(f64::from);
+            feature += input.kind.feature_len();
+            let ([.., low, high], Some(&value)) = (range, values.get(&input.name)) else {
+                continue;
+            };
+            // One that no example changes does not count.
+            let range = [2.0 * low - high, 2.0 * high - low];
+            let is_within = range[0] == range[1] || (range[0]..=range[1]).contains(&value);
+            if input.kind == InputKind::Scalar && !is_within {
+                return Err(PlayError::Outside { name: input.name.clone(), value, range });
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws what was played: by depth where the object has one, else in the order of its elements; colours are times
+    /// their alpha.
+    ///
+    /// # Errors
+    /// [`PlayError::Call`].
+    pub fn draw(&self, played: &Played) -> Result<(Picture, Drawn), PlayError> {
+        let [width, height] = self.size();
+        let mut pixels = vec![[0; 4]; width * height];
+        let job = RenderJob {
+            views: self.views,
+            points: &played.points,
+            visibility: &played.visibility,
+            scores: &played.scores,
+            view: played.view,
+            width,
+        };
+        let has_depth = played.points.iter().any(|[.., depth]| *depth != 0.0);
+        let drawn = if has_depth {
+            let mut depths = vec![f32::INFINITY; pixels.len()];
+            job.run(Order::Depth(&mut depths), &mut pixels)
+        } else {
+            let mut order = vec![0; self.views.element_len()];
+            job.run(Order::Painter(&mut order), &mut pixels)
+        };
+        let drawn = drawn.map_err(PlayError::Call)?;
+        let size = Resolution { width, height };
+        Ok((Picture { size, rgba: pixels.into_flattened() }, drawn))
+    }
+}
+
+/// Multiplies a picture's colours by their alpha.
+pub fn multiplied(picture: &Picture) -> Picture {
+    let mut out = picture.clone();
+    for pixel in out.rgba.chunks_mut(4) {
+        let alpha = f64::from(pixel[3]) / 255.0;
+        pixel[..3].iter_mut().for_each(|x| *x = (f64::from(*x) * alpha).round() as u8);
+    }
+    out
+}
+
+/// Divides a picture's colours by their alpha, as PNG has them.
+pub fn straight(picture: &Picture) -> Picture {
+    let mut out = picture.clone();
+    for pixel in out.rgba.chunks_mut(4).filter(|pixel| pixel[3] > 0) {
+        let alpha = f64::from(pixel[3]) / 255.0;
+        pixel[..3].iter_mut().for_each(|x| *x = (f64::from(*x) / alpha).round().min(255.0) as u8);
+    }
+    out
+}

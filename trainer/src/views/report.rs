@@ -1,0 +1,225 @@
+//! A page about an object: a sheet of its views, what they are made of, and the network over pixels beside them.
+
+use super::naive::{NETWORKS, mixed, weights};
+use super::player::{PlayError, Played, Player, multiplied, straight};
+use super::set::{Element, Examples, SetError, Values, View, ViewSet};
+use crate::numeric::columns::ends;
+use crate::page::camera::Resolution;
+use crate::page::colour::Colour;
+use crate::page::drawing::{Anchor, Drawing};
+use crate::page::html::{figure, page, paragraph, section, side_by_side, text};
+use crate::page::picture::Picture;
+use sinew_runtime::Model;
+
+/// Steps of a sheet, across and down.
+const STEPS: [usize; 2] = [7, 5];
+/// Around each picture of a sheet.
+const GAP: usize = 6;
+const FOOT: usize = 20;
+/// Edges of elements.
+const EDGE: Colour = [0xbd, 0x2b, 0x44];
+
+/// What no page can be made of.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A view cannot be shown.
+    #[error(transparent)]
+    Play(#[from] PlayError),
+    /// A picture cannot be read.
+    #[error(transparent)]
+    Set(#[from] SetError),
+    /// A picture cannot be written.
+    #[error(transparent)]
+    Encode(#[from] png::EncodingError),
+}
+
+/// Makes the page of a file and of the views that it was trained on.
+///
+/// # Errors
+/// [`ReportError`].
+pub fn report(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<String, ReportError> {
+    let mut body = format!("<h1>{}</h1>\n", text(&set.name));
+    for examples in &set.maps {
+        let name = format!("Views of \"{}\"", examples.name);
+        let sheet = sheet(model, examples)?;
+        let about = format!(
+            "{}: framed views are examples, all others are made of them.",
+            axes(examples).map(|axis| axis.map_or_else(String::new, |axis| axis.name)).join(" by ")
+        );
+        body += &section(&name, &(figure(&sheet, &name, "", "")? + &paragraph(&text(&about))));
+        body += &section("What a view is made of", &made_of(model, set, examples)?);
+        if let Some(networks) = networks(model, set, examples)? {
+            body += &section("A network over pixels", &networks);
+        }
+    }
+    Ok(page(&set.name, &body))
+}
+
+/// A parameter along which a sheet goes.
+struct Along {
+    name: String,
+    ends: [f64; 2],
+    steps: usize,
+}
+
+/// Takes the first two parameters that change.
+fn axes(examples: &Examples) -> [Option<Along>; 2] {
+    let names = examples.parameters.iter().flat_map(|parameter| parameter.names());
+    let mut changing = names.filter_map(|name| {
+        let values: Vec<f64> =
+            examples.train.iter().filter_map(|view| view.values.get(name).copied()).collect();
+        let ends = ends(&values);
+        (ends[0] < ends[1]).then(|| (name.to_owned(), ends))
+    });
+    STEPS.map(|steps| changing.next().map(|(name, ends)| Along { name, ends, steps }))
+}
+
+fn sheet(model: &Model<Vec<u8>>, examples: &Examples) -> Result<Picture, ReportError> {
+    let [across, down] = axes(examples);
+    let count = |axis: &Option<Along>| axis.as_ref().map_or(1, |axis| axis.steps);
+    let [columns, rows] = [count(&across), count(&down)];
+    let [width, height] = Player::new(model, Some(&examples.name))?.size();
+    let cell = [width + GAP, height + GAP + FOOT];
+    let mut out = Drawing::new(columns * cell[0] + GAP, rows * cell[1] + GAP);
+    let start = examples.train.first().map(|view| view.values.clone()).unwrap_or_default();
+    for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+        let mut values = start.clone();
+        for (axis, step) in [(&across, column), (&down, row)] {
+            if let Some(Along { name, ends: [low, high], steps }) = axis {
+                let share = step as f64 / (steps - 1) as f64;
+                values.insert(name.clone(), low + share * (high - low));
+            }
+        }
+        let (picture, _) = shown(model, examples, &values)?;
+        let corner = [(GAP + column * cell[0]) as f64, (GAP + row * cell[1]) as f64];
+        out.image(corner, on_white(&picture));
+        let near = |(name, value): (&String, &f64)| {
+            values.get(name).is_some_and(|own| (own - value).abs() < 1e-9)
+        };
+        if examples.train.iter().any(|view| view.values.iter().all(near)) {
+            out.frame(corner, [width as f64, height as f64]);
+        }
+        let named = [&across, &down].into_iter().flatten();
+        let label: Vec<String> =
+            named.map(|axis| format!("{:.2}", values.get(&axis.name).unwrap_or(&0.0))).collect();
+        let foot = [corner[0] + 0.5 * width as f64, corner[1] + (height + FOOT - GAP) as f64];
+        out.text(foot, Anchor::Middle, &label.join(" "));
+    }
+    Ok(out.picture())
+}
+
+/// Shows parameters by themselves.
+fn shown(
+    model: &Model<Vec<u8>>,
+    examples: &Examples,
+    values: &Values,
+) -> Result<(Picture, Played), PlayError> {
+    let mut player = Player::new(model, Some(&examples.name))?;
+    let played = player.play(values)?;
+    Ok((straight(&player.draw(&played)?.0), played))
+}
+
+/// Lays a picture on white, as drawings are.
+fn on_white(picture: &Picture) -> Picture {
+    let mut out = picture.clone();
+    for pixel in out.rgba.chunks_mut(4) {
+        let alpha = f64::from(pixel[3]) / 255.0;
+        let laid = |x: u8| (f64::from(x) * alpha + 255.0 * (1.0 - alpha)).round() as u8;
+        pixel.iter_mut().for_each(|x| *x = laid(*x));
+        pixel[3] = 0xff;
+    }
+    out
+}
+
+/// Returns parameters half-way between the first examples.
+fn between(examples: &Examples) -> Values {
+    let half = |view: &View, other: &View| {
+        let middle = |(name, a): (&String, &f64)| {
+            (name.clone(), 0.5 * (a + other.values.get(name).unwrap_or(a)))
+        };
+        view.values.iter().map(middle).collect()
+    };
+    match &examples.train[..] {
+        [] => Values::new(),
+        [first] => first.values.clone(),
+        [first, second, ..] => half(first, second),
+    }
+}
+
+/// Draws the key view and the view that is made of it, each with its elements.
+fn made_of(
+    model: &Model<Vec<u8>>,
+    set: &ViewSet,
+    examples: &Examples,
+) -> Result<String, ReportError> {
+    let (picture, played) = shown(model, examples, &between(examples))?;
+    let keys = set.key_views();
+    let Some(&(map, view)) = keys.get(played.view) else { return Ok(String::new()) };
+    let view = &set.maps[map].train[view];
+    let source = match &view.image {
+        Some(image) => image.load(set.size)?,
+        None => picture.clone(),
+    };
+    let points: Vec<[f64; 2]> =
+        played.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();
+    let seen: Vec<bool> = played.visibility.iter().map(|x| *x > 0.5).collect();
+    let with_mesh = |picture: &Picture, points: &[[f64; 2]], seen: &[bool]| {
+        let Resolution { width, height } = picture.size;
+        let mut out = Drawing::new(width, height);
+        out.image([0.0; 2], on_white(picture));
+        for element in set.elements.iter().map(Element::points) {
+            if element.iter().all(|&k| seen[k]) {
+                let ring = element.iter().chain(element.first()).map(|&k| points[k]);
+                out.line(ring.collect(), 0.7, EDGE);
+            }
+        }
+        out.picture()
+    };
+    let figures = [
+        figure(&with_mesh(&source, &view.known(), &view.visible), "key view", "", "the key view")?,
+        figure(
+            &with_mesh(&picture, &points, &seen),
+            "its elements moved",
+            "",
+            "its elements moved",
+        )?,
+        figure(&picture, "the view", "", "the view that is made of them")?,
+    ];
+    Ok(side_by_side(figures.len(), &figures))
+}
+
+/// Draws networks over pixels half-way between examples, beside points and warping; none where a map has too few
+/// pictures of its own.
+fn networks(
+    model: &Model<Vec<u8>>,
+    set: &ViewSet,
+    examples: &Examples,
+) -> Result<Option<String>, ReportError> {
+    let own: Vec<&View> = examples.train.iter().filter(|view| view.image.is_some()).collect();
+    if own.len() < 4 {
+        return Ok(None);
+    }
+    let values = between(&Examples {
+        train: own.iter().map(|view| (*view).clone()).collect(),
+        ..examples.clone()
+    });
+    let (picture, _) = shown(model, examples, &values)?;
+    let mut pictures = Vec::new();
+    for image in own.iter().filter_map(|view| view.image.as_ref()) {
+        let picture = multiplied(&image.load(set.size)?);
+        pictures.push(picture.rgba.iter().map(|byte| f64::from(*byte)).collect::<Vec<f64>>());
+    }
+    let all: Vec<&[f64]> = pictures.iter().map(Vec::as_slice).collect();
+    let at = View { values, ..own[0].clone() };
+    let mut figures = vec![figure(&picture, "points and warping", "", "points and warping")?];
+    for (kernel, epsilon) in NETWORKS {
+        let Ok(weights) = weights((kernel, epsilon), &examples.parameters, &own, &at) else {
+            continue;
+        };
+        let rgba = mixed(&weights, &all).into_iter().map(|x| x.round().clamp(0.0, 255.0) as u8);
+        let mixed = straight(&Picture { size: picture.size, rgba: rgba.collect() });
+        let name = format!("{}, width {:.2}", kernel.name(), 1.0 / epsilon);
+        figures.push(figure(&mixed, &name, "", &name)?);
+    }
+    Ok(Some(side_by_side(4, &figures)))
+}

@@ -1,0 +1,119 @@
+//! Why views cannot be taken.
+
+use crate::formats::FormatError;
+use std::path::PathBuf;
+
+/// Views that cannot be taken; views, points and elements count from 0.
+#[derive(Debug, thiserror::Error)]
+pub enum SetError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// It is no JSON of this shape.
+    #[error("{0}")]
+    Json(#[from] serde_json::Error),
+    /// Something is not there.
+    #[error("there are no {0}")]
+    Empty(&'static str),
+    /// A view has too few numbers of a kind, or too many.
+    #[error("{view}: expected {expected} {what}, found {found}")]
+    Length {
+        /// The view.
+        view: String,
+        /// What is counted.
+        what: &'static str,
+        /// As many as the first view has points.
+        expected: usize,
+        /// As many as there are.
+        found: usize,
+    },
+    /// A parameter is missing, or is no number.
+    #[error("{view}: parameter \"{name}\" is {what}")]
+    Parameter {
+        /// The view.
+        view: String,
+        /// The parameter.
+        name: String,
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// A point is not known, but said to be seen.
+    #[error("{view}: point {point} is visible and has no place")]
+    Unknown {
+        /// The view.
+        view: String,
+        /// The point.
+        point: usize,
+    },
+    /// A point is known in no view.
+    #[error("point {point} has a place in no view of \"{map}\"")]
+    Nowhere {
+        /// The motion.
+        map: String,
+        /// The point.
+        point: usize,
+    },
+    /// A picture cannot be read.
+    #[error("{}: {what}", file.display())]
+    Image {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+    /// A picture is not as large as the set says.
+    #[error("{}: expected {} x {} pixels, found {} x {}", file.display(), expected[0], expected[1], found[0], found[1])]
+    ImageSize {
+        /// The file.
+        file: PathBuf,
+        /// The set's width and height.
+        expected: [usize; 2],
+        /// The picture's.
+        found: [usize; 2],
+    },
+    /// An element names a point that there is not, or one twice, or has fewer than three.
+    #[error("element {element}: {what}")]
+    Element {
+        /// The element.
+        element: usize,
+        /// What is wrong.
+        what: String,
+    },
+    /// An element has no area in a key view in which it is seen.
+    #[error("element {element} has no area in {view}")]
+    NoArea {
+        /// The element.
+        element: usize,
+        /// The view.
+        view: String,
+    },
+    /// A quad is not convex in a key view in which it is seen.
+    #[error("element {element} is a quad that is not convex in {view}: cut it into triangles")]
+    Concave {
+        /// The element.
+        element: usize,
+        /// The view.
+        view: String,
+    },
+    /// Points lie where no triangles can be made of them.
+    #[error("the points of {view} cannot be triangulated: {what}")]
+    Triangulation {
+        /// The view.
+        view: String,
+        /// Why.
+        what: String,
+    },
+    /// The mesh that gives depths does not have a point.
+    #[error("point {point} is vertex {vertex} of the mesh, which has {vertices}")]
+    Vertex {
+        /// The point.
+        point: usize,
+        /// The vertex.
+        vertex: usize,
+        /// As many as there are.
+        vertices: usize,
+    },
+    /// A Lottie file has nothing to learn from.
+    #[error("{0}")]
+    Lottie(&'static str),
+}

@@ -1,0 +1,299 @@
+//! Views as JSON.
+
+use super::data::{Examples, Parameter, Values, View, ViewSet};
+use super::depth::depths;
+use super::elements::{Element, check_elements, triangulated};
+use super::error::SetError;
+use super::image::Image;
+use crate::formats::{FormatError, obj};
+use serde::Deserialize;
+use serde_json::Value;
+use sinew_runtime::kernel::EulerOrder;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// What the name of an angle ends with where nothing declares it.
+const DEGREES: &str = "_deg";
+/// Angles that make one rotation where nothing declares it: about x, y and z.
+const HEAD: [&str; 3] = ["pitch", "yaw", "roll"];
+
+#[derive(Deserialize)]
+struct Written {
+    name: Option<String>,
+    image_size: [usize; 2],
+    #[serde(default)]
+    elements: Vec<Vec<usize>>,
+    mesh_vertex_index: Option<Vec<usize>>,
+    #[serde(default)]
+    maps: Vec<WrittenMap>,
+    #[serde(flatten)]
+    own: WrittenMap,
+}
+
+#[derive(Deserialize)]
+struct WrittenMap {
+    #[serde(rename = "map", default = "main")]
+    name: String,
+    parameters: Option<Vec<WrittenParameter>>,
+    #[serde(default)]
+    train: Vec<WrittenView>,
+    #[serde(default)]
+    test: Vec<WrittenView>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum WrittenParameter {
+    Scalar(String),
+    Rotation { angles: BTreeMap<Axis, String>, order: Option<String> },
+}
+
+#[derive(Clone, Copy, Deserialize, PartialEq, Eq, PartialOrd, Ord)]
+#[serde(rename_all = "lowercase")]
+enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+#[derive(Deserialize)]
+struct WrittenView {
+    image: Option<String>,
+    mask: Option<String>,
+    points: Vec<Option<[f64; 2]>>,
+    visible: Option<Vec<bool>>,
+    depth: Option<Vec<f64>>,
+    #[serde(flatten)]
+    values: BTreeMap<String, Value>,
+}
+
+fn main() -> String {
+    "main".to_owned()
+}
+
+/// Reads a set of views.
+///
+/// - `mesh`: an OBJ, of whose vertices `mesh_vertex_index` are the points: depths come from it.
+///
+/// # Errors
+/// [`SetError`].
+pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, SetError> {
+    let written: Written =
+        serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let Written { name, image_size, elements: polygons, mesh_vertex_index, maps, own } = written;
+    let all = std::iter::once(own).chain(maps);
+    let maps: Vec<Examples> = all
+        .filter(|map| !map.train.is_empty())
+        .map(|map| examples(map, folder))
+        .collect::<Result<_, _>>()?;
+    let mut set = ViewSet {
+        name: name.or(stem).unwrap_or_default(),
+        size: image_size,
+        elements: Vec::new(),
+        maps,
+    };
+    check_points(&set)?;
+    if let (Some(mesh), Some(vertices)) = (mesh, mesh_vertex_index) {
+        add_depths(&mut set, mesh, &vertices)?;
+    }
+    set.elements = elements(&set, &polygons)?;
+    Ok(set)
+}
+
+/// Reads views of an instance: each has the name of a prototype's key view under `view`, and its picture.
+///
+/// # Errors
+/// [`SetError`] of reading, and of each view by itself.
+pub fn read_instance(path: &Path) -> Result<Vec<(String, View)>, SetError> {
+    #[derive(Deserialize)]
+    struct Instance {
+        views: Vec<Named>,
+    }
+    #[derive(Deserialize)]
+    struct Named {
+        view: String,
+        #[serde(flatten)]
+        own: WrittenView,
+    }
+    let written: Instance =
+        serde_json::from_slice(&std::fs::read(path).map_err(FormatError::Read)?)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let one = |Named { view: name, own }| {
+        let read = view(own, &[], folder, &name)?;
+        Ok((name, read))
+    };
+    written.views.into_iter().map(one).collect()
+}
+
+fn examples(map: WrittenMap, folder: &Path) -> Result<Examples, SetError> {
+    let WrittenMap { name, parameters, train, test } = map;
+    let parameters = match parameters {
+        Some(written) => written.into_iter().map(parameter).collect::<Result<_, _>>()?,
+        None => inferred(train.first().map(|view| &view.values)),
+    };
+    let views = |written: Vec<WrittenView>, split: &str| {
+        let one = |(number, own): (usize, WrittenView)| {
+            let named = format!("{name}, {split} view {number}");
+            view(own, &parameters, folder, &named)
+        };
+        written.into_iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()
+    };
+    let (train, test) = (views(train, "train")?, views(test, "test")?);
+    Ok(Examples { name, parameters, train, test })
+}
+
+fn parameter(written: WrittenParameter) -> Result<Parameter, SetError> {
+    let (angles, order) = match written {
+        WrittenParameter::Scalar(name) => return Ok(Parameter::Scalar(name)),
+        WrittenParameter::Rotation { angles, order } => (angles, order),
+    };
+    let found = |name: &String| EulerOrder::ALL.into_iter().find(|order| order.name() == name);
+    let known = match &order {
+        Some(name) => Some(found(name).ok_or_else(|| SetError::Parameter {
+            view: "parameters".to_owned(),
+            name: name.clone(),
+            what: "no order of angles: expected XYZ, XZY, YXZ, YZX, ZXY or ZYX",
+        })?),
+        None => None,
+    };
+    let angle = |axis| angles.get(&axis).cloned();
+    Ok(Parameter::Rotation { angles: [Axis::X, Axis::Y, Axis::Z].map(angle), order: known })
+}
+
+/// Takes every number of a view for a parameter: those that end as degrees for angles.
+fn inferred(values: Option<&BTreeMap<String, Value>>) -> Vec<Parameter> {
+    let numbers = || values.into_iter().flatten().filter(|(_, value)| value.is_number());
+    let angle = |name: &str| numbers().any(|(key, _)| key.strip_suffix(DEGREES) == Some(name));
+    let head = HEAD.map(|name| angle(name).then(|| name.to_owned()));
+    let mut out = Vec::new();
+    if head.iter().any(Option::is_some) {
+        out.push(Parameter::Rotation { angles: head, order: None });
+    }
+    for (key, _) in numbers() {
+        match key.strip_suffix(DEGREES) {
+            Some(name) if HEAD.contains(&name) => {}
+            Some(name) => out.push(Parameter::Rotation {
+                angles: [None, None, Some(name.to_owned())],
+                order: None,
+            }),
+            None => out.push(Parameter::Scalar(key.clone())),
+        }
+    }
+    out
+}
+
+fn view(
+    written: WrittenView,
+    parameters: &[Parameter],
+    folder: &Path,
+    named: &str,
+) -> Result<View, SetError> {
+    let WrittenView { image, mask, points, visible, depth, values: all } = written;
+    let mut values = Values::new();
+    for name in parameters.iter().flat_map(Parameter::names) {
+        let own = all.get(name).or_else(|| all.get(&format!("{name}{DEGREES}")));
+        let wrong =
+            |what| SetError::Parameter { view: named.to_owned(), name: name.to_owned(), what };
+        let number = own.ok_or_else(|| wrong("missing"))?.as_f64();
+        values.insert(name.to_owned(), number.ok_or_else(|| wrong("no number"))?);
+    }
+    let all_known = || points.iter().map(Option::is_some).collect();
+    let view = View {
+        values,
+        visible: visible.unwrap_or_else(all_known),
+        points,
+        depths: depth.unwrap_or_default(),
+        image: image.map(|file| Image {
+            file: folder.join(file),
+            mask: mask.map(|mask| folder.join(mask)),
+        }),
+    };
+    let expected = view.points.len();
+    let depths = if view.depths.is_empty() { expected } else { view.depths.len() };
+    for (what, found) in [("marks of visibility", view.visible.len()), ("depths", depths)] {
+        if found != expected {
+            return Err(SetError::Length { view: named.to_owned(), what, expected, found });
+        }
+    }
+    if let Some(point) = (0..expected).find(|&k| view.visible[k] && view.points[k].is_none()) {
+        return Err(SetError::Unknown { view: named.to_owned(), point });
+    }
+    Ok(view)
+}
+
+/// Lists all views with what they are called.
+fn all_views(set: &ViewSet) -> impl Iterator<Item = (String, &View)> {
+    set.maps.iter().flat_map(|map| {
+        let named = |split: &'static str| {
+            move |(number, view)| (format!("{}, {split} view {number}", map.name), view)
+        };
+        let train = map.train.iter().enumerate().map(named("train"));
+        train.chain(map.test.iter().enumerate().map(named("test")))
+    })
+}
+
+/// Checks that all views have as many points, and every point a place in some view of each motion.
+fn check_points(set: &ViewSet) -> Result<(), SetError> {
+    let expected = set.point_len();
+    if expected == 0 {
+        let what = if set.maps.is_empty() { "views under \"train\"" } else { "points" };
+        return Err(SetError::Empty(what));
+    }
+    for (view, own) in all_views(set) {
+        let found = own.points.len();
+        if found != expected {
+            return Err(SetError::Length { view, what: "points", expected, found });
+        }
+    }
+    for map in &set.maps {
+        let nowhere = |k: &usize| map.train.iter().all(|view| view.points[*k].is_none());
+        if let Some(point) = (0..expected).find(nowhere) {
+            return Err(SetError::Nowhere { map: map.name.clone(), point });
+        }
+    }
+    Ok(())
+}
+
+/// Gives depths to training views that have none.
+fn add_depths(set: &mut ViewSet, mesh: &Path, vertices: &[usize]) -> Result<(), SetError> {
+    let (expected, found) = (set.point_len(), vertices.len());
+    if found != expected {
+        let view = "mesh_vertex_index".to_owned();
+        return Err(SetError::Length { view, what: "vertices", expected, found });
+    }
+    let mesh = obj::load(mesh).map_err(|error| error.error)?;
+    let vertex_len = mesh.positions.len();
+    if let Some(point) = (0..found).find(|&k| vertices[k] >= vertex_len) {
+        return Err(SetError::Vertex { point, vertex: vertices[point], vertices: vertex_len });
+    }
+    let positions: Vec<[f64; 3]> = vertices.iter().map(|&vertex| mesh.positions[vertex]).collect();
+    for map in &mut set.maps {
+        for (number, view) in map.train.iter_mut().enumerate() {
+            if view.depths.is_empty() {
+                view.depths = depths(view, &positions, &format!("train view {number}"))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Takes the elements that are given, or makes some of the key view that shows most points, the first of
+/// equals; all of them are checked in every key view.
+fn elements(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Vec<Element>, SetError> {
+    let named = |(map, view): (usize, usize)| format!("{}, train view {view}", set.maps[map].name);
+    let of = |(map, view): (usize, usize)| &set.maps[map].train[view];
+    let keys = set.key_views();
+    if polygons.is_empty() {
+        let seen = |key: &(usize, usize)| of(*key).visible.iter().filter(|seen| **seen).count();
+        let most = keys.iter().rev().copied().max_by_key(seen).unwrap_or((0, 0));
+        return triangulated(of(most), &named(most));
+    }
+    let mut out = Vec::new();
+    for (number, polygon) in polygons.iter().enumerate() {
+        out.extend(Element::of_polygon(number, polygon, set.point_len())?);
+    }
+    keys.into_iter().try_for_each(|key| check_elements(&out, of(key), &named(key)))?;
+    Ok(out)
+}

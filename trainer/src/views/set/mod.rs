@@ -1,0 +1,21 @@
+//! Views as a person writes them: parameters, points, what is visible, pictures, elements.
+
+mod data;
+mod depth;
+mod drawing;
+mod elements;
+mod error;
+mod image;
+mod json;
+mod lottie;
+mod write;
+
+pub use data::{Examples, Parameter, Values, View, ViewSet};
+pub use depth::{depths, project};
+pub use drawing::read_drawing;
+pub use elements::{Element, check_elements, triangulated};
+pub use error::SetError;
+pub use image::Image;
+pub use json::{read, read_instance};
+pub use lottie::{AnimatedPath, read_lottie};
+pub use write::as_json;

@@ -1,0 +1,141 @@
+//! One object's motion for another of its class (METHOD §6.6): the prototype's maps, the instance's pictures and
+//! references.
+
+use super::deformation::Reference;
+use super::model::{KeyView, Reached, ViewsModel};
+use super::set::{Element, SetError, View};
+use crate::kernel::model::KernelModel;
+use faer::Mat;
+use sinew_runtime::Model;
+use sinew_runtime::views::{Element as FileElement, Views};
+
+/// An instance that cannot be made of a prototype.
+#[derive(Debug, thiserror::Error)]
+pub enum TransferError {
+    /// The file has no object, or one whose motion is lent itself.
+    #[error("{0}")]
+    Prototype(&'static str),
+    /// A view of the instance is none of the prototype's key views, or one twice.
+    #[error("view \"{view}\" of the instance: {what}; the prototype's are {expected}")]
+    View {
+        /// Its name.
+        view: String,
+        /// What is wrong.
+        what: &'static str,
+        /// The names there are.
+        expected: String,
+    },
+    /// A view of the instance has other points than the prototype.
+    #[error("view \"{view}\" of the instance: expected {expected} points, found {found}")]
+    Points {
+        /// Its name.
+        view: String,
+        /// The prototype's.
+        expected: usize,
+        /// The instance's.
+        found: usize,
+    },
+    /// A point has no place.
+    #[error("view \"{view}\" of the instance: point {point} has no place")]
+    Unknown {
+        /// Its name.
+        view: String,
+        /// The point.
+        point: usize,
+    },
+    /// A picture cannot be read.
+    #[error(transparent)]
+    Set(#[from] SetError),
+}
+
+/// Makes an instance of the prototype in a file.
+///
+/// - `views`: the instance as it looks in some of the prototype's key views, by their names, each with its picture; all
+///   points have a place.
+/// - `by_size`: whether the motion is as large as the instance is.
+///
+/// # Errors
+/// [`TransferError`].
+pub fn transfer(
+    model: &Model<Vec<u8>>,
+    name: &str,
+    views: &[(String, View)],
+    by_size: bool,
+) -> Result<ViewsModel, TransferError> {
+    let object = model.views().ok_or(TransferError::Prototype("it has no views"))?;
+    if object.is_transferred() {
+        return Err(TransferError::Prototype("its motion is lent itself: take its prototype"));
+    }
+    if views.is_empty() {
+        return Err(SetError::Empty("views of the instance").into());
+    }
+    let mut kept = Vec::new();
+    let mut keys = Vec::new();
+    for (named, view) in views {
+        let number = key_of(&object, named, &kept)?;
+        keys.push(key_view(&object, number, named, view, by_size)?);
+        kept.push(number);
+    }
+    let maps = (0..).map_while(|map| model.map_of(&object, map));
+    let of = |map| restricted(KernelModel::from_file(&map), object.point_len(), &kept);
+    let element = |element| match element {
+        FileElement::Triangle(points) => Element::Triangle(points),
+        FileElement::Quad(points) => Element::Quad(points),
+    };
+    let fit = object.fit();
+    Ok(ViewsModel {
+        name: name.to_owned(),
+        point_len: object.point_len(),
+        elements: (0..).map_while(|number| object.element(number)).map(element).collect(),
+        keys,
+        maps: maps.map(of).collect(),
+        fit: Reached { visibility: fit.visibility.into(), ..Reached::default() },
+    })
+}
+
+fn key_of(object: &Views<'_>, named: &str, taken: &[usize]) -> Result<usize, TransferError> {
+    let names: Vec<&str> = (0..).map_while(|view| object.view_name(view)).collect();
+    let wrong =
+        |what| TransferError::View { view: named.to_owned(), what, expected: names.join(", ") };
+    let number = names.iter().position(|name| *name == named);
+    let number = number.ok_or_else(|| wrong("no key view"))?;
+    if taken.contains(&number) { Err(wrong("it is there twice")) } else { Ok(number) }
+}
+
+fn key_view(
+    object: &Views<'_>,
+    number: usize,
+    named: &str,
+    view: &View,
+    by_size: bool,
+) -> Result<KeyView, TransferError> {
+    let (view_name, expected, found) = (named.to_owned(), object.point_len(), view.points.len());
+    if expected != found {
+        return Err(TransferError::Points { view: view_name, expected, found });
+    }
+    if let Some(point) = view.points.iter().position(Option::is_none) {
+        return Err(TransferError::Unknown { view: view_name, point });
+    }
+    let image = view.image.as_ref().ok_or(SetError::Empty("pictures"))?;
+    let own = (0..).map_while(|point| object.reference(number, point));
+    let own: Vec<[f64; 2]> = own.map(|point| point.map(f64::from)).collect();
+    let points = view.known();
+    Ok(KeyView {
+        name: view_name,
+        picture: image.load_any()?,
+        reference: Some(Reference::new(&own, &points, by_size)),
+        points,
+        visible: view.visible.clone(),
+    })
+}
+
+/// Leaves a map with the scores of some key views.
+fn restricted(mut model: KernelModel, points: usize, kept: &[usize]) -> KernelModel {
+    let values: Vec<usize> =
+        (0..4 * points).chain(kept.iter().map(|view| 4 * points + view)).collect();
+    let outputs = (0..2 * points).chain(kept.iter().map(|view| 2 * points + view));
+    model.outputs = outputs.filter_map(|output| model.outputs.get(output).cloned()).collect();
+    let own = &model.sum.coefficients;
+    model.sum.coefficients = Mat::from_fn(values.len(), own.ncols(), |r, c| own[(values[r], c)]);
+    model
+}

@@ -1,0 +1,161 @@
+//! Sets that cannot be taken: each is refused by file, view, point or element.
+
+use super::common::{Folder, examples, view};
+use serde_json::{Value, json};
+use sinew_trainer::views::fit::{FitOptions, fit};
+use sinew_trainer::views::set::{Image, Parameter, read, read_drawing, read_lottie};
+use std::fs;
+
+/// A set of two views of four points, to be spoiled.
+fn set() -> Value {
+    json!({
+        "image_size": [8, 8],
+        "elements": [[0, 1, 2, 3]],
+        "train": [
+            { "image": "a.png", "yaw_deg": 0, "smile": 0.0, "points": [[1, 1], [6, 1], [6, 6], [1, 6]] },
+            { "yaw_deg": 20, "smile": 1.0, "points": [[2, 1], [5, 1], [5, 6], [2, 6]],
+              "visible": [true, true, true, false] },
+        ],
+    })
+}
+
+fn refused(name: &str, spoil: impl Fn(&mut Value)) -> String {
+    let folder = Folder::new(name);
+    let mut set = set();
+    spoil(&mut set);
+    fs::write(folder.path("views.json"), set.to_string()).unwrap();
+    match read(&folder.path("views.json"), None) {
+        Ok(_) => "taken".to_owned(),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn faults_are_named_by_view_and_index() {
+    for (name, spoil, expected) in [
+        ("whole", (|_| {}) as fn(&mut Value), "taken"),
+        (
+            "few",
+            |set| set["train"][1]["points"] = json!([[2, 1], [5, 1], [5, 6]]),
+            "main, train view 1: expected 3 marks of visibility, found 4",
+        ),
+        (
+            "counts",
+            |set| {
+                set["train"][1]["points"] = json!([[2, 1], [5, 1], [5, 6]]);
+                set["train"][1]["visible"] = json!([true, true, true]);
+            },
+            "main, train view 1: expected 4 points, found 3",
+        ),
+        (
+            "missing",
+            |set| drop(set["train"][1].as_object_mut().unwrap().remove("smile")),
+            "main, train view 1: parameter \"smile\" is missing",
+        ),
+        (
+            "text",
+            |set| set["train"][1]["smile"] = json!("much"),
+            "main, train view 1: parameter \"smile\" is no number",
+        ),
+        (
+            "unknown",
+            |set| set["train"][1]["points"][2] = Value::Null,
+            "main, train view 1: point 2 is visible and has no place",
+        ),
+        ("hidden", |set| set["train"][1]["points"][3] = Value::Null, "taken"),
+        (
+            "nowhere",
+            |set| {
+                for view in set["train"].as_array_mut().unwrap() {
+                    view["points"][3] = Value::Null;
+                    view["visible"] = json!([true, true, true, false]);
+                }
+            },
+            "point 3 has a place in no view of \"main\"",
+        ),
+        (
+            "concave",
+            |set| set["train"][0]["points"][2] = json!([2, 2]),
+            "element 0 is a quad that is not convex in main, train view 0: cut it into triangles",
+        ),
+        (
+            "flat",
+            |set| {
+                set["elements"] = json!([[0, 1, 2], [0, 2, 3]]);
+                set["train"][0]["points"][3] = json!([3.5, 3.5]);
+            },
+            "element 1 has no area in main, train view 0",
+        ),
+        ("element", |set| set["elements"] = json!([[0, 1, 9]]), "element 0: point 9, of 4"),
+        ("empty", |set| set["train"] = json!([]), "there are no views under \"train\""),
+        (
+            "depths",
+            |set| set["train"][0]["depth"] = json!([1, 2]),
+            "main, train view 0: expected 4 depths, found 2",
+        ),
+    ] {
+        assert_eq!(refused(name, spoil), expected, "{name}");
+    }
+    assert!(refused("json", |set| set["image_size"] = json!("large")).contains("invalid type"));
+}
+
+#[test]
+fn pictures_that_are_missing_broken_or_of_another_size_are_named() {
+    let folder = Folder::new("pictures");
+    let image = |name: &str| Image { file: folder.path(name), mask: None };
+    let missing = image("no.png").load([8, 8]).unwrap_err().to_string();
+    assert!(missing.contains("no.png"), "{missing}");
+    fs::write(folder.path("text.png"), "no picture").unwrap();
+    assert!(image("text.png").load([8, 8]).unwrap_err().to_string().contains("text.png"));
+    let picture = sinew_trainer::page::picture::Picture::filled(4, 2, [9; 3]);
+    fs::write(folder.path("small.png"), picture.png().unwrap()).unwrap();
+    assert_eq!(image("small.png").load([4, 2]).unwrap(), picture);
+    let wrong = image("small.png").load([8, 8]).unwrap_err().to_string();
+    assert!(wrong.ends_with("small.png: expected 8 x 8 pixels, found 4 x 2"), "{wrong}");
+}
+
+#[test]
+fn views_that_contradict_each_other_are_named() {
+    let at = |x: f64, y: f64| view(&[("x", x)], vec![[y, 0.0], [0.0, y]]);
+    let set = examples(
+        vec![Parameter::Scalar("x".to_owned())],
+        vec![at(0.0, 1.0), at(1.0, 2.0), at(1.0, 3.0)],
+    );
+    let refused = fit(&set, &[], FitOptions::default()).unwrap_err().to_string();
+    assert_eq!(refused, "train views 1 and 2 have the same parameters");
+}
+
+#[test]
+fn a_single_view_stays_where_it_is() {
+    let one = view(&[("x", 3.0)], vec![[1.5, 0.0], [0.0, 7.25]]);
+    let set = examples(vec![Parameter::Scalar("x".to_owned())], vec![one.clone()]);
+    let map = fit(&set, &[Some(0)], FitOptions::default()).unwrap();
+    let shown = map.shown(&[("x".to_owned(), -5.0)].into()).unwrap();
+    assert_eq!((shown.view(), shown.points), (Some(0), one.known()));
+    assert_eq!(shown.visible, [true; 2]);
+}
+
+#[test]
+fn a_point_that_is_hidden_follows_the_views_that_know_it() {
+    let at = |x: f64| view(&[("x", x)], vec![[x, 2.0 * x], [3.0 - x, x]]);
+    let mut set =
+        examples(vec![Parameter::Scalar("x".to_owned())], vec![at(0.0), at(1.0), at(2.0), at(4.0)]);
+    set.train[2].points[1] = None;
+    set.train[2].visible[1] = false;
+    let map = fit(&set, &[], FitOptions::default()).unwrap();
+    let shown = map.shown(&[("x".to_owned(), 2.0)].into()).unwrap();
+    assert!((shown.points[1][0] - 1.0).abs() < 1e-9 && (shown.points[1][1] - 2.0).abs() < 1e-9);
+    assert_eq!(shown.visible, [true, false]);
+}
+
+#[test]
+fn drawings_and_animations_without_what_they_need_are_refused() {
+    let folder = Folder::new("descriptions");
+    fs::write(folder.path("char_cfg.yaml"), "skeleton:\n- loc:\n  - 1\n  - 2\n  name: root\n")
+        .unwrap();
+    let refused = read_drawing(&folder.path("char_cfg.yaml")).unwrap_err().to_string();
+    assert_eq!(refused, "skeleton: parameter \"hip\" is missing");
+    fs::write(folder.path("still.json"), "{\"layers\": []}").unwrap();
+    let refused = read_lottie(&folder.path("still.json")).unwrap_err().to_string();
+    assert_eq!(refused, "it has no animated path");
+}
