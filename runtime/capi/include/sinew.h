@@ -1,7 +1,8 @@
 /* Sinew: evaluates baked models of how skin moves. Made by cbindgen of runtime/capi/src; do not edit.
  *
  * Objects: a model is a loaded file, an envelope predicts a palette, a skin is a mesh that follows one,
- * a kernel is a function of a few numbers, a prior says how weights of shapes belong together. They lie in memory of the caller, who asks for its size
+ * a kernel is a function of a few numbers, a prior says how weights of shapes belong together, views
+ * are a drawn object between its key views. They lie in memory of the caller, who asks for its size
  * (sinew_*_bytes) or takes an array of SINEW_*_WORDS uintptr_t. Nothing is allocated and nothing has to
  * be freed. The file's bytes must stay, unchanged, while a model of them is in use; a model's memory must
  * stay for as long as its parts are used, but may be loaded again: calls then refuse what was opened
@@ -64,6 +65,9 @@
 
 /// The most pins of a job.
 #define SINEW_PINS_MAX 64
+
+/// Elements of a `uintptr_t` array that holds views on every target: `uintptr_t memory[SINEW_VIEWS_WORDS]`.
+#define SINEW_VIEWS_WORDS 48
 
 /// What a call came to. 1 to 99: the call is wrong, from 50 on in what only C can get wrong. From 100
 /// on: the file is.
@@ -226,6 +230,16 @@ enum sinew_argument
     SINEW_ARGUMENT_PRIOR = 23,
     /// Pins.
     SINEW_ARGUMENT_PINS = 24,
+    /// Control points.
+    SINEW_ARGUMENT_POINTS = 25,
+    /// Visibilities of control points.
+    SINEW_ARGUMENT_VISIBILITY = 26,
+    /// Scores of key views, or a view by its number.
+    SINEW_ARGUMENT_SCORES = 27,
+    /// Pixels of a picture.
+    SINEW_ARGUMENT_PIXELS = 28,
+    /// Depths of pixels.
+    SINEW_ARGUMENT_DEPTHS = 29,
     /// Memory for an object; lengths in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
     /// The file; lengths in bytes.
@@ -266,6 +280,10 @@ enum sinew_argument
     SINEW_ARGUMENT_OUTPUT = 68,
     /// The number of a shape.
     SINEW_ARGUMENT_SHAPE = 69,
+    /// Views.
+    SINEW_ARGUMENT_VIEWS = 70,
+    /// The number of a map.
+    SINEW_ARGUMENT_MAP = 71,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -366,6 +384,10 @@ typedef struct sinew_prior sinew_prior;
 /// points to its model: where that has been loaded again with another file, or is loaded no more,
 /// every call refuses the skin.
 typedef struct sinew_skin sinew_skin;
+
+/// A drawn object between its key views. It points to its model: where that has been loaded again with another
+/// file, or is loaded no more, every call refuses the views.
+typedef struct sinew_views sinew_views;
 
 /// The most of everything that a file may hold. All work, of loading and of evaluating, grows with
 /// these counts and with nothing else.
@@ -781,6 +803,134 @@ typedef struct sinew_edit {
     /// 1 where bounds were found to hold at the least, 0 where weights were cut to them.
     uint32_t is_least;
 } sinew_edit;
+
+/// What views are made of, and what they were measured to reach; lengths are in pixels.
+typedef struct sinew_views_info {
+    /// Their name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// Their number among the file's parts.
+    uint32_t part;
+    /// 1 if they move as another object does, else 0.
+    uint32_t is_transferred;
+    /// K, control points.
+    size_t point_len;
+    /// E, elements.
+    size_t element_len;
+    /// N, key views.
+    size_t view_len;
+    /// M, maps.
+    size_t map_len;
+    /// By how much a key view's score must be above that of the one before.
+    float margin;
+    /// RMS over points and examples of the distance to the examples.
+    float rms_error;
+    /// The same, each example left out of its own fit; 0 if it was not measured.
+    float left_out_rms;
+    /// Share of the points whose visibility is that of the examples.
+    float visibility;
+} sinew_views_info;
+
+/// A map of an object: a kernel, which `sinew_kernel_open` opens by its name.
+typedef struct sinew_map_info {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// Its number among the file's parts.
+    uint32_t part;
+    /// Numbers of its parameters.
+    size_t parameters_len;
+    /// Floats of scratch that a frame needs.
+    size_t scratch_len;
+} sinew_map_info;
+
+/// Evaluates a map of an object.
+typedef struct sinew_frame_job {
+    /// The object.
+    const struct sinew_views *views;
+    /// The number of the map.
+    size_t map;
+    /// `sinew_map_info.parameters_len` numbers, as `sinew_kernel_evaluate` takes a query.
+    const float *parameters;
+    /// Their number.
+    size_t parameters_len;
+    /// The characteristic view of the frame before.
+    size_t last_view;
+    /// 1 if there is a frame before, else 0.
+    uint32_t has_last;
+    /// By how much a key view's score must be above that of the one before: `sinew_views_info.margin`, or another.
+    float margin;
+    /// At least `sinew_map_info.scratch_len` floats, of any content.
+    float *scratch;
+    /// Their number.
+    size_t scratch_len;
+    /// Receives K points: x to the right and y down, in pixels of the screen, and depth, which grows away from the
+    /// viewer.
+    float (*points)[3];
+    /// Their number.
+    size_t points_len;
+    /// Receives K visibilities; above 0.5 a point is visible.
+    float *visibility;
+    /// Their number.
+    size_t visibility_len;
+    /// Receives N scores of key views.
+    float *scores;
+    /// Their number.
+    size_t scores_len;
+} sinew_frame_job;
+
+/// What a frame job found.
+typedef struct sinew_found {
+    /// The characteristic view.
+    size_t view;
+    /// The map's confidence in the parameters.
+    float confidence;
+} sinew_found;
+
+/// Draws an object into a picture.
+typedef struct sinew_render_job {
+    /// The object.
+    const struct sinew_views *views;
+    /// K points, as a frame job gives them.
+    const float (*points)[3];
+    /// Their number.
+    size_t points_len;
+    /// K visibilities; an element with a point that is not above 0.5 is not drawn.
+    const float *visibility;
+    /// Their number.
+    size_t visibility_len;
+    /// N scores: what the characteristic view does not show is textured by the view of the highest score that does.
+    const float *scores;
+    /// Their number.
+    size_t scores_len;
+    /// The characteristic view.
+    size_t view;
+    /// Width of the picture in pixels.
+    size_t width;
+    /// Pixels row by row from the top, red, green, blue and alpha: sRGB, each times its alpha. Drawn over.
+    uint8_t (*pixels)[4];
+    /// Their number, of whole rows.
+    size_t pixels_len;
+    /// Null to blend elements by their mean depth, one over the other; else a float a pixel, infinite where nothing
+    /// has been drawn: then the nearest is seen at each pixel.
+    float *depths;
+    /// Their number.
+    size_t depths_len;
+    /// Without depths E numbers of scratch, of any content.
+    uint16_t *order;
+    /// Their number.
+    size_t order_len;
+} sinew_render_job;
+
+/// What a render job drew.
+typedef struct sinew_drawn {
+    /// Elements drawn.
+    size_t element_len;
+    /// Those of them that are turned over against their texture, or folded.
+    size_t flipped_len;
+} sinew_drawn;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1280,6 +1430,61 @@ sinew_status sinew_skin_place(const struct sinew_skin *skin,
 sinew_status sinew_pins_solve(const struct sinew_pin_job *job,
                               struct sinew_edit *out_edit,
                               struct sinew_error *out_error);
+
+/// Returns the bytes of memory that views need: at most those of `SINEW_VIEWS_WORDS` words.
+size_t sinew_views_bytes(void);
+
+/// Opens views of a model.
+///
+/// - `name`, `name_len`: their name, without a zero at its end; null for any.
+/// - `index`: which of those; 0 for the first.
+/// - `memory`, `memory_bytes`: for the views; at least `sinew_views_bytes()`, aligned as a `uintptr_t`.
+/// - `out_views`: receives the handle, which is `memory`.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
+sinew_status sinew_views_open(const struct sinew_model *model,
+                              const char *name,
+                              size_t name_len,
+                              size_t index,
+                              void *memory,
+                              size_t memory_bytes,
+                              const struct sinew_views **out_views,
+                              struct sinew_error *out_error);
+
+/// Says what views are made of.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+sinew_status sinew_views_describe(const struct sinew_views *views,
+                                  struct sinew_views_info *out_info,
+                                  struct sinew_error *out_error);
+
+/// Describes a map.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
+sinew_status sinew_views_map(const struct sinew_views *views,
+                             size_t map,
+                             struct sinew_map_info *out_map,
+                             struct sinew_error *out_error);
+
+/// Runs a frame job: from parameters to points, visibilities, scores and the characteristic view.
+///
+/// - `out_found`: receives what it found.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `OUT_OF_RANGE`, `NON_FINITE`,
+/// `ZERO_ROTATION`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_views_frame(const struct sinew_frame_job *job,
+                               struct sinew_found *out_found,
+                               struct sinew_error *out_error);
+
+/// Runs a render job: from points to a picture, over what it holds.
+///
+/// - `out_drawn`: null, or receives what it drew.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NON_FINITE`, `TOO_LONG`,
+/// `OVERLAP`.
+sinew_status sinew_views_render(const struct sinew_render_job *job,
+                                struct sinew_drawn *out_drawn,
+                                struct sinew_error *out_error);
 
 #ifdef __cplusplus
 }  // extern "C"
