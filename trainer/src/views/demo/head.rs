@@ -1,6 +1,6 @@
 //! A head that turns all the way round: what faces away is not seen.
 
-use super::Made;
+use super::made::Made;
 use super::paint::{empty, polygon};
 use crate::page::colour::Colour;
 use crate::views::set::{Element, Examples, Image, Parameter, View, ViewSet};

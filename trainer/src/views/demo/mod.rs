@@ -3,19 +3,15 @@
 
 mod figure;
 mod head;
+mod made;
 mod paint;
 mod panel;
 
 use super::set::{SetError, ViewSet, as_json, read_drawing};
 use crate::formats::FormatError;
 use crate::page::picture::Picture;
+use made::Made;
 use std::path::Path;
-
-/// A set with its pictures, by the names that the set has for them.
-pub(super) struct Made {
-    set: ViewSet,
-    pictures: Vec<(String, Picture)>,
-}
 
 /// Writes the sets: in a folder each, with `views.json` and its pictures; the figure's also as a drawing,
 /// `char_cfg.yaml` with `texture.png` and `mask.png`.

@@ -1,6 +1,6 @@
 //! A panel of quads, seen in perspective as it turns, and rolled up along an arc.
 
-use super::Made;
+use super::made::Made;
 use super::paint::{empty, polygon};
 use crate::page::colour::Colour;
 use crate::views::set::{Element, Examples, Image, Parameter, View, ViewSet};

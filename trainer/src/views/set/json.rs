@@ -2,9 +2,10 @@
 
 use super::data::{Examples, Parameter, Values, View, ViewSet};
 use super::depth::depths;
-use super::elements::{Element, check_elements, triangulated};
+use super::elements::Element;
 use super::error::SetError;
 use super::image::Image;
+use super::joined::{check_elements, triangulated};
 use crate::formats::{FormatError, obj};
 use serde::Deserialize;
 use serde_json::Value;

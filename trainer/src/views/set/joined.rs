@@ -1,0 +1,116 @@
+//! Elements over a view: made of its points, and checked in it.
+
+use super::data::View;
+use super::elements::Element;
+use super::error::SetError;
+use spade::{DelaunayTriangulation, Point2, Triangulation};
+
+/// Area, over the square of the longest side, below which an element has none.
+const NO_AREA: f64 = 1e-6;
+
+/// Makes Delaunay triangles of a view's visible points.
+///
+/// # Errors
+/// [`SetError::Triangulation`]: two points are one, or all lie on a line.
+pub fn triangulated(view: &View, named: &str) -> Result<Vec<Element>, SetError> {
+    let wrong = |what: String| SetError::Triangulation { view: named.to_owned(), what };
+    let seen: Vec<usize> = (0..view.points.len()).filter(|&k| view.visible[k]).collect();
+    let known = view.known();
+    let places = seen.iter().map(|&k| Point2::new(known[k][0], known[k][1])).collect();
+    let mesh: DelaunayTriangulation<Point2<f64>> = DelaunayTriangulation::bulk_load_stable(places)
+        .map_err(|error| wrong(error.to_string()))?;
+    if mesh.num_vertices() != seen.len() {
+        return Err(wrong("two points lie in one place".to_owned()));
+    }
+    let corners = mesh.inner_faces().map(|face| face.vertices().map(|v| seen[v.fix().index()]));
+    let elements: Vec<Element> = corners.map(Element::Triangle).collect();
+    if elements.is_empty() { Err(wrong("they lie on a line".to_owned())) } else { Ok(elements) }
+}
+
+/// Checks elements in a key view: those whose points are all seen.
+///
+/// # Errors
+/// [`SetError::NoArea`] and [`SetError::Concave`].
+pub fn check_elements(elements: &[Element], view: &View, named: &str) -> Result<(), SetError> {
+    let known = view.known();
+    for (number, element) in elements.iter().enumerate() {
+        let corners = element.points();
+        if !corners.iter().all(|&k| view.visible[k]) {
+            continue;
+        }
+        let at = |corner: usize| known[corners[corner % corners.len()]];
+        let turns: Vec<f64> =
+            (0..corners.len()).map(|c| cross(at(c), at(c + 1), at(c + 2))).collect();
+        let longest = (0..corners.len()).map(|c| squared(at(c), at(c + 1))).fold(0.0, f64::max);
+        let flat = |turn: &f64| turn.abs() <= NO_AREA * longest;
+        if turns.iter().all(flat) {
+            return Err(SetError::NoArea { element: number, view: named.to_owned() });
+        }
+        let quad = corners.len() == 4;
+        if quad && (turns.iter().any(flat) || turns.iter().any(|turn| turn * turns[0] < 0.0)) {
+            return Err(SetError::Concave { element: number, view: named.to_owned() });
+        }
+    }
+    Ok(())
+}
+
+/// Returns twice the signed area of a triangle.
+fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+fn squared(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (0..2).map(|axis| (a[axis] - b[axis]).powi(2)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn view(points: &[[f64; 2]]) -> View {
+        View {
+            values: Default::default(),
+            points: points.iter().copied().map(Some).collect(),
+            visible: vec![true; points.len()],
+            depths: Vec::new(),
+            image: None,
+        }
+    }
+
+    const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+
+    #[test]
+    fn triangles_of_points_cover_their_hull_once() {
+        let mut points = SQUARE.to_vec();
+        points.extend([[1.0, 2.0], [2.5, 1.5], [3.0, 3.2]]);
+        let found = triangulated(&view(&points), "view 0").unwrap();
+        let area = |element: &Element| match *element {
+            Element::Triangle([a, b, c]) => 0.5 * cross(points[a], points[b], points[c]).abs(),
+            Element::Quad(_) => 0.0,
+        };
+        assert!((found.iter().map(area).sum::<f64>() - 16.0).abs() < 1e-12);
+        let line = [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]];
+        let refused = triangulated(&view(&line), "view 3").unwrap_err().to_string();
+        assert_eq!(refused, "the points of view 3 cannot be triangulated: they lie on a line");
+        let twice = [SQUARE[0], SQUARE[1], SQUARE[2], SQUARE[1]];
+        assert!(
+            triangulated(&view(&twice), "view 3").unwrap_err().to_string().contains("one place")
+        );
+    }
+
+    #[test]
+    fn flat_and_concave_elements_are_named() {
+        let dent = [[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]];
+        let quad = [Element::Quad([0, 1, 2, 3])];
+        assert!(check_elements(&quad, &view(&SQUARE), "view 1").is_ok());
+        let refused = check_elements(&quad, &view(&dent), "view 1").unwrap_err();
+        assert!(matches!(refused, SetError::Concave { element: 0, .. }), "{refused}");
+        let flat = [[0.0, 0.0], [2.0, 2.0], [4.0, 4.0], [0.0, 4.0]];
+        let elements = [Element::Triangle([1, 2, 3]), Element::Triangle([0, 1, 2])];
+        let refused = check_elements(&elements, &view(&flat), "view 1").unwrap_err();
+        assert!(matches!(refused, SetError::NoArea { element: 1, .. }), "{refused}");
+        let mut hidden = view(&flat);
+        hidden.visible[1] = false;
+        assert!(check_elements(&elements, &hidden, "view 1").is_ok(), "not seen");
+    }
+}
