@@ -1,12 +1,12 @@
 //! Prints what shapes cost beside a plain sum over the same bytes: `cargo bench -p sinew-runtime --bench shapes`, and
-//! with `RUSTFLAGS="-C target-cpu=x86-64-v3"` on wider registers. One core; medians of runs taken in turn, so that
+//! with `RUSTFLAGS="-C target-cpu=x86-64-v3"` on wider registers; `-- FILE` measures a model's skin instead. One core; medians of runs taken in turn, so that
 //! ratios hold on a busy machine.
 
 use models::{Pieces, SMALL, Shape, ShapeContent};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Element, SectionKind};
 use sinew_runtime::skin::{Output, cells};
-use sinew_runtime::{CallError, Model, ShapesJob};
+use sinew_runtime::{CallError, Model, ShapesJob, Skin};
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
@@ -27,23 +27,32 @@ const MASKS: [(&str, Mask); 3] = [
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("{VERTICES} vertices, {SHAPES} shapes; ms");
-    println!("mask           element  positions  a sum   ratio  with normals  a sum   ratio");
+    println!("mask           element  positions  a sum   ratio  with normals  a sum   ratio, ms");
+    // Cargo itself adds `--bench`.
+    if let Some(file) = std::env::args().skip(1).find(|argument| argument != "--bench") {
+        return print("the file's", &Model::from_bytes(std::fs::read(file)?)?);
+    }
     for (name, mask) in MASKS {
         for element in [Element::F32, Element::F16, Element::I8] {
-            let [alone, sum, both, sum_of_both] = seconds(&model(element, mask)?)?;
-            println!(
-                "{name:<15}{:<7}{:>10.2}{:>8.2}{:>7.2}{:>13.2}{:>8.2}{:>7.2}",
-                element.name(),
-                1e3 * alone,
-                1e3 * sum,
-                alone / sum,
-                1e3 * both,
-                1e3 * sum_of_both,
-                both / sum_of_both,
-            );
+            print(name, &model(element, mask)?)?;
         }
     }
+    Ok(())
+}
+
+fn print(mask: &str, model: &Model<Vec<u8>>) -> Result<(), Box<dyn Error>> {
+    let skin = model.skin().ok_or("no skin")?;
+    let [alone, sum, both, sum_of_both] = seconds(model, skin)?;
+    println!(
+        "{mask:<15}{:<7}{:>10.2}{:>8.2}{:>7.2}{:>13.2}{:>8.2}{:>7.2}",
+        skin.shape_element().name(),
+        1e3 * alone,
+        1e3 * sum,
+        alone / sum,
+        1e3 * both,
+        1e3 * sum_of_both,
+        both / sum_of_both,
+    );
     Ok(())
 }
 
@@ -65,22 +74,23 @@ fn model(element: Element, mask: Mask) -> Result<Model<Vec<u8>>, Box<dyn Error>>
 }
 
 /// Measures positions, a sum over the bytes of their deltas, positions with normals, and that over slopes as well.
-fn seconds(model: &Model<Vec<u8>>) -> Result<[f64; 4], Box<dyn Error>> {
-    let skin = model.skin().ok_or("no skin")?;
-    let weights: Vec<f32> = (0..SHAPES).map(|shape| 0.25 + shape as f32 / 100.0).collect();
+fn seconds(model: &Model<Vec<u8>>, skin: Skin<'_>) -> Result<[f64; 4], Box<dyn Error>> {
+    let weights: Vec<f32> =
+        (0..skin.shape_len()).map(|shape| 0.25 + shape as f32 / 100.0).collect();
     let section = |kind: SectionKind| {
         let mut all = model.sections();
         all.find(|section| section.row.kind == kind.number()).map(|section| section.bytes)
     };
     let deltas = section(SectionKind::ShapeDeltas).ok_or("no deltas")?;
     let slopes = section(SectionKind::ShapeSlopes).ok_or("no slopes")?;
-    let (mut positions, mut normals) = (vec![0.0; 3 * VERTICES], vec![0.0; 3 * VERTICES]);
+    let floats = 3 * skin.vertex_len();
+    let (mut positions, mut normals) = (vec![0.0; floats], vec![0.0; floats]);
     let mut shape = |with_normals: bool| -> Result<(), CallError> {
         let to = |floats| Some(Output { floats: cells(floats), stride: 3 });
         ShapesJob {
             skin,
             weights: black_box(&weights),
-            vertices: 0..VERTICES,
+            vertices: 0..skin.vertex_len(),
             positions: to(&mut positions),
             normals: to(&mut normals).filter(|_| with_normals),
             tangents: None,

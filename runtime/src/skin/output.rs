@@ -3,6 +3,7 @@
 use super::eight::EIGHT;
 use crate::error::{Argument, CallError, CallErrorKind};
 use core::cell::Cell;
+use core::slice::Chunks;
 
 /// Where an attribute is written: the i-th vertex *of the range* at `i * stride`.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +20,14 @@ pub fn cells(floats: &mut [f32]) -> &[Cell<f32>] {
     Cell::from_mut(floats).as_slice_of_cells()
 }
 
-impl Output<'_> {
+impl<'a> Output<'a> {
+    /// Lists the floats of each vertex from the i-th of the range on.
+    #[inline(always)]
+    pub(super) fn each_from(&self, i: usize) -> Option<Chunks<'a, Cell<f32>>> {
+        // Chunks of zero would panic.
+        Some(self.floats.get(i * self.stride..)?.chunks(self.stride.max(1)))
+    }
+
     /// Checks that so many vertices fit, each with an attribute of so many floats.
     pub(super) fn check(
         &self,
@@ -39,9 +47,7 @@ impl Output<'_> {
     /// Writes the attribute of eight vertices from the i-th of the range on.
     #[inline(always)]
     pub(super) fn put_rows(&self, i: usize, rows: &[[f32; 4]; EIGHT]) -> Option<()> {
-        // Chunks of zero would panic.
-        let chunks = self.floats.get(i * self.stride..)?.chunks(self.stride.max(1));
-        for (out, [x, y, z, _]) in chunks.zip(rows) {
+        for (out, [x, y, z, _]) in self.each_from(i)?.zip(rows) {
             let [out_x, out_y, out_z] = out.first_chunk()?;
             out_x.set(*x);
             out_y.set(*y);

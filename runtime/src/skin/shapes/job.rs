@@ -3,7 +3,7 @@
 use super::super::blend::unit;
 use super::super::coefficients::Frame;
 use super::super::counts::BLOCK;
-use super::super::output::Output;
+use super::super::output::{Output, put};
 use super::super::view::Skin;
 use super::blocks::Blocks;
 use crate::error::{Argument, CallError, CallErrorKind};
@@ -92,18 +92,25 @@ impl ShapesJob<'_> {
 
     /// Writes vertices of one block. `None` stands for what a loaded skin does not have.
     fn write(&self, vertices: Range<usize>, sums: &Sums) -> Option<()> {
-        let skin = &self.skin;
-        let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
+        let first = vertices.start - self.vertices.start;
+        if let Some(out) = self.positions {
+            let rest = self.skin.positions().get(vertices.clone())?;
+            let deltas = sums.deltas.get(vertices.start % BLOCK..)?;
+            for ((rest, [u, v, w]), out) in rest.iter().zip(deltas).zip(out.each_from(first)?) {
+                let [x, y, z] = floats(rest);
+                put(out, [x + u, y + v, z + w])?;
+            }
+        }
+        if self.normals.is_some() || self.tangents.is_some() {
+            self.write_directions(vertices, sums)?;
+        }
+        Some(())
+    }
+
+    fn write_directions(&self, vertices: Range<usize>, sums: &Sums) -> Option<()> {
+        let (normals, tangents) = (self.skin.normals(), self.skin.tangents());
         for vertex in vertices {
             let i = vertex - self.vertices.start;
-            if let Some(out) = self.positions {
-                let ([x, y, z], [u, v, w]) =
-                    (floats(positions.get(vertex)?), *sums.deltas.get(vertex % BLOCK)?);
-                out.put(i, [x + u, y + v, z + w])?;
-            }
-            if self.normals.is_none() && self.tangents.is_none() {
-                continue;
-            }
             let [a, c] = *sums.slopes.get(vertex % BLOCK)?;
             let n = floats(normals.get(vertex)?);
             let tangent = tangents.get(vertex).map(floats);
@@ -112,11 +119,7 @@ impl ShapesJob<'_> {
                     Some([x, y, z, _]) => Frame::of_tangent(n, [x, y, z]),
                     None => Frame::of_normal(n, n[2]),
                 };
-                let tilted = [
-                    (n[0] - a * g[0]) - c * h[0],
-                    (n[1] - a * g[1]) - c * h[1],
-                    (n[2] - a * g[2]) - c * h[2],
-                ];
+                let tilted = [0, 1, 2].map(|i| (n[i] - a * g[i]) - c * h[i]);
                 out.put(i, unit(tilted, 1.0).unwrap_or(n))?;
             }
             if let Some((out, [x, y, z, hand])) = self.tangents.zip(tangent) {
@@ -153,7 +156,9 @@ impl Sums {
         tilts: bool,
     ) -> Option<()> {
         self.deltas.as_flattened_mut().fill(0.0);
-        self.slopes.as_flattened_mut().fill(0.0);
+        if tilts {
+            self.slopes.as_flattened_mut().fill(0.0);
+        }
         for entry in blocks.entries_of(block) {
             let weight = *weights.get(entry.shape)?;
             if weight == 0.0 {
