@@ -128,8 +128,8 @@ impl<'a> Skin<'a> {
 
     /// Returns a shape's name.
     pub fn shape_name(&self, shape: usize) -> Option<&'a str> {
-        let names = self.names();
-        names.get(1 + self.range_rows().len() + shape).filter(|_| shape < self.shape_len())
+        let own = Some(shape).filter(|shape| *shape < self.shape_len())?;
+        self.names().get(1 + self.range_rows().len() + own)
     }
 
     /// Returns a vertex's rest position.
