@@ -8,9 +8,7 @@ mod errors;
 mod evaluated;
 mod handles;
 mod kernels;
-mod priors;
 mod refused;
-mod views;
 
 use handles::Loaded;
 use models::{Pieces, SMALL, Shape};
