@@ -35,8 +35,6 @@ mod job;
 
 mod shapes;
 
-
-
 pub use argument::*;
 pub use envelope::*;
 pub use error::*;
