@@ -3,7 +3,6 @@
 use super::eight::EIGHT;
 use crate::error::{Argument, CallError, CallErrorKind};
 use core::cell::Cell;
-use core::slice::Chunks;
 
 /// Where an attribute is written: the i-th vertex *of the range* at `i * stride`.
 #[derive(Clone, Copy, Debug)]
@@ -20,14 +19,7 @@ pub fn cells(floats: &mut [f32]) -> &[Cell<f32>] {
     Cell::from_mut(floats).as_slice_of_cells()
 }
 
-impl<'a> Output<'a> {
-    /// Lists the floats of each vertex from the i-th of the range on.
-    #[inline(always)]
-    pub(super) fn each_from(&self, i: usize) -> Option<Chunks<'a, Cell<f32>>> {
-        // Chunks of zero would panic.
-        Some(self.floats.get(i * self.stride..)?.chunks(self.stride.max(1)))
-    }
-
+impl Output<'_> {
     /// Checks that so many vertices fit, each with an attribute of so many floats.
     pub(super) fn check(
         &self,
@@ -47,7 +39,9 @@ impl<'a> Output<'a> {
     /// Writes the attribute of eight vertices from the i-th of the range on.
     #[inline(always)]
     pub(super) fn put_rows(&self, i: usize, rows: &[[f32; 4]; EIGHT]) -> Option<()> {
-        for (out, [x, y, z, _]) in self.each_from(i)?.zip(rows) {
+        // Chunks of zero would panic.
+        let chunks = self.floats.get(i * self.stride..)?.chunks(self.stride.max(1));
+        for (out, [x, y, z, _]) in chunks.zip(rows) {
             let [out_x, out_y, out_z] = out.first_chunk()?;
             out_x.set(*x);
             out_y.set(*y);

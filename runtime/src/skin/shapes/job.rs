@@ -3,7 +3,7 @@
 use super::super::blend::unit;
 use super::super::coefficients::Frame;
 use super::super::counts::BLOCK;
-use super::super::output::{Output, put};
+use super::super::output::Output;
 use super::super::view::Skin;
 use super::blocks::Blocks;
 use crate::error::{Argument, CallError, CallErrorKind};
@@ -96,9 +96,9 @@ impl ShapesJob<'_> {
         if let Some(out) = self.positions {
             let rest = self.skin.positions().get(vertices.clone())?;
             let deltas = sums.deltas.get(vertices.start % BLOCK..)?;
-            for ((rest, [u, v, w]), out) in rest.iter().zip(deltas).zip(out.each_from(first)?) {
+            for ((rest, [u, v, w]), i) in rest.iter().zip(deltas).zip(first..) {
                 let [x, y, z] = floats(rest);
-                put(out, [x + u, y + v, z + w])?;
+                out.put(i, [x + u, y + v, z + w])?;
             }
         }
         if self.normals.is_some() || self.tangents.is_some() {
