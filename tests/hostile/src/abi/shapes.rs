@@ -28,9 +28,9 @@ fn weights(call: &mut Call<'_, '_>) -> Result<(*const f32, usize)> {
     if is_spoilt {
         call.arena.write(place.start, &f32::NAN.to_ne_bytes());
     }
-    let (weights, weights_len) = call.input(place.clone(), len, Argument::ShapeWeights)?;
+    let (weights, weights_len) = call.input::<f32>(place.clone(), len, Argument::ShapeWeights)?;
     // An array elsewhere does not hold it.
-    let is_read = is_spoilt && weights == call.arena.at(place.start).cast_const();
+    let is_read = is_spoilt && weights == call.arena.at::<f32>(place.start).cast_const();
     call.fault_if(is_read, Status::NonFinite, Argument::ShapeWeights);
     Ok((weights, weights_len))
 }
