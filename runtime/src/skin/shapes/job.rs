@@ -92,25 +92,18 @@ impl ShapesJob<'_> {
 
     /// Writes vertices of one block. `None` stands for what a loaded skin does not have.
     fn write(&self, vertices: Range<usize>, sums: &Sums) -> Option<()> {
-        let first = vertices.start - self.vertices.start;
-        if let Some(out) = self.positions {
-            let rest = self.skin.positions().get(vertices.clone())?;
-            let deltas = sums.deltas.get(vertices.start % BLOCK..)?;
-            for ((rest, [u, v, w]), i) in rest.iter().zip(deltas).zip(first..) {
-                let [x, y, z] = floats(rest);
-                out.put(i, [x + u, y + v, z + w])?;
-            }
-        }
-        if self.normals.is_some() || self.tangents.is_some() {
-            self.write_directions(vertices, sums)?;
-        }
-        Some(())
-    }
-
-    fn write_directions(&self, vertices: Range<usize>, sums: &Sums) -> Option<()> {
-        let (normals, tangents) = (self.skin.normals(), self.skin.tangents());
+        let skin = &self.skin;
+        let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
         for vertex in vertices {
             let i = vertex - self.vertices.start;
+            if let Some(out) = self.positions {
+                let ([x, y, z], [u, v, w]) =
+                    (floats(positions.get(vertex)?), *sums.deltas.get(vertex % BLOCK)?);
+                out.put(i, [x + u, y + v, z + w])?;
+            }
+            if self.normals.is_none() && self.tangents.is_none() {
+                continue;
+            }
             let [a, c] = *sums.slopes.get(vertex % BLOCK)?;
             let n = floats(normals.get(vertex)?);
             let tangent = tangents.get(vertex).map(floats);
@@ -119,7 +112,11 @@ impl ShapesJob<'_> {
                     Some([x, y, z, _]) => Frame::of_tangent(n, [x, y, z]),
                     None => Frame::of_normal(n, n[2]),
                 };
-                let tilted = [0, 1, 2].map(|i| (n[i] - a * g[i]) - c * h[i]);
+                let tilted = [
+                    (n[0] - a * g[0]) - c * h[0],
+                    (n[1] - a * g[1]) - c * h[1],
+                    (n[2] - a * g[2]) - c * h[2],
+                ];
                 out.put(i, unit(tilted, 1.0).unwrap_or(n))?;
             }
             if let Some((out, [x, y, z, hand])) = self.tangents.zip(tangent) {
@@ -156,9 +153,7 @@ impl Sums {
         tilts: bool,
     ) -> Option<()> {
         self.deltas.as_flattened_mut().fill(0.0);
-        if tilts {
-            self.slopes.as_flattened_mut().fill(0.0);
-        }
+        self.slopes.as_flattened_mut().fill(0.0);
         for entry in blocks.entries_of(block) {
             let weight = *weights.get(entry.shape)?;
             if weight == 0.0 {
