@@ -4,6 +4,7 @@
 
 mod case;
 pub(crate) mod kernels;
+pub(crate) mod shapes;
 
 pub(crate) use case::{Case, POISON, differing};
 pub(crate) use models::{GOLDEN, TURNED};

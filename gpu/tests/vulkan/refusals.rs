@@ -1,6 +1,7 @@
 //! Each mistake has its error, found before anything is written or recorded.
 
 use crate::common::kernels::kernel_plan;
+use crate::common::shapes::shapes_plan;
 use crate::common::{GOLDEN, hosted_batch, load, parts, remapped_batch};
 use crate::fake;
 use ash::vk::{self, Handle};
@@ -35,9 +36,10 @@ fn planned(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>, usize) -> Batc
     Plan::new(&model, &envelope, &batch, &DeviceLimits::DOWNLEVEL).unwrap()
 }
 
-/// Of an envelope and of a kernel; together they need every resource.
-fn plans() -> [Plan; 2] {
-    let plans = [planned(GOLDEN[0], remapped_batch), kernel_plan(&DeviceLimits::DOWNLEVEL).0];
+/// Of an envelope, of a kernel and of shapes; together they need every resource.
+fn plans() -> [Plan; 3] {
+    let of = |plan: fn(&DeviceLimits) -> (Plan, Vec<u8>)| plan(&DeviceLimits::DOWNLEVEL).0;
+    let plans = [planned(GOLDEN[0], remapped_batch), of(kernel_plan), of(shapes_plan)];
     assert!(Resource::ALL.into_iter().all(|own| plans.iter().any(|plan| plan.bytes(own) > 0)));
     plans
 }

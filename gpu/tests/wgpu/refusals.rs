@@ -1,6 +1,7 @@
 //! What the wgpu backend refuses, before anything is recorded.
 
 use crate::common::kernels::kernel_plan;
+use crate::common::shapes::shapes_plan;
 use crate::common::{GOLDEN, load, parts, remapped_batch};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Array, Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
@@ -39,9 +40,9 @@ fn scene(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>) -> Batch) -> Sce
     })
 }
 
-/// Of an envelope and of a kernel; together they need every resource.
-fn scenes() -> [Scene; 2] {
-    let scenes = [scene(GOLDEN[2], whole), scene_of(kernel_plan)];
+/// Of an envelope, of a kernel and of shapes; together they need every resource.
+fn scenes() -> [Scene; 3] {
+    let scenes = [scene(GOLDEN[2], whole), scene_of(kernel_plan), scene_of(shapes_plan)];
     assert!(Resource::ALL.into_iter().all(|own| scenes.iter().any(|scene| scene.needs(own))));
     scenes
 }
