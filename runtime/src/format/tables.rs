@@ -396,17 +396,7 @@ impl SectionKind {
 
     /// Returns the kind of this number.
     pub fn from_number(number: u16) -> Option<Self> {
-        Self::ALL.get(Self::place(number)?).copied()
-    }
-
-    /// Returns the place of a number in [`Self::ALL`], or past it; from 47 to 49 none is taken.
-    fn place(number: u16) -> Option<usize> {
-        let free = match number {
-            0 | 47..=49 => return None,
-            ..47 => 0,
-            _ => 3,
-        };
-        Some(usize::from(number - free - 1))
+        Self::ALL.into_iter().find(|kind| kind.number() == number)
     }
 
     /// Returns its name, as FORMAT.md has it.
@@ -491,22 +481,25 @@ impl SectionKind {
 
     /// Whether the elements of the kind of a number may have the type of a number; those of an unknown kind any.
     pub(crate) fn takes(kind: u16, element: u8) -> bool {
-        // A bit a type: what `elements` returns is ten times as large, and firmware reads files as well.
-        const BITS: [u8; SectionKind::ALL.len()] = {
-            let mut bits = [0; SectionKind::ALL.len()];
+        // A bit a type, and none for a number that no kind has: what `elements` returns is ten times as large,
+        // and firmware reads files as well.
+        const LAST: SectionKind = SectionKind::ALL[SectionKind::ALL.len() - 1];
+        const BITS: [u8; LAST.number() as usize + 1] = {
+            let mut bits = [0; LAST.number() as usize + 1];
             let mut at = 0;
-            while at < bits.len() {
-                let elements = SectionKind::ALL[at].elements();
+            while at < SectionKind::ALL.len() {
+                let kind = SectionKind::ALL[at];
+                let (number, elements) = (kind.number() as usize, kind.elements());
                 let mut own = 0;
                 while own < elements.len() {
-                    bits[at] |= 1 << elements[own].number();
+                    bits[number] |= 1 << elements[own].number();
                     own += 1;
                 }
                 at += 1;
             }
             bits
         };
-        let bits = Self::place(kind).and_then(|place| BITS.get(place));
-        bits.is_none_or(|bits| u32::from(*bits).checked_shr(element.into()).unwrap_or(0) & 1 == 1)
+        let bits = BITS.get(usize::from(kind)).copied().unwrap_or_default();
+        bits == 0 || u32::from(bits).checked_shr(element.into()).unwrap_or_default() & 1 == 1
     }
 }

@@ -35,11 +35,7 @@ pub fn servo() -> bool {
 
 #[cfg(feature = "kernel")]
 fn servo_kernel(memory: &mut Memory) -> Option<()> {
-    let file = black_box(&include_bytes!("../../golden/kernel-4-servo.snw")[..]);
-    let mut loaded = None;
-    let load_stack = stack_of(&mut || loaded = Model::from_bytes(file).ok());
-    let loading = instructions_of(|| loaded = Model::from_bytes(file).ok());
-    let model = loaded?;
+    let model = load("servo", include_bytes!("../../golden/kernel-4-servo.snw"))?;
     let kernel = model.kernel()?;
     let scratch = cut(&mut memory.scratch, kernel.counts().scratch_len());
     let mut rng = Rng(7);
@@ -52,8 +48,6 @@ fn servo_kernel(memory: &mut Memory) -> Option<()> {
         most = most.max(step);
     }
     let stack = stack_of(&mut || sound &= kernel.evaluate(&query, scratch, &mut angle).is_ok());
-    say!("servo load_instructions {loading}");
-    say!("servo load_stack {load_stack}");
     say!("servo scratch {}", 4 * kernel.counts().scratch_len());
     say!("servo step_instructions {most}");
     say!("servo step_stack {stack}");
@@ -72,11 +66,7 @@ pub fn normals() -> bool {
 /// Prints the instructions of positions and normals, and the deepest stack of all attributes.
 #[cfg(feature = "tangent-coefficients")]
 fn turned_skin(file: &[u8], memory: &mut Memory) -> Option<()> {
-    let file = black_box(file);
-    let mut loaded = None;
-    let load_stack = stack_of(&mut || loaded = Model::from_bytes(file).ok());
-    let loading = instructions_of(|| loaded = Model::from_bytes(file).ok());
-    let model = loaded?;
+    let model = load("normals", file)?;
     let (envelope, skin) = (model.envelope()?, model.skin().filter(Skin::has_coefficients)?);
     let local = cut(&mut memory.local, envelope.joint_len());
     let mut rng = Rng(7);
@@ -101,11 +91,20 @@ fn turned_skin(file: &[u8], memory: &mut Memory) -> Option<()> {
     let skinning = instructions_of(|| sound &= job.run().is_ok());
     let all = SkinJob { tangents: black_box(attribute(6)), ..job };
     let stack = stack_of(&mut || sound &= all.run().is_ok());
-    say!("normals load_instructions {loading}");
-    say!("normals load_stack {load_stack}");
     say!("normals skin_instructions {skinning}");
     say!("normals skin_stack {stack}");
     sound.then_some(())
+}
+
+/// Loads a model, and prints what that takes.
+fn load<'a>(name: &str, file: &'a [u8]) -> Option<Model<&'a [u8]>> {
+    let file = black_box(file);
+    let mut loaded = Model::from_bytes(file);
+    let stack = stack_of(&mut || loaded = Model::from_bytes(file));
+    let instructions = instructions_of(|| loaded = Model::from_bytes(file));
+    say!("{name} load_instructions {instructions}");
+    say!("{name} load_stack {stack}");
+    loaded.ok()
 }
 
 /// Times loops of known length, of which one has two million instructions more.
@@ -117,14 +116,8 @@ fn clock() -> bool {
 }
 
 fn model(name: &str, file: &[u8], memory: &mut Memory) -> Option<()> {
-    let file = black_box(file);
-    let mut loaded = None;
-    let stack = stack_of(&mut || loaded = Model::from_bytes(file).ok());
-    let loading = instructions_of(|| loaded = Model::from_bytes(file).ok());
-    let model = loaded?;
+    let model = load(name, file)?;
     let (envelope, skin) = (model.envelope()?, model.skin()?);
-    say!("{name} load_instructions {loading}");
-    say!("{name} load_stack {stack}");
     say!("{name} scratch {}", 4 * envelope.scratch_len());
     instructions(name, envelope, skin, memory)?;
     stacks(name, envelope, skin, memory)

@@ -170,9 +170,15 @@ impl Numbers<'_> {
     /// Adds `weight` times arrays of N numbers, from the one of a number on.
     #[inline(always)]
     fn add<const N: usize>(&self, weight: f32, first: usize, sums: &mut [[f32; N]]) -> Option<()> {
-        let each = N * self.element.bytes();
+        self.add_numbers(weight, first.checked_mul(N)?, sums.as_flattened_mut())
+    }
+
+    /// Adds `weight` times numbers, from one of them on.
+    #[cfg_attr(not(target_os = "none"), inline(always))]
+    #[cfg_attr(target_os = "none", inline(never))]
+    fn add_numbers(&self, weight: f32, first: usize, sums: &mut [f32]) -> Option<()> {
+        let each = self.element.bytes();
         let bytes = self.bytes.get(first.checked_mul(each)?..)?.get(..sums.len() * each)?;
-        let sums = sums.as_flattened_mut();
         match self.element {
             Element::F16 => add_each(sums, weight, bytes.as_chunks().0, |le| {
                 let [low, _] = halves(u32::from(u16::from_le_bytes(le)));
