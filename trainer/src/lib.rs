@@ -25,5 +25,6 @@ pub mod mesh;
 pub mod numeric;
 pub mod page;
 pub mod progress;
+pub mod signal;
 pub mod space;
 pub mod views;

@@ -1,0 +1,297 @@
+//! Covariances of stationary processes, in f64 (METHOD §4): how alike two values are, by the signed distance
+//! between their places.
+
+use super::error::{SignalError, check_positive};
+use super::table::Table;
+use sinew_runtime::kernel::Kernel;
+
+/// An even function of a signed distance, 1 at 0 and positive definite.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Covariance {
+    /// `exp(-d²/2l²)`: smooth without end.
+    SquaredExponential {
+        /// l.
+        length: f64,
+    },
+    /// `exp(-|d|/l)`: continuous, with no derivative.
+    OrnsteinUhlenbeck {
+        /// l.
+        length: f64,
+    },
+    /// `(1 + a) exp(-a)`, `a = √3 |d|/l`: one derivative.
+    Matern32 {
+        /// l.
+        length: f64,
+    },
+    /// `(1 + a + a²/3) exp(-a)`, `a = √5 |d|/l`: two derivatives.
+    Matern52 {
+        /// l.
+        length: f64,
+    },
+    /// `exp(-(d/l)²) cos(2π d/T)`.
+    Oscillating {
+        /// l.
+        length: f64,
+        /// T.
+        period: f64,
+    },
+    /// Numbers at even distances, with straight lines between.
+    Table(Table),
+}
+
+impl Covariance {
+    /// Evaluates C at a signed distance.
+    pub fn value(&self, d: f64) -> f64 {
+        match self {
+            Self::SquaredExponential { length } => libm::exp(-0.5 * (d / length) * (d / length)),
+            Self::OrnsteinUhlenbeck { length } => libm::exp(-d.abs() / length),
+            Self::Matern32 { length } => {
+                let a = 3.0f64.sqrt() * d.abs() / length;
+                (1.0 + a) * libm::exp(-a)
+            }
+            Self::Matern52 { length } => {
+                let a = 5.0f64.sqrt() * d.abs() / length;
+                (1.0 + a + a * a / 3.0) * libm::exp(-a)
+            }
+            Self::Oscillating { length, period } => {
+                libm::exp(-(d / length) * (d / length)) * libm::cos(turns(d, *period))
+            }
+            Self::Table(table) => table.value(d),
+        }
+    }
+
+    /// Evaluates dC/dd, odd; of what [`Self::is_smooth`] only.
+    pub fn slope(&self, d: f64) -> f64 {
+        match self {
+            Self::SquaredExponential { length } => -d / (length * length) * self.value(d),
+            Self::Matern32 { length } => {
+                let a = 3.0f64.sqrt() * d.abs() / length;
+                -3.0 * d / (length * length) * libm::exp(-a)
+            }
+            Self::Matern52 { length } => {
+                let a = 5.0f64.sqrt() * d.abs() / length;
+                -5.0 / 3.0 * d / (length * length) * (1.0 + a) * libm::exp(-a)
+            }
+            Self::Oscillating { length, period } => {
+                let (w, at) = (turns(1.0, *period), turns(d, *period));
+                let falls = libm::exp(-(d / length) * (d / length));
+                falls * (-2.0 * d / (length * length) * libm::cos(at) - w * libm::sin(at))
+            }
+            Self::OrnsteinUhlenbeck { .. } | Self::Table(_) => f64::NAN,
+        }
+    }
+
+    /// Evaluates d²C/dd², even; of what [`Self::is_smooth`] only.
+    pub fn curvature(&self, d: f64) -> f64 {
+        match self {
+            Self::SquaredExponential { length } => {
+                let square = length * length;
+                (d * d / square - 1.0) / square * self.value(d)
+            }
+            Self::Matern32 { length } => {
+                let a = 3.0f64.sqrt() * d.abs() / length;
+                -3.0 / (length * length) * (1.0 - a) * libm::exp(-a)
+            }
+            Self::Matern52 { length } => {
+                let a = 5.0f64.sqrt() * d.abs() / length;
+                -5.0 / 3.0 / (length * length) * (1.0 + a - a * a) * libm::exp(-a)
+            }
+            Self::Oscillating { length, period } => {
+                let (w, at, square) = (turns(1.0, *period), turns(d, *period), length * length);
+                let falls = libm::exp(-d * d / square);
+                let even = (4.0 * d * d / square - 2.0) / square - w * w;
+                falls * (even * libm::cos(at) + 4.0 * d * w / square * libm::sin(at))
+            }
+            Self::OrnsteinUhlenbeck { .. } | Self::Table(_) => f64::NAN,
+        }
+    }
+
+    /// Tells whether its functions have a derivative.
+    pub const fn is_smooth(&self) -> bool {
+        !matches!(self, Self::OrnsteinUhlenbeck { .. } | Self::Table(_))
+    }
+
+    /// Returns a distance between whose multiples it is as smooth as a polynomial of low degree.
+    pub(super) fn step(&self) -> f64 {
+        match self {
+            Self::SquaredExponential { length }
+            | Self::OrnsteinUhlenbeck { length }
+            | Self::Matern32 { length }
+            | Self::Matern52 { length } => 0.5 * length,
+            Self::Oscillating { length, period } => 0.25 * length.min(*period),
+            Self::Table(table) => table.step(),
+        }
+    }
+
+    /// Returns the distance beyond which it is nothing to f64.
+    pub(super) fn reach(&self) -> f64 {
+        match self {
+            Self::SquaredExponential { length } => 9.0 * length,
+            Self::OrnsteinUhlenbeck { length } => 40.0 * length,
+            Self::Matern32 { length } | Self::Matern52 { length } => 26.0 * length,
+            Self::Oscillating { length, .. } => 6.5 * length,
+            Self::Table(table) => table.reach(),
+        }
+    }
+
+    /// Returns the kernel that it is, and what distances are multiplied by there; none where no kernel is.
+    pub fn kernel(&self) -> Option<(Kernel, f64)> {
+        Some(match self {
+            Self::SquaredExponential { length } => (Kernel::Gaussian, 0.5f64.sqrt() / length),
+            Self::OrnsteinUhlenbeck { length } => (Kernel::Matern12, 1.0 / length),
+            Self::Matern32 { length } => (Kernel::Matern32, 1.0 / length),
+            Self::Matern52 { length } => (Kernel::Matern52, 1.0 / length),
+            Self::Oscillating { .. } | Self::Table(_) => return None,
+        })
+    }
+
+    /// Returns it for distances in another unit: of those that are so many times as many.
+    pub fn scaled(&self, times: f64) -> Self {
+        match self.clone() {
+            Self::SquaredExponential { length } => Self::SquaredExponential { length: times * length },
+            Self::OrnsteinUhlenbeck { length } => Self::OrnsteinUhlenbeck { length: times * length },
+            Self::Matern32 { length } => Self::Matern32 { length: times * length },
+            Self::Matern52 { length } => Self::Matern52 { length: times * length },
+            Self::Oscillating { length, period } => {
+                Self::Oscillating { length: times * length, period: times * period }
+            }
+            Self::Table(table) => Self::Table(table.scaled(times)),
+        }
+    }
+
+    /// Returns what it is called.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::SquaredExponential { .. } => "squared exponential",
+            Self::OrnsteinUhlenbeck { .. } => "ornstein-uhlenbeck",
+            Self::Matern32 { .. } => "matern 3/2",
+            Self::Matern52 { .. } => "matern 5/2",
+            Self::Oscillating { .. } => "oscillating",
+            Self::Table(_) => "table",
+        }
+    }
+
+    /// Writes it with its numbers, as [`Self::parse`] reads it.
+    pub fn describe(&self) -> String {
+        let name = self.name();
+        match self {
+            Self::SquaredExponential { length }
+            | Self::OrnsteinUhlenbeck { length }
+            | Self::Matern32 { length }
+            | Self::Matern52 { length } => format!("{name}:{length:.4}"),
+            Self::Oscillating { length, period } => format!("{name}:{length:.4},{period:.4}"),
+            Self::Table(_) => name.to_owned(),
+        }
+    }
+
+    /// Reads a name with its numbers: `matern 3/2:4`, `oscillating:8,3`.
+    ///
+    /// # Errors
+    /// [`SignalError::Covariance`], and [`SignalError::Number`] of a length that is none.
+    pub fn parse(text: &str) -> Result<Self, SignalError> {
+        let unknown = || SignalError::Covariance { found: text.to_owned() };
+        let (name, numbers) = text.split_once(':').ok_or_else(unknown)?;
+        let numbers = numbers.split(',').map(|number| number.trim().parse());
+        let numbers: Vec<f64> = numbers.collect::<Result<_, _>>().map_err(|_| unknown())?;
+        Self::named(name.trim(), &numbers).ok_or_else(unknown)?.checked()
+    }
+
+    /// Makes one of its name and its numbers; none where they do not fit each other.
+    pub(super) fn named(name: &str, numbers: &[f64]) -> Option<Self> {
+        Some(match (name, numbers) {
+            ("squared exponential" | "gaussian", &[length]) => Self::SquaredExponential { length },
+            ("ornstein-uhlenbeck" | "matern 1/2", &[length]) => Self::OrnsteinUhlenbeck { length },
+            ("matern 3/2", &[length]) => Self::Matern32 { length },
+            ("matern 5/2", &[length]) => Self::Matern52 { length },
+            ("oscillating", &[length, period]) => Self::Oscillating { length, period },
+            _ => return None,
+        })
+    }
+
+    /// Refuses numbers that make none.
+    pub(super) fn checked(self) -> Result<Self, SignalError> {
+        match &self {
+            Self::SquaredExponential { length }
+            | Self::OrnsteinUhlenbeck { length }
+            | Self::Matern32 { length }
+            | Self::Matern52 { length } => check_positive("length", *length)?,
+            Self::Oscillating { length, period } => {
+                check_positive("length", *length)?;
+                check_positive("period", *period)?;
+            }
+            Self::Table(_) => {}
+        }
+        Ok(self)
+    }
+}
+
+/// Returns the angle of a distance, radians.
+fn turns(d: f64, period: f64) -> f64 {
+    std::f64::consts::TAU * d / period
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// One of each family.
+    pub(in crate::signal) fn families() -> Vec<Covariance> {
+        let length = 1.3;
+        let lags = [1.0, 0.5, 0.1, -0.2, -0.1];
+        vec![
+            Covariance::SquaredExponential { length },
+            Covariance::OrnsteinUhlenbeck { length },
+            Covariance::Matern32 { length },
+            Covariance::Matern52 { length },
+            Covariance::Oscillating { length: 3.0, period: 2.1 },
+            Covariance::Table(Table::new(&lags, 0.7).unwrap().0),
+        ]
+    }
+
+    #[test]
+    fn every_family_is_one_at_zero_even_and_its_derivatives_are_its_own() {
+        for covariance in families() {
+            assert!((covariance.value(0.0) - 1.0).abs() < 1e-15);
+            for d in [0.2, 0.9, 2.3, 4.0] {
+                assert_eq!(covariance.value(d), covariance.value(-d), "{covariance:?}");
+                if !covariance.is_smooth() {
+                    continue;
+                }
+                let h = 1e-5;
+                let difference = |f: &dyn Fn(f64) -> f64| (f(d + h) - f(d - h)) / (2.0 * h);
+                let slope = difference(&|d| covariance.value(d));
+                assert!((slope - covariance.slope(d)).abs() < 1e-9, "{covariance:?} {d}");
+                let curvature = difference(&|d| covariance.slope(d));
+                assert!((curvature - covariance.curvature(d)).abs() < 1e-8, "{covariance:?} {d}");
+                assert_eq!(covariance.slope(d), -covariance.slope(-d));
+                assert_eq!(covariance.curvature(d), covariance.curvature(-d));
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_left_beyond_the_reach_and_another_unit_is_the_same() {
+        for covariance in families() {
+            let reach = covariance.reach();
+            assert!(covariance.value(1.001 * reach).abs() < 1e-15, "{covariance:?}");
+            let scaled = covariance.scaled(3.0);
+            assert!((scaled.value(2.7) - covariance.value(0.9)).abs() < 1e-14, "{covariance:?}");
+            assert!((scaled.reach() - 3.0 * reach).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn names_are_read_back_and_what_is_none_is_refused() {
+        for covariance in families().into_iter().take(5) {
+            assert_eq!(Covariance::parse(&covariance.describe()).unwrap(), covariance);
+        }
+        for text in ["matern 3/2", "matern:1", "oscillating:3", "matern 3/2:x", ""] {
+            let error = Covariance::parse(text).unwrap_err();
+            assert!(matches!(error, SignalError::Covariance { .. }), "{text}");
+        }
+        for text in ["matern 3/2:0", "oscillating:1,-2", "gaussian:nan", "gaussian:inf"] {
+            let error = Covariance::parse(text).unwrap_err();
+            assert!(matches!(error, SignalError::Number { .. }), "{text}");
+        }
+    }
+}

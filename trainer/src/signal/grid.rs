@@ -1,0 +1,205 @@
+//! Signals on a grid made finer by an integer factor: weights by phase, with windows of their own at the ends
+//! (METHOD §4).
+
+use super::error::SignalError;
+use super::functional::Functional;
+use super::kriging::{Kriging, Process};
+use serde::Serialize;
+
+/// What the samples of a signal are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sample {
+    /// Values: coarse ones at i, fine ones at i + f / F.
+    Value,
+    /// Averages: coarse ones over [i, i + 1], fine ones over a share of it each.
+    Average,
+}
+
+/// What a filter is asked to be.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid {
+    /// F, fine samples of each coarse one.
+    pub factor: usize,
+    /// N, coarse samples of a window: odd.
+    pub taps: usize,
+    /// What samples are.
+    pub sample: Sample,
+}
+
+/// How samples lie in an array: signals, each of samples, each of lanes that are filtered alike.
+#[derive(Clone, Copy, Debug)]
+pub struct Shape {
+    /// Samples of a signal.
+    pub samples: usize,
+    /// Numbers of a sample.
+    pub lanes: usize,
+}
+
+/// The weights of a grid.
+#[derive(Clone, Debug)]
+pub struct GridFilter {
+    /// What it was asked to be.
+    pub grid: Grid,
+    /// How much coarse samples of the window count: places of the window, phases, taps.
+    pub weights: Vec<f64>,
+    /// The variance of each fine sample, in units of C(0): places, phases.
+    pub variances: Vec<f64>,
+}
+
+impl GridFilter {
+    /// Computes the weights of a process; distances are in coarse samples.
+    ///
+    /// # Errors
+    /// [`SignalError::Number`] of an even number of taps, or of no factor, and those of [`Kriging::new`].
+    pub fn new(process: &Process, grid: Grid) -> Result<Self, SignalError> {
+        let Grid { factor, taps, sample } = grid;
+        if taps % 2 == 0 {
+            let (what, expected) = ("taps", "an odd number");
+            return Err(SignalError::Number { what, expected, found: taps as f64 });
+        }
+        if factor < 1 {
+            let (what, expected) = ("factor", "a number above 0");
+            return Err(SignalError::Number { what, expected, found: 0.0 });
+        }
+        let window: Vec<Functional> = (0..taps).map(|tap| sample.functional(tap, 0, 1)).collect();
+        // What the samples are does not matter to their weights.
+        let kriging = Kriging::new(process, &window, &vec![0.0; taps])?;
+        let (mut weights, mut variances) = (Vec::new(), Vec::new());
+        for place in 0..taps {
+            for phase in 0..factor {
+                let fine = sample.functional(place, phase, factor);
+                weights.extend(kriging.weights(&fine));
+                variances.push(kriging.predict(&fine).variance);
+            }
+        }
+        Ok(Self { grid, weights, variances })
+    }
+
+    /// Returns the window of a coarse sample among n: where it starts, and the sample's place in it.
+    pub fn window(&self, sample: usize, n: usize) -> (usize, usize) {
+        let start = sample.saturating_sub(self.grid.taps / 2).min(n.saturating_sub(self.grid.taps));
+        (start, sample - start)
+    }
+
+    /// Makes signals finer: F times the samples of each.
+    ///
+    /// # Errors
+    /// [`SignalError::TooShort`].
+    pub fn apply(&self, samples: &[f64], shape: Shape) -> Result<Vec<f64>, SignalError> {
+        let Shape { samples: n, lanes } = shape;
+        let Grid { factor, taps, .. } = self.grid;
+        if n < taps {
+            return Err(SignalError::TooShort { found: n, least: taps });
+        }
+        let mut out = vec![0.0; samples.len() * factor];
+        let signals = samples.chunks_exact(n * lanes).zip(out.chunks_exact_mut(n * lanes * factor));
+        for (coarse, fine) in signals {
+            for (sample, fine) in fine.chunks_exact_mut(factor * lanes).enumerate() {
+                let (start, place) = self.window(sample, n);
+                let window = &coarse[start * lanes..][..taps * lanes];
+                let phases = self.weights[place * factor * taps..].chunks_exact(taps);
+                for (weights, fine) in phases.zip(fine.chunks_exact_mut(lanes)) {
+                    for (weight, row) in weights.iter().zip(window.chunks_exact(lanes)) {
+                        fine.iter_mut().zip(row).for_each(|(out, x)| *out += weight * x);
+                    }
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    /// Lists the variance of each fine sample of a signal of n, in units of C(0).
+    pub fn variances_of(&self, n: usize) -> Vec<f64> {
+        let factor = self.grid.factor;
+        let of = |sample: usize| &self.variances[self.window(sample, n).1 * factor..][..factor];
+        (0..n).flat_map(of).copied().collect()
+    }
+}
+
+impl Sample {
+    /// Returns what a fine sample observes of the function: a coarse one is the only one of its factor.
+    pub(super) fn functional(self, sample: usize, phase: usize, factor: usize) -> Functional {
+        let at = |phase: usize| sample as f64 + phase as f64 / factor as f64;
+        match self {
+            Self::Value => Functional::Value { at: at(phase) },
+            Self::Average => Functional::Average { from: at(phase), to: at(phase + 1) },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::covariance::Covariance;
+    use super::super::mean::Mean;
+    use super::*;
+
+    fn filter(sample: Sample, factor: usize, taps: usize) -> GridFilter {
+        let covariance = Covariance::Matern32 { length: 2.0 };
+        let process = Process { covariance, mean: Mean::Constant, noise: 0.0 };
+        GridFilter::new(&process, Grid { factor, taps, sample }).unwrap()
+    }
+
+    #[test]
+    fn averages_give_the_input_back_and_values_stay_where_they_are() {
+        let samples: Vec<f64> = (0..23).map(|i| (0.8 * f64::from(i)).sin() + 7.0).collect();
+        for factor in 1..5 {
+            let shape = Shape { samples: 23, lanes: 1 };
+            let fine = filter(Sample::Average, factor, 7).apply(&samples, shape).unwrap();
+            for (fine, coarse) in fine.chunks(factor).zip(&samples) {
+                let mean = fine.iter().sum::<f64>() / factor as f64;
+                assert!((mean - coarse).abs() < 1e-10, "{factor}");
+            }
+            let fine = filter(Sample::Value, factor, 7).apply(&samples, shape).unwrap();
+            for (fine, coarse) in fine.chunks(factor).zip(&samples) {
+                assert!((fine[0] - coarse).abs() < 1e-10, "{factor}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_filter_as_long_as_the_signal_is_the_whole_system() {
+        let samples = [1.0, 3.0, 2.0, -1.0, 0.5];
+        for sample in [Sample::Value, Sample::Average] {
+            let shape = Shape { samples: 5, lanes: 1 };
+            let found = filter(sample, 3, 5).apply(&samples, shape).unwrap();
+            let covariance = Covariance::Matern32 { length: 2.0 };
+            let process = Process { covariance, mean: Mean::Constant, noise: 0.0 };
+            let window: Vec<_> = (0..5).map(|i| sample.functional(i, 0, 1)).collect();
+            let whole = Kriging::new(&process, &window, &samples).unwrap();
+            for (place, found) in found.iter().enumerate() {
+                let expected = whole.predict(&sample.functional(place / 3, place % 3, 3)).value;
+                assert!((found - expected).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_and_signals_stay_apart() {
+        let filter = filter(Sample::Average, 2, 3);
+        let one = |of: &[f64]| filter.apply(of, Shape { samples: 4, lanes: 1 }).unwrap();
+        let (a, b) = ([1.0, 2.0, 5.0, 3.0], [0.0, 4.0, 4.0, 1.0]);
+        let both: Vec<f64> = a.iter().zip(b).flat_map(|(a, b)| [*a, b]).collect();
+        let found = filter.apply(&both, Shape { samples: 4, lanes: 2 }).unwrap();
+        let expected: Vec<f64> = one(&a).iter().zip(one(&b)).flat_map(|(a, b)| [*a, b]).collect();
+        assert_eq!(found, expected);
+        let found = filter.apply(&[a, b].concat(), Shape { samples: 4, lanes: 1 }).unwrap();
+        assert_eq!(found, [one(&a), one(&b)].concat());
+    }
+
+    #[test]
+    fn short_signals_and_even_windows_are_refused() {
+        let filter = filter(Sample::Value, 2, 5);
+        let short = filter.apply(&[1.0; 4], Shape { samples: 4, lanes: 1 });
+        assert!(matches!(short, Err(SignalError::TooShort { found: 4, least: 5 })));
+        let process = Process {
+            covariance: Covariance::Matern32 { length: 1.0 },
+            mean: Mean::Constant,
+            noise: 0.0,
+        };
+        for (factor, taps) in [(2, 4), (0, 3), (2, 0)] {
+            let grid = Grid { factor, taps, sample: Sample::Value };
+            assert!(matches!(GridFilter::new(&process, grid), Err(SignalError::Number { .. })));
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Images made finer: columns, then rows, by one filter, for C(x, y) = C(x) C(y) (METHOD §4).
+
+use super::error::SignalError;
+use super::grid::{GridFilter, Shape};
+use png::{BitDepth, ColorType, Decoder, Encoder, Transformations};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+/// Numbers of pixels from the upper left, row by row, as the file has them: sRGB stays sRGB, and covered colours are
+/// multiplied by how far they are covered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Pixels of a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Numbers of a pixel: grey, or red, green and blue, and how far it is covered where [`Self::has_alpha`].
+    pub channels: usize,
+    /// Whether the last channel says how far a pixel is covered.
+    pub has_alpha: bool,
+    /// The greatest number: 255 or 65535.
+    pub most: f64,
+    /// The numbers.
+    pub samples: Vec<f64>,
+}
+
+impl Image {
+    /// Reads a PNG: 8 or 16 bits a channel, as many as the file has; palettes and fewer bits become 8.
+    ///
+    /// # Errors
+    /// [`SignalError::Picture`].
+    pub fn read(file: &Path) -> Result<Self, SignalError> {
+        let wrong = |what: String| SignalError::Picture { file: file.to_owned(), what };
+        let opened = File::open(file).map_err(|error| wrong(error.to_string()))?;
+        let mut decoder = Decoder::new(BufReader::new(opened));
+        decoder.set_transformations(Transformations::EXPAND);
+        let mut reader = decoder.read_info().map_err(|error| wrong(error.to_string()))?;
+        let len = reader.output_buffer_size().ok_or_else(|| wrong("it is too large".to_owned()))?;
+        let mut bytes = vec![0; len];
+        let frame = reader.next_frame(&mut bytes).map_err(|error| wrong(error.to_string()))?;
+        bytes.truncate(frame.buffer_size());
+        let (most, samples): (f64, Vec<f64>) = match frame.bit_depth {
+            BitDepth::Sixteen => {
+                let (pairs, _) = bytes.as_chunks();
+                (65535.0, pairs.iter().map(|pair| u16::from_be_bytes(*pair).into()).collect())
+            }
+            _ => (255.0, bytes.iter().map(|byte| (*byte).into()).collect()),
+        };
+        let (channels, has_alpha) = match frame.color_type {
+            ColorType::Grayscale => (1, false),
+            ColorType::GrayscaleAlpha => (2, true),
+            ColorType::Rgb => (3, false),
+            ColorType::Rgba => (4, true),
+            other @ ColorType::Indexed => return Err(wrong(format!("{other:?} is not read"))),
+        };
+        let (width, height) = (frame.width as usize, frame.height as usize);
+        let mut image = Self { width, height, channels, has_alpha, most, samples };
+        image.cover(|colour, share| colour * share);
+        Ok(image)
+    }
+
+    /// Encodes it as PNG: rounded, and kept within what its bits hold.
+    ///
+    /// # Errors
+    /// Those of the encoder.
+    pub fn png(&self) -> Result<Vec<u8>, png::EncodingError> {
+        let mut own = self.clone();
+        let most = self.most;
+        own.cover(|colour, share| if share > 0.0 { colour / share } else { 0.0 });
+        let numbers = own.samples.iter().map(|x| x.round().clamp(0.0, most));
+        let is_wide = most > 255.0;
+        let content: Vec<u8> = if is_wide {
+            numbers.flat_map(|x| (x as u16).to_be_bytes()).collect()
+        } else {
+            numbers.map(|x| x as u8).collect()
+        };
+        let mut bytes = Vec::new();
+        let mut encoder = Encoder::new(&mut bytes, self.width as u32, self.height as u32);
+        encoder.set_color(match self.channels {
+            1 => ColorType::Grayscale,
+            2 => ColorType::GrayscaleAlpha,
+            3 => ColorType::Rgb,
+            _ => ColorType::Rgba,
+        });
+        encoder.set_depth(if is_wide { BitDepth::Sixteen } else { BitDepth::Eight });
+        encoder.write_header()?.write_image_data(&content)?;
+        Ok(bytes)
+    }
+
+    /// Makes it finer: neither rounded nor clipped.
+    ///
+    /// # Errors
+    /// [`SignalError::TooShort`] of fewer rows or columns than a window.
+    pub fn finer(&self, filter: &GridFilter) -> Result<Self, SignalError> {
+        let Self { width, height, channels, .. } = *self;
+        let factor = filter.grid.factor;
+        let columns = Shape { samples: height, lanes: width * channels };
+        let tall = filter.apply(&self.samples, columns)?;
+        let samples = filter.apply(&tall, Shape { samples: width, lanes: channels })?;
+        Ok(Self { width: factor * width, height: factor * height, samples, ..self.clone() })
+    }
+
+    /// Makes it coarser: means of boxes of so many pixels a side, not rounded.
+    ///
+    /// # Errors
+    /// [`SignalError::Multiple`] of a side that boxes do not fill.
+    pub fn coarser(&self, factor: usize) -> Result<Self, SignalError> {
+        let Self { width, height, channels, .. } = *self;
+        for (what, found) in [("the width", width), ("the height", height)] {
+            if factor == 0 || found % factor != 0 {
+                return Err(SignalError::Multiple { what, found, factor });
+            }
+        }
+        let (wide, tall) = (width / factor, height / factor);
+        let mut samples = vec![0.0; wide * tall * channels];
+        for (place, x) in self.samples.iter().enumerate() {
+            let (pixel, channel) = (place / channels, place % channels);
+            let (row, column) = (pixel / width / factor, pixel % width / factor);
+            samples[(row * wide + column) * channels + channel] += x / (factor * factor) as f64;
+        }
+        Ok(Self { width: wide, height: tall, samples, ..self.clone() })
+    }
+
+    /// Changes colours by how far they are covered, 0 to 1.
+    fn cover(&mut self, change: impl Fn(f64, f64) -> f64) {
+        if !self.has_alpha {
+            return;
+        }
+        let most = self.most;
+        for pixel in self.samples.chunks_exact_mut(self.channels) {
+            if let Some((alpha, colours)) = pixel.split_last_mut() {
+                let share = alpha.clamp(0.0, most) / most;
+                colours.iter_mut().for_each(|colour| *colour = change(*colour, share));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::covariance::Covariance;
+    use super::super::grid::{Grid, Sample};
+    use super::super::kriging::Process;
+    use super::super::mean::Mean;
+    use super::*;
+
+    fn filter(factor: usize) -> GridFilter {
+        let covariance = Covariance::OrnsteinUhlenbeck { length: 3.0 };
+        let process = Process { covariance, mean: Mean::Constant, noise: 0.0 };
+        let grid = Grid { factor, taps: 5, sample: Sample::Average };
+        GridFilter::new(&process, grid).unwrap()
+    }
+
+    fn image(width: usize, height: usize) -> Image {
+        let samples = (0..3 * width * height).map(|i| (37 * i * i % 251) as f64).collect();
+        Image { width, height, channels: 3, has_alpha: false, most: 255.0, samples }
+    }
+
+    #[test]
+    fn boxes_of_what_is_finer_are_what_was_given() {
+        let image = image(9, 7);
+        for factor in 2..=4 {
+            let fine = image.finer(&filter(factor)).unwrap();
+            assert_eq!((fine.width, fine.height), (9 * factor, 7 * factor));
+            let again = fine.coarser(factor).unwrap();
+            assert_eq!((again.width, again.height), (9, 7));
+            for (found, expected) in again.samples.iter().zip(&image.samples) {
+                assert!((found - expected).abs() < 1e-10, "{found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn sides_that_boxes_do_not_fill_are_refused() {
+        let wrong = image(9, 8).coarser(2).unwrap_err();
+        assert!(matches!(wrong, SignalError::Multiple { what: "the width", found: 9, factor: 2 }));
+        let wrong = image(8, 9).coarser(2).unwrap_err();
+        assert!(matches!(wrong, SignalError::Multiple { what: "the height", .. }));
+        assert!(matches!(image(9, 3).finer(&filter(2)), Err(SignalError::TooShort { found: 3, .. })));
+    }
+}

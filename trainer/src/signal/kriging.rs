@@ -1,0 +1,222 @@
+//! The function that is likeliest, given observations of it (METHOD §4, S0 Eq. 13).
+
+use super::covariance::Covariance;
+use super::error::{SignalError, check_positive};
+use super::functional::Functional;
+use super::mean::Mean;
+use super::solved::Solved;
+use crate::numeric::columns::ends;
+use faer::Mat;
+
+/// Share of a column of the mean's basis below which it is none.
+const RANK: f64 = 1e-10;
+
+/// What a function is thought to be before it is observed.
+#[derive(Clone, Debug)]
+pub struct Process {
+    /// C.
+    pub covariance: Covariance,
+    /// m.
+    pub mean: Mean,
+    /// τ, in units of C(0): how noisy observations are.
+    pub noise: f64,
+}
+
+/// A function, after n observations of it.
+pub struct Kriging {
+    process: Process,
+    functionals: Vec<Functional>,
+    scale: [f64; 2],
+    solved: Solved,
+}
+
+/// What is predicted of a function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prediction {
+    /// The number.
+    pub value: f64,
+    /// Its variance, in units of C(0).
+    pub variance: f64,
+}
+
+impl Process {
+    /// Refuses numbers that make none.
+    ///
+    /// # Errors
+    /// [`SignalError::Number`].
+    pub fn check(&self) -> Result<(), SignalError> {
+        self.covariance.clone().checked()?;
+        if self.noise == 0.0 { Ok(()) } else { check_positive("noise", self.noise) }
+    }
+}
+
+impl Kriging {
+    /// Fits values (n) of functionals.
+    ///
+    /// # Errors
+    /// [`SignalError::Empty`], [`SignalError::Number`] of the process, [`SignalError::Observation`] of a number
+    /// that is none or a box without width, [`SignalError::Rough`], [`SignalError::Mean`], and those of
+    /// [`Solved::new`].
+    pub fn new(
+        process: &Process,
+        functionals: &[Functional],
+        values: &[f64],
+    ) -> Result<Self, SignalError> {
+        process.check()?;
+        check(process, functionals, values)?;
+        let scale = scale(functionals);
+        let matrix = gram(process, functionals);
+        let rows: Vec<Vec<f64>> =
+            functionals.iter().map(|of| process.mean.terms(of, scale)).collect();
+        let basis = Mat::from_fn(rows.len(), process.mean.term_len(), |i, t| rows[i][t]);
+        if !tells(&basis) {
+            return Err(SignalError::Mean { mean: process.mean.name() });
+        }
+        let solved = Solved::new(matrix, &basis, values)?;
+        Ok(Self { process: process.clone(), functionals: functionals.to_vec(), scale, solved })
+    }
+
+    /// Predicts a functional.
+    pub fn predict(&self, of: &Functional) -> Prediction {
+        let (r, p) = self.row(of);
+        let own = of.covariance(of, &self.process.covariance);
+        Prediction { value: self.solved.value(&r, &p), variance: self.solved.variance(own, &r, &p) }
+    }
+
+    /// Computes how much each observation counts for a functional, n.
+    pub fn weights(&self, of: &Functional) -> Vec<f64> {
+        let (r, p) = self.row(of);
+        self.solved.weights(&r, &p)
+    }
+
+    /// Estimates the variance of the process, by which those of predictions are to be multiplied.
+    pub fn variance(&self) -> f64 {
+        self.solved.scale()
+    }
+
+    /// Returns what it is made of: coefficients of the observations' covariances, n, those of the mean, and what
+    /// is taken off its line's places and what they are multiplied by.
+    pub fn coefficients(&self) -> (Vec<f64>, Vec<f64>, [f64; 2]) {
+        let (kernels, terms) = self.solved.coefficients();
+        (kernels, terms, self.scale)
+    }
+
+    fn row(&self, of: &Functional) -> (Vec<f64>, Vec<f64>) {
+        let r = self.functionals.iter().map(|x| x.covariance(of, &self.process.covariance));
+        (r.collect(), self.process.mean.terms(of, self.scale))
+    }
+}
+
+/// Computes K = C₀ + τI, n x n.
+pub fn gram(process: &Process, functionals: &[Functional]) -> Mat<f64> {
+    let n = functionals.len();
+    let mut matrix = Mat::zeros(n, n);
+    for i in 0..n {
+        for k in 0..=i {
+            let value = functionals[i].covariance(&functionals[k], &process.covariance);
+            matrix[(i, k)] = value;
+            matrix[(k, i)] = value;
+        }
+        matrix[(i, i)] += process.noise;
+    }
+    matrix
+}
+
+fn check(process: &Process, functionals: &[Functional], values: &[f64]) -> Result<(), SignalError> {
+    if functionals.is_empty() || functionals.len() != values.len() {
+        return Err(SignalError::Empty);
+    }
+    for (at, (of, value)) in functionals.iter().zip(values).enumerate() {
+        let wrong = |what| Err(SignalError::Observation { at, what });
+        let (from, to) = match *of {
+            Functional::Value { at } | Functional::Derivative { at } => (at, at),
+            Functional::Average { from, to } => (from, to),
+        };
+        if ![from, to, *value].iter().all(|x| x.is_finite()) {
+            return wrong("expected finite numbers");
+        }
+        if matches!(of, Functional::Average { .. }) && from >= to {
+            return wrong("expected `from` below `to`");
+        }
+        if matches!(of, Functional::Derivative { .. }) && !process.covariance.is_smooth() {
+            return Err(SignalError::Rough { at, covariance: process.covariance.name() });
+        }
+    }
+    Ok(())
+}
+
+/// Returns the middle of all places, and one over half their range.
+fn scale(functionals: &[Functional]) -> [f64; 2] {
+    let places: Vec<f64> = functionals.iter().map(Functional::middle).collect();
+    let [low, high] = ends(&places);
+    [0.5 * (low + high), if high > low { 2.0 / (high - low) } else { 1.0 }]
+}
+
+/// Tells whether observations tell the mean's coefficients apart.
+fn tells(basis: &Mat<f64>) -> bool {
+    let (n, r) = basis.shape();
+    if n < r {
+        return false;
+    }
+    let pivoted = basis.col_piv_qr();
+    let corner = |k: usize| pivoted.thin_R()[(k, k)].abs();
+    (0..r).all(|k| corner(k) > RANK)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_observed_is_predicted_without_doubt() {
+        let functionals = [
+            Functional::Value { at: 0.3 },
+            Functional::Derivative { at: 1.0 },
+            Functional::Average { from: 1.5, to: 2.5 },
+            Functional::Value { at: 4.0 },
+        ];
+        let values = [1.0, -0.5, 0.2, 3.0];
+        for mean in [Mean::Zero, Mean::Constant, Mean::Linear] {
+            let covariance = Covariance::Matern52 { length: 1.5 };
+            let process = Process { covariance, mean, noise: 0.0 };
+            let kriging = Kriging::new(&process, &functionals, &values).unwrap();
+            for (at, (of, value)) in functionals.iter().zip(values).enumerate() {
+                let found = kriging.predict(of);
+                assert!((found.value - value).abs() < 1e-10, "{mean:?} {of:?}");
+                assert!(found.variance < 1e-10, "{mean:?} {of:?}");
+                let weights = kriging.weights(of);
+                assert!((weights[at] - 1.0).abs() < 1e-10, "{weights:?}");
+            }
+            let far = Functional::Value { at: 2.9 };
+            let sum: f64 = kriging.weights(&far).iter().zip(values).map(|(w, y)| w * y).sum();
+            assert!((sum - kriging.predict(&far).value).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn what_makes_no_observation_is_refused_by_its_number() {
+        let covariance = Covariance::OrnsteinUhlenbeck { length: 1.0 };
+        let process = Process { covariance, mean: Mean::Zero, noise: 0.0 };
+        let first = Functional::Value { at: 0.0 };
+        let refused = |process: &Process, of: Functional, value: f64| {
+            Kriging::new(process, &[first, of], &[1.0, value]).err().unwrap()
+        };
+        let bad = Functional::Average { from: 1.0, to: 1.0 };
+        assert!(matches!(refused(&process, bad, 0.0), SignalError::Observation { at: 1, .. }));
+        let bad = Functional::Value { at: f64::NAN };
+        assert!(matches!(refused(&process, bad, 0.0), SignalError::Observation { at: 1, .. }));
+        let good = Functional::Value { at: 1.0 };
+        assert!(matches!(refused(&process, good, f64::NAN), SignalError::Observation { at: 1, .. }));
+        let rough = Functional::Derivative { at: 1.0 };
+        assert!(matches!(refused(&process, rough, 0.0), SignalError::Rough { at: 1, .. }));
+        let twice = refused(&process, first, 1.0);
+        assert!(matches!(twice, SignalError::IllConditioned { .. } | SignalError::Indefinite { .. }));
+        let noisy = Process { noise: -1.0, ..process.clone() };
+        assert!(matches!(refused(&noisy, good, 0.0), SignalError::Number { .. }));
+        assert!(matches!(Kriging::new(&process, &[], &[]), Err(SignalError::Empty)));
+        let slopes = Process { covariance: Covariance::Matern32 { length: 1.0 }, mean: Mean::Constant, noise: 0.0 };
+        let of = Functional::Derivative { at: 0.0 };
+        let open = Kriging::new(&slopes, &[of], &[1.0]).err().unwrap();
+        assert!(matches!(open, SignalError::Mean { mean: "constant" }));
+    }
+}

@@ -1,0 +1,31 @@
+//! Signals as processes: functions that are likeliest, given what was observed of them, and signals and pictures made
+//! finer (S0 §1 and §4, METHOD §4).
+//!
+//! | file | what it does |
+//! |---|---|
+//! | [`covariance`], [`table`], [`mean`] | what a function is thought to be: families, or estimated |
+//! | [`functional`] | what is observed: a value, a derivative, a box average |
+//! | [`solved`], [`kriging`], [`neighbours`] | the likeliest function, of all observations or of the nearest |
+//! | [`regularised`] | fits in a span, under any norm |
+//! | [`grid`] | the same on a grid: a window of taps by phase |
+//! | [`image`] | pictures, by columns and rows |
+//! | [`observations`], [`function`] | observations as a person writes them, and their function as a part kernel |
+//! | [`reading`], [`model`] | signals of files; a filter for one, and what it reaches |
+//! | [`choose`] | the covariance under which a signal is likeliest |
+
+pub mod choose;
+pub mod covariance;
+pub mod error;
+pub mod function;
+pub mod functional;
+pub mod grid;
+pub mod image;
+pub mod kriging;
+pub mod mean;
+pub mod model;
+pub mod neighbours;
+pub mod observations;
+pub mod reading;
+pub mod regularised;
+pub mod solved;
+pub mod table;

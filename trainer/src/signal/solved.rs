@@ -1,0 +1,84 @@
+//! The system of observations, whatever they are of: a matrix of covariances and a basis of the mean (METHOD §4).
+//!
+//! METHOD has m = 1ᵀK⁻¹f₀/1ᵀK⁻¹1 and the variance as differences of large numbers; with the weights B that reproduce
+//! the mean's basis they are as `kernel::scattered::variance` has them.
+
+use super::error::SignalError;
+use crate::kernel::scattered::fit::RCOND;
+use crate::kernel::scattered::system::System;
+use faer::Mat;
+
+/// Values of n observations, solved for.
+pub struct Solved {
+    /// K = C₀ + τI, n x n.
+    matrix: Mat<f64>,
+    system: System,
+    /// B, n x r.
+    reproducing: Mat<f64>,
+    kernels: Mat<f64>,
+    terms: Mat<f64>,
+    energy: f64,
+}
+
+impl Solved {
+    /// Solves for values (n) of covariance K (n x n) about a mean of a basis (n x r).
+    ///
+    /// # Errors
+    /// [`SignalError::Indefinite`] and [`SignalError::IllConditioned`].
+    pub fn new(matrix: Mat<f64>, basis: &Mat<f64>, values: &[f64]) -> Result<Self, SignalError> {
+        let system = System::new(&matrix, basis);
+        if system.rcond().is_nan() || system.rcond() < RCOND {
+            return Err(SignalError::IllConditioned { rcond: system.rcond() });
+        }
+        let y = column(values);
+        let whitened = system.whitened(&y);
+        let whitened = whitened.ok_or(SignalError::Indefinite { what: "the covariance" })?;
+        let (kernels, terms) = system.solve(&y);
+        let reproducing = system.reproducing();
+        Ok(Self { matrix, reproducing, kernels, terms, energy: whitened.squared_norm_l2(), system })
+    }
+
+    /// Returns the coefficients of the covariances, n, and of the mean's basis, r.
+    pub fn coefficients(&self) -> (Vec<f64>, Vec<f64>) {
+        let list = |of: &Mat<f64>| of.col(0).iter().copied().collect();
+        (list(&self.kernels), list(&self.terms))
+    }
+
+    /// Estimates the number by which covariances are to be multiplied: that under which the values are likeliest;
+    /// 0 of values that the mean follows.
+    pub fn scale(&self) -> f64 {
+        let free = self.matrix.nrows() - self.terms.nrows();
+        if free == 0 { 0.0 } else { self.energy / free as f64 }
+    }
+
+    /// Predicts what has covariances r (n) with the observations and numbers p (r) in the mean's basis.
+    pub fn value(&self, r: &[f64], p: &[f64]) -> f64 {
+        dot(r, &self.kernels) + dot(p, &self.terms)
+    }
+
+    /// Computes how much each observation counts for the same, n.
+    pub fn weights(&self, r: &[f64], p: &[f64]) -> Vec<f64> {
+        let followed = &self.reproducing * column(p);
+        let left = column(r) - &self.matrix * &followed;
+        let (kernels, _) = self.system.solve(&left);
+        (followed + kernels).col(0).iter().copied().collect()
+    }
+
+    /// Computes the variance of the same, whose own is given: never below 0.
+    pub fn variance(&self, own: f64, r: &[f64], p: &[f64]) -> f64 {
+        let (r, followed) = (column(r), &self.reproducing * column(p));
+        let smoothed = &self.matrix * &followed;
+        let linear = (r.transpose() * &followed)[(0, 0)];
+        let square = (followed.transpose() * &smoothed)[(0, 0)];
+        let explained = self.system.whitened(&(r - smoothed)).map_or(0.0, |x| x.squared_norm_l2());
+        (own - 2.0 * linear + square - explained).max(0.0)
+    }
+}
+
+fn column(of: &[f64]) -> Mat<f64> {
+    Mat::from_fn(of.len(), 1, |i, _| of[i])
+}
+
+fn dot(a: &[f64], b: &Mat<f64>) -> f64 {
+    a.iter().zip(b.col(0).iter()).map(|(a, b)| a * b).sum()
+}
