@@ -67,6 +67,8 @@ pub enum sinew_argument {
     Pixels = 28,
     /// Depths of pixels.
     Depths = 29,
+    /// Samples of signals.
+    Samples = 30,
 
     /// Memory for an object; lengths in bytes.
     Memory = 50,
@@ -115,7 +117,7 @@ pub enum sinew_argument {
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 52] = {
+const NAMES: [(sinew_argument, &CStr); 53] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -148,6 +150,7 @@ const NAMES: [(sinew_argument, &CStr); 52] = {
         (A::Scores, c"scores"),
         (A::Pixels, c"pixels"),
         (A::Depths, c"depths"),
+        (A::Samples, c"samples"),
         (A::Memory, c"memory"),
         (A::File, c"file"),
         (A::Limits, c"limits"),
@@ -214,6 +217,7 @@ impl From<Argument> for sinew_argument {
             Argument::Scores => Self::Scores,
             Argument::Pixels => Self::Pixels,
             Argument::Depths => Self::Depths,
+            Argument::Samples => Self::Samples,
         }
     }
 }
