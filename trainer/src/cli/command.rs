@@ -1,7 +1,7 @@
 //! The command that was given, of all parts.
 
 use super::output::{Output, in_a_line, tell};
-use super::{envelope, face, inspect, kernel, views};
+use super::{envelope, face, inspect, kernel, signal, views};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -33,6 +33,9 @@ enum Command {
     /// Makes pictures between pictures: from a few views with matched points to any other
     #[command(subcommand)]
     Views(views::Command),
+    /// Makes signals and images finer, and functions of values, derivatives and averages
+    #[command(subcommand)]
+    Signal(signal::Command),
 }
 
 pub(crate) fn main() -> ExitCode {
@@ -43,6 +46,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Kernel(command) => command.run(cli.output),
         Command::Face(command) => command.run(cli.output),
         Command::Views(command) => command.run(cli.output),
+        Command::Signal(command) => command.run(cli.output),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

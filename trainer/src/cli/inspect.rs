@@ -1,7 +1,7 @@
 //! `sinew inspect`: what a model file holds.
 
 use super::described::Described;
-use super::{Output, envelope, face, input, kernel, printable, space, views};
+use super::{Output, envelope, face, input, kernel, printable, signal, space, views};
 use anyhow::Context;
 use serde_json::{Value, json};
 use sinew_runtime::format::{Element, PartKind, PartRow, SectionKind};
@@ -10,10 +10,11 @@ use std::path::PathBuf;
 
 /// Shows what MODEL holds: its parts (envelopes predict palettes, skins are meshes that follow them,
 /// kernels are functions of scattered data, priors say how a face's shapes go together, views
-/// are pictures and what lies between them), the axes and the unit of its numbers, and its bytes by section.
+/// are pictures and what lies between them, filters make signals finer), the axes and the unit of its numbers, and its bytes by section.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
-    /// A model that `sinew train` wrote, `sinew kernel train`, `sinew face train` or `sinew views train`
+    /// A model that `sinew train` wrote, `sinew kernel train`, `sinew face train`, `sinew views train` or
+    /// `sinew signal train`
     model: PathBuf,
 }
 
@@ -24,6 +25,7 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     described.extend(kernel::describe(&model));
     described.extend(face::describe(&model));
     described.extend(views::describe(&model));
+    described.extend(signal::describe(&model));
     let len = model.as_bytes().len();
     let mut text = format!("{}: {len} bytes\n", arguments.model.display());
     text += &format!("space: {}\n", space::describe(&model.space()));
@@ -103,6 +105,7 @@ fn as_json(model: &Model<Vec<u8>>, described: &[Described]) -> Value {
         "kernels": of(PartKind::Kernel),
         "priors": of(PartKind::Prior),
         "views": of(PartKind::Views),
+        "filters": of(PartKind::Filter),
         "sections": sections,
         "other_bytes": around(model),
     })

@@ -10,6 +10,7 @@ mod input;
 mod inspect;
 mod kernel;
 mod output;
+mod signal;
 mod space;
 mod views;
 

@@ -27,6 +27,15 @@ const PIVOT: f64 = 1e-6;
 const SHARE: usize = 4;
 const LAGS: usize = 256;
 
+/// Taps of a window where none are asked for: more change images by less than 0.01 dB (*measured*).
+pub const TAPS: usize = 7;
+
+/// Returns the covariance that images have where none is asked for: on the rendered faces of `ict-views` it is the best
+/// of the families with a length, whatever that is from 2 pixels on (*measured*).
+pub const fn of_images() -> Covariance {
+    Covariance::OrnsteinUhlenbeck { length: 3.0 }
+}
+
 /// Chooses a family and its numbers by the likelihood of a signal's samples about a constant; distances are in
 /// samples. A constant signal is as likely under all: it has Ornstein's and Uhlenbeck's.
 ///

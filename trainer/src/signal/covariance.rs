@@ -148,8 +148,12 @@ impl Covariance {
     /// Returns it for distances in another unit: of those that are so many times as many.
     pub fn scaled(&self, times: f64) -> Self {
         match self.clone() {
-            Self::SquaredExponential { length } => Self::SquaredExponential { length: times * length },
-            Self::OrnsteinUhlenbeck { length } => Self::OrnsteinUhlenbeck { length: times * length },
+            Self::SquaredExponential { length } => {
+                Self::SquaredExponential { length: times * length }
+            }
+            Self::OrnsteinUhlenbeck { length } => {
+                Self::OrnsteinUhlenbeck { length: times * length }
+            }
             Self::Matern32 { length } => Self::Matern32 { length: times * length },
             Self::Matern52 { length } => Self::Matern52 { length: times * length },
             Self::Oscillating { length, period } => {

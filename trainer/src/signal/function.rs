@@ -40,9 +40,13 @@ pub fn function(observations: &Observations, fit: &Kriging) -> Result<KernelMode
         return Err(refused(format!("covariance {}", process.covariance.name())));
     };
     let smooth = matches!(process.covariance, Covariance::SquaredExponential { .. });
-    if let Some(at) = functionals.iter().position(|of| !smooth && !matches!(of, Functional::Value { .. })) {
+    if let Some(at) =
+        functionals.iter().position(|of| !smooth && !matches!(of, Functional::Value { .. }))
+    {
         let name = process.covariance.name();
-        return Err(refused(format!("observation {at}, which is no value, with covariance {name}")));
+        return Err(refused(format!(
+            "observation {at}, which is no value, with covariance {name}"
+        )));
     }
     let (kernels, terms, [shift, scale]) = fit.coefficients();
     let length = 0.5f64.sqrt() / epsilon;
@@ -145,7 +149,10 @@ mod tests {
             function(&observations, &fit).map(|_| ()).map_err(|error| error.to_string())
         };
         let error = refused("oscillating:3,2", "").unwrap_err();
-        assert!(error.starts_with("no part kernel holds covariance oscillating: it can hold values"), "{error}");
+        assert!(
+            error.starts_with("no part kernel holds covariance oscillating: it can hold values"),
+            "{error}"
+        );
         let error = refused("matern 5/2:1", ", {\"at\": 1, \"derivative\": 1}").unwrap_err();
         assert!(error.contains("observation 1, which is no value"), "{error}");
         assert!(refused("matern 5/2:1", ", {\"at\": 1, \"value\": 1}").is_ok());

@@ -105,7 +105,8 @@ fn legendre() -> &'static [(f64, f64); NODES] {
                 let (mut before, mut value) = (1.0, x);
                 for k in 2..=NODES {
                     let k = k as f64;
-                    (before, value) = (value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k);
+                    (before, value) =
+                        (value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k);
                 }
                 slope = n * (x * value - before) / (x * x - 1.0);
                 x -= value / slope;
@@ -123,7 +124,9 @@ mod tests {
     /// A sum over a fine grid, which knows nothing of cuts.
     fn brute(of: &Covariance, a: [f64; 2], b: [f64; 2]) -> f64 {
         let steps = 2000;
-        let at = |[from, to]: [f64; 2], k: usize| from + (to - from) * (k as f64 + 0.5) / f64::from(steps);
+        let at = |[from, to]: [f64; 2], k: usize| {
+            from + (to - from) * (k as f64 + 0.5) / f64::from(steps)
+        };
         let all = (0..steps as usize).map(|i| {
             let p = at(a, i);
             (0..steps as usize).map(|j| of.value(p - at(b, j))).sum::<f64>()
@@ -134,7 +137,9 @@ mod tests {
     #[test]
     fn averages_are_what_a_fine_sum_tends_to() {
         for of in families() {
-            for (a, b) in [([0.0, 1.0], [0.0, 1.0]), ([0.0, 1.0], [2.25, 2.5]), ([0.0, 3.0], [0.5, 0.75])] {
+            for (a, b) in
+                [([0.0, 1.0], [0.0, 1.0]), ([0.0, 1.0], [2.25, 2.5]), ([0.0, 3.0], [0.5, 0.75])]
+            {
                 let [x, y] = [a, b].map(|[from, to]| Functional::Average { from, to });
                 let found = x.covariance(&y, &of);
                 assert!((found - brute(&of, a, b)).abs() < 2e-6, "{of:?} {a:?} {b:?} {found}");

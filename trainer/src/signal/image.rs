@@ -177,6 +177,9 @@ mod tests {
         assert!(matches!(wrong, SignalError::Multiple { what: "the width", found: 9, factor: 2 }));
         let wrong = image(8, 9).coarser(2).unwrap_err();
         assert!(matches!(wrong, SignalError::Multiple { what: "the height", .. }));
-        assert!(matches!(image(9, 3).finer(&filter(2)), Err(SignalError::TooShort { found: 3, .. })));
+        assert!(matches!(
+            image(9, 3).finer(&filter(2)),
+            Err(SignalError::TooShort { found: 3, .. })
+        ));
     }
 }

@@ -206,15 +206,25 @@ mod tests {
         let bad = Functional::Value { at: f64::NAN };
         assert!(matches!(refused(&process, bad, 0.0), SignalError::Observation { at: 1, .. }));
         let good = Functional::Value { at: 1.0 };
-        assert!(matches!(refused(&process, good, f64::NAN), SignalError::Observation { at: 1, .. }));
+        assert!(matches!(
+            refused(&process, good, f64::NAN),
+            SignalError::Observation { at: 1, .. }
+        ));
         let rough = Functional::Derivative { at: 1.0 };
         assert!(matches!(refused(&process, rough, 0.0), SignalError::Rough { at: 1, .. }));
         let twice = refused(&process, first, 1.0);
-        assert!(matches!(twice, SignalError::IllConditioned { .. } | SignalError::Indefinite { .. }));
+        assert!(matches!(
+            twice,
+            SignalError::IllConditioned { .. } | SignalError::Indefinite { .. }
+        ));
         let noisy = Process { noise: -1.0, ..process.clone() };
         assert!(matches!(refused(&noisy, good, 0.0), SignalError::Number { .. }));
         assert!(matches!(Kriging::new(&process, &[], &[]), Err(SignalError::Empty)));
-        let slopes = Process { covariance: Covariance::Matern32 { length: 1.0 }, mean: Mean::Constant, noise: 0.0 };
+        let slopes = Process {
+            covariance: Covariance::Matern32 { length: 1.0 },
+            mean: Mean::Constant,
+            noise: 0.0,
+        };
         let of = Functional::Derivative { at: 0.0 };
         let open = Kriging::new(&slopes, &[of], &[1.0]).err().unwrap();
         assert!(matches!(open, SignalError::Mean { mean: "constant" }));

@@ -11,8 +11,10 @@
 //! | [`image`] | pictures, by columns and rows |
 //! | [`observations`], [`function`] | observations as a person writes them, and their function as a part kernel |
 //! | [`reading`], [`model`] | signals of files; a filter for one, and what it reaches |
+//! | [`bake`], [`plot`] | a part filter; a picture |
 //! | [`choose`] | the covariance under which a signal is likeliest |
 
+pub mod bake;
 pub mod choose;
 pub mod covariance;
 pub mod error;
@@ -25,6 +27,7 @@ pub mod mean;
 pub mod model;
 pub mod neighbours;
 pub mod observations;
+pub mod plot;
 pub mod reading;
 pub mod regularised;
 pub mod solved;

@@ -34,7 +34,11 @@ impl LeftOut {
     ///
     /// # Errors
     /// Those of [`GridFilter::new`].
-    pub fn new(samples: &[f64], process: &Process, grid: Grid) -> Result<Option<Self>, SignalError> {
+    pub fn new(
+        samples: &[f64],
+        process: &Process,
+        grid: Grid,
+    ) -> Result<Option<Self>, SignalError> {
         let Grid { factor, taps, sample } = grid;
         let boxes = samples.chunks_exact(factor);
         let rest = boxes.remainder().len();
@@ -84,7 +88,8 @@ mod tests {
     #[test]
     fn left_out_samples_of_a_wave_are_predicted_better_than_by_lines() {
         let samples: Vec<f64> = (0..121).map(|i| (0.7 * f64::from(i)).sin()).collect();
-        let covariance = Covariance::Oscillating { length: 30.0, period: std::f64::consts::TAU / 0.7 };
+        let covariance =
+            Covariance::Oscillating { length: 30.0, period: std::f64::consts::TAU / 0.7 };
         let process = Process { covariance, mean: Mean::Constant, noise: 0.0 };
         for sample in [Sample::Value, Sample::Average] {
             let grid = Grid { factor: 2, taps: 7, sample };

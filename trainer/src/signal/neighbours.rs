@@ -28,8 +28,7 @@ impl Neighbours<'_> {
         order.truncate(self.count);
         order.sort_unstable();
         let near: Vec<Functional> = order.iter().map(|i| self.functionals[*i]).collect();
-        let values: Vec<f64> =
-            order.iter().filter_map(|i| self.values.get(*i).copied()).collect();
+        let values: Vec<f64> = order.iter().filter_map(|i| self.values.get(*i).copied()).collect();
         Ok(Kriging::new(self.process, &near, &values)?.predict(of))
     }
 }

@@ -12,7 +12,8 @@ use serde::Deserialize;
 use std::path::Path;
 
 /// Families that a part kernel can be, of values alone.
-const OF_VALUES: [&str; 4] = ["ornstein-uhlenbeck", "matern 3/2", "matern 5/2", "squared exponential"];
+const OF_VALUES: [&str; 4] =
+    ["ornstein-uhlenbeck", "matern 3/2", "matern 5/2", "squared exponential"];
 /// Those that it can be of derivatives and averages too.
 const OF_ANY: [&str; 1] = ["squared exponential"];
 
@@ -139,13 +140,21 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_named() {
-        let of = |rest: &str| format!("{{\"covariance\": \"matern 1/2:1\", \"observations\": {rest}}}");
+        let of =
+            |rest: &str| format!("{{\"covariance\": \"matern 1/2:1\", \"observations\": {rest}}}");
         assert_eq!(said(&of("[]")), "there are no observations");
         let empty = said(&of(r#"[{"from": 1, "to": 1, "average": 2}]"#));
         assert_eq!(empty, "observation 0: expected `from` below `to`");
         let rough = said(&of(r#"[{"at": 0, "value": 1}, {"at": 0, "derivative": 1}]"#));
-        assert!(rough.starts_with("observation 1: functions of covariance ornstein-uhlenbeck"), "{rough}");
-        assert!(said(&of(r#"[{"at": 0}]"#)).contains("did not match"), "{}", said(&of(r#"[{"at": 0}]"#)));
+        assert!(
+            rough.starts_with("observation 1: functions of covariance ornstein-uhlenbeck"),
+            "{rough}"
+        );
+        assert!(
+            said(&of(r#"[{"at": 0}]"#)).contains("did not match"),
+            "{}",
+            said(&of(r#"[{"at": 0}]"#))
+        );
         let twice = said(&of(r#"[{"at": 0, "value": 1}, {"at": 0, "value": 2}]"#));
         assert!(twice.contains("take a shorter length") || twice.contains("definite"), "{twice}");
         let unknown = said(r#"{"covariance": "cubic:1", "observations": [{"at": 0, "value": 1}]}"#);
@@ -154,7 +163,8 @@ mod tests {
 
     #[test]
     fn one_observation_makes_a_constant() {
-        let read = Observations::parse(br#"{"observations": [{"at": 2, "value": 7}]}"#, "f").unwrap();
+        let read =
+            Observations::parse(br#"{"observations": [{"at": 2, "value": 7}]}"#, "f").unwrap();
         let found = read.fit().unwrap().predict(&Functional::Value { at: 50.0 });
         assert!((found.value - 7.0).abs() < 1e-12);
     }

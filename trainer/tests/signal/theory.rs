@@ -161,7 +161,7 @@ fn variance_gains_what_an_unknown_mean_costs() {
         let found = fit.predict(&Functional::Value { at });
         assert!((found.value - value).abs() < 1e-12);
         assert!((found.variance - own - gained).abs() < 1e-12, "{at}");
-        assert!(gained > 1e-4 && own > 0.0);
+        assert!(gained > 1e-7 && own > 0.0, "{gained} {own}");
     }
 }
 

@@ -1,0 +1,114 @@
+//! What signals and images are thought to be, as the command line says it.
+
+use crate::cli::Output;
+use anyhow::Context;
+use sinew_trainer::signal::choose::{TAPS, estimated, likeliest, of_images};
+use sinew_trainer::signal::covariance::Covariance;
+use sinew_trainer::signal::error::SignalError;
+use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
+use sinew_trainer::signal::kriging::Process;
+use sinew_trainer::signal::mean::Mean;
+use sinew_trainer::signal::reading::read_table;
+use std::fmt::Display;
+use std::path::Path;
+
+/// What a signal is thought to be.
+#[derive(clap::Args)]
+pub(super) struct ProcessArguments {
+    /// How alike samples are by their distance, in samples: auto (the likeliest family; of images
+    /// ornstein-uhlenbeck:3), "squared exponential:L", "ornstein-uhlenbeck:L", "matern 3/2:L", "matern 5/2:L",
+    /// "oscillating:L,T", estimated (from the signal), or a .csv of covariances at lags 0, 1, 2, ...
+    #[arg(long, default_value = "auto")]
+    covariance: String,
+    /// What samples are about: zero, constant or linear
+    #[arg(long, default_value = "constant", value_parser = mean)]
+    mean: Mean,
+    /// How noisy samples are: the variance of their noise over the signal's; above 0 they are smoothed
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    noise: f64,
+    /// Coarse samples that each fine one is made of: odd
+    #[arg(long, value_name = "N", default_value_t = TAPS)]
+    taps: usize,
+}
+
+impl ProcessArguments {
+    /// Makes the process of a signal, and tells of a table what had to be clipped.
+    pub(super) fn process(
+        &self,
+        samples: &[f64],
+        sample: Sample,
+        output: Output,
+        about: &impl Display,
+    ) -> anyhow::Result<Process> {
+        let covariance = match self.covariance.as_str() {
+            "auto" => likeliest(samples, sample)?,
+            "estimated" => clipped(estimated(samples)?, output, about),
+            _ => self.given(output)?,
+        };
+        Ok(self.of(covariance))
+    }
+
+    /// Makes that of images.
+    pub(super) fn process_of_images(&self, output: Output) -> anyhow::Result<Process> {
+        Ok(self.of(match self.covariance.as_str() {
+            "auto" => of_images(),
+            _ => self.given(output)?,
+        }))
+    }
+
+    /// Makes the filter of a process.
+    pub(super) fn filter(
+        &self,
+        process: &Process,
+        factor: usize,
+        sample: Sample,
+    ) -> Result<GridFilter, SignalError> {
+        GridFilter::new(process, self.grid(factor, sample))
+    }
+
+    /// Returns what the filter is asked to be.
+    pub(super) const fn grid(&self, factor: usize, sample: Sample) -> Grid {
+        Grid { factor, taps: self.taps, sample }
+    }
+
+    fn of(&self, covariance: Covariance) -> Process {
+        Process { covariance, mean: self.mean, noise: self.noise }
+    }
+
+    fn given(&self, output: Output) -> anyhow::Result<Covariance> {
+        let path = Path::new(&self.covariance);
+        if path.extension().is_none_or(|ending| ending != "csv") {
+            return Ok(Covariance::parse(&self.covariance)?);
+        }
+        let found = read_table(path).with_context(|| path.display().to_string())?;
+        Ok(clipped(found, output, &path.display()))
+    }
+}
+
+/// Tells how much of a covariance's spectrum was negative.
+fn clipped(
+    (covariance, share): (Covariance, f64),
+    output: Output,
+    about: &impl Display,
+) -> Covariance {
+    if share > 0.0 {
+        let percent = 100.0 * share;
+        let what = format!(
+            "the covariance was indefinite: {percent:.2} % of its spectrum was negative and is clipped"
+        );
+        output.warn(about, what);
+    }
+    covariance
+}
+
+/// Returns what samples are, by whether they are said to be averages.
+pub(super) const fn sample(averages: bool) -> Sample {
+    if averages { Sample::Average } else { Sample::Value }
+}
+
+/// Parses the name of a mean.
+fn mean(text: &str) -> Result<Mean, String> {
+    let all = [Mean::Zero, Mean::Constant, Mean::Linear];
+    let found = all.into_iter().find(|mean| mean.name() == text);
+    found.ok_or_else(|| "expected zero, constant or linear".to_owned())
+}

@@ -1,0 +1,305 @@
+//! `sinew signal`: signals and images made finer, functions of mixed observations, and what is refused.
+
+use super::common::Folder;
+use serde_json::json;
+use std::fs;
+
+/// A wave in the second column of a CSV.
+fn wave(folder: &Folder, name: &str, n: usize) {
+    let rows = (0..n).map(|i| format!("{i},{}\n", 3.0 + (0.9 * i as f64).sin()));
+    fs::write(folder.path(name), format!("t,angle\n{}", rows.collect::<String>())).unwrap();
+}
+
+fn column(text: &[u8], at: usize) -> Vec<f64> {
+    let text = String::from_utf8(text.to_vec()).unwrap();
+    text.lines().skip(1).map(|line| line.split(',').nth(at).unwrap().parse().unwrap()).collect()
+}
+
+/// Writes a PNG of 8 or 16 bits.
+fn png(
+    folder: &Folder,
+    name: &str,
+    colour: png::ColorType,
+    depth: png::BitDepth,
+    [w, h]: [u32; 2],
+    bytes: &[u8],
+) {
+    let mut encoder = png::Encoder::new(fs::File::create(folder.path(name)).unwrap(), w, h);
+    encoder.set_color(colour);
+    encoder.set_depth(depth);
+    if colour == png::ColorType::Indexed {
+        encoder.set_palette(vec![10, 20, 30, 200, 100, 0]);
+    }
+    encoder.write_header().unwrap().write_image_data(bytes).unwrap();
+}
+
+/// Reads a PNG as it is.
+fn pixels(folder: &Folder, name: &str) -> (png::ColorType, png::BitDepth, [u32; 2], Vec<u8>) {
+    let file = std::io::BufReader::new(fs::File::open(folder.path(name)).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let frame = reader.next_frame(&mut bytes).unwrap();
+    bytes.truncate(frame.buffer_size());
+    (frame.color_type, frame.bit_depth, [frame.width, frame.height], bytes)
+}
+
+#[test]
+fn a_signal_is_trained_inspected_and_made_finer_by_file_or_at_once() {
+    let folder = Folder::new("signal");
+    wave(&folder, "wave.csv", 120);
+    let trained = folder
+        .sinew("signal train wave.csv --column angle --factor 4 --variance -o wave.sinew --json")
+        .json();
+    assert_eq!((&trained["factor"], &trained["taps"]), (&json!(4), &json!(7)));
+    let left_out = |key: &str| trained["left_out"][key].as_f64().unwrap();
+    assert!(left_out("rms") < left_out("linear_rms"), "{trained}");
+    let found = folder.sinew("inspect wave.sinew --json").json();
+    let filter = &found["filters"][0];
+    assert_eq!((&filter["name"], &filter["variances"]), (&json!("angle"), &json!(true)));
+    assert_eq!(filter["fit"]["left_out_rms"].as_f64().unwrap() as f32, left_out("rms") as f32);
+    let text = folder.sinew("inspect wave.sinew").done().out;
+    assert!(text.contains("filter \"angle\": 4 phases of 7 taps, with variances"), "{text}");
+
+    folder
+        .sinew("signal superres wave.csv --column angle --factor 4 --variance -o once.csv")
+        .done();
+    folder
+        .sinew("signal superres wave.csv --column angle --model wave.sinew --variance -o file.csv")
+        .done();
+    let (once, file) = (folder.read("once.csv"), folder.read("file.csv"));
+    assert!(String::from_utf8_lossy(&once).starts_with("sample,angle,variance\n0,3,0\n0.25,"));
+    assert_eq!(column(&once, 0), column(&file, 0));
+    for at in [1, 2] {
+        let pairs = column(&once, at).into_iter().zip(column(&file, at));
+        pairs.for_each(|(a, b)| assert!((a - b).abs() < 2e-6, "{a} {b}"));
+    }
+    let fine = column(&once, 1);
+    assert_eq!(fine.len(), 480);
+    for (at, value) in fine.iter().enumerate().skip(20).take(440) {
+        let truth = 3.0 + (0.9 * at as f64 / 4.0).sin();
+        assert!((value - truth).abs() < 0.01, "{at}: {value} {truth}");
+    }
+    folder.sinew("signal plot wave.csv --column angle -o wave.png").done();
+    folder.sinew("signal plot wave.csv --column angle --averages -o wave.svg").done();
+    assert!(pixels(&folder, "wave.png").2[0] > 800);
+    assert!(String::from_utf8(folder.read("wave.svg")).unwrap().contains("angle, "));
+}
+
+#[test]
+fn what_fills_no_box_is_left_out_of_the_measure_and_said() {
+    let folder = Folder::new("signal-rest");
+    wave(&folder, "wave.csv", 121);
+    let run = folder.sinew("signal train wave.csv --column angle --factor 4 -o wave.sinew");
+    assert_eq!(run.code, Some(0));
+    assert_eq!(
+        run.err,
+        "sinew: warning: wave.csv: 1 sample at the end fill no box of 4 and were not measured\n"
+    );
+}
+
+#[test]
+fn signals_that_nothing_can_be_made_of_are_refused_and_a_constant_stays() {
+    let folder = Folder::new("signal-bad");
+    let superres = |arguments: &str| {
+        folder.sinew(&format!("signal superres s.csv --column a --factor 3 -o out.csv {arguments}"))
+    };
+    let write = |rows: &str| fs::write(folder.path("s.csv"), format!("a\n{rows}")).unwrap();
+    write("1\n");
+    assert_eq!(
+        superres("").failed(),
+        "s.csv: 1 samples are fewer than a window's 2: take fewer taps"
+    );
+    let one = superres("--covariance oscillating:3,2").failed();
+    assert_eq!(one, "s.csv: 1 samples are fewer than a window's 7: take fewer taps");
+    write("1\n2\nNaN\n4\n");
+    assert_eq!(
+        superres("").failed(),
+        "s.csv: line 4, column \"a\": expected a number, found \"NaN\""
+    );
+    write(&"7.5\n".repeat(12));
+    for covariance in ["auto", "matern?5/2:2"] {
+        let mut command =
+            folder.command("signal superres s.csv --column a --factor 3 -o out.csv --variance");
+        command.args(["--covariance", &covariance.replace('?', " ")]);
+        folder.run(command).done();
+        let out = folder.read("out.csv");
+        assert_eq!(column(&out, 1).len(), 36);
+        column(&out, 1).iter().for_each(|x| assert!((x - 7.5).abs() < 1e-10, "{x}"));
+        column(&out, 2).iter().for_each(|x| assert!(x.abs() < 1e-10, "{x}"));
+    }
+    let constant = superres("--covariance estimated").failed();
+    assert_eq!(constant, "s.csv: covariance at lag 0: expected a finite number above 0, found 0");
+    write("1\n2\n1\n3\n2\n2\n1\n");
+    assert_eq!(superres("--taps 4").failed(), "taps: expected an odd number, found 4");
+    assert_eq!(
+        superres("--noise -1").failed(),
+        "noise: expected a finite number above 0, found -1"
+    );
+    let unknown = superres("--covariance cubic").failed();
+    assert!(
+        unknown.starts_with("s.csv: there is no covariance \"cubic\": expected auto, "),
+        "{unknown}"
+    );
+    fs::write(folder.path("lags.csv"), "c\n1\n0.9\n-0.9\n").unwrap();
+    let run = superres("--covariance lags.csv");
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let said = "sinew: warning: lags.csv: the covariance was indefinite: ";
+    assert!(run.err.starts_with(said) && run.err.ends_with(" and is clipped\n"), "{}", run.err);
+    fs::write(folder.path("lags.csv"), "c\n1\n0.75\n0.5\n0.25\n").unwrap();
+    superres("--covariance lags.csv").done();
+    assert_eq!(
+        superres("--model none.sinew").code,
+        Some(2),
+        "a factor and a model exclude each other"
+    );
+    let missing = folder.sinew("signal superres s.csv --factor 2 -o out.csv").failed();
+    assert_eq!(missing, "of a .csv --column NAME is needed");
+    let other = folder.sinew("signal superres s.csv --column a --factor 2 -o out.png").failed();
+    assert_eq!(other, "out.png: expected a file that ends as s.csv");
+}
+
+#[test]
+fn images_keep_their_kind_and_their_pixels_give_themselves_back() {
+    use png::{BitDepth, ColorType};
+    let folder = Folder::new("signal-images");
+    let bytes =
+        |len: usize| -> Vec<u8> { (0..len).map(|i| (90 + 31 * i * i % 71) as u8).collect() };
+    for (colour, depth, channels, wide) in [
+        (ColorType::Grayscale, BitDepth::Eight, 1, 1),
+        (ColorType::Rgb, BitDepth::Eight, 3, 1),
+        (ColorType::Rgb, BitDepth::Sixteen, 3, 2),
+        (ColorType::Grayscale, BitDepth::Sixteen, 1, 2),
+    ] {
+        let given = bytes(9 * 8 * channels * wide);
+        png(&folder, "in.png", colour, depth, [9, 8], &given);
+        for factor in [2, 3, 4] {
+            folder.sinew(&format!("signal superres in.png --factor {factor} -o out.png")).done();
+            let (out_colour, out_depth, size, found) = pixels(&folder, "out.png");
+            assert_eq!((out_colour, out_depth, size), (colour, depth, [9 * factor, 8 * factor]));
+            let number = |bytes: &[u8], at: usize| match wide {
+                1 => f64::from(bytes[at]),
+                _ => f64::from(u16::from_be_bytes([bytes[2 * at], bytes[2 * at + 1]])),
+            };
+            let f = factor as usize;
+            for pixel in 0..72 {
+                let (row, at) = (pixel / 9, pixel % 9);
+                let sum: f64 = (0..f * f)
+                    .map(|k| ((row * f + k / f) * 9 * f + at * f + k % f) * channels)
+                    .map(|place| number(&found, place))
+                    .sum();
+                let error = sum / (f * f) as f64 - number(&given, pixel * channels);
+                // Rounding to a file's numbers, once each.
+                assert!(error.abs() <= 0.5, "{colour:?} {factor} {pixel}: {error}");
+            }
+        }
+    }
+    png(&folder, "in.png", ColorType::Indexed, BitDepth::Eight, [7, 7], &[1; 49]);
+    folder.sinew("signal superres in.png --factor 2 -o out.png").done();
+    let (colour, depth, _, found) = pixels(&folder, "out.png");
+    assert_eq!((colour, depth), (ColorType::Rgb, BitDepth::Eight));
+    assert!(found.chunks(3).all(|pixel| pixel == [200, 100, 0]));
+}
+
+#[test]
+fn what_is_not_covered_lends_no_colour() {
+    use png::{BitDepth, ColorType};
+    let folder = Folder::new("signal-alpha");
+    // The left half is not covered, and black where it is not seen; the right is white.
+    let pixel = |i: usize| if i % 10 < 5 { [0, 0, 0, 0] } else { [255, 255, 255, 255] };
+    let given: Vec<u8> = (0..80).flat_map(pixel).collect();
+    png(&folder, "in.png", ColorType::Rgba, BitDepth::Eight, [10, 8], &given);
+    folder.sinew("signal superres in.png --factor 2 -o out.png").done();
+    let (colour, _, size, found) = pixels(&folder, "out.png");
+    assert_eq!((colour, size), (ColorType::Rgba, [20, 16]));
+    let mut partly = 0;
+    for pixel in found.chunks(4) {
+        partly += usize::from((1..255).contains(&pixel[3]));
+        assert!(pixel[3] == 0 || pixel[0] >= 254, "{pixel:?}");
+    }
+    assert!(partly > 0, "the edge is between");
+}
+
+#[test]
+fn images_that_cannot_be_read_or_are_too_small_are_refused() {
+    let folder = Folder::new("signal-small");
+    png(&folder, "in.png", png::ColorType::Grayscale, png::BitDepth::Eight, [9, 3], &[7; 27]);
+    let superres = |arguments: &str| {
+        folder.sinew(&format!("signal superres in.png --factor 2 -o out.png {arguments}"))
+    };
+    let small = superres("").failed();
+    assert_eq!(small, "in.png: 3 samples are fewer than a window's 7: take fewer taps");
+    superres("--taps 3").done();
+    let other = superres("--column a").failed();
+    assert_eq!(other, "--column, --variance and --averages are of a .csv");
+    let estimated = superres("--covariance estimated").failed();
+    assert!(estimated.starts_with("there is no covariance \"estimated\""), "{estimated}");
+    fs::write(folder.path("in.png"), b"no picture").unwrap();
+    assert!(superres("").failed().starts_with("in.png: "));
+}
+
+#[test]
+fn an_image_goes_through_a_files_filter_too() {
+    let folder = Folder::new("signal-model-image");
+    wave(&folder, "wave.csv", 60);
+    let options = "--averages --taps 5 --covariance ornstein-uhlenbeck:3";
+    folder
+        .sinew(&format!("signal train wave.csv --column angle --factor 2 -o m.sinew {options}"))
+        .done();
+    let given: Vec<u8> = (0..3 * 80).map(|i| (90 + 31 * i * i % 71) as u8).collect();
+    png(&folder, "in.png", png::ColorType::Rgb, png::BitDepth::Eight, [10, 8], &given);
+    folder.sinew("signal superres in.png --model m.sinew -o file.png").done();
+    folder.sinew("signal superres in.png --factor 2 --taps 5 -o once.png").done();
+    let (file, once) = (pixels(&folder, "file.png"), pixels(&folder, "once.png"));
+    assert_eq!(file.2, once.2);
+    assert!(file.3.iter().zip(&once.3).all(|(a, b)| a.abs_diff(*b) <= 1));
+    let no_filter = folder.sinew("signal superres in.png --model in.png -o out.png");
+    assert!(no_filter.failed().starts_with("in.png: "));
+}
+
+#[test]
+fn values_derivatives_and_averages_become_a_function() {
+    let folder = Folder::new("signal-fit");
+    let observations = json!({
+        "name": "spring", "covariance": "squared exponential:1", "mean": "zero",
+        "observations": [
+            { "at": 0, "value": 1 }, { "at": 0, "derivative": 0 },
+            { "from": 1, "to": 2, "average": -0.5 }, { "at": 3, "value": 0.25 },
+        ],
+    });
+    let write =
+        |json: &serde_json::Value| fs::write(folder.path("o.json"), json.to_string()).unwrap();
+    write(&observations);
+    let fitted = folder.sinew("signal fit o.json -o o.sinew --json").json();
+    assert_eq!(fitted["observations"], 4);
+    // Between 1 and 2 at even steps, for the average; beside 0, for the derivative.
+    let at: Vec<f64> =
+        (0..100).map(|i| 1.005 + 0.01 * f64::from(i)).chain([0.0, -0.01, 0.01, 3.0]).collect();
+    fs::write(folder.path("q.json"), json!(at).to_string()).unwrap();
+    let found = folder.sinew("kernel eval o.sinew q.json --json").json();
+    let value = |at: usize| found["results"][at]["outputs"][0].as_f64().unwrap();
+    let mean = (0..100).map(value).sum::<f64>() / 100.0;
+    assert!((mean + 0.5).abs() < 1e-4, "{mean}");
+    assert!((value(100) - 1.0).abs() < 1e-5 && (value(103) - 0.25).abs() < 1e-5);
+    assert!((value(102) - value(101)).abs() < 1e-5);
+    folder.sinew("signal plot o.json -o o.svg").done();
+
+    let mut other = observations.clone();
+    other["covariance"] = json!("oscillating:2,3");
+    write(&other);
+    let refused = folder.sinew("signal fit o.json -o none.sinew").failed();
+    assert!(
+        refused.starts_with("o.json: no part kernel holds covariance oscillating: it can hold"),
+        "{refused}"
+    );
+    other["covariance"] = json!("ornstein-uhlenbeck:2");
+    write(&other);
+    let refused = folder.sinew("signal fit o.json -o none.sinew").failed();
+    assert!(refused.starts_with("o.json: observation 1: functions of covariance"), "{refused}");
+    other["observations"] = json!([]);
+    write(&other);
+    assert_eq!(
+        folder.sinew("signal fit o.json -o none.sinew").failed(),
+        "o.json: there are no observations"
+    );
+    assert!(!folder.path("none.sinew").exists());
+}
