@@ -31,7 +31,10 @@ impl Image {
     /// # Errors
     /// [`SignalError::Picture`].
     pub fn read(file: &Path) -> Result<Self, SignalError> {
-        let wrong = |what: String| SignalError::Picture { file: file.to_owned(), what };
+        let wrong = |what: String| {
+            let what = what.trim_end_matches('.').to_owned();
+            SignalError::Picture { file: file.to_owned(), what }
+        };
         let opened = File::open(file).map_err(|error| wrong(error.to_string()))?;
         let mut decoder = Decoder::new(BufReader::new(opened));
         decoder.set_transformations(Transformations::EXPAND);

@@ -12,7 +12,7 @@
 //! | [`observations`], [`function`] | observations as a person writes them, and their function as a part kernel |
 //! | [`reading`], [`model`] | signals of files; a filter for one, and what it reaches |
 //! | [`bake`], [`plot`] | a part filter; a picture |
-//! | [`choose`] | the covariance under which a signal is likeliest |
+//! | [`choose`] | the covariance that predicts a signal best |
 
 pub mod bake;
 pub mod choose;

@@ -2,7 +2,7 @@
 
 use crate::cli::Output;
 use anyhow::Context;
-use sinew_trainer::signal::choose::{TAPS, estimated, likeliest, of_images};
+use sinew_trainer::signal::choose::{TAPS, best, estimated, of_images};
 use sinew_trainer::signal::covariance::Covariance;
 use sinew_trainer::signal::error::SignalError;
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
@@ -15,7 +15,7 @@ use std::path::Path;
 /// What a signal is thought to be.
 #[derive(clap::Args)]
 pub(super) struct ProcessArguments {
-    /// How alike samples are by their distance, in samples: auto (the likeliest family; of images
+    /// How alike samples are by their distance, in samples: auto (that which predicts left-out samples best; of images
     /// ornstein-uhlenbeck:3), "squared exponential:L", "ornstein-uhlenbeck:L", "matern 3/2:L", "matern 5/2:L",
     /// "oscillating:L,T", estimated (from the signal), or a .csv of covariances at lags 0, 1, 2, ...
     #[arg(long, default_value = "auto")]
@@ -41,7 +41,7 @@ impl ProcessArguments {
         about: &impl Display,
     ) -> anyhow::Result<Process> {
         let covariance = match self.covariance.as_str() {
-            "auto" => likeliest(samples, sample)?,
+            "auto" => best(samples, sample)?,
             "estimated" => clipped(estimated(samples)?, output, about),
             _ => self.given(output)?,
         };

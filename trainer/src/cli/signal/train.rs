@@ -53,8 +53,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let fit = LeftOut::new(&samples, &process, filter.grid).with_context(about)?;
     let rest = fit.map_or(0, |fit| fit.rest);
     if rest > 0 {
-        let many = counted(rest, "sample", "samples");
-        let what = format!("{many} at the end fill no box of {factor} and were not measured");
+        let what =
+            format!("samples at the end that fill no box of {factor} are not measured: {rest}");
         output.warn(about(), what);
     }
     let variance = variance(&samples, sample, &process.covariance);
