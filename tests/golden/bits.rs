@@ -8,6 +8,9 @@ pub(crate) mod filters;
 #[cfg(feature = "kernel")]
 #[path = "kernels.rs"]
 pub(crate) mod kernels;
+#[cfg(feature = "prior")]
+#[path = "priors.rs"]
+pub(crate) mod priors;
 #[path = "rng.rs"]
 #[allow(unreachable_pub, reason = "other tests export it")]
 mod rng;

@@ -4,6 +4,8 @@
 use crate::bits::filters;
 #[cfg(feature = "kernel")]
 use crate::bits::kernels;
+#[cfg(feature = "prior")]
+use crate::bits::priors;
 #[cfg(feature = "views")]
 use crate::bits::views;
 use crate::bits::{Found, GOLDEN, Memory, POSES, STAGES, hashes};
@@ -59,6 +61,7 @@ pub fn bits() -> bool {
     }
     sound &= of_kernels(memory);
     sound &= of_views(memory);
+    sound &= of_pins();
     sound &= of_filter(memory);
     print("end\n");
     sound
@@ -121,6 +124,33 @@ fn of_views(memory: &mut Memory) -> bool {
 /// Without views there is nothing to print.
 #[cfg(not(feature = "views"))]
 fn of_views(_: &mut Memory) -> bool {
+    true
+}
+
+/// Prints a hash of the golden face's pins; returns whether it is the promised one.
+#[cfg(feature = "prior")]
+fn of_pins() -> bool {
+    let model = priors::load();
+    let Some((prior, skin)) = model.as_ref().and_then(|model| model.prior().zip(model.skin()))
+    else {
+        say!("pins: not loaded");
+        return false;
+    };
+    match priors::hash(prior, skin, 0.0) {
+        Ok(bits) => {
+            say!("pins {bits:016x}");
+            bits == priors::BITS
+        }
+        Err(error) => {
+            say!("pins: {error}");
+            false
+        }
+    }
+}
+
+/// Without priors there is nothing to print.
+#[cfg(not(feature = "prior"))]
+fn of_pins() -> bool {
     true
 }
 
