@@ -108,16 +108,18 @@ pub enum sinew_argument {
     Input = 67,
     /// The number of a kernel's output.
     Output = 68,
-    /// The number of a shape.
+    /// The number of a shape; how samples lie.
     Shape = 69,
     /// Views.
     Views = 70,
     /// The number of a map.
     Map = 71,
+    /// A filter.
+    Filter = 72,
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 53] = {
+const NAMES: [(sinew_argument, &CStr); 54] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -173,6 +175,7 @@ const NAMES: [(sinew_argument, &CStr); 53] = {
         (A::Shape, c"shape"),
         (A::Views, c"views"),
         (A::Map, c"map"),
+        (A::Filter, c"filter"),
     ]
 };
 

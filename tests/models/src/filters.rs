@@ -39,6 +39,26 @@ impl FilterContent {
         }
     }
 
+    /// Makes one for a sensor: four fine samples of each, spread evenly about it, by the polynomial through five.
+    pub fn sensor() -> Self {
+        let (factor, tap_len) = (4, 5);
+        let weight = |place: u32, phase: u32, tap: u32| {
+            let x = f64::from(place) + (f64::from(phase) + 0.5) / f64::from(factor) - 0.5;
+            let others = (0..tap_len).filter(|other| *other != tap).map(f64::from);
+            others.map(|other| (x - other) / (f64::from(tap) - other)).product::<f64>() as f32
+        };
+        let rows = (0..tap_len).flat_map(|place| (0..factor).map(move |phase| (place, phase)));
+        let taps = rows.flat_map(|(place, phase)| (0..tap_len).map(move |tap| (place, phase, tap)));
+        Self {
+            name: "sensor".to_owned(),
+            factor,
+            tap_len,
+            taps: taps.map(|(place, phase, tap)| weight(place, phase, tap)).collect(),
+            variances: None,
+            fit: [0.01, 0.0, 0.0],
+        }
+    }
+
     /// Writes the sections.
     ///
     /// # Panics

@@ -31,7 +31,7 @@ pub use groups::{GroupContent, sample_groups};
 pub use kernels::{KernelContent, VarianceContent};
 pub use message::{Message, seal};
 pub use pieces::{Content, Pieces};
-pub use priors::PriorContent;
+pub use priors::{FACE_NAME, PriorContent};
 pub use rng::Rng;
 pub use sample::direction;
 pub use shape::{SMALL, Shape};
