@@ -4,7 +4,8 @@
 //! The way through: files are read by their [`formats`] and become [`examples`]; an [`envelope`] is
 //! checked, fitted to them and baked into a file by [`bake`]; the runtime measures that file, a report
 //! made of [`page`] shows where the error is, and an export hands it to engines. A [`face`] is a skin of its own: its
-//! shapes are given, and what a take teaches is how they go together.
+//! shapes are given, and what a take teaches is how they go together. Samples of a
+//! [`signal`] become a filter that makes it finer.
 //!
 //! **A new part plugs in** with a folder of its own, as [`envelope`] is one: its model in f64, its fit,
 //! its `bake` (which makes a [`bake::Part`]: a kind and sections), its evaluation and its report. `cli/command.rs`

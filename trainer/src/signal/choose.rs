@@ -1,5 +1,4 @@
-//! The covariance that predicts a signal's left-out samples best, or under which observations are likeliest
-//! (METHOD §4).
+//! The covariance under which a signal is likeliest, of the family that predicts it best (METHOD §4).
 
 use super::covariance::Covariance;
 use super::error::SignalError;
@@ -23,7 +22,8 @@ const LENGTHS: usize = 10;
 /// Halvings of the step between lengths about the best.
 const HALVINGS: usize = 4;
 /// Periods that a period of a signal is looked for among, each so many times the one before.
-const PERIOD_RATIO: f64 = 1.08;
+const PERIOD_RATIO: f64 = 1.03;
+const PERIODS: i32 = 10;
 /// Least share of the largest pivot that a system's least one has.
 const PIVOT: f64 = 1e-6;
 /// Largest share of its samples up to which the covariance of a signal is estimated, and most lags.
@@ -39,11 +39,12 @@ pub const fn of_images() -> Covariance {
     Covariance::OrnsteinUhlenbeck { length: 3.0 }
 }
 
-/// Chooses the family and the numbers that predict each sample of a signal best from the others of its block, about a
-/// constant; distances are in samples. Of a constant signal all are as good: it has Ornstein's and Uhlenbeck's.
+/// Chooses of each family the numbers under which a signal is likeliest, about a constant, and of the families the one
+/// that predicts each sample best from the others of its block; distances are in samples. Of a constant signal all are
+/// as good: it has Ornstein's and Uhlenbeck's.
 ///
-/// The likelihood would choose by how much a signal changes at all: of animation curves, which mostly rest, families so
-/// rough that a cubic spline is up to a fifth better (*measured*).
+/// The likelihood alone would choose by how much a signal changes at all: of animation curves, which mostly rest,
+/// families so rough that a cubic spline is up to a fifth better (*measured*).
 ///
 /// # Errors
 /// [`SignalError::TooShort`] of fewer samples than two.
@@ -56,26 +57,29 @@ pub fn best(samples: &[f64], sample: Sample) -> Result<Covariance, SignalError> 
         return Ok(best.covariance);
     }
     let functionals = block(samples, sample);
-    let mut offer = |covariance: Covariance| {
-        let found = Block::new(&functionals, &covariance).map(|block| -block.left_out(samples));
-        best.offer(found, covariance)
-    };
+    let mut families: Vec<Best> = Vec::new();
     for name in ["ornstein-uhlenbeck", "matern 3/2", "matern 5/2", "squared exponential"] {
-        refine(FIRST, named(name, &mut offer));
+        let mut own = Best::new(Covariance::OrnsteinUhlenbeck { length: 3.0 });
+        refine(
+            FIRST,
+            named(name, |covariance| own.offer_likely(&functionals, samples, covariance)),
+        );
+        families.push(own);
     }
     if let Some(period) = period(samples) {
-        let mut own = (f64::NEG_INFINITY, period);
-        for step in -6..=6 {
+        let mut own = Best::new(Covariance::Oscillating { length: period, period });
+        for step in -PERIODS..=PERIODS {
             let period = period * PERIOD_RATIO.powi(step);
-            let of = |length| offer(Covariance::Oscillating { length, period });
-            let found = refine(FIRST.max(0.5 * period), of);
-            own = if found > own.0 { (found, period) } else { own };
+            refine(FIRST.max(0.5 * period), |length| {
+                let covariance = Covariance::Oscillating { length, period };
+                own.offer_likely(&functionals, samples, covariance)
+            });
         }
-        for step in [-0.5, -0.25, 0.25, 0.5] {
-            let period = own.1 * PERIOD_RATIO.powf(step);
-            let of = |length| offer(Covariance::Oscillating { length, period });
-            refine(FIRST.max(0.5 * period), of);
-        }
+        families.push(own);
+    }
+    for Best { covariance, .. } in families {
+        let found = Block::new(&functionals, &covariance).map(|block| -block.left_out(samples));
+        best.offer(found, covariance);
     }
     Ok(best.covariance)
 }
@@ -89,10 +93,7 @@ pub fn likeliest_of(functionals: &[Functional], values: &[f64], names: &[&str]) 
     let unit = if spacing > 0.0 { spacing } else { 1.0 };
     let mut best = Best::new(Covariance::SquaredExponential { length: unit });
     for name in names {
-        let mut offer = |covariance: Covariance| {
-            let found = Block::new(functionals, &covariance).map(|block| block.likelihood(values));
-            best.offer(found, covariance)
-        };
+        let mut offer = |covariance: Covariance| best.offer_likely(functionals, values, covariance);
         refine(FIRST * unit, named(name, &mut offer));
     }
     best.covariance
@@ -124,6 +125,12 @@ struct Best {
 impl Best {
     fn new(covariance: Covariance) -> Self {
         Self { score: f64::NEG_INFINITY, covariance }
+    }
+
+    /// Offers one with its likelihood.
+    fn offer_likely(&mut self, of: &[Functional], values: &[f64], covariance: Covariance) -> f64 {
+        let found = Block::new(of, &covariance).map(|block| block.likelihood(values));
+        self.offer(found, covariance)
     }
 
     /// Returns the score, minus infinity of none.
@@ -188,11 +195,13 @@ impl Block {
         Some(Self { llt, ones })
     }
 
-    /// Computes the logarithm of the likelihood of a block's values, mean and variance the likeliest.
-    fn likelihood(&self, values: &[f64]) -> f64 {
+    /// Computes the logarithm of the likelihood of a signal, block by block, mean and variance the likeliest.
+    fn likelihood(&self, samples: &[f64]) -> f64 {
         let pivots = self.llt.L().diagonal().column_vector().iter();
         let determinant: f64 = pivots.map(|pivot| libm::log(*pivot)).sum();
-        -0.5 * values.len() as f64 * libm::log(self.variance(values)) - determinant
+        let len = self.ones.nrows();
+        let blocks = (samples.len() / len) as f64;
+        -blocks * (0.5 * len as f64 * libm::log(self.variance(samples)) + determinant)
     }
 
     /// Computes the likeliest variance of a signal; samples that fill no block at its end are left out.
@@ -278,7 +287,10 @@ mod tests {
         let oscillating = Covariance::Oscillating { length: 4.0, period: 2.6 };
         let found = best(&drawn(&oscillating, 288, 2), Sample::Value).unwrap();
         let Covariance::Oscillating { length, period } = found else { panic!("{found:?}") };
-        assert!((3.0..5.5).contains(&length) && (2.5..2.7).contains(&period), "{length} {period}");
+        assert!(
+            (2.5..6.5).contains(&length) && (2.45..2.75).contains(&period),
+            "{length} {period}"
+        );
     }
 
     #[test]

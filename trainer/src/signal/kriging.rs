@@ -111,9 +111,9 @@ impl Kriging {
 pub fn gram(process: &Process, functionals: &[Functional]) -> Mat<f64> {
     let n = functionals.len();
     let mut matrix = Mat::zeros(n, n);
-    for i in 0..n {
-        for k in 0..=i {
-            let value = functionals[i].covariance(&functionals[k], &process.covariance);
+    for (i, a) in functionals.iter().enumerate() {
+        for (k, b) in functionals[..=i].iter().enumerate() {
+            let value = a.covariance(b, &process.covariance);
             matrix[(i, k)] = value;
             matrix[(k, i)] = value;
         }

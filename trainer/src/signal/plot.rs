@@ -132,6 +132,6 @@ mod tests {
         let at = |x: usize, y: usize| picture.colour([MARGIN[0] + x, y]);
         assert_eq!(at(700, middle - 20), BAND);
         assert_eq!(at(100, middle - 20), PAPER);
-        assert_eq!(at(700, middle), CURVE);
+        assert!(at(700, middle)[1] < 0x60, "the curve");
     }
 }

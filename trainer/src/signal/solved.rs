@@ -4,7 +4,7 @@
 //! the mean's basis they are as `kernel::scattered::variance` has them.
 
 use super::error::SignalError;
-use crate::kernel::scattered::fit::RCOND;
+use crate::kernel::scattered::fit::{MISSED, RCOND};
 use crate::kernel::scattered::system::System;
 use faer::Mat;
 
@@ -34,6 +34,13 @@ impl Solved {
         let whitened = system.whitened(&y);
         let whitened = whitened.ok_or(SignalError::Indefinite { what: "the covariance" })?;
         let (kernels, terms) = system.solve(&y);
+        // Of two observations of one thing that disagree the mean may leave a system of one rounding, which is well
+        // conditioned.
+        let most = values.iter().fold(0.0f64, |most, y| most.max(y.abs()));
+        let missed = (&y - &matrix * &kernels - basis * &terms).norm_max();
+        if missed.is_nan() || missed > MISSED * most {
+            return Err(SignalError::IllConditioned { rcond: system.rcond() });
+        }
         let reproducing = system.reproducing();
         Ok(Self { matrix, reproducing, kernels, terms, energy: whitened.squared_norm_l2(), system })
     }

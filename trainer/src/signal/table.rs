@@ -59,7 +59,7 @@ impl Table {
         let mut values = transform(&spectrum);
         values.truncate(len / 2 + 1);
         let first = values[0];
-        if !(first > 0.0) {
+        if first.is_nan() || first <= 0.0 {
             return Err(SignalError::Indefinite { what: "the table" });
         }
         values.iter_mut().for_each(|value| *value /= first);

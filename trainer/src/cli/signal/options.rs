@@ -15,7 +15,7 @@ use std::path::Path;
 /// What a signal is thought to be.
 #[derive(clap::Args)]
 pub(super) struct ProcessArguments {
-    /// How alike samples are by their distance, in samples: auto (that which predicts left-out samples best; of images
+    /// How alike samples are by their distance, in samples: auto (the family that predicts left-out samples best; of images
     /// ornstein-uhlenbeck:3), "squared exponential:L", "ornstein-uhlenbeck:L", "matern 3/2:L", "matern 5/2:L",
     /// "oscillating:L,T", estimated (from the signal), or a .csv of covariances at lags 0, 1, 2, ...
     #[arg(long, default_value = "auto")]
