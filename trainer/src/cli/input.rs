@@ -217,7 +217,9 @@ pub(super) fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
             "{}: holds what a .{ending} file holds, expected a model, which commands take first",
             path.display()
         ),
-        _ if bytes.is_empty() => bail!("{}: is empty, expected a model", path.display()),
+        _ if bytes.is_empty() => {
+            bail!("{}: the model is refused: the file is empty", path.display())
+        }
         _ => Ok(bytes),
     }
 }

@@ -92,7 +92,7 @@ fn matrices_that_are_not_rigid_are_refused_by_frame_and_joint() {
             set.reals.get_mut("joint_world_rest").unwrap().1[axis] *= -1.0;
         }
     };
-    let expected = "bad.npz: in the rest pose, joint root is mirrored: apply the scale of the \
+    let expected = "bad.npz: in the rest pose, joint chest is mirrored: apply the scale of the \
                     armature and of its parents (in Blender Ctrl+A) and export again";
     refused("mirrored", mirrored, expected);
 }
@@ -122,7 +122,7 @@ fn files_given_by_mistake_are_refused_by_name() {
         ("demo.json", "demo.json: describes examples, expected the .npz file beside it"),
         (
             "demo.sinew",
-            "demo.sinew: expected a file that ends in .npz, .glb, .gltf or .fbx, found .sinew",
+            "demo.sinew: is a baked model, expected examples: commands take the model first",
         ),
         ("inner", "inner: is a folder, expected a file"),
     ] {
