@@ -2,6 +2,9 @@
 //!
 //! A module of the runtime's tests and of `tests/firmware`: no standard library, no allocation.
 
+#[cfg(feature = "filter")]
+#[path = "filters.rs"]
+pub(crate) mod filters;
 #[cfg(feature = "kernel")]
 #[path = "kernels.rs"]
 pub(crate) mod kernels;

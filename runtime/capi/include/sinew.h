@@ -2,7 +2,7 @@
  *
  * Objects: a model is a loaded file, an envelope predicts a palette, a skin is a mesh that follows one,
  * a kernel is a function of a few numbers, a prior says how weights of shapes belong together, views
- * are a drawn object between its key views. They lie in memory of the caller, who asks for its size
+ * are a drawn object between its key views, a filter makes a signal finer. They lie in memory of the caller, who asks for its size
  * (sinew_*_bytes) or takes an array of SINEW_*_WORDS uintptr_t. Nothing is allocated and nothing has to
  * be freed. The file's bytes must stay, unchanged, while a model of them is in use; a model's memory must
  * stay for as long as its parts are used, but may be loaded again: calls then refuse what was opened
@@ -58,6 +58,10 @@
 /// Elements of a `uintptr_t` array that holds a skin on every target:
 /// `uintptr_t memory[SINEW_SKIN_WORDS]`.
 #define SINEW_SKIN_WORDS 48
+
+/// Elements of a `uintptr_t` array that holds a filter on every target:
+/// `uintptr_t memory[SINEW_FILTER_WORDS]`.
+#define SINEW_FILTER_WORDS 48
 
 /// Elements of a `uintptr_t` array that holds a prior on every target:
 /// `uintptr_t memory[SINEW_PRIOR_WORDS]`.
@@ -240,6 +244,8 @@ enum sinew_argument
     SINEW_ARGUMENT_PIXELS = 28,
     /// Depths of pixels.
     SINEW_ARGUMENT_DEPTHS = 29,
+    /// Samples of signals.
+    SINEW_ARGUMENT_SAMPLES = 30,
     /// Memory for an object; lengths in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
     /// The file; lengths in bytes.
@@ -278,12 +284,14 @@ enum sinew_argument
     SINEW_ARGUMENT_INPUT = 67,
     /// The number of a kernel's output.
     SINEW_ARGUMENT_OUTPUT = 68,
-    /// The number of a shape.
+    /// The number of a shape; how samples lie.
     SINEW_ARGUMENT_SHAPE = 69,
     /// Views.
     SINEW_ARGUMENT_VIEWS = 70,
     /// The number of a map.
     SINEW_ARGUMENT_MAP = 71,
+    /// A filter.
+    SINEW_ARGUMENT_FILTER = 72,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -365,6 +373,10 @@ typedef uint32_t sinew_predictor;
 /// Predicts a palette of transforms from the J joints of a pose. It points to its model: where that
 /// has been loaded again with another file, or is loaded no more, every call refuses the envelope.
 typedef struct sinew_envelope sinew_envelope;
+
+/// Weights that make a signal finer. It points to its model: where that has been loaded again with another file,
+/// or is loaded no more, every call refuses the filter.
+typedef struct sinew_filter sinew_filter;
 
 /// A function from named inputs to named outputs. It points to its model: where that has been loaded again
 /// with another file, or is loaded no more, every call refuses the kernel.
@@ -619,6 +631,38 @@ typedef struct sinew_range {
     /// One more than the last vertex.
     size_t end;
 } sinew_range;
+
+/// What a filter is made of.
+typedef struct sinew_filter_info {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// Its number among the file's parts.
+    uint32_t part;
+    /// F, fine samples of each coarse one.
+    size_t factor;
+    /// N, coarse samples that each fine one is made of: no signal may be shorter.
+    size_t tap_len;
+    /// From one coarse sample to the next, in the unit of what the signal runs along; 0 if it has none.
+    float step;
+    /// RMS error over samples that were left out, in the signal's unit; 0 if it was not measured.
+    float left_out_rms;
+    /// The same of linear interpolation.
+    float linear_rms;
+} sinew_filter_info;
+
+/// How samples lie: signals one after the other, of samples one after the other, of lanes side by side. An image
+/// of H rows of W pixels of C channels is along its columns one signal of H samples of W C lanes, and along its rows H
+/// signals of W samples of C lanes.
+typedef struct sinew_samples {
+    /// Signals.
+    size_t signal_len;
+    /// Samples of each signal.
+    size_t sample_len;
+    /// Numbers of each sample, each of which goes by itself.
+    size_t lane_len;
+} sinew_samples;
 
 /// Where an attribute is written: that of the i-th vertex *of the range* at `floats[i * stride]`.
 /// Zeros mean that it is not wanted.
@@ -1323,6 +1367,49 @@ sinew_status sinew_skin_influences(const struct sinew_skin *skin,
                                    float *out_weights,
                                    size_t weights_len,
                                    struct sinew_error *out_error);
+
+/// Returns the bytes of memory that a filter needs: at most those of `SINEW_FILTER_WORDS` words.
+size_t sinew_filter_bytes(void);
+
+/// Opens a filter of a model.
+///
+/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `index`: which of those; 0 for the first.
+/// - `memory`, `memory_bytes`: for the filter; at least `sinew_filter_bytes()`, aligned as a `uintptr_t`.
+/// - `out_filter`: receives the handle, which is `memory`.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
+sinew_status sinew_filter_open(const struct sinew_model *model,
+                               const char *name,
+                               size_t name_len,
+                               size_t index,
+                               void *memory,
+                               size_t memory_bytes,
+                               const struct sinew_filter **out_filter,
+                               struct sinew_error *out_error);
+
+/// Says what a filter is made of.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+sinew_status sinew_filter_describe(const struct sinew_filter *filter,
+                                   struct sinew_filter_info *out_info,
+                                   struct sinew_error *out_error);
+
+/// Makes samples `sinew_filter_info.factor` times as fine. Two calls make an image finer, one along its columns and one
+/// along its rows.
+///
+/// - `shape`: how the samples lie.
+/// - `samples`, `samples_len`: the numbers.
+/// - `out_samples`, `out_len`: factor times as many; they lie likewise, with factor times as many samples a signal.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_filter_apply(const struct sinew_filter *filter,
+                                const struct sinew_samples *shape,
+                                const float *samples,
+                                size_t samples_len,
+                                float *out_samples,
+                                size_t out_len,
+                                struct sinew_error *out_error);
 
 /// Runs a skin job. Its outputs may overlap each other, but nothing that it reads. Jobs may run at the
 /// same time, on any threads, if no output of one overlaps an output of another.

@@ -252,6 +252,24 @@ inline sinew_pin pin_on_screen(std::uint32_t vertex,
             stiffness};
 }
 
+/// Weights that make a signal finer. Points to its model.
+class Filter : public Part<sinew_filter, sinew_filter_info, SINEW_FILTER_WORDS> {
+  public:
+    /// Opens the `index`-th filter of a name, or of any; on failure it is what it was.
+    Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
+    Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
+        return open_by(sinew_filter_open, sinew_filter_describe, model, name, index);
+    }
+
+    /// Makes samples `info().factor` times as fine; `out` has as many times their numbers.
+    Failure apply(const sinew_samples &shape, Span<const float> samples, Span<float> out) const {
+        Failure failure;
+        failure.status = sinew_filter_apply(get(), &shape, samples.data, samples.len, out.data,
+                                            out.len, &failure.error);
+        return failure;
+    }
+};
+
 /// Views of a drawn object. Points to its model.
 class Views : public Part<sinew_views, sinew_views_info, SINEW_VIEWS_WORDS> {
   public:

@@ -31,6 +31,7 @@ mod skin;
 
 mod mesh;
 
+mod filter;
 mod job;
 
 mod shapes;
@@ -42,6 +43,7 @@ mod views;
 pub use argument::*;
 pub use envelope::*;
 pub use error::*;
+pub use filter::*;
 pub use job::*;
 pub use kernel::*;
 pub use matrix::*;

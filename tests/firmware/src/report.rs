@@ -1,5 +1,7 @@
 //! The bits of every stage, of the golden files and of models baked for this run.
 
+#[cfg(feature = "filter")]
+use crate::bits::filters;
 #[cfg(feature = "kernel")]
 use crate::bits::kernels;
 #[cfg(feature = "prior")]
@@ -60,6 +62,7 @@ pub fn bits() -> bool {
     sound &= of_kernels(memory);
     sound &= of_views(memory);
     sound &= of_pins();
+    sound &= of_filter(memory);
     print("end\n");
     sound
 }
@@ -148,5 +151,31 @@ fn of_pins() -> bool {
 /// Without priors there is nothing to print.
 #[cfg(not(feature = "prior"))]
 fn of_pins() -> bool {
+    true
+}
+
+/// Prints a hash of the golden filter; returns whether it is the promised one.
+#[cfg(feature = "filter")]
+fn of_filter(memory: &mut Memory) -> bool {
+    let model = filters::load();
+    let Some(filter) = model.as_ref().and_then(|model| model.filter()) else {
+        say!("filter: not loaded");
+        return false;
+    };
+    match filters::hash(&filter, 0.0, &mut memory.scratch, &mut memory.skin) {
+        Ok(bits) => {
+            say!("filter {bits:016x}");
+            bits == filters::BITS
+        }
+        Err(error) => {
+            say!("filter: {error}");
+            false
+        }
+    }
+}
+
+/// Without the part filter there is nothing to print.
+#[cfg(not(feature = "filter"))]
+fn of_filter(_: &mut Memory) -> bool {
     true
 }

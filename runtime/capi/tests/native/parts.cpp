@@ -1,6 +1,6 @@
-// What sinew.hpp has of shapes, priors, pins and views: prints the bits of what they give.
+// What sinew.hpp has of shapes, priors, pins, views and filters: prints the bits of what they give.
 //
-//     parts FACE VIEWS
+//     parts FACE VIEWS FILTER
 #include <sinew.hpp>
 
 #include <cstdio>
@@ -124,6 +124,23 @@ static void views(const char *path)
     expect(figure.render(pixels, 47), SINEW_STATUS_LENGTH);
 }
 
+static void filter(const char *path)
+{
+    const sinew::Model model = load(path);
+    sinew::Filter filter;
+    expect(filter.open(model, "nobody"), SINEW_STATUS_NOT_FOUND);
+    check(filter.open(model, "sensor"));
+    const sinew_samples shape = {2, 7, 3};
+    std::vector<float> samples(2 * 7 * 3);
+    for (std::size_t i = 0; i < samples.size(); i++) {
+        samples[i] = 0.25f * static_cast<float>(i % 5) - 0.5f;
+    }
+    std::vector<float> fine(filter.info().factor * samples.size());
+    check(filter.apply(shape, samples, fine));
+    print("fine", fine);
+    expect(filter.apply({2, 4, 3}, samples, fine), SINEW_STATUS_TOO_SHORT);
+}
+
 int main(int, char **argv)
 {
     static_assert(!std::is_constructible_v<sinew::Face, sinew::Prior, const sinew::Skin &>);
@@ -132,5 +149,6 @@ int main(int, char **argv)
     static_assert(!std::is_constructible_v<sinew::Figure, sinew::Views>);
     face(argv[1]);
     views(argv[2]);
+    filter(argv[3]);
     return 0;
 }

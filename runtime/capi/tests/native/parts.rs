@@ -1,22 +1,23 @@
-//! What sinew.hpp has of shapes, priors, pins and views, against the runtime.
+//! What sinew.hpp has of shapes, priors, pins, views and filters, against the runtime.
 
 use crate::common::{golden_path, output};
 use crate::host::{CXX, GCC, SANITIZERS, compile, static_library};
 use models::{FACE_NAME, VIEWED_NAMES};
+use sinew_runtime::filter::Samples;
 use sinew_runtime::skin::{Output, cells};
 use sinew_runtime::views::Order;
 use sinew_runtime::{Frame, FrameJob, Model, Pin, PinJob, Pins, RenderJob, ShapesJob};
 use std::process::Command;
 
 #[test]
-fn cpp_has_the_bits_of_faces_and_views() {
+fn cpp_has_the_bits_of_faces_views_and_filters() {
     let library = static_library();
     let flags = [&SANITIZERS[..], &["-fno-exceptions", &library]].concat();
     let program = compile("g++", CXX, "tests/native/parts.cpp", "parts", &flags);
-    let paths = [FACE_NAME, VIEWED_NAMES[1]].map(golden_path);
+    let paths = [FACE_NAME, VIEWED_NAMES[1], "filter-4.snw"].map(golden_path);
     let found = output(Command::new(program).args(&paths), GCC);
-    let [face_file, views_file] = paths.map(|path| std::fs::read(path).unwrap());
-    assert_eq!(found, face(&face_file) + &views(&views_file));
+    let [face_file, views_file, filter_file] = paths.map(|path| std::fs::read(path).unwrap());
+    assert_eq!(found, face(&face_file) + &views(&views_file) + &filter(&filter_file));
 }
 
 /// Writes a line as the program does: FNV-1a over bytes.
@@ -99,4 +100,14 @@ fn views(file: &[u8]) -> String {
     job.run(Order::Depth(&mut [f32::INFINITY; 48 * 40]), &mut pixels).unwrap();
     out += &line("by depth", pixels.iter().flatten().copied());
     out + &format!("drawn {}\n", drawn.element_len)
+}
+
+fn filter(file: &[u8]) -> String {
+    let model = Model::from_bytes(file).unwrap();
+    let filter = model.filter_named("sensor").unwrap();
+    let shape = Samples { signal_len: 2, sample_len: 7, lane_len: 3 };
+    let samples: Vec<f32> = (0..2 * 7 * 3).map(|i| 0.25 * (i % 5) as f32 - 0.5).collect();
+    let mut fine = vec![0.0; filter.factor() * samples.len()];
+    filter.apply(shape, &samples, &mut fine).unwrap();
+    line("fine", bytes(&fine))
 }

@@ -1,5 +1,6 @@
 //! The memory of one call.
 
+use super::filters::Filtered;
 use super::frame::Frame;
 use super::pinned::{PINS, Pinned};
 use super::viewed::Viewed;
@@ -19,7 +20,7 @@ pub(super) const BLANK: u8 = 0xa5;
 pub(super) const ALIGNMENT: usize = align_of::<u128>();
 
 /// Objects that a file may give.
-pub(super) const OBJECTS: usize = 6;
+pub(super) const OBJECTS: usize = 7;
 
 /// Poses of a batch.
 pub(super) const BATCH: usize = 2;
@@ -40,12 +41,13 @@ pub(super) struct Arena {
     memory: Vec<u128>,
     /// The loaded model; blank where the file was refused.
     pub(super) model: Range<usize>,
-    /// Its first envelope, skin, kernel, prior and views; blank where it has none.
+    /// Its first envelope, skin, kernel, prior, views and filter; blank where it has none.
     pub(super) envelope: Range<usize>,
     pub(super) skin: Range<usize>,
     pub(super) kernel: Range<usize>,
     pub(super) prior: Range<usize>,
     pub(super) views: Range<usize>,
+    pub(super) filter: Range<usize>,
     pub(super) file: Range<usize>,
     /// The file that takes its place, where one does.
     other: Range<usize>,
@@ -65,7 +67,9 @@ pub(super) struct Arena {
     pub(super) scores: Range<usize>,
     /// Room for parameters of a map.
     pub(super) parameters: Range<usize>,
-    /// Room for a name, limits or a job.
+    /// Room for samples.
+    pub(super) samples: Range<usize>,
+    /// Room for a name, limits, a shape or a job.
     pub(super) argument: Range<usize>,
     /// Room for results.
     pub(super) results: Range<usize>,
@@ -98,6 +102,8 @@ impl Arena {
             + sinew_kernel_bytes()
             + sinew_prior_bytes()
             + sinew_views_bytes()
+            + sinew_filter_bytes()
+            + frame.filter.as_ref().map_or(0, Filtered::result_bytes)
             + frame.prior.as_ref().map_or(0, Pinned::result_bytes)
             + frame.views.as_ref().map_or(0, Viewed::result_bytes)
             + 4 * ways.max().unwrap_or_default()
@@ -114,6 +120,7 @@ impl Arena {
             kernel: place(sinew_kernel_bytes()),
             prior: place(sinew_prior_bytes()),
             views: place(sinew_views_bytes()),
+            filter: place(sinew_filter_bytes()),
             file: place(file.len()),
             other: place(if since == Since::Reloaded { other.len() } else { 0 }),
             local: place(size_of_val(&*frame.local)),
@@ -128,6 +135,7 @@ impl Arena {
             visibility: place(frame.views.as_ref().map_or(0, |views| 4 * views.points.len())),
             scores: place(frame.views.as_ref().map_or(0, |views| 4 * views.scores.len())),
             parameters: place(frame.views.as_ref().map_or(0, |views| 4 * views.parameter_len())),
+            samples: place(frame.filter.as_ref().map_or(0, Filtered::sample_bytes)),
             argument: place(
                 [size_of::<sinew_skin_job>(), size_of::<sinew_pin_job>()]
                     .into_iter()
@@ -222,6 +230,12 @@ impl Arena {
         let opened =
             unsafe { sinew_views_open(model, null(), 0, 0, place, bytes, &raw mut views, error) };
         assert_eq!(opened == sinew_status::Ok, self.frame.views.is_some(), "{opened:?}");
+        let (place, bytes) = (self.at(self.filter.start), self.filter.len());
+        let mut filter = null();
+        // SAFETY: the same.
+        let opened =
+            unsafe { sinew_filter_open(model, null(), 0, 0, place, bytes, &raw mut filter, error) };
+        assert_eq!(opened == sinew_status::Ok, self.frame.filter.is_some(), "{opened:?}");
     }
 
     /// Loads the model.
@@ -247,7 +261,8 @@ impl Arena {
 
     /// Lists the places of objects: the model's, then the parts'.
     pub(super) fn objects(&self) -> [&Range<usize>; OBJECTS] {
-        [&self.model, &self.envelope, &self.skin, &self.kernel, &self.prior, &self.views]
+        let Self { model, envelope, skin, kernel, prior, views, filter, .. } = self;
+        [model, envelope, skin, kernel, prior, views, filter]
     }
 
     /// Points to a place.
@@ -278,13 +293,13 @@ impl Arena {
     /// Asks the objects that are as they were for what they tell of themselves: the model for its blob, the
     /// parts for what describes them. Of those that are not there it is nothing.
     pub(super) fn told(&mut self, kept: [bool; OBJECTS]) -> Told {
-        let [model, envelope, skin, kernel, prior, views] = kept;
+        let [model, envelope, skin, kernel, prior, views, filter] = kept;
         let mut told = Told::default();
         let (mut blob, mut blob_bytes, error) = (null(), 0, null_mut());
         let (mut envelope_info, mut skin_info) = (MaybeUninit::uninit(), MaybeUninit::uninit());
         let (mut prior_info, mut views_info) = (MaybeUninit::uninit(), MaybeUninit::uninit());
-        let mut kernel_info = MaybeUninit::uninit();
-        let [at_model, at_envelope, at_skin, at_kernel, at_prior, at_views] =
+        let (mut kernel_info, mut filter_info) = (MaybeUninit::uninit(), MaybeUninit::uninit());
+        let [at_model, at_envelope, at_skin, at_kernel, at_prior, at_views, at_filter] =
             self.objects().map(|object| object.start);
         let done = |status| status == sinew_status::Ok;
         let at = self.at(at_model);
@@ -323,6 +338,12 @@ impl Arena {
             // SAFETY: the call has succeeded and written it.
             told.views = Some(unsafe { views_info.assume_init() });
         }
+        let (at, out) = (self.at(at_filter), filter_info.as_mut_ptr());
+        // SAFETY: a place that is blank or holds a filter, whose model is as it was.
+        if model && filter && done(unsafe { sinew_filter_describe(at, out, error) }) {
+            // SAFETY: the call has succeeded and written it.
+            told.filter = Some(unsafe { filter_info.assume_init() });
+        }
         told
     }
 
@@ -349,6 +370,7 @@ pub(super) struct Told {
     kernel: Option<sinew_kernel_info>,
     prior: Option<sinew_prior_info>,
     views: Option<sinew_views_info>,
+    filter: Option<sinew_filter_info>,
 }
 
 /// Lists the floats of transforms.

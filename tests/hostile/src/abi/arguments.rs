@@ -92,6 +92,13 @@ impl Call<'_, '_> {
         self.handle(places, fault, Argument::Views)
     }
 
+    /// Draws the handle of a filter.
+    pub(super) fn filter(&mut self) -> Result<*const sinew_filter> {
+        let fault = self.part_fault(self.arena.frame.filter.is_some(), Argument::Filter);
+        let places = [self.arena.filter.clone(), self.arena.views.clone()];
+        self.handle(places, fault, Argument::Filter)
+    }
+
     /// Draws the handle of a skin.
     pub(super) fn skin(&mut self) -> Result<*const sinew_skin> {
         let fault = self.part_fault(self.arena.frame.has_skin, Argument::Skin);

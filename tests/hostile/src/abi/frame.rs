@@ -1,5 +1,6 @@
 //! What the runtime makes of a file: the inputs of its calls, and what they must give.
 
+use super::filters::Filtered;
 use super::pinned::Pinned;
 use super::viewed::Viewed;
 use crate::kernels::query;
@@ -55,6 +56,7 @@ pub(super) struct Frame {
 
     pub(super) prior: Option<Pinned>,
     pub(super) views: Option<Viewed>,
+    pub(super) filter: Option<Filtered>,
 }
 
 /// What comes of one way to evaluate a kernel.
@@ -104,6 +106,7 @@ impl Frame {
         }
         frame.prior = model.prior().map(|prior| Pinned::new(&prior));
         frame.views = model.views().map(|views| Viewed::new(&model, &views, pose_number));
+        frame.filter = model.filter().map(|filter| Filtered::new(&filter));
         frame
     }
 
@@ -111,7 +114,9 @@ impl Frame {
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         let names = [&self.envelope_name, &self.skin_name, &self.kernel_name].into_iter();
         let prior = self.prior.as_ref().map(|prior| &prior.name);
-        names.chain(prior).chain(self.views.as_ref().map(|views| &views.name)).map(String::as_str)
+        let views = self.views.as_ref().map(|views| &views.name);
+        let filter = self.filter.as_ref().map(|filter| &filter.name);
+        names.chain(prior).chain(views).chain(filter).map(String::as_str)
     }
 
     fn add_envelope(&mut self, envelope: &Envelope<'_>, pose_number: usize) {

@@ -2,6 +2,7 @@
 
 use super::arena::{BATCH, BLANK, bytes, floats};
 use super::call::Call;
+use super::filters;
 use super::frame::Asked;
 use super::kernels;
 use super::outputs::{FLOATS, outputs};
@@ -22,7 +23,7 @@ use sinew_status as Status;
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions by their names.
-pub(super) const FUNCTIONS: [(&str, Function); 41] = [
+pub(super) const FUNCTIONS: [(&str, Function); 44] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
     ("sinew_model_describe", model_describe),
@@ -64,6 +65,9 @@ pub(super) const FUNCTIONS: [(&str, Function); 41] = [
     ("sinew_views_map", views::map),
     ("sinew_views_frame", views::frame),
     ("sinew_views_render", views::render),
+    ("sinew_filter_open", filters::open),
+    ("sinew_filter_describe", filters::describe),
+    ("sinew_filter_apply", filters::apply),
 ];
 
 fn limits_default(call: &mut Call<'_, '_>) -> Result<sinew_status> {

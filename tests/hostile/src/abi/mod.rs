@@ -7,6 +7,7 @@
 mod arena;
 mod arguments;
 mod call;
+mod filters;
 mod frame;
 mod functions;
 mod header;
@@ -81,7 +82,7 @@ mod tests {
     use super::one_call;
     use crate::recipe;
     use arbitrary::Unstructured;
-    use models::{GOLDEN, KernelContent, Pieces, ViewsContent};
+    use models::{FilterContent, GOLDEN, KernelContent, Pieces, ViewsContent};
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use sinew_runtime::format::SectionKind;
@@ -115,6 +116,7 @@ mod tests {
         let kernels = [KernelContent::every(Kernel::Quintic), KernelContent::servo()];
         files.extend(kernels.map(|content| Pieces::kernels(&[content]).bytes()));
         files.extend(Pieces::viewed().into_iter().chain([turned()]).map(|pieces| pieces.bytes()));
+        files.push(Pieces::filter(&FilterContent::sample(2, 5)).bytes());
         let mut random = ChaCha8Rng::seed_from_u64(138);
         let mut seen = BTreeSet::new();
         for number in 0..180_000 {
