@@ -88,6 +88,11 @@ impl<'a> Player<'a> {
         &self.views
     }
 
+    /// Returns what the map takes.
+    pub fn inputs(&self) -> &[Input] {
+        &self.inputs
+    }
+
     /// Returns the width and height of the first key view's picture.
     pub fn size(&self) -> [usize; 2] {
         let texture = self.views.view_texture(0).and_then(|number| self.views.texture(number));
@@ -195,6 +200,18 @@ pub fn straight(picture: &Picture) -> Picture {
     for pixel in out.rgba.chunks_mut(4).filter(|pixel| pixel[3] > 0) {
         let alpha = f64::from(pixel[3]) / 255.0;
         pixel[..3].iter_mut().for_each(|x| *x = (f64::from(*x) / alpha).round().min(255.0) as u8);
+    }
+    out
+}
+
+/// Lays a picture of straight alpha on white.
+pub fn on_white(picture: &Picture) -> Picture {
+    let mut out = picture.clone();
+    for pixel in out.rgba.chunks_mut(4) {
+        let alpha = f64::from(pixel[3]) / 255.0;
+        let laid = |x: u8| (f64::from(x) * alpha + 255.0 * (1.0 - alpha)).round() as u8;
+        pixel.iter_mut().for_each(|x| *x = laid(*x));
+        pixel[3] = 0xff;
     }
     out
 }

@@ -1,7 +1,7 @@
 //! A page about an object: a sheet of its views, what they are made of, and the network over pixels beside them.
 
 use super::naive::{NETWORKS, mixed, weights};
-use super::player::{PlayError, Played, Player, multiplied, straight};
+use super::player::{PlayError, Played, Player, multiplied, on_white, straight};
 use super::set::{Element, Examples, SetError, Values, View, ViewSet};
 use crate::numeric::columns::ends;
 use crate::page::camera::Resolution;
@@ -117,18 +117,6 @@ fn shown(
     let mut player = Player::new(model, Some(&examples.name))?;
     let played = player.play(values)?;
     Ok((straight(&player.draw(&played)?.0), played))
-}
-
-/// Lays a picture on white, as drawings are.
-fn on_white(picture: &Picture) -> Picture {
-    let mut out = picture.clone();
-    for pixel in out.rgba.chunks_mut(4) {
-        let alpha = f64::from(pixel[3]) / 255.0;
-        let laid = |x: u8| (f64::from(x) * alpha + 255.0 * (1.0 - alpha)).round() as u8;
-        pixel.iter_mut().for_each(|x| *x = laid(*x));
-        pixel[3] = 0xff;
-    }
-    out
 }
 
 /// Returns parameters half-way between the first examples.
