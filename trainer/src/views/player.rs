@@ -6,7 +6,7 @@ use crate::kernel::model::{Input, InputKind, inputs_of, query_numbers};
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
 use sinew_runtime::kernel::KernelMap;
-use sinew_runtime::views::{Drawn, Frame, FrameJob, Order, RenderJob, Views};
+use sinew_runtime::views::{Drawn, Element, Frame, FrameJob, Order, RenderJob, Views};
 use sinew_runtime::{CallError, Model};
 
 /// One of a model's maps, with what it showed last.
@@ -91,6 +91,19 @@ impl<'a> Player<'a> {
     /// Returns what the map takes.
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
+    }
+
+    /// Lists the elements, hindmost first where there is no depth.
+    pub fn elements(&self) -> Vec<Element> {
+        (0..).map_while(|element| self.views.element(element)).collect()
+    }
+
+    /// Returns a key view's picture, of straight alpha.
+    pub fn key_picture(&self, view: usize) -> Option<Picture> {
+        let texture = self.views.texture(self.views.view_texture(view)?)?;
+        let [width, height] = texture.size();
+        let rgba = texture.texels().as_flattened().to_vec();
+        Some(Picture { size: Resolution { width, height }, rgba })
     }
 
     /// Returns the width and height of the first key view's picture.

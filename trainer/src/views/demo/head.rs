@@ -1,7 +1,7 @@
 //! A head that turns all the way round: what faces away is not seen.
 
 use super::made::Made;
-use super::paint::{empty, polygon};
+use super::paint::polygons;
 use crate::page::colour::Colour;
 use crate::views::set::{Element, Examples, Image, Parameter, View, ViewSet};
 use std::f64::consts::{PI, TAU};
@@ -39,14 +39,10 @@ pub(super) fn made() -> Made {
         let file = format!("view{number:02}.png");
         own.image = Some(Image { file: file.clone().into(), mask: None });
         let known = own.known();
-        let mut picture = empty(SIZE);
-        for (quad, element) in elements().iter().enumerate() {
-            let corners: Vec<[f64; 2]> = element.points().iter().map(|&k| known[k]).collect();
-            if faces(&corners) {
-                polygon(&mut picture, colour(quad), &corners);
-            }
-        }
-        pictures.push((file, picture));
+        let painted = |(quad, element): (usize, &Element)| (colour(quad), corners(element, &known));
+        let painted: Vec<_> = elements().iter().enumerate().map(painted).collect();
+        let painted: Vec<_> = painted.into_iter().filter(|(_, corners)| faces(corners)).collect();
+        pictures.push((file, polygons(SIZE, &painted)));
         examples.train.push(own);
         examples.test.push(view(yaw + 0.5 * step));
     }
@@ -63,6 +59,10 @@ fn elements() -> Vec<Element> {
         Element::Quad([at(column, row), at(next, row), at(next, row + 1), at(column, row + 1)])
     };
     (0..around * (down - 1)).map(quad).collect()
+}
+
+fn corners(element: &Element, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    element.points().iter().map(|&k| points[k]).collect()
 }
 
 /// Tells whether corners that go round as an element's do are seen from outside.
@@ -88,7 +88,8 @@ fn colour(quad: usize) -> Colour {
     }
 }
 
-/// A view at a yaw: the ring's first point is in front, where z is large.
+/// A view at a yaw: the ring's first point is in front, where z is large. What a quad that faces the eye has as a corner is
+/// seen, so that no quad of the outline is missing.
 fn view(yaw: f64) -> View {
     let [around, down] = QUADS;
     let (s, c) = yaw.to_radians().sin_cos();
@@ -98,21 +99,20 @@ fn view(yaw: f64) -> View {
         let phi = TAU * i as f64 / around as f64;
         let unit = [theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos()];
         let [x, y, z] = [0, 1, 2].map(|axis| RADII[axis] * unit[axis]);
-        let normal = [0, 2].map(|axis| unit[axis] / RADII[axis]);
         let (x, z) = (c * x + s * z, c * z - s * x);
-        let outward = c * normal[1] - s * normal[0];
-        let rise = unit[1] / RADII[1];
         let nearer = EYE / (EYE - z);
-        let to_eye = outward * (EYE - z) - (s * normal[1] + c * normal[0]) * x - rise * y;
-        let place = [0.5 * SIZE[0] as f64 + nearer * x, 0.5 * SIZE[1] as f64 - nearer * y];
-        (place, -z, to_eye > 0.0)
+        ([0.5 * SIZE[0] as f64 + nearer * x, 0.5 * SIZE[1] as f64 - nearer * y], -z)
     };
-    let all: Vec<([f64; 2], f64, bool)> = places.map(point).collect();
+    let (points, depths): (Vec<[f64; 2]>, Vec<f64>) = places.map(point).unzip();
+    let mut visible = vec![false; points.len()];
+    for element in elements().iter().filter(|element| faces(&corners(element, &points))) {
+        element.points().iter().for_each(|&k| visible[k] = true);
+    }
     View {
         values: [("yaw".to_owned(), yaw)].into(),
-        points: all.iter().map(|(place, ..)| Some(*place)).collect(),
-        visible: all.iter().map(|(.., seen)| *seen).collect(),
-        depths: all.iter().map(|(_, depth, _)| *depth).collect(),
+        points: points.into_iter().map(Some).collect(),
+        visible,
+        depths,
         image: None,
     }
 }

@@ -15,30 +15,50 @@ pub(super) fn empty([width, height]: [usize; 2]) -> Picture {
 
 /// Paints what a function tells to be inside, with softened edges.
 pub(super) fn fill(picture: &mut Picture, colour: Colour, inside: impl Fn([f64; 2]) -> bool) {
-    let Resolution { width, height } = picture.size;
-    for place in 0..width * height {
-        let (x, y) = (place % width, place / width);
-        let sample = |s: usize| {
-            let part = |offset: usize| (offset as f64 + 0.5) / SAMPLES as f64;
-            [x as f64 + part(s % SAMPLES), y as f64 + part(s / SAMPLES)]
-        };
-        let count = (0..SAMPLES * SAMPLES).filter(|s| inside(sample(*s))).count();
+    for place in 0..picture.size.width * picture.size.height {
+        let count = samples(picture.size, place).filter(|p| inside(*p)).count();
         if count > 0 {
             over(&mut picture.rgba[4 * place..4 * place + 4], colour, count);
         }
     }
 }
 
-/// Paints a convex polygon, whichever way round.
-pub(super) fn polygon(picture: &mut Picture, colour: Colour, corners: &[[f64; 2]]) {
-    let turn = |at: usize, p: [f64; 2]| {
+/// Makes a picture of convex polygons, whichever way round each goes, of which the last is nearest. Where two have an edge
+/// in common, nothing is to be seen through it.
+pub(super) fn polygons(size: [usize; 2], all: &[(Colour, Vec<[f64; 2]>)]) -> Picture {
+    let mut out = empty(size);
+    for place in 0..size[0] * size[1] {
+        let (mut sum, mut count) = ([0; 3], 0);
+        for p in samples(out.size, place) {
+            let Some((colour, _)) = all.iter().rfind(|(_, corners)| is_inside(corners, p)) else {
+                continue;
+            };
+            sum.iter_mut().zip(colour).for_each(|(sum, c)| *sum += usize::from(*c));
+            count += 1;
+        }
+        if count > 0 {
+            let mean = sum.map(|sum| (sum as f64 / count as f64).round() as u8);
+            over(&mut out.rgba[4 * place..4 * place + 4], mean, count);
+        }
+    }
+    out
+}
+
+fn is_inside(corners: &[[f64; 2]], p: [f64; 2]) -> bool {
+    let turn = |at: usize| {
         let (a, b) = (corners[at], corners[(at + 1) % corners.len()]);
         (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
     };
-    fill(picture, colour, |p| {
-        let all = || (0..corners.len()).map(|at| turn(at, p));
-        all().all(|turn| turn >= 0.0) || all().all(|turn| turn <= 0.0)
-    });
+    let all = || (0..corners.len()).map(turn);
+    all().all(|turn| turn >= 0.0) || all().all(|turn| turn <= 0.0)
+}
+
+/// Lists the samples of a pixel.
+fn samples(size: Resolution, place: usize) -> impl Iterator<Item = [f64; 2]> {
+    let (x, y) = (place % size.width, place / size.width);
+    let part = |offset: usize| (offset as f64 + 0.5) / SAMPLES as f64;
+    (0..SAMPLES * SAMPLES)
+        .map(move |s| [x as f64 + part(s % SAMPLES), y as f64 + part(s / SAMPLES)])
 }
 
 /// Lays a colour over a pixel of straight alpha, for as many samples as it covers.
@@ -50,4 +70,21 @@ fn over(pixel: &mut [u8], colour: Colour, count: usize) {
         *byte = ((f64::from(*byte) * below + f64::from(colour) * share) / alpha).round() as u8;
     }
     pixel[3] = (255.0 * alpha).round() as u8;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_seen_through_a_common_edge() {
+        let (a, b) = ([200, 0, 0], [0, 100, 0]);
+        let left = vec![[0.0, 0.0], [2.4, 0.0], [1.3, 4.0], [0.0, 4.0]];
+        let right = vec![[2.4, 0.0], [4.0, 0.0], [4.0, 4.0], [1.3, 4.0]];
+        let picture = polygons([4, 4], &[(a, left), (b, right)]);
+        assert!(picture.rgba.chunks(4).all(|pixel| pixel[3] == 255));
+        assert_eq!((picture.colour([0, 2]), picture.colour([3, 2])), (a, b));
+        let [red, green, _] = picture.colour([2, 0]);
+        assert!(red > 20 && green > 20, "{red} {green}");
+    }
 }

@@ -7,7 +7,7 @@
 use super::error::GridError;
 use super::grid::{Grid, Side};
 use super::inp::container;
-use super::sources::{elements, is_drawn, picture, ranking, source, triangles, uvs};
+use super::sources::{is_drawn, ranking, source, triangles, uvs};
 use crate::page::camera::Resolution;
 use crate::views::player::Player;
 use serde_json::{Value, json};
@@ -38,11 +38,11 @@ pub fn puppet(
 ) -> Result<Vec<u8>, GridError> {
     let player = Player::new(model, map)?;
     let (views, screen) = (player.views(), player.size().map(|side| side as f32));
-    let shown = Shown::new(views, grid);
+    let shown = Shown::new(&player, grid);
     let (mut parts, mut bindings, mut textures) = (Vec::new(), Vec::new(), Vec::new());
     for view in 0..views.view_len() {
         let own = shown.elements_of(view);
-        let Some(picture) = picture(views, view).filter(|_| !own.is_empty()) else { continue };
+        let Some(picture) = player.key_picture(view).filter(|_| !own.is_empty()) else { continue };
         let uuid = FIRST_PART + parts.len() as u32;
         let part = Part { view, uuid, texture: textures.len(), size: picture.size };
         parts.push(part.node(views, &triangulated(&own)));
@@ -84,8 +84,8 @@ struct Shown<'a> {
 }
 
 impl<'a> Shown<'a> {
-    fn new(views: &Views<'_>, grid: &'a Grid) -> Self {
-        let elements = elements(views);
+    fn new(player: &Player<'_>, grid: &'a Grid) -> Self {
+        let (views, elements) = (player.views(), player.elements());
         let rankings: Vec<Vec<usize>> =
             grid.nodes.iter().map(|node| ranking(&node.played)).collect();
         let of = |(node, ranking): (&super::Node, &Vec<usize>)| {

@@ -2,7 +2,7 @@
 
 use super::error::GridError;
 use super::grid::{Grid, Node};
-use super::sources::{elements, picture, ranking, source, triangles, uvs};
+use super::sources::{ranking, source, triangles, uvs};
 use crate::formats::gltf::write::{ArrayKind, Document, F32, Placed};
 use crate::page::picture::Picture;
 use crate::views::player::Player;
@@ -29,7 +29,7 @@ pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec
     let rest = grid.nodes.get(grid.nodes.len() / 2).ok_or(GridError::Nothing)?;
     let ranking = ranking(&rest.played);
     let mut by_view = vec![Vec::new(); views.view_len()];
-    for element in elements(views) {
+    for element in player.elements() {
         if let Some(view) = source(views, &element, &ranking) {
             by_view[view].extend(triangles(&element));
         }
@@ -40,7 +40,7 @@ pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec
     let mut looks = Looks::default();
     let mut primitives = Vec::new();
     for (view, triangles) in by_view.iter().enumerate() {
-        let Some(picture) = picture(views, view).filter(|_| !triangles.is_empty()) else {
+        let Some(picture) = player.key_picture(view).filter(|_| !triangles.is_empty()) else {
             continue;
         };
         let uvs = uvs(views, view, picture.size);

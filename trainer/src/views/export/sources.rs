@@ -1,7 +1,6 @@
 //! Which key view an element has its texture from, as the runtime chooses.
 
 use crate::page::camera::Resolution;
-use crate::page::picture::Picture;
 use crate::views::player::Played;
 use sinew_runtime::views::{Element, Views};
 
@@ -28,25 +27,12 @@ pub(super) fn is_drawn(element: &Element, played: &Played) -> bool {
     element.points().iter().all(is_seen)
 }
 
-/// Lists the elements.
-pub(super) fn elements(views: &Views<'_>) -> Vec<Element> {
-    (0..).map_while(|element| views.element(element)).collect()
-}
-
 /// Cuts an element into triangles.
 pub(super) fn triangles(element: &Element) -> Vec<[usize; 3]> {
     match *element {
         Element::Triangle(points) => vec![points],
         Element::Quad([a, b, c, d]) => vec![[a, b, c], [a, c, d]],
     }
-}
-
-/// Returns a key view's picture.
-pub(super) fn picture(views: &Views<'_>, view: usize) -> Option<Picture> {
-    let texture = views.texture(views.view_texture(view)?)?;
-    let [width, height] = texture.size();
-    let rgba = texture.texels().as_flattened().to_vec();
-    Some(Picture { size: Resolution { width, height }, rgba })
 }
 
 /// Lists where points are in a key view's picture, in shares of its width and height.
