@@ -3,14 +3,17 @@
 use super::made::Made;
 use super::paint::polygons;
 use crate::page::colour::Colour;
+use crate::page::picture::Picture;
 use crate::views::set::{Element, Examples, Image, Parameter, View, ViewSet};
 use std::f64::consts::{PI, TAU};
 
 const SIZE: [usize; 2] = [160, 192];
 /// Quads around and from top to bottom.
 const QUADS: [usize; 2] = [16, 8];
-/// Views around.
-const VIEWS: usize = 12;
+/// Views around, of which every other one has a picture.
+const VIEWS: usize = 24;
+/// Cosine of the angle to the eye from which on a quad is too thin for a picture, and not seen.
+const THIN: f64 = 0.15;
 /// Half the width, the height and the depth, pixels.
 const RADII: [f64; 3] = [56.0, 78.0, 66.0];
 /// Where the eye is, pixels before the middle.
@@ -20,7 +23,7 @@ const HAIR: [Colour; 2] = [[0x5b, 0x3a, 0x24], [0x6d, 0x47, 0x2d]];
 const EYES: Colour = [0x2a, 0x4a, 0x7a];
 const MOUTH: Colour = [0xb5, 0x3b, 0x3b];
 
-/// Makes the set: views all around to learn from, and those half-way between.
+/// Makes the set: views all around to learn from, and those half-way between to measure with.
 pub(super) fn made() -> Made {
     let mut examples = Examples {
         name: "main".to_owned(),
@@ -36,13 +39,11 @@ pub(super) fn made() -> Made {
     for number in 0..VIEWS {
         let yaw = step * number as f64;
         let mut own = view(yaw);
-        let file = format!("view{number:02}.png");
-        own.image = Some(Image { file: file.clone().into(), mask: None });
-        let known = own.known();
-        let painted = |(quad, element): (usize, &Element)| (colour(quad), corners(element, &known));
-        let painted: Vec<_> = elements().iter().enumerate().map(painted).collect();
-        let painted: Vec<_> = painted.into_iter().filter(|(_, corners)| faces(corners)).collect();
-        pictures.push((file, polygons(SIZE, &painted)));
+        if number % 2 == 0 {
+            let file = format!("view{:02}.png", number / 2);
+            own.image = Some(Image { file: file.clone().into(), mask: None });
+            pictures.push((file, picture(&own)));
+        }
         examples.train.push(own);
         examples.test.push(view(yaw + 0.5 * step));
     }
@@ -61,17 +62,31 @@ fn elements() -> Vec<Element> {
     (0..around * (down - 1)).map(quad).collect()
 }
 
-fn corners(element: &Element, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    element.points().iter().map(|&k| points[k]).collect()
+fn picture(view: &View) -> Picture {
+    let (known, depths) = (view.known(), &view.depths);
+    let mut painted = Vec::new();
+    for (quad, element) in elements().iter().enumerate() {
+        if facing(element, &known, depths) > 0.0 {
+            let corners = element.points().iter().map(|&k| known[k]).collect();
+            painted.push((colour(quad), corners));
+        }
+    }
+    polygons(SIZE, &painted)
 }
 
-/// Tells whether corners that go round as an element's do are seen from outside.
-fn faces(corners: &[[f64; 2]]) -> bool {
-    let turn = |at: usize| {
-        let (a, b) = (corners[at], corners[(at + 1) % corners.len()]);
-        a[0] * b[1] - a[1] * b[0]
+/// Returns the cosine of the angle from the eye to where an element looks, that of its diagonals' plane.
+fn facing(element: &Element, points: &[[f64; 2]], depths: &[f64]) -> f64 {
+    let &[a, b, c, d] = element.points() else { return 0.0 };
+    let between = |from: usize, to: usize| {
+        let apart = |axis: usize| points[to][axis] - points[from][axis];
+        [apart(0), apart(1), depths[to] - depths[from]]
     };
-    (0..corners.len()).map(turn).sum::<f64>() > 0.0
+    let (u, v) = (between(a, c), between(b, d));
+    let normal = [0, 1, 2].map(|axis| {
+        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+        u[next] * v[last] - u[last] * v[next]
+    });
+    normal[2] / normal.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 fn colour(quad: usize) -> Colour {
@@ -89,7 +104,7 @@ fn colour(quad: usize) -> Colour {
 }
 
 /// A view at a yaw: the ring's first point is in front, where z is large. What a quad that faces the eye has as a corner is
-/// seen, so that no quad of the outline is missing.
+/// seen, so that hardly a quad of the outline is missing.
 fn view(yaw: f64) -> View {
     let [around, down] = QUADS;
     let (s, c) = yaw.to_radians().sin_cos();
@@ -105,7 +120,7 @@ fn view(yaw: f64) -> View {
     };
     let (points, depths): (Vec<[f64; 2]>, Vec<f64>) = places.map(point).unzip();
     let mut visible = vec![false; points.len()];
-    for element in elements().iter().filter(|element| faces(&corners(element, &points))) {
+    for element in elements().iter().filter(|own| facing(own, &points, &depths) > THIN) {
         element.points().iter().for_each(|&k| visible[k] = true);
     }
     View {

@@ -6,6 +6,8 @@ use crate::page::picture::Picture;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 4;
+/// Pixels by which polygons go on beyond their outline.
+const BLEED: usize = 2;
 
 /// Makes a picture in which nothing is covered.
 pub(super) fn empty([width, height]: [usize; 2]) -> Picture {
@@ -23,8 +25,10 @@ pub(super) fn fill(picture: &mut Picture, colour: Colour, inside: impl Fn([f64; 
     }
 }
 
-/// Makes a picture of convex polygons, whichever way round each goes, of which the last is nearest. Where two have an edge
-/// in common, nothing is to be seen through it.
+/// Makes a picture of convex polygons, whichever way round each goes, of which the last is nearest.
+///
+/// Where two have an edge in common, nothing is to be seen through it. Beyond the outline colours go on for [`BLEED`] pixels:
+/// what is drawn of the picture ends where elements do, and not before.
 pub(super) fn polygons(size: [usize; 2], all: &[(Colour, Vec<[f64; 2]>)]) -> Picture {
     let mut out = empty(size);
     for place in 0..size[0] * size[1] {
@@ -38,10 +42,30 @@ pub(super) fn polygons(size: [usize; 2], all: &[(Colour, Vec<[f64; 2]>)]) -> Pic
         }
         if count > 0 {
             let mean = sum.map(|sum| (sum as f64 / count as f64).round() as u8);
-            over(&mut out.rgba[4 * place..4 * place + 4], mean, count);
+            out.rgba[4 * place..4 * place + 4].copy_from_slice(&[mean[0], mean[1], mean[2], 0xff]);
         }
     }
+    (0..BLEED).for_each(|_| bleed(&mut out));
     out
+}
+
+/// Gives pixels that are not covered the mean colour of those about them that are.
+fn bleed(picture: &mut Picture) {
+    let Resolution { width, height } = picture.size;
+    let before = picture.rgba.clone();
+    for place in (0..width * height).filter(|place| before[4 * place + 3] == 0) {
+        let (x, y) = (place % width, place / width);
+        let about = |at: usize, most: usize| at.saturating_sub(1)..(at + 2).min(most);
+        let all = about(y, height).flat_map(|y| about(x, width).map(move |x| 4 * (y * width + x)));
+        let covered: Vec<usize> = all.filter(|at| before[at + 3] > 0).collect();
+        if covered.is_empty() {
+            continue;
+        }
+        for c in 0..4 {
+            let sum: usize = covered.iter().map(|at| usize::from(before[at + c])).sum();
+            picture.rgba[4 * place + c] = (sum / covered.len()) as u8;
+        }
+    }
 }
 
 fn is_inside(corners: &[[f64; 2]], p: [f64; 2]) -> bool {
@@ -86,5 +110,15 @@ mod tests {
         assert_eq!((picture.colour([0, 2]), picture.colour([3, 2])), (a, b));
         let [red, green, _] = picture.colour([2, 0]);
         assert!(red > 20 && green > 20, "{red} {green}");
+    }
+
+    #[test]
+    fn colours_go_on_beyond_the_outline() {
+        let square = vec![[3.0, 3.0], [5.0, 3.0], [5.0, 5.0], [3.0, 5.0]];
+        let picture = polygons([8, 8], &[([9, 8, 7], square)]);
+        for (place, pixel) in picture.rgba.chunks(4).enumerate() {
+            let is_near = [place % 8, place / 8].iter().all(|at| (1..7).contains(at));
+            assert_eq!(pixel, if is_near { [9, 8, 7, 255] } else { [0; 4] });
+        }
     }
 }
