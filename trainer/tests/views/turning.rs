@@ -13,7 +13,7 @@ use sinew_trainer::views::fit::{FitOptions, FittedMap, fit_each, given};
 use sinew_trainer::views::set::{Examples, Parameter, View};
 
 /// How far the map that is chosen may be behind the best candidate, which is known afterwards alone.
-const OVER_BEST: f64 = 1.05;
+const OVER_BEST: f64 = 1.01;
 /// Where the eye is before an object of side 2.
 const EYE: f64 = 6.0;
 
