@@ -106,6 +106,8 @@ pub enum Argument {
     Pixels,
     /// Depths of pixels.
     Depths,
+    /// Samples of signals.
+    Samples,
 }
 
 impl CallError {
@@ -171,6 +173,7 @@ impl Argument {
             Self::Scores => "scores",
             Self::Pixels => "pixels",
             Self::Depths => "depths",
+            Self::Samples => "samples",
         }
     }
 
@@ -183,6 +186,7 @@ impl Argument {
             Self::Points | Self::Visibility => ["point"; 2],
             Self::Scores => ["view"; 2],
             Self::Pixels | Self::Depths => ["pixel"; 2],
+            Self::Samples => ["number"; 2],
             _ => ["joint"; 2],
         }
     }

@@ -12,6 +12,8 @@
 
 pub mod envelope;
 mod error;
+#[cfg(feature = "filter")]
+pub mod filter;
 pub mod format;
 #[cfg(feature = "kernel")]
 pub mod kernel;
@@ -32,6 +34,8 @@ mod workspace;
 
 pub use envelope::{Envelope, LocalTransform, model_space_pose};
 pub use error::{Argument, CallError, CallErrorKind};
+#[cfg(feature = "filter")]
+pub use filter::Filter;
 pub use format::{FileError, FileErrorKind};
 #[cfg(feature = "kernel")]
 pub use kernel::KernelMap;

@@ -1,6 +1,8 @@
 //! A loaded file: what it holds, by kind and by name.
 
 use crate::envelope::{self, Envelope, EnvelopeCounts};
+#[cfg(feature = "filter")]
+use crate::filter::{self, Filter};
 use crate::format::part::{Asked, Part, PartLayout};
 use crate::format::refusal::{Checked, Loading, Refused};
 use crate::format::{
@@ -154,6 +156,24 @@ impl<B: AsRef<[u8]>> Model<B> {
         self.all_views().find(|views| views.name() == name)
     }
 
+    /// Returns the first filter; `None` if the file has none.
+    #[cfg(feature = "filter")]
+    pub fn filter(&self) -> Option<Filter<'_>> {
+        self.found.first(PartKind::Filter, self.bytes.as_ref()).map(Filter)
+    }
+
+    /// Lists the filters; keep [`Filter::layout`] likewise.
+    #[cfg(feature = "filter")]
+    pub fn filters(&self) -> impl Iterator<Item = Filter<'_>> {
+        self.parts_of(PartKind::Filter).map(Filter)
+    }
+
+    /// Returns the filter of this name.
+    #[cfg(feature = "filter")]
+    pub fn filter_named(&self, name: &str) -> Option<Filter<'_>> {
+        self.filters().find(|filter| filter.name() == name)
+    }
+
     /// Returns a map of an object of this model.
     #[cfg(feature = "views")]
     pub fn map_of(&self, views: &Views<'_>, map: usize) -> Option<KernelMap<'_>> {
@@ -281,6 +301,13 @@ impl Found {
                         let outputs = |part| output_rows(loading, manifest, part);
                         views::check::content(&view, loading, part_len, outputs)?;
                     }
+                    #[cfg(feature = "filter")]
+                    PartKind::Filter => {
+                        let mut view = Filter(view);
+                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
+                        first.keep(&view.0.layout);
+                        filter::check::content(&view, loading)?;
+                    }
                 }
             }
         }
@@ -312,6 +339,8 @@ fn find_part(
         PartKind::Prior => &prior::RULES,
         #[cfg(feature = "views")]
         PartKind::Views => &views::RULES,
+        #[cfg(feature = "filter")]
+        PartKind::Filter => &filter::RULES,
     };
     out.enter(loading, manifest, part, rules)?;
     // The counts are the first of the rules.
@@ -335,6 +364,8 @@ fn find_part(
         }
         #[cfg(feature = "views")]
         PartKind::Views => views::check::counts(&out.layout.counts, loading)?,
+        #[cfg(feature = "filter")]
+        PartKind::Filter => filter::check::counts(&out.layout.counts, loading)?,
     };
     out.find_sections(loading, manifest, rules, &asked)
 }

@@ -2,9 +2,15 @@
 //!
 //! A module of the runtime's tests and of `tests/firmware`: no standard library, no allocation.
 
+#[cfg(feature = "filter")]
+#[path = "filters.rs"]
+pub(crate) mod filters;
 #[cfg(feature = "kernel")]
 #[path = "kernels.rs"]
 pub(crate) mod kernels;
+#[cfg(feature = "prior")]
+#[path = "priors.rs"]
+pub(crate) mod priors;
 #[path = "rng.rs"]
 #[allow(unreachable_pub, reason = "other tests export it")]
 mod rng;

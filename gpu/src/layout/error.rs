@@ -22,7 +22,7 @@ pub enum LayoutError {
     /// The part is of another file than the model.
     #[error("the {} is of another file than the model", .part.name())]
     OtherFile {
-        /// Which part: an envelope, a skin or a kernel.
+        /// Which part: an envelope, a skin, a kernel or a filter.
         part: PartKind,
     },
     /// The skin does not follow the envelope.
@@ -50,6 +50,17 @@ pub enum LayoutError {
     /// Tangents are asked for, and neither the skin nor the host's rest mesh has them.
     #[error("tangents of a rest mesh that has none")]
     NoTangents,
+    /// Signals are shorter than the window of their filter.
+    #[error("signals of {found} samples, expected at least {least}")]
+    Samples {
+        /// Coarse samples of the window.
+        least: usize,
+        /// Samples of a signal.
+        found: usize,
+    },
+    /// Samples have no number.
+    #[error("samples of no lane")]
+    NoLanes,
     /// A stride is shorter than what lies at each of its steps.
     #[error("a stride of {found} floats in {}, expected at least {least}", .resource.name())]
     Stride {

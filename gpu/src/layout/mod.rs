@@ -3,9 +3,9 @@
 //!
 //! 1. Upload [`sinew_runtime::Model::blob`] as it is: [`Resource::Blob`].
 //! 2. Say in a [`Batch`] how many instances of an envelope there are, in a [`KernelBatch`] how many
-//!    queries of a kernel, or in a [`ShapesBatch`] how many faces of a skin, and where their arrays lie;
-//!    [`Plan::new`], [`Plan::of_kernel`] or [`Plan::of_shapes`] checks that,
-//!    cuts it where a binding or a dispatch would be too large, and gives the bytes that each
+//!    queries of a kernel, in a [`ShapesBatch`] how many faces of a skin, or in a [`FilterBatch`] how many signals of a
+//!    filter, and where their arrays lie; [`Plan::new`], [`Plan::of_kernel`], [`Plan::of_shapes`] or
+//!    [`Plan::of_filter`] checks that, cuts it where a binding or a dispatch would be too large, and gives the bytes that each
 //!    [`Resource`] needs and the content of [`Resource::Params`].
 //! 3. Make a pipeline of each of [`Plan::stages`], entry point `main`, bound as [`Stage::bindings`]
 //!    lists.
@@ -24,6 +24,7 @@ mod demand;
 mod envelope;
 mod error;
 mod extents;
+mod filter;
 mod kernel;
 mod limits;
 mod params;
@@ -37,6 +38,7 @@ pub use attribute::Attribute;
 pub use chunk::{Chunk, Param, Span};
 pub use envelope::{Batch, Rest, SkinBatch};
 pub use error::LayoutError;
+pub use filter::FilterBatch;
 pub use kernel::KernelBatch;
 pub use limits::DeviceLimits;
 pub use plan::Plan;

@@ -4,12 +4,13 @@ use super::chunk::{Chunk, Span};
 use super::demand::Demand;
 use super::envelope::{self, Batch};
 use super::error::LayoutError;
+use super::filter::{self, FilterBatch};
 use super::kernel::{self, KernelBatch};
 use super::limits::DeviceLimits;
 use super::resource::{ALIGNMENT, Resource};
 use super::shapes::{self, ShapesBatch};
 use super::stage::Stage;
-use sinew_runtime::{Envelope, KernelMap, Model, Skin};
+use sinew_runtime::{Envelope, Filter, KernelMap, Model, Skin};
 use std::ops::Range;
 
 /// So many words are [`ALIGNMENT`] bytes.
@@ -85,6 +86,27 @@ impl Plan {
     ) -> Result<Self, LayoutError> {
         limits.check()?;
         Self::cut(&shapes::demand(model, skin, batch)?, limits)
+    }
+
+    /// Checks a batch of a model's filter against itself and a device, and cuts it.
+    ///
+    /// # Errors
+    /// - [`LayoutError::Device`], [`LayoutError::OffsetAlignment`]: the device cannot run the shaders.
+    /// - [`LayoutError::OtherFile`]: the filter is not the model's.
+    /// - [`LayoutError::NoInstances`]
+    /// - [`LayoutError::Samples`]: signals are shorter than the filter.
+    /// - [`LayoutError::NoLanes`]
+    /// - [`LayoutError::Stride`]: outputs overlap themselves.
+    /// - [`LayoutError::Binding`], [`LayoutError::Workgroups`]: the model, or one signal, is too large for the
+    ///   device.
+    pub fn of_filter(
+        model: &Model<impl AsRef<[u8]>>,
+        filter: &Filter<'_>,
+        batch: &FilterBatch,
+        limits: &DeviceLimits,
+    ) -> Result<Self, LayoutError> {
+        limits.check()?;
+        Self::cut(&filter::demand(model, filter, batch)?, limits)
     }
 
     /// Cuts a batch.

@@ -17,6 +17,8 @@ pub enum Resource {
     Queries,
     /// The weights of a skin's shapes, an instance after the other. Written each frame.
     Weights,
+    /// Samples of signals, an instance after the other. Written each frame.
+    Samples,
     /// What stages hand to each other, and threads of a stage. Never read or written by the host.
     Scratch,
     /// The palette of each instance, 3x4 rows.
@@ -25,18 +27,20 @@ pub enum Resource {
     Confidences,
     /// What the host brings to the skin: a remap, a rest mesh. Only a batch that names one needs it.
     Host,
-    /// What comes out at the far end: shaped or skinned attributes; a kernel's outputs and the confidence in them.
+    /// What comes out at the far end: shaped or skinned attributes; a kernel's outputs and the confidence in them; finer
+    /// samples.
     Out,
 }
 
 impl Resource {
     /// Every resource.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Params,
         Self::Blob,
         Self::Poses,
         Self::Queries,
         Self::Weights,
+        Self::Samples,
         Self::Scratch,
         Self::Palettes,
         Self::Confidences,
@@ -52,6 +56,7 @@ impl Resource {
             Self::Poses => "poses",
             Self::Queries => "queries",
             Self::Weights => "weights",
+            Self::Samples => "samples",
             Self::Scratch => "scratch",
             Self::Palettes => "palettes",
             Self::Confidences => "confidences",

@@ -27,6 +27,8 @@ pub enum Stage {
     Confidence,
     /// Queries of a kernel to outputs and the confidence in them: one workgroup.
     Kernel,
+    /// Samples of signals to finer ones: one thread a number.
+    Filter,
 }
 
 /// One binding of a stage, in group (set) 0.
@@ -63,7 +65,7 @@ macro_rules! spirv {
 impl Stage {
     /// Every stage, in an order in which each comes after those that it reads from, and waits for no
     /// other: nothing reads confidences, so they come last.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Gradients,
         Self::Palette,
         Self::Joints,
@@ -73,6 +75,7 @@ impl Stage {
         Self::Skin,
         Self::Confidence,
         Self::Kernel,
+        Self::Filter,
     ];
 
     /// Returns its name: the stem of its shaders and of its module in the runtime.
@@ -87,6 +90,7 @@ impl Stage {
             Self::Shapes => "shapes",
             Self::Skin => "skin",
             Self::Kernel => "kernel",
+            Self::Filter => "filter",
         }
     }
 
@@ -110,6 +114,7 @@ impl Stage {
                 "kernel_outputs",
                 "kernel"
             ),
+            Self::Filter => wgsl!("filter_params", "blob", "filter"),
         }
     }
 
@@ -126,6 +131,7 @@ impl Stage {
             Self::Shapes => spirv!("shapes"),
             Self::Skin => spirv!("skin"),
             Self::Kernel => spirv!("kernel"),
+            Self::Filter => spirv!("filter"),
         }
     }
 
@@ -133,13 +139,15 @@ impl Stage {
     /// four at most.
     pub const fn bindings(self) -> &'static [Binding] {
         use Resource::{
-            Blob, Confidences, Host, Out, Palettes, Params, Poses, Queries, Scratch, Weights,
+            Blob, Confidences, Host, Out, Palettes, Params, Poses, Queries, Samples, Scratch,
+            Weights,
         };
         const PARAMS: Binding = Binding::read(Params);
         const BLOB: Binding = Binding::read(Blob);
         const POSES: Binding = Binding::read(Poses);
         const QUERIES: Binding = Binding::read(Queries);
         const WEIGHTS: Binding = Binding::read(Weights);
+        const SAMPLES: Binding = Binding::read(Samples);
         const SCRATCH: Binding = Binding::read(Scratch);
         const PALETTES: Binding = Binding::read(Palettes);
         const HOST: Binding = Binding::read(Host);
@@ -156,6 +164,7 @@ impl Stage {
             Self::Skin => &[PARAMS, BLOB, PALETTES, HOST, OUT],
             Self::Confidence => &[PARAMS, BLOB, SCRATCH, OUT_CONFIDENCES],
             Self::Kernel => &[PARAMS, BLOB, QUERIES, OUT_SCRATCH, OUT],
+            Self::Filter => &[PARAMS, BLOB, SAMPLES, OUT],
         }
     }
 }

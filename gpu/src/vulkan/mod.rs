@@ -9,11 +9,12 @@
 //!    [`crate::layout::ALIGNMENT`]. It uploads [`Plan::params`] and [`sinew_runtime::Model::blob`].
 //! 4. It makes a descriptor pool with room for [`pool_sizes`] and [`set_len`], and allocates
 //!    [`Pipelines::set_layouts`] from it. [`Bound::new`] checks buffers and writes the sets.
-//! 5. Each frame it writes poses, a kernel's queries, or weights of shapes, and calls [`Bound::record`], which needs no memory.
+//! 5. Each frame it writes poses, a kernel's queries, weights of shapes, or samples, and calls [`Bound::record`], which
+//!    needs no memory.
 //! 6. At the end it destroys pool and buffers, and calls [`Pipelines::destroy`].
 //!
 //! # What must be visible, and when
-//! Before: blob, params, host and the frame's poses, queries or weights to [`vk::PipelineStageFlags::COMPUTE_SHADER`] with
+//! Before: blob, params, host and the frame's poses, queries, weights or samples to [`vk::PipelineStageFlags::COMPUTE_SHADER`] with
 //! [`vk::AccessFlags::SHADER_READ`], params with [`vk::AccessFlags::UNIFORM_READ`]; and whatever read
 //! the palettes, confidences and out of the frame before must be done. After:
 //! [`vk::PipelineStageFlags::COMPUTE_SHADER`] with [`vk::AccessFlags::SHADER_WRITE`] on these three is

@@ -12,6 +12,7 @@
 //! | [`Poses`](crate::layout::Resource::Poses) | `STORAGE` | writes J skinning matrices an instance each frame |
 //! | [`Queries`](crate::layout::Resource::Queries) | `STORAGE` | writes the numbers of a kernel's query an instance each frame |
 //! | [`Weights`](crate::layout::Resource::Weights) | `STORAGE` | writes the weights of a skin's shapes an instance each frame |
+//! | [`Samples`](crate::layout::Resource::Samples) | `STORAGE` | writes the samples of a signal an instance each frame |
 //! | [`Scratch`](crate::layout::Resource::Scratch) | `STORAGE` | leaves it alone; batches encoded one after the other may share it |
 //! | [`Palettes`](crate::layout::Resource::Palettes), [`Confidences`](crate::layout::Resource::Confidences), [`Out`](crate::layout::Resource::Out) | `STORAGE` | reads them |
 //! | [`Host`](crate::layout::Resource::Host) | `STORAGE` | writes a remap or a rest mesh, if it has one |
@@ -27,7 +28,8 @@
 //! A kernel is bound and encoded likewise, by
 //! [`Plan::of_kernel`](crate::layout::Plan::of_kernel) of a
 //! [`KernelBatch`](crate::layout::KernelBatch); so are shapes, by [`Plan::of_shapes`](crate::layout::Plan::of_shapes) of a
-//! [`ShapesBatch`](crate::layout::ShapesBatch), before the skin whose rest mesh they make.
+//! [`ShapesBatch`](crate::layout::ShapesBatch), before the skin whose rest mesh they make, and signals, by
+//! [`Plan::of_filter`](crate::layout::Plan::of_filter) of a [`FilterBatch`](crate::layout::FilterBatch).
 //!
 //! ```no_run
 //! use sinew_gpu::layout::{Batch, Plan, Resource};

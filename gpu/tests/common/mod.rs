@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
 mod case;
+pub(crate) mod filter;
 pub(crate) mod kernels;
 pub(crate) mod shapes;
 

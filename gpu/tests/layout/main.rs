@@ -3,6 +3,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod filters;
 mod kernels;
 mod parts;
 mod plans;

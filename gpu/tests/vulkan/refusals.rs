@@ -1,5 +1,6 @@
 //! Each mistake has its error, found before anything is written or recorded.
 
+use crate::common::filter::filter_plan;
 use crate::common::kernels::kernel_plan;
 use crate::common::shapes::shapes_plan;
 use crate::common::{GOLDEN, hosted_batch, load, parts, remapped_batch};
@@ -36,10 +37,11 @@ fn planned(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>, usize) -> Batc
     Plan::new(&model, &envelope, &batch, &DeviceLimits::DOWNLEVEL).unwrap()
 }
 
-/// Of an envelope, of a kernel and of shapes; together they need every resource.
-fn plans() -> [Plan; 3] {
+/// Of every kind of batch; together they need every resource.
+fn plans() -> [Plan; 4] {
     let of = |plan: fn(&DeviceLimits) -> (Plan, Vec<u8>)| plan(&DeviceLimits::DOWNLEVEL).0;
-    let plans = [planned(GOLDEN[0], remapped_batch), of(kernel_plan), of(shapes_plan)];
+    let plans =
+        [planned(GOLDEN[0], remapped_batch), of(kernel_plan), of(shapes_plan), of(filter_plan)];
     assert!(Resource::ALL.into_iter().all(|own| plans.iter().any(|plan| plan.bytes(own) > 0)));
     plans
 }

@@ -1,5 +1,6 @@
 //! What the wgpu backend refuses, before anything is recorded.
 
+use crate::common::filter::filter_plan;
 use crate::common::kernels::kernel_plan;
 use crate::common::shapes::shapes_plan;
 use crate::common::{GOLDEN, load, parts, remapped_batch};
@@ -40,9 +41,14 @@ fn scene(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>) -> Batch) -> Sce
     })
 }
 
-/// Of an envelope, of a kernel and of shapes; together they need every resource.
-fn scenes() -> [Scene; 3] {
-    let scenes = [scene(GOLDEN[2], whole), scene_of(kernel_plan), scene_of(shapes_plan)];
+/// Of every kind of batch; together they need every resource.
+fn scenes() -> [Scene; 4] {
+    let scenes = [
+        scene(GOLDEN[2], whole),
+        scene_of(kernel_plan),
+        scene_of(shapes_plan),
+        scene_of(filter_plan),
+    ];
     assert!(Resource::ALL.into_iter().all(|own| scenes.iter().any(|scene| scene.needs(own))));
     scenes
 }

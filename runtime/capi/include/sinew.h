@@ -2,7 +2,7 @@
  *
  * Objects: a model is a loaded file, an envelope predicts a palette, a skin is a mesh that follows one,
  * a kernel is a function of a few numbers, a prior says how weights of shapes belong together, views
- * are a drawn object between its key views. They lie in memory of the caller, who asks for its size
+ * are a drawn object between its key views, a filter makes a signal finer. They lie in memory of the caller, who asks for its size
  * (sinew_*_bytes) or takes an array of SINEW_*_WORDS uintptr_t. Nothing is allocated and nothing has to
  * be freed. The file's bytes must stay, unchanged, while a model of them is in use; a model's memory must
  * stay for as long as its parts are used, but may be loaded again: calls then refuse what was opened
@@ -35,7 +35,7 @@
 /// Version of the ABI that this header describes; `sinew_abi_version` returns the library's.
 ///
 /// It grows when a function, a structure or the meaning of a number changes.
-#define SINEW_ABI_VERSION 5
+#define SINEW_ABI_VERSION 6
 
 /// Stands for no part.
 #define SINEW_NO_PART UINT32_MAX
@@ -58,6 +58,20 @@
 /// Elements of a `uintptr_t` array that holds a skin on every target:
 /// `uintptr_t memory[SINEW_SKIN_WORDS]`.
 #define SINEW_SKIN_WORDS 48
+
+/// Elements of a `uintptr_t` array that holds a filter on every target:
+/// `uintptr_t memory[SINEW_FILTER_WORDS]`.
+#define SINEW_FILTER_WORDS 48
+
+/// Elements of a `uintptr_t` array that holds a prior on every target:
+/// `uintptr_t memory[SINEW_PRIOR_WORDS]`.
+#define SINEW_PRIOR_WORDS 48
+
+/// The most pins of a job.
+#define SINEW_PINS_MAX 64
+
+/// Elements of a `uintptr_t` array that holds views on every target: `uintptr_t memory[SINEW_VIEWS_WORDS]`.
+#define SINEW_VIEWS_WORDS 48
 
 /// What a call came to. 1 to 99: the call is wrong, from 50 on in what only C can get wrong. From 100
 /// on: the file is.
@@ -230,6 +244,8 @@ enum sinew_argument
     SINEW_ARGUMENT_PIXELS = 28,
     /// Depths of pixels.
     SINEW_ARGUMENT_DEPTHS = 29,
+    /// Samples of signals.
+    SINEW_ARGUMENT_SAMPLES = 30,
     /// Memory for an object; lengths in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
     /// The file; lengths in bytes.
@@ -268,12 +284,14 @@ enum sinew_argument
     SINEW_ARGUMENT_INPUT = 67,
     /// The number of a kernel's output.
     SINEW_ARGUMENT_OUTPUT = 68,
-    /// The number of a shape.
+    /// The number of a shape; how samples lie.
     SINEW_ARGUMENT_SHAPE = 69,
     /// Views.
     SINEW_ARGUMENT_VIEWS = 70,
     /// The number of a map.
     SINEW_ARGUMENT_MAP = 71,
+    /// A filter.
+    SINEW_ARGUMENT_FILTER = 72,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -356,6 +374,10 @@ typedef uint32_t sinew_predictor;
 /// has been loaded again with another file, or is loaded no more, every call refuses the envelope.
 typedef struct sinew_envelope sinew_envelope;
 
+/// Weights that make a signal finer. It points to its model: where that has been loaded again with another file,
+/// or is loaded no more, every call refuses the filter.
+typedef struct sinew_filter sinew_filter;
+
 /// A function from named inputs to named outputs. It points to its model: where that has been loaded again
 /// with another file, or is loaded no more, every call refuses the kernel.
 typedef struct sinew_kernel sinew_kernel;
@@ -366,10 +388,18 @@ typedef struct sinew_kernel sinew_kernel;
 /// skins and kernels point to it: it must stay in its place, and outlive them.
 typedef struct sinew_model sinew_model;
 
+/// How the weights of a skin's shapes belong together. It points to its model: where that has been loaded again
+/// with another file, or is loaded no more, every call refuses the prior.
+typedef struct sinew_prior sinew_prior;
+
 /// A mesh of V vertices that follows an envelope's palette, or stays at rest if it follows none. It
 /// points to its model: where that has been loaded again with another file, or is loaded no more,
 /// every call refuses the skin.
 typedef struct sinew_skin sinew_skin;
+
+/// A drawn object between its key views. It points to its model: where that has been loaded again with another
+/// file, or is loaded no more, every call refuses the views.
+typedef struct sinew_views sinew_views;
 
 /// The most of everything that a file may hold. All work, of loading and of evaluating, grows with
 /// these counts and with nothing else.
@@ -602,6 +632,38 @@ typedef struct sinew_range {
     size_t end;
 } sinew_range;
 
+/// What a filter is made of.
+typedef struct sinew_filter_info {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// Its number among the file's parts.
+    uint32_t part;
+    /// F, fine samples of each coarse one.
+    size_t factor;
+    /// N, coarse samples that each fine one is made of: no signal may be shorter.
+    size_t tap_len;
+    /// From one coarse sample to the next, in the unit of what the signal runs along; 0 if it has none.
+    float step;
+    /// RMS error over samples that were left out, in the signal's unit; 0 if it was not measured.
+    float left_out_rms;
+    /// The same of linear interpolation.
+    float linear_rms;
+} sinew_filter_info;
+
+/// How samples lie: signals one after the other, of samples one after the other, of lanes side by side. An image
+/// of H rows of W pixels of C channels is along its columns one signal of H samples of W C lanes, and along its rows H
+/// signals of W samples of C lanes.
+typedef struct sinew_samples {
+    /// Signals.
+    size_t signal_len;
+    /// Samples of each signal.
+    size_t sample_len;
+    /// Numbers of each sample, each of which goes by itself.
+    size_t lane_len;
+} sinew_samples;
+
 /// Where an attribute is written: that of the i-th vertex *of the range* at `floats[i * stride]`.
 /// Zeros mean that it is not wanted.
 typedef struct sinew_output {
@@ -689,6 +751,230 @@ typedef struct sinew_shapes_job {
     /// Where to put tangents: 3 floats of length 1, likewise, then the handedness.
     struct sinew_output tangents;
 } sinew_shapes_job;
+
+/// What a prior is made of, and what it was measured to reach; lengths are in the file's unit.
+typedef struct sinew_prior_info {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// Its number among the file's parts.
+    uint32_t part;
+    /// That of its skin.
+    uint32_t skin_part;
+    /// S, shapes of its skin.
+    size_t shape_len;
+    /// Pairs of shapes that mirror each other.
+    size_t symmetry_len;
+    /// Pairs of shapes of which one alone is at work.
+    size_t cancel_len;
+    /// Doubles of scratch that a job without pins needs.
+    size_t scratch_len;
+    /// Doubles of scratch that each scalar of its pins needs: at most three a pin.
+    size_t scratch_len_each;
+    /// The square of the length by which a pin of stiffness 1 may miss.
+    float beta;
+    /// Frames that it was learned from; 0 of one that was not.
+    float frames;
+    /// RMS over vertices of the distance to held-out frames; 0 if it was not measured.
+    float error;
+    /// The same of the prior without covariance.
+    float slider_error;
+} sinew_prior_info;
+
+/// Where a vertex is to be, as far as up to three rows look at it.
+typedef struct sinew_pin {
+    /// The vertex of the skin.
+    uint32_t vertex;
+    /// What is looked at of its posed position x: `row . (x, 1)`, three rows of four. A row whose first three
+    /// numbers are 0 looks at nothing.
+    float rows[3][4];
+    /// What each row is to give.
+    float target[3];
+    /// How much it counts against others and the prior; 1 is the prior's tolerance.
+    float stiffness;
+} sinew_pin;
+
+/// Solves weights of all shapes for pins.
+typedef struct sinew_pin_job {
+    /// The prior.
+    const struct sinew_prior *prior;
+    /// Its skin, or another with the same shapes.
+    const struct sinew_skin *skin;
+    /// `sinew_skin_info.palette_len` transforms of the pose in which pins are where they are.
+    const struct sinew_matrix *palette;
+    /// Their number.
+    size_t palette_len;
+    /// The pins, in any order.
+    const struct sinew_pin *pins;
+    /// Their number, at most `SINEW_PINS_MAX`.
+    size_t pins_len;
+    /// 0 to change the weights that are there as little as pins allow, else the mean ones.
+    uint32_t is_from_mean;
+    /// 1 to keep weights between the prior's bounds, else 0.
+    uint32_t is_bounded;
+    /// 1 to hold the smaller weight of each pair that cancels at 0, else 0.
+    uint32_t cancels;
+    /// The square of the length by which a pin of stiffness 1 may miss: `sinew_prior_info.beta`, or another.
+    float beta;
+    /// How much the prior's symmetry counts; 0 leaves it out, 1 is as stiff as the prior has it.
+    float symmetry;
+    /// How much the frame before counts: the reciprocal of the mean square by which a weight changes.
+    float temporal;
+    /// Null, or the S weights of the frame before.
+    const float *last_weights;
+    /// Their number.
+    size_t last_len;
+    /// At least `scratch_len + scalars * scratch_len_each` doubles of `sinew_prior_info`. What it holds of a run
+    /// with the same prior, terms and pins but for their targets is used again: keep it for a drag.
+    double *scratch;
+    /// Their number.
+    size_t scratch_len;
+    /// The S weights that are there; receives those that are solved.
+    float *weights;
+    /// Their number.
+    size_t weights_len;
+} sinew_pin_job;
+
+/// What a pin job did.
+typedef struct sinew_edit {
+    /// How unlikely the prior finds the change.
+    float norm;
+    /// Pins that no shape moves, which count as none.
+    uint32_t unreachable_len;
+    /// Factors and solves that it took; 0 where there was nothing to solve.
+    uint32_t round_len;
+    /// 1 where bounds were found to hold at the least, 0 where weights were cut to them.
+    uint32_t is_least;
+} sinew_edit;
+
+/// What views are made of, and what they were measured to reach; lengths are in pixels.
+typedef struct sinew_views_info {
+    /// Their name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// Their number among the file's parts.
+    uint32_t part;
+    /// 1 if they move as another object does, else 0.
+    uint32_t is_transferred;
+    /// K, control points.
+    size_t point_len;
+    /// E, elements.
+    size_t element_len;
+    /// N, key views.
+    size_t view_len;
+    /// M, maps.
+    size_t map_len;
+    /// By how much a key view's score must be above that of the one before.
+    float margin;
+    /// RMS over points and examples of the distance to the examples.
+    float rms_error;
+    /// The same, each example left out of its own fit; 0 if it was not measured.
+    float left_out_rms;
+    /// Share of the points whose visibility is that of the examples.
+    float visibility;
+} sinew_views_info;
+
+/// A map of an object: a kernel, which `sinew_kernel_open` opens by its name.
+typedef struct sinew_map_info {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+    /// Its number among the file's parts.
+    uint32_t part;
+    /// Numbers of its parameters.
+    size_t parameters_len;
+    /// Floats of scratch that a frame needs.
+    size_t scratch_len;
+} sinew_map_info;
+
+/// Evaluates a map of an object.
+typedef struct sinew_frame_job {
+    /// The object.
+    const struct sinew_views *views;
+    /// The number of the map.
+    size_t map;
+    /// `sinew_map_info.parameters_len` numbers, as `sinew_kernel_evaluate` takes a query.
+    const float *parameters;
+    /// Their number.
+    size_t parameters_len;
+    /// The characteristic view of the frame before.
+    size_t last_view;
+    /// 1 if there is a frame before, else 0.
+    uint32_t has_last;
+    /// By how much a key view's score must be above that of the one before: `sinew_views_info.margin`, or another.
+    float margin;
+    /// At least `sinew_map_info.scratch_len` floats, of any content.
+    float *scratch;
+    /// Their number.
+    size_t scratch_len;
+    /// Receives K points: x to the right and y down, in pixels of the screen, and depth, which grows away from the
+    /// viewer.
+    float (*points)[3];
+    /// Their number.
+    size_t points_len;
+    /// Receives K visibilities; above 0.5 a point is visible.
+    float *visibility;
+    /// Their number.
+    size_t visibility_len;
+    /// Receives N scores of key views.
+    float *scores;
+    /// Their number.
+    size_t scores_len;
+} sinew_frame_job;
+
+/// What a frame job found.
+typedef struct sinew_found {
+    /// The characteristic view.
+    size_t view;
+    /// The map's confidence in the parameters.
+    float confidence;
+} sinew_found;
+
+/// Draws an object into a picture.
+typedef struct sinew_render_job {
+    /// The object.
+    const struct sinew_views *views;
+    /// K points, as a frame job gives them.
+    const float (*points)[3];
+    /// Their number.
+    size_t points_len;
+    /// K visibilities; an element with a point that is not above 0.5 is not drawn.
+    const float *visibility;
+    /// Their number.
+    size_t visibility_len;
+    /// N scores: what the characteristic view does not show is textured by the view of the highest score that does.
+    const float *scores;
+    /// Their number.
+    size_t scores_len;
+    /// The characteristic view.
+    size_t view;
+    /// Width of the picture in pixels.
+    size_t width;
+    /// Pixels row by row from the top, red, green, blue and alpha: sRGB, each times its alpha. Drawn over.
+    uint8_t (*pixels)[4];
+    /// Their number, of whole rows.
+    size_t pixels_len;
+    /// Null to blend elements by their mean depth, one over the other; else a float a pixel, infinite where nothing
+    /// has been drawn: then the nearest is seen at each pixel.
+    float *depths;
+    /// Their number.
+    size_t depths_len;
+    /// Without depths E numbers of scratch, of any content.
+    uint16_t *order;
+    /// Their number.
+    size_t order_len;
+} sinew_render_job;
+
+/// What a render job drew.
+typedef struct sinew_drawn {
+    /// Elements drawn.
+    size_t element_len;
+    /// Those of them that are turned over against their texture, or folded.
+    size_t flipped_len;
+} sinew_drawn;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1082,6 +1368,49 @@ sinew_status sinew_skin_influences(const struct sinew_skin *skin,
                                    size_t weights_len,
                                    struct sinew_error *out_error);
 
+/// Returns the bytes of memory that a filter needs: at most those of `SINEW_FILTER_WORDS` words.
+size_t sinew_filter_bytes(void);
+
+/// Opens a filter of a model.
+///
+/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `index`: which of those; 0 for the first.
+/// - `memory`, `memory_bytes`: for the filter; at least `sinew_filter_bytes()`, aligned as a `uintptr_t`.
+/// - `out_filter`: receives the handle, which is `memory`.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
+sinew_status sinew_filter_open(const struct sinew_model *model,
+                               const char *name,
+                               size_t name_len,
+                               size_t index,
+                               void *memory,
+                               size_t memory_bytes,
+                               const struct sinew_filter **out_filter,
+                               struct sinew_error *out_error);
+
+/// Says what a filter is made of.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+sinew_status sinew_filter_describe(const struct sinew_filter *filter,
+                                   struct sinew_filter_info *out_info,
+                                   struct sinew_error *out_error);
+
+/// Makes samples `sinew_filter_info.factor` times as fine. Two calls make an image finer, one along its columns and one
+/// along its rows.
+///
+/// - `shape`: how the samples lie.
+/// - `samples`, `samples_len`: the numbers.
+/// - `out_samples`, `out_len`: factor times as many; they lie likewise, with factor times as many samples a signal.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_filter_apply(const struct sinew_filter *filter,
+                                const struct sinew_samples *shape,
+                                const float *samples,
+                                size_t samples_len,
+                                float *out_samples,
+                                size_t out_len,
+                                struct sinew_error *out_error);
+
 /// Runs a skin job. Its outputs may overlap each other, but nothing that it reads. Jobs may run at the
 /// same time, on any threads, if no output of one overlaps an output of another.
 ///
@@ -1135,6 +1464,114 @@ sinew_status sinew_shapes_bounds(const struct sinew_skin *skin,
                                  size_t weights_len,
                                  struct sinew_bounds *out_bounds,
                                  struct sinew_error *out_error);
+
+/// Returns the bytes of memory that a prior needs: at most those of `SINEW_PRIOR_WORDS` words.
+size_t sinew_prior_bytes(void);
+
+/// Opens a prior of a model.
+///
+/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `index`: which of those; 0 for the first.
+/// - `memory`, `memory_bytes`: for the prior; at least `sinew_prior_bytes()`, aligned as a `uintptr_t`.
+/// - `out_prior`: receives the handle, which is `memory`.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
+sinew_status sinew_prior_open(const struct sinew_model *model,
+                              const char *name,
+                              size_t name_len,
+                              size_t index,
+                              void *memory,
+                              size_t memory_bytes,
+                              const struct sinew_prior **out_prior,
+                              struct sinew_error *out_error);
+
+/// Says what a prior is made of.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+sinew_status sinew_prior_describe(const struct sinew_prior *prior,
+                                  struct sinew_prior_info *out_info,
+                                  struct sinew_error *out_error);
+
+/// Computes where a vertex is with weights and a palette: as a target it makes a pin hold the vertex there.
+///
+/// - `palette`, `palette_len`: `sinew_skin_info.palette_len` transforms.
+/// - `weights`, `weights_len`: a weight of each shape; of fewer the others are 0.
+/// - `out_place`: receives 3 floats, model space.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_skin_place(const struct sinew_skin *skin,
+                              uint32_t vertex,
+                              const struct sinew_matrix *palette,
+                              size_t palette_len,
+                              const float *weights,
+                              size_t weights_len,
+                              float (*out_place)[3],
+                              struct sinew_error *out_error);
+
+/// Runs a pin job. Without a pin that any shape moves the weights stay as they are.
+///
+/// - `out_edit`: null, or receives what it did.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `OUT_OF_RANGE`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_pins_solve(const struct sinew_pin_job *job,
+                              struct sinew_edit *out_edit,
+                              struct sinew_error *out_error);
+
+/// Returns the bytes of memory that views need: at most those of `SINEW_VIEWS_WORDS` words.
+size_t sinew_views_bytes(void);
+
+/// Opens views of a model.
+///
+/// - `name`, `name_len`: their name, without a zero at its end; null for any.
+/// - `index`: which of those; 0 for the first.
+/// - `memory`, `memory_bytes`: for the views; at least `sinew_views_bytes()`, aligned as a `uintptr_t`.
+/// - `out_views`: receives the handle, which is `memory`.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
+sinew_status sinew_views_open(const struct sinew_model *model,
+                              const char *name,
+                              size_t name_len,
+                              size_t index,
+                              void *memory,
+                              size_t memory_bytes,
+                              const struct sinew_views **out_views,
+                              struct sinew_error *out_error);
+
+/// Says what views are made of.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+sinew_status sinew_views_describe(const struct sinew_views *views,
+                                  struct sinew_views_info *out_info,
+                                  struct sinew_error *out_error);
+
+/// Describes a map.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
+sinew_status sinew_views_map(const struct sinew_views *views,
+                             size_t map,
+                             struct sinew_map_info *out_map,
+                             struct sinew_error *out_error);
+
+/// Runs a frame job: from parameters to points, visibilities, scores and the characteristic view.
+///
+/// - `out_found`: receives what it found.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `OUT_OF_RANGE`, `NON_FINITE`,
+/// `ZERO_ROTATION`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_views_frame(const struct sinew_frame_job *job,
+                               struct sinew_found *out_found,
+                               struct sinew_error *out_error);
+
+/// Runs a render job: from points to a picture, over what it holds.
+///
+/// - `out_drawn`: null, or receives what it drew.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NON_FINITE`, `TOO_LONG`,
+/// `OVERLAP`.
+sinew_status sinew_views_render(const struct sinew_render_job *job,
+                                struct sinew_drawn *out_drawn,
+                                struct sinew_error *out_error);
 
 #ifdef __cplusplus
 }  // extern "C"

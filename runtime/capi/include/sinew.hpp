@@ -38,7 +38,7 @@ template <class T> struct Span {
 
 /// A loaded file. It keeps the file's bytes, or points to bytes that stay (flash, a mapped file).
 ///
-/// Envelopes, skins and kernels point to it, and must not outlive it. Whatever replaces what it holds, a load,
+/// Its parts point to it, and must not outlive it. Whatever replaces what it holds, a load,
 /// an assignment, a move from it, makes them stale: every call refuses them until they are opened
 /// again, which is all that a hot reload takes. Nobody may use a model while it is replaced.
 class Model {
@@ -91,7 +91,7 @@ class Model {
     std::vector<std::uint8_t> file_;
 };
 
-/// What envelopes, skins and kernels have in common: memory, a name and what `describe` says. Its name is a copy,
+/// What the parts of a model have in common: memory, a name and what `describe` says. Its name is a copy,
 /// and `info()` has none, so that neither points into a file that is gone.
 template <class Handle, class Info, std::size_t Words> class Part {
   public:
@@ -153,6 +153,45 @@ class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
         return failure;
     }
 
+    /// Describes a shape. Its name lies in the model's file.
+    Failure shape(std::size_t index, sinew_shape &out) const {
+        Failure failure;
+        failure.status = sinew_skin_shape(get(), index, &out, &failure.error);
+        return failure;
+    }
+
+    /// Runs a job of shapes; the skin and the weights are filled in here.
+    Failure run_shapes(sinew_shapes_job job, Span<const float> weights) const {
+        Failure failure;
+        job.skin = get();
+        job.weights = weights.data;
+        job.weights_len = weights.len;
+        failure.status = sinew_shapes_run(&job, &failure.error);
+        return failure;
+    }
+
+    /// Computes a box that holds the shaped and posed skin.
+    Failure shaped_bounds(Span<const sinew_matrix> palette, Span<const float> weights,
+                          sinew_bounds &out) const {
+        Failure failure;
+        failure.status = sinew_shapes_bounds(get(), palette.data, palette.len, weights.data,
+                                             weights.len, &out, &failure.error);
+        return failure;
+    }
+
+    /// Computes where a vertex of the shaped and posed skin is: as a target it makes a pin hold the vertex there.
+    Failure place(std::uint32_t vertex, Span<const sinew_matrix> palette, Span<const float> weights,
+                  std::array<float, 3> &out) const {
+        Failure failure;
+        float at[3];
+        failure.status = sinew_skin_place(get(), vertex, palette.data, palette.len, weights.data,
+                                          weights.len, &at, &failure.error);
+        if (!failure) {
+            out = {at[0], at[1], at[2]};
+        }
+        return failure;
+    }
+
     /// Computes a box that holds the posed skin, of a rest mesh as far from the file's as that.
     Failure bounds(Span<const sinew_matrix> palette, sinew_bounds &out,
                    float rest_offset = 0.0f) const {
@@ -179,6 +218,71 @@ class Kernel : public Part<sinew_kernel, sinew_kernel_info, SINEW_KERNEL_WORDS> 
         failure.status = sinew_kernel_evaluate(get(), query.data, query.len, scratch.data,
                                                scratch.len, out.data, out.len, confidence,
                                                &failure.error);
+        return failure;
+    }
+};
+
+/// How the weights of a skin's shapes belong together. Points to its model.
+class Prior : public Part<sinew_prior, sinew_prior_info, SINEW_PRIOR_WORDS> {
+  public:
+    /// Opens the `index`-th prior of a name, or of any; on failure it is what it was.
+    Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
+    Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
+        return open_by(sinew_prior_open, sinew_prior_describe, model, name, index);
+    }
+};
+
+/// Makes a pin of a whole position in model space.
+inline sinew_pin pin(std::uint32_t vertex, const std::array<float, 3> &target,
+                     float stiffness = 1.0f) {
+    return {vertex,
+            {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}},
+            {target[0], target[1], target[2]},
+            stiffness};
+}
+
+/// Makes a pin of a place on a screen, of a projection from a position to the screen, which divides by nothing.
+inline sinew_pin pin_on_screen(std::uint32_t vertex,
+                               const std::array<std::array<float, 4>, 2> &projection,
+                               const std::array<float, 2> &target, float stiffness = 1.0f) {
+    const auto &[x, y] = projection;
+    return {vertex,
+            {{x[0], x[1], x[2], x[3]}, {y[0], y[1], y[2], y[3]}, {0, 0, 0, 0}},
+            {target[0], target[1], 0},
+            stiffness};
+}
+
+/// Weights that make a signal finer. Points to its model.
+class Filter : public Part<sinew_filter, sinew_filter_info, SINEW_FILTER_WORDS> {
+  public:
+    /// Opens the `index`-th filter of a name, or of any; on failure it is what it was.
+    Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
+    Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
+        return open_by(sinew_filter_open, sinew_filter_describe, model, name, index);
+    }
+
+    /// Makes samples `info().factor` times as fine; `out` has as many times their numbers.
+    Failure apply(const sinew_samples &shape, Span<const float> samples, Span<float> out) const {
+        Failure failure;
+        failure.status = sinew_filter_apply(get(), &shape, samples.data, samples.len, out.data,
+                                            out.len, &failure.error);
+        return failure;
+    }
+};
+
+/// Views of a drawn object. Points to its model.
+class Views : public Part<sinew_views, sinew_views_info, SINEW_VIEWS_WORDS> {
+  public:
+    /// Opens the `index`-th views of a name, or of any; on failure they are what they were.
+    Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
+    Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
+        return open_by(sinew_views_open, sinew_views_describe, model, name, index);
+    }
+
+    /// Describes a map. Its name lies in the model's file.
+    Failure map(std::size_t index, sinew_map_info &out) const {
+        Failure failure;
+        failure.status = sinew_views_map(get(), index, &out, &failure.error);
         return failure;
     }
 };
@@ -217,6 +321,139 @@ class Character {
     std::vector<float> scratch_;
     std::vector<sinew_matrix> pose_, palette_;
     float confidence_ = 0.0f;
+};
+
+/// One face: the weights of its skin's shapes, and the scratch of their solve, which a drag uses again. For one
+/// thread at a time. Points to the prior and the skin, which must stay where they are; once they were opened anew, so
+/// must this be made.
+class Face {
+  public:
+    explicit Face(const Prior &&, const Skin &) = delete;
+    explicit Face(const Prior &, const Skin &&) = delete;
+    explicit Face(const Prior &prior, const Skin &skin)
+        : prior_(&prior), skin_(&skin), weights_(prior.info().shape_len) {}
+
+    /// Makes the job of an artist's edit: from the weights now, between the bounds, without the terms of trackers.
+    sinew_pin_job job() const {
+        sinew_pin_job job{};
+        job.is_bounded = 1;
+        job.beta = prior_->info().beta;
+        return job;
+    }
+
+    /// Runs a job; the prior, the skin, the palette, the pins, scratch and weights are filled in here.
+    Failure run(sinew_pin_job job, Span<const sinew_pin> pins,
+                Span<const sinew_matrix> palette = {}, sinew_edit *edit = nullptr) {
+        Failure failure;
+        const sinew_prior_info &info = prior_->info();
+        const std::size_t least = info.scratch_len + 3 * pins.len * info.scratch_len_each;
+        if (pins.len <= SINEW_PINS_MAX && scratch_.size() < least) {
+            scratch_.resize(least);
+        }
+        job.prior = prior_->get();
+        job.skin = skin_->get();
+        job.palette = palette.data;
+        job.palette_len = palette.len;
+        job.pins = pins.data;
+        job.pins_len = pins.len;
+        job.scratch = scratch_.data();
+        job.scratch_len = scratch_.size();
+        job.weights = weights_.data();
+        job.weights_len = weights_.size();
+        failure.status = sinew_pins_solve(&job, edit, &failure.error);
+        return failure;
+    }
+
+    std::vector<float> &weights() { return weights_; }
+    const std::vector<float> &weights() const { return weights_; }
+
+  private:
+    const Prior *prior_;
+    const Skin *skin_;
+    std::vector<double> scratch_;
+    std::vector<float> weights_;
+};
+
+/// One drawn object: its points, their visibility, the scores of its key views. For one thread at a time. Points to
+/// the views, which must stay where they are; once they were opened anew, so must this be made.
+class Figure {
+  public:
+    explicit Figure(const Views &&) = delete;
+    explicit Figure(const Views &views)
+        : views_(&views), points_(3 * views.info().point_len),
+          visibility_(views.info().point_len), scores_(views.info().view_len),
+          order_(views.info().element_len) {
+        for (std::size_t index = 0; index < views.info().map_len; index++) {
+            sinew_map_info map;
+            if (!views.map(index, map) && scratch_.size() < map.scratch_len) {
+                scratch_.resize(map.scratch_len);
+            }
+        }
+    }
+
+    /// Evaluates a map; the characteristic view stays that of the frame before while others are hardly better.
+    Failure frame(std::size_t map, Span<const float> parameters) {
+        Failure failure;
+        sinew_frame_job job{};
+        job.views = views_->get();
+        job.map = map;
+        job.parameters = parameters.data;
+        job.parameters_len = parameters.len;
+        job.last_view = found_.view;
+        job.has_last = has_last_;
+        job.margin = views_->info().margin;
+        job.scratch = scratch_.data();
+        job.scratch_len = scratch_.size();
+        job.points = reinterpret_cast<float(*)[3]>(points_.data());
+        job.points_len = visibility_.size();
+        job.visibility = visibility_.data();
+        job.visibility_len = visibility_.size();
+        job.scores = scores_.data();
+        job.scores_len = scores_.size();
+        failure.status = sinew_views_frame(&job, &found_, &failure.error);
+        has_last_ = failure ? has_last_ : 1;
+        return failure;
+    }
+
+    /// Forgets the frame before.
+    void restart() { has_last_ = 0; }
+
+    /// Draws the last frame over RGBA8 pixels, each times its alpha: by depths, a float a pixel, or painted.
+    Failure render(Span<std::uint8_t> pixels, std::size_t width, Span<float> depths = {},
+                   sinew_drawn *drawn = nullptr) {
+        Failure failure;
+        sinew_render_job job{};
+        job.views = views_->get();
+        job.points = reinterpret_cast<const float(*)[3]>(points_.data());
+        job.points_len = visibility_.size();
+        job.visibility = visibility_.data();
+        job.visibility_len = visibility_.size();
+        job.scores = scores_.data();
+        job.scores_len = scores_.size();
+        job.view = found_.view;
+        job.width = width;
+        job.pixels = reinterpret_cast<std::uint8_t(*)[4]>(pixels.data);
+        job.pixels_len = pixels.len / 4;
+        job.depths = depths.data;
+        job.depths_len = depths.len;
+        job.order = order_.data();
+        job.order_len = order_.size();
+        failure.status = sinew_views_render(&job, drawn, &failure.error);
+        return failure;
+    }
+
+    /// Three numbers a point: x to the right and y down, in pixels, and depth.
+    const std::vector<float> &points() const { return points_; }
+    const std::vector<float> &visibility() const { return visibility_; }
+    const std::vector<float> &scores() const { return scores_; }
+    const sinew_found &found() const { return found_; }
+
+  private:
+    const Views *views_;
+    std::vector<float> points_, visibility_, scores_, scratch_;
+    std::vector<std::uint16_t> order_;
+    sinew_found found_{};
+    std::uint32_t has_last_ = 0;
 };
 
 } // namespace sinew

@@ -67,6 +67,8 @@ pub enum sinew_argument {
     Pixels = 28,
     /// Depths of pixels.
     Depths = 29,
+    /// Samples of signals.
+    Samples = 30,
 
     /// Memory for an object; lengths in bytes.
     Memory = 50,
@@ -106,16 +108,18 @@ pub enum sinew_argument {
     Input = 67,
     /// The number of a kernel's output.
     Output = 68,
-    /// The number of a shape.
+    /// The number of a shape; how samples lie.
     Shape = 69,
     /// Views.
     Views = 70,
     /// The number of a map.
     Map = 71,
+    /// A filter.
+    Filter = 72,
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 52] = {
+const NAMES: [(sinew_argument, &CStr); 54] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -148,6 +152,7 @@ const NAMES: [(sinew_argument, &CStr); 52] = {
         (A::Scores, c"scores"),
         (A::Pixels, c"pixels"),
         (A::Depths, c"depths"),
+        (A::Samples, c"samples"),
         (A::Memory, c"memory"),
         (A::File, c"file"),
         (A::Limits, c"limits"),
@@ -170,6 +175,7 @@ const NAMES: [(sinew_argument, &CStr); 52] = {
         (A::Shape, c"shape"),
         (A::Views, c"views"),
         (A::Map, c"map"),
+        (A::Filter, c"filter"),
     ]
 };
 
@@ -214,6 +220,7 @@ impl From<Argument> for sinew_argument {
             Argument::Scores => Self::Scores,
             Argument::Pixels => Self::Pixels,
             Argument::Depths => Self::Depths,
+            Argument::Samples => Self::Samples,
         }
     }
 }

@@ -31,23 +31,31 @@ mod skin;
 
 mod mesh;
 
+mod filter;
 mod job;
 
 mod shapes;
 
+mod prior;
+
+mod views;
+
 pub use argument::*;
 pub use envelope::*;
 pub use error::*;
+pub use filter::*;
 pub use job::*;
 pub use kernel::*;
 pub use matrix::*;
 pub use mesh::*;
 pub use model::*;
 pub use palette::*;
+pub use prior::*;
 pub use shapes::*;
 pub use skin::*;
 pub use status::*;
 pub use version::*;
+pub use views::*;
 
 /// Stops: nothing here panics, but a bare target's linker asks for it.
 #[cfg(target_os = "none")]

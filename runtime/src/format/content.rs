@@ -4,7 +4,7 @@ use super::error::FileErrorKind as Kind;
 use super::part::Part;
 use super::refusal::{Checked, Loading};
 use super::rule::Rule;
-use super::tables::SectionKind;
+use super::sections::SectionKind;
 use crate::names::Names;
 
 /// Checks the names of a part.

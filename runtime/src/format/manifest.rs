@@ -3,8 +3,9 @@
 use super::error::{FileErrorKind as Kind, saturated};
 use super::message::{ALIGNMENT, CHECKSUM_OFFSET, FEATURES, HEAD_BYTES, MAGIC, VERSION, checksum};
 use super::refusal::{Checked, Loading};
+use super::sections::SectionKind;
 use super::space::Space;
-use super::tables::{Element, PartKind, PartRow, REQUIRED, SectionKind, SectionRow};
+use super::tables::{Element, PartKind, PartRow, REQUIRED, SectionRow};
 use core::num::NonZeroU16;
 
 /// Where bytes lie in the file; a file has less than 4 GiB.

@@ -1,7 +1,7 @@
 //! What every check of a load is given, and where it says what is wrong. The loader is `model.rs`.
 
 use super::error::{FileError, FileErrorKind, saturated};
-use super::tables::SectionKind;
+use super::sections::SectionKind;
 use crate::limits::Limits;
 use core::cell::Cell;
 

@@ -1,7 +1,7 @@
 //! What a part asks of its sections, as a table: presence, length, and what floats may be.
 
 use super::message::MAGNITUDE_MAX;
-use super::tables::SectionKind;
+use super::sections::SectionKind;
 
 /// What a part asks of its section of one kind.
 #[derive(Clone, Copy, Debug)]

@@ -9,14 +9,15 @@
 
 use models::{Pieces, Rng, Shape};
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::filter::Samples;
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::prior::Anchor;
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::views::Order;
 use sinew_runtime::{
-    Argument, CallError, CallErrorKind, Envelope, FileError, FileErrorKind, Frame, FrameJob,
-    KernelMap, Matrix3x4, Model, Pin, PinJob, Pins, Prior, RenderJob, Skin, SkinJob, Views,
-    model_space_pose,
+    Argument, CallError, CallErrorKind, Envelope, FileError, FileErrorKind, Filter, Frame,
+    FrameJob, KernelMap, Matrix3x4, Model, Pin, PinJob, Pins, Prior, RenderJob, Skin, SkinJob,
+    Views, model_space_pose,
 };
 use std::cell::Cell;
 
@@ -166,9 +167,11 @@ pub fn exercise(bytes: &[u8]) -> Option<()> {
     let known = PartKind::ALL.map(PartKind::number);
     let found = model.envelopes().count() + model.skins().count() + model.kernels().count();
     let found = found + model.priors().count() + model.all_views().count();
+    let found = found + model.filters().count();
     assert_eq!(found, model.parts().filter(|row| known.contains(&row.kind)).count());
     model.envelopes().for_each(|envelope| exercise_envelope(&envelope));
     model.kernels().for_each(|map| exercise_kernel(&map));
+    model.filters().for_each(|filter| exercise_filter(&filter));
     for prior in model.priors() {
         exercise_prior(&prior, &model.skin_of(&prior).unwrap());
     }
@@ -248,6 +251,15 @@ fn exercise_kernel(map: &KernelMap<'_>) {
     let done = map.evaluate(&query, &mut vec![f32::NAN; counts.scratch_len()], &mut out);
     assert!(out.iter().all(|x| x.is_finite() == done.is_ok()));
     assert!(done.is_err() || done.is_ok_and(|confidence| (0.0..=1.0).contains(&confidence)));
+}
+
+fn exercise_filter(filter: &Filter<'_>) {
+    let (n, factor) = (filter.tap_len(), filter.factor());
+    assert!(filter.tap(n - 1, factor - 1, n - 1).is_some() && filter.tap(n, 0, 0).is_none());
+    let shape = Samples::of_signal(n + 1);
+    let mut fine = vec![f32::NAN; (n + 1) * factor];
+    assert!(filter.apply(shape, &vec![1.0; n + 1], &mut fine).is_ok());
+    assert!(fine.iter().all(|x| x.is_finite()));
 }
 
 fn exercise_envelope(envelope: &Envelope<'_>) {

@@ -6,8 +6,11 @@
 #[path = "../../../tests/golden/bits.rs"]
 mod bits;
 
-use bits::{Found, GOLDEN, Golden, Memory, STAGES, kernels, views};
-use models::{KernelContent, Pieces, SHAPED_NAMES, TURNED_NAMES, VIEWED_NAMES, golden_path};
+use bits::{Found, GOLDEN, Golden, Memory, STAGES, filters, kernels, priors, views};
+use models::{
+    FACE_NAME, FilterContent, KernelContent, Pieces, SHAPED_NAMES, TURNED_NAMES, VIEWED_NAMES,
+    golden_path,
+};
 use sinew_runtime::Model;
 
 fn hashes(golden: &Golden, nudge: f32) -> Found {
@@ -78,17 +81,53 @@ fn the_hash_of_views_sees_one_last_place() {
     assert!(nudged.iter().zip(views::BITS).all(|(nudged, bits)| *nudged != bits));
 }
 
+fn filter_hash(nudge: f32) -> u64 {
+    let model = filters::load().unwrap();
+    let filter = model.filter().unwrap();
+    filters::hash(&filter, nudge, &mut [0.0; 128], &mut [0.0; 512]).unwrap()
+}
+
+#[test]
+fn bits_of_a_filter_are_those_of_every_other_cpu() {
+    let found = filter_hash(0.0);
+    assert_eq!(found, filters::BITS, "found {found:#018x}");
+}
+
+#[test]
+fn the_hash_of_a_filter_sees_one_last_place() {
+    assert_ne!(filter_hash(1.2e-7), filters::BITS);
+}
+
+fn prior_hash(nudge: f32) -> u64 {
+    let model = priors::load().unwrap();
+    priors::hash(model.prior().unwrap(), model.skin().unwrap(), nudge).unwrap()
+}
+
+#[test]
+fn bits_of_pins_are_those_of_every_other_cpu() {
+    let found = prior_hash(0.0);
+    assert_eq!(found, priors::BITS, "found {found:#018x}");
+}
+
+#[test]
+fn the_hash_of_pins_sees_one_last_place() {
+    assert_ne!(prior_hash(1.2e-7), priors::BITS);
+}
+
 /// Set to write what the maker of models makes instead of comparing it.
 const WRITE: &str = "SINEW_WRITE_GOLDEN";
 
 #[test]
-fn the_golden_kernels_skins_and_objects_are_made_as_they_were() {
+fn the_golden_parts_are_made_as_they_were() {
     let kernels =
         [KernelContent::goldens().as_slice(), &[KernelContent::servo()]].map(Pieces::kernels);
     let names = ["kernel-4.snw", "kernel-4-servo.snw"].into_iter().chain(TURNED_NAMES);
-    let names = names.chain(SHAPED_NAMES).chain(VIEWED_NAMES);
+    let names = names.chain(SHAPED_NAMES).chain(VIEWED_NAMES).chain([FACE_NAME]);
+    let names = names.chain(["filter-4.snw"]);
     let all = kernels.into_iter().chain(Pieces::turned()).chain(Pieces::shaped());
-    for (name, pieces) in names.zip(all.chain(Pieces::viewed())) {
+    let all = all.chain(Pieces::viewed()).chain([Pieces::face()]);
+    let all = all.chain([Pieces::filter(&FilterContent::sensor())]);
+    for (name, pieces) in names.zip(all) {
         let made = pieces.bytes();
         if std::env::var_os(WRITE).is_some() {
             std::fs::write(golden_path(name), &made).unwrap();

@@ -5,6 +5,7 @@ mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
 mod correction;
+mod filter;
 mod golden;
 mod kernel;
 mod normals;

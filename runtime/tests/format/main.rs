@@ -6,6 +6,7 @@ mod common;
 mod content;
 mod damage;
 mod document;
+mod filters;
 mod groups;
 mod kernels;
 mod limits;

@@ -5,6 +5,7 @@
 pub mod backend;
 pub mod compare;
 pub mod devices;
+pub mod filters;
 pub mod finding;
 pub mod gpu;
 pub mod kernels;

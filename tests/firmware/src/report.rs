@@ -1,7 +1,11 @@
 //! The bits of every stage, of the golden files and of models baked for this run.
 
+#[cfg(feature = "filter")]
+use crate::bits::filters;
 #[cfg(feature = "kernel")]
 use crate::bits::kernels;
+#[cfg(feature = "prior")]
+use crate::bits::priors;
 #[cfg(feature = "views")]
 use crate::bits::views;
 use crate::bits::{Found, GOLDEN, Memory, POSES, STAGES, hashes};
@@ -57,6 +61,8 @@ pub fn bits() -> bool {
     }
     sound &= of_kernels(memory);
     sound &= of_views(memory);
+    sound &= of_pins();
+    sound &= of_filter(memory);
     print("end\n");
     sound
 }
@@ -118,5 +124,58 @@ fn of_views(memory: &mut Memory) -> bool {
 /// Without views there is nothing to print.
 #[cfg(not(feature = "views"))]
 fn of_views(_: &mut Memory) -> bool {
+    true
+}
+
+/// Prints a hash of the golden face's pins; returns whether it is the promised one.
+#[cfg(feature = "prior")]
+fn of_pins() -> bool {
+    let model = priors::load();
+    let Some((prior, skin)) = model.as_ref().and_then(|model| model.prior().zip(model.skin()))
+    else {
+        say!("pins: not loaded");
+        return false;
+    };
+    match priors::hash(prior, skin, 0.0) {
+        Ok(bits) => {
+            say!("pins {bits:016x}");
+            bits == priors::BITS
+        }
+        Err(error) => {
+            say!("pins: {error}");
+            false
+        }
+    }
+}
+
+/// Without priors there is nothing to print.
+#[cfg(not(feature = "prior"))]
+fn of_pins() -> bool {
+    true
+}
+
+/// Prints a hash of the golden filter; returns whether it is the promised one.
+#[cfg(feature = "filter")]
+fn of_filter(memory: &mut Memory) -> bool {
+    let model = filters::load();
+    let Some(filter) = model.as_ref().and_then(|model| model.filter()) else {
+        say!("filter: not loaded");
+        return false;
+    };
+    match filters::hash(&filter, 0.0, &mut memory.scratch, &mut memory.skin) {
+        Ok(bits) => {
+            say!("filter {bits:016x}");
+            bits == filters::BITS
+        }
+        Err(error) => {
+            say!("filter: {error}");
+            false
+        }
+    }
+}
+
+/// Without the part filter there is nothing to print.
+#[cfg(not(feature = "filter"))]
+fn of_filter(_: &mut Memory) -> bool {
     true
 }

@@ -1,5 +1,6 @@
 //! Everything that an accepted file offers, evaluated and held to what the runtime promises.
 
+use crate::filters::{evaluate_filter, read_filter};
 use crate::kernels::{evaluate_kernel, read_kernel};
 use crate::poses::pose;
 use crate::priors::{evaluate_prior, read_prior};
@@ -35,6 +36,7 @@ pub fn read<B: AsRef<[u8]>>(model: &Model<B>) {
         read_prior(&prior, model.as_bytes());
     }
     model.all_views().for_each(|views| read_views(model, &views));
+    model.filters().for_each(|filter| read_filter(&filter, model.as_bytes()));
     let part = |envelope: Envelope<'_>| envelope.part();
     assert_eq!(model.envelope().map(part), model.envelopes().next().map(part));
 }
@@ -114,6 +116,9 @@ pub fn evaluate<B: AsRef<[u8]>>(model: &Model<B>, numbers: Range<usize>) {
     }
     for map in model.kernels() {
         numbers.clone().for_each(|number| evaluate_kernel(&map, number));
+    }
+    for filter in model.filters() {
+        numbers.clone().for_each(|number| evaluate_filter(&filter, number));
     }
     for views in model.all_views() {
         numbers.clone().for_each(|number| evaluate_views(model, &views, number));

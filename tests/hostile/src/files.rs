@@ -1,6 +1,6 @@
 //! The files that everything starts from.
 
-use models::{GOLDEN, KernelContent, Pieces, ShapeContent};
+use models::{FilterContent, GOLDEN, KernelContent, Pieces, ShapeContent};
 use sinew_runtime::FileError;
 use sinew_runtime::format::Element;
 use sinew_runtime::kernel::Kernel;
@@ -18,7 +18,7 @@ pub fn files() -> &'static [Vec<u8>] {
     &FILES
 }
 
-/// Makes a file of two envelopes, four skins, four kernels, a prior and views: those of a rotational and of a kernel model,
+/// Makes a file of two envelopes, four skins, four kernels, a prior, views and a filter: those of a rotational and of a kernel model,
 /// a skin that follows nothing, two of them with shapes, a kernel with everything that there is and one with little, a
 /// face, an object with two maps.
 fn several() -> Result<Vec<u8>, FileError> {
@@ -35,5 +35,6 @@ fn several() -> Result<Vec<u8>, FileError> {
     out.append(Pieces::face());
     let [object, _] = Pieces::viewed();
     out.append(object);
+    out.add_filter(&FilterContent::sample(2, 5));
     Ok(out.bytes())
 }

@@ -6,6 +6,7 @@
 pub mod abi;
 pub mod evaluate;
 mod files;
+mod filters;
 mod kernels;
 pub mod mutants;
 pub mod poses;

@@ -281,9 +281,10 @@ fn part_row(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Changes a count of an envelope, of a skin or of a kernel, or what a skin follows.
+/// Changes a count of a part, or what a skin follows.
 fn counts(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
-    let kinds = [SectionKind::EnvelopeCounts, SectionKind::SkinCounts, SectionKind::KernelCounts];
+    let parts = [SectionKind::EnvelopeCounts, SectionKind::SkinCounts, SectionKind::KernelCounts];
+    let kinds = [&parts[..], &[SectionKind::PriorCounts, SectionKind::ViewsCounts]].concat();
     let is_counts = |kind: u16| kinds.iter().any(|own| own.number() == kind);
     let own = pieces.sections.iter_mut().filter(|content| is_counts(content.kind));
     let mut own: Vec<_> = own.map(|content| content.bytes.as_chunks_mut::<4>().0).collect();

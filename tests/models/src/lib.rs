@@ -6,6 +6,7 @@
 //! FORMAT.md, and what a reader must find bit for bit as it computes it itself: kernels at rest.
 
 mod bytes;
+mod filters;
 mod golden;
 mod groups;
 pub mod head;
@@ -24,12 +25,13 @@ pub use bytes::{
     blocks, floats, group_row, halves, input_row, kernel_rule, names, output_row, part_row,
     section_row, words,
 };
+pub use filters::FilterContent;
 pub use golden::{GOLDEN, GOLDEN_NAMES, TURNED, TURNED_NAMES, golden_path};
 pub use groups::{GroupContent, sample_groups};
 pub use kernels::{KernelContent, VarianceContent};
 pub use message::{Message, seal};
 pub use pieces::{Content, Pieces};
-pub use priors::PriorContent;
+pub use priors::{FACE_NAME, PriorContent};
 pub use rng::Rng;
 pub use sample::direction;
 pub use shape::{SMALL, Shape};

@@ -73,6 +73,9 @@ impl PriorContent {
     }
 }
 
+/// The golden file of a face, as [`Pieces::face`] makes it.
+pub const FACE_NAME: &str = "prior-4.snw";
+
 impl Pieces {
     /// Appends a prior.
     ///

@@ -5,9 +5,10 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use shaders::{compile, folder, sources};
 use sinew_gpu::layout::{
-    Batch, DeviceLimits, KernelBatch, Plan, Resource, ShapesBatch, Stage, WORKGROUP,
+    Batch, DeviceLimits, FilterBatch, KernelBatch, Plan, Resource, ShapesBatch, Stage, WORKGROUP,
 };
 use sinew_runtime::Model;
+use sinew_runtime::filter::Samples;
 use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
@@ -128,12 +129,21 @@ fn the_uniform_block_is_what_the_layout_writes() {
     let of_skin = golden("shapes-4-f32.snw");
     let skin = of_skin.skin().unwrap();
     let shapes = Plan::of_shapes(&of_skin, &skin, &ShapesBatch::new(&skin, 1), LIMITS).unwrap();
-    let plans =
-        [(envelope, "params.glsl"), (kernel, "kernel_params.glsl"), (shapes, "shapes_params.glsl")];
+    let of_filter = golden("filter-4.snw");
+    let filter = of_filter.filter().unwrap();
+    let batch = FilterBatch::new(&filter, Samples::of_signal(filter.tap_len()));
+    let filter = Plan::of_filter(&of_filter, &filter, &batch, LIMITS).unwrap();
+    let plans = [
+        (envelope, "params.glsl"),
+        (kernel, "kernel_params.glsl"),
+        (shapes, "shapes_params.glsl"),
+        (filter, "filter_params.glsl"),
+    ];
     for (plan, file) in plans {
-        // A kernel, and shapes, have a block of their own.
-        let alone = [Stage::Kernel, Stage::Shapes].map(|stage| plan.stages().eq([stage]));
-        let is_own = |stage: Stage| [Stage::Kernel, Stage::Shapes].map(|own| own == stage) == alone;
+        // A kernel, shapes, and a filter have a block of their own.
+        const ALONE: [Stage; 3] = [Stage::Kernel, Stage::Shapes, Stage::Filter];
+        let alone = ALONE.map(|stage| plan.stages().eq([stage]));
+        let is_own = |stage: Stage| ALONE.map(|own| own == stage) == alone;
         let chunk = &plan.chunks()[0];
         let written: Vec<_> = chunk.params().iter().map(|(name, _)| *name).collect();
         let bytes = chunk.span(Resource::Params).unwrap().bytes;

@@ -8,7 +8,9 @@ mod errors;
 mod evaluated;
 mod handles;
 mod kernels;
+mod priors;
 mod refused;
+mod views;
 
 use handles::Loaded;
 use models::{Pieces, SMALL, Shape};

@@ -8,13 +8,20 @@ use std::process::Command;
 
 const POSES: usize = 1024;
 const C: &str = "-std=c11";
-const CXX: &str = "-std=c++17";
-const GCC: &str = "gcc and g++ (Debian: gcc, g++)";
+pub(crate) const CXX: &str = "-std=c++17";
+pub(crate) const GCC: &str = "gcc and g++ (Debian: gcc, g++)";
 /// Sanitizers end the program at what they find.
-const SANITIZERS: [&str; 3] = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+pub(crate) const SANITIZERS: [&str; 3] =
+    ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
 
 /// Compiles a source of this package against the header, strictly, and links it.
-fn compile(compiler: &str, standard: &str, source: &str, name: &str, more: &[&str]) -> PathBuf {
+pub(crate) fn compile(
+    compiler: &str,
+    standard: &str,
+    source: &str,
+    name: &str,
+    more: &[&str],
+) -> PathBuf {
     let program = scratch().join(name);
     let mut command = Command::new(compiler);
     command.arg(standard).args(STRICT).arg("-I").arg(package().join("include"));
@@ -23,7 +30,7 @@ fn compile(compiler: &str, standard: &str, source: &str, name: &str, more: &[&st
     program
 }
 
-fn static_library() -> String {
+pub(crate) fn static_library() -> String {
     libraries().join("libsinew_capi.a").display().to_string()
 }
 

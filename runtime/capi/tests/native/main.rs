@@ -4,3 +4,4 @@
 mod common;
 mod cortex;
 mod host;
+mod parts;

@@ -2,6 +2,7 @@
 
 use super::{Backend, Failure, Gradients, Loaded, Whole, part};
 use crate::compare::POISON;
+use crate::filters::FilterSubject;
 use crate::kernels::KernelSubject;
 use crate::shapes::ShapeSubject;
 use sinew_gpu::layout::{Attribute, ShapesBatch, SkinBatch, Stage};
@@ -25,7 +26,7 @@ impl Backend for Cpu {
             Stage::Features | Stage::Correction => predictor.corrects(),
             Stage::Confidence => !predictor.corrects(),
             Stage::Skin => loaded.skin.vertex_len() > 0,
-            Stage::Kernel | Stage::Shapes => false,
+            Stage::Kernel | Stage::Shapes | Stage::Filter => false,
         }
     }
 
@@ -208,6 +209,10 @@ impl Backend for Cpu {
             job.run()?;
         }
         Ok(())
+    }
+
+    fn filter(&self, subject: &FilterSubject<'_>, out: &mut [f32]) -> Result<(), Failure> {
+        Ok(subject.filter.apply(subject.shape, &subject.samples, out)?)
     }
 
     fn whole(

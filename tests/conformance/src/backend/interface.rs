@@ -1,6 +1,7 @@
 //! What a backend gives, and what it is asked.
 
 use crate::compare::{POISON, poisoned};
+use crate::filters::FilterSubject;
 use crate::kernels::KernelSubject;
 use crate::shapes::ShapeSubject;
 use sinew_gpu::headless::HeadlessError;
@@ -153,6 +154,12 @@ pub trait Backend {
         batch: &ShapesBatch,
         out: &mut [f32],
     ) -> Result<(), Failure>;
+
+    /// Makes the signals of a subject finer.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn filter(&self, subject: &FilterSubject<'_>, out: &mut [f32]) -> Result<(), Failure>;
 
     /// Goes from poses to palettes, confidences and the skin.
     ///

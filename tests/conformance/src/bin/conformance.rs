@@ -2,9 +2,9 @@
 
 use clap::Parser;
 use conformance::devices::{list, open};
-use conformance::matrix::{Matrix, markdown, page};
+use conformance::matrix::{Matrix, Scope, markdown, page};
 use conformance::subject::{self, FEWER_POSES};
-use conformance::{kernels, shapes};
+use conformance::{filters, kernels, shapes};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -58,13 +58,17 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
     let subjects: Vec<_> =
         subject::trained(POSES).into_iter().chain(subject::shapes(FEWER_POSES)).collect();
     eprintln!("conformance: cpu");
-    let kernels = kernels::kernels(kernels::QUERIES);
-    let shaped = shapes::shapes(shapes::FACES);
-    let mut matrix = Matrix::new(&subjects, &kernels, &shaped);
+    let scope = Scope {
+        subjects,
+        kernels: kernels::kernels(kernels::QUERIES),
+        shaped: shapes::shapes(shapes::FACES),
+        filters: filters::filters(filters::SIGNALS),
+    };
+    let mut matrix = Matrix::new(&scope);
     for info in devices {
         eprintln!("conformance: {}, {}, {}", info.api, info.name, info.driver);
         match open(&info, false) {
-            Ok(device) => matrix.add(&*device, &subjects, &kernels, &shaped),
+            Ok(device) => matrix.add(&*device, &scope),
             Err(error) => matrix.add_unopened(&info, &error),
         }
     }

@@ -2,10 +2,12 @@
 //! stay as it was.
 
 mod batched;
+mod filter;
 mod kernel;
 mod shapes;
 
 use crate::backend::{Backend, Failure, Gradients, Loaded, Whole, floats};
+use crate::filters::FilterSubject;
 use crate::kernels::KernelSubject;
 use crate::shapes::ShapeSubject;
 use batched::Batched;
@@ -195,6 +197,10 @@ impl Backend for Gpu<'_> {
         out: &mut [f32],
     ) -> Result<(), Failure> {
         shapes::evaluate(self.device, &self.limits, subject, batch, out)
+    }
+
+    fn filter(&self, subject: &FilterSubject<'_>, out: &mut [f32]) -> Result<(), Failure> {
+        filter::evaluate(self.device, &self.limits, subject, out)
     }
 
     fn whole(

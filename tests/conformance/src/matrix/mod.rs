@@ -6,4 +6,4 @@ mod table;
 
 pub use markdown::markdown;
 pub use page::page;
-pub use table::{Column, Matrix, Row};
+pub use table::{Column, Matrix, Row, Scope};

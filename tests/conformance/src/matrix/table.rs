@@ -1,11 +1,12 @@
 //! The table: a column a backend, a row a stage.
 
 use crate::backend::{Backend, Cpu, Failure};
+use crate::filters::FilterSubject;
 use crate::finding::{Finding, sound};
 use crate::gpu::Gpu;
 use crate::kernels::KernelSubject;
 use crate::shapes::ShapeSubject;
-use crate::stages::{applies, body, kernel, shapes, whole};
+use crate::stages::{applies, body, filter, kernel, shapes, whole};
 use crate::subject::Subject;
 use serde::Serialize;
 use sinew_gpu::headless::{Device, DeviceInfo};
@@ -37,7 +38,7 @@ pub struct Column {
     pub device: String,
     /// Driver and version.
     pub driver: String,
-    /// Its stages; what goes from a pose to the skin; and last kernels.
+    /// Its stages; what goes from a pose to the skin; and last kernels, shapes and filters.
     pub stages: Vec<Row>,
 }
 
@@ -57,13 +58,22 @@ pub struct Row {
     pub failure: Option<String>,
 }
 
+/// What every backend evaluates.
+pub struct Scope<'a> {
+    /// Characters, with poses.
+    pub subjects: Vec<Subject<'a>>,
+    /// Kernels, with queries.
+    pub kernels: Vec<KernelSubject<'a>>,
+    /// Skins with shapes, with weights.
+    pub shaped: Vec<ShapeSubject<'a>>,
+    /// Filters, with signals.
+    pub filters: Vec<FilterSubject<'a>>,
+}
+
 impl Matrix {
     /// Begins with the CPU.
-    pub fn new(
-        subjects: &[Subject<'_>],
-        kernels: &[KernelSubject<'_>],
-        shaped: &[ShapeSubject<'_>],
-    ) -> Self {
+    pub fn new(scope: &Scope<'_>) -> Self {
+        let Scope { subjects, kernels, .. } = scope;
         let mut out = Self {
             version: env!("CARGO_PKG_VERSION"),
             model_len: subjects.len(),
@@ -73,20 +83,14 @@ impl Matrix {
             backends: Vec::new(),
         };
         let (device, driver) = (std::env::consts::ARCH.to_owned(), "sinew-runtime".to_owned());
-        let stages = rows(&Cpu, subjects, kernels, shaped);
+        let stages = rows(&Cpu, scope);
         out.backends.push(Column { api: "cpu", device, driver, stages });
         out
     }
 
     /// Adds a device.
-    pub fn add(
-        &mut self,
-        device: &dyn Device,
-        subjects: &[Subject<'_>],
-        kernels: &[KernelSubject<'_>],
-        shaped: &[ShapeSubject<'_>],
-    ) {
-        let rows = rows(&Gpu::new(device), subjects, kernels, shaped);
+    pub fn add(&mut self, device: &dyn Device, scope: &Scope<'_>) {
+        let rows = rows(&Gpu::new(device), scope);
         self.backends.push(Column::of(device.info(), rows));
     }
 
@@ -114,27 +118,25 @@ impl Column {
     }
 }
 
-/// Runs every body on every model that has the stage, on every kernel, and on every skin with shapes.
-fn rows(
-    backend: &dyn Backend,
-    subjects: &[Subject<'_>],
-    kernels: &[KernelSubject<'_>],
-    shaped: &[ShapeSubject<'_>],
-) -> Vec<Row> {
-    let of_envelope =
-        Stage::ALL.into_iter().filter(|stage| !matches!(stage, Stage::Kernel | Stage::Shapes));
+/// Runs every body on every model that has the stage, on every kernel, on every skin with shapes, and on every filter.
+fn rows(backend: &dyn Backend, scope: &Scope<'_>) -> Vec<Row> {
+    let alone = |stage: &Stage| matches!(stage, Stage::Kernel | Stage::Shapes | Stage::Filter);
+    let of_envelope = Stage::ALL.into_iter().filter(|stage| !alone(stage));
     let stage = |stage: Stage| {
-        let own = subjects.iter().filter(|subject| applies(stage, backend, &subject.loaded));
+        let own = scope.subjects.iter();
+        let own = own.filter(|subject| applies(stage, backend, &subject.loaded));
         let run = |own: &Subject<'_>| (own.described(), body(stage)(backend, own));
         row(stage.name(), own.map(run))
     };
-    let skinned = subjects.iter().filter(|subject| subject.loaded.skin.vertex_len() > 0);
+    let skinned = scope.subjects.iter().filter(|subject| subject.loaded.skin.vertex_len() > 0);
     let whole = row("whole", skinned.map(|own| (own.described(), whole::body(backend, own))));
-    let kernels = kernels.iter().map(|own| (own.described(), kernel::body(backend, own)));
+    let kernels = scope.kernels.iter().map(|own| (own.described(), kernel::body(backend, own)));
     let kernel = row(Stage::Kernel.name(), kernels);
-    let shaped = shaped.iter().map(|own| (own.described(), shapes::body(backend, own)));
+    let shaped = scope.shaped.iter().map(|own| (own.described(), shapes::body(backend, own)));
     let shaped = row(Stage::Shapes.name(), shaped);
-    of_envelope.map(stage).chain([whole, kernel, shaped]).collect()
+    let filters = scope.filters.iter().map(|own| (own.described(), filter::body(backend, own)));
+    let filter = row(Stage::Filter.name(), filters);
+    of_envelope.map(stage).chain([whole, kernel, shaped, filter]).collect()
 }
 
 /// Adds up what a body finds of each model, by its description.

@@ -9,11 +9,11 @@ use sinew_gpu::layout::Stage;
 /// What is compared of a stage, or of several.
 pub type Body = fn(&dyn Backend, &Subject<'_>) -> Result<Vec<Finding>, Failure>;
 
-/// Returns the body of a stage of an envelope or of its skin; that of a kernel is [`super::kernel::body`], that of shapes
-/// [`super::shapes::body`].
+/// Returns the body of a stage of an envelope or of its skin; kernels, shapes and filters have their own, as
+/// [`super::kernel::body`].
 ///
 /// # Panics
-/// If the stage is a kernel's, or that of shapes.
+/// If the stage is one of those.
 pub fn body(stage: Stage) -> Body {
     match stage {
         Stage::Gradients => gradients::body,
@@ -23,7 +23,7 @@ pub fn body(stage: Stage) -> Body {
         Stage::Correction => correction::body,
         Stage::Confidence => confidence::body,
         Stage::Skin => skin::body,
-        Stage::Kernel | Stage::Shapes => panic!("neither a kernel nor shapes have poses"),
+        Stage::Kernel | Stage::Shapes | Stage::Filter => panic!("it has no poses"),
     }
 }
 

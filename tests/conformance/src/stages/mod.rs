@@ -7,6 +7,7 @@ pub mod bounds;
 pub mod confidence;
 pub mod correction;
 pub mod features;
+pub mod filter;
 pub mod gradients;
 pub mod joints;
 pub mod kernel;

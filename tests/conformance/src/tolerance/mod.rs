@@ -18,6 +18,7 @@ mod confidence;
 mod correction;
 mod directions;
 mod features;
+mod filter;
 mod gradients;
 mod inexact;
 mod joints;
@@ -31,6 +32,7 @@ pub use confidence::confidence;
 pub use correction::correction;
 pub use directions::Direction;
 pub use features::features;
+pub use filter::filter;
 pub use gradients::{gradients, relative, rotations, same_branch};
 pub use inexact::{
     BOUNDS_AT_REST, BOUNDS_POSED, EXACT, Inexact, PSEUDO_SOLVED, SOLVED, Transform, UNDERFLOW,

@@ -1,6 +1,7 @@
 //! Inputs, outputs and tolerances of every stage in plain files, for whoever writes a backend.
 
 mod case;
+mod filter;
 mod folder;
 mod kernel;
 mod shapes;
@@ -9,6 +10,7 @@ mod written;
 
 pub use folder::{Folder, VectorError};
 
+use crate::filters::{self, FilterSubject};
 use crate::models::{self, SHAPES};
 use crate::subject::Subject;
 use ::models::{GOLDEN, KernelContent, Pieces};
@@ -27,6 +29,8 @@ const CHARACTER_POSES: usize = 77;
 const QUERIES: usize = 41;
 /// Lists of weights of a skin's shapes.
 const FACES: usize = 7;
+/// Signals of a filter.
+const SIGNALS: usize = 3;
 
 /// Writes the vectors into a folder that is not there or is empty; it appears whole or not at all.
 ///
@@ -53,6 +57,11 @@ pub fn write(out: &Path) -> Result<(), VectorError> {
     }
     for (element, pieces) in ["f32", "f16", "i8", "few"].into_iter().zip(Pieces::shaped()) {
         shapes::write(&format!("shapes-{element}"), &pieces.bytes(), FACES, &folder)?;
+    }
+    for (bytes, lanes) in filters::files().iter().zip([1, 3, 8, 5]) {
+        let subject = FilterSubject::new(bytes, SIGNALS, lanes);
+        let case = format!("filter-{}-{}", subject.filter.factor(), subject.filter.tap_len());
+        filter::write(&case, bytes, &subject, &folder)?;
     }
     folder.finish()
 }

@@ -1,9 +1,10 @@
 //! The matrix tells what fails, in every form.
 
 use crate::software::{Fault, Software};
-use ::models::{KernelContent, Pieces, ShapeContent};
+use ::models::{FilterContent, KernelContent, Pieces, ShapeContent};
+use conformance::filters::FilterSubject;
 use conformance::kernels::KernelSubject;
-use conformance::matrix::{Matrix, markdown, page};
+use conformance::matrix::{Matrix, Scope, markdown, page};
 use conformance::models::{self, shape_of};
 use conformance::shapes::ShapeSubject;
 use conformance::subject::Subject;
@@ -19,14 +20,18 @@ fn matrix(fault: Option<Fault>) -> Matrix {
     pieces.append(Pieces::kernels(&[KernelContent::servo()]));
     let vertex_len = pieces.section(SectionKind::RestPositions).len() / 12;
     pieces.set_shapes(&ShapeContent::sample(Element::F16, 3, vertex_len));
+    pieces.add_filter(&FilterContent::sample(2, 5));
     let bytes = pieces.bytes();
-    let shaped = [ShapeSubject::new(&bytes, 5)];
-    let subjects = [Subject::new("random", &bytes, 14)];
-    let kernels = [KernelSubject::new(&bytes, 14)];
-    let mut out = Matrix::new(&subjects, &kernels, &shaped);
+    let scope = Scope {
+        subjects: vec![Subject::new("random", &bytes, 14)],
+        kernels: vec![KernelSubject::new(&bytes, 14)],
+        shaped: vec![ShapeSubject::new(&bytes, 5)],
+        filters: vec![FilterSubject::new(&bytes, 2, 3)],
+    };
+    let mut out = Matrix::new(&scope);
     let mut device = Software::new(&bytes, fault);
     device.info.name = "<b>evil | device\n</b>".to_owned();
-    out.add(&device, &subjects, &kernels, &shaped);
+    out.add(&device, &scope);
     out
 }
 
@@ -54,6 +59,9 @@ fn a_bit_is_counted_and_a_stage_left_out_fails() {
 
     let shapes = row(&matrix(Some(Fault::Idle(Stage::Shapes))), "shapes");
     assert!(shapes.cases > 1000 && shapes.failure.is_some());
+
+    let filter = row(&matrix(Some(Fault::Bit(Stage::Filter, Resource::Out, 3))), "filter");
+    assert_eq!((filter.cases, filter.differing, filter.failure), (144, 1, None));
 
     let stray = matrix(Some(Fault::Stray(Stage::Palette, Resource::Scratch, 0)));
     assert!(row(&stray, "palette").failure.unwrap().contains("which is not its own"));

@@ -5,8 +5,11 @@ use conformance::backend::Loaded;
 use sinew_gpu::headless::{Device, DeviceInfo, HeadlessError, Uploaded};
 use sinew_gpu::layout::{Chunk, DeviceLimits, Plan, Resource, Stage};
 use sinew_runtime::envelope::ScratchLayout;
+use sinew_runtime::filter::Samples;
 use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::{CallError, KernelMap, Matrix3x4, Model, ShapesJob, Skin, SkinJob, stages};
+use sinew_runtime::{
+    CallError, Filter, KernelMap, Matrix3x4, Model, ShapesJob, Skin, SkinJob, stages,
+};
 use std::ops::Range;
 use std::time::Duration;
 
@@ -57,6 +60,9 @@ impl Device for Software<'_> {
         } else if plan.stages().eq([Stage::Shapes]) {
             let skin = model.skin().and_then(|skin| skin.layout().open(self.bytes));
             Part::Shapes(skin.expect("it holds a skin"))
+        } else if plan.stages().eq([Stage::Filter]) {
+            let filter = model.filter().and_then(|filter| filter.layout().open(self.bytes));
+            Part::Filter(filter.expect("it holds a filter"))
         } else {
             Part::Envelope(Box::new(Loaded::new(self.bytes)))
         };
@@ -80,6 +86,7 @@ enum Part<'a> {
     Envelope(Box<Loaded<'a>>),
     Kernel(KernelMap<'a>),
     Shapes(Skin<'a>),
+    Filter(Filter<'a>),
 }
 
 struct Batch<'a> {
@@ -121,6 +128,7 @@ impl Uploaded for Batch<'_> {
                     Part::Envelope(loaded) => instance.run(stage, &loaded),
                     Part::Kernel(kernel) => instance.kernel(&kernel),
                     Part::Shapes(skin) => instance.shapes(skin),
+                    Part::Filter(filter) => instance.filter(&filter),
                 };
                 let doing = stage.name();
                 ran.map_err(|e| HeadlessError::Refused { doing, detail: e.to_string() })?;
@@ -249,7 +257,7 @@ impl Instance<'_, '_> {
                 self.put(Resource::Confidences, at, &[value]);
             }
             Stage::Skin => self.skin(loaded.skin, palette_at, palette_floats)?,
-            Stage::Kernel | Stage::Shapes => panic!("an envelope has neither"),
+            Stage::Kernel | Stage::Shapes | Stage::Filter => panic!("an envelope has none"),
         }
         Ok(())
     }
@@ -282,6 +290,16 @@ impl Instance<'_, '_> {
         let weights: &[f32] = &self.take::<f32>(Resource::Weights, at, skin.shape_len());
         let ([positions, normals, tangents], vertices) = self.outputs();
         ShapesJob { skin, weights, vertices, positions, normals, tangents }.run()
+    }
+
+    fn filter(&mut self, filter: &Filter<'_>) -> Result<(), CallError> {
+        let [sample_len, lane_len] = ["sample_len", "lane_len"].map(|name| self.param(name));
+        let at = self.place(Resource::Samples, "samples");
+        let samples: Vec<f32> = self.take(Resource::Samples, at, sample_len * lane_len);
+        let mut out = vec![0.0; samples.len() * filter.factor()];
+        filter.apply(Samples { signal_len: 1, sample_len, lane_len }, &samples, &mut out)?;
+        self.put(Resource::Out, self.place(Resource::Out, "outputs"), &out);
+        Ok(())
     }
 
     /// Where the attributes of this instance are written, and of which vertices.

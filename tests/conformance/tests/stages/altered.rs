@@ -1,6 +1,7 @@
 //! The runtime as a backend that is wrong: what it gives is altered before anyone sees it.
 
 use conformance::backend::{Backend, Cpu, Failure, Gradients, Loaded, Whole};
+use conformance::filters::FilterSubject;
 use conformance::kernels::KernelSubject;
 use conformance::shapes::ShapeSubject;
 use conformance::tolerance::Arithmetic;
@@ -40,6 +41,9 @@ pub(crate) enum Step<'a> {
     },
     Shapes {
         batch: &'a ShapesBatch,
+        out: &'a mut [f32],
+    },
+    Filter {
         out: &'a mut [f32],
     },
     Kernel {
@@ -164,6 +168,12 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         Ok(())
     }
 
+    fn filter(&self, subject: &FilterSubject<'_>, out: &mut [f32]) -> Result<(), Failure> {
+        Cpu.filter(subject, out)?;
+        (self.0)(Step::Filter { out });
+        Ok(())
+    }
+
     fn whole(
         &self,
         loaded: &Loaded<'_>,
@@ -253,6 +263,10 @@ impl Backend for Idle {
     }
 
     fn shapes(&self, _: &ShapeSubject<'_>, _: &ShapesBatch, _: &mut [f32]) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn filter(&self, _: &FilterSubject<'_>, _: &mut [f32]) -> Result<(), Failure> {
         Ok(())
     }
 

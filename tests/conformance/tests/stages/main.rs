@@ -5,6 +5,7 @@ mod altered;
 mod controls;
 mod correction;
 mod empty;
+mod filter;
 mod kernel;
 mod shapes;
 

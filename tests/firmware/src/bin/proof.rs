@@ -8,6 +8,7 @@ use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{
     Certificate, EnvelopeCounts, EnvelopeLayout, GroupRow, Predictor, ScratchLayout,
 };
+use sinew_runtime::filter::{FilterCounts, FilterFit, FilterLayout, Samples};
 use sinew_runtime::format::{
     Axis, Element, FileId, PartKind, PartRow, SectionKind, SectionRow, checksum,
 };
@@ -18,8 +19,8 @@ use sinew_runtime::kernel::{
 use sinew_runtime::prior::{Anchor, PriorCounts, PriorLayout, Temporal};
 use sinew_runtime::skin::{NormalErrors, Output, Rest, ShapeErrors, SkinCounts, SkinLayout, cells};
 use sinew_runtime::{
-    CallError, Envelope, KernelMap, Limits, LocalTransform, Matrix3x4, Model, Pin, PinJob, Pins,
-    Prior, ShapesJob, Skin, SkinJob, Workspace, model_space_pose, stages,
+    CallError, Envelope, Filter, KernelMap, Limits, LocalTransform, Matrix3x4, Model, Pin, PinJob,
+    Pins, Prior, ShapesJob, Skin, SkinJob, Workspace, model_space_pose, stages,
 };
 
 firmware::image!(run);
@@ -72,8 +73,27 @@ fn run() -> bool {
         black_box(kept.counts());
         black_box(kept.open(some(&[])).is_some());
     }
+    let first = [model.filter(), model.filter_named(name)].into_iter().flatten();
+    for filter in first.chain(model.filters()) {
+        of_filter(filter);
+        let kept: FilterLayout = filter.layout();
+        black_box(kept.counts());
+        if let Some(filter) = kept.open(some(&[])) {
+            of_filter(filter);
+        }
+    }
     black_box(model.into_bytes());
     true
+}
+
+#[inline(never)]
+fn of_filter(filter: Filter<'_>) {
+    black_box((filter.name(), filter.part(), filter.file(), filter.counts(), filter.fit()));
+    black_box((filter.tap(index(), index(), index()), filter.variance(index(), index())));
+    black_box(filter.window(index(), index()));
+    let (signal_len, sample_len, lane_len) = (index(), index(), index());
+    let shape = Samples { signal_len, sample_len, lane_len };
+    tell(filter.apply(shape, some(&[]), some_mut(&mut [])));
 }
 
 #[inline(never)]
@@ -186,6 +206,9 @@ fn counts(kind: SectionKind) {
     black_box(NormalErrors::from_figures(black_box([0.0; 2])).figures());
     black_box(ShapeErrors::from_figures(black_box([0.0; 2])).figures());
     kernel_rows(kind);
+    let counts = FilterCounts::from_words(black_box([0; 2]));
+    black_box((counts.section_bytes(kind), counts.words()));
+    black_box(FilterFit::from_figures(black_box([0.0; 3])).figures());
     black_box(Certificate::from_figures(black_box([0.0; 5])).figures());
 }
 

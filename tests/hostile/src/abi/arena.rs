@@ -1,6 +1,9 @@
 //! The memory of one call.
 
+use super::filters::Filtered;
 use super::frame::Frame;
+use super::pinned::{PINS, Pinned};
+use super::viewed::Viewed;
 use models::GOLDEN;
 use sinew_capi::*;
 use std::mem::MaybeUninit;
@@ -8,13 +11,16 @@ use std::ops::Range;
 use std::ptr::{null, null_mut};
 
 /// Bytes between results: more than any element has.
-pub(super) const RESULTS_APART: usize = 64;
+const RESULTS_APART: usize = 64;
 
 /// What memory holds that nothing was written to.
 pub(super) const BLANK: u8 = 0xa5;
 
 /// Places start on multiples of this, which suffices for every type.
 pub(super) const ALIGNMENT: usize = align_of::<u128>();
+
+/// Objects that a file may give.
+pub(super) const OBJECTS: usize = 7;
 
 /// Poses of a batch.
 pub(super) const BATCH: usize = 2;
@@ -35,10 +41,13 @@ pub(super) struct Arena {
     memory: Vec<u128>,
     /// The loaded model; blank where the file was refused.
     pub(super) model: Range<usize>,
-    /// Its first envelope, its first skin and its first kernel; blank where it has none.
+    /// Its first envelope, skin, kernel, prior, views and filter; blank where it has none.
     pub(super) envelope: Range<usize>,
     pub(super) skin: Range<usize>,
     pub(super) kernel: Range<usize>,
+    pub(super) prior: Range<usize>,
+    pub(super) views: Range<usize>,
+    pub(super) filter: Range<usize>,
     pub(super) file: Range<usize>,
     /// The file that takes its place, where one does.
     other: Range<usize>,
@@ -50,7 +59,17 @@ pub(super) struct Arena {
     pub(super) rest: [Range<usize>; 3],
     pub(super) weights: Range<usize>,
     pub(super) query: Range<usize>,
-    /// Room for a name, limits or a job.
+    /// Room for pins.
+    pub(super) pins: Range<usize>,
+    /// A frame of views.
+    pub(super) points: Range<usize>,
+    pub(super) visibility: Range<usize>,
+    pub(super) scores: Range<usize>,
+    /// Room for parameters of a map.
+    pub(super) parameters: Range<usize>,
+    /// Room for samples.
+    pub(super) samples: Range<usize>,
+    /// Room for a name, limits, a shape or a job.
     pub(super) argument: Range<usize>,
     /// Room for results.
     pub(super) results: Range<usize>,
@@ -81,7 +100,14 @@ impl Arena {
             + sinew_envelope_bytes()
             + sinew_skin_bytes()
             + sinew_kernel_bytes()
+            + sinew_prior_bytes()
+            + sinew_views_bytes()
+            + sinew_filter_bytes()
+            + frame.filter.as_ref().map_or(0, Filtered::result_bytes)
+            + frame.prior.as_ref().map_or(0, Pinned::result_bytes)
+            + frame.views.as_ref().map_or(0, Viewed::result_bytes)
             + 4 * ways.max().unwrap_or_default()
+            + size_of_val(&*frame.weights)
             + 4 * (frame.scratch_len + 32 * 2 * (frame.vertex_len + 1))
             + BATCH * size_of_val(&*frame.palette)
             + size_of_val(&*frame.pose)
@@ -92,6 +118,9 @@ impl Arena {
             envelope: place(sinew_envelope_bytes()),
             skin: place(sinew_skin_bytes()),
             kernel: place(sinew_kernel_bytes()),
+            prior: place(sinew_prior_bytes()),
+            views: place(sinew_views_bytes()),
+            filter: place(sinew_filter_bytes()),
             file: place(file.len()),
             other: place(if since == Since::Reloaded { other.len() } else { 0 }),
             local: place(size_of_val(&*frame.local)),
@@ -101,13 +130,19 @@ impl Arena {
             rest: [12, 12, 16].map(|bytes| place(bytes * frame.vertex_len)),
             weights: place(size_of_val(&*frame.weights)),
             query: place(size_of_val(&*frame.query)),
+            pins: place(frame.prior.as_ref().map_or(0, |_| PINS * size_of::<sinew_pin>())),
+            points: place(frame.views.as_ref().map_or(0, |views| 12 * views.points.len())),
+            visibility: place(frame.views.as_ref().map_or(0, |views| 4 * views.points.len())),
+            scores: place(frame.views.as_ref().map_or(0, |views| 4 * views.scores.len())),
+            parameters: place(frame.views.as_ref().map_or(0, |views| 4 * views.parameter_len())),
+            samples: place(frame.filter.as_ref().map_or(0, Filtered::sample_bytes)),
             argument: place(
-                frame
-                    .envelope_name
-                    .len()
-                    .max(frame.skin_name.len())
-                    .max(frame.kernel_name.len())
-                    .max(size_of::<sinew_skin_job>()),
+                [size_of::<sinew_skin_job>(), size_of::<sinew_pin_job>()]
+                    .into_iter()
+                    .chain([size_of::<sinew_frame_job>(), size_of::<sinew_render_job>()])
+                    .chain(frame.names().map(str::len))
+                    .max()
+                    .unwrap_or_default(),
             ),
             results: place(results + 6 * (RESULTS_APART + ALIGNMENT)),
             frame,
@@ -135,6 +170,9 @@ impl Arena {
         let local = frame.local.iter().flat_map(|l| l.rotation.into_iter().chain(l.translation));
         let poses = floats(&frame.pose).collect::<Vec<_>>().repeat(BATCH);
         let remap = frame.remap.iter().flat_map(|vertex| vertex.to_ne_bytes());
+        let views = |floats: &dyn Fn(&Viewed) -> &[f32]| {
+            frame.views.as_ref().map_or(Vec::new(), |views| floats(views).to_vec())
+        };
         let [positions, normals, tangents] = self.rest.clone().map(|place| place.start);
         for (place, content) in [
             (self.local.start, bytes(local)),
@@ -143,6 +181,9 @@ impl Arena {
             (self.remap.start, remap.collect()),
             (self.weights.start, bytes(frame.weights.iter().copied())),
             (self.query.start, bytes(frame.query.iter().copied())),
+            (self.points.start, bytes(views(&|views| views.points.as_flattened()))),
+            (self.visibility.start, bytes(views(&|views| &views.visibility))),
+            (self.scores.start, bytes(views(&|views| &views.scores))),
             (positions, bytes(frame.rest_positions.as_flattened().iter().copied())),
             (normals, bytes(frame.rest_normals.as_flattened().iter().copied())),
             (tangents, bytes(frame.rest_tangents.as_flattened().iter().copied())),
@@ -152,7 +193,7 @@ impl Arena {
         self.frame = frame;
     }
 
-    /// Loads the model and opens its first envelope, skin and kernel, as far as there are any.
+    /// Loads the model and opens its first part of each kind, as far as there are any.
     fn open(&mut self) {
         let refusal = self.frame.refusal.map_or(sinew_status::Ok, |error| error.status);
         assert_eq!(self.load(self.file.clone()), refusal, "C and Rust do not agree on a file");
@@ -177,6 +218,24 @@ impl Arena {
         let opened =
             unsafe { sinew_kernel_open(model, null(), 0, 0, place, bytes, &raw mut kernel, error) };
         assert_eq!(opened == sinew_status::Ok, self.frame.has_kernel, "{opened:?}");
+        let (place, bytes) = (self.at(self.prior.start), self.prior.len());
+        let mut prior = null();
+        // SAFETY: the same.
+        let opened =
+            unsafe { sinew_prior_open(model, null(), 0, 0, place, bytes, &raw mut prior, error) };
+        assert_eq!(opened == sinew_status::Ok, self.frame.prior.is_some(), "{opened:?}");
+        let (place, bytes) = (self.at(self.views.start), self.views.len());
+        let mut views = null();
+        // SAFETY: the same.
+        let opened =
+            unsafe { sinew_views_open(model, null(), 0, 0, place, bytes, &raw mut views, error) };
+        assert_eq!(opened == sinew_status::Ok, self.frame.views.is_some(), "{opened:?}");
+        let (place, bytes) = (self.at(self.filter.start), self.filter.len());
+        let mut filter = null();
+        // SAFETY: the same.
+        let opened =
+            unsafe { sinew_filter_open(model, null(), 0, 0, place, bytes, &raw mut filter, error) };
+        assert_eq!(opened == sinew_status::Ok, self.frame.filter.is_some(), "{opened:?}");
     }
 
     /// Loads the model.
@@ -198,6 +257,12 @@ impl Arena {
     /// Returns the content of the file that the parts were opened in.
     pub(super) fn file_bytes(&self) -> &[u8] {
         &self.content().1[..self.file.len()]
+    }
+
+    /// Lists the places of objects: the model's, then the parts'.
+    pub(super) fn objects(&self) -> [&Range<usize>; OBJECTS] {
+        let Self { model, envelope, skin, kernel, prior, views, filter, .. } = self;
+        [model, envelope, skin, kernel, prior, views, filter]
     }
 
     /// Points to a place.
@@ -227,13 +292,15 @@ impl Arena {
 
     /// Asks the objects that are as they were for what they tell of themselves: the model for its blob, the
     /// parts for what describes them. Of those that are not there it is nothing.
-    pub(super) fn told(&mut self, [model, envelope, skin, kernel]: [bool; 4]) -> Told {
+    pub(super) fn told(&mut self, kept: [bool; OBJECTS]) -> Told {
+        let [model, envelope, skin, kernel, prior, views, filter] = kept;
         let mut told = Told::default();
         let (mut blob, mut blob_bytes, error) = (null(), 0, null_mut());
         let (mut envelope_info, mut skin_info) = (MaybeUninit::uninit(), MaybeUninit::uninit());
-        let mut kernel_info = MaybeUninit::uninit();
-        let [at_model, at_envelope, at_skin, at_kernel] =
-            [&self.model, &self.envelope, &self.skin, &self.kernel].map(|object| object.start);
+        let (mut prior_info, mut views_info) = (MaybeUninit::uninit(), MaybeUninit::uninit());
+        let (mut kernel_info, mut filter_info) = (MaybeUninit::uninit(), MaybeUninit::uninit());
+        let [at_model, at_envelope, at_skin, at_kernel, at_prior, at_views, at_filter] =
+            self.objects().map(|object| object.start);
         let done = |status| status == sinew_status::Ok;
         let at = self.at(at_model);
         // SAFETY: a place that is blank, empty or holds a model, and two values to be written.
@@ -259,6 +326,24 @@ impl Arena {
             // SAFETY: the call has succeeded and written it.
             told.kernel = Some(unsafe { kernel_info.assume_init() });
         }
+        let (at, out) = (self.at(at_prior), prior_info.as_mut_ptr());
+        // SAFETY: a place that is blank or holds a prior, whose model is as it was.
+        if model && prior && done(unsafe { sinew_prior_describe(at, out, error) }) {
+            // SAFETY: the call has succeeded and written it.
+            told.prior = Some(unsafe { prior_info.assume_init() });
+        }
+        let (at, out) = (self.at(at_views), views_info.as_mut_ptr());
+        // SAFETY: a place that is blank or holds views, whose model is as it was.
+        if model && views && done(unsafe { sinew_views_describe(at, out, error) }) {
+            // SAFETY: the call has succeeded and written it.
+            told.views = Some(unsafe { views_info.assume_init() });
+        }
+        let (at, out) = (self.at(at_filter), filter_info.as_mut_ptr());
+        // SAFETY: a place that is blank or holds a filter, whose model is as it was.
+        if model && filter && done(unsafe { sinew_filter_describe(at, out, error) }) {
+            // SAFETY: the call has succeeded and written it.
+            told.filter = Some(unsafe { filter_info.assume_init() });
+        }
         told
     }
 
@@ -271,6 +356,11 @@ impl Arena {
     }
 }
 
+/// Returns where the next result starts.
+pub(super) const fn result_after(end: usize) -> usize {
+    end.next_multiple_of(ALIGNMENT) + RESULTS_APART
+}
+
 /// What objects tell of themselves.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Told {
@@ -278,6 +368,9 @@ pub(super) struct Told {
     envelope: Option<sinew_envelope_info>,
     skin: Option<sinew_skin_info>,
     kernel: Option<sinew_kernel_info>,
+    prior: Option<sinew_prior_info>,
+    views: Option<sinew_views_info>,
+    filter: Option<sinew_filter_info>,
 }
 
 /// Lists the floats of transforms.

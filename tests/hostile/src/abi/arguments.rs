@@ -1,7 +1,7 @@
 //! The arguments of a call: mostly as they should be, else with a fault that a library can see, or
 //! anywhere in the arena.
 
-use super::arena::{RESULTS_APART, Since};
+use super::arena::{Since, result_after};
 use super::call::Call;
 use crate::recipe;
 use arbitrary::Result;
@@ -76,6 +76,27 @@ impl Call<'_, '_> {
         let fault = self.part_fault(self.arena.frame.has_kernel, Argument::Kernel);
         let places = [self.arena.kernel.clone(), self.arena.envelope.clone()];
         self.handle(places, fault, Argument::Kernel)
+    }
+
+    /// Draws the handle of a prior.
+    pub(super) fn prior(&mut self) -> Result<*const sinew_prior> {
+        let fault = self.part_fault(self.arena.frame.prior.is_some(), Argument::Prior);
+        let places = [self.arena.prior.clone(), self.arena.kernel.clone()];
+        self.handle(places, fault, Argument::Prior)
+    }
+
+    /// Draws the handle of views.
+    pub(super) fn views(&mut self) -> Result<*const sinew_views> {
+        let fault = self.part_fault(self.arena.frame.views.is_some(), Argument::Views);
+        let places = [self.arena.views.clone(), self.arena.prior.clone()];
+        self.handle(places, fault, Argument::Views)
+    }
+
+    /// Draws the handle of a filter.
+    pub(super) fn filter(&mut self) -> Result<*const sinew_filter> {
+        let fault = self.part_fault(self.arena.frame.filter.is_some(), Argument::Filter);
+        let places = [self.arena.filter.clone(), self.arena.views.clone()];
+        self.handle(places, fault, Argument::Filter)
     }
 
     /// Draws the handle of a skin.
@@ -314,7 +335,7 @@ impl Call<'_, '_> {
     /// Takes the next room for results, some way behind the last: one result too many is no overlap.
     pub(super) fn result_place(&mut self, bytes: usize) -> Range<usize> {
         let start = self.next_result;
-        self.next_result = (start + bytes).next_multiple_of(align_of::<u128>()) + RESULTS_APART;
+        self.next_result = result_after(start + bytes);
         assert!(start + bytes <= self.arena.results.end);
         start..start + bytes
     }

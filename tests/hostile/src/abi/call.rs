@@ -1,9 +1,10 @@
 //! One call: its arguments are drawn, then what it did is held to what the header promises.
 
-use super::arena::{Arena, Told};
+use super::arena::{Arena, OBJECTS, Told};
 use super::header::promises;
 use arbitrary::{Result, Unstructured};
 use sinew_capi::*;
+use sinew_runtime::CallError;
 use std::ops::Range;
 use std::ptr::null_mut;
 
@@ -99,6 +100,22 @@ impl<'a, 'b> Call<'a, 'b> {
         self.faults.is_empty() && !self.vague && self.error_goes != ErrorGoes::Astray
     }
 
+    /// Remembers what the runtime makes of arguments that are where they should be: why it refuses them, or what it
+    /// gives, which is returned; of others nothing.
+    pub(super) fn by_runtime(
+        &mut self,
+        run: impl FnOnce(&Arena) -> std::result::Result<Vec<u8>, CallError>,
+    ) -> Vec<u8> {
+        if self.vague {
+            return Vec::new();
+        }
+        run(self.arena).unwrap_or_else(|refusal| {
+            let refusal = sinew_error::from(refusal);
+            self.fault(refusal.status, refusal.argument);
+            Vec::new()
+        })
+    }
+
     /// Ends the arguments: what the memory holds now is what the call must not touch. Returns where
     /// the error goes.
     ///
@@ -107,7 +124,7 @@ impl<'a, 'b> Call<'a, 'b> {
         if self.faultless() {
             self.expected = expected(self.arena);
         }
-        let told = self.arena.told([true; 4]);
+        let told = self.arena.told([true; OBJECTS]);
         self.before = (self.arena.content().1.to_vec(), told);
         let error = self.errors.as_mut_ptr();
         match self.error_goes {
@@ -155,10 +172,12 @@ impl<'a, 'b> Call<'a, 'b> {
         }
         // An object that the call does not read may be written to: it is one no more, and is not asked.
         let spared = |place| !written.iter().any(|written| meets(written, place));
-        let Arena { model, envelope, skin, kernel, .. } = &*self.arena;
-        let kept = [model, envelope, skin, kernel].map(spared);
+        let kept = self.arena.objects().map(spared);
         let found = self.arena.told(kept);
-        assert!(kept != [true; 4] || found == told, "{function} changed an object: {found:?}");
+        assert!(
+            kept != [true; OBJECTS] || found == told,
+            "{function} changed an object: {found:?}"
+        );
     }
 
     /// Holds the status, and what was told of it, to what is known of the arguments.

@@ -1,5 +1,8 @@
 //! What the runtime makes of a file: the inputs of its calls, and what they must give.
 
+use super::filters::Filtered;
+use super::pinned::Pinned;
+use super::viewed::Viewed;
 use crate::kernels::query;
 use crate::poses;
 use sinew_capi::sinew_error;
@@ -10,7 +13,7 @@ use sinew_runtime::{
 };
 use std::ops::Range;
 
-/// The inputs of a file's first envelope, first skin and first kernel, and results of its calls.
+/// The inputs of a file's first part of each kind, and results of its calls.
 #[derive(Default)]
 pub(super) struct Frame {
     /// Why the file is refused.
@@ -50,6 +53,10 @@ pub(super) struct Frame {
     pub(super) query: Vec<f32>,
     /// An evaluation, a Jacobian and a variance.
     pub(super) ways: [Evaluated; 3],
+
+    pub(super) prior: Option<Pinned>,
+    pub(super) views: Option<Viewed>,
+    pub(super) filter: Option<Filtered>,
 }
 
 /// What comes of one way to evaluate a kernel.
@@ -97,7 +104,19 @@ impl Frame {
         if let Some(map) = model.kernel() {
             frame.add_kernel(&map, pose_number);
         }
+        frame.prior = model.prior().map(|prior| Pinned::new(&prior));
+        frame.views = model.views().map(|views| Viewed::new(&model, &views, pose_number));
+        frame.filter = model.filter().map(|filter| Filtered::new(&filter));
         frame
+    }
+
+    /// Lists the names of the parts.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        let names = [&self.envelope_name, &self.skin_name, &self.kernel_name].into_iter();
+        let prior = self.prior.as_ref().map(|prior| &prior.name);
+        let views = self.views.as_ref().map(|views| &views.name);
+        let filter = self.filter.as_ref().map(|filter| &filter.name);
+        names.chain(prior).chain(views).chain(filter).map(String::as_str)
     }
 
     fn add_envelope(&mut self, envelope: &Envelope<'_>, pose_number: usize) {

@@ -2,11 +2,14 @@
 
 use super::arena::{BATCH, BLANK, bytes, floats};
 use super::call::Call;
+use super::filters;
 use super::frame::Asked;
 use super::kernels;
 use super::outputs::{FLOATS, outputs};
+use super::priors;
 use super::shapes;
 use super::shared::{optional, unknown, wanted};
+use super::views;
 use crate::recipe;
 use arbitrary::Result;
 use sinew_capi::*;
@@ -20,7 +23,7 @@ use sinew_status as Status;
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions by their names.
-pub(super) const FUNCTIONS: [(&str, Function); 32] = [
+pub(super) const FUNCTIONS: [(&str, Function); 44] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
     ("sinew_model_describe", model_describe),
@@ -53,6 +56,18 @@ pub(super) const FUNCTIONS: [(&str, Function); 32] = [
     ("sinew_kernel_evaluate", kernels::evaluate),
     ("sinew_kernel_jacobian", kernels::jacobian),
     ("sinew_kernel_variance", kernels::variance),
+    ("sinew_prior_open", priors::open),
+    ("sinew_prior_describe", priors::describe),
+    ("sinew_skin_place", priors::place),
+    ("sinew_pins_solve", priors::solve),
+    ("sinew_views_open", views::open),
+    ("sinew_views_describe", views::describe),
+    ("sinew_views_map", views::map),
+    ("sinew_views_frame", views::frame),
+    ("sinew_views_render", views::render),
+    ("sinew_filter_open", filters::open),
+    ("sinew_filter_describe", filters::describe),
+    ("sinew_filter_apply", filters::apply),
 ];
 
 fn limits_default(call: &mut Call<'_, '_>) -> Result<sinew_status> {

@@ -7,13 +7,18 @@
 mod arena;
 mod arguments;
 mod call;
+mod filters;
 mod frame;
 mod functions;
 mod header;
 mod kernels;
 mod outputs;
+mod pinned;
+mod priors;
 mod shapes;
 mod shared;
+mod viewed;
+mod views;
 
 use crate::recipe;
 use arbitrary::{Result, Unstructured};
@@ -77,7 +82,7 @@ mod tests {
     use super::one_call;
     use crate::recipe;
     use arbitrary::Unstructured;
-    use models::{GOLDEN, KernelContent, Pieces};
+    use models::{FilterContent, GOLDEN, KernelContent, Pieces, ViewsContent};
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use sinew_runtime::format::SectionKind;
@@ -88,6 +93,15 @@ mod tests {
     fn every_function_that_can_fail_is_called() {
         let called = FUNCTIONS.map(|(name, _)| name).into_iter().collect::<BTreeSet<_>>();
         assert_eq!(called, promises().keys().copied().collect());
+    }
+
+    /// An object whose map goes by a rotation.
+    fn turned() -> Pieces {
+        let mut map = KernelContent::map("walk", 51);
+        map.inputs = KernelContent::servo().inputs.split_off(2);
+        let mut pieces = Pieces::kernels(&[map]);
+        pieces.add_views(&ViewsContent::sample(vec![0], false));
+        pieces
     }
 
     #[test]
@@ -101,13 +115,18 @@ mod tests {
         files.extend([empty, bare, loose, Pieces::face()].map(|pieces| pieces.bytes()));
         let kernels = [KernelContent::every(Kernel::Quintic), KernelContent::servo()];
         files.extend(kernels.map(|content| Pieces::kernels(&[content]).bytes()));
+        files.extend(Pieces::viewed().into_iter().chain([turned()]).map(|pieces| pieces.bytes()));
+        files.push(Pieces::filter(&FilterContent::sample(2, 5)).bytes());
         let mut random = ChaCha8Rng::seed_from_u64(138);
         let mut seen = BTreeSet::new();
-        for number in 0..120_000 {
+        for number in 0..180_000 {
             let mut bytes = [0; 160];
             random.fill_bytes(&mut bytes);
             let (script, recipe) = bytes.split_at(96);
-            let file = files.get(number % 11).cloned().unwrap_or_else(|| recipe::file(recipe));
+            let file = files
+                .get(number % (files.len() + 2))
+                .cloned()
+                .unwrap_or_else(|| recipe::file(recipe));
             if let Ok((name, status)) = one_call(&mut Unstructured::new(script), &file) {
                 seen.insert((name, status as i32));
             }

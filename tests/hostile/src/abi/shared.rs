@@ -1,6 +1,6 @@
 //! What functions of several parts take: which part is wanted, results that may go nowhere.
 
-use super::arena::{Arena, Since};
+use super::arena::{Arena, BLANK, Since, result_after};
 use super::call::Call;
 use arbitrary::Result;
 use sinew_capi::*;
@@ -56,4 +56,16 @@ pub(super) fn optional<T>(call: &mut Call<'_, '_>, argument: Argument) -> Result
         call.faults.truncate(drawn);
     }
     Ok(out)
+}
+
+/// Lays out what results must hold, in the order in which they were drawn.
+pub(super) fn laid<const N: usize>(results: [Vec<u8>; N]) -> Vec<u8> {
+    let mut out = Vec::new();
+    for (at, result) in results.into_iter().enumerate() {
+        if at > 0 {
+            out.resize(result_after(out.len()), BLANK);
+        }
+        out.extend(result);
+    }
+    out
 }

@@ -45,7 +45,10 @@ fn every_flipped_bit_is_refused_and_harmless_when_sealed() {
     for golden in files() {
         let mut accepted = 0;
         let mut file = golden.clone();
-        for bit in 0..8 * golden.len() {
+        // Of the file of several parts, which takes as long as all others, one bit of each byte, in turn.
+        let several = golden.len() > 20_000;
+        let is_flipped = |bit: &usize| !several || (bit / 8 + bit / 32) % 8 == bit % 8;
+        for bit in (0..8 * golden.len()).filter(is_flipped) {
             file.copy_from_slice(golden);
             file[bit / 8] ^= 1 << (bit % 8);
             match refusal(&file) {
@@ -61,7 +64,8 @@ fn every_flipped_bit_is_refused_and_harmless_when_sealed() {
                 usize::from(targets::run_poses(&file, bit % KINDS..bit % KINDS + 1).is_ok());
         }
         // Of most floats most bits may change: the second half of the test has evaluated something.
-        assert!(accepted > 3 * golden.len(), "{accepted}");
+        let least = if several { golden.len() / 3 } else { 3 * golden.len() };
+        assert!(accepted > least, "{accepted}");
     }
 }
 

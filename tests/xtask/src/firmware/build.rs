@@ -19,6 +19,8 @@ pub(super) enum Image {
     SizeAny,
     SizeAll,
     SizeServo,
+    Sensor,
+    SizeSensor,
     SizeNormals,
     SizeViews,
     SizeShapes,
@@ -30,6 +32,8 @@ impl Image {
     /// Images of the runtime without its features.
     const ENVELOPES: &[Self] =
         &[Self::Minimal, Self::Bare, Self::SizeRotational, Self::SizeAny, Self::SizeAll];
+    /// Images of the part filter.
+    const FILTER: &[Self] = &[Self::Sensor, Self::SizeSensor];
     /// Images of the part kernel.
     const KERNEL: &[Self] = &[Self::Servo, Self::SizeServo];
 
@@ -38,9 +42,10 @@ impl Image {
             Self::Cost => Some("cortex-m"),
             Self::CostServo => Some("cortex-m,kernel"),
             Self::CostNormals => Some("cortex-m,tangent-coefficients"),
-            Self::Bits => Some("kernel,prior,shapes,tangent-coefficients,views"),
-            Self::Proof => Some("kernel,prior,shapes,tangent-coefficients"),
+            Self::Bits => Some("filter,kernel,prior,shapes,tangent-coefficients,views"),
+            Self::Proof => Some("filter,kernel,prior,shapes,tangent-coefficients"),
             Self::Servo | Self::SizeServo => Some("kernel"),
+            Self::Sensor | Self::SizeSensor => Some("filter"),
             Self::SizeNormals => Some("tangent-coefficients"),
             Self::SizeViews => Some("views"),
             Self::SizeShapes => Some("shapes"),
@@ -65,6 +70,8 @@ impl Image {
             Self::SizeAny => "size_any",
             Self::SizeAll => "size_all",
             Self::SizeServo => "size_servo",
+            Self::Sensor => "sensor",
+            Self::SizeSensor => "size_sensor",
             Self::SizeNormals => "size_normals",
             Self::SizeViews => "size_views",
             Self::SizeShapes => "size_shapes",
@@ -112,6 +119,7 @@ pub(super) fn others(folder: &Path) -> Result<(), String> {
         let own = [
             Image::ENVELOPES,
             Image::KERNEL,
+            Image::FILTER,
             &[Image::SizeNormals],
             &[Image::SizeViews],
             &[Image::SizeShapes],
@@ -171,7 +179,7 @@ pub(super) fn lint(folder: &Path) -> Result<(), String> {
         .args([
             "--bins",
             "--features",
-            "control,cortex-m,kernel,prior,shapes,tangent-coefficients,views",
+            "control,cortex-m,filter,kernel,prior,shapes,tangent-coefficients,views",
         ])
         .args(triple(M4F));
     crate::call::run(command.args(["--", "-D", "warnings"]))

@@ -24,6 +24,7 @@ pub(crate) fn firmware() -> Result<(), String> {
     same_bits(running)?;
     shown(&folder, Image::Minimal, "confidence ")?;
     shown(&folder, Image::Servo, "angle ")?;
+    shown(&folder, Image::Sensor, "fine samples ")?;
     no_panic(&folder)?;
     no_allocator(&folder)?;
     costs(&folder)
@@ -115,7 +116,7 @@ fn no_allocator(folder: &Path) -> Result<(), String> {
     let symbols = |image| -> Result<Vec<String>, String> {
         Ok(Elf::read(&path(folder, M4F, Profile::Release, image))?.allocator())
     };
-    for image in [Image::Proof, Image::Bits, Image::Cost, Image::Servo] {
+    for image in [Image::Proof, Image::Bits, Image::Cost, Image::Servo, Image::Sensor] {
         let found = symbols(image)?;
         if !found.is_empty() {
             return Err(format!("{}: an allocator is linked: {found:?}", image.name()));
@@ -156,6 +157,7 @@ fn costs(folder: &Path) -> Result<(), String> {
             ("any", Image::SizeAny),
             ("all", Image::SizeAll),
             ("servo", Image::SizeServo),
+            ("sensor", Image::SizeSensor),
             ("normals", Image::SizeNormals),
             ("views", Image::SizeViews),
             ("shapes", Image::SizeShapes),

@@ -1,0 +1,93 @@
+//! Batches of a filter, and what they ask for.
+
+use super::array::Array;
+use super::demand::{Demand, Member, array_members, check_stride, section_member, threads};
+use super::error::LayoutError;
+use super::resource::Resource;
+use super::stage::Stage;
+use sinew_runtime::filter::Samples;
+use sinew_runtime::format::{PartKind, SectionKind};
+use sinew_runtime::{Filter, Model};
+
+/// Signals that a filter makes finer, and where in the host's buffers they lie: an instance is a signal.
+///
+/// Offsets and strides count floats. An image of H rows of W pixels of C channels is along its columns one signal of H
+/// samples of W C lanes, and along its rows a signal of W samples of C lanes for each row. What a CPU refuses, a number
+/// that is not finite, a GPU takes nevertheless.
+#[derive(Clone, Debug)]
+pub struct FilterBatch {
+    /// How many signals there is room for. A frame can evaluate fewer, the first ones; nothing is written for the
+    /// others.
+    pub instance_len: usize,
+    /// Samples of a signal; at least [`Filter::tap_len`].
+    pub sample_len: usize,
+    /// Numbers of a sample.
+    pub lane_len: usize,
+    /// [`Resource::Samples`]: `sample_len * lane_len` floats. A stride of 0 gives all the same.
+    pub samples: Array,
+    /// [`Resource::Out`]: F times as many.
+    pub outputs: Array,
+}
+
+impl FilterBatch {
+    /// Describes signals without gaps.
+    pub fn new(filter: &Filter<'_>, samples: Samples) -> Self {
+        let Samples { signal_len, sample_len, lane_len } = samples;
+        let stride = sample_len.saturating_mul(lane_len);
+        Self {
+            instance_len: signal_len,
+            sample_len,
+            lane_len,
+            samples: Array { offset: 0, stride },
+            outputs: Array { offset: 0, stride: stride.saturating_mul(filter.factor()) },
+        }
+    }
+}
+
+/// Checks a batch against a model and a filter, and says what it asks for.
+pub(super) fn demand(
+    model: &Model<impl AsRef<[u8]>>,
+    filter: &Filter<'_>,
+    batch: &FilterBatch,
+) -> Result<Demand, LayoutError> {
+    if filter.file() != model.id() {
+        return Err(LayoutError::OtherFile { part: PartKind::Filter });
+    }
+    if batch.instance_len == 0 {
+        return Err(LayoutError::NoInstances);
+    }
+    let (least, found) = (filter.tap_len(), batch.sample_len);
+    if found < least {
+        return Err(LayoutError::Samples { least, found });
+    }
+    let coarse_len = batch.sample_len.saturating_mul(batch.lane_len);
+    let fine_len = coarse_len.saturating_mul(filter.factor());
+    if batch.lane_len == 0 {
+        return Err(LayoutError::NoLanes);
+    }
+    check_stride(Resource::Out, fine_len, batch.outputs.stride)?;
+    let counts = [
+        ("factor", filter.factor()),
+        ("tap_len", filter.tap_len()),
+        ("sample_len", batch.sample_len),
+        ("lane_len", batch.lane_len),
+    ];
+    let counts = counts.map(|(name, number)| (name, Member::Number(number)));
+    let taps = section_member(model, Some(filter.part()), SectionKind::FilterTaps);
+    let places = [
+        (["samples_offset", "samples_stride"], Resource::Samples, batch.samples),
+        (["outputs_offset", "outputs_stride"], Resource::Out, batch.outputs),
+    ];
+    let places = places.into_iter();
+    let places = places.flat_map(|(names, own, array)| array_members(names, own, Some(array)));
+    Ok(Demand {
+        instance_len: batch.instance_len,
+        stages: vec![(Stage::Filter, threads(fine_len))],
+        arrays: vec![
+            (Resource::Samples, batch.samples, coarse_len),
+            (Resource::Out, batch.outputs, fine_len),
+        ],
+        members: counts.into_iter().chain([taps]).chain(places).collect(),
+        blob_bytes: model.blob().len() as u64,
+    })
+}

@@ -1,0 +1,191 @@
+//! A filter, what the file says of it, and the signals that it makes finer.
+
+use crate::argument::sinew_argument;
+use crate::border::{self, Array, Loaded, Object};
+use crate::error::sinew_error;
+use crate::model::sinew_model;
+use crate::part::{self, Opened, Part, Wanted};
+use crate::status::sinew_status;
+use core::ffi::{c_char, c_void};
+use core::mem::{align_of, size_of};
+use sinew_runtime::filter::{FilterLayout, Samples};
+use sinew_runtime::{Filter, Model};
+
+/// Elements of a `uintptr_t` array that holds a filter on every target:
+/// `uintptr_t memory[SINEW_FILTER_WORDS]`.
+pub const SINEW_FILTER_WORDS: usize = 48;
+
+/// Weights that make a signal finer. It points to its model: where that has been loaded again with another file,
+/// or is loaded no more, every call refuses the filter.
+pub struct sinew_filter(Loaded<Opened<FilterLayout>>);
+
+impl Object for sinew_filter {
+    type Value = Opened<FilterLayout>;
+    const TAG: u32 = u32::from_le_bytes(*b"SnwF");
+    const ARGUMENT: sinew_argument = sinew_argument::Filter;
+
+    fn loaded(&self) -> &Loaded<Self::Value> {
+        &self.0
+    }
+}
+
+impl Part for sinew_filter {
+    type Layout = FilterLayout;
+    type View<'a> = Filter<'a>;
+
+    fn named(loaded: Loaded<Self::Value>) -> Self {
+        Self(loaded)
+    }
+
+    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<FilterLayout> {
+        let mut found = model.filters().filter(|each| name.is_none_or(|name| each.name() == name));
+        found.nth(index).map(|filter| filter.layout())
+    }
+
+    fn view<'a>(layout: &FilterLayout, file: &'a [u8]) -> Option<Filter<'a>> {
+        layout.open(file)
+    }
+}
+
+const _: () = {
+    assert!(size_of::<sinew_filter>() <= SINEW_FILTER_WORDS * size_of::<usize>());
+    assert!(align_of::<sinew_filter>() <= align_of::<usize>());
+};
+
+/// What a filter is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_filter_info {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    pub name: *const c_char,
+    /// Bytes of the name.
+    pub name_len: usize,
+    /// Its number among the file's parts.
+    pub part: u32,
+    /// F, fine samples of each coarse one.
+    pub factor: usize,
+    /// N, coarse samples that each fine one is made of: no signal may be shorter.
+    pub tap_len: usize,
+    /// From one coarse sample to the next, in the unit of what the signal runs along; 0 if it has none.
+    pub step: f32,
+    /// RMS error over samples that were left out, in the signal's unit; 0 if it was not measured.
+    pub left_out_rms: f32,
+    /// The same of linear interpolation.
+    pub linear_rms: f32,
+}
+
+/// How samples lie: signals one after the other, of samples one after the other, of lanes side by side. An image
+/// of H rows of W pixels of C channels is along its columns one signal of H samples of W C lanes, and along its rows H
+/// signals of W samples of C lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct sinew_samples {
+    /// Signals.
+    pub signal_len: usize,
+    /// Samples of each signal.
+    pub sample_len: usize,
+    /// Numbers of each sample, each of which goes by itself.
+    pub lane_len: usize,
+}
+
+/// Returns the bytes of memory that a filter needs: at most those of `SINEW_FILTER_WORDS` words.
+#[unsafe(no_mangle)]
+pub extern "C" fn sinew_filter_bytes() -> usize {
+    size_of::<sinew_filter>()
+}
+
+/// Opens a filter of a model.
+///
+/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `index`: which of those; 0 for the first.
+/// - `memory`, `memory_bytes`: for the filter; at least `sinew_filter_bytes()`, aligned as a `uintptr_t`.
+/// - `out_filter`: receives the handle, which is `memory`.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_filter_open(
+    model: *const sinew_model,
+    name: *const c_char,
+    name_len: usize,
+    index: usize,
+    memory: *mut c_void,
+    memory_bytes: usize,
+    out_filter: *mut *const sinew_filter,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let wanted = Wanted { name, name_len, index };
+    // SAFETY: the caller's promise is passed on.
+    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_filter) };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Says what a filter is made of.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_filter_describe(
+    filter: *const sinew_filter,
+    out_info: *mut sinew_filter_info,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (filter, reads) = unsafe { part::view(filter) }?;
+        let out = Array::one(out_info, sinew_argument::Result)?;
+        border::apart(&[out.span()], &reads)?;
+        let fit = filter.fit();
+        let info = sinew_filter_info {
+            name: filter.name().as_ptr().cast(),
+            name_len: filter.name().len(),
+            part: filter.part() as u32,
+            factor: filter.factor(),
+            tap_len: filter.tap_len(),
+            step: fit.step,
+            left_out_rms: fit.left_out_rms,
+            linear_rms: fit.linear_rms,
+        };
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(info) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Makes samples `sinew_filter_info.factor` times as fine. Two calls make an image finer, one along its columns and one
+/// along its rows.
+///
+/// - `shape`: how the samples lie.
+/// - `samples`, `samples_len`: the numbers.
+/// - `out_samples`, `out_len`: factor times as many; they lie likewise, with factor times as many samples a signal.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_filter_apply(
+    filter: *const sinew_filter,
+    shape: *const sinew_samples,
+    samples: *const f32,
+    samples_len: usize,
+    out_samples: *mut f32,
+    out_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (filter, [own, model, file]) = unsafe { part::view(filter) }?;
+        let shape = Array::one(shape, sinew_argument::Shape)?;
+        let samples = Array::new(samples, samples_len, sinew_argument::Samples)?;
+        let out = Array::new(out_samples, out_len, sinew_argument::Outputs)?;
+        border::apart(&[out.span()], &[own, model, file, shape.span(), samples.span()])?;
+        // SAFETY: lent by the caller; what is written is apart from it.
+        let shape = unsafe { shape.read() }.first().copied();
+        let shape = shape.ok_or(sinew_error::new(sinew_status::Null, sinew_argument::Shape))?;
+        let sinew_samples { signal_len, sample_len, lane_len } = shape;
+        let shape = Samples { signal_len, sample_len, lane_len };
+        // SAFETY: lent by the caller; what is written is apart from all else.
+        Ok(filter.apply(shape, unsafe { samples.read() }, unsafe { out.write() })?)
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}

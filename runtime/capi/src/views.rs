@@ -1,0 +1,404 @@
+//! Views, what the file says of them, their frames and their pictures.
+
+use crate::argument::sinew_argument;
+use crate::border::{self, Array, Loaded, Object, Span};
+use crate::error::sinew_error;
+use crate::model::sinew_model;
+use crate::part::{self, Opened, Part, Wanted};
+use crate::status::sinew_status;
+use core::ffi::{c_char, c_void};
+use core::mem::{align_of, size_of};
+use sinew_runtime::views::{Order, ViewsLayout};
+use sinew_runtime::{Frame, FrameJob, KernelMap, Model, RenderJob, Views};
+
+/// Elements of a `uintptr_t` array that holds views on every target: `uintptr_t memory[SINEW_VIEWS_WORDS]`.
+pub const SINEW_VIEWS_WORDS: usize = 48;
+
+/// A drawn object between its key views. It points to its model: where that has been loaded again with another
+/// file, or is loaded no more, every call refuses the views.
+pub struct sinew_views(Loaded<Opened<ViewsLayout>>);
+
+impl Object for sinew_views {
+    type Value = Opened<ViewsLayout>;
+    const TAG: u32 = u32::from_le_bytes(*b"SnwV");
+    const ARGUMENT: sinew_argument = sinew_argument::Views;
+
+    fn loaded(&self) -> &Loaded<Self::Value> {
+        &self.0
+    }
+}
+
+impl Part for sinew_views {
+    type Layout = ViewsLayout;
+    type View<'a> = Views<'a>;
+
+    fn named(loaded: Loaded<Self::Value>) -> Self {
+        Self(loaded)
+    }
+
+    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<ViewsLayout> {
+        let mut found =
+            model.all_views().filter(|each| name.is_none_or(|name| each.name() == name));
+        found.nth(index).map(|views| views.layout())
+    }
+
+    fn view<'a>(layout: &ViewsLayout, file: &'a [u8]) -> Option<Views<'a>> {
+        layout.open(file)
+    }
+}
+
+const _: () = {
+    assert!(size_of::<sinew_views>() <= SINEW_VIEWS_WORDS * size_of::<usize>());
+    assert!(align_of::<sinew_views>() <= align_of::<usize>());
+};
+
+/// What views are made of, and what they were measured to reach; lengths are in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_views_info {
+    /// Their name: UTF-8 in the file's bytes, not ended by a zero.
+    pub name: *const c_char,
+    /// Bytes of the name.
+    pub name_len: usize,
+    /// Their number among the file's parts.
+    pub part: u32,
+    /// 1 if they move as another object does, else 0.
+    pub is_transferred: u32,
+    /// K, control points.
+    pub point_len: usize,
+    /// E, elements.
+    pub element_len: usize,
+    /// N, key views.
+    pub view_len: usize,
+    /// M, maps.
+    pub map_len: usize,
+    /// By how much a key view's score must be above that of the one before.
+    pub margin: f32,
+    /// RMS over points and examples of the distance to the examples.
+    pub rms_error: f32,
+    /// The same, each example left out of its own fit; 0 if it was not measured.
+    pub left_out_rms: f32,
+    /// Share of the points whose visibility is that of the examples.
+    pub visibility: f32,
+}
+
+/// A map of an object: a kernel, which `sinew_kernel_open` opens by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct sinew_map_info {
+    /// Its name: UTF-8 in the file's bytes, not ended by a zero.
+    pub name: *const c_char,
+    /// Bytes of the name.
+    pub name_len: usize,
+    /// Its number among the file's parts.
+    pub part: u32,
+    /// Numbers of its parameters.
+    pub parameters_len: usize,
+    /// Floats of scratch that a frame needs.
+    pub scratch_len: usize,
+}
+
+/// Evaluates a map of an object.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct sinew_frame_job {
+    /// The object.
+    pub views: *const sinew_views,
+    /// The number of the map.
+    pub map: usize,
+    /// `sinew_map_info.parameters_len` numbers, as `sinew_kernel_evaluate` takes a query.
+    pub parameters: *const f32,
+    /// Their number.
+    pub parameters_len: usize,
+    /// The characteristic view of the frame before.
+    pub last_view: usize,
+    /// 1 if there is a frame before, else 0.
+    pub has_last: u32,
+    /// By how much a key view's score must be above that of the one before: `sinew_views_info.margin`, or another.
+    pub margin: f32,
+    /// At least `sinew_map_info.scratch_len` floats, of any content.
+    pub scratch: *mut f32,
+    /// Their number.
+    pub scratch_len: usize,
+    /// Receives K points: x to the right and y down, in pixels of the screen, and depth, which grows away from the
+    /// viewer.
+    pub points: *mut [f32; 3],
+    /// Their number.
+    pub points_len: usize,
+    /// Receives K visibilities; above 0.5 a point is visible.
+    pub visibility: *mut f32,
+    /// Their number.
+    pub visibility_len: usize,
+    /// Receives N scores of key views.
+    pub scores: *mut f32,
+    /// Their number.
+    pub scores_len: usize,
+}
+
+/// What a frame job found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_found {
+    /// The characteristic view.
+    pub view: usize,
+    /// The map's confidence in the parameters.
+    pub confidence: f32,
+}
+
+/// Draws an object into a picture.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct sinew_render_job {
+    /// The object.
+    pub views: *const sinew_views,
+    /// K points, as a frame job gives them.
+    pub points: *const [f32; 3],
+    /// Their number.
+    pub points_len: usize,
+    /// K visibilities; an element with a point that is not above 0.5 is not drawn.
+    pub visibility: *const f32,
+    /// Their number.
+    pub visibility_len: usize,
+    /// N scores: what the characteristic view does not show is textured by the view of the highest score that does.
+    pub scores: *const f32,
+    /// Their number.
+    pub scores_len: usize,
+    /// The characteristic view.
+    pub view: usize,
+    /// Width of the picture in pixels.
+    pub width: usize,
+    /// Pixels row by row from the top, red, green, blue and alpha: sRGB, each times its alpha. Drawn over.
+    pub pixels: *mut [u8; 4],
+    /// Their number, of whole rows.
+    pub pixels_len: usize,
+    /// Null to blend elements by their mean depth, one over the other; else a float a pixel, infinite where nothing
+    /// has been drawn: then the nearest is seen at each pixel.
+    pub depths: *mut f32,
+    /// Their number.
+    pub depths_len: usize,
+    /// Without depths E numbers of scratch, of any content.
+    pub order: *mut u16,
+    /// Their number.
+    pub order_len: usize,
+}
+
+/// What a render job drew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct sinew_drawn {
+    /// Elements drawn.
+    pub element_len: usize,
+    /// Those of them that are turned over against their texture, or folded.
+    pub flipped_len: usize,
+}
+
+/// Returns the bytes of memory that views need: at most those of `SINEW_VIEWS_WORDS` words.
+#[unsafe(no_mangle)]
+pub extern "C" fn sinew_views_bytes() -> usize {
+    size_of::<sinew_views>()
+}
+
+/// Opens views of a model.
+///
+/// - `name`, `name_len`: their name, without a zero at its end; null for any.
+/// - `index`: which of those; 0 for the first.
+/// - `memory`, `memory_bytes`: for the views; at least `sinew_views_bytes()`, aligned as a `uintptr_t`.
+/// - `out_views`: receives the handle, which is `memory`.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_views_open(
+    model: *const sinew_model,
+    name: *const c_char,
+    name_len: usize,
+    index: usize,
+    memory: *mut c_void,
+    memory_bytes: usize,
+    out_views: *mut *const sinew_views,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let wanted = Wanted { name, name_len, index };
+    // SAFETY: the caller's promise is passed on.
+    let body = || unsafe { part::open(model, &wanted, memory, memory_bytes, out_views) };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Says what views are made of.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_views_describe(
+    views: *const sinew_views,
+    out_info: *mut sinew_views_info,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (views, reads) = unsafe { part::view(views) }?;
+        let out = Array::one(out_info, sinew_argument::Result)?;
+        border::apart(&[out.span()], &reads)?;
+        let fit = views.fit();
+        let info = sinew_views_info {
+            name: views.name().as_ptr().cast(),
+            name_len: views.name().len(),
+            part: views.part() as u32,
+            is_transferred: u32::from(views.is_transferred()),
+            point_len: views.point_len(),
+            element_len: views.element_len(),
+            view_len: views.view_len(),
+            map_len: views.counts().map_len as usize,
+            margin: fit.margin,
+            rms_error: fit.rms_error,
+            left_out_rms: fit.left_out_rms,
+            visibility: fit.visibility,
+        };
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(info) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Describes a map.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_views_map(
+    views: *const sinew_views,
+    map: usize,
+    out_map: *mut sinew_map_info,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (views, model, reads) = unsafe { part::view_in(views) }?;
+        let out = Array::one(out_map, sinew_argument::Result)?;
+        border::apart(&[out.span()], &reads)?;
+        let map = map_of(model, &views, map)?;
+        let info = sinew_map_info {
+            name: map.name().as_ptr().cast(),
+            name_len: map.name().len(),
+            part: map.part() as u32,
+            parameters_len: map.query_len(),
+            scratch_len: views.counts().frame_scratch_len(&map.counts()),
+        };
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(info) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Runs a frame job: from parameters to points, visibilities, scores and the characteristic view.
+///
+/// - `out_found`: receives what it found.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `OUT_OF_RANGE`, `NON_FINITE`,
+/// `ZERO_ROTATION`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_views_frame(
+    job: *const sinew_frame_job,
+    out_found: *mut sinew_found,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let job = Array::one(job, sinew_argument::Job)?;
+        let job_span = job.span();
+        // SAFETY: lent by the caller; copied at once.
+        let job = unsafe { job.read() }.first().copied();
+        let job = job.ok_or(sinew_error::new(sinew_status::Null, sinew_argument::Job))?;
+        // SAFETY: the caller's promise is passed on.
+        let (views, model, [own, handle, file]) = unsafe { part::view_in(job.views) }?;
+        let parameters = Array::new(job.parameters, job.parameters_len, sinew_argument::Query)?;
+        let scratch = Array::new(job.scratch, job.scratch_len, sinew_argument::Scratch)?;
+        let points = Array::new(job.points, job.points_len, sinew_argument::Points)?;
+        let visibility =
+            Array::new(job.visibility, job.visibility_len, sinew_argument::Visibility)?;
+        let scores = Array::new(job.scores, job.scores_len, sinew_argument::Scores)?;
+        let out = Array::one(out_found, sinew_argument::Result)?;
+        let written = [scratch.span(), points.span(), visibility.span(), scores.span(), out.span()];
+        border::apart(&written, &[own, handle, file, job_span, parameters.span()])?;
+        let map = map_of(model, &views, job.map)?;
+        // SAFETY: lent by the caller; what is written is apart from all else.
+        let (parameters, scratch) = unsafe { (parameters.read(), scratch.write()) };
+        // SAFETY: likewise.
+        let (points, visibility, scores) =
+            unsafe { (points.write(), visibility.write(), scores.write()) };
+        let last = (job.has_last != 0).then_some(job.last_view);
+        let run = FrameJob { views, map, parameters, last, margin: job.margin };
+        let found = run.run(scratch, Frame { points, visibility, scores })?;
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(sinew_found { view: found.view, confidence: found.confidence }) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Runs a render job: from points to a picture, over what it holds.
+///
+/// - `out_drawn`: null, or receives what it drew.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NON_FINITE`, `TOO_LONG`,
+/// `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_views_render(
+    job: *const sinew_render_job,
+    out_drawn: *mut sinew_drawn,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let job = Array::one(job, sinew_argument::Job)?;
+        let job_span = job.span();
+        // SAFETY: lent by the caller; copied at once.
+        let job = unsafe { job.read() }.first().copied();
+        let job = job.ok_or(sinew_error::new(sinew_status::Null, sinew_argument::Job))?;
+        // SAFETY: the caller's promise is passed on.
+        let (views, [own, handle, file]) = unsafe { part::view(job.views) }?;
+        let points = Array::new(job.points, job.points_len, sinew_argument::Points)?;
+        let visibility =
+            Array::new(job.visibility, job.visibility_len, sinew_argument::Visibility)?;
+        let scores = Array::new(job.scores, job.scores_len, sinew_argument::Scores)?;
+        let pixels = Array::new(job.pixels, job.pixels_len, sinew_argument::Pixels)?;
+        let depths = Array::given(job.depths, job.depths_len, sinew_argument::Depths)?;
+        let order = Array::new(job.order, job.order_len, sinew_argument::Scratch)?;
+        let drawn = Array::optional(out_drawn, sinew_argument::Result)?;
+        let depths_span = depths.as_ref().map_or(Span::NOWHERE, Array::span);
+        let written = [pixels.span(), depths_span, order.span(), drawn.span()];
+        let [points_span, visibility_span] = [points.span(), visibility.span()];
+        let reads = [own, handle, file, job_span, points_span, visibility_span, scores.span()];
+        border::apart(&written, &reads)?;
+        // SAFETY: lent by the caller; what is written is apart from all else.
+        let (points, visibility, scores) =
+            unsafe { (points.read(), visibility.read(), scores.read()) };
+        let (view, width) = (job.view, job.width);
+        let run = RenderJob { views, points, visibility, scores, view, width };
+        // SAFETY: likewise.
+        let (pixels, order, drawn) = unsafe { (pixels.write(), order.write(), drawn.write()) };
+        let order = match depths {
+            // SAFETY: likewise.
+            Some(depths) => Order::Depth(unsafe { depths.write() }),
+            None => Order::Painter(order),
+        };
+        let done = run.run(order, pixels)?;
+        let (element_len, flipped_len) = (done.element_len, done.flipped_len);
+        drawn.fill(sinew_drawn { element_len, flipped_len });
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Finds a map of an object.
+fn map_of<'a>(
+    model: &'a Model<&'static [u8]>,
+    views: &Views<'_>,
+    map: usize,
+) -> Result<KernelMap<'a>, sinew_error> {
+    let most = (views.counts().map_len as usize).saturating_sub(1);
+    let beyond = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Map).values(most, map);
+    model.map_of(views, map).ok_or(beyond)
+}

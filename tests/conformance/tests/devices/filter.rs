@@ -1,0 +1,84 @@
+//! Filters on real devices: lavapipe has the CPU's bits, others are within the tolerances.
+
+use crate::lavapipe::{APIS, lavapipe};
+use crate::software::{Fault, Software};
+use conformance::backend::Failure;
+use conformance::devices::{Counter, LAVAPIPE, list, open};
+use conformance::filters::{FilterSubject, SIGNALS, files, filters};
+use conformance::finding::sound;
+use conformance::gpu::Gpu;
+use conformance::stages::filter::body;
+use sinew_gpu::headless::Device;
+use sinew_gpu::layout::{DeviceLimits, Resource, Stage};
+
+/// Runs every filter; returns the values compared, and how many differ.
+fn evaluate(device: &dyn Device, signal_len: usize) -> (usize, usize) {
+    let (mut values, mut differing) = (0, 0);
+    for subject in filters(signal_len) {
+        // The second cuts batches into chunks of few signals.
+        let blob = subject.model.blob().len().next_multiple_of(4) as u64;
+        let cut = DeviceLimits { storage_binding_bytes: blob.max(24 << 10), ..device.limits() };
+        for limits in [device.limits(), cut] {
+            let findings = body(&Gpu { device, limits }, &subject);
+            let findings = findings.unwrap_or_else(|e| panic!("{}: {e}", subject.described()));
+            assert_eq!(sound(&findings), Ok(()), "{}", subject.described());
+            for finding in findings {
+                values += finding.values;
+                differing += finding.differing;
+            }
+        }
+    }
+    (values, differing)
+}
+
+#[test]
+fn a_device_that_is_wrong_about_filters_is_caught() {
+    for bytes in files() {
+        let subject = FilterSubject::new(bytes, 5, 3);
+        let run = |fault| body(&Gpu::new(&Software::new(bytes, fault)), &subject);
+        let right = run(None).unwrap();
+        assert!(sound(&right) == Ok(()) && right.iter().all(|finding| finding.differing == 0));
+        let flipped = run(Some(Fault::Bit(Stage::Filter, Resource::Out, 3))).unwrap();
+        assert!(flipped.iter().any(|finding| finding.differing > 0), "one bit");
+        let idle = run(Some(Fault::Idle(Stage::Filter))).unwrap();
+        assert!(sound(&idle).is_err(), "left alone");
+        // Before the first sample, and before the first that is written.
+        for (resource, float) in [(Resource::Samples, 3), (Resource::Out, 1)] {
+            let stray = run(Some(Fault::Stray(Stage::Filter, resource, float)));
+            assert!(matches!(stray, Err(Failure::Touched { .. })), "{resource:?} {float}");
+        }
+    }
+}
+
+#[test]
+fn lavapipe_has_the_bits_of_the_cpu() {
+    for api in APIS {
+        let device = open(&lavapipe(api), false).unwrap();
+        let (values, differing) = evaluate(&*device, SIGNALS);
+        println!("{:?}: {differing} of {values} values have other bits", device.info());
+        assert_eq!(differing, 0);
+        assert!(values > 100_000, "{values}");
+    }
+}
+
+#[test]
+fn validation_is_silent() {
+    Counter::install();
+    for api in APIS {
+        let before = Counter::message_len();
+        let device = open(&lavapipe(api), true).unwrap();
+        let (values, _) = evaluate(&*device, 7);
+        let counted = device.message_len().unwrap_or_else(|| Counter::message_len() - before);
+        assert!(values > 30_000 && counted == 0, "{counted} messages");
+    }
+}
+
+#[test]
+fn every_other_device_is_within_the_tolerances() {
+    for info in list().unwrap().iter().filter(|info| info.driver != LAVAPIPE) {
+        let device = open(info, false).unwrap();
+        let (values, differing) = evaluate(&*device, SIGNALS);
+        println!("{info:?}: {differing} of {values} values have other bits");
+        assert!(values > 100_000, "{values}");
+    }
+}

@@ -1,0 +1,109 @@
+//! The functions of filters, with the arguments that they take.
+
+use super::arena::bytes;
+use super::call::Call;
+use super::shared::{unknown, wanted};
+use crate::recipe;
+use arbitrary::Result;
+use sinew_capi::*;
+use sinew_runtime::filter::Samples;
+use sinew_runtime::{Filter, Model};
+
+use sinew_argument as Argument;
+use sinew_status as Status;
+
+/// The most of each that a call takes: signals, samples beyond the window, lanes.
+const MOST: [usize; 3] = [2, 2, 9];
+
+/// A file's first filter.
+pub(super) struct Filtered {
+    pub(super) name: String,
+    factor: usize,
+    tap_len: usize,
+}
+
+impl Filtered {
+    pub(super) fn new(filter: &Filter<'_>) -> Self {
+        let (name, factor) = (filter.name().to_owned(), filter.factor());
+        Self { name, factor, tap_len: filter.tap_len() }
+    }
+
+    /// Returns the bytes of the most samples that a call takes.
+    pub(super) fn sample_bytes(&self) -> usize {
+        let [signals, more, lanes] = MOST;
+        4 * signals * (self.tap_len + more) * lanes
+    }
+
+    /// Returns the bytes of what its calls write.
+    pub(super) fn result_bytes(&self) -> usize {
+        self.factor * self.sample_bytes()
+    }
+}
+
+pub(super) fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let own = call.arena.frame.filter.as_ref().map(|filter| filter.name.clone());
+    let model = call.model()?;
+    let (is_there, own) = (own.is_some(), own.unwrap_or_default());
+    let (name, name_len, index) = wanted(call, is_there, own, Argument::Filter)?;
+    let (memory, bytes) = call.memory(sinew_filter_bytes())?;
+    let out = call.output_one(Argument::Result)?;
+    let error = call.ready(unknown);
+    // SAFETY: as for each call of `functions`: pointers are null, misaligned, or into the arena, with
+    // lengths that stay within it or reach beyond the address space; handles are null, misaligned, or
+    // point to enough of it, where an object is loaded or the memory is blank or empty.
+    Ok(unsafe { sinew_filter_open(model, name, name_len, index, memory, bytes, out, error) })
+}
+
+pub(super) fn describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let (filter, out) = (call.filter()?, call.output_one(Argument::Result)?);
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_filter_describe(filter, out, error) })
+}
+
+pub(super) fn apply(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let filter = call.filter()?;
+    let own = call.arena.frame.filter.as_ref();
+    let (factor, tap_len) = own.map_or((0, 0), |own| (own.factor, own.tap_len));
+    let shape = shape(call, tap_len)?;
+    let Samples { signal_len, sample_len, lane_len } = shape;
+    let len = signal_len * sample_len * lane_len;
+    let mut samples: Vec<f32> = (0..len).map(|at| 0.25 * (at % 7) as f32 - 0.5).collect();
+    if call.one_in(4)? {
+        let at = call.u.choose_index(len.max(1))?;
+        let float = recipe::float(call.u)?;
+        samples.iter_mut().skip(at).take(1).for_each(|sample| *sample = float);
+    }
+    let start = call.arena.samples.start;
+    call.arena.write(start, &bytes(samples.iter().copied()));
+    let place = call.arena.argument.start;
+    let at = call.arena.at::<sinew_samples>(place);
+    // SAFETY: the place is aligned and large enough, and the structure has no padding.
+    unsafe { at.write(sinew_samples { signal_len, sample_len, lane_len }) };
+    // Any other bytes would be numbers that nothing is known of.
+    let at_shape = call.input_fixed(place, Argument::Shape)?;
+    let (given, given_len) = call.input(start..start + 4 * len, len, Argument::Samples)?;
+    let (out, out_len) = call.output_exact(factor * len, factor * len, Argument::Outputs)?;
+    let right = call.by_runtime(|arena| {
+        let Ok(model) = Model::from_bytes(arena.file_bytes()) else { return Ok(Vec::new()) };
+        let Some(filter) = model.filter() else { return Ok(Vec::new()) };
+        let mut fine = vec![f32::NAN; factor * len];
+        filter.apply(shape, &samples, &mut fine)?;
+        Ok(bytes(fine))
+    });
+    let error = call.ready(|_| right);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_filter_apply(filter, at_shape, given, given_len, out, out_len, error) })
+}
+
+/// Draws how samples lie.
+fn shape(call: &mut Call<'_, '_>, tap_len: usize) -> Result<Samples> {
+    let [signals, more, lanes] = MOST;
+    let is_short = tap_len > 0 && call.one_in(8)?;
+    call.fault_if(is_short, Status::TooShort, Argument::Samples);
+    let sample_len =
+        if is_short { tap_len - 1 } else { tap_len + call.u.int_in_range(0..=more)? };
+    let (signal_len, lane_len) =
+        (call.u.int_in_range(0..=signals)?, call.u.int_in_range(0..=lanes)?);
+    Ok(Samples { signal_len, sample_len, lane_len })
+}
