@@ -10,7 +10,7 @@ pub(crate) const VIEWS: [&[u8]; 2] =
 
 /// A hash of each of them. Change these only with a reason that the commit states: they are the promise of
 /// METHOD §7.
-pub(crate) const BITS: [u64; 2] = [0xa27f_1a8d_4772_bafa, 0xe56e_4528_7412_5083];
+pub(crate) const BITS: [u64; 2] = [0xe6d0_f161_165e_6ecc, 0xeeac_b6a1_b284_066c];
 
 /// Frames of a hash.
 const FRAMES: usize = 64;

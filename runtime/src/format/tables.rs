@@ -168,7 +168,7 @@ impl Element {
 /// A row of the section table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SectionRow {
-    /// Number of a [`SectionKind`].
+    /// Number of a [`super::SectionKind`].
     pub kind: u16,
     /// Row of the part table that it belongs to.
     pub part: u16,

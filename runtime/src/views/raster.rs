@@ -2,7 +2,9 @@
 
 use super::cover::{Step, area, cover, snap};
 use super::texture::{ALPHA_MAX, Colour, Texture};
+use crate::lanes::{Eight, Lanes, ROUND, Real};
 use crate::numeric::{greater, lesser, sqrt};
+use glam::Vec4;
 
 /// A corner of an element.
 #[derive(Clone, Copy, Debug, Default)]
@@ -97,19 +99,32 @@ impl Screen<'_> {
         let e_g = area(p, q, r) - area(p, q, s);
         let g_f = area(p, r, s) - area(p, q, s);
         let size = self.size();
+        let mut batch = Batch::default();
+        let corners = [a, b, c, d];
+        let xs = corners.map(|corner| corner.texel[0]);
+        let ys = corners.map(|corner| corner.texel[1]);
+        let depths = corners.map(|corner| corner.depth);
+        let bends = [e_g, g_f].map(|bend| bend as f32);
+        let mut flush = |batch: &Batch, len: usize| {
+            let shares = batch.shares(bends);
+            let places = [xs, ys, depths].map(|numbers| bilinear(numbers, shares));
+            let [x, y, depth] = places.each_ref().map(Eight::floats);
+            let pixels = batch.pixels.iter().zip(x).zip(y).zip(depth);
+            for (((at, x), y), depth) in pixels.take(len) {
+                self.put(*at, *depth, [*x, *y], texture);
+            }
+        };
+        let mut len = 0;
         cover(&ring, size, |[x, y], [above, beyond, below, before]| {
-            let s = root(before, beyond, e_g);
-            let t = root(above, below, g_f);
-            let at = |a: f32, b: f32, c: f32, d: f32| {
-                let (top, bottom) = (a + (b - a) * s, d + (c - d) * s);
-                top + (bottom - top) * t
-            };
-            let ([ax, ay], [bx, by]) = (a.texel, b.texel);
-            let ([cx, cy], [dx, dy]) = (c.texel, d.texel);
-            let texel = [at(ax, bx, cx, dx), at(ay, by, cy, dy)];
-            let depth = at(a.depth, b.depth, c.depth, d.depth);
-            self.put(y * size[0] + x, depth, texel, texture);
+            let slopes = [beyond + before - e_g, below + above - g_f];
+            batch.set(len, y * size[0] + x, [before, above], slopes);
+            len += 1;
+            if len == BATCH {
+                flush(&batch, len);
+                len = 0;
+            }
         });
+        flush(&batch, len);
     }
 
     fn size(&self) -> [usize; 2] {
@@ -127,22 +142,87 @@ impl Screen<'_> {
         };
         let Some(nearest) = depths.get_mut(at).filter(|nearest| depth < **nearest) else { return };
         let colour = texture.colour(texel);
-        if colour[3] >= 0.5 * ALPHA_MAX {
+        if colour.w >= 0.5 * ALPHA_MAX {
             *nearest = depth;
-            *pixel = over(colour, [0; 4]);
+            *pixel = rounded(colour * (1.0 / 255.0));
         }
     }
+}
+
+/// Pixels of a quad whose places in it are computed together.
+const BATCH: usize = 8;
+
+/// Pixels of a quad: of each, across and down, the edge function at the way's beginning, and the slope of [`share`].
+#[derive(Default)]
+struct Batch {
+    pixels: [usize; BATCH],
+    before: [[f32; BATCH]; 2],
+    slopes: [[f32; BATCH]; 2],
+}
+
+impl Batch {
+    #[inline(always)]
+    fn set(&mut self, at: usize, pixel: usize, before: [i64; 2], slopes: [i64; 2]) {
+        if let Some(out) = self.pixels.get_mut(at) {
+            *out = pixel;
+        }
+        let rows = self.before.iter_mut().chain(&mut self.slopes);
+        for (row, number) in rows.zip(before.into_iter().chain(slopes)) {
+            if let Some(out) = row.get_mut(at) {
+                *out = number as f32;
+            }
+        }
+    }
+
+    /// Returns the shares across and down.
+    #[inline(always)]
+    fn shares(&self, [across, down]: [f32; 2]) -> [Lanes; 2] {
+        let [left, top] = self.before.each_ref().map(lanes);
+        let [own, other] = self.slopes.each_ref().map(lanes);
+        [
+            by_lane(left, own, |before, slope| share(before, slope, across)),
+            by_lane(top, other, |before, slope| share(before, slope, down)),
+        ]
+    }
+}
+
+/// Returns what is bilinear in a quad of its four corners' numbers.
+#[inline(always)]
+fn bilinear([a, b, c, d]: [f32; 4], [s, t]: [Lanes; 2]) -> Lanes {
+    by_lane(s, t, |s, t| {
+        let (top, bottom) = (s * (b - a) + a, s * (c - d) + d);
+        top + (bottom - top) * t
+    })
+}
+
+#[inline(always)]
+fn lanes(x: &[f32; BATCH]) -> Lanes {
+    Lanes::read(&x.map(f32::to_le_bytes))
+}
+
+/// Does the same to each pair.
+#[inline(always)]
+fn by_lane<R: Real, const N: usize>(mut a: [R; N], b: [R; N], f: impl Fn(R, R) -> R) -> [R; N] {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a = f(*a, b);
+    }
+    a
 }
 
 /// Returns a colour over another, rounded.
 #[inline(always)]
 fn over(colour: Colour, below: [u8; 4]) -> [u8; 4] {
-    let through = 1.0 - colour[3] / ALPHA_MAX;
-    let mut out = below;
-    for (out, x) in out.iter_mut().zip(colour) {
-        *out = (x / 255.0 + f32::from(*out) * through + 0.5) as u8;
-    }
-    out
+    let [r, g, b, a] = below;
+    let below = Vec4::new(r.into(), g.into(), b.into(), a.into());
+    rounded(colour * (1.0 / 255.0) + below * (1.0 - colour.w * (1.0 / ALPHA_MAX)))
+}
+
+/// Rounds numbers in [0, 255]; what is greater becomes 255.
+#[inline(always)]
+fn rounded(colour: Colour) -> [u8; 4] {
+    // The last bits of 1.5 2^23 and a whole number are those of the number.
+    let [r, g, b, a] = (colour.min(Vec4::splat(255.0)) + ROUND).to_array();
+    [r.to_bits() as u8, g.to_bits() as u8, b.to_bits() as u8, a.to_bits() as u8]
 }
 
 /// Returns twice the area of a triangle in its texture, positive where it turns clockwise.
@@ -156,23 +236,21 @@ fn flips(steps: i64, other: f32) -> bool {
     steps > 0 && other < 0.0 || steps < 0 && other > 0.0
 }
 
-/// Returns the share in [0, 1] of a way across a convex quad that a pixel has gone, of the edge functions at the
-/// quad's two ends of that way, neither negative.
+/// Returns the share in [0, 1] of a way across a convex quad that a pixel has gone, of the edge functions at the quad's two
+/// ends of that way, neither negative, of which `slope` is the sum less `bend`.
 ///
-/// The share x solves `bend x² + (after - bend + before) x - before = 0`, which is negative at 0 and positive at 1: of
-/// the two roots the one at which it rises. Each form keeps its last places where the other would lose them.
-fn root(before: i64, after: i64, bend: i64) -> f32 {
-    let slope = (after + before - bend) as f32;
-    let (before, bend) = (before as f32, bend as f32);
-    let square = slope * slope + 4.0 * bend * before;
-    let height = sqrt(greater(square, 0.0));
-    let share = if slope >= 0.0 {
-        let sum = slope + height;
-        if sum > 0.0 { 2.0 * before / sum } else { 0.0 }
-    } else {
-        (height - slope) / (2.0 * bend)
-    };
-    lesser(greater(share, 0.0), 1.0)
+/// The share x solves `bend x² + slope x - before = 0`, which is negative at 0 and positive at 1: of the two roots the one
+/// at which it rises. Each form keeps its last places where the other would lose them; neither divides by what is
+/// negative.
+#[inline(always)]
+fn share<R: Real>(before: R, slope: R, bend: f32) -> R {
+    let zero = R::from(0.0);
+    let square = slope * slope + before * (4.0 * bend);
+    let height = sqrt(greater(square, zero));
+    let above = slope.where_less(zero, || height - slope, || before * 2.0);
+    let below = slope.where_less(zero, || R::from(2.0 * bend), || slope + height);
+    let share = zero.where_less(below, || above / below, || zero);
+    lesser(greater(share, zero), R::from(1.0))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Textures, and their colours between texels.
 
 use crate::numeric::{greater, lesser};
+use glam::Vec4;
 
 /// A picture of RGBA8 texels, sRGB, straight alpha, row by row from the top.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +13,7 @@ pub struct Texture<'a> {
 
 /// A colour times its alpha, and that alpha times the most of it, in [0, [`ALPHA_MAX`]] and as sRGB encodes it: the numbers of
 /// a file are neither decoded nor encoded again.
-pub(super) type Colour = [f32; 4];
+pub(super) type Colour = Vec4;
 
 /// 255²: a byte times the greatest alpha.
 pub(super) const ALPHA_MAX: f32 = 65_025.0;
@@ -34,7 +35,6 @@ impl<'a> Texture<'a> {
     pub(super) fn colour(&self, [x, y]: [f32; 2]) -> Colour {
         let Self { width, height, .. } = *self;
         let ((x0, x1, across), (y0, y1, down)) = (between(x, width), between(y, height));
-        // Arrays' own `map` stays a call here, which costs more than all the rest.
         let row = |y: usize| mixed(self.texel(y * width + x0), self.texel(y * width + x1), across);
         mixed(row(y0), row(y1), down)
     }
@@ -42,8 +42,7 @@ impl<'a> Texture<'a> {
     #[inline(always)]
     fn texel(&self, at: usize) -> Colour {
         let [r, g, b, a] = self.texels.get(at).copied().unwrap_or_default();
-        let alpha = f32::from(a);
-        [f32::from(r) * alpha, f32::from(g) * alpha, f32::from(b) * alpha, 255.0 * alpha]
+        Vec4::new(r.into(), g.into(), b.into(), 255.0) * f32::from(a)
     }
 }
 
@@ -52,17 +51,15 @@ impl<'a> Texture<'a> {
 fn between(x: f32, len: usize) -> (usize, usize, f32) {
     let last = len.saturating_sub(1);
     let kept = lesser(last as f32, greater(0.0, x - 0.5));
-    let first = kept as usize;
-    (first, (first + 1).min(last), kept - first as f32)
+    // Below 2^16, as many as a file has, a shorter cast does.
+    let first = kept as i32;
+    let at = first as usize;
+    (at, (at + 1).min(last), kept - first as f32)
 }
 
 #[inline(always)]
 fn mixed(a: Colour, b: Colour, share: f32) -> Colour {
-    let mut out = a;
-    for (out, b) in out.iter_mut().zip(b) {
-        *out += (b - *out) * share;
-    }
-    out
+    a + (b - a) * share
 }
 
 #[cfg(test)]
@@ -79,8 +76,8 @@ mod tests {
     ];
     const TEXTURE: Texture<'_> = Texture { width: 3, height: 2, texels: &TEXELS };
 
-    fn colour(place: [f32; 2]) -> Colour {
-        TEXTURE.colour(place).map(|x| x / 255.0)
+    fn colour(place: [f32; 2]) -> [f32; 4] {
+        (TEXTURE.colour(place) / 255.0).to_array()
     }
 
     #[test]
@@ -101,6 +98,6 @@ mod tests {
         assert_eq!(colour([-7.0, -1e30]), colour([0.5, 0.5]));
         assert_eq!(colour([1e30, 9.0]), colour([2.5, 1.5]));
         assert!(colour([f32::NAN, f32::INFINITY]).iter().all(|x| x.is_finite()));
-        assert_eq!(Texture { width: 0, height: 0, texels: &[] }.colour([0.0, 0.0]), [0.0; 4]);
+        assert_eq!(Texture { width: 0, height: 0, texels: &[] }.colour([0.0, 0.0]), Vec4::ZERO);
     }
 }

@@ -58,7 +58,6 @@ fn an_image_is_two_calls() {
     let mut content = FilterContent::sample(2, 3);
     content.taps = (0..3)
         .flat_map(|place| (0..2).flat_map(move |_| (0..3).map(move |tap| f32::from(tap == place))))
-        .map(f32::from)
         .collect();
     let bytes = Pieces::filter(&content).bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();

@@ -8,6 +8,7 @@ use sinew_trainer::examples::{
     self, Clip, Examples, ExamplesError, LoadError, Loaded, Source, Split, hash_file, load,
     load_importance,
 };
+use sinew_trainer::formats::Content;
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.
@@ -210,5 +211,15 @@ pub(super) fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
         // A device may never end.
         bail!("{}: it is {}", cannot_read(), if kind.is_dir() { "a folder" } else { "no file" });
     }
-    std::fs::read(path).with_context(cannot_read)
+    let bytes = std::fs::read(path).with_context(cannot_read)?;
+    match Content::of(&bytes) {
+        Some(Content::Examples(ending)) => bail!(
+            "{}: holds what a .{ending} file holds, expected a model, which commands take first",
+            path.display()
+        ),
+        _ if bytes.is_empty() => {
+            bail!("{}: the model is refused: the file is empty", path.display())
+        }
+        _ => Ok(bytes),
+    }
 }

@@ -48,11 +48,15 @@ pub(super) struct TargetSpace {
 impl StatedSpace {
     /// Says it of examples from a file.
     pub(super) fn say(&self, examples: &mut Examples, file: &Path) -> anyhow::Result<()> {
+        examples.space = self.of(examples.space, file)?;
+        Ok(())
+    }
+
+    /// Says it of the space of a file.
+    pub(super) fn of(&self, space: Space, file: &Path) -> anyhow::Result<Space> {
         let Self { up, forward, unit } = *self;
         let request = SpaceRequest { up, forward, handedness: None, unit };
-        let said = request.of(examples.space);
-        examples.space = said.with_context(|| file.display().to_string())?;
-        Ok(())
+        request.of(space).with_context(|| file.display().to_string())
     }
 }
 

@@ -1,5 +1,6 @@
 //! What can be wrong with example poses.
 
+use super::rigidity::Distortion;
 use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -144,19 +145,17 @@ pub enum ExamplesError {
         name: String,
     },
     /// A joint's matrix is a reflection, is collapsed, is not affine, or scales or shears too much.
-    #[error(
-        "array {array} is not rigid at {}joint {joint}: off by {deviation:.3e}, at most {} can be repaired",
-        in_frame(*frame), super::validate::REPAIRABLE
-    )]
+    #[error("{}, joint {joint} {distortion}", match frame {
+        None => "in the rest pose".to_owned(),
+        Some(frame) => format!("at frame {frame}"),
+    })]
     NonRigidJoint {
-        /// The array.
-        array: &'static str,
-        /// The frame, for arrays that have one.
+        /// The frame; none of the rest pose.
         frame: Option<usize>,
         /// The joint.
         joint: String,
-        /// Largest distance of a signed singular value from 1, or of the last row from 0 0 0 1.
-        deviation: f64,
+        /// What its matrix does.
+        distortion: Distortion,
     },
     /// A frame's split is none of the known codes.
     #[error("array split has code {code} at frame {frame}, expected 0, 1 or 2")]

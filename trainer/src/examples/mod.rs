@@ -11,6 +11,7 @@ mod hash;
 mod hold_out;
 mod import;
 mod importance;
+mod rigidity;
 mod sample;
 #[cfg(test)]
 mod testing;
@@ -23,6 +24,7 @@ pub use error::{Element, ExamplesError, LoadError};
 pub use hash::hash_file;
 pub use import::{ImportError, Loaded, Source, load, load_poses, npz};
 pub use importance::{Importance, load_importance};
+pub use rigidity::Distortion;
 pub(crate) use sample::spread;
 pub use validate::RIGID;
 pub use warning::Warning;

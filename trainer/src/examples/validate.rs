@@ -1,8 +1,9 @@
 //! The checks that every importer ends with: after `Ok`, a fit need not look again.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use sinew_runtime::format::MAGNITUDE_MAX;
 
+use super::rigidity::{Distortion, deviation};
 use super::{Element, Examples, ExamplesError, Matrix3x4, Split, Warning};
 use crate::space::SpaceRequest;
 
@@ -42,10 +43,9 @@ impl Examples {
         let mut warnings = self.check_faces()?;
         self.check_engine()?;
         for (map, name) in self.skeleton.rest.iter().zip(&self.skeleton.names) {
-            let (array, frame, joint, deviation) =
-                ("joint_world_rest", None, name.clone(), deviation(map));
-            if deviation > REPAIRABLE {
-                return Err(ExamplesError::NonRigidJoint { array, frame, joint, deviation });
+            if deviation(map) > REPAIRABLE {
+                let (joint, distortion) = (name.clone(), Distortion::of(map));
+                return Err(ExamplesError::NonRigidJoint { frame: None, joint, distortion });
             }
         }
         self.check_rigid_in(&self.frames_of(Split::Train))?;
@@ -62,10 +62,10 @@ impl Examples {
     pub fn check_rigid_in(&self, frames: &[usize]) -> Result<(), ExamplesError> {
         for &frame in frames {
             for (map, joint) in self.pose(frame).iter().zip(&self.skeleton.names) {
-                let deviation = deviation(map);
-                if deviation > REPAIRABLE {
-                    let (array, frame, joint) = ("bone_transforms", Some(frame), joint.clone());
-                    return Err(ExamplesError::NonRigidJoint { array, frame, joint, deviation });
+                if deviation(map) > REPAIRABLE {
+                    let (frame, joint, distortion) =
+                        (Some(frame), joint.clone(), Distortion::of(map));
+                    return Err(ExamplesError::NonRigidJoint { frame, joint, distortion });
                 }
             }
         }
@@ -243,15 +243,6 @@ impl Examples {
             });
         }
     }
-}
-
-/// Measures how far a map's linear part is from the nearest rotation: the largest |σ - 1| over the
-/// singular values, the smallest of which carries the sign of the determinant.
-fn deviation(map: &Matrix3x4) -> f64 {
-    let linear = Matrix3::from_fn(|row, column| map[row][column]);
-    let mut sigma = linear.singular_values();
-    sigma[2] *= linear.determinant().signum();
-    sigma.iter().map(|sigma| (sigma - 1.0).abs()).fold(0.0, f64::max)
 }
 
 pub(super) fn same(

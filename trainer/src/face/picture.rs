@@ -52,6 +52,13 @@ impl<'a> Photographer<'a> {
         Self { mesh, camera: Camera::fit(&view, &rest, width) }
     }
 
+    /// Returns the projection from a place (x, y, z, 1) to pixels, from the upper left.
+    pub fn projection(&self) -> [[f64; 4]; 2] {
+        let [origin_x, origin_y, _] = self.camera.project(&[0.0; 3]);
+        let [right, up, _] = self.camera.axes.map(|axis| axis * self.camera.scale);
+        [[right.x, right.y, right.z, origin_x], [-up.x, -up.y, -up.z, origin_y]]
+    }
+
     /// Takes a picture.
     ///
     /// - `pins`: where each is, and where it is to be.

@@ -34,6 +34,18 @@ pub enum FormatError {
         /// The ending found.
         found: String,
     },
+    /// There is nothing in the file.
+    #[error("is empty")]
+    Empty,
+    /// The file is a baked model, where examples are read.
+    #[error("is a baked model, expected examples: commands take the model first")]
+    Model,
+    /// The file holds what another ending stands for.
+    #[error("holds what a .{ending} file holds: give it that ending")]
+    OtherContent {
+        /// The ending of what it holds.
+        ending: &'static str,
+    },
     /// A scene is damaged, or lacks what a rigged character has.
     #[error(transparent)]
     Scene(#[from] SceneError),

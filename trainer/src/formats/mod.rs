@@ -16,6 +16,7 @@
 //! 5. Its ending in the help of `sinew train` (`cli/input.rs`) and in the README.
 
 pub mod appearance;
+pub(crate) mod content;
 pub(crate) mod csv;
 mod error;
 pub(crate) mod extension;
@@ -33,6 +34,7 @@ mod shaped;
 pub(crate) mod testing;
 mod warning;
 
+pub use content::Content;
 pub use csv::CsvError;
 pub use error::{FileError, FormatError};
 pub use gltf::write::GlbError;

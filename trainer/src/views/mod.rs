@@ -11,6 +11,7 @@ pub mod bake;
 pub mod deformation;
 pub mod demo;
 pub mod evaluate;
+pub mod export;
 pub mod fit;
 pub mod inverse;
 pub mod model;

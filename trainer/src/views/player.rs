@@ -6,7 +6,7 @@ use crate::kernel::model::{Input, InputKind, inputs_of, query_numbers};
 use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
 use sinew_runtime::kernel::KernelMap;
-use sinew_runtime::views::{Drawn, Frame, FrameJob, Order, RenderJob, Views};
+use sinew_runtime::views::{Drawn, Element, Frame, FrameJob, Order, RenderJob, Views};
 use sinew_runtime::{CallError, Model};
 
 /// One of a model's maps, with what it showed last.
@@ -86,6 +86,24 @@ impl<'a> Player<'a> {
     /// Returns the object.
     pub fn views(&self) -> &Views<'a> {
         &self.views
+    }
+
+    /// Returns what the map takes.
+    pub fn inputs(&self) -> &[Input] {
+        &self.inputs
+    }
+
+    /// Lists the elements, hindmost first where there is no depth.
+    pub fn elements(&self) -> Vec<Element> {
+        (0..).map_while(|element| self.views.element(element)).collect()
+    }
+
+    /// Returns a key view's picture, of straight alpha.
+    pub fn key_picture(&self, view: usize) -> Option<Picture> {
+        let texture = self.views.texture(self.views.view_texture(view)?)?;
+        let [width, height] = texture.size();
+        let rgba = texture.texels().as_flattened().to_vec();
+        Some(Picture { size: Resolution { width, height }, rgba })
     }
 
     /// Returns the width and height of the first key view's picture.
@@ -195,6 +213,18 @@ pub fn straight(picture: &Picture) -> Picture {
     for pixel in out.rgba.chunks_mut(4).filter(|pixel| pixel[3] > 0) {
         let alpha = f64::from(pixel[3]) / 255.0;
         pixel[..3].iter_mut().for_each(|x| *x = (f64::from(*x) / alpha).round().min(255.0) as u8);
+    }
+    out
+}
+
+/// Lays a picture of straight alpha on white.
+pub fn on_white(picture: &Picture) -> Picture {
+    let mut out = picture.clone();
+    for pixel in out.rgba.chunks_mut(4) {
+        let alpha = f64::from(pixel[3]) / 255.0;
+        let laid = |x: u8| (f64::from(x) * alpha + 255.0 * (1.0 - alpha)).round() as u8;
+        pixel.iter_mut().for_each(|x| *x = laid(*x));
+        pixel[3] = 0xff;
     }
     out
 }

@@ -1,8 +1,8 @@
 //! A page about an object: a sheet of its views, what they are made of, and the network over pixels beside them.
 
 use super::naive::{NETWORKS, mixed, weights};
-use super::player::{PlayError, Played, Player, multiplied, straight};
-use super::set::{Element, Examples, SetError, Values, View, ViewSet};
+use super::player::{PlayError, Played, Player, multiplied, on_white, straight};
+use super::set::{Examples, SetError, Values, View, ViewSet};
 use crate::numeric::columns::ends;
 use crate::page::camera::Resolution;
 use crate::page::colour::Colour;
@@ -10,12 +10,15 @@ use crate::page::drawing::{Anchor, Drawing};
 use crate::page::html::{figure, page, paragraph, section, side_by_side, text};
 use crate::page::picture::Picture;
 use sinew_runtime::Model;
+use sinew_runtime::views::Element;
 
 /// Steps of a sheet, across and down.
 const STEPS: [usize; 2] = [7, 5];
 /// Around each picture of a sheet.
 const GAP: usize = 6;
 const FOOT: usize = 20;
+/// Parameters at which an object and its prototype are shown, about as many.
+const LENT: usize = 3;
 /// Edges of elements.
 const EDGE: Colour = [0xbd, 0x2b, 0x44];
 
@@ -35,19 +38,36 @@ pub enum ReportError {
 
 /// Makes the page of a file and of the views that it was trained on.
 ///
+/// - `prototype`: the file that was trained on them, where the object's motion was lent by it.
+///
 /// # Errors
 /// [`ReportError`].
-pub fn report(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<String, ReportError> {
+pub fn report(
+    model: &Model<Vec<u8>>,
+    set: &ViewSet,
+    prototype: Option<&Model<Vec<u8>>>,
+) -> Result<String, ReportError> {
+    let is_lent = model.views().is_some_and(|views| views.is_transferred());
     let mut body = format!("<h1>{}</h1>\n", text(&set.name));
     for examples in &set.maps {
         let name = format!("Views of \"{}\"", examples.name);
         let sheet = sheet(model, examples)?;
-        let about = format!(
-            "{}: framed views are examples, all others are made of them.",
-            axes(examples).map(|axis| axis.map_or_else(String::new, |axis| axis.name)).join(" by ")
-        );
+        let along: Vec<String> =
+            axes(examples).into_iter().flatten().map(|axis| axis.name).collect();
+        let framed = match is_lent {
+            false => "framed views are examples, all others are made of them",
+            true => "framed views are at the parameters of the prototype's examples",
+        };
+        let about = format!("{}: {framed}.", along.join(" by "));
         body += &section(&name, &(figure(&sheet, &name, "", "")? + &paragraph(&text(&about))));
-        body += &section("What a view is made of", &made_of(model, set, examples)?);
+        body += &section("What a view is made of", &made_of(model, examples)?);
+        if let Some(prototype) = prototype {
+            body += &section("The motion that is lent", &lent(model, prototype, examples)?);
+        }
+        if is_lent {
+            // The pictures of the set are the prototype's.
+            continue;
+        }
         if let Some(networks) = networks(model, set, examples)? {
             body += &section("A network over pixels", &networks);
         }
@@ -119,18 +139,6 @@ fn shown(
     Ok((straight(&player.draw(&played)?.0), played))
 }
 
-/// Lays a picture on white, as drawings are.
-fn on_white(picture: &Picture) -> Picture {
-    let mut out = picture.clone();
-    for pixel in out.rgba.chunks_mut(4) {
-        let alpha = f64::from(pixel[3]) / 255.0;
-        let laid = |x: u8| (f64::from(x) * alpha + 255.0 * (1.0 - alpha)).round() as u8;
-        pixel.iter_mut().for_each(|x| *x = laid(*x));
-        pixel[3] = 0xff;
-    }
-    out
-}
-
 /// Returns parameters half-way between the first examples.
 fn between(examples: &Examples) -> Values {
     let half = |view: &View, other: &View| {
@@ -147,27 +155,23 @@ fn between(examples: &Examples) -> Values {
 }
 
 /// Draws the key view and the view that is made of it, each with its elements.
-fn made_of(
-    model: &Model<Vec<u8>>,
-    set: &ViewSet,
-    examples: &Examples,
-) -> Result<String, ReportError> {
+fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, ReportError> {
     let (picture, played) = shown(model, examples, &between(examples))?;
-    let keys = set.key_views();
-    let Some(&(map, view)) = keys.get(played.view) else { return Ok(String::new()) };
-    let view = &set.maps[map].train[view];
-    let source = match &view.image {
-        Some(image) => image.load(set.size)?,
-        None => picture.clone(),
-    };
+    let player = Player::new(model, Some(&examples.name))?;
+    let Some(source) = player.key_picture(played.view) else { return Ok(String::new()) };
+    let views = player.views();
     let points: Vec<[f64; 2]> =
         played.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();
     let seen: Vec<bool> = played.visibility.iter().map(|x| *x > 0.5).collect();
+    let own = |point| views.reference(played.view, point).unwrap_or_default().map(f64::from);
+    let own: Vec<[f64; 2]> = (0..points.len()).map(own).collect();
+    let shows = |point| views.is_visible(played.view, point) == Some(true);
+    let shows: Vec<bool> = (0..points.len()).map(shows).collect();
     let with_mesh = |picture: &Picture, points: &[[f64; 2]], seen: &[bool]| {
         let Resolution { width, height } = picture.size;
         let mut out = Drawing::new(width, height);
         out.image([0.0; 2], on_white(picture));
-        for element in set.elements.iter().map(Element::points) {
+        for element in player.elements().iter().map(Element::points) {
             if element.iter().all(|&k| seen[k]) {
                 let ring = element.iter().chain(element.first()).map(|&k| points[k]);
                 out.line(ring.collect(), 0.7, EDGE);
@@ -176,7 +180,7 @@ fn made_of(
         out.picture()
     };
     let figures = [
-        figure(&with_mesh(&source, &view.known(), &view.visible), "key view", "", "the key view")?,
+        figure(&with_mesh(&source, &own, &shows), "key view", "", "the key view")?,
         figure(
             &with_mesh(&picture, &points, &seen),
             "its elements moved",
@@ -186,6 +190,37 @@ fn made_of(
         figure(&picture, "the view", "", "the view that is made of them")?,
     ];
     Ok(side_by_side(figures.len(), &figures))
+}
+
+/// Draws an object and its prototype: the pictures that both are made of, then both at parameters of examples.
+fn lent(
+    model: &Model<Vec<u8>>,
+    prototype: &Model<Vec<u8>>,
+    examples: &Examples,
+) -> Result<String, ReportError> {
+    let both = [("the prototype", prototype), ("the object", model)];
+    let mut figures = Vec::new();
+    let named = Player::new(model, Some(&examples.name))?.views().view_name(0);
+    for (name, file) in both {
+        let player = Player::new(file, Some(&examples.name))?;
+        let views = player.views();
+        let mut numbers = 0..views.view_len();
+        let number = numbers.find(|&view| views.view_name(view) == named).unwrap_or_default();
+        if let Some(picture) = player.key_picture(number) {
+            figures.push(figure(&picture, name, "", &format!("{name}, before"))?);
+        }
+    }
+    let step = examples.train.len().div_ceil(LENT).max(1);
+    for view in examples.train.iter().skip(step / 2).step_by(step) {
+        let at: Vec<String> =
+            view.values.iter().map(|(name, value)| format!("{name} {value}")).collect();
+        for (name, file) in both {
+            let caption = format!("{name} at {}", at.join(", "));
+            let (picture, _) = shown(file, examples, &view.values)?;
+            figures.push(figure(&picture, &caption, "", &text(&caption))?);
+        }
+    }
+    Ok(side_by_side(4, &figures))
 }
 
 /// Draws networks over pixels half-way between examples, beside points and warping; none where a map has too few

@@ -142,6 +142,61 @@ fn a_pinned_face_is_a_mesh_a_scene_and_a_picture() {
 }
 
 #[test]
+fn a_pin_may_count_more_and_be_on_a_screen() {
+    let folder = trained("face-screen");
+    let lift = |pins: &str| {
+        let run = format!("face pin face.sinew {pins} -o out.csv --json");
+        folder.sinew(&run).json()
+    };
+    // Two pins that cannot both be: as near as their stiffness says.
+    let even = weight(&lift("--pin 0=_,_,0.8 --pin 0=_,_,0.2"), "lift_L");
+    let uneven = weight(&lift("--pin 0=_,_,0.8*3 --pin 0=_,_,0.2"), "lift_L");
+    assert!((even - 0.5).abs() < 0.02 && (uneven - 0.65).abs() < 0.02, "{even} {uneven}");
+    // A screen that sees z upside down, in units of a hundredth.
+    let screen = "--projection 100,0,0,50,0,0,-100,20";
+    let seen = lift(&format!("{screen} --pin 0=_,-60"));
+    assert!((weight(&seen, "lift_L") - 0.8).abs() < 0.05, "{seen}");
+    let pin = &seen["pins"][0];
+    assert_eq!((&pin["target"][0], &pin["target"][1]), (&50.0.into(), &(-60.0).into()));
+    assert!(pin["missed"].as_f64().unwrap() < 2.0, "{seen}");
+    // It is as stiff as one in space.
+    let [inside, outside] = [lift("--pin 0=_,_,0.8"), seen].map(|run| weight(&run, "lift_L"));
+    assert!((inside - outside).abs() < 1e-5, "{inside} {outside}");
+    // Without a projection it is the picture's: y downward, so that less of it is higher.
+    let y = |run: &Value| run["pins"][0]["at"][1].as_f64().unwrap();
+    let still = lift("--pin 3=_,_ --width 200 -q");
+    assert_eq!((weight(&still, "jawOpen"), &still["norm"]), (0.0, &0.0.into()));
+    let higher = lift(&format!("--pin 3=_,{} --width 200", y(&still) - 5.0));
+    assert!((y(&still) - y(&higher) - 5.0).abs() < 0.5, "{still} {higher}");
+    assert!(weight(&higher, "jawOpen") > 0.1, "{higher}");
+    folder.sinew("face pin face.sinew --pin 3=_,20 --width 200 -o out.png").done();
+    for (arguments, expected) in [
+        ("--pin 0=1,2,3*0", "expected VERTEX=X,Y,Z"),
+        ("--pin 0=1,2 --projection 1,0,0,0", "expected eight numbers"),
+        ("--pin 0=1,2 --projection 0,0,0,1,0,1,0,0", "expected eight numbers"),
+    ] {
+        let Run { code, err, .. } =
+            folder.sinew(&format!("face pin face.sinew {arguments} -o a.csv"));
+        assert!(code == Some(2) && err.contains(expected), "{err}");
+    }
+}
+
+#[test]
+fn a_face_says_in_which_space_it_is() {
+    let folder = made("face-space");
+    let space =
+        |more: &str| folder.sinew(&format!("{TRAIN} --json {more}")).json()["space"].clone();
+    assert_eq!(space("")["up"], Value::Null);
+    let said = space("--up z --forward -y --unit 0.01");
+    let expected = serde_json::json!({
+        "up": "z", "forward": "-y", "handedness": "right", "unit_metres": 0.01,
+    });
+    assert_eq!(said, expected);
+    let error = folder.sinew(&format!("{TRAIN} --up z --forward -z")).failed();
+    assert!(error.starts_with("face.npz: "), "{error}");
+}
+
+#[test]
 fn a_track_becomes_weights_and_weights_a_take() {
     let folder = trained("face-solve");
     let mut track = "frame,vertex,x,y,z\n".to_owned();

@@ -83,9 +83,18 @@ fn matrices_that_are_not_rigid_are_refused_by_frame_and_joint() {
             set.reals.get_mut("bone_transforms").unwrap().1[place + axis] *= 2.0;
         }
     };
-    let expected = "bad.npz: array bone_transforms is not rigid at frame 5, joint hand: off by \
-                    1.000e0, at most 0.01 can be repaired";
+    let expected = "bad.npz: at frame 5, joint hand is scaled or sheared, by 2.0000, 1.0000 and \
+                    1.0000: joints only turn and move; remove its scale keys, and stretch in its \
+                    constraints, and export again";
     refused("rigid", scaled, expected);
+    let mirrored = |set: &mut Set| {
+        for axis in [0, 1, 2] {
+            set.reals.get_mut("joint_world_rest").unwrap().1[axis] *= -1.0;
+        }
+    };
+    let expected = "bad.npz: in the rest pose, joint chest is mirrored: apply the scale of the \
+                    armature and of its parents (in Blender Ctrl+A) and export again";
+    refused("mirrored", mirrored, expected);
 }
 
 #[test]
@@ -113,7 +122,7 @@ fn files_given_by_mistake_are_refused_by_name() {
         ("demo.json", "demo.json: describes examples, expected the .npz file beside it"),
         (
             "demo.sinew",
-            "demo.sinew: expected a file that ends in .npz, .glb, .gltf or .fbx, found .sinew",
+            "demo.sinew: is a baked model, expected examples: commands take the model first",
         ),
         ("inner", "inner: is a folder, expected a file"),
     ] {
@@ -178,6 +187,9 @@ fn arguments_out_of_range_are_bad_usage() {
         "--proxies 100000",
         "--budget 0",
         "--budget -1",
+        "--budget 3q",
+        "--budget 3TB",
+        "--budget 1e3",
         "--max-error 0",
         "--max-error -1",
         "--max-error nan",
@@ -205,5 +217,39 @@ fn arguments_out_of_range_are_bad_usage() {
     assert_eq!(line, expected);
     let line = folder.sinew("demo --vertices 90000000").failed();
     assert!(line.contains("expected at most"), "{line}");
+    assert_eq!(folder.list(), before);
+}
+
+#[test]
+fn files_are_told_by_what_they_hold() {
+    let folder = Folder::with_demo("contents");
+    for (name, bytes) in [
+        ("empty.glb", &b""[..]),
+        ("scene.glb", b"Kaydara FBX Binary  \0\x1a\0"),
+        ("scene.fbx", b"glTF\x02\0\0\0"),
+        ("set.fbx", b"PK\x03\x04"),
+    ] {
+        fs::write(folder.path(name), bytes).unwrap();
+    }
+    fs::copy(folder.path("demo.sinew"), folder.path("model.npz")).unwrap();
+    let before = folder.list();
+    for (examples, expected) in [
+        ("empty.glb", "empty.glb: is empty"),
+        ("scene.glb", "scene.glb: holds what a .fbx file holds: give it that ending"),
+        ("scene.fbx", "scene.fbx: holds what a .glb file holds: give it that ending"),
+        ("set.fbx", "set.fbx: holds what a .npz file holds: give it that ending"),
+        (
+            "model.npz",
+            "model.npz: is a baked model, expected examples: commands take the model first",
+        ),
+    ] {
+        assert_eq!(folder.sinew(&format!("train {examples} -o new.sinew")).failed(), expected);
+    }
+    let line = folder.sinew("eval demo.npz demo.sinew").failed();
+    let expected =
+        "demo.npz: holds what a .npz file holds, expected a model, which commands take first";
+    assert_eq!(line, expected);
+    let line = folder.sinew("export demo.sinew --clip demo.npz -o out.fbx").failed();
+    assert_eq!(line, "out.fbx: expected a file that ends in .glb, which is what is written");
     assert_eq!(folder.list(), before);
 }

@@ -1,6 +1,6 @@
 //! `sinew views`: from pictures to all between them.
 
-use super::common::Folder;
+use super::common::{Folder, Run};
 use serde_json::json;
 use std::fs;
 
@@ -16,19 +16,24 @@ fn trained(test: &str, set: &str) -> Folder {
 
 /// Reads how large a PNG is, and how many of its pixels something covers.
 fn picture(folder: &Folder, name: &str) -> ([u32; 2], usize) {
+    let (size, rgba) = decoded(folder, name);
+    (size, rgba.chunks(4).filter(|pixel| pixel[3] > 0).count())
+}
+
+/// Reads the pixels of a PNG.
+fn decoded(folder: &Folder, name: &str) -> ([u32; 2], Vec<u8>) {
     let bytes = std::io::Cursor::new(folder.read(name));
     let mut reader = png::Decoder::new(bytes).read_info().unwrap();
     let mut rgba = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut rgba).unwrap();
-    let covered = rgba.chunks(4).filter(|pixel| pixel[3] > 0).count();
-    ([info.width, info.height], covered)
+    ([info.width, info.height], rgba)
 }
 
 #[test]
 fn a_head_is_trained_measured_drawn_and_reported() {
     let folder = trained("views-head", "head");
     let found = folder.sinew("views eval head.sinew demo/head/views.json --json").json();
-    assert_eq!((found["views"].as_u64(), found["flipped"].as_u64()), (Some(12), Some(0)));
+    assert_eq!((found["views"].as_u64(), found["flipped"].as_u64()), (Some(24), Some(0)));
     assert!(found["rms"].as_f64().unwrap() < 0.05, "{found}");
     let drawn = folder.sinew("views render head.sinew --set yaw=137 -o head.png --json").json();
     assert_eq!(drawn["flipped"], 0);
@@ -108,6 +113,116 @@ fn a_figure_walks_is_driven_lends_its_motion_and_is_dragged() {
         ))
         .json();
     assert!((pinned["values"]["phase"].as_f64().unwrap() - 90.0).abs() < 12.0, "{pinned}");
+}
+
+/// Insists on exit status 2, and returns what is said of how a command is used.
+fn misused(run: Run) -> String {
+    assert_eq!((run.code, run.out.as_str()), (Some(2), ""), "{}", run.err);
+    run.err
+}
+
+/// Reads a GIF on white: its pictures, and the time that each is shown, in hundredths of a second.
+fn gif(folder: &Folder, name: &str) -> Vec<(Vec<u8>, u16)> {
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let bytes = folder.read(name);
+    let mut reader = options.read_info(&bytes[..]).unwrap();
+    let size = (reader.width(), reader.height());
+    let mut out = Vec::new();
+    while let Some(frame) = reader.read_next_frame().unwrap() {
+        assert_eq!(((frame.width, frame.height), (frame.left, frame.top)), (size, (0, 0)));
+        out.push((frame.buffer.to_vec(), frame.delay));
+    }
+    out
+}
+
+#[test]
+fn pictures_are_one_gif_where_that_is_asked_for_and_follow_tracked_points() {
+    let folder = trained("views-gif", "figure");
+    let path = json!({ "keys": [{ "phase": 0 }, { "phase": 90 }], "frames": 3 });
+    fs::write(folder.path("path.json"), path.to_string()).unwrap();
+    let animate = "views animate figure.sinew --map walk --path path.json";
+    folder.sinew(&format!("{animate} -o walk")).done();
+    let told = folder.sinew(&format!("{animate} -o walk.gif --frame-time 0.12 --json")).json();
+    assert_eq!((told["frames"].as_u64(), told["frame_time"].as_f64()), (Some(4), Some(0.12)));
+    let frames = gif(&folder, "walk.gif");
+    assert_eq!(frames.len(), 4);
+    for (number, (rgba, delay)) in frames.iter().enumerate() {
+        assert_eq!(*delay, 12);
+        let png = decoded(&folder, &format!("walk/frame{number:04}.png")).1;
+        let on_white = |c: u8, alpha: u8| {
+            let alpha = f64::from(alpha) / 255.0;
+            f64::from(c) * alpha + 255.0 * (1.0 - alpha)
+        };
+        let apart = png.chunks(4).zip(rgba.chunks(4)).flat_map(|(own, found)| {
+            (0..3).map(move |c| (on_white(own[c], own[3]) - f64::from(found[c])).abs())
+        });
+        // Of 256 colours.
+        let mean = apart.sum::<f64>() / (rgba.len() as f64 * 0.75);
+        assert!(mean < 2.0, "frame {number}: {mean}");
+    }
+    let refused = folder.sinew(&format!("{animate} -o walk.gif --frame-time 0.01"));
+    assert!(misused(refused).contains("expected 0.02 seconds or more, 655.35 at most"));
+
+    let set = folder.json("demo/figure/views.json");
+    let points = set["maps"][0]["train"][2]["points"].as_array().unwrap();
+    let row: Vec<String> = points.iter().map(|at| format!("{},{}", at[0], at[1])).collect();
+    fs::write(folder.path("frame.csv"), row.join(",") + "\n").unwrap();
+    let render = "views render figure.sinew --map walk";
+    let found = folder.sinew(&format!("{render} --points frame.csv -o points.png --json")).json();
+    assert!((found["values"]["phase"].as_f64().unwrap() - 90.0).abs() < 0.01, "{found}");
+    folder.sinew(&format!("{render} --set phase=90 -o set.png")).done();
+    let (points, set) = (decoded(&folder, "points.png").1, decoded(&folder, "set.png").1);
+    assert!(points.iter().zip(&set).all(|(a, b)| a.abs_diff(*b) <= 2));
+    let both = folder.sinew(&format!("{render} --set phase=9 --points frame.csv -o x.png"));
+    assert!(misused(both).contains("cannot be used with"));
+    fs::write(folder.path("frames.csv"), (row.join(",") + "\n").repeat(2)).unwrap();
+    let many = folder.sinew(&format!("{render} --points frames.csv -o x.png")).failed();
+    assert_eq!(many, "frames.csv: expected one frame, found 2");
+}
+
+#[test]
+fn grids_are_written_for_other_tools_and_lent_motion_is_reported() {
+    let folder = trained("views-export", "figure");
+    let export = "views export figure.sinew --map walk";
+    let told = folder.sinew(&format!("{export} --inp phase:9 -o walk.inp --json")).json();
+    assert_eq!(told["ranges"]["phase"], json!([0.0, 360.0]));
+    assert_eq!(told["nodes"].as_array().unwrap().len(), 9);
+    assert!(folder.read("walk.inp").starts_with(b"TRNSRTS\0"));
+    folder.sinew(&format!("{export} --glb phase=0..90:4 -o walk.glb")).done();
+    assert!(folder.read("walk.glb").starts_with(b"glTF"));
+    folder.sinew("views export figure.sinew --map jump --glb -o jump.glb").done();
+    for (arguments, told) in [
+        ("--map walk --glb -o x.glb", "figure.sinew: no key view is of this map: say a grid"),
+        (
+            "--map jump --glb --set time=0 -o x.glb",
+            "key views have parameters of their own: set none",
+        ),
+        (
+            "--map walk --inp phase,nod:3x3 -o x.inp",
+            "figure.sinew: \"nod\" is no parameter: expected phase",
+        ),
+    ] {
+        assert_eq!(folder.sinew(&format!("views export figure.sinew {arguments}")).failed(), told);
+    }
+    let shape = folder.sinew("views export figure.sinew --map walk --inp phase:3x3 -o x.inp");
+    assert!(misused(shape).contains("expected a grid, as yaw,pitch:9x9 or yaw=-40..40:9"));
+
+    let rest = folder.json("demo/figure/views.json")["maps"][1]["train"][0]["points"].clone();
+    let instance = json!({ "views": [{
+        "view": "texture", "image": "texture.png", "mask": "mask.png", "points": rest,
+    }] });
+    fs::write(folder.path("demo/figure/sister.json"), instance.to_string()).unwrap();
+    folder.sinew("views transfer figure.sinew demo/figure/sister.json -o sister.sinew").done();
+    let report = "views report sister.sinew demo/figure/views.json -o sister.html";
+    folder.sinew(&format!("{report} --prototype figure.sinew")).done();
+    let page = String::from_utf8(folder.read("sister.html")).unwrap();
+    assert_eq!(page.matches("The motion that is lent").count(), 2);
+    assert_eq!(page.matches("the object, before").count(), 2);
+    assert!(page.contains("the prototype at phase") && page.contains("the object at time"));
+    folder.sinew("views export sister.sinew --map walk --inp phase:9 -o sister.inp").done();
+    let lent = folder.sinew("views export sister.sinew --map walk --glb -o x.glb").failed();
+    assert_eq!(lent, "sister.sinew: its motion is lent: say a grid");
 }
 
 #[test]

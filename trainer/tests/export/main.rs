@@ -11,6 +11,7 @@ mod scene;
 mod shared;
 mod spaces;
 mod validator;
+mod views;
 
 use nalgebra::Vector3;
 use shared::shared;

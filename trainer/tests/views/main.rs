@@ -5,6 +5,7 @@ mod baked;
 mod common;
 mod deformation;
 mod demo;
+mod export;
 mod faults;
 mod left_out;
 mod pixels;

@@ -82,10 +82,10 @@ pub(in crate::cli) struct FitArguments {
     /// not been fitted to the training meshes
     #[arg(long)]
     unrefined: bool,
-    /// Most bytes of the model's file; of them a mesh takes 60 a vertex with 4 influences, 16
+    /// Most bytes of the model's file, as 300000, 300kB (of 1000) or 300KiB (of 1024); of them a mesh takes 60 a vertex with 4 influences, 16
     /// more with texture coordinates. 12 of these turn the normals rightly; where positions would
     /// else err half as much again, they are given up, and normals go by cofactors
-    #[arg(long, value_name = "BYTES", value_parser = budget(), allow_negative_numbers = true)]
+    #[arg(long, value_name = "BYTES", value_parser = budget, allow_negative_numbers = true)]
     budget: Option<usize>,
 }
 
@@ -118,8 +118,25 @@ fn proxies() -> RangedU64ValueParser<usize> {
     RangedU64ValueParser::new().range(1..=u64::from(Limits::DEFAULT.proxies))
 }
 
-fn budget() -> RangedU64ValueParser<usize> {
-    RangedU64ValueParser::new().range(1..=u64::from(Limits::DEFAULT.file_bytes))
+/// Parses a number of bytes, with or without a unit.
+fn budget(text: &str) -> Result<usize, String> {
+    const UNITS: [(&str, usize); 6] = [
+        ("KiB", 1 << 10),
+        ("MiB", 1 << 20),
+        ("kB", 1_000),
+        ("KB", 1_000),
+        ("MB", 1_000_000),
+        ("B", 1),
+    ];
+    let most = Limits::DEFAULT.file_bytes as usize;
+    let (number, unit) = UNITS
+        .into_iter()
+        .find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit)))
+        .unwrap_or((text, 1));
+    let bytes = number.trim_end().parse::<usize>().ok().and_then(|number| number.checked_mul(unit));
+    bytes
+        .filter(|bytes| (1..=most).contains(bytes))
+        .ok_or_else(|| format!("expected a whole number of bytes, kB or MB, up to {most} bytes"))
 }
 
 fn influences() -> RangedU64ValueParser<usize> {
@@ -242,4 +259,29 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         trained.model.len()
     );
     output.print(&record, &text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::budget;
+
+    #[test]
+    fn sizes_have_units() {
+        let read = |text: &str| budget(text).ok();
+        for (text, bytes) in [
+            ("300000", 300_000),
+            ("300kB", 300_000),
+            ("300 kB", 300_000),
+            ("300KB", 300_000),
+            ("2MB", 2_000_000),
+            ("3KiB", 3072),
+            ("1MiB", 1 << 20),
+            ("7B", 7),
+        ] {
+            assert_eq!(read(text), Some(bytes), "{text}");
+        }
+        for text in ["", "kB", "0", "-1", "1e3", "3q", "3TB", "1.5MB", "99999999999999999999MB"] {
+            assert_eq!(read(text), None, "{text}");
+        }
+    }
 }

@@ -5,6 +5,7 @@ mod describe;
 mod eval;
 mod input;
 mod pin;
+mod pins;
 mod report;
 mod solve;
 mod train;

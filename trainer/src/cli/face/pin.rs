@@ -1,12 +1,13 @@
 //! `sinew face pin`: a few points dragged, and the face that follows.
 
 use super::input::{self, AnchorName};
+use super::pins::{self, Followed, PinArgument, Placed, Projection};
 use crate::cli::files::{OutputFile, write};
 use crate::cli::{Output, printable};
 use anyhow::{Context, bail};
 use serde_json::json;
 use sinew_runtime::Model;
-use sinew_runtime::prior::{Edit, Pin};
+use sinew_runtime::prior::Edit;
 use sinew_trainer::face::baked::{BakedFace, Shaped, Terms};
 use sinew_trainer::face::outline::{self, Outline};
 use sinew_trainer::face::picture::{Paint, Photographer};
@@ -21,9 +22,16 @@ use std::path::{Path, PathBuf};
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew face train` wrote
     face: PathBuf,
-    /// A vertex and where it is to be, _ for a coordinate that is free; may be given several times
-    #[arg(long = "pin", value_name = "VERTEX=X,Y,Z", value_parser = pin, allow_hyphen_values = true)]
+    /// A vertex and where it is to be, _ for a coordinate that is free, *STIFFNESS for how much it counts beside
+    /// others; may be given several times
+    ///
+    /// Two numbers are a place on a screen: VERTEX=X,Y.
+    #[arg(long = "pin", value_name = "VERTEX=X,Y,Z", value_parser = pins::pin, allow_hyphen_values = true)]
     pins: Vec<PinArgument>,
+    /// The screen of pins with two numbers: two rows of four numbers, which a place (x, y, z, 1) is multiplied with
+    /// [default: pixels of the picture that a .png would be, from its upper left]
+    #[arg(long, value_name = "ROWS", value_parser = pins::projection, allow_hyphen_values = true)]
+    projection: Option<Projection>,
     /// A vertex that is to stay where it is; may be given several times
     #[arg(long, value_name = "VERTEX")]
     hold: Vec<u32>,
@@ -50,20 +58,12 @@ pub(in crate::cli) struct Arguments {
     width: u32,
 }
 
-/// A vertex, and the coordinates that are pinned.
-#[derive(Clone, Copy, Debug)]
-struct PinArgument {
-    vertex: u32,
-    at: [Option<f32>; 3],
-}
-
 /// What a solve gave.
 struct Solved {
     weights: Vec<f32>,
     shaped: Shaped,
     edit: Edit,
-    /// Vertex, where it is, and where it was to be.
-    pins: Vec<(usize, [f64; 3], [f64; 3])>,
+    pins: Vec<Followed>,
 }
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
@@ -82,7 +82,11 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         )?,
         None => face,
     };
-    let solved = solve(&solver, arguments, output).with_context(about)?;
+    let screen = || match arguments.projection {
+        Some(projection) => Ok(projection),
+        None => picture_screen(&face, &model, arguments).with_context(about),
+    };
+    let solved = solve(&solver, arguments, screen, output).with_context(about)?;
     let bytes = match ending {
         Ending::Csv => {
             let weights = solved.weights.iter().copied().map(f64::from).collect();
@@ -94,7 +98,12 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     print(&face, &solved, &target, output)
 }
 
-fn solve(face: &BakedFace<'_>, arguments: &Arguments, output: Output) -> anyhow::Result<Solved> {
+fn solve(
+    face: &BakedFace<'_>,
+    arguments: &Arguments,
+    screen: impl Fn() -> anyhow::Result<Projection>,
+    output: Output,
+) -> anyhow::Result<Solved> {
     let mut weights = vec![0.0; face.skin.shape_len()];
     if let Some(path) = &arguments.weights {
         let take = input::take(path, &face.names(), output)?;
@@ -103,20 +112,15 @@ fn solve(face: &BakedFace<'_>, arguments: &Arguments, output: Output) -> anyhow:
     }
     let before = face.shaped(&weights)?;
     let len = face.skin.vertex_len();
-    let mut pins = Vec::new();
+    let mut placed = Vec::new();
     for argument in &arguments.pins {
-        let vertex = argument.vertex;
-        if vertex as usize >= len {
-            bail!("--pin {vertex}: expected a vertex from 0 to {}", len - 1);
-        }
-        let target = argument.at.map(|x| x.unwrap_or_default());
-        pins.push(Pin::new(vertex, target).masked(argument.at.map(|x| x.is_some())));
+        placed.push(argument.place(len, &screen)?);
     }
     for &vertex in &arguments.hold {
         let place = before.positions.get(vertex as usize);
         let place = place
             .with_context(|| format!("--hold {vertex}: expected a vertex from 0 to {}", len - 1))?;
-        pins.push(Pin::new(vertex, place.map(|x| x as f32)));
+        placed.push(Placed::hold(vertex, *place));
     }
     let mut terms = Terms::edit(&face.prior);
     terms.anchor = arguments.anchor.anchor();
@@ -124,19 +128,10 @@ fn solve(face: &BakedFace<'_>, arguments: &Arguments, output: Output) -> anyhow:
     if let Some(tolerance) = arguments.tolerance {
         terms.beta = (tolerance * tolerance) as f32;
     }
+    let pins: Vec<_> = placed.iter().map(|placed| placed.pin).collect();
     let edit = face.solve(&pins, &terms, &mut Vec::new(), &mut weights)?;
     let shaped = face.shaped(&weights)?;
-    let pins = pins.iter().map(|pin| {
-        let vertex = pin.vertex as usize;
-        let place = shaped.positions[vertex];
-        // A coordinate that is free is where it is.
-        let target = [0, 1, 2].map(|axis| match pin.rows[axis] == [0.0; 4] {
-            true => place[axis],
-            false => f64::from(pin.target[axis]),
-        });
-        (vertex, place, target)
-    });
-    let pins = pins.collect();
+    let pins = placed.iter().map(|placed| placed.follow(&shaped)).collect::<Result<_, _>>()?;
     Ok(Solved { weights, shaped, edit, pins })
 }
 
@@ -152,13 +147,31 @@ fn draw(
         Ending::Obj => outline.moved(&solved.shaped.positions).into_bytes(),
         Ending::Glb => glb(face, outline.faces()?, &Weights::Still(&solved.weights))?,
         _ => {
-            let whole = 0..face.skin.vertex_len();
-            let width = arguments.width as usize;
-            let camera = Photographer::new(face, &model.space(), outline.faces()?, whole, width);
-            let pins: Vec<_> = solved.pins.iter().map(|(_, from, to)| (*from, *to)).collect();
+            let camera = photographer(face, model, &outline, arguments)?;
+            let pins: Vec<_> = solved.pins.iter().map(|pin| pin.places).collect();
             camera.take(&solved.shaped, &Paint::Clay, &pins).png()?
         }
     })
+}
+
+/// Returns the screen that the pixels of a picture are.
+fn picture_screen(
+    face: &BakedFace<'_>,
+    model: &Model<Vec<u8>>,
+    arguments: &Arguments,
+) -> anyhow::Result<Projection> {
+    let outline = Outline::read(&arguments.face, face.skin.vertex_len())?;
+    Ok(photographer(face, model, &outline, arguments)?.projection())
+}
+
+fn photographer<'a>(
+    face: &BakedFace<'_>,
+    model: &Model<Vec<u8>>,
+    outline: &'a Outline,
+    arguments: &Arguments,
+) -> anyhow::Result<Photographer<'a>> {
+    let (whole, width) = (0..face.skin.vertex_len(), arguments.width as usize);
+    Ok(Photographer::new(face, &model.space(), outline.faces()?, whole, width))
 }
 
 fn print(
@@ -167,14 +180,14 @@ fn print(
     target: &OutputFile,
     output: Output,
 ) -> anyhow::Result<()> {
-    let missed = |(_, a, b): &(usize, [f64; 3], [f64; 3])| {
-        (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
-    };
     let Edit { norm, unreachable_len, is_least, .. } = solved.edit;
     let pins: Vec<_> = solved
         .pins
         .iter()
-        .map(|pin| json!({ "vertex": pin.0, "at": pin.1, "target": pin.2, "missed": missed(pin) }))
+        .map(|pin| {
+            let Followed { vertex, at, target, .. } = pin;
+            json!({ "vertex": vertex, "at": at, "target": target, "missed": pin.missed() })
+        })
         .collect();
     let names = face.names();
     let weights: serde_json::Map<_, _> =
@@ -185,7 +198,8 @@ fn print(
     });
     let mut text = String::new();
     for pin in &solved.pins {
-        text += &format!("vertex {:<8} misses its place by {:.3e}\n", pin.0, missed(pin));
+        let missed = pin.missed();
+        text += &format!("vertex {:<8} misses its place by {missed:.3e}\n", pin.vertex);
     }
     let mut order: Vec<usize> = (0..names.len()).collect();
     order.sort_by(|a, b| solved.weights[*b].abs().total_cmp(&solved.weights[*a].abs()));
@@ -222,21 +236,4 @@ fn ending(path: &Path) -> anyhow::Result<Ending> {
         Some("csv") => Ok(Ending::Csv),
         _ => bail!("{}: expected a file that ends in .obj, .glb, .png or .csv", path.display()),
     }
-}
-
-/// Parses a vertex and its place.
-fn pin(text: &str) -> Result<PinArgument, String> {
-    let expected = || "expected VERTEX=X,Y,Z, _ for a coordinate that is free".to_owned();
-    let (vertex, place) = text.split_once('=').ok_or_else(expected)?;
-    let vertex = vertex.trim().parse().map_err(|_| expected())?;
-    let number = |word: &str| match word.trim() {
-        "_" => Ok(None),
-        word => match word.parse::<f32>() {
-            Ok(x) if x.is_finite() => Ok(Some(x)),
-            _ => Err(expected()),
-        },
-    };
-    let numbers = place.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
-    let at = numbers.try_into().map_err(|_| expected())?;
-    Ok(PinArgument { vertex, at })
 }

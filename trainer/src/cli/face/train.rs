@@ -2,6 +2,7 @@
 
 use super::input;
 use crate::cli::files::{OutputFile, write};
+use crate::cli::space::{self, StatedSpace};
 use crate::cli::{Output, counted, printable};
 use anyhow::{Context, bail};
 use serde_json::json;
@@ -53,6 +54,8 @@ pub(in crate::cli) struct Arguments {
     /// the .npz, or those of ICT-FaceKit beside it]
     #[arg(long, value_name = "FILE")]
     landmarks: Option<PathBuf>,
+    #[command(flatten)]
+    space: StatedSpace,
 }
 
 /// Types of numbers by name.
@@ -84,7 +87,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     };
     let found = source::read(path).with_context(about)?;
     let (basis, model, learned) = match found {
-        Source::Meshes(meshes) => {
+        Source::Meshes(mut meshes) => {
+            meshes.mesh.space = arguments.space.of(meshes.mesh.space, path)?;
             refuse_for_meshes(arguments).with_context(about)?;
             let len = counted(meshes.positions.len(), "mesh", "meshes");
             let (mut basis, model) =
@@ -99,6 +103,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
                     about()
                 );
             }
+            basis.mesh.space = arguments.space.of(basis.mesh.space, path)?;
             for &(identity, by) in &arguments.identity {
                 basis.identify(identity, by).with_context(about)?;
             }
@@ -138,6 +143,7 @@ fn print(
         "slider_error": fit.slider_error,
         "mirrored_pairs": counts.symmetry_len,
         "cancelling_pairs": counts.cancel_len,
+        "space": space::as_json(&model.space()),
         "bytes": bytes.len(),
         "mesh": mesh.named().display().to_string(),
     });

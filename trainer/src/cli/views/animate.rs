@@ -1,8 +1,8 @@
 //! `sinew views animate`: pictures along a path of parameters.
 
-use super::frames::Frames;
+use super::frames::{Frames, FramesArguments};
 use super::input::load;
-use crate::cli::{Output, counted};
+use crate::cli::Output;
 use anyhow::{Context, bail};
 use serde::Deserialize;
 use serde_json::json;
@@ -23,9 +23,8 @@ pub(in crate::cli) struct Arguments {
     /// The path
     #[arg(long, value_name = "PATH")]
     path: PathBuf,
-    /// The folder to fill with pictures
-    #[arg(short, long, value_name = "FOLDER")]
-    out: PathBuf,
+    #[command(flatten)]
+    frames: FramesArguments,
 }
 
 #[derive(Deserialize)]
@@ -45,14 +44,15 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let path = read(&arguments.path)?;
     let model = load(&arguments.model)?;
     let mut player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
-    let mut frames = Frames::new(&arguments.out)?;
+    let mut frames =
+        Frames::new(&arguments.frames, &[arguments.model.clone(), arguments.path.clone()])?;
     for (number, values) in path.iter().enumerate() {
         let played = player.play(values).with_context(|| format!("frame {number}"))?;
         frames.add(&player.draw(&played)?.0)?;
     }
     let count = frames.count();
-    let text = format!("{}: {}\n", arguments.out.display(), counted(count, "frame", "frames"));
-    output.print(&json!({ "frames": count }), &text)
+    let (text, frame_time) = frames.finish()?;
+    output.print(&json!({ "frames": count, "frame_time": frame_time }), &text)
 }
 
 /// Lists the parameters of all frames.

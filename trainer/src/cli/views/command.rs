@@ -1,6 +1,6 @@
 //! The commands of views, by name.
 
-use super::{animate, demo, drive, eval, pin, render, report, train, transfer};
+use super::{animate, demo, drive, eval, export, pin, render, report, train, transfer};
 use crate::cli::Output;
 use clap::Subcommand;
 
@@ -15,6 +15,7 @@ pub(in crate::cli) enum Command {
     Transfer(transfer::Arguments),
     Pin(pin::Arguments),
     Report(report::Arguments),
+    Export(export::Arguments),
 }
 
 impl Command {
@@ -33,6 +34,7 @@ impl Command {
             Command::Transfer(arguments) => transfer::run(arguments, output),
             Command::Pin(arguments) => pin::run(arguments, output),
             Command::Report(arguments) => report::run(arguments, output),
+            Command::Export(arguments) => export::run(arguments, output),
         }
     }
 }

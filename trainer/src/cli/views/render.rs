@@ -1,15 +1,17 @@
 //! `sinew views render`: one picture.
 
 use super::input::load;
+use super::track::{Follower, read};
 use super::values::{assignment, values};
 use crate::cli::Output;
 use crate::cli::files::{OutputFile, write};
-use anyhow::Context;
+use anyhow::{Context, bail};
 use serde_json::json;
 use sinew_trainer::views::player::{Player, straight};
-use std::path::PathBuf;
+use sinew_trainer::views::set::Values;
+use std::path::{Path, PathBuf};
 
-/// Draws the object of MODEL at parameters, as an engine does.
+/// Draws the object of MODEL at parameters, or as tracked points stand, as an engine does.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew views train` wrote
@@ -20,6 +22,9 @@ pub(in crate::cli) struct Arguments {
     /// A parameter, angles in degrees; once for each
     #[arg(long, value_name = "NAME=NUMBER", value_parser = assignment)]
     set: Vec<(String, f64)>,
+    /// Tracked points in place of parameters, which follow from them: CSV of one frame, as `drive` takes it
+    #[arg(long, value_name = "CSV", conflicts_with = "set")]
+    points: Option<PathBuf>,
     /// The picture to write, PNG
     #[arg(short, long, value_name = "PNG")]
     out: PathBuf,
@@ -27,10 +32,19 @@ pub(in crate::cli) struct Arguments {
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let about = || arguments.model.display().to_string();
-    let target = OutputFile::new(&arguments.out, std::slice::from_ref(&arguments.model))?;
+    let taken: Vec<PathBuf> = [Some(&arguments.model), arguments.points.as_ref()]
+        .into_iter()
+        .flatten()
+        .cloned()
+        .collect();
+    let target = OutputFile::new(&arguments.out, &taken)?;
     let model = load(&arguments.model)?;
     let mut player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
-    let played = player.play(&values(&arguments.set)?)?;
+    let values = match &arguments.points {
+        Some(file) => tracked(&mut Follower::new(&player).with_context(about)?, file)?,
+        None => values(&arguments.set)?,
+    };
+    let played = player.play(&values)?;
     let (picture, drawn) = player.draw(&played)?;
     write(&[(&target, &straight(&picture).png()?)])?;
     let view = player.views().view_name(played.view).unwrap_or_default();
@@ -41,6 +55,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         drawn.flipped_len
     );
     let json = json!({
+        "values": values,
         "view": view,
         "elements": drawn.element_len,
         "flipped": drawn.flipped_len,
@@ -48,4 +63,13 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         "confidence": played.confidence,
     });
     output.print(&json, &text)
+}
+
+/// Finds the parameters of the one frame of a file.
+fn tracked(follower: &mut Follower, file: &Path) -> anyhow::Result<Values> {
+    let about = || file.display().to_string();
+    match &read(file, follower.point_len())?[..] {
+        [points] => Ok(follower.find(points).with_context(about)?.values),
+        frames => bail!("{}: expected one frame, found {}", about(), frames.len()),
+    }
 }

@@ -8,7 +8,7 @@ use super::{npz, scene, targets};
 use crate::examples::{ExamplesError, LoadError};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{SampledScene, Sampling};
-use crate::formats::{fbx, gltf};
+use crate::formats::{content, fbx, gltf};
 
 /// The files that examples are read from, and how.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +61,15 @@ impl<'a> Source<'a> {
         Ok(Some(read?))
     }
 
+    /// Checks that each file holds what its ending says.
+    fn check_content(&self) -> Result<(), LoadError> {
+        for file in [Some(self.file), self.targets].into_iter().flatten() {
+            content::check(file)
+                .map_err(|error| LoadError { file: file.to_owned(), error: error.into() })?;
+        }
+        Ok(())
+    }
+
     fn sampling(&self, shapes: bool) -> Sampling<'a> {
         Sampling { fps: self.fps, clip: self.clip, shapes }
     }
@@ -77,6 +86,7 @@ impl<'a> Source<'a> {
 /// holds what fails [`Examples::validate`](crate::examples::Examples::validate).
 pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
     let blame = source.blame();
+    source.check_content()?;
     let sampling = source.sampling(source.targets.is_none());
     let scene = source.scene(&sampling).map_err(&blame)?;
     let Some(scene) = scene else { return npz::load(source.file) };
@@ -103,6 +113,7 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
 /// As [`load`].
 pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
     let blame = source.blame();
+    Source::file(source.file).check_content()?;
     let scene = source.scene(&source.sampling(false)).map_err(&blame)?;
     let Some(scene) = scene else { return npz::load(source.file) };
     let (examples, clips, mut warnings) = scene::still(scene).map_err(&blame)?;

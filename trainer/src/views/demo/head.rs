@@ -1,16 +1,19 @@
 //! A head that turns all the way round: what faces away is not seen.
 
 use super::made::Made;
-use super::paint::{empty, polygon};
+use super::paint::polygons;
 use crate::page::colour::Colour;
+use crate::page::picture::Picture;
 use crate::views::set::{Element, Examples, Image, Parameter, View, ViewSet};
 use std::f64::consts::{PI, TAU};
 
 const SIZE: [usize; 2] = [160, 192];
 /// Quads around and from top to bottom.
 const QUADS: [usize; 2] = [16, 8];
-/// Views around.
-const VIEWS: usize = 12;
+/// Views around, of which every other one has a picture.
+const VIEWS: usize = 24;
+/// Cosine of the angle to the eye from which on a quad is too thin for a picture, and not seen.
+const THIN: f64 = 0.15;
 /// Half the width, the height and the depth, pixels.
 const RADII: [f64; 3] = [56.0, 78.0, 66.0];
 /// Where the eye is, pixels before the middle.
@@ -20,7 +23,7 @@ const HAIR: [Colour; 2] = [[0x5b, 0x3a, 0x24], [0x6d, 0x47, 0x2d]];
 const EYES: Colour = [0x2a, 0x4a, 0x7a];
 const MOUTH: Colour = [0xb5, 0x3b, 0x3b];
 
-/// Makes the set: views all around to learn from, and those half-way between.
+/// Makes the set: views all around to learn from, and those half-way between to measure with.
 pub(super) fn made() -> Made {
     let mut examples = Examples {
         name: "main".to_owned(),
@@ -36,17 +39,11 @@ pub(super) fn made() -> Made {
     for number in 0..VIEWS {
         let yaw = step * number as f64;
         let mut own = view(yaw);
-        let file = format!("view{number:02}.png");
-        own.image = Some(Image { file: file.clone().into(), mask: None });
-        let known = own.known();
-        let mut picture = empty(SIZE);
-        for (quad, element) in elements().iter().enumerate() {
-            let corners: Vec<[f64; 2]> = element.points().iter().map(|&k| known[k]).collect();
-            if faces(&corners) {
-                polygon(&mut picture, colour(quad), &corners);
-            }
+        if number % 2 == 0 {
+            let file = format!("view{:02}.png", number / 2);
+            own.image = Some(Image { file: file.clone().into(), mask: None });
+            pictures.push((file, picture(&own)));
         }
-        pictures.push((file, picture));
         examples.train.push(own);
         examples.test.push(view(yaw + 0.5 * step));
     }
@@ -65,13 +62,31 @@ fn elements() -> Vec<Element> {
     (0..around * (down - 1)).map(quad).collect()
 }
 
-/// Tells whether corners that go round as an element's do are seen from outside.
-fn faces(corners: &[[f64; 2]]) -> bool {
-    let turn = |at: usize| {
-        let (a, b) = (corners[at], corners[(at + 1) % corners.len()]);
-        a[0] * b[1] - a[1] * b[0]
+fn picture(view: &View) -> Picture {
+    let (known, depths) = (view.known(), &view.depths);
+    let mut painted = Vec::new();
+    for (quad, element) in elements().iter().enumerate() {
+        if facing(element, &known, depths) > 0.0 {
+            let corners = element.points().iter().map(|&k| known[k]).collect();
+            painted.push((colour(quad), corners));
+        }
+    }
+    polygons(SIZE, &painted)
+}
+
+/// Returns the cosine of the angle from the eye to where an element looks, that of its diagonals' plane.
+fn facing(element: &Element, points: &[[f64; 2]], depths: &[f64]) -> f64 {
+    let &[a, b, c, d] = element.points() else { return 0.0 };
+    let between = |from: usize, to: usize| {
+        let apart = |axis: usize| points[to][axis] - points[from][axis];
+        [apart(0), apart(1), depths[to] - depths[from]]
     };
-    (0..corners.len()).map(turn).sum::<f64>() > 0.0
+    let (u, v) = (between(a, c), between(b, d));
+    let normal = [0, 1, 2].map(|axis| {
+        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+        u[next] * v[last] - u[last] * v[next]
+    });
+    normal[2] / normal.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 fn colour(quad: usize) -> Colour {
@@ -88,7 +103,8 @@ fn colour(quad: usize) -> Colour {
     }
 }
 
-/// A view at a yaw: the ring's first point is in front, where z is large.
+/// A view at a yaw: the ring's first point is in front, where z is large. What a quad that faces the eye has as a corner is
+/// seen, so that hardly a quad of the outline is missing.
 fn view(yaw: f64) -> View {
     let [around, down] = QUADS;
     let (s, c) = yaw.to_radians().sin_cos();
@@ -98,21 +114,20 @@ fn view(yaw: f64) -> View {
         let phi = TAU * i as f64 / around as f64;
         let unit = [theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos()];
         let [x, y, z] = [0, 1, 2].map(|axis| RADII[axis] * unit[axis]);
-        let normal = [0, 2].map(|axis| unit[axis] / RADII[axis]);
         let (x, z) = (c * x + s * z, c * z - s * x);
-        let outward = c * normal[1] - s * normal[0];
-        let rise = unit[1] / RADII[1];
         let nearer = EYE / (EYE - z);
-        let to_eye = outward * (EYE - z) - (s * normal[1] + c * normal[0]) * x - rise * y;
-        let place = [0.5 * SIZE[0] as f64 + nearer * x, 0.5 * SIZE[1] as f64 - nearer * y];
-        (place, -z, to_eye > 0.0)
+        ([0.5 * SIZE[0] as f64 + nearer * x, 0.5 * SIZE[1] as f64 - nearer * y], -z)
     };
-    let all: Vec<([f64; 2], f64, bool)> = places.map(point).collect();
+    let (points, depths): (Vec<[f64; 2]>, Vec<f64>) = places.map(point).unzip();
+    let mut visible = vec![false; points.len()];
+    for element in elements().iter().filter(|own| facing(own, &points, &depths) > THIN) {
+        element.points().iter().for_each(|&k| visible[k] = true);
+    }
     View {
         values: [("yaw".to_owned(), yaw)].into(),
-        points: all.iter().map(|(place, ..)| Some(*place)).collect(),
-        visible: all.iter().map(|(.., seen)| *seen).collect(),
-        depths: all.iter().map(|(_, depth, _)| *depth).collect(),
+        points: points.into_iter().map(Some).collect(),
+        visible,
+        depths,
         image: None,
     }
 }

@@ -1,7 +1,7 @@
 //! A panel of quads, seen in perspective as it turns, and rolled up along an arc.
 
 use super::made::Made;
-use super::paint::{empty, polygon};
+use super::paint::polygons;
 use crate::page::colour::Colour;
 use crate::views::set::{Element, Examples, Image, Parameter, View, ViewSet};
 
@@ -39,15 +39,15 @@ pub(super) fn made() -> Made {
         // A turned panel shows its picture well enough from the front and from both sides.
         if pitch == 0.0 && bend != 0.5 {
             let file = format!("view{number:02}.png");
-            let mut picture = empty(SIZE);
             let known = own.known();
-            for (quad, element) in elements().iter().enumerate() {
-                let corners: Vec<[f64; 2]> = element.points().iter().map(|&k| known[k]).collect();
+            let painted = |(quad, element): (usize, &Element)| {
                 let (column, row) = (quad % QUADS[0], quad / QUADS[0]);
-                polygon(&mut picture, COLOURS[(column + 3 * row) % COLOURS.len()], &corners);
-            }
+                let corners = element.points().iter().map(|&k| known[k]).collect();
+                (COLOURS[(column + 3 * row) % COLOURS.len()], corners)
+            };
+            let painted: Vec<_> = elements().iter().enumerate().map(painted).collect();
             own.image = Some(Image { file: file.clone().into(), mask: None });
-            pictures.push((file, picture));
+            pictures.push((file, polygons(SIZE, &painted)));
         }
         examples.train.push(own);
     }

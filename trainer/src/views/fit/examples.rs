@@ -118,6 +118,28 @@ pub fn fit(
     best.ok_or(FitError::None { views })
 }
 
+/// Fits every candidate that [`fit`] chooses from: those that single precision can evaluate.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit_each(
+    examples: &Examples,
+    keys: &[Option<usize>],
+    options: FitOptions,
+) -> Result<Vec<FittedMap>, FitError> {
+    let points = Block::new(&places(&examples.train));
+    let limit = ROUNDING * extent(&examples.train);
+    let mut out = Vec::new();
+    for way in ways(examples) {
+        let sites = Sites::new(way, &examples.train)?;
+        let tried = sites.all(&points, !options.exact, None);
+        let determined = tried.iter().filter(|tried| tried.candidate.left_out.is_some());
+        let made = determined.filter_map(|one| sites.put_together(one, examples, keys, &tried));
+        out.extend(made.filter(|made| made.model.fit.bound <= limit));
+    }
+    Ok(out)
+}
+
 /// Views at which the values of a map are given.
 struct Sites {
     inputs: Vec<Input>,

@@ -11,6 +11,6 @@ mod terms;
 pub use block::LeftOutViews;
 pub use candidate::Candidate;
 pub use error::FitError;
-pub use examples::{Choice, FitOptions, FittedMap, fit};
+pub use examples::{Choice, FitOptions, FittedMap, fit, fit_each};
 pub use inputs::{given, names_of};
 pub use outputs::{MapOutputs, Shown};

@@ -11,7 +11,7 @@ use spade::{DelaunayTriangulation, Point2, Triangulation};
 use std::path::Path;
 
 /// Triangles' sides along the longer side of the drawing.
-const ACROSS: f64 = 24.0;
+const ACROSS: f64 = 32.0;
 /// How fast the hold of a bone falls with the distance from it.
 const FALL: i32 = 4;
 /// Phases of the walk that are examples, degrees.

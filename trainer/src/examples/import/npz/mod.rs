@@ -35,7 +35,7 @@ use super::loaded::Loaded;
 use super::{origins, roots};
 use crate::examples::validate::{REPAIRABLE, same};
 use crate::examples::{
-    Clip, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
+    Clip, Distortion, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
 };
 use crate::formats::npz::{Archive, Rows};
 use crate::formats::{ArrayError, FormatError};
@@ -87,12 +87,12 @@ fn read(
     }
     let split = read_split(&mut archive, frame_len)?;
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
-    let transforms = affine("bone_transforms", &matrices, Some(&split), &names)?;
+    let transforms = affine(&matrices, Some(&split), &names)?;
     drop(matrices);
 
     let identity = translation([0.0; 3]);
     let rest_frames = match &frames {
-        Some(frames) => affine("joint_world_rest", &frames.data, None, &names)?,
+        Some(frames) => affine(&frames.data, None, &names)?,
         None => vec![identity; joint_len],
     };
     let skeleton = Skeleton { names, parents, rest: rest_frames };
@@ -165,7 +165,6 @@ fn read_parents(
 
 /// Drops the last row of 4 x 4 matrices, which must be 0 0 0 1 in the training frames.
 fn affine(
-    array: &'static str,
     matrices: &[[f64; 16]],
     frames: Option<&[Split]>,
     names: &[String],
@@ -179,7 +178,8 @@ fn affine(
         let read = frames.is_none_or(|split| split[number / names.len()] == Split::Train);
         if deviation > REPAIRABLE && read {
             let joint = names[number % names.len()].clone();
-            return Err(ExamplesError::NonRigidJoint { array, frame, joint, deviation });
+            let distortion = Distortion::Projects;
+            return Err(ExamplesError::NonRigidJoint { frame, joint, distortion });
         }
         maps.push([row(0), row(1), row(2)]);
     }

@@ -1,0 +1,69 @@
+//! What a file holds, whatever its name says.
+
+use super::error::FormatError;
+use super::extension::extension;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// A kind of file, told by its first bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// A baked model.
+    Model,
+    /// A scene or arrays, in the format of this ending.
+    Examples(&'static str),
+}
+
+/// How files begin.
+const BEGINNINGS: [(&[u8], Content); 6] = [
+    (b"SNEW", Content::Model),
+    (b"glTF", Content::Examples("glb")),
+    (b"Kaydara FBX Binary", Content::Examples("fbx")),
+    (b"; FBX", Content::Examples("fbx")),
+    (b"PK\x03\x04", Content::Examples("npz")),
+    (b"POINTCACHE2\0", Content::Examples("pc2")),
+];
+
+impl Content {
+    /// Tells what begins so; `None` of what is not known by its beginning.
+    pub fn of(bytes: &[u8]) -> Option<Self> {
+        let found = BEGINNINGS.into_iter().find(|(beginning, _)| bytes.starts_with(beginning));
+        found.map(|(_, content)| content)
+    }
+}
+
+/// Checks that a file that is to be read by its ending holds something, and nothing else. What cannot be opened is
+/// left to whoever reads it.
+pub(crate) fn check(path: &Path) -> Result<(), FormatError> {
+    let Ok(mut file) = File::open(path) else { return Ok(()) };
+    let mut beginning = [0; 32];
+    let Ok(len) = file.read(&mut beginning) else { return Ok(()) };
+    if len == 0 {
+        return Err(FormatError::Empty);
+    }
+    match Content::of(&beginning[..len]) {
+        Some(Content::Model) => Err(FormatError::Model),
+        // A reader of glTF takes both forms by either name.
+        Some(Content::Examples("glb")) if extension(path) == "gltf" => Ok(()),
+        Some(Content::Examples(ending)) if extension(path) != ending => {
+            Err(FormatError::OtherContent { ending })
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_known_by_their_first_bytes() {
+        assert_eq!(Content::of(b"SNEW\x04"), Some(Content::Model));
+        assert_eq!(Content::of(b"glTF\x02\0"), Some(Content::Examples("glb")));
+        assert_eq!(Content::of(b"Kaydara FBX Binary  \0"), Some(Content::Examples("fbx")));
+        assert_eq!(Content::of(b"PK\x03\x04"), Some(Content::Examples("npz")));
+        assert_eq!(Content::of(b"{\"asset\":"), None);
+        assert_eq!(Content::of(b""), None);
+    }
+}

@@ -1,0 +1,216 @@
+//! A model at the nodes of a grid of parameters, or at those of its key views.
+
+use super::error::GridError;
+use crate::kernel::model::{Input, InputKind, KernelModel, features};
+use crate::views::fit::{FitError, MapOutputs, given, names_of};
+use crate::views::inverse::{find, starts};
+use crate::views::player::{Played, Player};
+use crate::views::set::Values;
+use sinew_runtime::Model;
+
+/// A side of a grid, as it is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Side {
+    /// The parameter.
+    pub name: String,
+    /// From where to where; where nothing is said, as far as the examples go.
+    pub range: Option<[f64; 2]>,
+    /// How many nodes it has.
+    pub nodes: usize,
+}
+
+/// A model at the nodes of a grid.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    /// Its sides, each with its range; none where nodes are key views.
+    pub sides: Vec<(Side, [f64; 2])>,
+    /// Its nodes, those of the first side slowest.
+    pub nodes: Vec<Node>,
+}
+
+/// A node of a grid.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// What it is called.
+    pub name: String,
+    /// Its parameters.
+    pub values: Values,
+    /// What the map gives for them.
+    pub played: Played,
+}
+
+/// Share of a feature's range by which an angle may leave it.
+const BEYOND: f64 = 0.02;
+/// Pixels, RMS, from which on a key view is not one of a map.
+const OFF: f64 = 0.5;
+/// Degrees once round.
+const ROUND: usize = 360;
+
+impl Grid {
+    /// Shows a map at the nodes of a grid.
+    ///
+    /// - `values`: all parameters that have no side.
+    ///
+    /// # Errors
+    /// [`GridError`] of the sides, and of what the runtime refuses.
+    pub fn of_sides(
+        model: &Model<Vec<u8>>,
+        map: Option<&str>,
+        values: &Values,
+        sides: &[Side],
+    ) -> Result<Self, GridError> {
+        let player = Player::new(model, map)?;
+        let names = names_of(player.inputs());
+        for (number, Side { name, .. }) in sides.iter().enumerate() {
+            if !names.contains(&name.as_str()) {
+                let expected = names.join(", ");
+                return Err(GridError::Unknown { name: name.clone(), expected });
+            }
+            let earlier = sides[..number].iter().any(|other| other.name == *name);
+            if earlier || values.contains_key(name) {
+                return Err(GridError::Twice(name.clone()));
+            }
+        }
+        let mut ranged = Vec::new();
+        for side in sides {
+            let range = match side.range {
+                Some(range) => range,
+                None => reach(&player, values, &side.name)?,
+            };
+            if side.nodes < 2 || range[0].total_cmp(&range[1]).is_ge() {
+                return Err(GridError::Empty(side.name.clone()));
+            }
+            ranged.push((side.clone(), range));
+        }
+        let mut all = vec![(Vec::new(), values.clone())];
+        for (side, [low, high]) in &ranged {
+            let at = |node: usize| low + (high - low) * node as f64 / (side.nodes - 1) as f64;
+            let with = |(named, values): &(Vec<String>, Values)| {
+                let (named, values) = (named.clone(), values.clone());
+                (0..side.nodes).map(move |node| {
+                    let (mut named, mut values) = (named.clone(), values.clone());
+                    named.push(format!("{} {}", side.name, at(node)));
+                    values.insert(side.name.clone(), at(node));
+                    (named, values)
+                })
+            };
+            all = all.iter().flat_map(with).collect();
+        }
+        let node =
+            |(named, values): (Vec<String>, Values)| shown(model, map, named.join(", "), values);
+        Ok(Self { sides: ranged, nodes: all.into_iter().map(node).collect::<Result<_, _>>()? })
+    }
+
+    /// Shows a map at the parameters of its key views, which are found of their points.
+    ///
+    /// # Errors
+    /// [`GridError::Lent`], [`GridError::NoKeyView`], and those of the map.
+    pub fn of_key_views(model: &Model<Vec<u8>>, map: Option<&str>) -> Result<Self, GridError> {
+        let player = Player::new(model, map)?;
+        let views = player.views();
+        if views.is_transferred() {
+            return Err(GridError::Lent);
+        }
+        let map_model = KernelModel::from_file(player.map());
+        let outputs = MapOutputs { points: views.point_len(), views: views.view_len() };
+        let starts = starts(&map_model);
+        let mut nodes = Vec::new();
+        for view in 0..views.view_len() {
+            let seen = |point| views.is_visible(view, point) == Some(true);
+            let place = |point| views.reference(view, point).map(|place| place.map(f64::from));
+            let points: Vec<_> =
+                (0..outputs.points).map(|point| place(point).filter(|_| seen(point))).collect();
+            let found = find(&map_model, outputs, &points, &starts)?;
+            if found.rms < OFF {
+                let name = views.view_name(view).unwrap_or_default().to_owned();
+                nodes.push(shown(model, map, name, found.values)?);
+            }
+        }
+        if nodes.is_empty() {
+            Err(GridError::NoKeyView)
+        } else {
+            Ok(Self { sides: Vec::new(), nodes })
+        }
+    }
+}
+
+/// Shows parameters by themselves.
+fn shown(
+    model: &Model<Vec<u8>>,
+    map: Option<&str>,
+    name: String,
+    values: Values,
+) -> Result<Node, GridError> {
+    let played = Player::new(model, map)?.play(&values)?;
+    Ok(Node { name, values, played })
+}
+
+/// Finds how far the examples go in a parameter: a number's range; of an angle the longest run of whole degrees whose
+/// rotation is among theirs, the other angles 0 where they have no value.
+fn reach(player: &Player<'_>, values: &Values, name: &str) -> Result<[f64; 2], GridError> {
+    let range = |feature: usize| {
+        let [.., low, high] = player.map().feature(feature).unwrap_or_default().map(f64::from);
+        [low, high]
+    };
+    let mut first = 0;
+    for input in player.inputs() {
+        let len = input.kind.feature_len();
+        if names_of(std::slice::from_ref(input)).contains(&name) {
+            if input.kind == InputKind::Scalar {
+                return Ok(range(first));
+            }
+            let ranges: Vec<[f64; 2]> = (first..first + len).map(range).collect();
+            let is_among = |degrees: usize| among(input, values, name, degrees, &ranges);
+            let among: Vec<bool> = (0..ROUND).map(is_among).collect::<Result<_, _>>()?;
+            return run(&among).ok_or_else(|| GridError::Range(name.to_owned()));
+        }
+        first += len;
+    }
+    Err(GridError::Range(name.to_owned()))
+}
+
+fn among(
+    input: &Input,
+    values: &Values,
+    name: &str,
+    degrees: usize,
+    ranges: &[[f64; 2]],
+) -> Result<bool, GridError> {
+    let inputs = std::slice::from_ref(input);
+    let angle = |other: &str| match values.get(other) {
+        _ if other == name => degrees as f64,
+        value => value.copied().unwrap_or_default(),
+    };
+    let own = names_of(inputs).into_iter().map(|other| (other.to_owned(), angle(other))).collect();
+    let own = features(inputs, &given(inputs, &own)?).map_err(FitError::Given)?;
+    Ok(own.iter().zip(ranges).all(|(x, [low, high])| {
+        let beyond = BEYOND * (high - low) + 1e-6;
+        (low - beyond..=high + beyond).contains(x)
+    }))
+}
+
+/// Returns the ends of the longest run of degrees, which come round, in -180 to 360; none if there is no run of two.
+fn run(among: &[bool]) -> Option<[f64; 2]> {
+    if among.iter().all(|is_among| *is_among) {
+        return Some([0.0, ROUND as f64]);
+    }
+    let len = |from: &usize| (0..ROUND).take_while(|step| among[(from + step) % ROUND]).count();
+    let (from, len) = (0..ROUND).map(|from| (from, len(&from))).max_by_key(|(_, len)| *len)?;
+    let back = if from >= ROUND / 2 { ROUND as f64 } else { 0.0 };
+    let from = from as f64 - back;
+    (len > 1).then(|| [from, from + (len - 1) as f64])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_run_of_degrees_comes_round() {
+        let of = |inside: &dyn Fn(usize) -> bool| run(&(0..ROUND).map(inside).collect::<Vec<_>>());
+        assert_eq!(of(&|at| at <= 40 || at >= 325), Some([-35.0, 40.0]));
+        assert_eq!(of(&|at| (90..=270).contains(&at) || at == 3), Some([90.0, 270.0]));
+        assert_eq!(of(&|_| true), Some([0.0, 360.0]));
+        assert_eq!(of(&|at| at == 7), None);
+    }
+}

@@ -1,0 +1,171 @@
+//! Grids of parameters as other tools read them: an Inochi2D puppet, by its own parser.
+
+use super::common::Folder;
+use inochi2d_parser::prelude::{
+    BindingValues, Interpolation, Node, ParamBinding, ParamName, PartData, Puppet,
+};
+use sinew_runtime::Model;
+use sinew_runtime::format::Space;
+use sinew_trainer::bake::bake;
+use sinew_trainer::views::bake::parts;
+use sinew_trainer::views::demo::write;
+use sinew_trainer::views::export::{Grid, GridError, Side, puppet};
+use sinew_trainer::views::fit::{FitOptions, Shown};
+use sinew_trainer::views::set::{Values, ViewSet, read};
+use sinew_trainer::views::train::{Trained, train};
+
+/// Pixels by which single precision may be off.
+const ROUNDING: f64 = 1e-3;
+
+/// A set of the demo, what was trained of it, and its file.
+fn made(folder: &Folder, name: &str) -> (ViewSet, Trained, Model<Vec<u8>>) {
+    write(&folder.path("")).unwrap();
+    let set = read(&folder.path(name).join("views.json"), None).unwrap();
+    let trained = train(&set, FitOptions::default()).unwrap();
+    let bytes = bake(Space::default(), &parts(&trained.model).unwrap()).unwrap();
+    (set, trained, Model::from_bytes(bytes).unwrap())
+}
+
+fn side(name: &str, range: Option<[f64; 2]>, nodes: usize) -> Side {
+    Side { name: name.to_owned(), range, nodes }
+}
+
+/// What the model gives in double precision.
+fn shown(trained: &Trained, values: &[(&str, f64)]) -> Shown {
+    let values = values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    trained.model.outputs().evaluate(&trained.model.maps[0], &values).unwrap()
+}
+
+fn binding(puppet: &Puppet, node: u32, name: &ParamName) -> ParamBinding {
+    let parameter = puppet.params.values().next().unwrap();
+    let mut all = parameter.bindings.iter();
+    all.find(|binding| binding.node == node && binding.param_name == *name).unwrap().clone()
+}
+
+/// Holds a part's mesh at each node against the model's points there, about the middle of a screen.
+fn is_bent(
+    part: (&Node, &PartData),
+    puppet: &Puppet,
+    nodes: &[(usize, usize, Shown)],
+    middle: [f64; 2],
+) {
+    let (node, part) = part;
+    let mesh = part.mesh.as_ref().unwrap();
+    let bend = binding(puppet, node.uuid, &ParamName::Deform);
+    assert_eq!(bend.interpolate_mode, Interpolation::Linear);
+    let BindingValues::Deform(values) = &bend.values else { panic!("a mesh is bent") };
+    let points = mesh.vertices.len() / 2;
+    for (i, j, shown) in nodes {
+        assert!(bend.is_set[*i][*j]);
+        assert_eq!(shown.points.len(), points);
+        for (k, expected) in shown.points.iter().enumerate() {
+            let by = values.get(*i, j * points + k).unwrap();
+            for axis in 0..2 {
+                let found = f64::from(mesh.vertices[2 * k + axis]) + f64::from(by[axis]);
+                let expected = expected[axis] - middle[axis];
+                assert!((found - expected).abs() < ROUNDING, "{found} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_grid_of_two_parameters_is_a_puppet() {
+    let folder = Folder::new("puppet");
+    let (set, trained, file) = made(&folder, "panel");
+    let sides = [side("yaw", None, 9), side("pitch", Some([-20.0, 20.0]), 5)];
+    let bend: Values = [("bend".to_owned(), 0.25)].into();
+    let grid = Grid::of_sides(&file, None, &bend, &sides).unwrap();
+    let puppet = Puppet::from_bytes(&puppet(&file, None, &grid).unwrap()).unwrap();
+    let parameter = puppet.params.values().next().unwrap();
+    assert_eq!((puppet.params.len(), parameter.name.as_str()), (1, "yaw, pitch"));
+    assert_eq!((parameter.min, parameter.max), ([-40.0, -20.0], [40.0, 20.0]));
+    assert!(parameter.is_vec2 && parameter.defaults == [0.0, 0.0]);
+    assert_eq!(parameter.axis_points[0][2], 0.25);
+    assert_eq!(parameter.axis_points[1], [0.0, 0.25, 0.5, 0.75, 1.0]);
+    let places = (0..9).flat_map(|i| (0..5).map(move |j| (i, j)));
+    let nodes: Vec<(usize, usize, Shown)> = places
+        .map(|(i, j)| {
+            let (yaw, pitch) = (-40.0 + 10.0 * i as f64, -20.0 + 10.0 * j as f64);
+            (i, j, shown(&trained, &[("yaw", yaw), ("pitch", pitch), ("bend", 0.25)]))
+        })
+        .collect();
+    let parts: Vec<&Node> =
+        puppet.nodes.iter().filter(|node| node.type_node.as_part().is_some()).collect();
+    assert!(parts.len() >= 3 && puppet.textures.len() == parts.len());
+    let key =
+        |node: &Node| trained.model.keys.iter().position(|key| key.name == node.name).unwrap();
+    for node in &parts {
+        let part = node.type_node.as_part().unwrap();
+        is_bent((node, part), &puppet, &nodes, [96.0, 96.0]);
+        let (mesh, key) = (part.mesh.as_ref().unwrap(), &trained.model.keys[key(node)]);
+        for (k, place) in key.points.iter().enumerate() {
+            for axis in 0..2 {
+                let [rest, uv] =
+                    [&mesh.vertices, &mesh.uvs].map(|all| f64::from(all[2 * k + axis]));
+                assert!((rest - (place[axis] - 96.0)).abs() < 1e-4);
+                assert!((uv - place[axis] / 192.0).abs() < 1e-6);
+            }
+        }
+        assert_eq!(mesh.indices.len(), 6 * set.elements.len(), "quads in two");
+        let texture = &puppet.textures[part.textures[0] as usize];
+        assert_eq!((texture.width, texture.height), (192, 192));
+    }
+    // The foremost part of each node is that of the characteristic view, and it alone is seen: all of it shows.
+    for (i, j, shown) in &nodes {
+        let value = |node: &Node, name: &ParamName| -> f32 {
+            let binding = binding(&puppet, node.uuid, name);
+            assert_eq!(binding.interpolate_mode, Interpolation::Nearest);
+            match &binding.values {
+                BindingValues::Transform(values) => values.get(*i, *j).unwrap(),
+                BindingValues::Other(values) => values[*i][*j].as_f32().unwrap(),
+                BindingValues::Deform(_) => panic!("numbers"),
+            }
+        };
+        let behind = |node: &Node| value(node, &ParamName::Other("zSort".to_owned()));
+        let front = parts.iter().min_by(|a, b| behind(a).total_cmp(&behind(b))).unwrap();
+        assert_eq!((Some(key(front)), behind(front)), (shown.view(), 0.0));
+        for node in &parts {
+            let seen = f32::from(u8::from(node.uuid == front.uuid));
+            assert_eq!(value(node, &ParamName::Opacity), seen);
+        }
+    }
+}
+
+#[test]
+fn a_head_goes_all_the_way_round_in_a_puppet_of_one_parameter() {
+    let folder = Folder::new("round");
+    let (_, trained, file) = made(&folder, "head");
+    let sides = [side("yaw", None, 25)];
+    let grid = Grid::of_sides(&file, None, &Values::new(), &sides).unwrap();
+    let puppet = Puppet::from_bytes(&puppet(&file, None, &grid).unwrap()).unwrap();
+    let parameter = puppet.params.values().next().unwrap();
+    assert!(!parameter.is_vec2 && parameter.max[0] == 360.0);
+    assert_eq!(parameter.axis_points.each_ref().map(Vec::len), [25, 1]);
+    let nodes: Vec<_> =
+        (0..25).map(|i| (i, 0, shown(&trained, &[("yaw", 15.0 * i as f64)]))).collect();
+    let parts = || puppet.nodes.iter().filter(|node| node.type_node.as_part().is_some());
+    assert_eq!(parts().count(), 12);
+    for node in parts() {
+        is_bent((node, node.type_node.as_part().unwrap()), &puppet, &nodes, [80.0, 96.0]);
+    }
+}
+
+#[test]
+fn what_is_no_grid_is_told() {
+    let folder = Folder::new("no-grid");
+    let (_, _, file) = made(&folder, "panel");
+    let of = |sides: &[Side]| {
+        let bend: Values = [("bend".to_owned(), 0.0), ("pitch".to_owned(), 0.0)].into();
+        Grid::of_sides(&file, None, &bend, sides).unwrap_err()
+    };
+    let unknown = of(&[side("nod", None, 3)]).to_string();
+    assert_eq!(unknown, "\"nod\" is no parameter: expected pitch, yaw, bend");
+    let twice = [side("yaw", None, 3), side("yaw", None, 3)];
+    assert!(matches!(of(&twice), GridError::Twice(name) if name == "yaw"));
+    assert!(matches!(of(&[side("bend", None, 3)]), GridError::Twice(_)));
+    assert!(matches!(of(&[side("yaw", None, 1)]), GridError::Empty(_)));
+    assert!(matches!(of(&[side("yaw", Some([3.0, 3.0]), 2)]), GridError::Empty(_)));
+    let bare = Grid::of_sides(&file, None, &Values::new(), &[side("yaw", None, 2)]);
+    assert_eq!(bare.unwrap_err().to_string(), "parameter \"pitch\" is missing");
+}
