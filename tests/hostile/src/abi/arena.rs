@@ -1,6 +1,6 @@
 //! The memory of one call.
 
-use super::filters::Filtered;
+use super::filtered::Filtered;
 use super::frame::Frame;
 use super::pinned::{PINS, Pinned};
 use super::viewed::Viewed;

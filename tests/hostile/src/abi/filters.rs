@@ -2,43 +2,16 @@
 
 use super::arena::bytes;
 use super::call::Call;
+use super::filtered::MOST;
 use super::shared::{unknown, wanted};
 use crate::recipe;
 use arbitrary::Result;
 use sinew_capi::*;
+use sinew_runtime::Model;
 use sinew_runtime::filter::Samples;
-use sinew_runtime::{Filter, Model};
 
 use sinew_argument as Argument;
 use sinew_status as Status;
-
-/// The most of each that a call takes: signals, samples beyond the window, lanes.
-const MOST: [usize; 3] = [2, 2, 9];
-
-/// A file's first filter.
-pub(super) struct Filtered {
-    pub(super) name: String,
-    factor: usize,
-    tap_len: usize,
-}
-
-impl Filtered {
-    pub(super) fn new(filter: &Filter<'_>) -> Self {
-        let (name, factor) = (filter.name().to_owned(), filter.factor());
-        Self { name, factor, tap_len: filter.tap_len() }
-    }
-
-    /// Returns the bytes of the most samples that a call takes.
-    pub(super) fn sample_bytes(&self) -> usize {
-        let [signals, more, lanes] = MOST;
-        4 * signals * (self.tap_len + more) * lanes
-    }
-
-    /// Returns the bytes of what its calls write.
-    pub(super) fn result_bytes(&self) -> usize {
-        self.factor * self.sample_bytes()
-    }
-}
 
 pub(super) fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let own = call.arena.frame.filter.as_ref().map(|filter| filter.name.clone());

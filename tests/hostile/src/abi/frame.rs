@@ -1,6 +1,6 @@
 //! What the runtime makes of a file: the inputs of its calls, and what they must give.
 
-use super::filters::Filtered;
+use super::filtered::Filtered;
 use super::pinned::Pinned;
 use super::viewed::Viewed;
 use crate::kernels::query;

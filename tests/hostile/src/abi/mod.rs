@@ -7,6 +7,7 @@
 mod arena;
 mod arguments;
 mod call;
+mod filtered;
 mod filters;
 mod frame;
 mod functions;
