@@ -1,16 +1,16 @@
 //! An envelope, and what the file says of it.
 
 use crate::argument::sinew_argument;
-use crate::border::{self, Array, Loaded, Object};
+use crate::border::{self, Array, Loaded};
 use crate::error::sinew_error;
 use crate::matrix::sinew_matrix;
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Part, Wanted};
+use crate::part::{self, Opened, Wanted};
 use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
+use sinew_runtime::Envelope;
 use sinew_runtime::envelope::{EnvelopeLayout, Predictor};
-use sinew_runtime::{Envelope, Model};
 
 /// Elements of a `uintptr_t` array that holds an envelope on every target:
 /// `uintptr_t memory[SINEW_ENVELOPE_WORDS]`.
@@ -23,39 +23,10 @@ pub const SINEW_NO_JOINT: u32 = u32::MAX;
 /// has been loaded again with another file, or is loaded no more, every call refuses the envelope.
 pub struct sinew_envelope(Loaded<Opened<EnvelopeLayout>>);
 
-impl Object for sinew_envelope {
-    type Value = Opened<EnvelopeLayout>;
-    const TAG: u32 = u32::from_le_bytes(*b"SnwE");
-    const ARGUMENT: sinew_argument = sinew_argument::Envelope;
-
-    fn loaded(&self) -> &Loaded<Self::Value> {
-        &self.0
-    }
+part::part! {
+    sinew_envelope: EnvelopeLayout to Envelope, of Model::envelopes,
+    tag b"SnwE", argument Envelope, within SINEW_ENVELOPE_WORDS
 }
-
-impl Part for sinew_envelope {
-    type Layout = EnvelopeLayout;
-    type View<'a> = Envelope<'a>;
-
-    fn named(loaded: Loaded<Self::Value>) -> Self {
-        Self(loaded)
-    }
-
-    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<EnvelopeLayout> {
-        let mut found =
-            model.envelopes().filter(|each| name.is_none_or(|name| each.name() == name));
-        found.nth(index).map(|envelope| envelope.layout())
-    }
-
-    fn view<'a>(layout: &EnvelopeLayout, file: &'a [u8]) -> Option<Envelope<'a>> {
-        layout.open(file)
-    }
-}
-
-const _: () = {
-    assert!(size_of::<sinew_envelope>() <= SINEW_ENVELOPE_WORDS * size_of::<usize>());
-    assert!(align_of::<sinew_envelope>() <= align_of::<usize>());
-};
 
 /// How an envelope predicts its palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,15 +1,15 @@
 //! A filter, what the file says of it, and the signals that it makes finer.
 
 use crate::argument::sinew_argument;
-use crate::border::{self, Array, Loaded, Object};
+use crate::border::{self, Array, Loaded};
 use crate::error::sinew_error;
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Part, Wanted};
+use crate::part::{self, Opened, Wanted};
 use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
+use sinew_runtime::Filter;
 use sinew_runtime::filter::{FilterLayout, Samples};
-use sinew_runtime::{Filter, Model};
 
 /// Elements of a `uintptr_t` array that holds a filter on every target:
 /// `uintptr_t memory[SINEW_FILTER_WORDS]`.
@@ -19,38 +19,10 @@ pub const SINEW_FILTER_WORDS: usize = 48;
 /// or is loaded no more, every call refuses the filter.
 pub struct sinew_filter(Loaded<Opened<FilterLayout>>);
 
-impl Object for sinew_filter {
-    type Value = Opened<FilterLayout>;
-    const TAG: u32 = u32::from_le_bytes(*b"SnwF");
-    const ARGUMENT: sinew_argument = sinew_argument::Filter;
-
-    fn loaded(&self) -> &Loaded<Self::Value> {
-        &self.0
-    }
+part::part! {
+    sinew_filter: FilterLayout to Filter, of Model::filters,
+    tag b"SnwF", argument Filter, within SINEW_FILTER_WORDS
 }
-
-impl Part for sinew_filter {
-    type Layout = FilterLayout;
-    type View<'a> = Filter<'a>;
-
-    fn named(loaded: Loaded<Self::Value>) -> Self {
-        Self(loaded)
-    }
-
-    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<FilterLayout> {
-        let mut found = model.filters().filter(|each| name.is_none_or(|name| each.name() == name));
-        found.nth(index).map(|filter| filter.layout())
-    }
-
-    fn view<'a>(layout: &FilterLayout, file: &'a [u8]) -> Option<Filter<'a>> {
-        layout.open(file)
-    }
-}
-
-const _: () = {
-    assert!(size_of::<sinew_filter>() <= SINEW_FILTER_WORDS * size_of::<usize>());
-    assert!(align_of::<sinew_filter>() <= align_of::<usize>());
-};
 
 /// What a filter is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,15 +1,15 @@
 //! A kernel, what the file says of it, and its evaluation.
 
 use crate::argument::sinew_argument;
-use crate::border::{self, Array, Loaded, Object};
+use crate::border::{self, Array, Loaded};
 use crate::error::sinew_error;
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Part, Wanted};
+use crate::part::{self, Opened, Wanted};
 use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
 use sinew_runtime::kernel::KernelLayout;
-use sinew_runtime::{CallError, KernelMap, Model};
+use sinew_runtime::{CallError, KernelMap};
 
 /// Elements of a `uintptr_t` array that holds a kernel on every target:
 /// `uintptr_t memory[SINEW_KERNEL_WORDS]`.
@@ -19,38 +19,10 @@ pub const SINEW_KERNEL_WORDS: usize = 48;
 /// with another file, or is loaded no more, every call refuses the kernel.
 pub struct sinew_kernel(Loaded<Opened<KernelLayout>>);
 
-impl Object for sinew_kernel {
-    type Value = Opened<KernelLayout>;
-    const TAG: u32 = u32::from_le_bytes(*b"SnwK");
-    const ARGUMENT: sinew_argument = sinew_argument::Kernel;
-
-    fn loaded(&self) -> &Loaded<Self::Value> {
-        &self.0
-    }
+part::part! {
+    sinew_kernel: KernelLayout to KernelMap, of Model::kernels,
+    tag b"SnwK", argument Kernel, within SINEW_KERNEL_WORDS
 }
-
-impl Part for sinew_kernel {
-    type Layout = KernelLayout;
-    type View<'a> = KernelMap<'a>;
-
-    fn named(loaded: Loaded<Self::Value>) -> Self {
-        Self(loaded)
-    }
-
-    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<KernelLayout> {
-        let mut found = model.kernels().filter(|each| name.is_none_or(|name| each.name() == name));
-        found.nth(index).map(|kernel| kernel.layout())
-    }
-
-    fn view<'a>(layout: &KernelLayout, file: &'a [u8]) -> Option<KernelMap<'a>> {
-        layout.open(file)
-    }
-}
-
-const _: () = {
-    assert!(size_of::<sinew_kernel>() <= SINEW_KERNEL_WORDS * size_of::<usize>());
-    assert!(align_of::<sinew_kernel>() <= align_of::<usize>());
-};
 
 /// What a kernel's fit was measured to reach, in the units of its outputs.
 #[derive(Clone, Copy, Debug, PartialEq)]

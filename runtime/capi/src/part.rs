@@ -32,6 +32,54 @@ pub(crate) trait Part: Object<Value = Opened<Self::Layout>> {
     fn view<'a>(layout: &Self::Layout, file: &'a [u8]) -> Option<Self::View<'a>>;
 }
 
+/// Makes a structure of the header, whose field is what is loaded, a part: of which layout and view, listed by which
+/// of a model's methods; the tag of its memory, what an error about it names, and the words that it must fit in.
+macro_rules! part {
+    (
+        $object:ident: $layout:ident to $view:ident, of Model::$list:ident,
+        tag $tag:literal, argument $argument:ident, within $words:ident
+    ) => {
+        impl $crate::border::Object for $object {
+            type Value = $crate::part::Opened<$layout>;
+            const TAG: u32 = u32::from_le_bytes(*$tag);
+            const ARGUMENT: $crate::argument::sinew_argument =
+                $crate::argument::sinew_argument::$argument;
+
+            fn loaded(&self) -> &$crate::border::Loaded<Self::Value> {
+                &self.0
+            }
+        }
+
+        impl $crate::part::Part for $object {
+            type Layout = $layout;
+            type View<'a> = $view<'a>;
+
+            fn named(loaded: $crate::border::Loaded<Self::Value>) -> Self {
+                Self(loaded)
+            }
+
+            fn find(
+                model: &sinew_runtime::Model<&[u8]>,
+                name: Option<&str>,
+                index: usize,
+            ) -> Option<$layout> {
+                let is_it = |part: &$view<'_>| name.is_none_or(|name| part.name() == name);
+                model.$list().filter(is_it).nth(index).map(|part| part.layout())
+            }
+
+            fn view<'a>(layout: &$layout, file: &'a [u8]) -> Option<$view<'a>> {
+                layout.open(file)
+            }
+        }
+
+        const _: () = {
+            assert!(size_of::<$object>() <= $words * size_of::<usize>());
+            assert!(align_of::<$object>() <= align_of::<usize>());
+        };
+    };
+}
+pub(crate) use part;
+
 /// Which part is wanted: the `index`-th of those of a name, or of all if the name is null.
 pub(crate) struct Wanted {
     pub(crate) name: *const c_char,

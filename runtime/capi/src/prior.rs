@@ -1,17 +1,17 @@
 //! A prior, what the file says of it, and pins on its skin.
 
 use crate::argument::sinew_argument;
-use crate::border::{self, Array, Loaded, Object, Span};
+use crate::border::{self, Array, Loaded, Span};
 use crate::error::sinew_error;
 use crate::matrix::sinew_matrix;
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Part, Wanted};
+use crate::part::{self, Opened, Wanted};
 use crate::skin::sinew_skin;
 use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
 use sinew_runtime::prior::{Anchor, PriorLayout, Temporal};
-use sinew_runtime::{Matrix3x4, Model, Pin, PinJob, Pins, Prior};
+use sinew_runtime::{Matrix3x4, Pin, PinJob, Pins, Prior};
 
 /// Elements of a `uintptr_t` array that holds a prior on every target:
 /// `uintptr_t memory[SINEW_PRIOR_WORDS]`.
@@ -24,38 +24,10 @@ pub const SINEW_PINS_MAX: usize = 64;
 /// with another file, or is loaded no more, every call refuses the prior.
 pub struct sinew_prior(Loaded<Opened<PriorLayout>>);
 
-impl Object for sinew_prior {
-    type Value = Opened<PriorLayout>;
-    const TAG: u32 = u32::from_le_bytes(*b"SnwP");
-    const ARGUMENT: sinew_argument = sinew_argument::Prior;
-
-    fn loaded(&self) -> &Loaded<Self::Value> {
-        &self.0
-    }
+part::part! {
+    sinew_prior: PriorLayout to Prior, of Model::priors,
+    tag b"SnwP", argument Prior, within SINEW_PRIOR_WORDS
 }
-
-impl Part for sinew_prior {
-    type Layout = PriorLayout;
-    type View<'a> = Prior<'a>;
-
-    fn named(loaded: Loaded<Self::Value>) -> Self {
-        Self(loaded)
-    }
-
-    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<PriorLayout> {
-        let mut found = model.priors().filter(|each| name.is_none_or(|name| each.name() == name));
-        found.nth(index).map(|prior| prior.layout())
-    }
-
-    fn view<'a>(layout: &PriorLayout, file: &'a [u8]) -> Option<Prior<'a>> {
-        layout.open(file)
-    }
-}
-
-const _: () = {
-    assert!(size_of::<sinew_prior>() <= SINEW_PRIOR_WORDS * size_of::<usize>());
-    assert!(align_of::<sinew_prior>() <= align_of::<usize>());
-};
 
 /// What a prior is made of, and what it was measured to reach; lengths are in the file's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,15 +1,15 @@
 //! A skin, and what the file says of it.
 
 use crate::argument::sinew_argument;
-use crate::border::{self, Array, Loaded, Object};
+use crate::border::{self, Array, Loaded};
 use crate::error::{SINEW_NO_PART, sinew_error};
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Part, Wanted};
+use crate::part::{self, Opened, Wanted};
 use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
+use sinew_runtime::Skin;
 use sinew_runtime::skin::SkinLayout;
-use sinew_runtime::{Model, Skin};
 
 /// Elements of a `uintptr_t` array that holds a skin on every target:
 /// `uintptr_t memory[SINEW_SKIN_WORDS]`.
@@ -20,38 +20,10 @@ pub const SINEW_SKIN_WORDS: usize = 48;
 /// every call refuses the skin.
 pub struct sinew_skin(Loaded<Opened<SkinLayout>>);
 
-impl Object for sinew_skin {
-    type Value = Opened<SkinLayout>;
-    const TAG: u32 = u32::from_le_bytes(*b"SnwS");
-    const ARGUMENT: sinew_argument = sinew_argument::Skin;
-
-    fn loaded(&self) -> &Loaded<Self::Value> {
-        &self.0
-    }
+part::part! {
+    sinew_skin: SkinLayout to Skin, of Model::skins,
+    tag b"SnwS", argument Skin, within SINEW_SKIN_WORDS
 }
-
-impl Part for sinew_skin {
-    type Layout = SkinLayout;
-    type View<'a> = Skin<'a>;
-
-    fn named(loaded: Loaded<Self::Value>) -> Self {
-        Self(loaded)
-    }
-
-    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<SkinLayout> {
-        let mut found = model.skins().filter(|each| name.is_none_or(|name| each.name() == name));
-        found.nth(index).map(|skin| skin.layout())
-    }
-
-    fn view<'a>(layout: &SkinLayout, file: &'a [u8]) -> Option<Skin<'a>> {
-        layout.open(file)
-    }
-}
-
-const _: () = {
-    assert!(size_of::<sinew_skin>() <= SINEW_SKIN_WORDS * size_of::<usize>());
-    assert!(align_of::<sinew_skin>() <= align_of::<usize>());
-};
 
 /// What a skin is made of: every length that its calls need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

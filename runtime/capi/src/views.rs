@@ -1,10 +1,10 @@
 //! Views, what the file says of them, their frames and their pictures.
 
 use crate::argument::sinew_argument;
-use crate::border::{self, Array, Loaded, Object, Span};
+use crate::border::{self, Array, Loaded, Span};
 use crate::error::sinew_error;
 use crate::model::sinew_model;
-use crate::part::{self, Opened, Part, Wanted};
+use crate::part::{self, Opened, Wanted};
 use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
@@ -18,39 +18,10 @@ pub const SINEW_VIEWS_WORDS: usize = 48;
 /// file, or is loaded no more, every call refuses the views.
 pub struct sinew_views(Loaded<Opened<ViewsLayout>>);
 
-impl Object for sinew_views {
-    type Value = Opened<ViewsLayout>;
-    const TAG: u32 = u32::from_le_bytes(*b"SnwV");
-    const ARGUMENT: sinew_argument = sinew_argument::Views;
-
-    fn loaded(&self) -> &Loaded<Self::Value> {
-        &self.0
-    }
+part::part! {
+    sinew_views: ViewsLayout to Views, of Model::all_views,
+    tag b"SnwV", argument Views, within SINEW_VIEWS_WORDS
 }
-
-impl Part for sinew_views {
-    type Layout = ViewsLayout;
-    type View<'a> = Views<'a>;
-
-    fn named(loaded: Loaded<Self::Value>) -> Self {
-        Self(loaded)
-    }
-
-    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<ViewsLayout> {
-        let mut found =
-            model.all_views().filter(|each| name.is_none_or(|name| each.name() == name));
-        found.nth(index).map(|views| views.layout())
-    }
-
-    fn view<'a>(layout: &ViewsLayout, file: &'a [u8]) -> Option<Views<'a>> {
-        layout.open(file)
-    }
-}
-
-const _: () = {
-    assert!(size_of::<sinew_views>() <= SINEW_VIEWS_WORDS * size_of::<usize>());
-    assert!(align_of::<sinew_views>() <= align_of::<usize>());
-};
 
 /// What views are made of, and what they were measured to reach; lengths are in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]

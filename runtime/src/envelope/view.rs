@@ -4,17 +4,11 @@ use super::counts::{Certificate, EnvelopeCounts, KEY_WORDS, Predictor, RULES, pl
 use super::group_row::GroupRow;
 use super::key::{Key, KeyRow, joint_index};
 use crate::error::{Argument, CallError, CallErrorKind};
-use crate::format::part::{Part, PartLayout};
+use crate::format::SectionKind;
+use crate::format::part::{self, Part};
 use crate::format::rule::Rule;
-use crate::format::{FileId, SectionKind};
 use crate::linear::{Le, Matrix3x4, block_entry, floats, rows};
 use crate::names::Names;
-use core::fmt;
-
-/// What loading found of an envelope: its counts, and where its arrays lie. It borrows nothing, so that
-/// it can be kept beside the model, and views be made of it each frame.
-#[derive(Clone, Copy, Debug)]
-pub struct EnvelopeLayout(pub(crate) PartLayout);
 
 const CERTIFICATE: usize = Rule::place(&RULES, SectionKind::Certificate);
 const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
@@ -28,55 +22,15 @@ const ORIGINS: usize = Rule::place(&RULES, SectionKind::Origins);
 const GROUPS: usize = Rule::place(&RULES, SectionKind::Groups);
 const CORRECTIONS: usize = Rule::place(&RULES, SectionKind::Corrections);
 
-impl EnvelopeLayout {
-    /// Returns the envelope; `None` if the bytes are not those of the file in which it was found, by
-    /// their length and the checksum that they state.
-    ///
-    /// Nothing is read again. Of bytes that have changed otherwise the envelope gives wrong numbers,
-    /// but never panics.
-    pub fn open<'a>(&self, file: &'a [u8]) -> Option<Envelope<'a>> {
-        self.0.open(file).map(Envelope)
-    }
-
-    /// Returns the counts.
-    pub const fn counts(&self) -> EnvelopeCounts {
-        EnvelopeCounts::read(&self.0.counts)
-    }
-}
-
 /// Predicts a palette from a pose of J joints, by P proxies or helpers; borrowed from a loaded model.
 ///
 /// Accessors by number return `None` beyond their range.
 #[derive(Clone, Copy)]
 pub struct Envelope<'a>(pub(crate) Part<'a>);
 
+part::view! { Envelope, EnvelopeLayout, |words| -> EnvelopeCounts { EnvelopeCounts::read(words) } }
+
 impl<'a> Envelope<'a> {
-    /// Returns what loading found, to open it again.
-    pub const fn layout(&self) -> EnvelopeLayout {
-        EnvelopeLayout(self.0.layout)
-    }
-
-    /// Tells in which file it is.
-    pub const fn file(&self) -> FileId {
-        self.0.id()
-    }
-
-    /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told
-    /// apart.
-    pub const fn part(&self) -> usize {
-        self.0.index()
-    }
-
-    /// Returns the part's name.
-    pub fn name(&self) -> &'a str {
-        self.names().get(0).unwrap_or_default()
-    }
-
-    /// Returns its counts.
-    pub const fn counts(&self) -> EnvelopeCounts {
-        self.layout().counts()
-    }
-
     /// Returns J, the number of joints.
     pub const fn joint_len(&self) -> usize {
         self.0.layout.counts[place::JOINTS] as usize
@@ -233,12 +187,5 @@ impl<'a> Envelope<'a> {
         let (parents, rest) = all.split_at_checked(self.joint_len()).unwrap_or_default();
         let (order, ranks) = rest.split_at_checked(self.joint_len()).unwrap_or_default();
         [parents, order, ranks]
-    }
-}
-
-impl fmt::Debug for Envelope<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, counts) = (self.name(), self.counts());
-        f.debug_struct("Envelope").field("name", &name).field("counts", &counts).finish()
     }
 }

@@ -1,37 +1,16 @@
 //! A filter in a loaded file: what loading found of it, and what it holds.
 
 use super::counts::{FilterCounts, FilterFit, RULES};
-use crate::format::part::{Part, PartLayout, first_counts};
+use crate::format::SectionKind;
+use crate::format::part::{self, Part, first_counts};
 use crate::format::rule::Rule;
-use crate::format::{FileId, SectionKind};
 use crate::linear::{Le, floats};
 use crate::names::Names;
-use core::fmt;
-
-/// What loading found of a filter: its counts, and where its arrays lie. It borrows nothing, so that it can be kept
-/// beside the model, and views be made of it each time.
-#[derive(Clone, Copy, Debug)]
-pub struct FilterLayout(pub(crate) PartLayout);
 
 const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
 const TAPS: usize = Rule::place(&RULES, SectionKind::FilterTaps);
 const VARIANCES: usize = Rule::place(&RULES, SectionKind::FilterVariances);
 const FIT: usize = Rule::place(&RULES, SectionKind::FilterFit);
-
-impl FilterLayout {
-    /// Returns the filter; `None` if the bytes are not those of the file in which it was found, by their length and
-    /// the checksum that they state.
-    ///
-    /// Nothing is read again. Of bytes that have changed otherwise the filter gives wrong numbers, but never panics.
-    pub fn open<'a>(&self, file: &'a [u8]) -> Option<Filter<'a>> {
-        self.0.open(file).map(Filter)
-    }
-
-    /// Returns the counts.
-    pub const fn counts(&self) -> FilterCounts {
-        FilterCounts::from_words(first_counts(&self.0.counts))
-    }
-}
 
 /// Weights that make F fine samples of each coarse one; borrowed from a loaded model.
 ///
@@ -39,32 +18,9 @@ impl FilterLayout {
 #[derive(Clone, Copy)]
 pub struct Filter<'a>(pub(crate) Part<'a>);
 
+part::view! { Filter, FilterLayout, |words| -> FilterCounts { FilterCounts::from_words(first_counts(words)) } }
+
 impl<'a> Filter<'a> {
-    /// Returns what loading found, to open it again.
-    pub const fn layout(&self) -> FilterLayout {
-        FilterLayout(self.0.layout)
-    }
-
-    /// Tells in which file it is.
-    pub const fn file(&self) -> FileId {
-        self.0.id()
-    }
-
-    /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told apart.
-    pub const fn part(&self) -> usize {
-        self.0.index()
-    }
-
-    /// Returns the part's name.
-    pub fn name(&self) -> &'a str {
-        self.names().get(0).unwrap_or_default()
-    }
-
-    /// Returns its counts.
-    pub const fn counts(&self) -> FilterCounts {
-        self.layout().counts()
-    }
-
     /// Returns F, the number of fine samples of each coarse one.
     pub const fn factor(&self) -> usize {
         self.counts().factor as usize
@@ -117,12 +73,5 @@ impl<'a> Filter<'a> {
     fn row(&self, place: usize, phase: usize) -> Option<usize> {
         let is_inside = place < self.tap_len() && phase < self.factor();
         is_inside.then(|| place * self.factor() + phase)
-    }
-}
-
-impl fmt::Debug for Filter<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, counts) = (self.name(), self.counts());
-        f.debug_struct("Filter").field("name", &name).field("counts", &counts).finish()
     }
 }

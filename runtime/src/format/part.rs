@@ -36,6 +36,70 @@ pub(crate) struct PartLayout {
     tables: Tables,
 }
 
+/// Makes what the view of a part has, whatever its kind: its layout, where it is, its name and its counts.
+macro_rules! view {
+    ($view:ident, $layout:ident, |$words:ident| -> $counts:ident { $read:expr }) => {
+        #[doc = concat!("What loading found of a part, [`", stringify!($view), "`]: its counts, and where its arrays lie.")]
+        ///
+        /// It borrows nothing, so that it can be kept beside the model, and views be made of it each frame.
+        #[derive(Clone, Copy, Debug)]
+        pub struct $layout(pub(crate) $crate::format::part::PartLayout);
+
+        impl $layout {
+            /// Returns the part; `None` if the bytes are not those of the file in which it was found, by their length
+            /// and the checksum that they state.
+            ///
+            /// Nothing is read again. Of bytes that have changed otherwise the part gives wrong results, but never
+            /// panics.
+            pub fn open<'a>(&self, file: &'a [u8]) -> Option<$view<'a>> {
+                self.0.open(file).map($view)
+            }
+
+            /// Returns the counts.
+            pub const fn counts(&self) -> $counts {
+                let $words = &self.0.counts;
+                $read
+            }
+        }
+
+        impl<'a> $view<'a> {
+            /// Returns what loading found, to open it again.
+            pub const fn layout(&self) -> $layout {
+                $layout(self.0.layout)
+            }
+
+            /// Tells in which file it is.
+            pub const fn file(&self) -> $crate::format::FileId {
+                self.0.id()
+            }
+
+            /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told apart.
+            pub const fn part(&self) -> usize {
+                self.0.index()
+            }
+
+            /// Returns the part's name.
+            pub fn name(&self) -> &'a str {
+                self.names().get(0).unwrap_or_default()
+            }
+
+            /// Returns its counts.
+            pub const fn counts(&self) -> $counts {
+                self.layout().counts()
+            }
+        }
+
+        impl core::fmt::Debug for $view<'_> {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                let (name, counts) = (self.name(), self.counts());
+                let mut out = f.debug_struct(stringify!($view));
+                out.field("name", &name).field("counts", &counts).finish()
+            }
+        }
+    };
+}
+pub(crate) use view;
+
 /// What a part of certain counts has, in the terms of its rules.
 pub(crate) struct Asked {
     /// Bits of what it has, [`ALWAYS`] among them.

@@ -5,17 +5,11 @@ use super::function::Kernel;
 use super::input::{InputKind, InputRow};
 use super::output::{OutputKind, OutputRow};
 use super::rule::{KernelRule, Normalise, QueryRule};
-use crate::format::part::{Part, PartLayout, first_counts};
+use crate::format::SectionKind;
+use crate::format::part::{self, Part, first_counts};
 use crate::format::rule::Rule;
-use crate::format::{FileId, SectionKind};
 use crate::linear::{Le, block_entry, floats};
 use crate::names::Names;
-use core::fmt;
-
-/// What loading found of a kernel: its counts, and where its arrays lie. It borrows nothing, so that it can
-/// be kept beside the model, and views be made of it each frame.
-#[derive(Clone, Copy, Debug)]
-pub struct KernelLayout(pub(crate) PartLayout);
 
 const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
 const RULE: usize = Rule::place(&RULES, SectionKind::KernelRule);
@@ -29,55 +23,15 @@ const COEFFICIENTS: usize = Rule::place(&RULES, SectionKind::KernelCoefficients)
 const VARIANCE: usize = Rule::place(&RULES, SectionKind::Variance);
 const FIT: usize = Rule::place(&RULES, SectionKind::KernelFit);
 
-impl KernelLayout {
-    /// Returns the kernel; `None` if the bytes are not those of the file in which it was found, by their
-    /// length and the checksum that they state.
-    ///
-    /// Nothing is read again. Of bytes that have changed otherwise the kernel gives wrong numbers, but never
-    /// panics.
-    pub fn open<'a>(&self, file: &'a [u8]) -> Option<KernelMap<'a>> {
-        self.0.open(file).map(KernelMap)
-    }
-
-    /// Returns the counts.
-    pub const fn counts(&self) -> KernelCounts {
-        KernelCounts::from_words(first_counts(&self.0.counts))
-    }
-}
-
 /// A function `f = C G(|z - t|²) + B p(u)` from named inputs to named outputs; borrowed from a loaded model.
 ///
 /// Accessors by number return `None` beyond their range.
 #[derive(Clone, Copy)]
 pub struct KernelMap<'a>(pub(crate) Part<'a>);
 
+part::view! { KernelMap, KernelLayout, |words| -> KernelCounts { KernelCounts::from_words(first_counts(words)) } }
+
 impl<'a> KernelMap<'a> {
-    /// Returns what loading found, to open it again.
-    pub const fn layout(&self) -> KernelLayout {
-        KernelLayout(self.0.layout)
-    }
-
-    /// Tells in which file it is.
-    pub const fn file(&self) -> FileId {
-        self.0.id()
-    }
-
-    /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told
-    /// apart.
-    pub const fn part(&self) -> usize {
-        self.0.index()
-    }
-
-    /// Returns the part's name.
-    pub fn name(&self) -> &'a str {
-        self.names().get(0).unwrap_or_default()
-    }
-
-    /// Returns its counts.
-    pub const fn counts(&self) -> KernelCounts {
-        self.layout().counts()
-    }
-
     /// Returns which kernel it is, and what it does with queries and outputs.
     pub fn rule(&self) -> KernelRule {
         let bytes = self.0.bytes(RULE).first_chunk();
@@ -205,12 +159,5 @@ impl<'a> KernelMap<'a> {
 
     pub(super) fn variance_words(&self) -> &'a [Le] {
         self.0.bytes(VARIANCE).as_chunks().0
-    }
-}
-
-impl fmt::Debug for KernelMap<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, counts) = (self.name(), self.counts());
-        f.debug_struct("KernelMap").field("name", &name).field("counts", &counts).finish()
     }
 }

@@ -2,17 +2,11 @@
 
 use super::counts::{PriorCounts, PriorFit, RULES};
 use super::packed::packed_len;
-use crate::format::part::{Part, PartLayout, first_counts};
+use crate::format::SectionKind;
+use crate::format::part::{self, Part, first_counts};
 use crate::format::rule::Rule;
-use crate::format::{FileId, SectionKind};
 use crate::linear::{Le, floats};
 use crate::names::Names;
-use core::fmt;
-
-/// What loading found of a prior: its counts, and where its arrays lie. It borrows nothing, so that it can be kept
-/// beside the model, and views be made of it each frame.
-#[derive(Clone, Copy, Debug)]
-pub struct PriorLayout(pub(crate) PartLayout);
 
 const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
 const MEAN: usize = Rule::place(&RULES, SectionKind::PriorMean);
@@ -22,53 +16,15 @@ const SYMMETRY: usize = Rule::place(&RULES, SectionKind::Symmetry);
 const CANCEL: usize = Rule::place(&RULES, SectionKind::CancelPairs);
 const FIT: usize = Rule::place(&RULES, SectionKind::PriorFit);
 
-impl PriorLayout {
-    /// Returns the prior; `None` if the bytes are not those of the file in which it was found, by their length and the
-    /// checksum that they state.
-    ///
-    /// Nothing is read again. Of bytes that have changed otherwise the prior gives wrong numbers, but never panics.
-    pub fn open<'a>(&self, file: &'a [u8]) -> Option<Prior<'a>> {
-        self.0.open(file).map(Prior)
-    }
-
-    /// Returns the counts.
-    pub const fn counts(&self) -> PriorCounts {
-        PriorCounts::from_words(first_counts(&self.0.counts))
-    }
-}
-
 /// Mean and precision of the weights of a skin's S shapes; borrowed from a loaded model.
 ///
 /// Accessors by number return `None` beyond their range.
 #[derive(Clone, Copy)]
 pub struct Prior<'a>(pub(crate) Part<'a>);
 
+part::view! { Prior, PriorLayout, |words| -> PriorCounts { PriorCounts::from_words(first_counts(words)) } }
+
 impl<'a> Prior<'a> {
-    /// Returns what loading found, to open it again.
-    pub const fn layout(&self) -> PriorLayout {
-        PriorLayout(self.0.layout)
-    }
-
-    /// Tells in which file it is.
-    pub const fn file(&self) -> FileId {
-        self.0.id()
-    }
-
-    /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told apart.
-    pub const fn part(&self) -> usize {
-        self.0.index()
-    }
-
-    /// Returns the part's name.
-    pub fn name(&self) -> &'a str {
-        self.names().get(0).unwrap_or_default()
-    }
-
-    /// Returns its counts.
-    pub const fn counts(&self) -> PriorCounts {
-        self.layout().counts()
-    }
-
     /// Returns S, the number of shapes.
     pub const fn shape_len(&self) -> usize {
         self.counts().shape_len as usize
@@ -143,11 +99,4 @@ impl<'a> Prior<'a> {
 /// Reads a pair of shapes.
 pub(super) fn shapes([a, b, c, d]: &Le) -> [usize; 2] {
     [[*a, *b], [*c, *d]].map(|le| u16::from_le_bytes(le).into())
-}
-
-impl fmt::Debug for Prior<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, counts) = (self.name(), self.counts());
-        f.debug_struct("Prior").field("name", &name).field("counts", &counts).finish()
-    }
 }

@@ -2,19 +2,13 @@
 
 use super::bounds::Bounds;
 use super::counts::{NormalErrors, RULES, SkinCounts, place};
-use crate::format::part::{Part, PartLayout, first_counts};
+use crate::format::SectionKind;
+use crate::format::part::{self, Part, first_counts};
 use crate::format::rule::Rule;
-use crate::format::{FileId, SectionKind};
 use crate::linear::{Le, floats};
 use crate::names::Names;
 use crate::numeric::halves;
-use core::fmt;
 use core::ops::Range;
-
-/// What loading found of a skin: its counts, and where its arrays lie. It borrows nothing, so that it
-/// can be kept beside the model, and views be made of it each frame.
-#[derive(Clone, Copy, Debug)]
-pub struct SkinLayout(pub(crate) PartLayout);
 
 const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
 const POSITIONS: usize = Rule::place(&RULES, SectionKind::RestPositions);
@@ -32,55 +26,15 @@ const fn known(section: SectionKind) -> Option<usize> {
     if cfg!(feature = "tangent-coefficients") { Some(Rule::place(&RULES, section)) } else { None }
 }
 
-impl SkinLayout {
-    /// Returns the skin; `None` if the bytes are not those of the file in which it was found, by their
-    /// length and the checksum that they state.
-    ///
-    /// Nothing is read again. Of bytes that have changed otherwise the skin gives wrong numbers, but
-    /// never panics.
-    pub fn open<'a>(&self, file: &'a [u8]) -> Option<Skin<'a>> {
-        self.0.open(file).map(Skin)
-    }
-
-    /// Returns the counts.
-    pub const fn counts(&self) -> SkinCounts {
-        SkinCounts::from_words(first_counts(&self.0.counts))
-    }
-}
-
 /// A mesh of V vertices that follows a palette; borrowed from a loaded model.
 ///
 /// Accessors by number return `None` beyond their range.
 #[derive(Clone, Copy)]
 pub struct Skin<'a>(pub(crate) Part<'a>);
 
+part::view! { Skin, SkinLayout, |words| -> SkinCounts { SkinCounts::from_words(first_counts(words)) } }
+
 impl<'a> Skin<'a> {
-    /// Returns what loading found, to open it again.
-    pub const fn layout(&self) -> SkinLayout {
-        SkinLayout(self.0.layout)
-    }
-
-    /// Tells in which file it is.
-    pub const fn file(&self) -> FileId {
-        self.0.id()
-    }
-
-    /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told
-    /// apart.
-    pub const fn part(&self) -> usize {
-        self.0.index()
-    }
-
-    /// Returns the part's name.
-    pub fn name(&self) -> &'a str {
-        self.names().get(0).unwrap_or_default()
-    }
-
-    /// Returns its counts.
-    pub const fn counts(&self) -> SkinCounts {
-        self.layout().counts()
-    }
-
     /// Returns the part whose palette it follows; `None` if it follows none, as a face without joints.
     pub fn envelope_part(&self) -> Option<usize> {
         self.counts().envelope().map(usize::from)
@@ -220,12 +174,5 @@ impl<'a> Skin<'a> {
 
     pub(crate) fn range_rows(&self) -> &'a [[Le; 2]] {
         self.0.array(RANGES)
-    }
-}
-
-impl fmt::Debug for Skin<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, counts) = (self.name(), self.counts());
-        f.debug_struct("Skin").field("name", &name).field("counts", &counts).finish()
     }
 }

@@ -2,17 +2,11 @@
 
 use super::counts::{NO_POINT, RULES, ViewsCounts, ViewsFit, mask_len};
 use super::texture::Texture;
-use crate::format::part::{Part, PartLayout, first_counts};
+use crate::format::SectionKind;
+use crate::format::part::{self, Part, first_counts};
 use crate::format::rule::Rule;
-use crate::format::{FileId, SectionKind};
 use crate::linear::{Le, floats};
 use crate::names::Names;
-use core::fmt;
-
-/// What loading found of an object: its counts, and where its arrays lie. It borrows nothing, so that it can be kept
-/// beside the model, and views be made of it each frame.
-#[derive(Clone, Copy, Debug)]
-pub struct ViewsLayout(pub(crate) PartLayout);
 
 const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
 const MAPS: usize = Rule::place(&RULES, SectionKind::Maps);
@@ -24,22 +18,6 @@ const TEXTURES: usize = Rule::place(&RULES, SectionKind::Textures);
 const TEXELS: usize = Rule::place(&RULES, SectionKind::Texels);
 const DEFORMATIONS: usize = Rule::place(&RULES, SectionKind::Deformations);
 const FIT: usize = Rule::place(&RULES, SectionKind::ViewsFit);
-
-impl ViewsLayout {
-    /// Returns the object; `None` if the bytes are not those of the file in which it was found, by their length and
-    /// the checksum that they state.
-    ///
-    /// Nothing is read again. Of bytes that have changed otherwise the object gives wrong numbers and pictures, but
-    /// never panics.
-    pub fn open<'a>(&self, file: &'a [u8]) -> Option<Views<'a>> {
-        self.0.open(file).map(Views)
-    }
-
-    /// Returns the counts.
-    pub const fn counts(&self) -> ViewsCounts {
-        ViewsCounts::from_words(first_counts(&self.0.counts))
-    }
-}
 
 /// An element of an object, by the numbers of its points in the order in which its edges go round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,32 +34,9 @@ pub enum Element {
 #[derive(Clone, Copy)]
 pub struct Views<'a>(pub(crate) Part<'a>);
 
+part::view! { Views, ViewsLayout, |words| -> ViewsCounts { ViewsCounts::from_words(first_counts(words)) } }
+
 impl<'a> Views<'a> {
-    /// Returns what loading found, to open it again.
-    pub const fn layout(&self) -> ViewsLayout {
-        ViewsLayout(self.0.layout)
-    }
-
-    /// Tells in which file it is.
-    pub const fn file(&self) -> FileId {
-        self.0.id()
-    }
-
-    /// Returns its place in [`crate::Model::parts`], by which [`crate::Model::sections`] are told apart.
-    pub const fn part(&self) -> usize {
-        self.0.index()
-    }
-
-    /// Returns the part's name.
-    pub fn name(&self) -> &'a str {
-        self.names().get(0).unwrap_or_default()
-    }
-
-    /// Returns its counts.
-    pub const fn counts(&self) -> ViewsCounts {
-        self.layout().counts()
-    }
-
     /// Returns K, the number of control points.
     pub const fn point_len(&self) -> usize {
         self.counts().point_len as usize
@@ -215,12 +170,5 @@ impl<'a> Views<'a> {
         let mut views = words.chunks_exact((2 * self.point_len() + 1).max(1));
         let (ratio, offsets) = views.nth(view).filter(|_| view < self.view_len())?.split_first()?;
         Some((f32::from_le_bytes(*ratio), offsets.as_chunks().0))
-    }
-}
-
-impl fmt::Debug for Views<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, counts) = (self.name(), self.counts());
-        f.debug_struct("Views").field("name", &name).field("counts", &counts).finish()
     }
 }

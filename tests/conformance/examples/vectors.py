@@ -58,8 +58,8 @@ def check(folder):
 
 
 folders = sorted(path.parent for path in pathlib.Path(sys.argv[1]).glob("*/case.json"))
-# Kernels and shapes have nothing to skin.
-others = ("kernel-", "shapes-")
+# Kernels, shapes and filters have nothing to skin.
+others = ("kernel-", "shapes-", "filter-")
 folders = [folder for folder in folders if not folder.name.startswith(others)]
 results = [(folder.name, *check(folder)) for folder in folders]
 for name, ratio, values in results:

@@ -5,6 +5,7 @@
 
 use conformance::backend::Loaded;
 use conformance::vectors::{Folder, VectorError, write};
+use sinew_runtime::filter::Samples;
 use sinew_runtime::skin::{Output as Attribute, cells};
 use sinew_runtime::{Matrix3x4, Model, ShapesJob};
 use std::collections::BTreeMap;
@@ -54,7 +55,7 @@ fn named(folder: &Path, start: &str) -> Vec<PathBuf> {
 
 /// Those of an envelope and its skin.
 fn skinned(folder: &Path) -> Vec<PathBuf> {
-    let others = ["kernel-", "shapes-"].map(|start| named(folder, start)).concat();
+    let others = ["kernel-", "shapes-", "filter-"].map(|start| named(folder, start)).concat();
     cases(folder).into_iter().filter(|case| !others.contains(case)).collect()
 }
 
@@ -179,6 +180,26 @@ fn outputs_are_what_the_runtime_makes_of_the_queries() {
             assert_eq!(kernel.evaluate(query, &mut scratch, &mut found), Ok(confidence));
             assert_eq!(found, expected, "{}", case.display());
         }
+    }
+}
+
+#[test]
+fn signals_are_what_the_runtime_makes_of_the_samples() {
+    let out = place("signals");
+    write(&out).unwrap();
+    let all = named(&out, "filter-");
+    assert_eq!(all.len(), 4);
+    for case in all {
+        let model = Model::from_bytes(fs::read(case.join("model.snw")).unwrap()).unwrap();
+        let counts = &json(&case)["counts"];
+        let [signal_len, sample_len, lane_len] =
+            ["signals", "samples", "lanes"].map(|name| counts[name].as_u64().unwrap() as usize);
+        let [samples, fine] =
+            ["sample", "fine"].map(|name| floats(case.join(format!("{name}.f32"))));
+        let mut found = vec![f32::NAN; fine.len()];
+        let shape = Samples { signal_len, sample_len, lane_len };
+        model.filter().unwrap().apply(shape, &samples, &mut found).unwrap();
+        assert_eq!(found, fine, "{}", case.display());
     }
 }
 
