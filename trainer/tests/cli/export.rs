@@ -85,7 +85,7 @@ fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
         ),
         (
             "export demo.npz --clip demo.npz -o out.glb".to_owned(),
-            "demo.npz: the model is refused: ",
+            "demo.npz: holds what a .npz file holds, expected a model, which commands take first",
         ),
         (
             "export demo.sinew --clip inner -o out.glb".to_owned(),

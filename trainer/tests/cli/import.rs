@@ -16,7 +16,7 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
     let pc2 = folder.read("demo.pc2");
     fs::write(folder.path("cut.pc2"), &pc2[..pc2.len() - 4]).unwrap();
     fs::write(folder.path("two.txt"), "1 2").unwrap();
-    fs::write(folder.path("notes.doc"), "").unwrap();
+    fs::write(folder.path("notes.doc"), "notes").unwrap();
     folder.sinew("demo --vertices 200 --poses 8 --held-out 3 --predictor kernel -o .").done();
     for (arguments, expected) in [
         ("demo.glb --targets cut.pc2", "cut.pc2: should have "),

@@ -87,6 +87,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     inputs.push(arguments.model.clone());
     inputs.extend_from_slice(&arguments.also);
     inputs.extend(arguments.into.clone());
+    let target = OutputFile::new(&arguments.output, &inputs)?;
     let is_glb = arguments.output.extension().is_some_and(|own| own.eq_ignore_ascii_case("glb"));
     if !is_glb {
         bail!(
@@ -94,7 +95,6 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             arguments.output.display()
         );
     }
-    let target = OutputFile::new(&arguments.output, &inputs)?;
     let model = input::read_model(&arguments.model)?;
     let skin = arguments.skin.as_deref();
     let character =
