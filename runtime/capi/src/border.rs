@@ -142,6 +142,21 @@ impl<T> Array<T> {
     }
 }
 
+/// Copies a structure of the caller's; returns also where it lies.
+///
+/// # Safety
+/// `at` is null, or points to a value that may be read.
+pub(crate) unsafe fn copied<T: Copy + 'static>(
+    at: *const T,
+    argument: sinew_argument,
+) -> Result<(T, Span), sinew_error> {
+    let one = Array::one(at, argument)?;
+    let span = one.span();
+    // SAFETY: the caller's promise is passed on; what is referred to is copied at once.
+    let value = unsafe { one.read() }.first().copied();
+    Ok((value.ok_or(sinew_error::new(sinew_status::Null, argument))?, span))
+}
+
 /// Where an argument lies in memory.
 #[derive(Clone, Copy)]
 pub(crate) struct Span {

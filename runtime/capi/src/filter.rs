@@ -146,13 +146,11 @@ pub unsafe extern "C" fn sinew_filter_apply(
     let body = || {
         // SAFETY: the caller's promise is passed on.
         let (filter, [own, model, file]) = unsafe { part::view(filter) }?;
-        let shape = Array::one(shape, sinew_argument::Shape)?;
+        // SAFETY: lent by the caller.
+        let (shape, shape_span) = unsafe { border::copied(shape, sinew_argument::Shape) }?;
         let samples = Array::new(samples, samples_len, sinew_argument::Samples)?;
         let out = Array::new(out_samples, out_len, sinew_argument::Outputs)?;
-        border::apart(&[out.span()], &[own, model, file, shape.span(), samples.span()])?;
-        // SAFETY: lent by the caller; what is written is apart from it.
-        let shape = unsafe { shape.read() }.first().copied();
-        let shape = shape.ok_or(sinew_error::new(sinew_status::Null, sinew_argument::Shape))?;
+        border::apart(&[out.span()], &[own, model, file, shape_span, samples.span()])?;
         let sinew_samples { signal_len, sample_len, lane_len } = shape;
         let shape = Samples { signal_len, sample_len, lane_len };
         // SAFETY: lent by the caller; what is written is apart from all else.

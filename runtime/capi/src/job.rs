@@ -85,11 +85,8 @@ pub unsafe extern "C" fn sinew_skin_run(
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let body = || {
-        let job = Array::one(job, sinew_argument::Job)?;
-        let job_span = job.span();
-        // SAFETY: lent by the caller; copied at once.
-        let job = unsafe { job.read() }.first().copied();
-        let job = job.ok_or(sinew_error::new(sinew_status::Null, sinew_argument::Job))?;
+        // SAFETY: lent by the caller.
+        let (job, job_span) = unsafe { border::copied(job, sinew_argument::Job) }?;
         // SAFETY: the caller's promise is passed on.
         let (skin, [own, model, file]) = unsafe { part::view(job.skin) }?;
         let palette = job.palette.cast::<Matrix3x4>();

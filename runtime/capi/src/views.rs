@@ -276,11 +276,8 @@ pub unsafe extern "C" fn sinew_views_frame(
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let body = || {
-        let job = Array::one(job, sinew_argument::Job)?;
-        let job_span = job.span();
-        // SAFETY: lent by the caller; copied at once.
-        let job = unsafe { job.read() }.first().copied();
-        let job = job.ok_or(sinew_error::new(sinew_status::Null, sinew_argument::Job))?;
+        // SAFETY: lent by the caller.
+        let (job, job_span) = unsafe { border::copied(job, sinew_argument::Job) }?;
         // SAFETY: the caller's promise is passed on.
         let (views, model, [own, handle, file]) = unsafe { part::view_in(job.views) }?;
         let parameters = Array::new(job.parameters, job.parameters_len, sinew_argument::Query)?;
@@ -322,11 +319,8 @@ pub unsafe extern "C" fn sinew_views_render(
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let body = || {
-        let job = Array::one(job, sinew_argument::Job)?;
-        let job_span = job.span();
-        // SAFETY: lent by the caller; copied at once.
-        let job = unsafe { job.read() }.first().copied();
-        let job = job.ok_or(sinew_error::new(sinew_status::Null, sinew_argument::Job))?;
+        // SAFETY: lent by the caller.
+        let (job, job_span) = unsafe { border::copied(job, sinew_argument::Job) }?;
         // SAFETY: the caller's promise is passed on.
         let (views, [own, handle, file]) = unsafe { part::view(job.views) }?;
         let points = Array::new(job.points, job.points_len, sinew_argument::Points)?;
