@@ -1,7 +1,6 @@
 //! Kernels on real devices: lavapipe has the CPU's bits, others are within the tolerances.
 
-use crate::lavapipe::{APIS, lavapipe};
-use conformance::devices::{Counter, LAVAPIPE, list, open};
+use crate::batches;
 use conformance::finding::sound;
 use conformance::gpu::Gpu;
 use conformance::kernels::{KernelSubject, QUERIES, kernels};
@@ -34,33 +33,15 @@ fn evaluate(device: &dyn Device, query_len: usize) -> (usize, usize) {
 
 #[test]
 fn lavapipe_has_the_bits_of_the_cpu() {
-    for api in APIS {
-        let device = open(&lavapipe(api), false).unwrap();
-        let (values, differing) = evaluate(&*device, QUERIES);
-        println!("{:?}: {differing} of {values} values have other bits", device.info());
-        assert_eq!(differing, 0);
-        assert!(values > 200_000, "{values}");
-    }
+    batches::same_bits(evaluate, QUERIES, 200_000);
 }
 
 #[test]
 fn validation_is_silent() {
-    Counter::install();
-    for api in APIS {
-        let before = Counter::message_len();
-        let device = open(&lavapipe(api), true).unwrap();
-        let (values, _) = evaluate(&*device, 7);
-        let counted = device.message_len().unwrap_or_else(|| Counter::message_len() - before);
-        assert!(values > 10_000 && counted == 0, "{counted} messages");
-    }
+    batches::silent(evaluate, 7, 10_000);
 }
 
 #[test]
 fn every_other_device_is_within_the_tolerances() {
-    for info in list().unwrap().iter().filter(|info| info.driver != LAVAPIPE) {
-        let device = open(info, false).unwrap();
-        let (values, differing) = evaluate(&*device, QUERIES);
-        println!("{info:?}: {differing} of {values} values have other bits");
-        assert!(values > 200_000, "{values}");
-    }
+    batches::within_tolerances(evaluate, QUERIES, 200_000);
 }

@@ -1,9 +1,8 @@
 //! Shapes on real devices: lavapipe has the CPU's bits, others are within the tolerances.
 
-use crate::lavapipe::{APIS, lavapipe};
+use crate::batches;
 use crate::software::{Fault, Software};
 use conformance::backend::Failure;
-use conformance::devices::{Counter, LAVAPIPE, list, open};
 use conformance::finding::sound;
 use conformance::gpu::Gpu;
 use conformance::shapes::{FACES, ShapeSubject, files, shapes};
@@ -70,33 +69,15 @@ fn a_device_that_is_wrong_about_shapes_is_caught() {
 
 #[test]
 fn lavapipe_has_the_bits_of_the_cpu() {
-    for api in APIS {
-        let device = open(&lavapipe(api), false).unwrap();
-        let (values, differing) = evaluate(&*device, FACES);
-        println!("{:?}: {differing} of {values} values have other bits", device.info());
-        assert_eq!(differing, 0);
-        assert!(values > 1_000_000, "{values}");
-    }
+    batches::same_bits(evaluate, FACES, 1_000_000);
 }
 
 #[test]
 fn validation_is_silent() {
-    Counter::install();
-    for api in APIS {
-        let before = Counter::message_len();
-        let device = open(&lavapipe(api), true).unwrap();
-        let (values, _) = evaluate(&*device, 7);
-        let counted = device.message_len().unwrap_or_else(|| Counter::message_len() - before);
-        assert!(values > 100_000 && counted == 0, "{counted} messages");
-    }
+    batches::silent(evaluate, 7, 100_000);
 }
 
 #[test]
 fn every_other_device_is_within_the_tolerances() {
-    for info in list().unwrap().iter().filter(|info| info.driver != LAVAPIPE) {
-        let device = open(info, false).unwrap();
-        let (values, differing) = evaluate(&*device, FACES);
-        println!("{info:?}: {differing} of {values} values have other bits");
-        assert!(values > 1_000_000, "{values}");
-    }
+    batches::within_tolerances(evaluate, FACES, 1_000_000);
 }
