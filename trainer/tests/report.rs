@@ -114,7 +114,7 @@ fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
     let (examples, clips) = arm();
     let [bytes, other] = [Predictor::Kernel, Predictor::Rotational].map(|p| model(&examples, p));
     let mut comparison =
-        Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+        Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
     comparison.compare(NamedModel { name: "other", bytes: &other, skin: None }).unwrap();
     let html = page(&comparison, true);
     let tags = tags(&html);
@@ -180,7 +180,8 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     let (examples, clips) = arm();
     let (vertex, by) = (123, 0.2 * examples.diagonal());
     let bytes = disturbed(&examples, vertex, by);
-    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let comparison =
+        Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
     let html = page(&comparison, false);
     tags(&html);
     let sentence = format!("Vertex {vertex}, where the model is off by ");
@@ -195,7 +196,8 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     }
     // Undisturbed, another one is.
     let bytes = disturbed(&examples, vertex, 0.0);
-    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let comparison =
+        Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
     assert!(!page(&comparison, false).contains(&sentence));
 }
 
@@ -204,7 +206,7 @@ fn the_table_by_frame_averages_to_what_evaluate_measures() {
     let (examples, clips) = arm();
     let [bytes, other] = [disturbed(&examples, 5, 0.01), disturbed(&examples, 6, 0.02)];
     let mut comparison =
-        Comparison::new(source(&examples, &clips), Frames::All, file(&bytes)).unwrap();
+        Comparison::new(source(&examples, &clips), Some(Frames::All), file(&bytes)).unwrap();
     comparison.compare(file(&other)).unwrap();
     let table = csv::by_frame(&comparison).unwrap();
     let mut reader = ::csv::Reader::from_reader(&table[..]);
@@ -242,7 +244,8 @@ fn the_mesh_holds_every_vertex_with_its_error() {
     let (examples, clips) = arm();
     let vertex = 77;
     let bytes = disturbed(&examples, vertex, 0.1);
-    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let comparison =
+        Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
     let mesh = ply::rest_mesh(&comparison);
     let end = "end_header\n";
     let header_len = mesh.windows(end.len()).position(|w| w == end.as_bytes()).unwrap() + end.len();
@@ -282,7 +285,7 @@ fn a_page_is_the_same_for_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let comparison =
-                Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+                Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
             page(&comparison, false)
         })
     };
@@ -295,11 +298,12 @@ fn training_frames_are_told_for_what_they_are() {
     examples.split.fill(Split::Train);
     let bytes = disturbed(&examples, 9, 0.0);
     let train = Frames::Of(Split::Train);
-    let comparison = Comparison::new(source(&examples, &clips), train, file(&bytes)).unwrap();
+    let comparison = Comparison::new(source(&examples, &clips), Some(train), file(&bytes)).unwrap();
     assert!(page(&comparison, false).contains("because the examples hold none out"));
     // Without any of them nothing can be trained, and the rest of the page is still there.
     examples.split.fill(Split::HeldOut);
-    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let comparison =
+        Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
     let html = page(&comparison, true);
     assert!(html.contains("cannot be trained: the fit needs 6 training poses, found 0."));
     tags(&html);

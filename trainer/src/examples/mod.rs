@@ -11,6 +11,7 @@ mod hash;
 mod hold_out;
 mod import;
 mod importance;
+mod mark;
 mod rigidity;
 mod sample;
 #[cfg(test)]
@@ -22,8 +23,9 @@ pub use crate::formats::scene::Clip;
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
 pub use error::{Element, ExamplesError, LoadError};
 pub use hash::hash_file;
-pub use import::{ImportError, Loaded, Source, load, load_poses, npz};
+pub use import::{ImportError, Loaded, Source, join, load, load_poses, npz};
 pub use importance::{Importance, load_importance};
+pub use mark::{Mark, is_same};
 pub use rigidity::Distortion;
 pub(crate) use sample::spread;
 pub use validate::RIGID;

@@ -31,7 +31,7 @@ const ROWS: usize = 16;
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let input = arguments.input.load(output)?;
-    let source = arguments.input.examples.display().to_string();
+    let source = arguments.input.named();
     let checked = check(&input.examples, &input.clips, &Bars::new(output)).context(source)?;
     let text = format!("{}\n{}", input::describe(&input.examples), describe(&checked));
     output.print(&checked, &text)

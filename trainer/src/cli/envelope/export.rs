@@ -100,7 +100,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let character =
         Character::find(&model, skin).map_err(|error| blame(error.into(), arguments))?;
     let mut input = input::load_poses(&arguments.clip, output)?;
-    arguments.space.say(&mut input.examples, &arguments.clip)?;
+    arguments.space.say(&mut input.examples, &arguments.clip.display().to_string())?;
     let conversion = input.examples.convert_to(&character.space);
     let levels = levels::load(&arguments.also, conversion.as_ref())?;
     input::move_to(&mut input, &arguments.clip, &rest(&character.skin), output)?;

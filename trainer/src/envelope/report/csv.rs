@@ -1,6 +1,6 @@
 //! Errors by frame, as a table for other tools.
 
-use super::comparison::{Comparison, use_of};
+use super::comparison::Comparison;
 
 /// Writes a row for each measured frame, under a row of names: `frame`, `clip`, `split`, `vertices`;
 /// then, for the model, and with `lbs_` and `other_` before them for LBS and for the model that it is
@@ -23,7 +23,7 @@ pub fn by_frame(comparison: &Comparison<'_>) -> Result<Vec<u8>, csv::Error> {
     let (examples, source) = (comparison.source.examples, &comparison.source);
     for (place, frame) in comparison.measured_frames().into_iter().enumerate() {
         let clip = source.clip_of(frame).map_or("", |clip| source.clips[clip].name.as_str());
-        let split = use_of(examples.split[frame]);
+        let split = examples.split[frame].name();
         let mut row = vec![frame.to_string(), clip.to_owned(), split.to_owned()];
         row.push(examples.vertex_len().to_string());
         for (series, _) in &order {

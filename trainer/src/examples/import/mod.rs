@@ -2,6 +2,7 @@
 
 mod align;
 mod error;
+mod joined;
 mod loaded;
 mod matched;
 pub mod npz;
@@ -15,5 +16,6 @@ mod targets;
 mod tests;
 
 pub use error::ImportError;
+pub use joined::join;
 pub use loaded::Loaded;
 pub use source::{Source, load, load_poses};

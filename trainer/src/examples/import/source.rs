@@ -20,14 +20,14 @@ pub struct Source<'a> {
     pub targets: Option<&'a Path>,
     /// Frames a second at which a scene's clips are sampled; at their keys where none is given.
     pub fps: Option<f64>,
-    /// The one clip to read of a scene; all of them where none is given.
-    pub clip: Option<&'a str>,
+    /// The clips to read of a scene; all of them where none is given.
+    pub clips: &'a [String],
 }
 
 impl<'a> Source<'a> {
     /// Names a file that needs nothing beside it.
     pub fn file(file: &'a Path) -> Self {
-        Self { file, targets: None, fps: None, clip: None }
+        Self { file, targets: None, fps: None, clips: &[] }
     }
 
     /// Lists the files that a load reads, where they are there.
@@ -47,7 +47,7 @@ impl<'a> Source<'a> {
                 let given = [
                     ("--targets", self.targets.is_some()),
                     ("--fps", self.fps.is_some()),
-                    ("--clip", self.clip.is_some()),
+                    ("--clip", !self.clips.is_empty()),
                 ];
                 return match given.into_iter().find(|(_, given)| *given) {
                     Some((option, _)) => Err(ImportError::NotAScene { option }.into()),
@@ -71,7 +71,7 @@ impl<'a> Source<'a> {
     }
 
     fn sampling(&self, shapes: bool) -> Sampling<'a> {
-        Sampling { fps: self.fps, clip: self.clip, shapes }
+        Sampling { fps: self.fps, clips: self.clips, shapes }
     }
 
     fn blame(&self) -> impl Fn(ExamplesError) -> LoadError {

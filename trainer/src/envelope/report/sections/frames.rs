@@ -1,7 +1,7 @@
 //! Errors and confidence by frame.
 
 use super::series::{entries, legend, names};
-use crate::envelope::report::comparison::{Comparison, Series, use_of};
+use crate::envelope::report::comparison::{Comparison, Series};
 use crate::examples::Split;
 use crate::page::chart::{Chart, Range};
 use crate::page::html::{paragraph, percent, table, text};
@@ -115,7 +115,7 @@ fn bands(chart: &mut Chart, comparison: &Comparison<'_>) {
     if frames.iter().any(|&frame| split(frame) != split(frames[0])) {
         for (range, of) in runs(&frames, split) {
             if of != Split::Train {
-                chart.band(use_of(of), range, use_of(of));
+                chart.band(of.name(), range, of.name());
             }
         }
     }
@@ -152,7 +152,7 @@ fn worst(comparison: &Comparison<'_>, rms: &[Vec<f64>]) -> String {
     head.extend(["largest, %", "at vertex", "confidence"].map(str::to_owned));
     let row = |&place: &usize| {
         let frame = &comparison.model.measured.frames[place];
-        let split = use_of(comparison.source.examples.split[frame.frame]);
+        let split = comparison.source.examples.split[frame.frame].name();
         let mut row = vec![text(&comparison.source.label(frame.frame)), split.to_owned()];
         row.extend(rms.iter().map(|rms| percent(rms[place])));
         row.push(percent(comparison.model.measured.errors_in(place).max_percent));
