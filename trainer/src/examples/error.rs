@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use super::import::ImportError;
+use crate::formats::scene::RATES;
 use crate::formats::{FileError, FormatError};
 use crate::space::SpaceError;
 
@@ -113,6 +114,49 @@ pub enum ExamplesError {
     NoArea {
         /// How many triangles there are.
         triangle_len: usize,
+    },
+    /// A clip or mesh does not begin behind the one before it.
+    #[error(
+        "array {array} has {found} for {name}, expected 0 for the first, then ascending numbers below {len}"
+    )]
+    Start {
+        /// The array.
+        array: &'static str,
+        /// The clip or mesh.
+        name: String,
+        /// What it begins with.
+        found: i64,
+        /// How many frames or vertices there are.
+        len: usize,
+    },
+    /// What a frame is called does not ascend in its clip.
+    #[error(
+        "array frame_numbers has {found} at frame {frame}, expected {least} to {}: numbers ascend in each clip",
+        i32::MAX
+    )]
+    FrameNumber {
+        /// The frame, by its place.
+        frame: usize,
+        /// What it is called.
+        found: i64,
+        /// The least that it may be called.
+        least: i64,
+    },
+    /// Frames follow at no rate that can be played.
+    #[error("array fps has {fps}, expected {} to {} frames a second", RATES.start(), RATES.end())]
+    Rate {
+        /// Frames a second.
+        fps: f64,
+    },
+    /// A word is none of those that are known.
+    #[error("array {array} has {found:?}, expected {expected}")]
+    UnknownWord {
+        /// The array.
+        array: &'static str,
+        /// The word.
+        found: String,
+        /// What it may be.
+        expected: &'static str,
     },
     /// A joint's parent does not exist.
     #[error("joint {joint} has parent {parent}, which does not exist")]

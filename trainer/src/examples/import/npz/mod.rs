@@ -1,4 +1,4 @@
-//! Examples as NumPy arrays: `X.npz`, with `X.json` beside it for names and parents.
+//! Examples as NumPy arrays: `X.npz`, with `X.json` beside it for what is words or a few numbers.
 //!
 //! | array | shape | |
 //! |---|---|---|
@@ -11,34 +11,51 @@
 //! | `joint_world_rest` | J, 4, 4 | optional: rest frames of the joints |
 //! | `uv` | U, 2 | optional texture coordinates, v upward; V of them without the next |
 //! | `quads_uv`, `tris_uv` | as `quads`, `tris` | optional; which `uv` each corner has; also `uv_quads`, `uv_tris` |
+//! | `clip_names`, `clip_starts` | C | optional clips and their first frames: 0, then ascending; else one clip, called as the file |
+//! | `fps` | | optional frames a second, 30 without |
+//! | `frame_numbers` | N | optional: what the source calls the frames, whole numbers that ascend in a clip |
+//! | `mesh_names`, `mesh_starts` | M | optional meshes that were joined and their first vertices: 0, then ascending |
+//! | `importance` | V | optional: how much each vertex counts, of which only the ratios matter |
+//! | `up`, `forward` | | optional axes: `x`, `-x`, `y`, `-y`, `z` or `-z` |
+//! | `handedness` | | optional: `right`, as without, or `left` |
+//! | `unit` | | optional metres of a unit of length |
 //!
 //! The JSON may hold `bone_names`, `bone_parents` (numbers or names), and `joint_rest_positions`
-//! (name to x y z), which serves where there is no `joint_world_rest`. It is read first; anything
-//! else in either file is left alone. Numbers may be of any width and order.
+//! (name to x y z), which serves where there is no `joint_world_rest`; names and starts of clips and
+//! meshes, `fps`, and what is said of the space. It is read first; anything else in either file is left
+//! alone. Numbers may be of any width and order; one number or word may have a dimension or none.
 
+mod clips;
 mod fields;
 mod posed_meshes;
+mod runs;
 mod save;
 mod sidecar;
+mod space;
 mod texture;
 
-use sinew_runtime::format::Space;
 use std::path::Path;
 
 pub(super) use posed_meshes::read_posed_meshes;
 pub use save::save_npz;
 
+use self::clips::{chosen, kept, read_clips};
 use self::fields::{FACES, read_faces, read_split};
+use self::runs::{RunKind, read_runs};
 use self::sidecar::{Parent, Sidecar};
+use self::space::read_space;
 use self::texture::read_texture;
 use super::loaded::Loaded;
 use super::{origins, roots};
 use crate::examples::validate::{REPAIRABLE, same};
 use crate::examples::{
-    Clip, Distortion, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
+    Distortion, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
 };
 use crate::formats::npz::{Archive, Rows};
+use crate::formats::scene::Sampling;
 use crate::formats::{ArrayError, FormatError};
+
+const MESHES: RunKind = RunKind { what: "meshes", names: "mesh_names", starts: "mesh_starts" };
 
 /// Reads examples from `path` and the JSON of the same name beside it, if there is one.
 ///
@@ -49,21 +66,29 @@ use crate::formats::{ArrayError, FormatError};
 /// A [`LoadError`] that names the file at fault: it cannot be read, lacks an array, holds one of
 /// another type or shape, or fails [`Examples::validate`].
 pub fn load(path: &Path) -> Result<Loaded, LoadError> {
+    load_clips(path, &Sampling { fps: None, clip: None, shapes: true })
+}
+
+/// Reads the examples of the clips that are asked for, as [`load`].
+///
+/// # Errors
+/// As [`load`], and [`SceneError::UnknownClip`](crate::formats::SceneError::UnknownClip).
+pub(super) fn load_clips(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, LoadError> {
     let beside = path.with_extension("json");
     let sidecar =
         Sidecar::read(&beside).map_err(|error| LoadError { file: beside.clone(), error })?;
     let blame = |error| LoadError { file: path.to_owned(), error };
-    let read = |archive| read(archive, &sidecar);
+    let read = |archive| read(archive, &sidecar, path, sampling);
     let archive = Archive::open(path).map_err(ExamplesError::from);
-    let (examples, warnings) = archive.and_then(read).map_err(blame)?;
-    let clips = vec![Clip::whole(path, examples.frame_len())];
-    Ok(Loaded { examples, clips, warnings })
+    archive.and_then(read).map_err(blame)
 }
 
 fn read(
     mut archive: Archive,
     sidecar: &Sidecar,
-) -> Result<(Examples, Vec<Warning>), ExamplesError> {
+    path: &Path,
+    sampling: &Sampling<'_>,
+) -> Result<Loaded, ExamplesError> {
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
     let faces = read_faces(&mut archive, FACES, rest.len())?;
     let faces = faces.ok_or_else(|| missing("quads or tris"))?;
@@ -76,6 +101,7 @@ fn read(
         archive.required::<f64, 16>("bone_transforms", &[0, 4, 4])?;
     same("frames", "vertices", frame_len, "bone_transforms", lead[0])?;
     let joint_len = lead[1];
+    let clips = read_clips(&mut archive, sidecar, path, frame_len)?;
 
     let mut warnings = Vec::new();
     let names = read_names(&mut archive, sidecar)?;
@@ -87,6 +113,19 @@ fn read(
     }
     let split = read_split(&mut archive, frame_len)?;
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
+    let (names_of_meshes, starts) = (sidecar.mesh_names.as_ref(), sidecar.mesh_starts.as_ref());
+    let ranges = read_runs(&mut archive, &MESHES, names_of_meshes, starts, rest.len())?;
+    let importance = archive.rows::<f64, 1>("importance", &[])?;
+    if let Some(importance) = &importance {
+        same("vertices", "rest", rest.len(), "importance", importance.data.len())?;
+    }
+    let space = read_space(&mut archive, sidecar)?;
+
+    let (clips, frames_kept) = chosen(clips, sampling)?;
+    let frames_kept = frames_kept.as_deref();
+    let vertices = kept(vertices, rest.len(), frames_kept);
+    let matrices = kept(matrices, joint_len, frames_kept);
+    let split = kept(split, 1, frames_kept);
     let transforms = affine(&matrices, Some(&split), &names)?;
     drop(matrices);
 
@@ -104,10 +143,13 @@ fn read(
         vertices,
         transforms,
         split,
-        ranges: Vec::new(),
-        space: Space::default(),
+        ranges: ranges.unwrap_or_default(),
+        space,
         importance: None,
     };
+    if let Some(importance) = importance {
+        examples.weigh(importance.data.as_flattened().to_vec())?;
+    }
     if frames.is_none() {
         place(&mut examples.skeleton, sidecar)?;
     }
@@ -120,7 +162,7 @@ fn read(
             }
         }
     }
-    Ok((examples, warnings))
+    Ok(Loaded { examples, clips, warnings })
 }
 
 fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, ExamplesError> {
