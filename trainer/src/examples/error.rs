@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use super::import::ImportError;
-use crate::formats::scene::RATES;
+use crate::formats::scene::{Clip, RATES};
 use crate::formats::{FileError, FormatError};
 use crate::space::SpaceError;
 
@@ -60,8 +60,8 @@ pub enum ExamplesError {
     NotFinite {
         /// The array.
         array: &'static str,
-        /// The frame, for arrays that have one.
-        frame: Option<usize>,
+        /// The frame, for arrays that have one: its place, or what its source calls it.
+        frame: Option<i64>,
         /// The vertex or joint.
         element: Element,
     },
@@ -74,8 +74,8 @@ pub enum ExamplesError {
     TooLarge {
         /// The array.
         array: &'static str,
-        /// The frame, for arrays that have one.
-        frame: Option<usize>,
+        /// The frame, for arrays that have one: its place, or what its source calls it.
+        frame: Option<i64>,
         /// The vertex or joint.
         element: Element,
     },
@@ -194,8 +194,8 @@ pub enum ExamplesError {
         Some(frame) => format!("at frame {frame}"),
     })]
     NonRigidJoint {
-        /// The frame; none of the rest pose.
-        frame: Option<usize>,
+        /// The frame, its place or what its source calls it; none of the rest pose.
+        frame: Option<i64>,
         /// The joint.
         joint: String,
         /// What its matrix does.
@@ -261,6 +261,25 @@ pub enum ExamplesError {
     Import(#[from] ImportError),
 }
 
+impl ExamplesError {
+    /// Calls the frame that it points at as its source does, of frames of these clips.
+    pub(super) fn called(mut self, clips: &[Clip]) -> Self {
+        if let Self::NotFinite { frame: Some(frame), .. }
+        | Self::TooLarge { frame: Some(frame), .. }
+        | Self::NonRigidJoint { frame: Some(frame), .. } = &mut self
+        {
+            *frame = called(*frame, clips);
+        }
+        self
+    }
+}
+
+/// Gives what the source calls a frame, or its place where the source calls it nothing.
+pub(super) fn called(frame: i64, clips: &[Clip]) -> i64 {
+    let within = |clip: &Clip| clip.number(usize::try_from(frame).ok()?.checked_sub(clip.first)?);
+    clips.iter().find_map(within).unwrap_or(frame)
+}
+
 /// The part of an example that an error points at.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Element {
@@ -280,6 +299,6 @@ impl fmt::Display for Element {
 }
 
 /// Says in which frame, before a place in it.
-pub(super) fn in_frame(frame: Option<usize>) -> String {
+pub(super) fn in_frame(frame: Option<i64>) -> String {
     frame.map(|frame| format!("frame {frame}, ")).unwrap_or_default()
 }

@@ -126,7 +126,8 @@ fn read(
     let vertices = kept(vertices, rest.len(), frames_kept);
     let matrices = kept(matrices, joint_len, frames_kept);
     let split = kept(split, 1, frames_kept);
-    let transforms = affine(&matrices, Some(&split), &names)?;
+    let transforms = affine(&matrices, Some(&split), &names);
+    let transforms = transforms.map_err(|error| error.called(&clips))?;
     drop(matrices);
 
     let identity = translation([0.0; 3]);
@@ -153,7 +154,8 @@ fn read(
     if frames.is_none() {
         place(&mut examples.skeleton, sidecar)?;
     }
-    warnings.extend(examples.validate()?);
+    let found = examples.validate().map_err(|error| error.called(&clips))?;
+    warnings.extend(found.into_iter().map(|warning| warning.called(&clips)));
     if frames.is_none() {
         for joint in 0..joint_len {
             if !sidecar.joint_rest_positions.contains_key(&examples.skeleton.names[joint]) {
@@ -219,7 +221,8 @@ fn affine(
         let frame = frames.map(|_| number / names.len());
         let read = frames.is_none_or(|split| split[number / names.len()] == Split::Train);
         if deviation > REPAIRABLE && read {
-            let joint = names[number % names.len()].clone();
+            let (frame, joint) =
+                (frame.map(|frame| frame as i64), names[number % names.len()].clone());
             let distortion = Distortion::Projects;
             return Err(ExamplesError::NonRigidJoint { frame, joint, distortion });
         }

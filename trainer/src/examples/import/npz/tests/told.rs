@@ -76,6 +76,23 @@ fn one_clip_is_read_alone() {
 }
 
 #[test]
+fn a_frame_at_fault_is_called_as_the_file_calls_it() {
+    let fault = |set: Set| set.fault("called").to_string();
+    let found = fault(clips().real("vertices", 3 * 15, f64::NAN));
+    assert_eq!(found, "array vertices is not finite at frame 67, vertex 0");
+    let found = fault(clips().real("vertices", 15 + 3, 1e30));
+    assert!(found.ends_with("the most a model can hold, at frame 2, vertex 1"), "{found}");
+    for (place, number) in [(0, 1.5), (15, 2.0)] {
+        let found = fault(clips().real("bone_transforms", 32 + 16 + place, number));
+        assert!(found.starts_with("at frame 2, joint tip "), "{found}");
+    }
+    let near = clips().real("bone_transforms", 32 + 16, 1.001).load("called-near").unwrap();
+    let [Warning::NonRigidJoint { worst_frame: Some(2), .. }] = &near.warnings[..] else {
+        panic!("{:?}", near.warnings)
+    };
+}
+
+#[test]
 fn meshes_are_ranges_and_importance_is_weighed() {
     let set = Set::good().words("mesh_names", &["Body", "Sleeve"]).count("mesh_starts", &[0, 3]);
     let set = set.row("importance", &[1.0, 1.0, 0.0, 0.5, 2.5]);
