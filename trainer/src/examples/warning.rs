@@ -54,7 +54,7 @@ pub enum Warning {
 
 impl Warning {
     /// Calls the frame that it points at as its source does, of frames of these clips.
-    pub(super) fn called(mut self, clips: &[Clip]) -> Self {
+    pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
         if let Self::NonRigidJoint { worst_frame: Some(frame), .. } = &mut self {
             *frame = called(*frame, clips);
         }
