@@ -1,10 +1,10 @@
 """Writes example poses of a rigged character, for `sinew train`.
 
 Whatever Blender shows is what is written: muscles, correctives, simulation, any modifier that keeps
-the meshes' vertices. For each frame it evaluates the meshes and the bones that deform them, in world
-space. All visible meshes of the armature are joined, in the scene's order; the strips of its NLA
-become clips by name, or all frames are one clip called as its action. Names, frame rate and numbers,
-axes, unit, and texture coordinates go with them.
+the meshes' vertices. For each frame it evaluates the meshes and the bones that deform them, in
+world space. All visible meshes of the armature are joined, in the scene's order; the strips of its
+NLA become clips by name, or all frames are one clip called as its action. Names, frame rate and
+numbers, axes, unit, and texture coordinates go with them.
 
     blender rig.blend --background --python blender_export.py -- examples.npz
     python blender_export.py --blend rig.blend examples.npz        (with `pip install bpy`)
@@ -69,7 +69,7 @@ def parse(arguments):
     parser.add_argument("--mesh", action="append", help="a mesh object; may be given several times")
     parser.add_argument("--armature", help="the armature object")
     parser.add_argument("--frames", help="FIRST:LAST or FIRST:LAST:STEP")
-    parser.add_argument("--clips", choices=["strips", "one"], help="strips of the NLA, or all as one")
+    parser.add_argument("--clips", choices=["strips", "one"], help="the NLA's strips, or all as one")
     parser.add_argument("--importance", metavar="GROUP", help="a vertex group")
     parser.add_argument("--bones", choices=["deforming", "all"], default="deforming")
     options = parser.parse_args(arguments)
@@ -241,7 +241,7 @@ def at_rest(scene, meshes, armature, importance):
 
 
 def faces(shape, mirrored):
-    """Gives the faces by vertices and, where there is a texture, by coordinates; turned over where mirrored."""
+    """Gives the faces by vertices and by texture coordinates, turned over where mirrored."""
     quads = [list(p.loop_indices) for p in shape.polygons if p.loop_total == 4]
     shape.calc_loop_triangles()
     others = {p.index for p in shape.polygons if p.loop_total != 4}
@@ -362,7 +362,9 @@ def check_same(frame, mesh, shape, part):
     remedy = "turn off the modifier that changes them"
     found, expected = len(shape.vertices), len(part["rest"])
     if found != expected:
-        raise Problem(f"frame {frame}: mesh {mesh.name} has {found} vertices, at rest {expected}: {remedy}")
+        raise Problem(
+            f"frame {frame}: mesh {mesh.name} has {found} vertices, at rest {expected}: {remedy}"
+        )
     if not all(np.array_equal(a, b) for a, b in zip(corners(shape), part["corners"])):
         raise Problem(f"frame {frame}: mesh {mesh.name} has other faces than at rest: {remedy}")
 

@@ -193,7 +193,7 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     assert!(html.contains(&format!("The vertices with the largest: {vertex} (")));
     assert!(html.contains("asked to train nothing"));
     for record in ::csv::Reader::from_reader(&csv::by_frame(&comparison).unwrap()[..]).records() {
-        assert_eq!(&record.unwrap()[7], vertex.to_string());
+        assert_eq!(&record.unwrap()[8], vertex.to_string());
     }
     // Undisturbed, another one is.
     let bytes = disturbed(&examples, vertex, 0.0);

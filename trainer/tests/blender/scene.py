@@ -3,7 +3,7 @@
 - limb.blend, and the same as limb.fbx: a limb of two deforming bones with one between them that
   deforms nothing, in centimetres under a node that makes metres of them.
 - strips.blend: the same with a sleeve, mirrored and without a texture, with a hidden mesh, a vertex
-  group of what matters, two strips of the NLA, and another unit.
+  group of what matters, three strips of the NLA, and another unit.
 - muddled.blend: the same with strips that overlap, and the hidden mesh, which grows, shown.
 - mirrored.blend: the same with the whole rig mirrored.
 """
@@ -104,12 +104,13 @@ scene.render.fps, scene.render.fps_base = 24, 1.001
 animation = rig.animation_data
 bend, animation.action = animation.action, None
 lower.rotation_euler = (0, 0, 0)
-for frame, degrees in ((5, 0), (6, 90)):
+for frame, degrees in ((5, 0), (6, 90), (7, 90)):
     lower.rotation_euler = (0, math.radians(degrees), 0)
     lower.keyframe_insert("rotation_euler", frame=frame)
 twist, animation.action = animation.action, None
-scene.frame_end = 8
-for name, action, first in (("Bend", bend, 1), ("Twist", twist, 5)):
+scene.frame_end = 10
+# The last two meet in frame 7.
+for name, action, first in (("Bend", bend, 1), ("Twist", twist, 5), ("Again", bend, 7)):
     animation.nla_tracks.new().strips.new(name, first, action).extrapolation = "NOTHING"
 save("strips.blend")
 
