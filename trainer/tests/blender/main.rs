@@ -160,7 +160,9 @@ fn meshes_are_joined_strips_are_clips_and_a_group_weighs() {
     let [said, noted] = done(&output);
     let words = "meshes: Limb, Sleeve\n  clips: Bend (1 to 3), Twist (5 to 6), Again (7 to 9)\n";
     assert!(said.ends_with(words), "{said}");
-    for words in ["hidden in the viewport are left out: Hair", "of no strip are left out: 2 ("] {
+    for words in
+        ["hidden in the viewport are left out: Hair, Scales", "of no strip are left out: 2 ("]
+    {
         assert!(noted.contains(words), "{noted}");
     }
     let Loaded { examples, clips, warnings } = npz::load(&path).unwrap();
@@ -212,6 +214,11 @@ fn strips_that_overlap_are_one_clip_and_what_grows_is_named() {
     for (scene, arguments, words) in [
         (&muddled, &["--mesh", "Limb", "--clips", "strips"][..], overlap),
         (&muddled, &[], "frame 2: mesh Hair has 3 vertices, at rest 2: turn off the modifier"),
+        (
+            &muddled,
+            &["--mesh", "Scales"],
+            "frame 3: mesh Scales has other faces than at rest: turn",
+        ),
         (&strips, &["--mesh", "Hair"], "hidden in the viewport: Hair: show what is to be written"),
         (&strips, &["--frames", "10:12"], "--frames 10:12: no strip of Rig is there (--clips one"),
         (

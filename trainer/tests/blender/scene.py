@@ -2,9 +2,10 @@
 
 - limb.blend, and the same as limb.fbx: a limb of two deforming bones with one between them that
   deforms nothing, in centimetres under a node that makes metres of them.
-- strips.blend: the same with a sleeve, mirrored and without a texture, with a hidden mesh, a vertex
+- strips.blend: the same with a sleeve, mirrored and without a texture, with two hidden meshes, a vertex
   group of what matters, three strips of the NLA, and another unit.
-- muddled.blend: the same with strips that overlap, and the hidden mesh, which grows, shown.
+- muddled.blend: the same with strips that overlap, and the hidden meshes shown, of which one grows
+  and the faces of the other change.
 - mirrored.blend: the same with the whole rig mirrored.
 """
 
@@ -94,7 +95,13 @@ bpy.data.objects["Sleeve"].scale.x = -1
 hair = follow("Hair", [(0, 0, 0), (10, 0, 0), (0, 10, 0), (0, 0, 10)], [(0, 1, 2), (0, 2, 3)])
 growth = hair.modifiers.new("Build", "BUILD")
 growth.frame_start, growth.frame_duration = 0, 3
-hair.hide_set(True)
+scales = follow("Scales", [(0, 0, 0), (10, 0, 0), (10, 0, 10), (0, 0, 10)], [(0, 1, 2, 3)])
+cut = scales.modifiers.new("Triangulate", "TRIANGULATE")
+for frame in (1, 3):
+    cut.show_viewport = frame == 3
+    cut.keyframe_insert("show_viewport", frame=frame)
+for mesh in (hair, scales):
+    mesh.hide_set(True)
 matters = limb.vertex_groups.new(name="Matters")
 matters.add([0], 1.0, "REPLACE")
 matters.add([3], 0.25, "REPLACE")
@@ -115,7 +122,8 @@ for name, action, first in (("Bend", bend, 1), ("Twist", twist, 5), ("Again", be
 save("strips.blend")
 
 animation.nla_tracks[1].strips[0].frame_start_ui = 2
-hair.hide_set(False)
+for mesh in (hair, scales):
+    mesh.hide_set(False)
 save("muddled.blend")
 
 metres.scale.x *= -1

@@ -6,6 +6,9 @@ use super::{Archive, missing};
 use crate::examples::ExamplesError;
 use crate::examples::validate::same;
 
+/// Runs by name, in order.
+pub(super) type Runs = Vec<(String, Range<usize>)>;
+
 /// Which runs, as the file names them.
 pub(super) struct RunKind {
     /// What the runs are.
@@ -28,7 +31,7 @@ pub(super) fn read_runs(
     names: Option<&Vec<String>>,
     starts: Option<&Vec<i64>>,
     len: usize,
-) -> Result<Option<Vec<(String, Range<usize>)>>, ExamplesError> {
+) -> Result<Option<Runs>, ExamplesError> {
     let names =
         names.cloned().map_or_else(|| archive.texts(kind.names), |names| Ok(Some(names)))?;
     let starts = match starts {
