@@ -27,6 +27,7 @@
 
 mod clips;
 mod fields;
+mod meshes;
 mod posed_meshes;
 mod runs;
 mod save;
@@ -41,7 +42,7 @@ pub use save::save_npz;
 
 use self::clips::{chosen, kept, read_clips};
 use self::fields::{FACES, read_faces, read_split};
-use self::runs::{RunKind, read_runs};
+use self::meshes::{read_importance, read_meshes};
 use self::sidecar::{Parent, Sidecar};
 use self::space::read_space;
 use self::texture::read_texture;
@@ -54,8 +55,6 @@ use crate::examples::{
 use crate::formats::npz::{Archive, Rows};
 use crate::formats::scene::Sampling;
 use crate::formats::{ArrayError, FormatError};
-
-const MESHES: RunKind = RunKind { what: "meshes", names: "mesh_names", starts: "mesh_starts" };
 
 /// Reads examples from `path` and the JSON of the same name beside it, if there is one.
 ///
@@ -113,19 +112,15 @@ fn read(
     }
     let split = read_split(&mut archive, frame_len)?;
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
-    let (names_of_meshes, starts) = (sidecar.mesh_names.as_ref(), sidecar.mesh_starts.as_ref());
-    let ranges = read_runs(&mut archive, &MESHES, names_of_meshes, starts, rest.len())?;
-    let importance = archive.rows::<f64, 1>("importance", &[])?;
-    if let Some(importance) = &importance {
-        same("vertices", "rest", rest.len(), "importance", importance.data.len())?;
-    }
+    let ranges = read_meshes(&mut archive, sidecar, rest.len())?;
+    let importance = read_importance(&mut archive, rest.len())?;
     let space = read_space(&mut archive, sidecar)?;
 
-    let (clips, frames_kept) = chosen(clips, sampling)?;
-    let frames_kept = frames_kept.as_deref();
-    let vertices = kept(vertices, rest.len(), frames_kept);
-    let matrices = kept(matrices, joint_len, frames_kept);
-    let split = kept(split, 1, frames_kept);
+    let (clips, kept_frames) = chosen(clips, sampling)?;
+    let kept_frames = kept_frames.as_deref();
+    let vertices = kept(vertices, rest.len(), kept_frames);
+    let matrices = kept(matrices, joint_len, kept_frames);
+    let split = kept(split, 1, kept_frames);
     let transforms = affine(&matrices, Some(&split), &names);
     let transforms = transforms.map_err(|error| error.called(&clips))?;
     drop(matrices);
@@ -144,12 +139,12 @@ fn read(
         vertices,
         transforms,
         split,
-        ranges: ranges.unwrap_or_default(),
+        ranges,
         space,
         importance: None,
     };
     if let Some(importance) = importance {
-        examples.weigh(importance.data.as_flattened().to_vec())?;
+        examples.weigh(importance)?;
     }
     if frames.is_none() {
         place(&mut examples.skeleton, sidecar)?;
