@@ -25,6 +25,7 @@ fn arm() -> (Examples, Vec<Clip>) {
         name: name.to_owned(),
         first: frames.start,
         times: frames.map(|frame| frame as f64 / 30.0).collect(),
+        numbers: None,
     };
     let middle = examples.frames_of(Split::HeldOut)[4];
     let len = examples.frame_len();
@@ -111,7 +112,8 @@ fn accuracy(of: &Evaluation, lbs: bool) -> [String; 6] {
 
 #[test]
 fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
-    let (examples, clips) = arm();
+    let (examples, mut clips) = arm();
+    clips[1].numbers = Some((101..).take(clips[1].times.len()).collect());
     let [bytes, other] = [Predictor::Kernel, Predictor::Rotational].map(|p| model(&examples, p));
     let mut comparison =
         Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
@@ -192,7 +194,7 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     assert!(html.contains(&format!("The vertices with the largest: {vertex} (")));
     assert!(html.contains("asked to train nothing"));
     for record in ::csv::Reader::from_reader(&csv::by_frame(&comparison).unwrap()[..]).records() {
-        assert_eq!(&record.unwrap()[7], vertex.to_string());
+        assert_eq!(&record.unwrap()[8], vertex.to_string());
     }
     // Undisturbed, another one is.
     let bytes = disturbed(&examples, vertex, 0.0);
@@ -203,7 +205,8 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
 
 #[test]
 fn the_table_by_frame_averages_to_what_evaluate_measures() {
-    let (examples, clips) = arm();
+    let (examples, mut clips) = arm();
+    clips[1].numbers = Some((101..).take(clips[1].times.len()).collect());
     let [bytes, other] = [disturbed(&examples, 5, 0.01), disturbed(&examples, 6, 0.02)];
     let mut comparison =
         Comparison::new(source(&examples, &clips), Some(Frames::All), file(&bytes)).unwrap();
@@ -213,10 +216,23 @@ fn the_table_by_frame_averages_to_what_evaluate_measures() {
     let names: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
     let rows: Vec<HashMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
     assert_eq!(
-        names[..9],
-        ["frame", "clip", "split", "vertices", "rms", "p99", "max", "worst_vertex", "confidence"]
+        names[..10],
+        [
+            "frame",
+            "number",
+            "clip",
+            "split",
+            "vertices",
+            "rms",
+            "p99",
+            "max",
+            "worst_vertex",
+            "confidence"
+        ]
     );
     assert_eq!(rows.len(), examples.frame_len());
+    assert_eq!(comparison.source.label(1), "frame 1 (walk, 1)");
+    assert_eq!(comparison.source.label(clips[1].first + 1), "frame 102 (</title><img src=x>)");
     let [found, second] =
         [&bytes, &other].map(|m| evaluate(m, None, &examples, Frames::All).unwrap());
     let errors = [("", found.errors), ("lbs_", found.lbs), ("other_", second.errors)];
@@ -233,6 +249,8 @@ fn the_table_by_frame_averages_to_what_evaluate_measures() {
     for (frame, row) in rows.iter().enumerate() {
         assert_eq!(row["frame"], frame.to_string());
         let clip = if frame < clips[1].first { 0 } else { 1 };
+        let number = frame + [0, 101 - clips[1].first][clip];
+        assert_eq!(row["number"], number.to_string());
         assert_eq!(row["clip"], clips[clip].name);
         let held_out = examples.split[frame] == Split::HeldOut;
         assert_eq!(row["split"], if held_out { "held-out" } else { "train" });

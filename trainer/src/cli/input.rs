@@ -5,7 +5,7 @@ use super::bars::Bars;
 use anyhow::{Context, bail};
 use sinew_runtime::Model;
 use sinew_trainer::examples::{
-    self, Clip, Examples, ExamplesError, LoadError, Loaded, Source, Split, hash_file, load,
+    self, Clip, Examples, ExamplesError, LoadError, Loaded, RATES, Source, Split, hash_file, load,
     load_importance,
 };
 use sinew_trainer::formats::Content;
@@ -31,11 +31,12 @@ pub(super) struct ExampleArguments {
     /// Frames a second at which the clips of a scene are sampled [default: at their keys]
     #[arg(long, value_name = "FPS", value_parser = rate, allow_negative_numbers = true)]
     pub(super) fps: Option<f64>,
-    /// A clip of a scene to read; may be given several times [default: all]
+    /// A clip to read, of a scene or of a .npz that names its clips; may be given several times [default: all]
     #[arg(long, value_name = "NAME")]
     pub(super) clip: Vec<String>,
     /// How much each vertex counts, in a fit and in what is measured: one number a vertex, as .npy,
-    /// .txt or .csv; of several files once for all or once for each, in their order [default: all alike]
+    /// .txt or .csv; of several files once for all or once for each, in their order [default: what a .npz says, else
+    /// all alike]
     #[arg(long, value_name = "FILE")]
     pub(super) importance: Vec<PathBuf>,
     /// Hold out this share of the frames (0.25 is a quarter), in contiguous blocks, instead of the
@@ -216,8 +217,8 @@ fn check(examples: &Path) -> anyhow::Result<()> {
 /// Parses a number of frames a second.
 fn rate(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(rate) if (0.001..=10_000.0).contains(&rate) => Ok(rate),
-        _ => Err("expected a number from 0.001 to 10000".to_owned()),
+        Ok(rate) if RATES.contains(&rate) => Ok(rate),
+        _ => Err(format!("expected a number from {} to {}", RATES.start(), RATES.end())),
     }
 }
 

@@ -11,7 +11,7 @@ use sinew_trainer::space::{Conversion, SpaceRequest};
 #[command(next_help_heading = "The space of the examples")]
 pub(super) struct StatedSpace {
     /// The axis along which the character stands in the examples: x, -x, y, -y, z or -z [default:
-    /// what the file says; a .npz says nothing]
+    /// what the file says, which a .npz need not]
     #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
     pub(super) up: Option<Axis>,
     /// The axis along which it looks [default: what the file says]

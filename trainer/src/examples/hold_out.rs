@@ -119,6 +119,7 @@ mod tests {
             name: name.into(),
             first,
             times: (0..len).map(f64::from).collect(),
+            numbers: None,
         };
         let clips = [clip("walk", 0, 2), clip("run", 2, 3), clip("walk", 5, 1)];
         examples.hold_out_clips(&clips, &["walk".to_owned()]).unwrap();

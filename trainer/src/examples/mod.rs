@@ -19,7 +19,7 @@ mod testing;
 mod validate;
 mod warning;
 
-pub use crate::formats::scene::Clip;
+pub use crate::formats::scene::{Clip, RATES};
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
 pub use error::{Element, ExamplesError, LoadError};
 pub use hash::hash_file;

@@ -1,6 +1,7 @@
 //! What does not stop a fit and is worth saying.
 
-use super::error::in_frame;
+use super::Clip;
+use super::error::{called, in_frame};
 use crate::formats::FormatWarning;
 use std::fmt;
 
@@ -20,8 +21,8 @@ pub enum Warning {
         joint: String,
         /// How many of its matrices are off.
         matrix_len: usize,
-        /// The frame of the worst, for arrays that have one.
-        worst_frame: Option<usize>,
+        /// The frame of the worst, its place or what its source calls it, for arrays that have one.
+        worst_frame: Option<i64>,
         /// How far the worst is off.
         deviation: f64,
     },
@@ -49,6 +50,16 @@ pub enum Warning {
         /// Where to.
         how: String,
     },
+}
+
+impl Warning {
+    /// Calls the frame that it points at as its source does, of frames of these clips.
+    pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
+        if let Self::NonRigidJoint { worst_frame: Some(frame), .. } = &mut self {
+            *frame = called(*frame, clips);
+        }
+        self
+    }
 }
 
 impl From<FormatWarning> for Warning {

@@ -69,6 +69,7 @@ fn frames_are_named_by_clip_and_held_out_frames_are_no_repeats() {
         name: name.to_owned(),
         first,
         times: (0..len).map(f64::from).collect(),
+        numbers: None,
     };
     let clips = [clip("walk", 0, 25), clip("run", 25, 15)];
     let found = sinew_trainer::envelope::check::check(&examples, &clips, &Silent).unwrap();

@@ -144,13 +144,25 @@ impl NamedExamples<'_> {
         self.clips.iter().rposition(|clip| clip.first <= frame)
     }
 
-    /// Names a frame: its number and, where there are several clips, its place in one.
+    /// Returns what the source calls a frame, or its place where the source calls it nothing.
+    pub fn number(&self, frame: usize) -> i64 {
+        self.own_number(frame).unwrap_or(frame as i64)
+    }
+
+    fn own_number(&self, frame: usize) -> Option<i64> {
+        let clip = &self.clips[self.clip_of(frame)?];
+        clip.number(frame - clip.first)
+    }
+
+    /// Names a frame: its number and, where there are several clips, its place in one, or that clip where the
+    /// number is the source's own.
     pub fn label(&self, frame: usize) -> String {
-        match self.clip_of(frame).map(|clip| &self.clips[clip]) {
-            Some(clip) if self.clips.len() > 1 => {
-                format!("frame {frame} ({}, {})", clip.name, frame - clip.first)
-            }
-            _ => format!("frame {frame}"),
+        let several = self.clip_of(frame).filter(|_| self.clips.len() > 1);
+        match (self.own_number(frame), several.map(|clip| &self.clips[clip])) {
+            (Some(number), Some(clip)) => format!("frame {number} ({})", clip.name),
+            (Some(number), None) => format!("frame {number}"),
+            (None, Some(clip)) => format!("frame {frame} ({}, {})", clip.name, frame - clip.first),
+            (None, None) => format!("frame {frame}"),
         }
     }
 }

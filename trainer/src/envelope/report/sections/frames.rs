@@ -127,7 +127,7 @@ fn bands(chart: &mut Chart, comparison: &Comparison<'_>) {
     let step =
         [1, 2, 5, 10, 20, 50, 100, 200, 500].into_iter().find(|step| frames.len() / step <= 15);
     for place in (0..frames.len()).step_by(step.unwrap_or(frames.len() / 10)) {
-        chart.mark(place as f64 + 0.5, &frames[place].to_string());
+        chart.mark(place as f64 + 0.5, &source.number(frames[place]).to_string());
     }
 }
 

@@ -48,7 +48,7 @@ fn limb() -> (SampledScene, Vec<[f64; 3]>) {
         frames,
         shapes: None,
         morphs: false,
-        clips: vec![Clip { name: "bend".into(), first: 0, times }],
+        clips: vec![Clip { name: "bend".into(), first: 0, times, numbers: None }],
         warnings: Vec::new(),
     };
     (scene, posed)

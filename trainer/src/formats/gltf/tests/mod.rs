@@ -59,7 +59,8 @@ fn morph_targets_pass_through_their_keys() {
 #[test]
 fn a_joint_carries_its_vertices() {
     let Loaded { examples, clips, .. } = loaded(&Made::scene(), "carries");
-    assert_eq!(clips, [Clip { name: "bend".into(), first: 0, times: vec![0.0, 0.5, 1.0] }]);
+    let times = vec![0.0, 0.5, 1.0];
+    assert_eq!(clips, [Clip { name: "bend".into(), first: 0, times, numbers: None }]);
     assert_eq!(examples.split, [Split::Train; 3]);
     assert_eq!(examples.skeleton.parents, [None, Some(0)]);
     assert_eq!(examples.skeleton.rest[1].map(|row| row[3]), [2.0, 0.0, 0.0]);
