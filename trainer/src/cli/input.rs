@@ -18,7 +18,7 @@ pub(super) struct ExampleArguments {
     /// everything, its names and parents in it or in a .json beside it
     pub(super) examples: PathBuf,
     /// The posed meshes of a scene, one a frame of its clips and with the vertices of its mesh, split
-    /// along seams or not: a point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the
+    /// along seams or not: Alembic (.abc), a point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the
     /// `vertices` of a .npz, in any order where it has `rest`, or the morph targets of a .glb [default: the scene's own skin and shapes]
     #[arg(long, value_name = "FILE")]
     pub(super) targets: Option<PathBuf>,

@@ -5,10 +5,13 @@ mod error;
 mod loaded;
 mod matched;
 pub mod npz;
+mod order;
 mod origins;
+mod parts;
 mod rate;
 mod roots;
 mod scene;
+mod shuffled;
 mod source;
 mod targets;
 #[cfg(test)]
