@@ -19,4 +19,6 @@ mod tests;
 
 pub use error::ImportError;
 pub use loaded::Loaded;
+pub(crate) use order::PosedClips;
+pub(crate) use shuffled::is_shuffled;
 pub use source::{Source, load, load_poses};

@@ -18,29 +18,29 @@ const FITS: f64 = 0.002;
 const BETTER: f64 = 0.4;
 
 /// Poses of several clips, and the meshes for them.
-pub(super) struct Clips<'a> {
+pub(crate) struct PosedClips<'a> {
     /// Rest positions, V.
-    pub(super) rest: &'a [[f64; 3]],
+    pub(crate) rest: &'a [[f64; 3]],
     /// Maps of the joints, N x J, frame-major.
-    pub(super) transforms: &'a [Matrix3x4],
+    pub(crate) transforms: &'a [Matrix3x4],
     /// Posed positions, N x V, frame-major.
-    pub(super) posed: &'a [[f64; 3]],
+    pub(crate) posed: &'a [[f64; 3]],
     /// Frames of each clip, N in all.
-    pub(super) lens: &'a [usize],
+    pub(crate) lens: &'a [usize],
     /// Whether the meshes are where the joints are; else they may be there after a turn by right angles and a change
     /// of units.
-    pub(super) placed: bool,
+    pub(crate) placed: bool,
 }
 
 /// Another order than the clips', in which the meshes fit.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Order {
+pub(crate) struct Order {
     /// The clips in the order of their meshes.
-    pub(super) clips: Vec<usize>,
+    pub(crate) clips: Vec<usize>,
     /// How far vertices are from where one joint carries them, in this order and in that given, in % of the diagonal.
-    pub(super) percent: [f64; 2],
+    pub(crate) percent: [f64; 2],
     /// Whether a further order fits nearly as well.
-    pub(super) is_one_of_several: bool,
+    pub(crate) is_one_of_several: bool,
 }
 
 impl Order {
@@ -63,10 +63,10 @@ impl Order {
     }
 }
 
-impl Clips<'_> {
+impl PosedClips<'_> {
     /// Finds the order of the clips in which the meshes follow; none where that given is as good as any, or none is
     /// better by far.
-    pub(super) fn order(&self) -> Option<Order> {
+    pub(crate) fn order(&self) -> Option<Order> {
         let len = self.lens.len();
         if !(2..=CLIPS_MOST).contains(&len) {
             return None;
@@ -122,7 +122,7 @@ impl Clips<'_> {
 
 /// How well one joint a vertex carries the meshes of a clip.
 struct Fit<'a> {
-    clips: &'a Clips<'a>,
+    clips: &'a PosedClips<'a>,
     vertices: Vec<usize>,
     /// The frames of each clip that are looked at, from its first.
     frames: Vec<Vec<usize>>,
@@ -135,7 +135,7 @@ struct Fit<'a> {
 struct Block(Vec<f64>, usize);
 
 impl<'a> Fit<'a> {
-    fn new(clips: &'a Clips<'a>) -> Self {
+    fn new(clips: &'a PosedClips<'a>) -> Self {
         let vertices = spread(clips.rest.len(), SAMPLE.0);
         let frames: Vec<_> = clips.lens.iter().map(|&len| spread(len, SAMPLE.1)).collect();
         let joint_len = clips.transforms.len() / clips.lens.iter().sum::<usize>().max(1);

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Matrix4};
 use super::align::{self, Similarity};
 use super::error::ImportError;
 use super::matched::matched;
-use super::order;
+use super::order::PosedClips;
 use super::parts::arranged;
 use super::rate::check_even;
 use super::roots;
@@ -149,7 +149,7 @@ impl ScenePoses {
     ) -> Result<(), ImportError> {
         let lens: Vec<usize> = clips.iter().map(|clip| clip.times.len()).collect();
         let transforms = &self.transforms;
-        let given = order::Clips { rest, transforms, posed: vertices, lens: &lens, placed };
+        let given = PosedClips { rest, transforms, posed: vertices, lens: &lens, placed };
         let Some(order) = given.order() else { return Ok(()) };
         let names = |order: &[usize]| order.iter().map(|&clip| clips[clip].name.clone()).collect();
         let other = names(&order.clips);

@@ -16,7 +16,7 @@ const STRETCHED: f64 = 1.5;
 
 /// Tells whether posed meshes, frame-major, turned by right angles and in another unit or not, consist of vertices of
 /// the rest mesh that joints carry, each where another one should be.
-pub(super) fn is_shuffled(rest: &[[f64; 3]], transforms: &[Matrix3x4], posed: &[[f64; 3]]) -> bool {
+pub(crate) fn is_shuffled(rest: &[[f64; 3]], transforms: &[Matrix3x4], posed: &[[f64; 3]]) -> bool {
     let frame_len = posed.len() / rest.len().max(1);
     let joint_len = transforms.len() / frame_len.max(1);
     let frames = spread(frame_len, SAMPLE.2);

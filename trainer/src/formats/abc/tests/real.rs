@@ -27,10 +27,9 @@ fn an_archive_from_maya_is_as_blender_reads_it() {
         return;
     };
     assert_eq!((found.vertex_len, found.vertices.len()), (754, 754 * 400));
-    // Blender mixes in up to 2e-4 of the next frame, where a time in single precision lies between two.
-    assert!(farthest(&found.vertices, &expected.vertices) < 1.2e-5);
-    let frame = 200 * 754..201 * 754;
-    assert!(farthest(&found.vertices[frame.clone()], &expected.vertices[frame]) < 4e-7);
+    // The arrays stand a little higher, in every frame alike, than the archive's transform says.
+    let lifted: Vec<_> = found.vertices.iter().map(|&[x, y, z]| [x, y + 9.8e-6, z]).collect();
+    assert!(farthest(&lifted, &expected.vertices) < 5e-7);
     assert_eq!(found.triangles, Some(expected.triangles));
     assert_eq!((found.rest, found.reference), (None, None));
     assert_eq!(found.parts[0].names, ["Bone", "BoneShape"]);
