@@ -22,7 +22,7 @@ pub(super) struct ExampleArguments {
     #[arg(required = true, num_args = 1..)]
     pub(super) examples: Vec<PathBuf>,
     /// The posed meshes of a scene, one a frame of its clips and with the vertices of its mesh, split
-    /// along seams or not: a point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the
+    /// along seams or not: Alembic (.abc), a point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the
     /// `vertices` of a .npz, in any order where it has `rest`, or the morph targets of a .glb [default: the scene's own skin and shapes]
     ///
     /// Of several scenes once for each, in their order.

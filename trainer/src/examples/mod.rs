@@ -24,6 +24,7 @@ pub use data::{Examples, Matrix3x4, Skeleton, Split};
 pub use error::{Element, ExamplesError, LoadError};
 pub use hash::hash_file;
 pub use import::{ImportError, Loaded, Source, join, load, load_poses, npz};
+pub(crate) use import::{PosedClips, is_shuffled};
 pub use importance::{Importance, load_importance};
 pub use mark::{Mark, is_same};
 pub use rigidity::Distortion;

@@ -43,6 +43,18 @@ pub enum Warning {
     },
     /// The meshes to learn are the scene's own linear blend skinning.
     PlainSkin,
+    /// Meshes among the targets are none of the scene's, and are left out.
+    TargetsLeftOut {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+    /// The targets follow the clips in another order, and were sorted.
+    ClipsSorted {
+        /// The clips in the order of the targets.
+        clips: Vec<String>,
+        /// How far vertices are from where one joint carries them, as sorted and as given, in % of the diagonal.
+        percent: [f64; 2],
+    },
     /// Joints or targets came in other axes or units and were moved.
     Moved {
         /// What was moved.
@@ -109,6 +121,21 @@ impl fmt::Display for Warning {
                  blend skinning, of which there is nothing to learn; give the posed meshes as \
                  --targets",
             ),
+            Warning::TargetsLeftOut { meshes } => {
+                write!(
+                    f,
+                    "meshes of the targets that the scene lacks are left out: {}",
+                    meshes.join(", ")
+                )
+            }
+            Warning::ClipsSorted { clips, percent: [sorted, given] } => {
+                write!(
+                    f,
+                    "the targets follow the clips in another order, {}, and were sorted: vertices are {sorted:.2} % of \
+                     the diagonal from where one joint carries them, {given:.2} % as given",
+                    clips.join(", ")
+                )
+            }
             Warning::Moved { what, how } => {
                 write!(f, "the {what} came in other axes or units and were moved: {how}")
             }

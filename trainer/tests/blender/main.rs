@@ -191,7 +191,7 @@ fn meshes_are_joined_strips_are_clips_and_a_group_weighs() {
     near(&examples.frame(7)[5], &[0.3, -0.5, 1.3]);
 
     // One clip of it, held out or alone.
-    let clip = Source { clip: Some("Twist"), ..Source::file(&path) };
+    let clip = Source { clips: &["Twist".to_owned()], ..Source::file(&path) };
     let Loaded { examples: alone, clips, .. } = load(&clip).unwrap();
     assert_eq!((alone.frame_len(), clips.len(), clips[0].number(0)), (2, 1, Some(5)));
     assert_eq!(alone.frame(1), examples.frame(4));

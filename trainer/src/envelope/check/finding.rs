@@ -44,6 +44,8 @@ pub enum Kind {
     OtherAxes,
     /// Mesh and skeleton stand apart.
     Shifted,
+    /// The posed meshes' vertices have another order than the rest mesh's.
+    VertexOrder,
     /// The meshes near rest are not the rest mesh.
     RestDiffers,
     /// No frame is near rest.
@@ -78,6 +80,8 @@ pub enum Kind {
     Contradicting,
     /// Meshes that belong to the frame before or after.
     OutOfStep,
+    /// Meshes that follow the clips in another order.
+    ClipOrder,
 }
 
 impl Kind {
@@ -88,6 +92,7 @@ impl Kind {
             Self::OtherUnits
             | Self::OtherAxes
             | Self::Shifted
+            | Self::VertexOrder
             | Self::RestDiffers
             | Self::RestUntested => Topic::Rest,
             Self::NonRigid | Self::Still | Self::HalfTurn | Self::Idle => Topic::Joints,
@@ -99,7 +104,9 @@ impl Kind {
             | Self::Collapsed
             | Self::Folded
             | Self::Flipped => Topic::Faces,
-            Self::Repeated | Self::Contradicting | Self::OutOfStep => Topic::Frames,
+            Self::Repeated | Self::Contradicting | Self::OutOfStep | Self::ClipOrder => {
+                Topic::Frames
+            }
         }
     }
 }

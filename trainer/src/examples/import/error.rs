@@ -11,6 +11,12 @@ pub enum ImportError {
         /// What was given.
         option: &'static str,
     },
+    /// A file of posed meshes was given where a scene is read.
+    #[error(
+        "holds posed meshes, but no joints to learn from: give the scene with the joints (.fbx, .glb, .gltf), and \
+         this file as --targets"
+    )]
+    MeshesAlone,
     /// Posed meshes follow at one rate, the clip's keys do not.
     #[error(
         "clip {clip} has non-uniform key times: a step of {step:.4} s at {at:.4} s, elsewhere \
@@ -29,7 +35,7 @@ pub enum ImportError {
     },
     /// There are poses but no meshes to learn.
     #[error(
-        "holds poses but neither a skin nor shapes: give the posed meshes as --targets (.pc2, .mdd, \
+        "holds poses but neither a skin nor shapes: give the posed meshes as --targets (.abc, .pc2, .mdd, \
          .npz, or a numbered sequence of .obj)"
     )]
     NoShapes,
@@ -66,8 +72,8 @@ pub enum ImportError {
     },
     /// There are not as many posed meshes as poses.
     #[error(
-        "holds {found} meshes, the scene's clips have {expected} frames ({clips}): export both over \
-         the same frames, choose the clip with --clip, or sample it at the meshes' rate with --fps"
+        "holds {found} meshes, the scene's clips have {expected} frames ({clips}): {}",
+        remedy(missing)
     )]
     TargetFrames {
         /// Frames of the clips.
@@ -76,7 +82,28 @@ pub enum ImportError {
         found: usize,
         /// The clips and their frames.
         clips: String,
+        /// Files that a sequence leaves out.
+        missing: Vec<String>,
     },
+    /// The posed meshes fit the clips in several orders, but not in that given.
+    #[error(
+        "its meshes do not follow the scene's clips in their order, {}, but may in several others, as {}: export \
+         the meshes over the clips in the scene's order",
+        given.join(", "),
+        other.join(", ")
+    )]
+    ClipOrder {
+        /// The scene's clips.
+        given: Vec<String>,
+        /// The clips in the order that fits best.
+        other: Vec<String>,
+    },
+    /// The posed meshes' vertices have another order.
+    #[error(
+        "its vertices are those of the scene's mesh, but in another order: export both from one mesh, the scene as \
+         .fbx rather than glTF, which sorts vertices anew; or give an .npz with the `rest` positions of its vertices"
+    )]
+    VertexOrder,
     /// The rest mesh is another one.
     #[error(
         "its rest mesh is not that of the model in any axes and unit: off by {percent:.1} % of the \
@@ -165,8 +192,22 @@ impl ImportError {
             Self::TargetVertices { .. }
                 | Self::CopiesApart { .. }
                 | Self::TargetFrames { .. }
+                | Self::ClipOrder { .. }
+                | Self::VertexOrder
                 | Self::TargetsApart { .. }
         )
+    }
+}
+
+/// Says what to do about a count of meshes.
+fn remedy(missing: &[String]) -> String {
+    match missing {
+        [] => "export both over the same frames, choose the clip with --clip, or sample it at the meshes' rate with \
+               --fps"
+            .to_owned(),
+        [one] => format!("{one} is missing"),
+        [one, two] => format!("{one} and {two} are missing"),
+        [one, others @ ..] => format!("{one} and {} others are missing", others.len()),
     }
 }
 

@@ -52,6 +52,7 @@ impl<'a> Source<'a> {
             }
             "glb" | "gltf" => gltf::read(self.file, sampling),
             "fbx" => fbx::read(self.file, sampling),
+            "abc" | "mdd" | "obj" | "pc2" => return Err(ImportError::MeshesAlone.into()),
             _ => Err(unknown_format(self.file, ".npz, .glb, .gltf or .fbx")),
         };
         Ok(Some(read?))
