@@ -26,6 +26,8 @@ mod names;
 mod numeric;
 #[cfg(feature = "prior")]
 pub mod prior;
+#[cfg(feature = "record")]
+pub mod record;
 pub mod skin;
 pub mod stages;
 #[cfg(feature = "views")]
@@ -44,6 +46,8 @@ pub use linear::Matrix3x4;
 pub use model::{Model, Section};
 #[cfg(feature = "prior")]
 pub use prior::{Pin, PinJob, Pins, Prior};
+#[cfg(feature = "record")]
+pub use record::Record;
 #[cfg(feature = "shapes")]
 pub use skin::ShapesJob;
 pub use skin::{Skin, SkinJob};

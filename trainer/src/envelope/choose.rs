@@ -3,11 +3,11 @@
 
 use super::error::{FitError, TrainError};
 use super::evaluate::{Baseline, Character, Measured};
-use super::fitted::{Fitted, corrected};
+use super::fitted::{Fitted, NAME, corrected};
 use super::helpers::fit::{self, Helpers};
 use super::levels::AddError;
 use super::levels::{self, LevelReport};
-use super::model::{FileModel, SkinModel};
+use super::model::{FileModel, RecordModel, SkinModel};
 use super::normals::{Fan, PosedSurface};
 use super::options::{FileSkins, Options, Predict};
 use super::rotational::ProxyCount;
@@ -130,17 +130,20 @@ pub fn choose(
         options,
         progress,
         lbs_rms: lbs.rms(&training.poses.stacked()),
+        record: RecordModel::new(NAME, examples, &training.lbs.weights),
         reports: Vec::new(),
         candidates: Vec::new(),
         least_bytes: usize::MAX,
+        parts: 0,
+        begun: 0,
     };
     if options.predictor == Predict::Auto && options.proxies.is_none() {
         choice.joints_alone()?;
     }
     let counts = proxy_counts(training, options);
-    for (number, count) in counts.iter().enumerate() {
-        progress.part(number + 1, counts.len());
-        choice.attempt(*count)?;
+    choice.parts = counts.len() * choice.kinds();
+    for count in counts {
+        choice.attempt(count)?;
     }
     choice.take()
 }
@@ -171,20 +174,41 @@ struct PredictorSearch<'a> {
     options: &'a Options,
     progress: &'a dyn Progress,
     lbs_rms: f64,
+    record: RecordModel,
     reports: Vec<CandidateReport>,
     candidates: Vec<Candidate>,
     /// Bytes of the smallest file that was tried.
     least_bytes: usize,
+    /// How many fits there are to be, and how many were begun.
+    parts: usize,
+    begun: usize,
 }
 
 impl PredictorSearch<'_> {
-    fn attempt(&mut self, count: ProxyCount) -> Result<(), TrainError> {
-        let wanted = |predictor| match self.options.predictor {
+    fn wants(&self, predictor: Predictor) -> bool {
+        match self.options.predictor {
             Predict::Auto => true,
             Predict::Only(only) => only == predictor,
-        };
+        }
+    }
+
+    /// Counts the fits of one number of proxies: a reconstruction, what corrects it, and helpers.
+    fn kinds(&self) -> usize {
+        let [rotational, hybrid, kernel] =
+            [Predictor::Rotational, Predictor::Hybrid, Predictor::Kernel].map(|p| self.wants(p));
+        let corrected = if self.options.refine { 2 } else { 1 };
+        usize::from(rotational || hybrid) + corrected * usize::from(hybrid) + usize::from(kernel)
+    }
+
+    fn begin(&mut self) {
+        self.begun += 1;
+        self.progress.part(self.begun.min(self.parts), self.parts);
+    }
+
+    fn attempt(&mut self, count: ProxyCount) -> Result<(), TrainError> {
         let mut proxies = count;
-        if wanted(Predictor::Rotational) || wanted(Predictor::Hybrid) {
+        if self.wants(Predictor::Rotational) || self.wants(Predictor::Hybrid) {
+            self.begin();
             let options = RotationalOptions {
                 proxies: count,
                 influences: self.options.influences,
@@ -193,22 +217,25 @@ impl PredictorSearch<'_> {
             match rotational::fit(self.training, &options, self.progress) {
                 Ok(fitted) => {
                     proxies = ProxyCount::Fixed(fitted.keys.len());
-                    if wanted(Predictor::Rotational) {
+                    if self.wants(Predictor::Rotational) {
                         self.rotational(&fitted)?;
                     }
-                    if wanted(Predictor::Hybrid) {
+                    if self.wants(Predictor::Hybrid) {
+                        self.begin();
                         self.hybrid(&fitted, &fitted.unrefined, Some(false))?;
                         if let Some(refined) = &fitted.refined {
+                            self.begin();
                             self.hybrid(&fitted, refined, Some(true))?;
                         }
                     }
                 }
                 // Helpers need no reconstruction.
-                Err(FitError::Singular) if wanted(Predictor::Kernel) => {}
+                Err(FitError::Singular) if self.wants(Predictor::Kernel) => {}
                 Err(error) => return Err(error.into()),
             }
         }
-        if wanted(Predictor::Kernel) {
+        if self.wants(Predictor::Kernel) {
+            self.begin();
             self.kernel(proxies)?;
         }
         Ok(())
@@ -369,6 +396,9 @@ impl PredictorSearch<'_> {
             }
             FileSkins::PaletteAlone => model.skins.clear(),
         }
+        if self.options.budget.is_none() {
+            model.records.push(self.record.clone());
+        }
         let bytes = model.bake()?.len();
         self.least_bytes = self.least_bytes.min(bytes);
         Ok(bytes)
@@ -376,7 +406,7 @@ impl PredictorSearch<'_> {
 
     /// Takes the candidate that scores best, with fewer proxies where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
-        let Self { training, examples, progress, lbs_rms, reports, candidates, .. } = self;
+        let Self { training, examples, progress, lbs_rms, record, reports, candidates, .. } = self;
         let of = |c: &Candidate| {
             (c.fitted.envelope.predictor(), reports[c.report].refined, c.tangent_coefficients)
         };
@@ -409,7 +439,7 @@ impl PredictorSearch<'_> {
                 Vec::new()
             }
         };
-        let model = model.bake()?;
+        let model = recorded(model, record, self.options.budget)?;
         let report = TrainingReport {
             lbs_rms,
             folds: folds(training.poses.len()),
@@ -421,6 +451,24 @@ impl PredictorSearch<'_> {
         };
         Ok(Trained { model, report, levels })
     }
+}
+
+/// Bakes a model with the record of its training, as much of it as a budget has room for.
+fn recorded(
+    mut model: FileModel,
+    record: RecordModel,
+    budget: Option<usize>,
+) -> Result<Vec<u8>, TrainError> {
+    let marks = RecordModel { lbs: None, ..record.clone() };
+    for record in [record, marks] {
+        model.records = vec![record];
+        let bytes = model.bake()?;
+        if budget.is_none_or(|budget| bytes.len() <= budget) {
+            return Ok(bytes);
+        }
+    }
+    model.records.clear();
+    Ok(model.bake()?)
 }
 
 /// Finds the candidate with the least error: one without tangent coefficients only where those with them leave

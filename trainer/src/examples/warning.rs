@@ -1,6 +1,7 @@
 //! What does not stop a fit and is worth saying.
 
-use super::error::in_frame;
+use super::Clip;
+use super::error::{called, in_frame};
 use crate::formats::FormatWarning;
 use std::fmt;
 
@@ -20,8 +21,8 @@ pub enum Warning {
         joint: String,
         /// How many of its matrices are off.
         matrix_len: usize,
-        /// The frame of the worst, for arrays that have one.
-        worst_frame: Option<usize>,
+        /// The frame of the worst, its place or what its source calls it, for arrays that have one.
+        worst_frame: Option<i64>,
         /// How far the worst is off.
         deviation: f64,
     },
@@ -63,6 +64,16 @@ pub enum Warning {
     },
 }
 
+impl Warning {
+    /// Calls the frame that it points at as its source does, of frames of these clips.
+    pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
+        if let Self::NonRigidJoint { worst_frame: Some(frame), .. } = &mut self {
+            *frame = called(*frame, clips);
+        }
+        self
+    }
+}
+
 impl From<FormatWarning> for Warning {
     fn from(warning: FormatWarning) -> Self {
         Self::Format(warning)
@@ -100,9 +111,10 @@ impl fmt::Display for Warning {
                     joints.split_first().map_or(("", &[][..]), |(a, b)| (a, b));
                 write!(
                     f,
-                    "{} joints have no parent: {reference} is the root, {} now hang under it",
+                    "{} joints have no parent: {reference} is the root, {} now {} under it",
                     joints.len(),
-                    others.join(", ")
+                    others.join(", "),
+                    if others.len() == 1 { "hangs" } else { "hang" }
                 )
             }
             Warning::PlainSkin => f.write_str(

@@ -46,6 +46,7 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
         ),
         ("demo.npz --targets demo.pc2", "demo.npz: --targets goes with a scene"),
         ("demo.npz --fps 30", "demo.npz: --fps goes with a scene"),
+        ("demo.npz --clip run", "demo.npz: has no clip run, there are: demo"),
         ("demo.npz --importance two.txt", "two.txt: rest has "),
         ("demo.npz --importance none.npy", "none.npy: cannot be read: "),
     ] {

@@ -113,6 +113,66 @@ pub enum ImportError {
         /// RMS distance in % of the diagonal.
         percent: f64,
     },
+    /// A file beside others has another mesh, or another skeleton.
+    #[error(
+        "has {found} {what}, {first} has {expected}: examples in several files are of one character"
+    )]
+    OtherCounts {
+        /// Vertices or joints.
+        what: &'static str,
+        /// In the first file.
+        expected: usize,
+        /// In this one.
+        found: usize,
+        /// The first file.
+        first: String,
+    },
+    /// A joint has another name, or another parent, than in the first of several files.
+    #[error("joint {joint} is {found}, in {first} it is {expected}")]
+    OtherJoint {
+        /// The joint.
+        joint: usize,
+        /// In the first file.
+        expected: String,
+        /// In this one.
+        found: String,
+        /// The first file.
+        first: String,
+    },
+    /// The rest mesh is another one than in the first of several files.
+    #[error(
+        "its rest mesh is not that of {first}: off by {percent:.2} % of the diagonal, {}",
+        if *is_shuffled {
+            "the same vertices in another order; export both with the same settings"
+        } else {
+            "expected 0.01 % at most; export both in one rest pose, axes and unit"
+        }
+    )]
+    OtherRest {
+        /// RMS distance in % of the diagonal.
+        percent: f64,
+        /// Whether the places of all vertices are the same.
+        is_shuffled: bool,
+        /// The first file.
+        first: String,
+    },
+    /// Joints at rest are elsewhere than in the first of several files.
+    #[error(
+        "its joints at rest are not where {first} has them: off by {percent:.2} % of the diagonal; export \
+         both in one rest pose"
+    )]
+    OtherRestPose {
+        /// RMS distance in % of the diagonal.
+        percent: f64,
+        /// The first file.
+        first: String,
+    },
+    /// The faces are others than in the first of several files.
+    #[error("its faces are not those of {first}; export both from one mesh")]
+    OtherFaces {
+        /// The first file.
+        first: String,
+    },
     /// The posed meshes are not where the joints are.
     #[error(
         "its meshes do not lie on the scene's joints in any axes and unit: off by {percent:.0} % of \

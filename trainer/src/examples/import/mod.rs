@@ -2,6 +2,7 @@
 
 mod align;
 mod error;
+mod joined;
 mod loaded;
 mod matched;
 pub mod npz;
@@ -18,6 +19,7 @@ mod targets;
 mod tests;
 
 pub use error::ImportError;
+pub use joined::join;
 pub use loaded::Loaded;
 pub(crate) use order::PosedClips;
 pub(crate) use shuffled::is_shuffled;

@@ -112,7 +112,7 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
             moved[node] = true;
         }
     }
-    let sampling = Sampling { fps: None, clip: None, shapes: true };
+    let sampling = Sampling { fps: None, clips: &[], shapes: true };
     let (_, moments) = scene.sample(&moved, &sampling, &mut Vec::new())?;
     let shapes: Vec<_> = moments
         .par_iter()

@@ -48,7 +48,7 @@ fn limb() -> (SampledScene, Vec<[f64; 3]>) {
         frames,
         shapes: None,
         morphs: false,
-        clips: vec![Clip { name: "bend".into(), first: 0, times }],
+        clips: vec![Clip { name: "bend".into(), first: 0, times, numbers: None }],
         warnings: Vec::new(),
     };
     (scene, posed)
@@ -58,7 +58,7 @@ fn targets(vertices: Vec<[f64; 3]>) -> TargetMeshes {
     PosedMeshes::bare(VERTICES, vertices).into()
 }
 
-const KEYS: Sampling<'_> = Sampling { fps: None, clip: None, shapes: true };
+const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true };
 
 /// y up to z up, metres to centimetres.
 fn elsewhere([x, y, z]: [f64; 3]) -> [f64; 3] {
@@ -159,7 +159,7 @@ fn cut(scene: &mut SampledScene, lens: &[usize]) {
         .map(|(name, &len)| {
             let times = (0..len).map(|frame| frame as f64 / 24.0).collect();
             first += len;
-            Clip { name: name.into(), first: first - len, times }
+            Clip { name: name.into(), first: first - len, times, numbers: None }
         })
         .collect();
 }
@@ -256,7 +256,7 @@ fn meshes_at_one_rate_need_keys_at_one_rate() {
     assert!(error.contains("--fps"), "{error}");
     let (scene, posed) = uneven();
     assert!(
-        join(scene, Some(posed), &Sampling { fps: Some(24.0), clip: None, shapes: true }).is_ok()
+        join(scene, Some(posed), &Sampling { fps: Some(24.0), clips: &[], shapes: true }).is_ok()
     );
 }
 
