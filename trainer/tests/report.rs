@@ -317,7 +317,7 @@ fn training_frames_are_told_for_what_they_are() {
     let bytes = disturbed(&examples, 9, 0.0);
     let train = Frames::Of(Split::Train);
     let comparison = Comparison::new(source(&examples, &clips), Some(train), file(&bytes)).unwrap();
-    assert!(page(&comparison, false).contains("because the examples hold none out"));
+    assert!(page(&comparison, false).contains("than on what it will meet"));
     // Without any of them nothing can be trained, and the rest of the page is still there.
     examples.split.fill(Split::HeldOut);
     let comparison =

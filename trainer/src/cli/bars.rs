@@ -83,7 +83,7 @@ impl Bars {
             if self.writes_lines && state.last_line.elapsed() >= LINE {
                 let (number, of) = state.part;
                 let part = if of > 1 { format!("{number} of {of}, ") } else { String::new() };
-                tell(&format!("{part}{step}"));
+                tell(&format!("working: {part}{step}"));
                 state.last_line = Instant::now();
             }
         });

@@ -123,7 +123,11 @@ impl fmt::Display for Warning {
                 )
             }
             Warning::FollowParents { joints } => {
-                write!(f, "joints that it does not have follow their parents: {}", joints.join(", "))
+                write!(
+                    f,
+                    "joints that it does not have follow their parents: {}",
+                    joints.join(", ")
+                )
             }
             Warning::PlainSkin => f.write_str(
                 "no shapes move and no targets are given: the meshes are the scene's own linear \

@@ -8,7 +8,7 @@ fn the_range_of_a_hinge_is_measured_in_degrees() {
     let angles: Vec<Bend> =
         (0..12).map(|k| ([10.0 * f64::from(k) - 20.0, 3.0], Split::Train)).collect();
     let found = check(&chain(&angles));
-    let upper = &found.joints[0];
+    let upper = &found.joints[1];
     assert_eq!(upper.joint, "upper");
     assert!((upper.axis[2].abs() - 1.0).abs() < 1e-9, "{:?}", upper.axis);
     assert!((upper.twist[0] + 20.0).abs() < 1e-6 && (upper.twist[1] - 90.0).abs() < 1e-6);
@@ -23,7 +23,7 @@ fn frames_beyond_training_are_counted_and_measured() {
     bends.extend([([80.0, 110.0], Split::HeldOut), ([40.0, 35.0], Split::HeldOut)]);
     bends.push(([-40.0, 0.0], Split::Extreme));
     let found = check(&chain(&bends));
-    let [upper, lower] = [0, 1].map(|k| &found.joints[k].beyond);
+    let [upper, lower] = [1, 2].map(|k| &found.joints[k].beyond);
     assert_eq!((upper.len(), lower.len()), (1, 1));
     assert_eq!((upper[0].frame.frame, lower[0].frame.frame), (27, 25));
     assert!((upper[0].degrees - 40.0).abs() < 1e-6 && (lower[0].degrees - 30.0).abs() < 1e-6);
@@ -51,7 +51,7 @@ fn a_joint_with_few_poses_is_named() {
         .map(|([a, b], split)| ([if a > 30.0 { 80.0 } else { 0.0 }, b], split))
         .collect();
     let found = check(&chain(&few));
-    assert_eq!([found.joints[0].distinct, found.joints[1].distinct], [2, 5]);
+    assert_eq!([found.joints[1].distinct, found.joints[2].distinct], [2, 5]);
     let advice = found.advice.join("\n");
     assert!(advice.contains("few: upper (2 poses over 80°)\n"), "{advice}");
 }

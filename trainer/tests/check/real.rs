@@ -29,5 +29,5 @@ fn dem_bones_rests_for_a_quarter_of_its_frames() {
     assert_eq!(found.count(Severity::Warning), 0, "{:?}", found.findings);
     assert_eq!((found.rest.nearest.frame, found.rest.tested), (0, 6));
     assert!(found.find(Kind::Repeated).unwrap().places.len() > 50);
-    assert!(found.joints.iter().all(|joint| joint.slide_percent > 5.0), "its joints slide");
+    assert!(found.joints[1..].iter().all(|joint| joint.slide_percent > 5.0), "its joints slide");
 }

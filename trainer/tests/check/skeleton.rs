@@ -41,7 +41,7 @@ fn a_joint_that_never_moves_is_named() {
     let still: Vec<_> = bends().into_iter().map(|([a, _], split)| ([a, 0.0], split)).collect();
     let found = check(&chain(&still));
     assert_eq!(joints(found.find(Kind::Still).unwrap()), ["lower"]);
-    assert!(!found.joints[1].moves() && found.joints[0].moves());
+    assert!(!found.joints[2].moves() && found.joints[1].moves() && !found.joints[0].moves());
 }
 
 #[test]

@@ -32,11 +32,12 @@ fn a_check_prints_one_object_with_the_keys_promised() {
     let found = folder.sinew("check demo.npz --json").json();
     let promised = ["advice", "faces", "findings", "joints", "lbs", "never_together", "predicted"];
     assert_eq!(keys(&found), [&promised[..], &["rest", "size"]].concat());
-    assert_eq!(found["joints"].as_array().unwrap().len(), Set::demo().joint_len() - 1);
+    assert_eq!(found["joints"].as_array().unwrap().len(), Set::demo().joint_len());
     assert_eq!(found["predicted"]["compared"], TRAINING);
     let lbs = folder.sinew("eval demo.sinew demo.npz --json --split train").json();
     let [a, b] = [&found["lbs"], &lbs["lbs"]].map(|lbs| lbs["rms_percent"].as_f64().unwrap());
-    assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+    // The model has the weights in 65,535ths.
+    assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod kernel;
 mod outputs;
 mod refusals;
 mod report;
+mod several;
 #[path = "../shared/mod.rs"]
 mod shared;
 mod signal;

@@ -187,7 +187,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
 
 /// Loads what is played, at the rate that is asked for.
 fn poses(arguments: &Arguments, output: Output) -> anyhow::Result<input::LoadedInput> {
-    let is_npz = arguments.clip.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
+    let is_npz =
+        arguments.clip.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
     let fps = arguments.fps.filter(|_| !is_npz);
     let source = Source { fps, ..Source::file(&arguments.clip) };
     let load = |mesh: Option<&Path>| input::load_motion(source, mesh, output);

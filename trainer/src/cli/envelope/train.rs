@@ -221,9 +221,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let validated = 100.0 * trained.report.chosen().validated_rms.unwrap_or(f64::INFINITY);
     if let Some(most) = arguments.fail_above.filter(|most| validated > *most) {
         bail!(
-            "{source}: the cross-validated error is {validated:.4} %, above --fail-above {most}; nothing was \
-             written\n{}",
-            table::report(&trained.report).trim_end()
+            "{source}: the cross-validated error is {validated:.4} %, above --fail-above {most}: nothing was written"
         );
     }
     let record = json!({

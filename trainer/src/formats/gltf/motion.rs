@@ -23,7 +23,8 @@ pub(crate) fn read_motion(
     let (meshes, _) = Meshes::read(&document, &buffers, |_| false, true)?;
     let scene = Scene::new(nodes, meshes, ClipKeys::read(&document, &buffers)?);
     let names = &scene.nodes.names;
-    let found: Vec<usize> = (0..names.len()).filter(|&node| joints.contains(&names[node])).collect();
+    let found: Vec<usize> =
+        (0..names.len()).filter(|&node| joints.contains(&names[node])).collect();
     let mut moved = vec![false; names.len()];
     found.iter().flat_map(|&node| scene.nodes.upwards(node)).for_each(|node| moved[node] = true);
     let mut warnings = Vec::new();

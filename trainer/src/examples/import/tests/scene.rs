@@ -256,7 +256,12 @@ fn meshes_at_one_rate_need_keys_at_one_rate() {
     assert!(error.contains("--fps"), "{error}");
     let (scene, posed) = uneven();
     assert!(
-        join(scene, Some(posed), &Sampling { fps: Some(24.0), clips: &[], shapes: true, still: false }).is_ok()
+        join(
+            scene,
+            Some(posed),
+            &Sampling { fps: Some(24.0), clips: &[], shapes: true, still: false }
+        )
+        .is_ok()
     );
 }
 
