@@ -4,5 +4,6 @@
 //! character is the demo's arm, whose skeleton, mesh and poses make sense to look at.
 
 pub mod arm;
+pub mod browser;
 pub mod build;
 pub mod text;
