@@ -225,6 +225,7 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
         reconstruction: None,
         groups: (0..10).map(group).collect(),
         pose_ranges: vec![1.0; joints],
+        pose_gaps: vec![0.0; joints],
         certificate: Certificate::default(),
     };
     let file = FileModel { envelopes: vec![envelope], ..FileModel::default() };

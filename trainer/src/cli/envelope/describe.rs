@@ -70,15 +70,18 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
         envelope.palette_len(),
         4 * envelope.scratch_len(),
     );
+    out += &format!("for firmware: MAPS = {}\n", envelope.palette_len());
     let certificate = envelope.certificate();
-    out += &format!("certificate: RMS error, % of the diagonal {:.4}\n", certificate.diagonal);
+    out += &format!("diagonal of the rest mesh: {:.4} units\n", certificate.diagonal);
+    out += &format!("{:<24}{:>8}\n", "certificate", "% of the diagonal, RMS error");
     for (name, rms) in [
         ("training frames", certificate.training_rms),
         ("cross-validated", certificate.cross_validated_rms),
+        ("level joints, training", certificate.base_training_rms),
         ("LBS, training frames", certificate.lbs_training_rms),
         ("rounding, at the most", certificate.correction_error),
     ] {
-        out += &format!("{name:<24}{:.4}\n", 100.0 * rms / certificate.diagonal);
+        out += &format!("{name:<24}{:>8.4} %\n", 100.0 * rms / certificate.diagonal);
     }
     let joint_name = |joint| printable(envelope.joint_name(joint).unwrap_or_default());
     let longest = (0..envelope.joint_len()).map(|joint| joint_name(joint).chars().count()).max();
@@ -115,6 +118,7 @@ fn skin_as_json(skin: &Skin<'_>) -> Value {
         "influences": skin.influence_len(),
         "tangents": skin.has_tangents(),
         "tangent_coefficients": skin.has_coefficients(),
+        "mesh_hash": skin.mesh_hash(),
         "normal_errors": skin.normal_errors().map(|errors| {
             json!({ "model": errors.model, "lbs": errors.lbs })
         }),
@@ -130,6 +134,7 @@ fn envelope_as_json(envelope: &Envelope<'_>) -> Value {
                 "name": envelope.joint_name(joint),
                 "parent": envelope.parent(joint),
                 "range": envelope.pose_range(joint),
+                "gap": envelope.pose_gap(joint),
             })
         })
         .collect();
@@ -153,6 +158,7 @@ fn envelope_as_json(envelope: &Envelope<'_>) -> Value {
         "proxies": envelope.proxy_len(),
         "palette": envelope.palette_len(),
         "scratch_bytes": 4 * envelope.scratch_len(),
+        "skeleton_hash": envelope.skeleton_hash(),
         "joints": joints,
         "groups": groups,
         "certificate": {
@@ -161,6 +167,7 @@ fn envelope_as_json(envelope: &Envelope<'_>) -> Value {
             "cross_validated_rms": certificate.cross_validated_rms,
             "lbs_training_rms": certificate.lbs_training_rms,
             "correction_error": certificate.correction_error,
+            "base_training_rms": certificate.base_training_rms,
         },
     })
 }

@@ -96,6 +96,20 @@ impl Poses {
             .collect()
     }
 
+    /// Returns how far each joint's origin comes from where its parent carries it, the most over the poses, J
+    /// lengths; 0 for the root.
+    ///
+    /// - `origins`: of the joints in the rest pose, J, in the poses' unit and about their centre.
+    pub fn gaps(&self, parents: &[Option<usize>], origins: &[Vector3<f64>]) -> Vec<f64> {
+        let of_joint = |(joint, parent): (usize, &Option<usize>)| {
+            let Some(parent) = *parent else { return 0.0 };
+            let origin = origins[joint].push(1.0);
+            let gap = |pose: usize| (self.map(pose, joint) - self.map(pose, parent)) * origin;
+            (0..self.len()).map(|pose| gap(pose).norm()).fold(0.0, f64::max)
+        };
+        parents.iter().enumerate().map(of_joint).collect()
+    }
+
     /// Returns the poses with positions measured from a centre.
     pub fn about(mut self, centre: [f64; 3]) -> Self {
         let centre = Vector3::from(centre);
