@@ -1,18 +1,25 @@
-//! Takes the Rust of `runtime/ENGINE.md` apart: each block a file, by its heading and its number below that.
+//! Takes the Rust of pages apart: each block a file, by its heading and its number below that.
 
 use std::error::Error;
 use std::path::Path;
 
-const PAGE: &str = "../../runtime/ENGINE.md";
+const PAGES: [&str; 2] = ["../../runtime/ENGINE.md", "../../runtime/WEB.md"];
 
 /// How lines begin that a test has to see: items, and functions of a type.
 const ITEMS: [&str; 6] = ["fn ", "struct ", "enum ", "type ", "const ", "    fn "];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("cargo::rerun-if-changed={PAGE}");
     println!("cargo::rerun-if-changed=build.rs");
     let out = std::env::var("OUT_DIR")?;
-    let page = std::fs::read_to_string(PAGE)?;
+    for page in PAGES {
+        println!("cargo::rerun-if-changed={page}");
+        take_apart(&std::fs::read_to_string(page)?, Path::new(&out))?;
+    }
+    Ok(())
+}
+
+/// Writes the blocks of a page.
+fn take_apart(page: &str, out: &Path) -> Result<(), Box<dyn Error>> {
     for section in page.split("\n## ").skip(1) {
         let heading = section.lines().next().unwrap_or_default();
         let name: String = heading
@@ -22,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let blocks = section.split("```rust\n").skip(1).filter_map(|rest| rest.split_once("```"));
         for (number, (block, _)) in blocks.enumerate() {
             let lines = block.lines().map(seen).collect::<Vec<_>>();
-            std::fs::write(Path::new(&out).join(format!("{name}_{number}.rs")), lines.join("\n"))?;
+            std::fs::write(out.join(format!("{name}_{number}.rs")), lines.join("\n"))?;
         }
     }
     Ok(())

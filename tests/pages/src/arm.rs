@@ -17,15 +17,15 @@ pub static EXAMPLES: LazyLock<Examples> = LazyLock::new(|| {
 });
 
 /// What a training makes of it.
-pub static FILE: LazyLock<Vec<u8>> = LazyLock::new(|| file(&EXAMPLES));
+pub static FILE: LazyLock<Vec<u8>> = LazyLock::new(|| file(&EXAMPLES, Predictor::Kernel));
 
 /// Trains a model of examples, as the demo's are, in a second or two.
 ///
 /// # Panics
 /// If they do not train.
-pub fn file(examples: &Examples) -> Vec<u8> {
+pub fn file(examples: &Examples, predictor: Predictor) -> Vec<u8> {
     let options = Options {
-        predictor: Predict::Only(Predictor::Kernel),
+        predictor: Predict::Only(predictor),
         proxies: Some(ProxyCount::Fixed(12)),
         ..Options::default()
     };

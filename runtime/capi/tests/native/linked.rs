@@ -2,6 +2,8 @@
 
 use crate::common::{GOLDEN_NAMES, golden_path, libraries, output, package, scratch};
 use crate::host::{CXX, GCC, SANITIZERS, compile, static_library};
+use sinew_runtime::{LocalTransform, Matrix3x4, Model, model_space_pose};
+use std::fmt::Write;
 use std::process::Command;
 
 const CMAKE: &str = "CMake (Debian: cmake)";
@@ -14,14 +16,38 @@ fn block(language: &str) -> String {
 }
 
 #[test]
-fn the_cpp_of_the_readme_compiles_and_runs() {
+fn the_cpp_of_the_readme_stands_at_rest_and_bends() {
     let source = scratch().join("readme.cpp");
     std::fs::write(&source, block("cpp")).unwrap();
     let library = static_library();
     let flags = [&SANITIZERS[..], &["-fno-exceptions", &library]].concat();
     let program = compile("g++", CXX, source.to_str().unwrap(), "readme++", &flags);
     let found = output(Command::new(program).arg(golden_path(GOLDEN_NAMES[1])), GCC);
-    assert!(found.starts_with("at rest: confidence 1.00"), "{found}");
+    let file = std::fs::read(golden_path(GOLDEN_NAMES[1])).unwrap();
+    let model = Model::from_bytes(&*file).unwrap();
+    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let mut pose = vec![Matrix3x4::default(); envelope.joint_len()];
+    let mut scratch = vec![0.0; envelope.scratch_len()];
+    let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
+    let mut positions = vec![[0.0; 3]; skin.vertex_len()];
+    let mut expected = String::new();
+    for angle in [0.0_f32, 0.5] {
+        let mut local: Vec<LocalTransform> = envelope.rest_locals().collect();
+        let (sin, cos) = (0.5 * angle).sin_cos();
+        // The joints of a golden stand along x, not turned.
+        local.last_mut().unwrap().rotation = [0.0, 0.0, sin, cos];
+        model_space_pose(&envelope, &local, &mut pose).unwrap();
+        let confidence = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+        skin.skin_positions(&palette, &mut positions).unwrap();
+        let [x, y, z] = *positions.last().unwrap();
+        writeln!(
+            expected,
+            "turned by {angle:.2}: confidence {confidence:.2}, last vertex {x:.3} {y:.3} {z:.3}"
+        )
+        .unwrap();
+    }
+    assert_eq!(found, expected);
+    assert!(expected.starts_with("turned by 0.00: confidence 1.00"), "{expected}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::math::{diagonal, farthest, moved, palette, product, rest, skinned};
 use crate::shown::axes::{TO_ENGINE, TO_FILE, palette_of_engine, pose_of_file};
 use pages::arm;
+use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::Space;
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{Matrix3x4, Model, SkinJob};
@@ -33,7 +34,7 @@ fn a_left_handed_engine_gets_the_same_skin_by_both_ways() {
     let file = Model::from_bytes(arm::FILE.as_slice()).unwrap();
     let mut converted = arm::EXAMPLES.clone();
     assert!(converted.convert_to(&Space::UNREAL).unwrap().is_mirrored());
-    let baked = Model::from_bytes(arm::file(&converted)).unwrap();
+    let baked = Model::from_bytes(arm::file(&converted, Predictor::Kernel)).unwrap();
     assert!(file.space() == Space::GLTF && baked.space() == Space::UNREAL);
     let (envelope, skin) = (file.envelope().unwrap(), file.skin().unwrap());
     let size = diagonal(&rest(&skin));

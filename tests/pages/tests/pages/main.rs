@@ -6,5 +6,8 @@ mod crowd;
 mod large_world;
 mod math;
 mod mesh;
+mod method;
 mod shown;
+mod skeleton;
+mod web;
 mod workspace;

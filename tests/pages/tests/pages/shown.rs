@@ -11,7 +11,9 @@ macro_rules! blocks {
 
 blocks! {
     mesh: "your_mesh_0",
+    skeleton: "your_skeleton_0",
     axes: "your_axes_0",
+    scale: "scale_0",
     shader: "your_shader_0",
     vertices: "your_vertices_0",
     shapes: "your_vertices_1",
@@ -25,4 +27,6 @@ blocks! {
     place: "far_from_the_origin_0",
     packed: "packed_vertices_0",
     levels: "levels_of_detail_0",
+    seen: "levels_of_detail_1",
+    web: "the_module_0",
 }
