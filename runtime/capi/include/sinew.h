@@ -1202,7 +1202,8 @@ sinew_status sinew_envelope_pose(const struct sinew_envelope *envelope,
 
 /// Computes the palette of a pose and the confidence in it.
 ///
-/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space; rigid to 1e-4.
+/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space; rigid to 1e-4, which is not looked at
+///   here: `sinew_envelope_check_pose` does in a debug build.
 /// - `scratch`, `scratch_len`: at least `sinew_envelope_info.scratch_len` floats, of any content; its
 ///   content afterwards means nothing. One for each thread.
 /// - `out_palette`, `palette_len`: `sinew_envelope_info.palette_len` transforms, rest to posed, in
@@ -1321,8 +1322,8 @@ sinew_status sinew_envelope_gather(const struct sinew_envelope *envelope,
 
 /// Checks for a debug build that a pose is one of the skeleton's: that each matrix turns and moves only, and that each
 /// joint is where its parent carries it, as far as it was in training. A pose that is not is no error of the
-/// call: `out_fault` says what is likely wrong. A pose is taken in 1 to 3 microseconds; naming a mistake takes a
-/// thousand times as long.
+/// call: `out_fault` says what is likely wrong. A pose is taken in a few microseconds; naming a mistake takes
+/// milliseconds.
 ///
 /// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space.
 /// - `out_fault`: receives the likely mistake, or that there is none.
@@ -1362,8 +1363,8 @@ sinew_status sinew_palette_scale(struct sinew_matrix *palette,
                                  float scale,
                                  struct sinew_error *out_error);
 
-/// Computes the hash of a skeleton, to compare with `sinew_envelope_info.skeleton_hash`: by FORMAT.md a CRC-32 of names
-/// and parents.
+/// Computes the hash of a skeleton, to compare with `sinew_envelope_info.skeleton_hash`; FORMAT.md says what it is
+/// of.
 ///
 /// - `names`, `parents`, `joint_len`: of the joints, in the file's order; `SINEW_NO_JOINT` for no parent.
 /// - `out_hash`: receives the hash.
