@@ -43,7 +43,8 @@ pub unsafe extern "C" fn sinew_envelope_pose(
 
 /// Computes the palette of a pose and the confidence in it.
 ///
-/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space; rigid to 1e-4.
+/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space; rigid to 1e-4, which is not looked at
+///   here: `sinew_envelope_check_pose` does in a debug build.
 /// - `scratch`, `scratch_len`: at least `sinew_envelope_info.scratch_len` floats, of any content; its
 ///   content afterwards means nothing. One for each thread.
 /// - `out_palette`, `palette_len`: `sinew_envelope_info.palette_len` transforms, rest to posed, in

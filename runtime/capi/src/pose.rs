@@ -175,8 +175,8 @@ pub unsafe extern "C" fn sinew_envelope_gather(
 
 /// Checks for a debug build that a pose is one of the skeleton's: that each matrix turns and moves only, and that each
 /// joint is where its parent carries it, as far as it was in training. A pose that is not is no error of the
-/// call: `out_fault` says what is likely wrong. A pose is taken in 1 to 3 microseconds; naming a mistake takes a
-/// thousand times as long.
+/// call: `out_fault` says what is likely wrong. A pose is taken in a few microseconds; naming a mistake takes
+/// milliseconds.
 ///
 /// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space.
 /// - `out_fault`: receives the likely mistake, or that there is none.
@@ -272,8 +272,8 @@ pub unsafe extern "C" fn sinew_palette_scale(
     unsafe { border::call(out_error, body) }
 }
 
-/// Computes the hash of a skeleton, to compare with `sinew_envelope_info.skeleton_hash`: by FORMAT.md a CRC-32 of names
-/// and parents.
+/// Computes the hash of a skeleton, to compare with `sinew_envelope_info.skeleton_hash`; FORMAT.md says what it is
+/// of.
 ///
 /// - `names`, `parents`, `joint_len`: of the joints, in the file's order; `SINEW_NO_JOINT` for no parent.
 /// - `out_hash`: receives the hash.

@@ -30,7 +30,8 @@ impl Envelope<'_> {
     /// rotational envelope has nothing to fade: its confidence tells only how far joints turn beyond
     /// their trained ranges. An envelope without any kernel map is certain.
     ///
-    /// - `pose`: J skinning matrices, rest to posed, in model space; rigid to 1e-4.
+    /// - `pose`: J skinning matrices, rest to posed, in model space; rigid to 1e-4, which is not looked at here:
+    ///   [`Envelope::check_pose`] does in a debug build.
     /// - `scratch`: at least [`Envelope::scratch_len`] floats, of any content.
     /// - `out_palette`: [`Envelope::palette_len`] transforms, rest to posed, in model space: what an
     ///   engine's own skinning shader takes together with [`crate::Skin::influences`].

@@ -2,8 +2,8 @@
 //! puts them back.
 
 use super::key::joint_index;
-use super::pose_check::{allowance, origin};
 use super::pose_fault::{PoseFault, PoseFaultKind as Kind};
+use super::pose_limits::{allowance_of, origin};
 use super::view::Envelope;
 use crate::linear::{Matrix3x4, compose, dot, floats, inverse, moved, rows};
 
@@ -122,7 +122,7 @@ impl Mistake {
             let minus = |a: [f32; 3], b: [f32; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
             let shift = |m: &Matrix3x4| m.map(|[.., shift]| shift);
             let left = minus(turned(&own, place), turned(&above, place_above));
-            Some((left, minus(shift(&own), shift(&above)), allowance(envelope, joint)))
+            Some((left, minus(shift(&own), shift(&above)), allowance_of(envelope, joint)))
         })
     }
 

@@ -62,7 +62,7 @@ fn of_skin(model: &Model<Vec<u8>>, skin: &Skin<'_>) -> String {
 
 fn of_envelope(envelope: &Envelope<'_>) -> String {
     let mut out = format!(
-        "envelope \"{}\", {}: {} joints, {}, a palette of {}, {} bytes of scratch\n",
+        "envelope \"{}\", {}: {} joints, {}, a palette of {} transforms, {} bytes of scratch\n",
         printable(envelope.name()),
         envelope.predictor().name(),
         envelope.joint_len(),
@@ -70,7 +70,6 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
         envelope.palette_len(),
         4 * envelope.scratch_len(),
     );
-    out += &format!("for firmware: MAPS = {}\n", envelope.palette_len());
     let certificate = envelope.certificate();
     out += &format!("diagonal of the rest mesh: {:.4} units\n", certificate.diagonal);
     out += &format!("{:<24}{:>8}\n", "certificate", "% of the diagonal, RMS error");

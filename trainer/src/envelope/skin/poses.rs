@@ -188,6 +188,32 @@ mod tests {
     use crate::numeric::affine::to_rows;
 
     #[test]
+    fn gaps_are_how_far_joints_part_in_any_unit_and_about_any_centre() {
+        let options = DemoOptions { vertices: 200, poses: 6, held_out: 0, seed: 3 };
+        let mut parted = demo(&options);
+        let origin = |joint: usize| parted.skeleton.rest[joint].map(|row| row[3]);
+        let origins: Vec<_> = (0..parted.joint_len()).map(|j| Vector3::from(origin(j))).collect();
+        let parents = parted.skeleton.parents.clone();
+        let frames: Vec<usize> = (0..parted.frame_len()).collect();
+        let still = Poses::new(&parted, &frames).gaps(&parents, &origins);
+        let leaf = (0..parents.len()).rfind(|joint| !parents.contains(&Some(*joint))).unwrap();
+        let at = 2 * parted.joint_len() + leaf;
+        parted.transforms[at][1][3] += 0.75;
+        let poses = Poses::new(&parted, &frames);
+        let found = poses.gaps(&parents, &origins);
+        for (joint, (found, still)) in found.iter().zip(&still).enumerate() {
+            let expected = if joint == leaf { 0.75 } else { *still };
+            assert!((found - expected).abs() < 1e-9 + still, "{joint}: {found} {expected}");
+        }
+        let centre = Vector3::new(0.5, -2.0, 1.0);
+        let elsewhere = poses.about(centre.into()).in_units_of(4.0);
+        let origins: Vec<_> = origins.iter().map(|origin| (origin - centre) / 4.0).collect();
+        for (a, b) in elsewhere.gaps(&parents, &origins).iter().zip(&found) {
+            assert!((4.0 * a - b).abs() < 1e-9);
+        }
+    }
+
+    #[test]
     fn a_global_motion_of_each_frame_changes_nothing() {
         let options = DemoOptions { vertices: 200, poses: 6, held_out: 0, seed: 3 };
         let still = demo(&options);
