@@ -4,6 +4,7 @@
 mod axes;
 mod crowd;
 mod large_world;
+mod links;
 mod math;
 mod mesh;
 mod method;
