@@ -420,6 +420,26 @@ typedef uint32_t sinew_pose_fault_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+/// How much of an envelope is evaluated.
+enum sinew_level
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /// What the correction starts from: the joints, or the reconstruction. Of a kernel envelope this is next to
+    /// nothing, of a rotational one all; `sinew_certificate.base_training_rms` is its error.
+    SINEW_LEVEL_JOINTS = 1,
+    /// Everything: what `sinew_envelope_palette` computes.
+    SINEW_LEVEL_FULL = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum sinew_level sinew_level;
+#else
+typedef uint32_t sinew_level;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 /// Predicts a palette of transforms from the J joints of a pose. It points to its model: where that
 /// has been loaded again with another file, or is loaded no more, every call refuses the envelope.
 typedef struct sinew_envelope sinew_envelope;
