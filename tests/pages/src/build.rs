@@ -4,12 +4,12 @@ use crate::text::repository;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Makes an empty folder among those of this build.
+/// Makes an empty folder in another.
 ///
 /// # Panics
 /// If the disk refuses it.
-pub fn emptied(target: &str, name: &str) -> PathBuf {
-    let folder = Path::new(target).join(name);
+pub fn emptied(place: &Path, name: &str) -> PathBuf {
+    let folder = place.join(name);
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).expect("a folder of the build can be made");
     folder

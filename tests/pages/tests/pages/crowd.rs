@@ -2,7 +2,9 @@
 
 use crate::math::{diagonal, farthest, palette, rest, skinned};
 use crate::shown::{crowd, crowd_on_threads, culling, levels, ownership, packed, reload, threads};
+use models::{Pieces, SMALL, Shape};
 use pages::arm;
+use sinew_runtime::envelope::Predictor;
 use sinew_runtime::{Matrix3x4, Model};
 use std::sync::Arc;
 
@@ -15,15 +17,20 @@ fn poses() -> Vec<Matrix3x4> {
 
 #[test]
 fn pieces_on_threads_have_the_bits_of_one_job() {
-    let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
+    // More vertices than two pieces.
+    let shape = Shape { vertices: 2500, ..SMALL };
+    let model = Model::from_bytes(Pieces::sample(Predictor::Kernel, shape).bytes()).unwrap();
     let skin = model.skin().unwrap();
-    let (palette, _) = palette(&model.envelope().unwrap(), &arm::pose(&arm::EXAMPLES, 3));
+    let transform = |at: usize| {
+        let shift = at as f32;
+        [[0.5, 0.0, 1.0, shift], [0.0, 1.0, 0.25, -shift], [1.0, 0.0, 0.5, 1.0]]
+    };
+    let palette: Vec<Matrix3x4> = (0..skin.palette_len()).map(transform).collect();
     let mut buffer = vec![7.0; 5 * skin.vertex_len()];
     threads::skin_in_pieces(skin, &palette, &mut buffer, 5).unwrap();
-    let found: Vec<_> =
-        buffer.chunks_exact(5).map(|vertex| [vertex[0], vertex[1], vertex[2]]).collect();
+    let found: Vec<_> = buffer.chunks_exact(5).map(|v| [v[0], v[1], v[2]]).collect();
     assert_eq!(found, skinned(&model, &palette));
-    assert!(skin.vertex_len() > 0 && buffer.chunks_exact(5).all(|vertex| vertex[3..] == [7.0; 2]));
+    assert!(buffer.chunks_exact(5).all(|vertex| vertex[3..] == [7.0; 2]));
 }
 
 #[test]

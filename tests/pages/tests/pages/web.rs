@@ -21,7 +21,7 @@ const RAISED: f32 = 0.15;
 
 /// Builds the page's module.
 fn module(name: &str, flags: &str, level: &str) -> Vec<u8> {
-    let folder = emptied(TARGET, name);
+    let folder = emptied(Path::new(TARGET), name);
     let runtime = repository().join("runtime");
     let manifest = format!(
         "[package]\nname = \"game\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n[lib]\ncrate-type = [\"cdylib\"]\n

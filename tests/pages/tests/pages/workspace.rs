@@ -2,7 +2,7 @@
 
 use pages::build::{cargo, copy, emptied, write};
 use pages::text::{blocks, read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const TARGET: &str = env!("CARGO_TARGET_TMPDIR");
 
@@ -24,9 +24,12 @@ fn main() {
 }
 ";
 
-/// Makes an engine that is a workspace, with a game that uses the runtime of a folder.
-fn engine(name: &str, workspace: &str) -> std::path::PathBuf {
-    let engine = emptied(TARGET, name);
+/// Makes an engine that is a workspace, with a game that uses the runtime of a folder: outside of our own workspace, in
+/// a place of this checkout's.
+fn engine(name: &str, workspace: &str) -> PathBuf {
+    let place =
+        std::env::temp_dir().join(format!("sinew-pages{}", TARGET.replace(['/', '\\', ':'], "-")));
+    let engine = emptied(&place, name);
     write(&engine.join("Cargo.toml"), workspace);
     let game = "[package]\nname = \"game\"\nversion = \"0.1.0\"\nedition = \"2021\"\n
 [dependencies]\nsinew-runtime = { path = \"../sinew/runtime\" }\n";
