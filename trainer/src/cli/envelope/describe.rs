@@ -4,9 +4,10 @@ use crate::cli::described::Described;
 use crate::cli::{counted, printable};
 use serde_json::{Value, json};
 use sinew_runtime::format::PartKind;
+use sinew_runtime::record::RecordCounts;
 use sinew_runtime::{Envelope, Model, Skin};
 
-/// Describes the envelopes of a file, and its skins.
+/// Describes the envelopes of a file, its skins, and what it tells of their training.
 pub(in crate::cli) fn describe(model: &Model<Vec<u8>>) -> Vec<Described> {
     let envelopes = model.envelopes().map(|envelope| Described {
         part: envelope.part(),
@@ -22,7 +23,26 @@ pub(in crate::cli) fn describe(model: &Model<Vec<u8>>) -> Vec<Described> {
         text: of_skin(model, &skin),
         json: skin_as_json(&skin),
     });
-    envelopes.chain(skins).collect()
+    let records = model.records().map(|record| {
+        let RecordCounts { frame_len, influence_len, .. } = record.counts();
+        let lbs = if influence_len > 0 { ", and linear blend skinning fitted to them" } else { "" };
+        Described {
+            part: record.part(),
+            kind: PartKind::Record,
+            name: record.name().to_owned(),
+            text: format!(
+                "record of the training of \"{}\": {frame_len} frames{lbs}\n",
+                printable(record.name())
+            ),
+            json: json!({
+                "part": record.part(),
+                "envelope": record.name(),
+                "training_frames": frame_len,
+                "lbs_influences": influence_len,
+            }),
+        }
+    });
+    envelopes.chain(skins).chain(records).collect()
 }
 
 fn of_skin(model: &Model<Vec<u8>>, skin: &Skin<'_>) -> String {
