@@ -92,7 +92,7 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
     );
     let certificate = envelope.certificate();
     out += &format!("diagonal of the rest mesh: {:.4} units\n", certificate.diagonal);
-    out += &format!("{:<24}{:>8}\n", "certificate", "% of the diagonal, RMS error");
+    out += &format!("{:<24}RMS error, % of the diagonal\n", "certificate");
     for (name, rms) in [
         ("training frames", certificate.training_rms),
         ("cross-validated", certificate.cross_validated_rms),
@@ -100,7 +100,7 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
         ("LBS, training frames", certificate.lbs_training_rms),
         ("rounding, at the most", certificate.correction_error),
     ] {
-        out += &format!("{name:<24}{:>8.4} %\n", 100.0 * rms / certificate.diagonal);
+        out += &format!("{name:<24}{:.4} %\n", 100.0 * rms / certificate.diagonal);
     }
     let joint_name = |joint| printable(envelope.joint_name(joint).unwrap_or_default());
     let longest = (0..envelope.joint_len()).map(|joint| joint_name(joint).chars().count()).max();
