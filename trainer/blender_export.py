@@ -1,22 +1,32 @@
 """Writes example poses of a rigged character, for `sinew train`.
 
 Whatever Blender shows is what is written: muscles, correctives, simulation, any modifier that keeps
-the mesh's vertices. For each frame it evaluates the mesh and the bones that deform it, in world
-space.
+the meshes' vertices. For each frame it evaluates the meshes and the bones that deform them, in
+world space. All visible meshes of the armature are joined, in the scene's order; the strips of its
+NLA become clips by name, or all frames are one clip called as its action. Names, frame rate and
+numbers, axes, unit, and texture coordinates go with them.
 
     blender rig.blend --background --python blender_export.py -- examples.npz
     python blender_export.py --blend rig.blend examples.npz        (with `pip install bpy`)
 
-Options: --mesh NAME, --armature NAME (needed where there are several), --frames FIRST:LAST[:STEP]
-(the scene's own range otherwise), --bones all (the deforming ones otherwise).
+Options: --mesh NAME, several times for several (all of the armature otherwise), --armature NAME
+(needed where there are several), --frames FIRST:LAST[:STEP] (the strips' own otherwise, or the
+scene's), --clips one (frames of no strip too, as one clip), --importance GROUP (a vertex counts as
+much as it weighs in the group: outside of it not at all, and fully in meshes without the group),
+--bones all (the deforming ones otherwise).
 """
 
 import argparse
+import math
 import sys
 from pathlib import Path
 
 import bpy
 import numpy as np
+
+# Strips begin and end at fractions of frames, rounded.
+FRACTION = 1e-3
+ONE = "--clips one takes every frame, as one clip"
 
 
 class Problem(Exception):
@@ -28,17 +38,26 @@ def main(arguments):
     if options.blend:
         bpy.ops.wm.open_mainfile(filepath=str(options.blend))
     scene = bpy.context.scene
-    mesh, armature = find(scene, options)
+    meshes, armature = find(scene, options)
     bones = deforming(armature, options.bones)
-    frames = frame_numbers(scene, options.frames)
-    examples = {**faces_and_rest(scene, mesh, armature), **skeleton(armature, bones)}
-    examples.update(poses(scene, mesh, armature, bones, frames, len(examples["rest"])))
+    clips = chosen_clips(scene, armature, options)
+    frames = [frame for _, own in clips for frame in own]
+    parts = at_rest(scene, meshes, armature, options.importance)
+    examples = {
+        **joined(meshes, parts),
+        **skeleton(armature, bones),
+        **poses(scene, meshes, parts, armature, bones, frames),
+        **told(scene, clips, frames),
+    }
     # The last name decides the format: numpy would add .npz to any other.
     with open(options.output, "wb") as file:
         np.savez_compressed(file, **examples)
+    names = ", ".join(f"{name} ({own[0]} to {own[-1]})" for name, own in clips)
     print(
         f"wrote {options.output}: {len(examples['rest'])} vertices, {len(bones)} joints, "
-        f"{len(frames)} frames"
+        f"{len(frames)} frames at {float(examples['fps']):g} a second\n"
+        f"  meshes: {', '.join(mesh.name for mesh in meshes)}\n"
+        f"  clips: {names}"
     )
 
 
@@ -47,9 +66,11 @@ def parse(arguments):
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("output", type=Path, help="where to write the examples (.npz)")
     parser.add_argument("--blend", type=Path, help="the file to open, outside of Blender")
-    parser.add_argument("--mesh", help="the mesh object")
+    parser.add_argument("--mesh", action="append", help="a mesh object; may be given several times")
     parser.add_argument("--armature", help="the armature object")
     parser.add_argument("--frames", help="FIRST:LAST or FIRST:LAST:STEP")
+    parser.add_argument("--clips", choices=["strips", "one"], help="the NLA's strips, or all as one")
+    parser.add_argument("--importance", metavar="GROUP", help="a vertex group")
     parser.add_argument("--bones", choices=["deforming", "all"], default="deforming")
     options = parser.parse_args(arguments)
     if options.output.suffix != ".npz":
@@ -57,22 +78,40 @@ def parse(arguments):
     return options
 
 
+def note(text):
+    print(f"blender_export.py: {text}", file=sys.stderr)
+
+
 def find(scene, options):
-    """Gives the mesh and the armature that deforms it."""
+    """Gives the meshes, in the scene's order, and the armature that deforms them."""
     armature = options.armature and named(scene, options.armature, "ARMATURE")
     if options.mesh:
-        mesh = named(scene, options.mesh, "MESH")
+        chosen = [named(scene, name, "MESH") for name in options.mesh]
+        meshes = [o for o in scene.objects if o in chosen]
     else:
         meshes = [o for o in scene.objects if o.type == "MESH" and armature_of(o)]
         meshes = [o for o in meshes if armature in (None, armature_of(o))]
-        if len(meshes) != 1:
-            found = ", ".join(o.name for o in meshes) or "none"
-            raise Problem(f"expected one mesh with an armature, found {found}: give --mesh NAME")
-        mesh = meshes[0]
-    armature = armature or armature_of(mesh)
+    # Blender evaluates nothing that is hidden.
+    hidden = [o.name for o in meshes if not o.visible_get()]
+    if hidden and options.mesh:
+        raise Problem(f"hidden in the viewport: {', '.join(hidden)}: show what is to be written")
+    if hidden:
+        note(f"meshes that are hidden in the viewport are left out: {', '.join(hidden)}")
+        meshes = [o for o in meshes if o.name not in hidden]
+    if not meshes:
+        rig = armature.name if armature else "an armature"
+        raise Problem(f"no visible mesh follows {rig}: give --mesh NAME and --armature NAME")
+    by_armature = {}
+    for mesh in meshes:
+        by_armature.setdefault(armature_of(mesh), []).append(mesh.name)
+    if armature is None and len(by_armature) > 1:
+        found = "; ".join(f"{', '.join(names)} of {rig.name if rig else 'none'}"
+                          for rig, names in by_armature.items())
+        raise Problem(f"meshes of several armatures ({found}): give --armature NAME")
+    armature = armature or next(iter(by_armature))
     if armature is None:
-        raise Problem(f"mesh {mesh.name} has no armature: give --armature NAME")
-    return mesh, armature
+        raise Problem(f"mesh {meshes[0].name} has no armature: give --armature NAME")
+    return meshes, armature
 
 
 def named(scene, name, kind):
@@ -111,41 +150,172 @@ def frame_numbers(scene, text):
     return frames
 
 
-def faces_and_rest(scene, mesh, armature):
-    """Evaluates the mesh with every bone at rest."""
+def chosen_clips(scene, armature, options):
+    """Gives the clips in order, each a name and its frames' numbers: one a strip, or all as one."""
+    asked = frame_numbers(scene, options.frames)
+    strips, why = ([], "") if options.clips == "one" else shown_strips(armature)
+    if not strips:
+        if options.clips == "strips":
+            raise Problem(f"the NLA of {armature.name} {why or 'plays no strip'}")
+        if why:
+            note(f"the NLA of {armature.name} {why}: all frames are one clip")
+        action = armature.animation_data and armature.animation_data.action
+        return [(action.name if action else scene.name, asked)]
+    covered, clips = set(), []
+    for strip, after in zip(strips, strips[1:] + [None]):
+        last = strip.frame_end + FRACTION
+        if after is not None:
+            # The frame in which two strips meet is the later one's.
+            last = min(last, after.frame_start - FRACTION)
+        own = range(math.ceil(strip.frame_start - FRACTION), math.floor(last) + 1)
+        covered.update(own)
+        own = [f for f in asked if f in own] if options.frames else list(own[::scene.frame_step])
+        if own:
+            clips.append((strip.name, own))
+    if not clips:
+        raise Problem(f"--frames {options.frames}: no strip of {armature.name} is there ({ONE})")
+    left = sum(frame not in covered for frame in asked)
+    if left:
+        note(f"frames of no strip are left out: {left} ({ONE})")
+    return clips
+
+
+def shown_strips(armature):
+    """Gives the strips that play, in order; or none, and why those that there are do not count."""
+    data = armature.animation_data
+    if data is None or not data.use_nla:
+        return [], ""
+    tracks = [t for t in data.nla_tracks if t.is_solo]
+    tracks = tracks or [t for t in data.nla_tracks if not t.mute]
+    strips = [s for t in tracks for s in t.strips if s.type in ("CLIP", "META") and not s.mute]
+    strips.sort(key=lambda strip: strip.frame_start)
+    if strips and data.action and data.action_blend_type == "REPLACE" and data.action_influence > 0:
+        return [], f"is covered by the action {data.action.name}"
+    for strip, after in zip(strips, strips[1:]):
+        if after.frame_start < strip.frame_end - FRACTION:
+            return [], f"has strips that overlap, {strip.name} and {after.name}"
+    return strips, ""
+
+
+def told(scene, clips, frames):
+    """What is told of the frames and of the space they are in."""
+    units = scene.unit_settings
+    lengths = [len(own) for _, own in clips]
+    return {
+        "clip_names": np.array([name for name, _ in clips]),
+        "clip_starts": np.array(starts(lengths), np.int32),
+        "frame_numbers": np.array(frames, np.int32),
+        "fps": np.array(scene.render.fps / scene.render.fps_base),
+        "up": np.array("z"),
+        "forward": np.array("-y"),
+        "unit": np.array(1.0 if units.system == "NONE" else units.scale_length),
+    }
+
+
+def starts(lengths):
+    return [sum(lengths[:number]) for number in range(len(lengths))]
+
+
+def at_rest(scene, meshes, armature, importance):
+    """Evaluates the meshes with every bone at rest, each as arrays by name."""
+    if importance and not any(importance in mesh.vertex_groups for mesh in meshes):
+        known = ", ".join(sorted({g.name for mesh in meshes for g in mesh.vertex_groups}))
+        raise Problem(f"no mesh has a vertex group {importance}, only: {known or 'none'}")
     position = armature.data.pose_position
     armature.data.pose_position = "REST"
     try:
         scene.frame_set(scene.frame_current)
-        with Evaluated(mesh) as (shape, world):
-            rest = positions(shape, world)
-            quads = [list(p.loop_indices) for p in shape.polygons if p.loop_total == 4]
-            shape.calc_loop_triangles()
-            others = {p.index for p in shape.polygons if p.loop_total != 4}
-            tris = [list(t.loops) for t in shape.loop_triangles if t.polygon_index in others]
-            vertices = np.empty(len(shape.loops), np.int32)
-            shape.loops.foreach_get("vertex_index", vertices)
-            uv, uv_of = coordinates(shape)
+        parts = []
+        for mesh in meshes:
+            with Evaluated(mesh) as (shape, world):
+                part = faces(shape, np.linalg.det(world[:3, :3]) < 0)
+                part["rest"] = positions(shape, world)
+                if importance:
+                    part["importance"] = weights(mesh, shape, importance)
+            parts.append(part)
     finally:
         armature.data.pose_position = position
-    if not quads and not tris:
-        raise Problem(f"mesh {mesh.name} has no faces")
-    found = {"rest": rest, "uv": uv}
-    for name, corners in (("quads", quads), ("tris", tris)):
-        if corners:
-            found[name] = vertices[np.array(corners)]
-            found[f"{name}_uv"] = uv_of[np.array(corners)] if len(uv) else uv
-    return {name: array for name, array in found.items() if len(array)}
+    if not any(len(part["quads"]) + len(part["tris"]) for part in parts):
+        raise Problem(f"mesh {meshes[0].name} has no faces")
+    return parts
+
+
+def faces(shape, mirrored):
+    """Gives the faces by vertices and by texture coordinates, turned over where mirrored."""
+    quads = [list(p.loop_indices) for p in shape.polygons if p.loop_total == 4]
+    shape.calc_loop_triangles()
+    others = {p.index for p in shape.polygons if p.loop_total != 4}
+    tris = [list(t.loops) for t in shape.loop_triangles if t.polygon_index in others]
+    uv, uv_of = coordinates(shape)
+    vertices, totals = corners(shape)
+    part = {"uv": uv, "corners": (vertices, totals)}
+    for name, corner, count in (("quads", quads, 4), ("tris", tris, 3)):
+        corner = np.array(corner, np.int32).reshape(-1, count)
+        if mirrored:
+            corner[:, 1:] = corner[:, :0:-1]
+        part[name] = vertices[corner]
+        part[f"{name}_uv"] = uv_of[corner] if len(uv) else np.zeros_like(corner)
+    return part
+
+
+def corners(shape):
+    """Gives the vertex of every corner, and how many corners each face has."""
+    vertices = np.empty(len(shape.loops), np.int32)
+    shape.loops.foreach_get("vertex_index", vertices)
+    totals = np.empty(len(shape.polygons), np.int32)
+    shape.polygons.foreach_get("loop_total", totals)
+    return vertices, totals
 
 
 def coordinates(shape):
     """Texture coordinates, and which of them each corner has; none without a texture."""
     if shape.uv_layers.active is None:
-        return np.empty(0), np.empty(0)
-    corners = np.empty(2 * len(shape.loops), np.float32)
-    shape.uv_layers.active.data.foreach_get("uv", corners)
-    uv, uv_of = np.unique(corners.reshape(-1, 2), axis=0, return_inverse=True)
+        return np.empty((0, 2), np.float32), np.empty(0, np.int32)
+    flat = np.empty(2 * len(shape.loops), np.float32)
+    shape.uv_layers.active.data.foreach_get("uv", flat)
+    uv, uv_of = np.unique(flat.reshape(-1, 2), axis=0, return_inverse=True)
     return uv, uv_of.reshape(-1).astype(np.int32)
+
+
+def weights(mesh, shape, group):
+    """How much each vertex weighs in a group; 1 in a mesh that has no such group."""
+    if group not in mesh.vertex_groups:
+        return np.ones(len(shape.vertices), np.float32)
+    number = mesh.vertex_groups[group].index
+    found = np.zeros(len(shape.vertices), np.float32)
+    for vertex in shape.vertices:
+        for own in vertex.groups:
+            if own.group == number:
+                found[vertex.index] = own.weight
+    return found
+
+
+def joined(meshes, parts):
+    """Joins the meshes, the vertices of each behind those of the one before it."""
+    firsts = starts([len(part["rest"]) for part in parts])
+    textured = any(len(part["uv"]) for part in parts)
+    for part in parts:
+        if not len(part["uv"]):
+            # As little as a texture can say.
+            part["uv"] = np.zeros((1, 2), np.float32)
+    first_uvs = starts([len(part["uv"]) for part in parts])
+
+    def behind(name, firsts):
+        return np.concatenate([part[name] + first for part, first in zip(parts, firsts)])
+
+    found = {"rest": np.concatenate([part["rest"] for part in parts])}
+    for name in ("quads", "tris"):
+        found[name] = behind(name, firsts)
+        if textured:
+            found[f"{name}_uv"] = behind(f"{name}_uv", first_uvs)
+    if textured:
+        found["uv"] = np.concatenate([part["uv"] for part in parts])
+    if "importance" in parts[0]:
+        found["importance"] = np.concatenate([part["importance"] for part in parts])
+    found["mesh_names"] = np.array([mesh.name for mesh in meshes])
+    found["mesh_starts"] = np.array(firsts, np.int32)
+    return {name: array.astype(np.int32) if array.dtype.kind == "i" else array
+            for name, array in found.items() if len(array)}
 
 
 def skeleton(armature, bones):
@@ -169,24 +339,34 @@ def rest_frames(armature, bones):
     return np.array([world @ np.array(bone.matrix_local) for bone in bones])
 
 
-def poses(scene, mesh, armature, bones, frames, vertex_len):
+def poses(scene, meshes, parts, armature, bones, frames):
     rest = np.linalg.inv(rest_frames(armature, bones))
-    vertices = np.empty((len(frames), vertex_len, 3), np.float32)
+    vertices = np.empty((len(frames), sum(len(part["rest"]) for part in parts), 3), np.float32)
     maps = np.empty((len(frames), len(bones), 4, 4))
     for number, frame in enumerate(frames):
         scene.frame_set(frame)
-        with Evaluated(mesh) as (shape, world):
-            if len(shape.vertices) != vertex_len:
-                raise Problem(
-                    f"frame {frame}: mesh {mesh.name} has {len(shape.vertices)} vertices, at rest "
-                    f"{vertex_len}: turn off the modifier that changes them"
-                )
-            vertices[number] = positions(shape, world)
+        first = 0
+        for mesh, part in zip(meshes, parts):
+            with Evaluated(mesh) as (shape, world):
+                check_same(frame, mesh, shape, part)
+                vertices[number, first:first + len(shape.vertices)] = positions(shape, world)
+                first += len(shape.vertices)
         posed = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
         world = np.array(posed.matrix_world)
         for joint, bone in enumerate(bones):
             maps[number, joint] = world @ np.array(posed.pose.bones[bone.name].matrix) @ rest[joint]
     return {"vertices": vertices, "bone_transforms": maps}
+
+
+def check_same(frame, mesh, shape, part):
+    remedy = "turn off the modifier that changes them"
+    found, expected = len(shape.vertices), len(part["rest"])
+    if found != expected:
+        raise Problem(
+            f"frame {frame}: mesh {mesh.name} has {found} vertices, at rest {expected}: {remedy}"
+        )
+    if not all(np.array_equal(a, b) for a, b in zip(corners(shape), part["corners"])):
+        raise Problem(f"frame {frame}: mesh {mesh.name} has other faces than at rest: {remedy}")
 
 
 def rigid(matrix):

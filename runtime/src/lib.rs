@@ -57,6 +57,8 @@ mod names;
 mod numeric;
 #[cfg(feature = "prior")]
 pub mod prior;
+#[cfg(feature = "record")]
+pub mod record;
 pub mod skin;
 pub mod stages;
 #[cfg(feature = "views")]
@@ -79,6 +81,8 @@ pub use matrix::{scale_palette, take_scale};
 pub use model::{Model, Section};
 #[cfg(feature = "prior")]
 pub use prior::{Pin, PinJob, Pins, Prior};
+#[cfg(feature = "record")]
+pub use record::Record;
 #[cfg(feature = "shapes")]
 pub use skin::ShapesJob;
 pub use skin::{Skin, SkinJob, mesh_hash_of};

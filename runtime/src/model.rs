@@ -13,6 +13,8 @@ use crate::kernel::{self, KernelMap};
 use crate::limits::Limits;
 #[cfg(feature = "prior")]
 use crate::prior::{self, Prior};
+#[cfg(feature = "record")]
+use crate::record::{self, Record};
 use crate::skin::{self, Skin};
 #[cfg(feature = "views")]
 use crate::views::{self, Views};
@@ -174,6 +176,18 @@ impl<B: AsRef<[u8]>> Model<B> {
         self.filters().find(|filter| filter.name() == name)
     }
 
+    /// Returns the record of an envelope's training; `None` if the file has none.
+    #[cfg(feature = "record")]
+    pub fn record_of(&self, envelope: &Envelope<'_>) -> Option<Record<'_>> {
+        self.records().find(|record| record.name() == envelope.name())
+    }
+
+    /// Lists the records.
+    #[cfg(feature = "record")]
+    pub fn records(&self) -> impl Iterator<Item = Record<'_>> {
+        self.parts_of(PartKind::Record).map(Record)
+    }
+
     /// Returns a map of an object of this model.
     #[cfg(feature = "views")]
     pub fn map_of(&self, views: &Views<'_>, map: usize) -> Option<KernelMap<'_>> {
@@ -308,6 +322,13 @@ impl Found {
                         first.keep(&view.0.layout);
                         filter::check::content(&view, loading)?;
                     }
+                    #[cfg(feature = "record")]
+                    PartKind::Record => {
+                        let mut view = Record(view);
+                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
+                        first.keep(&view.0.layout);
+                        record::check::content(&view, loading)?;
+                    }
                 }
             }
         }
@@ -341,6 +362,8 @@ fn find_part(
         PartKind::Views => &views::RULES,
         #[cfg(feature = "filter")]
         PartKind::Filter => &filter::RULES,
+        #[cfg(feature = "record")]
+        PartKind::Record => &record::RULES,
     };
     out.enter(loading, manifest, part, rules)?;
     // The counts are the first of the rules.
@@ -366,6 +389,8 @@ fn find_part(
         PartKind::Views => views::check::counts(&out.layout.counts, loading)?,
         #[cfg(feature = "filter")]
         PartKind::Filter => filter::check::counts(&out.layout.counts, loading)?,
+        #[cfg(feature = "record")]
+        PartKind::Record => record::check::counts(&out.layout.counts, loading)?,
     };
     out.find_sections(loading, manifest, rules, &asked)
 }

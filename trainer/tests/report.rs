@@ -25,6 +25,7 @@ fn arm() -> (Examples, Vec<Clip>) {
         name: name.to_owned(),
         first: frames.start,
         times: frames.map(|frame| frame as f64 / 30.0).collect(),
+        numbers: None,
     };
     let middle = examples.frames_of(Split::HeldOut)[4];
     let len = examples.frame_len();
@@ -111,10 +112,11 @@ fn accuracy(of: &Evaluation, lbs: bool) -> [String; 6] {
 
 #[test]
 fn the_page_is_well_formed_and_its_figures_are_those_of_evaluate() {
-    let (examples, clips) = arm();
+    let (examples, mut clips) = arm();
+    clips[1].numbers = Some((101..).take(clips[1].times.len()).collect());
     let [bytes, other] = [Predictor::Kernel, Predictor::Rotational].map(|p| model(&examples, p));
     let mut comparison =
-        Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+        Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
     comparison.compare(NamedModel { name: "other", bytes: &other, skin: None }).unwrap();
     let html = page(&comparison, true);
     let tags = tags(&html);
@@ -180,7 +182,8 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     let (examples, clips) = arm();
     let (vertex, by) = (123, 0.2 * examples.diagonal());
     let bytes = disturbed(&examples, vertex, by);
-    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let comparison =
+        Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
     let html = page(&comparison, false);
     tags(&html);
     let sentence = format!("Vertex {vertex}, where the model is off by ");
@@ -191,30 +194,45 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     assert!(html.contains(&format!("The vertices with the largest: {vertex} (")));
     assert!(html.contains("asked to train nothing"));
     for record in ::csv::Reader::from_reader(&csv::by_frame(&comparison).unwrap()[..]).records() {
-        assert_eq!(&record.unwrap()[7], vertex.to_string());
+        assert_eq!(&record.unwrap()[8], vertex.to_string());
     }
     // Undisturbed, another one is.
     let bytes = disturbed(&examples, vertex, 0.0);
-    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let comparison =
+        Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
     assert!(!page(&comparison, false).contains(&sentence));
 }
 
 #[test]
 fn the_table_by_frame_averages_to_what_evaluate_measures() {
-    let (examples, clips) = arm();
+    let (examples, mut clips) = arm();
+    clips[1].numbers = Some((101..).take(clips[1].times.len()).collect());
     let [bytes, other] = [disturbed(&examples, 5, 0.01), disturbed(&examples, 6, 0.02)];
     let mut comparison =
-        Comparison::new(source(&examples, &clips), Frames::All, file(&bytes)).unwrap();
+        Comparison::new(source(&examples, &clips), Some(Frames::All), file(&bytes)).unwrap();
     comparison.compare(file(&other)).unwrap();
     let table = csv::by_frame(&comparison).unwrap();
     let mut reader = ::csv::Reader::from_reader(&table[..]);
     let names: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
     let rows: Vec<HashMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
     assert_eq!(
-        names[..9],
-        ["frame", "clip", "split", "vertices", "rms", "p99", "max", "worst_vertex", "confidence"]
+        names[..10],
+        [
+            "frame",
+            "number",
+            "clip",
+            "split",
+            "vertices",
+            "rms",
+            "p99",
+            "max",
+            "worst_vertex",
+            "confidence"
+        ]
     );
     assert_eq!(rows.len(), examples.frame_len());
+    assert_eq!(comparison.source.label(1), "frame 1 (walk, 1)");
+    assert_eq!(comparison.source.label(clips[1].first + 1), "frame 102 (</title><img src=x>)");
     let [found, second] =
         [&bytes, &other].map(|m| evaluate(m, None, &examples, Frames::All).unwrap());
     let errors = [("", found.errors), ("lbs_", found.lbs), ("other_", second.errors)];
@@ -231,6 +249,8 @@ fn the_table_by_frame_averages_to_what_evaluate_measures() {
     for (frame, row) in rows.iter().enumerate() {
         assert_eq!(row["frame"], frame.to_string());
         let clip = if frame < clips[1].first { 0 } else { 1 };
+        let number = frame + [0, 101 - clips[1].first][clip];
+        assert_eq!(row["number"], number.to_string());
         assert_eq!(row["clip"], clips[clip].name);
         let held_out = examples.split[frame] == Split::HeldOut;
         assert_eq!(row["split"], if held_out { "held-out" } else { "train" });
@@ -242,7 +262,8 @@ fn the_mesh_holds_every_vertex_with_its_error() {
     let (examples, clips) = arm();
     let vertex = 77;
     let bytes = disturbed(&examples, vertex, 0.1);
-    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let comparison =
+        Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
     let mesh = ply::rest_mesh(&comparison);
     let end = "end_header\n";
     let header_len = mesh.windows(end.len()).position(|w| w == end.as_bytes()).unwrap() + end.len();
@@ -282,7 +303,7 @@ fn a_page_is_the_same_for_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let comparison =
-                Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+                Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
             page(&comparison, false)
         })
     };
@@ -295,11 +316,12 @@ fn training_frames_are_told_for_what_they_are() {
     examples.split.fill(Split::Train);
     let bytes = disturbed(&examples, 9, 0.0);
     let train = Frames::Of(Split::Train);
-    let comparison = Comparison::new(source(&examples, &clips), train, file(&bytes)).unwrap();
+    let comparison = Comparison::new(source(&examples, &clips), Some(train), file(&bytes)).unwrap();
     assert!(page(&comparison, false).contains("because the examples hold none out"));
     // Without any of them nothing can be trained, and the rest of the page is still there.
     examples.split.fill(Split::HeldOut);
-    let comparison = Comparison::new(source(&examples, &clips), HELD_OUT, file(&bytes)).unwrap();
+    let comparison =
+        Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
     let html = page(&comparison, true);
     assert!(html.contains("cannot be trained: the fit needs 6 training poses, found 0."));
     tags(&html);

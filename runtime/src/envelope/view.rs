@@ -100,9 +100,9 @@ impl<'a> Envelope<'a> {
     /// Returns how far a joint's origin came in training from where its parent carries it, at the most; 0 for
     /// the root, and about 0 for a joint that only turns.
     pub fn pose_gap(&self, joint: usize) -> Option<f32> {
-        let (len, place) = (self.joint_len(), joint.checked_add(self.joint_len())?);
-        let [le] = self.0.entry(POSE_RANGES, 2 * len, place).filter(|_| joint < len)?;
-        Some(f32::from_le_bytes(*le))
+        let len = self.joint_len();
+        let gap = self.0.entry(POSE_RANGES, 2 * len, joint.checked_add(len)?);
+        gap.map(|[le]| f32::from_le_bytes(*le))
     }
 
     /// Returns the key predictor of a proxy; a kernel envelope has none.

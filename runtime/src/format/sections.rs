@@ -126,11 +126,19 @@ pub enum SectionKind {
     FilterVariances = 62,
     /// How far a filter was measured to be from what it was trained on.
     FilterFit = 63,
+    /// Counts of a record.
+    RecordCounts = 64,
+    /// Marks by which training frames are known again.
+    FrameMarks = 65,
+    /// Joints of linear blend skinning.
+    LbsJoints = 66,
+    /// Weights of linear blend skinning.
+    LbsWeights = 67,
 }
 
 impl SectionKind {
     /// Every kind, by number.
-    pub const ALL: [Self; 60] = [
+    pub const ALL: [Self; 64] = [
         Self::Names,
         Self::Hierarchy,
         Self::InverseBinds,
@@ -191,6 +199,10 @@ impl SectionKind {
         Self::FilterTaps,
         Self::FilterVariances,
         Self::FilterFit,
+        Self::RecordCounts,
+        Self::FrameMarks,
+        Self::LbsJoints,
+        Self::LbsWeights,
     ];
 
     /// Returns its number in the file.
@@ -266,6 +278,10 @@ impl SectionKind {
             Self::FilterTaps => "filter_taps",
             Self::FilterVariances => "filter_variances",
             Self::FilterFit => "filter_fit",
+            Self::RecordCounts => "record_counts",
+            Self::FrameMarks => "frame_marks",
+            Self::LbsJoints => "lbs_joints",
+            Self::LbsWeights => "lbs_weights",
         }
     }
 
@@ -277,9 +293,11 @@ impl SectionKind {
             Self::Symmetry | Self::Texels => &[Element::Mixed],
             Self::Hierarchy | Self::InfluenceIndices | Self::Terms => &[Element::U16],
             Self::CancelPairs | Self::Elements => &[Element::U16],
+            Self::LbsJoints | Self::LbsWeights => &[Element::U16],
             Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => &[Element::U32],
             Self::KernelCounts | Self::ShapeBlocks | Self::ShapeEntries => &[Element::U32],
             Self::PriorCounts | Self::ViewsCounts | Self::FilterCounts => &[Element::U32],
+            Self::RecordCounts => &[Element::U32],
             Self::Maps | Self::ViewTextures | Self::ViewMasks | Self::Textures => &[Element::U32],
             Self::TangentCoefficients => &[Element::F16],
             Self::ShapeDeltas | Self::ShapeSlopes => &[Element::F32, Element::F16, Element::I8],

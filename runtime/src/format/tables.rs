@@ -20,6 +20,9 @@ pub enum PartKind {
     /// Makes a signal finer (METHOD §4).
     #[cfg(feature = "filter")]
     Filter = 6,
+    /// What an envelope was trained on.
+    #[cfg(feature = "record")]
+    Record = 7,
 }
 
 impl PartKind {
@@ -28,7 +31,8 @@ impl PartKind {
         2 + cfg!(feature = "kernel") as usize
             + cfg!(feature = "prior") as usize
             + cfg!(feature = "views") as usize
-            + cfg!(feature = "filter") as usize] = [
+            + cfg!(feature = "filter") as usize
+            + cfg!(feature = "record") as usize] = [
         Self::Envelope,
         Self::Skin,
         #[cfg(feature = "kernel")]
@@ -39,6 +43,8 @@ impl PartKind {
         Self::Views,
         #[cfg(feature = "filter")]
         Self::Filter,
+        #[cfg(feature = "record")]
+        Self::Record,
     ];
 
     /// Returns its number in the file.
@@ -59,6 +65,8 @@ impl PartKind {
             Self::Views => "views",
             #[cfg(feature = "filter")]
             Self::Filter => "filter",
+            #[cfg(feature = "record")]
+            Self::Record => "record",
         }
     }
 
@@ -75,6 +83,8 @@ impl PartKind {
             5 => Some(Self::Views),
             #[cfg(feature = "filter")]
             6 => Some(Self::Filter),
+            #[cfg(feature = "record")]
+            7 => Some(Self::Record),
             _ => None,
         }
     }
@@ -93,9 +103,14 @@ impl PartRow {
     /// Bytes of a row.
     pub const BYTES: usize = 4;
 
-    /// Makes the row of a part that a reader must know.
+    /// Makes the row of a part of a kind, which a reader must know if evaluation needs it.
     pub const fn new(kind: PartKind) -> Self {
-        Self { kind: kind.number(), flags: REQUIRED }
+        let flags = match kind {
+            #[cfg(feature = "record")]
+            PartKind::Record => 0,
+            _ => REQUIRED,
+        };
+        Self { kind: kind.number(), flags }
     }
 
     /// Whether a reader that does not know this part must refuse the file.

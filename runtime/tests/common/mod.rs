@@ -167,7 +167,7 @@ pub fn exercise(bytes: &[u8]) -> Option<()> {
     let known = PartKind::ALL.map(PartKind::number);
     let found = model.envelopes().count() + model.skins().count() + model.kernels().count();
     let found = found + model.priors().count() + model.all_views().count();
-    let found = found + model.filters().count();
+    let found = found + model.filters().count() + model.records().count();
     assert_eq!(found, model.parts().filter(|row| known.contains(&row.kind)).count());
     model.envelopes().for_each(|envelope| exercise_envelope(&envelope));
     model.kernels().for_each(|map| exercise_kernel(&map));

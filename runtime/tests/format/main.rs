@@ -13,6 +13,7 @@ mod limits;
 mod message;
 mod ownership;
 mod priors;
+mod records;
 mod shapes;
 mod sound;
 mod tables;

@@ -37,6 +37,14 @@ pub fn read<B: AsRef<[u8]>>(model: &Model<B>) {
     }
     model.all_views().for_each(|views| read_views(model, &views));
     model.filters().for_each(|filter| read_filter(&filter, model.as_bytes()));
+    for record in model.records() {
+        let record = record.layout().open(model.as_bytes()).expect("its own file");
+        assert_eq!(record.frame_marks().len(), record.counts().frame_len as usize);
+        for vertex in 0..record.counts().vertex_len as usize {
+            let joints = record.lbs_influences(vertex).into_iter().flatten();
+            joints.for_each(|(joint, _)| assert!(joint < record.counts().joint_len as usize));
+        }
+    }
     let part = |envelope: Envelope<'_>| envelope.part();
     assert_eq!(model.envelope().map(part), model.envelopes().next().map(part));
 }

@@ -1,6 +1,6 @@
 //! The files that everything starts from.
 
-use models::{FilterContent, GOLDEN, KernelContent, Pieces, ShapeContent};
+use models::{FilterContent, GOLDEN, KernelContent, Pieces, RecordContent, ShapeContent};
 use sinew_runtime::FileError;
 use sinew_runtime::format::Element;
 use sinew_runtime::kernel::Kernel;
@@ -36,5 +36,6 @@ fn several() -> Result<Vec<u8>, FileError> {
     let [object, _] = Pieces::viewed();
     out.append(object);
     out.add_filter(&FilterContent::sample(2, 5));
+    out.add_record(&RecordContent::sample());
     Ok(out.bytes())
 }

@@ -14,6 +14,7 @@ mod kernels;
 mod message;
 mod pieces;
 mod priors;
+mod records;
 #[path = "../../golden/rng.rs"]
 mod rng;
 mod sample;
@@ -32,6 +33,7 @@ pub use kernels::{KernelContent, VarianceContent};
 pub use message::{Message, seal};
 pub use pieces::{Content, Pieces};
 pub use priors::{FACE_NAME, PriorContent};
+pub use records::RecordContent;
 pub use rng::Rng;
 pub use sample::direction;
 pub use shape::{SMALL, Shape};

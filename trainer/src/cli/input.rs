@@ -5,7 +5,7 @@ use super::bars::Bars;
 use anyhow::{Context, bail};
 use sinew_runtime::Model;
 use sinew_trainer::examples::{
-    self, Clip, Examples, ExamplesError, LoadError, Loaded, Source, Split, hash_file, load,
+    self, Clip, Examples, ExamplesError, LoadError, Loaded, RATES, Source, Split, hash_file, load,
     load_importance,
 };
 use sinew_trainer::formats::Content;
@@ -16,27 +16,34 @@ use std::path::{Path, PathBuf};
 pub(super) struct ExampleArguments {
     /// Example poses: a scene with mesh, skeleton and clips (.glb, .gltf, .fbx), or a .npz with
     /// everything, its names and parents in it or in a .json beside it
-    pub(super) examples: PathBuf,
+    ///
+    /// Of several files the frames follow one another, in the axes and unit of the first; all are of one
+    /// character, and their clips are called FILE:CLIP.
+    #[arg(required = true, num_args = 1..)]
+    pub(super) examples: Vec<PathBuf>,
     /// The posed meshes of a scene, one a frame of its clips and with the vertices of its mesh, split
-    /// along seams or not: a point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the
+    /// along seams or not: Alembic (.abc), a point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the
     /// `vertices` of a .npz, in any order where it has `rest`, or the morph targets of a .glb [default: the scene's own skin and shapes]
+    ///
+    /// Of several scenes once for each, in their order.
     #[arg(long, value_name = "FILE")]
-    pub(super) targets: Option<PathBuf>,
+    pub(super) targets: Vec<PathBuf>,
     /// Frames a second at which the clips of a scene are sampled [default: at their keys]
     #[arg(long, value_name = "FPS", value_parser = rate, allow_negative_numbers = true)]
     pub(super) fps: Option<f64>,
-    /// The one clip of a scene to read [default: all]
+    /// A clip to read, of a scene or of a .npz that names its clips; may be given several times [default: all]
     #[arg(long, value_name = "NAME")]
-    pub(super) clip: Option<String>,
+    pub(super) clip: Vec<String>,
     /// How much each vertex counts, in a fit and in what is measured: one number a vertex, as .npy,
-    /// .txt or .csv [default: all alike]
+    /// .txt or .csv; of several files once for all or once for each, in their order [default: what a .npz says, else
+    /// all alike]
     #[arg(long, value_name = "FILE")]
-    pub(super) importance: Option<PathBuf>,
+    pub(super) importance: Vec<PathBuf>,
     /// Hold out this share of the frames (0.25 is a quarter), in contiguous blocks, instead of the
     /// file's own split; give `train`, `eval` and `report` the same
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub(super) hold_out: Option<f64>,
-    /// Hold out the frames of this clip; may be given several times
+    /// Hold out the frames of this clip, NAME or FILE:NAME of several files; may be given several times
     #[arg(long, value_name = "NAME", conflicts_with = "hold_out")]
     pub(super) hold_out_clip: Vec<String>,
 }
@@ -60,40 +67,84 @@ pub(super) struct InputFile {
 impl ExampleArguments {
     /// Loads the examples and tells on standard error what should be known about them.
     pub(super) fn load(&self, output: Output) -> anyhow::Result<LoadedInput> {
-        let mut input = read(self.source(), output, load)?;
-        let examples = &mut input.examples;
-        if let Some(file) = &self.importance {
-            let numbers = load_importance(file)?;
-            examples.weigh(numbers).with_context(|| file.display().to_string())?;
+        let (mut files, mut warnings) = (Vec::new(), Vec::new());
+        let importance = self.importance_of_each()?;
+        for (source, importance) in self.sources()?.into_iter().zip(importance) {
+            let mut input = read(source, output, load)?;
+            if let Some(file) = importance {
+                let numbers = load_importance(file)?;
+                let weighed = input.examples.weigh(numbers);
+                weighed.with_context(|| file.display().to_string())?;
+            }
+            warnings.extend(input.warnings);
+            files.push((source.file.to_owned(), input.examples, input.clips));
         }
+        let (mut examples, clips) = examples::join(files)?;
         if let Some(share) = self.hold_out {
-            examples.hold_out(share).with_context(|| self.examples.display().to_string())?;
+            examples.hold_out(share).with_context(|| self.named())?;
         }
-        examples
-            .hold_out_clips(&input.clips, &self.hold_out_clip)
-            .with_context(|| self.examples.display().to_string())?;
-        Ok(input)
+        examples.hold_out_clips(&clips, &self.hold_out_clip).with_context(|| self.named())?;
+        Ok(LoadedInput { examples, clips, warnings })
     }
 
     /// Hashes every file that a load reads.
     pub(super) fn hashes(&self) -> anyhow::Result<Vec<InputFile>> {
-        check(&self.examples)?;
+        self.examples.iter().try_for_each(|file| check(file))?;
         self.files().iter().filter(|file| file.exists()).map(|file| hash(file)).collect()
     }
 
     /// Names every file that a load reads, where it is there.
     pub(super) fn files(&self) -> Vec<PathBuf> {
-        let mut files = self.source().files();
-        files.extend(self.importance.clone());
+        let sources = self.sources().unwrap_or_default();
+        let mut files: Vec<PathBuf> = sources.iter().flat_map(Source::files).collect();
+        files.extend_from_slice(&self.importance);
         files
     }
 
-    fn source(&self) -> Source<'_> {
-        Source {
-            file: &self.examples,
-            targets: self.targets.as_deref(),
-            fps: self.fps,
-            clip: self.clip.as_deref(),
+    /// Names the examples, as messages about all of them do.
+    pub(super) fn named(&self) -> String {
+        let names: Vec<String> =
+            self.examples.iter().map(|file| file.display().to_string()).collect();
+        names.join(", ")
+    }
+
+    /// Gives the file of each set of examples, with what belongs to it.
+    fn sources(&self) -> anyhow::Result<Vec<Source<'_>>> {
+        let is_scene = |file: &Path| file.extension().is_none_or(|ending| ending != "npz");
+        let scenes = self.examples.iter().filter(|file| is_scene(file)).count();
+        let several = self.examples.len() > 1;
+        if several && !self.targets.is_empty() && self.targets.len() != scenes {
+            let found = self.targets.len();
+            bail!(
+                "--targets: expected one for each scene, in their order: {scenes}, found {found}"
+            );
+        }
+        if let ([_], [_, second, ..]) = (&self.examples[..], &self.targets[..]) {
+            bail!(
+                "--targets {}: there is one file of examples, which has its own",
+                second.display()
+            );
+        }
+        let mut targets = self.targets.iter();
+        let mut sources = Vec::new();
+        for file in &self.examples {
+            let own = if several && !is_scene(file) { None } else { targets.next() };
+            let targets = own.map(PathBuf::as_path);
+            sources.push(Source { file, targets, fps: self.fps, clips: &self.clip });
+        }
+        Ok(sources)
+    }
+
+    /// Gives the importance of each set of examples.
+    fn importance_of_each(&self) -> anyhow::Result<Vec<Option<&Path>>> {
+        let (files, given) = (self.examples.len(), self.importance.len());
+        match &self.importance[..] {
+            [] => Ok(vec![None; files]),
+            [one] => Ok(vec![Some(one.as_path()); files]),
+            all if given == files => Ok(all.iter().map(|file| Some(file.as_path())).collect()),
+            _ => bail!(
+                "--importance: expected one for all files or one for each of {files}, found {given}"
+            ),
         }
     }
 }
@@ -166,8 +217,8 @@ fn check(examples: &Path) -> anyhow::Result<()> {
 /// Parses a number of frames a second.
 fn rate(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(rate) if (0.001..=10_000.0).contains(&rate) => Ok(rate),
-        _ => Err("expected a number from 0.001 to 10000".to_owned()),
+        Ok(rate) if RATES.contains(&rate) => Ok(rate),
+        _ => Err(format!("expected a number from {} to {}", RATES.start(), RATES.end())),
     }
 }
 

@@ -10,7 +10,8 @@ use std::path::PathBuf;
 
 /// Shows what MODEL holds: its parts (envelopes predict palettes, skins are meshes that follow them,
 /// kernels are functions of scattered data, priors say how a face's shapes go together, views
-/// are pictures and what lies between them, filters make signals finer), the axes and the unit of its numbers, and its bytes by section.
+/// are pictures and what lies between them, filters make signals finer, records tell what an envelope was
+/// trained on), the axes and the unit of its numbers, and its bytes by section.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     /// A model that `sinew train` wrote, `sinew kernel train`, `sinew face train`, `sinew views train` or
@@ -106,6 +107,7 @@ fn as_json(model: &Model<Vec<u8>>, described: &[Described]) -> Value {
         "priors": of(PartKind::Prior),
         "views": of(PartKind::Views),
         "filters": of(PartKind::Filter),
+        "records": of(PartKind::Record),
         "sections": sections,
         "other_bytes": around(model),
     })

@@ -5,14 +5,13 @@ use serde_json::{Value, json};
 use sinew_runtime::format::{Axis, Handedness, Space};
 use sinew_trainer::examples::Examples;
 use sinew_trainer::space::{Conversion, SpaceRequest};
-use std::path::Path;
 
 /// What the file of the examples does not say of their space, or says wrongly.
 #[derive(clap::Args)]
 #[command(next_help_heading = "The space of the examples")]
 pub(super) struct StatedSpace {
     /// The axis along which the character stands in the examples: x, -x, y, -y, z or -z [default:
-    /// what the file says; a .npz says nothing]
+    /// what the file says, which a .npz need not]
     #[arg(long, value_name = "AXIS", value_parser = axis, allow_hyphen_values = true)]
     pub(super) up: Option<Axis>,
     /// The axis along which it looks [default: what the file says]
@@ -47,16 +46,16 @@ pub(super) struct TargetSpace {
 
 impl StatedSpace {
     /// Says it of examples from a file.
-    pub(super) fn say(&self, examples: &mut Examples, file: &Path) -> anyhow::Result<()> {
+    pub(super) fn say(&self, examples: &mut Examples, file: &str) -> anyhow::Result<()> {
         examples.space = self.of(examples.space, file)?;
         Ok(())
     }
 
     /// Says it of the space of a file.
-    pub(super) fn of(&self, space: Space, file: &Path) -> anyhow::Result<Space> {
+    pub(super) fn of(&self, space: Space, file: &str) -> anyhow::Result<Space> {
         let Self { up, forward, unit } = *self;
         let request = SpaceRequest { up, forward, handedness: None, unit };
-        request.of(space).with_context(|| file.display().to_string())
+        request.of(space).with_context(|| file.to_owned())
     }
 }
 
@@ -71,10 +70,10 @@ impl TargetSpace {
     pub(super) fn convert(
         &self,
         examples: &mut Examples,
-        file: &Path,
+        file: &str,
     ) -> anyhow::Result<Option<Conversion>> {
         let found = Conversion::to(examples.space, &self.request());
-        let (space, conversion) = found.with_context(|| file.display().to_string())?;
+        let (space, conversion) = found.with_context(|| file.to_owned())?;
         if let Some(conversion) = &conversion {
             examples.convert(conversion, space);
         }

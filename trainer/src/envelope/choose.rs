@@ -3,11 +3,11 @@
 
 use super::error::{FitError, TrainError};
 use super::evaluate::{Baseline, Character, Measured};
-use super::fitted::{Fitted, corrected};
+use super::fitted::{Fitted, NAME, corrected};
 use super::helpers::fit::{self, Helpers};
 use super::levels::AddError;
 use super::levels::{self, LevelReport};
-use super::model::{FileModel, SkinModel};
+use super::model::{FileModel, RecordModel, SkinModel};
 use super::normals::{Fan, PosedSurface};
 use super::options::{FileSkins, Options, Predict};
 use super::rotational::ProxyCount;
@@ -130,6 +130,7 @@ pub fn choose(
         options,
         progress,
         lbs_rms: lbs.rms(&training.poses.stacked()),
+        record: RecordModel::new(NAME, examples, &training.lbs.weights),
         reports: Vec::new(),
         candidates: Vec::new(),
         least_bytes: usize::MAX,
@@ -171,6 +172,7 @@ struct PredictorSearch<'a> {
     options: &'a Options,
     progress: &'a dyn Progress,
     lbs_rms: f64,
+    record: RecordModel,
     reports: Vec<CandidateReport>,
     candidates: Vec<Candidate>,
     /// Bytes of the smallest file that was tried.
@@ -369,6 +371,9 @@ impl PredictorSearch<'_> {
             }
             FileSkins::PaletteAlone => model.skins.clear(),
         }
+        if self.options.budget.is_none() {
+            model.records.push(self.record.clone());
+        }
         let bytes = model.bake()?.len();
         self.least_bytes = self.least_bytes.min(bytes);
         Ok(bytes)
@@ -376,7 +381,7 @@ impl PredictorSearch<'_> {
 
     /// Takes the candidate that scores best, with fewer proxies where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
-        let Self { training, examples, progress, lbs_rms, reports, candidates, .. } = self;
+        let Self { training, examples, progress, lbs_rms, record, reports, candidates, .. } = self;
         let of = |c: &Candidate| {
             (c.fitted.envelope.predictor(), reports[c.report].refined, c.tangent_coefficients)
         };
@@ -412,7 +417,7 @@ impl PredictorSearch<'_> {
                 Vec::new()
             }
         };
-        let model = model.bake()?;
+        let model = recorded(model, record, self.options.budget)?;
         let report = TrainingReport {
             lbs_rms,
             folds: folds(training.poses.len()),
@@ -424,6 +429,24 @@ impl PredictorSearch<'_> {
         };
         Ok(Trained { model, report, levels })
     }
+}
+
+/// Bakes a model with the record of its training, as much of it as a budget has room for.
+fn recorded(
+    mut model: FileModel,
+    record: RecordModel,
+    budget: Option<usize>,
+) -> Result<Vec<u8>, TrainError> {
+    let marks = RecordModel { lbs: None, ..record.clone() };
+    for record in [record, marks] {
+        model.records = vec![record];
+        let bytes = model.bake()?;
+        if budget.is_none_or(|budget| bytes.len() <= budget) {
+            return Ok(bytes);
+        }
+    }
+    model.records.clear();
+    Ok(model.bake()?)
 }
 
 /// Finds the candidate with the least error: one without tangent coefficients only where those with them leave

@@ -13,6 +13,9 @@ use faer::Mat;
 use sinew_runtime::envelope::Certificate;
 use std::ops::Range;
 
+/// What an envelope is called that a training makes.
+pub const NAME: &str = "envelope";
+
 /// A fitted envelope, in training units.
 #[derive(Clone)]
 pub struct Fitted {
@@ -32,7 +35,7 @@ impl Fitted {
         reconstruction: Option<Reconstruction>,
     ) -> Self {
         let envelope = EnvelopeModel {
-            name: "envelope".to_owned(),
+            name: NAME.to_owned(),
             skeleton: training.skeleton.clone(),
             reconstruction,
             groups: Vec::new(),

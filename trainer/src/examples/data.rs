@@ -18,6 +18,17 @@ pub enum Split {
     Extreme,
 }
 
+impl Split {
+    /// Returns its name, as on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Train => "train",
+            Self::HeldOut => "held-out",
+            Self::Extreme => "extreme",
+        }
+    }
+}
+
 /// The joints of a character: one reference root, every other joint with one parent.
 #[derive(Clone, Debug)]
 pub struct Skeleton {

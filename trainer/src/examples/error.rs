@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use super::import::ImportError;
+use crate::formats::scene::{Clip, RATES};
 use crate::formats::{FileError, FormatError};
 use crate::space::SpaceError;
 
@@ -59,8 +60,8 @@ pub enum ExamplesError {
     NotFinite {
         /// The array.
         array: &'static str,
-        /// The frame, for arrays that have one.
-        frame: Option<usize>,
+        /// The frame, for arrays that have one: its place, or what its source calls it.
+        frame: Option<i64>,
         /// The vertex or joint.
         element: Element,
     },
@@ -73,8 +74,8 @@ pub enum ExamplesError {
     TooLarge {
         /// The array.
         array: &'static str,
-        /// The frame, for arrays that have one.
-        frame: Option<usize>,
+        /// The frame, for arrays that have one: its place, or what its source calls it.
+        frame: Option<i64>,
         /// The vertex or joint.
         element: Element,
     },
@@ -114,6 +115,49 @@ pub enum ExamplesError {
         /// How many triangles there are.
         triangle_len: usize,
     },
+    /// A clip or mesh does not begin behind the one before it.
+    #[error(
+        "array {array} has {found} for {name}, expected 0 for the first, then ascending numbers below {len}"
+    )]
+    Start {
+        /// The array.
+        array: &'static str,
+        /// The clip or mesh.
+        name: String,
+        /// What it begins with.
+        found: i64,
+        /// How many frames or vertices there are.
+        len: usize,
+    },
+    /// What a frame is called does not ascend in its clip.
+    #[error(
+        "array frame_numbers has {found} at frame {frame}, expected {least} to {}: numbers ascend in each clip",
+        i32::MAX
+    )]
+    FrameNumber {
+        /// The frame, by its place.
+        frame: usize,
+        /// What it is called.
+        found: i64,
+        /// The least that it may be called.
+        least: i64,
+    },
+    /// Frames follow at no rate that can be played.
+    #[error("array fps has {fps}, expected {} to {} frames a second", RATES.start(), RATES.end())]
+    Rate {
+        /// Frames a second.
+        fps: f64,
+    },
+    /// A word is none of those that are known.
+    #[error("array {array} has {found:?}, expected {expected}")]
+    UnknownWord {
+        /// The array.
+        array: &'static str,
+        /// The word.
+        found: String,
+        /// What it may be.
+        expected: &'static str,
+    },
     /// A joint's parent does not exist.
     #[error("joint {joint} has parent {parent}, which does not exist")]
     MissingParent {
@@ -150,8 +194,8 @@ pub enum ExamplesError {
         Some(frame) => format!("at frame {frame}"),
     })]
     NonRigidJoint {
-        /// The frame; none of the rest pose.
-        frame: Option<usize>,
+        /// The frame, its place or what its source calls it; none of the rest pose.
+        frame: Option<i64>,
         /// The joint.
         joint: String,
         /// What its matrix does.
@@ -217,6 +261,25 @@ pub enum ExamplesError {
     Import(#[from] ImportError),
 }
 
+impl ExamplesError {
+    /// Calls the frame that it points at as its source does, of frames of these clips.
+    pub(super) fn called(mut self, clips: &[Clip]) -> Self {
+        if let Self::NotFinite { frame: Some(frame), .. }
+        | Self::TooLarge { frame: Some(frame), .. }
+        | Self::NonRigidJoint { frame: Some(frame), .. } = &mut self
+        {
+            *frame = called(*frame, clips);
+        }
+        self
+    }
+}
+
+/// Gives what the source calls a frame, or its place where the source calls it nothing.
+pub(super) fn called(frame: i64, clips: &[Clip]) -> i64 {
+    let within = |clip: &Clip| clip.number(usize::try_from(frame).ok()?.checked_sub(clip.first)?);
+    clips.iter().find_map(within).unwrap_or(frame)
+}
+
 /// The part of an example that an error points at.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Element {
@@ -236,6 +299,6 @@ impl fmt::Display for Element {
 }
 
 /// Says in which frame, before a place in it.
-pub(super) fn in_frame(frame: Option<usize>) -> String {
+pub(super) fn in_frame(frame: Option<i64>) -> String {
     frame.map(|frame| format!("frame {frame}, ")).unwrap_or_default()
 }

@@ -39,7 +39,8 @@ impl Examples {
         Ok(())
     }
 
-    /// Holds out the frames of the clips with these names; the others keep their use.
+    /// Holds out the frames of the clips with these names, with that of their file before them or without; the others
+    /// keep their use.
     ///
     /// # Errors
     /// [`SceneError::UnknownClip`] for a name that none of `clips` has.
@@ -49,7 +50,9 @@ impl Examples {
         names: &[String],
     ) -> Result<(), ExamplesError> {
         for name in names {
-            let named: Vec<&Clip> = clips.iter().filter(|clip| clip.name == *name).collect();
+            let bare = |clip: &Clip| clip.name.rsplit_once(':').is_some_and(|(_, own)| own == name);
+            let is_named = |clip: &&Clip| clip.name == *name || bare(clip);
+            let named: Vec<&Clip> = clips.iter().filter(is_named).collect();
             if named.is_empty() {
                 let known = clips.iter().map(|clip| clip.name.clone()).collect();
                 let unknown = SceneError::UnknownClip { name: name.clone(), known };
@@ -116,6 +119,7 @@ mod tests {
             name: name.into(),
             first,
             times: (0..len).map(f64::from).collect(),
+            numbers: None,
         };
         let clips = [clip("walk", 0, 2), clip("run", 2, 3), clip("walk", 5, 1)];
         examples.hold_out_clips(&clips, &["walk".to_owned()]).unwrap();

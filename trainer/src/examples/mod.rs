@@ -11,6 +11,7 @@ mod hash;
 mod hold_out;
 mod import;
 mod importance;
+mod mark;
 mod rigidity;
 mod sample;
 #[cfg(test)]
@@ -18,12 +19,14 @@ mod testing;
 mod validate;
 mod warning;
 
-pub use crate::formats::scene::Clip;
+pub use crate::formats::scene::{Clip, RATES};
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
 pub use error::{Element, ExamplesError, LoadError};
 pub use hash::hash_file;
-pub use import::{ImportError, Loaded, Source, load, load_poses, npz};
+pub use import::{ImportError, Loaded, Source, join, load, load_poses, npz};
+pub(crate) use import::{PosedClips, is_shuffled};
 pub use importance::{Importance, load_importance};
+pub use mark::{Mark, is_same};
 pub use rigidity::Distortion;
 pub(crate) use sample::spread;
 pub use validate::RIGID;

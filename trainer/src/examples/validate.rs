@@ -64,7 +64,7 @@ impl Examples {
             for (map, joint) in self.pose(frame).iter().zip(&self.skeleton.names) {
                 if deviation(map) > REPAIRABLE {
                     let (frame, joint, distortion) =
-                        (Some(frame), joint.clone(), Distortion::of(map));
+                        (Some(frame as i64), joint.clone(), Distortion::of(map));
                     return Err(ExamplesError::NonRigidJoint { frame, joint, distortion });
                 }
             }
@@ -238,7 +238,7 @@ impl Examples {
                 array,
                 joint: joint.clone(),
                 matrix_len: off.count(),
-                worst_frame: posed.then_some(worst),
+                worst_frame: posed.then_some(worst as i64),
                 deviation,
             });
         }
@@ -268,11 +268,13 @@ pub(super) fn numbers<'a>(
     for (number, row) in rows.enumerate() {
         let frame = per_frame.map(|len| number / len);
         let place = || element(per_frame.map_or(number, |len| number % len));
+        let within = |x: &f64| x.abs() <= f64::from(MAGNITUDE_MAX);
+        let fits = row.iter().all(within) || !frame.is_none_or(&bounded);
+        let frame = frame.map(|frame| frame as i64);
         if !row.iter().all(|x| x.is_finite()) {
             return Err(ExamplesError::NotFinite { array, frame, element: place() });
         }
-        let within = |x: &f64| x.abs() <= f64::from(MAGNITUDE_MAX);
-        if !row.iter().all(within) && frame.is_none_or(&bounded) {
+        if !fits {
             return Err(ExamplesError::TooLarge { array, frame, element: place() });
         }
     }

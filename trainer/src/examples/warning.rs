@@ -1,6 +1,7 @@
 //! What does not stop a fit and is worth saying.
 
-use super::error::in_frame;
+use super::Clip;
+use super::error::{called, in_frame};
 use crate::formats::FormatWarning;
 use std::fmt;
 
@@ -20,8 +21,8 @@ pub enum Warning {
         joint: String,
         /// How many of its matrices are off.
         matrix_len: usize,
-        /// The frame of the worst, for arrays that have one.
-        worst_frame: Option<usize>,
+        /// The frame of the worst, its place or what its source calls it, for arrays that have one.
+        worst_frame: Option<i64>,
         /// How far the worst is off.
         deviation: f64,
     },
@@ -42,6 +43,18 @@ pub enum Warning {
     },
     /// The meshes to learn are the scene's own linear blend skinning.
     PlainSkin,
+    /// Meshes among the targets are none of the scene's, and are left out.
+    TargetsLeftOut {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+    /// The targets follow the clips in another order, and were sorted.
+    ClipsSorted {
+        /// The clips in the order of the targets.
+        clips: Vec<String>,
+        /// How far vertices are from where one joint carries them, as sorted and as given, in % of the diagonal.
+        percent: [f64; 2],
+    },
     /// Joints or targets came in other axes or units and were moved.
     Moved {
         /// What was moved.
@@ -49,6 +62,16 @@ pub enum Warning {
         /// Where to.
         how: String,
     },
+}
+
+impl Warning {
+    /// Calls the frame that it points at as its source does, of frames of these clips.
+    pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
+        if let Self::NonRigidJoint { worst_frame: Some(frame), .. } = &mut self {
+            *frame = called(*frame, clips);
+        }
+        self
+    }
 }
 
 impl From<FormatWarning> for Warning {
@@ -98,6 +121,21 @@ impl fmt::Display for Warning {
                  blend skinning, of which there is nothing to learn; give the posed meshes as \
                  --targets",
             ),
+            Warning::TargetsLeftOut { meshes } => {
+                write!(
+                    f,
+                    "meshes of the targets that the scene lacks are left out: {}",
+                    meshes.join(", ")
+                )
+            }
+            Warning::ClipsSorted { clips, percent: [sorted, given] } => {
+                write!(
+                    f,
+                    "the targets follow the clips in another order, {}, and were sorted: vertices are {sorted:.2} % of \
+                     the diagonal from where one joint carries them, {given:.2} % as given",
+                    clips.join(", ")
+                )
+            }
             Warning::Moved { what, how } => {
                 write!(f, "the {what} came in other axes or units and were moved: {how}")
             }

@@ -171,6 +171,7 @@ fn file(basis: &Basis, prior: PriorModel, options: &Options) -> FileModel {
         envelopes: Vec::new(),
         skins: vec![basis.skin(&options.name, options.numbers)],
         priors: vec![prior],
+        records: Vec::new(),
     }
 }
 

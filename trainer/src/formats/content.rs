@@ -1,7 +1,7 @@
 //! What a file holds, whatever its name says.
 
 use super::error::FormatError;
-use super::extension::extension;
+use super::extension::{extension, unread};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -16,13 +16,16 @@ pub enum Content {
 }
 
 /// How files begin.
-const BEGINNINGS: [(&[u8], Content); 6] = [
+const BEGINNINGS: [(&[u8], Content); 8] = [
     (b"SNEW", Content::Model),
     (b"glTF", Content::Examples("glb")),
     (b"Kaydara FBX Binary", Content::Examples("fbx")),
     (b"; FBX", Content::Examples("fbx")),
     (b"PK\x03\x04", Content::Examples("npz")),
     (b"POINTCACHE2\0", Content::Examples("pc2")),
+    (b"Ogawa", Content::Examples("abc")),
+    // Alembic in its older container, which its reader names.
+    (b"\x89HDF\r\n\x1a\n", Content::Examples("abc")),
 ];
 
 impl Content {
@@ -33,9 +36,12 @@ impl Content {
     }
 }
 
-/// Checks that a file that is to be read by its ending holds something, and nothing else. What cannot be opened is
-/// left to whoever reads it.
+/// Checks that a file that is to be read by its ending has one that may be, holds something, and nothing else. What
+/// cannot be opened is left to whoever reads it.
 pub(crate) fn check(path: &Path) -> Result<(), FormatError> {
+    if let Some(error) = unread(path) {
+        return Err(error);
+    }
     let Ok(mut file) = File::open(path) else { return Ok(()) };
     let mut beginning = [0; 32];
     let Ok(len) = file.read(&mut beginning) else { return Ok(()) };
@@ -63,6 +69,8 @@ mod tests {
         assert_eq!(Content::of(b"glTF\x02\0"), Some(Content::Examples("glb")));
         assert_eq!(Content::of(b"Kaydara FBX Binary  \0"), Some(Content::Examples("fbx")));
         assert_eq!(Content::of(b"PK\x03\x04"), Some(Content::Examples("npz")));
+        assert_eq!(Content::of(b"Ogawa\xff\0\x01"), Some(Content::Examples("abc")));
+        assert_eq!(Content::of(b"\x89HDF\r\n\x1a\n\0"), Some(Content::Examples("abc")));
         assert_eq!(Content::of(b"{\"asset\":"), None);
         assert_eq!(Content::of(b""), None);
     }

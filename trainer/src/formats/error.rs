@@ -1,5 +1,6 @@
 //! What can be wrong with a file, whatever its format.
 
+use super::abc::AlembicError;
 use super::csv::CsvError;
 use super::npz::ArrayError;
 use super::obj::ObjError;
@@ -34,6 +35,14 @@ pub enum FormatError {
         /// The ending found.
         found: String,
     },
+    /// The file is of a format that is not read.
+    #[error("is {format}, which is not read: {remedy}")]
+    Unread {
+        /// The format.
+        format: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// There is nothing in the file.
     #[error("is empty")]
     Empty,
@@ -55,6 +64,9 @@ pub enum FormatError {
     /// A point cache is damaged or none.
     #[error(transparent)]
     PointCache(#[from] PointCacheError),
+    /// An Alembic archive is damaged, or its meshes are not of one mesh.
+    #[error(transparent)]
+    Alembic(#[from] AlembicError),
     /// Meshes do not follow one another.
     #[error(transparent)]
     Sequence(#[from] SequenceError),

@@ -16,3 +16,19 @@ pub(crate) fn unknown_format(path: &Path, expected: &'static str) -> FormatError
     };
     FormatError::UnknownFormat { expected, found }
 }
+
+/// Says what to do with a file of a format that is known and not read; none of any other.
+pub(crate) fn unread(path: &Path) -> Option<FormatError> {
+    let (format, remedy) = match extension(path).as_str() {
+        "blend" => (
+            "a Blender scene",
+            "write examples of it by `blender FILE --background --python trainer/blender_export.py -- examples.npz`",
+        ),
+        "usd" | "usda" | "usdc" | "usdz" => (
+            "USD",
+            "export the scene with its joints as .fbx or .glb, and posed meshes as Alembic (.abc)",
+        ),
+        _ => return None,
+    };
+    Some(FormatError::Unread { format, remedy })
+}

@@ -15,6 +15,7 @@
 //! 4. What its meshes look like, in `appearance/load.rs`, where it says so.
 //! 5. Its ending in the help of `sinew train` (`cli/input.rs`) and in the README.
 
+pub(crate) mod abc;
 pub mod appearance;
 pub(crate) mod content;
 pub(crate) mod csv;
@@ -34,6 +35,7 @@ mod shaped;
 pub(crate) mod testing;
 mod warning;
 
+pub use abc::AlembicError;
 pub use content::Content;
 pub use csv::CsvError;
 pub use error::{FileError, FormatError};

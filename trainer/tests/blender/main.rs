@@ -2,7 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test stops where its set-up fails")]
 
-use sinew_trainer::examples::{Loaded, Source, Warning, load, npz};
+#[path = "../shared/mod.rs"]
+mod shared;
+
+use sinew_runtime::format::{Axis, Space};
+use sinew_trainer::examples::{Clip, Examples, Loaded, Source, Warning, load, npz};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -25,18 +29,31 @@ fn run(python: &Path, script: &str, arguments: &[&str]) -> Output {
     Command::new(python).arg(script).args(arguments).output().unwrap()
 }
 
-/// Makes the scene and exports it; gives the script's output and where the examples should be.
-fn export(test: &str, more: &[&str]) -> Option<(Output, PathBuf)> {
+/// Makes the scenes and exports one; gives the script's output and where the examples should be.
+fn export(test: &str, scene: &str, more: &[&str]) -> Option<(Output, PathBuf)> {
     let python = python()?;
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("blender-{test}"));
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
-    let [scene, examples] = ["limb.blend", "limb.npz"].map(|name| folder.join(name));
-    let made = run(&python, "tests/blender/scene.py", &[scene.to_str().unwrap()]);
+    let made = run(&python, "tests/blender/scene.py", &[folder.to_str().unwrap()]);
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let examples = folder.join("limb.npz");
+    Some((of(&python, &folder.join(scene), &examples, more), examples))
+}
+
+/// Exports a scene.
+fn of(python: &Path, scene: &Path, examples: &Path, more: &[&str]) -> Output {
     let mut arguments = vec!["--blend", scene.to_str().unwrap(), examples.to_str().unwrap()];
     arguments.extend(more);
-    Some((run(&python, "blender_export.py", &arguments), examples))
+    run(python, "blender_export.py", &arguments)
+}
+
+/// Gives what the script says, and what it notes.
+#[track_caller]
+fn done(output: &Output) -> [String; 2] {
+    let [said, noted] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    assert!(output.status.success(), "{noted}");
+    [said.into_owned(), noted.into_owned()]
 }
 
 fn near(found: &[f64], expected: &[f64]) {
@@ -46,12 +63,16 @@ fn near(found: &[f64], expected: &[f64]) {
 
 #[test]
 fn a_scene_becomes_the_examples_that_it_shows() {
-    let Some((output, path)) = export("scene", &[]) else { return };
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let words = "6 vertices, 2 joints, 3 frames";
-    assert!(String::from_utf8_lossy(&output.stdout).contains(words));
-    let Loaded { examples, warnings, .. } = npz::load(&path).unwrap();
+    let Some((output, path)) = export("scene", "limb.blend", &[]) else { return };
+    let [said, noted] = done(&output);
+    let words = "limb.npz: 6 vertices, 2 joints, 3 frames at 24 a second\n  meshes: Limb\n  \
+                 clips: RigAction (1 to 3)\n";
+    assert!(said.ends_with(words) && noted.is_empty(), "{said}{noted}");
+    let Loaded { examples, clips, warnings } = npz::load(&path).unwrap();
     assert_eq!(warnings, []);
+    assert_eq!(clips, [clip("RigAction", 0, 24.0, &[1, 2, 3])]);
+    let space = Space { up: Some(Axis::Z), forward: Some(Axis::MinusY), ..Space::GLTF };
+    assert_eq!(examples.space, space);
     // A quad, a triangle, and three triangles for the face of five corners.
     assert_eq!((examples.vertex_len(), examples.triangles.len()), (6, 2 + 1 + 3));
     assert_eq!(examples.skeleton.names, ["upper", "lower"]);
@@ -90,8 +111,8 @@ fn a_scene_becomes_the_examples_that_it_shows() {
 /// Blender's own exporter writes other axes and units, and every bone.
 #[test]
 fn the_same_scene_as_fbx_moves_the_same_joints() {
-    let Some((output, path)) = export("fbx", &[]) else { return };
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let Some((output, path)) = export("fbx", "limb.blend", &[]) else { return };
+    done(&output);
     let scene = path.with_extension("fbx");
     let source = Source { targets: Some(&path), ..Source::file(&scene) };
     let Loaded { examples, warnings, .. } = load(&source).unwrap();
@@ -117,13 +138,127 @@ fn the_same_scene_as_fbx_moves_the_same_joints() {
 
 #[test]
 fn frames_and_bones_can_be_chosen() {
-    let Some((output, path)) = export("chosen", &["--frames", "1:3:2", "--bones", "all"]) else {
-        return;
-    };
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let examples = npz::load(&path).unwrap().examples;
+    let arguments = ["--frames", "1:3:2", "--bones", "all"];
+    let Some((output, path)) = export("chosen", "limb.blend", &arguments) else { return };
+    done(&output);
+    let Loaded { examples, clips, .. } = npz::load(&path).unwrap();
     assert_eq!(examples.skeleton.names, ["upper", "control", "lower"]);
     assert_eq!(examples.frame_len(), 2);
+    assert_eq!(clips, [clip("RigAction", 0, 24.0, &[1, 3])]);
+}
+
+/// Makes a clip of numbered frames.
+fn clip(name: &str, first: usize, fps: f64, numbers: &[i64]) -> Clip {
+    let times = numbers.iter().map(|number| (number - numbers[0]) as f64 / fps).collect();
+    Clip { name: name.to_owned(), first, times, numbers: Some(numbers.to_vec()) }
+}
+
+#[test]
+fn meshes_are_joined_strips_are_clips_and_a_group_weighs() {
+    let arguments = ["--importance", "Matters"];
+    let Some((output, path)) = export("strips", "strips.blend", &arguments) else { return };
+    let [said, noted] = done(&output);
+    let words = "meshes: Limb, Sleeve\n  clips: Bend (1 to 3), Twist (5 to 6), Again (7 to 9)\n";
+    assert!(said.ends_with(words), "{said}");
+    for words in
+        ["hidden in the viewport are left out: Hair, Scales", "of no strip are left out: 2 ("]
+    {
+        assert!(noted.contains(words), "{noted}");
+    }
+    let Loaded { examples, clips, warnings } = npz::load(&path).unwrap();
+    assert_eq!(warnings, []);
+    let fps = 24.0 / f64::from(1.001_f32);
+    let [bend, twist] = [clip("Bend", 0, fps, &[1, 2, 3]), clip("Twist", 3, fps, &[5, 6])];
+    assert_eq!(clips, [bend, twist, clip("Again", 5, fps, &[7, 8, 9])]);
+    assert_eq!(examples.ranges, [("Limb".to_owned(), 0..6), ("Sleeve".to_owned(), 6..10)]);
+    assert_eq!(examples.space.unit, Some(0.1));
+    let importance = examples.importance.as_ref().unwrap();
+    let ratios: Vec<f64> = importance.iter().map(|number| number / importance[0]).collect();
+    near(&ratios, &[1.0, 0.0, 0.0, 0.25, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
+    // The sleeve is mirrored, its faces are turned over; it has no texture, and no seam.
+    near(&examples.rest[7], &[-0.2, 0.0, 0.0]);
+    assert_eq!(examples.triangles[6..], [[6, 8, 7], [6, 9, 8]]);
+    let surface = examples.surface();
+    let uv = surface.uv().unwrap();
+    let own: Vec<_> = (0..uv.len()).filter(|&copy| surface.copy_of(copy) >= 6).collect();
+    assert!(own.len() == 4 && own.iter().all(|&copy| uv[copy] == [0.0; 2]));
+    // Each strip plays its own: by 90 degrees about the bone's y, which is z, x becomes y.
+    near(&examples.frame(2)[5], &[0.3, -0.5, 1.3]);
+    near(&examples.frame(3)[5], &[0.3, 0.3, 1.5]);
+    near(&examples.frame(4)[5], &[-0.3, 0.3, 1.5]);
+    near(&examples.frame(4)[7], &[-0.2, 0.0, 0.0]);
+    near(&examples.frame(5)[5], &[0.3, 0.3, 1.5]);
+    near(&examples.frame(7)[5], &[0.3, -0.5, 1.3]);
+
+    // One clip of it, held out or alone.
+    let clip = Source { clips: &["Twist".to_owned()], ..Source::file(&path) };
+    let Loaded { examples: alone, clips, .. } = load(&clip).unwrap();
+    assert_eq!((alone.frame_len(), clips.len(), clips[0].number(0)), (2, 1, Some(5)));
+    assert_eq!(alone.frame(1), examples.frame(4));
+}
+
+#[test]
+fn strips_that_overlap_are_one_clip_and_what_grows_is_named() {
+    let Some(python) = python() else { return };
+    let arguments = ["--mesh", "Sleeve", "--mesh", "Limb"];
+    let Some((output, path)) = export("muddled", "muddled.blend", &arguments) else { return };
+    let [_, noted] = done(&output);
+    let overlap = "the NLA of Rig has strips that overlap, Bend and Twist";
+    assert!(noted.contains(&format!("{overlap}: all frames are one clip")), "{noted}");
+    let Loaded { examples, clips, .. } = npz::load(&path).unwrap();
+    assert_eq!((clips.len(), clips[0].name.as_str(), examples.frame_len()), (1, "Scene", 10));
+    assert_eq!(examples.ranges[0].0, "Limb", "the scene's order");
+    let strips = path.with_file_name("strips.blend");
+    let muddled = path.with_file_name("muddled.blend");
+    let none = path.with_file_name("none.npz");
+    for (scene, arguments, words) in [
+        (&muddled, &["--mesh", "Limb", "--clips", "strips"][..], overlap),
+        (&muddled, &[], "frame 2: mesh Hair has 3 vertices, at rest 2: turn off the modifier"),
+        (
+            &muddled,
+            &["--mesh", "Scales"],
+            "frame 3: mesh Scales has other faces than at rest: turn",
+        ),
+        (&strips, &["--mesh", "Hair"], "hidden in the viewport: Hair: show what is to be written"),
+        (&strips, &["--frames", "10:12"], "--frames 10:12: no strip of Rig is there (--clips one"),
+        (
+            &strips,
+            &["--importance", "Face"],
+            "has a vertex group Face, only: Matters, lower, upper",
+        ),
+    ] {
+        let output = of(&python, scene, &none, arguments);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && error.contains(words), "{error}");
+        assert!(!none.exists());
+    }
+    // What cannot be mended here is told where it is read.
+    done(&of(&python, &path.with_file_name("mirrored.blend"), &none, &["--mesh", "Limb"]));
+    let error = npz::load(&none).unwrap_err().to_string();
+    assert!(error.contains("in the rest pose, joint upper is mirrored"), "{error}");
+}
+
+/// A rig as a studio hands it over: as it was exported when the set was made, and what is told since.
+#[test]
+fn the_leg_is_exported_anew_as_it_was() {
+    let Some(python) = python() else { return };
+    let Some(scene) = shared::shared("leg/leg.blend") else { return };
+    let examples = Path::new(env!("CARGO_TARGET_TMPDIR")).join("blender-leg.npz");
+    done(&of(&python, &scene, &examples, &[]));
+    let Loaded { examples, clips, warnings } = npz::load(&examples).unwrap();
+    assert_eq!(warnings, []);
+    let numbers: Vec<i64> = (1..=122).collect();
+    let stretch = clip("Stretch", 66, 30.0, &numbers[66..]);
+    assert_eq!(clips, [clip("Walk Cycle", 0, 30.0, &numbers[..66]), stretch]);
+    let before = npz::load(&scene.with_extension("npz")).unwrap().examples;
+    assert_eq!(examples.triangles, before.triangles);
+    let f32s =
+        |all: &[[f64; 3]]| -> Vec<f32> { all.as_flattened().iter().map(|x| *x as f32).collect() };
+    assert!(f32s(&examples.rest) == f32s(&before.rest));
+    assert!(f32s(&examples.vertices) == f32s(&before.vertices));
+    let maps = |examples: &Examples| examples.transforms.as_flattened().as_flattened().to_vec();
+    near(&maps(&examples), &maps(&before));
+    assert_eq!(examples.surface().engine_len(), 4164, "with its seams");
 }
 
 #[test]
@@ -133,7 +268,7 @@ fn what_the_scene_lacks_is_named_and_nothing_is_written() {
         ("armature", ["--armature", "Limb"], "there is no armature Limb, only: Rig"),
         ("frames", ["--frames", "9:1"], "--frames 9:1: expected FIRST:LAST or FIRST:LAST:STEP"),
     ] {
-        let Some((output, path)) = export(test, &arguments) else { return };
+        let Some((output, path)) = export(test, "limb.blend", &arguments) else { return };
         let error = String::from_utf8_lossy(&output.stderr);
         assert!(!output.status.success() && error.contains(words), "{error}");
         assert!(!path.exists());

@@ -1,9 +1,17 @@
-"""Makes the scene of the test: a limb of two deforming bones with one between them that deforms
-nothing, in centimetres under a node that makes metres of them. Saves it where its argument says, and
-beside that as FBX."""
+"""Makes the scenes of the test in the folder that its argument names.
+
+- limb.blend, and the same as limb.fbx: a limb of two deforming bones with one between them that
+  deforms nothing, in centimetres under a node that makes metres of them.
+- strips.blend: the same with a sleeve, mirrored and without a texture, with two hidden meshes, a vertex
+  group of what matters, three strips of the NLA, and another unit.
+- muddled.blend: the same with strips that overlap, and the hidden meshes shown, of which one grows
+  and the faces of the other change.
+- mirrored.blend: the same with the whole rig mirrored.
+"""
 
 import math
 import sys
+from pathlib import Path
 
 import bpy
 
@@ -44,6 +52,19 @@ limb.parent = rig
 for name, vertices in (("upper", [0, 1]), ("lower", [2, 3, 4, 5])):
     limb.vertex_groups.new(name=name).add(vertices, 1.0, "REPLACE")
 limb.modifiers.new("Armature", "ARMATURE").object = rig
+
+
+def follow(name, corners, faces):
+    """Adds a mesh without a texture that follows the upper bone."""
+    data = bpy.data.meshes.new(name)
+    data.from_pydata(corners, [], faces)
+    mesh = add(name, data)
+    mesh.parent = rig
+    mesh.vertex_groups.new(name="upper").add(range(len(corners)), 1.0, "REPLACE")
+    mesh.modifiers.new("Armature", "ARMATURE").object = rig
+    return mesh
+
+
 # What no skin can do: the first vertex moves by a shape key.
 limb.shape_key_add(name="Basis")
 swell = limb.shape_key_add(name="Swell")
@@ -57,8 +78,53 @@ for frame, degrees, swollen in ((1, 0, 0.0), (2, 45, 0.5), (3, 90, 1.0)):
     lower.keyframe_insert("rotation_euler", frame=frame)
     swell.value = swollen
     swell.keyframe_insert("value", frame=frame)
-path = sys.argv[-1]
-bpy.ops.wm.save_as_mainfile(filepath=path)
+folder = Path(sys.argv[-1])
+
+
+def save(name):
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / name))
+
+
+save("limb.blend")
 bpy.ops.export_scene.fbx(
-    filepath=path.replace(".blend", ".fbx"), add_leaf_bones=False, use_mesh_modifiers=False
+    filepath=str(folder / "limb.fbx"), add_leaf_bones=False, use_mesh_modifiers=False
 )
+
+follow("Sleeve", [(-20, 0, 0), (20, 0, 0), (20, 0, 90), (-20, 0, 90)], [(0, 1, 2), (0, 2, 3)])
+bpy.data.objects["Sleeve"].scale.x = -1
+hair = follow("Hair", [(0, 0, 0), (10, 0, 0), (0, 10, 0), (0, 0, 10)], [(0, 1, 2), (0, 2, 3)])
+growth = hair.modifiers.new("Build", "BUILD")
+growth.frame_start, growth.frame_duration = 0, 3
+scales = follow("Scales", [(0, 0, 0), (10, 0, 0), (10, 0, 10), (0, 0, 10)], [(0, 1, 2, 3)])
+cut = scales.modifiers.new("Triangulate", "TRIANGULATE")
+for frame in (1, 3):
+    cut.show_viewport = frame == 3
+    cut.keyframe_insert("show_viewport", frame=frame)
+for mesh in (hair, scales):
+    mesh.hide_set(True)
+matters = limb.vertex_groups.new(name="Matters")
+matters.add([0], 1.0, "REPLACE")
+matters.add([3], 0.25, "REPLACE")
+scene.unit_settings.scale_length = 0.1
+scene.render.fps, scene.render.fps_base = 24, 1.001
+
+animation = rig.animation_data
+bend, animation.action = animation.action, None
+lower.rotation_euler = (0, 0, 0)
+for frame, degrees in ((5, 0), (6, 90), (7, 90)):
+    lower.rotation_euler = (0, math.radians(degrees), 0)
+    lower.keyframe_insert("rotation_euler", frame=frame)
+twist, animation.action = animation.action, None
+scene.frame_end = 10
+# The last two meet in frame 7.
+for name, action, first in (("Bend", bend, 1), ("Twist", twist, 5), ("Again", bend, 7)):
+    animation.nla_tracks.new().strips.new(name, first, action).extrapolation = "NOTHING"
+save("strips.blend")
+
+animation.nla_tracks[1].strips[0].frame_start_ui = 2
+for mesh in (hair, scales):
+    mesh.hide_set(False)
+save("muddled.blend")
+
+metres.scale.x *= -1
+save("mirrored.blend")

@@ -69,6 +69,7 @@ fn frames_are_named_by_clip_and_held_out_frames_are_no_repeats() {
         name: name.to_owned(),
         first,
         times: (0..len).map(f64::from).collect(),
+        numbers: None,
     };
     let clips = [clip("walk", 0, 25), clip("run", 25, 15)];
     let found = sinew_trainer::envelope::check::check(&examples, &clips, &Silent).unwrap();
@@ -78,4 +79,26 @@ fn frames_are_named_by_clip_and_held_out_frames_are_no_repeats() {
         "{}",
         repeated.text
     );
+}
+
+#[test]
+fn meshes_that_follow_the_clips_in_another_order_are_told_of() {
+    let right = arm();
+    let mut examples = right.clone();
+    let (walk, stretch) = right.vertices.split_at(right.vertex_len() * 16);
+    examples.vertices = [stretch, walk].concat();
+    let clip = |name: &str, first: usize, len: usize| {
+        let times = (0..len).map(|frame| frame as f64 / 30.0).collect();
+        Clip { name: name.to_owned(), first, times }
+    };
+    let clips = [clip("walk", 0, 16), clip("stretch", 16, 24)];
+    let check = |examples: &Examples| {
+        sinew_trainer::envelope::check::check(examples, &clips, &Silent).unwrap()
+    };
+    let found = check(&examples);
+    let order = found.find(Kind::ClipOrder).unwrap();
+    let words = "the meshes fit the clips in another order, stretch, walk: vertices are then ";
+    assert!(order.text.starts_with(words), "{}", order.text);
+    assert_eq!((order.severity, frames(order)), (Severity::Warning, vec![0, 16]));
+    assert!(check(&right).find(Kind::ClipOrder).is_none());
 }

@@ -88,7 +88,7 @@ fn rows(map: &Isometry3<f64>) -> Matrix3x4 {
 /// Checks a character whose frames are one clip.
 pub(crate) fn check(examples: &Examples) -> Check {
     let times = (0..examples.frame_len()).map(|frame| frame as f64 / 30.0).collect();
-    let clip = Clip { name: "walk".to_owned(), first: 0, times };
+    let clip = Clip { name: "walk".to_owned(), first: 0, times, numbers: None };
     sinew_trainer::envelope::check::check(examples, &[clip], &Silent).unwrap()
 }
 

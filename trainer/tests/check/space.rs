@@ -134,3 +134,15 @@ fn a_shift_is_measured() {
         assert!(off.norm() < 0.03, "{text}");
     }
 }
+
+#[test]
+fn vertices_in_another_order_are_told_of() {
+    let mut examples = arm();
+    let len = examples.vertex_len();
+    examples.vertices.chunks_mut(len).for_each(<[_]>::reverse);
+    let found = check(&examples);
+    let order = found.find(Kind::VertexOrder).unwrap();
+    assert_eq!(order.severity, Severity::Warning);
+    let words = "the posed meshes have the vertices of the rest mesh in another order: export both";
+    assert!(order.text.starts_with(words), "{}", order.text);
+}

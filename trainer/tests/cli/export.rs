@@ -51,20 +51,68 @@ fn every_clip_of_a_scene_becomes_an_animation_with_its_name_and_times() {
     let size = format!("--vertices 300 --poses {TRAINING} --held-out {HELD_OUT}");
     folder.sinew(&format!("export-demo rig {size}")).done();
     folder.sinew("export demo.sinew --clip rig/demo.glb -o out.glb --quiet").done();
-    let read = |name: &str| {
-        let glb = gltf::Gltf::from_slice(&folder.read(name)).unwrap();
-        let blob = glb.blob.clone().unwrap();
-        let times = |animation: gltf::Animation<'_>| -> Vec<f32> {
-            let channel = animation.channels().next().unwrap();
-            channel.reader(|_| Some(blob.as_slice())).read_inputs().unwrap().collect()
-        };
-        let name = |animation: &gltf::Animation<'_>| animation.name().unwrap().to_owned();
-        glb.animations().map(|animation| (name(&animation), times(animation))).collect::<Vec<_>>()
-    };
-    let found = read("out.glb");
-    assert_eq!(found, read("rig/demo.glb"));
+    let found = animations(&folder, "out.glb");
+    assert_eq!(found, animations(&folder, "rig/demo.glb"));
     assert_eq!([&found[0].0, &found[1].0], ["train", "held-out"]);
     assert_eq!([found[0].1.len(), found[1].1.len()], [TRAINING, HELD_OUT]);
+}
+
+/// Reads the names of a GLB's animations and when their keys play.
+fn animations(folder: &Folder, name: &str) -> Vec<(String, Vec<f32>)> {
+    let glb = gltf::Gltf::from_slice(&folder.read(name)).unwrap();
+    let blob = glb.blob.clone().unwrap();
+    let times = |animation: gltf::Animation<'_>| -> Vec<f32> {
+        let channel = animation.channels().next().unwrap();
+        channel.reader(|_| Some(blob.as_slice())).read_inputs().unwrap().collect()
+    };
+    let name = |animation: &gltf::Animation<'_>| animation.name().unwrap().to_owned();
+    glb.animations().map(|animation| (name(&animation), times(animation))).collect()
+}
+
+/// As `blender_export.py` writes them: z up, and clips by name at 24 frames a second.
+#[test]
+fn what_an_npz_tells_of_clips_and_space_reaches_the_export() {
+    const WAVE: usize = 20;
+    let folder = Folder::with_demo("told");
+    let mut set = Set::demo();
+    for (key, value) in [
+        ("clip_names", json!(["walk", "wave"])),
+        ("clip_starts", json!([0, WAVE])),
+        ("fps", json!(24)),
+        ("up", json!("z")),
+        ("forward", json!("-y")),
+        ("unit", json!(0.01)),
+    ] {
+        set.json[key] = value;
+    }
+    set.write(&folder.path("told.npz"));
+    let trains = |frames: &[i64]| frames.iter().filter(|&&split| split == 0).count();
+    let split = &set.wholes["split"].1;
+    let fit = "--predictor kernel --proxies 4 -o new.sinew --json";
+    let record = folder.sinew(&format!("train told.npz --clip wave {fit}")).json();
+    let found = record["training_frames"].as_array().unwrap().len();
+    assert_eq!(found, trains(&split[WAVE..]));
+    let record = folder.sinew(&format!("train told.npz --hold-out-clip wave {fit}")).json();
+    let found = record["training_frames"].as_array().unwrap().len();
+    assert_eq!(found, trains(&split[..WAVE]));
+
+    folder.sinew("export new.sinew --clip told.npz -o out.glb").done();
+    let times = |len: usize| (0..len).map(|key| (key as f64 / 24.0) as f32).collect::<Vec<_>>();
+    let rest = TRAINING + HELD_OUT - WAVE;
+    let expected = [("walk".to_owned(), times(WAVE)), ("wave".to_owned(), times(rest))];
+    assert_eq!(animations(&folder, "out.glb"), expected);
+    // Upright and in metres without being told so.
+    folder
+        .sinew("export new.sinew --clip told.npz --to-up y --to-forward z --to-unit 1 -o to.glb")
+        .done();
+    let glb = folder.read("out.glb");
+    assert!(glb == folder.read("to.glb"));
+    let glb = gltf::Gltf::from_slice(&glb).unwrap();
+    let armature = glb.nodes().find(|node| node.name() == Some("armature")).unwrap();
+    let (_, [x, y, z, w], scale) = armature.transform().decomposed();
+    let half = 0.5_f32.sqrt();
+    assert!((x + half).abs() < 1e-6 && y.abs() + z.abs() < 1e-6 && (w - half).abs() < 1e-6);
+    assert!(scale.iter().all(|scale| (scale - 0.01).abs() < 1e-8), "{scale:?}");
 }
 
 #[test]

@@ -17,11 +17,24 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
     fs::write(folder.path("cut.pc2"), &pc2[..pc2.len() - 4]).unwrap();
     fs::write(folder.path("two.txt"), "1 2").unwrap();
     fs::write(folder.path("notes.doc"), "notes").unwrap();
+    fs::write(folder.path("rig.blend"), "BLENDER").unwrap();
+    fs::write(folder.path("rig.usdz"), "PK\x03\x04").unwrap();
+    fs::write(folder.path("old.abc"), b"\x89HDF\r\n\x1a\n").unwrap();
+    fs::write(folder.path("other.pc2"), "Ogawa").unwrap();
     folder.sinew("demo --vertices 200 --poses 8 --held-out 3 --predictor kernel -o .").done();
     for (arguments, expected) in [
         ("demo.glb --targets cut.pc2", "cut.pc2: should have "),
         ("demo.glb --targets none.pc2", "none.pc2: cannot be read: "),
-        ("demo.glb --targets notes.doc", "notes.doc: expected a file that ends in .pc2, .mdd, "),
+        ("demo.glb --targets notes.doc", "notes.doc: expected a file that ends in .abc, .pc2, "),
+        (
+            "rig.blend",
+            "rig.blend: is a Blender scene, which is not read: write examples of it by `blender ",
+        ),
+        ("demo.glb --targets rig.usdz", "rig.usdz: is USD, which is not read: export the scene"),
+        ("demo.glb --targets old.abc", "old.abc: is Alembic in an HDF5 container"),
+        ("demo.glb --targets other.pc2", "other.pc2: holds what a .abc file holds"),
+        ("old.abc", "old.abc: holds posed meshes, but no joints to learn from: give the scene"),
+        ("demo.pc2", "demo.pc2: holds posed meshes, but no joints to learn from: give the scene"),
         (
             "demo.glb --targets demo.pc2 --clip train",
             "demo.pc2: holds 25 meshes, the scene's clips have 20 frames (train: 20): export both",
@@ -33,6 +46,7 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
         ),
         ("demo.npz --targets demo.pc2", "demo.npz: --targets goes with a scene"),
         ("demo.npz --fps 30", "demo.npz: --fps goes with a scene"),
+        ("demo.npz --clip run", "demo.npz: has no clip run, there are: demo"),
         ("demo.npz --importance two.txt", "two.txt: rest has "),
         ("demo.npz --importance none.npy", "none.npy: cannot be read: "),
     ] {

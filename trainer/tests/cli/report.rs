@@ -1,6 +1,6 @@
 //! `sinew report`: what it writes, and what it refuses.
 
-use super::common::{Folder, HELD_OUT, Set};
+use super::common::{Folder, HELD_OUT, Set, TRAINING};
 use serde_json::Value;
 
 const REPORT: &str = "report demo.sinew demo.npz -o page.html";
@@ -39,16 +39,30 @@ fn report_measures_as_eval_does_and_compares() {
 }
 
 #[test]
-fn without_held_out_frames_the_report_says_that_it_measures_the_training() {
+fn what_training_has_read_is_never_called_held_out() {
     let folder = Folder::with_demo("report-train");
     let mut set = Set::demo();
     set.wholes.get_mut("split").unwrap().1.fill(0);
     set.write(&folder.path("all.npz"));
     let report = "report demo.sinew all.npz -o page.html --quick";
-    let found = folder.sinew(&format!("{report} --json")).json();
-    assert_eq!((&found["model"]["split"], &found["compared"]), (&"train".into(), &Value::Null));
-    let page = String::from_utf8(folder.read("page.html")).unwrap();
-    assert!(page.contains("because the examples hold none out"), "{page:.2000}");
+    let measured = |options: &str| {
+        let found = folder.sinew(&format!("{report} {options} --json")).json();
+        assert_eq!(found["compared"], Value::Null);
+        let model = &found["model"];
+        let figures = ["frames", "read"].map(|key| model[key].as_u64().unwrap());
+        let page = String::from_utf8(folder.read("page.html")).unwrap();
+        (model["split"].as_str().unwrap().to_owned(), figures, page)
+    };
+    // The model knows which it has not read, whatever the file says.
+    let (split, figures, page) = measured("");
+    assert_eq!((&*split, figures), ("new", [HELD_OUT as u64, 0]));
+    assert!(page.contains(&format!("measured on {HELD_OUT} frames that the fit has not read")));
+    let (split, figures, page) = measured("--split train");
+    assert_eq!((&*split, figures), ("train", [52, TRAINING as u64]));
+    assert!(page.contains(&format!("of which the fit has read {TRAINING}")), "{page:.2000}");
+    let (split, figures, page) = measured("--hold-out 0.25");
+    assert_eq!((&*split, figures[0]), ("held-out", 15));
+    assert!(figures[1] > 0 && page.contains("15 held-out frames, of which the fit has read"));
     let line = folder.sinew(&format!("{report} --split held-out")).failed();
     let expected = "all.npz: the examples have no held-out frame: 52 training, 0 held-out, 0 \
                     extreme frames; see --split and --hold-out";

@@ -53,7 +53,10 @@ fn a_palette_alone_has_no_skin_to_measure() {
     let folder = Folder::with_demo("palette");
     folder.sinew(&format!("{TRAIN} --no-skin")).done();
     let found = folder.sinew("inspect new.sinew --json").json();
-    assert_eq!((&found["skins"], &found["parts"]), (&json!([]), &json!([{ "kind": "envelope" }])));
+    assert_eq!(
+        (&found["skins"], &found["parts"]),
+        (&json!([]), &json!([{ "kind": "envelope" }, { "kind": "record" }]))
+    );
     let expected = "new.sinew: the model holds a palette alone, without a skin";
     for command in [
         "eval new.sinew demo.npz",

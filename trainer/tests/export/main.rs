@@ -56,7 +56,7 @@ fn export(
 
 fn clip(name: &str, first: usize, len: usize) -> Clip {
     let times = (0..len).map(|frame| frame as f64 / 30.0).collect();
-    Clip { name: name.to_owned(), first, times }
+    Clip { name: name.to_owned(), first, times, numbers: None }
 }
 
 /// Keeps some of the frames.

@@ -5,6 +5,7 @@ use sinew_runtime::envelope::{Certificate, EnvelopeCounts};
 use sinew_runtime::filter::{FilterCounts, FilterFit};
 use sinew_runtime::kernel::{KernelCounts, KernelFit};
 use sinew_runtime::prior::{PriorCounts, PriorFit};
+use sinew_runtime::record::RecordCounts;
 use sinew_runtime::skin::SkinCounts;
 use sinew_runtime::views::{ViewsCounts, ViewsFit};
 
@@ -122,6 +123,22 @@ fn the_document_lays_the_numbers_of_a_filter_out_as_the_code() {
     ];
     let bytes = figures.map(f32::to_le_bytes);
     assert_fields("Fit of a filter", bytes.as_flattened(), &fields);
+}
+
+#[test]
+fn the_document_lays_the_counts_of_a_record_out_as_the_code() {
+    let words: [u32; 4] = [11, 12, 13, 14];
+    let counts = RecordCounts::from_words(words);
+    assert_eq!(counts.words(), words);
+    let fields = [
+        ("frame_len", counts.frame_len.into()),
+        ("vertex_len", counts.vertex_len.into()),
+        ("influence_len", counts.influence_len.into()),
+        ("joint_len", counts.joint_len.into()),
+    ];
+    let bytes = words.map(u32::to_le_bytes);
+    assert_eq!(bytes.as_flattened().len(), RecordCounts::BYTES);
+    assert_fields("Counts of a record", bytes.as_flattened(), &fields);
 }
 
 #[test]

@@ -6,6 +6,7 @@ use sinew_runtime::filter::{FILTER_SECTIONS, FilterCounts};
 use sinew_runtime::format::{Element, SectionKind};
 use sinew_runtime::kernel::{KERNEL_SECTIONS, KernelCounts};
 use sinew_runtime::prior::{PRIOR_SECTIONS, PriorCounts};
+use sinew_runtime::record::{RECORD_SECTIONS, RecordCounts};
 use sinew_runtime::skin::{BLOCK, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts};
 use sinew_runtime::views::{VIEWS_SECTIONS, ViewsCounts};
 
@@ -90,6 +91,15 @@ fn of_filter(formula: &str, counts: &FilterCounts) -> u64 {
     })
 }
 
+fn of_record(formula: &str, counts: &RecordCounts) -> u64 {
+    evaluate(formula, |word| match word {
+        "F" => Some(counts.frame_len.into()),
+        "V" => Some(counts.vertex_len.into()),
+        "K" => Some(counts.influence_len.into()),
+        _ => None,
+    })
+}
+
 fn envelope_counts(predictor: Predictor, [j, p, g]: [u32; 3]) -> EnvelopeCounts {
     let (joint_len, proxy_len, group_len) = (j, p, g);
     EnvelopeCounts { predictor, joint_len, proxy_len, root: 0, group_len, correction_len: 0 }
@@ -109,7 +119,10 @@ fn the_document_lists_the_sections_of_the_code() {
     let two = envelope.iter().zip(ENVELOPE_SECTIONS).chain(skin.iter().zip(SKIN_SECTIONS));
     let others = kernel.iter().zip(KERNEL_SECTIONS).chain(prior.iter().zip(PRIOR_SECTIONS));
     let others = others.chain(views.iter().zip(VIEWS_SECTIONS));
+    let record = table(FORMAT, "Sections of a record");
+    assert_eq!(record.len(), RECORD_SECTIONS.len());
     let others = others.chain(filter.iter().zip(FILTER_SECTIONS));
+    let others = others.chain(record.iter().zip(RECORD_SECTIONS));
     for (row, kind) in two.chain(others) {
         assert_eq!(row[0], kind.number().to_string());
         let elements = kind.elements().iter().map(|element| element.name());
@@ -118,7 +131,7 @@ fn the_document_lists_the_sections_of_the_code() {
     }
     let listed = |kind: SectionKind| {
         let all = envelope.iter().chain(&skin).chain(&kernel).chain(&prior).chain(&views);
-        all.chain(&filter).any(|row| row[0] == kind.number().to_string())
+        all.chain(&filter).chain(&record).any(|row| row[0] == kind.number().to_string())
     };
     assert!(SectionKind::ALL.into_iter().all(listed));
     for (row, kind) in envelope.iter().zip(ENVELOPE_SECTIONS) {
@@ -198,6 +211,15 @@ fn the_document_lists_the_sections_of_the_code() {
         for words in [[1, 1], [2, 9], [4, 65_535]] {
             let counts = FilterCounts::from_words(words);
             let bytes = of_filter(row[2], &counts);
+            assert_eq!(counts.section_bytes(kind), Some(bytes), "{}", row[1]);
+        }
+    }
+    for (row, kind) in record.iter().zip(RECORD_SECTIONS) {
+        let is_lbs = [SectionKind::LbsJoints, SectionKind::LbsWeights].contains(&kind);
+        assert_eq!(row[3], if is_lbs { "if K > 0" } else { "yes" });
+        for words in [[1, 1, 1, 1], [160, 13_380, 4, 53], [0, 3, 0, 7]] {
+            let counts = RecordCounts::from_words(words);
+            let bytes = of_record(row[2], &counts);
             assert_eq!(counts.section_bytes(kind), Some(bytes), "{}", row[1]);
         }
     }

@@ -13,7 +13,8 @@ use std::fmt::Write;
 /// training poses reach, and which poses to add or to leave out.
 ///
 /// A warning is likely a mistake that costs accuracy, a note is worth knowing. Findings name frames,
-/// joints, vertices and triangles by the numbers of the file, from 0; quads count as two triangles.
+/// joints, vertices and triangles by the numbers of the file, from 0 (frames by what it calls them, where it
+/// does); quads count as two triangles.
 /// Neither changes the exit status.
 #[derive(clap::Args)]
 #[command(after_help = "Errors are in % of the rest pose's diagonal. Held-out and extreme frames \
@@ -31,7 +32,7 @@ const ROWS: usize = 16;
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let input = arguments.input.load(output)?;
-    let source = arguments.input.examples.display().to_string();
+    let source = arguments.input.named();
     let checked = check(&input.examples, &input.clips, &Bars::new(output)).context(source)?;
     let text = format!("{}\n{}", input::describe(&input.examples), describe(&checked));
     output.print(&checked, &text)

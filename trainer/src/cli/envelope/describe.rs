@@ -4,9 +4,10 @@ use crate::cli::described::Described;
 use crate::cli::{counted, printable};
 use serde_json::{Value, json};
 use sinew_runtime::format::PartKind;
+use sinew_runtime::record::RecordCounts;
 use sinew_runtime::{Envelope, Model, Skin};
 
-/// Describes the envelopes of a file, and its skins.
+/// Describes the envelopes of a file, its skins, and what it tells of their training.
 pub(in crate::cli) fn describe(model: &Model<Vec<u8>>) -> Vec<Described> {
     let envelopes = model.envelopes().map(|envelope| Described {
         part: envelope.part(),
@@ -22,7 +23,26 @@ pub(in crate::cli) fn describe(model: &Model<Vec<u8>>) -> Vec<Described> {
         text: of_skin(model, &skin),
         json: skin_as_json(&skin),
     });
-    envelopes.chain(skins).collect()
+    let records = model.records().map(|record| {
+        let RecordCounts { frame_len, influence_len, .. } = record.counts();
+        let lbs = if influence_len > 0 { ", and linear blend skinning fitted to them" } else { "" };
+        Described {
+            part: record.part(),
+            kind: PartKind::Record,
+            name: record.name().to_owned(),
+            text: format!(
+                "record of the training of \"{}\": {frame_len} frames{lbs}\n",
+                printable(record.name())
+            ),
+            json: json!({
+                "part": record.part(),
+                "envelope": record.name(),
+                "training_frames": frame_len,
+                "lbs_influences": influence_len,
+            }),
+        }
+    });
+    envelopes.chain(skins).chain(records).collect()
 }
 
 fn of_skin(model: &Model<Vec<u8>>, skin: &Skin<'_>) -> String {
@@ -72,7 +92,7 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
     );
     let certificate = envelope.certificate();
     out += &format!("diagonal of the rest mesh: {:.4} units\n", certificate.diagonal);
-    out += &format!("{:<24}{:>8}\n", "certificate", "% of the diagonal, RMS error");
+    out += &format!("{:<24}RMS error, % of the diagonal\n", "certificate");
     for (name, rms) in [
         ("training frames", certificate.training_rms),
         ("cross-validated", certificate.cross_validated_rms),
@@ -80,7 +100,7 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
         ("LBS, training frames", certificate.lbs_training_rms),
         ("rounding, at the most", certificate.correction_error),
     ] {
-        out += &format!("{name:<24}{:>8.4} %\n", 100.0 * rms / certificate.diagonal);
+        out += &format!("{name:<24}{:.4} %\n", 100.0 * rms / certificate.diagonal);
     }
     let joint_name = |joint| printable(envelope.joint_name(joint).unwrap_or_default());
     let longest = (0..envelope.joint_len()).map(|joint| joint_name(joint).chars().count()).max();

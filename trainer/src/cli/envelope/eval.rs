@@ -7,14 +7,15 @@ use crate::cli::files::{self, OutputFile};
 use crate::cli::space::StatedSpace;
 use crate::cli::{Output, input};
 use anyhow::{Context, bail};
-use sinew_trainer::envelope::evaluate::{Character, Frames, SkinnedFrame, evaluate, skin};
+use sinew_trainer::envelope::evaluate::{Character, Frames, SkinnedFrame, Told, evaluate, skin};
 use sinew_trainer::examples::Examples;
 use std::path::PathBuf;
 
 /// Runs MODEL on the poses of EXAMPLES and measures its distance from their meshes.
 ///
-/// The runtime evaluates the file's bytes in f32, as an engine would. LBS with 4 influences, fitted
-/// on the training frames, is measured on the same frames. Normals are measured by their angle to the true
+/// The runtime evaluates the file's bytes in f32, as an engine would. LBS with 4 influences, as training
+/// fitted it, is measured on the same frames. EXAMPLES may be new poses alone: the model knows which frames it was
+/// trained on. Normals are measured by their angle to the true
 /// ones, the area-weighted mean of the true mesh's triangles, over the area of the rest pose. Examples in other axes or another unit than
 /// the model's are converted, where both are known. Errors in % of the diagonal do not depend on them.
 #[derive(clap::Args)]
@@ -26,9 +27,10 @@ pub(in crate::cli) struct Arguments {
     /// The skin to measure, whose mesh the examples' is [default: the model's first]
     #[arg(long, value_name = "NAME")]
     skin: Option<String>,
-    /// Which frames
-    #[arg(long, value_enum, default_value_t = SplitName::HeldOut)]
-    split: SplitName,
+    /// Which frames [default: held-out; where none is held out, those that training has not read; where it has
+    /// read all, those]
+    #[arg(long, value_enum)]
+    split: Option<SplitName>,
     /// Write the frames' skinned positions to OUT.npy, f32, frames x vertices x 3, in the model's axes
     /// and unit
     #[arg(long, value_name = "OUT.npy")]
@@ -54,11 +56,15 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     }
     let model = input::read_model(&arguments.model)?;
     let mut examples = arguments.input.load(output)?.examples;
-    arguments.space.say(&mut examples, &arguments.input.examples)?;
-    let (frames, skin) = (arguments.split.frames(), arguments.skin.as_deref());
+    arguments.space.say(&mut examples, &arguments.input.named())?;
+    let skin = arguments.skin.as_deref();
     input::convert_to_model(&mut examples, &model, skin);
     let measuring = Bars::busy(output, "measuring");
-    let blamed = |error| blame(error, &arguments.model, &arguments.input, frames, &examples);
+    let blamed = |error| blame(error, &arguments.model, &arguments.input, &examples);
+    let character = Character::open(&model, skin, &examples).map_err(blamed)?;
+    let told = Told::of(&model, &character, &examples);
+    let usual = || Frames::usual(&examples, &told);
+    let frames = arguments.split.map_or_else(usual, SplitName::frames);
     let evaluation = evaluate(&model, skin, &examples, frames).map_err(blamed)?;
     let mut written = Vec::new();
     for (target, attribute) in [
@@ -66,7 +72,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         (&normals, SkinnedFrame::normals),
     ] {
         let Some(target) = target else { continue };
-        let bytes = skinned(&model, skin, &examples, frames, attribute).context("cannot skin")?;
+        let chosen = frames.of(&examples, &told);
+        let bytes = skinned(&character, &examples, &chosen, attribute).context("cannot skin")?;
         written.push((target, bytes));
     }
     let written: Vec<_> = written.iter().map(|(target, bytes)| (*target, &bytes[..])).collect();
@@ -77,21 +84,18 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
 
 /// Skins frames, and writes one of their attributes into the bytes of an npy file.
 fn skinned(
-    model: &[u8],
-    name: Option<&str>,
+    character: &Character<'_>,
     examples: &Examples,
-    frames: Frames,
+    frames: &[usize],
     attribute: fn(&SkinnedFrame) -> &[f32],
 ) -> anyhow::Result<Vec<u8>> {
     use npyz::WriterBuilder;
-    let character = Character::open(model, name, examples)?;
-    let chosen = frames.of(examples);
-    let shape = [chosen.len() as u64, examples.vertex_len() as u64, 3];
+    let shape = [frames.len() as u64, examples.vertex_len() as u64, 3];
     let mut bytes = Vec::new();
     let mut writer =
         npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut bytes).begin_nd()?;
-    for frame in chosen {
-        let skinned = skin(&character, examples, frame)?;
+    for &frame in frames {
+        let skinned = skin(character, examples, frame)?;
         let copies: &[[f32; 3]] = attribute(&skinned).as_chunks().0;
         let own = examples.surface().of_first_copies(copies);
         writer.extend(own.into_iter().flatten())?;

@@ -16,6 +16,7 @@ use sinew_trainer::envelope::levels::LevelReport;
 use sinew_trainer::envelope::posed::rest;
 use sinew_trainer::examples::Source;
 use sinew_trainer::formats::appearance;
+use sinew_trainer::space::SpaceRequest;
 use std::path::{Path, PathBuf};
 
 /// Bakes a model and a clip into a GLB that plays in any engine
@@ -37,10 +38,10 @@ use std::path::{Path, PathBuf};
 /// detail. Their weights come from the nearest points of the model's surface and are then fitted to
 /// where that surface carries them in the clip's frames.
 ///
-/// glTF is right-handed: what a left-handed model moves is mirrored back. The character stands as in
-/// the model; `--up z` turns one that stands along z upright, and with --to-up, --to-forward and
-/// --to-unit the armature turns and scales it from the model's axes and unit, where they are known. glTF
-/// takes `--to-up y --to-forward z --to-unit 1`.
+/// glTF is right-handed: what a left-handed model moves is mirrored back. Where the model's axes and unit are
+/// known, the armature turns and scales the character to glTF's, y up, facing z, in metres, or to what --to-up,
+/// --to-forward and --to-unit say. Where they are not, it stands as in the model, and `--up z` turns one that
+/// stands along z upright.
 ///
 /// With --into, all that goes into the artist's own GLB or glTF, and the rest of that file stays as it is:
 /// materials, textures, morph targets, other meshes and animations, extras and extensions. The meshes whose
@@ -100,7 +101,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let character =
         Character::find(&model, skin).map_err(|error| blame(error.into(), arguments))?;
     let mut input = input::load_poses(&arguments.clip, output)?;
-    arguments.space.say(&mut input.examples, &arguments.clip)?;
+    arguments.space.say(&mut input.examples, &arguments.clip.display().to_string())?;
     let conversion = input.examples.convert_to(&character.space);
     let levels = levels::load(&arguments.also, conversion.as_ref())?;
     input::move_to(&mut input, &arguments.clip, &rest(&character.skin), output)?;
@@ -237,7 +238,9 @@ fn stand(stated: &StatedSpace, target: &TargetSpace, model: &Space) -> anyhow::R
     if !request.is_empty() {
         return Ok(Stand::In(request));
     }
+    let is_known = model.up.is_some() && model.forward.is_some() && model.unit.is_some();
     match stated.up.map(|up| model.up.unwrap_or(up)) {
+        None if is_known => Ok(Stand::In(SpaceRequest::all_of(&Space::GLTF))),
         None | Some(Axis::Y) => Ok(Stand::AsModel),
         Some(Axis::Z) => Ok(Stand::Upright),
         Some(up) => bail!(

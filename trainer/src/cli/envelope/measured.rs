@@ -13,6 +13,8 @@ pub(in crate::cli) enum SplitName {
     Train,
     /// Those that the fit never reads
     HeldOut,
+    /// Those that training has not read, by what the model tells
+    New,
     /// Those beyond the range of motion of the training frames
     Extreme,
     /// All three
@@ -25,6 +27,7 @@ impl SplitName {
             SplitName::Train => Frames::Of(Split::Train),
             SplitName::HeldOut => Frames::Of(Split::HeldOut),
             SplitName::Extreme => Frames::Of(Split::Extreme),
+            SplitName::New => Frames::New,
             SplitName::All => Frames::All,
         }
     }
@@ -35,13 +38,12 @@ pub(in crate::cli) fn blame(
     error: EvaluateError,
     model: &Path,
     input: &input::ExampleArguments,
-    frames: Frames,
     examples: &Examples,
 ) -> anyhow::Error {
-    let source = input.examples.display();
+    let source = input.named();
     let at_fault = match &error {
-        EvaluateError::NoFrames { .. } => {
-            let hint = if input.hold_out.is_none() && frames == Frames::Of(Split::HeldOut) {
+        EvaluateError::NoFrames { split } => {
+            let hint = if input.hold_out.is_none() && *split == Split::HeldOut.name() {
                 "; see --split and --hold-out"
             } else {
                 ""
@@ -52,8 +54,7 @@ pub(in crate::cli) fn blame(
             );
         }
         EvaluateError::Frame(_) | EvaluateError::Examples(_) => source,
-        _ => model.display(),
+        _ => model.display().to_string(),
     };
-    let at_fault = at_fault.to_string();
     anyhow::Error::new(error).context(at_fault)
 }

@@ -8,10 +8,9 @@ use crate::cli::space::StatedSpace;
 use crate::cli::{Output, input};
 use anyhow::{Context, bail};
 use serde_json::json;
-use sinew_trainer::envelope::evaluate::{Character, Frames};
+use sinew_trainer::envelope::evaluate::Character;
 use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
 use sinew_trainer::envelope::report::{Page, PictureOptions, csv, ply};
-use sinew_trainer::examples::{Examples, Split};
 use std::path::{Path, PathBuf};
 
 /// Shows where MODEL errs on EXAMPLES: pictures, charts and tables in one HTML file.
@@ -39,7 +38,8 @@ pub(in crate::cli) struct Arguments {
     /// Another model of the same character, to stand beside it in every table, chart and picture
     #[arg(long, value_name = "MODEL")]
     compare: Option<PathBuf>,
-    /// Which frames [default: held-out; train where none is held out]
+    /// Which frames [default: held-out; where none is held out, those that training has not read; where it has
+    /// read all, those]
     #[arg(long, value_enum)]
     split: Option<SplitName>,
     /// Train nothing: leave out what fewer and more proxies would give
@@ -77,25 +77,27 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let bytes = input::read_model(&arguments.model)?;
     let other = arguments.compare.as_deref().map(input::read_model).transpose()?;
     let input::LoadedInput { mut examples, clips, .. } = arguments.input.load(output)?;
-    arguments.space.say(&mut examples, &arguments.input.examples)?;
+    arguments.space.say(&mut examples, &arguments.input.named())?;
     let skin = arguments.skin.as_deref();
     input::convert_to_model(&mut examples, &bytes, skin);
-    let frames = frames(arguments.split, &examples);
-    let blamed = |error, model| blame(error, model, &arguments.input, frames, &examples);
+    let frames = arguments.split.map(SplitName::frames);
+    let blamed = |error, model| blame(error, model, &arguments.input, &examples);
     // What will be refused is refused before LBS is fitted.
     let compared = arguments.compare.as_deref().zip(other.as_deref());
     if let Some((path, bytes)) = compared {
         Character::open(bytes, skin, &examples).map_err(|error| blamed(error, path))?;
     }
     let measuring = Bars::busy(output, "measuring");
-    let [name, other_name] = names(&arguments.model, arguments.compare.as_deref());
-    let source_name = file_name(&arguments.input.examples);
+    let names = names(&arguments.model, arguments.compare.as_deref());
+    let [name, other_name] = &names;
+    let files: Vec<String> = arguments.input.examples.iter().map(|file| file_name(file)).collect();
+    let source_name = files.join(", ");
     let source = NamedExamples { examples: &examples, clips: &clips, name: &source_name };
-    let file = NamedModel { name: &name, bytes: &bytes, skin };
+    let file = NamedModel { name, bytes: &bytes, skin };
     let mut comparison =
         Comparison::new(source, frames, file).map_err(|error| blamed(error, &arguments.model))?;
     if let Some((path, bytes)) = compared {
-        let file = NamedModel { name: &other_name, bytes, skin };
+        let file = NamedModel { name: other_name, bytes, skin };
         comparison.compare(file).map_err(|error| blamed(error, path))?;
     }
     drop(measuring);
@@ -113,7 +115,14 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let files: Vec<_> = written.iter().map(|(target, bytes)| (*target, bytes.as_slice())).collect();
     files::write(&files)?;
     let evaluations = comparison.evaluations();
-    let mut text: String = evaluations.iter().map(table::evaluation).collect();
+    let mut text: String = evaluations
+        .iter()
+        .zip(names)
+        .map(|(evaluation, name)| {
+            let table = table::evaluation(evaluation);
+            if other.is_some() { format!("{name}: {table}") } else { table }
+        })
+        .collect();
     for (target, bytes) in files.iter().rev() {
         text += &format!("wrote {} ({} bytes)\n", target.named().display(), bytes.len());
     }
@@ -142,15 +151,6 @@ fn targets(arguments: &Arguments) -> anyhow::Result<OutputFiles> {
         }
     }
     Ok(OutputFiles { page, csv, ply })
-}
-
-/// The frames asked for; where nothing is said and none is held out, those that train.
-fn frames(split: Option<SplitName>, examples: &Examples) -> Frames {
-    match split {
-        Some(split) => split.frames(),
-        None if examples.frames_of(Split::HeldOut).is_empty() => Frames::Of(Split::Train),
-        None => Frames::Of(Split::HeldOut),
-    }
 }
 
 /// What the page calls the models: their files' names, or their paths where those are the same.

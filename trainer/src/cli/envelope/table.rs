@@ -45,7 +45,14 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
     let Evaluation { split, frames, vertices, diagonal, model_bytes, predictor, proxies, .. } =
         evaluation;
     let of = if *split == "all" { String::new() } else { format!("{split} ") };
-    let mut out = format!("{frames} {of}frames of {vertices} vertices, diagonal {diagonal:.4}\n");
+    let read = match evaluation.read {
+        Some(read) if read == *frames => ", all of which training has read".to_owned(),
+        Some(read) if read > 0 => format!(", of which training has read {read}"),
+        Some(_) => ", none of which training has read".to_owned(),
+        None => String::new(),
+    };
+    let mut out =
+        format!("{frames} {of}frames{read}; {vertices} vertices, diagonal {diagonal:.4}\n");
     let header = ["error, % of the diagonal", "RMS", "p99", "max", "normals, RMS", "median", "p99"];
     let [name, rms, p99, max, normals, median, normals_p99] = header;
     out += &format!(
@@ -60,12 +67,12 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
              {normal_rms_degrees:>14.2} °{normal_median_degrees:>9.2} °{normal_p99_degrees:>9.2} °\n"
         );
     }
-    let share = 100.0 * evaluation.errors.rms / evaluation.lbs.rms;
+    let share = evaluation.share_of_lbs();
     let Confidence { mean, least } = evaluation.confidence;
     out += &format!("confidence in the poses: {mean:.3} on average, {least:.3} at the least\n");
     out += &format!("the model: {model_bytes} bytes");
-    if share.is_finite() {
-        out += &format!(", {share:.1} % of LBS's RMS error");
+    if let Some(share) = share {
+        out += &format!(", {:.1} % of LBS's RMS error", 100.0 * share);
     }
     out + "\n"
 }

@@ -203,17 +203,16 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     }
     let mut hashes = arguments.input.hashes()?;
     let input::LoadedInput { mut examples, warnings, .. } = arguments.input.load(output)?;
-    let file = &arguments.input.examples;
-    arguments.space.say(&mut examples, file)?;
+    let source = arguments.input.named();
+    arguments.space.say(&mut examples, &source)?;
     let from = examples.space;
-    let conversion = arguments.target.convert(&mut examples, file)?;
+    let conversion = arguments.target.convert(&mut examples, &source)?;
     let also = &arguments.meshes.also;
     let meshes = match arguments.meshes.no_skin {
         true => FileSkins::PaletteAlone,
         false => FileSkins::Skins(levels::load(also, conversion.as_ref())?),
     };
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
-    let source = file.display().to_string();
     let trained = arguments.fit.train(&examples, &source, meshes, output)?;
     levels::warn(&trained.levels, also, output);
     let record = json!({

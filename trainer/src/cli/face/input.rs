@@ -56,6 +56,7 @@ pub(super) fn slider_models(
             ..SkinModel::from_file(&face.skin)
         }],
         priors: vec![PriorModel::from_file(&face.prior, 0)],
+        records: Vec::new(),
     };
     let [from_zero, from_mean] = sliders(&own);
     let load = |model: FileModel| anyhow::Ok(Model::from_bytes(model.bake()?)?);

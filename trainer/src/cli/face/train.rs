@@ -88,7 +88,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let found = source::read(path).with_context(about)?;
     let (basis, model, learned) = match found {
         Source::Meshes(mut meshes) => {
-            meshes.mesh.space = arguments.space.of(meshes.mesh.space, path)?;
+            meshes.mesh.space =
+                arguments.space.of(meshes.mesh.space, &path.display().to_string())?;
             refuse_for_meshes(arguments).with_context(about)?;
             let len = counted(meshes.positions.len(), "mesh", "meshes");
             let (mut basis, model) =
@@ -103,7 +104,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
                     about()
                 );
             }
-            basis.mesh.space = arguments.space.of(basis.mesh.space, path)?;
+            basis.mesh.space = arguments.space.of(basis.mesh.space, &path.display().to_string())?;
             for &(identity, by) in &arguments.identity {
                 basis.identify(identity, by).with_context(about)?;
             }

@@ -4,7 +4,7 @@ use crate::bake::{BakeError, bake};
 use crate::envelope::model::FileModel;
 
 impl FileModel {
-    /// Bakes a file, the envelopes first, the priors last, and loads it once, so that what is returned is known to
+    /// Bakes a file, the envelopes first, the records last, and loads it once, so that what is returned is known to
     /// load.
     ///
     /// Weights are divided by their sum, then rounded; all else is rounded as it is.
@@ -34,6 +34,9 @@ impl FileModel {
         }
         for prior in &self.priors {
             parts.push(prior.part(found + prior.skin)?);
+        }
+        for record in &self.records {
+            parts.push(record.part()?);
         }
         bake(self.space, &parts)
     }

@@ -3,5 +3,6 @@
 mod envelope;
 mod file;
 mod groups;
+mod record;
 mod shapes;
 mod skin;

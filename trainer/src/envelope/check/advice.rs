@@ -86,18 +86,23 @@ fn redundant(predicted: &Predicted) -> Option<String> {
     })
 }
 
-/// Names frames in order, runs as `first-last`.
+/// Names frames in order, runs as `first-last`, by what their source calls them, where it does.
 fn ranges(frames: &[FrameName]) -> String {
-    let mut numbers: Vec<usize> = frames.iter().map(|frame| frame.frame).collect();
-    numbers.sort_unstable();
-    let mut runs: Vec<(usize, usize)> = Vec::new();
-    for number in numbers {
+    let mut frames: Vec<&FrameName> = frames.iter().collect();
+    frames.sort_unstable_by_key(|frame| frame.frame);
+    let mut runs: Vec<[&FrameName; 2]> = Vec::new();
+    for frame in frames {
+        // Numbers may begin anew with a clip.
+        let follows = |last: &FrameName| {
+            last.frame + 1 == frame.frame && (frame.number.is_none() || last.number < frame.number)
+        };
         match runs.last_mut() {
-            Some((_, last)) if *last + 1 == number => *last = number,
-            _ => runs.push((number, number)),
+            Some([_, last]) if follows(last) => *last = frame,
+            _ => runs.push([frame; 2]),
         }
     }
-    let run = |(first, last)| {
+    let run = |run: [&FrameName; 2]| {
+        let [first, last] = run.map(|frame| frame.number.unwrap_or(frame.frame as i64));
         if first == last { format!("{first}") } else { format!("{first}-{last}") }
     };
     listed(runs.into_iter().map(run))

@@ -35,12 +35,13 @@ struct Remedy {
     shift: Vector3<f64>,
 }
 
-pub(super) fn convention(examples: &Examples, findings: &mut Vec<Finding>) {
+/// Tells of other units, axes and places; and returns whether mesh and skeleton lie apart for another reason.
+pub(super) fn convention(examples: &Examples, findings: &mut Vec<Finding>) -> bool {
     let sample = Sample::new(examples);
     let as_it_is = Remedy { odd: Odd::Rest, turn: Matrix3::identity(), shift: Vector3::zeros() };
     let error = sample.error(&as_it_is);
     if error < MISPLACED * sample.unit {
-        return;
+        return false;
     }
     let mut remedies = Vec::new();
     for odd in ODD {
@@ -53,7 +54,7 @@ pub(super) fn convention(examples: &Examples, findings: &mut Vec<Finding>) {
     let errors: Vec<f64> = remedies.par_iter().map(|remedy| sample.error(remedy)).collect();
     let best = (0..errors.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap_or(0);
     if errors[best] > RIGHTED * error {
-        return;
+        return true;
     }
     let percent = |error: f64| 100.0 * error / sample.unit;
     findings.push(Finding {
@@ -68,6 +69,7 @@ pub(super) fn convention(examples: &Examples, findings: &mut Vec<Finding>) {
         ),
         places: Vec::new(),
     });
+    false
 }
 
 /// Some vertices in some training frames.

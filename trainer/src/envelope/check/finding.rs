@@ -44,6 +44,8 @@ pub enum Kind {
     OtherAxes,
     /// Mesh and skeleton stand apart.
     Shifted,
+    /// The posed meshes' vertices have another order than the rest mesh's.
+    VertexOrder,
     /// The meshes near rest are not the rest mesh.
     RestDiffers,
     /// No frame is near rest.
@@ -78,6 +80,8 @@ pub enum Kind {
     Contradicting,
     /// Meshes that belong to the frame before or after.
     OutOfStep,
+    /// Meshes that follow the clips in another order.
+    ClipOrder,
 }
 
 impl Kind {
@@ -88,6 +92,7 @@ impl Kind {
             Self::OtherUnits
             | Self::OtherAxes
             | Self::Shifted
+            | Self::VertexOrder
             | Self::RestDiffers
             | Self::RestUntested => Topic::Rest,
             Self::NonRigid | Self::Still | Self::HalfTurn | Self::Idle => Topic::Joints,
@@ -99,7 +104,9 @@ impl Kind {
             | Self::Collapsed
             | Self::Folded
             | Self::Flipped => Topic::Faces,
-            Self::Repeated | Self::Contradicting | Self::OutOfStep => Topic::Frames,
+            Self::Repeated | Self::Contradicting | Self::OutOfStep | Self::ClipOrder => {
+                Topic::Frames
+            }
         }
     }
 }
@@ -120,11 +127,13 @@ pub enum Place {
     Edge([usize; 2]),
 }
 
-/// A frame, and the clip that it comes from where there are several.
+/// A frame, what its source calls it, and the clip that it comes from where there are several.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FrameName {
     /// Its number among all frames.
     pub frame: usize,
+    /// What its source calls it, where it does.
+    pub number: Option<i64>,
     /// The clip's name and the number within it.
     pub clip: Option<(String, usize)>,
 }
@@ -148,16 +157,20 @@ const LISTED: usize = 5;
 impl FrameName {
     /// Names a frame of some clips.
     pub fn new(clips: &[Clip], frame: usize) -> Self {
-        let of = clips.iter().rev().find(|clip| clip.first <= frame && clips.len() > 1);
-        Self { frame, clip: of.map(|clip| (clip.name.clone(), frame - clip.first)) }
+        let of = clips.iter().rev().find(|clip| clip.first <= frame);
+        let number = of.and_then(|clip| clip.number(frame - clip.first));
+        let several = of.filter(|_| clips.len() > 1);
+        Self { frame, number, clip: several.map(|clip| (clip.name.clone(), frame - clip.first)) }
     }
 }
 
 impl fmt::Display for FrameName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.clip {
-            Some((clip, inner)) => write!(f, "{} ({clip} {inner})", self.frame),
-            None => write!(f, "{}", self.frame),
+        match (self.number, &self.clip) {
+            (Some(number), Some((clip, _))) => write!(f, "{number} ({clip})"),
+            (Some(number), None) => write!(f, "{number}"),
+            (None, Some((clip, inner))) => write!(f, "{} ({clip} {inner})", self.frame),
+            (None, None) => write!(f, "{}", self.frame),
         }
     }
 }
@@ -184,12 +197,18 @@ mod tests {
 
     #[test]
     fn a_frame_is_named_by_its_clip_where_there_are_several() {
-        let clip = |name: &str, first| Clip { name: name.to_owned(), first, times: vec![0.0; 3] };
+        let clip = |name: &str, first| Clip::regular(name.to_owned(), first, 3);
         let [walk, run] = [clip("walk", 0), clip("run", 3)];
         assert_eq!(FrameName::new(std::slice::from_ref(&walk), 2).to_string(), "2");
         let clips = [walk, run];
         let name = |frame| FrameName::new(&clips, frame).to_string();
         assert_eq!([name(2), name(3), name(5)], ["2 (walk 2)", "3 (run 0)", "5 (run 2)"]);
+        // What the source calls them, where it does.
+        let run = Clip::numbered("run".to_owned(), 3, vec![67, 69, 71]);
+        assert_eq!(FrameName::new(std::slice::from_ref(&run), 4).to_string(), "69");
+        let clips = [clips[0].clone(), run];
+        let name = |frame| FrameName::new(&clips, frame).to_string();
+        assert_eq!([name(2), name(3), name(5)], ["2 (walk 2)", "67 (run)", "71 (run)"]);
     }
 
     #[test]

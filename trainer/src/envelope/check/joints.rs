@@ -10,7 +10,8 @@ use nalgebra::Matrix3;
 pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut Vec<Finding>) {
     for warning in warnings {
         if let Warning::NonRigidJoint { joint, worst_frame, .. } = warning {
-            findings.push(non_rigid(context, warning, joint, *worst_frame));
+            let worst = worst_frame.and_then(|frame| usize::try_from(frame).ok());
+            findings.push(non_rigid(context, warning, joint, worst));
         }
     }
     half_turns(context, findings);
@@ -67,6 +68,7 @@ fn non_rigid(
     let mut places = vec![Place::Joint(joint.to_owned())];
     let frame = worst_frame.map(|frame| super::finding::FrameName::new(context.clips, frame));
     places.extend(frame.map(Place::Frame));
+    let warning = warning.clone().called(context.clips);
     Finding {
         kind: Kind::NonRigid,
         severity: Severity::Warning,

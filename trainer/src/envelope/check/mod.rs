@@ -11,6 +11,7 @@ pub mod faces;
 pub mod finding;
 mod folded;
 mod joints;
+mod order;
 mod prediction;
 mod repeats;
 pub mod rest;
@@ -91,7 +92,8 @@ pub fn check(
     let mut findings = Vec::new();
     let size = size::size(examples, &mut findings);
     progress.step("units and axes", 1);
-    convention::convention(examples, &mut findings);
+    let apart = convention::convention(examples, &mut findings);
+    order::order(examples, clips, apart, &mut findings);
     let faces = faces::faces(examples, &warnings, &mut findings);
     let context = Context::new(examples, clips, Training::new(examples, progress)?);
     let rest = rest::rest(&context, &mut findings);

@@ -3,7 +3,7 @@
 use super::character::Character;
 use super::error::EvaluateError;
 use super::measured::{Confidence, Errors, Measured};
-use super::skin::Baseline;
+use super::told::Told;
 use crate::examples::{Examples, Split};
 use serde::Serialize;
 
@@ -14,6 +14,8 @@ pub struct Evaluation {
     pub split: &'static str,
     /// How many.
     pub frames: usize,
+    /// How many of them training has read; none where the file does not tell.
+    pub read: Option<usize>,
     /// Vertices of the skin, E.
     pub vertices: usize,
     /// Diagonal of the rest pose's bounding box, in units of the input.
@@ -29,7 +31,7 @@ pub struct Evaluation {
     pub predictor: &'static str,
     /// P.
     pub proxies: usize,
-    /// 4-influence LBS fitted on the training split, on the same frames.
+    /// 4-influence LBS fitted to the training frames, on the same frames.
     pub lbs: Errors,
 }
 
@@ -38,6 +40,8 @@ pub struct Evaluation {
 pub enum Frames {
     /// Those of one split.
     Of(Split),
+    /// Those that the model's training has not read, by what its file tells.
+    New,
     /// All.
     All,
 }
@@ -46,18 +50,27 @@ impl Frames {
     /// The split's name on the command line.
     pub fn name(self) -> &'static str {
         match self {
-            Frames::Of(Split::Train) => "train",
-            Frames::Of(Split::HeldOut) => "held-out",
-            Frames::Of(Split::Extreme) => "extreme",
+            Frames::Of(split) => split.name(),
+            Frames::New => "new",
             Frames::All => "all",
         }
     }
 
+    /// Chooses what a model is best measured on: held-out frames, or else those that its training has not read, or
+    /// else those of the training split.
+    pub fn usual(examples: &Examples, told: &Told) -> Self {
+        let split = [Self::Of(Split::HeldOut), Self::New];
+        let first = split.into_iter().find(|frames| !frames.of(examples, told).is_empty());
+        first.unwrap_or(Self::Of(Split::Train))
+    }
+
     /// The frames' numbers.
-    pub fn of(self, examples: &Examples) -> Vec<usize> {
+    pub fn of(self, examples: &Examples, told: &Told) -> Vec<usize> {
+        let all = 0..examples.frame_len();
         match self {
             Frames::Of(split) => examples.frames_of(split),
-            Frames::All => (0..examples.frame_len()).collect(),
+            Frames::New => all.filter(|&frame| told.has_read(frame) == Some(false)).collect(),
+            Frames::All => all.collect(),
         }
     }
 
@@ -65,8 +78,8 @@ impl Frames {
     ///
     /// # Errors
     /// [`EvaluateError::NoFrames`] and [`EvaluateError::Examples`].
-    pub fn measurable(self, examples: &Examples) -> Result<Vec<usize>, EvaluateError> {
-        let frames = self.of(examples);
+    pub fn measurable(self, examples: &Examples, told: &Told) -> Result<Vec<usize>, EvaluateError> {
+        let frames = self.of(examples, told);
         if frames.is_empty() {
             return Err(EvaluateError::NoFrames { split: self.name() });
         }
@@ -87,16 +100,28 @@ pub fn evaluate(
     frames: Frames,
 ) -> Result<Evaluation, EvaluateError> {
     let character = Character::open(model, skin, examples)?;
-    let chosen = frames.measurable(examples)?;
+    let told = Told::of(model, &character, examples);
+    let chosen = frames.measurable(examples, &told)?;
     let measured = Measured::model(&character, examples, &chosen)?;
-    let lbs = Measured::lbs(&Baseline::fit(examples), examples, &chosen);
-    Ok(Evaluation::new(frames, (&character, model.len()), &measured, &lbs))
+    let lbs = Measured::lbs(&told.baseline(examples), examples, &chosen);
+    let read = told.read_len(&chosen);
+    Ok(Evaluation::new((frames, read), (&character, model.len()), &measured, &lbs))
 }
 
+/// Share of the diagonal below which an error of LBS is none, that another may be compared with.
+const NOTHING: f64 = 1e-6;
+
 impl Evaluation {
-    /// Summarises what was measured of a character in a file of so many bytes, and of LBS.
+    /// Gives the model's RMS error as a share of LBS's; none where LBS leaves nothing.
+    pub fn share_of_lbs(&self) -> Option<f64> {
+        let leaves = self.lbs.rms > NOTHING * self.diagonal;
+        leaves.then(|| self.errors.rms / self.lbs.rms)
+    }
+
+    /// Summarises what was measured of a character in a file of so many bytes, and of LBS, on frames of which
+    /// training has read so many.
     pub fn new(
-        frames: Frames,
+        (frames, read): (Frames, Option<usize>),
         (character, model_bytes): (&Character<'_>, usize),
         measured: &Measured,
         lbs: &Measured,
@@ -105,6 +130,7 @@ impl Evaluation {
         Self {
             split: frames.name(),
             frames: measured.frames.len(),
+            read,
             vertices: skin.vertex_len(),
             diagonal: measured.diagonal,
             errors: measured.errors(),

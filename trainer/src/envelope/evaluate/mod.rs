@@ -6,9 +6,11 @@ mod error;
 mod evaluation;
 mod measured;
 mod skin;
+mod told;
 
 pub use character::Character;
 pub use error::EvaluateError;
 pub use evaluation::{Evaluation, Frames, evaluate};
 pub use measured::{Confidence, Errors, Measured, MeasuredFrame, largest};
 pub use skin::{Baseline, SkinnedFrame, skin};
+pub use told::Told;

@@ -4,7 +4,6 @@ use super::error::ExportError;
 use super::mesh::SkinnedMesh;
 use super::skeleton::JointNodes;
 use super::times::key_times;
-use crate::envelope::evaluate::Frames;
 use crate::envelope::skin::weights;
 use crate::examples::{Clip, Examples, Split};
 use crate::formats::gltf::write::{Document, Placed};
@@ -15,9 +14,9 @@ const NOTE: &str = "A procedural arm: what a rig exports of its skeleton, with t
 
 /// Orders frames by use, so that each use is one clip: training frames, held-out, extreme ones.
 pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
-    let uses = [Split::Train, Split::HeldOut, Split::Extreme].map(Frames::Of);
     let (mut frames, mut clips) = (Vec::new(), Vec::new());
-    for (name, own) in uses.map(|of| (of.name(), of.of(&examples))) {
+    for split in [Split::Train, Split::HeldOut, Split::Extreme] {
+        let (name, own) = (split.name(), examples.frames_of(split));
         if !own.is_empty() {
             clips.push(Clip::regular(name.to_owned(), frames.len(), own.len()));
             frames.extend(own);

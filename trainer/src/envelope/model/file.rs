@@ -1,11 +1,13 @@
 //! Everything that a file holds.
 
 use super::envelope::EnvelopeModel;
+use super::record::RecordModel;
 use super::skin::SkinModel;
 use crate::face::prior::PriorModel;
 use sinew_runtime::format::Space;
 
-/// Envelopes, the skins that follow them, in the examples' order, and priors over the weights of their shapes.
+/// Envelopes, the skins that follow them, in the examples' order, priors over the weights of their shapes, and what
+/// is told of their training.
 #[derive(Clone, Debug, Default)]
 pub struct FileModel {
     /// The space of all their numbers.
@@ -16,4 +18,6 @@ pub struct FileModel {
     pub skins: Vec<SkinModel>,
     /// What is known of the weights of skins' shapes.
     pub priors: Vec<PriorModel>,
+    /// What the envelopes were trained on.
+    pub records: Vec<RecordModel>,
 }

@@ -1,7 +1,9 @@
 //! What a report is about: models, examples, and what was measured of the ones on the other.
 
-use crate::envelope::evaluate::{Baseline, Character, EvaluateError, Evaluation, Frames, Measured};
-use crate::examples::{Clip, Examples, Split};
+use crate::envelope::evaluate::{
+    Baseline, Character, EvaluateError, Evaluation, Frames, Measured, Told,
+};
+use crate::examples::{Clip, Examples};
 
 /// Examples as a report names them.
 #[derive(Clone, Copy)]
@@ -49,6 +51,8 @@ pub struct MeasuredModel<'a> {
     pub character: Character<'a>,
     /// Its errors.
     pub measured: Measured,
+    /// How many of the measured frames its training has read; none where its file does not tell.
+    pub read: Option<usize>,
 }
 
 /// One of the skins that stand side by side.
@@ -68,21 +72,23 @@ pub struct Series<'a> {
 pub const LBS: &str = "LBS, 4 influences";
 
 impl<'a> Comparison<'a> {
-    /// Measures a model and the baseline.
+    /// Measures a model and the baseline, on the frames of [`Frames::usual`] where none are chosen.
     ///
     /// # Errors
     /// Those of [`crate::envelope::evaluate::evaluate`].
     pub fn new(
         source: NamedExamples<'a>,
-        frames: Frames,
+        frames: Option<Frames>,
         file: NamedModel<'a>,
     ) -> Result<Self, EvaluateError> {
         let NamedExamples { examples, .. } = source;
         let character = Character::open(file.bytes, file.skin, examples)?;
-        let chosen = frames.measurable(examples)?;
+        let told = Told::of(file.bytes, &character, examples);
+        let frames = frames.unwrap_or_else(|| Frames::usual(examples, &told));
+        let chosen = frames.measurable(examples, &told)?;
         let measured = Measured::model(&character, examples, &chosen)?;
-        let model = MeasuredModel { file, character, measured };
-        let lbs = Baseline::fit(examples);
+        let model = MeasuredModel { file, character, measured, read: told.read_len(&chosen) };
+        let lbs = told.baseline(examples);
         let baseline = Measured::lbs(&lbs, examples, &chosen);
         Ok(Self { source, frames, lbs, baseline, model, other: None })
     }
@@ -93,8 +99,10 @@ impl<'a> Comparison<'a> {
     /// Those of [`crate::envelope::evaluate::evaluate`].
     pub fn compare(&mut self, file: NamedModel<'a>) -> Result<(), EvaluateError> {
         let character = Character::open(file.bytes, file.skin, self.source.examples)?;
-        let measured = Measured::model(&character, self.source.examples, &self.measured_frames())?;
-        self.other = Some(MeasuredModel { file, character, measured });
+        let chosen = self.measured_frames();
+        let measured = Measured::model(&character, self.source.examples, &chosen)?;
+        let read = Told::of(file.bytes, &character, self.source.examples).read_len(&chosen);
+        self.other = Some(MeasuredModel { file, character, measured, read });
         Ok(())
     }
 
@@ -124,7 +132,7 @@ impl<'a> Comparison<'a> {
     pub fn evaluations(&self) -> Vec<Evaluation> {
         let of = |model: &MeasuredModel<'_>| {
             let character = (&model.character, model.file.bytes.len());
-            Evaluation::new(self.frames, character, &model.measured, &self.baseline)
+            Evaluation::new((self.frames, model.read), character, &model.measured, &self.baseline)
         };
         self.models().map(of).collect()
     }
@@ -136,18 +144,25 @@ impl NamedExamples<'_> {
         self.clips.iter().rposition(|clip| clip.first <= frame)
     }
 
-    /// Names a frame: its number and, where there are several clips, its place in one.
+    /// Returns what the source calls a frame, or its place where the source calls it nothing.
+    pub fn number(&self, frame: usize) -> i64 {
+        self.own_number(frame).unwrap_or(frame as i64)
+    }
+
+    fn own_number(&self, frame: usize) -> Option<i64> {
+        let clip = &self.clips[self.clip_of(frame)?];
+        clip.number(frame - clip.first)
+    }
+
+    /// Names a frame: its number and, where there are several clips, its place in one, or that clip where the
+    /// number is the source's own.
     pub fn label(&self, frame: usize) -> String {
-        match self.clip_of(frame).map(|clip| &self.clips[clip]) {
-            Some(clip) if self.clips.len() > 1 => {
-                format!("frame {frame} ({}, {})", clip.name, frame - clip.first)
-            }
-            _ => format!("frame {frame}"),
+        let several = self.clip_of(frame).filter(|_| self.clips.len() > 1);
+        match (self.own_number(frame), several.map(|clip| &self.clips[clip])) {
+            (Some(number), Some(clip)) => format!("frame {number} ({})", clip.name),
+            (Some(number), None) => format!("frame {number}"),
+            (None, Some(clip)) => format!("frame {frame} ({}, {})", clip.name, frame - clip.first),
+            (None, None) => format!("frame {frame}"),
         }
     }
-}
-
-/// Names what a frame is put to.
-pub fn use_of(split: Split) -> &'static str {
-    Frames::Of(split).name()
 }

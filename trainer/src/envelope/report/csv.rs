@@ -1,9 +1,9 @@
 //! Errors by frame, as a table for other tools.
 
-use super::comparison::{Comparison, use_of};
+use super::comparison::Comparison;
 
-/// Writes a row for each measured frame, under a row of names: `frame`, `clip`, `split`, `vertices`;
-/// then, for the model, and with `lbs_` and `other_` before them for LBS and for the model that it is
+/// Writes a row for each measured frame, under a row of names: `frame`, its place among all, from 0; `number`, what
+/// the source calls it, or its place; `clip`, `split`, `vertices`; then, for the model, and with `lbs_` and `other_` before them for LBS and for the model that it is
 /// compared with, `rms`, `p99` and `max` in % of the rest diagonal, `worst_vertex` and `confidence`.
 ///
 /// # Errors
@@ -14,7 +14,7 @@ pub fn by_frame(comparison: &Comparison<'_>) -> Result<Vec<u8>, csv::Error> {
     let order = [1, 0, 2].into_iter().filter_map(|place| series.get(place));
     let order: Vec<_> = order.zip(["", "lbs_", "other_"]).collect();
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut names = ["frame", "clip", "split", "vertices"].map(str::to_owned).to_vec();
+    let mut names = ["frame", "number", "clip", "split", "vertices"].map(str::to_owned).to_vec();
     for (series, prefix) in &order {
         names.extend(["rms", "p99", "max", "worst_vertex"].map(|name| format!("{prefix}{name}")));
         names.extend(series.model.map(|_| format!("{prefix}confidence")));
@@ -23,8 +23,9 @@ pub fn by_frame(comparison: &Comparison<'_>) -> Result<Vec<u8>, csv::Error> {
     let (examples, source) = (comparison.source.examples, &comparison.source);
     for (place, frame) in comparison.measured_frames().into_iter().enumerate() {
         let clip = source.clip_of(frame).map_or("", |clip| source.clips[clip].name.as_str());
-        let split = use_of(examples.split[frame]);
-        let mut row = vec![frame.to_string(), clip.to_owned(), split.to_owned()];
+        let split = examples.split[frame].name();
+        let mut row = vec![frame.to_string(), source.number(frame).to_string()];
+        row.extend([clip, split].map(str::to_owned));
         row.push(examples.vertex_len().to_string());
         for (series, _) in &order {
             let (errors, frame) =

@@ -137,9 +137,7 @@ pub(super) fn poses(
         let count = (vertices.len() * frames.len()).max(1) as f64;
         (squares.sum::<f64>() / count).sqrt() / cloud.diagonal
     };
-    let candidates: Vec<Similarity> = axes::rotations()
-        .flat_map(|turn| SCALES.map(|scale| Similarity { turn, scale, shift: Vector3::zeros() }))
-        .collect();
+    let candidates: Vec<Similarity> = scaled_turns().collect();
     let scored: Vec<_> = candidates.into_par_iter().map(|s| (s, distance(s))).collect();
     let unmoved = Similarity::IDENTITY;
     match best(scored.into_iter(), (unmoved, distance(unmoved))) {
@@ -150,8 +148,14 @@ pub(super) fn poses(
     }
 }
 
+/// Lists the turns by right angles with every change of units.
+pub(super) fn scaled_turns() -> impl Iterator<Item = Similarity> {
+    let shift = Vector3::zeros();
+    axes::rotations().flat_map(move |turn| SCALES.map(|scale| Similarity { turn, scale, shift }))
+}
+
 impl Similarity {
-    const IDENTITY: Self = Self {
+    pub(super) const IDENTITY: Self = Self {
         turn: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         scale: 1.0,
         shift: Vector3::new(0.0, 0.0, 0.0),
@@ -204,7 +208,12 @@ impl Similarity {
         }
     }
 
-    fn point(&self, x: Vector3<f64>) -> Vector3<f64> {
+    /// Tells how much larger things become.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    pub(super) fn point(&self, x: Vector3<f64>) -> Vector3<f64> {
         self.turn * x * self.scale + self.shift
     }
 }
@@ -261,7 +270,18 @@ fn nearest_unit(ratio: f64) -> f64 {
     SCALES.into_iter().find(near).unwrap_or(ratio)
 }
 
-fn carry(map: &Matrix3x4, x: &[f64; 3]) -> Vector3<f64> {
+/// Measures the diagonal of the box around some points.
+pub(super) fn diagonal(points: &[[f64; 3]]) -> f64 {
+    Cloud::new(points).diagonal
+}
+
+/// Measures how far points lie from their centre, RMS.
+pub(super) fn radius(points: &[[f64; 3]]) -> f64 {
+    Cloud::new(points).radius
+}
+
+/// Gives where a joint alone carries a vertex.
+pub(super) fn carry(map: &Matrix3x4, x: &[f64; 3]) -> Vector3<f64> {
     let (linear, offset) = parts(map);
     linear * Vector3::from(*x) + offset
 }

@@ -11,6 +11,12 @@ pub enum ImportError {
         /// What was given.
         option: &'static str,
     },
+    /// A file of posed meshes was given where a scene is read.
+    #[error(
+        "holds posed meshes, but no joints to learn from: give the scene with the joints (.fbx, .glb, .gltf), and \
+         this file as --targets"
+    )]
+    MeshesAlone,
     /// Posed meshes follow at one rate, the clip's keys do not.
     #[error(
         "clip {clip} has non-uniform key times: a step of {step:.4} s at {at:.4} s, elsewhere \
@@ -29,7 +35,7 @@ pub enum ImportError {
     },
     /// There are poses but no meshes to learn.
     #[error(
-        "holds poses but neither a skin nor shapes: give the posed meshes as --targets (.pc2, .mdd, \
+        "holds poses but neither a skin nor shapes: give the posed meshes as --targets (.abc, .pc2, .mdd, \
          .npz, or a numbered sequence of .obj)"
     )]
     NoShapes,
@@ -66,8 +72,8 @@ pub enum ImportError {
     },
     /// There are not as many posed meshes as poses.
     #[error(
-        "holds {found} meshes, the scene's clips have {expected} frames ({clips}): export both over \
-         the same frames, choose the clip with --clip, or sample it at the meshes' rate with --fps"
+        "holds {found} meshes, the scene's clips have {expected} frames ({clips}): {}",
+        remedy(missing)
     )]
     TargetFrames {
         /// Frames of the clips.
@@ -76,7 +82,28 @@ pub enum ImportError {
         found: usize,
         /// The clips and their frames.
         clips: String,
+        /// Files that a sequence leaves out.
+        missing: Vec<String>,
     },
+    /// The posed meshes fit the clips in several orders, but not in that given.
+    #[error(
+        "its meshes do not follow the scene's clips in their order, {}, but may in several others, as {}: export \
+         the meshes over the clips in the scene's order",
+        given.join(", "),
+        other.join(", ")
+    )]
+    ClipOrder {
+        /// The scene's clips.
+        given: Vec<String>,
+        /// The clips in the order that fits best.
+        other: Vec<String>,
+    },
+    /// The posed meshes' vertices have another order.
+    #[error(
+        "its vertices are those of the scene's mesh, but in another order: export both from one mesh, the scene as \
+         .fbx rather than glTF, which sorts vertices anew; or give an .npz with the `rest` positions of its vertices"
+    )]
+    VertexOrder,
     /// The rest mesh is another one.
     #[error(
         "its rest mesh is not that of the model in any axes and unit: off by {percent:.1} % of the \
@@ -85,6 +112,66 @@ pub enum ImportError {
     OtherMesh {
         /// RMS distance in % of the diagonal.
         percent: f64,
+    },
+    /// A file beside others has another mesh, or another skeleton.
+    #[error(
+        "has {found} {what}, {first} has {expected}: examples in several files are of one character"
+    )]
+    OtherCounts {
+        /// Vertices or joints.
+        what: &'static str,
+        /// In the first file.
+        expected: usize,
+        /// In this one.
+        found: usize,
+        /// The first file.
+        first: String,
+    },
+    /// A joint has another name, or another parent, than in the first of several files.
+    #[error("joint {joint} is {found}, in {first} it is {expected}")]
+    OtherJoint {
+        /// The joint.
+        joint: usize,
+        /// In the first file.
+        expected: String,
+        /// In this one.
+        found: String,
+        /// The first file.
+        first: String,
+    },
+    /// The rest mesh is another one than in the first of several files.
+    #[error(
+        "its rest mesh is not that of {first}: off by {percent:.2} % of the diagonal, {}",
+        if *is_shuffled {
+            "the same vertices in another order; export both with the same settings"
+        } else {
+            "expected 0.01 % at most; export both in one rest pose, axes and unit"
+        }
+    )]
+    OtherRest {
+        /// RMS distance in % of the diagonal.
+        percent: f64,
+        /// Whether the places of all vertices are the same.
+        is_shuffled: bool,
+        /// The first file.
+        first: String,
+    },
+    /// Joints at rest are elsewhere than in the first of several files.
+    #[error(
+        "its joints at rest are not where {first} has them: off by {percent:.2} % of the diagonal; export \
+         both in one rest pose"
+    )]
+    OtherRestPose {
+        /// RMS distance in % of the diagonal.
+        percent: f64,
+        /// The first file.
+        first: String,
+    },
+    /// The faces are others than in the first of several files.
+    #[error("its faces are not those of {first}; export both from one mesh")]
+    OtherFaces {
+        /// The first file.
+        first: String,
     },
     /// The posed meshes are not where the joints are.
     #[error(
@@ -105,8 +192,22 @@ impl ImportError {
             Self::TargetVertices { .. }
                 | Self::CopiesApart { .. }
                 | Self::TargetFrames { .. }
+                | Self::ClipOrder { .. }
+                | Self::VertexOrder
                 | Self::TargetsApart { .. }
         )
+    }
+}
+
+/// Says what to do about a count of meshes.
+fn remedy(missing: &[String]) -> String {
+    match missing {
+        [] => "export both over the same frames, choose the clip with --clip, or sample it at the meshes' rate with \
+               --fps"
+            .to_owned(),
+        [one] => format!("{one} is missing"),
+        [one, two] => format!("{one} and {two} are missing"),
+        [one, others @ ..] => format!("{one} and {} others are missing", others.len()),
     }
 }
 

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use super::align::{self, Similarity, similarities};
 use super::error::ImportError;
 use crate::examples::sample::spread;
-use crate::formats::posed_meshes::PosedMeshes;
+use crate::formats::posed_meshes::{Part, PosedMeshes};
 use crate::mesh::Surface;
 
 /// Farthest that copies of one vertex may lie apart in any frame, over the diagonal.
@@ -17,7 +17,7 @@ const PLACE: f64 = 1e-4;
 const SAMPLE: usize = 150;
 
 /// Brings posed meshes to the V vertices of a scene's mesh and their order. They may have these, or the E that an
-/// engine has of it; in the scene's order, or, with a rest mesh of their own, in any.
+/// engine has of it; in the scene's order, or, with a rest mesh or reference positions of their own, in any.
 ///
 /// # Errors
 /// [`ImportError::TargetVertices`] for another count, [`ImportError::CopiesApart`] where copies of one vertex go
@@ -35,7 +35,11 @@ pub(super) fn matched(
     let one_each = found == expected;
     let own: Vec<usize> = (0..found).map(|v| if one_each { v } else { scene.copy_of(v) }).collect();
     let at_rest: Vec<[f64; 3]> = own.iter().map(|&vertex| scene.positions[vertex]).collect();
-    let by_place = meshes.rest.as_ref().and_then(|rest| found_by_place(&at_rest, rest));
+    let by_place = match (&meshes.rest, &meshes.reference) {
+        (Some(rest), _) => found_by_place(&at_rest, rest),
+        (None, Some(reference)) => found_by_reference(&at_rest, reference, &meshes.parts),
+        (None, None) => None,
+    };
     let mut copies = vec![Vec::new(); expected];
     match by_place {
         // What stands in the place of a vertex, in whatever order.
@@ -51,12 +55,9 @@ pub(super) fn matched(
     let pick = |all: &[[f64; 3]]| -> Vec<[f64; 3]> {
         copies.iter().filter_map(|copies| all.get(*copies.first()?).copied()).collect()
     };
-    Ok(PosedMeshes {
-        vertex_len: expected,
-        vertices: meshes.vertices.chunks(found.max(1)).flat_map(pick).collect(),
-        rest: meshes.rest.as_deref().map(pick),
-        triangles: None,
-    })
+    let rest = meshes.rest.as_deref().map(pick);
+    let vertices = meshes.vertices.chunks(found.max(1)).flat_map(pick).collect();
+    Ok(PosedMeshes { rest, ..PosedMeshes::bare(expected, vertices) })
 }
 
 /// Lists what of another rest mesh stands in the place of each position, in whatever axes and unit; `None` where
@@ -76,6 +77,46 @@ fn found_by_place(positions: &[[f64; 3]], rest: &[[f64; 3]]) -> Option<Vec<Vec<u
     let similarity = similarities(positions, rest).find(fits)?;
     let places: Vec<_> = (0..positions.len()).map(|v| near(&similarity, v)).collect();
     places.iter().all(|places| !places.is_empty()).then_some(places)
+}
+
+/// Lists what has the place of each position among reference positions, mesh by mesh. These may have each axis scaled
+/// and be turned, as what is made for textures is (Blender's `Pref` is turned inside the box around the mesh), so that
+/// they are compared in boxes of one size. `None` where no mesh has another order.
+fn found_by_reference(
+    positions: &[[f64; 3]],
+    reference: &[[f64; 3]],
+    parts: &[Part],
+) -> Option<Vec<Vec<usize>>> {
+    let mut places: Vec<Vec<usize>> = (0..positions.len()).map(|v| vec![v]).collect();
+    let mut is_other = false;
+    for Part { range, .. } in parts {
+        let boxed = |all: &[[f64; 3]]| in_one_box(&all[range.clone()]);
+        let Some(found) = found_by_place(&boxed(positions), &boxed(reference)) else { continue };
+        is_other = true;
+        for (v, own) in range.clone().zip(found) {
+            places[v] = own.into_iter().map(|place| place + range.start).collect();
+        }
+    }
+    is_other.then_some(places)
+}
+
+/// Moves points to where each coordinate reaches from -1 to 1.
+pub(super) fn in_one_box(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let bounds = [0, 1, 2].map(|axis| bounds(points, axis));
+    let moved = |point: &[f64; 3]| {
+        std::array::from_fn(|axis| {
+            let (low, high) = bounds[axis];
+            let half = (high - low) / 2.0;
+            if half > 0.0 { (point[axis] - low) / half - 1.0 } else { 0.0 }
+        })
+    };
+    points.iter().map(moved).collect()
+}
+
+/// Gives the least and the greatest of a coordinate.
+fn bounds(points: &[[f64; 3]], axis: usize) -> (f64, f64) {
+    let all = points.iter().map(|point| point[axis]);
+    (all.clone().fold(f64::MAX, f64::min), all.fold(f64::MIN, f64::max))
 }
 
 /// Checks that the copies of each vertex stay together.
@@ -100,11 +141,12 @@ fn check_copies(meshes: &PosedMeshes, copies: &[Vec<usize>]) -> Result<(), Impor
 }
 
 fn diagonal(points: &[[f64; 3]]) -> f64 {
-    let axis = |axis: usize| {
-        let all = points.iter().map(move |point| point[axis]);
-        (all.clone().fold(f64::MAX, f64::min), all.fold(f64::MIN, f64::max))
-    };
-    [0, 1, 2].map(axis).iter().map(|(low, high)| (high - low).powi(2)).sum::<f64>().sqrt()
+    [0, 1, 2]
+        .map(|axis| bounds(points, axis))
+        .iter()
+        .map(|(low, high)| (high - low).powi(2))
+        .sum::<f64>()
+        .sqrt()
 }
 
 /// Points by the cells they are in.

@@ -2,18 +2,25 @@
 
 mod align;
 mod error;
+mod joined;
 mod loaded;
 mod matched;
 pub mod npz;
+mod order;
 mod origins;
+mod parts;
 mod rate;
 mod roots;
 mod scene;
+mod shuffled;
 mod source;
 mod targets;
 #[cfg(test)]
 mod tests;
 
 pub use error::ImportError;
+pub use joined::join;
 pub use loaded::Loaded;
+pub(crate) use order::PosedClips;
+pub(crate) use shuffled::is_shuffled;
 pub use source::{Source, load, load_poses};

@@ -31,7 +31,12 @@ mod tests {
 
     #[test]
     fn an_uneven_step_is_named() {
-        let clip = |times: &[f64]| Clip { name: "run".into(), first: 0, times: times.to_vec() };
+        let clip = |times: &[f64]| Clip {
+            name: "run".into(),
+            first: 0,
+            times: times.to_vec(),
+            numbers: None,
+        };
         assert!(check_even(&[clip(&[0.0, 0.1, 0.2, 0.3]), clip(&[0.0]), clip(&[])]).is_ok());
         let error = check_even(&[clip(&[0.0, 0.1, 0.2, 0.4, 0.5])]).unwrap_err();
         let ImportError::UnevenKeys { clip, at, step, usual } = error else { panic!("{error}") };

@@ -5,8 +5,11 @@ use nalgebra::{Matrix3, Matrix4};
 use super::align::{self, Similarity};
 use super::error::ImportError;
 use super::matched::matched;
+use super::order::PosedClips;
+use super::parts::arranged;
 use super::rate::check_even;
 use super::roots;
+use super::shuffled::is_shuffled;
 use super::targets::TargetMeshes;
 use crate::examples::{Clip, Examples, ExamplesError, Matrix3x4, RIGID, Skeleton, Split, Warning};
 use crate::formats::FormatError;
@@ -25,14 +28,15 @@ type Joined = (Examples, Vec<Clip>, Vec<Warning>);
 /// # Errors
 /// [`SceneError::SingularBind`], [`ImportError::NoShapes`]; and for targets
 /// [`ImportError::UnevenKeys`], [`ImportError::TargetVertices`], [`ImportError::CopiesApart`],
-/// [`ImportError::TargetFrames`] and [`ImportError::TargetsApart`].
+/// [`ImportError::TargetFrames`], [`ImportError::ClipOrder`], [`ImportError::VertexOrder`] and
+/// [`ImportError::TargetsApart`].
 pub(super) fn join(
     mut scene: SampledScene,
     targets: Option<TargetMeshes>,
     sampling: &Sampling<'_>,
 ) -> Result<Joined, ExamplesError> {
     let mut poses = ScenePoses::of(&mut scene)?;
-    let Some(TargetMeshes { meshes, split }) = targets else {
+    let Some(TargetMeshes { meshes, mut split, missing }) = targets else {
         if !scene.morphs {
             poses.warnings.push(Warning::PlainSkin);
         }
@@ -47,9 +51,11 @@ pub(super) fn join(
         triangles: &scene.triangles,
         engine: scene.engine.as_ref(),
     };
+    let meshes = arranged(&scene.ranges, scene.rest.len(), meshes, &mut poses.warnings);
     let meshes = matched(&surface, meshes)?;
-    check_frames(&scene, &meshes)?;
+    check_frames(&scene, &meshes, missing)?;
     let PosedMeshes { mut vertices, rest, triangles, .. } = meshes;
+    let clips = &scene.clips;
     match rest {
         Some(rest) => {
             let similarity = align::meshes(&scene.rest, &rest)
@@ -57,6 +63,7 @@ pub(super) fn join(
             similarity.move_joints(&mut poses.skeleton, &mut poses.transforms);
             scene.space = similarity.space(&scene.space);
             poses.tell(&similarity, "joints");
+            poses.sort(&rest, &mut vertices, &mut split, clips, true)?;
             scene.rest = rest;
             similarity.turn(scene.engine.as_mut());
             // What is authored is so of the scene's own triangles.
@@ -64,7 +71,12 @@ pub(super) fn join(
             scene.triangles = others.unwrap_or(scene.triangles);
         }
         None => {
-            let similarity = align::poses(&scene.rest, &poses.transforms, &vertices)?;
+            poses.sort(&scene.rest, &mut vertices, &mut split, clips, false)?;
+            let similarity = align::poses(&scene.rest, &poses.transforms, &vertices);
+            let similarity = similarity.map_err(|error| {
+                let shuffled = is_shuffled(&scene.rest, &poses.transforms, &vertices);
+                if shuffled { ImportError::VertexOrder } else { error }
+            })?;
             similarity.move_points(&mut vertices);
             poses.tell(&similarity, "targets");
         }
@@ -122,6 +134,37 @@ impl ScenePoses {
         Ok(Self { skeleton, transforms: maps.iter().map(rows).collect(), warnings })
     }
 
+    /// Sorts posed meshes, N x V, and the use of their frames as the clips are sorted, where they follow one another
+    /// otherwise.
+    ///
+    /// # Errors
+    /// [`ImportError::ClipOrder`] where several orders fit.
+    fn sort(
+        &mut self,
+        rest: &[[f64; 3]],
+        vertices: &mut Vec<[f64; 3]>,
+        split: &mut Option<Vec<Split>>,
+        clips: &[Clip],
+        placed: bool,
+    ) -> Result<(), ImportError> {
+        let lens: Vec<usize> = clips.iter().map(|clip| clip.times.len()).collect();
+        let transforms = &self.transforms;
+        let given = PosedClips { rest, transforms, posed: vertices, lens: &lens, placed };
+        let Some(order) = given.order() else { return Ok(()) };
+        let names = |order: &[usize]| order.iter().map(|&clip| clips[clip].name.clone()).collect();
+        let other = names(&order.clips);
+        if order.is_one_of_several {
+            let given = clips.iter().map(|clip| clip.name.clone()).collect();
+            return Err(ImportError::ClipOrder { given, other });
+        }
+        *vertices = order.sorted(vertices, rest.len(), &lens);
+        if let Some(split) = split {
+            *split = order.sorted(split, 1, &lens);
+        }
+        self.warnings.push(Warning::ClipsSorted { clips: other, percent: order.percent });
+        Ok(())
+    }
+
     fn tell(&mut self, similarity: &Similarity, what: &'static str) {
         if !similarity.is_identity() {
             self.warnings.push(Warning::Moved { what, how: similarity.to_string() });
@@ -157,11 +200,20 @@ fn frame_len(scene: &SampledScene) -> usize {
     scene.clips.iter().map(|clip| clip.times.len()).sum()
 }
 
-fn check_frames(scene: &SampledScene, meshes: &PosedMeshes) -> Result<(), ImportError> {
+fn check_frames(
+    scene: &SampledScene,
+    meshes: &PosedMeshes,
+    mut missing: Vec<String>,
+) -> Result<(), ImportError> {
     let (expected, found) = (frame_len(scene), meshes.vertices.len() / meshes.vertex_len.max(1));
     if expected != found {
         let clips: Vec<_> = scene.clips.iter().map(Clip::describe).collect();
-        return Err(ImportError::TargetFrames { expected, found, clips: clips.join(", ") });
+        // Numbers may leave out what lies between clips.
+        if found + missing.len() != expected {
+            missing.clear();
+        }
+        let clips = clips.join(", ");
+        return Err(ImportError::TargetFrames { expected, found, clips, missing });
     }
     Ok(())
 }

@@ -20,14 +20,14 @@ pub struct Source<'a> {
     pub targets: Option<&'a Path>,
     /// Frames a second at which a scene's clips are sampled; at their keys where none is given.
     pub fps: Option<f64>,
-    /// The one clip to read of a scene; all of them where none is given.
-    pub clip: Option<&'a str>,
+    /// The clips to read; all of them where none is given.
+    pub clips: &'a [String],
 }
 
 impl<'a> Source<'a> {
     /// Names a file that needs nothing beside it.
     pub fn file(file: &'a Path) -> Self {
-        Self { file, targets: None, fps: None, clip: None }
+        Self { file, targets: None, fps: None, clips: &[] }
     }
 
     /// Lists the files that a load reads, where they are there.
@@ -44,11 +44,7 @@ impl<'a> Source<'a> {
     fn scene(&self, sampling: &Sampling<'_>) -> Result<Option<SampledScene>, ExamplesError> {
         let read = match extension(self.file).as_str() {
             "npz" => {
-                let given = [
-                    ("--targets", self.targets.is_some()),
-                    ("--fps", self.fps.is_some()),
-                    ("--clip", self.clip.is_some()),
-                ];
+                let given = [("--targets", self.targets.is_some()), ("--fps", self.fps.is_some())];
                 return match given.into_iter().find(|(_, given)| *given) {
                     Some((option, _)) => Err(ImportError::NotAScene { option }.into()),
                     None => Ok(None),
@@ -56,6 +52,7 @@ impl<'a> Source<'a> {
             }
             "glb" | "gltf" => gltf::read(self.file, sampling),
             "fbx" => fbx::read(self.file, sampling),
+            "abc" | "mdd" | "obj" | "pc2" => return Err(ImportError::MeshesAlone.into()),
             _ => Err(unknown_format(self.file, ".npz, .glb, .gltf or .fbx")),
         };
         Ok(Some(read?))
@@ -71,7 +68,7 @@ impl<'a> Source<'a> {
     }
 
     fn sampling(&self, shapes: bool) -> Sampling<'a> {
-        Sampling { fps: self.fps, clip: self.clip, shapes }
+        Sampling { fps: self.fps, clips: self.clips, shapes }
     }
 
     fn blame(&self) -> impl Fn(ExamplesError) -> LoadError {
@@ -89,7 +86,7 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
     source.check_content()?;
     let sampling = source.sampling(source.targets.is_none());
     let scene = source.scene(&sampling).map_err(&blame)?;
-    let Some(scene) = scene else { return npz::load(source.file) };
+    let Some(scene) = scene else { return npz::load_clips(source.file, &sampling) };
     let targets = source.targets.map(targets::read).transpose()?;
     let at_fault = source.targets.unwrap_or(source.file);
     let join = || {
@@ -114,8 +111,9 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
 pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
     let blame = source.blame();
     Source::file(source.file).check_content()?;
-    let scene = source.scene(&source.sampling(false)).map_err(&blame)?;
-    let Some(scene) = scene else { return npz::load(source.file) };
+    let sampling = source.sampling(false);
+    let scene = source.scene(&sampling).map_err(&blame)?;
+    let Some(scene) = scene else { return npz::load_clips(source.file, &sampling) };
     let (examples, clips, mut warnings) = scene::still(scene).map_err(&blame)?;
     warnings.extend(examples.validate().map_err(&blame)?);
     Ok(Loaded { examples, clips, warnings })

@@ -3,8 +3,8 @@
 use super::npz;
 use crate::examples::{LoadError, Split};
 use crate::formats::extension::{extension, unknown_format};
-use crate::formats::gltf;
 use crate::formats::posed_meshes::{PosedMeshes, mdd, pc2, sequence};
+use crate::formats::{abc, gltf};
 use std::path::{Path, PathBuf};
 
 /// Posed meshes, and what they are for.
@@ -14,9 +14,11 @@ pub(super) struct TargetMeshes {
     pub(super) meshes: PosedMeshes,
     /// Use of each frame, N, of a file that tells it.
     pub(super) split: Option<Vec<Split>>,
+    /// Files that a sequence leaves out, by its numbers.
+    pub(super) missing: Vec<String>,
 }
 
-/// Reads posed meshes: a point cache (`.pc2`, `.mdd`), arrays (`.npz`), one of a sequence of numbered
+/// Reads posed meshes: an Alembic archive (`.abc`), a point cache (`.pc2`, `.mdd`), arrays (`.npz`), one of a sequence of numbered
 /// `.obj` files, a folder that holds one, or a scene's own shapes (`.glb`, `.gltf`).
 ///
 /// # Errors
@@ -26,16 +28,19 @@ pub(super) fn read(path: &Path) -> Result<TargetMeshes, LoadError> {
     let blame = |error| LoadError { file: path.to_owned(), error };
     let ending = extension(path);
     let read = match ending.as_str() {
-        _ if path.is_dir() => return Ok(sequence::read(path)?.into()),
-        "obj" => return Ok(sequence::read(path)?.into()),
+        _ if path.is_dir() || ending == "obj" => {
+            let missing = sequence::missing(&sequence::files(path)?);
+            return Ok(TargetMeshes { missing, ..sequence::read(path)?.into() });
+        }
         "npz" => {
             let (meshes, split) = npz::read_posed_meshes(path).map_err(blame)?;
-            return Ok(TargetMeshes { meshes, split });
+            return Ok(TargetMeshes { split, ..meshes.into() });
         }
+        "abc" => abc::read(path),
         "pc2" => pc2::read(path),
         "mdd" => mdd::read(path),
         "glb" | "gltf" => gltf::read_posed_meshes(path),
-        _ => Err(unknown_format(path, ".pc2, .mdd, .npz, .glb, .gltf or .obj")),
+        _ => Err(unknown_format(path, ".abc, .pc2, .mdd, .npz, .glb, .gltf or .obj")),
     };
     read.map(TargetMeshes::from).map_err(|error| blame(error.into()))
 }
@@ -49,6 +54,6 @@ pub(super) fn files(path: &Path) -> Vec<PathBuf> {
 
 impl From<PosedMeshes> for TargetMeshes {
     fn from(meshes: PosedMeshes) -> Self {
-        Self { meshes, split: None }
+        Self { meshes, split: None, missing: Vec::new() }
     }
 }

@@ -112,7 +112,7 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
             moved[node] = true;
         }
     }
-    let sampling = Sampling { fps: None, clip: None, shapes: true };
+    let sampling = Sampling { fps: None, clips: &[], shapes: true };
     let (_, moments) = scene.sample(&moved, &sampling, &mut Vec::new())?;
     let shapes: Vec<_> = moments
         .par_iter()
@@ -121,12 +121,7 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
             scene.placed(&scene.nodes.worlds(&locals), &weights)
         })
         .collect();
-    Ok(PosedMeshes {
-        vertex_len: scene.meshes.positions.len(),
-        vertices: shapes.concat(),
-        rest: None,
-        triangles: None,
-    })
+    Ok(PosedMeshes::bare(scene.meshes.positions.len(), shapes.concat()))
 }
 
 /// What a viewer of the file needs.

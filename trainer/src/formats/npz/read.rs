@@ -115,24 +115,41 @@ impl Archive {
         Ok(Some(Rows { lead, data }))
     }
 
+    /// Reads one number, with or without a dimension of one. `None` if there is no such array.
+    pub(crate) fn number(&mut self, array: &str) -> Result<Option<f64>, FormatError> {
+        let Some((header, mut file)) = self.find(array)? else { return Ok(None) };
+        check_one(array, &header)?;
+        let found = header.dtype().descr();
+        let wrong =
+            ArrayError::WrongType { array: array.to_owned(), expected: f64::EXPECTED, found };
+        let mut only = f64::NAN;
+        let damaged = |error: io::Error| ArrayError::Damaged {
+            array: array.to_owned(),
+            reason: error.to_string(),
+        };
+        f64::each(NpyFile::with_header(header, &mut file), |number| only = number)
+            .ok_or(wrong)?
+            .and_then(|()| finish(file))
+            .map_err(damaged)?;
+        Ok(Some(only))
+    }
+
     /// Reads a list of texts. `None` if there is no such array.
     pub(crate) fn texts(&mut self, array: &str) -> Result<Option<Vec<String>>, FormatError> {
-        let Some((header, mut file)) = self.find(array)? else { return Ok(None) };
+        let Some((header, file)) = self.find(array)? else { return Ok(None) };
         if header.shape().len() != 1 {
             let (array, expected) = (array.to_owned(), "[n]".to_owned());
             let found = header.shape().to_vec();
             return Err(ArrayError::WrongShape { array, expected, found }.into());
         }
-        let found = header.dtype().descr();
-        let texts = NpyFile::with_header(header, &mut file).data::<String>().map_err(|_| {
-            ArrayError::WrongType { array: array.to_owned(), expected: "text", found }
-        })?;
-        let texts = texts.collect::<io::Result<_>>().and_then(|texts| finish(file).map(|()| texts));
-        let damaged = |error: io::Error| ArrayError::Damaged {
-            array: array.to_owned(),
-            reason: error.to_string(),
-        };
-        Ok(Some(texts.map_err(damaged)?))
+        texts(array, header, file).map(Some)
+    }
+
+    /// Reads one text, with or without a dimension of one. `None` if there is no such array.
+    pub(crate) fn text(&mut self, array: &str) -> Result<Option<String>, FormatError> {
+        let Some((header, file)) = self.find(array)? else { return Ok(None) };
+        check_one(array, &header)?;
+        Ok(texts(array, header, file)?.pop())
     }
 
     /// Finds an array and checks that its header asks for no more bytes than there are.
@@ -161,6 +178,32 @@ impl Archive {
             .into()),
         }
     }
+}
+
+/// Checks that an array holds one thing, with or without a dimension.
+fn check_one(array: &str, header: &NpyHeader) -> Result<(), ArrayError> {
+    match header.shape() {
+        [] | [1] => Ok(()),
+        found => Err(ArrayError::WrongShape {
+            array: array.to_owned(),
+            expected: "[] or [1]".to_owned(),
+            found: found.to_vec(),
+        }),
+    }
+}
+
+/// Reads the texts of an array to the end of its file.
+fn texts(array: &str, header: NpyHeader, mut file: impl Read) -> Result<Vec<String>, FormatError> {
+    let found = header.dtype().descr();
+    let texts = NpyFile::with_header(header, &mut file)
+        .data::<String>()
+        .map_err(|_| ArrayError::WrongType { array: array.to_owned(), expected: "text", found })?;
+    let texts = texts.collect::<io::Result<_>>().and_then(|texts| finish(file).map(|()| texts));
+    let damaged = |error: io::Error| ArrayError::Damaged {
+        array: array.to_owned(),
+        reason: error.to_string(),
+    };
+    Ok(texts.map_err(damaged)?)
 }
 
 /// Reads on to the end of an array's file, where zip compares its checksum.

@@ -9,5 +9,5 @@ pub(crate) mod sequence;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use data::PosedMeshes;
+pub(crate) use data::{Part, PosedMeshes};
 pub use error::{PointCacheError, SequenceError};

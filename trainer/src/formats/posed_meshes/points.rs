@@ -48,11 +48,7 @@ impl Counts {
         let point = |&[a, b, c, d, e, f, g, h, i, j, k, l]: &[u8; 12]| {
             [[a, b, c, d], [e, f, g, h], [i, j, k, l]].map(|bytes| f64::from(number(bytes)))
         };
-        Ok(PosedMeshes {
-            vertex_len: self.vertex_len as usize,
-            vertices: points.par_iter().map(point).collect(),
-            rest: None,
-            triangles: None,
-        })
+        let vertices = points.par_iter().map(point).collect();
+        Ok(PosedMeshes::bare(self.vertex_len as usize, vertices))
     }
 }

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::data::PosedMeshes;
 use super::error::SequenceError;
 use crate::formats::error::{FileError, FormatError};
+use crate::formats::extension::extension;
 use crate::formats::obj;
 use crate::formats::polygons::Polygons;
 
@@ -30,7 +31,7 @@ pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FileError> {
         vertices.extend(shape?);
     }
     let triangles = Some(polygons.triangles(&positions)).filter(|triangles| !triangles.is_empty());
-    Ok(PosedMeshes { vertex_len: positions.len(), vertices, rest: None, triangles })
+    Ok(PosedMeshes { triangles, ..PosedMeshes::bare(positions.len(), vertices) })
 }
 
 /// Lists the files of a sequence in the order of their numbers: all `.obj` files of a folder, or
@@ -72,6 +73,38 @@ pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, FileError> {
         }
     }
     Ok(files.into_values().collect())
+}
+
+/// Names the files that a sequence leaves out, where its numbers are otherwise evenly apart.
+pub(crate) fn missing(files: &[PathBuf]) -> Vec<String> {
+    let numbers: Option<Vec<(String, u64)>> = files.iter().map(|file| numbered(file)).collect();
+    let numbers = numbers.unwrap_or_default();
+    let steps = numbers.windows(2).map(|pair| pair[1].1 - pair[0].1);
+    let Some(step) = usual(steps.clone()) else { return Vec::new() };
+    let gaps = steps.clone().filter(|gap| *gap != step);
+    let missing: u64 = gaps.map(|gap| gap / step - 1).sum();
+    // Numbers that are uneven otherwise, or leave more out than they have, are no sequence with a hole.
+    if steps.clone().any(|gap| gap % step != 0) || missing > files.len() as u64 {
+        return Vec::new();
+    }
+    let mut names = Vec::new();
+    for ((file, (stem, number)), gap) in files.iter().zip(&numbers).zip(steps) {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy();
+        let (digits, ending) = (name.len() - stem.len(), extension(file));
+        let absent = (1..gap / step).map(|count| number + count * step);
+        names.extend(absent.map(|number| format!("{stem}{number:0digits$}.{ending}")));
+    }
+    names
+}
+
+/// The most frequent of some steps, the least of them where several are.
+fn usual(steps: impl Iterator<Item = u64>) -> Option<u64> {
+    let mut counts = BTreeMap::new();
+    for step in steps {
+        *counts.entry(step).or_insert(0_usize) += 1;
+    }
+    let most = counts.into_iter().max_by_key(|&(step, count)| (count, std::cmp::Reverse(step)));
+    most.map(|(step, _)| step)
 }
 
 /// Parts a file's name, without its extension, into what stands before the number at its end, and

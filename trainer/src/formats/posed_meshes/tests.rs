@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::pc2::save_pc2;
-use super::sequence::read;
+use super::sequence::{missing, read};
 use super::{PointCacheError, PosedMeshes, mdd, pc2};
 use crate::formats::FormatError;
 use crate::formats::testing::{Folder, spoil};
@@ -35,8 +35,7 @@ fn mdd_bytes(points: i32, frames: i32) -> Vec<u8> {
 }
 
 fn bare(vertex_len: usize, vertices: &[[f64; 3]]) -> PosedMeshes {
-    let vertices = vertices.to_vec();
-    PosedMeshes { vertex_len, vertices, rest: None, triangles: None }
+    PosedMeshes::bare(vertex_len, vertices.to_vec())
 }
 
 #[track_caller]
@@ -184,6 +183,24 @@ fn two_meshes_of_one_number_are_refused() {
         "has the frame number of pose_01.obj, 1; keep one of them, or one sequence a folder";
     refused(&folder.0, &files[0], expected);
     refused(&files[1], &files[0], expected);
+}
+
+#[test]
+fn what_a_sequence_leaves_out_is_named_as_its_neighbours_are() {
+    let leaves_out = |files: &[&str]| missing(&files.iter().map(PathBuf::from).collect::<Vec<_>>());
+    assert_eq!(leaves_out(&["leg0048.obj", "leg0049.obj", "leg0051.obj"]), ["leg0050.obj"]);
+    assert_eq!(
+        leaves_out(&["a_8.OBJ", "a_9.OBJ", "a_12.OBJ", "a_13.OBJ"]),
+        ["a_10.obj", "a_11.obj"]
+    );
+    assert_eq!(leaves_out(&["p5.obj", "p10.obj", "p20.obj", "p25.obj"]), ["p15.obj"]);
+    let none: [&str; 0] = [];
+    // Every fifth frame, one file, none, uneven numbers, clips far apart.
+    assert_eq!(leaves_out(&["p5.obj", "p10.obj", "p15.obj"]), none);
+    assert_eq!(leaves_out(&["p5.obj"]), none);
+    assert_eq!(leaves_out(&[]), none);
+    assert_eq!(leaves_out(&["p0.obj", "p5.obj", "p10.obj", "p17.obj"]), none);
+    assert_eq!(leaves_out(&["p1.obj", "p2.obj", "p3.obj", "p1000000000000.obj"]), none);
 }
 
 #[test]

@@ -1,9 +1,12 @@
 //! Runs of frames that play one after another.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 /// Frames a second where a source names no times.
 const RATE: f64 = 30.0;
+/// Frames a second that an animation may have.
+pub const RATES: RangeInclusive<f64> = 0.001..=10_000.0;
 
 /// Consecutive frames of one animation.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,28 +17,73 @@ pub struct Clip {
     pub first: usize,
     /// When each of its frames plays, in seconds from the beginning of the clip, ascending.
     pub times: Vec<f64>,
+    /// What its source calls each of its frames, ascending; without, they have no numbers but their places.
+    pub numbers: Option<Vec<i64>>,
 }
 
 impl Clip {
-    /// Makes the one clip of a file that names none: all frames, at 30 a second.
-    pub(crate) fn whole(file: &Path, frame_len: usize) -> Self {
-        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Self::regular(name, 0, frame_len)
+    /// Names the one clip of a file that names none.
+    pub(crate) fn name_of(file: &Path) -> String {
+        file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     /// Makes a clip of `frame_len` frames from `first` on, at 30 a second.
     pub(crate) fn regular(name: String, first: usize, frame_len: usize) -> Self {
-        Self { name, first, times: (0..frame_len).map(|frame| frame as f64 / RATE).collect() }
+        let mut clip = Self { name, first, times: vec![0.0; frame_len], numbers: None };
+        clip.play_at(RATE);
+        clip
+    }
+
+    /// Makes a clip from `first` on of frames that its source calls by these numbers, ascending, at 30 a second.
+    pub(crate) fn numbered(name: String, first: usize, numbers: Vec<i64>) -> Self {
+        let mut clip =
+            Self { name, first, times: vec![0.0; numbers.len()], numbers: Some(numbers) };
+        clip.play_at(RATE);
+        clip
     }
 
     /// Makes a clip from `first` on of frames at these times of its source, ascending.
     pub(in crate::formats) fn at(name: String, first: usize, times: &[f64]) -> Self {
         let begin = times.first().copied().unwrap_or_default();
-        Self { name, first, times: times.iter().map(|time| time - begin).collect() }
+        let times = times.iter().map(|time| time - begin).collect();
+        Self { name, first, times, numbers: None }
+    }
+
+    /// Plays it at so many frames a second: of the source's, where it numbers them, so that of every second
+    /// frame each takes the time of two.
+    pub fn play_at(&mut self, fps: f64) {
+        let place = |frame: usize| match (self.number(0), self.number(frame)) {
+            (Some(first), Some(number)) => number as f64 - first as f64,
+            _ => frame as f64,
+        };
+        self.times = (0..self.times.len()).map(|frame| place(frame) / fps).collect();
+    }
+
+    /// Gives what its source calls its `frame`-th frame.
+    pub fn number(&self, frame: usize) -> Option<i64> {
+        self.numbers.as_ref()?.get(frame).copied()
     }
 
     /// Says what it is called and how many frames it has.
     pub(crate) fn describe(&self) -> String {
         format!("{}: {}", self.name, self.times.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_play_at_the_rate_of_the_source_s_own() {
+        let mut clip = Clip::regular("walk".into(), 0, 3);
+        assert_eq!(clip.times, [0.0, 1.0 / 30.0, 2.0 / 30.0]);
+        clip.play_at(24.0);
+        assert_eq!(clip.times, [0.0, 1.0 / 24.0, 2.0 / 24.0]);
+        let mut twos = Clip::numbered("walk".into(), 0, vec![-1, 1, 5]);
+        assert_eq!(twos.times, [0.0, 2.0 / 30.0, 6.0 / 30.0]);
+        twos.play_at(24.0);
+        assert_eq!(twos.times, [0.0, 2.0 / 24.0, 6.0 / 24.0]);
+        assert_eq!([0, 2, 3].map(|frame| twos.number(frame)), [Some(-1), Some(5), None]);
     }
 }

@@ -6,7 +6,7 @@ mod sampled;
 mod sampling;
 mod times;
 
-pub use clip::Clip;
+pub use clip::{Clip, RATES};
 pub use error::SceneError;
 pub(crate) use sampled::SampledScene;
 pub(crate) use sampling::Sampling;

@@ -6,8 +6,8 @@ use super::error::SceneError;
 pub(crate) struct Sampling<'a> {
     /// Frames a second; at the keys where none is given.
     pub(crate) fps: Option<f64>,
-    /// The one clip to read; all of them where none is given.
-    pub(crate) clip: Option<&'a str>,
+    /// The clips to read; all of them where none is given.
+    pub(crate) clips: &'a [String],
     /// Whether the scene's own posed positions are wanted.
     pub(crate) shapes: bool,
 }
@@ -15,20 +15,20 @@ pub(crate) struct Sampling<'a> {
 impl Sampling<'_> {
     /// Tells whether a clip is to be read.
     pub(crate) fn takes(&self, clip: &str) -> bool {
-        self.clip.is_none_or(|wanted| wanted == clip)
+        self.clips.is_empty() || self.clips.iter().any(|wanted| wanted == clip)
     }
 
-    /// Names the clip that was asked for and is not there.
+    /// Names a clip that was asked for and is not there.
     ///
     /// # Errors
     /// [`SceneError::UnknownClip`], and [`SceneError::NoAnimation`] where there is none at all.
     pub(crate) fn check(&self, known: Vec<String>) -> Result<(), SceneError> {
-        match self.clip {
-            _ if known.is_empty() => Err(SceneError::NoAnimation),
-            Some(name) if !known.iter().any(|clip| clip == name) => {
-                Err(SceneError::UnknownClip { name: name.to_owned(), known })
-            }
-            _ => Ok(()),
+        if known.is_empty() {
+            return Err(SceneError::NoAnimation);
+        }
+        match self.clips.iter().find(|name| !known.contains(name)) {
+            Some(name) => Err(SceneError::UnknownClip { name: name.clone(), known }),
+            None => Ok(()),
         }
     }
 }

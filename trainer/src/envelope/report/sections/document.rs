@@ -4,7 +4,7 @@ use super::error::ReportError;
 use super::series::{ERRORS, errors};
 use super::{frames, histogram, joints, pictures, sizes};
 use crate::envelope::evaluate::Frames;
-use crate::envelope::report::comparison::{Comparison, Series, use_of};
+use crate::envelope::report::comparison::{Comparison, Series};
 use crate::envelope::report::pictures::{PictureOptions, Pictures};
 use crate::envelope::report::sizes::Sizes;
 use crate::examples::Split;
@@ -107,28 +107,36 @@ fn header(comparison: &Comparison<'_>) -> String {
 /// Says in words which frames are measured, and what to think of that.
 fn measured_on(comparison: &Comparison<'_>) -> String {
     let examples = comparison.source.examples;
-    let count = grouped(comparison.baseline.frames.len());
-    match comparison.frames {
-        Frames::Of(Split::HeldOut) => {
+    let frames = comparison.baseline.frames.len();
+    let count = grouped(frames);
+    let better = "a fit is always better on what it has read than on what it will meet";
+    match (comparison.frames, comparison.model.read) {
+        (Frames::Of(Split::Extreme), None | Some(0)) => format!(
+            "measured on {count} extreme frames, beyond the range of motion of the training"
+        ),
+        (Frames::New, _) => format!("measured on {count} frames that the fit has not read"),
+        (Frames::Of(Split::HeldOut), None) => format!("measured on {count} held-out frames"),
+        (Frames::Of(Split::HeldOut), Some(0)) => {
             format!("measured on {count} held-out frames, which the fit has not read")
         }
-        Frames::Of(Split::Extreme) => {
-            format!(
-                "measured on {count} extreme frames, beyond the range of motion of the training"
-            )
+        (Frames::Of(Split::Train), None) => {
+            format!("measured on the {count} training frames: {better}")
         }
-        Frames::Of(Split::Train) if examples.frames_of(Split::HeldOut).is_empty() => format!(
-            "measured on the {count} training frames, because the examples hold none out: a fit is \
-             always better on what it has read than on what it will meet"
+        (Frames::Of(Split::Train), Some(read)) if read == frames => {
+            format!("measured on the {count} frames that the fit has read: {better}")
+        }
+        (Frames::Of(split), Some(read)) => format!(
+            "measured on {count} {} frames, of which the fit has read {}: {better}",
+            split.name(),
+            grouped(read)
         ),
-        Frames::Of(Split::Train) => format!(
-            "measured on the {count} training frames: a fit is always better on what it has read \
-             than on what it will meet"
-        ),
-        Frames::All => {
-            let of = |split| format!("{} {}", examples.frames_of(split).len(), use_of(split));
+        (Frames::All, read) => {
+            let of = |split| format!("{} {}", examples.frames_of(split).len(), split.name());
             let [train, held_out, extreme] = [Split::Train, Split::HeldOut, Split::Extreme].map(of);
-            format!("measured on all {count} frames: {train}, {held_out}, {extreme}")
+            let read = read.map_or(String::new(), |read| {
+                format!("; the fit has read {} of them", grouped(read))
+            });
+            format!("measured on all {count} frames: {train}, {held_out}, {extreme}{read}")
         }
     }
 }

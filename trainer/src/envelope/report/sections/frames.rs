@@ -1,7 +1,7 @@
 //! Errors and confidence by frame.
 
 use super::series::{entries, legend, names};
-use crate::envelope::report::comparison::{Comparison, Series, use_of};
+use crate::envelope::report::comparison::{Comparison, Series};
 use crate::examples::Split;
 use crate::page::chart::{Chart, Range};
 use crate::page::html::{paragraph, percent, table, text};
@@ -115,7 +115,7 @@ fn bands(chart: &mut Chart, comparison: &Comparison<'_>) {
     if frames.iter().any(|&frame| split(frame) != split(frames[0])) {
         for (range, of) in runs(&frames, split) {
             if of != Split::Train {
-                chart.band(use_of(of), range, use_of(of));
+                chart.band(of.name(), range, of.name());
             }
         }
     }
@@ -127,7 +127,7 @@ fn bands(chart: &mut Chart, comparison: &Comparison<'_>) {
     let step =
         [1, 2, 5, 10, 20, 50, 100, 200, 500].into_iter().find(|step| frames.len() / step <= 15);
     for place in (0..frames.len()).step_by(step.unwrap_or(frames.len() / 10)) {
-        chart.mark(place as f64 + 0.5, &frames[place].to_string());
+        chart.mark(place as f64 + 0.5, &source.number(frames[place]).to_string());
     }
 }
 
@@ -152,7 +152,7 @@ fn worst(comparison: &Comparison<'_>, rms: &[Vec<f64>]) -> String {
     head.extend(["largest, %", "at vertex", "confidence"].map(str::to_owned));
     let row = |&place: &usize| {
         let frame = &comparison.model.measured.frames[place];
-        let split = use_of(comparison.source.examples.split[frame.frame]);
+        let split = comparison.source.examples.split[frame.frame].name();
         let mut row = vec![text(&comparison.source.label(frame.frame)), split.to_owned()];
         row.extend(rms.iter().map(|rms| percent(rms[place])));
         row.push(percent(comparison.model.measured.errors_in(place).max_percent));

@@ -130,7 +130,7 @@ fn worst_vertices(comparison: &Comparison<'_>, errors: &[Vec<f64>]) -> String {
     let mut order: Vec<usize> = (0..errors[1].len()).collect();
     order.sort_by(|&a, &b| errors[1][b].total_cmp(&errors[1][a]));
     let worst = order.iter().take(MOST).map(|&vertex| {
-        let frame = worst_frame(&comparison.model.measured, vertex);
+        let frame = comparison.source.number(worst_frame(&comparison.model.measured, vertex));
         format!("{vertex} ({} %, worst in frame {frame})", percent(errors[1][vertex]))
     });
     let worst: Vec<String> = worst.collect();

@@ -1,4 +1,4 @@
-//! Examples as NumPy arrays: `X.npz`, with `X.json` beside it for names and parents.
+//! Examples as NumPy arrays: `X.npz`, with `X.json` beside it for what is words or a few numbers.
 //!
 //! | array | shape | |
 //! |---|---|---|
@@ -11,33 +11,49 @@
 //! | `joint_world_rest` | J, 4, 4 | optional: rest frames of the joints |
 //! | `uv` | U, 2 | optional texture coordinates, v upward; V of them without the next |
 //! | `quads_uv`, `tris_uv` | as `quads`, `tris` | optional; which `uv` each corner has; also `uv_quads`, `uv_tris` |
+//! | `clip_names`, `clip_starts` | C | optional clips and their first frames: 0, then ascending; else one clip, called as the file |
+//! | `fps` | | optional frames a second, 30 without |
+//! | `frame_numbers` | N | optional: what the source calls the frames, whole numbers that ascend in a clip |
+//! | `mesh_names`, `mesh_starts` | M | optional meshes that were joined and their first vertices: 0, then ascending |
+//! | `importance` | V | optional: how much each vertex counts, of which only the ratios matter |
+//! | `up`, `forward` | | optional axes: `x`, `-x`, `y`, `-y`, `z` or `-z` |
+//! | `handedness` | | optional: `right`, as without, or `left` |
+//! | `unit` | | optional metres of a unit of length |
 //!
 //! The JSON may hold `bone_names`, `bone_parents` (numbers or names), and `joint_rest_positions`
-//! (name to x y z), which serves where there is no `joint_world_rest`. It is read first; anything
-//! else in either file is left alone. Numbers may be of any width and order.
+//! (name to x y z), which serves where there is no `joint_world_rest`; names and starts of clips and
+//! meshes, `fps`, and what is said of the space. It is read first; anything else in either file is left
+//! alone. Numbers may be of any width and order; one number or word may have a dimension or none.
 
+mod clips;
 mod fields;
+mod meshes;
 mod posed_meshes;
+mod runs;
 mod save;
 mod sidecar;
+mod space;
 mod texture;
 
-use sinew_runtime::format::Space;
 use std::path::Path;
 
 pub(super) use posed_meshes::read_posed_meshes;
 pub use save::save_npz;
 
+use self::clips::{chosen, kept, read_clips};
 use self::fields::{FACES, read_faces, read_split};
+use self::meshes::{read_importance, read_meshes};
 use self::sidecar::{Parent, Sidecar};
+use self::space::read_space;
 use self::texture::read_texture;
 use super::loaded::Loaded;
 use super::{origins, roots};
 use crate::examples::validate::{REPAIRABLE, same};
 use crate::examples::{
-    Clip, Distortion, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
+    Distortion, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
 };
 use crate::formats::npz::{Archive, Rows};
+use crate::formats::scene::Sampling;
 use crate::formats::{ArrayError, FormatError};
 
 /// Reads examples from `path` and the JSON of the same name beside it, if there is one.
@@ -49,21 +65,29 @@ use crate::formats::{ArrayError, FormatError};
 /// A [`LoadError`] that names the file at fault: it cannot be read, lacks an array, holds one of
 /// another type or shape, or fails [`Examples::validate`].
 pub fn load(path: &Path) -> Result<Loaded, LoadError> {
+    load_clips(path, &Sampling { fps: None, clips: &[], shapes: true })
+}
+
+/// Reads the examples of the clips that are asked for, as [`load`].
+///
+/// # Errors
+/// As [`load`], and [`SceneError::UnknownClip`](crate::formats::SceneError::UnknownClip).
+pub(super) fn load_clips(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, LoadError> {
     let beside = path.with_extension("json");
     let sidecar =
         Sidecar::read(&beside).map_err(|error| LoadError { file: beside.clone(), error })?;
     let blame = |error| LoadError { file: path.to_owned(), error };
-    let read = |archive| read(archive, &sidecar);
+    let read = |archive| read(archive, &sidecar, path, sampling);
     let archive = Archive::open(path).map_err(ExamplesError::from);
-    let (examples, warnings) = archive.and_then(read).map_err(blame)?;
-    let clips = vec![Clip::whole(path, examples.frame_len())];
-    Ok(Loaded { examples, clips, warnings })
+    archive.and_then(read).map_err(blame)
 }
 
 fn read(
     mut archive: Archive,
     sidecar: &Sidecar,
-) -> Result<(Examples, Vec<Warning>), ExamplesError> {
+    path: &Path,
+    sampling: &Sampling<'_>,
+) -> Result<Loaded, ExamplesError> {
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
     let faces = read_faces(&mut archive, FACES, rest.len())?;
     let faces = faces.ok_or_else(|| missing("quads or tris"))?;
@@ -76,6 +100,7 @@ fn read(
         archive.required::<f64, 16>("bone_transforms", &[0, 4, 4])?;
     same("frames", "vertices", frame_len, "bone_transforms", lead[0])?;
     let joint_len = lead[1];
+    let clips = read_clips(&mut archive, sidecar, path, frame_len)?;
 
     let mut warnings = Vec::new();
     let names = read_names(&mut archive, sidecar)?;
@@ -87,7 +112,17 @@ fn read(
     }
     let split = read_split(&mut archive, frame_len)?;
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
-    let transforms = affine(&matrices, Some(&split), &names)?;
+    let ranges = read_meshes(&mut archive, sidecar, rest.len())?;
+    let importance = read_importance(&mut archive, rest.len())?;
+    let space = read_space(&mut archive, sidecar)?;
+
+    let (clips, kept_frames) = chosen(clips, sampling)?;
+    let kept_frames = kept_frames.as_deref();
+    let vertices = kept(vertices, rest.len(), kept_frames);
+    let matrices = kept(matrices, joint_len, kept_frames);
+    let split = kept(split, 1, kept_frames);
+    let transforms = affine(&matrices, Some(&split), &names);
+    let transforms = transforms.map_err(|error| error.called(&clips))?;
     drop(matrices);
 
     let identity = translation([0.0; 3]);
@@ -104,14 +139,18 @@ fn read(
         vertices,
         transforms,
         split,
-        ranges: Vec::new(),
-        space: Space::default(),
+        ranges,
+        space,
         importance: None,
     };
+    if let Some(importance) = importance {
+        examples.weigh(importance)?;
+    }
     if frames.is_none() {
         place(&mut examples.skeleton, sidecar)?;
     }
-    warnings.extend(examples.validate()?);
+    let found = examples.validate().map_err(|error| error.called(&clips))?;
+    warnings.extend(found.into_iter().map(|warning| warning.called(&clips)));
     if frames.is_none() {
         for joint in 0..joint_len {
             if !sidecar.joint_rest_positions.contains_key(&examples.skeleton.names[joint]) {
@@ -120,7 +159,7 @@ fn read(
             }
         }
     }
-    Ok((examples, warnings))
+    Ok(Loaded { examples, clips, warnings })
 }
 
 fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, ExamplesError> {
@@ -177,7 +216,8 @@ fn affine(
         let frame = frames.map(|_| number / names.len());
         let read = frames.is_none_or(|split| split[number / names.len()] == Split::Train);
         if deviation > REPAIRABLE && read {
-            let joint = names[number % names.len()].clone();
+            let (frame, joint) =
+                (frame.map(|frame| frame as i64), names[number % names.len()].clone());
             let distortion = Distortion::Projects;
             return Err(ExamplesError::NonRigidJoint { frame, joint, distortion });
         }

@@ -22,5 +22,5 @@ pub(in crate::examples::import) fn read_posed_meshes(
     let faces = read_faces(&mut archive, FACES, vertex_len)?;
     let triangles = faces.map(|faces| faces.triangles);
     let split = read_split(&mut archive, frame_len)?;
-    Ok((PosedMeshes { vertex_len, vertices, rest, triangles }, split))
+    Ok((PosedMeshes { rest, triangles, ..PosedMeshes::bare(vertex_len, vertices) }, split))
 }

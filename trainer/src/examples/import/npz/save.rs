@@ -9,10 +9,11 @@ use crate::examples::{Examples, LoadError, Matrix3x4, Split};
 use crate::files::PendingFile;
 use crate::formats::FormatError;
 use crate::formats::npz::Writer;
+use sinew_runtime::format::{Handedness, Space};
 
-/// Writes examples to `path`, in double precision, all but authored normals and tangents, and names and parents also to the JSON of
-/// the same name. Each file is written beside its place and moved there when complete, the JSON
-/// first. The same examples give the same bytes.
+/// Writes examples to `path`, in double precision, all but authored normals and tangents and the names
+/// of meshes; names and parents of joints also to the JSON of the same name. Each file is written beside
+/// its place and moved there when complete, the JSON first. The same examples give the same bytes.
 ///
 /// # Errors
 /// A [`LoadError`] with the file that could not be written.
@@ -61,6 +62,21 @@ fn write(file: &mut File, examples: &Examples) -> io::Result<()> {
     archive.texts("bone_names", &skeleton.names)?;
     archive.numbers("joint_world_rest", &[j, 4, 4], square(&skeleton.rest))?;
     archive.numbers("split", &[n], examples.split.iter().map(|&split| code(split)))?;
+    if let Some(importance) = &examples.importance {
+        archive.numbers("importance", &[v], importance.iter().copied())?;
+    }
+    let Space { up, forward, handedness, unit } = examples.space;
+    for (array, axis) in [("up", up), ("forward", forward)] {
+        if let Some(axis) = axis {
+            archive.texts(array, &[axis.name().to_owned()])?;
+        }
+    }
+    if handedness == Handedness::Left {
+        archive.texts("handedness", &["left".to_owned()])?;
+    }
+    if let Some(metres) = unit {
+        archive.numbers("unit", &[], [metres].into_iter())?;
+    }
     archive.numbers("bone_transforms", &[n, j, 4, 4], square(&examples.transforms))?;
     archive.numbers("vertices", &[n, v, 3], examples.vertices.as_flattened().iter().copied())?;
     archive.finish()

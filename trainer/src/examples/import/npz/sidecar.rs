@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::examples::ExamplesError;
 use crate::formats::FormatError;
 
-/// What the JSON says of the joints; everything else in it is left alone.
+/// What the JSON says of joints, clips, meshes and space; everything else in it is left alone.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
 pub(super) struct Sidecar {
@@ -22,6 +22,33 @@ pub(super) struct Sidecar {
     /// Model-space rest origins by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) joint_rest_positions: BTreeMap<String, [f64; 3]>,
+    /// C names of clips.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) clip_names: Option<Vec<String>>,
+    /// C first frames of clips.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) clip_starts: Option<Vec<i64>>,
+    /// Frames a second.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) fps: Option<f64>,
+    /// M names of meshes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mesh_names: Option<Vec<String>>,
+    /// M first vertices of meshes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mesh_starts: Option<Vec<i64>>,
+    /// The axis along which the character stands.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) up: Option<String>,
+    /// The axis along which it looks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) forward: Option<String>,
+    /// `right` or `left`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) handedness: Option<String>,
+    /// Metres of a unit of length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) unit: Option<f64>,
 }
 
 /// A parent as files write it.

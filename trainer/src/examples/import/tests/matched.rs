@@ -1,7 +1,7 @@
 //! Posed meshes of a scene's vertices or of an engine's, in any order.
 
 use super::super::matched::matched;
-use crate::formats::posed_meshes::PosedMeshes;
+use crate::formats::posed_meshes::{Part, PosedMeshes};
 use crate::mesh::{EngineMesh, Surface};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -40,7 +40,7 @@ fn of_engine(all: &[[f64; 3]]) -> Vec<[f64; 3]> {
 }
 
 fn meshes(vertex_len: usize, vertices: Vec<[f64; 3]>, rest: Option<Vec<[f64; 3]>>) -> PosedMeshes {
-    PosedMeshes { vertex_len, vertices, rest, triangles: None }
+    PosedMeshes { rest, ..PosedMeshes::bare(vertex_len, vertices) }
 }
 
 /// Reverses the order of the vertices in each frame.
@@ -104,4 +104,37 @@ fn copies_that_part_are_named() {
             "{error}"
         );
     }
+}
+
+/// Coordinates for textures stand in for a rest mesh: turned inside the box around it, as Blender has them.
+#[test]
+fn another_order_is_known_by_reference_positions_mesh_by_mesh() {
+    let (rest, posed) = cloud();
+    let scene = Surface { positions: &rest, triangles: &[], engine: None };
+    let half = VERTICES / 2;
+    let turned = |all: &[[f64; 3]]| -> Vec<[f64; 3]> {
+        let turned = all.chunks(half).flat_map(|part| {
+            let unit = super::super::matched::in_one_box(part);
+            unit.into_iter().map(|[x, y, z]| [3.0 * x + 1.0, 2.0 * z, -0.5 * y]).collect::<Vec<_>>()
+        });
+        turned.collect()
+    };
+    // The first half keeps its order.
+    let shuffled = |all: &[[f64; 3]]| -> Vec<[f64; 3]> {
+        let frames = all.chunks(VERTICES);
+        frames
+            .flat_map(|all| [all[..half].to_vec(), reversed(half, &all[half..])].concat())
+            .collect()
+    };
+    let part = |range| Part { names: Vec::new(), range };
+    let found = PosedMeshes {
+        reference: Some(shuffled(&turned(&rest))),
+        parts: vec![part(0..half), part(half..VERTICES)],
+        ..meshes(VERTICES, shuffled(&posed), None)
+    };
+    let ordered = matched(&scene, found.clone()).unwrap();
+    assert_eq!((ordered.vertices, ordered.rest), (posed.clone(), None));
+    // What is no reference of this mesh says nothing.
+    let other = PosedMeshes { reference: Some(posed[..VERTICES].to_vec()), ..found };
+    assert_eq!(matched(&scene, other).unwrap().vertices, shuffled(&posed));
 }

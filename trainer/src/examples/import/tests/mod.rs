@@ -1,5 +1,7 @@
 //! Scenes and posed meshes, joined.
 
 mod matched;
+mod parts;
+mod real;
 mod scene;
 mod targets;

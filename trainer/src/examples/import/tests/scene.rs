@@ -48,18 +48,17 @@ fn limb() -> (SampledScene, Vec<[f64; 3]>) {
         frames,
         shapes: None,
         morphs: false,
-        clips: vec![Clip { name: "bend".into(), first: 0, times }],
+        clips: vec![Clip { name: "bend".into(), first: 0, times, numbers: None }],
         warnings: Vec::new(),
     };
     (scene, posed)
 }
 
 fn targets(vertices: Vec<[f64; 3]>) -> TargetMeshes {
-    let meshes = PosedMeshes { vertex_len: VERTICES, vertices, rest: None, triangles: None };
-    TargetMeshes { meshes, split: None }
+    PosedMeshes::bare(VERTICES, vertices).into()
 }
 
-const KEYS: Sampling<'_> = Sampling { fps: None, clip: None, shapes: true };
+const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true };
 
 /// y up to z up, metres to centimetres.
 fn elsewhere([x, y, z]: [f64; 3]) -> [f64; 3] {
@@ -151,6 +150,99 @@ fn counts_that_differ_are_told_with_what_to_do() {
     assert!(error.to_string().starts_with(words), "{error}");
 }
 
+/// The limb's frames as clips of some lengths.
+fn cut(scene: &mut SampledScene, lens: &[usize]) {
+    let mut first = 0;
+    scene.clips = ["bend", "wave", "kick", "rest", "jump", "fall"]
+        .into_iter()
+        .zip(lens)
+        .map(|(name, &len)| {
+            let times = (0..len).map(|frame| frame as f64 / 24.0).collect();
+            first += len;
+            Clip { name: name.into(), first: first - len, times, numbers: None }
+        })
+        .collect();
+}
+
+#[test]
+fn targets_that_follow_the_clips_in_another_order_are_sorted() {
+    let sorts = |posed: &[[f64; 3]], with_rest: bool| {
+        let (mut scene, _) = limb();
+        cut(&mut scene, &[2, 1, 3]);
+        let frame = |frame: usize| posed[frame * VERTICES..][..VERTICES].to_vec();
+        // The last clip's meshes come first, then those of the first clip.
+        let mut targets = targets([3, 4, 5, 0, 1, 2].map(frame).concat());
+        targets.meshes.rest = with_rest.then(|| scene.rest.clone());
+        targets.split = Some([2, 2, 2, 0, 0, 1].map(use_of).to_vec());
+        join(scene, Some(targets), &KEYS).unwrap()
+    };
+    let (_, posed) = limb();
+    for with_rest in [false, true] {
+        let (examples, clips, warnings) = sorts(&posed, with_rest);
+        assert_eq!(examples.vertices, posed);
+        assert_eq!(examples.split, [0, 0, 1, 2, 2, 2].map(use_of));
+        assert_eq!(clips.iter().map(|clip| clip.times.len()).collect::<Vec<_>>(), [2, 1, 3]);
+        let text = warnings[0].to_string();
+        let words =
+            "the targets follow the clips in another order, kick, bend, wave, and were sorted";
+        assert!(warnings.len() == 1 && text.starts_with(words), "{warnings:?}");
+    }
+    // Wherever the meshes stand.
+    let (examples, _, warnings) =
+        sorts(&posed.iter().copied().map(elsewhere).collect::<Vec<_>>(), false);
+    assert!(farthest(&examples.vertices, &posed) < 1e-12);
+    let how = "(x, z, -y) x 0.01".to_owned();
+    assert_eq!(warnings[1..], [Warning::Moved { what: "targets", how }]);
+}
+
+fn use_of(number: usize) -> Split {
+    [Split::Train, Split::HeldOut, Split::Extreme][number]
+}
+
+#[test]
+fn targets_in_order_are_left_so_and_several_orders_are_told_of() {
+    let (mut scene, posed) = limb();
+    cut(&mut scene, &[1; 6]);
+    let (examples, _, warnings) = join(scene, Some(targets(posed.clone())), &KEYS).unwrap();
+    assert_eq!((examples.vertices, warnings), (posed.clone(), Vec::new()));
+
+    // Two clips of one motion may be exchanged.
+    let frames = [0, 5, 5].map(|frame| posed[frame * VERTICES..][..VERTICES].to_vec());
+    let (mut scene, _) = limb();
+    let poses = |frame: usize| scene.frames[2 * frame..][..2].to_vec();
+    scene.frames = [5, 5, 0].map(poses).concat();
+    cut(&mut scene, &[1; 3]);
+    let error = join(scene, Some(targets(frames.concat())), &KEYS).unwrap_err().to_string();
+    let words = "its meshes do not follow the scene's clips in their order, bend, wave, kick, but may in several \
+                 others, as kick, ";
+    assert!(error.starts_with(words), "{error}");
+}
+
+#[test]
+fn vertices_in_another_order_are_told_of() {
+    let (scene, posed) = limb();
+    let reversed =
+        |frame: &[[f64; 3]]| frame.iter().rev().copied().map(elsewhere).collect::<Vec<_>>();
+    let reversed = posed.chunks(VERTICES).flat_map(reversed).collect();
+    let error = join(scene, Some(targets(reversed)), &KEYS).unwrap_err();
+    assert!(matches!(error, ExamplesError::Import(ImportError::VertexOrder)), "{error}");
+}
+
+#[test]
+fn files_that_a_sequence_leaves_out_are_named_where_the_counts_tell() {
+    for (missing, expected) in [
+        (vec!["p3.obj"], "(bend: 6): p3.obj is missing"),
+        (vec!["p3.obj", "p7.obj"], "(bend: 6): export both over"),
+        (vec![], "(bend: 6): export both over"),
+    ] {
+        let (scene, posed) = limb();
+        let mut targets = targets(posed[VERTICES..].to_vec());
+        targets.missing = missing.into_iter().map(str::to_owned).collect();
+        let error = join(scene, Some(targets), &KEYS).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
 #[test]
 fn meshes_at_one_rate_need_keys_at_one_rate() {
     let uneven = || {
@@ -164,7 +256,7 @@ fn meshes_at_one_rate_need_keys_at_one_rate() {
     assert!(error.contains("--fps"), "{error}");
     let (scene, posed) = uneven();
     assert!(
-        join(scene, Some(posed), &Sampling { fps: Some(24.0), clip: None, shapes: true }).is_ok()
+        join(scene, Some(posed), &Sampling { fps: Some(24.0), clips: &[], shapes: true }).is_ok()
     );
 }
 

@@ -24,12 +24,11 @@ fn arrays_give_what_they_have() {
     let file = folder.0.join("set.npz");
     npz::save_npz(&file, &examples).unwrap();
     let meshes = PosedMeshes {
-        vertex_len: 3,
-        vertices: examples.vertices.clone(),
         rest: Some(examples.rest.clone()),
         triangles: Some(examples.triangles.clone()),
+        ..PosedMeshes::bare(3, examples.vertices.clone())
     };
-    let expected = TargetMeshes { meshes, split: Some(examples.split.clone()) };
+    let expected = TargetMeshes { split: Some(examples.split.clone()), ..meshes.into() };
     assert_eq!(read(&file).unwrap(), expected);
 }
 
@@ -39,15 +38,15 @@ fn endings_may_be_in_capitals() {
     let file = folder.0.join("a.PC2");
     let vertices = vec![[0.5, -0.25, 1024.0], [1.0, 2.0, 3.0]];
     save_pc2(&file, 1, &vertices).unwrap();
-    let meshes = PosedMeshes { vertex_len: 1, vertices, rest: None, triangles: None };
-    assert_eq!(read(&file).unwrap(), TargetMeshes { meshes, split: None });
+    let meshes = PosedMeshes::bare(1, vertices);
+    assert_eq!(read(&file).unwrap(), TargetMeshes::from(meshes));
 }
 
 #[test]
 fn what_is_no_kind_of_posed_meshes_is_named() {
     let folder = Folder::new("kinds");
-    let kinds = "expected a file that ends in .pc2, .mdd, .npz, .glb, .gltf or .obj";
-    for (name, found) in [("a.abc", ".abc"), ("a", "none"), ("a.FBX", ".fbx")] {
+    let kinds = "expected a file that ends in .abc, .pc2, .mdd, .npz, .glb, .gltf or .obj";
+    for (name, found) in [("a.txt", ".txt"), ("a", "none"), ("a.FBX", ".fbx")] {
         let path = folder.0.join(name);
         let expected = format!("{kinds}, found {found}");
         refused(&path, &path, &expected);

@@ -43,8 +43,8 @@ fn a_scene_without_a_mesh_a_joint_or_an_animation_is_refused() {
 fn clips_that_are_not_there_or_move_nothing_are_refused() {
     let mut arm = Arm::skinned("Linear");
     arm.scene.animation("empty");
-    let fault = |clip| {
-        let sampling = Sampling { fps: None, clip: Some(clip), shapes: true };
+    let fault = |clip: &str| {
+        let sampling = Sampling { fps: None, clips: &[clip.to_owned()], shapes: true };
         arm.sampled(&sampling).err().unwrap().to_string()
     };
     assert_eq!(fault("walk"), "has no clip walk, there are: bend, empty");

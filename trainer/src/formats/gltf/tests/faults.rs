@@ -160,7 +160,7 @@ fn keys_out_of_order_are_named() {
 #[test]
 fn an_unknown_clip_is_answered_with_those_there_are() {
     let file = Made::scene().write("unknown-clip");
-    let error = load(&Source { clip: Some("walk"), ..Source::file(&file) }).unwrap_err();
+    let error = load(&Source { clips: &["walk".to_owned()], ..Source::file(&file) }).unwrap_err();
     assert!(error.to_string().ends_with("has no clip walk, there are: bend"), "{error}");
 }
 

@@ -39,7 +39,7 @@ fn the_fox_runs() {
         [7.038239042, 38.832917685, 44.744594341],
         1e-6,
     );
-    let run = Source { clip: Some("Run"), fps: Some(60.0), ..Source::file(&fox) };
+    let run = Source { clips: &["Run".to_owned()], fps: Some(60.0), ..Source::file(&fox) };
     assert_eq!(load(&run).unwrap().examples.frame_len(), 70);
 }
 
@@ -59,7 +59,8 @@ fn morph_targets_pass_through_their_keys() {
 #[test]
 fn a_joint_carries_its_vertices() {
     let Loaded { examples, clips, .. } = loaded(&Made::scene(), "carries");
-    assert_eq!(clips, [Clip { name: "bend".into(), first: 0, times: vec![0.0, 0.5, 1.0] }]);
+    let times = vec![0.0, 0.5, 1.0];
+    assert_eq!(clips, [Clip { name: "bend".into(), first: 0, times, numbers: None }]);
     assert_eq!(examples.split, [Split::Train; 3]);
     assert_eq!(examples.skeleton.parents, [None, Some(0)]);
     assert_eq!(examples.skeleton.rest[1].map(|row| row[3]), [2.0, 0.0, 0.0]);
@@ -107,8 +108,8 @@ fn keys_are_interpolated_as_they_say() {
     made.clip("cubic", target("translation"), times, cubic, "CUBICSPLINE");
     made.clip("turn", target("rotation"), times, turns, "LINEAR");
     let file = made.write("interpolated");
-    let quarter = |clip| {
-        let source = Source { clip: Some(clip), fps: Some(4.0), ..Source::file(&file) };
+    let quarter = |clip: &str| {
+        let source = Source { clips: &[clip.to_owned()], fps: Some(4.0), ..Source::file(&file) };
         let Loaded { examples, clips, .. } = load(&source).unwrap();
         assert_eq!(clips[0].times, [0.0, 0.25, 0.5, 0.75, 1.0]);
         examples.pose(1)[1]

@@ -17,11 +17,13 @@ use crate::mesh::EngineMesh;
 
 mod faults;
 mod real;
+mod told;
 
 /// A good set, as the arrays of its file: a quad and a triangle on two joints, four frames.
 struct Set {
     reals: BTreeMap<&'static str, (Vec<u64>, Vec<f64>)>,
     wholes: BTreeMap<&'static str, (Vec<u64>, Vec<i64>)>,
+    words: BTreeMap<&'static str, Vec<String>>,
     json: String,
 }
 
@@ -51,6 +53,7 @@ impl Set {
                 ("tris", (vec![1, 3], vec![1, 4, 2])),
                 ("split", (vec![4], vec![0, 0, 1, 2])),
             ]),
+            words: BTreeMap::new(),
             json: json!({"bone_names": ["root", "tip"], "bone_parents": [-1, 0]}).to_string(),
         }
     }
@@ -62,6 +65,29 @@ impl Set {
 
     fn whole(mut self, array: &'static str, place: usize, number: i64) -> Self {
         self.wholes.get_mut(array).unwrap().1[place] = number;
+        self
+    }
+
+    /// Adds an array of numbers in one row, or, of one, without a dimension.
+    fn row(mut self, array: &'static str, numbers: &[f64]) -> Self {
+        let shape = if numbers.len() == 1 { vec![] } else { vec![numbers.len() as u64] };
+        self.reals.insert(array, (shape, numbers.to_vec()));
+        self
+    }
+
+    /// Adds an array of whole numbers in one row.
+    fn count(mut self, array: &'static str, numbers: &[i64]) -> Self {
+        self.wholes.insert(array, (vec![numbers.len() as u64], numbers.to_vec()));
+        self
+    }
+
+    fn without(mut self, array: &'static str) -> Self {
+        self.reals.remove(array);
+        self
+    }
+
+    fn words(mut self, array: &'static str, words: &[&str]) -> Self {
+        self.words.insert(array, words.iter().map(|&word| word.to_owned()).collect());
         self
     }
 
@@ -78,6 +104,9 @@ impl Set {
         }
         for (name, (shape, numbers)) in &self.wholes {
             archive.numbers(name, shape, numbers.iter().copied()).unwrap();
+        }
+        for (name, words) in &self.words {
+            archive.texts(name, words).unwrap();
         }
         archive.finish().unwrap();
         std::fs::write(folder.npz().with_extension("json"), &self.json).unwrap();

@@ -1,0 +1,30 @@
+//! What an envelope was trained on.
+
+use crate::envelope::skin::blend::Weights;
+use crate::examples::{Examples, Mark, Split};
+
+/// Marks of the training frames, and linear blend skinning fitted to them.
+#[derive(Clone, Debug)]
+pub struct RecordModel {
+    /// The envelope's name.
+    pub envelope: String,
+    /// J.
+    pub joint_len: usize,
+    /// Marks of the training frames.
+    pub marks: Vec<Mark>,
+    /// Joint weights of the examples' vertices, V.
+    pub lbs: Option<Weights>,
+}
+
+impl RecordModel {
+    /// Records the training of an envelope.
+    pub fn new(envelope: &str, examples: &Examples, lbs: &Weights) -> Self {
+        let frames = examples.frames_of(Split::Train);
+        Self {
+            envelope: envelope.to_owned(),
+            joint_len: examples.joint_len(),
+            marks: frames.into_iter().map(|frame| examples.mark(frame)).collect(),
+            lbs: Some(lbs.clone()),
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Examples of one character from several files.
+
+use super::error::ImportError;
+use crate::examples::{Clip, Examples, LoadError, Skeleton};
+use std::path::{Path, PathBuf};
+
+/// Share of the diagonal within which rest meshes, and the origins of joints, are the same: what single precision and
+/// the digits of a text leave.
+const SAME: f64 = 1e-4;
+
+/// Joins examples of one character, one file's frames after the other's, in the axes and unit of the first. Clips are
+/// called FILE:CLIP. How much vertices count is the mean of what the files say, by their training frames.
+///
+/// # Errors
+/// A [`LoadError`] that names the first file whose character is another.
+///
+/// # Panics
+/// If there is no file.
+pub fn join(all: Vec<(PathBuf, Examples, Vec<Clip>)>) -> Result<(Examples, Vec<Clip>), LoadError> {
+    assert!(!all.is_empty(), "no file");
+    let several = all.len() > 1;
+    let mut rest = all.into_iter();
+    let Some((first, mut joined, mut clips)) = rest.next() else { unreachable!() };
+    if several {
+        clips = named(&first, 0, &clips);
+    }
+    for (file, mut next, own) in rest {
+        next.convert_to(&joined.space);
+        let blame = |error: ImportError| LoadError { file: file.clone(), error: error.into() };
+        check(&joined, &next, &first).map_err(blame)?;
+        clips.extend(named(&file, joined.frame_len(), &own));
+        append(&mut joined, next);
+    }
+    Ok((joined, clips))
+}
+
+/// Names a file's clips, whose frames follow so many others.
+fn named(file: &Path, before: usize, clips: &[Clip]) -> Vec<Clip> {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let name = |clip: &Clip| match (clips.len(), clip.name == stem) {
+        (1, true) => clip.name.clone(),
+        _ => format!("{stem}:{}", clip.name),
+    };
+    let moved = |clip: &Clip| Clip { name: name(clip), first: before + clip.first, ..clip.clone() };
+    clips.iter().map(moved).collect()
+}
+
+fn append(joined: &mut Examples, next: Examples) {
+    let frames = [&*joined, &next].map(|own| own.frame_len() as f64);
+    joined.importance = match (&joined.importance, &next.importance) {
+        (None, None) => None,
+        (a, b) => {
+            let of = |own: &Option<Vec<f64>>, v: usize| own.as_ref().map_or(1.0, |own| own[v]);
+            let mean = |v| (frames[0] * of(a, v) + frames[1] * of(b, v)) / (frames[0] + frames[1]);
+            Some((0..joined.vertex_len()).map(mean).collect())
+        }
+    };
+    joined.vertices.extend(next.vertices);
+    joined.transforms.extend(next.transforms);
+    joined.split.extend(next.split);
+}
+
+/// Checks that examples are of the character of others.
+fn check(expected: &Examples, found: &Examples, first: &Path) -> Result<(), ImportError> {
+    let first = || first.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    for (what, expected, found) in [
+        ("vertices", expected.vertex_len(), found.vertex_len()),
+        ("joints", expected.joint_len(), found.joint_len()),
+    ] {
+        if expected != found {
+            return Err(ImportError::OtherCounts { what, expected, found, first: first() });
+        }
+    }
+    let (own, other) = (&expected.skeleton, &found.skeleton);
+    if let Some(joint) = (0..own.names.len())
+        .find(|&j| own.names[j] != other.names[j] || own.parents[j] != other.parents[j])
+    {
+        let hangs = |skeleton: &Skeleton| {
+            let parent = skeleton.parents[joint].map(|parent| &skeleton.names[parent]);
+            format!("{} under {}", skeleton.names[joint], parent.map_or("none", String::as_str))
+        };
+        let (expected, found) = (hangs(own), hangs(other));
+        return Err(ImportError::OtherJoint { joint, expected, found, first: first() });
+    }
+    let diagonal = expected.diagonal();
+    let percent = 100.0 * apart(&expected.rest, &found.rest) / diagonal;
+    if percent > 100.0 * SAME {
+        // The same places in another order.
+        let is_shuffled = apart(&sorted(&expected.rest), &sorted(&found.rest)) <= SAME * diagonal;
+        return Err(ImportError::OtherRest { percent, is_shuffled, first: first() });
+    }
+    let origins =
+        |own: &Examples| own.skeleton.rest.iter().map(|m| m.map(|row| row[3])).collect::<Vec<_>>();
+    let percent = 100.0 * apart(&origins(expected), &origins(found)) / diagonal;
+    if percent > 100.0 * SAME {
+        return Err(ImportError::OtherRestPose { percent, first: first() });
+    }
+    if expected.triangles != found.triangles {
+        return Err(ImportError::OtherFaces { first: first() });
+    }
+    Ok(())
+}
+
+/// RMS distance between points.
+fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    let squared = |(a, b): (&[f64; 3], &[f64; 3])| -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
+    };
+    (a.iter().zip(b).map(squared).sum::<f64>() / a.len().max(1) as f64).sqrt()
+}
+
+fn sorted(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let mut points = points.to_vec();
+    points.sort_by(|a, b| {
+        a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
+    });
+    points
+}

@@ -1,0 +1,34 @@
+//! What is told of the vertices: the meshes that they are of, and how much each counts.
+
+use super::runs::{RunKind, Runs, read_runs};
+use super::{Archive, Sidecar};
+use crate::examples::ExamplesError;
+use crate::examples::validate::same;
+
+const MESHES: RunKind = RunKind { what: "meshes", names: "mesh_names", starts: "mesh_starts" };
+
+/// Reads the meshes that V vertices are of; none where none is named.
+///
+/// # Errors
+/// Those of [`read_runs`].
+pub(super) fn read_meshes(
+    archive: &mut Archive,
+    sidecar: &Sidecar,
+    vertex_len: usize,
+) -> Result<Runs, ExamplesError> {
+    let (names, starts) = (sidecar.mesh_names.as_ref(), sidecar.mesh_starts.as_ref());
+    Ok(read_runs(archive, &MESHES, names, starts, vertex_len)?.unwrap_or_default())
+}
+
+/// Reads how much each of V vertices counts.
+///
+/// # Errors
+/// Those of the array, [`ExamplesError::Mismatch`] for another count.
+pub(super) fn read_importance(
+    archive: &mut Archive,
+    vertex_len: usize,
+) -> Result<Option<Vec<f64>>, ExamplesError> {
+    let Some(numbers) = archive.rows::<f64, 1>("importance", &[])? else { return Ok(None) };
+    same("vertices", "rest", vertex_len, "importance", numbers.data.len())?;
+    Ok(Some(numbers.data.into_iter().map(|[number]| number).collect()))
+}

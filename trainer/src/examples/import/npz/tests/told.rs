@@ -1,0 +1,227 @@
+//! What a file tells beside poses and meshes: clips, meshes, importance, space.
+
+use sinew_runtime::format::{Axis, Handedness, Space};
+
+use super::*;
+use crate::examples::Clip;
+use crate::formats::SceneError;
+
+/// Two clips of the four frames, as animation programs number them, at 24 a second.
+fn clips() -> Set {
+    Set::good()
+        .words("clip_names", &["Walk Cycle", "Stretch"])
+        .count("clip_starts", &[0, 3])
+        .count("frame_numbers", &[1, 2, 4, 67])
+        .row("fps", &[24.0])
+}
+
+fn expected() -> Vec<Clip> {
+    let clip = |name: &str, first, times: &[f64], numbers: &[i64]| Clip {
+        name: name.to_owned(),
+        first,
+        times: times.to_vec(),
+        numbers: Some(numbers.to_vec()),
+    };
+    vec![
+        clip("Walk Cycle", 0, &[0.0, 1.0 / 24.0, 3.0 / 24.0], &[1, 2, 4]),
+        clip("Stretch", 3, &[0.0], &[67]),
+    ]
+}
+
+#[test]
+fn clips_have_names_times_and_numbers() {
+    assert_eq!(clips().load("clips").unwrap().clips, expected());
+    let joints = json!({"bone_names": ["root", "tip"], "bone_parents": [-1, 0]});
+    let mut all = joints.clone();
+    for (key, value) in [
+        ("clip_names", json!(["Walk Cycle", "Stretch"])),
+        ("clip_starts", json!([0, 3])),
+        ("fps", json!(24)),
+    ] {
+        all[key] = value;
+    }
+    let set = Set::good().count("frame_numbers", &[1, 2, 4, 67]).json(all);
+    assert_eq!(set.load("clips-json").unwrap().clips, expected());
+}
+
+#[test]
+fn what_is_not_told_of_clips_is_one_clip_at_thirty_a_second() {
+    let clips = Set::good().load("one-clip").unwrap().clips;
+    let times = (0..4).map(|frame| f64::from(frame) / 30.0).collect();
+    let whole = |times, numbers| Clip { name: "set".to_owned(), first: 0, times, numbers };
+    assert_eq!(clips, [whole(times, None)]);
+    let clips = Set::good().count("frame_numbers", &[-7, -5, 1, 2]).load("numbers").unwrap().clips;
+    let times = [0.0, 2.0, 8.0, 9.0].map(|frame| frame / 30.0).to_vec();
+    assert_eq!(clips, [whole(times, Some(vec![-7, -5, 1, 2]))]);
+}
+
+#[test]
+fn one_clip_is_read_alone() {
+    let folder = Folder::new("clip-alone");
+    let moved = clips().real("vertices", 3 * 15, 0.25).real("bone_transforms", 3 * 32 + 3, 0.5);
+    let path = moved.whole("split", 3, 0).write(&folder);
+    let of = |clip: &str| {
+        load_clips(&path, &Sampling { fps: None, clips: &[clip.to_owned()], shapes: true })
+    };
+    let Loaded { examples, clips, .. } = of("Stretch").unwrap();
+    assert_eq!(clips, [Clip { first: 0, ..expected()[1].clone() }]);
+    assert_eq!((examples.frame_len(), examples.frame(0)[0]), (1, [0.25, 0.0, 0.0]));
+    assert_eq!((examples.split[0], examples.pose(0)[0][0][3]), (Split::Train, 0.5));
+    let Loaded { examples, clips, .. } = of("Walk Cycle").unwrap();
+    assert_eq!(clips, expected()[..1]);
+    assert_eq!((examples.frame_len(), examples.vertices.len()), (3, 15));
+    let error = of("Run").unwrap_err().error;
+    let ExamplesError::Format(FormatError::Scene(SceneError::UnknownClip { .. })) = &error else {
+        panic!("{error}")
+    };
+    assert_eq!(error.to_string(), "has no clip Run, there are: Walk Cycle, Stretch");
+}
+
+#[test]
+fn a_frame_at_fault_is_called_as_the_file_calls_it() {
+    let fault = |set: Set| set.fault("called").to_string();
+    let found = fault(clips().real("vertices", 3 * 15, f64::NAN));
+    assert_eq!(found, "array vertices is not finite at frame 67, vertex 0");
+    let found = fault(clips().real("vertices", 15 + 3, 1e30));
+    assert!(found.ends_with("the most a model can hold, at frame 2, vertex 1"), "{found}");
+    for (place, number) in [(0, 1.5), (15, 2.0)] {
+        let found = fault(clips().real("bone_transforms", 32 + 16 + place, number));
+        assert!(found.starts_with("at frame 2, joint tip "), "{found}");
+    }
+    let near = clips().real("bone_transforms", 32 + 16, 1.001).load("called-near").unwrap();
+    let [Warning::NonRigidJoint { worst_frame: Some(2), .. }] = &near.warnings[..] else {
+        panic!("{:?}", near.warnings)
+    };
+}
+
+#[test]
+fn meshes_are_ranges_and_importance_is_weighed() {
+    let set = Set::good().words("mesh_names", &["Body", "Sleeve"]).count("mesh_starts", &[0, 3]);
+    let set = set.row("importance", &[1.0, 1.0, 0.0, 0.5, 2.5]);
+    let examples = set.load("meshes").unwrap().examples;
+    assert_eq!(examples.ranges, [("Body".to_owned(), 0..3), ("Sleeve".to_owned(), 3..5)]);
+    assert_eq!(examples.importance, Some(vec![1.0, 1.0, 0.0, 0.5, 2.5]));
+}
+
+#[test]
+fn axes_and_unit_are_told_and_saved() {
+    let told = Set::good().words("up", &["z"]).words("forward", &["-y"]).row("unit", &[0.01]);
+    let space = Space {
+        up: Some(Axis::Z),
+        forward: Some(Axis::MinusY),
+        handedness: Handedness::Right,
+        unit: Some(0.01),
+    };
+    assert_eq!(told.load("space").unwrap().examples.space, space);
+    let json = json!({"bone_names": ["root", "tip"], "bone_parents": [-1, 0],
+        "up": "z", "forward": "-y", "handedness": "left", "unit": 0.01});
+    let mut saved = Set::good().json(json).load("space-json").unwrap().examples;
+    assert_eq!(saved.space, Space { handedness: Handedness::Left, ..space });
+    saved.weigh(vec![0.5, 1.0, 1.0, 1.0, 1.5]).unwrap();
+    let folder = Folder::new("space-saved");
+    save_npz(&folder.npz(), &saved).unwrap();
+    let loaded = load(&folder.npz()).unwrap().examples;
+    assert_eq!((loaded.space, loaded.importance), (saved.space, saved.importance));
+    assert_eq!(Set::good().load("space-none").unwrap().examples.space, Space::default());
+}
+
+#[test]
+fn what_is_told_wrongly_names_array_and_place() {
+    let names = |set: Set| set.words("clip_names", &["a", "b"]);
+    let starts = "expected 0 for the first, then ascending numbers below 4";
+    for (set, words) in [
+        (names(Set::good()), "array clip_starts is missing".to_owned()),
+        (Set::good().count("mesh_starts", &[0]), "array mesh_names is missing".to_owned()),
+        (
+            names(Set::good()).count("clip_starts", &[0]),
+            "clip_names has 2 clips, clip_starts has 1".to_owned(),
+        ),
+        (
+            names(Set::good()).count("clip_starts", &[1, 2]),
+            format!("array clip_starts has 1 for a, {starts}"),
+        ),
+        (
+            names(Set::good()).count("clip_starts", &[0, 4]),
+            format!("array clip_starts has 4 for b, {starts}"),
+        ),
+        (
+            names(Set::good()).count("clip_starts", &[0, 0]),
+            format!("array clip_starts has 0 for b, {starts}"),
+        ),
+        (
+            names(Set::good()).count("clip_starts", &[0, -1]),
+            format!("array clip_starts has -1 for b, {starts}"),
+        ),
+        (
+            Set::good().words("clip_names", &[]).count("clip_starts", &[]),
+            "array clip_names is empty".to_owned(),
+        ),
+        (
+            clips().count("frame_numbers", &[1, 2, 3]),
+            "vertices has 4 frames, frame_numbers has 3".to_owned(),
+        ),
+        (
+            clips().count("frame_numbers", &[1, 2, 2, 67]),
+            "array frame_numbers has 2 at frame 2, expected 3 to 2147483647: numbers ascend in \
+             each clip"
+                .to_owned(),
+        ),
+        (
+            clips().count("frame_numbers", &[1, 2, i64::MAX, 67]),
+            "array frame_numbers has 9223372036854775807 at frame 2, expected 3 to 2147483647: \
+             numbers ascend in each clip"
+                .to_owned(),
+        ),
+        (
+            clips().row("fps", &[0.0]),
+            "array fps has 0, expected 0.001 to 10000 frames a second".to_owned(),
+        ),
+        (
+            clips().row("fps", &[f64::NAN]),
+            "array fps has NaN, expected 0.001 to 10000 frames a second".to_owned(),
+        ),
+        (
+            clips().row("fps", &[24.0, 25.0]),
+            "array fps must have shape [] or [1], found [2]".to_owned(),
+        ),
+        (
+            clips().words("fps", &["24"]).without("fps"),
+            "array fps must hold numbers, found dtype '<U2'".to_owned(),
+        ),
+        (
+            Set::good().row("importance", &[1.0; 4]),
+            "rest has 5 vertices, importance has 4".to_owned(),
+        ),
+        (
+            Set::good().row("importance", &[1.0, 1.0, -2.0, 1.0, 1.0]),
+            "the importance of vertex 2 must be finite and not negative, found -2".to_owned(),
+        ),
+        (
+            Set::good().words("up", &["up"]),
+            "array up has \"up\", expected x, -x, y, -y, z or -z".to_owned(),
+        ),
+        (
+            Set::good().words("handedness", &["both"]),
+            "array handedness has \"both\", expected right or left".to_owned(),
+        ),
+        (
+            Set::good().words("up", &["z", "y"]),
+            "array up must have shape [] or [1], found [2]".to_owned(),
+        ),
+        (
+            Set::good().words("up", &["z"]).words("forward", &["-z"]),
+            "up z and forward -z lie along one line: give an up and a forward that are square to \
+             each other"
+                .to_owned(),
+        ),
+        (
+            Set::good().row("unit", &[-1.0]),
+            "a unit of -1 m: expected a length from 1e-9 to 1e9 m".to_owned(),
+        ),
+    ] {
+        assert_eq!(set.fault("told").to_string(), words);
+    }
+    let joints = json!({"bone_names": ["root", "tip"], "bone_parents": [-1, 0], "fps": "24"});
+    let error = Set::good().json(joints).load("told-json").unwrap_err();
+    assert!(matches!(error.error, ExamplesError::Json { .. }), "{error}");
+}
