@@ -40,14 +40,14 @@ enum Command {
 
 pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
-    let done = match &cli.command {
+    let done = cli.output.start().and_then(|()| match &cli.command {
         Command::Envelope(command) => command.run(cli.output),
         Command::Inspect(arguments) => inspect::run(arguments, cli.output),
         Command::Kernel(command) => command.run(cli.output),
         Command::Face(command) => command.run(cli.output),
         Command::Views(command) => command.run(cli.output),
         Command::Signal(command) => command.run(cli.output),
-    };
+    });
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -13,9 +13,23 @@ pub(super) struct Output {
     /// Results as one JSON object on standard output
     #[arg(long, global = true, display_order = 100)]
     pub(super) json: bool,
+    /// Threads to work on; results are the same for any number [default: one a core]
+    #[arg(long, value_name = "N", global = true, display_order = 100)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
+    pub(super) threads: Option<u16>,
 }
 
 impl Output {
+    /// Sets how many threads work.
+    ///
+    /// # Errors
+    /// If they cannot be made.
+    pub(super) fn start(self) -> anyhow::Result<()> {
+        let Some(threads) = self.threads else { return Ok(()) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global().context("cannot start the threads")
+    }
+
     /// Tells on standard error what should be known about a file, unless quiet.
     pub(super) fn warn(self, about: impl Display, warning: impl Display) {
         if !self.quiet {

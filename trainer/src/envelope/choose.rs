@@ -134,14 +134,16 @@ pub fn choose(
         reports: Vec::new(),
         candidates: Vec::new(),
         least_bytes: usize::MAX,
+        parts: 0,
+        begun: 0,
     };
     if options.predictor == Predict::Auto && options.proxies.is_none() {
         choice.joints_alone()?;
     }
     let counts = proxy_counts(training, options);
-    for (number, count) in counts.iter().enumerate() {
-        progress.part(number + 1, counts.len());
-        choice.attempt(*count)?;
+    choice.parts = counts.len() * choice.kinds();
+    for count in counts {
+        choice.attempt(count)?;
     }
     choice.take()
 }
@@ -177,16 +179,36 @@ struct PredictorSearch<'a> {
     candidates: Vec<Candidate>,
     /// Bytes of the smallest file that was tried.
     least_bytes: usize,
+    /// How many fits there are to be, and how many were begun.
+    parts: usize,
+    begun: usize,
 }
 
 impl PredictorSearch<'_> {
-    fn attempt(&mut self, count: ProxyCount) -> Result<(), TrainError> {
-        let wanted = |predictor| match self.options.predictor {
+    fn wants(&self, predictor: Predictor) -> bool {
+        match self.options.predictor {
             Predict::Auto => true,
             Predict::Only(only) => only == predictor,
-        };
+        }
+    }
+
+    /// Counts the fits of one number of proxies: a reconstruction, what corrects it, and helpers.
+    fn kinds(&self) -> usize {
+        let [rotational, hybrid, kernel] =
+            [Predictor::Rotational, Predictor::Hybrid, Predictor::Kernel].map(|p| self.wants(p));
+        let corrected = if self.options.refine { 2 } else { 1 };
+        usize::from(rotational || hybrid) + corrected * usize::from(hybrid) + usize::from(kernel)
+    }
+
+    fn begin(&mut self) {
+        self.begun += 1;
+        self.progress.part(self.begun.min(self.parts), self.parts);
+    }
+
+    fn attempt(&mut self, count: ProxyCount) -> Result<(), TrainError> {
         let mut proxies = count;
-        if wanted(Predictor::Rotational) || wanted(Predictor::Hybrid) {
+        if self.wants(Predictor::Rotational) || self.wants(Predictor::Hybrid) {
+            self.begin();
             let options = RotationalOptions {
                 proxies: count,
                 influences: self.options.influences,
@@ -195,22 +217,25 @@ impl PredictorSearch<'_> {
             match rotational::fit(self.training, &options, self.progress) {
                 Ok(fitted) => {
                     proxies = ProxyCount::Fixed(fitted.keys.len());
-                    if wanted(Predictor::Rotational) {
+                    if self.wants(Predictor::Rotational) {
                         self.rotational(&fitted)?;
                     }
-                    if wanted(Predictor::Hybrid) {
+                    if self.wants(Predictor::Hybrid) {
+                        self.begin();
                         self.hybrid(&fitted, &fitted.unrefined, Some(false))?;
                         if let Some(refined) = &fitted.refined {
+                            self.begin();
                             self.hybrid(&fitted, refined, Some(true))?;
                         }
                     }
                 }
                 // Helpers need no reconstruction.
-                Err(FitError::Singular) if wanted(Predictor::Kernel) => {}
+                Err(FitError::Singular) if self.wants(Predictor::Kernel) => {}
                 Err(error) => return Err(error.into()),
             }
         }
-        if wanted(Predictor::Kernel) {
+        if self.wants(Predictor::Kernel) {
+            self.begin();
             self.kernel(proxies)?;
         }
         Ok(())

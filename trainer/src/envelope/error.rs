@@ -44,6 +44,12 @@ pub enum FitError {
         /// Training poses needed.
         needed: usize,
     },
+    /// The training frames are one and the same.
+    #[error("all {found} training frames are one pose: there is no motion to learn")]
+    OnePose {
+        /// Training frames found.
+        found: usize,
+    },
     /// No triangle has an area.
     #[error("no triangle of the rest mesh has an area")]
     NoTriangles,

@@ -111,9 +111,10 @@ impl fmt::Display for Warning {
                     joints.split_first().map_or(("", &[][..]), |(a, b)| (a, b));
                 write!(
                     f,
-                    "{} joints have no parent: {reference} is the root, {} now hang under it",
+                    "{} joints have no parent: {reference} is the root, {} now {} under it",
                     joints.len(),
-                    others.join(", ")
+                    others.join(", "),
+                    if others.len() == 1 { "hangs" } else { "hang" }
                 )
             }
             Warning::PlainSkin => f.write_str(

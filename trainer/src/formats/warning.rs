@@ -30,6 +30,13 @@ pub enum FormatWarning {
         /// The clips.
         clips: Vec<String>,
     },
+    /// Vertices that no joint moves.
+    Unweighted {
+        /// How many.
+        count: usize,
+        /// What they follow.
+        follow: &'static str,
+    },
     /// Meshes that a point cache outside the scene deforms, which is not read with it.
     CacheIgnored {
         /// The meshes.
@@ -66,6 +73,9 @@ impl fmt::Display for FormatWarning {
                     "clips that move neither a joint nor a shape of the mesh are left out: {}",
                     clips.join(", ")
                 )
+            }
+            FormatWarning::Unweighted { count, follow } => {
+                write!(f, "vertices without a joint's weight, which follow {follow}: {count}")
             }
             FormatWarning::CacheIgnored { meshes } => {
                 write!(

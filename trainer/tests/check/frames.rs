@@ -89,7 +89,7 @@ fn meshes_that_follow_the_clips_in_another_order_are_told_of() {
     examples.vertices = [stretch, walk].concat();
     let clip = |name: &str, first: usize, len: usize| {
         let times = (0..len).map(|frame| frame as f64 / 30.0).collect();
-        Clip { name: name.to_owned(), first, times }
+        Clip { name: name.to_owned(), first, times, numbers: None }
     };
     let clips = [clip("walk", 0, 16), clip("stretch", 16, 24)];
     let check = |examples: &Examples| {

@@ -55,7 +55,7 @@ fn eval_prints_one_object_with_the_keys_promised() {
     let found = folder.sinew("eval demo.sinew demo.npz --json").json();
     let mut promised = ["split", "frames", "vertices", "diagonal", "model_bytes", "predictor"]
         .into_iter()
-        .chain(["proxies", "lbs", "confidence", "read"])
+        .chain(["proxies", "lbs", "confidence", "read", "regions"])
         .chain(ERRORS)
         .collect::<Vec<_>>();
     promised.sort_unstable();
@@ -406,7 +406,7 @@ fn warnings_go_to_standard_error_unless_quiet() {
     let mut set = Set::demo();
     set.json["bone_parents"][3] = json!(-1);
     set.write(&folder.path("roots.npz"));
-    let warning = "sinew: warning: roots.npz: 2 joints have no parent: chest is the root, upper_arm_twist now hang under it\n";
+    let warning = "sinew: warning: roots.npz: 2 joints have no parent: chest is the root, upper_arm_twist now hangs under it\n";
     for command in [
         "train roots.npz -o new.sinew --proxies 2",
         "eval demo.sinew roots.npz",

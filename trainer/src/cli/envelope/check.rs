@@ -19,9 +19,10 @@ use std::fmt::Write;
 #[derive(clap::Args)]
 #[command(after_help = "Errors are in % of the rest pose's diagonal. Held-out and extreme frames \
     are read for their poses alone.\n\
-    The table: how far each joint turns from rest about its main axis and beside it, in how many \
-    distinct poses, how many held-out or extreme frames go beyond (by more than 15°), and what \
-    linear blend skinning leaves of its skin.")]
+    The table: how many vertices follow each joint most, how far it turns from rest against its \
+    parent about its main axis and beside it, how far it slides, in how many distinct poses, how many \
+    held-out or extreme frames go beyond (by more than 15°), and what linear blend skinning leaves of \
+    its vertices.")]
 pub(in crate::cli) struct Arguments {
     #[command(flatten)]
     input: input::ExampleArguments,
@@ -97,7 +98,7 @@ fn size(check: &Check) -> String {
     let mut out = format!("{x} x {y} x {z}, diagonal {}", short(size.diagonal));
     match size.ground {
         Some(axis) => {
-            let _ = write!(out, "; it stands on {axis} = 0, which is then up");
+            let _ = write!(out, "; it stands on {axis} = 0: if that is the floor, {axis} is up");
         }
         None => {
             let _ = write!(out, "; longest along {}", size.longest);
@@ -132,15 +133,14 @@ fn faces(check: &Check) -> String {
 
 /// The joints, those whose skin LBS leaves furthest off first.
 fn table(joints: &[Coverage]) -> String {
-    let mut rows: Vec<&Coverage> =
-        joints.iter().filter(|j| j.moves() || !j.beyond.is_empty()).collect();
+    let mut rows: Vec<&Coverage> = joints.iter().collect();
     rows.sort_by(|a, b| b.lbs_percent.total_cmp(&a.lbs_percent));
     let width =
         rows.iter().take(ROWS).map(|row| printable(&row.joint).chars().count()).max().unwrap_or(0);
     let width = width.max("joint".len());
     let mut out = format!(
-        "{:<width$}  {:>14} {:>8} {:>8} {:>7} {:>8} {:>8}\n",
-        "joint", "turns by", "beside", "slides", "poses", "beyond", "LBS, %"
+        "{:<width$}  {:>8} {:>14} {:>8} {:>8} {:>7} {:>8} {:>8}\n",
+        "joint", "vertices", "turns by", "beside", "slides", "poses", "beyond", "LBS, %"
     );
     for row in rows.iter().take(ROWS) {
         let [least, most] = row.twist;
@@ -151,8 +151,9 @@ fn table(joints: &[Coverage]) -> String {
         };
         let _ = writeln!(
             out,
-            "{:<width$}  {:>14} {:>7}° {:>8} {:>7} {:>8} {:>8.4}",
+            "{:<width$}  {:>8} {:>14} {:>7}° {:>8} {:>7} {:>8} {:>8.4}",
             printable(&row.joint),
+            row.vertices,
             format!("{least:.0} to {most:.0}°"),
             format!("{:.0}", row.swing),
             slides,

@@ -11,7 +11,11 @@ use serde_json::json;
 use sinew_trainer::envelope::FileSkins;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Frames, evaluate};
+use sinew_trainer::envelope::export::by_use;
+use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
+use sinew_trainer::envelope::report::{Page, PictureOptions};
 use sinew_trainer::examples::{Examples, Split, npz};
+use sinew_trainer::progress::Silent;
 use std::path::{Path, PathBuf};
 
 /// Most positions in all frames together: 2.4 GB of them.
@@ -25,8 +29,8 @@ pub(in crate::cli) struct Arguments {
     size: SizeArguments,
     #[command(flatten)]
     fit: train::FitArguments,
-    /// Write the examples (demo.npz, demo.json) and the model (demo.sinew) to DIR, which is made
-    /// if it is not there
+    /// Write the examples (demo.npz, demo.json), the model (demo.sinew) and the report (report.html) to DIR,
+    /// which is made if it is not there [default: the report alone, into the system's temporary folder]
     #[arg(long, short = 'o', value_name = "DIR")]
     output: Option<PathBuf>,
 }
@@ -71,6 +75,11 @@ fn some() -> RangedU64ValueParser<usize> {
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let folder = arguments.output.as_deref();
     let model = folder.map(prepare).transpose()?;
+    let page = match folder {
+        Some(folder) => folder.join("report.html"),
+        None => std::env::temp_dir().join("sinew-demo.html"),
+    };
+    let page_file = OutputFile::new(&page, &[])?;
     let examples = arguments.size.generate(output)?;
     let trained = arguments.fit.train(&examples, "demo", FileSkins::Skins(Vec::new()), output)?;
     let measuring = Bars::busy(output, "measuring");
@@ -87,7 +96,21 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         files::write(&[(model, &trained.model)])?;
         text += &format!("wrote demo.npz, demo.json and demo.sinew to {}\n", folder.display());
     }
+    let html = report(&trained.model, examples, output)?;
+    files::write(&[(&page_file, html.as_bytes())])?;
+    text += &format!("wrote its report: {}\n", page.display());
     output.print(&json!({ "report": trained.report, "evaluation": evaluation }), &text)
+}
+
+/// Makes the page that shows where the model errs, without training other sizes.
+fn report(model: &[u8], examples: Examples, output: Output) -> anyhow::Result<String> {
+    let _drawing = Bars::busy(output, "pictures");
+    let (examples, clips) = by_use(examples);
+    let source = NamedExamples { examples: &examples, clips: &clips, name: "the demo's arm" };
+    let file = NamedModel { name: "demo.sinew", bytes: model, skin: None };
+    let comparison = Comparison::new(source, Some(Frames::Of(Split::HeldOut)), file)?;
+    let page = Page { comparison: &comparison, options: PictureOptions::default(), sizes: false };
+    Ok(page.html(&Silent)?)
 }
 
 /// Makes the folder, tries the places of its three files, and gives that of the model.

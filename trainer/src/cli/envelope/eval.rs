@@ -2,6 +2,7 @@
 
 use super::measured::{SplitName, blame};
 use super::table;
+use super::train::percent;
 use crate::cli::bars::Bars;
 use crate::cli::files::{self, OutputFile};
 use crate::cli::space::StatedSpace;
@@ -38,6 +39,9 @@ pub(in crate::cli) struct Arguments {
     /// Write the frames' skinned normals to OUT.npy, f32, frames x vertices x 3, in the model's axes
     #[arg(long, value_name = "OUT.npy")]
     write_normals: Option<PathBuf>,
+    /// Fail, after writing and printing what is measured, if the error is above so many % of the diagonal, RMS
+    #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
+    fail_above: Option<f64>,
     #[command(flatten)]
     space: StatedSpace,
 }
@@ -79,7 +83,15 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let written: Vec<_> = written.iter().map(|(target, bytes)| (*target, &bytes[..])).collect();
     files::write(&written)?;
     drop(measuring);
-    output.print(&evaluation, &table::evaluation(&evaluation))
+    output.print(&evaluation, &table::evaluation(&evaluation))?;
+    let found = evaluation.errors.rms_percent;
+    match arguments.fail_above {
+        Some(most) if found > most => bail!(
+            "{}: the error is {found:.4} %, above --fail-above {most}",
+            arguments.model.display()
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// Skins frames, and writes one of their attributes into the bytes of an npy file.

@@ -1,6 +1,6 @@
 //! Results as a person reads them.
 
-use crate::cli::counted;
+use crate::cli::{counted, printable};
 use sinew_trainer::envelope::choose::{CandidateReport, TrainingReport};
 use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
 
@@ -66,6 +66,10 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
             "{name:<26}{rms_percent:>10.4}{p99_percent:>10.4}{max_percent:>10.4}\
              {normal_rms_degrees:>14.2} °{normal_median_degrees:>9.2} °{normal_p99_degrees:>9.2} °\n"
         );
+    }
+    for region in evaluation.regions.iter().filter(|region| region.kind == "mesh") {
+        let name = format!("  {}", printable(&region.name));
+        out += &format!("{name:<26}{:>10.4}\n", region.rms_percent);
     }
     let share = evaluation.share_of_lbs();
     let Confidence { mean, least } = evaluation.confidence;

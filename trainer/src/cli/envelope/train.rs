@@ -36,6 +36,9 @@ pub(in crate::cli) struct Arguments {
     /// Write every choice, fold, candidate, score and input hash to FILE, as JSON
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
+    /// Fail, and write nothing, if the cross-validated error is above so many % of the diagonal, RMS
+    #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
+    fail_above: Option<f64>,
     #[command(flatten)]
     space: StatedSpace,
     #[command(flatten)]
@@ -143,7 +146,7 @@ fn influences() -> RangedU64ValueParser<usize> {
     RangedU64ValueParser::new().range(1..=CANDIDATES as u64)
 }
 
-fn percent(text: &str) -> Result<f64, String> {
+pub(super) fn percent(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(percent) if percent > 0.0 && f64::is_finite(percent) => Ok(percent),
         _ => Err("expected a number of more than 0 %".to_owned()),
@@ -215,6 +218,14 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
     let trained = arguments.fit.train(&examples, &source, meshes, output)?;
     levels::warn(&trained.levels, also, output);
+    let validated = 100.0 * trained.report.chosen().validated_rms.unwrap_or(f64::INFINITY);
+    if let Some(most) = arguments.fail_above.filter(|most| validated > *most) {
+        bail!(
+            "{source}: the cross-validated error is {validated:.4} %, above --fail-above {most}; nothing was \
+             written\n{}",
+            table::report(&trained.report).trim_end()
+        );
+    }
     let record = json!({
         "sinew": env!("CARGO_PKG_VERSION"),
         "inputs": hashes,

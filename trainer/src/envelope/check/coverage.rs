@@ -61,9 +61,8 @@ impl Coverage {
     }
 }
 
-/// Measures every joint but the reference root, in their order.
+/// Measures every joint, in their order; the reference root has no parent that it could move against.
 pub(super) fn coverage(context: &Context<'_>) -> Vec<Coverage> {
-    let root = context.examples.skeleton.root();
     let others: Vec<usize> = (0..context.examples.frame_len())
         .filter(|&frame| context.examples.split[frame] != Split::Train)
         .collect();
@@ -71,8 +70,8 @@ pub(super) fn coverage(context: &Context<'_>) -> Vec<Coverage> {
     let poses = poses.about(context.training.centre).in_units_of(context.training.unit);
     let others = (others, Turns::new(&poses, Features::of(&context.training)));
     let skins = context.skins();
-    let joints: Vec<usize> = (0..context.examples.joint_len()).filter(|&j| j != root).collect();
-    joints.into_par_iter().map(|joint| of(context, joint, &skins[joint], &others)).collect()
+    let joints = (0..context.examples.joint_len()).into_par_iter();
+    joints.map(|joint| of(context, joint, &skins[joint], &others)).collect()
 }
 
 fn of(

@@ -23,8 +23,7 @@ pub struct MeshSize {
 }
 
 const AXES: [char; 3] = ['x', 'y', 'z'];
-const UNITS: [(&str, f64); 4] =
-    [("metres", 1.0), ("decimetres", 0.1), ("centimetres", 0.01), ("millimetres", 0.001)];
+const UNITS: [(&str, f64); 3] = [("metres", 1.0), ("centimetres", 0.01), ("millimetres", 0.001)];
 
 pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> MeshSize {
     let [low, high] = examples.bounds();
@@ -61,8 +60,8 @@ pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> MeshSize
             kind: Kind::OddSize,
             severity: Severity::Note,
             text: format!(
-                "{:.3e} units are no character's size in metres, decimetres, centimetres or \
-                 millimetres; a training does not mind",
+                "{:.3e} units are no character's size in metres, centimetres or millimetres; a \
+                 training does not mind",
                 extents[longest]
             ),
             places: Vec::new(),

@@ -3,6 +3,7 @@
 use super::character::Character;
 use super::error::EvaluateError;
 use super::measured::{Confidence, Errors, Measured};
+use super::skin::Baseline;
 use super::told::Told;
 use crate::examples::{Examples, Split};
 use serde::Serialize;
@@ -31,8 +32,39 @@ pub struct Evaluation {
     pub predictor: &'static str,
     /// P.
     pub proxies: usize,
+    /// RMS errors of the meshes that were joined, where there are several, and of the vertices that follow each
+    /// joint most in LBS.
+    pub regions: Vec<Region>,
     /// 4-influence LBS fitted to the training frames, on the same frames.
     pub lbs: Errors,
+}
+
+/// A part of the mesh, and its errors.
+#[derive(Clone, Debug, Serialize)]
+pub struct Region {
+    /// What it is: `mesh` or `joint`.
+    pub kind: &'static str,
+    /// The name of either.
+    pub name: String,
+    /// How many vertices it has.
+    pub vertices: usize,
+    /// RMS distance in % of the rest diagonal.
+    pub rms_percent: f64,
+    /// That of LBS.
+    pub lbs_rms_percent: f64,
+}
+
+/// Lists the parts of a mesh that have names: of which kind, the name, and their vertices.
+fn regions(examples: &Examples, lbs: &Baseline) -> Vec<(&'static str, String, Vec<usize>)> {
+    let meshes = examples.ranges.iter().filter(|_| examples.ranges.len() > 1);
+    let meshes = meshes.map(|(name, range)| ("mesh", name.clone(), range.clone().collect()));
+    let mut joints = vec![Vec::new(); examples.joint_len()];
+    for vertex in 0..examples.vertex_len() {
+        lbs.weights.strongest(vertex).into_iter().for_each(|joint| joints[joint].push(vertex));
+    }
+    let joints = examples.skeleton.names.iter().zip(joints);
+    let joints = joints.filter(|(_, own)| !own.is_empty());
+    meshes.chain(joints.map(|(name, own)| ("joint", name.clone(), own))).collect()
 }
 
 /// Frames to measure.
@@ -103,9 +135,11 @@ pub fn evaluate(
     let told = Told::of(model, &character, examples);
     let chosen = frames.measurable(examples, &told)?;
     let measured = Measured::model(&character, examples, &chosen)?;
-    let lbs = Measured::lbs(&told.baseline(examples), examples, &chosen);
+    let baseline = told.baseline(examples);
+    let lbs = Measured::lbs(&baseline, examples, &chosen);
     let read = told.read_len(&chosen);
-    Ok(Evaluation::new((frames, read), (&character, model.len()), &measured, &lbs))
+    let of_character = (&character, model.len(), &measured);
+    Ok(Evaluation::new((frames, read), of_character, examples, (&baseline, &lbs)))
 }
 
 /// Share of the diagonal below which an error of LBS is none, that another may be compared with.
@@ -122,11 +156,15 @@ impl Evaluation {
     /// training has read so many.
     pub fn new(
         (frames, read): (Frames, Option<usize>),
-        (character, model_bytes): (&Character<'_>, usize),
-        measured: &Measured,
-        lbs: &Measured,
+        (character, model_bytes, measured): (&Character<'_>, usize, &Measured),
+        examples: &Examples,
+        (baseline, lbs): (&Baseline, &Measured),
     ) -> Self {
         let Character { envelope, skin, .. } = character;
+        let region = |(kind, name, own): (&'static str, String, Vec<usize>)| {
+            let [rms_percent, lbs_rms_percent] = [measured, lbs].map(|m| m.rms_percent_of(&own));
+            Region { kind, name, vertices: own.len(), rms_percent, lbs_rms_percent }
+        };
         Self {
             split: frames.name(),
             frames: measured.frames.len(),
@@ -138,6 +176,7 @@ impl Evaluation {
             model_bytes,
             predictor: envelope.predictor().name(),
             proxies: envelope.proxy_len(),
+            regions: regions(examples, baseline).into_iter().map(region).collect(),
             lbs: lbs.errors(),
         }
     }

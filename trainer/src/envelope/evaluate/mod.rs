@@ -10,7 +10,7 @@ mod told;
 
 pub use character::Character;
 pub use error::EvaluateError;
-pub use evaluation::{Evaluation, Frames, evaluate};
+pub use evaluation::{Evaluation, Frames, Region, evaluate};
 pub use measured::{Confidence, Errors, Measured, MeasuredFrame, largest};
 pub use skin::{Baseline, SkinnedFrame, skin};
 pub use told::Told;

@@ -131,8 +131,9 @@ impl<'a> Comparison<'a> {
     /// Summarises what was measured, a model each, as [`crate::envelope::evaluate::evaluate`] does.
     pub fn evaluations(&self) -> Vec<Evaluation> {
         let of = |model: &MeasuredModel<'_>| {
-            let character = (&model.character, model.file.bytes.len());
-            Evaluation::new((self.frames, model.read), character, &model.measured, &self.baseline)
+            let character = (&model.character, model.file.bytes.len(), &model.measured);
+            let lbs = (&self.lbs, &self.baseline);
+            Evaluation::new((self.frames, model.read), character, self.source.examples, lbs)
         };
         self.models().map(of).collect()
     }

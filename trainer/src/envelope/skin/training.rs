@@ -51,11 +51,15 @@ impl Training {
     /// Gathers the training frames of the examples; no other frame is read.
     ///
     /// # Errors
-    /// [`FitError::TooFewPoses`] and [`FitError::NoTriangles`].
+    /// [`FitError::TooFewPoses`], [`FitError::OnePose`] and [`FitError::NoTriangles`].
     pub fn new(examples: &Examples, progress: &dyn Progress) -> Result<Self, FitError> {
         let frames = examples.frames_of(Split::Train);
         if frames.len() < MIN_POSES {
             return Err(FitError::TooFewPoses { found: frames.len(), needed: MIN_POSES });
+        }
+        let first = examples.pose(frames[0]);
+        if frames.iter().all(|&frame| examples.pose(frame) == first) {
+            return Err(FitError::OnePose { found: frames.len() });
         }
         let triangles = examples.solid_triangles();
         if triangles.is_empty() {

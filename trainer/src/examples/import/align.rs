@@ -44,7 +44,7 @@ impl Examples {
     pub fn move_to(&mut self, rest: &[[f64; 3]]) -> Result<Option<Warning>, ExamplesError> {
         self.unsplit_for(rest.len());
         let own = self.surface().copied(&self.rest);
-        same("vertices", "the mesh to move to", rest.len(), "rest", own.len())?;
+        same("vertices", "the model's mesh", rest.len(), "the mesh of this file", own.len())?;
         let similarity = meshes(&own, rest);
         let similarity = similarity.map_err(|percent| ImportError::OtherMesh { percent })?;
         similarity.move_joints(&mut self.skeleton, &mut self.transforms);

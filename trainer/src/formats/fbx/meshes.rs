@@ -106,6 +106,16 @@ pub(super) fn are_posed(
     whole && parts.iter().all(|part| skin(&scene.meshes[part.mesh]).is_some())
 }
 
+/// Tells of vertices of skinned parts that no joint moves.
+pub(super) fn unweighted(scene: &Scene, parts: &[MeshPart], warnings: &mut Vec<FormatWarning>) {
+    let skins = parts.iter().filter_map(|part| skin(&scene.meshes[part.mesh]));
+    let bare = skins.flat_map(|skin| &skin.vertices).filter(|vertex| vertex.num_weights == 0);
+    let count = bare.count();
+    if count > 0 {
+        warnings.push(FormatWarning::Unweighted { count, follow: "their mesh's node" });
+    }
+}
+
 /// Gives the skin of a mesh.
 pub(super) fn skin(mesh: &Mesh) -> Option<&SkinDeformer> {
     mesh.skin_deformers.into_iter().next()

@@ -9,9 +9,9 @@ use crate::page::camera::Camera;
 use crate::page::colour::{Colour, Scale};
 use crate::page::html::{grouped, paragraph, percent, side_by_side, text};
 
-const SCALES: &str = "Colours stand for errors in % of the diagonal; but for the first picture, which \
-                      has a scale of its own, all share one. The ring is the worst vertex, broken \
-                      where it is hidden.";
+const SCALES: &str = "Colours stand for errors in % of the diagonal; but for the last picture, which \
+                      shows the model once more on a scale of its own, all share one. The ring is the worst \
+                      vertex, broken where it is hidden.";
 /// What colours of distances and of angles stand for.
 const PERCENT: &str = "% of the diagonal";
 const DEGREES: &str = "degrees";
@@ -34,7 +34,10 @@ pub(super) fn worst_pose(
         let clay = clay.collect::<Result<Vec<_>, _>>()?;
         let heat =
             heat(pictures, &series, &errors, |place| (&shapes[place + 1], camera, Some(vertex)))?;
-        Ok(side_by_side(clay.len(), &clay) + &side_by_side(heat.len(), &heat))
+        // Each map stands under the skin that it is of, none under the truth.
+        let truth = std::iter::once("<div></div>\n".to_owned());
+        let under: Vec<String> = truth.chain(heat).collect();
+        Ok(side_by_side(under.len(), &clay) + &side_by_side(under.len(), &under))
     };
     let told = |s: &Series<'_>| {
         format!("{} {} %", text(s.name), percent(s.measured.errors_in(pictures.worst).rms_percent))
@@ -79,7 +82,7 @@ pub(super) fn all_frames(
         + &angles)
 }
 
-/// The errors of the model alone, on a scale of its own, and of every series on one scale.
+/// The errors of every series on one scale, then of the model alone on a scale of its own.
 fn heat<'b>(
     pictures: &Pictures<'_>,
     series: &[Series<'_>],
@@ -88,7 +91,7 @@ fn heat<'b>(
 ) -> Result<Vec<String>, ReportError> {
     let (own, common) = (Scale::of(&errors[1]), Scale::of(errors.iter().flatten()));
     let all = (0..series.len()).map(|place| (place, common, "error, %"));
-    let all = std::iter::once((1, own, "on a scale of its own, %")).chain(all);
+    let all = all.chain([(1, own, "on a scale of its own, %")]);
     let pictures = all.map(|(place, scale, what)| {
         let (shape, camera, ring) = shot(place);
         let caption = format!("{}: {what}", series[place].name);
