@@ -8,11 +8,13 @@ use ash::{Device, Entry, Instance, vk};
 use sinew_gpu::layout::{ALIGNMENT, Batch, Plan, Resource};
 use sinew_gpu::vulkan::{Bound, Buffers, Pipelines, limits, pool_sizes, set_len, usage};
 use sinew_runtime::skin::{Output, Rest, SkinJob, cells};
-use sinew_runtime::{Envelope, Matrix3x4, Model, Skin};
+use sinew_runtime::{
+    CallError, Envelope, LocalTransform, Matrix3x4, Model, Skin, model_space_pose,
+};
 use std::error::Error;
 
 const INSTANCES: usize = 3;
-const GOLDEN: &[u8] = include_bytes!("../../tests/golden/envelope-4-hybrid.snw");
+const GOLDEN: &[u8] = include_bytes!("../../tests/golden/envelope-5-hybrid.snw");
 
 fn main() -> Result<(), Box<dyn Error>> {
     let bytes = match std::env::args_os().nth(1) {
@@ -23,7 +25,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let envelope = model.envelope().ok_or("the model has no envelope")?;
     let skin = model.skin().ok_or("the model has no skin")?;
     let batch = Batch::skinned(&envelope, &skin, INSTANCES);
-    let poses: Vec<_> = (0..INSTANCES).map(|n| bent(&envelope, 0.3 * n as f32)).collect();
+    let poses = (0..INSTANCES).map(|n| bent(&envelope, 0.3 * n as f32));
+    let poses = poses.collect::<Result<Vec<_>, _>>()?;
     // SAFETY: each function below asks for nothing but what was made before it.
     let found = unsafe {
         let engine = Engine::new()?;
@@ -153,29 +156,20 @@ fn on_the_cpu(
     Ok(out)
 }
 
-/// Turns each joint against its parent by an angle about z, where it rests.
-fn bent(envelope: &Envelope<'_>, angle: f32) -> Vec<Matrix3x4> {
-    let mut pose = vec![
-        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-        envelope.joint_len()
-    ];
-    let (s, c) = angle.sin_cos();
-    for joint in envelope.evaluation_order() {
-        let Some(m) = envelope.inverse_bind(joint) else { continue };
-        let at = |r: usize| -(m[0][r] * m[0][3] + m[1][r] * m[1][3] + m[2][r] * m[2][3]);
-        let (x, y) = (at(0), at(1));
-        let local =
-            [[c, -s, 0.0, x - c * x + s * y], [s, c, 0.0, y - s * x - c * y], [0.0, 0.0, 1.0, 0.0]];
-        pose[joint] = match envelope.parent(joint) {
-            None => local,
-            Some(parent) => pose[parent].map(|row| {
-                let moved =
-                    |c: usize| row[0] * local[0][c] + row[1] * local[1][c] + row[2] * local[2][c];
-                [moved(0), moved(1), moved(2), moved(3) + row[3]]
-            }),
-        };
-    }
-    pose
+/// Turns each joint against its rest frame by an angle about its own z axis.
+fn bent(envelope: &Envelope<'_>, angle: f32) -> Result<Vec<Matrix3x4>, CallError> {
+    let (s, c) = (angle / 2.0).sin_cos();
+    let turned = |rest: LocalTransform| {
+        let [x, y, z, w] = rest.rotation;
+        LocalTransform {
+            rotation: [c * x + s * y, c * y - s * x, c * z + s * w, c * w - s * z],
+            ..rest
+        }
+    };
+    let local: Vec<_> = envelope.rest_locals().map(turned).collect();
+    let mut pose = vec![Matrix3x4::default(); local.len()];
+    model_space_pose(envelope, &local, &mut pose)?;
+    Ok(pose)
 }
 
 /// What an engine has anyway.

@@ -11,7 +11,7 @@ use std::error::Error;
 use wgpu::{BufferDescriptor, BufferUsages, CommandEncoderDescriptor};
 
 const INSTANCES: usize = 3;
-const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/envelope-4-hybrid.snw");
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/envelope-5-hybrid.snw");
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -96,21 +96,15 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Turns every joint about its own z axis.
 fn pose(envelope: &Envelope<'_>, angle: f32) -> Result<Vec<Matrix3x4>, Box<dyn Error>> {
-    let joints = 0..envelope.joint_len();
-    let origins = joints.clone().map(|joint| {
-        let [x, y, z] = envelope.inverse_bind(joint).unwrap_or_default();
-        [0, 1, 2].map(|c| -(x[c] * x[3] + y[c] * y[3] + z[c] * z[3]))
-    });
-    let origins: Vec<_> = origins.collect();
-    let local = joints.map(|joint| {
-        let parent = envelope.parent(joint).map_or([0.0; 3], |parent| origins[parent]);
-        let translation = [0, 1, 2].map(|i| origins[joint][i] - parent[i]);
+    let (s, c) = (angle / 2.0).sin_cos();
+    let turned = |rest: LocalTransform| {
+        let [x, y, z, w] = rest.rotation;
         LocalTransform {
-            rotation: [0.0, 0.0, (angle / 2.0).sin(), (angle / 2.0).cos()],
-            translation,
+            rotation: [c * x + s * y, c * y - s * x, c * z + s * w, c * w - s * z],
+            ..rest
         }
-    });
-    let local: Vec<_> = local.collect();
+    };
+    let local: Vec<_> = envelope.rest_locals().map(turned).collect();
     let mut out = vec![[[0.0; 4]; 3]; local.len()];
     model_space_pose(envelope, &local, &mut out)?;
     Ok(out)

@@ -40,6 +40,8 @@ pub enum CallErrorKind {
     NoStage,
     /// There is nothing to write to.
     NoOutput,
+    /// The names have no joint of the name of joint `index`, the root, which could follow no other.
+    NoRoot,
 }
 
 /// The argument that a [`CallError`] is about.
@@ -108,6 +110,14 @@ pub enum Argument {
     Depths,
     /// Samples of signals.
     Samples,
+    /// Names of the joints of the caller's skeleton.
+    Names,
+    /// Which joint of the caller's skeleton moves each joint.
+    Joints,
+    /// Frames of the joints of the caller's skeleton.
+    World,
+    /// The matrix of the root.
+    Root,
 }
 
 impl CallError {
@@ -174,6 +184,10 @@ impl Argument {
             Self::Pixels => "pixels",
             Self::Depths => "depths",
             Self::Samples => "samples",
+            Self::Names => "names",
+            Self::Joints => "joint map",
+            Self::World => "frames",
+            Self::Root => "root matrix",
         }
     }
 
@@ -222,6 +236,12 @@ impl fmt::Display for CallError {
                 write!(f, "the stage is not part of the envelope's predictor, number {found}")
             }
             CallErrorKind::NoOutput => f.write_str("nothing to write to"),
+            CallErrorKind::NoRoot => {
+                write!(
+                    f,
+                    "{name}: joint {index}, the root, is not among them and can follow no other"
+                )
+            }
         }
     }
 }

@@ -1,5 +1,35 @@
 //! Evaluates baked Sinew models: no standard library, no allocation, and the same bits on every CPU.
 //!
+//! ```
+//! use sinew_runtime::{CallError, LocalTransform, Matrix3x4, Model, matrix, model_space_pose};
+//!
+//! /// From a file and an animation's rotations to vertices. An engine keeps the arrays.
+//! fn frame(
+//!     model: &Model<Vec<u8>>,
+//!     rotations: &[(usize, [f32; 4])],
+//! ) -> Result<Vec<[f32; 3]>, CallError> {
+//!     let (Some(envelope), Some(skin)) = (model.envelope(), model.skin()) else {
+//!         return Ok(Vec::new());
+//!     };
+//!     // The rest pose, and what the animation changes of it.
+//!     let mut local: Vec<LocalTransform> = envelope.rest_locals().collect();
+//!     for (joint, rotation) in rotations {
+//!         local[*joint].rotation = *rotation;
+//!     }
+//!     let mut pose = vec![matrix::IDENTITY; envelope.joint_len()];
+//!     model_space_pose(&envelope, &local, &mut pose)?;
+//!     debug_assert_eq!(envelope.check_pose(&pose), Ok(()));
+//!     let mut palette: Vec<Matrix3x4> = vec![matrix::IDENTITY; envelope.palette_len()];
+//!     let mut scratch = vec![0.0; envelope.scratch_len()];
+//!     envelope.palette(&pose, &mut scratch, &mut palette)?;
+//!     let mut positions = vec![[0.0; 3]; skin.vertex_len()];
+//!     skin.skin_positions(&palette, &mut positions)?;
+//!     Ok(positions)
+//! }
+//! ```
+//!
+//! An engine that has matrices of its own skeleton gathers the pose from them with [`gather_pose`].
+//!
 //! [`Model::from_bytes`] checks a file once; after that every evaluation reads it in place and can
 //! fail only for the caller's own arguments. The file is described in `FORMAT.md`.
 //!
@@ -21,6 +51,7 @@ pub mod kernel;
 mod lanes;
 mod limits;
 mod linear;
+pub mod matrix;
 mod model;
 mod names;
 mod numeric;
@@ -34,7 +65,10 @@ pub mod stages;
 pub mod views;
 mod workspace;
 
-pub use envelope::{Envelope, LocalTransform, model_space_pose};
+pub use envelope::{
+    Envelope, LocalTransform, gather_pose, model_space_pose, model_space_pose_under,
+    skeleton_hash_of,
+};
 pub use error::{Argument, CallError, CallErrorKind};
 #[cfg(feature = "filter")]
 pub use filter::Filter;
@@ -43,6 +77,7 @@ pub use format::{FileError, FileErrorKind};
 pub use kernel::KernelMap;
 pub use limits::Limits;
 pub use linear::Matrix3x4;
+pub use matrix::{scale_palette, take_scale};
 pub use model::{Model, Section};
 #[cfg(feature = "prior")]
 pub use prior::{Pin, PinJob, Pins, Prior};
@@ -50,7 +85,7 @@ pub use prior::{Pin, PinJob, Pins, Prior};
 pub use record::Record;
 #[cfg(feature = "shapes")]
 pub use skin::ShapesJob;
-pub use skin::{Skin, SkinJob};
+pub use skin::{Skin, SkinJob, mesh_hash_of};
 #[cfg(feature = "views")]
 pub use views::{Frame, FrameJob, RenderJob, Views};
 pub use workspace::Workspace;

@@ -105,6 +105,39 @@ pub(crate) fn compose(a: &Matrix3x4, [x, y, z]: &Matrix3x4) -> Matrix3x4 {
     out
 }
 
+/// Returns the inverse of a transform whose determinant is not 0.
+pub(crate) fn inverse(m: &Matrix3x4) -> Matrix3x4 {
+    let [[x0, x1, x2, tx], [y0, y1, y2, ty], [z0, z1, z2, tz]] = *m;
+    let (x, y, z) = ([x0, x1, x2], [y0, y1, y2], [z0, z1, z2]);
+    let [a, b, c] = [cross(y, z), cross(z, x), cross(x, y)];
+    let scale = 1.0 / dot(a, x);
+    let row = |r: [f32; 3]| {
+        let [r0, r1, r2] = r.map(|value| value * scale);
+        [r0, r1, r2, -(r0 * tx + r1 * ty + r2 * tz)]
+    };
+    let ([a0, a1, a2], [b0, b1, b2], [c0, c1, c2]) = (a, b, c);
+    [row([a0, b0, c0]), row([a1, b1, c1]), row([a2, b2, c2])]
+}
+
+/// Returns the quaternion of a rotation up to its length: x, y, z, and w, which is not negative.
+///
+/// It is found from the largest of its four components (Shepperd 1978).
+#[inline(always)]
+pub(crate) fn quaternion(m: &Columns) -> ([f32; 3], f32) {
+    let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = *m;
+    let (v, w) = if xx + yy + zz >= 0.0 {
+        ([zy - yz, xz - zx, yx - xy], 1.0 + (xx + yy + zz))
+    } else if xx >= yy && xx >= zz {
+        ([1.0 + (xx - yy - zz), xy + yx, xz + zx], zy - yz)
+    } else if yy >= zz {
+        ([xy + yx, 1.0 + (yy - xx - zz), yz + zy], xz - zx)
+    } else {
+        ([xz + zx, yz + zy, 1.0 + (zz - xx - yy)], yx - xy)
+    };
+    let [x, y, z] = v;
+    if w < 0.0 { ([-x, -y, -z], -w) } else { (v, w) }
+}
+
 /// Adds to 8 rows of 3 sums the product of one block of 8 rows with its input.
 ///
 /// `block` holds 8 coefficients a column, `input` three coordinates a column, `sums[r][i]` is row

@@ -28,7 +28,7 @@ pub fn gradients(
     out_gradients: &mut [[f32; 3]],
 ) -> Result<(), CallError> {
     envelope.check_stage(envelope.predictor().reconstructs())?;
-    envelope.check_pose(pose)?;
+    envelope.check_finite(pose)?;
     Argument::Relative.check_len(4 * envelope.joint_len(), out_relative.len())?;
     Argument::Rotations.check_len(envelope.joint_len(), out_rotations.len())?;
     Argument::Gradients.check_len(3 * envelope.proxy_len(), out_gradients.len())?;
@@ -77,7 +77,7 @@ pub fn joints(
     out_palette: &mut [Matrix3x4],
 ) -> Result<(), CallError> {
     envelope.check_stage(!envelope.predictor().reconstructs())?;
-    envelope.check_pose(pose)?;
+    envelope.check_finite(pose)?;
     Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
     envelope::joints::evaluate(envelope, pose, out_palette);
     Ok(())
@@ -103,7 +103,7 @@ pub fn features(
     out_features: &mut [Matrix3x4],
 ) -> Result<(), CallError> {
     envelope.check_stage(envelope.predictor().corrects())?;
-    envelope.check_pose(pose)?;
+    envelope.check_finite(pose)?;
     Argument::Features.check_len(envelope.joint_len(), out_features.len())?;
     envelope::features::evaluate(envelope, pose, out_features);
     Ok(())

@@ -8,7 +8,7 @@
 
 use faer::Mat;
 use sinew_runtime::envelope::GroupKernel;
-use sinew_runtime::envelope::{Certificate, Predictor};
+use sinew_runtime::envelope::{Certificate, Level, Predictor};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin, SkinJob};
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
@@ -100,8 +100,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             let model = Model::from_bytes(trained(&examples, Predictor::Kernel, proxies)?)?;
             let envelope = model.envelope().ok_or("no envelope")?;
             let frame = *examples.frames_of(Split::HeldOut).first().ok_or("nothing held out")?;
-            let seconds = palette_seconds(&envelope, &posed(&examples, frame))?;
+            let pose = posed(&examples, frame);
+            let seconds = palette_seconds(&envelope, &pose)?;
             println!("kernel, {name}, P {proxies:<9}{:>8.2} µs a character", 1e6 * seconds);
+            let seconds = joints_seconds(&envelope, &pose)?;
+            println!("level joints               {:>8.2} µs a character", 1e6 * seconds);
+            let seconds = check_seconds(&envelope, &pose)?;
+            let joints = envelope.joint_len();
+            println!("check_pose, {joints:<15}{:>8.2} µs a pose", 1e6 * seconds);
             skins(&model)?;
         } else {
             println!("{name}: not found in ../shared/data");
@@ -225,6 +231,7 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
         reconstruction: None,
         groups: (0..10).map(group).collect(),
         pose_ranges: vec![1.0; joints],
+        pose_gaps: vec![0.0; joints],
         certificate: Certificate::default(),
     };
     let file = FileModel { envelopes: vec![envelope], ..FileModel::default() };
@@ -242,17 +249,41 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
 fn palette_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box<dyn Error>> {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
+    let seconds = seconds_of(|| {
+        let confidence = envelope.palette(black_box(pose), &mut scratch, &mut palette)?;
+        assert!(confidence > 0.0, "the maps run");
+        Ok(())
+    })?;
+    black_box(&palette);
+    Ok(seconds)
+}
+
+/// Seconds from pose to palette without the correction.
+fn joints_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box<dyn Error>> {
+    let mut scratch = vec![0.0; envelope.scratch_len()];
+    let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
+    let seconds = seconds_of(|| {
+        envelope.palette_at(Level::Joints, black_box(pose), &mut scratch, &mut palette).map(|_| ())
+    })?;
+    black_box(&palette);
+    Ok(seconds)
+}
+
+/// Seconds of the check of a pose that is taken.
+fn check_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box<dyn Error>> {
+    envelope.check_pose(pose)?;
+    Ok(seconds_of(|| {
+        assert!(envelope.check_pose(black_box(pose)).is_ok(), "the same pose as before");
+        Ok(())
+    })?)
+}
+
+/// Seconds of a call, the median of runs of 16.
+fn seconds_of(mut call: impl FnMut() -> Result<(), CallError>) -> Result<f64, CallError> {
     let mut seconds = Vec::new();
     for _ in 0..RUNS {
-        seconds.push(timed(|| {
-            for _ in 0..16 {
-                let confidence = envelope.palette(black_box(pose), &mut scratch, &mut palette)?;
-                assert!(confidence > 0.0, "the maps run");
-            }
-            Ok(())
-        })?);
+        seconds.push(timed(|| (0..16).try_for_each(|_| call()))?);
     }
-    black_box(&palette);
     Ok(median(seconds) / 16.0)
 }
 

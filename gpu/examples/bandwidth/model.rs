@@ -42,12 +42,14 @@ fn envelope() -> EnvelopeModel {
         reconstruction: None,
         groups: (0..HELPERS / GROUP).map(group).collect(),
         pose_ranges: vec![1.0; JOINTS],
+        pose_gaps: vec![0.0; JOINTS],
         certificate: Certificate {
             diagonal: 10.0,
             training_rms: 0.0,
             cross_validated_rms: 0.0,
             lbs_training_rms: 0.0,
             correction_error: 0.0,
+            base_training_rms: 0.0,
         },
     }
 }

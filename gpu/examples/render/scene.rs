@@ -77,12 +77,7 @@ fn pose(envelope: &Envelope<'_>, amount: f32) -> Result<Vec<Matrix3x4>> {
     // The arm points 15 degrees below the x axis; it bends about the direction under it.
     let (sine, cosine) = 15_f32.to_radians().sin_cos();
     let (along, under) = ([cosine, -sine, 0.0], [-sine, -cosine, 0.0]);
-    let origins = (0..envelope.joint_len()).map(|joint| {
-        let [x, y, z] = envelope.inverse_bind(joint).unwrap_or_default();
-        [-x[3], -y[3], -z[3]]
-    });
-    let origins: Vec<_> = origins.collect();
-    let local = (0..envelope.joint_len()).map(|joint| {
+    let local = envelope.rest_locals().enumerate().map(|(joint, rest)| {
         let (axis, degrees) = match envelope.joint_name(joint) {
             Some("upper_arm") => ([0.0, 0.0, 1.0], 12.0),
             Some("forearm") => (under, 4.0 + 108.0 * amount),
@@ -91,11 +86,9 @@ fn pose(envelope: &Envelope<'_>, amount: f32) -> Result<Vec<Matrix3x4>> {
             _ => ([1.0, 0.0, 0.0], 0.0),
         };
         let (sine, cosine) = (0.5_f32 * degrees).to_radians().sin_cos();
-        let parent = envelope.parent(joint).map_or([0.0; 3], |parent| origins[parent]);
-        LocalTransform {
-            rotation: [axis[0] * sine, axis[1] * sine, axis[2] * sine, cosine],
-            translation: [0, 1, 2].map(|i| origins[joint][i] - parent[i]),
-        }
+        // The arm's rest frames are not turned.
+        let [x, y, z] = axis.map(|a| a * sine);
+        LocalTransform { rotation: [x, y, z, cosine], ..rest }
     });
     let local: Vec<_> = local.collect();
     let mut out = vec![[[0.0; 4]; 3]; local.len()];

@@ -21,9 +21,9 @@
 //! draw from. Outputs can be read by whatever is recorded or submitted later, as wgpu orders and
 //! synchronises that; the CPU sees them after a copy to a buffer that is mapped.
 //!
-//! Poses must be finite and rigid to 1e-4. The CPU refuses others; a GPU cannot, and what it writes
-//! for such an instance is of no use. Other instances do not suffer from it. Of a kernel's query that the
-//! CPU refuses the confidence is not a number.
+//! Poses must be finite and rigid to 1e-4, which `sinew_runtime`'s `Envelope::check_pose` tells in a debug build. The
+//! CPU refuses poses that are not finite; a GPU cannot, and what it writes for such an instance is of no use. Other
+//! instances do not suffer from it. Of a kernel's query that the CPU refuses the confidence is not a number.
 //!
 //! A kernel is bound and encoded likewise, by
 //! [`Plan::of_kernel`](crate::layout::Plan::of_kernel) of a

@@ -15,6 +15,7 @@ typedef struct {
     const sinew_skin *skin;
     sinew_envelope_info info;
     sinew_skin_info mesh;
+    sinew_local_transform *rest;
     sinew_local_transform *local;
     sinew_matrix *pose;
     sinew_matrix *palette;
@@ -78,20 +79,17 @@ static float next(uint64_t *state)
     return (float)((z ^ (z >> 31)) >> 40) / 8388608.0f - 1.0f;
 }
 
-/* Stands for an animation system: slight, usual and wild turns. */
+/* Stands for an animation system: from the rest pose slight, usual and wild turns. */
 static void animate(character *c, unsigned frame, uint64_t *state)
 {
     static const float turns[4] = {0.01f, 0.3f, 1.0f, 8.0f};
     float turn = turns[frame % 4];
     for (size_t joint = 0; joint < c->info.joint_len; joint++) {
         sinew_local_transform *local = &c->local[joint];
+        *local = c->rest[joint];
         for (int i = 0; i < 3; i++) {
-            local->rotation[i] = next(state) * turn;
+            local->rotation[i] += next(state) * turn;
         }
-        local->rotation[3] = 0.5f;
-        local->translation[0] = 1.0f;
-        local->translation[1] = next(state) * turn * 0.125f;
-        local->translation[2] = next(state) * turn * 0.125f;
     }
 }
 
@@ -171,11 +169,13 @@ int main(int argc, char **argv)
     c.stride = c.mesh.has_tangents ? 10 : 6;
     c.vertices_len = c.mesh.vertex_len * c.stride;
     c.local = allocate(c.info.joint_len, sizeof *c.local);
+    c.rest = allocate(c.info.joint_len, sizeof *c.rest);
     c.pose = allocate(c.info.joint_len, sizeof *c.pose);
     c.palette = allocate(c.info.palette_len, sizeof *c.palette);
     c.scratch = allocate(c.info.scratch_len, sizeof *c.scratch);
     c.vertices = allocate(c.vertices_len, sizeof *c.vertices);
 
+    check(sinew_envelope_rest_locals(c.envelope, c.rest, c.info.joint_len, &error), &error);
     for (unsigned long i = 0; i < poses; i++) {
         animate(&c, (unsigned)i, &state);
         frame(&c, &bounds, &confidence);
@@ -199,6 +199,7 @@ int main(int argc, char **argv)
     free(c.scratch);
     free(c.palette);
     free(c.pose);
+    free(c.rest);
     free(c.local);
     free(file);
     return 0;

@@ -30,19 +30,17 @@ float next(std::uint64_t &state)
     return float((z ^ (z >> 31)) >> 40) / 8388608.0f - 1.0f;
 }
 
-/// Stands for an animation system: slight, usual and wild turns.
-void animate(std::vector<sinew_local_transform> &local, unsigned long frame, std::uint64_t &state)
+/// Stands for an animation system: from the rest pose slight, usual and wild turns.
+std::vector<sinew_local_transform> animate(std::vector<sinew_local_transform> rest,
+                                           unsigned long frame, std::uint64_t &state)
 {
     const float turn = std::array{0.01f, 0.3f, 1.0f, 8.0f}[frame % 4];
-    for (sinew_local_transform &joint : local) {
+    for (sinew_local_transform &joint : rest) {
         for (int i = 0; i < 3; i++) {
-            joint.rotation[i] = next(state) * turn;
+            joint.rotation[i] += next(state) * turn;
         }
-        joint.rotation[3] = 0.5f;
-        joint.translation[0] = 1.0f;
-        joint.translation[1] = next(state) * turn * 0.125f;
-        joint.translation[2] = next(state) * turn * 0.125f;
     }
+    return rest;
 }
 
 /// FNV-1a over the bits of floats, the least significant byte first.
@@ -80,7 +78,8 @@ int main(int argc, char **argv)
     }
 
     const std::size_t stride = skin.info().has_tangents ? 10 : 6;
-    std::vector<sinew_local_transform> local(envelope.info().joint_len);
+    std::vector<sinew_local_transform> rest;
+    check(envelope.rest_locals(rest));
     std::vector<float> vertices(vertex_len * stride);
     sinew::Character character(envelope);
     sinew_skin_job job{};
@@ -95,8 +94,7 @@ int main(int argc, char **argv)
     float least = 1.0f;
     std::uint64_t state = 2007, bits = 0xcbf29ce484222325;
     for (unsigned long i = 0; i < poses; i++) {
-        animate(local, i, state);
-        check(character.pose(local));
+        check(character.pose(animate(rest, i, state)));
         check(skin.run(job, character.palette()));
         check(skin.bounds(character.palette(), bounds));
         const float confidence = character.confidence();

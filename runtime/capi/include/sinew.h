@@ -35,7 +35,7 @@
 /// Version of the ABI that this header describes; `sinew_abi_version` returns the library's.
 ///
 /// It grows when a function, a structure or the meaning of a number changes.
-#define SINEW_ABI_VERSION 6
+#define SINEW_ABI_VERSION 7
 
 /// Stands for no part.
 #define SINEW_NO_PART UINT32_MAX
@@ -50,6 +50,9 @@
 
 /// Stands for no joint: the parent of the root.
 #define SINEW_NO_JOINT UINT32_MAX
+
+/// Stands in a joint map for a joint that the skeleton lacks: it moves as its parent does.
+#define SINEW_FOLDED UINT32_MAX
 
 /// Elements of a `uintptr_t` array that holds a kernel on every target:
 /// `uintptr_t memory[SINEW_KERNEL_WORDS]`.
@@ -107,6 +110,8 @@ enum sinew_status
     SINEW_STATUS_NO_STAGE = 8,
     /// A job has nothing to write to.
     SINEW_STATUS_NO_OUTPUT = 9,
+    /// The skeleton lacks the root, which can follow no other joint. Index: the root.
+    SINEW_STATUS_NO_ROOT = 10,
     /// A pointer is null.
     SINEW_STATUS_NULL = 50,
     /// A pointer is not aligned for what it points to. Expected: bytes of alignment; found: bytes
@@ -246,6 +251,14 @@ enum sinew_argument
     SINEW_ARGUMENT_DEPTHS = 29,
     /// Samples of signals.
     SINEW_ARGUMENT_SAMPLES = 30,
+    /// Names of the joints of the caller's skeleton.
+    SINEW_ARGUMENT_NAMES = 31,
+    /// Which joint of the caller's skeleton moves each joint, or the joints' parents.
+    SINEW_ARGUMENT_JOINTS = 32,
+    /// Frames of the joints of the caller's skeleton.
+    SINEW_ARGUMENT_WORLD = 33,
+    /// The matrix of the root.
+    SINEW_ARGUMENT_ROOT = 34,
     /// Memory for an object; lengths in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
     /// The file; lengths in bytes.
@@ -292,6 +305,8 @@ enum sinew_argument
     SINEW_ARGUMENT_MAP = 71,
     /// A filter.
     SINEW_ARGUMENT_FILTER = 72,
+    /// A level of evaluation.
+    SINEW_ARGUMENT_LEVEL = 73,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -367,6 +382,61 @@ enum sinew_predictor
 typedef enum sinew_predictor sinew_predictor;
 #else
 typedef uint32_t sinew_predictor;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/// The likely mistake of a pose that is none of the skeleton's.
+enum sinew_pose_fault_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /// None: the pose is one of the skeleton's.
+    SINEW_POSE_FAULT_KIND_NONE = 0,
+    /// A matrix is not finite.
+    SINEW_POSE_FAULT_KIND_NON_FINITE = 2,
+    /// A matrix mirrors.
+    SINEW_POSE_FAULT_KIND_MIRRORED = 3,
+    /// A matrix scales by `factor` along all axes.
+    SINEW_POSE_FAULT_KIND_SCALED = 4,
+    /// A matrix scales along axes by different factors, or shears.
+    SINEW_POSE_FAULT_KIND_STRETCHED = 5,
+    /// The matrices' rotations are transposed, and their translations may be lost.
+    SINEW_POSE_FAULT_KIND_TRANSPOSED = 6,
+    /// Lengths are in another unit: `factor` of them make one of the model's.
+    SINEW_POSE_FAULT_KIND_UNITS = 7,
+    /// The pose is in other axes of the same handedness, `axes`.
+    SINEW_POSE_FAULT_KIND_AXES = 8,
+    /// The pose is in axes of the other handedness, `axes`.
+    SINEW_POSE_FAULT_KIND_HANDEDNESS = 9,
+    /// A joint is off the place to which its parent carries it, and no mistake about the whole pose explains it.
+    SINEW_POSE_FAULT_KIND_APART = 10,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum sinew_pose_fault_kind sinew_pose_fault_kind;
+#else
+typedef uint32_t sinew_pose_fault_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/// How much of an envelope is evaluated.
+enum sinew_level
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /// What the correction starts from: the joints, or the reconstruction. Of a kernel envelope this is next to
+    /// nothing, of a rotational one all; `sinew_certificate.base_training_rms` is its error.
+    SINEW_LEVEL_JOINTS = 1,
+    /// Everything: what `sinew_envelope_palette` computes.
+    SINEW_LEVEL_FULL = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum sinew_level sinew_level;
+#else
+typedef uint32_t sinew_level;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -483,6 +553,8 @@ typedef struct sinew_certificate {
     float lbs_training_rms;
     /// The farthest that single precision may move a vertex through the correction; 0 without one.
     float correction_error;
+    /// RMS error over vertices and training frames of `SINEW_LEVEL_JOINTS`.
+    float base_training_rms;
 } sinew_certificate;
 
 /// What an envelope is made of: every length that its calls need.
@@ -505,6 +577,8 @@ typedef struct sinew_envelope_info {
     size_t scratch_len;
     /// The joint without a parent.
     uint32_t root;
+    /// Which skeleton it is: what `sinew_skeleton_hash` gives of its names and parents.
+    uint32_t skeleton_hash;
     /// What the fit was measured to reach.
     struct sinew_certificate certificate;
 } sinew_envelope_info;
@@ -514,6 +588,14 @@ typedef struct sinew_matrix {
     /// The rows.
     float rows[3][4];
 } sinew_matrix;
+
+/// A joint's frame in its parent's.
+typedef struct sinew_local_transform {
+    /// Quaternion x, y, z, w; it is normalised by the call.
+    float rotation[4];
+    /// Origin in the parent's frame, in the units of the model.
+    float translation[3];
+} sinew_local_transform;
 
 /// A joint.
 typedef struct sinew_joint {
@@ -525,17 +607,37 @@ typedef struct sinew_joint {
     uint32_t parent;
     /// The largest angle that it turned in training against its parent, in radians.
     float pose_range;
+    /// How far its origin came in training from where its parent carries it, at the most.
+    float pose_gap;
     /// Its inverse bind matrix: model space to the joint's rest frame.
     struct sinew_matrix inverse_bind;
+    /// Its rest frame in its parent's, the root's in model space.
+    struct sinew_local_transform rest_local;
 } sinew_joint;
 
-/// A joint's frame in its parent's.
-typedef struct sinew_local_transform {
-    /// Quaternion x, y, z, w; it is normalised by the call.
-    float rotation[4];
-    /// Origin in the parent's frame, in the units of the model.
-    float translation[3];
-} sinew_local_transform;
+/// A name of the caller's.
+typedef struct sinew_name {
+    /// UTF-8; no zero at its end is needed.
+    const char *name;
+    /// Bytes of the name.
+    size_t name_len;
+} sinew_name;
+
+/// What `sinew_envelope_check_pose` found.
+typedef struct sinew_pose_fault {
+    /// The likely mistake; all else is 0 where there is none.
+    sinew_pose_fault_kind kind;
+    /// The joint that shows it.
+    uint32_t joint;
+    /// Of a scale how large it is; of units what to multiply the pose's lengths by, 1 where they are right.
+    float factor;
+    /// How far the joint is from what it may be: off a rotation, or off the place to which its parent carries it.
+    float found;
+    /// How far it may be.
+    float allowed;
+    /// Which axis of the pose each axis of the model is, from 1 and negative where it is turned round.
+    int32_t axes[3];
+} sinew_pose_fault;
 
 /// What a kernel's fit was measured to reach, in the units of its outputs.
 typedef struct sinew_kernel_fit {
@@ -665,7 +767,7 @@ typedef struct sinew_samples {
 } sinew_samples;
 
 /// Where an attribute is written: that of the i-th vertex *of the range* at `floats[i * stride]`.
-/// Zeros mean that it is not wanted.
+/// Zeros mean that it is not wanted; a stride without floats is `NULL`.
 typedef struct sinew_output {
     /// Where the range's first vertex goes. Attributes may share a buffer, each from its own first
     /// float on: so a vertex can be interleaved.
@@ -1120,7 +1222,8 @@ sinew_status sinew_envelope_pose(const struct sinew_envelope *envelope,
 
 /// Computes the palette of a pose and the confidence in it.
 ///
-/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space; rigid to 1e-4.
+/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space; rigid to 1e-4, which is not looked at
+///   here: `sinew_envelope_check_pose` does in a debug build.
 /// - `scratch`, `scratch_len`: at least `sinew_envelope_info.scratch_len` floats, of any content; its
 ///   content afterwards means nothing. One for each thread.
 /// - `out_palette`, `palette_len`: `sinew_envelope_info.palette_len` transforms, rest to posed, in
@@ -1138,6 +1241,23 @@ sinew_status sinew_envelope_palette(const struct sinew_envelope *envelope,
                                     size_t palette_len,
                                     float *out_confidence,
                                     struct sinew_error *out_error);
+
+/// Computes what `sinew_envelope_palette` does at a level of evaluation, with the same arguments.
+///
+/// - `level`: a `sinew_level`.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_envelope_palette_at(const struct sinew_envelope *envelope,
+                                       uint32_t level,
+                                       const struct sinew_matrix *pose,
+                                       size_t pose_len,
+                                       float *scratch,
+                                       size_t scratch_len,
+                                       struct sinew_matrix *out_palette,
+                                       size_t palette_len,
+                                       float *out_confidence,
+                                       struct sinew_error *out_error);
 
 /// Computes the palettes of a batch of poses, with the bits of `sinew_envelope_palette` for each.
 ///
@@ -1174,6 +1294,107 @@ sinew_status sinew_envelope_rotational_palette(const struct sinew_envelope *enve
                                                size_t palette_len,
                                                float *out_confidence,
                                                struct sinew_error *out_error);
+
+/// Copies the J joints' rest frames, each in its parent's, the root's in model space: what an animation changes, and
+/// of what `sinew_envelope_pose` makes the rest pose.
+///
+/// - `out_local`, `local_len`: room for J local transforms.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_envelope_rest_locals(const struct sinew_envelope *envelope,
+                                        struct sinew_local_transform *out_local,
+                                        size_t local_len,
+                                        struct sinew_error *out_error);
+
+/// Finds the file's joints in a skeleton of the caller's, for `sinew_envelope_gather`.
+///
+/// - `names`, `names_len`: of the skeleton's joints, in its order; more than the file has, or fewer. Of two
+///   of one name the first counts.
+/// - `out_map`, `map_len`: receive for each of the J joints the number of the skeleton's, or `SINEW_FOLDED`.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `NO_ROOT`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_envelope_bind(const struct sinew_envelope *envelope,
+                                 const struct sinew_name *names,
+                                 size_t names_len,
+                                 uint32_t *out_map,
+                                 size_t map_len,
+                                 struct sinew_error *out_error);
+
+/// Gathers the J skinning matrices of a pose from the frames of the caller's skeleton after its hierarchy pass:
+/// matrix j is `root * world[map[j]] * inverse_bind_j`; a joint that is folded has its parent's.
+///
+/// - `map`, `map_len`: J numbers, as `sinew_envelope_bind` gives them.
+/// - `world`, `world_len`: the frames, all in one space and in the unit of the model.
+/// - `root`: null, or carries that space to the one in which the palette is wanted.
+/// - `out_pose`, `pose_len`: J matrices.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NO_ROOT`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_envelope_gather(const struct sinew_envelope *envelope,
+                                   const uint32_t *map,
+                                   size_t map_len,
+                                   const struct sinew_matrix *world,
+                                   size_t world_len,
+                                   const struct sinew_matrix *root,
+                                   struct sinew_matrix *out_pose,
+                                   size_t pose_len,
+                                   struct sinew_error *out_error);
+
+/// Checks for a debug build that a pose is one of the skeleton's: that each matrix turns and moves only, and that each
+/// joint is where its parent carries it, as far as it was in training. A pose that is not is no error of the
+/// call: `out_fault` says what is likely wrong. A pose is taken in a few microseconds; naming a mistake takes
+/// milliseconds.
+///
+/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space.
+/// - `out_fault`: receives the likely mistake, or that there is none.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_envelope_check_pose(const struct sinew_envelope *envelope,
+                                       const struct sinew_matrix *pose,
+                                       size_t pose_len,
+                                       struct sinew_pose_fault *out_fault,
+                                       struct sinew_error *out_error);
+
+/// Returns what to do about the mistake of a pose, in a few words that end in a zero; of any other number, that it is
+/// unknown. Never null, valid for ever.
+const char *sinew_pose_fault_text(uint32_t kind);
+
+/// Takes out of a pose the scale that all its joints share, as that of a scaled actor; what is left is rigid.
+/// `sinew_palette_scale` puts it back on the palette. It is read off the first joint; none, or one within 4e-6 of 1, is
+/// given as 1, and the pose keeps its bits.
+///
+/// - `pose`, `pose_len`: skinning matrices, which are changed.
+/// - `out_scale`: receives the scale.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_pose_take_scale(struct sinew_matrix *pose,
+                                   size_t pose_len,
+                                   float *out_scale,
+                                   struct sinew_error *out_error);
+
+/// Scales what a palette makes of its vertices, about the origin of model space: a scale that was taken out of the
+/// pose. Normals and tangents need nothing more.
+///
+/// - `palette`, `palette_len`: transforms, which are changed.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_LONG`.
+sinew_status sinew_palette_scale(struct sinew_matrix *palette,
+                                 size_t palette_len,
+                                 float scale,
+                                 struct sinew_error *out_error);
+
+/// Computes the hash of a skeleton, to compare with `sinew_envelope_info.skeleton_hash`; FORMAT.md says what it is
+/// of.
+///
+/// - `names`, `parents`, `joint_len`: of the joints, in the file's order; `SINEW_NO_JOINT` for no parent.
+/// - `out_hash`: receives the hash.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_skeleton_hash(const struct sinew_name *names,
+                                 const uint32_t *parents,
+                                 size_t joint_len,
+                                 uint32_t *out_hash,
+                                 struct sinew_error *out_error);
 
 /// Returns the bytes of memory that a kernel needs: at most those of `SINEW_KERNEL_WORDS` words.
 size_t sinew_kernel_bytes(void);
@@ -1367,6 +1588,26 @@ sinew_status sinew_skin_influences(const struct sinew_skin *skin,
                                    float *out_weights,
                                    size_t weights_len,
                                    struct sinew_error *out_error);
+
+/// Computes the hash of a skin's rest positions: which mesh it is, and in which order.
+///
+/// - `out_hash`: receives what `sinew_mesh_hash` gives of them.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+sinew_status sinew_skin_mesh_hash(const struct sinew_skin *skin,
+                                  uint32_t *out_hash,
+                                  struct sinew_error *out_error);
+
+/// Computes the hash of a mesh's rest positions, to compare with `sinew_skin_mesh_hash`.
+///
+/// - `positions`, `vertex_len`: 3 floats a vertex, packed, in the file's order.
+/// - `out_hash`: receives the hash.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_mesh_hash(const float *positions,
+                             size_t vertex_len,
+                             uint32_t *out_hash,
+                             struct sinew_error *out_error);
 
 /// Returns the bytes of memory that a filter needs: at most those of `SINEW_FILTER_WORDS` words.
 size_t sinew_filter_bytes(void);

@@ -132,6 +132,43 @@ class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
         return open_by(sinew_envelope_open, sinew_envelope_describe, model, name, index);
     }
+
+    /// Gives the joints' rest frames, each in its parent's: what an animation changes.
+    Failure rest_locals(std::vector<sinew_local_transform> &out) const {
+        Failure failure;
+        out.resize(info().joint_len);
+        failure.status =
+            sinew_envelope_rest_locals(get(), out.data(), out.size(), &failure.error);
+        return failure;
+    }
+
+    /// Finds the file's joints among the names of a skeleton's.
+    Failure bind(Span<const sinew_name> names, std::vector<std::uint32_t> &out_map) const {
+        Failure failure;
+        out_map.resize(info().joint_len);
+        failure.status = sinew_envelope_bind(get(), names.data, names.len, out_map.data(),
+                                             out_map.size(), &failure.error);
+        return failure;
+    }
+
+    /// Gathers the skinning matrices of a pose from the frames of a skeleton; `root` may be null.
+    Failure gather(Span<const std::uint32_t> map, Span<const sinew_matrix> world,
+                   const sinew_matrix *root, std::vector<sinew_matrix> &out_pose) const {
+        Failure failure;
+        out_pose.resize(info().joint_len);
+        failure.status =
+            sinew_envelope_gather(get(), map.data, map.len, world.data, world.len, root,
+                                  out_pose.data(), out_pose.size(), &failure.error);
+        return failure;
+    }
+
+    /// Checks that a pose is one of the skeleton's; what is likely wrong with it is no failure.
+    Failure check_pose(Span<const sinew_matrix> pose, sinew_pose_fault &out) const {
+        Failure failure;
+        failure.status =
+            sinew_envelope_check_pose(get(), pose.data, pose.len, &out, &failure.error);
+        return failure;
+    }
 };
 
 /// A mesh that follows a palette. Points to its model.
@@ -305,11 +342,28 @@ class Character {
     }
 
     /// Computes the palette of skinning matrices: rest to posed, in model space.
-    Failure pose_matrices(Span<const sinew_matrix> pose) {
+    Failure pose_matrices(Span<const sinew_matrix> pose, sinew_level level = SINEW_LEVEL_FULL) {
         Failure failure;
-        failure.status = sinew_envelope_palette(envelope_->get(), pose.data, pose.len,
-                                                scratch_.data(), scratch_.size(), palette_.data(),
-                                                palette_.size(), &confidence_, &failure.error);
+        failure.status = sinew_envelope_palette_at(
+            envelope_->get(), level, pose.data, pose.len, scratch_.data(), scratch_.size(),
+            palette_.data(), palette_.size(), &confidence_, &failure.error);
+        return failure;
+    }
+
+    /// Computes the palette of a pose with a scale that all its joints share, as that of a scaled actor.
+    Failure pose_scaled(Span<const sinew_matrix> pose, sinew_level level = SINEW_LEVEL_FULL) {
+        Failure failure;
+        float scale;
+        pose_.assign(pose.data, pose.data + pose.len);
+        failure.status =
+            sinew_pose_take_scale(pose_.data(), pose_.size(), &scale, &failure.error);
+        if (!failure) {
+            failure = pose_matrices(pose_, level);
+        }
+        if (!failure) {
+            failure.status =
+                sinew_palette_scale(palette_.data(), palette_.size(), scale, &failure.error);
+        }
         return failure;
     }
 

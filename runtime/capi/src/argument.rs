@@ -69,6 +69,14 @@ pub enum sinew_argument {
     Depths = 29,
     /// Samples of signals.
     Samples = 30,
+    /// Names of the joints of the caller's skeleton.
+    Names = 31,
+    /// Which joint of the caller's skeleton moves each joint, or the joints' parents.
+    Joints = 32,
+    /// Frames of the joints of the caller's skeleton.
+    World = 33,
+    /// The matrix of the root.
+    Root = 34,
 
     /// Memory for an object; lengths in bytes.
     Memory = 50,
@@ -116,10 +124,12 @@ pub enum sinew_argument {
     Map = 71,
     /// A filter.
     Filter = 72,
+    /// A level of evaluation.
+    Level = 73,
 }
 
 /// The name of each argument.
-const NAMES: [(sinew_argument, &CStr); 54] = {
+const NAMES: [(sinew_argument, &CStr); 59] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -153,6 +163,10 @@ const NAMES: [(sinew_argument, &CStr); 54] = {
         (A::Pixels, c"pixels"),
         (A::Depths, c"depths"),
         (A::Samples, c"samples"),
+        (A::Names, c"names"),
+        (A::Joints, c"joint map"),
+        (A::World, c"frames"),
+        (A::Root, c"root matrix"),
         (A::Memory, c"memory"),
         (A::File, c"file"),
         (A::Limits, c"limits"),
@@ -176,6 +190,7 @@ const NAMES: [(sinew_argument, &CStr); 54] = {
         (A::Views, c"views"),
         (A::Map, c"map"),
         (A::Filter, c"filter"),
+        (A::Level, c"level"),
     ]
 };
 
@@ -221,6 +236,10 @@ impl From<Argument> for sinew_argument {
             Argument::Pixels => Self::Pixels,
             Argument::Depths => Self::Depths,
             Argument::Samples => Self::Samples,
+            Argument::Names => Self::Names,
+            Argument::Joints => Self::Joints,
+            Argument::World => Self::World,
+            Argument::Root => Self::Root,
         }
     }
 }

@@ -3,14 +3,14 @@
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
 use crate::error::sinew_error;
-use crate::matrix::sinew_matrix;
+use crate::matrix::{sinew_local_transform, sinew_matrix};
 use crate::model::sinew_model;
 use crate::part::{self, Opened, Wanted};
 use crate::status::sinew_status;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
-use sinew_runtime::Envelope;
 use sinew_runtime::envelope::{EnvelopeLayout, Predictor};
+use sinew_runtime::{Envelope, LocalTransform};
 
 /// Elements of a `uintptr_t` array that holds an envelope on every target:
 /// `uintptr_t memory[SINEW_ENVELOPE_WORDS]`.
@@ -54,6 +54,8 @@ pub struct sinew_certificate {
     pub lbs_training_rms: f32,
     /// The farthest that single precision may move a vertex through the correction; 0 without one.
     pub correction_error: f32,
+    /// RMS error over vertices and training frames of `SINEW_LEVEL_JOINTS`.
+    pub base_training_rms: f32,
 }
 
 /// What an envelope is made of: every length that its calls need.
@@ -78,6 +80,8 @@ pub struct sinew_envelope_info {
     pub scratch_len: usize,
     /// The joint without a parent.
     pub root: u32,
+    /// Which skeleton it is: what `sinew_skeleton_hash` gives of its names and parents.
+    pub skeleton_hash: u32,
     /// What the fit was measured to reach.
     pub certificate: sinew_certificate,
 }
@@ -94,8 +98,12 @@ pub struct sinew_joint {
     pub parent: u32,
     /// The largest angle that it turned in training against its parent, in radians.
     pub pose_range: f32,
+    /// How far its origin came in training from where its parent carries it, at the most.
+    pub pose_gap: f32,
     /// Its inverse bind matrix: model space to the joint's rest frame.
     pub inverse_bind: sinew_matrix,
+    /// Its rest frame in its parent's, the root's in model space.
+    pub rest_local: sinew_local_transform,
 }
 
 /// Returns the bytes of memory that an envelope needs: at most those of `SINEW_ENVELOPE_WORDS`
@@ -227,23 +235,28 @@ fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {
         palette_len: envelope.palette_len(),
         scratch_len: envelope.scratch_len(),
         root: envelope.root() as u32,
+        skeleton_hash: envelope.skeleton_hash(),
         certificate: sinew_certificate {
             diagonal: certificate.diagonal,
             training_rms: certificate.training_rms,
             cross_validated_rms: certificate.cross_validated_rms,
             lbs_training_rms: certificate.lbs_training_rms,
             correction_error: certificate.correction_error,
+            base_training_rms: certificate.base_training_rms,
         },
     }
 }
 
 fn describe(envelope: &Envelope<'_>, joint: usize) -> Option<sinew_joint> {
     let name = envelope.joint_name(joint)?;
+    let LocalTransform { rotation, translation } = envelope.rest_local(joint)?;
     Some(sinew_joint {
         name: name.as_ptr().cast(),
         name_len: name.len(),
         parent: envelope.parent(joint).map_or(SINEW_NO_JOINT, |parent| parent as u32),
         pose_range: envelope.pose_range(joint)?,
+        pose_gap: envelope.pose_gap(joint)?,
         inverse_bind: sinew_matrix { rows: envelope.inverse_bind(joint)? },
+        rest_local: sinew_local_transform { rotation, translation },
     })
 }

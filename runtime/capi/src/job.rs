@@ -11,7 +11,7 @@ use sinew_runtime::skin::{Output, Rest};
 use sinew_runtime::{Matrix3x4, SkinJob};
 
 /// Where an attribute is written: that of the i-th vertex *of the range* at `floats[i * stride]`.
-/// Zeros mean that it is not wanted.
+/// Zeros mean that it is not wanted; a stride without floats is `NULL`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_output {
@@ -100,7 +100,7 @@ pub unsafe extern "C" fn sinew_skin_run(
             (job.normals, sinew_argument::Normals),
             (job.tangents, sinew_argument::Tangents),
         ]
-        .map(|(output, argument)| Array::given(output.floats, output.len, argument));
+        .map(|(output, argument)| given(&output, argument));
         let (positions, normals, tangents) = (positions?, normals?, tangents?);
         let reads = [
             own,
@@ -144,6 +144,18 @@ pub unsafe extern "C" fn sinew_skin_run(
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
+}
+
+/// Checks where an attribute goes: zeros alone mean that it is not wanted.
+pub(crate) fn given(
+    output: &sinew_output,
+    argument: sinew_argument,
+) -> Result<Option<Array<f32>>, sinew_error> {
+    let array = Array::given(output.floats, output.len, argument)?;
+    if array.is_none() && output.stride > 0 {
+        return Err(sinew_error::new(sinew_status::Null, argument));
+    }
+    Ok(array)
 }
 
 /// Computes a box that holds every vertex of the posed skin, from the palette alone.

@@ -24,6 +24,7 @@ mod model;
 
 mod envelope;
 mod palette;
+mod pose;
 
 mod kernel;
 
@@ -50,6 +51,7 @@ pub use matrix::*;
 pub use mesh::*;
 pub use model::*;
 pub use palette::*;
+pub use pose::*;
 pub use prior::*;
 pub use shapes::*;
 pub use skin::*;

@@ -131,6 +131,59 @@ pub unsafe extern "C" fn sinew_skin_influences(
     unsafe { border::call(out_error, body) }
 }
 
+/// Computes the hash of a skin's rest positions: which mesh it is, and in which order.
+///
+/// - `out_hash`: receives what `sinew_mesh_hash` gives of them.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_skin_mesh_hash(
+    skin: *const sinew_skin,
+    out_hash: *mut u32,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (skin, reads) = unsafe { part::view(skin) }?;
+        let out = Array::one(out_hash, sinew_argument::Result)?;
+        border::apart(&[out.span()], &reads)?;
+        let hash = skin.mesh_hash();
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(hash) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// Computes the hash of a mesh's rest positions, to compare with `sinew_skin_mesh_hash`.
+///
+/// - `positions`, `vertex_len`: 3 floats a vertex, packed, in the file's order.
+/// - `out_hash`: receives the hash.
+///
+/// Returns `NULL`, `MISALIGNED`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_mesh_hash(
+    positions: *const f32,
+    vertex_len: usize,
+    out_hash: *mut u32,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let at = positions.cast::<[f32; 3]>();
+        let positions = Array::new(at, vertex_len, sinew_argument::RestPositions)?;
+        let out = Array::one(out_hash, sinew_argument::Result)?;
+        border::apart(&[out.span()], &[positions.span()])?;
+        // SAFETY: lent by the caller, and apart from what is written.
+        let hash = sinew_runtime::mesh_hash_of(unsafe { positions.read() });
+        // SAFETY: one element, which the caller lets be written.
+        unsafe { out.store(hash) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
 /// Copies an attribute of N floats.
 ///
 /// # Safety

@@ -4,30 +4,11 @@ use crate::argument::sinew_argument;
 use crate::border::{self, Array};
 use crate::envelope::sinew_envelope;
 use crate::error::sinew_error;
-use crate::matrix::sinew_matrix;
+use crate::matrix::{sinew_local_transform, sinew_matrix};
 use crate::part;
 use crate::status::sinew_status;
-use core::mem::{align_of, offset_of, size_of};
+use sinew_runtime::envelope::Level;
 use sinew_runtime::{CallError, Envelope, LocalTransform, Matrix3x4, model_space_pose};
-
-/// A joint's frame in its parent's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct sinew_local_transform {
-    /// Quaternion x, y, z, w; it is normalised by the call.
-    pub rotation: [f32; 4],
-    /// Origin in the parent's frame, in the units of the model.
-    pub translation: [f32; 3],
-}
-
-const _: () = {
-    assert!(size_of::<sinew_local_transform>() == size_of::<LocalTransform>());
-    assert!(align_of::<sinew_local_transform>() == align_of::<LocalTransform>());
-    assert!(
-        offset_of!(sinew_local_transform, translation) == offset_of!(LocalTransform, translation)
-            && offset_of!(LocalTransform, rotation) == 0
-    );
-};
 
 /// Computes the skinning matrices of a pose from local transforms and the hierarchy. An engine that
 /// has skinning matrices (rest to posed, model space) does not need this.
@@ -62,7 +43,8 @@ pub unsafe extern "C" fn sinew_envelope_pose(
 
 /// Computes the palette of a pose and the confidence in it.
 ///
-/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space; rigid to 1e-4.
+/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space; rigid to 1e-4, which is not looked at
+///   here: `sinew_envelope_check_pose` does in a debug build.
 /// - `scratch`, `scratch_len`: at least `sinew_envelope_info.scratch_len` floats, of any content; its
 ///   content afterwards means nothing. One for each thread.
 /// - `out_palette`, `palette_len`: `sinew_envelope_info.palette_len` transforms, rest to posed, in
@@ -93,6 +75,58 @@ pub unsafe extern "C" fn sinew_envelope_palette(
             evaluate(envelope, pose, scratch, out, confidence, |envelope, arrays| {
                 let Arrays { pose, scratch, palette, confidences } = arrays;
                 let found = envelope.palette(pose, scratch, palette)?;
+                confidences.fill(found);
+                Ok(())
+            })
+        }
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
+/// How much of an envelope is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum sinew_level {
+    /// What the correction starts from: the joints, or the reconstruction. Of a kernel envelope this is next to
+    /// nothing, of a rotational one all; `sinew_certificate.base_training_rms` is its error.
+    Joints = 1,
+    /// Everything: what `sinew_envelope_palette` computes.
+    Full = 2,
+}
+
+/// Computes what `sinew_envelope_palette` does at a level of evaluation, with the same arguments.
+///
+/// - `level`: a `sinew_level`.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_palette_at(
+    envelope: *const sinew_envelope,
+    level: u32,
+    pose: *const sinew_matrix,
+    pose_len: usize,
+    scratch: *mut f32,
+    scratch_len: usize,
+    out_palette: *mut sinew_matrix,
+    palette_len: usize,
+    out_confidence: *mut f32,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let found = Level::ALL.into_iter().find(|known| *known as u32 == level);
+        let wrong = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Level);
+        let found = found.ok_or(wrong.values(Level::Full as usize, level as usize))?;
+        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
+        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
+        let out = Array::new(out_palette.cast(), palette_len, sinew_argument::Palette);
+        let confidence = Array::optional(out_confidence, sinew_argument::Confidences);
+        // SAFETY: the caller's promise is passed on.
+        unsafe {
+            evaluate(envelope, pose, scratch, out, confidence, |envelope, arrays| {
+                let Arrays { pose, scratch, palette, confidences } = arrays;
+                let found = envelope.palette_at(found, pose, scratch, palette)?;
                 confidences.fill(found);
                 Ok(())
             })

@@ -3,7 +3,7 @@
 use crate::argument::sinew_argument;
 use crate::border::{self, Array};
 use crate::error::sinew_error;
-use crate::job::{sinew_bounds, sinew_output};
+use crate::job::{given, sinew_bounds, sinew_output};
 use crate::matrix::sinew_matrix;
 use crate::part;
 use crate::skin::sinew_skin;
@@ -99,7 +99,7 @@ pub unsafe extern "C" fn sinew_shapes_run(
             (job.normals, sinew_argument::Normals),
             (job.tangents, sinew_argument::Tangents),
         ]
-        .map(|(output, argument)| Array::given(output.floats, output.len, argument));
+        .map(|(output, argument)| given(&output, argument));
         let (positions, normals, tangents) = (positions?, normals?, tangents?);
         let reads = [own, model, file, job_span, weights.span()];
         for output in [&positions, &normals, &tangents].into_iter().flatten() {

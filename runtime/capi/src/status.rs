@@ -36,6 +36,8 @@ pub enum sinew_status {
     NoStage = 8,
     /// A job has nothing to write to.
     NoOutput = 9,
+    /// The skeleton lacks the root, which can follow no other joint. Index: the root.
+    NoRoot = 10,
 
     /// A pointer is null.
     Null = 50,
@@ -103,7 +105,7 @@ pub enum sinew_status {
 }
 
 /// What each status means, in a few words.
-const TEXTS: [(sinew_status, &CStr); 37] = {
+const TEXTS: [(sinew_status, &CStr); 38] = {
     use sinew_status as S;
     [
         (S::Ok, c"done"),
@@ -112,10 +114,11 @@ const TEXTS: [(sinew_status, &CStr); 37] = {
         (S::NonFinite, c"a transform or a number is not finite"),
         (S::ZeroRotation, c"a quaternion has no direction"),
         (S::OutOfRange, c"a number that counts, or a distance, is out of range"),
-        (S::Stride, c"a stride is shorter than its attribute"),
+        (S::Stride, c"a stride, in floats, is shorter than its attribute"),
         (S::NoAttribute, c"the part has no such attribute"),
         (S::NoStage, c"the envelope's predictor has no such stage"),
         (S::NoOutput, c"there is nothing to write to"),
+        (S::NoRoot, c"the skeleton lacks the root"),
         (S::Null, c"a pointer is null"),
         (S::Misaligned, c"a pointer is not aligned"),
         (S::TooLong, c"an array reaches beyond the address space"),
@@ -166,6 +169,7 @@ impl From<CallErrorKind> for sinew_status {
             CallErrorKind::NoAttribute => Self::NoAttribute,
             CallErrorKind::NoStage => Self::NoStage,
             CallErrorKind::NoOutput => Self::NoOutput,
+            CallErrorKind::NoRoot => Self::NoRoot,
         }
     }
 }

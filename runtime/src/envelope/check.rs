@@ -79,7 +79,7 @@ fn check_hierarchy(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
 /// Checks that each inverse bind matrix turns as a rotation does and mirrors nothing.
 fn check_inverse_binds(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let near = |found: f32, expected: f32| (found - expected).abs() <= BIND_TOLERANCE;
-    for (joint, matrix) in envelope.inverse_binds().iter().enumerate() {
+    for (joint, matrix) in envelope.bind_words().iter().enumerate() {
         let [mut x, mut y, mut z] = rows(&floats(matrix)).map(|[x, y, z, _]: [f32; 4]| [x, y, z]);
         let across =
             [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];

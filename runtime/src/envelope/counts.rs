@@ -81,24 +81,38 @@ pub struct Certificate {
     pub lbs_training_rms: f32,
     /// The farthest that single precision may move a vertex through the correction; 0 without one.
     pub correction_error: f32,
+    /// RMS error over vertices and training frames at [`super::Level::Joints`].
+    pub base_training_rms: f32,
 }
 
 impl Certificate {
     /// Bytes of section `certificate`.
-    pub const BYTES: usize = 20;
+    pub const BYTES: usize = 24;
 
     /// Lists its figures in the order of the file.
-    pub const fn figures(&self) -> [f32; 5] {
-        let Self { diagonal, training_rms, cross_validated_rms, .. } = *self;
-        let Self { lbs_training_rms, correction_error, .. } = *self;
-        [diagonal, training_rms, cross_validated_rms, lbs_training_rms, correction_error]
+    pub const fn figures(&self) -> [f32; 6] {
+        [
+            self.diagonal,
+            self.training_rms,
+            self.cross_validated_rms,
+            self.lbs_training_rms,
+            self.correction_error,
+            self.base_training_rms,
+        ]
     }
 
     /// Makes it of its figures.
-    pub const fn from_figures(figures: [f32; 5]) -> Self {
-        let [diagonal, training_rms, cross_validated_rms, lbs_training_rms, correction_error] =
-            figures;
-        Self { diagonal, training_rms, cross_validated_rms, lbs_training_rms, correction_error }
+    pub const fn from_figures(figures: [f32; 6]) -> Self {
+        let [diagonal, training_rms, cross_validated_rms, ..] = figures;
+        let [.., lbs_training_rms, correction_error, base_training_rms] = figures;
+        Self {
+            diagonal,
+            training_rms,
+            cross_validated_rms,
+            lbs_training_rms,
+            correction_error,
+            base_training_rms,
+        }
     }
 }
 
@@ -208,7 +222,7 @@ pub(crate) const RULES: [Rule; 12] = [
     Rule::new(SectionKind::Keys, 4 * KEY_WORDS as u8, [2, 0]).with(RECONSTRUCTS).floats_after(1),
     Rule::floats(SectionKind::C1, 32 * 3, [3, 2]).with(RECONSTRUCTS),
     Rule::floats(SectionKind::C2, 32 * 4, [3, 1]).with(RECONSTRUCTS),
-    Rule::floats(SectionKind::PoseRanges, 4, [1, 0]).unsigned(),
+    Rule::floats(SectionKind::PoseRanges, 8, [1, 0]).unsigned(),
     Rule::floats(SectionKind::Origins, 12, [1, 0]).with(CORRECTS),
     Rule::new(SectionKind::Groups, GroupRow::BYTES as u8, [4, 0]).with(CORRECTS),
     Rule::new(SectionKind::Corrections, 0, [0, 0]).with(CORRECTS).or_more(0),

@@ -1,6 +1,7 @@
 //! From a pose to the palette: the stages of each predictor, one after the other.
 
 use super::counts::{Predictor, place};
+use super::level::Level;
 use super::scratch::ScratchLayout;
 use super::view::Envelope;
 use super::{confidence, correction, features, gradients, joints, palette};
@@ -29,7 +30,8 @@ impl Envelope<'_> {
     /// rotational envelope has nothing to fade: its confidence tells only how far joints turn beyond
     /// their trained ranges. An envelope without any kernel map is certain.
     ///
-    /// - `pose`: J skinning matrices, rest to posed, in model space; rigid to 1e-4.
+    /// - `pose`: J skinning matrices, rest to posed, in model space; rigid to 1e-4, which is not looked at here:
+    ///   [`Envelope::check_pose`] does in a debug build.
     /// - `scratch`: at least [`Envelope::scratch_len`] floats, of any content.
     /// - `out_palette`: [`Envelope::palette_len`] transforms, rest to posed, in model space: what an
     ///   engine's own skinning shader takes together with [`crate::Skin::influences`].
@@ -45,8 +47,39 @@ impl Envelope<'_> {
         out_palette: &mut [Matrix3x4],
     ) -> Result<f32, CallError> {
         self.check_lengths(1, pose, scratch, out_palette)?;
-        self.check_pose(pose)?;
+        self.check_finite(pose)?;
         Ok(self.any_palette(pose, scratch, out_palette))
+    }
+
+    /// Computes a palette at a level of evaluation: at [`Level::Full`] with the bits of [`Envelope::palette`], at
+    /// [`Level::Joints`] without the correction.
+    ///
+    /// Arguments and errors are those of [`Envelope::palette`]. Without the correction the confidence tells of a
+    /// reconstruction how far joints turn beyond their trained ranges, and of joints alone is 1.
+    ///
+    /// # Errors
+    /// Those of [`Envelope::palette`].
+    pub fn palette_at(
+        &self,
+        level: Level,
+        pose: &[Matrix3x4],
+        scratch: &mut [f32],
+        out_palette: &mut [Matrix3x4],
+    ) -> Result<f32, CallError> {
+        self.check_lengths(1, pose, scratch, out_palette)?;
+        self.check_finite(pose)?;
+        Ok(match level {
+            Level::Full => self.any_palette(pose, scratch, out_palette),
+            Level::Joints if self.predictor().reconstructs() => {
+                self.reconstruct(pose, scratch, out_palette);
+                let base = self.scratch_layout().base(scratch, self.proxy_len());
+                confidence::evaluate(self, base.rotations)
+            }
+            Level::Joints => {
+                joints::evaluate(self, pose, out_palette);
+                1.0
+            }
+        })
     }
 
     /// Computes the palettes of a batch of poses, with the bits of [`Envelope::palette`] for each.
@@ -72,7 +105,7 @@ impl Envelope<'_> {
         // Counts of a loaded envelope are at least one; chunks of zero would panic.
         let (joint_len, palette_len) = (self.joint_len().max(1), self.palette_len().max(1));
         for (number, pose) in poses.chunks(joint_len).enumerate() {
-            self.check_pose(pose).map_err(|error| error.at(number * joint_len + error.index))?;
+            self.check_finite(pose).map_err(|error| error.at(number * joint_len + error.index))?;
         }
         let palettes = out_palettes.chunks_mut(palette_len);
         let poses = poses.chunks(joint_len).zip(palettes);
@@ -97,7 +130,7 @@ impl Envelope<'_> {
     ) -> Result<f32, CallError> {
         self.check_stage(self.predictor() == Predictor::Rotational)?;
         self.check_lengths(1, pose, scratch, out_palette)?;
-        self.check_pose(pose)?;
+        self.check_finite(pose)?;
         Ok(self.reconstruct(pose, scratch, out_palette))
     }
 

@@ -3,7 +3,7 @@
 use super::key::{KeyRow, joint_index};
 use super::view::Envelope;
 use crate::linear::{
-    Columns, IDENTITY, Le, Matrix3x4, columns, dot, floats, product, rows, turn_back,
+    Columns, IDENTITY, Le, Matrix3x4, columns, dot, floats, product, quaternion, rows, turn_back,
 };
 use crate::numeric::{quadrant_angle, sin_versine, sqrt};
 
@@ -94,23 +94,9 @@ fn scale_shear(shear: &[Le], b: &[f32; 3], p: &[f32; 3]) -> Columns {
 
 /// Returns the rotation vector of a rotation matrix, of an angle in [0, pi].
 ///
-/// The quaternion is found from the largest of its four components (Shepperd 1978) and used up to
-/// its length, which the angle's ratio does not need.
+/// Its quaternion's length is not needed for the angle's ratio.
 fn log(m: &Columns) -> [f32; 3] {
-    let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = *m;
-    let (mut v, mut w) = if xx + yy + zz >= 0.0 {
-        ([zy - yz, xz - zx, yx - xy], 1.0 + (xx + yy + zz))
-    } else if xx >= yy && xx >= zz {
-        ([1.0 + (xx - yy - zz), xy + yx, xz + zx], zy - yz)
-    } else if yy >= zz {
-        ([xy + yx, 1.0 + (yy - xx - zz), yz + zy], xz - zx)
-    } else {
-        ([xz + zx, yz + zy, 1.0 + (zz - xx - yy)], yx - xy)
-    };
-    if w < 0.0 {
-        let [x, y, z] = v;
-        (v, w) = ([-x, -y, -z], -w);
-    }
+    let (v, w) = quaternion(m);
     let length = sqrt(dot(v, v));
     // A length that underflows belongs to a rotation of nothing.
     if length < 1.0e-18 {

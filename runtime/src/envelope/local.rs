@@ -29,6 +29,39 @@ pub fn model_space_pose(
     local: &[LocalTransform],
     out_pose: &mut [Matrix3x4],
 ) -> Result<(), CallError> {
+    pose_under(None, envelope, local, out_pose)
+}
+
+/// Computes what [`model_space_pose`] does, the root's local transform being its frame in a space that `root` carries
+/// to model space: a node above the skeleton, or an actor whose palette is to be in world space.
+///
+/// # Errors
+/// Those of [`model_space_pose`], and [`CallErrorKind::NonFinite`] of [`Argument::Root`] if the matrix is not finite.
+pub fn model_space_pose_under(
+    root: &Matrix3x4,
+    envelope: &Envelope<'_>,
+    local: &[LocalTransform],
+    out_pose: &mut [Matrix3x4],
+) -> Result<(), CallError> {
+    check_root(root)?;
+    pose_under(Some(root), envelope, local, out_pose)
+}
+
+/// Checks that a root's matrix is finite.
+pub(super) fn check_root(root: &Matrix3x4) -> Result<(), CallError> {
+    if root.as_flattened().iter().all(|x| x.is_finite()) {
+        return Ok(());
+    }
+    Err(CallError::new(CallErrorKind::NonFinite, Argument::Root))
+}
+
+#[inline(always)]
+fn pose_under(
+    root: Option<&Matrix3x4>,
+    envelope: &Envelope<'_>,
+    local: &[LocalTransform],
+    out_pose: &mut [Matrix3x4],
+) -> Result<(), CallError> {
     let expected = envelope.joint_len();
     Argument::Local.check_len(expected, local.len())?;
     Argument::Pose.check_len(expected, out_pose.len())?;
@@ -44,14 +77,15 @@ pub fn model_space_pose(
     for joint in envelope.evaluation_order() {
         let (Some(local), Some(parent)) = (local.get(joint), parents.get(joint)) else { continue };
         let mut frame = frame(local);
-        if let Some(parent) = joint_index(parent).and_then(|parent| out_pose.get(parent)) {
-            frame = compose(parent, &frame);
+        let parent = joint_index(parent).and_then(|parent| out_pose.get(parent));
+        if let Some(above) = parent.or(root) {
+            frame = compose(above, &frame);
         }
         if let Some(out) = out_pose.get_mut(joint) {
             *out = frame;
         }
     }
-    for (out, inverse_bind) in out_pose.iter_mut().zip(envelope.inverse_binds()) {
+    for (out, inverse_bind) in out_pose.iter_mut().zip(envelope.bind_words()) {
         *out = compose(out, &rows(&floats(inverse_bind)));
     }
     Ok(())

@@ -16,6 +16,7 @@ pub(crate) mod correction;
 mod counts;
 mod evaluate;
 pub(crate) mod features;
+mod gather;
 pub(crate) mod gradients;
 mod group;
 mod group_kernel;
@@ -23,9 +24,16 @@ mod group_map;
 mod group_row;
 pub(crate) mod joints;
 mod key;
+mod level;
 mod local;
 pub(crate) mod palette;
+mod pose_check;
+mod pose_fault;
+mod pose_limits;
+mod pose_mistake;
+mod rest;
 mod scratch;
+mod skeleton;
 mod view;
 
 pub(crate) use counts::RULES;
@@ -33,10 +41,15 @@ pub use counts::{
     BIND_TOLERANCE, Certificate, ENVELOPE_SECTIONS, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor,
     TWIST_MAX,
 };
+pub use gather::{FOLDED, gather_pose};
 pub use group::Group;
 pub use group_kernel::GroupKernel;
 pub use group_row::GroupRow;
 pub use key::Key;
-pub use local::{LocalTransform, model_space_pose};
+pub use level::Level;
+pub use local::{LocalTransform, model_space_pose, model_space_pose_under};
+pub use pose_fault::{PoseFault, PoseFaultKind};
+pub use pose_limits::{GAP_MARGIN, GAP_TOLERANCE, RIGID_TOLERANCE};
 pub use scratch::{ScratchLayout, scratch_len};
+pub use skeleton::skeleton_hash_of;
 pub use view::{Envelope, EnvelopeLayout};

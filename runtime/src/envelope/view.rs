@@ -97,6 +97,14 @@ impl<'a> Envelope<'a> {
         self.0.entry(POSE_RANGES, self.joint_len(), joint).map(|[le]| f32::from_le_bytes(*le))
     }
 
+    /// Returns how far a joint's origin came in training from where its parent carries it, at the most; 0 for
+    /// the root, and about 0 for a joint that only turns.
+    pub fn pose_gap(&self, joint: usize) -> Option<f32> {
+        let len = self.joint_len();
+        let gap = self.0.entry(POSE_RANGES, 2 * len, joint.checked_add(len)?);
+        gap.map(|[le]| f32::from_le_bytes(*le))
+    }
+
     /// Returns the key predictor of a proxy; a kernel envelope has none.
     pub fn key(&self, proxy: usize) -> Option<Key> {
         KeyRow::new(self.0.entry(KEYS, self.proxy_len(), proxy)?)?.to_key()
@@ -124,7 +132,7 @@ impl<'a> Envelope<'a> {
     }
 
     /// Checks that a pose has J matrices, all of them finite.
-    pub(crate) fn check_pose(&self, pose: &[Matrix3x4]) -> Result<(), CallError> {
+    pub(crate) fn check_finite(&self, pose: &[Matrix3x4]) -> Result<(), CallError> {
         Argument::Pose.check_len(self.joint_len(), pose.len())?;
         let unsound = pose.iter().position(|m| !m.as_flattened().iter().all(|x| x.is_finite()));
         unsound.map_or(Ok(()), |joint| {
@@ -144,7 +152,7 @@ impl<'a> Envelope<'a> {
         self.thirds()[2]
     }
 
-    pub(crate) fn inverse_binds(&self) -> &'a [[Le; 12]] {
+    pub(crate) fn bind_words(&self) -> &'a [[Le; 12]] {
         self.0.array(INVERSE_BINDS)
     }
 
@@ -152,6 +160,7 @@ impl<'a> Envelope<'a> {
         self.0.array(ORIGINS)
     }
 
+    /// Returns the J angles, and behind them the J gaps.
     pub(crate) fn pose_ranges(&self) -> &'a [[Le; 1]] {
         self.0.array(POSE_RANGES)
     }

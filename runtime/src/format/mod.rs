@@ -14,7 +14,7 @@
 //! part only where they evaluate it.
 
 pub(crate) mod content;
-mod crc;
+pub(crate) mod crc;
 mod error;
 mod manifest;
 mod message;

@@ -30,7 +30,7 @@ pub enum SectionKind {
     C2 = 11,
     /// Rest box of what each transform of the palette moves.
     RestBoxes = 12,
-    /// Largest rotation of each joint in training.
+    /// Largest rotation of each joint in training, and how far it came from its parent.
     PoseRanges = 13,
     /// Origin of each joint in the rest pose.
     Origins = 14,

@@ -11,7 +11,7 @@ pub enum PartKind {
     /// A function of a few numbers (METHOD §2).
     #[cfg(feature = "kernel")]
     Kernel = 3,
-    /// How the weights of a skin's shapes belong together (METHOD §5).
+    /// How the weights of a skin's shapes belong together (METHOD §5.1).
     #[cfg(feature = "prior")]
     Prior = 4,
     /// A drawn object between its key views (METHOD §6).

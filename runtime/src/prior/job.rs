@@ -1,4 +1,4 @@
-//! Pins: from where a few vertices are to be to the weights of all shapes (METHOD §5).
+//! Pins: from where a few vertices are to be to the weights of all shapes (METHOD §5.1).
 
 use super::active_set::{ActiveSet, End, FREE, HIGH, LOW};
 use super::observation::{Vertex, not_finite};

@@ -1,4 +1,4 @@
-//! The part prior: how the weights of a skin's shapes belong together, and what pins do with that (METHOD §5).
+//! The part prior: how the weights of a skin's shapes belong together, and what pins do with that (METHOD §5.1).
 //!
 //! [`PinJob::run`] goes from pins to weights: `observation` makes rows of them, `active_set` finds the weights that
 //! fit, between their bounds, with a factor that `packed` makes. All of it is f64 inside: a drag of a thousand steps

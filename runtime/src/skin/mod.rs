@@ -7,6 +7,7 @@ mod coefficients;
 mod counts;
 mod eight;
 mod job;
+mod mesh;
 mod output;
 mod posed_bounds;
 #[cfg(feature = "shapes")]
@@ -20,6 +21,7 @@ pub use counts::{
     WEIGHT_SUM_TOLERANCE,
 };
 pub use job::{Rest, SkinJob};
+pub use mesh::mesh_hash_of;
 pub use output::{Output, cells};
 #[cfg(feature = "shapes")]
 pub use shapes::ShapesJob;

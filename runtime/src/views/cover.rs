@@ -1,5 +1,5 @@
 //! Which pixels an element covers: edge functions of whole numbers, so that neighbours share every pixel exactly once
-//! (METHOD §6, "Raster").
+//! (METHOD §6.9).
 
 use crate::numeric::{greater, lesser};
 

@@ -1,4 +1,4 @@
-//! Elements onto a screen: textures mapped, blended or by depth (METHOD §6, "Raster").
+//! Elements onto a screen: textures mapped, blended or by depth (METHOD §6.9).
 
 use super::cover::{Step, area, cover, snap};
 use super::texture::{ALPHA_MAX, Colour, Texture};

@@ -1,4 +1,4 @@
-//! From points to a picture (METHOD §6.5, §6 "Raster").
+//! From points to a picture (METHOD §6.5, §6.9).
 
 use super::order::sort;
 use super::raster::{Corner, Screen};

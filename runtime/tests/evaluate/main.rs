@@ -10,6 +10,7 @@ mod golden;
 mod kernel;
 mod normals;
 mod outputs;
+mod poses;
 mod reference;
 mod refusals;
 mod rest_mesh;

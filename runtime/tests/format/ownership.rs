@@ -232,7 +232,7 @@ fn read_envelope(envelope: &Envelope<'_>) -> Astray {
     let mut astray = Astray::default();
     for joint in some(j) {
         let _ = (envelope.joint_name(joint), envelope.inverse_bind(joint));
-        let _ = (envelope.origin(joint), envelope.pose_range(joint));
+        let _ = (envelope.origin(joint), envelope.pose_range(joint), envelope.pose_gap(joint));
         astray.parent |= envelope.parent(joint).is_some_and(|parent| parent >= j);
     }
     astray.parent |= envelope.evaluation_order().any(|joint| joint >= j);

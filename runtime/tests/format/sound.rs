@@ -40,7 +40,9 @@ fn accessors_give_what_was_written() {
     assert_eq!([0, 1, 2, 3].map(|j| envelope.parent(j)), [Some(2), None, Some(1), Some(0)]);
     assert_eq!(envelope.evaluation_order().collect::<Vec<_>>(), [1, 2, 0, 3]);
     assert_eq!(envelope.inverse_bind(0).unwrap()[0][3], -2.0);
-    assert_eq!(envelope.pose_range(0), Some(1.5));
+    assert_eq!((envelope.pose_range(0), envelope.pose_gap(0)), (Some(1.5), Some(0.125)));
+    let beyond = envelope.joint_len();
+    assert_eq!((envelope.pose_range(beyond), envelope.pose_gap(beyond)), (None, None));
     assert_eq!(envelope.c1(5, 4), Some(0.625));
     assert_eq!(envelope.c2(11, 2), Some(0.375));
     assert_eq!((envelope.c1(12, 0), envelope.c1(0, 9), envelope.c2(0, 16)), (None, None, None));
@@ -49,6 +51,7 @@ fn accessors_give_what_was_written() {
     assert_eq!((second.joint, second.residual.unwrap().0), (3, 1));
     assert_eq!((first.twist[0][0], first.shear[0][0], first.shear[3][0]), (0.5, 0.5, 0.5));
     assert_eq!(envelope.certificate().lbs_training_rms, 0.04);
+    assert_eq!(envelope.certificate().base_training_rms, 0.03);
     let skin = shared(model.skin().unwrap());
     assert_eq!((skin.name(), skin.vertex_len(), skin.influence_len()), ("sleeve", 7, 2));
     assert_eq!((skin.palette_len(), skin.envelope_part()), (3, Some(0)));

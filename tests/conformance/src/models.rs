@@ -174,12 +174,14 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,
         pose_ranges: vec![1.5; joints],
+        pose_gaps: vec![0.0; joints],
         certificate: Certificate {
             diagonal: 4.0,
             training_rms: 0.0,
             cross_validated_rms: 0.0,
             lbs_training_rms: 0.0,
             correction_error: 0.0,
+            base_training_rms: 0.0,
         },
     };
     let model = FileModel { envelopes: vec![envelope], skins: vec![skin], ..Default::default() };

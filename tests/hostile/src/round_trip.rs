@@ -97,6 +97,7 @@ fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
         reconstruction,
         groups,
         pose_ranges: list(joint_len, || float(u, 4.0).map(f64::abs))?,
+        pose_gaps: list(joint_len, || float(u, 4.0).map(f64::abs))?,
         certificate: Certificate { diagonal: float(u, 1e3)? as f32, ..Certificate::default() },
     })
 }
@@ -271,6 +272,7 @@ fn compare(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
         assert_eq!(envelope.joint_name(joint), Some(names[joint].as_str()));
         assert_eq!(envelope.parent(joint), *parent);
         assert_eq!(envelope.pose_range(joint), Some(round(parts.pose_ranges[joint])));
+        assert_eq!(envelope.pose_gap(joint), Some(round(parts.pose_gaps[joint])));
         let origin = rest[joint].map(|row| round(row[3]));
         assert_eq!(envelope.origin(joint), parts.predictor().corrects().then_some(origin));
     }

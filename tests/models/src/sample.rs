@@ -219,8 +219,8 @@ fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
     let [c1, c2] = coefficients(shape, root, rng);
     // Predictor, J, P, the root, G, floats of scratch.
     let counts = [predictor.number().into(), j as u32, p as u32, root as u32, 0, 0];
-    // Diagonal, RMS errors of training, of cross-validation, of linear blend skinning, of rounding.
-    let certificate = [3.0, 0.01, 0.02, 0.04, 0.0];
+    // Diagonal, RMS errors of training, of cross-validation, of linear blend skinning, of rounding, of the base.
+    let certificate = [3.0, 0.01, 0.02, 0.04, 0.0, 0.03];
     vec![
         (SectionKind::EnvelopeCounts, words(&counts)),
         (SectionKind::Certificate, floats(&certificate)),
@@ -230,7 +230,7 @@ fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
         (SectionKind::Keys, keys),
         (SectionKind::C1, blocks(&c1)),
         (SectionKind::C2, blocks(&c2)),
-        (SectionKind::PoseRanges, floats(&vec![1.5; j])),
+        (SectionKind::PoseRanges, floats(&[vec![1.5; j], vec![0.125; j]].concat())),
         (SectionKind::Origins, floats(&origins)),
         (SectionKind::Groups, Vec::new()),
         (SectionKind::Corrections, Vec::new()),

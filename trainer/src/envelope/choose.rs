@@ -419,10 +419,13 @@ impl PredictorSearch<'_> {
         let chosen = alike.next().unwrap_or(best);
         let palette = chosen.fitted.envelope.palettes(&training.poses);
         let training_rms = training.targets(&chosen.fitted.weights).rms(&palette);
+        let base = chosen.fitted.envelope.bases(&training.poses);
+        let base_rms = training.targets(&chosen.fitted.weights).rms(&base);
         let certificate = Certificate {
             training_rms: training_rms as f32,
             cross_validated_rms: chosen.validated_rms as f32,
             lbs_training_rms: lbs_rms as f32,
+            base_training_rms: base_rms as f32,
             ..Certificate::default()
         };
         let (fitted, palette) = chosen.fitted.led_by_upright(palette);

@@ -40,6 +40,7 @@ impl Fitted {
             reconstruction,
             groups: Vec::new(),
             pose_ranges: training.poses.angle_ranges(),
+            pose_gaps: training.poses.gaps(&training.skeleton.parents, &training.origins),
             certificate: Certificate::default(),
         };
         Self { envelope, weights }
@@ -112,6 +113,7 @@ impl Fitted {
             cross_validated_rms: length(certificate.cross_validated_rms),
             lbs_training_rms: length(certificate.lbs_training_rms),
             correction_error: rounding::farthest(groups, training, &envelope, &skin) as f32,
+            base_training_rms: length(certificate.base_training_rms),
         };
         FileModel {
             space: examples.space,

@@ -1,5 +1,5 @@
 //! Faces: a skin with shapes, and a prior over their weights that says how the rest of a face follows a few pins
-//! (S0 §3, METHOD §5).
+//! (S0 §3, METHOD §5.1).
 //!
 //! | file | what it does |
 //! |---|---|

@@ -24,7 +24,7 @@ const REACH: f64 = 0.1;
 pub type Pin = (usize, [f64; 2]);
 
 /// Finds the parameters that bring points nearest to where they are dragged, near those given: of the most likely change
-/// by the examples' covariance (METHOD §5, weight space).
+/// by the examples' covariance (METHOD §5.1).
 ///
 /// # Errors
 /// [`FitError`] of the values.

@@ -6,6 +6,7 @@ mod held_out;
 mod importance;
 mod normals;
 mod odd_characters;
+mod poses;
 mod real_sets;
 mod scenes;
 mod seams;

@@ -190,7 +190,7 @@ pub(crate) fn targets(pins: &[Pin]) -> Vec<f64> {
     pins.iter().flat_map(of).collect()
 }
 
-/// The dual form: `anchor + Σ Bᵀ (B Σ Bᵀ + N)⁻¹ (target - rest - B anchor)`, of k x k (METHOD §5).
+/// The dual form: `anchor + Σ Bᵀ (B Σ Bᵀ + N)⁻¹ (target - rest - B anchor)`, of k x k (METHOD §5.1).
 pub(crate) fn dual(
     covariance: &Mat<f64>,
     b: &Mat<f64>,

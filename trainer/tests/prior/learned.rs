@@ -1,4 +1,4 @@
-//! A prior of a real take: ICT FaceKit driven by ARKit weights, in the protocol of METHOD §5.
+//! A prior of a real take: ICT FaceKit driven by ARKit weights, in the protocol of METHOD §5.1.
 
 use super::common::*;
 use super::shared::shared;

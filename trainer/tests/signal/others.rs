@@ -167,7 +167,7 @@ fn of_values_it_is_the_kernel_library() {
 
 #[test]
 fn on_a_finite_set_it_is_direct_manipulation() {
-    // METHOD §5, in weights: Δw = Σ B̄ᵀ(B̄ Σ B̄ᵀ + βI)⁻¹ Δm, and the face moves by B Δw.
+    // METHOD §5.1, in weights: Δw = Σ B̄ᵀ(B̄ Σ B̄ᵀ + βI)⁻¹ Δm, and the face moves by B Δw.
     let (n, r, pins) = (30, 7, [3, 11, 12, 28]);
     let mut numbers = Numbers::new(6);
     let b = Mat::from_fn(n, r, |_, _| numbers.normal());

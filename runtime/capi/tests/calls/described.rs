@@ -4,8 +4,8 @@ use crate::handles::{Loaded, NONE, done, get, name};
 use crate::{Both, each};
 use models::{Pieces, head};
 use sinew_capi::*;
-use sinew_runtime::Model;
 use sinew_runtime::format::{Axis, Handedness, Space};
+use sinew_runtime::{LocalTransform, Model};
 
 #[test]
 fn it_says_what_it_is() {
@@ -101,6 +101,7 @@ fn envelopes_are_described() {
         assert_eq!(found.cross_validated_rms, expected.cross_validated_rms);
         assert_eq!(found.lbs_training_rms, expected.lbs_training_rms);
         assert_eq!(found.correction_error, expected.correction_error);
+        assert_eq!(found.base_training_rms, expected.base_training_rms);
     });
 }
 
@@ -136,7 +137,11 @@ fn joints_are_those_of_the_file() {
             let parent = Some(found.parent).filter(|parent| *parent != SINEW_NO_JOINT);
             assert_eq!(parent.map(|parent| parent as usize), envelope.parent(joint));
             assert_eq!(Some(found.pose_range), envelope.pose_range(joint));
+            assert_eq!(Some(found.pose_gap), envelope.pose_gap(joint));
             assert_eq!(Some(found.inverse_bind.rows), envelope.inverse_bind(joint));
+            let sinew_local_transform { rotation, translation } = found.rest_local;
+            let local = LocalTransform { rotation, translation };
+            assert_eq!(Some(local), envelope.rest_local(joint));
         }
         let mut order = vec![0; envelope.joint_len()];
         let (at, len) = (order.as_mut_ptr(), order.len());

@@ -7,9 +7,20 @@ use std::ffi::CStr;
 use std::fmt::Debug;
 
 /// Every kind; `header/statuses.rs` counts the header's statuses against them.
-const CALL_KINDS: [CallErrorKind; 9] = {
+const CALL_KINDS: [CallErrorKind; 10] = {
     use CallErrorKind::*;
-    [Length, TooShort, NonFinite, ZeroRotation, OutOfRange, Stride, NoAttribute, NoStage, NoOutput]
+    [
+        Length,
+        TooShort,
+        NonFinite,
+        ZeroRotation,
+        OutOfRange,
+        Stride,
+        NoAttribute,
+        NoStage,
+        NoOutput,
+        NoRoot,
+    ]
 };
 const FILE_KINDS: [FileErrorKind; 19] = {
     use FileErrorKind::*;

@@ -8,6 +8,7 @@ mod errors;
 mod evaluated;
 mod handles;
 mod kernels;
+mod posed;
 mod priors;
 mod refused;
 mod views;

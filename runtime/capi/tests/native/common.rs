@@ -10,7 +10,7 @@
 use models::Rng;
 pub use models::{GOLDEN_NAMES, golden_path};
 use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::{Model, SkinJob, model_space_pose};
+use sinew_runtime::{LocalTransform, Model, SkinJob, model_space_pose};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -80,7 +80,11 @@ pub fn printed(file: &[u8], poses: usize) -> String {
     let mut bounds = None;
     for i in 0..poses {
         let turn = [0.01, 0.3, 1.0, 8.0][i % 4];
-        let local = (0..j).map(|_| random.local(turn)).collect::<Vec<_>>();
+        let turned = |mut local: LocalTransform| {
+            local.rotation.iter_mut().take(3).for_each(|x| *x += random.unit() * turn);
+            local
+        };
+        let local: Vec<_> = envelope.rest_locals().map(turned).collect();
         model_space_pose(&envelope, &local, &mut pose).unwrap();
         let confidence = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
         let floats = cells(&mut vertices);

@@ -4,4 +4,5 @@
 mod common;
 mod cortex;
 mod host;
+mod linked;
 mod parts;

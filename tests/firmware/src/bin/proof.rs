@@ -209,7 +209,7 @@ fn counts(kind: SectionKind) {
     let counts = FilterCounts::from_words(black_box([0; 2]));
     black_box((counts.section_bytes(kind), counts.words()));
     black_box(FilterFit::from_figures(black_box([0.0; 3])).figures());
-    black_box(Certificate::from_figures(black_box([0.0; 5])).figures());
+    black_box(Certificate::from_figures(black_box([0.0; 6])).figures());
 }
 
 fn numbers(envelope: Envelope<'_>) {
@@ -223,7 +223,7 @@ fn numbers(envelope: Envelope<'_>) {
 fn arrays(envelope: Envelope<'_>) {
     let e = envelope;
     black_box((e.joint_name(index()), e.parent(index()), e.inverse_bind(index())));
-    black_box((e.origin(index()), e.pose_range(index())));
+    black_box((e.origin(index()), e.pose_range(index()), e.pose_gap(index())));
     black_box((e.key(index()), e.c1(index(), index()), e.c2(index(), index())));
     for joint in e.evaluation_order() {
         black_box(joint);

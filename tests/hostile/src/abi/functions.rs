@@ -6,6 +6,7 @@ use super::filters;
 use super::frame::Asked;
 use super::kernels;
 use super::outputs::{FLOATS, outputs};
+use super::posed;
 use super::priors;
 use super::shapes;
 use super::shared::{optional, unknown, wanted};
@@ -23,7 +24,7 @@ use sinew_status as Status;
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions by their names.
-pub(super) const FUNCTIONS: [(&str, Function); 44] = [
+pub(super) const FUNCTIONS: [(&str, Function); 54] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
     ("sinew_model_describe", model_describe),
@@ -37,6 +38,16 @@ pub(super) const FUNCTIONS: [(&str, Function); 44] = [
     ("sinew_envelope_palette", palette),
     ("sinew_envelope_palettes", palettes),
     ("sinew_envelope_rotational_palette", rotational_palette),
+    ("sinew_envelope_palette_at", posed::palette_at),
+    ("sinew_envelope_rest_locals", posed::rest_locals),
+    ("sinew_envelope_bind", posed::bind),
+    ("sinew_envelope_gather", posed::gather),
+    ("sinew_envelope_check_pose", posed::check_pose),
+    ("sinew_pose_take_scale", posed::take_scale),
+    ("sinew_palette_scale", posed::palette_scale),
+    ("sinew_skeleton_hash", posed::skeleton_hash),
+    ("sinew_skin_mesh_hash", posed::skin_mesh_hash),
+    ("sinew_mesh_hash", posed::mesh_hash),
     ("sinew_skin_open", skin_open),
     ("sinew_skin_describe", skin_describe),
     ("sinew_skin_range", range),

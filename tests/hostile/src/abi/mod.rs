@@ -15,6 +15,7 @@ mod header;
 mod kernels;
 mod outputs;
 mod pinned;
+mod posed;
 mod priors;
 mod shapes;
 mod shared;

@@ -41,6 +41,7 @@ pub(super) fn outputs(call: &mut Call<'_, '_>, n: usize, has_tangents: bool) -> 
         outputs[i] = sinew_output { floats, len, stride };
         asked[i] = (!floats.is_null() || len > 0).then_some((first, stride));
         let is_asked = asked[i].is_some();
+        call.fault_if(!is_asked && stride > 0, Status::Null, argument);
         call.fault_if(is_asked && stride < own, Status::Stride, argument);
         call.fault_if(is_asked && own == 4 && !has_tangents, Status::NoAttribute, argument);
     }

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Packages whose files must import one way.
-const PACKAGES: [&str; 10] = [
+const PACKAGES: [&str; 11] = [
     "runtime",
     "runtime/capi",
     "gpu",
@@ -16,6 +16,7 @@ const PACKAGES: [&str; 10] = [
     "tests/firmware",
     "tests/hostile",
     "tests/models",
+    "tests/pages",
     "tests/shaders",
     "tests/xtask",
 ];

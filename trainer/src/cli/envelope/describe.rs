@@ -82,7 +82,7 @@ fn of_skin(model: &Model<Vec<u8>>, skin: &Skin<'_>) -> String {
 
 fn of_envelope(envelope: &Envelope<'_>) -> String {
     let mut out = format!(
-        "envelope \"{}\", {}: {} joints, {}, a palette of {}, {} bytes of scratch\n",
+        "envelope \"{}\", {}: {} joints, {}, a palette of {} transforms, {} bytes of scratch\n",
         printable(envelope.name()),
         envelope.predictor().name(),
         envelope.joint_len(),
@@ -91,14 +91,16 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
         4 * envelope.scratch_len(),
     );
     let certificate = envelope.certificate();
-    out += &format!("certificate: RMS error, % of the diagonal {:.4}\n", certificate.diagonal);
+    out += &format!("diagonal of the rest mesh: {:.4} units\n", certificate.diagonal);
+    out += &format!("{:<24}RMS error, % of the diagonal\n", "certificate");
     for (name, rms) in [
         ("training frames", certificate.training_rms),
         ("cross-validated", certificate.cross_validated_rms),
+        ("level joints, training", certificate.base_training_rms),
         ("LBS, training frames", certificate.lbs_training_rms),
         ("rounding, at the most", certificate.correction_error),
     ] {
-        out += &format!("{name:<24}{:.4}\n", 100.0 * rms / certificate.diagonal);
+        out += &format!("{name:<24}{:.4} %\n", 100.0 * rms / certificate.diagonal);
     }
     let joint_name = |joint| printable(envelope.joint_name(joint).unwrap_or_default());
     let longest = (0..envelope.joint_len()).map(|joint| joint_name(joint).chars().count()).max();
@@ -135,6 +137,7 @@ fn skin_as_json(skin: &Skin<'_>) -> Value {
         "influences": skin.influence_len(),
         "tangents": skin.has_tangents(),
         "tangent_coefficients": skin.has_coefficients(),
+        "mesh_hash": skin.mesh_hash(),
         "normal_errors": skin.normal_errors().map(|errors| {
             json!({ "model": errors.model, "lbs": errors.lbs })
         }),
@@ -150,6 +153,7 @@ fn envelope_as_json(envelope: &Envelope<'_>) -> Value {
                 "name": envelope.joint_name(joint),
                 "parent": envelope.parent(joint),
                 "range": envelope.pose_range(joint),
+                "gap": envelope.pose_gap(joint),
             })
         })
         .collect();
@@ -173,6 +177,7 @@ fn envelope_as_json(envelope: &Envelope<'_>) -> Value {
         "proxies": envelope.proxy_len(),
         "palette": envelope.palette_len(),
         "scratch_bytes": 4 * envelope.scratch_len(),
+        "skeleton_hash": envelope.skeleton_hash(),
         "joints": joints,
         "groups": groups,
         "certificate": {
@@ -181,6 +186,7 @@ fn envelope_as_json(envelope: &Envelope<'_>) -> Value {
             "cross_validated_rms": certificate.cross_validated_rms,
             "lbs_training_rms": certificate.lbs_training_rms,
             "correction_error": certificate.correction_error,
+            "base_training_rms": certificate.base_training_rms,
         },
     })
 }

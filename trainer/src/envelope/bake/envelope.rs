@@ -27,7 +27,7 @@ impl EnvelopeModel {
             (SectionKind::Keys, keys(self.keys())?),
             (SectionKind::C1, c1),
             (SectionKind::C2, c2),
-            (SectionKind::PoseRanges, floats(&self.pose_ranges)),
+            (SectionKind::PoseRanges, floats(&[&*self.pose_ranges, &self.pose_gaps].concat())),
             (SectionKind::Origins, origins(&self.skeleton.rest)),
             (SectionKind::Groups, groups.rows),
             (SectionKind::Corrections, groups.words),
@@ -44,6 +44,7 @@ impl EnvelopeModel {
         check_len("joint names", j, self.skeleton.names.len())?;
         check_len("rest frames", j, self.skeleton.rest.len())?;
         check_len("pose ranges", j, self.pose_ranges.len())?;
+        check_len("pose gaps", j, self.pose_gaps.len())?;
         if let Some(Reconstruction { c1, c2, .. }) = &self.reconstruction {
             check_shape(["rows of c1", "columns of c1"], [4 * p, 3 * p], c1)?;
             check_shape(["rows of c2", "columns of c2"], [4 * p, 4 * j], c2)?;

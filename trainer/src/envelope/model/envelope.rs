@@ -24,6 +24,8 @@ pub struct EnvelopeModel {
     pub groups: Vec<Group>,
     /// Largest rotation of each joint relative to its parent in training, J, in radians.
     pub pose_ranges: Vec<f64>,
+    /// How far each joint's origin came in training from where its parent carries it, at the most, J.
+    pub pose_gaps: Vec<f64>,
     /// What the fit was measured to reach.
     pub certificate: Certificate,
 }
@@ -95,7 +97,8 @@ impl EnvelopeModel {
                 c2: Mat::from_fn(4 * p, 4 * j, |r, c| wide(envelope.c2(r, c))),
             }),
             groups: envelope.groups().map(|group| widened(&group)).collect(),
-            pose_ranges: joints.map(|joint| wide(envelope.pose_range(joint))).collect(),
+            pose_ranges: joints.clone().map(|joint| wide(envelope.pose_range(joint))).collect(),
+            pose_gaps: joints.map(|joint| wide(envelope.pose_gap(joint))).collect(),
             certificate: envelope.certificate(),
         }
     }

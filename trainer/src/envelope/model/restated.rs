@@ -15,6 +15,7 @@ impl EnvelopeModel {
                 row[3] = unit * row[3] + centre;
             }
         }
+        out.pose_gaps.iter_mut().for_each(|gap| *gap *= unit);
         let root = self.skeleton.root();
         if let Some(reconstruction) = &mut out.reconstruction {
             reconstruction.scale(unit);

@@ -23,12 +23,34 @@ impl EnvelopeModel {
         (palette, self.confidence(&rotations))
     }
 
+    /// Evaluates a pose without the correction: what the palette starts from.
+    pub fn base(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
+        if !self.predictor().reconstructs() {
+            return self.joints(pose);
+        }
+        let relative = self.relative(pose);
+        let gradients = self.gradients(&relative, &self.rotations(&relative));
+        self.palette(&pose[self.skeleton.root()], &relative, &gradients)
+    }
+
     /// Evaluates n poses without the root's motion: palettes, 3n x 4 a transform.
     pub fn palettes(&self, poses: &Poses) -> Mat<f64> {
+        self.stack(poses, |pose| self.evaluate(pose).0)
+    }
+
+    /// Evaluates n poses without the root's motion and without the correction, likewise.
+    pub fn bases(&self, poses: &Poses) -> Mat<f64> {
+        self.stack(poses, |pose| self.base(pose))
+    }
+
+    fn stack(
+        &self,
+        poses: &Poses,
+        palette: impl Fn(&[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>>,
+    ) -> Mat<f64> {
         let mut out = Mat::zeros(3 * poses.len(), 4 * self.palette_len());
         for index in 0..poses.len() {
-            let (palette, _) = self.evaluate(poses.pose(index));
-            for (l, map) in palette.iter().enumerate() {
+            for (l, map) in palette(poses.pose(index)).iter().enumerate() {
                 set_map(&mut out, index, l, map);
             }
         }

@@ -96,6 +96,20 @@ impl Poses {
             .collect()
     }
 
+    /// Returns how far each joint's origin comes from where its parent carries it, the most over the poses, J
+    /// lengths; 0 for the root.
+    ///
+    /// - `origins`: of the joints in the rest pose, J, in the poses' unit and about their centre.
+    pub fn gaps(&self, parents: &[Option<usize>], origins: &[Vector3<f64>]) -> Vec<f64> {
+        let of_joint = |(joint, parent): (usize, &Option<usize>)| {
+            let Some(parent) = *parent else { return 0.0 };
+            let origin = origins[joint].push(1.0);
+            let gap = |pose: usize| (self.map(pose, joint) - self.map(pose, parent)) * origin;
+            (0..self.len()).map(|pose| gap(pose).norm()).fold(0.0, f64::max)
+        };
+        parents.iter().enumerate().map(of_joint).collect()
+    }
+
     /// Returns the poses with positions measured from a centre.
     pub fn about(mut self, centre: [f64; 3]) -> Self {
         let centre = Vector3::from(centre);
@@ -172,6 +186,32 @@ mod tests {
     use super::*;
     use crate::envelope::demo::{DemoOptions, demo};
     use crate::numeric::affine::to_rows;
+
+    #[test]
+    fn gaps_are_how_far_joints_part_in_any_unit_and_about_any_centre() {
+        let options = DemoOptions { vertices: 200, poses: 6, held_out: 0, seed: 3 };
+        let mut parted = demo(&options);
+        let origin = |joint: usize| parted.skeleton.rest[joint].map(|row| row[3]);
+        let origins: Vec<_> = (0..parted.joint_len()).map(|j| Vector3::from(origin(j))).collect();
+        let parents = parted.skeleton.parents.clone();
+        let frames: Vec<usize> = (0..parted.frame_len()).collect();
+        let still = Poses::new(&parted, &frames).gaps(&parents, &origins);
+        let leaf = (0..parents.len()).rfind(|joint| !parents.contains(&Some(*joint))).unwrap();
+        let at = 2 * parted.joint_len() + leaf;
+        parted.transforms[at][1][3] += 0.75;
+        let poses = Poses::new(&parted, &frames);
+        let found = poses.gaps(&parents, &origins);
+        for (joint, (found, still)) in found.iter().zip(&still).enumerate() {
+            let expected = if joint == leaf { 0.75 } else { *still };
+            assert!((found - expected).abs() < 1e-9 + still, "{joint}: {found} {expected}");
+        }
+        let centre = Vector3::new(0.5, -2.0, 1.0);
+        let elsewhere = poses.about(centre.into()).in_units_of(4.0);
+        let origins: Vec<_> = origins.iter().map(|origin| (origin - centre) / 4.0).collect();
+        for (a, b) in elsewhere.gaps(&parents, &origins).iter().zip(&found) {
+            assert!((4.0 * a - b).abs() < 1e-9);
+        }
+    }
 
     #[test]
     fn a_global_motion_of_each_frame_changes_nothing() {

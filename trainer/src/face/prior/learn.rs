@@ -6,7 +6,7 @@ use faer::Mat;
 use sinew_runtime::prior::PriorFit;
 
 /// The floor of every variance, in mean variances: so that shapes which a take never used can move still. Below 1e-3
-/// eight pins on such a shape leave as much as they found (METHOD §5).
+/// eight pins on such a shape leave as much as they found (METHOD §5.1).
 pub const FLOOR: f64 = 0.1;
 
 /// Learns a prior from frames of weights: their mean, and their covariance with [`FLOOR`] on its diagonal. Of frames

@@ -1,4 +1,4 @@
-//! Priors over the weights of shapes: what a take teaches of them, and how a file holds it (METHOD §5).
+//! Priors over the weights of shapes: what a take teaches of them, and how a file holds it (METHOD §5.1).
 
 mod bake;
 mod learn;

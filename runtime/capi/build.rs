@@ -1,0 +1,15 @@
+//! Names the shared library, so that a program looks for that name and not for the path that it was linked by.
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    let of = |name| std::env::var(name).unwrap_or_default();
+    match (of("CARGO_CFG_TARGET_OS").as_str(), of("CARGO_CFG_TARGET_VENDOR").as_str()) {
+        ("linux" | "android" | "freebsd" | "netbsd" | "openbsd" | "dragonfly", _) => {
+            println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libsinew_capi.so");
+        }
+        (_, "apple") => {
+            println!("cargo::rustc-cdylib-link-arg=-Wl,-install_name,@rpath/libsinew_capi.dylib");
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,172 @@
+//! Poses of the caller's skeleton, against the runtime's own calls.
+
+use crate::handles::{NONE, done, get};
+use crate::{Both, each};
+use sinew_capi::*;
+use sinew_runtime::envelope::{Level, PoseFaultKind};
+use sinew_runtime::{
+    LocalTransform, Matrix3x4, gather_pose, matrix, mesh_hash_of, model_space_pose,
+    skeleton_hash_of,
+};
+use std::ffi::CStr;
+use std::ptr::null;
+
+fn rest(envelope: &sinew_runtime::Envelope<'_>) -> Vec<Matrix3x4> {
+    let local: Vec<LocalTransform> = envelope.rest_locals().collect();
+    let mut pose = vec![matrix::IDENTITY; local.len()];
+    model_space_pose(envelope, &local, &mut pose).unwrap();
+    pose
+}
+
+#[test]
+fn rest_frames_are_copied_at_once() {
+    each(|Both { c: (found, _), rust: (envelope, _), .. }| {
+        let still = sinew_local_transform { rotation: [0.0; 4], translation: [0.0; 3] };
+        let mut out = vec![still; envelope.joint_len()];
+        let (at, len) = (out.as_mut_ptr(), out.len());
+        // SAFETY: an open envelope and an array with its length.
+        done(unsafe { sinew_envelope_rest_locals(found.handle, at, len, NONE) });
+        for (found, expected) in out.iter().zip(envelope.rest_locals()) {
+            assert_eq!(
+                (found.rotation, found.translation),
+                (expected.rotation, expected.translation)
+            );
+        }
+    });
+}
+
+#[test]
+fn a_skeleton_is_bound_and_gathered() {
+    each(|Both { c: (found, _), rust: (envelope, _), .. }| {
+        // The file's joints backwards, the last of them lacking, after one of the engine's own.
+        let len = envelope.joint_len();
+        let lacking = (0..len).rev().find(|joint| *joint != envelope.root());
+        let own = (0..len).rev().filter(|joint| Some(*joint) != lacking);
+        let own: Vec<&str> = own.map(|joint| envelope.joint_name(joint).unwrap()).collect();
+        let names: Vec<&str> = ["weapon"].into_iter().chain(own).collect();
+        let in_c = |name: &&str| sinew_name { name: name.as_ptr().cast(), name_len: name.len() };
+        let all: Vec<sinew_name> = names.iter().map(in_c).collect();
+        let mut expected = vec![0; len];
+        let place = |name: &str| names.iter().position(|own| *own == name);
+        envelope.bind_joints(place, &mut expected).unwrap();
+        assert_eq!(lacking.map(|joint| expected[joint]), lacking.map(|_| SINEW_FOLDED));
+        let mut map = vec![0; len];
+        let (at, handle) = (map.as_mut_ptr(), found.handle);
+        // SAFETY: an open envelope, and arrays with their lengths.
+        done(unsafe { sinew_envelope_bind(handle, all.as_ptr(), all.len(), at, len, NONE) });
+        assert_eq!(map, expected);
+        let at = map.as_mut_ptr();
+        // SAFETY: the same.
+        let status = unsafe { sinew_envelope_bind(handle, all.as_ptr(), 1, at, len, NONE) };
+        assert_eq!((status, &map), (sinew_status::NoRoot, &expected));
+
+        let turned = [[0.0, -1.0, 0.0, 2.0], [1.0, 0.0, 0.0, -0.25], [0.0, 0.0, 1.0, 3.5]];
+        let world = vec![sinew_matrix { rows: turned }; names.len()];
+        let frames = vec![turned; names.len()];
+        for root in [None, Some(turned)] {
+            let mut expected = vec![matrix::IDENTITY; len];
+            gather_pose(&envelope, &map, &frames, root.as_ref(), &mut expected).unwrap();
+            let root = root.map(|rows| sinew_matrix { rows });
+            let root = root.as_ref().map_or(null(), std::ptr::from_ref);
+            let mut pose = vec![sinew_matrix { rows: [[0.0; 4]; 3] }; len];
+            let (map, world, out) =
+                (map.as_ptr(), (world.as_ptr(), world.len()), pose.as_mut_ptr());
+            // SAFETY: an open envelope, arrays with their lengths, and a matrix or none.
+            done(unsafe {
+                sinew_envelope_gather(handle, map, len, world.0, world.1, root, out, len, NONE)
+            });
+            assert_eq!(pose.iter().map(|m| m.rows).collect::<Vec<_>>(), expected);
+        }
+    });
+}
+
+#[test]
+fn mistakes_are_named_and_scales_taken_out() {
+    each(|Both { c: (found, _), rust: (envelope, _), .. }| {
+        let check = |pose: &[Matrix3x4]| {
+            let at = pose.as_ptr().cast();
+            // SAFETY: an open envelope, an array with its length, and one structure to be written.
+            get(|out| unsafe { sinew_envelope_check_pose(found.handle, at, pose.len(), out, NONE) })
+        };
+        let mut pose = rest(&envelope);
+        let sound = check(&pose);
+        assert_eq!((sound.kind, sound.axes), (sinew_pose_fault_kind::None, [0; 3]));
+        let before = pose.clone();
+        sinew_runtime::scale_palette(&mut pose, 2.0);
+        let expected = envelope.check_pose(&pose).unwrap_err();
+        let fault = check(&pose);
+        assert_eq!(fault.kind, sinew_pose_fault_kind::Scaled);
+        assert_eq!((fault.joint as usize, fault.factor), (expected.joint, expected.factor));
+        assert_eq!((fault.found, fault.allowed), (expected.found, expected.allowed));
+        assert_eq!(fault.axes, [1, 2, 3]);
+        let (at, len) = (pose.as_mut_ptr().cast(), pose.len());
+        // SAFETY: an array with its length, and one number to be written.
+        let scale = get(|out| unsafe { sinew_pose_take_scale(at, len, out, NONE) });
+        assert_eq!((scale, &pose), (2.0, &before));
+        let at = pose.as_mut_ptr().cast();
+        // SAFETY: an array with its length.
+        done(unsafe { sinew_palette_scale(at, len, scale, NONE) });
+        assert_eq!(pose[0], before[0].map(|row| row.map(|x| 2.0 * x)));
+    });
+    let text = |kind: u32| {
+        // SAFETY: the library's texts end in a zero and are valid for ever.
+        unsafe { CStr::from_ptr(sinew_pose_fault_text(kind)) }.to_str().unwrap()
+    };
+    for kind in PoseFaultKind::ALL {
+        let is_known = kind != PoseFaultKind::Length;
+        assert_eq!(text(kind as u32) != "unknown mistake", is_known, "{kind:?}");
+    }
+    assert!(text(0).starts_with("nothing"));
+    assert_eq!([text(1), text(11)], ["unknown mistake"; 2]);
+}
+
+#[test]
+fn levels_have_the_bits_of_the_runtime() {
+    each(|Both { c: (found, _), rust: (envelope, _), .. }| {
+        let pose = rest(&envelope);
+        let (j, p, s) = (pose.len(), envelope.palette_len(), envelope.scratch_len());
+        let mut scratch = vec![0.0; s];
+        for (level, number) in Level::ALL.into_iter().zip([1, 2]) {
+            let mut expected = vec![[[0.0; 4]; 3]; p];
+            let confidence =
+                envelope.palette_at(level, &pose, &mut scratch, &mut expected).unwrap();
+            let mut palette = vec![[[0.0; 4]; 3]; p];
+            let (from, to, at) =
+                (pose.as_ptr().cast(), palette.as_mut_ptr().cast(), scratch.as_mut_ptr());
+            let handle = found.handle;
+            // SAFETY: an open envelope, arrays with their lengths, and one number to be written.
+            let told = get(|out| unsafe {
+                sinew_envelope_palette_at(handle, number, from, j, at, s, to, p, out, NONE)
+            });
+            assert_eq!((told, palette), (confidence, expected));
+        }
+    });
+}
+
+#[test]
+fn hashes_tell_files_apart() {
+    each(|Both { c: (found, mesh), rust: (envelope, skin), .. }| {
+        let joints = 0..envelope.joint_len();
+        let names: Vec<&str> = joints.clone().filter_map(|j| envelope.joint_name(j)).collect();
+        let parents = || joints.clone().map(|joint| envelope.parent(joint));
+        let expected = skeleton_hash_of(&names, parents());
+        assert_eq!((found.info().skeleton_hash, envelope.skeleton_hash()), (expected, expected));
+        let in_c = |name: &&str| sinew_name { name: name.as_ptr().cast(), name_len: name.len() };
+        let all: Vec<sinew_name> = names.iter().map(in_c).collect();
+        let numbers: Vec<u32> =
+            parents().map(|parent| parent.map_or(SINEW_NO_JOINT, |p| p as u32)).collect();
+        let (at, above, len) = (all.as_ptr(), numbers.as_ptr(), all.len());
+        // SAFETY: arrays with their length, and one number to be written.
+        let told = get(|out| unsafe { sinew_skeleton_hash(at, above, len, out, NONE) });
+        assert_eq!(told, expected);
+        let positions: Vec<[f32; 3]> = skin.rest_positions().collect();
+        let expected = mesh_hash_of(&positions);
+        assert_eq!(skin.mesh_hash(), expected);
+        let (at, len) = (positions.as_ptr().cast(), positions.len());
+        // SAFETY: an array with its length, and one number to be written.
+        assert_eq!(get(|out| unsafe { sinew_mesh_hash(at, len, out, NONE) }), expected);
+        // SAFETY: an open skin, and one number to be written.
+        assert_eq!(get(|out| unsafe { sinew_skin_mesh_hash(mesh.handle, out, NONE) }), expected);
+        assert_ne!(expected, mesh_hash_of(&positions[1..]));
+    });
+}

@@ -1,0 +1,88 @@
+//! What the README says of linking: a CMake project, the shared library's name, the C++ example.
+
+use crate::common::{GOLDEN_NAMES, golden_path, libraries, output, package, scratch};
+use crate::host::{CXX, GCC, SANITIZERS, compile, static_library};
+use sinew_runtime::{LocalTransform, Matrix3x4, Model, model_space_pose};
+use std::fmt::Write;
+use std::process::Command;
+
+const CMAKE: &str = "CMake (Debian: cmake)";
+
+/// Returns the README's first block in a language.
+fn block(language: &str) -> String {
+    let readme = std::fs::read_to_string(package().join("README.md")).unwrap();
+    let code = readme.split(&format!("```{language}\n")).nth(1).unwrap();
+    code.split_once("```").unwrap().0.to_owned()
+}
+
+#[test]
+fn the_cpp_of_the_readme_stands_at_rest_and_bends() {
+    let source = scratch().join("readme.cpp");
+    std::fs::write(&source, block("cpp")).unwrap();
+    let library = static_library();
+    let flags = [&SANITIZERS[..], &["-fno-exceptions", &library]].concat();
+    let program = compile("g++", CXX, source.to_str().unwrap(), "readme++", &flags);
+    let found = output(Command::new(program).arg(golden_path(GOLDEN_NAMES[1])), GCC);
+    let file = std::fs::read(golden_path(GOLDEN_NAMES[1])).unwrap();
+    let model = Model::from_bytes(&*file).unwrap();
+    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let mut pose = vec![Matrix3x4::default(); envelope.joint_len()];
+    let mut scratch = vec![0.0; envelope.scratch_len()];
+    let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
+    let mut positions = vec![[0.0; 3]; skin.vertex_len()];
+    let mut expected = String::new();
+    for angle in [0.0_f32, 0.5] {
+        let mut local: Vec<LocalTransform> = envelope.rest_locals().collect();
+        let (sin, cos) = (0.5 * angle).sin_cos();
+        // The joints of a golden stand along x, not turned.
+        local.last_mut().unwrap().rotation = [0.0, 0.0, sin, cos];
+        model_space_pose(&envelope, &local, &mut pose).unwrap();
+        let confidence = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+        skin.skin_positions(&palette, &mut positions).unwrap();
+        let [x, y, z] = *positions.last().unwrap();
+        writeln!(
+            expected,
+            "turned by {angle:.2}: confidence {confidence:.2}, last vertex {x:.3} {y:.3} {z:.3}"
+        )
+        .unwrap();
+    }
+    assert_eq!(found, expected);
+    assert!(expected.starts_with("turned by 0.00: confidence 1.00"), "{expected}");
+}
+
+#[test]
+fn a_cmake_project_builds_and_runs_the_example() {
+    let folder = scratch().join("cmake");
+    // What cargo built there may stay.
+    std::fs::create_dir_all(&folder).unwrap();
+    let project = block("cmake").replace("sinew/runtime/capi", "${SINEW}/runtime/capi sinew");
+    assert!(project.contains("${SINEW}"), "{project}");
+    std::fs::write(folder.join("CMakeLists.txt"), project).unwrap();
+    std::fs::copy(package().join("examples/skin.c"), folder.join("game.c")).unwrap();
+    let build = folder.join("build");
+    let root = package().join("../..");
+    let mut configure = Command::new("cmake");
+    configure.args(["-DCMAKE_BUILD_TYPE=Release", "-S"]).arg(&folder).arg("-B").arg(&build);
+    // Cargo of this build: what is first in the path may be another.
+    configure.arg(format!("-DSINEW_CARGO={}", env!("CARGO")));
+    output(configure.arg(format!("-DSINEW={}", root.display())), CMAKE);
+    output(Command::new("cmake").arg("--build").arg(&build), CMAKE);
+    let found = output(Command::new(build.join("game")).arg(golden_path(GOLDEN_NAMES[0])), CMAKE);
+    assert!(found.contains("\nhash        "), "{found}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_program_finds_the_shared_library_by_its_name() {
+    let library = libraries().join("libsinew_capi.so").display().to_string();
+    // Linked by its path, and run where that is not.
+    let program = compile("gcc", "-std=c11", "examples/skin.c", "skin-named", &[&library]);
+    let elsewhere = scratch().join("elsewhere");
+    std::fs::create_dir_all(&elsewhere).unwrap();
+    std::fs::copy(&library, elsewhere.join("libsinew_capi.so")).unwrap();
+    let listed = output(Command::new("readelf").arg("-d").arg(&program), "binutils");
+    assert!(listed.contains("[libsinew_capi.so]"), "{listed}");
+    let mut run = Command::new(program);
+    run.arg(golden_path(GOLDEN_NAMES[0])).env("LD_LIBRARY_PATH", &elsewhere);
+    assert!(output(&mut run, GCC).contains("\nhash        "));
+}

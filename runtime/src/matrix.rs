@@ -1,0 +1,177 @@
+//! Matrices of engines as the runtime's, and the scale of an actor.
+//!
+//! [`Matrix3x4`] is three rows of four for column vectors: `y = m x`, the translation in the last column.
+//! An engine's 4x4 matrix becomes one by how its sixteen floats follow each other in memory:
+//!
+//! | engine | floats of a matrix | call |
+//! |---|---|---|
+//! | glam, cgmath, nalgebra, glTF, ozz-animation, OpenGL, Unity | columns, one after the other | [`from_columns`] |
+//! | DirectX, XNA, USD, Unreal: rows, for row vectors (`y = x m`) | the same floats | [`from_columns`] |
+//! | Blender's Python, NumPy: rows, for column vectors | rows, one after the other | [`from_rows`] |
+//! | glam's `Affine3A::to_cols_array` | four columns of three | [`from_affine_columns`] |
+
+use crate::linear::{Matrix3x4, columns, dot};
+use crate::numeric::sqrt;
+
+/// The matrix that moves nothing.
+pub const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// How near to a number of [`SCALE_BITS`] a scale is taken for that number, as its share: what single precision leaves
+/// of a rotation that many joints handed down.
+pub const SCALE_TOLERANCE: f32 = 4.0e-6;
+/// Bits of a scale that somebody wrote down, as 1, 0.5 or 1.25.
+pub const SCALE_BITS: u32 = 12;
+
+/// Converts a 4x4 matrix of four columns; the last row is dropped.
+///
+/// A matrix for row vectors whose rows follow each other, as DirectX has it, is the same sixteen floats.
+///
+/// ```
+/// use sinew_runtime::matrix;
+///
+/// // A quarter turn about z, then two units along x: what `glam::Mat4::to_cols_array` gives.
+/// let glam = [0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 2.0, 0.0, 0.0, 1.0];
+/// let rows = [[0.0, -1.0, 0.0, 2.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+/// assert_eq!(matrix::from_columns(&glam), rows);
+/// assert_eq!(matrix::to_columns(&rows), glam);
+/// ```
+pub const fn from_columns(m: &[f32; 16]) -> Matrix3x4 {
+    let [xx, yx, zx, _, xy, yy, zy, _, xz, yz, zz, _, x, y, z, _] = *m;
+    [[xx, xy, xz, x], [yx, yy, yz, y], [zx, zy, zz, z]]
+}
+
+/// Converts a 4x4 matrix of four rows for column vectors; the last row is dropped.
+///
+/// ```
+/// use sinew_runtime::matrix;
+///
+/// let m = [0.0, -1.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+/// assert_eq!(matrix::from_rows(&m)[0], [0.0, -1.0, 0.0, 2.0]);
+/// ```
+pub const fn from_rows(m: &[f32; 16]) -> Matrix3x4 {
+    let [xx, xy, xz, x, yx, yy, yz, y, zx, zy, zz, z, ..] = *m;
+    [[xx, xy, xz, x], [yx, yy, yz, y], [zx, zy, zz, z]]
+}
+
+/// Converts an affine transform of four columns of three, as glam's `Affine3A` lists them.
+///
+/// ```
+/// use sinew_runtime::matrix;
+///
+/// let glam = [0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0];
+/// assert_eq!(matrix::from_affine_columns(&glam)[0], [0.0, -1.0, 0.0, 2.0]);
+/// ```
+pub const fn from_affine_columns(m: &[f32; 12]) -> Matrix3x4 {
+    let [xx, yx, zx, xy, yy, zy, xz, yz, zz, x, y, z] = *m;
+    [[xx, xy, xz, x], [yx, yy, yz, y], [zx, zy, zz, z]]
+}
+
+/// Converts to a 4x4 matrix of four columns, the inverse of [`from_columns`].
+pub const fn to_columns(m: &Matrix3x4) -> [f32; 16] {
+    let [[xx, xy, xz, x], [yx, yy, yz, y], [zx, zy, zz, z]] = *m;
+    [xx, yx, zx, 0.0, xy, yy, zy, 0.0, xz, yz, zz, 0.0, x, y, z, 1.0]
+}
+
+/// Takes out of a pose the scale that all its joints share, as that of a scaled actor, and returns it; what is left
+/// is rigid. [`scale_palette`] puts it back:
+///
+/// ```
+/// use sinew_runtime::{CallError, Envelope, Matrix3x4, scale_palette, take_scale};
+///
+/// fn palette(
+///     envelope: &Envelope<'_>,
+///     pose: &mut [Matrix3x4],
+///     scratch: &mut [f32],
+///     palette: &mut [Matrix3x4],
+/// ) -> Result<f32, CallError> {
+///     let scale = take_scale(pose);
+///     let confidence = envelope.palette(pose, scratch, palette)?;
+///     scale_palette(palette, scale);
+///     Ok(confidence)
+/// }
+/// ```
+///
+/// The scale is read off the first joint, its rotation's columns in the mean, and rounded where it is within
+/// [`SCALE_TOLERANCE`] of a number of few bits. One of 1, or none that is finite and greater than 0, is returned as 1, and
+/// the pose keeps its bits; one that is a power of two is taken out and put back exactly. Normals and tangents need
+/// nothing more: they have length 1 whatever the palette's scale.
+pub fn take_scale(pose: &mut [Matrix3x4]) -> f32 {
+    let scale = rounded(pose.first().map_or(1.0, scale_of));
+    if !scale.is_normal() || scale == 1.0 {
+        return 1.0;
+    }
+    for value in pose.as_flattened_mut().as_flattened_mut() {
+        *value /= scale;
+    }
+    scale
+}
+
+/// Scales what a palette makes of its vertices, about the origin of model space.
+pub fn scale_palette(palette: &mut [Matrix3x4], scale: f32) {
+    for value in palette.as_flattened_mut().as_flattened_mut() {
+        *value *= scale;
+    }
+}
+
+/// Rounds a scale that is as good as a number of few bits.
+fn rounded(scale: f32) -> f32 {
+    const LOST: u32 = f32::MANTISSA_DIGITS - SCALE_BITS;
+    let near = scale.to_bits().wrapping_add(1 << (LOST - 1)) >> LOST << LOST;
+    let near = f32::from_bits(near);
+    if (scale - near).abs() <= SCALE_TOLERANCE * near { near } else { scale }
+}
+
+/// Returns by how much a matrix scales, in the mean over its columns.
+pub(crate) fn scale_of(m: &Matrix3x4) -> f32 {
+    let [x, y, z, _] = columns(m);
+    sqrt((dot(x, x) + dot(y, y) + dot(z, z)) / 3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_layout_becomes_the_same_rows() {
+        let rows = [[1.0, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0], [9.0, 10.0, 11.0, 12.0]];
+        let columns = to_columns(&rows);
+        assert_eq!(
+            columns,
+            [1.0, 5.0, 9.0, 0.0, 2.0, 6.0, 10.0, 0.0, 3.0, 7.0, 11.0, 0.0, 4.0, 8.0, 12.0, 1.0]
+        );
+        assert_eq!(from_columns(&columns), rows);
+        let affine = [1.0, 5.0, 9.0, 2.0, 6.0, 10.0, 3.0, 7.0, 11.0, 4.0, 8.0, 12.0];
+        assert_eq!(from_affine_columns(&affine), rows);
+        let flat = [1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 0., 0., 0., 1.];
+        assert_eq!(from_rows(&flat), rows);
+    }
+
+    #[test]
+    fn a_scale_is_taken_out_and_put_back() {
+        let turned = [[0.0, -1.0, 0.0, 2.0], [1.0, 0.0, 0.0, -0.25], [0.0, 0.0, 1.0, 3.5]];
+        for scale in [0.5, 1.0, 2.0, 0.01, 8.0] {
+            let mut pose = [turned, IDENTITY];
+            scale_palette(&mut pose, scale);
+            let scaled = pose;
+            let found = take_scale(&mut pose);
+            assert!((found / scale - 1.0).abs() < 1e-6, "{found} {scale}");
+            assert!(scale == 0.01 || (found, pose) == (scale, [turned, IDENTITY]), "{scale}");
+            scale_palette(&mut pose, found);
+            for (a, b) in pose.as_flattened().iter().zip(scaled.as_flattened()) {
+                assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * b.abs()));
+            }
+        }
+    }
+
+    #[test]
+    fn what_has_no_scale_is_left_alone() {
+        let nearly = [[[1.0 + 2e-6, 0.0, 0.0, 5.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]];
+        for mut pose in [nearly, [[[0.0; 4]; 3]], [[[f32::MAX; 4]; 3]]] {
+            let before = pose;
+            assert_eq!(take_scale(&mut pose), 1.0);
+            assert_eq!(pose, before);
+        }
+        let mut unknown = [[[f32::NAN; 4]; 3]];
+        assert_eq!((take_scale(&mut unknown), take_scale(&mut [])), (1.0, 1.0));
+    }
+}

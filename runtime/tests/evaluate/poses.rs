@@ -1,0 +1,298 @@
+//! Poses of an engine: from rest frames, from a larger skeleton, checked, scaled, at levels.
+
+use crate::common::{call_error, length_error};
+use models::{GOLDEN, Pieces, SMALL};
+use sinew_runtime::envelope::{
+    FOLDED, Level, LocalTransform, PoseFault, PoseFaultKind as Kind, Predictor, RIGID_TOLERANCE,
+};
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{
+    Argument, CallError, CallErrorKind, Envelope, Matrix3x4, Model, SkinJob, gather_pose, matrix,
+    model_space_pose, model_space_pose_under, scale_palette, take_scale,
+};
+
+/// Runs a test on the envelopes of the goldens and of a sample.
+fn each(test: impl Fn(&Envelope<'_>)) {
+    let sample = Pieces::sample(Predictor::Kernel, SMALL).bytes();
+    for file in GOLDEN.into_iter().chain([&*sample]) {
+        test(&Model::from_bytes(file).unwrap().envelope().unwrap());
+    }
+}
+
+/// A pose in which each joint is turned against its rest frame, about an axis of its own.
+fn turned(envelope: &Envelope<'_>, angle: f32) -> Vec<LocalTransform> {
+    let turn = |(joint, local): (usize, LocalTransform)| {
+        let (sine, cosine) = (0.5 * angle * (1.0 + joint as f32)).sin_cos();
+        let axis = [[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [0.8, -0.6, 0.0]][joint % 3];
+        let [x, y, z] = axis.map(|a| sine * a);
+        let ([a, b, c, d], w) = (local.rotation, cosine);
+        let rotation = [
+            d * x + a * w + b * z - c * y,
+            d * y - a * z + b * w + c * x,
+            d * z + a * y - b * x + c * w,
+            d * w - a * x - b * y - c * z,
+        ];
+        LocalTransform { rotation, ..local }
+    };
+    envelope.rest_locals().enumerate().map(turn).collect()
+}
+
+fn posed(envelope: &Envelope<'_>, local: &[LocalTransform]) -> Vec<Matrix3x4> {
+    let mut pose = vec![matrix::IDENTITY; local.len()];
+    model_space_pose(envelope, local, &mut pose).unwrap();
+    pose
+}
+
+fn apart(a: &[Matrix3x4], b: &[Matrix3x4]) -> f32 {
+    let pairs = a.as_flattened().as_flattened().iter().zip(b.as_flattened().as_flattened());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+fn after(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {
+    let entry = |row: &[f32; 4], c: usize| {
+        (0..3).map(|k| row[k] * b[k][c]).sum::<f32>() + if c == 3 { row[3] } else { 0.0 }
+    };
+    a.map(|row| std::array::from_fn(|c| entry(&row, c)))
+}
+
+const ACTOR: Matrix3x4 = [[0.0, -1.0, 0.0, 2.0], [1.0, 0.0, 0.0, -0.25], [0.0, 0.0, 1.0, 3.5]];
+
+#[test]
+fn rest_frames_make_the_rest_pose() {
+    each(|envelope| {
+        let local: Vec<_> = envelope.rest_locals().collect();
+        assert_eq!(local.len(), envelope.joint_len());
+        let pose = posed(envelope, &local);
+        assert!(apart(&pose, &vec![matrix::IDENTITY; local.len()]) < 2e-6, "{pose:?}");
+        assert_eq!(envelope.rest_local(local.len()), None);
+        assert_eq!(envelope.rest_frame(local.len()), None);
+        for (joint, bind) in envelope.inverse_binds().enumerate() {
+            assert_eq!(envelope.inverse_bind(joint), Some(bind));
+            let frame = envelope.rest_frame(joint).unwrap();
+            assert!(apart(&[after(&bind, &frame)], &[matrix::IDENTITY]) < 1e-6);
+        }
+        assert!(apart(&posed(envelope, &turned(envelope, 0.5)), &pose) > 0.1);
+    });
+}
+
+#[test]
+fn a_root_carries_the_whole_pose() {
+    each(|envelope| {
+        let local = turned(envelope, 0.5);
+        let expected: Vec<_> = posed(envelope, &local).iter().map(|m| after(&ACTOR, m)).collect();
+        let mut pose = vec![matrix::IDENTITY; local.len()];
+        model_space_pose_under(&ACTOR, envelope, &local, &mut pose).unwrap();
+        assert!(apart(&pose, &expected) < 1e-5);
+        let before = pose.clone();
+        let wrong = ACTOR.map(|row| row.map(|x| x / 0.0));
+        let refused = model_space_pose_under(&wrong, envelope, &local, &mut pose);
+        assert_eq!(refused, Err(call_error(CallErrorKind::NonFinite, Argument::Root)));
+        assert_eq!(pose, before);
+    });
+}
+
+#[test]
+fn a_larger_skeleton_is_gathered_by_names() {
+    each(|envelope| {
+        let len = envelope.joint_len();
+        let pose = posed(envelope, &turned(envelope, 0.5));
+        let frame = |joint: usize| after(&pose[joint], &envelope.rest_frame(joint).unwrap());
+        // The joints backwards, each after a twist of the engine's own; its world is elsewhere.
+        let names: Vec<String> = (0..len)
+            .rev()
+            .flat_map(|joint| {
+                [format!("twist {joint}"), envelope.joint_name(joint).unwrap().to_owned()]
+            })
+            .collect();
+        let world: Vec<_> =
+            (0..len).rev().flat_map(|joint| [ACTOR, after(&ACTOR, &frame(joint))]).collect();
+        let place = |name: &str| names.iter().position(|own| own == name);
+        let mut map = vec![0; len];
+        envelope.bind_joints(place, &mut map).unwrap();
+        let mut out = vec![matrix::IDENTITY; len];
+        gather_pose(envelope, &map, &world, None, &mut out).unwrap();
+        let expected: Vec<_> = pose.iter().map(|m| after(&ACTOR, m)).collect();
+        assert!(apart(&out, &expected) < 1e-5);
+        // The inverse of the actor's matrix brings it back.
+        let back = [[0.0, 1.0, 0.0, 0.25], [-1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 1.0, -3.5]];
+        gather_pose(envelope, &map, &world, Some(&back), &mut out).unwrap();
+        assert!(apart(&out, &pose) < 1e-5);
+        // A joint that the skeleton lacks moves as its parent.
+        let lacking = (0..len).find(|joint| *joint != envelope.root());
+        let own = |name: &str| lacking.and_then(|joint| envelope.joint_name(joint)) == Some(name);
+        envelope.bind_joints(|name| place(name).filter(|_| !own(name)), &mut map).unwrap();
+        gather_pose(envelope, &map, &world, Some(&back), &mut out).unwrap();
+        if let Some(joint) = lacking {
+            assert_eq!(map[joint], FOLDED);
+            assert_eq!(out[joint], out[envelope.parent(joint).unwrap()]);
+        }
+    });
+}
+
+#[test]
+fn what_cannot_be_bound_or_gathered_is_refused() {
+    each(|envelope| {
+        let (len, root) = (envelope.joint_len(), envelope.root());
+        let mut map = vec![7; len];
+        let no_root =
+            |argument| CallError { index: root, ..call_error(CallErrorKind::NoRoot, argument) };
+        let found = envelope.bind_joints(|_| None, &mut map);
+        assert_eq!(found, Err(no_root(Argument::Names)));
+        assert!(found.unwrap_err().to_string().contains("the root, is not among them"));
+        let found = envelope.bind_joints(|_| Some(FOLDED as usize), &mut map).unwrap_err();
+        assert_eq!((found.kind, found.argument), (CallErrorKind::OutOfRange, Argument::Names));
+        let found = envelope.bind_joints(|_| Some(0), &mut map[1..]);
+        assert_eq!(found, Err(length_error(Argument::Joints, len, len - 1)));
+        assert_eq!(map, vec![7; len]);
+        let mut out = vec![ACTOR; len];
+        let world = vec![matrix::IDENTITY; len];
+        let sound: Vec<u32> = (0..len as u32).collect();
+        let mut gather = |map: &[u32], world: &[Matrix3x4], root: Option<&Matrix3x4>| {
+            let found = gather_pose(envelope, map, world, root, &mut out).unwrap_err();
+            assert_eq!(out, vec![ACTOR; len]);
+            found
+        };
+        let mut folded = sound.clone();
+        folded[root] = FOLDED;
+        assert_eq!(gather(&folded, &world, None), no_root(Argument::Joints));
+        let found = gather(&sound, &world[1..], None);
+        assert_eq!((found.kind, found.argument), (CallErrorKind::OutOfRange, Argument::Joints));
+        assert_eq!((found.index, found.found), (len - 1, len - 1));
+        let unknown = [[f32::NAN; 4]; 3];
+        let found = gather(&sound, &[&world[1..], &[unknown]].concat(), None);
+        assert_eq!((found.kind, found.argument), (CallErrorKind::NonFinite, Argument::World));
+        assert_eq!(found.index, len - 1);
+        let found = gather(&sound, &world, Some(&unknown));
+        assert_eq!(found, call_error(CallErrorKind::NonFinite, Argument::Root));
+        assert_eq!(gather(&sound[1..], &world, None).argument, Argument::Joints);
+    });
+}
+
+#[test]
+fn poses_are_taken_and_faults_named() {
+    each(|envelope| {
+        let pose = posed(envelope, &turned(envelope, 0.5));
+        assert_eq!(envelope.check_pose(&pose), Ok(()));
+        let last = pose.len() - 1;
+        let changed = |change: &dyn Fn(&mut Matrix3x4)| {
+            let mut pose = pose.clone();
+            change(&mut pose[last]);
+            envelope.check_pose(&pose).unwrap_err()
+        };
+        let fault = envelope.check_pose(&pose[1..]).unwrap_err();
+        assert_eq!((fault.kind, fault.joint), (Kind::Length, last));
+        for value in [f32::NAN, f32::INFINITY] {
+            for place in 0..12 {
+                let fault = changed(&|m| m[place / 4][place % 4] = value);
+                assert_eq!((fault.kind, fault.joint), (Kind::NonFinite, last));
+            }
+        }
+        let fault = changed(&|m| m[1] = m[1].map(|x| -x));
+        assert_eq!((fault.kind, fault.joint), (Kind::Mirrored, last));
+        let fault = changed(&|m| m.as_flattened_mut().iter_mut().for_each(|x| *x *= 1.1));
+        assert_eq!((fault.kind, fault.joint), (Kind::Scaled, last));
+        assert!((fault.factor - 1.1).abs() < 1e-6 && (fault.found - 0.21).abs() < 1e-3);
+        let fault = changed(&|m| m[2] = m[2].map(|x| 1.2 * x));
+        assert_eq!((fault.kind, fault.joint), (Kind::Stretched, last));
+        let slightly = 1.0 + 0.4 * RIGID_TOLERANCE;
+        let mut nearly = pose.clone();
+        nearly[last] =
+            nearly[last].map(|[x, y, z, t]| [slightly * x, slightly * y, slightly * z, t]);
+        // The joint's origin, which it scales, is near.
+        assert!(!matches!(envelope.check_pose(&nearly), Err(PoseFault { kind: Kind::Scaled, .. })));
+        if pose.len() > 1 {
+            let fault = changed(&|m| m[0][3] += 50.0);
+            assert_eq!((fault.kind, fault.joint), (Kind::Apart, last));
+            assert!((fault.found - 50.0).abs() < 1.0, "{fault}");
+        }
+    });
+    for kind in Kind::ALL {
+        let fault =
+            PoseFault { kind, joint: 3, factor: 10.0, found: 0.5, allowed: 0.1, axes: [1, -3, 2] };
+        let text = fault.to_string();
+        assert!(text.contains('3') && text.ends_with(kind.remedy()), "{text}");
+    }
+}
+
+#[test]
+fn a_scaled_actor_is_the_scaled_skin() {
+    for file in GOLDEN {
+        let model = Model::from_bytes(file).unwrap();
+        let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+        let evaluate = |mut pose: Vec<Matrix3x4>| {
+            let scale = take_scale(&mut pose);
+            let mut palette = vec![matrix::IDENTITY; envelope.palette_len()];
+            let mut scratch = vec![0.0; envelope.scratch_len()];
+            envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+            scale_palette(&mut palette, scale);
+            let mut out = vec![0.0; 6 * skin.vertex_len()];
+            let floats = cells(&mut out);
+            SkinJob {
+                skin,
+                palette: &palette,
+                vertices: 0..skin.vertex_len(),
+                remap: None,
+                rest: Rest::default(),
+                positions: Some(Output { floats, stride: 6 }),
+                normals: Some(Output { floats: &floats[3..], stride: 6 }),
+                tangents: None,
+            }
+            .run()
+            .unwrap();
+            (scale, out)
+        };
+        let pose = posed(&envelope, &turned(&envelope, 0.5));
+        let (_, own) = evaluate(pose.clone());
+        for factor in [0.5, 2.0, 1.1] {
+            let mut scaled = pose.clone();
+            scale_palette(&mut scaled, factor);
+            assert_eq!(envelope.check_pose(&scaled).unwrap_err().kind, Kind::Scaled);
+            let (scale, found) = evaluate(scaled);
+            assert!((scale / factor - 1.0).abs() < 1e-6, "{scale}");
+            let positions = found.chunks(6).zip(own.chunks(6));
+            let same = |(a, b): (&[f32], &[f32])| a[0] == factor * b[0] && a[2] == factor * b[2];
+            assert!(factor == 1.1 || positions.clone().all(same), "{factor} is a power of two");
+            let (found, own) = (found.as_chunks::<6>().0, own.as_chunks::<6>().0);
+            for (found, own) in found.iter().zip(own) {
+                for axis in 0..3 {
+                    let expected = factor * own[axis];
+                    assert!((found[axis] - expected).abs() < 1e-5 * factor, "{factor}");
+                    assert!((found[axis + 3] - own[axis + 3]).abs() < 1e-5, "{factor}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn levels_are_the_palette_with_and_without_its_correction() {
+    each(|envelope| {
+        let pose = posed(envelope, &turned(envelope, 0.25));
+        let mut scratch = vec![0.0; envelope.scratch_len()];
+        let mut at = |level: Option<Level>| {
+            let mut palette = vec![matrix::IDENTITY; envelope.palette_len()];
+            let confidence = match level {
+                Some(level) => envelope.palette_at(level, &pose, &mut scratch, &mut palette),
+                None => envelope.palette(&pose, &mut scratch, &mut palette),
+            };
+            (palette, confidence.unwrap())
+        };
+        assert_eq!(at(Some(Level::default())), at(None));
+        let (base, confidence) = at(Some(Level::Joints));
+        assert!((0.0..=1.0).contains(&confidence));
+        if !envelope.predictor().corrects() {
+            assert_eq!((base, confidence), at(None));
+        } else if !envelope.predictor().reconstructs() {
+            assert_eq!((&base[..pose.len()], confidence), (&*pose, 1.0));
+            for group in envelope.groups() {
+                for helper in &base[pose.len()..][group.proxies.clone()] {
+                    assert_eq!(*helper, pose[group.joint]);
+                }
+            }
+        } else {
+            assert_ne!(base, at(None).0);
+        }
+        let refused = envelope.palette_at(Level::Joints, &pose, &mut [], &mut []);
+        assert_eq!(refused.unwrap_err().argument, Argument::Palette);
+    });
+}

@@ -1,0 +1,174 @@
+//! Calls about a pose of the caller's skeleton: gathered, checked, scaled, at levels.
+
+use super::arena::{BATCH, bytes, floats};
+use super::call::Call;
+use super::shared::{optional, unknown};
+use arbitrary::Result;
+use sinew_capi::*;
+use std::ptr::{null, null_mut};
+
+use sinew_argument as Argument;
+use sinew_status as Status;
+
+pub(super) fn rest_locals(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let envelope = call.envelope()?;
+    let (out, out_len) = call.output(call.arena.frame.pose.len(), Argument::Local)?;
+    let error = call.ready(unknown);
+    // SAFETY: as for each call of this module: pointers are null, misaligned, or into the arena, with lengths that
+    // stay within it or reach beyond the address space; handles are null, misaligned, or point to enough of
+    // it, where an object is loaded or the memory is blank or empty; names point into the arena.
+    Ok(unsafe { sinew_envelope_rest_locals(envelope, out, out_len, error) })
+}
+
+pub(super) fn bind(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let envelope = call.envelope()?;
+    let j = call.arena.frame.pose.len();
+    let (names, names_len) = names(call)?;
+    // Whether the root is among them is not known.
+    call.vague = true;
+    let (out, out_len) = call.output_exact(j, j, Argument::Joints)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_envelope_bind(envelope, names, names_len, out, out_len, error) })
+}
+
+pub(super) fn gather(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
+    // Each joint's own frame, or a number that is none, or that folds it.
+    let place = call.arena.local.start;
+    let mut map: Vec<u32> = (0..j as u32).collect();
+    if let Some(first) = map.first_mut().filter(|_| place > 0) {
+        *first = *call.u.choose(&[0, 1, j as u32, SINEW_FOLDED - 1, SINEW_FOLDED])?;
+    }
+    let content: Vec<u8> = map.iter().flat_map(|number| number.to_ne_bytes()).collect();
+    call.arena.write(place, &content);
+    call.spoil(call.arena.poses.clone())?;
+    call.vague = true;
+    let (map, map_len) = call.input::<u32>(place..place + content.len(), j, Argument::Joints)?;
+    let (world, world_len) = call.input_any(call.arena.poses.clone(), Argument::World)?;
+    let root = if call.one_in(2)? || j == 0 {
+        null()
+    } else {
+        call.input_one(call.arena.poses.start, Argument::Root)?
+    };
+    let (out, out_len) = call.output_exact(j, j, Argument::Pose)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe {
+        sinew_envelope_gather(envelope, map, map_len, world, world_len, root, out, out_len, error)
+    })
+}
+
+pub(super) fn check_pose(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let one = call.arena.poses.start..call.arena.poses.start + call.arena.poses.len() / BATCH;
+    if call.one_in(2)? && !one.is_empty() {
+        // A fault of the pose is none of the call.
+        let at = one.start + 4 * call.u.choose_index(one.len() / 4)?;
+        call.arena.write(at, &call.u.arbitrary::<f32>()?.to_ne_bytes());
+    }
+    let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
+    let (pose, pose_len) = call.input(one, j, Argument::Pose)?;
+    let out = call.output_one(Argument::Result)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_envelope_check_pose(envelope, pose, pose_len, out, error) })
+}
+
+pub(super) fn take_scale(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let (pose, len) = call.output_any(call.arena.frame.pose.len(), Argument::Pose)?;
+    let out = call.output_one(Argument::Result)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_pose_take_scale(pose, len, out, error) })
+}
+
+pub(super) fn palette_scale(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let (palette, len) = call.output_any(call.arena.frame.palette.len(), Argument::Palette)?;
+    let scale = call.u.arbitrary()?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_palette_scale(palette, len, scale, error) })
+}
+
+pub(super) fn palette_at(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let one = call.arena.poses.start..call.arena.poses.start + call.arena.poses.len() / BATCH;
+    call.spoil(one.clone())?;
+    let (level, full) = (call.u.int_in_range(0..=3)?, sinew_level::Full as u32);
+    let is_level = level == full || level == sinew_level::Joints as u32;
+    call.fault_if(!is_level, Status::OutOfRange, Argument::Level);
+    let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
+    let (pose, pose_len) = call.input(one, j, Argument::Pose)?;
+    let p = call.arena.frame.palette.len();
+    let (out, out_len) = call.output_exact(p, p, Argument::Palette)?;
+    let (scratch, scratch_len) = call.output(call.arena.frame.scratch_len, Argument::Scratch)?;
+    let confidence =
+        if call.one_in(4)? { null_mut() } else { optional(call, Argument::Confidences)? };
+    let error =
+        call.ready(
+            |arena| {
+                if level == full { bytes(floats(&arena.frame.palette)) } else { Vec::new() }
+            },
+        );
+    // SAFETY: as above.
+    Ok(unsafe {
+        sinew_envelope_palette_at(
+            envelope,
+            level,
+            pose,
+            pose_len,
+            scratch,
+            scratch_len,
+            out,
+            out_len,
+            confidence,
+            error,
+        )
+    })
+}
+
+pub(super) fn skeleton_hash(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let (names, len) = names(call)?;
+    let place = call.arena.poses.start;
+    call.read.push(place..place + 4 * len);
+    let parents = if len == 0 { null() } else { call.input_fixed(place, Argument::Joints)? };
+    let out = call.output_one(Argument::Result)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_skeleton_hash(names, parents, len, out, error) })
+}
+
+pub(super) fn skin_mesh_hash(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let (skin, out) = (call.skin()?, call.output_one(Argument::Result)?);
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_skin_mesh_hash(skin, out, error) })
+}
+
+pub(super) fn mesh_hash(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let place = call.arena.rest[0].clone();
+    let (positions, len) = call.input_any::<[f32; 3]>(place, Argument::RestPositions)?;
+    let out = call.output_one(Argument::Result)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_mesh_hash(positions.cast(), len, out, error) })
+}
+
+/// Draws names, as many as there are joints or fewer: pieces of the file, or one that is nowhere.
+fn names(call: &mut Call<'_, '_>) -> Result<(*const sinew_name, usize)> {
+    let (place, file) = (call.arena.local.start, call.arena.file.clone());
+    let len = call.u.int_in_range(0..=call.arena.frame.pose.len())?;
+    let mut content = Vec::new();
+    for _ in 0..len {
+        let start = call.u.int_in_range(file.start..=file.end)?;
+        let name_len = call.u.int_in_range(0..=8)?.min(file.end - start);
+        let at = if call.one_in(32)? { null() } else { call.arena.at::<u8>(start).cast_const() };
+        call.fault_if(at.is_null() && name_len > 0, Status::Null, Argument::Names);
+        content.extend(at.expose_provenance().to_ne_bytes());
+        content.extend(name_len.to_ne_bytes());
+    }
+    call.arena.write(place, &content);
+    call.read.extend([place..place + content.len(), file]);
+    // Any other bytes would be pointers to no memory of the caller.
+    let names = if len == 0 { null() } else { call.input_fixed(place, Argument::Names)? };
+    Ok((names, len))
+}

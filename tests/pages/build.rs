@@ -1,0 +1,46 @@
+//! Takes the Rust of pages apart: each block a file, by its heading and its number below that.
+
+use std::error::Error;
+use std::path::Path;
+
+const PAGES: [&str; 2] = ["../../runtime/ENGINE.md", "../../runtime/WEB.md"];
+
+/// How lines begin that a test has to see: items, and functions of a type.
+const ITEMS: [&str; 6] = ["fn ", "struct ", "enum ", "type ", "const ", "    fn "];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("cargo::rerun-if-changed=build.rs");
+    let out = std::env::var("OUT_DIR")?;
+    for page in PAGES {
+        println!("cargo::rerun-if-changed={page}");
+        take_apart(&std::fs::read_to_string(page)?, Path::new(&out))?;
+    }
+    Ok(())
+}
+
+/// Writes the blocks of a page.
+fn take_apart(page: &str, out: &Path) -> Result<(), Box<dyn Error>> {
+    for section in page.split("\n## ").skip(1) {
+        let heading = section.lines().next().unwrap_or_default();
+        let name: String = heading
+            .chars()
+            .map(|letter| if letter.is_alphanumeric() { letter.to_ascii_lowercase() } else { '_' })
+            .collect();
+        let blocks = section.split("```rust\n").skip(1).filter_map(|rest| rest.split_once("```"));
+        for (number, (block, _)) in blocks.enumerate() {
+            let lines = block.lines().map(seen).collect::<Vec<_>>();
+            std::fs::write(out.join(format!("{name}_{number}.rs")), lines.join("\n"))?;
+        }
+    }
+    Ok(())
+}
+
+/// Lets a test see what a line begins.
+fn seen(line: &str) -> String {
+    let code = line.trim_start();
+    if ITEMS.iter().any(|item| line.starts_with(item)) {
+        format!("{}pub(crate) {code}", &line[..line.len() - code.len()])
+    } else {
+        line.to_owned()
+    }
+}

@@ -1,0 +1,119 @@
+//! "A web page": its module and its script in a browser, against the native runtime.
+
+use crate::math::{diagonal, farthest, rest};
+use crate::shown::web::Character;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use pages::arm;
+use pages::browser::{browser, said};
+use pages::build::{cargo, emptied, write};
+use pages::text::{blocks, read, repository};
+use sinew_runtime::Model;
+use std::path::Path;
+
+const TARGET: &str = env!("CARGO_TARGET_TMPDIR");
+
+/// The joint that is turned.
+const JOINT: &str = "forearm";
+
+/// How far turning it takes the arm up, by its box, as a part of its diagonal.
+const RAISED: f32 = 0.15;
+
+/// Builds the page's module.
+fn module(name: &str, flags: &str, level: &str) -> Vec<u8> {
+    let folder = emptied(Path::new(TARGET), name);
+    let runtime = repository().join("runtime");
+    let manifest = format!(
+        "[package]\nname = \"game\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n[lib]\ncrate-type = [\"cdylib\"]\n
+[dependencies]\nsinew-runtime = {{ path = {runtime:?} }}\n\n[profile.release]\nopt-level = {level}\n\n[workspace]\n"
+    );
+    write(&folder.join("Cargo.toml"), &manifest);
+    write(&folder.join("src/lib.rs"), &blocks(&read("runtime/WEB.md"), "rust").concat());
+    // Each with what it built, kept from run to run.
+    let target = format!("{TARGET}/{name}-target");
+    let wasm = "wasm32-unknown-unknown";
+    let flags = format!("target.{wasm}.rustflags=[{flags}]");
+    cargo(&folder, &target, &["build", "-q", "--release", "--target", wasm, "--config", &flags]);
+    std::fs::read(Path::new(&target).join("target").join(wasm).join("release/game.wasm")).unwrap()
+}
+
+/// What the page says of a frame: the confidence, the box, a hash of all bits.
+fn look(confidence: f32, floats: &[f32]) -> (f32, [f32; 6], u32) {
+    let extent = |c: usize| {
+        let all = floats.iter().skip(c).step_by(6);
+        [all.clone().copied().fold(f32::MAX, f32::min), all.copied().fold(f32::MIN, f32::max)]
+    };
+    let [x, y, z] = [0, 1, 2].map(extent);
+    let bytes = floats.iter().flat_map(|value| value.to_le_bytes());
+    let hash = bytes
+        .fold(0x811c_9dc5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+    (confidence, [x[0], x[1], y[0], y[1], z[0], z[1]], hash)
+}
+
+/// Reads what the page says of a frame.
+fn read_look(line: &str) -> (f32, [f32; 6], u32) {
+    let fields: Vec<&str> = line.split(' ').skip(1).collect();
+    let number = |i: usize| fields[i].parse::<f64>().unwrap() as f32;
+    (number(0), [1, 2, 3, 4, 5, 6].map(number), fields[7].parse().unwrap())
+}
+
+/// Opens the page with a module; holds what it says against the native runtime, and returns its frames a second.
+fn opened(browser: &str, name: &str, module: &[u8]) -> u32 {
+    let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
+    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let joint = (0..envelope.joint_len()).find(|&j| envelope.joint_name(j) == Some(JOINT)).unwrap();
+
+    // By the very code of the page, natively.
+    let mut character = Character::new(arm::FILE.clone()).unwrap();
+    let at_rest = look(character.frame().unwrap(), character.vertices());
+    let own = rest(&skin);
+    let size = diagonal(&own);
+    let found: Vec<_> = character.vertices().chunks_exact(6).map(|v| [v[0], v[1], v[2]]).collect();
+    assert!(farthest(&found, &own, size) < 1e-5, "it stands at rest");
+    let (sin, cos) = 0.6_f64.sin_cos();
+    character.turn(joint, [0.0, 0.0, sin as f32, cos as f32]);
+    let turned = look(character.frame().unwrap(), character.vertices());
+    assert!(at_rest.0 > 0.999 && turned.0 > 0.5, "{} {}", at_rest.0, turned.0);
+    assert!(turned.1[3] - at_rest.1[3] > RAISED * size, "{:?} {:?}", at_rest.1, turned.1);
+
+    let script = blocks(&read("runtime/WEB.md"), "js")[0].to_owned();
+    let page = include_str!("web.html");
+    let page = page.replace("BLOCK", &script).replace("JOINT", &joint.to_string());
+    let files = [
+        ("/", "text/html; charset=utf-8", page.as_bytes()),
+        ("/game.wasm", "application/wasm", module),
+        ("/arm.snw", "application/octet-stream", arm::FILE.as_slice()),
+    ];
+    let said = said(browser, &[], &files);
+    let line = |what: &str| {
+        let found = said.lines().find(|line| line.starts_with(what));
+        found.unwrap_or_else(|| panic!("{name}: no {what} in {said}"))
+    };
+    let picture = STANDARD.decode(line("picture").split(' ').nth(1).unwrap()).unwrap();
+    std::fs::write(Path::new(TARGET).join(format!("{name}.png")), picture).unwrap();
+    assert_eq!(read_look(line("rest")), at_rest, "{name}");
+    assert_eq!(read_look(line("turned")), turned, "{name}");
+    assert_eq!(line("refused"), "refused -1 0 true", "{name}");
+    assert_eq!(line("closed"), "closed NaN", "{name}");
+    let rate: u32 = line("rate").split(' ').nth(1).unwrap().parse().unwrap();
+    println!("web: {name}, {} bytes, {} vertices: {rate} frames a second", module.len(), own.len());
+    rate
+}
+
+const SIMD: &str = "'-C', 'target-feature=+simd128'";
+
+#[test]
+fn the_page_draws_what_the_native_runtime_skins() {
+    let Some(browser) = browser() else { return };
+    opened(browser, "web", &module("web", SIMD, "3"));
+}
+
+#[test]
+#[ignore = "builds the module three times, for the figures of the page"]
+fn builds_of_the_page_differ_in_time_and_in_no_bit() {
+    let Some(browser) = browser() else { return };
+    let rate = |name, flags, level| opened(browser, name, &module(name, flags, level));
+    let fast = rate("web", SIMD, "3");
+    assert!(fast > rate("web-plain", "", "3"));
+    assert!(fast > rate("web-small", SIMD, "'z'"));
+}

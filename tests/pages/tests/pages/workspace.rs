@@ -1,0 +1,104 @@
+//! The runtime inside another workspace.
+
+use pages::build::{cargo, copy, emptied, write};
+use pages::text::{blocks, read};
+use std::path::{Path, PathBuf};
+
+const TARGET: &str = env!("CARGO_TARGET_TMPDIR");
+
+/// What an engine adds to the ten lines of the README.
+const MAIN: &str = "
+fn main() {
+    let model = load(include_bytes!(\"../arm.snw\").to_vec()).unwrap();
+    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let mut pose = vec![[[0.0; 4]; 3]; envelope.joint_len()];
+    for joint in &mut pose {
+        *joint = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 5.0]];
+    }
+    let mut scratch = vec![0.0; envelope.scratch_len()];
+    let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
+    let mut positions = vec![[0.0; 3]; skin.vertex_len()];
+    frame(&model, &pose, &mut scratch, &mut palette, &mut positions).unwrap();
+    let rest = skin.rest_position(0).unwrap();
+    println!(\"{:.3}\", positions[0][2] - rest[2]);
+}
+";
+
+/// Makes an engine that is a workspace, with a game that uses the runtime of a folder: outside of our own workspace, in
+/// a place of this checkout's.
+fn engine(name: &str, workspace: &str) -> PathBuf {
+    let place =
+        std::env::temp_dir().join(format!("sinew-pages{}", TARGET.replace(['/', '\\', ':'], "-")));
+    let engine = emptied(&place, name);
+    write(&engine.join("Cargo.toml"), workspace);
+    let game = "[package]\nname = \"game\"\nversion = \"0.1.0\"\nedition = \"2021\"\n
+[dependencies]\nsinew-runtime = { path = \"../sinew/runtime\" }\n";
+    write(&engine.join("game/Cargo.toml"), game);
+    write(
+        &engine.join("game/src/main.rs"),
+        &(blocks(&read("runtime/README.md"), "rust")[0].to_owned() + MAIN),
+    );
+    std::fs::copy(models::golden_path(models::GOLDEN_NAMES[0]), engine.join("game/arm.snw"))
+        .unwrap();
+    engine
+}
+
+#[test]
+fn the_repository_may_stand_inside_another_workspace() {
+    let engine = engine("engine", "[workspace]\nresolver = \"3\"\nmembers = [\"game\"]\n");
+    let sinew = engine.join("sinew");
+    copy(&["Cargo.toml", "runtime/Cargo.toml", "runtime/README.md", "runtime/src"], &sinew);
+    copy(
+        &["runtime/benches", "tests/models/Cargo.toml", "tests/models/src", "tests/golden"],
+        &sinew,
+    );
+    assert_eq!(cargo(&engine, TARGET, &["run", "-q", "-p", "game"]), "5.000\n");
+}
+
+#[test]
+fn the_runtime_alone_may_stand_where_the_workspace_leaves_it_out() {
+    let workspace = "[workspace]\nresolver = \"3\"\nmembers = [\"game\"]\nexclude = [\"sinew\"]\n";
+    let engine = engine("engine-alone", workspace);
+    copy(&["runtime/Cargo.toml", "runtime/README.md", "runtime/src"], &engine.join("sinew"));
+    assert_eq!(cargo(&engine, TARGET, &["run", "-q", "-p", "game"]), "5.000\n");
+}
+
+#[test]
+fn packages_that_stand_alone_say_what_the_workspace_says() {
+    let workspace = read("Cargo.toml");
+    let table = |text: &str, name: &str| -> Vec<String> {
+        let own = text.split_once(&format!("[{name}]\n")).map_or("", |(_, rest)| rest);
+        own.lines().take_while(|line| !line.starts_with('[')).map(str::to_owned).collect()
+    };
+    let lines = |text: &str, name: &str| -> Vec<String> {
+        table(text, name).into_iter().filter(|line| line.contains(" = ")).collect()
+    };
+    for path in ["runtime/Cargo.toml", "tests/models/Cargo.toml"] {
+        let own = read(path);
+        assert!(!own.contains("workspace = true"), "{path} inherits");
+        let package = lines(&own, "package");
+        let all = lines(&workspace, "workspace.package");
+        assert_eq!(all.len(), 4);
+        for line in all {
+            assert!(package.contains(&line), "{path} lacks {line}");
+        }
+        for lints in ["rust", "clippy"] {
+            let all = lines(&workspace, &format!("workspace.lints.{lints}"));
+            assert_eq!(lines(&own, &format!("lints.{lints}")), all, "{path}");
+        }
+        let mut compared = 0;
+        for dependency in lines(&own, "dependencies") {
+            let name = dependency.split(' ').next().unwrap();
+            let shared = lines(&workspace, "workspace.dependencies");
+            let Some(line) = shared.iter().find(|line| line.starts_with(&format!("{name} = ")))
+            else {
+                continue;
+            };
+            if !line.contains("path = ") {
+                assert_eq!(dependency, *line, "{path}");
+                compared += 1;
+            }
+        }
+        assert!(compared > 0 && Path::new(path).is_relative());
+    }
+}
