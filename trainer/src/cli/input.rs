@@ -130,7 +130,7 @@ impl ExampleArguments {
         for file in &self.examples {
             let own = if several && !is_scene(file) { None } else { targets.next() };
             let targets = own.map(PathBuf::as_path);
-            sources.push(Source { file, targets, fps: self.fps, clips: &self.clip });
+            sources.push(Source { file, targets, fps: self.fps, clips: &self.clip, still: false });
         }
         Ok(sources)
     }
@@ -166,9 +166,13 @@ pub(super) fn convert_to_model(examples: &mut Examples, model: &[u8], skin: Opti
     }
 }
 
-/// Loads a file for its poses.
-pub(super) fn load_poses(file: &Path, output: Output) -> anyhow::Result<LoadedInput> {
-    read(Source::file(file), output, examples::load_poses)
+/// Loads a file for its poses: of a character whose mesh another file has, where one is given.
+pub(super) fn load_motion(
+    source: Source<'_>,
+    mesh: Option<&Path>,
+    output: Output,
+) -> anyhow::Result<LoadedInput> {
+    read(source, output, |source| examples::load_motion(source, mesh))
 }
 
 /// Moves poses from a file to where their rest mesh is this one.
@@ -215,7 +219,7 @@ fn check(examples: &Path) -> anyhow::Result<()> {
 }
 
 /// Parses a number of frames a second.
-fn rate(text: &str) -> Result<f64, String> {
+pub(super) fn rate(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(rate) if RATES.contains(&rate) => Ok(rate),
         _ => Err(format!("expected a number from {} to {}", RATES.start(), RATES.end())),

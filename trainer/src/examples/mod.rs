@@ -23,7 +23,7 @@ pub use crate::formats::scene::{Clip, RATES};
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
 pub use error::{Element, ExamplesError, LoadError};
 pub use hash::hash_file;
-pub use import::{ImportError, Loaded, Source, join, load, load_poses, npz};
+pub use import::{ImportError, Loaded, Source, join, load, load_motion, load_poses, npz};
 pub(crate) use import::{PosedClips, is_shuffled};
 pub use importance::{Importance, load_importance};
 pub use mark::{Mark, is_same};

@@ -41,6 +41,11 @@ pub enum Warning {
         /// The roots, the reference first.
         joints: Vec<String>,
     },
+    /// Joints of the character that an animation does not have.
+    FollowParents {
+        /// The joints.
+        joints: Vec<String>,
+    },
     /// The meshes to learn are the scene's own linear blend skinning.
     PlainSkin,
     /// Meshes among the targets are none of the scene's, and are left out.
@@ -116,6 +121,9 @@ impl fmt::Display for Warning {
                     others.join(", "),
                     if others.len() == 1 { "hangs" } else { "hang" }
                 )
+            }
+            Warning::FollowParents { joints } => {
+                write!(f, "joints that it does not have follow their parents: {}", joints.join(", "))
             }
             Warning::PlainSkin => f.write_str(
                 "no shapes move and no targets are given: the meshes are the scene's own linear \

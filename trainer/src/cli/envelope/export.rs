@@ -14,7 +14,7 @@ use sinew_trainer::envelope::export::{
 };
 use sinew_trainer::envelope::levels::LevelReport;
 use sinew_trainer::envelope::posed::rest;
-use sinew_trainer::examples::Source;
+use sinew_trainer::examples::{ExamplesError, ImportError, LoadError, Source};
 use sinew_trainer::formats::appearance;
 use sinew_trainer::space::SpaceRequest;
 use std::path::{Path, PathBuf};
@@ -53,9 +53,17 @@ use std::path::{Path, PathBuf};
 pub(in crate::cli) struct Arguments {
     /// A model that `sinew train` wrote
     model: PathBuf,
-    /// Poses to play, of the character that the model was trained on: a file as `sinew train` takes, all clips of it
+    /// Poses to play, of the character that the model was trained on: a file as `sinew train` takes, all clips of it; or,
+    /// with --mesh or --into, a scene that has the skeleton alone
     #[arg(long, value_name = "CLIP")]
     clip: PathBuf,
+    /// The file whose mesh, texture coordinates and materials are taken, where CLIP has none, or not these [default:
+    /// CLIP; with --into and a CLIP without a mesh, the file of --into]
+    #[arg(long, value_name = "CHARACTER")]
+    mesh: Option<PathBuf>,
+    /// Frames a second that the clip plays at [default: what its file says, 30 of a .npz that says nothing]
+    #[arg(long, value_name = "FPS", value_parser = input::rate, allow_negative_numbers = true)]
+    fps: Option<f64>,
     /// The skin whose mesh it plays [default: the model's first]
     #[arg(long, value_name = "NAME")]
     skin: Option<String>,
@@ -87,7 +95,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let mut inputs = Source::file(&arguments.clip).files();
     inputs.push(arguments.model.clone());
     inputs.extend_from_slice(&arguments.also);
-    inputs.extend(arguments.into.clone());
+    inputs.extend(arguments.into.iter().chain(&arguments.mesh).cloned());
     let target = OutputFile::new(&arguments.output, &inputs)?;
     let is_glb = arguments.output.extension().is_some_and(|own| own.eq_ignore_ascii_case("glb"));
     if !is_glb {
@@ -100,7 +108,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let skin = arguments.skin.as_deref();
     let character =
         Character::find(&model, skin).map_err(|error| blame(error.into(), arguments))?;
-    let mut input = input::load_poses(&arguments.clip, output)?;
+    let mut input = poses(arguments, output)?;
     arguments.space.say(&mut input.examples, &arguments.clip.display().to_string())?;
     let conversion = input.examples.convert_to(&character.space);
     let levels = levels::load(&arguments.also, conversion.as_ref())?;
@@ -110,7 +118,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let (glb, said) = match &arguments.into {
         None => {
             let stand = stand(&arguments.space, &arguments.target, &character.space)?;
-            let appearance = appearance::load(&arguments.clip)?;
+            let appearance = appearance::load(arguments.mesh.as_ref().unwrap_or(&arguments.clip))?;
             if !appearance.missing.is_empty() {
                 let names = printable(&appearance.missing.join(", "));
                 let text = format!("images that cannot be read, and are left out: {names}");
@@ -175,6 +183,29 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         "into": said.into,
     });
     output.print(&record, &text)
+}
+
+/// Loads what is played, at the rate that is asked for.
+fn poses(arguments: &Arguments, output: Output) -> anyhow::Result<input::LoadedInput> {
+    let is_npz = arguments.clip.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
+    let fps = arguments.fps.filter(|_| !is_npz);
+    let source = Source { fps, ..Source::file(&arguments.clip) };
+    let load = |mesh: Option<&Path>| input::load_motion(source, mesh, output);
+    let mut loaded = match (&arguments.mesh, &arguments.into) {
+        (Some(mesh), _) => load(Some(mesh)),
+        // Its own mesh first: only what has none needs the other file's.
+        (None, Some(into)) => load(None).or_else(|error| {
+            let is_bare = error.downcast_ref::<LoadError>().is_some_and(|error| {
+                matches!(error.error, ExamplesError::Import(ImportError::JointsAlone))
+            });
+            if is_bare { load(Some(into)) } else { Err(error) }
+        }),
+        (None, None) => load(None),
+    }?;
+    if let Some(fps) = arguments.fps.filter(|_| is_npz) {
+        loaded.clips.iter_mut().for_each(|clip| clip.play_at(fps));
+    }
+    Ok(loaded)
 }
 
 /// What is told of an export.

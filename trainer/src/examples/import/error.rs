@@ -113,6 +113,32 @@ pub enum ImportError {
         /// RMS distance in % of the diagonal.
         percent: f64,
     },
+    /// An animation has none of the character's joints.
+    #[error("has none of the character's joints, by name: {joints}")]
+    NoJoints {
+        /// The character's.
+        joints: String,
+    },
+    /// An animation lacks the root of the character's joints.
+    #[error("has no joint {joint}, the root of the character's: export the whole skeleton")]
+    NoRoot {
+        /// The root.
+        joint: String,
+    },
+    /// An animation's joints at rest are not the character's.
+    #[error(
+        "its joints at rest are not the character's: off by {percent:.1} % of the diagonal; export the skeleton \
+         in its rest pose, with the animation"
+    )]
+    OtherSkeleton {
+        /// RMS distance of their origins in % of the diagonal.
+        percent: f64,
+    },
+    /// A scene without a mesh was given where a mesh is needed.
+    #[error(
+        "holds joints and no mesh: give a file that has the character's mesh as well, with --mesh or --into"
+    )]
+    JointsAlone,
     /// A file beside others has another mesh, or another skeleton.
     #[error(
         "has {found} {what}, {first} has {expected}: examples in several files are of one character"

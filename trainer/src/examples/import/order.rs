@@ -64,11 +64,12 @@ impl Order {
 }
 
 impl PosedClips<'_> {
-    /// Finds the order of the clips in which the meshes follow; none where that given is as good as any, or none is
-    /// better by far.
+    /// Finds the order of the clips in which the meshes follow; none where that given is as good as any, where none is
+    /// better by far, or where the clips do not cover the frames.
     pub(crate) fn order(&self) -> Option<Order> {
         let len = self.lens.len();
-        if !(2..=CLIPS_MOST).contains(&len) {
+        let cover = self.lens.iter().sum::<usize>() * self.rest.len() == self.posed.len();
+        if !cover || !(2..=CLIPS_MOST).contains(&len) {
             return None;
         }
         let fit = Fit::new(self);

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use super::error::ImportError;
 use super::loaded::Loaded;
-use super::{npz, scene, targets};
+use super::{motion, npz, scene, targets};
 use crate::examples::{ExamplesError, LoadError};
 use crate::formats::extension::{extension, unknown_format};
-use crate::formats::scene::{SampledScene, Sampling};
-use crate::formats::{content, fbx, gltf};
+use crate::formats::scene::{SampledScene, Sampling, SceneError};
+use crate::formats::{FormatError, content, fbx, gltf};
 
 /// The files that examples are read from, and how.
 #[derive(Clone, Copy, Debug)]
@@ -22,12 +22,14 @@ pub struct Source<'a> {
     pub fps: Option<f64>,
     /// The clips to read; all of them where none is given.
     pub clips: &'a [String],
+    /// Whether the one frame is what a scene shows without any clip.
+    pub still: bool,
 }
 
 impl<'a> Source<'a> {
     /// Names a file that needs nothing beside it.
     pub fn file(file: &'a Path) -> Self {
-        Self { file, targets: None, fps: None, clips: &[] }
+        Self { file, targets: None, fps: None, clips: &[], still: false }
     }
 
     /// Lists the files that a load reads, where they are there.
@@ -68,7 +70,7 @@ impl<'a> Source<'a> {
     }
 
     fn sampling(&self, shapes: bool) -> Sampling<'a> {
-        Sampling { fps: self.fps, clips: self.clips, shapes }
+        Sampling { fps: self.fps, clips: self.clips, shapes, still: self.still }
     }
 
     fn blame(&self) -> impl Fn(ExamplesError) -> LoadError {
@@ -117,4 +119,27 @@ pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
     let (examples, clips, mut warnings) = scene::still(scene).map_err(&blame)?;
     warnings.extend(examples.validate().map_err(&blame)?);
     Ok(Loaded { examples, clips, warnings })
+}
+
+/// Reads the animations of a scene that may hold joints alone, for a character whose mesh another file has.
+///
+/// - `mesh`: that file, of whose frames none is kept.
+///
+/// # Errors
+/// As [`load_poses`]; [`ImportError::JointsAlone`] of a scene without a mesh where no other is given; and those of joints
+/// that are not the character's.
+pub fn load_motion(source: &Source<'_>, mesh: Option<&Path>) -> Result<Loaded, LoadError> {
+    let Some(mesh) = mesh else {
+        return load_poses(source).map_err(|LoadError { file, error }| {
+            let is_bare = matches!(
+                &error,
+                ExamplesError::Format(FormatError::Scene(SceneError::NoMesh | SceneError::NoSkin))
+            );
+            let error = if is_bare { ImportError::JointsAlone.into() } else { error };
+            LoadError { file, error }
+        });
+    };
+    source.check_content()?;
+    let character = load_poses(&Source { still: true, ..Source::file(mesh) })?.examples;
+    motion::play(source.file, character, &source.sampling(false)).map_err(source.blame())
 }

@@ -68,13 +68,18 @@ pub(super) struct Posed {
     pub(super) morphs: bool,
 }
 
-/// Poses the joints at these nodes, and the vertices of parts, where there are any to pose.
+/// Poses the joints at these nodes, and the vertices of parts, where there are any to pose; without a take, the joints
+/// as the scene shows them.
 pub(super) fn posed(
     scene: &SceneRoot,
     takes: &[Take],
     nodes: &[usize],
     parts: Option<&[MeshPart]>,
 ) -> Result<Posed, SceneError> {
+    if takes.is_empty() {
+        let joints = nodes.iter().map(|&node| matrix(&scene.nodes[node].node_to_world)).collect();
+        return Ok(Posed { joints, shapes: None, morphs: false });
+    }
     let moments = takes.iter().flat_map(|take| take.times.iter().map(|&time| (take.stack, time)));
     let pose = |&(stack, time): &(usize, f64)| {
         let animation = &scene.anim_stacks[stack].anim;
@@ -103,6 +108,9 @@ pub(super) fn posed(
 
 /// Lists the clips that the frames come from.
 pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
+    if takes.is_empty() {
+        return vec![Clip::still()];
+    }
     let mut first = 0;
     let clip = |take: Take| {
         first += take.times.len();

@@ -54,7 +54,7 @@ pub(super) fn find(scene: &Scene, parts: &[MeshPart]) -> Result<Joints, SceneErr
         parents: nodes.iter().map(parent).collect(),
         binds: nodes
             .iter()
-            .map(|&place| binds[place].unwrap_or_else(|| posed(&scene.nodes[place])))
+            .map(|&place| binds[place].unwrap_or_else(|| at_rest(&scene.nodes[place])))
             .collect(),
         nodes,
     })
@@ -113,7 +113,7 @@ fn corners(mesh: &Mesh) -> [Vector4<f64>; 8] {
 }
 
 /// Where a joint stands that no skin names: in the file's bind pose, or in the pose it is saved in.
-fn posed(node: &Node) -> Matrix4<f64> {
+pub(super) fn at_rest(node: &Node) -> Matrix4<f64> {
     let bind = node.bind_pose.as_ref().and_then(|pose| ufbx::get_bone_pose(pose, node));
     matrix(bind.map_or(&node.node_to_world, |pose| &pose.bone_to_world))
 }

@@ -9,10 +9,12 @@ mod corners;
 mod frames;
 mod joints;
 mod meshes;
+mod motion;
 mod read;
 mod shaped;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use motion::read_motion;
 pub(crate) use read::read;
 pub(crate) use shaped::read_shapes;

@@ -46,7 +46,10 @@ pub(super) fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScen
     let parts = meshes::parts(&scene, &mut warnings)?;
     let geometry = meshes::join(&scene, &parts, &mut warnings);
     let Joints { nodes, names, parents, binds } = joints::find(&scene, &parts)?;
-    let takes = frames::takes(&scene, &nodes, &parts, sampling, &mut warnings)?;
+    let takes = match sampling.still {
+        true => Vec::new(),
+        false => frames::takes(&scene, &nodes, &parts, sampling, &mut warnings)?,
+    };
     meshes::unweighted(&scene, &parts, &mut warnings);
     let posed = meshes::are_posed(&scene, &parts, &mut warnings);
     let shown = (posed && sampling.shapes).then_some(parts.as_slice());

@@ -10,6 +10,7 @@ use super::nodes::Local;
 use crate::formats::scene::SceneError;
 
 /// One animation.
+#[derive(Default)]
 pub(super) struct ClipKeys {
     /// Its name, made up where the file has none.
     pub(super) name: String,

@@ -5,12 +5,15 @@ pub(super) mod appearance;
 mod clips;
 mod file;
 mod meshes;
+mod motion;
 mod nodes;
 pub(crate) mod rigged;
 pub(crate) mod shaped;
 mod skins;
 mod welded;
 pub(crate) mod write;
+
+pub(crate) use motion::read_motion;
 
 use std::path::Path;
 
@@ -42,7 +45,7 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
         return Err(if empty { SceneError::NoMesh } else { SceneError::NoSkin }.into());
     }
     let skins = Skins::read(&document, &buffers, &nodes, &mut meshes)?;
-    let scene = Scene { nodes, meshes, animations: ClipKeys::read(&document, &buffers)? };
+    let scene = Scene::new(nodes, meshes, ClipKeys::read(&document, &buffers)?);
     let mut warnings = Vec::new();
     if !left_out.is_empty() {
         warnings.push(FormatWarning::UnskinnedMeshes { meshes: left_out });
@@ -102,7 +105,7 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
     let nodes = Nodes::read(&document)?;
     let shown = nodes.shown(&document);
     let (meshes, _) = Meshes::read(&document, &buffers, |node| shown[node], false)?;
-    let scene = Scene { nodes, meshes, animations: ClipKeys::read(&document, &buffers)? };
+    let scene = Scene::new(nodes, meshes, ClipKeys::read(&document, &buffers)?);
     if scene.meshes.instances.is_empty() {
         return Err(SceneError::NoMesh.into());
     }
@@ -112,7 +115,7 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
             moved[node] = true;
         }
     }
-    let sampling = Sampling { fps: None, clips: &[], shapes: true };
+    let sampling = Sampling { fps: None, clips: &[], shapes: true, still: false };
     let (_, moments) = scene.sample(&moved, &sampling, &mut Vec::new())?;
     let shapes: Vec<_> = moments
         .par_iter()
@@ -129,6 +132,14 @@ struct Scene {
     nodes: Nodes,
     meshes: Meshes,
     animations: Vec<ClipKeys>,
+    /// What moves nothing.
+    nothing: ClipKeys,
+}
+
+impl Scene {
+    fn new(nodes: Nodes, meshes: Meshes, animations: Vec<ClipKeys>) -> Self {
+        Self { nodes, meshes, animations, nothing: ClipKeys::default() }
+    }
 }
 
 /// A time of a clip.
@@ -145,6 +156,9 @@ impl Scene {
         sampling: &Sampling<'_>,
         warnings: &mut Vec<FormatWarning>,
     ) -> Result<(Vec<Clip>, Vec<Moment<'_>>), SceneError> {
+        if sampling.still {
+            return Ok((vec![Clip::still()], vec![Moment { clip: &self.nothing, time: 0.0 }]));
+        }
         let names: Vec<String> = self.animations.iter().map(|keys| keys.name.clone()).collect();
         sampling.check(names.clone())?;
         let (mut clips, mut moments, mut idle) = (Vec::new(), Vec::new(), Vec::new());

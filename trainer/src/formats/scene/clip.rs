@@ -22,6 +22,11 @@ pub struct Clip {
 }
 
 impl Clip {
+    /// Makes the one frame of a scene that nothing moves.
+    pub(in crate::formats) fn still() -> Self {
+        Self::regular("rest".to_owned(), 0, 1)
+    }
+
     /// Names the one clip of a file that names none.
     pub(crate) fn name_of(file: &Path) -> String {
         file.file_stem().unwrap_or_default().to_string_lossy().into_owned()

@@ -2,12 +2,14 @@
 
 mod clip;
 mod error;
+mod motion;
 mod sampled;
 mod sampling;
 mod times;
 
 pub use clip::{Clip, RATES};
 pub use error::SceneError;
+pub(crate) use motion::Motion;
 pub(crate) use sampled::SampledScene;
 pub(crate) use sampling::Sampling;
 pub(crate) use times::EVEN;

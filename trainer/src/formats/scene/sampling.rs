@@ -10,6 +10,8 @@ pub(crate) struct Sampling<'a> {
     pub(crate) clips: &'a [String],
     /// Whether the scene's own posed positions are wanted.
     pub(crate) shapes: bool,
+    /// Whether the one frame is what the scene shows without any clip.
+    pub(crate) still: bool,
 }
 
 impl Sampling<'_> {

@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     fn sample(keys: &[f64], fps: Option<f64>) -> Result<Vec<f64>, SceneError> {
-        sample_times("walk", keys.to_vec(), &Sampling { fps, clips: &[], shapes: true })
+        sample_times("walk", keys.to_vec(), &Sampling { fps, clips: &[], shapes: true, still: false })
     }
 
     #[test]

@@ -65,7 +65,7 @@ use crate::formats::{ArrayError, FormatError};
 /// A [`LoadError`] that names the file at fault: it cannot be read, lacks an array, holds one of
 /// another type or shape, or fails [`Examples::validate`].
 pub fn load(path: &Path) -> Result<Loaded, LoadError> {
-    load_clips(path, &Sampling { fps: None, clips: &[], shapes: true })
+    load_clips(path, &Sampling { fps: None, clips: &[], shapes: true, still: false })
 }
 
 /// Reads the examples of the clips that are asked for, as [`load`].

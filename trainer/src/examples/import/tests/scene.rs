@@ -58,7 +58,7 @@ fn targets(vertices: Vec<[f64; 3]>) -> TargetMeshes {
     PosedMeshes::bare(VERTICES, vertices).into()
 }
 
-const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true };
+const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true, still: false };
 
 /// y up to z up, metres to centimetres.
 fn elsewhere([x, y, z]: [f64; 3]) -> [f64; 3] {
@@ -256,7 +256,7 @@ fn meshes_at_one_rate_need_keys_at_one_rate() {
     assert!(error.contains("--fps"), "{error}");
     let (scene, posed) = uneven();
     assert!(
-        join(scene, Some(posed), &Sampling { fps: Some(24.0), clips: &[], shapes: true }).is_ok()
+        join(scene, Some(posed), &Sampling { fps: Some(24.0), clips: &[], shapes: true, still: false }).is_ok()
     );
 }
 

@@ -17,7 +17,7 @@ mod shaped;
 use scene::{Scene, translation};
 
 /// All clips, at their own keys.
-const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true };
+const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true, still: false };
 
 /// A quad and a triangle along x.
 const ARM: [[f64; 3]; 5] =
@@ -349,7 +349,7 @@ fn animations_are_clips_by_name_or_all_and_empty_ones_are_passed_over() {
     assert_eq!(rig.frames.len(), 2 * 5);
     assert_eq!([4, 6, 8].map(|frame| rig.frames[frame].m24.round()), [0.0, 1.0, 4.0]);
     let walk = arm
-        .sampled(&Sampling { fps: Some(48.0), clips: &["walk".to_owned()], shapes: true })
+        .sampled(&Sampling { fps: Some(48.0), clips: &["walk".to_owned()], shapes: true, still: false })
         .unwrap();
     let times: Vec<f64> = walk.clips[0].times.iter().map(|time| (time * 48.0).round()).collect();
     assert_eq!(times, [0.0, 1.0, 2.0, 3.0, 4.0]);
