@@ -1,8 +1,6 @@
 //! The WGSL in a browser: another compiler than wgpu's, where one is installed.
 
-#[path = "../../pages/src/browser.rs"]
-mod browser;
-
+use pages::browser;
 use sinew_gpu::layout::Stage;
 
 /// Makes a pipeline of every stage and sends back what the browser says of each, a line a stage.
