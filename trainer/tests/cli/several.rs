@@ -26,7 +26,8 @@ fn frames_of_several_files_follow_one_another() {
     let folder = Folder::with_demo("several");
     part(&folder, "walk.npz", 0..20);
     part(&folder, "jump.npz", 20..52);
-    folder.sinew(TRAIN).done();
+    part(&folder, "all.npz", 0..52);
+    folder.sinew(&TRAIN.replace("demo.npz", "all.npz")).done();
     let whole = folder.read("new.sinew");
     let train = TRAIN.replace("demo.npz", "walk.npz jump.npz").replace("new.sinew", "joined.sinew");
     let record = folder.sinew(&format!("{train} --json")).json();

@@ -179,7 +179,7 @@ impl Call<'_, '_> {
             }
             1 => {
                 self.fault(Status::Misaligned, argument);
-                self.arena.at(place + self.u.int_in_range(1..=7)?)
+                self.arena.at(place + self.u.int_in_range(1..=align_of::<T>().max(2) - 1)?)
             }
             _ => self.arena.at(place),
         })
