@@ -42,7 +42,7 @@
 
 /// Elements of a `uintptr_t` array that holds a model on every target:
 /// `uintptr_t memory[SINEW_MODEL_WORDS]`.
-#define SINEW_MODEL_WORDS 160
+#define SINEW_MODEL_WORDS 192
 
 /// Elements of a `uintptr_t` array that holds an envelope on every target:
 /// `uintptr_t memory[SINEW_ENVELOPE_WORDS]`.

@@ -11,7 +11,7 @@ use sinew_runtime::{Limits, Model};
 
 /// Elements of a `uintptr_t` array that holds a model on every target:
 /// `uintptr_t memory[SINEW_MODEL_WORDS]`.
-pub const SINEW_MODEL_WORDS: usize = 160;
+pub const SINEW_MODEL_WORDS: usize = 192;
 
 /// A loaded file: what was found in its bytes, which must stay where they are and as they are while
 /// the model is in use. Its memory may be loaded again at any time that no call uses it, with the same
