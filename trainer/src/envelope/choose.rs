@@ -406,7 +406,8 @@ impl PredictorSearch<'_> {
 
     /// Takes the candidate that scores best, with fewer proxies where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
-        let Self { training, examples, progress, lbs_rms, record, reports, candidates, .. } = self;
+        let Self { training, examples, progress, lbs_rms, mut record, reports, candidates, .. } =
+            self;
         let of = |c: &Candidate| {
             (c.fitted.envelope.predictor(), reports[c.report].refined, c.tangent_coefficients)
         };
@@ -439,6 +440,7 @@ impl PredictorSearch<'_> {
             }
             FileSkins::PaletteAlone => {
                 model.skins.clear();
+                record.lbs = None;
                 Vec::new()
             }
         };

@@ -1,9 +1,10 @@
 //! The motion of joints alone: of a scene with or without a mesh.
 
 use super::clips::ClipKeys;
+use super::file;
 use super::meshes::Meshes;
 use super::nodes::Nodes;
-use super::{Scene, file};
+use super::viewed::Scene;
 use crate::formats::error::FormatError;
 use crate::formats::scene::{Motion, Sampling};
 use sinew_runtime::format::Space;

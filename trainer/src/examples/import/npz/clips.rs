@@ -4,10 +4,11 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::runs::{RunKind, read_runs};
-use super::{Archive, Sidecar};
+use super::sidecar::Sidecar;
 use crate::examples::validate::same;
 use crate::examples::{Clip, ExamplesError, RATES};
 use crate::formats::FormatError;
+use crate::formats::npz::Archive;
 use crate::formats::scene::Sampling;
 
 const CLIPS: RunKind = RunKind { what: "clips", names: "clip_names", starts: "clip_starts" };

@@ -3,6 +3,7 @@
 use crate::examples::validate::same;
 use crate::examples::{ExamplesError, Split};
 use crate::formats::npz::Archive;
+use crate::formats::{ArrayError, FormatError};
 
 /// Names of the arrays of faces: quads, then triangles.
 pub(super) const FACES: [&str; 2] = ["quads", "tris"];
@@ -69,4 +70,9 @@ pub(super) fn read_split(
         _ => Err(ExamplesError::UnknownSplit { frame, code }),
     });
     split.collect::<Result<_, _>>().map(Some)
+}
+
+/// Names an array that is not there.
+pub(super) fn missing(array: &'static str) -> ExamplesError {
+    FormatError::from(ArrayError::Missing { array }).into()
 }

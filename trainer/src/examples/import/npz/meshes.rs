@@ -1,9 +1,10 @@
 //! What is told of the vertices: the meshes that they are of, and how much each counts.
 
 use super::runs::{RunKind, Runs, read_runs};
-use super::{Archive, Sidecar};
+use super::sidecar::Sidecar;
 use crate::examples::ExamplesError;
 use crate::examples::validate::same;
+use crate::formats::npz::Archive;
 
 const MESHES: RunKind = RunKind { what: "meshes", names: "mesh_names", starts: "mesh_starts" };
 

@@ -41,7 +41,7 @@ pub(super) use posed_meshes::read_posed_meshes;
 pub use save::save_npz;
 
 use self::clips::{chosen, kept, read_clips};
-use self::fields::{FACES, read_faces, read_split};
+use self::fields::{FACES, missing, read_faces, read_split};
 use self::meshes::{read_importance, read_meshes};
 use self::sidecar::{Parent, Sidecar};
 use self::space::read_space;
@@ -54,7 +54,6 @@ use crate::examples::{
 };
 use crate::formats::npz::{Archive, Rows};
 use crate::formats::scene::Sampling;
-use crate::formats::{ArrayError, FormatError};
 
 /// Reads examples from `path` and the JSON of the same name beside it, if there is one.
 ///
@@ -235,10 +234,6 @@ fn place(skeleton: &mut Skeleton, sidecar: &Sidecar) -> Result<(), ExamplesError
         }
     }
     Ok(())
-}
-
-fn missing(array: &'static str) -> ExamplesError {
-    FormatError::from(ArrayError::Missing { array }).into()
 }
 
 fn translation([x, y, z]: [f64; 3]) -> Matrix3x4 {

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use super::{Archive, missing};
+use super::fields::missing;
 use crate::examples::ExamplesError;
 use crate::examples::validate::same;
+use crate::formats::npz::Archive;
 
 /// Runs by name, in order.
 pub(super) type Runs = Vec<(String, Range<usize>)>;

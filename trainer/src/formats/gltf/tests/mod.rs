@@ -6,6 +6,7 @@ mod shaped;
 
 use super::*;
 use crate::examples::{Loaded, Source, Split, Warning, load};
+use crate::formats::scene::Clip;
 use crate::formats::testing::shared;
 use made::{Made, NO_TURN, QUARTER, moved_by};
 use serde_json::json;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::examples::{Distortion, Element};
+use crate::formats::{ArrayError, FormatError};
 
 /// Gives what is wrong with an array.
 #[track_caller]

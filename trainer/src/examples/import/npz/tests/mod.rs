@@ -11,6 +11,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::*;
 use crate::examples::testing::{IDENTITY, triangle};
+use crate::formats::FormatError;
 use crate::formats::npz::Writer;
 use crate::formats::testing::Folder;
 use crate::mesh::EngineMesh;

@@ -4,6 +4,7 @@ use sinew_runtime::format::{Axis, Handedness, Space};
 
 use super::*;
 use crate::examples::Clip;
+use crate::formats::FormatError;
 use crate::formats::SceneError;
 
 /// Two clips of the four frames, as animation programs number them, at 24 a second.

@@ -1,0 +1,132 @@
+//! A scene as a viewer shows it, moment by moment.
+
+use super::clips::ClipKeys;
+use super::meshes::{Instance, Meshes};
+use super::nodes::{Local, Nodes};
+use super::skins::Skins;
+use crate::formats::scene::{Clip, Sampling, SceneError, sample_times};
+use crate::formats::warning::FormatWarning;
+use nalgebra::{Matrix4, Vector3};
+
+/// What a viewer of the file needs.
+pub(super) struct Scene {
+    pub(super) nodes: Nodes,
+    pub(super) meshes: Meshes,
+    pub(super) animations: Vec<ClipKeys>,
+    /// What moves nothing.
+    pub(super) nothing: ClipKeys,
+}
+
+impl Scene {
+    pub(super) fn new(nodes: Nodes, meshes: Meshes, animations: Vec<ClipKeys>) -> Self {
+        Self { nodes, meshes, animations, nothing: ClipKeys::default() }
+    }
+}
+
+/// A time of a clip.
+pub(super) struct Moment<'a> {
+    pub(super) clip: &'a ClipKeys,
+    pub(super) time: f64,
+}
+
+impl Scene {
+    /// Lists the clips to read, and their moments.
+    pub(super) fn sample(
+        &self,
+        moved: &[bool],
+        sampling: &Sampling<'_>,
+        warnings: &mut Vec<FormatWarning>,
+    ) -> Result<(Vec<Clip>, Vec<Moment<'_>>), SceneError> {
+        if sampling.still {
+            return Ok((vec![Clip::still()], vec![Moment { clip: &self.nothing, time: 0.0 }]));
+        }
+        let names: Vec<String> = self.animations.iter().map(|keys| keys.name.clone()).collect();
+        sampling.check(names.clone())?;
+        let (mut clips, mut moments, mut idle) = (Vec::new(), Vec::new(), Vec::new());
+        for keys in self.animations.iter().filter(|keys| sampling.takes(&keys.name)) {
+            let times = keys.times(|node| moved[node], |node| self.shows(node));
+            let times = sample_times(&keys.name, times, sampling)?;
+            if times.is_empty() {
+                idle.push(keys.name.clone());
+                continue;
+            }
+            clips.push(Clip::at(keys.name.clone(), moments.len(), &times));
+            moments.extend(times.into_iter().map(|time| Moment { clip: keys, time }));
+        }
+        if clips.is_empty() {
+            return Err(SceneError::NothingMoves { clips: names });
+        }
+        if !idle.is_empty() {
+            warnings.push(FormatWarning::IdleClips { clips: idle });
+        }
+        Ok((clips, moments))
+    }
+
+    /// Tells whether a node shows one of the meshes.
+    pub(super) fn shows(&self, node: usize) -> bool {
+        self.meshes.instances.iter().any(|instance| instance.node == node)
+    }
+
+    /// Gives the nodes' transforms at a moment, and the weights of their morph targets.
+    pub(super) fn at(&self, moment: &Moment<'_>) -> (Vec<Local>, Vec<Vec<f64>>) {
+        let mut locals = self.nodes.locals.clone();
+        let mut weights = vec![Vec::new(); locals.len()];
+        for instance in &self.meshes.instances {
+            weights[instance.node].clone_from(&instance.weights);
+        }
+        moment.clip.apply(moment.time, &mut locals, &mut weights);
+        (locals, weights)
+    }
+
+    /// Skins the meshes' shapes with joints at these world transforms.
+    pub(super) fn skinned(
+        &self,
+        skins: &Skins,
+        joints: &[Matrix4<f64>],
+        weights: &[Vec<f64>],
+    ) -> Vec<[f64; 3]> {
+        let maps: Vec<_> = joints
+            .iter()
+            .zip(&skins.inverse_binds)
+            .map(|(joint, inverse)| joint * inverse)
+            .collect();
+        self.each(weights, |instance, vertex, shape| {
+            let members = instance.skin.map(|skin| skins.members[&skin].joints.as_slice());
+            let members = members.unwrap_or_default();
+            let (mut sum, mut total) = (Vector3::zeros(), 0.0);
+            for &(member, weight) in &self.meshes.influences[vertex] {
+                sum += maps[members[member]].transform_point(&shape.into()).coords * weight;
+                total += weight;
+            }
+            sum / total
+        })
+    }
+
+    /// Places the meshes' shapes where their nodes are.
+    pub(super) fn placed(&self, worlds: &[Matrix4<f64>], weights: &[Vec<f64>]) -> Vec<[f64; 3]> {
+        self.each(weights, |instance, _, shape| {
+            worlds[instance.node].transform_point(&shape.into()).coords
+        })
+    }
+
+    /// Shapes every vertex by the morph targets, and puts it where `place` says.
+    fn each(
+        &self,
+        weights: &[Vec<f64>],
+        place: impl Fn(&Instance, usize, Vector3<f64>) -> Vector3<f64>,
+    ) -> Vec<[f64; 3]> {
+        let mut all = Vec::with_capacity(self.meshes.positions.len());
+        for (number, instance) in self.meshes.instances.iter().enumerate() {
+            let active = instance.morphs.iter().zip(&weights[instance.node]);
+            let active: Vec<_> = active.filter(|(_, weight)| **weight != 0.0).collect();
+            for (own, vertex) in self.meshes.vertices(number).enumerate() {
+                let mut shape = Vector3::from(self.meshes.positions[vertex]);
+                for (morph, weight) in &active {
+                    shape += Vector3::from(morph[own]) * **weight;
+                }
+                all.push(place(instance, vertex, shape).into());
+            }
+        }
+        all
+    }
+}
