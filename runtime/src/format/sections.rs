@@ -127,18 +127,22 @@ pub enum SectionKind {
     /// How far a filter was measured to be from what it was trained on.
     FilterFit = 63,
     /// Counts of a record.
+    #[cfg(feature = "record")]
     RecordCounts = 64,
     /// Marks by which training frames are known again.
+    #[cfg(feature = "record")]
     FrameMarks = 65,
     /// Joints of linear blend skinning.
+    #[cfg(feature = "record")]
     LbsJoints = 66,
     /// Weights of linear blend skinning.
+    #[cfg(feature = "record")]
     LbsWeights = 67,
 }
 
 impl SectionKind {
     /// Every kind, by number.
-    pub const ALL: [Self; 64] = [
+    pub const ALL: [Self; 60 + 4 * cfg!(feature = "record") as usize] = [
         Self::Names,
         Self::Hierarchy,
         Self::InverseBinds,
@@ -199,9 +203,13 @@ impl SectionKind {
         Self::FilterTaps,
         Self::FilterVariances,
         Self::FilterFit,
+        #[cfg(feature = "record")]
         Self::RecordCounts,
+        #[cfg(feature = "record")]
         Self::FrameMarks,
+        #[cfg(feature = "record")]
         Self::LbsJoints,
+        #[cfg(feature = "record")]
         Self::LbsWeights,
     ];
 
@@ -278,9 +286,13 @@ impl SectionKind {
             Self::FilterTaps => "filter_taps",
             Self::FilterVariances => "filter_variances",
             Self::FilterFit => "filter_fit",
+            #[cfg(feature = "record")]
             Self::RecordCounts => "record_counts",
+            #[cfg(feature = "record")]
             Self::FrameMarks => "frame_marks",
+            #[cfg(feature = "record")]
             Self::LbsJoints => "lbs_joints",
+            #[cfg(feature = "record")]
             Self::LbsWeights => "lbs_weights",
         }
     }
@@ -293,10 +305,12 @@ impl SectionKind {
             Self::Symmetry | Self::Texels => &[Element::Mixed],
             Self::Hierarchy | Self::InfluenceIndices | Self::Terms => &[Element::U16],
             Self::CancelPairs | Self::Elements => &[Element::U16],
+            #[cfg(feature = "record")]
             Self::LbsJoints | Self::LbsWeights => &[Element::U16],
             Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => &[Element::U32],
             Self::KernelCounts | Self::ShapeBlocks | Self::ShapeEntries => &[Element::U32],
             Self::PriorCounts | Self::ViewsCounts | Self::FilterCounts => &[Element::U32],
+            #[cfg(feature = "record")]
             Self::RecordCounts => &[Element::U32],
             Self::Maps | Self::ViewTextures | Self::ViewMasks | Self::Textures => &[Element::U32],
             Self::TangentCoefficients => &[Element::F16],

@@ -5,6 +5,8 @@ use super::call::Call;
 use super::shared::{optional, unknown};
 use arbitrary::Result;
 use sinew_capi::*;
+use sinew_runtime::Model;
+use std::ops::Range;
 use std::ptr::{null, null_mut};
 
 use sinew_argument as Argument;
@@ -37,8 +39,9 @@ pub(super) fn gather(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     // Each joint's own frame, or a number that is none, or that folds it.
     let place = call.arena.local.start;
     let mut map: Vec<u32> = (0..j as u32).collect();
-    if let Some(first) = map.first_mut().filter(|_| place > 0) {
-        *first = *call.u.choose(&[0, 1, j as u32, SINEW_FOLDED - 1, SINEW_FOLDED])?;
+    let one = if j > 0 { call.u.choose_index(j)? } else { 0 };
+    if let Some(one) = map.get_mut(one) {
+        *one = *call.u.choose(&[0, 1, j as u32, SINEW_FOLDED - 1, SINEW_FOLDED])?;
     }
     let content: Vec<u8> = map.iter().flat_map(|number| number.to_ne_bytes()).collect();
     call.arena.write(place, &content);
@@ -46,11 +49,12 @@ pub(super) fn gather(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     call.vague = true;
     let (map, map_len) = call.input::<u32>(place..place + content.len(), j, Argument::Joints)?;
     let (world, world_len) = call.input_any(call.arena.poses.clone(), Argument::World)?;
-    let root = if call.one_in(2)? || j == 0 {
-        null()
-    } else {
-        call.input_one(call.arena.poses.start, Argument::Root)?
-    };
+    let root: *const sinew_matrix =
+        if j == 0 { null() } else { call.input_one(call.arena.poses.start, Argument::Root)? };
+    if root.is_null() && j > 0 {
+        // None is a root that stands where the world does.
+        call.forgive();
+    }
     let (out, out_len) = call.output_exact(j, j, Argument::Pose)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
@@ -132,6 +136,10 @@ pub(super) fn skeleton_hash(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     call.read.push(place..place + 4 * len);
     let parents = if len == 0 { null() } else { call.input_fixed(place, Argument::Joints)? };
     let out = call.output_one(Argument::Result)?;
+    // More than there is room for at any address.
+    let is_too_long = len > 0 && call.one_in(8)?;
+    call.fault_if(is_too_long, Status::TooLong, Argument::Names);
+    let len = if is_too_long { usize::MAX / 4 } else { len };
     let error = call.ready(unknown);
     // SAFETY: as above.
     Ok(unsafe { sinew_skeleton_hash(names, parents, len, out, error) })
@@ -153,22 +161,40 @@ pub(super) fn mesh_hash(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_mesh_hash(positions.cast(), len, out, error) })
 }
 
-/// Draws names, as many as there are joints or fewer: pieces of the file, or one that is nowhere.
+/// Draws names, as many as there are joints or fewer: the joints' own, or pieces of the file, or one that is nowhere.
 fn names(call: &mut Call<'_, '_>) -> Result<(*const sinew_name, usize)> {
     let (place, file) = (call.arena.local.start, call.arena.file.clone());
     let len = call.u.int_in_range(0..=call.arena.frame.pose.len())?;
     let mut content = Vec::new();
-    for _ in 0..len {
-        let start = call.u.int_in_range(file.start..=file.end)?;
-        let name_len = call.u.int_in_range(0..=8)?.min(file.end - start);
+    let own = if call.one_in(2)? { joint_names(call.arena.file_bytes()) } else { Vec::new() };
+    for number in 0..len {
+        let (start, name_len) = match own.get(number) {
+            Some(name) => (file.start + name.start, name.len()),
+            None => {
+                let start = call.u.int_in_range(file.start..=file.end)?;
+                (start, call.u.int_in_range(0..=8)?.min(file.end - start))
+            }
+        };
         let at = if call.one_in(32)? { null() } else { call.arena.at::<u8>(start).cast_const() };
         call.fault_if(at.is_null() && name_len > 0, Status::Null, Argument::Names);
+        if !at.is_null() {
+            call.read.push(start..start + name_len);
+        }
         content.extend(at.expose_provenance().to_ne_bytes());
         content.extend(name_len.to_ne_bytes());
     }
     call.arena.write(place, &content);
-    call.read.extend([place..place + content.len(), file]);
+    call.read.push(place..place + content.len());
     // Any other bytes would be pointers to no memory of the caller.
     let names = if len == 0 { null() } else { call.input_fixed(place, Argument::Names)? };
     Ok((names, len))
+}
+
+/// Finds where the names of the joints stand in a file.
+fn joint_names(file: &[u8]) -> Vec<Range<usize>> {
+    let Ok(model) = Model::from_bytes(file) else { return Vec::new() };
+    let Some(envelope) = model.envelope() else { return Vec::new() };
+    let names = (0..envelope.joint_len()).filter_map(|joint| envelope.joint_name(joint));
+    let start = |name: &str| name.as_ptr().addr() - file.as_ptr().addr();
+    names.map(|name| start(name)..start(name) + name.len()).collect()
 }
