@@ -84,11 +84,6 @@ impl<'a, 'b> Call<'a, 'b> {
         self.faults.push((status, argument));
     }
 
-    /// Forgets what was wrong last, which is right for this function.
-    pub(super) fn forgive(&mut self) {
-        self.faults.pop();
-    }
-
     /// Remembers what is wrong, if it is.
     pub(super) fn fault_if(
         &mut self,

@@ -2,7 +2,7 @@
 
 use super::arena::{BATCH, bytes, floats};
 use super::call::Call;
-use super::shared::{optional, unknown};
+use super::shared::{optional, optional_input, unknown};
 use arbitrary::Result;
 use sinew_capi::*;
 use sinew_runtime::Model;
@@ -49,12 +49,10 @@ pub(super) fn gather(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     call.vague = true;
     let (map, map_len) = call.input::<u32>(place..place + content.len(), j, Argument::Joints)?;
     let (world, world_len) = call.input_any(call.arena.poses.clone(), Argument::World)?;
-    let root: *const sinew_matrix =
-        if j == 0 { null() } else { call.input_one(call.arena.poses.start, Argument::Root)? };
-    if root.is_null() && j > 0 {
-        // None is a root that stands where the world does.
-        call.forgive();
-    }
+    let root: *const sinew_matrix = match j {
+        0 => null(),
+        _ => optional_input(call, call.arena.poses.start, Argument::Root)?,
+    };
     let (out, out_len) = call.output_exact(j, j, Argument::Pose)?;
     let error = call.ready(unknown);
     // SAFETY: as above.

@@ -48,6 +48,20 @@ pub(super) fn wanted(
     Ok((at, len, index))
 }
 
+/// Draws one value that is read, or none, which is no fault.
+pub(super) fn optional_input<T>(
+    call: &mut Call<'_, '_>,
+    place: usize,
+    argument: Argument,
+) -> Result<*const T> {
+    let drawn = call.faults.len();
+    let at = call.input_one::<T>(place, argument)?;
+    if at.is_null() {
+        call.faults.truncate(drawn);
+    }
+    Ok(at)
+}
+
 /// Draws where one result goes that may go nowhere.
 pub(super) fn optional<T>(call: &mut Call<'_, '_>, argument: Argument) -> Result<*mut T> {
     let drawn = call.faults.len();
