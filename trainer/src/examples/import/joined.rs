@@ -1,5 +1,6 @@
 //! Examples of one character from several files.
 
+use super::align::apart;
 use super::error::ImportError;
 use crate::examples::{Clip, Examples, LoadError, Skeleton};
 use std::path::{Path, PathBuf};
@@ -99,14 +100,6 @@ fn check(expected: &Examples, found: &Examples, first: &Path) -> Result<(), Impo
         return Err(ImportError::OtherFaces { first: first() });
     }
     Ok(())
-}
-
-/// RMS distance between points.
-fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    let squared = |(a, b): (&[f64; 3], &[f64; 3])| -> f64 {
-        a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
-    };
-    (a.iter().zip(b).map(squared).sum::<f64>() / a.len().max(1) as f64).sqrt()
 }
 
 fn sorted(points: &[[f64; 3]]) -> Vec<[f64; 3]> {

@@ -1,8 +1,9 @@
 //! A skeleton's animation, played by a character from another file.
 
-use super::align;
+use super::align::{self, apart};
 use super::error::ImportError;
 use super::loaded::Loaded;
+use super::scene::rows;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Split, Warning};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{Motion, Sampling};
@@ -127,16 +128,4 @@ impl Found {
 
 fn origin(frame: &Matrix3x4) -> [f64; 3] {
     frame.map(|row| row[3])
-}
-
-/// RMS distance between points.
-fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    let squared = |(a, b): (&[f64; 3], &[f64; 3])| -> f64 {
-        a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
-    };
-    (a.iter().zip(b).map(squared).sum::<f64>() / a.len().max(1) as f64).sqrt()
-}
-
-fn rows(map: &Matrix4<f64>) -> Matrix3x4 {
-    std::array::from_fn(|row| std::array::from_fn(|column| map[(row, column)]))
 }

@@ -240,6 +240,6 @@ fn rest_frame(bind: &Matrix4<f64>, scale: f64) -> Matrix4<f64> {
     frame
 }
 
-fn rows(map: &Matrix4<f64>) -> Matrix3x4 {
+pub(super) fn rows(map: &Matrix4<f64>) -> Matrix3x4 {
     std::array::from_fn(|row| std::array::from_fn(|column| map[(row, column)]))
 }
