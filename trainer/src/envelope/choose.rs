@@ -2,13 +2,12 @@
 //! (METHOD §1.9).
 
 use super::error::{FitError, TrainError};
-use super::evaluate::{Baseline, Character, Measured};
+use super::finish::{fit_normals, recorded};
 use super::fitted::{Fitted, NAME, corrected};
 use super::helpers::fit::{self, Helpers};
 use super::levels::AddError;
 use super::levels::{self, LevelReport};
-use super::model::{FileModel, RecordModel, SkinModel};
-use super::normals::{Fan, PosedSurface};
+use super::model::{RecordModel, SkinModel};
 use super::options::{FileSkins, Options, Predict};
 use super::rotational::ProxyCount;
 use super::rotational::{self, Rotational, RotationalOptions, RotationalReport, Variant};
@@ -17,7 +16,7 @@ use crate::envelope::correction::search::Search;
 use crate::envelope::correction::target::CorrectionTarget;
 use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::training::Training;
-use crate::examples::{Examples, Split};
+use crate::examples::Examples;
 use crate::progress::Progress;
 use faer::Mat;
 use serde::Serialize;
@@ -124,13 +123,18 @@ pub fn choose(
         levels::check_names(further).map_err(AddError::from)?;
     }
     let lbs = training.targets(&training.lbs.weights);
+    let mut record = RecordModel::new(NAME, examples, &training.lbs.weights);
+    if matches!(options.meshes, FileSkins::PaletteAlone) {
+        // Of weights without a mesh nothing can be made.
+        record.lbs = None;
+    }
     let mut choice = PredictorSearch {
         training,
         examples,
         options,
         progress,
         lbs_rms: lbs.rms(&training.poses.stacked()),
-        record: RecordModel::new(NAME, examples, &training.lbs.weights),
+        record,
         reports: Vec::new(),
         candidates: Vec::new(),
         least_bytes: usize::MAX,
@@ -406,8 +410,7 @@ impl PredictorSearch<'_> {
 
     /// Takes the candidate that scores best, with fewer proxies where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
-        let Self { training, examples, progress, lbs_rms, mut record, reports, candidates, .. } =
-            self;
+        let Self { training, examples, progress, lbs_rms, record, reports, candidates, .. } = self;
         let of = |c: &Candidate| {
             (c.fitted.envelope.predictor(), reports[c.report].refined, c.tangent_coefficients)
         };
@@ -440,7 +443,6 @@ impl PredictorSearch<'_> {
             }
             FileSkins::PaletteAlone => {
                 model.skins.clear();
-                record.lbs = None;
                 Vec::new()
             }
         };
@@ -458,24 +460,6 @@ impl PredictorSearch<'_> {
     }
 }
 
-/// Bakes a model with the record of its training, as much of it as a budget has room for.
-fn recorded(
-    mut model: FileModel,
-    record: RecordModel,
-    budget: Option<usize>,
-) -> Result<Vec<u8>, TrainError> {
-    let marks = RecordModel { lbs: None, ..record.clone() };
-    for record in [record, marks] {
-        model.records = vec![record];
-        let bytes = model.bake()?;
-        if budget.is_none_or(|budget| bytes.len() <= budget) {
-            return Ok(bytes);
-        }
-    }
-    model.records.clear();
-    Ok(model.bake()?)
-}
-
 /// Finds the candidate with the least error: one without tangent coefficients only where those with them leave
 /// [`COEFFICIENTS_COST`] times as much.
 fn best(candidates: &[Candidate]) -> Option<&Candidate> {
@@ -491,35 +475,4 @@ fn best(candidates: &[Candidate]) -> Option<&Candidate> {
         }
         (with, without) => with.or(without),
     }
-}
-
-/// Fits the tangent coefficients of a model's own skin, and measures its normals on the training frames as
-/// `evaluate` does.
-///
-/// - `palettes`: of the training poses, 3n x 4 a transform, in training units; `None` for a skin without coefficients.
-fn fit_normals(
-    model: &mut FileModel,
-    palettes: Option<&Mat<f64>>,
-    training: &Training,
-    examples: &Examples,
-) -> Result<(), TrainError> {
-    if let Some(palettes) = palettes {
-        let surface = PosedSurface {
-            rest: &training.rest,
-            trajectories: &training.trajectories,
-            palettes,
-            fans: &Fan::of(&examples.surface()),
-            authored: examples.surface().authored_normals().is_some(),
-        };
-        model.skins.iter_mut().for_each(|skin| surface.fit(skin, training.unit));
-    }
-    let bytes = model.bake()?;
-    let character = Character::open(&bytes, None, examples)?;
-    let frames = examples.frames_of(Split::Train);
-    let measured = Measured::model(&character, examples, &frames)?.angle_rms();
-    let lbs = Baseline::new(training.lbs.weights.clone(), examples);
-    let lbs = Measured::lbs(&lbs, examples, &frames).angle_rms();
-    let errors = NormalErrors { model: measured as f32, lbs: lbs as f32 };
-    model.skins.iter_mut().for_each(|skin| skin.normal_errors = Some(errors));
-    Ok(())
 }

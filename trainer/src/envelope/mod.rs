@@ -21,6 +21,7 @@ pub mod demo;
 mod error;
 pub mod evaluate;
 pub mod export;
+mod finish;
 pub mod fitted;
 pub mod helpers;
 pub mod levels;
