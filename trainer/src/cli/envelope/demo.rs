@@ -10,7 +10,7 @@ use clap::builder::RangedU64ValueParser;
 use serde_json::json;
 use sinew_trainer::envelope::FileSkins;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
-use sinew_trainer::envelope::evaluate::{Frames, evaluate};
+use sinew_trainer::envelope::evaluate::{Evaluation, Frames};
 use sinew_trainer::envelope::export::by_use;
 use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
 use sinew_trainer::envelope::report::{Page, PictureOptions};
@@ -82,9 +82,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let page_file = OutputFile::new(&page, &[])?;
     let examples = arguments.size.generate(output)?;
     let trained = arguments.fit.train(&examples, "demo", FileSkins::Skins(Vec::new()), output)?;
-    let measuring = Bars::busy(output, "measuring");
-    let evaluation = evaluate(&trained.model, None, &examples, Frames::Of(Split::HeldOut))?;
-    drop(measuring);
+    let (html, evaluation) = report(&trained.model, examples.clone(), output)?;
     let mut text = format!(
         "a procedural arm: {}\n{}{}",
         input::describe(&examples),
@@ -96,21 +94,24 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         files::write(&[(model, &trained.model)])?;
         text += &format!("wrote demo.npz, demo.json and demo.sinew to {}\n", folder.display());
     }
-    let html = report(&trained.model, examples, output)?;
     files::write(&[(&page_file, html.as_bytes())])?;
     text += &format!("wrote its report: {}\n", page.display());
     output.print(&json!({ "report": trained.report, "evaluation": evaluation }), &text)
 }
 
-/// Makes the page that shows where the model errs, without training other sizes.
-fn report(model: &[u8], examples: Examples, output: Output) -> anyhow::Result<String> {
-    let _drawing = Bars::busy(output, "pictures");
+/// Measures the model, and makes the page that shows where it errs, without training other sizes.
+fn report(
+    model: &[u8],
+    examples: Examples,
+    output: Output,
+) -> anyhow::Result<(String, Evaluation)> {
+    let _measuring = Bars::busy(output, "measuring");
     let (examples, clips) = by_use(examples);
     let source = NamedExamples { examples: &examples, clips: &clips, name: "the demo's arm" };
     let file = NamedModel { name: "demo.sinew", bytes: model, skin: None };
     let comparison = Comparison::new(source, Some(Frames::Of(Split::HeldOut)), file)?;
     let page = Page { comparison: &comparison, options: PictureOptions::default(), sizes: false };
-    Ok(page.html(&Silent)?)
+    Ok((page.html(&Silent)?, comparison.evaluations().remove(0)))
 }
 
 /// Makes the folder, tries the places of its three files, and gives that of the model.

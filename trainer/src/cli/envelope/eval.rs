@@ -8,7 +8,7 @@ use crate::cli::files::{self, OutputFile};
 use crate::cli::space::StatedSpace;
 use crate::cli::{Output, input};
 use anyhow::{Context, bail};
-use sinew_trainer::envelope::evaluate::{Character, Frames, SkinnedFrame, Told, evaluate, skin};
+use sinew_trainer::envelope::evaluate::{Character, Evaluation, Frames, SkinnedFrame, Told, skin};
 use sinew_trainer::examples::Examples;
 use std::path::PathBuf;
 
@@ -69,7 +69,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let told = Told::of(&model, &character, &examples);
     let usual = || Frames::usual(&examples, &told);
     let frames = arguments.split.map_or_else(usual, SplitName::frames);
-    let evaluation = evaluate(&model, skin, &examples, frames).map_err(blamed)?;
+    let measured = (&character, model.len());
+    let evaluation = Evaluation::of(measured, &told, &examples, frames).map_err(blamed)?;
     let mut written = Vec::new();
     for (target, attribute) in [
         (&vertices, SkinnedFrame::positions as fn(&SkinnedFrame) -> &[f32]),

@@ -71,7 +71,7 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
         let name = format!("  {}", printable(&region.name));
         out += &format!("{name:<26}{:>10.4}\n", region.rms_percent);
     }
-    let share = evaluation.share_of_lbs();
+    let share = evaluation.errors.share_of(&evaluation.lbs);
     let Confidence { mean, least } = evaluation.confidence;
     out += &format!("confidence in the poses: {mean:.3} on average, {least:.3} at the least\n");
     out += &format!("the model: {model_bytes} bytes");

@@ -133,23 +133,27 @@ pub fn evaluate(
 ) -> Result<Evaluation, EvaluateError> {
     let character = Character::open(model, skin, examples)?;
     let told = Told::of(model, &character, examples);
-    let chosen = frames.measurable(examples, &told)?;
-    let measured = Measured::model(&character, examples, &chosen)?;
-    let baseline = told.baseline(examples);
-    let lbs = Measured::lbs(&baseline, examples, &chosen);
-    let read = told.read_len(&chosen);
-    let of_character = (&character, model.len(), &measured);
-    Ok(Evaluation::new((frames, read), of_character, examples, (&baseline, &lbs)))
+    Evaluation::of((&character, model.len()), &told, examples, frames)
 }
 
-/// Share of the diagonal below which an error of LBS is none, that another may be compared with.
-const NOTHING: f64 = 1e-6;
-
 impl Evaluation {
-    /// Gives the model's RMS error as a share of LBS's; none where LBS leaves nothing.
-    pub fn share_of_lbs(&self) -> Option<f64> {
-        let leaves = self.lbs.rms > NOTHING * self.diagonal;
-        leaves.then(|| self.errors.rms / self.lbs.rms)
+    /// Measures a character in a file of so many bytes, which tells this of its training.
+    ///
+    /// # Errors
+    /// [`EvaluateError::NoFrames`], [`EvaluateError::Examples`] and [`EvaluateError::Frame`].
+    pub fn of(
+        (character, model_bytes): (&Character<'_>, usize),
+        told: &Told,
+        examples: &Examples,
+        frames: Frames,
+    ) -> Result<Self, EvaluateError> {
+        let chosen = frames.measurable(examples, told)?;
+        let measured = Measured::model(character, examples, &chosen)?;
+        let baseline = told.baseline(examples);
+        let lbs = Measured::lbs(&baseline, examples, &chosen);
+        let read = told.read_len(&chosen);
+        let of_character = (character, model_bytes, &measured);
+        Ok(Self::new((frames, read), of_character, examples, (&baseline, &lbs)))
     }
 
     /// Summarises what was measured of a character in a file of so many bytes, and of LBS, on frames of which

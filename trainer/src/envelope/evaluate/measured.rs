@@ -27,6 +27,16 @@ pub struct Errors {
     pub normal_p99_degrees: f64,
 }
 
+/// RMS error of LBS, in % of the rest diagonal, below which it is none that another may be compared with.
+const NOTHING: f64 = 1e-4;
+
+impl Errors {
+    /// Gives the RMS error as a share of that of LBS; none where LBS leaves nothing.
+    pub fn share_of(&self, lbs: &Self) -> Option<f64> {
+        (lbs.rms_percent > NOTHING).then(|| self.rms / lbs.rms)
+    }
+}
+
 /// A model's confidence in some frames' poses, in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Confidence {

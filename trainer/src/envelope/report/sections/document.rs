@@ -72,23 +72,22 @@ fn header(comparison: &Comparison<'_>) -> String {
         .other
         .as_ref()
         .map_or(String::new(), |other| format!(", compared with {}", text(other.file.name)));
-    let share = 100.0 * errors.rms / lbs.rms;
     let normals = format!(
         " Its normals are turned by <b>{:.2}°</b>, RMS over the area (linear blend skinning: {:.2}°).",
         errors.normal_rms_degrees, lbs.normal_rms_degrees
     );
-    let verdict = if share.is_finite() {
-        format!(
-            "The model is off by <b>{} %</b> of the diagonal, RMS: {share:.1} % of what linear blend \
+    let verdict = match errors.share_of(&lbs) {
+        Some(share) => format!(
+            "The model is off by <b>{} %</b> of the diagonal, RMS: {:.1} % of what linear blend \
              skinning leaves ({} %).",
             percent(errors.rms_percent),
+            100.0 * share,
             percent(lbs.rms_percent)
-        )
-    } else {
-        format!(
+        ),
+        None => format!(
             "The model is off by <b>{} %</b> of the diagonal, RMS.",
             percent(errors.rms_percent)
-        )
+        ),
     };
     format!(
         "<h1>{} on {}{compared}</h1>\n\
