@@ -449,7 +449,7 @@ impl PredictorSearch<'_> {
         let model = recorded(model, record, self.options.budget)?;
         let report = TrainingReport {
             lbs_rms,
-            folds: folds(training.poses.len()),
+            folds: folds(training.poses.times()).into_iter().map(|fold| fold.own).collect(),
             chosen: chosen.report,
             training_rms,
             rotational: chosen.rotational.clone(),

@@ -68,6 +68,8 @@ pub struct Examples {
     /// The meshes that were joined, by name: ranges of vertices, one after the other; none where there
     /// was one, or nothing is known of them.
     pub ranges: Vec<(String, Range<usize>)>,
+    /// First frame of each clip, ascending from 0: neighbours across one are no more alike than others.
+    pub clip_starts: Vec<usize>,
     /// Axes, handedness and unit, as far as they are known.
     pub space: Space,
     /// How much each vertex counts in a fit and in what is measured of it, V numbers of mean 1; all
@@ -84,6 +86,11 @@ impl Examples {
     /// Counts the frames, N.
     pub fn frame_len(&self) -> usize {
         self.split.len()
+    }
+
+    /// Finds the number of the clip that a frame is of.
+    pub fn clip_of(&self, frame: usize) -> usize {
+        self.clip_starts.partition_point(|&first| first <= frame)
     }
 
     /// Counts the joints, J.

@@ -22,6 +22,7 @@ pub(super) fn triangle(frame_len: usize) -> Examples {
         transforms: vec![IDENTITY; 2 * frame_len],
         split: vec![Split::Train; frame_len],
         ranges: Vec::new(),
+        clip_starts: vec![0],
         space: Space::default(),
         importance: None,
     }

@@ -11,11 +11,11 @@ use super::function::{Exact, by_name};
 use super::inputs::Inputs;
 use super::left_out::LeftOut;
 use super::map::{Fade, KernelMap};
+use super::outputs::Block;
+use faer::Mat;
 use faer::linalg::solvers::Svd;
-use faer::{Mat, MatRef};
 use serde::Serialize;
 use sinew_runtime::envelope::GroupKernel;
-use std::ops::Range;
 
 /// What a design is made with.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -45,6 +45,8 @@ pub struct BlockOut {
     /// Their rows of the hat matrix, on the design's directions: len x k.
     hat: Mat<f64>,
     left_out: LeftOut,
+    /// How many of them are to be predicted, the first.
+    own: usize,
 }
 
 impl<'a> Design<'a> {
@@ -98,16 +100,17 @@ impl<'a> Design<'a> {
 
     /// Takes a block of samples out of a fit with a ridge; none where rounding makes what it leaves
     /// indefinite.
-    pub fn block_out(&self, block: &Range<usize>, ridge: f64) -> Option<BlockOut> {
+    pub fn block_out(&self, block: &Block, ridge: f64) -> Option<BlockOut> {
         let s = self.decomposed.S().column_vector();
         let shrink: Vec<f64> = s.iter().map(|s| s * s / (s * s + ridge * self.largest)).collect();
-        let u = self.decomposed.U().subrows(block.start, block.len()).to_owned();
+        let out: Vec<usize> = block.out().collect();
+        let u = self.decomposed.U();
+        let u = Mat::from_fn(out.len(), u.ncols(), |i, k| u[(out[i], k)]);
         let hat = Mat::from_fn(u.nrows(), u.ncols(), |i, k| u[(i, k)] * shrink[k]);
         let own = &hat * u.transpose();
-        let remainder = Mat::from_fn(block.len(), block.len(), |i, j| {
-            f64::from(u8::from(i == j)) - own[(i, j)]
-        });
-        Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat })
+        let remainder =
+            Mat::from_fn(out.len(), out.len(), |i, j| f64::from(u8::from(i == j)) - own[(i, j)]);
+        Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat, own: block.own.len() })
     }
 
     /// Solves for the coefficients of the orthonormal functions, then of the scaled inputs, of the
@@ -155,7 +158,7 @@ impl<'a> Design<'a> {
 
     /// Makes the map of scaled inputs that has these coefficients of the design's columns and was
     /// validated by these blocks.
-    pub fn map(&self, solution: &Mat<f64>, blocks: &[Range<usize>]) -> KernelMap {
+    pub fn map(&self, solution: &Mat<f64>, blocks: &[Block]) -> KernelMap {
         let Hyperparameters { kernel, width, centres: count } = self.hyperparameters;
         let width = self.inputs.squared_width(width);
         let centres = self.at_centres(solution);
@@ -174,12 +177,12 @@ impl<'a> Design<'a> {
 
     /// Fades beyond what blocks have validated: the farthest that a sample is from the centres
     /// outside its block.
-    fn fade(&self, blocks: &[Range<usize>]) -> Fade {
+    fn fade(&self, blocks: &[Block]) -> Fade {
         let mut farthest = f64::MIN_POSITIVE;
         for block in blocks {
-            let outside = self.centres.order.iter().filter(|k| !block.contains(k));
+            let outside = self.centres.order.iter().filter(|&&k| !block.out().any(|i| i == k));
             let outside: Vec<usize> = outside.map(|k| k + 1).chain([0]).collect();
-            for i in block.clone() {
+            for &i in &block.own {
                 let near = outside.iter().map(|&k| self.inputs.squared(i + 1, k));
                 farthest = near.fold(f64::INFINITY, f64::min).max(farthest);
             }
@@ -190,10 +193,11 @@ impl<'a> Design<'a> {
 }
 
 impl BlockOut {
-    /// Finds the errors of the block's samples, given their outputs and the projection of all, as
-    /// the fit without the block sees them: len x r.
-    pub fn errors(&self, outputs: MatRef<'_, f64>, projected: &Mat<f64>) -> Mat<f64> {
-        self.left_out.errors(&(outputs - &self.hat * projected))
+    /// Finds the errors of the block's own samples, given the outputs of what it leaves out and the projection of all,
+    /// as the fit without the block sees them: a row a sample.
+    pub fn errors(&self, outputs: &Mat<f64>, projected: &Mat<f64>) -> Mat<f64> {
+        let errors = self.left_out.errors(&(outputs - &self.hat * projected));
+        errors.subrows(0, self.own).to_owned()
     }
 }
 
@@ -228,20 +232,23 @@ mod tests {
         let x = columns(&design);
         let all = Mat::from_fn(20, 2, |i, o| (0.3 * i as f64 + o as f64).sin());
         let ridge = 1e-3 * design.largest;
-        for block in [0..7, 7..12, 12..20] {
-            let own = all.subrows(block.start, block.len());
-            let found = design.block_out(&block, 1e-3).unwrap().errors(own, &design.project(&all));
-            let kept: Vec<usize> = (0..20).filter(|i| !block.contains(i)).collect();
+        let scattered = Block { own: vec![3, 11, 12, 17], near: vec![2, 4, 19] };
+        for block in [Block::row(0..7), Block::row(7..12), Block::row(12..20), scattered] {
+            let out: Vec<usize> = block.out().collect();
+            let own = Mat::from_fn(out.len(), 2, |i, o| all[(out[i], o)]);
+            let found = design.block_out(&block, 1e-3).unwrap().errors(&own, &design.project(&all));
+            let kept: Vec<usize> = (0..20).filter(|i| !out.contains(i)).collect();
             let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
             let y = Mat::from_fn(kept.len(), 2, |r, c| all[(kept[r], c)]);
             let mut normal = a.transpose() * &a;
             (0..normal.nrows()).for_each(|i| normal[(i, i)] += ridge);
             let solution = normal.llt(Side::Lower).unwrap().solve(a.transpose() * y);
             let predicted = &x * solution;
-            for i in block.clone() {
+            assert_eq!(found.nrows(), block.own.len());
+            for (place, &i) in block.own.iter().enumerate() {
                 for o in 0..2 {
                     let expected = all[(i, o)] - predicted[(i, o)];
-                    let found = found[(i - block.start, o)];
+                    let found = found[(place, o)];
                     assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()));
                 }
             }

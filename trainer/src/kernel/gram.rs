@@ -3,6 +3,7 @@
 
 use super::inputs::{Inputs, WIDTHS};
 use super::left_out::LeftOut;
+use super::outputs::Block;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 use sinew_runtime::envelope::GroupKernel;
@@ -32,13 +33,13 @@ pub struct SampleErrors {
 }
 
 impl GramRegression {
-    /// Chooses width and ridge by leaving out blocks of some samples; `blocks` are contiguous, cover
-    /// `some` and count its elements. None where no fit can be made.
+    /// Chooses width and ridge by leaving out blocks of some samples; `blocks` cover `some` and
+    /// count its elements. None where no fit can be made.
     pub fn choose(
         inputs: &Inputs,
         gram: Mat<f64>,
         some: &[usize],
-        blocks: &[Range<usize>],
+        blocks: &[Block],
     ) -> Option<Self> {
         let pick =
             |m: &Mat<f64>| Mat::from_fn(some.len(), some.len(), |i, j| m[(some[i], some[j])]);
@@ -71,9 +72,9 @@ impl GramRegression {
         self.gram[(sample, sample)]
     }
 
-    /// Predicts every sample by the others; `blocks` are contiguous and cover all. None where
+    /// Predicts every sample by the others; `blocks` cover all. None where
     /// rounding makes a fit indefinite.
-    pub fn errors(&self, blocks: &[Range<usize>]) -> Option<SampleErrors> {
+    pub fn errors(&self, blocks: &[Block]) -> Option<SampleErrors> {
         SampleErrors::new(&self.kernel, &self.gram, self.ridge, blocks)
     }
 
@@ -100,26 +101,29 @@ impl GramRegression {
 impl SampleErrors {
     /// With A = K + λI a fit to all samples leaves λA⁻¹ of their outputs; λ cancels. A single sample
     /// is a block of one.
-    fn new(
-        kernel: &Mat<f64>,
-        gram: &Mat<f64>,
-        ridge: f64,
-        blocks: &[Range<usize>],
-    ) -> Option<Self> {
+    fn new(kernel: &Mat<f64>, gram: &Mat<f64>, ridge: f64, blocks: &[Block]) -> Option<Self> {
         let n = kernel.nrows();
         let mut ridged = kernel.clone();
         (0..n).for_each(|i| ridged[(i, i)] += ridge);
         let inverse = ridged.llt(Side::Lower).ok()?.inverse();
         let half = gram * &inverse;
-        let missed = |block: &Range<usize>| {
-            let (start, len) = (block.start, block.len());
-            let remainder = inverse.submatrix(start, start, len, len).to_owned();
-            let residuals = inverse.subcols(start, len).transpose() * half.subcols(start, len);
+        let columns =
+            |m: &Mat<f64>, out: &[usize]| Mat::from_fn(n, out.len(), |r, i| m[(r, out[i])]);
+        let missed = |block: &Block, missed: &mut [f64]| {
+            let out: Vec<usize> = block.out().collect();
+            let remainder = Mat::from_fn(out.len(), out.len(), |i, j| inverse[(out[i], out[j])]);
+            let residuals = columns(&inverse, &out).transpose() * columns(&half, &out);
             let errors = LeftOut::new(&remainder)?.products(&residuals);
-            Some(errors.diagonal().column_vector().iter().copied().collect::<Vec<f64>>())
+            block.own.iter().enumerate().for_each(|(i, &sample)| missed[sample] = errors[(i, i)]);
+            Some(())
         };
-        let alone = (0..n).map(|i| missed(&(i..i + 1))).collect::<Option<Vec<_>>>()?.concat();
-        let block = blocks.iter().map(missed).collect::<Option<Vec<_>>>()?.concat();
+        let (mut alone, mut block) = (vec![0.0; n], vec![0.0; n]);
+        for sample in 0..n {
+            missed(&Block::row(sample..sample + 1), &mut alone)?;
+        }
+        for left_out in blocks {
+            missed(left_out, &mut block)?;
+        }
         Some(Self { alone, block })
     }
 }
@@ -159,12 +163,19 @@ mod tests {
     #[test]
     fn samples_left_out_in_closed_form_equal_fits_without_them() {
         let (regression, outputs) = regression();
-        let blocks = [0..5, 5..7, 7..N];
+        let scattered = Block { own: vec![7, 9, 11], near: vec![8, 2] };
+        let blocks = [
+            Block::row(0..5),
+            Block::row(5..7),
+            Block { own: vec![8, 10], near: vec![9] },
+            scattered,
+        ];
         let found = regression.errors(&blocks).unwrap();
         for block in blocks {
-            for sample in block.clone() {
+            for &sample in &block.own {
                 let others: Vec<usize> = (0..N).filter(|&i| i != sample).collect();
-                let outside: Vec<usize> = (0..N).filter(|i| !block.contains(i)).collect();
+                let outside: Vec<usize> =
+                    (0..N).filter(|i| !block.out().any(|out| out == *i)).collect();
                 let alone = missed(&regression.kernel, &outputs, sample, &others);
                 let blocked = missed(&regression.kernel, &outputs, sample, &outside);
                 assert!((found.alone[sample] - alone).abs() < 1e-9 * (1.0 + alone));

@@ -1,6 +1,6 @@
 //! What samples are to give, in blocks, and the mean by which errors of blocks make a score.
 
-use faer::{Mat, MatRef};
+use faer::Mat;
 use std::ops::Range;
 
 /// Power of the mean over blocks. Near 0 it is the geometric mean, in which every block counts by
@@ -8,21 +8,43 @@ use std::ops::Range;
 /// would decide alone.
 const GENTLE: f64 = 0.1;
 
+/// Samples that are left out at once.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Block {
+    /// Those that are predicted.
+    pub own: Vec<usize>,
+    /// Others that the fit that predicts them does not see either.
+    pub near: Vec<usize>,
+}
+
+impl Block {
+    /// A block of samples in a row, with nothing near.
+    pub fn row(own: Range<usize>) -> Self {
+        Self { own: own.collect(), near: Vec::new() }
+    }
+
+    /// Lists what is left out: its own first.
+    pub fn out(&self) -> impl Iterator<Item = usize> + Clone + '_ {
+        self.own.iter().chain(&self.near).copied()
+    }
+}
+
 /// What the samples are to give.
 pub struct Outputs {
     /// n x r.
     pub all: Mat<f64>,
-    /// Contiguous blocks of samples that cover all, the last ones perhaps again.
-    pub blocks: Vec<Range<usize>>,
+    /// Blocks of samples, of which the first ones cover all.
+    pub blocks: Vec<Block>,
     /// The outputs as a fit without each block is to see them, where they depend on that.
     pub without: Vec<Mat<f64>>,
 }
 
 impl Outputs {
-    /// Returns a block's outputs, as a fit without it is to see them.
-    pub fn of_block(&self, block: usize) -> MatRef<'_, f64> {
-        let Range { start, end } = self.blocks[block];
-        self.without.get(block).unwrap_or(&self.all).subrows(start, end - start)
+    /// Returns the outputs of what a block leaves out, as a fit without it is to see them.
+    pub fn of_block(&self, block: usize) -> Mat<f64> {
+        let seen = self.without.get(block).unwrap_or(&self.all);
+        let out: Vec<usize> = self.blocks[block].out().collect();
+        Mat::from_fn(out.len(), seen.ncols(), |i, o| seen[(out[i], o)])
     }
 
     /// Scores of predicting nothing: each output's size, over the samples as their own blocks see
@@ -30,7 +52,10 @@ impl Outputs {
     pub fn sizes(&self) -> Vec<f64> {
         let blocks = 0..self.blocks.len();
         let size = |o: usize| {
-            gentle_mean(blocks.clone().map(|b| self.of_block(b).col(o).squared_norm_l2()))
+            gentle_mean(blocks.clone().map(|b| {
+                let own = self.blocks[b].own.len();
+                self.of_block(b).col(o).subrows(0, own).squared_norm_l2()
+            }))
         };
         (0..self.all.ncols()).map(size).collect()
     }

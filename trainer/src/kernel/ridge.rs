@@ -80,8 +80,8 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
         for (b, block) in outputs.blocks.iter().enumerate().rev() {
             let truth = outputs.of_block(b);
             for o in (0..ridges.len()).filter(|&o| ridges[o] == ridge) {
-                for i in 0..block.len() {
-                    predicted[(block.start + i, o)] = truth[(i, o)] - left[b][(i, o)];
+                for (i, &sample) in block.own.iter().enumerate() {
+                    predicted[(sample, o)] = truth[(i, o)] - left[b][(i, o)];
                 }
             }
         }
@@ -114,7 +114,7 @@ fn left_out(
     let blocks = outputs.blocks.iter().enumerate();
     let errors = blocks.map(|(b, block)| {
         let projected = projected.without.get(b).unwrap_or(&projected.all);
-        Some(design.block_out(block, ridge)?.errors(outputs.of_block(b), projected))
+        Some(design.block_out(block, ridge)?.errors(&outputs.of_block(b), projected))
     });
     errors.collect()
 }
@@ -156,9 +156,9 @@ fn least(tried: &[OfRidge], output: usize) -> Option<(f64, f64)> {
 mod tests {
     use super::super::function::SMOOTHEST_FIRST;
     use super::super::inputs::{Inputs, WIDTHS};
+    use super::super::outputs::Block;
     use super::*;
     use sinew_runtime::envelope::GroupKernel;
-    use std::ops::Range;
 
     fn truth(x: f64, y: f64) -> [f64; 2] {
         [x * y + x, (2.0 * x).cos() - 1.0 - y]
@@ -169,7 +169,7 @@ mod tests {
         let values =
             Mat::from_fn(2, 120, |r, i| [(0.37 * i as f64).sin(), (0.61 * i as f64).cos()][r]);
         let all = Mat::from_fn(120, 2, |i, o| truth(values[(0, i)], values[(1, i)])[o]);
-        let blocks: Vec<_> = (0..8).map(|b| 15 * b..15 * b + 15).collect();
+        let blocks: Vec<_> = (0..8).map(|b| Block::row(15 * b..15 * b + 15)).collect();
         let outputs = Outputs { all, blocks: blocks.clone(), without: Vec::new() };
         let inputs = Inputs::new(values).unwrap();
         for kernel in SMOOTHEST_FIRST {
@@ -190,8 +190,7 @@ mod tests {
             }
             let left = predicted - &outputs.all;
             let of = |o: usize| {
-                let own =
-                    |b: &Range<usize>| left.col(o).subrows(b.start, b.len()).squared_norm_l2();
+                let own = |b: &Block| b.own.iter().map(|&i| left[(i, o)].powi(2)).sum::<f64>();
                 gentle_mean(blocks.iter().map(own))
             };
             assert!(of(0) + of(1) <= scored.score() && scored.score() < 1e-2);

@@ -69,6 +69,7 @@ pub(crate) fn chain(bends: &[Bend]) -> Examples {
         transforms,
         split: bends.iter().map(|bend| bend.1).collect(),
         ranges: Vec::new(),
+        clip_starts: vec![0],
         space: Space::default(),
         importance: None,
     }

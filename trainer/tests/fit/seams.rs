@@ -49,6 +49,7 @@ fn bent(rest: Vec<[f64; 3]>, triangles: Vec<[usize; 3]>) -> Examples {
             .map(|frame| if frame % 4 == 3 { Split::HeldOut } else { Split::Train })
             .collect(),
         ranges: Vec::new(),
+        clip_starts: vec![0],
         space: Space::default(),
         importance: None,
     }

@@ -4,9 +4,11 @@
 use super::context::Context;
 use crate::envelope::correction::features::Features;
 use crate::envelope::skin::folds::folds;
+use crate::envelope::skin::poses::Time;
 use crate::examples::spread;
 use crate::kernel::gram::{GramRegression, SampleErrors};
 use crate::kernel::inputs::Inputs;
+use crate::kernel::outputs::Block;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -52,14 +54,23 @@ impl Region {
         let inputs = Inputs::new(inputs)?;
         let gram = gram(context, joint, skin, poses);
         let some = spread(poses.len(), TRIED);
-        let regression = GramRegression::choose(&inputs, gram, &some, &folds(some.len()))?;
+        let tried: Vec<usize> = some.iter().map(|&place| poses[place]).collect();
+        let blocks = blocks(context, &tried);
+        let regression = GramRegression::choose(&inputs, gram, &some, &blocks)?;
         Some(Self { joint, regression })
     }
 
     /// Predicts every compared pose by the others.
-    pub(super) fn errors(&self) -> Option<SampleErrors> {
-        self.regression.errors(&folds(self.regression.sample_len()))
+    pub(super) fn errors(&self, context: &Context<'_>, poses: &[usize]) -> Option<SampleErrors> {
+        self.regression.errors(&blocks(context, poses))
     }
+}
+
+/// Folds of some of the training poses.
+fn blocks(context: &Context<'_>, poses: &[usize]) -> Vec<Block> {
+    let times = context.training.poses.times();
+    let times: Vec<Time> = poses.iter().map(|&pose| times[pose]).collect();
+    folds(&times).into_iter().map(Block::from).collect()
 }
 
 /// Inner products of what LBS leaves, in the joint's own frame.

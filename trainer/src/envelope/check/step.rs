@@ -69,6 +69,7 @@ fn sample(examples: &Examples) -> Examples {
         transforms: examples.transforms.clone(),
         split: examples.split.clone(),
         ranges: Vec::new(),
+        clip_starts: examples.clip_starts.clone(),
         space: Space::default(),
         importance: None,
     }

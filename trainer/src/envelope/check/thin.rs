@@ -47,8 +47,10 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     if regions.is_empty() {
         return None;
     }
-    let errors: Vec<SampleErrors> =
-        regions.par_iter().map(Region::errors).collect::<Option<Vec<_>>>()?;
+    let errors: Vec<SampleErrors> = regions
+        .par_iter()
+        .map(|region| region.errors(context, &poses))
+        .collect::<Option<Vec<_>>>()?;
     let sum = |of: &dyn Fn(&SampleErrors) -> f64| errors.iter().map(of).sum::<f64>();
     let left = |r: &Region| (0..poses.len()).map(|i| r.regression.left(i)).sum::<f64>();
     let lbs: f64 = regions.iter().map(left).sum();

@@ -1,5 +1,6 @@
 //! The candidates for a group's kernel map, chosen by folds of the training poses.
 
+use super::beyond::beyond;
 use super::features::Features;
 use super::metric::Metric;
 use super::target::CorrectionTarget;
@@ -9,7 +10,7 @@ use crate::envelope::skin::stacked::map_of;
 use crate::kernel::design::{Design, Hyperparameters};
 use crate::kernel::function::SMOOTHEST_FIRST;
 use crate::kernel::inputs::{Inputs, WIDTHS};
-use crate::kernel::outputs::Outputs;
+use crate::kernel::outputs::{Block, Outputs};
 use crate::kernel::ridge::{self, KernelFit, Scored};
 use faer::Mat;
 use nalgebra::Matrix3;
@@ -82,11 +83,7 @@ pub struct MapSize {
 
 impl GroupCandidates {
     /// Tries all there is to choose for some proxies of one dominant joint.
-    pub fn new(
-        target: &CorrectionTarget<'_>,
-        proxies: Range<usize>,
-        blocks: &[Range<usize>],
-    ) -> Self {
+    pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>, blocks: &[Block]) -> Self {
         let CorrectionTarget { poses, features, .. } = *target;
         let joint = target.dominant[proxies.start];
         let metric = Metric::new(target.gram, &proxies);
@@ -95,7 +92,7 @@ impl GroupCandidates {
         let directions = leading(&all);
         let outputs = Outputs {
             all: &all * &directions,
-            blocks: blocks.to_vec(),
+            blocks: [blocks, &beyond(poses, features.parents, joint)].concat(),
             without: target.without.iter().map(|m| seen(m) * &directions).collect(),
         };
         let sizes = outputs.sizes();

@@ -1,6 +1,7 @@
 //! What kernel maps add to a base, from the pose: fitted for helpers and for what a reconstruction
 //! leaves over alike (METHOD §1.9).
 
+mod beyond;
 pub mod candidates;
 pub mod features;
 pub mod metric;

@@ -7,9 +7,10 @@
 use super::candidates::{GroupCandidates, GroupReport};
 use super::target::CorrectionTarget;
 use crate::envelope::model::Group;
-use crate::envelope::skin::folds::folds;
+use crate::envelope::skin::folds::{Fold, folds};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::stacked::{map_of, set_map};
+use crate::kernel::outputs::Block;
 use crate::numeric::affine::linear;
 use crate::progress::Progress;
 use faer::Mat;
@@ -125,16 +126,17 @@ fn add(group: &Group, latents: &[f64], (poses, pose): (&Poses, usize), out: &mut
 
 /// Returns the folds of the cross-validation. Where the base is the same for all of them, further folds
 /// that lie halfway between two are added: more folds choose better.
-fn blocks(target: &CorrectionTarget<'_>) -> Vec<Range<usize>> {
-    let mut blocks = folds(target.poses.len());
+fn blocks(target: &CorrectionTarget<'_>) -> Vec<Block> {
+    let times = target.poses.times();
+    let mut folds = folds(times);
     if target.without.is_empty() {
-        let between = |pair: &[Range<usize>]| {
-            let middle = |block: &Range<usize>| (block.start + block.end) / 2;
-            middle(&pair[0])..middle(&pair[1])
+        let between = |pair: &[Fold]| {
+            let middle = |fold: &Fold| (fold.own.start + fold.own.end) / 2;
+            Fold::new(middle(&pair[0])..middle(&pair[1]), times)
         };
-        blocks.extend(blocks.windows(2).map(between).collect::<Vec<_>>());
+        folds.extend(folds.windows(2).map(between).collect::<Vec<_>>());
     }
-    blocks
+    folds.into_iter().map(Block::from).collect()
 }
 
 #[cfg(test)]
@@ -197,15 +199,17 @@ mod tests {
 
     #[test]
     fn blocks_between_folds_overlap_two() {
-        let folds = folds(40);
-        assert_eq!(folds.len(), 10);
-        let between = |pair: &[Range<usize>]| (pair[0].start + 2)..(pair[1].start + 2);
-        let expected: Vec<_> = folds.windows(2).map(between).collect();
         let examples = demo(&DemoOptions { vertices: 200, poses: 40, held_out: 0, seed: 1 });
         let training = Training::new(&examples, &Silent).unwrap();
         let helpers = fit::fit(&training, 4, 4).unwrap();
         let target = helpers.target(&training);
-        assert_eq!(blocks(&target)[10..], expected);
+        let folds: Vec<Block> =
+            folds(training.poses.times()).into_iter().map(Block::from).collect();
+        let found = blocks(&target);
+        assert_eq!(found[..10], folds);
+        assert_eq!(found.len(), 19);
+        assert_eq!(found[10].own, [2, 3, 4, 5]);
+        assert_eq!(found[10].near, [0, 1, 6, 7]);
         let base = [Mat::zeros(120, 16)];
         assert_eq!(blocks(&CorrectionTarget { without: &base, ..target }), folds);
     }

@@ -67,6 +67,7 @@ pub fn demo(options: &DemoOptions) -> Examples {
         transforms: frames.iter().flat_map(|(_, pose)| pose.maps()).collect(),
         split: frames.iter().map(|(split, _)| *split).collect(),
         ranges: Vec::new(),
+        clip_starts: vec![0],
         space: Space::default(),
         importance: None,
     }

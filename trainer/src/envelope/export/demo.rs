@@ -25,7 +25,8 @@ pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
     let vertices = frames.iter().flat_map(|&frame| examples.frame(frame)).copied().collect();
     let transforms = frames.iter().flat_map(|&frame| examples.pose(frame)).copied().collect();
     let split = frames.iter().map(|&frame| examples.split[frame]).collect();
-    examples = Examples { vertices, transforms, split, ..examples };
+    let clip_starts = clips.iter().map(|clip| clip.first).collect();
+    examples = Examples { vertices, transforms, split, clip_starts, ..examples };
     (examples, clips)
 }
 

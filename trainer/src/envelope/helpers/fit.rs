@@ -8,6 +8,7 @@ use crate::envelope::skin::blend::{Items, Maps, Weights, fit_maps, fit_weights};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::gram;
 use crate::envelope::skin::stacked::{bases, set_map};
+use crate::envelope::skin::targets::skinned;
 use crate::envelope::skin::training::Training;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::basis::basis;
@@ -22,6 +23,9 @@ const RESIDUAL_SHARE: f64 = 8.0;
 /// Pull of a helper to its dominant joint's map, relative to the mean diagonal: without it a weakly
 /// supported helper is noise that no map can predict.
 const PULL: f64 = 1e-5;
+/// How much the base counts when weights are fitted: the palette before any correction is to skin as LBS does, for it is
+/// all that is left of poses unlike those of training.
+const BASE: f64 = 0.05;
 /// Name of the step.
 pub const STEP: &str = "helpers";
 /// Rounds of weights and maps.
@@ -74,10 +78,15 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
 
     let dominant: Vec<usize> = groups.iter().map(|group| group.0).collect();
     let bases = bases(&stacked, &dominant);
-    let items = Items::vertices(&training.rest, &training.trajectories, training.importance());
+    let scaled = faer::Scale(BASE);
+    let plain = skinned(&training.rest, joints, &stacked) * scaled;
+    let with_base = faer::concat![[&training.trajectories], [&plain]];
+    let items = Items::vertices(&training.rest, &with_base, training.importance());
+    let base = faer::concat![[&stacked, &bases]] * scaled;
     let mut weights = joints.clone();
     for _ in 0..ROUNDS {
-        let palette = Maps { width: 4, columns: faer::concat![[&stacked, &maps]] };
+        let columns = faer::concat![[faer::concat![[&stacked, &maps]]], [&base]];
+        let palette = Maps { width: 4, columns };
         weights = fit_weights(&items, &palette, influences, Some(joints)).0;
         let (on_joints, on_helpers) = split(&weights, poses.joint_len());
         let mut left = training.trajectories.clone();

@@ -182,7 +182,7 @@ pub fn fit(
         proxy_rms: proxies.rms,
         key_rms: keys.rms,
         keys: predictors.iter().map(KeyChoice::new).collect(),
-        folds: folds(poses.len()),
+        folds: folds(poses.times()).into_iter().map(|fold| fold.own).collect(),
         trials,
         choice,
         condition: system.equations().condition(),

@@ -5,7 +5,7 @@ use super::predictor::{self, GradientPredictor};
 use super::reduce::Reduced;
 use super::refine::Regression;
 use crate::envelope::skin::blend::Weights;
-use crate::envelope::skin::folds::folds;
+use crate::envelope::skin::folds::{Fold, folds};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::Projection;
 use crate::envelope::skin::targets::{Targets, skin};
@@ -13,17 +13,16 @@ use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Key gradients of every training pose, predicted without each fold in turn.
 pub struct Validation<'a> {
     targets: &'a Targets<'a>,
     poses: &'a Poses,
-    folds: Vec<Fold>,
+    folds: Vec<FoldPrediction>,
 }
 
-struct Fold {
-    range: Range<usize>,
+struct FoldPrediction {
+    fold: Fold,
     /// Predictions of all poses by predictors fitted without the fold, 3n x 3P.
     predicted: Mat<f64>,
 }
@@ -37,22 +36,23 @@ impl<'a> Validation<'a> {
         sequences: &[Vec<Matrix3<f64>>],
         progress: &dyn Progress,
     ) -> Self {
-        let ranges = folds(poses.len());
+        let ranges = folds(poses.times());
         progress.step("cross-validation", ranges.len() * sequences.len());
         let folds = ranges
             .into_iter()
-            .map(|range| {
-                let train = poses.without(range.clone());
+            .map(|fold| {
+                let out = fold.out.clone();
+                let train = poses.without(out.clone());
                 let predictors: Vec<_> = sequences
                     .par_iter()
                     .map(|sequence| {
-                        let (before, rest) = sequence.split_at(range.start);
-                        let kept = [before, &rest[range.len()..]].concat();
+                        let (before, rest) = sequence.split_at(out.start);
+                        let kept = [before, &rest[out.len()..]].concat();
                         progress.advance(1);
                         GradientPredictor::fit(&train, parents, &kept)
                     })
                     .collect();
-                Fold { predicted: predictor::predict_stacked(&predictors, poses), range }
+                FoldPrediction { predicted: predictor::predict_stacked(&predictors, poses), fold }
             })
             .collect();
         Self { targets, poses, folds }
@@ -96,9 +96,10 @@ impl<'a> Validation<'a> {
     }
 
     fn regressions(&self, reduced: &Reduced, projection: &Projection) -> Vec<Regression> {
-        let of = |fold: &Fold| {
-            let residual = projection.residual(&reduced.palette(&fold.predicted, self.poses));
-            Regression::new(&fold.predicted, self.poses, &residual, &fold.range)
+        let of = |of: &FoldPrediction| {
+            let FoldPrediction { fold, predicted } = of;
+            let residual = projection.residual(&reduced.palette(predicted, self.poses));
+            Regression::new(predicted, self.poses, &residual, &fold.out)
         };
         self.folds.par_iter().map(of).collect()
     }
@@ -109,7 +110,7 @@ impl<'a> Validation<'a> {
         regressions: &[Regression],
         strength: f64,
     ) -> Vec<Mat<f64>> {
-        let of = |(fold, regression): (&Fold, &Regression)| {
+        let of = |(fold, regression): (&FoldPrediction, &Regression)| {
             regression.refine(reduced, strength).palette(&fold.predicted, self.poses)
         };
         self.folds.par_iter().zip(regressions).map(of).collect()
@@ -123,8 +124,8 @@ impl<'a> Validation<'a> {
     pub fn join(&self, maps: &[Mat<f64>]) -> Mat<f64> {
         let columns = maps.first().map_or(0, Mat::ncols);
         let mut joined = Mat::zeros(3 * self.poses.len(), columns);
-        for (fold, maps) in self.folds.iter().zip(maps) {
-            let (start, len) = (3 * fold.range.start, 3 * fold.range.len());
+        for (FoldPrediction { fold, .. }, maps) in self.folds.iter().zip(maps) {
+            let (start, len) = (3 * fold.own.start, 3 * fold.own.len());
             joined.subrows_mut(start, len).copy_from(maps.subrows(start, len));
         }
         joined
@@ -151,23 +152,4 @@ pub fn largest_distance(
         })
         .collect();
     distances.into_iter().fold(0.0, f64::max).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn folds_are_contiguous_cover_all_and_differ_by_one_at_most() {
-        for n in 2..60 {
-            let folds = folds(n);
-            assert_eq!(folds.len(), (n / 2).clamp(2, 10));
-            assert_eq!(
-                folds.iter().cloned().flatten().collect::<Vec<_>>(),
-                (0..n).collect::<Vec<_>>()
-            );
-            let lengths = folds.iter().map(|f| f.len());
-            assert!(lengths.clone().max().unwrap() - lengths.min().unwrap() <= 1);
-        }
-    }
 }

@@ -16,6 +16,16 @@ pub struct Poses {
     angles: Vec<Vector3<f64>>,
     parent_rotations: Vec<Matrix3<f64>>,
     roots: Vec<Matrix3x4<f64>>,
+    times: Vec<Time>,
+}
+
+/// When a pose was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Time {
+    /// The number of its clip.
+    pub clip: usize,
+    /// Its frame.
+    pub frame: usize,
 }
 
 impl Poses {
@@ -31,6 +41,10 @@ impl Poses {
             angles: Vec::with_capacity(frames.len() * joint_len),
             parent_rotations: Vec::with_capacity(frames.len() * joint_len),
             roots: Vec::with_capacity(frames.len()),
+            times: frames
+                .iter()
+                .map(|&frame| Time { clip: examples.clip_of(frame), frame })
+                .collect(),
         };
         for &frame in frames {
             let pose: Vec<_> = examples.pose(frame).iter().map(from_rows).collect();
@@ -67,6 +81,11 @@ impl Poses {
     /// Returns r, the reference root.
     pub fn root(&self) -> usize {
         self.root
+    }
+
+    /// Returns when each of the n poses was taken, in order.
+    pub fn times(&self) -> &[Time] {
+        &self.times
     }
 
     /// Returns `B_r⁻¹ B_j` of a pose.
@@ -148,6 +167,7 @@ impl Poses {
             angles: outside(&self.angles, joints, &range),
             parent_rotations: outside(&self.parent_rotations, joints, &range),
             roots: outside(&self.roots, 1, &range),
+            times: outside(&self.times, 1, &range),
         }
     }
 }

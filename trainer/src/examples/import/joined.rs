@@ -56,6 +56,8 @@ fn append(joined: &mut Examples, next: Examples) {
             Some((0..joined.vertex_len()).map(mean).collect())
         }
     };
+    let before = joined.frame_len();
+    joined.clip_starts.extend(next.clip_starts.iter().map(|first| before + first));
     joined.vertices.extend(next.vertices);
     joined.transforms.extend(next.transforms);
     joined.split.extend(next.split);

@@ -190,6 +190,7 @@ fn joined(
         transforms,
         split,
         ranges,
+        clip_starts: clips.iter().map(|clip| clip.first).collect(),
         space,
         importance: None,
     };

@@ -139,6 +139,7 @@ fn read(
         transforms,
         split,
         ranges,
+        clip_starts: clips.iter().map(|clip| clip.first).collect(),
         space,
         importance: None,
     };

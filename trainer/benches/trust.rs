@@ -1,0 +1,183 @@
+//! Prints how far a fit can be trusted: errors and confidence on poses unlike those of training.
+//!
+//! `cargo bench -p sinew-trainer --bench trust [-- WORD ...]`: of the rows, those whose name holds every word.
+
+use sinew_runtime::envelope::Predictor;
+use sinew_trainer::envelope::evaluate::{Baseline, Character, Measured, Told};
+use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::skin::poses::Poses;
+use sinew_trainer::envelope::{Options, Predict, train};
+use sinew_trainer::examples::{Examples, Source, Split, load};
+use sinew_trainer::progress::Silent;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+/// Where the model's error in a frame is so many times that of LBS, it is worse.
+const WORSE: f64 = 1.2;
+/// Confidence that a frame that is worse may have.
+const TRUSTED: f64 = 0.5;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    println!(
+        "{:<44}{:>7}{:>9}{:>9}{:>7}{:>7}{:>7}{:>7}{:>9}{:>9}",
+        "trained on, by",
+        "frames",
+        "LBS %",
+        "model %",
+        "x LBS",
+        "x p99",
+        "worse",
+        "conf.",
+        "trusted",
+        "Spearman"
+    );
+    let mut all = Vec::new();
+    for (set, examples) in scenes()? {
+        for (by, options) in predictors(&set) {
+            let name = format!("{set}, {by}");
+            if words.iter().all(|word| name.contains(word.as_str())) {
+                all.extend(row(&name, &examples, &options)?);
+            }
+        }
+    }
+    println!("all frames: Spearman {:.2}", spearman(&all));
+    Ok(())
+}
+
+/// Sets whose held-out frames are beyond those of training.
+fn scenes() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
+    let mut scenes = Vec::new();
+    for (clip, own) in [("walk", 0..66), ("stretch", 66..122)] {
+        let Some(path) = found("leg/leg.npz") else { continue };
+        let mut examples = load(&Source::file(&path))?.examples;
+        let round = |x: f64| (x * 1e6).round() / 1e6;
+        examples.vertices.iter_mut().for_each(|x| *x = x.map(round));
+        examples.split.fill(Split::HeldOut);
+        examples.split[own].fill(Split::Train);
+        scenes.push((format!("leg {clip}"), examples));
+    }
+    for (name, file) in [
+        ("mpfb-arm", "mpfb-arm/mpfb_arm.npz"),
+        ("dem-bones", "dem-bones/bone.npz"),
+        ("mpfb-body", "mpfb-body/mpfb_body.npz"),
+    ] {
+        let Some(path) = found(file) else { continue };
+        let examples = load(&Source::file(&path))?.examples;
+        let trained = examples.frames_of(Split::Train);
+        for third in 0..3 {
+            let mut part = examples.clone();
+            let own = third * trained.len() / 3..(third + 1) * trained.len() / 3;
+            let out = (0..trained.len()).filter(|place| !own.contains(place));
+            out.for_each(|place| part.split[trained[place]] = Split::Extreme);
+            scenes.push((format!("{name} third {}", third + 1), part));
+        }
+        if name == "mpfb-arm" {
+            let frames: Vec<usize> = (0..examples.frame_len()).collect();
+            let poses = Poses::new(&examples, &frames);
+            let mut every = examples.clone();
+            for joint in 1..examples.joint_len() {
+                let angles = |frame: &usize| poses.angle(*frame, joint).norm();
+                let mut sorted: Vec<f64> = trained.iter().map(angles).collect();
+                sorted.sort_by(f64::total_cmp);
+                let bent = sorted[3 * sorted.len() / 4];
+                let mut part = examples.clone();
+                for frame in &trained {
+                    if angles(frame) > bent {
+                        part.split[*frame] = Split::HeldOut;
+                        every.split[*frame] = Split::HeldOut;
+                    }
+                }
+                let joint = &examples.skeleton.names[joint];
+                scenes.push((format!("mpfb-arm less {joint}"), part));
+            }
+            scenes.push(("mpfb-arm less every".to_owned(), every));
+        }
+    }
+    Ok(scenes)
+}
+
+fn predictors(set: &str) -> Vec<(String, Options)> {
+    let counts: &[usize] = if set.starts_with("leg") { &[20, 80] } else { &[40] };
+    let mut rows = Vec::new();
+    for &count in counts {
+        for only in Predictor::ALL {
+            let options = Options {
+                predictor: Predict::Only(only),
+                proxies: Some(ProxyCount::Fixed(count)),
+                ..Options::default()
+            };
+            rows.push((format!("{} {count}", only.name()), options));
+        }
+    }
+    rows.push(("auto".to_owned(), Options::default()));
+    rows
+}
+
+/// Measures one training; gives each frame's confidence, and what the model gains on LBS.
+fn row(
+    name: &str,
+    examples: &Examples,
+    options: &Options,
+) -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
+    let model = match train(examples, options, &Silent) {
+        Ok(trained) => trained.model,
+        Err(error) => {
+            println!("{name:<44}{error}");
+            return Ok(Vec::new());
+        }
+    };
+    let frames = examples.frames_of(Split::HeldOut);
+    let character = Character::open(&model, None, examples)?;
+    let baseline: Baseline = Told::of(&model, &character, examples).baseline(examples);
+    let measured = Measured::model(&character, examples, &frames)?;
+    let lbs = Measured::lbs(&baseline, examples, &frames);
+    let (ours, theirs) = (measured.errors(), lbs.errors());
+    let mut gains = Vec::new();
+    let (mut worse, mut trusted) = (0, 0);
+    let mut most = f64::NAN;
+    for (place, frame) in measured.frames.iter().enumerate() {
+        let [own, plain] = [&measured, &lbs].map(|m| m.errors_in(place).rms_percent);
+        gains.push((frame.confidence, plain - own));
+        if own > WORSE * plain {
+            worse += 1;
+            trusted += usize::from(frame.confidence > TRUSTED);
+            most = most.max(frame.confidence);
+        }
+    }
+    println!(
+        "{name:<44}{:>7}{:>9.4}{:>9.4}{:>7.2}{:>7.2}{worse:>7}{most:>7.2}{trusted:>9}{:>9.2}",
+        frames.len(),
+        theirs.rms_percent,
+        ours.rms_percent,
+        ours.rms / theirs.rms,
+        ours.p99_percent / theirs.p99_percent,
+        spearman(&gains),
+    );
+    Ok(gains)
+}
+
+/// The rank correlation of pairs.
+fn spearman(pairs: &[(f64, f64)]) -> f64 {
+    let ranks = |of: &dyn Fn(&(f64, f64)) -> f64| -> Vec<f64> {
+        let values: Vec<f64> = pairs.iter().map(of).collect();
+        let below = |x: f64| values.iter().filter(|y| **y < x).count() as f64;
+        let alike = |x: f64| values.iter().filter(|y| **y == x).count() as f64;
+        values.iter().map(|&x| below(x) + 0.5 * (alike(x) - 1.0)).collect()
+    };
+    let (a, b) = (ranks(&|pair| pair.0), ranks(&|pair| pair.1));
+    let mean = (pairs.len() as f64 - 1.0) / 2.0;
+    let product = |a: &[f64], b: &[f64]| -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - mean) * (b - mean)).sum()
+    };
+    product(&a, &b) / (product(&a, &a) * product(&b, &b)).sqrt()
+}
+
+fn found(file: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(file);
+    let there = path.exists();
+    if !there {
+        println!("{file} is not in ../shared/data: left out");
+    }
+    there.then_some(path)
+}
