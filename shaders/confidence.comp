@@ -35,9 +35,16 @@ void main() {
             confidence = min(confidence, own);
         }
     } else {
+        precise float known = 0.0;
+        precise float doubted = 0.0;
         for (uint i = 0u; i < params.group_len; i++) {
-            confidence = min(confidence, scratch[base + params.group_confidences + i]);
+            uint evidence = base + params.group_confidences + 2u * i;
+            known += scratch[evidence];
+            doubted += scratch[evidence + 1u];
         }
+        precise float sure = 1.0 + known;
+        precise float share = sure / (sure + doubted);
+        confidence = share;
     }
     confidences[params.confidences_offset + instance * params.confidences_stride] = confidence;
 }

@@ -26,9 +26,15 @@ fn main(
             confidence = min(confidence, 1.0 - smooth_step(min(excess, 1.0)));
         }
     } else {
+        var known = 0.0;
+        var doubted = 0.0;
         for (var i = 0u; i < params.group_len; i++) {
-            confidence = min(confidence, scratch[base + params.group_confidences + i]);
+            let evidence = base + params.group_confidences + 2u * i;
+            known += scratch[evidence];
+            doubted += scratch[evidence + 1u];
         }
+        let sure = 1.0 + known;
+        confidence = sure / (sure + doubted);
     }
     confidences[params.confidences_offset + instance * params.confidences_stride] = confidence;
 }

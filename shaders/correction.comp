@@ -18,6 +18,9 @@ layout(set = 0, binding = 4, std430) buffer Palettes {
     float palettes[];
 };
 
+// What is left to doubt where nothing is known.
+const float DOUBT = 1.0e30;
+
 uint padded(uint len) {
     return (len + 7u) / 8u * 8u;
 }
@@ -36,20 +39,20 @@ void main() {
     uint group = gl_WorkGroupID.x;
     uint pose = params.poses_offset + instance * params.poses_stride;
     uint base = params.scratch_offset + instance * params.scratch_stride;
-    uint confidence = base + params.group_confidences + group;
+    uint evidence = base + params.group_confidences + 2u * group;
 
-    uint row = params.groups + 6u * group;
+    uint row = params.groups + 8u * group;
     uint joint = blob[row] & 0xffffu;
     uint kernel = (blob[row] >> 16u) & 0xffu;
     uint d = blob[row + 1u] & 0xffffu;
     uint n = blob[row + 1u] >> 16u;
     uint rank = blob[row + 2u] & 0xffffu;
     uint proxy_len = blob[row + 2u] >> 16u;
-    float fade_start = blob_float(row + 4u);
-    float fade_end = blob_float(row + 5u);
+    uint certainty_len = blob[row] >> 24u;
     if (n == 0u) {
         if (thread == 0u) {
-            scratch[confidence] = 1.0;
+            scratch[evidence] = 0.0;
+            scratch[evidence + 1u] = 0.0;
         }
         return;
     }
@@ -58,12 +61,11 @@ void main() {
     uint centres = weights + padded(d);
     uint rests = centres + padded(n) * d;
     uint coefficients = rests + padded(n);
-    uint outputs = coefficients + padded(rank) * (n + d);
+    uint outputs = coefficients + padded(rank + certainty_len) * (n + d);
 
     uint x = base + params.group_scratch + group * params.group_stride;
     uint basis = x + padded(d);
-    uint doubts = basis + padded(n);
-    uint latent = doubts + padded(n);
+    uint latent = basis + padded(n);
 
     for (uint i = thread; i < d; i += 64u) {
         precise float value =
@@ -90,13 +92,11 @@ void main() {
             ? gaussian_change(squared, gain, rest)
             : matern(kernel, squared) - rest;
         scratch[basis + k] = change;
-        precise float doubt = 1.0 - nearness(squared, fade_start, fade_end);
-        scratch[doubts + k] = doubt;
     }
     memoryBarrierBuffer();
     barrier();
 
-    for (uint r = thread; r < rank; r += 64u) {
+    for (uint r = thread; r < rank + certainty_len; r += 64u) {
         precise float sum = 0.0;
         uint at = coefficients + r / 8u * (8u * (n + d)) + r % 8u;
         for (uint k = 0u; k < n; k++) {
@@ -109,22 +109,46 @@ void main() {
         }
         scratch[latent + r] = sum;
     }
+    memoryBarrierBuffer();
+    barrier();
+
     if (thread == 0u) {
-        precise float doubt = 1.0;
-        for (uint k = 0u; k < n; k++) {
-            doubt *= scratch[doubts + k];
+        precise float apart = 0.0;
+        for (uint i = 0u; i < d; i++) {
+            precise float along = scratch[x + i] - blob_float(centres + 8u * i);
+            apart += along * along;
         }
-        precise float sure = 1.0 - doubt;
-        scratch[confidence] = sure;
+        float change = scratch[basis];
+        precise float variance = -change * (2.0 + change) + blob_float(row + 5u) * apart;
+        float prior = max(0.0, variance);
+        float known = 0.0;
+        float doubted = DOUBT;
+        float reach = blob_float(row + 4u);
+        float near = nearness(apart, reach, 4.0 * reach);
+        if (near > 0.0) {
+            precise float explained = 0.0;
+            for (uint i = 0u; i < certainty_len; i++) {
+                float value = scratch[latent + rank + i];
+                explained += value * value;
+            }
+            explained = near * min(prior, explained);
+            precise float left = prior - explained;
+            known = blob_float(row + 6u) * explained;
+            doubted = blob_float(row + 7u) * left;
+        }
+        scratch[evidence] = known;
+        scratch[evidence + 1u] = doubted;
     }
     memoryBarrierBuffer();
     barrier();
 
-    float w = scratch[confidence];
+    precise float known = 1.0 + scratch[evidence];
+    precise float sure = known / (known + scratch[evidence + 1u]);
+    precise float w = smooth_step(min(1.0, 4.0 * sure));
     if (w > 0.0) {
         uint first = params.palette_len - params.proxy_len;
         for (uint before = 0u; before < group; before++) {
-            first += blob[params.groups + 6u * before + 2u] >> 16u;
+            first += blob[params.groups + 8u * before + 2u] >> 16u;
         }
         uint palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
         uint dominant = pose + 12u * joint;

@@ -5,6 +5,9 @@
 @group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
 @group(0) @binding(4) var<storage, read_write> palettes: array<f32>;
 
+// What is left to doubt where nothing is known.
+const DOUBT = 1.0e30;
+
 fn padded(len: u32) -> u32 {
     return (len + 7u) / 8u * 8u;
 }
@@ -26,20 +29,20 @@ fn main(
     let group = workgroup.x;
     let pose = params.poses_offset + instance * params.poses_stride;
     let base = params.scratch_offset + instance * params.scratch_stride;
-    let confidence = base + params.group_confidences + group;
+    let evidence = base + params.group_confidences + 2u * group;
 
-    let row = params.groups + 6u * group;
+    let row = params.groups + 8u * group;
     let joint = blob[row] & 0xffffu;
     let kernel = (blob[row] >> 16u) & 0xffu;
     let d = blob[row + 1u] & 0xffffu;
     let n = blob[row + 1u] >> 16u;
     let rank = blob[row + 2u] & 0xffffu;
     let proxy_len = blob[row + 2u] >> 16u;
-    let fade_start = blob_float(row + 4u);
-    let fade_end = blob_float(row + 5u);
+    let certainty_len = blob[row] >> 24u;
     if n == 0u {
         if thread == 0u {
-            scratch[confidence] = 1.0;
+            scratch[evidence] = 0.0;
+            scratch[evidence + 1u] = 0.0;
         }
         return;
     }
@@ -48,12 +51,11 @@ fn main(
     let centres = weights + padded(d);
     let rests = centres + padded(n) * d;
     let coefficients = rests + padded(n);
-    let outputs = coefficients + padded(rank) * (n + d);
+    let outputs = coefficients + padded(rank + certainty_len) * (n + d);
 
     let x = base + params.group_scratch + group * params.group_stride;
     let basis = x + padded(d);
-    let doubts = basis + padded(n);
-    let latent = doubts + padded(n);
+    let latent = basis + padded(n);
 
     for (var i = thread; i < d; i += 64u) {
         scratch[x + i] = blob_float(weights + i) * scratch[base + params.features + blob[inputs + i]];
@@ -78,11 +80,10 @@ fn main(
         } else {
             scratch[basis + k] = matern(kernel, squared) - rest;
         }
-        scratch[doubts + k] = 1.0 - nearness(squared, fade_start, fade_end);
     }
     storageBarrier();
 
-    for (var r = thread; r < rank; r += 64u) {
+    for (var r = thread; r < rank + certainty_len; r += 64u) {
         var sum = 0.0;
         var at = coefficients + r / 8u * (8u * (n + d)) + r % 8u;
         for (var k = 0u; k < n; k++) {
@@ -95,20 +96,42 @@ fn main(
         }
         scratch[latent + r] = sum;
     }
+    storageBarrier();
+
     if thread == 0u {
-        var doubt = 1.0;
-        for (var k = 0u; k < n; k++) {
-            doubt *= scratch[doubts + k];
+        var apart = 0.0;
+        for (var i = 0u; i < d; i++) {
+            let along = scratch[x + i] - blob_float(centres + 8u * i);
+            apart += along * along;
         }
-        scratch[confidence] = 1.0 - doubt;
+        let change = scratch[basis];
+        let prior = max(0.0, -change * (2.0 + change) + blob_float(row + 5u) * apart);
+        var known = 0.0;
+        var doubted = DOUBT;
+        let reach = blob_float(row + 4u);
+        let near = nearness(apart, reach, 4.0 * reach);
+        if near > 0.0 {
+            var explained = 0.0;
+            for (var i = 0u; i < certainty_len; i++) {
+                let value = scratch[latent + rank + i];
+                explained += value * value;
+            }
+            explained = near * min(prior, explained);
+            known = blob_float(row + 6u) * explained;
+            doubted = blob_float(row + 7u) * (prior - explained);
+        }
+        scratch[evidence] = known;
+        scratch[evidence + 1u] = doubted;
     }
     storageBarrier();
 
-    let w = scratch[confidence];
+    let known = 1.0 + scratch[evidence];
+    let sure = known / (known + scratch[evidence + 1u]);
+    let w = smooth_step(min(1.0, 4.0 * sure));
     if w > 0.0 {
         var first = params.palette_len - params.proxy_len;
         for (var before = 0u; before < group; before++) {
-            first += blob[params.groups + 6u * before + 2u] >> 16u;
+            first += blob[params.groups + 8u * before + 2u] >> 16u;
         }
         let palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
         let dominant = pose + 12u * joint;

@@ -16,7 +16,8 @@ use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input};
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Examples, Skeleton, Split, npz};
-use sinew_trainer::kernel::map::{Fade, KernelMap};
+use sinew_trainer::kernel::certainty::Certainty;
+use sinew_trainer::kernel::map::KernelMap;
 use sinew_trainer::progress::Silent;
 use std::error::Error;
 use std::hint::black_box;
@@ -201,7 +202,7 @@ fn posed(examples: &Examples, frame: usize) -> Vec<Matrix3x4> {
 /// Seconds from pose to palette of 20 joints and 40 helpers in 10 groups, each of 45 inputs, 64
 /// centres and 24 latent values.
 fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
-    let (joints, inputs, centres, rank, proxies) = (20, 45, 64, 24, 4);
+    let (joints, inputs, centres, rank, certainty, proxies) = (20, 45, 64, 24, 8, 4);
     let number = |i: usize| (0.37 * i as f64).sin();
     let matrix = |from: usize, rows, columns| {
         Mat::from_fn(rows, columns, |r, c| number(from + r * columns + c))
@@ -215,8 +216,13 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
         map: KernelMap {
             kernel,
             centres: Mat::from_fn(inputs, centres, |i, k| number(k + i)),
-            coefficients: matrix(g, rank, inputs + centres),
-            fade: Fade { start: 20.0, end: 40.0 },
+            coefficients: matrix(g, rank + certainty, inputs + centres),
+            certainty: Certainty {
+                len: certainty,
+                reach: 1e3,
+                signal: 1.0,
+                ..Certainty::default()
+            },
         },
         outputs: matrix(g, 12 * proxies, rank),
     };

@@ -6,7 +6,8 @@ use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::format::Space;
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input, Shapes, SkinModel};
 use sinew_trainer::examples::Skeleton;
-use sinew_trainer::kernel::map::{Fade, KernelMap};
+use sinew_trainer::kernel::certainty::Certainty;
+use sinew_trainer::kernel::map::KernelMap;
 
 const JOINTS: usize = 20;
 /// Helpers in all, and of each group.
@@ -16,6 +17,7 @@ const GROUP: usize = 4;
 const INPUTS: usize = 18;
 const CENTRES: usize = 24;
 const RANK: usize = 12;
+const CERTAINTY: usize = 8;
 const INFLUENCES: usize = 4;
 
 /// Makes a kernel model of so many vertices: 20 joints, 40 helpers, four influences, no tangents.
@@ -97,8 +99,14 @@ fn group(group: usize) -> Group {
         map: KernelMap {
             kernel: GroupKernel::Gaussian,
             centres: Mat::from_fn(INPUTS, CENTRES, |i, k| wave(k * INPUTS + i)),
-            coefficients: small(RANK, CENTRES + INPUTS),
-            fade: Fade { start: 1e3, end: 1e4 },
+            coefficients: small(RANK + CERTAINTY, CENTRES + INPUTS),
+            certainty: Certainty {
+                len: CERTAINTY,
+                reach: 1e4,
+                linear: 0.1,
+                signal: 1.0,
+                noise: 0.0,
+            },
         },
         outputs: small(12 * GROUP, RANK),
     }

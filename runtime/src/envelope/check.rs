@@ -7,6 +7,7 @@ use super::counts::{BIND_TOLERANCE, EnvelopeCounts, RULES, TWIST_MAX, place};
 use super::group_kernel::GroupKernel;
 use super::group_row::GroupRow;
 use super::key::{KeyRow, joint_index};
+use super::trust::Trust;
 use super::view::Envelope;
 use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
 use crate::format::part::{Asked, COUNTS, first_counts};
@@ -151,17 +152,17 @@ fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
 /// Finds what is wrong with the row of a group by itself.
 fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
     let has_centres = row.centre_len > 0;
-    let (start, end) = (row.fade_start, row.fade_end);
-    let is_distance = |x: f32| (0.0..=CORRECTION_MAX).contains(&x);
+    let Trust { reach, linear, signal, noise } = row.trust;
+    let is_share = |x: f32| (0.0..=CORRECTION_MAX).contains(&x);
     if u32::from(row.joint) >= joint_len {
         Some((Kind::Index, [joint_len, row.joint.into()]))
     } else if GroupKernel::from_number(row.kernel).is_none() {
         Some((Kind::Unsupported, [0, row.kernel.into()]))
-    } else if row.reserved != 0 {
-        Some((Kind::Unsupported, [0, row.reserved.into()]))
     } else if row.proxy_len == 0 || has_centres && (row.input_len == 0 || row.rank == 0) {
         Some((Kind::Empty, [1, 0]))
-    } else if !is_distance(start) || !is_distance(end) || has_centres && start >= end {
+    } else if ![reach, linear, signal, noise].into_iter().all(is_share)
+        || has_centres && reach == 0.0
+    {
         Some((Kind::Invalid, [0; 2]))
     } else {
         None

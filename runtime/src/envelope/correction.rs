@@ -1,10 +1,9 @@
 //! Stage correction: what the kernel maps add to the palette (METHOD §1.9).
 
 use super::group::Group;
+use super::trust::Evidence;
 use super::view::Envelope;
-
 use crate::linear::{Matrix3x4, padded, split};
-use crate::numeric::lesser;
 
 /// Evaluates the stage: [`crate::stages::correction`] of arguments that have been checked.
 pub(crate) fn evaluate(
@@ -17,31 +16,31 @@ pub(crate) fn evaluate(
     let first = out_palette.len().saturating_sub(envelope.proxy_len());
     let (_, proxies) = split(out_palette, first);
     let features = features.as_flattened().as_flattened();
-    let mut confidence = 1.0;
+    let mut evidence = Evidence::default();
     for group in envelope.groups().filter(|group| group.centre_len() > 0) {
         let out = proxies.get_mut(group.proxies.clone()).unwrap_or_default();
         let dominant = pose.get(group.joint).unwrap_or(&[[0.0; 4]; 3]);
-        confidence = lesser(confidence, add(&group, dominant, features, scratch, out));
+        evidence = evidence.and(add(&group, dominant, features, scratch, out));
     }
-    confidence
+    evidence.confidence()
 }
 
-/// Adds a group's correction to its proxies, and returns the group's confidence.
+/// Adds a group's correction to its proxies, and returns what it knows.
 fn add(
     group: &Group<'_>,
     dominant: &Matrix3x4,
     features: &[f32],
     scratch: &mut [f32],
     out: &mut [Matrix3x4],
-) -> f32 {
+) -> Evidence {
     let (input, scratch) = split(scratch, padded(group.input_len()));
     let (added, scratch) = split(scratch, padded(12 * group.proxies.len()));
     for (x, (feature, weight)) in input.iter_mut().zip(group.inputs()) {
         *x = weight * features.get(feature).copied().unwrap_or_default();
     }
     let input = input.get(..group.input_len()).unwrap_or_default();
-    let confidence = group.map.evaluate(input, scratch, added);
-    if confidence > 0.0 {
+    let evidence = group.map.evaluate(input, scratch, added);
+    if evidence.share() > 0.0 {
         let added = added.as_chunks::<4>().0.as_chunks::<3>().0;
         for (map, added) in out.iter_mut().zip(added) {
             for (row, [x, y, z, _]) in map.iter_mut().zip(dominant) {
@@ -52,5 +51,5 @@ fn add(
             }
         }
     }
-    confidence
+    evidence
 }

@@ -3,6 +3,7 @@
 use super::group_kernel::GroupKernel;
 use super::group_map::Map;
 use super::group_row::GroupRow;
+use super::trust::Trust;
 use super::view::Envelope;
 use crate::linear::Le;
 use crate::linear::padded;
@@ -21,8 +22,8 @@ pub struct Group<'a> {
     pub kernel: GroupKernel,
     /// The proxies, of `0..proxy_len`.
     pub proxies: Range<usize>,
-    /// Squared distances at which a centre stops to vouch for a pose wholly, and at all.
-    pub fade: (f32, f32),
+    /// How well it knows a pose.
+    pub trust: Trust,
     features: &'a [Le],
     weights: &'a [Le],
     pub(crate) map: Map<'a>,
@@ -30,12 +31,12 @@ pub struct Group<'a> {
 
 impl<'a> Group<'a> {
     fn new(row: &GroupRow, proxies: Range<usize>, words: &'a [Le]) -> Option<Self> {
-        let (shape, fade) = (row.shape(), (row.fade_start, row.fade_end));
+        let (shape, trust) = (row.shape(), row.trust);
         let kernel = GroupKernel::from_number(row.kernel)?;
         let (features, words) = words.split_at_checked(padded(shape.input_len))?;
         let (weights, words) = words.split_at_checked(padded(shape.input_len))?;
-        let map = Map::new(shape, kernel, fade, words)?;
-        Some(Self { joint: row.joint.into(), kernel, proxies, fade, features, weights, map })
+        let map = Map::new(shape, kernel, trust, words)?;
+        Some(Self { joint: row.joint.into(), kernel, proxies, trust, features, weights, map })
     }
 
     /// Returns d, the number of inputs.
@@ -51,6 +52,11 @@ impl<'a> Group<'a> {
     /// Returns r, the number of latent values.
     pub fn rank(&self) -> usize {
         self.map.shape.rank
+    }
+
+    /// Returns m, the number of values that tell how well a pose is known.
+    pub fn certainty_len(&self) -> usize {
+        self.map.shape.certainty_len
     }
 
     /// Returns an input: the index of its feature, 12 j + 4 r + c, and its weight.
@@ -76,7 +82,7 @@ impl<'a> Group<'a> {
         self.map.rest(k)
     }
 
-    /// Returns a coefficient of [C A] (r x (n + d)).
+    /// Returns a coefficient of [C A] ((r + m) x (n + d)): the latent values' rows, then those of the m.
     pub fn coefficient(&self, row: usize, column: usize) -> Option<f32> {
         self.map.coefficient(row, column)
     }
@@ -90,12 +96,12 @@ impl<'a> Group<'a> {
 
 impl fmt::Debug for Group<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { joint, kernel, proxies, fade, .. } = self;
+        let Self { joint, kernel, proxies, trust, .. } = self;
         f.debug_struct("Group")
             .field("joint", joint)
             .field("kernel", kernel)
             .field("proxies", proxies)
-            .field("fade", fade)
+            .field("trust", trust)
             .finish_non_exhaustive()
     }
 }

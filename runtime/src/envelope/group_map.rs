@@ -1,9 +1,9 @@
-//! The kernel map of a group, read in place: `y = w outputs (C (G(s) - rest) + A x)`.
+//! The kernel map of a group, read in place: `y = w outputs z`, `[z h] = C (G(s) - rest) + A x`.
 
 use super::group_kernel::GroupKernel;
-use crate::lanes::{Eight, Lanes, in_lanes};
+use super::trust::{Evidence, Trust};
+use crate::lanes::{Eight, Lanes};
 use crate::linear::{Le, block_distances, block_entry, block_product, padded};
-use crate::numeric::nearness;
 
 /// Sizes of a kernel map.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +14,8 @@ pub(crate) struct Shape {
     pub(crate) centre_len: usize,
     /// Latent values, r.
     pub(crate) rank: usize,
+    /// Values h that tell how well x is known, behind the latent ones.
+    pub(crate) certainty_len: usize,
     /// Outputs, o.
     pub(crate) output_len: usize,
 }
@@ -21,16 +23,21 @@ pub(crate) struct Shape {
 impl Shape {
     /// Counts the floats of a map in the file; sizes below 2^20 cannot overflow it.
     pub(crate) fn words(&self) -> u64 {
-        let Self { input_len: d, centre_len: n, rank: r, output_len: o } = *self;
+        let Self { input_len: d, centre_len: n, rank: r, output_len: o, .. } = *self;
         let rows = |len: usize| padded(len) as u64;
         let columns = |len: usize| len as u64;
-        rows(n) * columns(d) + rows(n) + rows(r) * columns(n + d) + rows(o) * columns(r)
+        rows(n) * columns(d) + rows(n) + rows(self.values()) * columns(n + d) + rows(o) * columns(r)
     }
 
-    /// Counts the floats that evaluating a map takes: x, g, z and y, each in whole blocks.
+    /// Counts the floats that evaluating a map takes: x, g, z with h and y, each in whole blocks.
     pub(crate) fn scratch_len(&self) -> usize {
-        let Self { input_len, centre_len, rank, output_len } = *self;
-        padded(input_len) + padded(centre_len) + padded(rank) + padded(output_len)
+        let Self { input_len, centre_len, output_len, .. } = *self;
+        padded(input_len) + padded(centre_len) + padded(self.values()) + padded(output_len)
+    }
+
+    /// Counts the values of z and h.
+    fn values(&self) -> usize {
+        self.rank + self.certainty_len
     }
 }
 
@@ -39,8 +46,7 @@ impl Shape {
 pub(crate) struct Map<'a> {
     pub(crate) shape: Shape,
     pub(crate) kernel: GroupKernel,
-    /// Squared distances at which a centre stops to vouch for x wholly, and at all.
-    pub(crate) fade: (f32, f32),
+    pub(crate) trust: Trust,
     centres: &'a [[Le; 8]],
     rest: &'a [[Le; 8]],
     coefficients: &'a [[Le; 8]],
@@ -52,58 +58,54 @@ impl<'a> Map<'a> {
     pub(crate) fn new(
         shape: Shape,
         kernel: GroupKernel,
-        fade: (f32, f32),
+        trust: Trust,
         words: &'a [Le],
     ) -> Option<Self> {
-        let Shape { input_len: d, centre_len: n, rank: r, output_len: o } = shape;
+        let Shape { input_len: d, centre_len: n, rank: r, output_len: o, .. } = shape;
         let blocks = words.as_chunks().0;
         let matrix = |rows: usize, columns: usize| rows.div_ceil(8).checked_mul(columns);
         let (centres, blocks) = blocks.split_at_checked(matrix(n, d)?)?;
         let (rest, blocks) = blocks.split_at_checked(matrix(n, 1)?)?;
-        let (coefficients, blocks) = blocks.split_at_checked(matrix(r, n + d)?)?;
+        let (coefficients, blocks) = blocks.split_at_checked(matrix(shape.values(), n + d)?)?;
         let (outputs, _) = blocks.split_at_checked(matrix(o, r)?)?;
-        Some(Self { shape, kernel, fade, centres, rest, coefficients, outputs })
+        Some(Self { shape, kernel, trust, centres, rest, coefficients, outputs })
     }
 
-    /// Evaluates the map where it is confident, and returns the confidence w, in [0, 1] (METHOD
-    /// §2.6).
+    /// Evaluates the map where x is known, and returns what is known of it (METHOD §2.6).
     ///
     /// - `input`: x, d values.
-    /// - `scratch`: padded n + padded r values, of any content.
+    /// - `scratch`: padded n + padded r + m values, of any content.
     /// - `out`: y, padded o values; left as they are where w is 0.
-    pub(crate) fn evaluate(&self, input: &[f32], scratch: &mut [f32], out: &mut [f32]) -> f32 {
-        let Shape { centre_len: n, rank: r, .. } = self.shape;
-        let (basis, latent) = scratch.split_at_mut(padded(n).min(scratch.len()));
-        let confidence = self.basis(input, basis.as_chunks_mut().0);
-        if confidence == 0.0 {
-            return 0.0;
-        }
+    pub(crate) fn evaluate(&self, input: &[f32], scratch: &mut [f32], out: &mut [f32]) -> Evidence {
+        let Shape { centre_len: n, rank: r, certainty_len: m, .. } = self.shape;
+        let (basis, values) = scratch.split_at_mut(padded(n).min(scratch.len()));
+        let apart = self.basis(input, basis.as_chunks_mut().0);
         let basis = basis.get(..n).unwrap_or_default();
-        block_product(self.coefficients, [basis, input], latent.as_chunks_mut().0);
-        let latent = latent.get(..r).unwrap_or_default();
-        let out = out.as_chunks_mut().0;
-        block_product(self.outputs, [latent, &[]], out);
-        for value in out.as_flattened_mut() {
-            *value *= confidence;
+        block_product(self.coefficients, [basis, input], values.as_chunks_mut().0);
+        let (latent, certainty) = values.split_at(r.min(values.len()));
+        let change = basis.first().copied().unwrap_or_default();
+        let evidence = self.trust.evidence(apart, change, certainty.iter().take(m));
+        let w = evidence.share();
+        if w > 0.0 {
+            let out = out.as_chunks_mut().0;
+            block_product(self.outputs, [latent, &[]], out);
+            for value in out.as_flattened_mut() {
+                *value *= w;
+            }
         }
-        confidence
+        evidence
     }
 
-    /// Computes g, n values in whole blocks, and returns w.
+    /// Computes g, n values in whole blocks, and returns the first centre's squared distance.
     fn basis(&self, input: &[f32], out: &mut [[f32; 8]]) -> f32 {
-        let mut doubt = 1.0;
-        let mut left = self.shape.centre_len;
+        let mut first = None;
         let mut blocks = out.iter_mut().zip(self.rest);
         block_distances(self.centres, input, |distances| {
             let Some((out, rest)) = blocks.next() else { return };
             *out = *self.kernel.changes(&distances, Lanes::read(rest)).floats();
-            let nearness = in_lanes(distances.squared, |s| nearness(s, self.fade));
-            for near in nearness.floats().iter().take(left) {
-                doubt *= 1.0 - near;
-            }
-            left = left.saturating_sub(8);
+            first.get_or_insert(distances.squared.floats()[0]);
         });
-        1.0 - doubt
+        first.unwrap_or_default()
     }
 
     /// Returns coordinate i of centre k.
@@ -116,10 +118,10 @@ impl<'a> Map<'a> {
         block_entry(self.rest, (self.shape.centre_len, 1), k, 0)
     }
 
-    /// Returns a coefficient of [C A] (r x (n + d)).
+    /// Returns a coefficient of [C A] ((r + m) x (n + d)).
     pub(crate) fn coefficient(&self, row: usize, column: usize) -> Option<f32> {
-        let Shape { input_len, centre_len, rank, .. } = self.shape;
-        block_entry(self.coefficients, (rank, centre_len + input_len), row, column)
+        let Shape { input_len, centre_len, .. } = self.shape;
+        block_entry(self.coefficients, (self.shape.values(), centre_len + input_len), row, column)
     }
 
     /// Returns a coefficient of the outputs (o x r).

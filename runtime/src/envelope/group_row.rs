@@ -1,6 +1,7 @@
 //! Rows of the groups: proxies that share a dominant joint and one kernel map.
 
 use super::group_map::Shape;
+use super::trust::Trust;
 use crate::linear::padded;
 
 /// A row of section `groups`.
@@ -10,8 +11,8 @@ pub struct GroupRow {
     pub joint: u16,
     /// Number of a [`super::GroupKernel`].
     pub kernel: u8,
-    /// Zero.
-    pub reserved: u8,
+    /// Values that tell how well a pose is known, m.
+    pub certainty_len: u8,
     /// Inputs, d.
     pub input_len: u16,
     /// Centres, n; a group without any adds nothing.
@@ -22,15 +23,13 @@ pub struct GroupRow {
     pub proxy_len: u16,
     /// First word of the group in section `corrections`.
     pub offset: u32,
-    /// Squared distance up to which a centre vouches for a pose.
-    pub fade_start: f32,
-    /// Squared distance from which it no longer does.
-    pub fade_end: f32,
+    /// How much those values count.
+    pub trust: Trust,
 }
 
 impl GroupRow {
     /// Bytes of a row.
-    pub const BYTES: usize = 24;
+    pub const BYTES: usize = 32;
 
     /// Counts the group's words in section `corrections`; no product of its sizes overflows.
     pub fn words(&self) -> u64 {
@@ -48,6 +47,7 @@ impl GroupRow {
             input_len: usize::from(self.input_len),
             centre_len: usize::from(self.centre_len),
             rank: usize::from(self.rank),
+            certainty_len: usize::from(self.certainty_len),
             output_len: 12 * usize::from(self.proxy_len),
         }
     }
@@ -60,12 +60,14 @@ impl GroupRow {
         let [r0, r1] = self.rank.to_le_bytes();
         let [p0, p1] = self.proxy_len.to_le_bytes();
         let words = [
-            [j0, j1, self.kernel, self.reserved],
+            [j0, j1, self.kernel, self.certainty_len],
             [d0, d1, n0, n1],
             [r0, r1, p0, p1],
             self.offset.to_le_bytes(),
-            self.fade_start.to_le_bytes(),
-            self.fade_end.to_le_bytes(),
+            self.trust.reach.to_le_bytes(),
+            self.trust.linear.to_le_bytes(),
+            self.trust.signal.to_le_bytes(),
+            self.trust.noise.to_le_bytes(),
         ];
         let mut out = [0; Self::BYTES];
         out.copy_from_slice(words.as_flattened());
@@ -74,20 +76,23 @@ impl GroupRow {
 
     /// Reads a row.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
-        let [j0, j1, kernel, reserved, lengths @ ..] = *bytes;
+        let [j0, j1, kernel, certainty_len, lengths @ ..] = *bytes;
         let [d0, d1, n0, n1, r0, r1, p0, p1, words @ ..] = lengths;
-        let [o0, o1, o2, o3, s0, s1, s2, s3, e0, e1, e2, e3] = words;
+        let [o0, o1, o2, o3, floats @ ..] = words;
+        let [reach, linear, signal, noise] = [0, 4, 8, 12].map(|at| {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|byte| floats[at + byte]);
+            f32::from_le_bytes([a, b, c, d])
+        });
         Self {
             joint: u16::from_le_bytes([j0, j1]),
             kernel,
-            reserved,
+            certainty_len,
             input_len: u16::from_le_bytes([d0, d1]),
             centre_len: u16::from_le_bytes([n0, n1]),
             rank: u16::from_le_bytes([r0, r1]),
             proxy_len: u16::from_le_bytes([p0, p1]),
             offset: u32::from_le_bytes([o0, o1, o2, o3]),
-            fade_start: f32::from_le_bytes([s0, s1, s2, s3]),
-            fade_end: f32::from_le_bytes([e0, e1, e2, e3]),
+            trust: Trust { reach, linear, signal, noise },
         }
     }
 }

@@ -34,6 +34,7 @@ mod pose_mistake;
 mod rest;
 mod scratch;
 mod skeleton;
+mod trust;
 mod view;
 
 pub(crate) use counts::RULES;
@@ -52,4 +53,5 @@ pub use pose_fault::{PoseFault, PoseFaultKind};
 pub use pose_limits::{GAP_MARGIN, GAP_TOLERANCE, RIGID_TOLERANCE};
 pub use scratch::{ScratchLayout, scratch_len};
 pub use skeleton::skeleton_hash_of;
+pub use trust::{Evidence, Trust};
 pub use view::{Envelope, EnvelopeLayout};

@@ -14,7 +14,7 @@ pub struct ScratchLayout {
     pub gradients: usize,
     /// The features: J matrices of 12.
     pub features: usize,
-    /// The confidence of each of the G groups; only where groups are evaluated at once.
+    /// What each of the G groups knows and what it doubts; only where groups are evaluated at once.
     pub confidences: usize,
     /// The first group's own scratch.
     pub groups: usize,
@@ -50,7 +50,7 @@ impl ScratchLayout {
     }
 
     /// Lays out stages that keep what they computed, and groups that are evaluated at once, as on a
-    /// GPU: a group's scratch is x (d), g (n), 1 - b (n) and z (r), each in whole blocks of 8.
+    /// GPU: a group's scratch is x (d), g (n), and z with h (r + m), each in whole blocks of 8.
     pub fn at_once(envelope: &Envelope<'_>) -> Self {
         let (joint_len, group_len) = (envelope.joint_len(), envelope.group_len());
         let base = usize::from(envelope.predictor().reconstructs());
@@ -58,14 +58,14 @@ impl ScratchLayout {
         let padded = |len: usize| len.next_multiple_of(8);
         let sizes = envelope.groups().map(|group| {
             let (d, n, r) = (group.input_len(), group.centre_len(), group.rank());
-            padded(d) + 2 * padded(n) + padded(r)
+            padded(d) + padded(n) + padded(r + group.certainty_len())
         });
         let group_stride = sizes.max().unwrap_or(0);
         let rotations = base * 12 * joint_len;
         let gradients = rotations + base * 3 * joint_len;
         let features = gradients + base * 9 * envelope.proxy_len();
         let confidences = features + correction * 12 * joint_len;
-        let groups = confidences + group_len;
+        let groups = confidences + 2 * group_len;
         let len = groups.saturating_add(group_len.saturating_mul(group_stride));
         Self { relative: 0, rotations, gradients, features, confidences, groups, group_stride, len }
     }

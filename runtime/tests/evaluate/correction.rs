@@ -5,8 +5,7 @@ use crate::common::{
     with_predictor,
 };
 use models::{GroupContent, Pieces, Rng, SMALL, Shape, sample_groups};
-use sinew_runtime::envelope::GroupKernel;
-use sinew_runtime::envelope::Predictor;
+use sinew_runtime::envelope::{GroupKernel, Predictor, Trust};
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::{Envelope, Matrix3x4, Model, stages};
 
@@ -68,33 +67,45 @@ fn reference_kernel(kernel: GroupKernel, s: f64) -> f64 {
     }
 }
 
-/// K of a group's proxies, and the confidence w, with which K is already multiplied.
-fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, f64) {
+/// K of a group's proxies, with which w is already multiplied, and what is known and what in doubt.
+fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     let x = group.inputs.iter().map(|&(f, w)| f64::from(w) * phi[f as usize]);
     let x = x.collect::<Vec<_>>();
     let squared = |x: &[f64], t: &[f32]| {
         x.iter().zip(t).map(|(x, t)| (x - f64::from(*t)).powi(2)).sum::<f64>()
     };
-    let (start, end) = (f64::from(group.fade.0), f64::from(group.fade.1));
-    let mut basis = Vec::new();
-    let mut distrust = 1.0;
-    for t in &group.centres {
-        let s = squared(&x, t);
-        let rest = squared(&vec![0.0; x.len()], t);
-        basis.push(reference_kernel(group.kernel, s) - reference_kernel(group.kernel, rest));
-        let u = ((end - s) / (end - start)).clamp(0.0, 1.0);
-        distrust *= 1.0 - (10.0 * u.powi(3) - 15.0 * u.powi(4) + 6.0 * u.powi(5));
-    }
-    let confidence = 1.0 - distrust;
+    let change = |t: &Vec<f32>| {
+        let [here, rest] = [squared(&x, t), squared(&vec![0.0; x.len()], t)];
+        reference_kernel(group.kernel, here) - reference_kernel(group.kernel, rest)
+    };
+    let basis = group.centres.iter().map(change).collect::<Vec<_>>();
     let times = |rows: &[Vec<f32>], x: &[f64]| {
         let row = |row: &Vec<f32>| row.iter().zip(x).map(|(a, x)| f64::from(*a) * x).sum::<f64>();
         rows.iter().map(row).collect::<Vec<_>>()
     };
-    let latent = times(&group.coefficients, &[basis, x].concat());
+    let mut latent = times(&group.coefficients, &[basis.clone(), x.clone()].concat());
+    let certainty = latent.split_off(latent.len() - group.certainty);
+    let Trust { reach, linear, signal, noise } = group.trust;
+    let [reach, linear, signal, noise] = [reach, linear, signal, noise].map(f64::from);
+    let apart = squared(&x, &group.centres[0]);
+    let prior = (1.0 - (1.0 + basis[0]).powi(2) + linear * apart).max(0.0);
+    let smooth = |u: f64| 10.0 * u.powi(3) - 15.0 * u.powi(4) + 6.0 * u.powi(5);
+    let near = smooth(((4.0 * reach - apart) / (3.0 * reach)).clamp(0.0, 1.0));
+    let explained = near * certainty.iter().map(|h| h * h).sum::<f64>().min(prior);
+    let evidence = if near > 0.0 {
+        [signal * explained, noise * (prior - explained)]
+    } else {
+        [0.0, f64::INFINITY]
+    };
+    let w = smooth((4.0 * sure(evidence)).min(1.0));
     let out = times(&group.outputs, &latent);
-    let maps =
-        out.chunks(12).map(|k| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| confidence * k[4 * r + c])));
-    (maps.collect(), confidence)
+    let maps = out.chunks(12).map(|k| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| w * k[4 * r + c])));
+    (maps.collect(), evidence)
+}
+
+/// The confidence, of what is known and what in doubt.
+fn sure([known, doubted]: [f64; 2]) -> f64 {
+    1.0 / (1.0 + doubted / (1.0 + known))
 }
 
 /// The palette after the correction of a base, and the pose's confidence.
@@ -103,10 +114,10 @@ fn reference(groups: &[GroupContent], pose: &[Matrix3x4], base: &[Matrix3x4]) ->
     let mut out = base.iter().map(wide).collect::<Vec<_>>();
     let proxies = groups.iter().map(|group| group.proxies).sum::<usize>();
     let mut at = out.len() - proxies;
-    let mut least = 1.0f64;
+    let mut known = [0.0; 2];
     for group in groups.iter().filter(|group| !group.centres.is_empty()) {
-        let (maps, confidence) = reference_map(group, &phi);
-        least = least.min(confidence);
+        let (maps, evidence) = reference_map(group, &phi);
+        known = [0, 1].map(|k| known[k] + evidence[k]);
         let q = wide(&pose[group.joint]);
         for (l, map) in maps.iter().enumerate() {
             for (r, c) in (0..3).flat_map(|r| (0..4).map(move |c| (r, c))) {
@@ -115,7 +126,7 @@ fn reference(groups: &[GroupContent], pose: &[Matrix3x4], base: &[Matrix3x4]) ->
         }
         at += group.proxies;
     }
-    (out, least)
+    (out, sure(known))
 }
 
 /// What the correction starts from: for the kernel predictor the joints and, for each helper, its
@@ -204,7 +215,7 @@ fn corrections_agree_with_f64() {
                 assert!(difference < 2e-6, "{confidence} {expected_confidence}");
                 between += usize::from(confidence > 0.01 && confidence < 0.99);
             }
-            assert!(cfg!(miri) || between > 50, "{between} poses are in the fade");
+            assert!(cfg!(miri) || between > 50, "{between} poses are in some doubt");
         });
     }
 }
@@ -231,7 +242,12 @@ fn each_number_of_a_group_matters() {
         |g| g.coefficients[0][12] += 0.1,
         |g| g.outputs[11][2] += 0.1,
         |g| g.joint = 2,
-        |g| g.fade = (0.0, 0.5),
+        |g| g.trust.reach = 0.125,
+        |g| g.trust.linear = 0.5,
+        |g| g.trust.signal = 1.0,
+        |g| g.trust.noise = 1.0,
+        |g| g.coefficients[3][2] += 0.5,
+        |g| g.coefficients[4][13] += 0.5,
         |g| g.kernel = GroupKernel::Matern32,
     ];
     for (index, edit) in edits.into_iter().enumerate() {
@@ -291,7 +307,8 @@ fn far_poses_have_no_confidence_and_keep_their_base() {
             let kept = |pose: &[Matrix3x4]| {
                 let base = base(&envelope, &groups, pose);
                 let (palette, confidence) = corrected(&envelope, pose, &base);
-                assert_eq!((flat_bits(&palette), confidence), (flat_bits(&base), 0.0));
+                assert_eq!(flat_bits(&palette), flat_bits(&base));
+                assert!(confidence < 1e-29, "{confidence}");
             };
             kept(&far);
             // So far that distances overflow: nothing but the base is left of it either.
@@ -312,7 +329,8 @@ fn features_that_are_not_numbers_add_nothing() {
             let mut scratch = vec![f32::NAN; envelope.correction_len()];
             let phi = vec![[[value; 4]; 3]; 4];
             let confidence = stages::correction(&envelope, &pose, &phi, &mut scratch, &mut out);
-            assert_eq!((confidence, out), (Ok(0.0), vec![IDENTITY; 7]));
+            assert!(confidence.is_ok_and(|confidence| confidence < 1e-29), "{value}");
+            assert_eq!(out, vec![IDENTITY; 7]);
         }
     });
 }

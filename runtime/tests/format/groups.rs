@@ -2,8 +2,7 @@
 
 use crate::common::{apart, envelope_error, exercise, file_error};
 use models::{GroupContent, Pieces, Rng, SMALL, Shape, sample_groups, seal};
-use sinew_runtime::envelope::GroupKernel;
-use sinew_runtime::envelope::{GroupRow, Predictor};
+use sinew_runtime::envelope::{GroupKernel, GroupRow, Predictor, Trust};
 use sinew_runtime::format::{CORRECTION_MAX, SectionKind};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
 
@@ -50,7 +49,7 @@ fn accessors_give_what_was_written() {
             let found = envelope.group(index).unwrap();
             assert_eq!((found.joint, found.kernel), (expected.joint, expected.kernel));
             assert_eq!(found.proxies, start..start + expected.proxies);
-            assert_eq!(found.fade, expected.fade);
+            assert_eq!((found.trust, found.certainty_len()), (expected.trust, expected.certainty));
             start = found.proxies.end;
             let (d, n) = (found.input_len(), found.centre_len());
             let inputs = (0..d).map(|i| found.input(i).unwrap());
@@ -145,7 +144,6 @@ fn each_field_of_a_group_is_checked() {
     for kernel in GroupKernel::ALL {
         assert_eq!(row(|r| r.kernel = kernel.number()), Ok(()));
     }
-    assert_eq!(row(|r| r.reserved = 1), unknown(1));
     let empty = FileError { expected: 1, ..group(Kind::Empty) };
     for edit in [(|r| r.proxy_len = 0) as fn(&mut GroupRow), |r| r.input_len = 0, |r| r.rank = 0] {
         assert_eq!(row(edit), Err(empty));
@@ -165,6 +163,7 @@ fn each_field_of_a_group_is_checked() {
         (|r| r.input_len += 8) as fn(&mut GroupRow),
         |r| r.centre_len += 8,
         |r| r.rank += 8,
+        |r| r.certainty_len += 8,
         |r| (r.input_len, r.centre_len, r.rank) = (u16::MAX, u16::MAX, u16::MAX),
     ] {
         let refused = row(edit).unwrap_err();
@@ -199,36 +198,34 @@ fn a_rotational_model_has_no_groups_and_no_scratch() {
 }
 
 #[test]
-fn fades_start_and_then_end() {
+fn trust_is_in_numbers_that_are_none_below_nothing() {
     let wrong = Err(FileError { index: 1, ..envelope_error(Kind::Invalid, SectionKind::Groups) });
-    let fade = |start, end| row(|r| (r.fade_start, r.fade_end) = (start, end));
-    assert_eq!(fade(0.0, 1e-45), Ok(()));
-    assert_eq!(fade(0.0, CORRECTION_MAX), Ok(()));
-    for (start, end) in [
-        (1.0, 1.0),
-        (2.0, 1.0),
-        (-1e-9, 1.0),
-        (0.0, 1.1 * CORRECTION_MAX),
-        (f32::NAN, 1.0),
-        (0.0, f32::NAN),
-        (0.0, f32::INFINITY),
-        (f32::NEG_INFINITY, 1.0),
-    ] {
-        assert_eq!(fade(start, end), wrong, "{start} {end}");
+    let trust =
+        |reach, linear, signal, noise| row(|r| r.trust = Trust { reach, linear, signal, noise });
+    let most = CORRECTION_MAX;
+    assert_eq!(trust(1e-45, 0.0, 0.0, 0.0), Ok(()));
+    assert_eq!(trust(most, most, most, most), Ok(()));
+    assert_eq!(trust(0.0, 1.0, 1.0, 1.0), wrong);
+    for bad in [-1e-9, 1.1 * most, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for place in 0..4 {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|at| if at == place { bad } else { 1.0 });
+            assert_eq!(trust(a, b, c, d), wrong, "{bad} at {place}");
+        }
     }
-    // Without centres nothing fades, but numbers must be numbers.
-    let without = |fade| {
+    // Without centres nothing is trusted, but numbers must be numbers.
+    let without = |reach, noise| {
         edited(|b| {
             let mut groups = sample_groups(4, 3);
             groups[1].centres.clear();
             groups[1].inputs.clear();
+            groups[1].certainty = 0;
             groups[1].coefficients = vec![Vec::new()];
-            groups[1].fade = fade;
+            groups[1].trust = Trust { reach, noise, ..Trust::default() };
             b.set_groups(&groups);
         })
     };
-    assert_eq!(without((0.0, 0.0)), Ok(()));
-    assert_eq!(without((0.0, f32::NAN)), wrong);
+    assert_eq!(without(0.0, 0.0), Ok(()));
+    assert_eq!(without(0.0, f32::NAN), wrong);
 }
 
 #[test]

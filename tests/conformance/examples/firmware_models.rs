@@ -7,9 +7,13 @@ use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::model::{Group, Input};
-use sinew_trainer::kernel::map::{Fade, KernelMap};
+use sinew_trainer::kernel::certainty::Certainty;
+use sinew_trainer::kernel::map::KernelMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+/// Values of a certainty, m.
+const CERTAINTY: usize = 8;
 
 fn main() -> ExitCode {
     let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) else {
@@ -68,6 +72,7 @@ fn groups(shape: Shape) -> Vec<Group> {
             .map(|feature| Input { feature, weight: 0.5 })
             .collect();
         let d = inputs.len();
+        let rows = rank + CERTAINTY;
         let coordinates = list(centres * d, 0.3);
         Group {
             joint,
@@ -76,9 +81,15 @@ fn groups(shape: Shape) -> Vec<Group> {
             map: KernelMap {
                 kernel: GroupKernel::Gaussian,
                 centres: Mat::from_fn(d, centres, |i, k| coordinates[k * d + i]),
-                coefficients: row_major(&list(rank * (centres + d), 0.1), rank, centres + d),
-                // Every pose is near, so that none is cheaper for being far.
-                fade: Fade { start: 100.0, end: 200.0 },
+                coefficients: row_major(&list(rows * (centres + d), 0.1), rows, centres + d),
+                // Every pose is known, so that none is cheaper for being far.
+                certainty: Certainty {
+                    len: CERTAINTY,
+                    reach: 1e3,
+                    linear: 0.0,
+                    signal: 1.0,
+                    noise: 0.0,
+                },
             },
             outputs: row_major(&list(12 * proxies * rank, 0.1), 12 * proxies, rank),
         }

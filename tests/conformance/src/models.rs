@@ -16,7 +16,8 @@ use sinew_trainer::envelope::model::{
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Examples, Skeleton, npz};
-use sinew_trainer::kernel::map::{Fade, KernelMap};
+use sinew_trainer::kernel::certainty::Certainty;
+use sinew_trainer::kernel::map::KernelMap;
 use sinew_trainer::progress::Silent;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -256,7 +257,7 @@ fn groups(shape: Shape) -> Vec<Group> {
         let inputs = inputs.collect();
         // Centre by centre, as a column each.
         let centres = list(n * d, 0.6);
-        let coefficients = list(r * (n + d), 0.5);
+        let coefficients = list((r + 3) * (n + d), 0.5);
         let outputs = if g == 0 { picked.collect() } else { list(12 * own * r, 0.2) };
         out.push(Group {
             joint: g % joints,
@@ -265,8 +266,14 @@ fn groups(shape: Shape) -> Vec<Group> {
             map: KernelMap {
                 kernel: GroupKernel::ALL[(first + g) % GroupKernel::ALL.len()],
                 centres: Mat::from_fn(d, n, |i, k| centres[k * d + i]),
-                coefficients: row_major(&coefficients, r, n + d),
-                fade: Fade { start: 0.13 * d as f64 + 0.2, end: 0.18 * d as f64 + 0.5 },
+                coefficients: row_major(&coefficients, r + 3, n + d),
+                certainty: Certainty {
+                    len: 3,
+                    reach: 0.3 * d as f64,
+                    linear: 0.5,
+                    signal: 4.0,
+                    noise: 2.0,
+                },
             },
             outputs: row_major(&outputs, 12 * own, r),
         });

@@ -7,8 +7,8 @@
 use ::models::{Pieces, SMALL, Shape, ShapeContent};
 use faer::{Mat, MatRef};
 use nalgebra::SMatrix;
-use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{Certificate, Predictor};
+use sinew_runtime::envelope::{GroupKernel, Trust};
 use sinew_runtime::format::{ALIGNMENT, Axis, Element, Handedness, SectionKind, Space};
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
@@ -17,7 +17,8 @@ use sinew_trainer::envelope::model::{
 };
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::files;
-use sinew_trainer::kernel::map::{Fade, KernelMap};
+use sinew_trainer::kernel::certainty::Certainty;
+use sinew_trainer::kernel::map::KernelMap;
 use std::path::PathBuf;
 
 /// Multiples of 1/64 in [-1, 1), so that rounding to f32 is no part of what is compared.
@@ -99,8 +100,8 @@ fn file_model(predictor: Predictor) -> FileModel {
             map: KernelMap {
                 kernel: GroupKernel::ALL[(first + g) % 4],
                 centres: dyadic.dense(n, d, 1.0).transpose().to_owned(),
-                coefficients: dyadic.dense(rank, n + d, 0.25),
-                fade: Fade { start: 1.0, end: 16.0 },
+                coefficients: dyadic.dense(rank + 2, n + d, 0.25),
+                certainty: Certainty { len: 2, reach: 4.0, linear: 0.25, signal: 8.0, noise: 16.0 },
             },
             outputs: dyadic.dense(12 * proxies, rank, 0.25),
         }
@@ -149,7 +150,7 @@ fn file_model(predictor: Predictor) -> FileModel {
 }
 
 fn golden_path(predictor: Predictor) -> PathBuf {
-    let name = format!("../golden/envelope-5-{}.snw", predictor.name());
+    let name = format!("../golden/envelope-6-{}.snw", predictor.name());
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
@@ -247,13 +248,16 @@ fn read_back_groups(parts: &EnvelopeModel, envelope: Envelope<'_>) {
         assert_eq!(origin, (!parts.groups.is_empty()).then_some([x[3], y[3], z[3]]));
     }
     for (found, group) in envelope.groups().zip(&parts.groups) {
-        let KernelMap { kernel, centres, coefficients, fade } = &group.map;
+        let KernelMap { kernel, centres, coefficients, certainty } = &group.map;
         let dense = |like: &Mat<f64>, entry: &dyn Fn(usize, usize) -> Option<f32>| {
             Mat::from_fn(like.nrows(), like.ncols(), |r, c| f64::from(entry(r, c).unwrap()))
         };
         assert_eq!((found.joint, found.kernel), (group.joint, *kernel));
         assert_eq!(found.proxies, group.proxies);
-        assert_eq!((f64::from(found.fade.0), f64::from(found.fade.1)), (fade.start, fade.end));
+        let Trust { reach, linear, signal, noise } = found.trust;
+        let Certainty { len, reach: far, linear: share, signal: known, noise: doubt } = *certainty;
+        assert_eq!(found.certainty_len(), len);
+        assert_eq!([reach, linear, signal, noise].map(f64::from), [far, share, known, doubt]);
         for (i, &Input { feature, weight }) in group.inputs.iter().enumerate() {
             assert_eq!(found.input(i), Some((feature, weight as f32)));
         }
@@ -340,7 +344,7 @@ fn parts_that_do_not_fit_are_refused() {
     assert_eq!(c2, length("columns of c2", 20, 19));
     let centres = refused(&|p, _| p.groups[1].map.centres.truncate(8, 7));
     assert_eq!(centres, length("coordinates of a group's centres", 9, 8));
-    let coefficients = refused(&|p, _| p.groups[1].map.coefficients.truncate(11, 2));
+    let coefficients = refused(&|p, _| p.groups[1].map.coefficients.truncate(13, 2));
     assert_eq!(coefficients, length("columns of a group's coefficients", 16, 2));
     let outputs = refused(&|p, _| p.groups[1].outputs.truncate(2, 11));
     assert_eq!(outputs, length("rows of a group's outputs", 12, 2));
@@ -372,7 +376,7 @@ fn parts_that_do_not_fit_are_refused() {
         |p, _| p.groups[0].joint = 5,
         |p, _| p.groups[0].inputs[0].feature = 60,
         |p, _| p.groups[0].outputs[(0, 0)] = 1e7,
-        |p, _| p.groups[0].map.fade = Fade { start: 2.0, end: 2.0 },
+        |p, _| p.groups[0].map.certainty.reach = 0.0,
         |_, s| s.rest_positions[3][1] = 1e300,
         |_, s| s.rest_normals[3] = [0.0, 1.1, 0.0],
         |_, s| s.ranges[1].1 = 19..24,

@@ -328,17 +328,19 @@ fn group(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     let at = u.choose_index(rows.len().max(1))?;
     let Some(bytes) = rows.get_mut(at) else { return Ok(()) };
     let mut row = GroupRow::from_bytes(bytes);
-    match u.int_in_range(0..=10)? {
+    match u.int_in_range(0..=12)? {
         0 => row.joint = integer(u)? as u16,
         1 => row.kernel = u.arbitrary()?,
-        2 => row.reserved = integer(u)? as u8,
+        2 => row.certainty_len = integer(u)? as u8,
         3 => row.input_len = integer(u)? as u16,
         4 => row.centre_len = integer(u)? as u16,
         5 => row.rank = integer(u)? as u16,
         6 => row.proxy_len = integer(u)? as u16,
         7 => row.offset = integer(u)?,
-        8 => row.fade_start = float(u)?,
-        9 => row.fade_end = float(u)?,
+        8 => row.trust.reach = float(u)?,
+        9 => row.trust.linear = float(u)?,
+        10 => row.trust.signal = float(u)?,
+        11 => row.trust.noise = float(u)?,
         _ => row.kernel = u.int_in_range(8..=11)?,
     }
     *bytes = group_row(&row);

@@ -1,11 +1,11 @@
 //! A random small description, baked by the trainer, loads and gives back what was described.
 
 use crate::evaluate::{evaluate, read};
-use arbitrary::{Result, Unstructured};
+use arbitrary::{Error, Result, Unstructured};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix6, SMatrix};
-use sinew_runtime::envelope::GroupKernel;
 use sinew_runtime::envelope::{Certificate, Predictor, TWIST_MAX};
+use sinew_runtime::envelope::{GroupKernel, Trust};
 use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Space};
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::bake::BakeError;
@@ -13,7 +13,8 @@ use sinew_trainer::envelope::model::{
     EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, ShapeNumbers, Shapes, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
-use sinew_trainer::kernel::map::{Fade, KernelMap};
+use sinew_trainer::kernel::certainty::Certainty;
+use sinew_trainer::kernel::map::KernelMap;
 use std::ops::Range;
 
 /// Bakes what bytes describe, loads it, compares it and evaluates it.
@@ -180,7 +181,10 @@ fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Resu
     let rows = 12 * proxies.len();
     let [d, r] = [u.int_in_range(1..=10)?, u.int_in_range(1..=9)?];
     let n = u.int_in_range(0..=10)?;
-    let start = float(u, 0.4 * CORRECTION_MAX)?.abs();
+    let len = u.int_in_range(0..=9)?;
+    let share = |u: &mut Unstructured<'_>| Ok::<_, Error>(float(u, CORRECTION_MAX)?.abs());
+    let [linear, signal, noise] = [share(u)?, share(u)?, share(u)?];
+    let reach = 0.5 * share(u)? + 1.0;
     Ok(Group {
         joint: u.choose_index(joint_len)?,
         proxies,
@@ -192,8 +196,8 @@ fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Resu
             kernel: *u.choose(&GroupKernel::ALL)?,
             // Squared, added up and rooted again, a far centre's kernel at rest stays a number.
             centres: matrix(d, n, || float(u, CORRECTION_MAX))?,
-            coefficients: matrix(r, n + d, || float(u, CORRECTION_MAX))?,
-            fade: Fade { start, end: 1.5 * start + 1.0 },
+            coefficients: matrix(r + len, n + d, || float(u, CORRECTION_MAX))?,
+            certainty: Certainty { len, reach, linear, signal, noise },
         },
         outputs: matrix(rows, r, || float(u, CORRECTION_MAX))?,
     })
@@ -345,12 +349,18 @@ fn compare_groups(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
     let round = |x: f64| x as f32;
     assert_eq!(envelope.group_len(), parts.groups.len());
     for (group, found) in parts.groups.iter().zip(envelope.groups()) {
-        let Group { inputs, map: KernelMap { kernel, centres, coefficients, fade }, .. } = group;
+        let Group { inputs, map: KernelMap { kernel, centres, coefficients, certainty }, .. } =
+            group;
         let (d, n, r) = (inputs.len(), centres.ncols(), group.outputs.ncols());
         assert_eq!((found.joint, found.kernel), (group.joint, *kernel));
         assert_eq!(found.proxies, group.proxies);
         assert_eq!((found.input_len(), found.centre_len(), found.rank()), (d, n, r));
-        assert_eq!(found.fade, (round(fade.start), round(fade.end)));
+        let Certainty { len, reach, linear, signal, noise } = *certainty;
+        let [reach, linear, signal, noise] = [reach, linear, signal, noise].map(round);
+        assert_eq!(
+            (found.certainty_len(), found.trust),
+            (len, Trust { reach, linear, signal, noise })
+        );
         for (i, &Input { feature, weight }) in inputs.iter().enumerate() {
             assert_eq!(found.input(i), Some((feature, round(weight))));
         }

@@ -3,9 +3,11 @@
 use crate::bytes::{blocks, floats, group_row, words};
 use crate::pieces::Pieces;
 use crate::rng::Rng;
-use sinew_runtime::envelope::GroupKernel;
-use sinew_runtime::envelope::GroupRow;
+use sinew_runtime::envelope::{GroupKernel, GroupRow, Trust};
 use sinew_runtime::format::SectionKind;
+
+/// Values of a sample's certainty, m.
+const CERTAINTY: usize = 2;
 
 /// A group in plain lists.
 #[derive(Clone)]
@@ -20,12 +22,14 @@ pub struct GroupContent {
     pub inputs: Vec<(u32, f32)>,
     /// n lists of d.
     pub centres: Vec<Vec<f32>>,
-    /// r rows of n + d.
+    /// r rows of n + d, then m.
     pub coefficients: Vec<Vec<f32>>,
+    /// m.
+    pub certainty: usize,
     /// 12 p rows of r.
     pub outputs: Vec<Vec<f32>>,
-    /// Squared distances at which the fade starts and ends.
-    pub fade: (f32, f32),
+    /// How the values of the last m rows count.
+    pub trust: Trust,
 }
 
 impl GroupContent {
@@ -42,9 +46,10 @@ impl GroupContent {
             proxies,
             inputs: inputs.map(|(i, x)| (feature(i), 1.5 + x)).collect(),
             centres: (0..n).map(|_| list(d, 0.5)).collect(),
-            coefficients: (0..r).map(|_| list(n + d, 0.5)).collect(),
+            coefficients: (0..r + CERTAINTY).map(|_| list(n + d, 0.5)).collect(),
+            certainty: CERTAINTY,
             outputs: (0..12 * proxies).map(|_| list(r, 0.5)).collect(),
-            fade: (0.25, 4.0),
+            trust: Trust { reach: 8.0, linear: 0.25, signal: 2.0, noise: 3.0 },
         }
     }
 
@@ -58,14 +63,13 @@ impl GroupContent {
         GroupRow {
             joint: self.joint as u16,
             kernel: self.kernel.number(),
-            reserved: 0,
+            certainty_len: self.certainty as u8,
             input_len: self.inputs.len() as u16,
             centre_len: self.centres.len() as u16,
-            rank: self.coefficients.len() as u16,
+            rank: (self.coefficients.len() - self.certainty) as u16,
             proxy_len: self.proxies as u16,
             offset: offset as u32,
-            fade_start: self.fade.0,
-            fade_end: self.fade.1,
+            trust: self.trust,
         }
     }
 

@@ -204,4 +204,4 @@ impl Pieces {
 
 /// The golden files of skins with shapes, as [`Pieces::shaped`] makes them.
 pub const SHAPED_NAMES: [&str; 4] =
-    ["shapes-5-f32.snw", "shapes-5-f16.snw", "shapes-5-i8.snw", "shapes-5-few.snw"];
+    ["shapes-6-f32.snw", "shapes-6-f16.snw", "shapes-6-i8.snw", "shapes-6-few.snw"];

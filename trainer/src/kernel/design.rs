@@ -7,15 +7,24 @@
 //! linear part is penalised too: an unpenalised tail of many inputs overfits.
 
 use super::centres::Greedy;
+use super::certainty::Certainty;
 use super::function::{Exact, by_name};
 use super::inputs::Inputs;
 use super::left_out::LeftOut;
-use super::map::{Fade, KernelMap};
+use super::map::KernelMap;
 use super::outputs::Block;
 use faer::Mat;
 use faer::linalg::solvers::Svd;
 use serde::Serialize;
 use sinew_runtime::envelope::GroupKernel;
+
+/// Most values of a design's certainty.
+const CERTAINTY: usize = 16;
+/// Share of the variance over the samples that they may leave unexplained.
+const UNEXPLAINED: f64 = 1e-6;
+
+/// Squared distance from rest up to which a design's certainty tells, over that of the farthest sample.
+const REACH: f64 = 2.0;
 
 /// What a design is made with.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -47,6 +56,8 @@ pub struct BlockOut {
     left_out: LeftOut,
     /// How many of them are to be predicted, the first.
     own: usize,
+    /// The variance of noise that the ridge stands for.
+    noise: f64,
 }
 
 impl<'a> Design<'a> {
@@ -110,7 +121,8 @@ impl<'a> Design<'a> {
         let own = &hat * u.transpose();
         let remainder =
             Mat::from_fn(out.len(), out.len(), |i, j| f64::from(u8::from(i == j)) - own[(i, j)]);
-        Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat, own: block.own.len() })
+        let noise = ridge * self.largest;
+        Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat, own: block.own.len(), noise })
     }
 
     /// Solves for the coefficients of the orthonormal functions, then of the scaled inputs, of the
@@ -156,9 +168,9 @@ impl<'a> Design<'a> {
         1.0 / self.inputs.squared_width(self.hyperparameters.width).sqrt()
     }
 
-    /// Makes the map of scaled inputs that has these coefficients of the design's columns and was
-    /// validated by these blocks.
-    pub fn map(&self, solution: &Mat<f64>, blocks: &[Block]) -> KernelMap {
+    /// Makes the map of scaled inputs that has these coefficients of the design's columns, for the outputs and then
+    /// for the values of its certainty.
+    pub fn map(&self, solution: &Mat<f64>, certainty: Certainty) -> KernelMap {
         let Hyperparameters { kernel, width, centres: count } = self.hyperparameters;
         let width = self.inputs.squared_width(width);
         let centres = self.at_centres(solution);
@@ -171,24 +183,54 @@ impl<'a> Design<'a> {
                 if k == 0 { 0.0 } else { values[(r, self.centres.order[k - 1])] / width.sqrt() }
             }),
             coefficients: faer::concat![[centres.transpose(), linear.transpose()]],
-            fade: self.fade(blocks),
+            certainty,
         }
     }
 
-    /// Fades beyond what blocks have validated: the farthest that a sample is from the centres
-    /// outside its block.
-    fn fade(&self, blocks: &[Block]) -> Fade {
-        let mut farthest = f64::MIN_POSITIVE;
-        for block in blocks {
-            let outside = self.centres.order.iter().filter(|&&k| !block.out().any(|i| i == k));
-            let outside: Vec<usize> = outside.map(|k| k + 1).chain([0]).collect();
-            for &i in &block.own {
-                let near = outside.iter().map(|&k| self.inputs.squared(i + 1, k));
-                farthest = near.fold(f64::INFINITY, f64::min).max(farthest);
-            }
+    /// Returns the coefficients of the design's columns that give the values whose squares sum to the variance that a
+    /// fit with a ridge explains: those of the leading directions, k x m.
+    pub fn certainty(&self, ridge: f64) -> Mat<f64> {
+        let s: Vec<f64> = self.decomposed.S().column_vector().iter().map(|s| s * s).collect();
+        let share = |i: usize| s[i] / (s[i] + ridge * self.largest);
+        let len = self.certainty_len();
+        let v = self.decomposed.V();
+        Mat::from_fn(v.nrows(), len, |row, i| v[(row, i)] * share(i).sqrt())
+    }
+
+    /// Counts the values of [`Design::certainty`], m.
+    pub fn certainty_len(&self) -> usize {
+        let s: Vec<f64> = self.decomposed.S().column_vector().iter().map(|s| s * s).collect();
+        let mut left: f64 = s.iter().sum();
+        let negligible = UNEXPLAINED * left;
+        let needed = s.iter().take_while(|s| {
+            let needed = left > negligible;
+            left -= *s;
+            needed
+        });
+        needed.count().min(CERTAINTY)
+    }
+
+    /// Returns a certainty of no values, with the design's own numbers.
+    pub fn certain(&self) -> Certainty {
+        let width = self.inputs.squared_width(self.hyperparameters.width);
+        let farthest =
+            (1..=self.sample_len()).map(|i| self.inputs.squared(0, i)).fold(0.0, f64::max);
+        Certainty {
+            reach: REACH * farthest / width,
+            linear: self.inputs.linear_share() * width,
+            ..Certainty::default()
         }
-        let start = farthest / self.inputs.squared_width(self.hyperparameters.width);
-        Fade::beyond(start)
+    }
+
+    /// Returns the prior variance, summed over the samples.
+    pub fn variance(&self) -> f64 {
+        let Hyperparameters { kernel, width, .. } = self.hyperparameters;
+        let scale = 1.0 / self.inputs.squared_width(width);
+        let prior = |i: usize| {
+            let apart = self.inputs.squared(0, i);
+            1.0 - kernel.exact(scale * apart).powi(2) + self.inputs.linear_share() * apart
+        };
+        (1..=self.sample_len()).map(prior).sum()
     }
 }
 
@@ -198,6 +240,12 @@ impl BlockOut {
     pub fn errors(&self, outputs: &Mat<f64>, projected: &Mat<f64>) -> Mat<f64> {
         let errors = self.left_out.errors(&(outputs - &self.hat * projected));
         errors.subrows(0, self.own).to_owned()
+    }
+
+    /// Returns the variance of the fit without the block, summed over the block's own samples.
+    pub fn variance(&self) -> f64 {
+        let variances = self.left_out.variances();
+        self.noise * variances[..self.own].iter().map(|v| v - 1.0).sum::<f64>()
     }
 }
 

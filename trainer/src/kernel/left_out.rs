@@ -3,7 +3,7 @@
 //! A fit to all samples leaves `r = R y` of their outputs y, R = I - H with H the hat matrix. A fit
 //! without the samples of a block I misses them by `e_I = (R_II)⁻¹ r_I`.
 
-use faer::linalg::solvers::{Llt, Solve};
+use faer::linalg::solvers::{DenseSolveCore, Llt, Solve};
 use faer::{Mat, Side};
 
 /// What turns residuals of a block into errors of a fit that has not seen it.
@@ -21,6 +21,12 @@ impl LeftOut {
     /// Turns residuals r_I into errors; a row a sample, a column an output.
     pub fn errors(&self, residuals: &Mat<f64>) -> Mat<f64> {
         self.remainder.solve(residuals)
+    }
+
+    /// Returns what the variance of the fit without a sample's block is of that of its noise, plus 1.
+    pub fn variances(&self) -> Vec<f64> {
+        let inverse = self.remainder.inverse();
+        inverse.diagonal().column_vector().iter().copied().collect()
     }
 
     /// Turns inner products of the samples' residuals, `r_I r_Iᵀ`, into those of their errors,

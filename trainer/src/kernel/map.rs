@@ -1,15 +1,11 @@
 //! A kernel map in f64, and how far its f32 evaluation may be from it (METHOD §2.7).
 
 use super::arithmetic::{Arithmetic, U, gamma};
+use super::certainty::{Between, Certainty, Evidence};
 use super::function::Exact;
 use faer::Mat;
-use serde::Serialize;
 use sinew_runtime::envelope::GroupKernel;
 
-/// Where a fade ends, in squared distances of its start (METHOD §2.6).
-const FADE: f64 = 6.25;
-/// Relative error of the runtime's smoothstep.
-pub const STEP_ERROR: f64 = 4e-7;
 /// More than any kernel's change may be off by: it lies between -1 and 1, computed or not.
 const CHANGE_ERROR: f64 = 2.1;
 
@@ -21,28 +17,26 @@ pub struct KernelMap {
     pub kernel: GroupKernel,
     /// Centres t, d x n.
     pub centres: Mat<f64>,
-    /// `[c A]`, r x (n + d).
+    /// `[c A]`, (r + m) x (n + d): the outputs' rows, then those that tell how well an input is known.
     pub coefficients: Mat<f64>,
-    /// Where the map fades out.
-    pub fade: Fade,
-}
-
-/// The confidence of an input: full within `start` of a centre, none beyond `end` of all
-/// (METHOD §2.6, on squared distances, which are smooth).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Fade {
-    /// Squared scaled distance.
-    pub start: f64,
-    /// Likewise.
-    pub end: f64,
+    /// How those count.
+    pub certainty: Certainty,
 }
 
 /// What a map gives for an input.
 pub struct Value {
-    /// Outputs, not faded, r.
+    /// Outputs, r, to be multiplied by the evidence's share.
     pub outputs: Vec<f64>,
-    /// What they are to be multiplied by.
-    pub confidence: f64,
+    /// What is known of the input.
+    pub evidence: Evidence,
+}
+
+/// How far a value may be off.
+pub struct ValueError {
+    /// Each of the outputs, r.
+    pub outputs: Vec<f64>,
+    /// Between what the evidence lies.
+    pub evidence: Between,
 }
 
 impl KernelMap {
@@ -52,32 +46,48 @@ impl KernelMap {
             kernel: GroupKernel::Gaussian,
             centres: Mat::zeros(0, 0),
             coefficients: Mat::zeros(0, 0),
-            fade: Fade { start: 0.0, end: 0.0 },
+            certainty: Certainty::default(),
         }
     }
 
     /// Evaluates the map at an input of d values.
     pub fn evaluate(&self, input: &[f64]) -> Value {
-        let mut confidence = Vec::with_capacity(self.centres.ncols());
-        let mut outputs = vec![0.0; self.coefficients.nrows()];
+        let mut outputs = self.values(input);
+        let values = outputs.split_off(self.rank());
+        let (apart, change) = match self.centres.col_iter().next() {
+            Some(_) => {
+                let squared = Squared::new(input, self.centres.col_as_slice(0));
+                (squared.here, squared.change(self.kernel))
+            }
+            None => (0.0, 0.0),
+        };
+        Value { outputs, evidence: self.certainty.evidence(apart, change, &values) }
+    }
+
+    /// Computes the values of all rows, r + m.
+    fn values(&self, input: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; self.coefficients.nrows()];
         let mut add = |column: usize, value: f64| {
             let column = self.coefficients.col_as_slice(column);
-            outputs.iter_mut().zip(column).for_each(|(out, c)| *out += c * value);
+            values.iter_mut().zip(column).for_each(|(out, c)| *out += c * value);
         };
         for k in 0..self.centres.ncols() {
-            let squared = Squared::new(input, self.centres.col_as_slice(k));
-            add(k, squared.change(self.kernel));
-            confidence.push(squared.here);
+            add(k, Squared::new(input, self.centres.col_as_slice(k)).change(self.kernel));
         }
         for (i, x) in input.iter().enumerate() {
             add(self.centres.ncols() + i, *x);
         }
-        Value { outputs, confidence: self.fade.confidence(confidence.into_iter()) }
+        values
+    }
+
+    /// Counts the outputs, r.
+    pub fn rank(&self) -> usize {
+        self.coefficients.nrows() - self.certainty.len
     }
 
     /// Bounds the error of the runtime's evaluation at an input whose values are products of exact
-    /// f32 numbers: of each output, r, and of the confidence.
-    pub fn error(&self, input: &[f64]) -> (Vec<f64>, f64) {
+    /// f32 numbers.
+    pub fn error(&self, input: &[f64]) -> ValueError {
         let rounded: Vec<f64> = input.iter().map(|x| U * x.abs()).collect();
         self.error_from(input, &rounded, Arithmetic::IEEE)
     }
@@ -90,7 +100,7 @@ impl KernelMap {
         input: &[f64],
         input_error: &[f64],
         arithmetic: Arithmetic,
-    ) -> (Vec<f64>, f64) {
+    ) -> ValueError {
         let n = self.centres.ncols();
         let rounding = gamma(n + self.centres.nrows());
         let mut outputs = vec![0.0; self.coefficients.nrows()];
@@ -99,17 +109,21 @@ impl KernelMap {
             let column = self.coefficients.col_as_slice(column);
             outputs.iter_mut().zip(column).for_each(|(out, c)| *out += c.abs() * error);
         };
-        let mut distances = Vec::with_capacity(n);
-        for k in 0..n {
+        let (mut apart, mut change) = ((0.0, 0.0), (0.0, 0.0));
+        for k in (0..n).rev() {
             let at = Distance::new(input, input_error, self.centres.col_as_slice(k));
             let error = at.change_error(self.kernel, arithmetic).min(CHANGE_ERROR);
-            add(k, at.squared.change(self.kernel), error);
-            distances.push((at.squared.here, at.squared_error));
+            change = (at.squared.change(self.kernel), error);
+            apart = (at.squared.here, at.squared_error);
+            add(k, change.0, error);
         }
         for (i, (x, error)) in input.iter().zip(input_error).enumerate() {
             add(n + i, *x, *error);
         }
-        (outputs, self.fade.error(&distances, arithmetic))
+        let errors = outputs.split_off(self.rank());
+        let values = self.values(input).split_off(self.rank());
+        let evidence = self.certainty.between(apart, change, &values, &errors, arithmetic);
+        ValueError { outputs, evidence }
     }
 }
 
@@ -232,58 +246,6 @@ impl Distance {
     }
 }
 
-impl Fade {
-    /// Fades beyond a squared distance.
-    pub fn beyond(start: f64) -> Self {
-        Self { start, end: FADE * start }
-    }
-
-    /// Returns the confidence of squared distances to all centres: 1 where nothing fades.
-    pub fn confidence(&self, squared: impl Iterator<Item = f64>) -> f64 {
-        if self.end <= self.start {
-            return 1.0;
-        }
-        1.0 - squared.map(|s| 1.0 - step(self.place(s))).product::<f64>()
-    }
-
-    /// Bounds the confidence's error, given the distances and their errors: 0 where every centre
-    /// is beyond doubt too far.
-    ///
-    /// A place in the fade is behind two differences and a division, and its step is exact where it
-    /// is 1. `1 - b`, the product of those that are not 1, and the difference from 1 round once each.
-    pub fn error(&self, distances: &[(f64, f64)], arithmetic: Arithmetic) -> f64 {
-        if self.end <= self.start {
-            return 0.0;
-        }
-        let of_place = gamma(2 + arithmetic.division);
-        let (mut doubt, mut least, mut most) = (1.0, 1.0, 1.0f64);
-        for &(s, error) in distances {
-            let near = step(self.place(s - error) * (1.0 + of_place));
-            let far = step(self.place(s + error) * (1.0 - of_place));
-            if near == 0.0 {
-                continue;
-            }
-            let far = if far < 1.0 { far * (1.0 - STEP_ERROR) } else { 1.0 };
-            doubt *= 1.0 - step(self.place(s));
-            least *= (1.0 - near * (1.0 + STEP_ERROR)).max(0.0) * (1.0 - gamma(2));
-            most *= (1.0 - far) * (1.0 + gamma(2));
-        }
-        let [exact, least, most] = [doubt, most, least].map(|doubt| 1.0 - doubt);
-        (exact - least * (1.0 - U)).max(most * (1.0 + U) - exact)
-    }
-
-    /// Returns where a squared distance is in the fade: 1 at its start, 0 at its end.
-    fn place(&self, s: f64) -> f64 {
-        (self.end - s) / (self.end - self.start)
-    }
-}
-
-/// Returns `u³ (10 - 15 u + 6 u²)` of u kept within 0 and 1.
-pub fn step(u: f64) -> f64 {
-    let u = u.clamp(0.0, 1.0);
-    u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::function::SMOOTHEST_FIRST;
@@ -293,19 +255,11 @@ mod tests {
         KernelMap {
             kernel: GroupKernel::Matern52,
             centres: Mat::from_fn(2, 3, |r, k| 0.5 * k as f64 - 0.2 * r as f64),
-            coefficients: Mat::from_fn(1, 5, |_, k| [1.0, -2.0, 0.5, 0.3, -0.7][k]),
-            fade: Fade { start: 1.0, end: 4.0 },
+            coefficients: Mat::from_fn(2, 5, |row, k| {
+                [[1.0, -2.0, 0.5, 0.3, -0.7], [0.2, 0.6, -0.1, 0.4, 0.3]][row][k]
+            }),
+            certainty: Certainty { len: 1, reach: 4.0, linear: 0.2, signal: 20.0, noise: 30.0 },
         }
-    }
-
-    #[test]
-    fn confidence_falls_from_one_to_nothing() {
-        let of = |x: f64| map().evaluate(&[x, 0.0]).confidence;
-        assert_eq!(of(1.0), 1.0);
-        assert!((0.01..0.99).contains(&of(2.6)));
-        assert_eq!(of(4.0), 0.0);
-        let falling: Vec<f64> = (10..40).map(|i| of(0.1 * f64::from(i))).collect();
-        assert!(falling.is_sorted_by(|a, b| a >= b));
     }
 
     #[test]
@@ -313,24 +267,27 @@ mod tests {
         for kernel in SMOOTHEST_FIRST {
             let map = KernelMap { kernel, ..map() };
             assert_eq!(map.evaluate(&[0.0, 0.0]).outputs, [0.0]);
-            // On a centre, where Matérn 1/2 has its cone, and where |x - t| = |t|; in the fade.
+            // On a centre, where Matérn 1/2 has its cone, and where |x - t| = |t|; far away.
             for x in [[1.0, -0.2], [0.5, -0.2], [1.0, -0.4], [0.1, 0.4], [2.6, 0.0]] {
                 for off in [0.0, U, 1e-3] {
-                    let (error, of_confidence) = map.error_from(&x, &[off, off], Arithmetic::IEEE);
+                    let error = map.error_from(&x, &[off, off], Arithmetic::IEEE);
+                    let (least, most) = error.evidence.confidence(1, Arithmetic::IEEE);
+                    let error = error.outputs[0];
                     let exact = map.evaluate(&x);
-                    assert!(error[0] < 200.0 * U + 50.0 * off, "{kernel:?} {error:?}");
+                    assert!(error < 200.0 * U + 50.0 * off, "{kernel:?} {error:?}");
                     for moved in [[off, off], [-off, off], [off, -off], [-off, -off]] {
                         let moved = map.evaluate(&[x[0] + moved[0], x[1] + moved[1]]);
                         let change = (moved.outputs[0] - exact.outputs[0]).abs();
-                        assert!(change <= error[0], "{kernel:?} {x:?} {off}");
-                        let change = (moved.confidence - exact.confidence).abs();
-                        assert!(change <= of_confidence, "{kernel:?} {x:?} {off}");
+                        assert!(change <= error, "{kernel:?} {x:?} {off}");
+                        let confidence = moved.evidence.confidence();
+                        assert!((least..=most).contains(&confidence), "{kernel:?} {x:?} {off}");
                     }
                 }
                 let rounded = x.map(|x| U * x.abs());
-                assert_eq!(map.error(&x), map.error_from(&x, &rounded, Arithmetic::IEEE));
+                let expected = map.error_from(&x, &rounded, Arithmetic::IEEE);
+                assert_eq!(map.error(&x).outputs, expected.outputs);
             }
         }
-        assert_eq!(map().error(&[9.0, 0.0]).1, 0.0, "none beyond doubt");
+        assert_eq!(map().evaluate(&[1e5, 0.0]).evidence.share(), 0.0, "nothing is known far away");
     }
 }

@@ -35,8 +35,14 @@ pub struct Outputs {
     pub all: Mat<f64>,
     /// Blocks of samples, of which the first ones cover all.
     pub blocks: Vec<Block>,
+    /// How many blocks, the last, are of samples beyond the others.
+    pub beyond: usize,
     /// The outputs as a fit without each block is to see them, where they depend on that.
     pub without: Vec<Mat<f64>>,
+    /// The squared size, summed over the samples, of what would be left without any fit.
+    pub signal: f64,
+    /// The squared size in a sample that counts as nothing.
+    pub negligible: f64,
 }
 
 impl Outputs {

@@ -2,16 +2,21 @@
 //! each with the ridge that predicts blocks of samples best when they are left out (METHOD §1.9, §2.2).
 
 use super::arithmetic::U;
+use super::certainty::Certainty;
 use super::design::{Design, Hyperparameters};
 use super::map::KernelMap;
 use super::outputs::{Outputs, gentle_mean};
 use faer::{ColRef, Mat};
+use sinew_runtime::format::CORRECTION_MAX;
 
 /// Roundings of a term of the sum in f32, each at random; `kernel::map` has the bound for the worst.
 const TERM: f64 = 5.0;
 /// Candidate ridges, relative to the largest squared singular value.
 const RIDGES: [f64; 13] =
     [1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
+
+/// Most that an error per unit of variance counts.
+const MOST: f64 = CORRECTION_MAX as f64;
 
 /// Hyperparameters, their ridges and how well they predict.
 #[derive(Clone, Debug)]
@@ -86,8 +91,43 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
             }
         }
     }
-    let map = design.map(&design.solve(&projected.all, ridges), &outputs.blocks);
+    let solution = design.solve(&projected.all, ridges);
+    let ridge = ridges.first().copied().unwrap_or_default();
+    let rows = design.certainty(ridge);
+    let certainty = Certainty {
+        len: rows.ncols(),
+        signal: (outputs.signal / (design.variance() * outputs.negligible)).min(MOST),
+        noise: (noise(design, outputs, &projected, ridges)? / outputs.negligible).min(MOST),
+        ..design.certain()
+    };
+    let map = design.map(&faer::concat![[&solution, &rows]], certainty);
     Some(KernelFit { map, scale: design.scale(), predicted })
+}
+
+/// The squared error of samples beyond the others for their variance, both as fits without them have them: a geometric
+/// mean over their blocks, or over all where there are none beyond.
+fn noise(
+    design: &Design<'_>,
+    outputs: &Outputs,
+    projected: &Projected,
+    ridges: &[f64],
+) -> Option<f64> {
+    let count = outputs.blocks.len();
+    let first = if outputs.beyond > 0 { count - outputs.beyond } else { 0 };
+    let of_block = |b: usize| {
+        let block = &outputs.blocks[b];
+        let seen = projected.without.get(b).unwrap_or(&projected.all);
+        let truth = outputs.of_block(b);
+        let squared = |(o, &ridge): (usize, &f64)| {
+            let errors = design.block_out(block, ridge)?.errors(&truth, seen);
+            Some(errors.col(o).squared_norm_l2())
+        };
+        let squared = ridges.iter().enumerate().map(squared).sum::<Option<f64>>()?;
+        let variance = design.block_out(block, ridges[0])?.variance();
+        Some((squared / variance.max(f64::MIN_POSITIVE)).max(f64::MIN_POSITIVE).ln())
+    };
+    let sum = (first..count).map(of_block).sum::<Option<f64>>()?;
+    Some((sum / (count - first).max(1) as f64).exp())
 }
 
 /// Outputs on a design's directions.
@@ -170,7 +210,14 @@ mod tests {
             Mat::from_fn(2, 120, |r, i| [(0.37 * i as f64).sin(), (0.61 * i as f64).cos()][r]);
         let all = Mat::from_fn(120, 2, |i, o| truth(values[(0, i)], values[(1, i)])[o]);
         let blocks: Vec<_> = (0..8).map(|b| Block::row(15 * b..15 * b + 15)).collect();
-        let outputs = Outputs { all, blocks: blocks.clone(), without: Vec::new() };
+        let outputs = Outputs {
+            all,
+            blocks: blocks.clone(),
+            beyond: 0,
+            without: Vec::new(),
+            signal: 1.0,
+            negligible: 1e-6,
+        };
         let inputs = Inputs::new(values).unwrap();
         for kernel in SMOOTHEST_FIRST {
             let designs = WIDTHS.into_iter().flat_map(|w| Design::each(&inputs, kernel, w, &[120]));
@@ -183,7 +230,7 @@ mod tests {
             assert_eq!(at(0.0, 0.0).outputs, [0.0, 0.0]);
             let most = if kernel == GroupKernel::Matern12 { 0.1 } else { 0.02 };
             for (x, y) in [(0.3, -0.2), (-0.5, 0.4), (0.1, 0.8)] {
-                assert!(at(x, y).confidence == 1.0);
+                assert!(at(x, y).evidence.share() > 0.99);
                 for (a, b) in at(x, y).outputs.iter().zip(truth(x, y)) {
                     assert!((a - b).abs() < most, "{kernel:?} {a} {b}");
                 }

@@ -10,7 +10,7 @@ use super::functional::{Functional, nodes};
 use super::kriging::Kriging;
 use super::observations::Observations;
 use crate::kernel::bound::{largest, rounded};
-use crate::kernel::map::Fade;
+use crate::kernel::fade::Fade;
 use crate::kernel::model::{Figures, Input, InputKind, KernelModel, Output, OutputKind};
 use crate::kernel::sum::{KernelSum, Term};
 use crate::numeric::columns::ends;

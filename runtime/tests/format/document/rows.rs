@@ -38,14 +38,16 @@ fn the_document_lays_rows_out_as_the_code() {
     let fields = [
         ("joint", row.joint.into()),
         ("kernel", row.kernel.into()),
-        ("reserved", row.reserved.into()),
+        ("certainty_len", row.certainty_len.into()),
         ("input_len", row.input_len.into()),
         ("centre_len", row.centre_len.into()),
         ("rank", row.rank.into()),
         ("proxy_len", row.proxy_len.into()),
         ("offset", row.offset.into()),
-        ("fade_start", row.fade_start.to_bits().into()),
-        ("fade_end", row.fade_end.to_bits().into()),
+        ("reach", row.trust.reach.to_bits().into()),
+        ("linear", row.trust.linear.to_bits().into()),
+        ("signal", row.trust.signal.to_bits().into()),
+        ("noise", row.trust.noise.to_bits().into()),
     ];
     assert_fields("Group row", &bytes[..GroupRow::BYTES], &fields);
 }

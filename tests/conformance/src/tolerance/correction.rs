@@ -3,7 +3,8 @@
 use super::inexact::{Inexact, Transform, product};
 use sinew_trainer::envelope::model::{EnvelopeModel, Group};
 use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
-use sinew_trainer::kernel::map::Value;
+use sinew_trainer::kernel::certainty::Between;
+use sinew_trainer::kernel::map::{Value, ValueError};
 use sinew_trainer::numeric::affine::linear;
 
 /// Correction: inputs are features times a weight, rounded once; latent values and w are off as the
@@ -19,12 +20,11 @@ pub fn correction(
     let first = oracle.first_proxy();
     let (value, confidence) = oracle.correct(&pose.value, &features.value, base.value.clone());
     let mut error = base.error;
-    let (mut least, mut most) = (1.0_f64, 1.0_f64);
+    let mut evidence = Between::NOTHING;
     for group in oracle.groups.iter().filter(|group| group.has_centres()) {
-        let (k, k_error, (w, w_error)) = added(group, features, arithmetic);
-        least = least.min(w - w_error);
-        most = most.min(w + w_error);
-        if w + w_error == 0.0 {
+        let (k, k_error, known) = added(group, features, arithmetic);
+        evidence = evidence.and(known);
+        if known.share(arithmetic).1 == 0.0 {
             continue;
         }
         let turn = (&linear(&pose.value[group.joint]), &linear(&pose.error[group.joint]));
@@ -34,6 +34,7 @@ pub fn correction(
             error[at] = inherited + (value[at].abs() + inherited) * U;
         }
     }
+    let (least, most) = evidence.confidence(oracle.groups.len(), arithmetic);
     let confidence = Inexact {
         value: vec![confidence],
         error: vec![(confidence - least).max(most - confidence)],
@@ -41,12 +42,12 @@ pub fn correction(
     (Inexact { value, error }, confidence)
 }
 
-/// K of a group's proxies, its errors, and w with its error.
+/// K of a group's proxies, its errors, and what the group knows.
 fn added(
     group: &Group,
     features: &Inexact<Transform>,
     arithmetic: Arithmetic,
-) -> (Vec<Transform>, Vec<Transform>, (f64, f64)) {
+) -> (Vec<Transform>, Vec<Transform>, Between) {
     let input = group.input(&features.value);
     let inherited = group.input(&features.error);
     let input_error: Vec<_> = input
@@ -54,8 +55,11 @@ fn added(
         .zip(inherited)
         .map(|(x, error)| error.abs() + (x.abs() + error.abs()) * U)
         .collect();
-    let Value { outputs, confidence: w } = group.map.evaluate(&input);
-    let (error, w_error) = group.map.error_from(&input, &input_error, arithmetic);
+    let Value { outputs, evidence } = group.map.evaluate(&input);
+    let ValueError { outputs: error, evidence: between } =
+        group.map.error_from(&input, &input_error, arithmetic);
+    let (w, (least, most)) = (evidence.share(), between.share(arithmetic));
+    let w_error = (w - least).max(most - w);
     // Errors grow by magnitudes.
     let mut magnitudes = group.clone();
     magnitudes.outputs.col_iter_mut().flat_map(|c| c.iter_mut()).for_each(|x| *x = x.abs());
@@ -69,5 +73,5 @@ fn added(
         ((y * w).abs() + error) * U + error
     };
     let k_error = y.iter().zip(y_error).map(faded).collect();
-    (y.iter().map(|y| y * w).collect(), k_error, (w, w_error))
+    (y.iter().map(|y| y * w).collect(), k_error, between)
 }

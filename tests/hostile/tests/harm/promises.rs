@@ -2,7 +2,7 @@
 
 use hostile::evaluate::evaluate_pose;
 use models::{GOLDEN, Pieces, group_row};
-use sinew_runtime::envelope::{GroupRow, KEY_WORDS, Predictor};
+use sinew_runtime::envelope::{GroupRow, KEY_WORDS, Predictor, Trust};
 use sinew_runtime::format::{CORRECTION_MAX, MAGNITUDE_MAX, SectionKind, TRAVEL_MAX};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Matrix3x4, Model};
 
@@ -95,14 +95,13 @@ fn helpers_that_take_no_bytes_are_held_by_the_limits() {
         let row = GroupRow {
             joint: 0,
             kernel: 8,
-            reserved: 0,
+            certainty_len: 0,
             input_len: 0,
             centre_len: 0,
             rank: 0,
             proxy_len: proxies as u16,
             offset: 0,
-            fade_start: 0.0,
-            fade_end: 0.0,
+            trust: Trust::default(),
         };
         *pieces.section(SectionKind::Groups) = group_row(&row).to_vec();
         pieces.section(SectionKind::Corrections).clear();
@@ -142,7 +141,8 @@ fn largest(golden: &[u8]) -> Vec<u8> {
     if let Some(rows) = pieces.find(SectionKind::Groups) {
         for bytes in rows.as_chunks_mut().0 {
             let mut row = GroupRow::from_bytes(bytes);
-            (row.fade_start, row.fade_end) = (0.5 * CORRECTION_MAX, CORRECTION_MAX);
+            let [reach, linear, signal, noise] = [CORRECTION_MAX; 4];
+            row.trust = Trust { reach, linear, signal, noise };
             *bytes = group_row(&row);
             groups.push(row);
         }

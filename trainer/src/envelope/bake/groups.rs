@@ -4,7 +4,7 @@ use crate::bake::BakeError;
 use crate::bake::sections::{blocks, check_len, check_shape, narrow};
 use crate::envelope::model::{Group, Input};
 use faer::Col;
-use sinew_runtime::envelope::GroupRow;
+use sinew_runtime::envelope::{GroupRow, Trust};
 
 /// What the sections `groups` and `corrections` hold, and the scratch that they need.
 pub(super) struct GroupSections {
@@ -31,17 +31,22 @@ pub(super) fn write(groups: &[Group]) -> Result<GroupSections, BakeError> {
 
 impl Group {
     fn row(&self, offset: usize) -> Result<GroupRow, BakeError> {
+        let certainty = self.map.certainty;
         Ok(GroupRow {
             joint: narrow("joint of a group", self.joint)?,
             kernel: self.map.kernel.number(),
-            reserved: 0,
+            certainty_len: narrow("certainty values of a group", certainty.len)?,
             input_len: narrow("inputs of a group", self.inputs.len())?,
             centre_len: narrow("centres of a group", self.map.centres.ncols())?,
             rank: narrow("rank of a group", self.outputs.ncols())?,
             proxy_len: narrow("proxies of a group", self.proxies.len())?,
             offset: narrow("correction words", offset)?,
-            fade_start: self.map.fade.start as f32,
-            fade_end: self.map.fade.end as f32,
+            trust: Trust {
+                reach: certainty.reach as f32,
+                linear: certainty.linear as f32,
+                signal: certainty.signal as f32,
+                noise: certainty.noise as f32,
+            },
         })
     }
 
@@ -49,7 +54,7 @@ impl Group {
         let (d, n, r) = (self.inputs.len(), self.map.centres.ncols(), self.outputs.ncols());
         check_len("coordinates of a group's centres", d, self.map.centres.nrows())?;
         let coefficients = ["rows of a group's coefficients", "columns of a group's coefficients"];
-        check_shape(coefficients, [r, n + d], &self.map.coefficients)?;
+        check_shape(coefficients, [r + self.map.certainty.len, n + d], &self.map.coefficients)?;
         check_len("rows of a group's outputs", 12 * self.proxies.len(), self.outputs.nrows())
     }
 

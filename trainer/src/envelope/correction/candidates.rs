@@ -15,8 +15,7 @@ use crate::kernel::ridge::{self, KernelFit, Scored};
 use faer::Mat;
 use nalgebra::Matrix3;
 use serde::Serialize;
-use sinew_runtime::envelope::GroupKernel;
-use sinew_runtime::envelope::GroupRow;
+use sinew_runtime::envelope::{GroupKernel, GroupRow, Trust};
 use std::ops::Range;
 
 /// Candidate hops, the fewest inputs first.
@@ -30,6 +29,9 @@ const NEGLIGIBLE: f64 = 1e-7;
 /// Largest bound on what rounding to f32 may add to the training poses, RMS over the skin in
 /// diagonals. The bound takes the worst of every rounding; what is seen is some fiftieth.
 const PRECISE: f64 = 5e-3;
+
+/// RMS error of the whole skin, in diagonals, that counts as none.
+const NOTHING: f64 = 2e-4;
 
 /// How a group's map was chosen.
 #[derive(Clone, Debug, Serialize)]
@@ -90,9 +92,13 @@ impl GroupCandidates {
         let seen = |left_over: &Mat<f64>| metric.weigh(&local(left_over, poses, joint, &proxies));
         let all = seen(target.left_over);
         let directions = leading(&all);
+        let beyond = beyond(poses, features.parents, joint);
         let outputs = Outputs {
             all: &all * &directions,
-            blocks: [blocks, &beyond(poses, features.parents, joint)].concat(),
+            blocks: [blocks, &beyond].concat(),
+            beyond: beyond.len(),
+            signal: target.lbs_errors[proxies.clone()].iter().sum(),
+            negligible: NOTHING.powi(2) * target.vertices as f64,
             without: target.without.iter().map(|m| seen(m) * &directions).collect(),
         };
         let sizes = outputs.sizes();
@@ -207,7 +213,7 @@ fn choose(near: &NearJoints, outputs: &Outputs, nothing: &[f64], proxies: usize)
             let left: f64 = nothing[rank..].iter().sum();
             sizes.push(MapSize {
                 rank,
-                bytes: bytes(inputs.input_len(), centres, rank, proxies),
+                bytes: bytes(inputs.input_len(), centres, rank, design.certainty_len(), proxies),
                 score: scored.scores[..rank].iter().sum::<f64>() + left,
                 scored: Some(scored.clone()),
             });
@@ -258,7 +264,7 @@ fn precise(
             .col_iter()
             .map(|x| {
                 let x: Vec<f64> = x.iter().copied().collect();
-                square(fitted.map.error(&x).0)
+                square(fitted.map.error(&x).outputs)
             })
             .sum();
         if (sum / (vertices * inputs.sample_len()) as f64).sqrt() <= PRECISE {
@@ -271,20 +277,20 @@ fn precise(
     }
 }
 
-/// Bytes that a map of d inputs, n centres and r latent outputs for p proxies adds to the file.
-fn bytes(d: usize, n: usize, r: usize, p: usize) -> usize {
+/// Bytes that a map of d inputs, n centres, r latent outputs and m values of its certainty for p proxies adds to the
+/// file.
+fn bytes(d: usize, n: usize, r: usize, m: usize, p: usize) -> usize {
     let narrow = |len: usize| u16::try_from(len).unwrap_or(u16::MAX);
     let row = GroupRow {
         joint: 0,
         kernel: 0,
-        reserved: 0,
+        certainty_len: u8::try_from(m).unwrap_or(u8::MAX),
         input_len: narrow(d),
         centre_len: narrow(n),
         rank: narrow(r),
         proxy_len: narrow(p),
         offset: 0,
-        fade_start: 0.0,
-        fade_end: 0.0,
+        trust: Trust::default(),
     };
     4 * row.words() as usize
 }

@@ -3,7 +3,7 @@
 use super::features::Features;
 use crate::envelope::model::{EnvelopeModel, Group, SkinModel};
 use crate::envelope::skin::training::Training;
-use crate::kernel::arithmetic::U;
+use crate::kernel::arithmetic::{Arithmetic, U};
 use crate::kernel::map::Value;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
@@ -41,7 +41,7 @@ pub(in crate::envelope) fn farthest(
 
 /// What rounding does to a latent output at one input.
 struct Latent {
-    /// To the output itself, faded.
+    /// To the output itself, with its share.
     error: f64,
     /// To each term that it is multiplied into.
     own: f64,
@@ -60,15 +60,17 @@ struct Moves {
 fn latents(group: &Group, training: &Training) -> Vec<Latents> {
     let samples = Features::of(training).evaluate(&training.poses, &group.inputs);
     let at = |input: Vec<f64>| {
-        let Value { outputs, confidence } = group.map.evaluate(&input);
-        let (errors, of_confidence) = group.map.error(&input);
-        // A sum of r products, the fade, and the product with the joint's rotation.
-        let own = (outputs.len() as f64 + 6.0) * U * confidence;
+        let Value { outputs, evidence } = group.map.evaluate(&input);
+        let error = group.map.error(&input);
+        let (least, most) = error.evidence.share(Arithmetic::IEEE);
+        let of_share = (evidence.share() - least).max(most - evidence.share());
+        // A sum of r products, the share, and the product with the joint's rotation.
+        let own = (outputs.len() as f64 + 6.0) * U * most;
         let latent = |(z, error): (&f64, &f64)| Latent {
-            error: confidence * error + of_confidence * z.abs(),
+            error: most * error + of_share * z.abs(),
             own: own * z.abs(),
         };
-        outputs.iter().zip(&errors).map(latent).collect()
+        outputs.iter().zip(&error.outputs).map(latent).collect()
     };
     with_box(&samples).map(at).collect()
 }

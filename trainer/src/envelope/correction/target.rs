@@ -21,6 +21,8 @@ pub struct CorrectionTarget<'a> {
     pub without: &'a [Mat<f64>],
     /// Σ φ φᵀ over the vertices, 4P x 4P.
     pub gram: &'a Mat<f64>,
+    /// Squared error of LBS that each of the proxies is to mend, P, summed over the poses.
+    pub lbs_errors: &'a [f64],
     /// V.
     pub vertices: usize,
 }

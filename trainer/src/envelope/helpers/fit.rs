@@ -41,6 +41,8 @@ pub struct Helpers {
     pub left_over: Mat<f64>,
     /// Σ φ φᵀ of the helpers over the vertices, 4P x 4P.
     pub gram: Mat<f64>,
+    /// Squared error of LBS that each helper is to mend, P, summed over the poses.
+    lbs_errors: Vec<f64>,
 }
 
 /// Fits `count` helpers on top of LBS weights.
@@ -104,8 +106,9 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
         maps = fit_maps(&items, &on_helpers, &base, PULL).columns;
     }
     let span = poses.joint_len()..poses.joint_len() + dominant.len();
-    let gram = gram(&training.targets(&weights), span);
-    Some(Helpers { weights, dominant, left_over: maps - bases, gram })
+    let gram = gram(&training.targets(&weights), span.clone());
+    let lbs_errors = training.lbs_errors(&weights, span);
+    Some(Helpers { weights, dominant, left_over: maps - bases, gram, lbs_errors })
 }
 
 /// Groups the vertices where LBS errs by how they err and where they lie.
@@ -193,6 +196,7 @@ impl Helpers {
             left_over: &self.left_over,
             without: &[],
             gram: &self.gram,
+            lbs_errors: &self.lbs_errors,
             vertices: training.rest.len(),
         }
     }

@@ -3,7 +3,8 @@
 use super::group::{Group, Input};
 use super::key::Key;
 use crate::examples::Skeleton;
-use crate::kernel::map::{Fade, KernelMap};
+use crate::kernel::certainty::Certainty;
+use crate::kernel::map::KernelMap;
 use crate::numeric::affine;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix6};
@@ -132,7 +133,8 @@ fn key(key: &sinew_runtime::envelope::Key) -> Key {
 
 /// Widens a group's arrays. Its kernels' values at rest are computed, not the file's.
 fn widened(group: &sinew_runtime::envelope::Group<'_>) -> Group {
-    let (d, n, r) = (group.input_len(), group.centre_len(), group.rank());
+    let (d, n) = (group.input_len(), group.centre_len());
+    let (r, m) = (group.rank(), group.certainty_len());
     let input = |(feature, weight): (usize, f32)| Input { feature, weight: weight.into() };
     Group {
         joint: group.joint,
@@ -141,8 +143,14 @@ fn widened(group: &sinew_runtime::envelope::Group<'_>) -> Group {
         map: KernelMap {
             kernel: group.kernel,
             centres: Mat::from_fn(d, n, |i, k| wide(group.centre(k, i))),
-            coefficients: Mat::from_fn(r, n + d, |r, c| wide(group.coefficient(r, c))),
-            fade: Fade { start: group.fade.0.into(), end: group.fade.1.into() },
+            coefficients: Mat::from_fn(r + m, n + d, |r, c| wide(group.coefficient(r, c))),
+            certainty: Certainty {
+                len: m,
+                reach: group.trust.reach.into(),
+                linear: group.trust.linear.into(),
+                signal: group.trust.signal.into(),
+                noise: group.trust.noise.into(),
+            },
         },
         outputs: Mat::from_fn(12 * group.proxies.len(), r, |row, c| wide(group.output(row, c))),
     }

@@ -1,6 +1,7 @@
 //! The stages of the correction (METHOD §1.9).
 
 use crate::envelope::model::{EnvelopeModel, Group};
+use crate::kernel::certainty::Evidence;
 use crate::kernel::map::Value;
 use crate::numeric::affine::{linear, seen_from};
 use nalgebra::{Matrix3x4, Vector3};
@@ -29,8 +30,7 @@ impl EnvelopeModel {
         self.skeleton.parents.iter().enumerate().map(of_joint).collect()
     }
 
-    /// Adds `Q_dom K` to the palette's last P maps; returns them all, and the least confidence of
-    /// the groups that have centres.
+    /// Adds `Q_dom K` to the palette's last P maps; returns them all, and the confidence.
     pub fn correct(
         &self,
         pose: &[Matrix3x4<f64>],
@@ -38,16 +38,16 @@ impl EnvelopeModel {
         mut palette: Vec<Matrix3x4<f64>>,
     ) -> (Vec<Matrix3x4<f64>>, f64) {
         let first = self.first_proxy();
-        let mut least = 1.0;
+        let mut known = Evidence::default();
         for group in self.groups.iter().filter(|group| group.has_centres()) {
-            let Value { outputs, confidence } = group.map.evaluate(&group.input(features));
+            let Value { outputs, evidence } = group.map.evaluate(&group.input(features));
             let proxies = &mut palette[first..][group.proxies.clone()];
             for (out, map) in proxies.iter_mut().zip(group.maps(&outputs)) {
-                *out += linear(&pose[group.joint]) * map * confidence;
+                *out += linear(&pose[group.joint]) * map * evidence.share();
             }
-            least = confidence.min(least);
+            known = known.and(evidence);
         }
-        (palette, least)
+        (palette, known.confidence())
     }
 
     /// Returns a joint's rest origin.

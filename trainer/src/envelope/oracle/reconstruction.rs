@@ -1,7 +1,7 @@
 //! The stages of the reconstruction (METHOD §1.1 to §1.7).
 
 use crate::envelope::model::{EnvelopeModel, Factors, Key};
-use crate::kernel::map::step;
+use crate::kernel::fade::step;
 use crate::numeric::affine::{after, linear, seen_from};
 use crate::numeric::so3;
 use faer::Mat;

@@ -35,6 +35,8 @@ pub struct Rotational {
     pub keys: Vec<Key>,
     /// Σ φ φᵀ over the vertices, 4P x 4P.
     pub gram: Mat<f64>,
+    /// Squared error of LBS that each proxy is to mend, P, summed over the poses.
+    lbs_errors: Vec<f64>,
     /// The reconstruction as S3 gives it.
     pub unrefined: Variant,
     /// The same, refined on the training meshes.
@@ -196,6 +198,7 @@ pub fn fit(
     Ok(Rotational {
         unrefined: reconstruction(unrefined.clone(), None),
         refined: refined.map(|(reduced, strength)| reconstruction(reduced, Some(strength))),
+        lbs_errors: training.lbs_errors(&proxies.weights, 0..dominant.len()),
         weights: proxies.weights,
         dominant,
         keys: predictors.into_iter().map(|predictor| predictor.key).collect(),
@@ -232,6 +235,7 @@ impl Rotational {
             left_over: &base.left_over,
             without: &base.left_over_without,
             gram: &self.gram,
+            lbs_errors: &self.lbs_errors,
             vertices: training.rest.len(),
         }
     }

@@ -9,6 +9,7 @@ use crate::examples::{Examples, Importance, Matrix3x4, Skeleton, Split};
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Fewest training poses: one row of H has six unknowns.
 pub const MIN_POSES: usize = 6;
@@ -107,6 +108,19 @@ impl Training {
             trajectories: &self.trajectories,
             importance: self.importance(),
         }
+    }
+
+    /// Divides the squared errors of LBS, as they count, among a span of the palette, by the weights that each vertex
+    /// has on it.
+    pub fn lbs_errors(&self, weights: &Weights, span: Range<usize>) -> Vec<f64> {
+        let mut errors = vec![0.0; span.len()];
+        for (vertex, error) in self.lbs.errors.iter().enumerate() {
+            let own = weights.of(vertex).filter(|(map, _)| span.contains(map));
+            let sum: f64 = own.clone().map(|(_, weight)| weight).sum();
+            let error = self.importance().of(vertex) * error;
+            own.for_each(|(map, weight)| errors[map - span.start] += error * weight / sum);
+        }
+        errors
     }
 
     /// How much each vertex counts.

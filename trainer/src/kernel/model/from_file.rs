@@ -3,7 +3,7 @@
 use super::function::{Figures, KernelModel};
 use super::input::{Input, InputKind};
 use super::output::{Output, OutputKind};
-use crate::kernel::map::Fade;
+use crate::kernel::fade::Fade;
 use crate::kernel::rotations::Feature;
 use crate::kernel::sum::{KernelSum, Term};
 use faer::Mat;

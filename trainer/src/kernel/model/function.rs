@@ -2,7 +2,7 @@
 
 use super::input::{EvaluationError, Input, features};
 use super::output::{Output, finish};
-use crate::kernel::map::Fade;
+use crate::kernel::fade::Fade;
 use crate::kernel::scattered::variance::Variance;
 use crate::kernel::sum::KernelSum;
 use sinew_runtime::kernel::{Normalise, QueryRule};

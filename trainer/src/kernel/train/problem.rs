@@ -5,7 +5,7 @@ use super::fitted::Fitted;
 use super::matrices::Matrices;
 use super::report::Trained;
 use super::{learned, modes, solved};
-use crate::kernel::map::Fade;
+use crate::kernel::fade::Fade;
 use crate::kernel::model::{KernelModel, OutputKind};
 use crate::kernel::problem::{Mode, Problem};
 use crate::kernel::sum::KernelSum;

@@ -7,7 +7,7 @@ use super::inputs::{given, ways};
 use super::outputs::{MapOutputs, Shown};
 use super::terms::{Monomial, TermSet, term_sets, terms};
 use crate::kernel::bound::{largest, rounded};
-use crate::kernel::map::Fade;
+use crate::kernel::fade::Fade;
 use crate::kernel::model::{Figures, Input, KernelModel, features};
 use crate::kernel::scattered::matrix::distances;
 use crate::kernel::scattered::scaling::{Block as Inputs, Scaling};
