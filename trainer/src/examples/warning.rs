@@ -53,6 +53,15 @@ pub enum Warning {
         /// The meshes.
         meshes: Vec<String>,
     },
+    /// The targets hold the frames of all clips, of which some are asked for.
+    TargetsCut {
+        /// The clips that are.
+        clips: Vec<String>,
+        /// How many frames those have.
+        frames: usize,
+        /// How many the targets hold.
+        held: usize,
+    },
     /// The targets follow the clips in another order, and were sorted.
     ClipsSorted {
         /// The clips in the order of the targets.
@@ -139,6 +148,13 @@ impl fmt::Display for Warning {
                     f,
                     "meshes of the targets that the scene lacks are left out: {}",
                     meshes.join(", ")
+                )
+            }
+            Warning::TargetsCut { clips, frames, held } => {
+                write!(
+                    f,
+                    "the targets hold the frames of all clips, {held}, of which the {frames} of {} are taken",
+                    clips.join(", ")
                 )
             }
             Warning::ClipsSorted { clips, percent: [sorted, given] } => {

@@ -1,6 +1,7 @@
 //! Files become examples: poses and posed meshes of one or of two files, joined and checked.
 
 mod align;
+mod chosen;
 mod error;
 mod joined;
 mod loaded;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ImportError;
 use super::loaded::Loaded;
+use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
 use crate::examples::{ExamplesError, LoadError};
 use crate::formats::extension::{extension, unknown_format};
@@ -69,6 +70,16 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
+    /// Gives the scene with all of its clips, where some are asked for and the posed meshes are of all.
+    fn as_held(&self, scene: SampledScene, targets: Option<&TargetMeshes>) -> SampledScene {
+        let Some(held) = targets.map(|targets| targets.meshes.frame_len()) else { return scene };
+        if self.clips.is_empty() || held == scene::frame_len(&scene) {
+            return scene;
+        }
+        let all = self.scene(&Sampling { clips: &[], ..self.sampling(false) }).ok().flatten();
+        all.filter(|all| held == scene::frame_len(all)).unwrap_or(scene)
+    }
+
     fn sampling(&self, shapes: bool) -> Sampling<'a> {
         Sampling { fps: self.fps, clips: self.clips, shapes, still: self.still }
     }
@@ -90,6 +101,7 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
     let scene = source.scene(&sampling).map_err(&blame)?;
     let Some(scene) = scene else { return npz::load_clips(source.file, &sampling) };
     let targets = source.targets.map(targets::read).transpose()?;
+    let scene = source.as_held(scene, targets.as_ref());
     let at_fault = source.targets.unwrap_or(source.file);
     let join = || {
         let (examples, clips, mut warnings) = scene::join(scene, targets, &sampling)?;

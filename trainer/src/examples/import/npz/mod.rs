@@ -40,18 +40,20 @@ use std::path::Path;
 pub(super) use posed_meshes::read_posed_meshes;
 pub use save::save_npz;
 
-use self::clips::{chosen, kept, read_clips};
+use self::clips::read_clips;
 use self::fields::{FACES, missing, read_faces, read_split};
 use self::meshes::{read_importance, read_meshes};
 use self::sidecar::{Parent, Sidecar};
 use self::space::read_space;
 use self::texture::read_texture;
+use super::chosen::{chosen, kept};
 use super::loaded::Loaded;
 use super::{origins, roots};
 use crate::examples::validate::{REPAIRABLE, same};
 use crate::examples::{
     Distortion, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
 };
+use crate::formats::FormatError;
 use crate::formats::npz::{Archive, Rows};
 use crate::formats::scene::Sampling;
 
@@ -115,7 +117,9 @@ fn read(
     let importance = read_importance(&mut archive, rest.len())?;
     let space = read_space(&mut archive, sidecar)?;
 
-    let (clips, kept_frames) = chosen(clips, sampling)?;
+    let known = clips.iter().map(|clip| clip.name.clone()).collect();
+    sampling.check(known).map_err(FormatError::from)?;
+    let (clips, kept_frames) = chosen(clips, sampling);
     let kept_frames = kept_frames.as_deref();
     let vertices = kept(vertices, rest.len(), kept_frames);
     let matrices = kept(matrices, joint_len, kept_frames);
