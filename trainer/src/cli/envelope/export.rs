@@ -134,13 +134,13 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
                 appearance,
                 stand,
             };
-            let exported = export.run().map_err(|error| blame(error, arguments))?;
+            let exported = export.run().map_err(|error| blame(error.called(clips), arguments))?;
             let names = clips.iter().map(|clip| clip.name.clone()).collect();
             (exported.glb, Said { names, levels: exported.levels, ..Said::default() })
         }
         Some(file) => {
             let grafted = export_into(&model, skin, &examples, &clips, file)
-                .map_err(|error| blame(error, arguments))?;
+                .map_err(|error| blame(error.called(&clips), arguments))?;
             let Grafted { glb, animations: names, meshes, added_joints, kept_animations } = grafted;
             let into = Some(IntoReport { meshes, added_joints, kept_animations });
             (glb, Said { names, into, ..Said::default() })
