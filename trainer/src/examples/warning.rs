@@ -3,6 +3,7 @@
 use super::Clip;
 use super::error::{called, in_frame};
 use crate::formats::FormatWarning;
+use crate::formats::scene::RATE;
 use std::fmt;
 
 /// How many triangles a message lists before it only counts.
@@ -69,6 +70,8 @@ pub enum Warning {
         /// How far vertices are from where one joint carries them, as sorted and as given, in % of the diagonal.
         percent: [f64; 2],
     },
+    /// Nothing says how fast the frames follow each other.
+    NoRate,
     /// Joints or targets came in other axes or units and were moved.
     Moved {
         /// What was moved.
@@ -165,6 +168,10 @@ impl fmt::Display for Warning {
                     clips.join(", ")
                 )
             }
+            Warning::NoRate => write!(
+                f,
+                "it says no frames a second (fps), and plays at {RATE}: say another rate with --fps"
+            ),
             Warning::Moved { what, how } => {
                 write!(f, "the {what} came in other axes or units and were moved: {how}")
             }

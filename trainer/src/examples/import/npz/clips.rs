@@ -9,9 +9,12 @@ use crate::examples::validate::same;
 use crate::examples::{Clip, ExamplesError, RATES};
 use crate::formats::npz::Archive;
 
-const CLIPS: RunKind = RunKind { what: "clips", names: "clip_names", starts: "clip_starts" };
+/// Clips, as runs of frames.
+pub(super) const CLIPS: RunKind =
+    RunKind { what: "clips", names: "clip_names", starts: "clip_starts" };
 
-/// Reads the clips of N frames; all frames are one where none is named, called as the file.
+/// Reads the clips of N frames, and how many play a second where that is said; all frames are one clip where none is
+/// named, called as the file.
 ///
 /// # Errors
 /// Those of [`read_runs`]; [`ExamplesError::FrameNumber`] for numbers that do not ascend in a clip,
@@ -21,7 +24,7 @@ pub(super) fn read_clips(
     sidecar: &Sidecar,
     file: &Path,
     frame_len: usize,
-) -> Result<Vec<Clip>, ExamplesError> {
+) -> Result<(Vec<Clip>, Option<f64>), ExamplesError> {
     let (names, starts) = (sidecar.clip_names.as_ref(), sidecar.clip_starts.as_ref());
     let runs = read_runs(archive, &CLIPS, names, starts, frame_len)?;
     let runs = runs.unwrap_or_else(|| vec![(Clip::name_of(file), 0..frame_len)]);
@@ -46,7 +49,7 @@ pub(super) fn read_clips(
         }
         Ok(clip)
     };
-    runs.into_iter().map(clip).collect()
+    Ok((runs.into_iter().map(clip).collect::<Result<_, ExamplesError>>()?, fps))
 }
 
 /// Gives the numbers of a clip's frames, which must ascend and be such as animation programs have.

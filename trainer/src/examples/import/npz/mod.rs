@@ -74,6 +74,28 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
 /// # Errors
 /// As [`load`], and [`SceneError::UnknownClip`](crate::formats::SceneError::UnknownClip).
 pub(super) fn load_clips(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, LoadError> {
+    Ok(open(path, sampling)?.0)
+}
+
+/// Reads the examples of the clips that are asked for as they are to be played: at the rate that is asked for, or that
+/// of the file.
+///
+/// # Errors
+/// As [`load_clips`].
+pub(super) fn load_played(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, LoadError> {
+    let (mut loaded, told) = open(path, sampling)?;
+    match sampling.fps {
+        Some(fps) => loaded.clips.iter_mut().for_each(|clip| clip.play_at(fps)),
+        None if told.is_none() && loaded.clips.iter().any(|clip| clip.times.len() > 1) => {
+            loaded.warnings.push(Warning::NoRate);
+        }
+        None => {}
+    }
+    Ok(loaded)
+}
+
+/// Reads examples, and how many frames play a second where that is said.
+fn open(path: &Path, sampling: &Sampling<'_>) -> Result<(Loaded, Option<f64>), LoadError> {
     let beside = path.with_extension("json");
     let sidecar =
         Sidecar::read(&beside).map_err(|error| LoadError { file: beside.clone(), error })?;
@@ -88,7 +110,7 @@ fn read(
     sidecar: &Sidecar,
     path: &Path,
     sampling: &Sampling<'_>,
-) -> Result<Loaded, ExamplesError> {
+) -> Result<(Loaded, Option<f64>), ExamplesError> {
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
     let faces = read_faces(&mut archive, FACES, rest.len())?;
     let faces = faces.ok_or_else(|| missing("quads or tris"))?;
@@ -101,7 +123,7 @@ fn read(
         archive.required::<f64, 16>("bone_transforms", &[0, 4, 4])?;
     same("frames", "vertices", frame_len, "bone_transforms", lead[0])?;
     let joint_len = lead[1];
-    let clips = read_clips(&mut archive, sidecar, path, frame_len)?;
+    let (clips, fps) = read_clips(&mut archive, sidecar, path, frame_len)?;
 
     let mut warnings = Vec::new();
     let names = read_names(&mut archive, sidecar)?;
@@ -162,7 +184,7 @@ fn read(
             }
         }
     }
-    Ok(Loaded { examples, clips, warnings })
+    Ok((Loaded { examples, clips, warnings }, fps))
 }
 
 fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, ExamplesError> {
