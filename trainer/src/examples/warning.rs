@@ -128,10 +128,9 @@ impl fmt::Display for Warning {
                     joints.split_first().map_or(("", &[][..]), |(a, b)| (a, b));
                 write!(
                     f,
-                    "{} joints have no parent: {reference} is the root, {} now {} under it",
+                    "{} joints have no parent: {reference} is the root, and the model has {} under it",
                     joints.len(),
-                    others.join(", "),
-                    if others.len() == 1 { "hangs" } else { "hang" }
+                    others.join(", ")
                 )
             }
             Warning::FollowParents { joints } => {

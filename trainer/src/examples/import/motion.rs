@@ -26,7 +26,7 @@ pub(super) fn play(
     mut character: Examples,
     sampling: &Sampling<'_>,
 ) -> Result<Loaded, ExamplesError> {
-    let Skeleton { names, parents, rest: own_rest } = &character.skeleton;
+    let Skeleton { names, parents, rest: own_rest, .. } = &character.skeleton;
     let motion = match extension(file).as_str() {
         "glb" | "gltf" => gltf::read_motion(file, names, sampling)?,
         "fbx" => fbx::read_motion(file, names, sampling)?,
@@ -85,6 +85,7 @@ impl Found {
             names: motion.names.clone(),
             parents: vec![None; motion.names.len()],
             rest: motion.rest.iter().map(rows).collect(),
+            roots: Vec::new(),
         };
         Self { space: motion.space, skeleton, transforms: posed.collect() }
     }

@@ -145,9 +145,9 @@ impl ScenePoses {
             map.fixed_view_mut::<3, 3>(0, 0).unscale_mut(scale);
         }
         let mut warnings = scene.warnings.drain(..).map(Warning::from).collect();
-        let parents = roots::joined(&scene.names, scene.parents.clone(), &mut warnings);
+        let (parents, roots) = roots::joined(&scene.names, scene.parents.clone(), &mut warnings);
         let rest = scene.binds.iter().map(|bind| rows(&rest_frame(bind, scale))).collect();
-        let skeleton = Skeleton { names: scene.names.clone(), parents, rest };
+        let skeleton = Skeleton { names: scene.names.clone(), parents, roots, rest };
         Ok(Self { skeleton, transforms: maps.iter().map(rows).collect(), warnings })
     }
 

@@ -128,7 +128,7 @@ fn read(
     let mut warnings = Vec::new();
     let names = read_names(&mut archive, sidecar)?;
     same("joints", "bone_names", names.len(), "bone_transforms", joint_len)?;
-    let parents = read_parents(&mut archive, sidecar, &names, &mut warnings)?;
+    let (parents, roots) = read_parents(&mut archive, sidecar, &names, &mut warnings)?;
     let frames = archive.rows::<f64, 16>("joint_world_rest", &[4, 4])?;
     if let Some(frames) = &frames {
         same("joints", "bone_names", joint_len, "joint_world_rest", frames.data.len())?;
@@ -155,7 +155,7 @@ fn read(
         Some(frames) => affine(&frames.data, None, &names)?,
         None => vec![identity; joint_len],
     };
-    let skeleton = Skeleton { names, parents, rest: rest_frames };
+    let skeleton = Skeleton { names, parents, roots, rest: rest_frames };
     let mut examples = Examples {
         rest,
         triangles: faces.triangles,
@@ -194,13 +194,13 @@ fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, E
     }
 }
 
-/// Reads one parent a joint, and hangs every root but the first under the first.
+/// Reads one parent a joint, and hangs every root but the first under the first; gives those, too.
 fn read_parents(
     archive: &mut Archive,
     sidecar: &Sidecar,
     names: &[String],
     warnings: &mut Vec<Warning>,
-) -> Result<Vec<Option<usize>>, ExamplesError> {
+) -> Result<(Vec<Option<usize>>, Vec<usize>), ExamplesError> {
     let parents = match &sidecar.bone_parents {
         Some(parents) => parents.clone(),
         None => {

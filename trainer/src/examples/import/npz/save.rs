@@ -28,7 +28,7 @@ pub fn save_npz(path: &Path, examples: &Examples, clips: &[Clip]) -> Result<(), 
     let number = |parent: &Option<usize>| Some(Parent::Number(parent_number(*parent)));
     let sidecar = Sidecar {
         bone_names: Some(skeleton.names.clone()),
-        bone_parents: Some(skeleton.parents.iter().map(number).collect()),
+        bone_parents: Some(skeleton.own_parents().iter().map(number).collect()),
         ..Sidecar::default()
     };
     replace(&path.with_extension("json"), |file| {
@@ -63,7 +63,7 @@ fn write(file: &mut File, examples: &Examples, clips: &[Clip]) -> io::Result<()>
             archive.numbers("tris_uv", &[t, 3], corners)?;
         }
     }
-    let parents = skeleton.parents.iter().map(|&parent| parent_number(parent));
+    let parents = skeleton.own_parents().into_iter().map(parent_number);
     archive.numbers("bone_parents", &[j], parents)?;
     archive.texts("bone_names", &skeleton.names)?;
     archive.numbers("joint_world_rest", &[j, 4, 4], square(&skeleton.rest))?;
