@@ -133,7 +133,7 @@ fn what_an_npz_tells_of_clips_and_space_reaches_the_export() {
 #[test]
 fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
     let folder = Folder::with_demo("export-refused");
-    write_obj(&folder, "far.obj", 100.0);
+    write_obj(&folder, "far.obj", 1e6);
     fs::write(folder.path("empty.obj"), "o nothing\n").unwrap();
     fs::write(folder.path("text.obj"), "v one two three\n").unwrap();
     fs::create_dir(folder.path("inner")).unwrap();

@@ -68,8 +68,8 @@ pub(in crate::cli) struct Arguments {
     /// The skin whose mesh it plays [default: the model's first]
     #[arg(long, value_name = "NAME")]
     skin: Option<String>,
-    /// A further mesh on the same joints, of any topology, in the rest pose, axes and unit of CLIP; may
-    /// be given several times
+    /// A further mesh on the same joints, of any topology, in the rest pose of CLIP, whose axes and unit are recognised
+    /// where they are others; may be given several times
     #[arg(long, value_name = "LOD.obj")]
     also: Vec<PathBuf>,
     /// Put it into this file (.glb, .gltf), which holds the character in its rest pose, and leave the rest of

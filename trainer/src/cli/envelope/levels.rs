@@ -29,9 +29,14 @@ fn level(file: &Path) -> anyhow::Result<Level> {
     Ok(Level { name, mesh: obj::load(file)? })
 }
 
-/// Warns of vertices that do not belong to the model's surface.
+/// Warns of meshes that were moved, and of vertices that do not belong to the model's surface.
 pub(in crate::cli) fn warn(levels: &[LevelReport], files: &[PathBuf], output: Output) {
     for (level, file) in levels.iter().zip(files) {
+        if let Some(how) = &level.moved {
+            let moved =
+                format!("came in other axes or another unit than the model and was moved: {how}");
+            output.warn(file.display(), moved);
+        }
         if level.far > 0 {
             let far = format!(
                 "vertices further than 10 % of the diagonal from the model's surface, which follow \

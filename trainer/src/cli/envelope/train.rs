@@ -48,12 +48,12 @@ pub(in crate::cli) struct Arguments {
 /// Which meshes a model holds.
 #[derive(clap::Args, serde::Serialize)]
 struct MeshArguments {
-    /// A further mesh in the model, as a skin called as its file: of any topology, in the rest pose,
-    /// axes and unit of EXAMPLES; may be given several times
+    /// A further mesh in the model, as a skin called as its file: of any topology, in the rest pose
+    /// of EXAMPLES; may be given several times
     ///
     /// One prediction then drives all of them: levels of detail, garments. Weights come from the nearest
     /// points of the examples' mesh and are fitted to where that carries them in the training frames, as
-    /// `sinew export --also` does it.
+    /// `sinew export --also` does it. Other axes or another unit are recognised where one way alone brings it there.
     #[arg(long, value_name = "LOD.obj", conflicts_with = "no_skin")]
     also: Vec<PathBuf>,
     /// Leave the mesh out: a model of a palette alone, for an engine that keeps its own meshes with
