@@ -47,6 +47,8 @@ pub enum Warning {
         /// The joints.
         joints: Vec<String>,
     },
+    /// An animation's joints stand otherwise where nothing is animated than the character's at rest, which is taken.
+    RestOfCharacter,
     /// The meshes to learn are the scene's own linear blend skinning.
     PlainSkin,
     /// Meshes among the targets are none of the scene's, and are left out.
@@ -140,6 +142,9 @@ impl fmt::Display for Warning {
                     joints.join(", ")
                 )
             }
+            Warning::RestOfCharacter => f.write_str(
+                "its joints without the animation are not at rest: the rest pose of the character is taken",
+            ),
             Warning::PlainSkin => f.write_str(
                 "no shapes move and no targets are given: the meshes are the scene's own linear \
                  blend skinning, of which there is nothing to learn; give the posed meshes as \

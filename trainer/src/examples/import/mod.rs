@@ -19,6 +19,7 @@ mod source;
 mod targets;
 #[cfg(test)]
 mod tests;
+mod unposed;
 
 pub use error::ImportError;
 pub use joined::join;
