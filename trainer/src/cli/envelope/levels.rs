@@ -1,6 +1,7 @@
 //! Further meshes as the command line names them, and how they follow.
 
-use crate::cli::{Output, printable};
+use crate::cli::Output;
+use crate::cli::column::padded;
 use anyhow::bail;
 use sinew_trainer::envelope::levels::{Level, LevelReport};
 use sinew_trainer::formats::obj;
@@ -59,9 +60,9 @@ pub(in crate::cli) fn table(levels: &[LevelReport]) -> String {
     for level in levels {
         let LevelReport { vertices, distance_percent, transferred_percent, fitted_percent, .. } =
             level;
-        let name = printable(&level.name);
+        let name = padded(&level.name, 30);
         out += &format!(
-            "{name:<30}{vertices:>10}{distance_percent:>12.4}{transferred_percent:>14.4}\
+            "{name}{vertices:>10}{distance_percent:>12.4}{transferred_percent:>14.4}\
              {fitted_percent:>10.4}\n"
         );
     }
