@@ -294,7 +294,7 @@ fn import() -> Result<(), Box<dyn Error>> {
         ["body.glb", "body.pc2", "body.npz"].map(|name| folder.join(name));
     std::fs::write(&scene, demo_glb(&examples, &clips)?)?;
     save_pc2(&points, examples.vertex_len(), &examples.vertices)?;
-    npz::save_npz(&arrays, &examples)?;
+    npz::save_npz(&arrays, &examples, &clips)?;
     let face = |t: &[usize; 3]| format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
     let faces: String = examples.triangles.iter().map(face).collect();
     for frame in 0..examples.frame_len() {

@@ -233,6 +233,7 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
             names: vec![String::new(); joints],
             parents: (0..joints).map(|joint| joint.checked_sub(1)).collect(),
             rest: vec![identity; joints],
+            roots: Vec::new(),
         },
         reconstruction: None,
         groups: (0..10).map(group).collect(),

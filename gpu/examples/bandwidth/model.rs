@@ -40,6 +40,7 @@ fn envelope() -> EnvelopeModel {
             names: (0..JOINTS).map(|joint| format!("joint {joint}")).collect(),
             parents: (0..JOINTS).map(|joint| joint.checked_sub(1)).collect(),
             rest: (0..JOINTS).map(frame).collect(),
+            roots: Vec::new(),
         },
         reconstruction: None,
         groups: (0..HELPERS / GROUP).map(group).collect(),

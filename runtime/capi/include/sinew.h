@@ -1164,7 +1164,7 @@ size_t sinew_envelope_bytes(void);
 
 /// Opens an envelope of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the envelope; at least `sinew_envelope_bytes()`, aligned as a
 ///   `uintptr_t`.
@@ -1401,7 +1401,7 @@ size_t sinew_kernel_bytes(void);
 
 /// Opens a kernel of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the kernel; at least `sinew_kernel_bytes()`, aligned as a `uintptr_t`.
 /// - `out_kernel`: receives the handle, which is `memory`.
@@ -1502,7 +1502,7 @@ size_t sinew_skin_bytes(void);
 
 /// Opens a skin of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the skin; at least `sinew_skin_bytes()`, aligned as a `uintptr_t`.
 /// - `out_skin`: receives the handle, which is `memory`.
@@ -1614,7 +1614,7 @@ size_t sinew_filter_bytes(void);
 
 /// Opens a filter of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the filter; at least `sinew_filter_bytes()`, aligned as a `uintptr_t`.
 /// - `out_filter`: receives the handle, which is `memory`.
@@ -1711,7 +1711,7 @@ size_t sinew_prior_bytes(void);
 
 /// Opens a prior of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the prior; at least `sinew_prior_bytes()`, aligned as a `uintptr_t`.
 /// - `out_prior`: receives the handle, which is `memory`.
@@ -1764,7 +1764,7 @@ size_t sinew_views_bytes(void);
 
 /// Opens views of a model.
 ///
-/// - `name`, `name_len`: their name, without a zero at its end; null for any.
+/// - `name`, `name_len`: their name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the views; at least `sinew_views_bytes()`, aligned as a `uintptr_t`.
 /// - `out_views`: receives the handle, which is `memory`.

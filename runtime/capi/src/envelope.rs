@@ -115,7 +115,7 @@ pub extern "C" fn sinew_envelope_bytes() -> usize {
 
 /// Opens an envelope of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the envelope; at least `sinew_envelope_bytes()`, aligned as a
 ///   `uintptr_t`.

@@ -68,7 +68,7 @@ pub extern "C" fn sinew_filter_bytes() -> usize {
 
 /// Opens a filter of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the filter; at least `sinew_filter_bytes()`, aligned as a `uintptr_t`.
 /// - `out_filter`: receives the handle, which is `memory`.

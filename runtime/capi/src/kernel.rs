@@ -94,7 +94,7 @@ pub extern "C" fn sinew_kernel_bytes() -> usize {
 
 /// Opens a kernel of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the kernel; at least `sinew_kernel_bytes()`, aligned as a `uintptr_t`.
 /// - `out_kernel`: receives the handle, which is `memory`.

@@ -101,8 +101,7 @@ pub(crate) unsafe fn open<T: Part>(
 ) -> Result<(), sinew_error> {
     // SAFETY: the caller's promise is passed on.
     let (loaded, [handle, file]) = unsafe { model::loaded(model) }?;
-    let name_len = if wanted.name.is_null() { 0 } else { wanted.name_len };
-    let name = Array::new(wanted.name.cast::<u8>(), name_len, sinew_argument::Name)?;
+    let name = Array::new(wanted.name.cast::<u8>(), wanted.name_len, sinew_argument::Name)?;
     let place = border::place::<T>(memory, memory_bytes)?;
     let out = Array::one(out_part, sinew_argument::Result)?;
     border::apart(&[place.span(), out.span()], &[handle, file, name.span()])?;

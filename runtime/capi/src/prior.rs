@@ -141,7 +141,7 @@ pub extern "C" fn sinew_prior_bytes() -> usize {
 
 /// Opens a prior of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the prior; at least `sinew_prior_bytes()`, aligned as a `uintptr_t`.
 /// - `out_prior`: receives the handle, which is `memory`.

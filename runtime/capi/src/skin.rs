@@ -76,7 +76,7 @@ pub extern "C" fn sinew_skin_bytes() -> usize {
 
 /// Opens a skin of a model.
 ///
-/// - `name`, `name_len`: its name, without a zero at its end; null for any.
+/// - `name`, `name_len`: its name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the skin; at least `sinew_skin_bytes()`, aligned as a `uintptr_t`.
 /// - `out_skin`: receives the handle, which is `memory`.

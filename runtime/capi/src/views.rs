@@ -171,7 +171,7 @@ pub extern "C" fn sinew_views_bytes() -> usize {
 
 /// Opens views of a model.
 ///
-/// - `name`, `name_len`: their name, without a zero at its end; null for any.
+/// - `name`, `name_len`: their name, without a zero at its end; null and 0 for any.
 /// - `index`: which of those; 0 for the first.
 /// - `memory`, `memory_bytes`: for the views; at least `sinew_views_bytes()`, aligned as a `uintptr_t`.
 /// - `out_views`: receives the handle, which is `memory`.

@@ -171,6 +171,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
             names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
             parents: (0..joints).map(parent).collect(),
             rest: (0..joints).map(frame).collect(),
+            roots: Vec::new(),
         },
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,

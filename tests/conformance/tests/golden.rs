@@ -126,6 +126,7 @@ fn file_model(predictor: Predictor) -> FileModel {
             names: ["hand", "elbow", "shoulder", "hip", "tail"].map(str::to_owned).to_vec(),
             parents: vec![Some(1), Some(2), Some(3), None, Some(3)],
             rest: rest_frames.collect(),
+            roots: Vec::new(),
         },
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,

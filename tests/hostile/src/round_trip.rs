@@ -94,6 +94,7 @@ fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
             names: list(joint_len, || name(u))?,
             parents,
             rest: list(joint_len, || frame(u))?,
+            roots: Vec::new(),
         },
         reconstruction,
         groups,
@@ -269,7 +270,7 @@ fn compare(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
     let round = |x: f64| x as f32;
     assert_eq!(envelope.name(), parts.name);
     assert_eq!((envelope.predictor(), envelope.root()), (parts.predictor(), parts.skeleton.root()));
-    let Skeleton { names, parents, rest } = &parts.skeleton;
+    let Skeleton { names, parents, rest, .. } = &parts.skeleton;
     assert_eq!(envelope.joint_len(), parents.len());
     assert_eq!(envelope.certificate(), parts.certificate);
     for (joint, parent) in parents.iter().enumerate() {

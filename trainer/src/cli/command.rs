@@ -2,7 +2,7 @@
 
 use super::output::{Output, in_a_line, tell};
 use super::{envelope, face, inspect, kernel, signal, views};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Learns how a character's skin moves from example poses, bakes it into a small file, and measures
@@ -38,8 +38,18 @@ enum Command {
     Signal(signal::Command),
 }
 
+/// Where the words of every help are explained.
+const WORDS: &str = "Proxy, helper, palette, envelope, confidence: runtime/README.md explains such words, under \"Words\".";
+
+/// Says at the end of each command's `--help` where its words are explained.
+fn explained(command: clap::Command) -> clap::Command {
+    let own = command.get_after_help().map(|own| format!("{own}\n\n")).unwrap_or_default();
+    command.after_long_help(own + WORDS).mut_subcommands(explained)
+}
+
 pub(crate) fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let matches = explained(Cli::command()).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let done = cli.output.start().and_then(|()| match &cli.command {
         Command::Envelope(command) => command.run(cli.output),
         Command::Inspect(arguments) => inspect::run(arguments, cli.output),
@@ -60,10 +70,24 @@ pub(crate) fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_well_formed() {
-        Cli::command().debug_assert();
+        explained(Cli::command()).debug_assert();
+    }
+
+    #[test]
+    fn every_help_leads_to_the_words() {
+        fn check(mut command: clap::Command) {
+            let own = command.get_after_help().map(|own| own.to_string()).unwrap_or_default();
+            let help = command.render_long_help().to_string();
+            // Lines are broken where the terminal's are.
+            let plain = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(plain(&help).ends_with(&plain(&format!("{own} {WORDS}"))), "{help}");
+            // The library adds one of its own.
+            let own = command.get_subcommands().filter(|command| command.get_name() != "help");
+            own.cloned().for_each(check);
+        }
+        check(explained(Cli::command()));
     }
 }

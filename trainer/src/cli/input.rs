@@ -25,7 +25,7 @@ pub(super) struct ExampleArguments {
     /// along seams or not: Alembic (.abc), a point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the
     /// `vertices` of a .npz, in any order where it has `rest`, or the morph targets of a .glb [default: the scene's own skin and shapes]
     ///
-    /// Of several scenes once for each, in their order.
+    /// Of several scenes once for each, in their order. Where --clip asks for some clips, they may be those of all.
     #[arg(long, value_name = "FILE")]
     pub(super) targets: Vec<PathBuf>,
     /// Frames a second at which the clips of a scene are sampled [default: at their keys]

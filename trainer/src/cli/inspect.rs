@@ -1,5 +1,6 @@
 //! `sinew inspect`: what a model file holds.
 
+use super::column::{padded, width};
 use super::described::Described;
 use super::{Output, envelope, face, input, kernel, printable, signal, space, views};
 use anyhow::Context;
@@ -33,12 +34,13 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     described.iter().for_each(|part| text += &part.text);
     let [section, part, element, bytes] = ["section", "part", "element", "bytes"];
     let names = part_names(&model, &described);
-    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(10) + 2;
-    text += &format!("{section:<24}{part:<width$}{element:<8}{bytes:>12}\n");
+    let columns = names.iter().map(|name| width(name)).max().unwrap_or(0).max(10) + 2;
+    text += &format!("{section:<24}{part:<columns$}{element:<8}{bytes:>12}\n");
     for section in model.sections() {
         let (kind, element) = (kind_name(&section), element_name(&section));
         let part = names.get(usize::from(section.row.part)).map_or("unknown", String::as_str);
-        text += &format!("{kind:<24}{part:<width$}{element:<8}{:>12}\n", section.bytes.len());
+        let part = padded(part, columns);
+        text += &format!("{kind:<24}{part}{element:<8}{:>12}\n", section.bytes.len());
     }
     text += &format!("{:<36}{:>12}\n", "head, tables and padding", around(&model));
     output.print(&as_json(&model, &described), &text)

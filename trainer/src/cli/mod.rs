@@ -1,6 +1,7 @@
 //! The command line: what all commands share, and a folder for the commands of each part.
 
 mod bars;
+mod column;
 mod command;
 mod described;
 mod envelope;

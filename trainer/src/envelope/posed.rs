@@ -1,6 +1,6 @@
 //! The runtime on frames of the examples: palettes, and skins on them.
 
-use crate::examples::Examples;
+use crate::examples::{Clip, Examples, called};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Skin, SkinJob};
 
@@ -8,10 +8,22 @@ use sinew_runtime::{CallError, Envelope, Matrix3x4, Skin, SkinJob};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("frame {frame}: {error}")]
 pub struct FrameError {
-    /// The frame.
-    pub frame: usize,
+    /// The frame, its place or what its source calls it.
+    pub frame: i64,
     /// Why.
     pub error: CallError,
+}
+
+impl FrameError {
+    /// Says that the runtime refuses a frame, by its place.
+    fn at(frame: usize) -> impl Fn(CallError) -> Self {
+        move |error| Self { frame: frame as i64, error }
+    }
+
+    /// Calls the frame as its source does, of frames of these clips.
+    pub fn called(self, clips: &[Clip]) -> Self {
+        Self { frame: called(self.frame, clips), ..self }
+    }
 }
 
 /// Lists a skin's V rest positions.
@@ -40,9 +52,8 @@ pub fn palette(
         examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect();
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
-    let confidence = envelope
-        .palette(&pose, &mut scratch, &mut palette)
-        .map_err(|error| FrameError { frame, error })?;
+    let confidence =
+        envelope.palette(&pose, &mut scratch, &mut palette).map_err(FrameError::at(frame))?;
     Ok((palette, confidence))
 }
 
@@ -67,6 +78,6 @@ pub fn skin_on(
         tangents: None,
     }
     .run()
-    .map_err(|error| FrameError { frame, error })?;
+    .map_err(FrameError::at(frame))?;
     Ok([positions, normals])
 }

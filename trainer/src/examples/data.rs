@@ -36,6 +36,8 @@ pub struct Skeleton {
     pub names: Vec<String>,
     /// Parent of each joint; `None` for the reference root alone. Parents may follow children.
     pub parents: Vec<Option<usize>>,
+    /// Joints that have no parent where they come from, and here hang under the reference root.
+    pub roots: Vec<usize>,
     /// Model-space rest frame of each joint (rigid); its last column is the rest origin.
     pub rest: Vec<Matrix3x4>,
 }
@@ -44,6 +46,14 @@ impl Skeleton {
     /// Gives the reference root, the first joint without a parent.
     pub fn root(&self) -> usize {
         self.parents.iter().position(Option::is_none).unwrap_or(0)
+    }
+
+    /// Gives the parent of each joint where it comes from; several may have none.
+    pub fn own_parents(&self) -> Vec<Option<usize>> {
+        let own = |(joint, parent): (usize, &Option<usize>)| {
+            parent.filter(|_| !self.roots.contains(&joint))
+        };
+        self.parents.iter().enumerate().map(own).collect()
     }
 }
 

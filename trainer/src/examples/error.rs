@@ -263,7 +263,7 @@ pub enum ExamplesError {
 
 impl ExamplesError {
     /// Calls the frame that it points at as its source does, of frames of these clips.
-    pub(super) fn called(mut self, clips: &[Clip]) -> Self {
+    pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
         if let Self::NotFinite { frame: Some(frame), .. }
         | Self::TooLarge { frame: Some(frame), .. }
         | Self::NonRigidJoint { frame: Some(frame), .. } = &mut self
@@ -275,7 +275,7 @@ impl ExamplesError {
 }
 
 /// Gives what the source calls a frame, or its place where the source calls it nothing.
-pub(super) fn called(frame: i64, clips: &[Clip]) -> i64 {
+pub(crate) fn called(frame: i64, clips: &[Clip]) -> i64 {
     let within = |clip: &Clip| clip.number(usize::try_from(frame).ok()?.checked_sub(clip.first)?);
     clips.iter().find_map(within).unwrap_or(frame)
 }

@@ -21,6 +21,7 @@ mod warning;
 
 pub use crate::formats::scene::{Clip, RATES};
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
+pub(crate) use error::called;
 pub use error::{Element, ExamplesError, LoadError};
 pub use hash::hash_file;
 pub use import::{ImportError, Loaded, Source, join, load, load_motion, load_poses, npz};

@@ -18,6 +18,7 @@ pub(super) fn triangle(frame_len: usize) -> Examples {
             names: vec!["root".into(), "tip".into()],
             parents: vec![None, Some(0)],
             rest: vec![IDENTITY; 2],
+            roots: Vec::new(),
         },
         transforms: vec![IDENTITY; 2 * frame_len],
         split: vec![Split::Train; frame_len],

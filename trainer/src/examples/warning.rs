@@ -3,6 +3,7 @@
 use super::Clip;
 use super::error::{called, in_frame};
 use crate::formats::FormatWarning;
+use crate::formats::scene::RATE;
 use std::fmt;
 
 /// How many triangles a message lists before it only counts.
@@ -46,12 +47,23 @@ pub enum Warning {
         /// The joints.
         joints: Vec<String>,
     },
+    /// An animation's joints stand otherwise where nothing is animated than the character's at rest, which is taken.
+    RestOfCharacter,
     /// The meshes to learn are the scene's own linear blend skinning.
     PlainSkin,
     /// Meshes among the targets are none of the scene's, and are left out.
     TargetsLeftOut {
         /// The meshes.
         meshes: Vec<String>,
+    },
+    /// The targets hold the frames of all clips, of which some are asked for.
+    TargetsCut {
+        /// The clips that are.
+        clips: Vec<String>,
+        /// How many frames those have.
+        frames: usize,
+        /// How many the targets hold.
+        held: usize,
     },
     /// The targets follow the clips in another order, and were sorted.
     ClipsSorted {
@@ -60,6 +72,8 @@ pub enum Warning {
         /// How far vertices are from where one joint carries them, as sorted and as given, in % of the diagonal.
         percent: [f64; 2],
     },
+    /// Nothing says how fast the frames follow each other.
+    NoRate,
     /// Joints or targets came in other axes or units and were moved.
     Moved {
         /// What was moved.
@@ -116,10 +130,9 @@ impl fmt::Display for Warning {
                     joints.split_first().map_or(("", &[][..]), |(a, b)| (a, b));
                 write!(
                     f,
-                    "{} joints have no parent: {reference} is the root, {} now {} under it",
+                    "{} joints have no parent: {reference} is the root, and the model has {} under it",
                     joints.len(),
-                    others.join(", "),
-                    if others.len() == 1 { "hangs" } else { "hang" }
+                    others.join(", ")
                 )
             }
             Warning::FollowParents { joints } => {
@@ -129,6 +142,9 @@ impl fmt::Display for Warning {
                     joints.join(", ")
                 )
             }
+            Warning::RestOfCharacter => f.write_str(
+                "its joints without the animation are not at rest: the rest pose of the character is taken",
+            ),
             Warning::PlainSkin => f.write_str(
                 "no shapes move and no targets are given: the meshes are the scene's own linear \
                  blend skinning, of which there is nothing to learn; give the posed meshes as \
@@ -141,6 +157,13 @@ impl fmt::Display for Warning {
                     meshes.join(", ")
                 )
             }
+            Warning::TargetsCut { clips, frames, held } => {
+                write!(
+                    f,
+                    "the targets hold the frames of all clips, {held}, of which the {frames} of {} are taken",
+                    clips.join(", ")
+                )
+            }
             Warning::ClipsSorted { clips, percent: [sorted, given] } => {
                 write!(
                     f,
@@ -149,6 +172,10 @@ impl fmt::Display for Warning {
                     clips.join(", ")
                 )
             }
+            Warning::NoRate => write!(
+                f,
+                "it says no frames a second (fps), and plays at {RATE}: say another rate with --fps"
+            ),
             Warning::Moved { what, how } => {
                 write!(f, "the {what} came in other axes or units and were moved: {how}")
             }

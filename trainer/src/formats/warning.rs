@@ -37,6 +37,13 @@ pub enum FormatWarning {
         /// What they follow.
         follow: &'static str,
     },
+    /// A joint that Blender's exporter adds for vertices that no joint moves.
+    NeutralBone {
+        /// The joint.
+        joint: String,
+        /// How many vertices follow it.
+        count: usize,
+    },
     /// Meshes that a point cache outside the scene deforms, which is not read with it.
     CacheIgnored {
         /// The meshes.
@@ -76,6 +83,13 @@ impl fmt::Display for FormatWarning {
             }
             FormatWarning::Unweighted { count, follow } => {
                 write!(f, "vertices without a joint's weight, which follow {follow}: {count}")
+            }
+            FormatWarning::NeutralBone { joint, count } => {
+                write!(
+                    f,
+                    "joint {joint} is none of the rig's: Blender adds it for vertices without a joint's weight, which \
+                     stay where they are: {count}; give them weights where the character should take them along"
+                )
             }
             FormatWarning::CacheIgnored { meshes } => {
                 write!(

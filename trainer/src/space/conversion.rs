@@ -1,9 +1,10 @@
 //! The change from one space to another.
 
-use super::axes::direction;
+use super::axes::{direction, names};
 use super::request::{SpaceError, SpaceRequest};
 use nalgebra::{Matrix3, Vector3};
 use sinew_runtime::format::{Handedness, Space};
+use std::fmt;
 
 /// A change of axes and unit: `x' = scale axes x`, where the axes are those of the old space in
 /// another order or sign.
@@ -14,6 +15,11 @@ pub struct Conversion {
 }
 
 impl Conversion {
+    /// Takes axes to axes, and makes everything so many times as large.
+    pub(crate) fn new(axes: Matrix3<f64>, scale: f64) -> Self {
+        Self { axes, scale }
+    }
+
     /// Finds what leads from one space to what is asked for, and that space; no conversion where it is
     /// the same.
     ///
@@ -93,6 +99,14 @@ impl Conversion {
         if self.is_mirrored() {
             triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
         }
+    }
+}
+
+impl fmt::Display for Conversion {
+    /// Writes where the axes come from, as in `(x, -z, y) x 0.01`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&names(&self.axes))?;
+        if self.scale == 1.0 { Ok(()) } else { write!(f, " x {}", self.scale) }
     }
 }
 

@@ -6,7 +6,7 @@
 mod shared;
 
 use sinew_runtime::format::{Axis, Space};
-use sinew_trainer::examples::{Clip, Examples, Loaded, Source, Warning, load, npz};
+use sinew_trainer::examples::{Clip, Examples, Loaded, Source, Warning, load, load_motion, npz};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -259,6 +259,41 @@ fn the_leg_is_exported_anew_as_it_was() {
     let maps = |examples: &Examples| examples.transforms.as_flattened().as_flattened().to_vec();
     near(&maps(&examples), &maps(&before));
     assert_eq!(examples.surface().engine_len(), 4164, "with its seams");
+}
+
+/// Animators hand over the armature alone; Blender's FBX then holds no rest pose, but the frame that is shown.
+#[test]
+fn an_armature_alone_plays_on_its_character() {
+    let Some(python) = python() else { return };
+    let Some(scene) = shared::shared("leg/leg.blend") else { return };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("blender-joints");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let paths = [scene.to_str().unwrap(), folder.to_str().unwrap()];
+    let made = run(&python, "tests/blender/joints.py", &paths);
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let mesh = folder.join("leg.npz");
+    done(&of(&python, &scene, &mesh, &[]));
+    let Loaded { examples: character, clips: own, .. } = npz::load(&mesh).unwrap();
+    for (file, warnings) in
+        [("joints.fbx", vec![Warning::RestOfCharacter]), ("joints.glb", Vec::new())]
+    {
+        let played = load_motion(&Source::file(&folder.join(file)), Some(&mesh)).unwrap();
+        assert_eq!(played.warnings, warnings, "{file}");
+        assert_eq!(played.clips.len(), own.len(), "{file}");
+        for clip in &own {
+            let found = played.clips.iter().find(|found| found.name.ends_with(&clip.name)).unwrap();
+            assert_eq!(found.times.len(), clip.times.len(), "{file}");
+            for frame in 0..clip.times.len() {
+                let [found, expected] =
+                    [played.examples.pose(found.first + frame), character.pose(clip.first + frame)]
+                        .map(|pose| pose.as_flattened().as_flattened().to_vec());
+                let apart = found.iter().zip(&expected).map(|(a, b)| (a - b).abs());
+                let apart = apart.fold(0.0, f64::max);
+                assert!(apart < 1e-4, "{file}, {}, {frame}: {apart}", clip.name);
+            }
+        }
+    }
 }
 
 #[test]

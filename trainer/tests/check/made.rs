@@ -64,6 +64,7 @@ pub(crate) fn chain(bends: &[Bend]) -> Examples {
             names: ["root", "upper", "lower"].map(str::to_owned).into(),
             parents: vec![None, Some(0), Some(1)],
             rest: vec![at(0.0), at(1.0), at(2.0)],
+            roots: Vec::new(),
         },
         vertices,
         transforms,

@@ -3,6 +3,7 @@
 use super::common::{Folder, HELD_OUT, Set, TRAINING};
 use super::keys;
 use serde_json::json;
+use unicode_width::UnicodeWidthStr;
 
 #[test]
 fn a_check_prints_its_sections_and_succeeds() {
@@ -24,6 +25,26 @@ fn a_check_prints_its_sections_and_succeeds() {
     assert!(text.contains("m long if in metres") && text.contains("forearm_twist"), "{text}");
     assert!(text.lines().all(|line| !line.ends_with('.')), "{text}");
     assert_eq!(folder.list(), before, "nothing is written");
+}
+
+#[test]
+fn tables_stand_in_columns_whatever_the_script_of_names() {
+    let folder = Folder::with_demo("check-cjk");
+    let mut set = Set::demo();
+    for (joint, name) in [(1, "鎖骨"), (3, "前腕のひねり・左"), (6, "e\u{301}paule")] {
+        set.json["bone_names"][joint] = json!(name);
+    }
+    set.write(&folder.path("named.npz"));
+    let even = |text: &str, from: &str| {
+        let rows: Vec<&str> = text.lines().skip_while(|line| !line.starts_with(from)).collect();
+        let rows = &rows[..=set.joint_len()];
+        assert!(rows.iter().any(|row| row.starts_with("鎖骨 ")), "{text}");
+        let widths: Vec<usize> = rows.iter().map(|row| row.width()).collect();
+        assert!(widths[1..].iter().all(|width| *width == widths[1]), "{text}{widths:?}");
+    };
+    even(&folder.sinew("check named.npz").done().out, "joint ");
+    folder.sinew("train named.npz -o named.sinew --predictor kernel --proxies 2").done();
+    even(&folder.sinew("inspect named.sinew").done().out, "joint ");
 }
 
 #[test]

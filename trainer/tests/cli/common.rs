@@ -143,7 +143,7 @@ pub(crate) struct Set {
 impl Set {
     /// Reads the demo's arrays.
     pub(crate) fn demo() -> Self {
-        let names = ["rest", "vertices", "bone_transforms", "joint_world_rest"];
+        let names = ["rest", "vertices", "bone_transforms", "joint_world_rest", "fps"];
         let reals = names.map(|name| (name, demo_array(name))).into();
         let (shape, split) = demo_array::<u8>("split");
         let split = (shape, split.into_iter().map(i64::from).collect());

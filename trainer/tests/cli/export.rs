@@ -96,6 +96,21 @@ fn what_an_npz_tells_of_clips_and_space_reaches_the_export() {
     let found = record["training_frames"].as_array().unwrap().len();
     assert_eq!(found, trains(&split[..WAVE]));
 
+    // What cannot be measured or played is called as the file calls it.
+    let mut bad = Set::demo();
+    bad.json = set.json.clone();
+    let numbers = (0..TRAINING + HELD_OUT).map(|frame| 101 + frame as i64);
+    bad.wholes.insert("frame_numbers", (vec![(TRAINING + HELD_OUT) as u64], numbers.collect()));
+    let frame = bad.frames(1)[2];
+    let place = 16 * (frame * bad.joint_len() + 6);
+    bad.reals.get_mut("bone_transforms").unwrap().1[place] *= 2.0;
+    bad.write(&folder.path("bad.npz"));
+    for command in ["eval new.sinew bad.npz", "export new.sinew --clip bad.npz -o none.glb"] {
+        let expected = format!("bad.npz: at frame {}, joint hand is ", 101 + frame);
+        let line = folder.sinew(&format!("{command} --quiet")).failed();
+        assert!(line.starts_with(&expected), "{line}");
+    }
+
     folder.sinew("export new.sinew --clip told.npz -o out.glb").done();
     let times = |len: usize| (0..len).map(|key| (key as f64 / 24.0) as f32).collect::<Vec<_>>();
     let rest = TRAINING + HELD_OUT - WAVE;
@@ -118,7 +133,7 @@ fn what_an_npz_tells_of_clips_and_space_reaches_the_export() {
 #[test]
 fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
     let folder = Folder::with_demo("export-refused");
-    write_obj(&folder, "far.obj", 100.0);
+    write_obj(&folder, "far.obj", 1e6);
     fs::write(folder.path("empty.obj"), "o nothing\n").unwrap();
     fs::write(folder.path("text.obj"), "v one two three\n").unwrap();
     fs::create_dir(folder.path("inner")).unwrap();

@@ -1,6 +1,7 @@
 //! Scenes, targets and importance as the command line takes them.
 
 use crate::common::Folder;
+use serde_json::json;
 use std::fs;
 
 /// A folder with the demo's rig and point cache.
@@ -15,6 +16,7 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
     let folder = rig("misfits");
     let pc2 = folder.read("demo.pc2");
     fs::write(folder.path("cut.pc2"), &pc2[..pc2.len() - 4]).unwrap();
+    fs::write(folder.path("fewer.pc2"), frames(&pc2, 24)).unwrap();
     fs::write(folder.path("two.txt"), "1 2").unwrap();
     fs::write(folder.path("notes.doc"), "notes").unwrap();
     fs::write(folder.path("rig.blend"), "BLENDER").unwrap();
@@ -36,8 +38,8 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
         ("old.abc", "old.abc: holds posed meshes, but no joints to learn from: give the scene"),
         ("demo.pc2", "demo.pc2: holds posed meshes, but no joints to learn from: give the scene"),
         (
-            "demo.glb --targets demo.pc2 --clip train",
-            "demo.pc2: holds 25 meshes, the scene's clips have 20 frames (train: 20): export both",
+            "demo.glb --targets fewer.pc2 --clip train",
+            "fewer.pc2: holds 24 meshes, the scene's clips have 20 frames (train: 20): export both",
         ),
         ("demo.glb --clip run", "demo.glb: has no clip run, there are: train, held-out"),
         (
@@ -75,7 +77,39 @@ fn targets_and_importance_are_inputs_too() {
     assert_eq!(record["held_out_frames"].as_array().unwrap().len(), 5);
 }
 
+/// Targets of all clips serve where one is asked for.
+#[test]
+fn the_meshes_of_a_clip_are_cut_out_of_those_of_all() {
+    let folder = rig("cut");
+    fs::write(folder.path("train.pc2"), frames(&folder.read("demo.pc2"), 20)).unwrap();
+    let train = "train demo.glb --clip train --predictor kernel --proxies 4";
+    folder.sinew(&format!("{train} --targets train.pc2 -o own.sinew")).done();
+    let run = folder.sinew(&format!("{train} --targets demo.pc2 -o cut.sinew"));
+    let expected = "sinew: warning: demo.glb: the targets hold the frames of all clips, 25, of which the 20 of train \
+                    are taken\n";
+    assert_eq!((run.code, run.err.as_str()), (Some(0), expected));
+    assert!(folder.read("cut.sinew") == folder.read("own.sinew"), "the same meshes");
+    let eval = "eval cut.sinew demo.glb --targets demo.pc2 --quiet --json";
+    let of = |clip: &str| folder.sinew(&format!("{eval} --clip {clip}")).json();
+    for (clip, frames, read) in [("train", 20, 20), ("held-out", 5, 0)] {
+        let found = of(clip);
+        assert_eq!((&found["frames"], &found["read"]), (&json!(frames), &json!(read)), "{clip}");
+    }
+    let run = folder.sinew("check demo.glb --targets demo.pc2 --clip held-out");
+    assert!(run.err.contains("of which the 5 of held-out are taken"), "{}", run.err);
+}
+
+/// Keeps the first frames of a point cache.
+fn frames(pc2: &[u8], len: usize) -> Vec<u8> {
+    let mut cut = pc2[..32 + 12 * vertex_len(pc2) * len].to_vec();
+    cut[28..32].copy_from_slice(&(len as u32).to_le_bytes());
+    cut
+}
+
 fn vertices(folder: &Folder) -> usize {
-    let pc2 = folder.read("demo.pc2");
+    vertex_len(&folder.read("demo.pc2"))
+}
+
+fn vertex_len(pc2: &[u8]) -> usize {
     u32::from_le_bytes(pc2[16..20].try_into().unwrap()) as usize
 }

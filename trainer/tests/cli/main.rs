@@ -407,7 +407,7 @@ fn warnings_go_to_standard_error_unless_quiet() {
     let mut set = Set::demo();
     set.json["bone_parents"][3] = json!(-1);
     set.write(&folder.path("roots.npz"));
-    let warning = "sinew: warning: roots.npz: 2 joints have no parent: chest is the root, upper_arm_twist now hangs under it\n";
+    let warning = "sinew: warning: roots.npz: 2 joints have no parent: chest is the root, and the model has upper_arm_twist under it\n";
     for command in [
         "train roots.npz -o new.sinew --proxies 2",
         "eval demo.sinew roots.npz",
@@ -420,6 +420,39 @@ fn warnings_go_to_standard_error_unless_quiet() {
     }
     let failed = folder.sinew("train none.npz -o new.sinew --quiet").failed();
     assert!(failed.starts_with("none.npz: "), "{failed}");
+}
+
+#[test]
+fn meshes_that_skinning_makes_are_warned_of() {
+    let folder = Folder::with_demo("nothing");
+    let mut set = Set::demo();
+    let (vertex_len, joint_len) = (set.vertex_len(), set.joint_len());
+    let maps = set.reals["bone_transforms"].1.clone();
+    let rest = set.reals["rest"].1.clone();
+    let posed = &mut set.reals.get_mut("vertices").unwrap().1;
+    for (place, x) in posed.chunks_mut(3).enumerate() {
+        let (frame, vertex) = (place / vertex_len, place % vertex_len);
+        // What is beyond the elbow follows the hand.
+        let from = &rest[3 * vertex..][..3];
+        let joint = if from[0] > 0.3 { joint_len - 1 } else { 0 };
+        let map = &maps[16 * (frame * joint_len + joint)..];
+        for axis in 0..3 {
+            let row = &map[4 * axis..];
+            x[axis] = row[0] * from[0] + row[1] * from[1] + row[2] * from[2] + row[3];
+        }
+    }
+    set.write(&folder.path("plain.npz"));
+    let train = "train plain.npz -o plain.sinew --predictor kernel --proxies 2";
+    let run = folder.sinew(train);
+    let expected = "sinew: warning: plain.npz: the meshes are what linear blend skinning makes of them, which ";
+    assert!(run.code == Some(0) && run.err.starts_with(expected), "{}", run.err);
+    assert_eq!(run.err.lines().count(), 1, "{}", run.err);
+    let record = folder.sinew(&format!("{train} --quiet --json")).json();
+    assert_eq!(record["warnings"].as_array().unwrap().len(), 1);
+    // Of a scene it is told as it is read.
+    folder.sinew("export-demo . --vertices 200 --poses 20 --held-out 5").done();
+    let run = folder.sinew("train demo.glb -o glb.sinew --predictor kernel --proxies 2");
+    assert!(run.err.contains("nothing to learn") && run.err.lines().count() == 1, "{}", run.err);
 }
 
 #[test]

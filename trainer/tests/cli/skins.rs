@@ -76,7 +76,7 @@ fn a_palette_alone_has_no_skin_to_measure() {
 fn skins_that_cannot_be_are_refused_before_anything_is_written() {
     let folder = Folder::with_demo("skins-refused");
     write_obj(&folder, "skin.obj", 1.0);
-    write_obj(&folder, "far.obj", 100.0);
+    write_obj(&folder, "far.obj", 1e6);
     let before = folder.list();
     for (also, expected) in [
         ("--also skin.obj", "demo.npz: two skins are called skin: "),

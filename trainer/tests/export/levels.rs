@@ -100,13 +100,27 @@ fn a_coarser_mesh_is_fitted_and_comes_near_its_own_flesh() {
 }
 
 #[test]
-fn a_mesh_in_other_units_or_with_strays_is_told() {
+fn a_mesh_in_other_axes_and_units_is_moved_or_told_and_strays_are_told() {
     let examples = arm(300);
     let model = model(&examples, Predictor::Rotational, 4, 4);
     let clips = [clip("all", 0, 4)];
-    let mut metres = level("lod1", &examples);
-    metres.mesh.positions.iter_mut().flatten().for_each(|x| *x *= 100.0);
-    match export(&model, None, &examples, &clips, &[metres], Stand::AsModel) {
+    let exported = |level: Level| export(&model, None, &examples, &clips, &[level], Stand::AsModel);
+    let turned = |change: fn([f64; 3]) -> [f64; 3]| {
+        let mut level = level("lod1", &examples);
+        level.mesh.positions.iter_mut().for_each(|x| *x = change(*x));
+        level
+    };
+    let own = exported(turned(|x| x)).unwrap();
+    assert_eq!(own.levels[0].moved, None);
+    let moved = exported(turned(|[x, y, z]| [100.0 * x, -100.0 * z, 100.0 * y])).unwrap();
+    assert_eq!(moved.levels[0].moved.as_deref(), Some("(x, z, -y) x 0.01"));
+    let found = [&own, &moved].map(|exported| {
+        let scene = Scene::read(&exported.glb);
+        scene.skinned("lod1", &scene.palette(&scene.worlds(Some((0, 2, 0.0)))))
+    });
+    assert!(farthest(&found[0], &found[1]) < 1e-6);
+
+    match exported(turned(|x| x.map(|x| 1e6 * x))) {
         Err(ExportError::Level(LevelError::Far { name, percent })) => {
             assert!(name == "lod1" && percent > 100.0)
         }

@@ -132,6 +132,26 @@ fn half_way_between_frames_of_a_sequence_the_skin_stays_near() {
     }
 }
 
+/// The model has every joint under one root; a file for others has the roots that there were.
+#[test]
+fn a_second_root_hangs_under_no_joint() {
+    let mut examples = arm(300);
+    examples.skeleton.parents[4] = Some(0);
+    examples.skeleton.roots = vec![4];
+    let clips = [clip("all", 0, 4)];
+    let played = Played::new(&examples, model(&examples, Predictor::Kernel, 6, 4), &clips);
+    let nodes = || played.scene.gltf.nodes();
+    let under = |joint: usize| {
+        let node = played.scene.node(&examples.skeleton.names[joint]);
+        let is_parent =
+            |other: &gltf::Node<'_>| other.children().any(|child| child.index() == node);
+        nodes().find(is_parent).unwrap().name().unwrap().to_owned()
+    };
+    assert_eq!([under(0), under(4)], ["armature", "armature"]);
+    assert_eq!(under(5), examples.skeleton.names[4]);
+    assert!(played.off_at_keys() < NEAR);
+}
+
 /// More joints than a byte counts and more influences than one attribute holds.
 #[test]
 fn wide_palettes_and_many_influences() {

@@ -36,8 +36,8 @@ fn a_file_with_noise_for_held_out_frames_trains_to_the_same_bytes() {
     let clean = arm();
     let mut noisy = clean.clone();
     noise(&mut noisy, Split::HeldOut);
-    npz::save_npz(&clean_file, &clean).unwrap();
-    npz::save_npz(&noisy_file, &noisy).unwrap();
+    npz::save_npz(&clean_file, &clean, &[]).unwrap();
+    npz::save_npz(&noisy_file, &noisy, &[]).unwrap();
     let from = |path| model(&npz::load(path).unwrap().examples);
     assert_eq!(from(&clean_file), from(&noisy_file));
     std::fs::remove_dir_all(&folder).unwrap();

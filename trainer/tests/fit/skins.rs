@@ -157,7 +157,7 @@ fn skins_that_cannot_be_are_refused() {
     assert_eq!(train(&[level("lod1", 200), level("lod1", 200)]), named("lod1"));
     assert_eq!(train(&[level("skin", 200)]), named("skin"));
     let mut far = level("far", 200);
-    far.mesh.positions.iter_mut().flatten().for_each(|x| *x *= 100.0);
+    far.mesh.positions.iter_mut().flatten().for_each(|x| *x *= 1e6);
     assert!(matches!(train(&[far]), LevelError::Far { name, .. } if name == "far"));
 }
 

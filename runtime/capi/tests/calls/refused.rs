@@ -56,6 +56,38 @@ fn a_stale_part_is_refused() {
     assert_eq!(envelope.palette(&pose).0, palette);
 }
 
+/// A name of some bytes that is nowhere is none at all, and no name but null and 0 stands for any.
+#[test]
+fn a_null_name_of_some_length_is_refused() {
+    let file = Pieces::small(Predictor::Rotational).bytes();
+    let model = Loaded::new(&file);
+    let mut place = handles::memory(64);
+    let (at, bytes) = (place.as_mut_ptr().cast(), size_of_val(&*place));
+    macro_rules! opened {
+        ($open:ident, $len:expr) => {{
+            let mut error = sinew_error::from(common::file_error(sinew_runtime::FileErrorKind::Index));
+            let (mut out, told) = (null(), &raw mut error);
+            // SAFETY: a loaded model, memory with its length, and two values to be written; the name is null.
+            let status =
+                unsafe { $open(model.handle, null(), $len, 0, at, bytes, &raw mut out, told) };
+            assert_eq!(out.is_null(), status != sinew_status::Ok);
+            (status, error.argument)
+        }};
+    }
+    for refused in [
+        opened!(sinew_envelope_open, 1),
+        opened!(sinew_skin_open, 4),
+        opened!(sinew_kernel_open, 1),
+        opened!(sinew_prior_open, 1),
+        opened!(sinew_views_open, 1),
+        opened!(sinew_filter_open, usize::MAX),
+    ] {
+        assert_eq!(refused, (sinew_status::Null, sinew_argument::Name));
+    }
+    assert_eq!(opened!(sinew_envelope_open, 0).0, sinew_status::Ok);
+    assert_eq!(opened!(sinew_skin_open, 0).0, sinew_status::Ok);
+}
+
 #[test]
 fn a_mesh_without_vertices_has_no_bounds() {
     with(

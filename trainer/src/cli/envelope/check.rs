@@ -1,6 +1,7 @@
 //! `sinew check`: whether examples are good, before a training.
 
 use crate::cli::bars::Bars;
+use crate::cli::column::{padded, width};
 use crate::cli::{Output, counted, input, printable};
 use anyhow::Context;
 use sinew_trainer::envelope::check::coverage::Coverage;
@@ -135,11 +136,10 @@ fn faces(check: &Check) -> String {
 fn table(joints: &[Coverage]) -> String {
     let mut rows: Vec<&Coverage> = joints.iter().collect();
     rows.sort_by(|a, b| b.lbs_percent.total_cmp(&a.lbs_percent));
-    let width =
-        rows.iter().take(ROWS).map(|row| printable(&row.joint).chars().count()).max().unwrap_or(0);
-    let width = width.max("joint".len());
+    let longest = rows.iter().take(ROWS).map(|row| width(&row.joint)).max().unwrap_or(0);
+    let columns = longest.max("joint".len());
     let mut out = format!(
-        "{:<width$}  {:>8} {:>14} {:>8} {:>8} {:>7} {:>8} {:>8}\n",
+        "{:<columns$}  {:>8} {:>14} {:>8} {:>8} {:>7} {:>8} {:>8}\n",
         "joint", "vertices", "turns by", "beside", "slides", "poses", "beyond", "LBS, %"
     );
     for row in rows.iter().take(ROWS) {
@@ -151,8 +151,8 @@ fn table(joints: &[Coverage]) -> String {
         };
         let _ = writeln!(
             out,
-            "{:<width$}  {:>8} {:>14} {:>7}° {:>8} {:>7} {:>8} {:>8.4}",
-            printable(&row.joint),
+            "{}  {:>8} {:>14} {:>7}° {:>8} {:>7} {:>8} {:>8.4}",
+            padded(&row.joint, columns),
             row.vertices,
             format!("{least:.0} to {most:.0}°"),
             format!("{:.0}", row.swing),

@@ -14,7 +14,7 @@ use sinew_trainer::envelope::evaluate::{Evaluation, Frames};
 use sinew_trainer::envelope::export::by_use;
 use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
 use sinew_trainer::envelope::report::{Page, PictureOptions};
-use sinew_trainer::examples::{Examples, Split, npz};
+use sinew_trainer::examples::{Clip, Examples, Split, npz};
 use sinew_trainer::progress::Silent;
 use std::path::{Path, PathBuf};
 
@@ -90,7 +90,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         table::evaluation(&evaluation)
     );
     if let (Some(folder), Some(model)) = (folder, &model) {
-        npz::save_npz(&folder.join("demo.npz"), &examples)?;
+        let clips = [Clip::regular("demo".to_owned(), 0, examples.frame_len())];
+        npz::save_npz(&folder.join("demo.npz"), &examples, &clips)?;
         files::write(&[(model, &trained.model)])?;
         text += &format!("wrote demo.npz, demo.json and demo.sinew to {}\n", folder.display());
     }

@@ -1,5 +1,6 @@
 //! What `sinew inspect` says of envelopes and skins.
 
+use crate::cli::column::{padded, width};
 use crate::cli::described::Described;
 use crate::cli::{counted, printable};
 use serde_json::{Value, json};
@@ -102,24 +103,25 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
     ] {
         out += &format!("{name:<24}{:.4} %\n", 100.0 * rms / certificate.diagonal);
     }
-    let joint_name = |joint| printable(envelope.joint_name(joint).unwrap_or_default());
-    let longest = (0..envelope.joint_len()).map(|joint| joint_name(joint).chars().count()).max();
-    let width = longest.unwrap_or(0).max(22) + 2;
-    out += &format!("{:<width$}{:<width$}{:>12}\n", "joint", "parent", "trained to");
+    let joint_name = |joint| envelope.joint_name(joint).unwrap_or_default();
+    let longest = (0..envelope.joint_len()).map(|joint| width(joint_name(joint))).max();
+    let columns = longest.unwrap_or(0).max(22) + 2;
+    let column = |name: &str| padded(name, columns);
+    out += &format!("{:<columns$}{:<columns$}{:>12}\n", "joint", "parent", "trained to");
     for joint in 0..envelope.joint_len() {
-        let parent = envelope.parent(joint).map_or("-".to_owned(), joint_name);
+        let parent = column(envelope.parent(joint).map_or("-", joint_name));
         let range = envelope.pose_range(joint).unwrap_or_default().to_degrees();
-        out += &format!("{:<width$}{parent:<width$}{range:>10.1} °\n", joint_name(joint));
+        out += &format!("{}{parent}{range:>10.1} °\n", column(joint_name(joint)));
     }
     if envelope.group_len() > 0 {
         let [inputs, centres, rank, kernel] = ["inputs", "centres", "rank", "kernel"];
-        out += &format!("{:<width$}proxies{inputs:>8}{centres:>9}{rank:>6}  {kernel}\n", "group");
+        out += &format!("{:<columns$}proxies{inputs:>8}{centres:>9}{rank:>6}  {kernel}\n", "group");
     }
     for group in envelope.groups() {
         let (inputs, centres, rank) = (group.input_len(), group.centre_len(), group.rank());
         let (name, proxies, kernel) =
-            (joint_name(group.joint), group.proxies.len(), group.kernel.name());
-        out += &format!("{name:<width$}{proxies:>7}{inputs:>8}{centres:>9}{rank:>6}  {kernel}\n");
+            (column(joint_name(group.joint)), group.proxies.len(), group.kernel.name());
+        out += &format!("{name}{proxies:>7}{inputs:>8}{centres:>9}{rank:>6}  {kernel}\n");
     }
     out
 }

@@ -59,12 +59,12 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         bail!("cannot write {}: two outputs are one file", normals.named().display());
     }
     let model = input::read_model(&arguments.model)?;
-    let mut examples = arguments.input.load(output)?.examples;
+    let input::LoadedInput { mut examples, clips, .. } = arguments.input.load(output)?;
     arguments.space.say(&mut examples, &arguments.input.named())?;
     let skin = arguments.skin.as_deref();
     input::convert_to_model(&mut examples, &model, skin);
     let measuring = Bars::busy(output, "measuring");
-    let blamed = |error| blame(error, &arguments.model, &arguments.input, &examples);
+    let blamed = |error| blame(error, &arguments.model, &arguments.input, (&examples, &clips));
     let character = Character::open(&model, skin, &examples).map_err(blamed)?;
     let told = Told::of(&model, &character, &examples);
     let usual = || Frames::usual(&examples, &told);

@@ -61,14 +61,15 @@ pub(in crate::cli) struct Arguments {
     /// CLIP; with --into and a CLIP without a mesh, the file of --into]
     #[arg(long, value_name = "CHARACTER")]
     mesh: Option<PathBuf>,
-    /// Frames a second that the clip plays at [default: what its file says, 30 of a .npz that says nothing]
+    /// Frames a second that the clip plays at [default: what its file says, 30, with a warning, of a .npz that says
+    /// nothing]
     #[arg(long, value_name = "FPS", value_parser = input::rate, allow_negative_numbers = true)]
     fps: Option<f64>,
     /// The skin whose mesh it plays [default: the model's first]
     #[arg(long, value_name = "NAME")]
     skin: Option<String>,
-    /// A further mesh on the same joints, of any topology, in the rest pose, axes and unit of CLIP; may
-    /// be given several times
+    /// A further mesh on the same joints, of any topology, in the rest pose of CLIP, whose axes and unit are recognised
+    /// where they are others; may be given several times
     #[arg(long, value_name = "LOD.obj")]
     also: Vec<PathBuf>,
     /// Put it into this file (.glb, .gltf), which holds the character in its rest pose, and leave the rest of
@@ -134,13 +135,13 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
                 appearance,
                 stand,
             };
-            let exported = export.run().map_err(|error| blame(error, arguments))?;
+            let exported = export.run().map_err(|error| blame(error.called(clips), arguments))?;
             let names = clips.iter().map(|clip| clip.name.clone()).collect();
             (exported.glb, Said { names, levels: exported.levels, ..Said::default() })
         }
         Some(file) => {
             let grafted = export_into(&model, skin, &examples, &clips, file)
-                .map_err(|error| blame(error, arguments))?;
+                .map_err(|error| blame(error.called(&clips), arguments))?;
             let Grafted { glb, animations: names, meshes, added_joints, kept_animations } = grafted;
             let into = Some(IntoReport { meshes, added_joints, kept_animations });
             (glb, Said { names, into, ..Said::default() })
@@ -187,12 +188,9 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
 
 /// Loads what is played, at the rate that is asked for.
 fn poses(arguments: &Arguments, output: Output) -> anyhow::Result<input::LoadedInput> {
-    let is_npz =
-        arguments.clip.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
-    let fps = arguments.fps.filter(|_| !is_npz);
-    let source = Source { fps, ..Source::file(&arguments.clip) };
+    let source = Source { fps: arguments.fps, ..Source::file(&arguments.clip) };
     let load = |mesh: Option<&Path>| input::load_motion(source, mesh, output);
-    let mut loaded = match (&arguments.mesh, &arguments.into) {
+    match (&arguments.mesh, &arguments.into) {
         (Some(mesh), _) => load(Some(mesh)),
         // Its own mesh first: only what has none needs the other file's.
         (None, Some(into)) => load(None).or_else(|error| {
@@ -202,11 +200,7 @@ fn poses(arguments: &Arguments, output: Output) -> anyhow::Result<input::LoadedI
             if is_bare { load(Some(into)) } else { Err(error) }
         }),
         (None, None) => load(None),
-    }?;
-    if let Some(fps) = arguments.fps.filter(|_| is_npz) {
-        loaded.clips.iter_mut().for_each(|clip| clip.play_at(fps));
     }
-    Ok(loaded)
 }
 
 /// What is told of an export.

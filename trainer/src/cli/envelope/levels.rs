@@ -1,6 +1,7 @@
 //! Further meshes as the command line names them, and how they follow.
 
-use crate::cli::{Output, printable};
+use crate::cli::Output;
+use crate::cli::column::padded;
 use anyhow::bail;
 use sinew_trainer::envelope::levels::{Level, LevelReport};
 use sinew_trainer::formats::obj;
@@ -29,9 +30,14 @@ fn level(file: &Path) -> anyhow::Result<Level> {
     Ok(Level { name, mesh: obj::load(file)? })
 }
 
-/// Warns of vertices that do not belong to the model's surface.
+/// Warns of meshes that were moved, and of vertices that do not belong to the model's surface.
 pub(in crate::cli) fn warn(levels: &[LevelReport], files: &[PathBuf], output: Output) {
     for (level, file) in levels.iter().zip(files) {
+        if let Some(how) = &level.moved {
+            let moved =
+                format!("came in other axes or another unit than the model and was moved: {how}");
+            output.warn(file.display(), moved);
+        }
         if level.far > 0 {
             let far = format!(
                 "vertices further than 10 % of the diagonal from the model's surface, which follow \
@@ -54,9 +60,9 @@ pub(in crate::cli) fn table(levels: &[LevelReport]) -> String {
     for level in levels {
         let LevelReport { vertices, distance_percent, transferred_percent, fitted_percent, .. } =
             level;
-        let name = printable(&level.name);
+        let name = padded(&level.name, 30);
         out += &format!(
-            "{name:<30}{vertices:>10}{distance_percent:>12.4}{transferred_percent:>14.4}\
+            "{name}{vertices:>10}{distance_percent:>12.4}{transferred_percent:>14.4}\
              {fitted_percent:>10.4}\n"
         );
     }

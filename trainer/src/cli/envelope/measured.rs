@@ -3,7 +3,7 @@
 use crate::cli::input;
 use clap::ValueEnum;
 use sinew_trainer::envelope::evaluate::{EvaluateError, Frames};
-use sinew_trainer::examples::{Examples, Split};
+use sinew_trainer::examples::{Clip, Examples, Split};
 use std::path::Path;
 
 /// Frames by their use.
@@ -38,7 +38,7 @@ pub(in crate::cli) fn blame(
     error: EvaluateError,
     model: &Path,
     input: &input::ExampleArguments,
-    examples: &Examples,
+    (examples, clips): (&Examples, &[Clip]),
 ) -> anyhow::Error {
     let source = input.named();
     let at_fault = match &error {
@@ -56,5 +56,5 @@ pub(in crate::cli) fn blame(
         EvaluateError::Frame(_) | EvaluateError::Examples(_) => source,
         _ => model.display().to_string(),
     };
-    anyhow::Error::new(error).context(at_fault)
+    anyhow::Error::new(error.called(clips)).context(at_fault)
 }

@@ -81,7 +81,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let skin = arguments.skin.as_deref();
     input::convert_to_model(&mut examples, &bytes, skin);
     let frames = arguments.split.map(SplitName::frames);
-    let blamed = |error, model| blame(error, model, &arguments.input, &examples);
+    let blamed = |error, model| blame(error, model, &arguments.input, (&examples, &clips));
     // What will be refused is refused before LBS is fitted.
     let compared = arguments.compare.as_deref().zip(other.as_deref());
     if let Some((path, bytes)) = compared {

@@ -1,6 +1,7 @@
 //! Results as a person reads them.
 
-use crate::cli::{counted, printable};
+use crate::cli::column::padded;
+use crate::cli::counted;
 use sinew_trainer::envelope::choose::{CandidateReport, TrainingReport};
 use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
 
@@ -68,8 +69,8 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
         );
     }
     for region in evaluation.regions.iter().filter(|region| region.kind == "mesh") {
-        let name = format!("  {}", printable(&region.name));
-        out += &format!("{name:<26}{:>10.4}\n", region.rms_percent);
+        let name = padded(&format!("  {}", region.name), 26);
+        out += &format!("{name}{:>10.4}\n", region.rms_percent);
     }
     let share = evaluation.errors.share_of(&evaluation.lbs);
     let Confidence { mean, least } = evaluation.confidence;

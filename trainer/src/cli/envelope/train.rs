@@ -12,10 +12,11 @@ use clap::builder::RangedU64ValueParser;
 use serde_json::json;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope;
+use sinew_trainer::envelope::evaluate::NOTHING;
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::skin::blend::CANDIDATES;
 use sinew_trainer::envelope::{FileSkins, Options, Predict, Trained, train};
-use sinew_trainer::examples::{Examples, Split};
+use sinew_trainer::examples::{Examples, Split, Warning};
 use std::path::PathBuf;
 
 /// Fits an envelope to the training frames of EXAMPLES and bakes it into MODEL.
@@ -48,12 +49,12 @@ pub(in crate::cli) struct Arguments {
 /// Which meshes a model holds.
 #[derive(clap::Args, serde::Serialize)]
 struct MeshArguments {
-    /// A further mesh in the model, as a skin called as its file: of any topology, in the rest pose,
-    /// axes and unit of EXAMPLES; may be given several times
+    /// A further mesh in the model, as a skin called as its file: of any topology, in the rest pose
+    /// of EXAMPLES; may be given several times
     ///
     /// One prediction then drives all of them: levels of detail, garments. Weights come from the nearest
     /// points of the examples' mesh and are fitted to where that carries them in the training frames, as
-    /// `sinew export --also` does it.
+    /// `sinew export --also` does it. Other axes or another unit are recognised where one way alone brings it there.
     #[arg(long, value_name = "LOD.obj", conflicts_with = "no_skin")]
     also: Vec<PathBuf>,
     /// Leave the mesh out: a model of a palette alone, for an engine that keeps its own meshes with
@@ -205,7 +206,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         bail!("cannot write {}: model and record are one file", arguments.output.display());
     }
     let mut hashes = arguments.input.hashes()?;
-    let input::LoadedInput { mut examples, warnings, .. } = arguments.input.load(output)?;
+    let input::LoadedInput { mut examples, mut warnings, .. } = arguments.input.load(output)?;
     let source = arguments.input.named();
     arguments.space.say(&mut examples, &source)?;
     let from = examples.space;
@@ -218,6 +219,16 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
     let trained = arguments.fit.train(&examples, &source, meshes, output)?;
     levels::warn(&trained.levels, also, output);
+    let lbs = 100.0 * trained.report.lbs_rms;
+    if lbs <= NOTHING && !warnings.contains(&Warning::PlainSkin.to_string()) {
+        let nothing = format!(
+            "the meshes are what linear blend skinning makes of them, which leaves {lbs:.6} % of the diagonal: there is \
+             nothing to learn, and skinning alone does as well; give the meshes that muscles, a simulation or \
+             correctives make"
+        );
+        output.warn(&source, &nothing);
+        warnings.push(nothing);
+    }
     let validated = 100.0 * trained.report.chosen().validated_rms.unwrap_or(f64::INFINITY);
     if let Some(most) = arguments.fail_above.filter(|most| validated > *most) {
         bail!(

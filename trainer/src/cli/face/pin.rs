@@ -2,8 +2,9 @@
 
 use super::input::{self, AnchorName};
 use super::pins::{self, Followed, PinArgument, Placed, Projection};
+use crate::cli::Output;
+use crate::cli::column::padded;
 use crate::cli::files::{OutputFile, write};
-use crate::cli::{Output, printable};
 use anyhow::{Context, bail};
 use serde_json::json;
 use sinew_runtime::Model;
@@ -204,7 +205,7 @@ fn print(
     let mut order: Vec<usize> = (0..names.len()).collect();
     order.sort_by(|a, b| solved.weights[*b].abs().total_cmp(&solved.weights[*a].abs()));
     for shape in order.into_iter().filter(|shape| solved.weights[*shape].abs() > 0.01) {
-        text += &format!("  {:<24}{:>8.3}\n", printable(&names[shape]), solved.weights[shape]);
+        text += &format!("  {}{:>8.3}\n", padded(&names[shape], 24), solved.weights[shape]);
     }
     text += &format!("norm of the edit {norm:.3}\nwrote {}\n", target.named().display());
     if unreachable_len > 0 {

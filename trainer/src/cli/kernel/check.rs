@@ -1,5 +1,6 @@
 //! `sinew kernel check`: cases of another implementation.
 
+use crate::cli::column::{padded, width};
 use crate::cli::{Output, printable};
 use anyhow::{Context, bail};
 use sinew_trainer::kernel::check::{Cases, DEVIATION, RCOND};
@@ -20,10 +21,10 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let about = || arguments.file.display().to_string();
     let text = std::fs::read(&arguments.file).with_context(about)?;
     let report = Cases::read(&text).with_context(about)?.check();
-    let width = report.cases.iter().map(|case| case.name.chars().count()).max().unwrap_or(0) + 2;
-    let mut text = format!("{:<width$}{:>10}{:>10}\n", "case", "deviation", "rcond");
+    let columns = report.cases.iter().map(|case| width(&case.name)).max().unwrap_or(0) + 2;
+    let mut text = format!("{:<columns$}{:>10}{:>10}\n", "case", "deviation", "rcond");
     for case in &report.cases {
-        let name = printable(&case.name);
+        let name = padded(&case.name, columns);
         text += &match (case.deviation, case.rcond, &case.skipped) {
             (Some(deviation), Some(rcond), _) => {
                 let mark = match (rcond > RCOND, deviation <= DEVIATION) {
@@ -31,10 +32,10 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
                     (true, false) => "  <- too far",
                     (false, _) => "  (ill-conditioned: not held)",
                 };
-                format!("{name:<width$}{deviation:>10.1e}{rcond:>10.1e}{mark}\n")
+                format!("{name}{deviation:>10.1e}{rcond:>10.1e}{mark}\n")
             }
             (_, _, why) => {
-                format!("{name:<width$}skipped: {}\n", printable(why.as_deref().unwrap_or("")))
+                format!("{name}skipped: {}\n", printable(why.as_deref().unwrap_or("")))
             }
         };
     }

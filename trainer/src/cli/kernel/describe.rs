@@ -1,5 +1,6 @@
 //! What `sinew inspect` says of functions.
 
+use crate::cli::column::{padded, width};
 use crate::cli::described::Described;
 use crate::cli::{counted, printable};
 use serde_json::{Value, json};
@@ -42,14 +43,15 @@ fn as_text(map: &KernelMap<'_>) -> String {
         let name = printable(map.output_name(output).unwrap_or_default());
         names.push([format!("output {name}"), format!("{}{}", row.kind.name(), kept(&row))]);
     }
-    let width = names.iter().map(|[name, _]| name.chars().count()).max().unwrap_or(0).max(24) + 2;
-    names.iter().for_each(|[name, what]| out += &format!("  {name:<width$}{what}\n"));
+    let longest = names.iter().map(|[name, _]| width(name)).max().unwrap_or(0);
+    let columns = longest.max(24) + 2;
+    names.iter().for_each(|[name, what]| out += &format!("  {}{what}\n", padded(name, columns)));
     for (name, figure) in [
         ("left at the samples, RMS", fit.rms_residual),
         ("samples left out, RMS", fit.left_out_rms),
         ("f32 may be off by", fit.rounding_error),
     ] {
-        out += &format!("  {name:<width$}{figure:.3e}\n");
+        out += &format!("  {name:<columns$}{figure:.3e}\n");
     }
     out
 }

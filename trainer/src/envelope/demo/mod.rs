@@ -88,6 +88,7 @@ fn skeleton() -> Skeleton {
         names: shape::JOINTS.iter().map(|&name| name.to_owned()).collect(),
         parents: (0..shape::JOINTS.len()).map(|joint| joint.checked_sub(1)).collect(),
         rest: shape::origins().iter().map(|&origin| frame(origin.into())).collect(),
+        roots: Vec::new(),
     }
 }
 

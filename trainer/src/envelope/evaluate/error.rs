@@ -1,7 +1,7 @@
 //! Why a measurement could not be made.
 
 use crate::envelope::posed::FrameError;
-use crate::examples::ExamplesError;
+use crate::examples::{Clip, ExamplesError};
 use sinew_runtime::FileError;
 
 /// A measurement that could not be made.
@@ -66,4 +66,15 @@ pub enum EvaluateError {
     /// A frame was refused.
     #[error(transparent)]
     Frame(#[from] FrameError),
+}
+
+impl EvaluateError {
+    /// Calls the frame that it points at as its source does, of frames of these clips.
+    pub fn called(self, clips: &[Clip]) -> Self {
+        match self {
+            Self::Examples(error) => Self::Examples(error.called(clips)),
+            Self::Frame(error) => Self::Frame(error.called(clips)),
+            error => error,
+        }
+    }
 }

@@ -28,7 +28,7 @@ pub struct Errors {
 }
 
 /// RMS error of LBS, in % of the rest diagonal, below which it is none that another may be compared with.
-const NOTHING: f64 = 1e-4;
+pub const NOTHING: f64 = 1e-4;
 
 impl Errors {
     /// Gives the RMS error as a share of that of LBS; none where LBS leaves nothing.

@@ -75,12 +75,13 @@ impl Export<'_> {
         let played = Played::new(model, skin, examples, clips)?;
         let right = played.right_handed(examples)?;
         let skin = &played.character.skin;
-        let (influences_of_levels, reports) = follow(&played, examples, levels)?;
+        let mut levels = levels.to_vec();
+        let (influences_of_levels, reports) = follow(&played, examples, &mut levels)?;
 
         let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
         let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
         let own = examples.surface();
-        let (mut triangles, mut levels) = (own.engine_triangles().to_vec(), levels.to_vec());
+        let mut triangles = own.engine_triangles().to_vec();
         if let Some(mirror) = &right.mirror {
             normals_at_rest.iter_mut().for_each(|n| *n = mirror.direction(*n));
             mirror.triangles(&mut triangles);
@@ -133,11 +134,11 @@ impl Export<'_> {
     }
 }
 
-/// Finds what further meshes follow.
+/// Finds what further meshes follow, and moves those in other axes or another unit.
 fn follow(
     played: &Played<'_>,
     examples: &Examples,
-    levels: &[Level],
+    levels: &mut [Level],
 ) -> Result<(Vec<Influences>, Vec<LevelReport>), ExportError> {
     if levels.is_empty() {
         return Ok(Default::default());
@@ -160,9 +161,7 @@ fn follow(
         palettes,
         posed,
     };
-    let followed = levels.iter().map(|level| surface.follow(level));
-    let followed = followed.collect::<Result<Vec<_>, _>>()?.into_iter();
-    Ok(followed.unzip())
+    Ok(surface.follow_all(levels)?)
 }
 
 /// Places the armature of a right-handed model, so that the character stands as asked.

@@ -4,6 +4,7 @@ use super::into::error::IntoError;
 use crate::envelope::evaluate::EvaluateError;
 use crate::envelope::levels::LevelError;
 use crate::envelope::posed::FrameError;
+use crate::examples::Clip;
 use crate::formats::GlbError;
 use crate::space::SpaceError;
 
@@ -50,4 +51,15 @@ pub enum ExportError {
     /// The file cannot be put together.
     #[error(transparent)]
     Glb(#[from] GlbError),
+}
+
+impl ExportError {
+    /// Calls the frame that it points at as its source does, of frames of these clips.
+    pub fn called(self, clips: &[Clip]) -> Self {
+        match self {
+            Self::Model(error) => Self::Model(error.called(clips)),
+            Self::Frame(error) => Self::Frame(error.called(clips)),
+            error => error,
+        }
+    }
 }

@@ -33,12 +33,13 @@ impl JointNodes {
     /// Adds the joints under a node, which stands in the model's own space.
     pub(super) fn new(document: &mut Document, under: NodeIndex, skeleton: &Skeleton) -> Self {
         let rest: Vec<_> = skeleton.rest.iter().map(|frame| isometry(&square(frame))).collect();
+        let parents = skeleton.own_parents();
         let mut joints = Self {
             nodes: Vec::new(),
             inverse_binds: rest.iter().map(|frame| rounded(&frame.inverse())).collect(),
             binds: Vec::new(),
-            parents: skeleton.parents.clone(),
-            order: parents_first(&skeleton.parents),
+            order: parents_first(&parents),
+            parents,
         };
         // What follows makes up for the rounding of the inverse bind matrices.
         joints.binds = joints.inverse_binds.iter().zip(&rest).map(bind).collect();

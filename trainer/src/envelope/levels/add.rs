@@ -79,9 +79,8 @@ pub fn add(
         palettes: &palettes,
         posed,
     };
-    let followed: Vec<_> =
-        levels.iter().map(|level| surface.follow(level)).collect::<Result<_, _>>()?;
-    let (influences, reports): (Vec<_>, Vec<_>) = followed.into_iter().unzip();
+    let mut levels = levels.to_vec();
+    let (influences, reports) = surface.follow_all(&mut levels)?;
     for (level, influences) in levels.iter().zip(influences) {
         let mut skin = skin_of(level, &influences);
         if coefficients {

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use sinew_runtime::Matrix3x4;
 
 /// Further than this share of the diagonal a vertex does not belong to the model's surface.
-const FAR: f64 = 0.1;
+pub(super) const FAR: f64 = 0.1;
 /// Pull of fitted weights to those of the nearest point, as a share of what one transform alone errs:
 /// what the frames do not show stays as it was.
 const PULL: f64 = 1e-3;
@@ -30,13 +30,29 @@ pub enum LevelError {
     /// It does not lie on the model's surface.
     #[error(
         "mesh {name} is {percent:.0} % of the diagonal away from the model's surface, expected at \
-         most 10 % at the median: export it in the same rest pose, units and axes as the examples"
+         most 10 % at the median, in whatever axes and unit: export it in the rest pose of the examples"
     )]
     Far {
         /// Its name.
         name: String,
         /// Median distance in % of the diagonal.
         percent: f64,
+    },
+    /// It lies on the model's surface in several other axes, and which are meant cannot be told.
+    #[error(
+        "mesh {name} is not in the model's axes and unit: turned to {axes} it is {percent:.1} % of the diagonal away from \
+         the model's surface, and hardly further to {}: export it in the axes and unit of the examples",
+        as_near.join(", ")
+    )]
+    Axes {
+        /// Its name.
+        name: String,
+        /// Least median distance in % of the diagonal.
+        percent: f64,
+        /// Where it is so.
+        axes: String,
+        /// Where it is hardly more.
+        as_near: Vec<String>,
     },
     /// Two skins would have one name.
     #[error(
@@ -58,6 +74,8 @@ pub struct LevelReport {
     pub vertices: usize,
     /// Its triangles.
     pub triangles: usize,
+    /// How it was moved, of a mesh in other axes or another unit.
+    pub moved: Option<String>,
     /// Median distance of its vertices from the model's surface at rest, in % of the diagonal.
     pub distance_percent: f64,
     /// Vertices that are further than 10 % of the diagonal from it.
@@ -123,6 +141,7 @@ impl SkinSurface<'_> {
             name: name.clone(),
             vertices: mesh.positions.len(),
             triangles: mesh.triangles.len(),
+            moved: None,
             distance_percent: 100.0 * median,
             far: distances.iter().filter(|&&distance| distance > FAR).count(),
             transferred_percent: percent(|f| f.transferred),

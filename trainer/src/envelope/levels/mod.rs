@@ -3,6 +3,7 @@
 mod add;
 mod follow;
 mod nearest;
+mod place;
 
 pub use add::{AddError, OWN, add, check_names, reserve};
 pub use follow::{Influences, Level, LevelError, LevelReport, SkinSurface};

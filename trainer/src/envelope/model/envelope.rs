@@ -91,6 +91,7 @@ impl EnvelopeModel {
                 names: joints.clone().map(name).collect(),
                 parents: joints.clone().map(|joint| envelope.parent(joint)).collect(),
                 rest: joints.clone().map(|joint| rest_frame(envelope, joint)).collect(),
+                roots: Vec::new(),
             },
             reconstruction: envelope.predictor().reconstructs().then(|| Reconstruction {
                 keys: keys.iter().map(key).collect(),

@@ -128,7 +128,7 @@ pub enum ImportError {
     /// An animation's joints at rest are not the character's.
     #[error(
         "its joints at rest are not the character's: off by {percent:.1} % of the diagonal; export the skeleton \
-         in its rest pose, with the animation"
+         in its rest pose, with the animation, or give --mesh a file that says its axes"
     )]
     OtherSkeleton {
         /// RMS distance of their origins in % of the diagonal.

@@ -1,6 +1,7 @@
 //! Files become examples: poses and posed meshes of one or of two files, joined and checked.
 
 mod align;
+mod chosen;
 mod error;
 mod joined;
 mod loaded;
@@ -18,6 +19,7 @@ mod source;
 mod targets;
 #[cfg(test)]
 mod tests;
+mod unposed;
 
 pub use error::ImportError;
 pub use joined::join;

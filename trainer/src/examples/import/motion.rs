@@ -4,6 +4,7 @@ use super::align::{self, apart};
 use super::error::ImportError;
 use super::loaded::Loaded;
 use super::scene::rows;
+use super::unposed;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Split, Warning};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{Motion, Sampling};
@@ -16,7 +17,8 @@ use std::path::Path;
 const SAME_REST: f64 = 0.01;
 
 /// Plays the animations of a file on a character: its joints, found by name, take the place of the character's
-/// frames, with the rest mesh for every posed one. A joint that the file does not have follows its parent.
+/// frames, with the rest mesh for every posed one. A joint that the file does not have follows its parent; joints that it
+/// has in another rest pose, or only as they move, start from the character's.
 ///
 /// # Errors
 /// [`ImportError::NoJoints`], [`ImportError::NoRoot`] and [`ImportError::OtherSkeleton`]; what keeps the scene from
@@ -26,7 +28,7 @@ pub(super) fn play(
     mut character: Examples,
     sampling: &Sampling<'_>,
 ) -> Result<Loaded, ExamplesError> {
-    let Skeleton { names, parents, rest: own_rest } = &character.skeleton;
+    let Skeleton { names, parents, rest: own_rest, .. } = &character.skeleton;
     let motion = match extension(file).as_str() {
         "glb" | "gltf" => gltf::read_motion(file, names, sampling)?,
         "fbx" => fbx::read_motion(file, names, sampling)?,
@@ -41,8 +43,15 @@ pub(super) fn play(
     if places[root].is_none() {
         return Err(ImportError::NoRoot { joint: names[root].clone() }.into());
     }
+    let mut warnings: Vec<Warning> = motion.warnings.iter().cloned().map(Warning::from).collect();
     let mut found = Found::new(&motion);
-    found.move_to(&character, &places)?;
+    if let Err(error) = found.move_to(&character, &places) {
+        let Some(transforms) = unposed::transforms(&motion, &character, &places) else {
+            return Err(error.into());
+        };
+        found.transforms = transforms;
+        warnings.push(Warning::RestOfCharacter);
+    }
     let joint_len = names.len();
     let mut transforms: Vec<Matrix3x4> = Vec::new();
     for frame in found.transforms.chunks_exact(motion.names.len()) {
@@ -55,7 +64,6 @@ pub(super) fn play(
     let missing = |joint: &usize| places[*joint].is_none();
     let missing: Vec<String> =
         (0..own_rest.len()).filter(missing).map(|joint| names[joint].clone()).collect();
-    let mut warnings: Vec<Warning> = motion.warnings.into_iter().map(Warning::from).collect();
     if !missing.is_empty() {
         warnings.push(Warning::FollowParents { joints: missing });
     }
@@ -85,6 +93,7 @@ impl Found {
             names: motion.names.clone(),
             parents: vec![None; motion.names.len()],
             rest: motion.rest.iter().map(rows).collect(),
+            roots: Vec::new(),
         };
         Self { space: motion.space, skeleton, transforms: posed.collect() }
     }

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Matrix4};
 
 use super::align::{self, Similarity};
+use super::chosen::{chosen, kept};
 use super::error::ImportError;
 use super::matched::matched;
 use super::order::PosedClips;
@@ -23,7 +24,8 @@ type Joined = (Examples, Vec<Clip>, Vec<Warning>);
 /// Joins poses and posed meshes, those of `targets` where they are given, else the scene's own.
 ///
 /// Targets that bring a rest mesh of their own decide space and units, and the joints are moved
-/// there; targets without one are moved to the joints.
+/// there; targets without one are moved to the joints. Of a scene with more clips than are asked for, as the targets
+/// hold them, those that are not are left out.
 ///
 /// # Errors
 /// [`SceneError::SingularBind`], [`ImportError::NoShapes`]; and for targets
@@ -81,7 +83,22 @@ pub(super) fn join(
             poses.tell(&similarity, "targets");
         }
     }
-    Ok(joined(scene, poses, vertices, split))
+    let all = joined(scene, poses, vertices, split);
+    Ok(cut(all, sampling))
+}
+
+/// Leaves out the frames of clips that are not asked for.
+fn cut((mut examples, clips, mut warnings): Joined, sampling: &Sampling<'_>) -> Joined {
+    let held = examples.frame_len();
+    let (clips, frames) = chosen(clips, sampling);
+    let Some(frames) = frames else { return (examples, clips, warnings) };
+    let names = clips.iter().map(|clip| clip.name.clone()).collect();
+    warnings.push(Warning::TargetsCut { clips: names, frames: frames.len(), held });
+    let (vertex_len, joint_len) = (examples.vertex_len(), examples.joint_len());
+    examples.vertices = kept(examples.vertices, vertex_len, Some(&frames));
+    examples.transforms = kept(examples.transforms, joint_len, Some(&frames));
+    examples.split = kept(examples.split, 1, Some(&frames));
+    (examples, clips, warnings)
 }
 
 /// Gives the poses, with the rest mesh in place of every posed one.
@@ -128,9 +145,9 @@ impl ScenePoses {
             map.fixed_view_mut::<3, 3>(0, 0).unscale_mut(scale);
         }
         let mut warnings = scene.warnings.drain(..).map(Warning::from).collect();
-        let parents = roots::joined(&scene.names, scene.parents.clone(), &mut warnings);
+        let (parents, roots) = roots::joined(&scene.names, scene.parents.clone(), &mut warnings);
         let rest = scene.binds.iter().map(|bind| rows(&rest_frame(bind, scale))).collect();
-        let skeleton = Skeleton { names: scene.names.clone(), parents, rest };
+        let skeleton = Skeleton { names: scene.names.clone(), parents, roots, rest };
         Ok(Self { skeleton, transforms: maps.iter().map(rows).collect(), warnings })
     }
 
@@ -197,7 +214,8 @@ fn joined(
     (examples, clips, warnings)
 }
 
-fn frame_len(scene: &SampledScene) -> usize {
+/// Counts the frames of a scene's clips.
+pub(super) fn frame_len(scene: &SampledScene) -> usize {
     scene.clips.iter().map(|clip| clip.times.len()).sum()
 }
 
@@ -206,7 +224,7 @@ fn check_frames(
     meshes: &PosedMeshes,
     mut missing: Vec<String>,
 ) -> Result<(), ImportError> {
-    let (expected, found) = (frame_len(scene), meshes.vertices.len() / meshes.vertex_len.max(1));
+    let (expected, found) = (frame_len(scene), meshes.frame_len());
     if expected != found {
         let clips: Vec<_> = scene.clips.iter().map(Clip::describe).collect();
         // Numbers may leave out what lies between clips.

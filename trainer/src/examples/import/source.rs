@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ImportError;
 use super::loaded::Loaded;
+use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
 use crate::examples::{ExamplesError, LoadError};
 use crate::formats::extension::{extension, unknown_format};
@@ -18,7 +19,8 @@ pub struct Source<'a> {
     pub file: &'a Path,
     /// Posed meshes of a scene from another file, one a frame of the poses.
     pub targets: Option<&'a Path>,
-    /// Frames a second at which a scene's clips are sampled; at their keys where none is given.
+    /// Frames a second at which a scene's clips are sampled, at their keys where none is given; of poses to be played,
+    /// also at which the frames of an `.npz` follow.
     pub fps: Option<f64>,
     /// The clips to read; all of them where none is given.
     pub clips: &'a [String],
@@ -45,19 +47,22 @@ impl<'a> Source<'a> {
     /// Gives the skeleton, mesh and clips of a scene; none where the file is complete in itself.
     fn scene(&self, sampling: &Sampling<'_>) -> Result<Option<SampledScene>, ExamplesError> {
         let read = match extension(self.file).as_str() {
-            "npz" => {
-                let given = [("--targets", self.targets.is_some()), ("--fps", self.fps.is_some())];
-                return match given.into_iter().find(|(_, given)| *given) {
-                    Some((option, _)) => Err(ImportError::NotAScene { option }.into()),
-                    None => Ok(None),
-                };
-            }
+            "npz" => return Ok(None),
             "glb" | "gltf" => gltf::read(self.file, sampling),
             "fbx" => fbx::read(self.file, sampling),
             "abc" | "mdd" | "obj" | "pc2" => return Err(ImportError::MeshesAlone.into()),
             _ => Err(unknown_format(self.file, ".npz, .glb, .gltf or .fbx")),
         };
         Ok(Some(read?))
+    }
+
+    /// Checks that nothing is given that only goes with a scene.
+    fn check_whole(&self) -> Result<(), ExamplesError> {
+        let given = [("--targets", self.targets.is_some()), ("--fps", self.fps.is_some())];
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((option, _)) => Err(ImportError::NotAScene { option }.into()),
+            None => Ok(()),
+        }
     }
 
     /// Checks that each file holds what its ending says.
@@ -67,6 +72,16 @@ impl<'a> Source<'a> {
                 .map_err(|error| LoadError { file: file.to_owned(), error: error.into() })?;
         }
         Ok(())
+    }
+
+    /// Gives the scene with all of its clips, where some are asked for and the posed meshes are of all.
+    fn as_held(&self, scene: SampledScene, targets: Option<&TargetMeshes>) -> SampledScene {
+        let Some(held) = targets.map(|targets| targets.meshes.frame_len()) else { return scene };
+        if self.clips.is_empty() || held == scene::frame_len(&scene) {
+            return scene;
+        }
+        let all = self.scene(&Sampling { clips: &[], ..self.sampling(false) }).ok().flatten();
+        all.filter(|all| held == scene::frame_len(all)).unwrap_or(scene)
     }
 
     fn sampling(&self, shapes: bool) -> Sampling<'a> {
@@ -88,8 +103,12 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
     source.check_content()?;
     let sampling = source.sampling(source.targets.is_none());
     let scene = source.scene(&sampling).map_err(&blame)?;
-    let Some(scene) = scene else { return npz::load_clips(source.file, &sampling) };
+    let Some(scene) = scene else {
+        source.check_whole().map_err(&blame)?;
+        return npz::load_clips(source.file, &sampling);
+    };
     let targets = source.targets.map(targets::read).transpose()?;
+    let scene = source.as_held(scene, targets.as_ref());
     let at_fault = source.targets.unwrap_or(source.file);
     let join = || {
         let (examples, clips, mut warnings) = scene::join(scene, targets, &sampling)?;
@@ -106,7 +125,7 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
 }
 
 /// Reads poses; of a scene without a skin the rest mesh stands in for every posed one. The source's
-/// targets are not read.
+/// targets are not read. The frames of an `.npz` play at the source's rate, where it has one.
 ///
 /// # Errors
 /// As [`load`].
@@ -115,7 +134,7 @@ pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
     Source::file(source.file).check_content()?;
     let sampling = source.sampling(false);
     let scene = source.scene(&sampling).map_err(&blame)?;
-    let Some(scene) = scene else { return npz::load_clips(source.file, &sampling) };
+    let Some(scene) = scene else { return npz::load_played(source.file, &sampling) };
     let (examples, clips, mut warnings) = scene::still(scene).map_err(&blame)?;
     warnings.extend(examples.validate().map_err(&blame)?);
     Ok(Loaded { examples, clips, warnings })

@@ -46,8 +46,8 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
         return Err(if empty { SceneError::NoMesh } else { SceneError::NoSkin }.into());
     }
     let skins = Skins::read(&document, &buffers, &nodes, &mut meshes)?;
+    let mut warnings = Vec::from_iter(skins.neutral(&nodes, &meshes));
     let scene = Scene::new(nodes, meshes, ClipKeys::read(&document, &buffers)?);
-    let mut warnings = Vec::new();
     if !left_out.is_empty() {
         warnings.push(FormatWarning::UnskinnedMeshes { meshes: left_out });
     }

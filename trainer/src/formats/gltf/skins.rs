@@ -10,6 +10,7 @@ use super::file::Buffers;
 use super::meshes::Meshes;
 use super::nodes::Nodes;
 use crate::formats::scene::SceneError;
+use crate::formats::warning::FormatWarning;
 
 /// Two bind matrices of one joint agree within this share of their largest entry; files round them.
 const AGREE: f64 = 1e-4;
@@ -106,12 +107,32 @@ impl Skins {
         Ok(Member { joints, shift })
     }
 
+    /// Tells of a joint that no rig has, but Blender adds.
+    pub(super) fn neutral(&self, nodes: &Nodes, meshes: &Meshes) -> Option<FormatWarning> {
+        let neutral = |&joint: &usize| nodes.names[self.joints[joint]].starts_with(NEUTRAL);
+        let found = (0..self.joints.len()).find(neutral)?;
+        let followers = meshes.instances.iter().enumerate().map(|(number, instance)| {
+            let Some(member) = instance.skin.and_then(|skin| self.members.get(&skin)) else {
+                return 0;
+            };
+            let follows =
+                |&(joint, weight): &(usize, f64)| weight > 0.0 && neutral(&member.joints[joint]);
+            let own = &meshes.influences[meshes.vertices(number)];
+            own.iter().filter(|influences| influences.iter().any(follows)).count()
+        });
+        let joint = nodes.names[self.joints[found]].clone();
+        Some(FormatWarning::NeutralBone { joint, count: followers.sum() })
+    }
+
     /// Gives the nearest joint above each joint; several may have none.
     pub(super) fn parents(&self, nodes: &Nodes) -> Vec<Option<usize>> {
         let of = |node: usize| self.joints.iter().position(|&joint| joint == node);
         self.joints.iter().map(|&node| nodes.upwards(node).skip(1).find_map(of)).collect()
     }
 }
+
+/// What Blender calls the joint that it adds for vertices without weights.
+const NEUTRAL: &str = "neutral_bone";
 
 fn check_influences(
     influences: &[Vec<(usize, f64)>],

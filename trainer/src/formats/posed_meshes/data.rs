@@ -35,4 +35,9 @@ impl PosedMeshes {
         let (rest, triangles, reference) = (None, None, None);
         Self { vertex_len, vertices, rest, triangles, reference, parts: Vec::new() }
     }
+
+    /// Counts the frames, N.
+    pub(crate) fn frame_len(&self) -> usize {
+        self.vertices.len() / self.vertex_len.max(1)
+    }
 }

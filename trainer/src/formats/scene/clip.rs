@@ -4,7 +4,9 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 /// Frames a second where a source names no times.
-const RATE: f64 = 30.0;
+pub(crate) const RATE: f64 = 30.0;
+/// Share by which two times, or rates, may differ that are one but for rounding.
+const SAME: f64 = 1e-9;
 /// Frames a second that an animation may have.
 pub const RATES: RangeInclusive<f64> = 0.001..=10_000.0;
 
@@ -33,7 +35,7 @@ impl Clip {
     }
 
     /// Makes a clip of `frame_len` frames from `first` on, at 30 a second.
-    pub(crate) fn regular(name: String, first: usize, frame_len: usize) -> Self {
+    pub fn regular(name: String, first: usize, frame_len: usize) -> Self {
         let mut clip = Self { name, first, times: vec![0.0; frame_len], numbers: None };
         clip.play_at(RATE);
         clip
@@ -57,11 +59,29 @@ impl Clip {
     /// Plays it at so many frames a second: of the source's, where it numbers them, so that of every second
     /// frame each takes the time of two.
     pub fn play_at(&mut self, fps: f64) {
-        let place = |frame: usize| match (self.number(0), self.number(frame)) {
+        self.times = self.places().map(|place| place / fps).collect();
+    }
+
+    /// Gives the one rate at which some clips play, as [`Clip::play_at`] takes it; none where they have no one rate, or
+    /// no second frame.
+    pub fn rate_of(clips: &[Self]) -> Option<f64> {
+        let longest = clips.iter().max_by_key(|clip| clip.times.len())?;
+        let fps = longest.places().last()? / longest.times.last()?;
+        let whole = fps.round();
+        let fps = if (fps - whole).abs() <= SAME * fps { whole } else { fps };
+        let plays = |clip: &Self| {
+            let mut times = clip.places().zip(&clip.times);
+            times.all(|(place, time)| (place / fps - time).abs() <= SAME * time)
+        };
+        (RATES.contains(&fps) && clips.iter().all(plays)).then_some(fps)
+    }
+
+    /// Counts the source's frames from the first to each.
+    fn places(&self) -> impl Iterator<Item = f64> {
+        (0..self.times.len()).map(|frame| match (self.number(0), self.number(frame)) {
             (Some(first), Some(number)) => number as f64 - first as f64,
             _ => frame as f64,
-        };
-        self.times = (0..self.times.len()).map(|frame| place(frame) / fps).collect();
+        })
     }
 
     /// Gives what its source calls its `frame`-th frame.
@@ -89,6 +109,14 @@ mod tests {
         assert_eq!(twos.times, [0.0, 2.0 / 30.0, 6.0 / 30.0]);
         twos.play_at(24.0);
         assert_eq!(twos.times, [0.0, 2.0 / 24.0, 6.0 / 24.0]);
+        assert_eq!(Clip::rate_of(&[clip.clone(), twos.clone()]), Some(24.0));
+        clip.play_at(23.976);
+        let found = Clip::rate_of(&[clip.clone()]).unwrap();
+        assert!((found - 23.976).abs() < 1e-12, "{found}");
+        assert_eq!(Clip::rate_of(&[clip.clone(), twos.clone()]), None);
+        assert_eq!(Clip::rate_of(&[Clip::still()]), None);
+        clip.times[1] += 1e-3;
+        assert_eq!(Clip::rate_of(&[clip]), None);
         assert_eq!([0, 2, 3].map(|frame| twos.number(frame)), [Some(-1), Some(5), None]);
     }
 }

@@ -7,6 +7,7 @@ mod sampled;
 mod sampling;
 mod times;
 
+pub(crate) use clip::RATE;
 pub use clip::{Clip, RATES};
 pub use error::SceneError;
 pub(crate) use motion::Motion;

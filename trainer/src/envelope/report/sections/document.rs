@@ -53,7 +53,9 @@ impl Page<'_> {
             section("Error by joint", &joints::errors(comparison)),
             section("How errors are distributed", &histogram::errors(comparison)),
             section("Confidence", &frames::confidence(comparison)),
-            section("More or fewer proxies", &sizes::errors(comparison, sizes.as_ref())),
+            sizes.as_ref().map_or(String::new(), |sizes| {
+                section("More or fewer proxies", &sizes::errors(comparison, sizes))
+            }),
             section(
                 "What moves each vertex",
                 &pictures::palette(&pictures, comparison, near_rigid)?,

@@ -154,7 +154,6 @@ pub(super) fn palette(
     let (rest, examples) = (pictures.rest(), comparison.source.examples);
     let camera = pictures.whole(&[&rest]);
     let mut row = Vec::new();
-    let mut told = String::new();
     for (number, model) in comparison.models().enumerate() {
         let (name, alone) =
             (model.file.name, follow_joints(&model.character, comparison.source.examples));
@@ -162,7 +161,8 @@ pub(super) fn palette(
             (Some(alone), _) => (Some(alone.as_slice()), "follow joints alone"),
             (None, given) => (given, "are near-rigid: the reconstruction holds them at LBS"),
         };
-        if let Some(rigid) = rigid {
+        // Of vertices that are all alike there is nothing to see.
+        if let Some(rigid) = rigid.filter(|rigid| rigid.contains(&true) && rigid.contains(&false)) {
             let colours: Vec<Colour> =
                 rigid.iter().map(|&rigid| NEAR_RIGID[usize::from(!rigid)]).collect();
             let paint = Paint::Kinds(&colours);
@@ -170,11 +170,6 @@ pub(super) fn palette(
             let share = 100.0 * count as f64 / rigid.len().max(1) as f64;
             let caption = format!("{name}: {} vertices ({share:.0} %) {what}", grouped(count));
             row.push(pictures.take(&rest, &paint, &camera, None, &caption)?);
-        } else if number == 0 {
-            told = paragraph(
-                "Which vertices are near-rigid is told by a training with the model's number of \
-                 proxies, which this report was made without.",
-            );
         }
         let colours = dominant_colours(&model.character, examples);
         let caption = format!(
@@ -183,7 +178,7 @@ pub(super) fn palette(
         );
         row.push(pictures.take(&rest, &Paint::Kinds(&colours), &camera, None, &caption)?);
     }
-    Ok(told + &side_by_side(row.len().max(3), &row))
+    Ok(side_by_side(row.len().max(3), &row))
 }
 
 fn maps(envelope: &sinew_runtime::Envelope<'_>) -> String {

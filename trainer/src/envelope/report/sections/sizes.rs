@@ -11,23 +11,19 @@ use crate::page::html::{grouped, paragraph, percent, table, text};
 const SIZE: (f64, f64) = (550.0, 250.0);
 
 /// Charts and a table of trainings with several numbers of proxies, and the times of their steps.
-pub(super) fn errors(
-    comparison: &Comparison<'_>,
-    sizes: Option<&Result<Sizes, FitError>>,
-) -> String {
+pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, FitError>) -> String {
     let predictor = comparison.model.character.envelope.predictor().name();
     let sizes = match sizes {
-        None => return paragraph("The report was asked to train nothing."),
-        Some(Err(error)) => {
+        Err(error) => {
             return paragraph(&format!(
                 "On these examples {predictor} cannot be trained: {}.",
                 text(&error.to_string())
             ));
         }
-        Some(Ok(sizes)) if sizes.trials.is_empty() => {
+        Ok(sizes) if sizes.trials.is_empty() => {
             return paragraph("The model has no proxies: its palette is the joints alone.");
         }
-        Some(Ok(sizes)) => sizes,
+        Ok(sizes) => sizes,
     };
     let outcomes: Vec<&Outcome> =
         sizes.trials.iter().filter_map(|trial| trial.outcome.as_ref().ok()).collect();

@@ -7,13 +7,14 @@ use super::runs::{RunKind, read_runs};
 use super::sidecar::Sidecar;
 use crate::examples::validate::same;
 use crate::examples::{Clip, ExamplesError, RATES};
-use crate::formats::FormatError;
 use crate::formats::npz::Archive;
-use crate::formats::scene::Sampling;
 
-const CLIPS: RunKind = RunKind { what: "clips", names: "clip_names", starts: "clip_starts" };
+/// Clips, as runs of frames.
+pub(super) const CLIPS: RunKind =
+    RunKind { what: "clips", names: "clip_names", starts: "clip_starts" };
 
-/// Reads the clips of N frames; all frames are one where none is named, called as the file.
+/// Reads the clips of N frames, and how many play a second where that is said; all frames are one clip where none is
+/// named, called as the file.
 ///
 /// # Errors
 /// Those of [`read_runs`]; [`ExamplesError::FrameNumber`] for numbers that do not ascend in a clip,
@@ -23,7 +24,7 @@ pub(super) fn read_clips(
     sidecar: &Sidecar,
     file: &Path,
     frame_len: usize,
-) -> Result<Vec<Clip>, ExamplesError> {
+) -> Result<(Vec<Clip>, Option<f64>), ExamplesError> {
     let (names, starts) = (sidecar.clip_names.as_ref(), sidecar.clip_starts.as_ref());
     let runs = read_runs(archive, &CLIPS, names, starts, frame_len)?;
     let runs = runs.unwrap_or_else(|| vec![(Clip::name_of(file), 0..frame_len)]);
@@ -48,7 +49,7 @@ pub(super) fn read_clips(
         }
         Ok(clip)
     };
-    runs.into_iter().map(clip).collect()
+    Ok((runs.into_iter().map(clip).collect::<Result<_, ExamplesError>>()?, fps))
 }
 
 /// Gives the numbers of a clip's frames, which must ascend and be such as animation programs have.
@@ -62,34 +63,4 @@ fn ascending(numbers: &[i64], frames: &Range<usize>) -> Result<Vec<i64>, Example
         least = found + 1;
     }
     Ok(numbers.to_vec())
-}
-
-/// Chooses the clips that are asked for, one after the other; and the frames that they have among all, where these are
-/// not all.
-///
-/// # Errors
-/// [`SceneError::UnknownClip`](crate::formats::SceneError::UnknownClip)
-pub(super) fn chosen(
-    clips: Vec<Clip>,
-    sampling: &Sampling<'_>,
-) -> Result<(Vec<Clip>, Option<Vec<usize>>), ExamplesError> {
-    let names = clips.iter().map(|clip| clip.name.clone()).collect();
-    sampling.check(names).map_err(FormatError::from)?;
-    if clips.iter().all(|clip| sampling.takes(&clip.name)) {
-        return Ok((clips, None));
-    }
-    let mut frames = Vec::new();
-    let takes = |clip: &Clip| sampling.takes(&clip.name);
-    let taken = clips.into_iter().filter(takes).map(|clip| {
-        let first = frames.len();
-        frames.extend(clip.first..clip.first + clip.times.len());
-        Clip { first, ..clip }
-    });
-    Ok((taken.collect(), Some(frames)))
-}
-
-/// Keeps the rows of some frames, `each` a frame; all of them where none are chosen.
-pub(super) fn kept<T: Copy>(all: Vec<T>, each: usize, frames: Option<&[usize]>) -> Vec<T> {
-    let Some(frames) = frames else { return all };
-    frames.iter().flat_map(|&frame| &all[frame * each..][..each]).copied().collect()
 }

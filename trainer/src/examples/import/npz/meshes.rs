@@ -6,7 +6,9 @@ use crate::examples::ExamplesError;
 use crate::examples::validate::same;
 use crate::formats::npz::Archive;
 
-const MESHES: RunKind = RunKind { what: "meshes", names: "mesh_names", starts: "mesh_starts" };
+/// Meshes, as runs of vertices.
+pub(super) const MESHES: RunKind =
+    RunKind { what: "meshes", names: "mesh_names", starts: "mesh_starts" };
 
 /// Reads the meshes that V vertices are of; none where none is named.
 ///

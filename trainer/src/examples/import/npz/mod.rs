@@ -40,18 +40,20 @@ use std::path::Path;
 pub(super) use posed_meshes::read_posed_meshes;
 pub use save::save_npz;
 
-use self::clips::{chosen, kept, read_clips};
+use self::clips::read_clips;
 use self::fields::{FACES, missing, read_faces, read_split};
 use self::meshes::{read_importance, read_meshes};
 use self::sidecar::{Parent, Sidecar};
 use self::space::read_space;
 use self::texture::read_texture;
+use super::chosen::{chosen, kept};
 use super::loaded::Loaded;
 use super::{origins, roots};
 use crate::examples::validate::{REPAIRABLE, same};
 use crate::examples::{
     Distortion, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
 };
+use crate::formats::FormatError;
 use crate::formats::npz::{Archive, Rows};
 use crate::formats::scene::Sampling;
 
@@ -72,6 +74,28 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
 /// # Errors
 /// As [`load`], and [`SceneError::UnknownClip`](crate::formats::SceneError::UnknownClip).
 pub(super) fn load_clips(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, LoadError> {
+    Ok(open(path, sampling)?.0)
+}
+
+/// Reads the examples of the clips that are asked for as they are to be played: at the rate that is asked for, or that
+/// of the file.
+///
+/// # Errors
+/// As [`load_clips`].
+pub(super) fn load_played(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, LoadError> {
+    let (mut loaded, told) = open(path, sampling)?;
+    match sampling.fps {
+        Some(fps) => loaded.clips.iter_mut().for_each(|clip| clip.play_at(fps)),
+        None if told.is_none() && loaded.clips.iter().any(|clip| clip.times.len() > 1) => {
+            loaded.warnings.push(Warning::NoRate);
+        }
+        None => {}
+    }
+    Ok(loaded)
+}
+
+/// Reads examples, and how many frames play a second where that is said.
+fn open(path: &Path, sampling: &Sampling<'_>) -> Result<(Loaded, Option<f64>), LoadError> {
     let beside = path.with_extension("json");
     let sidecar =
         Sidecar::read(&beside).map_err(|error| LoadError { file: beside.clone(), error })?;
@@ -86,7 +110,7 @@ fn read(
     sidecar: &Sidecar,
     path: &Path,
     sampling: &Sampling<'_>,
-) -> Result<Loaded, ExamplesError> {
+) -> Result<(Loaded, Option<f64>), ExamplesError> {
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
     let faces = read_faces(&mut archive, FACES, rest.len())?;
     let faces = faces.ok_or_else(|| missing("quads or tris"))?;
@@ -99,12 +123,12 @@ fn read(
         archive.required::<f64, 16>("bone_transforms", &[0, 4, 4])?;
     same("frames", "vertices", frame_len, "bone_transforms", lead[0])?;
     let joint_len = lead[1];
-    let clips = read_clips(&mut archive, sidecar, path, frame_len)?;
+    let (clips, fps) = read_clips(&mut archive, sidecar, path, frame_len)?;
 
     let mut warnings = Vec::new();
     let names = read_names(&mut archive, sidecar)?;
     same("joints", "bone_names", names.len(), "bone_transforms", joint_len)?;
-    let parents = read_parents(&mut archive, sidecar, &names, &mut warnings)?;
+    let (parents, roots) = read_parents(&mut archive, sidecar, &names, &mut warnings)?;
     let frames = archive.rows::<f64, 16>("joint_world_rest", &[4, 4])?;
     if let Some(frames) = &frames {
         same("joints", "bone_names", joint_len, "joint_world_rest", frames.data.len())?;
@@ -115,7 +139,9 @@ fn read(
     let importance = read_importance(&mut archive, rest.len())?;
     let space = read_space(&mut archive, sidecar)?;
 
-    let (clips, kept_frames) = chosen(clips, sampling)?;
+    let known = clips.iter().map(|clip| clip.name.clone()).collect();
+    sampling.check(known).map_err(FormatError::from)?;
+    let (clips, kept_frames) = chosen(clips, sampling);
     let kept_frames = kept_frames.as_deref();
     let vertices = kept(vertices, rest.len(), kept_frames);
     let matrices = kept(matrices, joint_len, kept_frames);
@@ -129,7 +155,7 @@ fn read(
         Some(frames) => affine(&frames.data, None, &names)?,
         None => vec![identity; joint_len],
     };
-    let skeleton = Skeleton { names, parents, rest: rest_frames };
+    let skeleton = Skeleton { names, parents, roots, rest: rest_frames };
     let mut examples = Examples {
         rest,
         triangles: faces.triangles,
@@ -159,7 +185,7 @@ fn read(
             }
         }
     }
-    Ok(Loaded { examples, clips, warnings })
+    Ok((Loaded { examples, clips, warnings }, fps))
 }
 
 fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, ExamplesError> {
@@ -169,13 +195,13 @@ fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, E
     }
 }
 
-/// Reads one parent a joint, and hangs every root but the first under the first.
+/// Reads one parent a joint, and hangs every root but the first under the first; gives those, too.
 fn read_parents(
     archive: &mut Archive,
     sidecar: &Sidecar,
     names: &[String],
     warnings: &mut Vec<Warning>,
-) -> Result<Vec<Option<usize>>, ExamplesError> {
+) -> Result<(Vec<Option<usize>>, Vec<usize>), ExamplesError> {
     let parents = match &sidecar.bone_parents {
         Some(parents) => parents.clone(),
         None => {

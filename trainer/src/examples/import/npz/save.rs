@@ -4,25 +4,31 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use super::clips::CLIPS;
+use super::meshes::MESHES;
+use super::runs::RunKind;
 use super::sidecar::{Parent, Sidecar};
-use crate::examples::{Examples, LoadError, Matrix3x4, Split};
+use crate::examples::{Clip, Examples, LoadError, Matrix3x4, Split};
 use crate::files::PendingFile;
 use crate::formats::FormatError;
 use crate::formats::npz::Writer;
 use sinew_runtime::format::{Handedness, Space};
 
-/// Writes examples to `path`, in double precision, all but authored normals and tangents and the names
-/// of meshes; names and parents of joints also to the JSON of the same name. Each file is written beside
-/// its place and moved there when complete, the JSON first. The same examples give the same bytes.
+/// Writes examples to `path`, in double precision, all but authored normals and tangents; names and parents of joints
+/// also to the JSON of the same name. Each file is written beside its place and moved there when complete, the JSON
+/// first. The same examples give the same bytes.
+///
+/// - `clips`: those that the frames come from, which together cover them, or none. Times are kept that follow at one
+///   rate in all clips, numbers of frames where all clips have them.
 ///
 /// # Errors
 /// A [`LoadError`] with the file that could not be written.
-pub fn save_npz(path: &Path, examples: &Examples) -> Result<(), LoadError> {
+pub fn save_npz(path: &Path, examples: &Examples, clips: &[Clip]) -> Result<(), LoadError> {
     let skeleton = &examples.skeleton;
     let number = |parent: &Option<usize>| Some(Parent::Number(parent_number(*parent)));
     let sidecar = Sidecar {
         bone_names: Some(skeleton.names.clone()),
-        bone_parents: Some(skeleton.parents.iter().map(number).collect()),
+        bone_parents: Some(skeleton.own_parents().iter().map(number).collect()),
         ..Sidecar::default()
     };
     replace(&path.with_extension("json"), |file| {
@@ -31,10 +37,10 @@ pub fn save_npz(path: &Path, examples: &Examples) -> Result<(), LoadError> {
         file.write_all(b"\n")?;
         file.flush()
     })?;
-    replace(path, |file| write(file, examples))
+    replace(path, |file| write(file, examples, clips))
 }
 
-fn write(file: &mut File, examples: &Examples) -> io::Result<()> {
+fn write(file: &mut File, examples: &Examples, clips: &[Clip]) -> io::Result<()> {
     let [v, n, j, t] = [
         examples.vertex_len(),
         examples.frame_len(),
@@ -57,11 +63,14 @@ fn write(file: &mut File, examples: &Examples) -> io::Result<()> {
             archive.numbers("tris_uv", &[t, 3], corners)?;
         }
     }
-    let parents = skeleton.parents.iter().map(|&parent| parent_number(parent));
+    let parents = skeleton.own_parents().into_iter().map(parent_number);
     archive.numbers("bone_parents", &[j], parents)?;
     archive.texts("bone_names", &skeleton.names)?;
     archive.numbers("joint_world_rest", &[j, 4, 4], square(&skeleton.rest))?;
     archive.numbers("split", &[n], examples.split.iter().map(|&split| code(split)))?;
+    write_clips(&mut archive, clips)?;
+    let meshes = examples.ranges.iter().map(|(name, range)| (name, range.start));
+    write_runs(&mut archive, &MESHES, meshes)?;
     if let Some(importance) = &examples.importance {
         archive.numbers("importance", &[v], importance.iter().copied())?;
     }
@@ -80,6 +89,33 @@ fn write(file: &mut File, examples: &Examples) -> io::Result<()> {
     archive.numbers("bone_transforms", &[n, j, 4, 4], square(&examples.transforms))?;
     archive.numbers("vertices", &[n, v, 3], examples.vertices.as_flattened().iter().copied())?;
     archive.finish()
+}
+
+fn write_clips(archive: &mut Writer<'_>, clips: &[Clip]) -> io::Result<()> {
+    write_runs(archive, &CLIPS, clips.iter().map(|clip| (&clip.name, clip.first)))?;
+    let numbers: Option<Vec<&Vec<i64>>> = clips.iter().map(|clip| clip.numbers.as_ref()).collect();
+    if let Some(numbers) = numbers.filter(|numbers| !numbers.is_empty()) {
+        let numbers: Vec<i64> = numbers.into_iter().flatten().copied().collect();
+        archive.numbers("frame_numbers", &[numbers.len() as u64], numbers.into_iter())?;
+    }
+    match Clip::rate_of(clips) {
+        Some(fps) => archive.numbers("fps", &[], [fps].into_iter()),
+        None => Ok(()),
+    }
+}
+
+fn write_runs<'a>(
+    archive: &mut Writer<'_>,
+    kind: &RunKind,
+    runs: impl Iterator<Item = (&'a String, usize)>,
+) -> io::Result<()> {
+    let (names, starts): (Vec<String>, Vec<i64>) =
+        runs.map(|(name, start)| (name.clone(), start as i64)).unzip();
+    if names.is_empty() {
+        return Ok(());
+    }
+    archive.texts(kind.names, &names)?;
+    archive.numbers(kind.starts, &[starts.len() as u64], starts.into_iter())
 }
 
 fn square(maps: &[Matrix3x4]) -> impl Iterator<Item = f64> {

@@ -195,6 +195,35 @@ fn targets_that_follow_the_clips_in_another_order_are_sorted() {
     assert_eq!(warnings[1..], [Warning::Moved { what: "targets", how }]);
 }
 
+#[test]
+fn targets_of_all_clips_are_cut_to_those_that_are_asked_for() {
+    let (mut scene, posed) = limb();
+    cut(&mut scene, &[2, 1, 3]);
+    let poses = scene.frames.clone();
+    let frame = |frame: usize| posed[frame * VERTICES..][..VERTICES].to_vec();
+    // The last clip's meshes come first.
+    let mut targets = targets([3, 4, 5, 0, 1, 2].map(frame).concat());
+    targets.split = Some([2, 2, 2, 0, 0, 1].map(use_of).to_vec());
+    let asked = ["wave".to_owned(), "kick".to_owned()];
+    let sampling = Sampling { clips: &asked, ..KEYS };
+    let (examples, clips, warnings) = join(scene, Some(targets), &sampling).unwrap();
+    assert_eq!(examples.vertices, posed[2 * VERTICES..]);
+    assert_eq!(examples.split, [1, 2, 2, 2].map(use_of));
+    let lower = |pose: &[Matrix4<f64>]| pose[1] * Matrix4::new_translation(&-Vector3::x());
+    for (frame, pose) in poses.chunks(2).skip(2).enumerate() {
+        let found = examples.pose(frame)[1];
+        assert!(farthest(&found.map(|[a, b, c, _]| [a, b, c]), &rows3(&lower(pose))) < 1e-12);
+    }
+    let found: Vec<_> = clips.iter().map(|clip| (clip.name.as_str(), clip.first)).collect();
+    assert_eq!(found, [("wave", 0), ("kick", 1)]);
+    let told = Warning::TargetsCut { clips: asked.to_vec(), frames: 4, held: 6 };
+    assert_eq!(warnings.last(), Some(&told));
+}
+
+fn rows3(map: &Matrix4<f64>) -> [[f64; 3]; 3] {
+    std::array::from_fn(|row| std::array::from_fn(|column| map[(row, column)]))
+}
+
 fn use_of(number: usize) -> Split {
     [Split::Train, Split::HeldOut, Split::Extreme][number]
 }

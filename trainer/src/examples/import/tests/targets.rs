@@ -22,7 +22,7 @@ fn arrays_give_what_they_have() {
     examples.vertices[5] = [0.25, -3.5, 1e-3];
     examples.split[2] = Split::Extreme;
     let file = folder.0.join("set.npz");
-    npz::save_npz(&file, &examples).unwrap();
+    npz::save_npz(&file, &examples, &[]).unwrap();
     let meshes = PosedMeshes {
         rest: Some(examples.rest.clone()),
         triangles: Some(examples.triangles.clone()),

@@ -77,6 +77,15 @@ fn a_joint_carries_its_vertices() {
 }
 
 #[test]
+fn a_joint_that_only_blender_knows_is_told_of() {
+    let mut made = Made::scene();
+    made.json["nodes"][2]["name"] = json!("neutral_bone");
+    let Loaded { warnings, .. } = loaded(&made, "neutral");
+    let expected = FormatWarning::NeutralBone { joint: "neutral_bone".into(), count: 2 };
+    assert_eq!(warnings, [Warning::Format(expected), Warning::PlainSkin]);
+}
+
+#[test]
 fn morph_targets_are_skinned() {
     let mut made = Made::scene();
     let (times, weights) = (made.floats(&[[0.0], [1.0]]), made.floats(&[[0.0], [0.5]]));

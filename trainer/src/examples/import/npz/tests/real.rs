@@ -28,6 +28,7 @@ fn dem_bones_loads() {
     assert_eq!(warnings, [Warning::SeveralRoots { joints }]);
     let parents = [None, Some(0), Some(0), Some(0), Some(3), Some(3)];
     assert_eq!(examples.skeleton.parents, parents);
+    assert_eq!(examples.skeleton.roots, [3]);
     let split = examples.split.clone();
     examples.hold_out(0.25).unwrap();
     assert_eq!(examples.split, split);

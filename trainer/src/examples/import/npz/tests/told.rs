@@ -3,7 +3,7 @@
 use sinew_runtime::format::{Axis, Handedness, Space};
 
 use super::*;
-use crate::examples::Clip;
+use crate::examples::{Clip, Source, load_poses};
 use crate::formats::FormatError;
 use crate::formats::SceneError;
 
@@ -123,10 +123,50 @@ fn axes_and_unit_are_told_and_saved() {
     assert_eq!(saved.space, Space { handedness: Handedness::Left, ..space });
     saved.weigh(vec![0.5, 1.0, 1.0, 1.0, 1.5]).unwrap();
     let folder = Folder::new("space-saved");
-    save_npz(&folder.npz(), &saved).unwrap();
+    save_npz(&folder.npz(), &saved, &[]).unwrap();
     let loaded = load(&folder.npz()).unwrap().examples;
     assert_eq!((loaded.space, loaded.importance), (saved.space, saved.importance));
     assert_eq!(Set::good().load("space-none").unwrap().examples.space, Space::default());
+}
+
+#[test]
+fn clips_and_meshes_are_saved_and_load_the_same() {
+    let meshes = |set: Set| set.words("mesh_names", &["Body", "袖"]).count("mesh_starts", &[0, 3]);
+    let saved = meshes(clips()).load("clips-first").unwrap();
+    let folder = Folder::new("clips-saved");
+    save_npz(&folder.npz(), &saved.examples, &saved.clips).unwrap();
+    let loaded = load(&folder.npz()).unwrap();
+    assert_eq!((&loaded.clips, &loaded.examples.ranges), (&saved.clips, &saved.examples.ranges));
+    // Without numbers, and at no rate that a file can say.
+    let mut clips = expected();
+    clips.iter_mut().for_each(|clip| clip.numbers = None);
+    clips[0].times = vec![0.0, 0.5, 0.6];
+    save_npz(&folder.npz(), &saved.examples, &clips).unwrap();
+    let loaded = load(&folder.npz()).unwrap().clips;
+    assert_eq!(loaded[0].times, [0.0, 1.0 / 30.0, 2.0 / 30.0]);
+    assert!(loaded.iter().all(|clip| clip.numbers.is_none()));
+}
+
+#[test]
+fn poses_that_are_played_have_a_rate_or_are_warned_of() {
+    let played = |set: Set, test: &str, fps: Option<f64>| {
+        let folder = Folder::new(test);
+        let path = set.write(&folder);
+        let source = Source { fps, ..Source::file(&path) };
+        let Loaded { clips, warnings, .. } = load_poses(&source).unwrap();
+        (clips[0].times[1], warnings)
+    };
+    let bare = Set::good;
+    assert_eq!(played(bare(), "unrated", None), (1.0 / 30.0, vec![Warning::NoRate]));
+    assert_eq!(played(bare(), "rated", Some(12.0)), (1.0 / 12.0, vec![]));
+    assert_eq!(played(clips(), "rated-itself", None), (1.0 / 24.0, vec![]));
+    assert_eq!(played(clips(), "rated-anew", Some(12.0)), (1.0 / 12.0, vec![]));
+    assert_eq!(bare().load("only-read").unwrap().warnings, []);
+    let told = Warning::NoRate.to_string();
+    assert_eq!(
+        told,
+        "it says no frames a second (fps), and plays at 30: say another rate with --fps"
+    );
 }
 
 #[test]
