@@ -115,8 +115,8 @@ void main() {
     if (thread == 0u) {
         precise float apart = 0.0;
         for (uint i = 0u; i < d; i++) {
-            precise float along = scratch[x + i] - blob_float(centres + 8u * i);
-            apart += along * along;
+            float value = scratch[x + i];
+            apart += value * value;
         }
         float change = scratch[basis];
         precise float variance = -change * (2.0 + change) + blob_float(row + 5u) * apart;
@@ -144,7 +144,7 @@ void main() {
 
     precise float known = 1.0 + scratch[evidence];
     precise float sure = known / (known + scratch[evidence + 1u]);
-    precise float w = smooth_step(min(1.0, 4.0 * sure));
+    precise float w = smooth_step(min(1.0, 8.0 * sure));
     if (w > 0.0) {
         uint first = params.palette_len - params.proxy_len;
         for (uint before = 0u; before < group; before++) {

@@ -101,8 +101,8 @@ fn main(
     if thread == 0u {
         var apart = 0.0;
         for (var i = 0u; i < d; i++) {
-            let along = scratch[x + i] - blob_float(centres + 8u * i);
-            apart += along * along;
+            let value = scratch[x + i];
+            apart += value * value;
         }
         let change = scratch[basis];
         let prior = max(0.0, -change * (2.0 + change) + blob_float(row + 5u) * apart);
@@ -127,7 +127,7 @@ fn main(
 
     let known = 1.0 + scratch[evidence];
     let sure = known / (known + scratch[evidence + 1u]);
-    let w = smooth_step(min(1.0, 4.0 * sure));
+    let w = smooth_step(min(1.0, 8.0 * sure));
     if w > 0.0 {
         var first = params.palette_len - params.proxy_len;
         for (var before = 0u; before < group; before++) {

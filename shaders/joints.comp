@@ -28,7 +28,7 @@ void main() {
         uint proxy_len = blob[row + 2u] >> 16u;
         while (left >= proxy_len) {
             left -= proxy_len;
-            row += 6u;
+            row += 8u;
             proxy_len = blob[row + 2u] >> 16u;
         }
         joint = blob[row] & 0xffffu;

@@ -2,8 +2,11 @@
 //!
 //! `cargo bench -p sinew-trainer --bench trust [-- WORD ...]`: of the rows, those whose name holds every word.
 
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::evaluate::{Baseline, Character, Measured, Told};
+use sinew_trainer::envelope::predicted::sound;
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::skin::poses::Poses;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -16,6 +19,12 @@ use std::path::{Path, PathBuf};
 const WORSE: f64 = 1.2;
 /// Confidence that a frame that is worse may have.
 const TRUSTED: f64 = 0.5;
+
+const SETS: [(&str, &str); 3] = [
+    ("mpfb-arm", "mpfb-arm/mpfb_arm.npz"),
+    ("dem-bones", "dem-bones/bone.npz"),
+    ("mpfb-body", "mpfb-body/mpfb_body.npz"),
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
@@ -42,6 +51,67 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     println!("all frames: Spearman {:.2}", spearman(&all));
+    println!("\n{:<44}{:>7}{:>9}{:>9}", "a frame is broken", "tried", "named", "others");
+    for (set, examples) in sound_sets()? {
+        for (how, spoil) in SPOILS {
+            let name = format!("broken {set}, {how}");
+            if words.iter().all(|word| name.contains(word.as_str())) {
+                broken(&name, &examples, spoil)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Spoils the mesh of a frame, given the one before it.
+type Spoil = fn(&mut [[f64; 3]], &[[f64; 3]], f64);
+
+const SPOILS: [(&str, Spoil); 3] = [
+    ("moved", |mesh, _, diagonal| mesh.iter_mut().for_each(|x| x[1] += 0.2 * diagonal)),
+    ("exploded", |mesh, _, diagonal| {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        // Uniform noise of this size has an RMS length of 5 % of the diagonal.
+        let size = 0.05 * diagonal;
+        mesh.iter_mut().flatten().for_each(|x| *x += random.random_range(-size..=size));
+    }),
+    ("a frame late", |mesh, before, _| mesh.copy_from_slice(before)),
+];
+
+/// Frames of a set that are spoiled, one at a time.
+const SPOILED: usize = 12;
+
+/// The sets as they are, and the two clips of the leg.
+fn sound_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
+    let mut sets: Vec<(String, Examples)> =
+        scenes()?.into_iter().filter(|(name, _)| name.starts_with("leg")).collect();
+    for (name, file) in SETS {
+        if let Some(path) = found(file) {
+            sets.push((name.to_owned(), load(&Source::file(&path))?.examples));
+        }
+    }
+    Ok(sets)
+}
+
+/// Spoils some training frames, one at a time, and counts how often it is named, and what else.
+fn broken(name: &str, examples: &Examples, spoil: Spoil) -> Result<(), Box<dyn Error>> {
+    let (frames, len) = (examples.frames_of(Split::Train), examples.vertex_len());
+    let (mut named, mut others) = (0, Vec::new());
+    let mut missed = Vec::new();
+    for k in 0..SPOILED {
+        let frame = frames[1 + k * (frames.len() - 1) / SPOILED];
+        let mut spoiled = examples.clone();
+        let before = examples.frame(frame - 1).to_vec();
+        spoil(&mut spoiled.vertices[frame * len..(frame + 1) * len], &before, examples.diagonal());
+        let (_, left_out) = sound(&spoiled, &Silent)?;
+        let is_named = left_out.iter().any(|out| out.frame == frame);
+        named += usize::from(is_named);
+        missed.extend((!is_named).then_some(frame));
+        others.extend(left_out.iter().map(|out| out.frame).filter(|other| *other != frame));
+    }
+    println!(
+        "{name:<44}{SPOILED:>7}{named:>9}{:>9}  not named: {missed:?}, others: {others:?}",
+        others.len()
+    );
     Ok(())
 }
 
@@ -57,11 +127,7 @@ fn scenes() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
         examples.split[own].fill(Split::Train);
         scenes.push((format!("leg {clip}"), examples));
     }
-    for (name, file) in [
-        ("mpfb-arm", "mpfb-arm/mpfb_arm.npz"),
-        ("dem-bones", "dem-bones/bone.npz"),
-        ("mpfb-body", "mpfb-body/mpfb_body.npz"),
-    ] {
+    for (name, file) in SETS {
         let Some(path) = found(file) else { continue };
         let examples = load(&Source::file(&path))?.examples;
         let trained = examples.frames_of(Split::Train);
@@ -72,6 +138,7 @@ fn scenes() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
             out.for_each(|place| part.split[trained[place]] = Split::Extreme);
             scenes.push((format!("{name} third {}", third + 1), part));
         }
+        scenes.push((format!("{name} whole"), examples.clone()));
         if name == "mpfb-arm" {
             let frames: Vec<usize> = (0..examples.frame_len()).collect();
             let poses = Poses::new(&examples, &frames);

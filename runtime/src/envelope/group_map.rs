@@ -79,12 +79,12 @@ impl<'a> Map<'a> {
     pub(crate) fn evaluate(&self, input: &[f32], scratch: &mut [f32], out: &mut [f32]) -> Evidence {
         let Shape { centre_len: n, rank: r, certainty_len: m, .. } = self.shape;
         let (basis, values) = scratch.split_at_mut(padded(n).min(scratch.len()));
-        let apart = self.basis(input, basis.as_chunks_mut().0);
+        self.basis(input, basis.as_chunks_mut().0);
         let basis = basis.get(..n).unwrap_or_default();
         block_product(self.coefficients, [basis, input], values.as_chunks_mut().0);
         let (latent, certainty) = values.split_at(r.min(values.len()));
         let change = basis.first().copied().unwrap_or_default();
-        let evidence = self.trust.evidence(apart, change, certainty.iter().take(m));
+        let evidence = self.trust.evidence(input, change, certainty.iter().take(m));
         let w = evidence.share();
         if w > 0.0 {
             let out = out.as_chunks_mut().0;
@@ -96,16 +96,13 @@ impl<'a> Map<'a> {
         evidence
     }
 
-    /// Computes g, n values in whole blocks, and returns the first centre's squared distance.
-    fn basis(&self, input: &[f32], out: &mut [[f32; 8]]) -> f32 {
-        let mut first = None;
+    /// Computes g, n values in whole blocks.
+    fn basis(&self, input: &[f32], out: &mut [[f32; 8]]) {
         let mut blocks = out.iter_mut().zip(self.rest);
         block_distances(self.centres, input, |distances| {
             let Some((out, rest)) = blocks.next() else { return };
             *out = *self.kernel.changes(&distances, Lanes::read(rest)).floats();
-            first.get_or_insert(distances.squared.floats()[0]);
         });
-        first.unwrap_or_default()
     }
 
     /// Returns coordinate i of centre k.

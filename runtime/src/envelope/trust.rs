@@ -30,15 +30,19 @@ pub struct Evidence {
 impl Trust {
     /// Weighs the variance that the training poses explain against what they leave.
     ///
-    /// - `apart`: the squared distance from rest.
-    /// - `change`: what the kernel at rest changes by.
+    /// - `input`: x, 0 at rest.
+    /// - `change`: what the kernel of the first centre, which is the rest pose, changes by.
     /// - `certainty`: values whose squares sum to the variance that is explained.
     pub(crate) fn evidence<'a>(
         &self,
-        apart: f32,
+        input: &[f32],
         change: f32,
         certainty: impl Iterator<Item = &'a f32>,
     ) -> Evidence {
+        let mut apart = 0.0;
+        for x in input {
+            apart += x * x;
+        }
         let near = nearness(apart, (self.reach, 4.0 * self.reach));
         if near == 0.0 {
             return Evidence { known: 0.0, doubted: DOUBT };
@@ -67,6 +71,6 @@ impl Evidence {
 
     /// Returns w, what a map is multiplied by: 1 but where it is much more likely to spoil than to mend.
     pub(crate) fn share(self) -> f32 {
-        smoothstep(lesser(1.0, 4.0 * self.confidence()))
+        smoothstep(lesser(1.0, 8.0 * self.confidence()))
     }
 }

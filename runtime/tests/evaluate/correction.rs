@@ -87,7 +87,7 @@ fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     let certainty = latent.split_off(latent.len() - group.certainty);
     let Trust { reach, linear, signal, noise } = group.trust;
     let [reach, linear, signal, noise] = [reach, linear, signal, noise].map(f64::from);
-    let apart = squared(&x, &group.centres[0]);
+    let apart = x.iter().map(|x| x * x).sum::<f64>();
     let prior = (1.0 - (1.0 + basis[0]).powi(2) + linear * apart).max(0.0);
     let smooth = |u: f64| 10.0 * u.powi(3) - 15.0 * u.powi(4) + 6.0 * u.powi(5);
     let near = smooth(((4.0 * reach - apart) / (3.0 * reach)).clamp(0.0, 1.0));
@@ -97,7 +97,7 @@ fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     } else {
         [0.0, f64::INFINITY]
     };
-    let w = smooth((4.0 * sure(evidence)).min(1.0));
+    let w = smooth((8.0 * sure(evidence)).min(1.0));
     let out = times(&group.outputs, &latent);
     let maps = out.chunks(12).map(|k| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| w * k[4 * r + c])));
     (maps.collect(), evidence)
@@ -242,7 +242,7 @@ fn each_number_of_a_group_matters() {
         |g| g.coefficients[0][12] += 0.1,
         |g| g.outputs[11][2] += 0.1,
         |g| g.joint = 2,
-        |g| g.trust.reach = 0.125,
+        |g| g.trust.reach = 1e-3,
         |g| g.trust.linear = 0.5,
         |g| g.trust.signal = 1.0,
         |g| g.trust.noise = 1.0,

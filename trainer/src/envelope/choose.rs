@@ -9,6 +9,7 @@ use super::levels::AddError;
 use super::levels::{self, LevelReport};
 use super::model::{RecordModel, SkinModel};
 use super::options::{FileSkins, Options, Predict};
+use super::predicted::LeftOut;
 use super::rotational::ProxyCount;
 use super::rotational::{self, Rotational, RotationalOptions, RotationalReport, Variant};
 use crate::envelope::correction::candidates::GroupReport;
@@ -47,6 +48,8 @@ pub struct Trained {
 /// What was tried and what was taken; errors are RMS, as shares of the rest diagonal.
 #[derive(Clone, Debug, Serialize)]
 pub struct TrainingReport {
+    /// The training frames that were left out, the worst first.
+    pub left_out: Vec<LeftOut>,
     /// LBS on the training frames.
     pub lbs_rms: f64,
     /// The contiguous folds, as ranges of the training frames.
@@ -448,6 +451,7 @@ impl PredictorSearch<'_> {
         };
         let model = recorded(model, record, self.options.budget)?;
         let report = TrainingReport {
+            left_out: Vec::new(),
             lbs_rms,
             folds: folds(training.poses.times()).into_iter().map(|fold| fold.own).collect(),
             chosen: chosen.report,

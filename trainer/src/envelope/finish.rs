@@ -5,7 +5,7 @@ use super::evaluate::{Baseline, Character, Measured};
 use super::model::{FileModel, RecordModel};
 use super::normals::{Fan, PosedSurface};
 use crate::envelope::skin::training::Training;
-use crate::examples::{Examples, Split};
+use crate::examples::Examples;
 use faer::Mat;
 use sinew_runtime::skin::NormalErrors;
 
@@ -31,7 +31,7 @@ pub(super) fn fit_normals(
     }
     let bytes = model.bake()?;
     let character = Character::open(&bytes, None, examples)?;
-    let frames = examples.frames_of(Split::Train);
+    let frames: Vec<usize> = training.poses.times().iter().map(|time| time.frame).collect();
     let measured = Measured::model(&character, examples, &frames)?.angle_rms();
     let lbs = Baseline::new(training.lbs.weights.clone(), examples);
     let lbs = Measured::lbs(&lbs, examples, &frames).angle_rms();

@@ -30,6 +30,7 @@ pub mod normals;
 mod options;
 pub mod oracle;
 pub mod posed;
+pub mod predicted;
 pub mod report;
 pub mod rotational;
 pub mod skin;

@@ -58,6 +58,8 @@ pub struct BlockOut {
     own: usize,
     /// The variance of noise that the ridge stands for.
     noise: f64,
+    /// The variance of its own samples that no centre spans.
+    unspanned: f64,
 }
 
 impl<'a> Design<'a> {
@@ -121,8 +123,13 @@ impl<'a> Design<'a> {
         let own = &hat * u.transpose();
         let remainder =
             Mat::from_fn(out.len(), out.len(), |i, j| f64::from(u8::from(i == j)) - own[(i, j)]);
-        let noise = ridge * self.largest;
-        Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat, own: block.own.len(), noise })
+        Some(BlockOut {
+            left_out: LeftOut::new(&remainder)?,
+            hat,
+            own: block.own.len(),
+            noise: ridge * self.largest,
+            unspanned: block.own.iter().map(|&i| self.unspanned(i)).sum(),
+        })
     }
 
     /// Solves for the coefficients of the orthonormal functions, then of the scaled inputs, of the
@@ -224,13 +231,22 @@ impl<'a> Design<'a> {
 
     /// Returns the prior variance, summed over the samples.
     pub fn variance(&self) -> f64 {
+        (0..self.sample_len()).map(|i| self.prior(i)).sum()
+    }
+
+    /// The prior variance of a sample.
+    fn prior(&self, sample: usize) -> f64 {
         let Hyperparameters { kernel, width, .. } = self.hyperparameters;
-        let scale = 1.0 / self.inputs.squared_width(width);
-        let prior = |i: usize| {
-            let apart = self.inputs.squared(0, i);
-            1.0 - kernel.exact(scale * apart).powi(2) + self.inputs.linear_share() * apart
-        };
-        (1..=self.sample_len()).map(prior).sum()
+        let apart = self.inputs.squared(0, sample + 1);
+        let rest = kernel.exact(apart / self.inputs.squared_width(width));
+        1.0 - rest.powi(2) + self.inputs.linear_share() * apart
+    }
+
+    /// What of it the centres do not span.
+    fn unspanned(&self, sample: usize) -> f64 {
+        let (u, s) = (self.decomposed.U().row(sample), self.decomposed.S().column_vector());
+        let spanned: f64 = u.iter().zip(s.iter()).map(|(u, s)| (u * s).powi(2)).sum();
+        (self.prior(sample) - spanned).max(0.0)
     }
 }
 
@@ -245,7 +261,7 @@ impl BlockOut {
     /// Returns the variance of the fit without the block, summed over the block's own samples.
     pub fn variance(&self) -> f64 {
         let variances = self.left_out.variances();
-        self.noise * variances[..self.own].iter().map(|v| v - 1.0).sum::<f64>()
+        self.unspanned + self.noise * variances[..self.own].iter().map(|v| v - 1.0).sum::<f64>()
     }
 }
 

@@ -78,6 +78,25 @@ impl GramRegression {
         SampleErrors::new(&self.kernel, &self.gram, self.ridge, blocks)
     }
 
+    /// Predicts each of some samples by the others of them: squared errors, summed over the outputs, over their variance
+    /// as the regression has it, and as they are. None where rounding makes the fit indefinite.
+    ///
+    /// With A = K + λI the error is `[A⁻¹ y]_i / [A⁻¹]_ii` and its variance `1 / [A⁻¹]_ii`.
+    pub fn surprises(&self, samples: &[usize]) -> Option<Vec<(f64, f64)>> {
+        let n = samples.len();
+        let pick = |m: &Mat<f64>| Mat::from_fn(n, n, |i, j| m[(samples[i], samples[j])]);
+        let mut ridged = pick(&self.kernel);
+        (0..n).for_each(|i| ridged[(i, i)] += self.ridge);
+        let inverse = ridged.llt(Side::Lower).ok()?.inverse();
+        let half = pick(&self.gram) * &inverse;
+        let of_sample = |i: usize| {
+            let squared: f64 = (0..n).map(|k| inverse[(k, i)] * half[(k, i)]).sum();
+            let precision = inverse[(i, i)];
+            (squared / precision, squared / precision.powi(2))
+        };
+        Some((0..n).map(of_sample).collect())
+    }
+
     /// Takes what one sample predicts from the others: the regression's own update, kernel and
     /// residuals conditioned on the sample.
     pub fn learn(&mut self, sample: usize) {
@@ -181,6 +200,27 @@ mod tests {
                 assert!((found.alone[sample] - alone).abs() < 1e-9 * (1.0 + alone));
                 assert!((found.block[sample] - blocked).abs() < 1e-9 * (1.0 + blocked));
             }
+        }
+    }
+
+    #[test]
+    fn surprises_are_the_errors_of_single_samples_over_their_variance() {
+        let (regression, outputs) = regression();
+        let kept: Vec<usize> = (0..N).filter(|&i| i != 4).collect();
+        let found = regression.surprises(&kept).unwrap();
+        for (place, &sample) in kept.iter().enumerate() {
+            let others: Vec<usize> = kept.iter().copied().filter(|&i| i != sample).collect();
+            let squared = missed(&regression.kernel, &outputs, sample, &others);
+            let among = Mat::from_fn(others.len(), others.len(), |i, j| {
+                let ridge = if i == j { RIDGE } else { 0.0 };
+                regression.kernel[(others[i], others[j])] + ridge
+            });
+            let near = Mat::from_fn(others.len(), 1, |i, _| regression.kernel[(others[i], sample)]);
+            let explained = (near.transpose() * among.partial_piv_lu().inverse() * &near)[(0, 0)];
+            let variance = regression.kernel[(sample, sample)] + RIDGE - explained;
+            assert!((found[place].1 - squared).abs() < 1e-8 * (1.0 + squared));
+            let surprise = squared / variance;
+            assert!((found[place].0 - surprise).abs() < 1e-8 * (1.0 + surprise));
         }
     }
 

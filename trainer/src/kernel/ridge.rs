@@ -15,6 +15,8 @@ const TERM: f64 = 5.0;
 const RIDGES: [f64; 13] =
     [1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
 
+/// Most of a map's squared error against that of the base, per unit of variance.
+const NOISE: f64 = 4.0;
 /// Most that an error per unit of variance counts.
 const MOST: f64 = CORRECTION_MAX as f64;
 
@@ -94,10 +96,12 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     let solution = design.solve(&projected.all, ridges);
     let ridge = ridges.first().copied().unwrap_or_default();
     let rows = design.certainty(ridge);
+    let signal = outputs.signal / design.variance();
+    let noise = noise(design, outputs, &projected, ridges)?.min(NOISE * signal);
     let certainty = Certainty {
         len: rows.ncols(),
-        signal: (outputs.signal / (design.variance() * outputs.negligible)).min(MOST),
-        noise: (noise(design, outputs, &projected, ridges)? / outputs.negligible).min(MOST),
+        signal: (signal / outputs.negligible).min(MOST),
+        noise: (noise / outputs.negligible).min(MOST),
         ..design.certain()
     };
     let map = design.map(&faer::concat![[&solution, &rows]], certainty);

@@ -26,7 +26,10 @@ fn frames_of_several_files_follow_one_another() {
     let folder = Folder::with_demo("several");
     part(&folder, "walk.npz", 0..20);
     part(&folder, "jump.npz", 20..52);
-    part(&folder, "all.npz", 0..52);
+    let mut all = part(&folder, "all.npz", 0..52);
+    all.json["clip_names"] = json!(["walk", "jump"]);
+    all.json["clip_starts"] = json!([0, 20]);
+    all.write(&folder.path("all.npz"));
     folder.sinew(&TRAIN.replace("demo.npz", "all.npz")).done();
     let whole = folder.read("new.sinew");
     let train = TRAIN.replace("demo.npz", "walk.npz jump.npz").replace("new.sinew", "joined.sinew");

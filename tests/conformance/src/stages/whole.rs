@@ -113,7 +113,8 @@ fn oracle_is_equivariant(
     }
     let (still, confidence) = oracle.evaluate(&pose.widened());
     let (carried, same) = oracle.evaluate(moved);
-    assert!((confidence - same).abs() <= EXACT);
+    // Of what is left of a difference of sums, as the transforms below.
+    assert!((confidence - same).abs() <= 1e3 * EXACT, "{confidence} {same}");
     for (transform, still) in carried.iter().zip(&still) {
         let expected = after(motion, still);
         assert!(

@@ -30,7 +30,9 @@ pub(super) fn wanted(
     let index = if call.one_in(8)? { usize::MAX } else { 0 };
     call.fault_if(index > 0, Status::NotFound, argument);
     if call.one_in(2)? {
-        return Ok((null(), if call.one_in(2)? { 0 } else { usize::MAX }, index));
+        let len = if call.one_in(2)? { 0 } else { usize::MAX };
+        call.fault_if(len > 0, Status::Null, Argument::Name);
+        return Ok((null(), len, index));
     }
     let start = call.arena.argument.start;
     let mut name = own.into_bytes();
@@ -41,7 +43,7 @@ pub(super) fn wanted(
     call.arena.write(start, &name);
     let drawn = call.faults.len();
     let (at, len) = call.input_any::<c_char>(start..start + name.len(), Argument::Name)?;
-    if at.is_null() {
+    if at.is_null() && len == 0 {
         // That is any name, and no fault.
         call.faults.truncate(drawn);
     }

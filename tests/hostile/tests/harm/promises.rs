@@ -52,7 +52,7 @@ fn what_counts_promise_must_be_there_before_anything_is_read() {
         let groups = if predictor.corrects() { 5 } else { 0 };
         limit(EnvelopeCounts, 4, groups, envelope(4, u32::MAX));
         if predictor.corrects() {
-            length(SectionKind::Groups, 24 * 5, envelope(4, 5));
+            length(SectionKind::Groups, 32 * 5, envelope(4, 5));
         }
         // What promises nothing is left for its own check.
         for at in [3, 5] {

@@ -12,12 +12,18 @@ use clap::builder::RangedU64ValueParser;
 use serde_json::json;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope;
+use sinew_trainer::envelope::check::check;
+use sinew_trainer::envelope::check::finding::Severity;
 use sinew_trainer::envelope::evaluate::NOTHING;
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::skin::blend::CANDIDATES;
 use sinew_trainer::envelope::{FileSkins, Options, Predict, Trained, train};
 use sinew_trainer::examples::{Examples, Split, Warning};
+use sinew_trainer::progress::Silent;
 use std::path::PathBuf;
+
+/// Share of LBS's error from which a model is hardly better.
+const HARDLY: f64 = 0.9;
 
 /// Fits an envelope to the training frames of EXAMPLES and bakes it into MODEL.
 ///
@@ -206,7 +212,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         bail!("cannot write {}: model and record are one file", arguments.output.display());
     }
     let mut hashes = arguments.input.hashes()?;
-    let input::LoadedInput { mut examples, mut warnings, .. } = arguments.input.load(output)?;
+    let input::LoadedInput { mut examples, clips, mut warnings } = arguments.input.load(output)?;
     let source = arguments.input.named();
     arguments.space.say(&mut examples, &source)?;
     let from = examples.space;
@@ -217,6 +223,11 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         false => FileSkins::Skins(levels::load(also, conversion.as_ref())?),
     };
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
+    let checked = check(&examples, &clips, &Silent).with_context(|| source.clone())?;
+    for finding in checked.findings.iter().filter(|f| f.severity == Severity::Warning) {
+        output.warn(&source, &finding.text);
+        warnings.push(finding.text.clone());
+    }
     let trained = arguments.fit.train(&examples, &source, meshes, output)?;
     levels::warn(&trained.levels, also, output);
     let lbs = 100.0 * trained.report.lbs_rms;
@@ -229,7 +240,17 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         output.warn(&source, &nothing);
         warnings.push(nothing);
     }
-    let validated = 100.0 * trained.report.chosen().validated_rms.unwrap_or(f64::INFINITY);
+    let validated_rms = trained.report.chosen().validated_rms.unwrap_or(f64::INFINITY);
+    if lbs > NOTHING && validated_rms > HARDLY * trained.report.lbs_rms {
+        let hardly = format!(
+            "the model is hardly better than linear blend skinning on poses that it has not seen: {:.4} against {lbs:.4} % \
+             of the diagonal; `sinew check` tells what the examples lack",
+            100.0 * validated_rms
+        );
+        output.warn(&source, &hardly);
+        warnings.push(hardly);
+    }
+    let validated = 100.0 * validated_rms;
     if let Some(most) = arguments.fail_above.filter(|most| validated > *most) {
         bail!(
             "{source}: the cross-validated error is {validated:.4} %, above --fail-above {most}: nothing was written"

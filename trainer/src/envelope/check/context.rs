@@ -3,8 +3,9 @@
 use super::finding::{FrameName, Place};
 use super::turns::Turns;
 use crate::envelope::correction::features::Features;
+use crate::envelope::predicted::Residuals;
 use crate::envelope::skin::training::Training;
-use crate::examples::{Clip, Examples, Split};
+use crate::examples::{Clip, Examples};
 use faer::Mat;
 
 /// The examples, their training frames, and what LBS leaves of them.
@@ -24,11 +25,12 @@ pub(super) struct Context<'a> {
 
 impl<'a> Context<'a> {
     pub(super) fn new(examples: &'a Examples, clips: &'a [Clip], training: Training) -> Self {
+        let frames = training.poses.times().iter().map(|time| time.frame).collect();
         let weights = &training.lbs.weights;
         Self {
             examples,
             clips,
-            frames: examples.frames_of(Split::Train),
+            frames,
             residuals: training.targets(weights).residuals(&training.poses.stacked()),
             dominant: (0..examples.vertex_len())
                 .map(|vertex| weights.strongest(vertex).unwrap_or(0))
@@ -36,6 +38,10 @@ impl<'a> Context<'a> {
             turns: Turns::new(&training.poses, Features::of(&training)),
             training,
         }
+    }
+
+    pub(super) fn left(&self) -> Residuals<'_> {
+        Residuals { training: &self.training, left: &self.residuals, dominant: &self.dominant }
     }
 
     /// Names the `i`-th training frame.

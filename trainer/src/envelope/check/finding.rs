@@ -82,6 +82,8 @@ pub enum Kind {
     OutOfStep,
     /// Meshes that follow the clips in another order.
     ClipOrder,
+    /// Meshes that do not belong to their poses.
+    Broken,
 }
 
 impl Kind {
@@ -104,9 +106,11 @@ impl Kind {
             | Self::Collapsed
             | Self::Folded
             | Self::Flipped => Topic::Faces,
-            Self::Repeated | Self::Contradicting | Self::OutOfStep | Self::ClipOrder => {
-                Topic::Frames
-            }
+            Self::Repeated
+            | Self::Contradicting
+            | Self::OutOfStep
+            | Self::ClipOrder
+            | Self::Broken => Topic::Frames,
         }
     }
 }

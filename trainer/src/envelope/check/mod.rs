@@ -4,6 +4,7 @@
 //! Held-out and extreme frames are read for their poses alone, to compare them with training.
 
 mod advice;
+mod broken;
 mod context;
 pub mod convention;
 pub mod coverage;
@@ -12,7 +13,6 @@ pub mod finding;
 mod folded;
 mod joints;
 mod order;
-mod prediction;
 mod repeats;
 pub mod rest;
 pub mod size;
@@ -22,6 +22,7 @@ pub mod thresholds;
 mod turns;
 
 use crate::envelope::FitError;
+use crate::envelope::predicted;
 use crate::envelope::skin::training::Training;
 use crate::examples::{Clip, Examples, ExamplesError};
 use crate::progress::Progress;
@@ -106,7 +107,13 @@ pub fn check(
     let joints = coverage::coverage(&context);
     let never_together = coverage::apart(&context);
     progress.step("poses", 1);
-    let predicted = thin::predict(&context);
+    let (sound, left_out) = predicted::sound(examples, progress)?;
+    let predicted = if left_out.is_empty() {
+        thin::predict(&context)
+    } else {
+        findings.push(broken::broken(&left_out, clips));
+        thin::predict(&Context::new(examples, clips, sound))
+    };
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     Ok(Check {
         size,

@@ -2,9 +2,9 @@
 
 use super::context::{Context, worst_first};
 use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
-use super::prediction::HOPS;
 use super::thresholds::{NEAR_REST, REST_ERROR, VISIBLE};
 use crate::envelope::correction::features::near;
+use crate::envelope::predicted::HOPS;
 use serde::Serialize;
 
 /// How the rest mesh was tested.

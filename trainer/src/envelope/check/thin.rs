@@ -2,8 +2,8 @@
 
 use super::context::{Context, worst_first};
 use super::finding::FrameName;
-use super::prediction::{Region, compared, regions};
 use super::thresholds::{ISOLATED, NEGLIGIBLE, REDUNDANT, VISIBLE};
+use crate::envelope::predicted::{Region, compared, regions};
 use crate::kernel::gram::SampleErrors;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -42,14 +42,14 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     if context.lbs_rms() < VISIBLE {
         return None;
     }
-    let poses = compared(context);
-    let mut regions = regions(context, &poses);
+    let poses = compared(context.frames.len());
+    let mut regions = regions(context.left(), &poses);
     if regions.is_empty() {
         return None;
     }
     let errors: Vec<SampleErrors> = regions
         .par_iter()
-        .map(|region| region.errors(context, &poses))
+        .map(|region| region.errors(&context.training, &poses))
         .collect::<Option<Vec<_>>>()?;
     let sum = |of: &dyn Fn(&SampleErrors) -> f64| errors.iter().map(of).sum::<f64>();
     let left = |r: &Region| (0..poses.len()).map(|i| r.regression.left(i)).sum::<f64>();

@@ -54,7 +54,18 @@ impl Training {
     /// # Errors
     /// [`FitError::TooFewPoses`] and [`FitError::NoTriangles`].
     pub fn new(examples: &Examples, progress: &dyn Progress) -> Result<Self, FitError> {
-        let frames = examples.frames_of(Split::Train);
+        Self::of(examples, &examples.frames_of(Split::Train), progress)
+    }
+
+    /// Gathers some of the training frames.
+    ///
+    /// # Errors
+    /// As [`Training::new`].
+    pub fn of(
+        examples: &Examples,
+        frames: &[usize],
+        progress: &dyn Progress,
+    ) -> Result<Self, FitError> {
         if frames.len() < MIN_POSES {
             return Err(FitError::TooFewPoses { found: frames.len(), needed: MIN_POSES });
         }
@@ -80,7 +91,7 @@ impl Training {
         for (frame, origin) in training.skeleton.rest.iter_mut().zip(&training.origins) {
             frame.iter_mut().zip(origin).for_each(|(row, x)| row[3] = *x);
         }
-        (training.poses, training.trajectories) = training.view(examples, &frames);
+        (training.poses, training.trajectories) = training.view(examples, frames);
         progress.step("LBS weights", 1);
         let Self { rest, trajectories, poses, .. } = &training;
         let (weights, errors) = weights::fit(rest, trajectories, poses, BASELINE_INFLUENCES);

@@ -1,10 +1,10 @@
 //! How well the training poses predict each other: kernel ridge regression of what LBS leaves, each
 //! joint's skin from the joints near it (METHOD §1.9).
 
-use super::context::Context;
 use crate::envelope::correction::features::Features;
 use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::poses::Time;
+use crate::envelope::skin::training::Training;
 use crate::examples::spread;
 use crate::kernel::gram::{GramRegression, SampleErrors};
 use crate::kernel::inputs::Inputs;
@@ -20,67 +20,87 @@ const TRIED: usize = 100;
 /// Vertices that are looked at; more tell no more of the poses.
 const VERTICES: usize = 4000;
 /// Hops of the joints that a joint's skin listens to, as the kernel maps choose most often.
-pub(super) const HOPS: usize = 2;
+pub const HOPS: usize = 2;
 
-/// What LBS leaves of one joint's skin, as a function of the poses.
-pub(super) struct Region {
-    pub(super) joint: usize,
-    /// What it leaves in the compared poses, predicted from each other.
-    pub(super) regression: GramRegression,
+/// What LBS leaves of the training frames.
+#[derive(Clone, Copy)]
+pub struct Residuals<'a> {
+    /// The training frames.
+    pub training: &'a Training,
+    /// What it leaves, 3n x V, in diagonals.
+    pub left: &'a Mat<f64>,
+    /// The joint that each vertex follows most, V.
+    pub dominant: &'a [usize],
 }
 
-/// Chooses the training poses that are compared, by their number among the training frames.
-pub(super) fn compared(context: &Context<'_>) -> Vec<usize> {
-    spread(context.frames.len(), POSES)
+/// What LBS leaves of one joint's skin, as a function of the poses.
+pub struct Region {
+    /// The joint.
+    pub joint: usize,
+    /// What it leaves in the compared poses, predicted from each other.
+    pub regression: GramRegression,
+}
+
+/// Chooses those of n training poses that are compared.
+pub fn compared(n: usize) -> Vec<usize> {
+    spread(n, POSES)
 }
 
 /// Makes the regions of all joints with skin that moves.
-pub(super) fn regions(context: &Context<'_>, poses: &[usize]) -> Vec<Region> {
-    let stride = context.dominant.len().div_ceil(VERTICES);
-    let skins = context.skins();
+pub fn regions(residuals: Residuals<'_>, poses: &[usize]) -> Vec<Region> {
+    let stride = residuals.dominant.len().div_ceil(VERTICES);
+    let mut skins = vec![Vec::new(); residuals.training.poses.joint_len()];
+    for (vertex, &joint) in residuals.dominant.iter().enumerate() {
+        skins[joint].push(vertex);
+    }
     let own = |joint: usize| {
         let skin: Vec<usize> = skins[joint].iter().copied().step_by(stride).collect();
-        Region::new(context, joint, &skin, poses)
+        Region::new(residuals, joint, &skin, poses)
     };
     (0..skins.len()).into_par_iter().filter_map(own).collect()
 }
 
 impl Region {
-    fn new(context: &Context<'_>, joint: usize, skin: &[usize], poses: &[usize]) -> Option<Self> {
-        let (training, features) = (&context.training, Features::of(&context.training));
+    fn new(
+        residuals: Residuals<'_>,
+        joint: usize,
+        skin: &[usize],
+        poses: &[usize],
+    ) -> Option<Self> {
+        let (training, features) = (residuals.training, Features::of(residuals.training));
         let inputs = features.inputs(&training.poses, joint, HOPS);
         let all = features.evaluate(&training.poses, &inputs);
         let inputs = Mat::from_fn(all.nrows(), poses.len(), |r, i| all[(r, poses[i])]);
         let inputs = Inputs::new(inputs)?;
-        let gram = gram(context, joint, skin, poses);
+        let gram = gram(residuals, joint, skin, poses);
         let some = spread(poses.len(), TRIED);
         let tried: Vec<usize> = some.iter().map(|&place| poses[place]).collect();
-        let blocks = blocks(context, &tried);
+        let blocks = blocks(training, &tried);
         let regression = GramRegression::choose(&inputs, gram, &some, &blocks)?;
         Some(Self { joint, regression })
     }
 
     /// Predicts every compared pose by the others.
-    pub(super) fn errors(&self, context: &Context<'_>, poses: &[usize]) -> Option<SampleErrors> {
-        self.regression.errors(&blocks(context, poses))
+    pub fn errors(&self, training: &Training, poses: &[usize]) -> Option<SampleErrors> {
+        self.regression.errors(&blocks(training, poses))
     }
 }
 
 /// Folds of some of the training poses.
-fn blocks(context: &Context<'_>, poses: &[usize]) -> Vec<Block> {
-    let times = context.training.poses.times();
+fn blocks(training: &Training, poses: &[usize]) -> Vec<Block> {
+    let times = training.poses.times();
     let times: Vec<Time> = poses.iter().map(|&pose| times[pose]).collect();
     folds(&times).into_iter().map(Block::from).collect()
 }
 
 /// Inner products of what LBS leaves, in the joint's own frame.
-fn gram(context: &Context<'_>, joint: usize, skin: &[usize], poses: &[usize]) -> Mat<f64> {
+fn gram(residuals: Residuals<'_>, joint: usize, skin: &[usize], poses: &[usize]) -> Mat<f64> {
     let mut left = Mat::zeros(3 * skin.len(), poses.len());
     for (i, &pose) in poses.iter().enumerate() {
         let turn: Matrix3<f64> =
-            context.training.poses.map(pose, joint).fixed_columns::<3>(0).transpose();
+            residuals.training.poses.map(pose, joint).fixed_columns::<3>(0).transpose();
         for (k, &vertex) in skin.iter().enumerate() {
-            let column = context.residuals.col_as_slice(vertex);
+            let column = residuals.left.col_as_slice(vertex);
             let own = turn * Vector3::from_column_slice(&column[3 * pose..3 * pose + 3]);
             (0..3).for_each(|axis| left[(3 * k + axis, i)] = own[axis]);
         }
