@@ -319,6 +319,55 @@ mod tests {
         }
     }
 
+    /// The variance of a fit to some samples at another, in closed form.
+    fn variance(x: &Mat<f64>, kept: &[usize], at: usize, ridge: f64) -> f64 {
+        let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
+        let mut normal = a.transpose() * &a;
+        (0..normal.nrows()).for_each(|i| normal[(i, i)] += ridge);
+        let own = Mat::from_fn(x.ncols(), 1, |c, _| x[(at, c)]);
+        ridge * (own.transpose() * normal.llt(Side::Lower).unwrap().solve(&own))[(0, 0)]
+    }
+
+    #[test]
+    fn variances_are_those_of_fits_without_a_block_and_of_what_no_centre_spans() {
+        let inputs = inputs();
+        let design = design(&inputs, 6);
+        let (x, ridge) = (columns(&design), 1e-3 * design.largest);
+        let block = Block { own: vec![3, 11, 12], near: vec![2, 4] };
+        let kept: Vec<usize> = (0..20).filter(|i| !block.out().any(|out| out == *i)).collect();
+        let of = |&i: &usize| {
+            let prior: f64 = design.prior(i) - x.row(i).squared_norm_l2();
+            variance(&x, &kept, i, ridge) + prior
+        };
+        let expected: f64 = block.own.iter().map(of).sum();
+        let found = design.block_out(&block, 1e-3).unwrap().variance();
+        assert!((found - expected).abs() < 1e-9 && expected > 1e-4, "{found} {expected}");
+    }
+
+    #[test]
+    fn certainty_explains_what_all_samples_tell_of_each() {
+        let inputs = inputs();
+        let design = design(&inputs, 6);
+        let (x, ridge) = (columns(&design), 1e-3 * design.largest);
+        let rows = design.certainty(1e-3);
+        assert_eq!(rows.ncols(), design.certainty_len());
+        let all = Vec::from_iter(0..20);
+        for i in 0..20 {
+            let explained = (x.row(i) * &rows).squared_norm_l2();
+            let left = x.row(i).squared_norm_l2() - explained;
+            let expected = variance(&x, &all, i, ridge);
+            assert!((left - expected).abs() < 1e-4, "{left} {expected}");
+        }
+        let fitted = design.map(&rows, Certainty { len: rows.ncols(), ..design.certain() });
+        let input: Vec<f64> = inputs.values().col(7).iter().map(|x| design.scale() * x).collect();
+        let evidence = fitted.evaluate(&input).evidence;
+        assert_eq!(evidence.known, 0.0, "no signal");
+        let trusted = Certainty { len: rows.ncols(), signal: 1.0, noise: 1.0, ..design.certain() };
+        let known = design.map(&rows, trusted).evaluate(&input).evidence;
+        assert!((known.known + known.doubted - design.prior(7)).abs() < 1e-9);
+        assert!((known.known - (x.row(7) * &rows).squared_norm_l2()).abs() < 1e-9);
+    }
+
     #[test]
     fn with_every_sample_a_centre_columns_make_the_kernel_matrix() {
         let inputs = inputs();
