@@ -270,10 +270,10 @@ fn groups(shape: Shape) -> Vec<Group> {
                 coefficients: row_major(&coefficients, r + 3, n + d),
                 certainty: Certainty {
                     len: 3,
-                    reach: 0.3 * d as f64,
+                    reach: 0.2 * d as f64,
                     linear: 0.5,
                     signal: 4.0,
-                    noise: 2.0,
+                    noise: 40.0,
                 },
             },
             outputs: row_major(&outputs, 12 * own, r),

@@ -32,6 +32,8 @@ const PROXIES: usize = 40;
 const QUARTERS: [usize; 4] = [1, 2, 4, 8];
 /// Fewer proxies are taken where their error is within this of the best.
 const FEWER: f64 = 1.02;
+/// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
+const FEW_VALUES: usize = 4;
 /// Tangent coefficients give way to a budget where positions else err so many times as much.
 const COEFFICIENTS_COST: f64 = 1.5;
 
@@ -329,7 +331,8 @@ impl PredictorSearch<'_> {
         refined: Option<bool>,
         report: Option<&RotationalReport>,
     ) -> Result<(), TrainError> {
-        let search = Search::new(*target, self.progress);
+        let certainty = if self.options.budget.is_some() { FEW_VALUES } else { target.certainty };
+        let search = Search::new(CorrectionTarget { certainty, ..*target }, self.progress);
         let fitted = fitted.with(search.nothing());
         for coefficients in self.with_coefficients() {
             let without = self.bytes(&fitted, coefficients)?;

@@ -63,9 +63,9 @@ impl Certainty {
         arithmetic: Arithmetic,
     ) -> Between {
         let prior = self.prior(apart, change);
-        let inherited = 2.0 * (1.0 + change.abs() + change_error) * change_error;
+        let inherited = 2.0 * ((1.0 + change).abs() + change_error) * change_error;
         let terms =
-            change.abs() * (2.0 + change.abs()) + inherited + self.linear * (apart + apart_error);
+            change.abs() * (2.0 + change).abs() + inherited + self.linear * (apart + apart_error);
         let off = inherited + self.linear * apart_error + gamma(4) * terms;
         let (least_prior, most_prior) = ((prior - off).max(0.0), prior + off);
         let sum = |sign: f64| -> f64 {

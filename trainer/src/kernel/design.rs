@@ -18,8 +18,6 @@ use faer::linalg::solvers::Svd;
 use serde::Serialize;
 use sinew_runtime::envelope::GroupKernel;
 
-/// Most values of a design's certainty.
-const CERTAINTY: usize = 16;
 /// Share of the variance over the samples that they may leave unexplained.
 const UNEXPLAINED: f64 = 1e-6;
 
@@ -195,17 +193,17 @@ impl<'a> Design<'a> {
     }
 
     /// Returns the coefficients of the design's columns that give the values whose squares sum to the variance that a
-    /// fit with a ridge explains: those of the leading directions, k x m.
-    pub fn certainty(&self, ridge: f64) -> Mat<f64> {
+    /// fit with a ridge explains: those of the leading directions, at most so many, k x m.
+    pub fn certainty(&self, ridge: f64, most: usize) -> Mat<f64> {
         let s: Vec<f64> = self.decomposed.S().column_vector().iter().map(|s| s * s).collect();
         let share = |i: usize| s[i] / (s[i] + ridge * self.largest);
-        let len = self.certainty_len();
+        let len = self.certainty_len(most);
         let v = self.decomposed.V();
         Mat::from_fn(v.nrows(), len, |row, i| v[(row, i)] * share(i).sqrt())
     }
 
     /// Counts the values of [`Design::certainty`], m.
-    pub fn certainty_len(&self) -> usize {
+    pub fn certainty_len(&self, most: usize) -> usize {
         let s: Vec<f64> = self.decomposed.S().column_vector().iter().map(|s| s * s).collect();
         let mut left: f64 = s.iter().sum();
         let negligible = UNEXPLAINED * left;
@@ -214,7 +212,7 @@ impl<'a> Design<'a> {
             left -= *s;
             needed
         });
-        needed.count().min(CERTAINTY)
+        needed.count().min(most)
     }
 
     /// Returns a certainty of no values, with the design's own numbers.
@@ -349,8 +347,8 @@ mod tests {
         let inputs = inputs();
         let design = design(&inputs, 6);
         let (x, ridge) = (columns(&design), 1e-3 * design.largest);
-        let rows = design.certainty(1e-3);
-        assert_eq!(rows.ncols(), design.certainty_len());
+        let rows = design.certainty(1e-3, 16);
+        assert_eq!(rows.ncols(), design.certainty_len(16));
         let all = Vec::from_iter(0..20);
         for i in 0..20 {
             let explained = (x.row(i) * &rows).squared_norm_l2();

@@ -78,6 +78,19 @@ impl GramRegression {
         SampleErrors::new(&self.kernel, &self.gram, self.ridge, blocks)
     }
 
+    /// Returns how far each of some samples is from the nearest other: what of its prior variance that one leaves, as a
+    /// share of the mean prior variance.
+    pub fn apart(&self, samples: &[usize]) -> Vec<f64> {
+        let variance = |i: usize| self.kernel[(i, i)].max(f64::MIN_POSITIVE);
+        let mean = samples.iter().map(|&i| variance(i)).sum::<f64>() / samples.len().max(1) as f64;
+        let of_sample = |&i: &usize| {
+            let others = samples.iter().filter(|&&j| j != i);
+            let explained = others.map(|&j| self.kernel[(i, j)].powi(2) / variance(j));
+            (variance(i) - explained.fold(0.0, f64::max)).max(0.0) / mean
+        };
+        samples.iter().map(of_sample).collect()
+    }
+
     /// Predicts each of some samples by the others of them: squared errors, summed over the outputs, over their variance
     /// as the regression has it, and as they are. None where rounding makes the fit indefinite.
     ///

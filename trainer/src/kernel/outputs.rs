@@ -43,6 +43,8 @@ pub struct Outputs {
     pub signal: f64,
     /// The squared size in a sample that counts as nothing.
     pub negligible: f64,
+    /// Most values of a map's certainty.
+    pub certainty: usize,
 }
 
 impl Outputs {

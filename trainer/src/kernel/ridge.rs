@@ -95,7 +95,7 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     }
     let solution = design.solve(&projected.all, ridges);
     let ridge = ridges.first().copied().unwrap_or_default();
-    let rows = design.certainty(ridge);
+    let rows = design.certainty(ridge, outputs.certainty);
     let signal = outputs.signal / design.variance();
     let noise = noise(design, outputs, &projected, ridges)?.min(NOISE * signal);
     let certainty = Certainty {
@@ -221,6 +221,7 @@ mod tests {
             without: Vec::new(),
             signal: 1.0,
             negligible: 1e-6,
+            certainty: 16,
         };
         let inputs = Inputs::new(values).unwrap();
         for kernel in SMOOTHEST_FIRST {

@@ -33,8 +33,12 @@ fn one_pose_with_two_meshes_is_warned_of() {
     for vertex in 0..v / 3 {
         examples.vertices[30 * v + vertex][1] += 0.03;
     }
-    let found = only(&examples, Kind::Contradicting);
-    assert_eq!((found.severity, frames(&found)), (Severity::Warning, vec![30, 13]));
+    let found = check(&examples);
+    let kinds: Vec<Kind> = found.findings.iter().map(|finding| finding.kind).collect();
+    assert_eq!(kinds, [Kind::Contradicting, Kind::Broken]);
+    let [apart, broken] = [0, 1].map(|k| &found.findings[k]);
+    assert_eq!((apart.severity, frames(apart)), (Severity::Warning, vec![30, 13]));
+    assert_eq!((broken.severity, frames(broken)), (Severity::Warning, vec![30]));
 }
 
 /// The meshes of every frame, those of the frame before or after.

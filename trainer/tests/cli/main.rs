@@ -253,7 +253,7 @@ fn the_record_holds_hashes_folds_candidates_and_the_choice() {
 fn each_predictor_can_be_asked_for_and_the_file_keeps_to_its_budget() {
     let folder = Folder::with_demo("predictors");
     for predictor in ["rotational", "kernel", "hybrid"] {
-        let train = format!("train demo.npz -o new.sinew --predictor {predictor} --proxies 4");
+        let train = format!("-q train demo.npz -o new.sinew --predictor {predictor} --proxies 4");
         let free = folder.sinew(&format!("{train} --json")).json();
         assert_eq!(free["predictor"], predictor);
         let candidates = free["report"]["candidates"].as_array().unwrap();
@@ -297,7 +297,7 @@ fn auto_falls_back_to_the_joints_alone_where_bytes_are_few() {
     let told = inspected["sections"].as_array().unwrap().iter().filter(is_told);
     let told: u64 = told.map(|section| section["bytes"].as_u64().unwrap()).sum();
     let budget = candidates[0]["bytes"].as_u64().unwrap() - told;
-    folder.sinew(&format!("train demo.npz -o few.sinew --budget {budget}")).done();
+    folder.sinew(&format!("-q train demo.npz -o few.sinew --budget {budget}")).done();
     assert!(folder.read("few.sinew").len() as u64 <= budget);
     assert_eq!(folder.sinew("inspect few.sinew --json").json()["envelopes"][0]["proxies"], 0);
     let found = folder.sinew("eval few.sinew demo.npz --json").json();
@@ -367,7 +367,7 @@ fn hold_out_takes_blocks_and_replaces_the_split() {
 fn max_error_takes_the_fewest_proxies_that_meet_it() {
     let folder = Folder::with_demo("max-error");
     let share = |record: &Value| 100.0 * number(&record["report"]["rotational"]["proxy_rms"]);
-    let train = "train demo.npz --predictor rotational --json -o";
+    let train = "-q train demo.npz --predictor rotational --json -o";
     let met = folder.sinew(&format!("{train} new.sinew --max-error 2")).json();
     assert!(share(&met) <= 2.0);
     let fewer = met["proxies"].as_u64().unwrap() - 1;

@@ -14,7 +14,7 @@ use std::path::Path;
 const TARGET: &str = env!("CARGO_TARGET_TMPDIR");
 
 /// The joint that is turned.
-const JOINT: &str = "forearm";
+const JOINT: &str = "upper_arm";
 
 /// How far turning it takes the arm up, by its box, as a part of its diagonal.
 const RAISED: f32 = 0.15;

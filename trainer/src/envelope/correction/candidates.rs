@@ -99,6 +99,7 @@ impl GroupCandidates {
             beyond: beyond.len(),
             signal: target.lbs_errors[proxies.clone()].iter().sum(),
             negligible: NOTHING.powi(2) * target.vertices as f64,
+            certainty: target.certainty,
             without: target.without.iter().map(|m| seen(m) * &directions).collect(),
         };
         let sizes = outputs.sizes();
@@ -213,7 +214,13 @@ fn choose(near: &NearJoints, outputs: &Outputs, nothing: &[f64], proxies: usize)
             let left: f64 = nothing[rank..].iter().sum();
             sizes.push(MapSize {
                 rank,
-                bytes: bytes(inputs.input_len(), centres, rank, design.certainty_len(), proxies),
+                bytes: bytes(
+                    inputs.input_len(),
+                    centres,
+                    rank,
+                    design.certainty_len(outputs.certainty),
+                    proxies,
+                ),
                 score: scored.scores[..rank].iter().sum::<f64>() + left,
                 scored: Some(scored.clone()),
             });

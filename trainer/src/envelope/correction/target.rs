@@ -4,6 +4,9 @@ use super::features::Features;
 use crate::envelope::skin::poses::Poses;
 use faer::Mat;
 
+/// Most values of a map's certainty, where nothing else is said.
+pub const CERTAINTY: usize = 16;
+
 /// What a correction is fitted to: on n training poses, the part of P proxies' transforms that a base
 /// (joints, or a reconstruction) does not predict.
 #[derive(Clone, Copy)]
@@ -23,6 +26,8 @@ pub struct CorrectionTarget<'a> {
     pub gram: &'a Mat<f64>,
     /// Squared error of LBS that each of the proxies is to mend, P, summed over the poses.
     pub lbs_errors: &'a [f64],
+    /// Most values of a map's certainty.
+    pub certainty: usize,
     /// V.
     pub vertices: usize,
 }

@@ -1,7 +1,7 @@
 //! The fit of helpers to the training frames (METHOD §1.9).
 
 use crate::envelope::correction::features::Features;
-use crate::envelope::correction::target::CorrectionTarget;
+use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
 use crate::envelope::model::Group;
 use crate::envelope::skin::blend::{Items, Maps, Weights, fit_maps, fit_weights};
@@ -197,6 +197,7 @@ impl Helpers {
             without: &[],
             gram: &self.gram,
             lbs_errors: &self.lbs_errors,
+            certainty: CERTAINTY,
             vertices: training.rest.len(),
         }
     }

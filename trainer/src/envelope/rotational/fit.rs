@@ -11,7 +11,7 @@ use super::validation::Validation;
 use super::{keys, merge, proxies, settings, validation};
 use crate::envelope::FitError;
 use crate::envelope::correction::features::Features;
-use crate::envelope::correction::target::CorrectionTarget;
+use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
 use crate::envelope::model::{Key, Reconstruction};
 use crate::envelope::skin::blend::Weights;
@@ -236,6 +236,7 @@ impl Rotational {
             without: &base.left_over_without,
             gram: &self.gram,
             lbs_errors: &self.lbs_errors,
+            certainty: CERTAINTY,
             vertices: training.rest.len(),
         }
     }
