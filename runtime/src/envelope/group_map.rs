@@ -3,7 +3,7 @@
 use super::group_kernel::GroupKernel;
 use super::trust::{Evidence, Trust};
 use crate::lanes::{Eight, Lanes};
-use crate::linear::{Le, block_distances, block_entry, block_product, padded};
+use crate::linear::{Le, block_distances, block_entry, block_product, padded, split};
 
 /// Sizes of a kernel map.
 #[derive(Clone, Copy, Debug)]
@@ -82,7 +82,7 @@ impl<'a> Map<'a> {
         self.basis(input, basis.as_chunks_mut().0);
         let basis = basis.get(..n).unwrap_or_default();
         block_product(self.coefficients, [basis, input], values.as_chunks_mut().0);
-        let (latent, certainty) = values.split_at(r.min(values.len()));
+        let (latent, certainty) = split(values, r);
         let change = basis.first().copied().unwrap_or_default();
         let evidence = self.trust.evidence(input, change, certainty.iter().take(m));
         let w = evidence.share();

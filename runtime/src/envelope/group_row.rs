@@ -79,10 +79,13 @@ impl GroupRow {
         let [j0, j1, kernel, certainty_len, lengths @ ..] = *bytes;
         let [d0, d1, n0, n1, r0, r1, p0, p1, words @ ..] = lengths;
         let [o0, o1, o2, o3, floats @ ..] = words;
-        let [reach, linear, signal, noise] = [0, 4, 8, 12].map(|at| {
-            let [a, b, c, d] = [0, 1, 2, 3].map(|byte| floats[at + byte]);
-            f32::from_le_bytes([a, b, c, d])
-        });
+        let [e0, e1, e2, e3, l0, l1, l2, l3, s0, s1, s2, s3, t0, t1, t2, t3] = floats;
+        let trust = Trust {
+            reach: f32::from_le_bytes([e0, e1, e2, e3]),
+            linear: f32::from_le_bytes([l0, l1, l2, l3]),
+            signal: f32::from_le_bytes([s0, s1, s2, s3]),
+            noise: f32::from_le_bytes([t0, t1, t2, t3]),
+        };
         Self {
             joint: u16::from_le_bytes([j0, j1]),
             kernel,
@@ -92,7 +95,7 @@ impl GroupRow {
             rank: u16::from_le_bytes([r0, r1]),
             proxy_len: u16::from_le_bytes([p0, p1]),
             offset: u32::from_le_bytes([o0, o1, o2, o3]),
-            trust: Trust { reach, linear, signal, noise },
+            trust,
         }
     }
 }
