@@ -153,7 +153,8 @@ fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
 fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
     let has_centres = row.centre_len > 0;
     let Trust { reach, linear, signal, noise } = row.trust;
-    let is_share = |x: f32| (0.0..=CORRECTION_MAX).contains(&x);
+    // By their bits, among which those of negative numbers and of none are greater: less code without a float unit.
+    let is_share = |x: f32| x.to_bits() <= CORRECTION_MAX.to_bits();
     if u32::from(row.joint) >= joint_len {
         Some((Kind::Index, [joint_len, row.joint.into()]))
     } else if GroupKernel::from_number(row.kernel).is_none() {
@@ -161,7 +162,7 @@ fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
     } else if row.proxy_len == 0 || has_centres && (row.input_len == 0 || row.rank == 0) {
         Some((Kind::Empty, [1, 0]))
     } else if ![reach, linear, signal, noise].into_iter().all(is_share)
-        || has_centres && reach == 0.0
+        || has_centres && reach.to_bits() == 0
     {
         Some((Kind::Invalid, [0; 2]))
     } else {
