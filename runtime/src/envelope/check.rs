@@ -7,7 +7,6 @@ use super::counts::{BIND_TOLERANCE, EnvelopeCounts, RULES, TWIST_MAX, place};
 use super::group_kernel::GroupKernel;
 use super::group_row::GroupRow;
 use super::key::{KeyRow, joint_index};
-use super::trust::Trust;
 use super::view::Envelope;
 use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
 use crate::format::part::{Asked, COUNTS, first_counts};
@@ -152,17 +151,15 @@ fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
 /// Finds what is wrong with the row of a group by itself.
 fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
     let has_centres = row.centre_len > 0;
-    let Trust { reach, linear, signal, noise } = row.trust;
-    // By their bits, among which those of negative numbers and of none are greater: less code without a float unit.
-    let is_share = |x: f32| x.to_bits() <= CORRECTION_MAX.to_bits();
+    let trust = row.trust.words();
     if u32::from(row.joint) >= joint_len {
         Some((Kind::Index, [joint_len, row.joint.into()]))
     } else if GroupKernel::from_number(row.kernel).is_none() {
         Some((Kind::Unsupported, [0, row.kernel.into()]))
     } else if row.proxy_len == 0 || has_centres && (row.input_len == 0 || row.rank == 0) {
         Some((Kind::Empty, [1, 0]))
-    } else if ![reach, linear, signal, noise].into_iter().all(is_share)
-        || has_centres && reach.to_bits() == 0
+    } else if outside(&trust, [0.0, CORRECTION_MAX]).is_some()
+        || has_centres && row.trust.reach == 0.0
     {
         Some((Kind::Invalid, [0; 2]))
     } else {

@@ -59,15 +59,16 @@ impl GroupRow {
         let [n0, n1] = self.centre_len.to_le_bytes();
         let [r0, r1] = self.rank.to_le_bytes();
         let [p0, p1] = self.proxy_len.to_le_bytes();
+        let [reach, linear, signal, noise] = self.trust.words();
         let words = [
             [j0, j1, self.kernel, self.certainty_len],
             [d0, d1, n0, n1],
             [r0, r1, p0, p1],
             self.offset.to_le_bytes(),
-            self.trust.reach.to_le_bytes(),
-            self.trust.linear.to_le_bytes(),
-            self.trust.signal.to_le_bytes(),
-            self.trust.noise.to_le_bytes(),
+            reach,
+            linear,
+            signal,
+            noise,
         ];
         let mut out = [0; Self::BYTES];
         out.copy_from_slice(words.as_flattened());

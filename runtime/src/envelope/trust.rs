@@ -1,5 +1,6 @@
 //! How well a group knows a pose: the posterior variance of its kernel map (METHOD §2.6).
 
+use crate::linear::Le;
 use crate::numeric::{greater, lesser, nearness, smoothstep};
 
 /// What is left to doubt where nothing is known.
@@ -28,6 +29,11 @@ pub struct Evidence {
 }
 
 impl Trust {
+    /// Returns the numbers as a row holds them.
+    pub(crate) fn words(&self) -> [Le; 4] {
+        [self.reach, self.linear, self.signal, self.noise].map(f32::to_le_bytes)
+    }
+
     /// Weighs the variance that the training poses explain against what they leave.
     ///
     /// - `input`: x, 0 at rest.
