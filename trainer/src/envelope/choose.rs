@@ -11,7 +11,7 @@ use super::model::{RecordModel, SkinModel};
 use super::options::{FileSkins, Options, Predict};
 use super::predicted::LeftOut;
 use super::rotational::ProxyCount;
-use super::rotational::{self, Rotational, RotationalOptions, RotationalReport, Variant};
+use super::rotational::{self, Rotational, RotationalOptions, RotationalReport};
 use crate::envelope::correction::candidates::GroupReport;
 use crate::envelope::correction::search::Search;
 use crate::envelope::correction::target::CorrectionTarget;
@@ -28,10 +28,10 @@ use std::ops::Range;
 
 /// Fewest proxies to begin with, where nothing else is said.
 const PROXIES: usize = 40;
-/// Candidate numbers of proxies against that, in quarters; the first only where bytes are few.
-const QUARTERS: [usize; 4] = [1, 2, 4, 8];
-/// Fewer proxies are taken where their error is within this of the best.
-const FEWER: f64 = 1.02;
+/// Candidate numbers of proxies against that, in quarters; the last only where bytes are few.
+const QUARTERS: [usize; 4] = [4, 2, 8, 1];
+/// The smallest file is taken whose error is within this of the least.
+const SMALLER: f64 = 1.02;
 /// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
 const FEW_VALUES: usize = 4;
 /// Tangent coefficients give way to a budget where positions else err so many times as much.
@@ -143,21 +143,27 @@ pub fn choose(
         reports: Vec::new(),
         candidates: Vec::new(),
         least_bytes: usize::MAX,
+        kind: None,
         parts: 0,
         begun: 0,
     };
     if options.predictor == Predict::Auto && options.proxies.is_none() {
         choice.joints_alone()?;
     }
-    let counts = proxy_counts(training, options);
+    let mut counts = proxy_counts(training, options).into_iter();
     choice.parts = counts.len() * choice.kinds();
+    if options.budget.is_none() {
+        // Where bytes do not decide, what predicts best with so many predicts best with more and with fewer.
+        counts.next().map_or(Ok(()), |usual| choice.attempt(usual))?;
+        choice.keep_best_kind(counts.len());
+    }
     for count in counts {
         choice.attempt(count)?;
     }
     choice.take()
 }
 
-/// The numbers of proxies to try, ascending.
+/// The numbers of proxies to try, the usual one first.
 fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyCount> {
     if let Some(count) = options.proxies {
         return vec![count];
@@ -165,11 +171,14 @@ fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyCount> {
     let most = proxies_max(training);
     // No fewer than the skeleton has, so that proxies alone are never poorer than LBS.
     let usual = training.poses.joint_len().max(PROXIES);
-    let few = usize::from(options.budget.is_none());
-    let mut counts: Vec<usize> =
-        QUARTERS[few..].iter().map(|q| (q * usual / 4).clamp(1, most)).collect();
-    counts.dedup();
-    counts.into_iter().map(ProxyCount::Fixed).collect()
+    let quarters = if options.budget.is_some() { &QUARTERS[..] } else { &QUARTERS[..3] };
+    let mut counts = Vec::new();
+    for count in quarters.iter().map(|quarters| (quarters * usual / 4).clamp(1, most)) {
+        if !counts.contains(&ProxyCount::Fixed(count)) {
+            counts.push(ProxyCount::Fixed(count));
+        }
+    }
+    counts
 }
 
 /// The most proxies that the mesh and a file can have.
@@ -188,6 +197,8 @@ struct PredictorSearch<'a> {
     candidates: Vec<Candidate>,
     /// Bytes of the smallest file that was tried.
     least_bytes: usize,
+    /// The kind of predictor that more and fewer proxies are tried for; every one that is asked for where none is.
+    kind: Option<Predictor>,
     /// How many fits there are to be, and how many were begun.
     parts: usize,
     begun: usize,
@@ -195,18 +206,24 @@ struct PredictorSearch<'a> {
 
 impl PredictorSearch<'_> {
     fn wants(&self, predictor: Predictor) -> bool {
-        match self.options.predictor {
-            Predict::Auto => true,
-            Predict::Only(only) => only == predictor,
-        }
+        let asked = match self.options.predictor {
+            Predict::Auto => self.kind,
+            Predict::Only(only) => Some(only),
+        };
+        asked.is_none_or(|only| only == predictor)
+    }
+
+    /// Tries no other kind of predictor from here on than the best so far, in so many fits to come.
+    fn keep_best_kind(&mut self, to_come: usize) {
+        self.kind = best(&self.candidates).map(|c| c.fitted.envelope.predictor());
+        self.parts = self.begun + to_come * self.kinds();
     }
 
     /// Counts the fits of one number of proxies: a reconstruction, what corrects it, and helpers.
     fn kinds(&self) -> usize {
         let [rotational, hybrid, kernel] =
             [Predictor::Rotational, Predictor::Hybrid, Predictor::Kernel].map(|p| self.wants(p));
-        let corrected = if self.options.refine { 2 } else { 1 };
-        usize::from(rotational || hybrid) + corrected * usize::from(hybrid) + usize::from(kernel)
+        usize::from(rotational || hybrid) + usize::from(hybrid) + usize::from(kernel)
     }
 
     fn begin(&mut self) {
@@ -231,11 +248,7 @@ impl PredictorSearch<'_> {
                     }
                     if self.wants(Predictor::Hybrid) {
                         self.begin();
-                        self.hybrid(&fitted, &fitted.unrefined, Some(false))?;
-                        if let Some(refined) = &fitted.refined {
-                            self.begin();
-                            self.hybrid(&fitted, refined, Some(true))?;
-                        }
+                        self.hybrid(&fitted)?;
                     }
                 }
                 // Helpers need no reconstruction.
@@ -251,27 +264,19 @@ impl PredictorSearch<'_> {
     }
 
     fn rotational(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
-        let refined = rotational.refined.as_ref();
-        let best = refined.unwrap_or(&rotational.unrefined);
-        let fitted = rotational.fitted(self.training, best);
+        let fitted = rotational.fitted(self.training);
         for coefficients in self.with_coefficients() {
             let bytes = self.bytes(&fitted, coefficients)?;
-            let fits = (bytes <= self.budget()).then_some((bytes, &best.validated, Vec::new()));
-            let fitted = (fitted.clone(), coefficients);
-            self.add(fitted, Some(refined.is_some()), fits, Some(&rotational.report));
+            let fits =
+                (bytes <= self.budget()).then_some((bytes, &rotational.validated, Vec::new()));
+            self.add((fitted.clone(), coefficients), fits, Some(rotational));
         }
         Ok(())
     }
 
-    fn hybrid(
-        &mut self,
-        rotational: &Rotational,
-        base: &Variant,
-        refined: Option<bool>,
-    ) -> Result<(), TrainError> {
-        let (fitted, target) =
-            (rotational.fitted(self.training, base), rotational.target(base, self.training));
-        self.corrected(fitted, &target, &base.validated, refined, Some(&rotational.report))
+    fn hybrid(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
+        let (fitted, target) = (rotational.fitted(self.training), rotational.target(self.training));
+        self.corrected(fitted, &target, &rotational.validated, Some(rotational))
     }
 
     fn kernel(&mut self, count: ProxyCount) -> Result<(), TrainError> {
@@ -284,7 +289,7 @@ impl PredictorSearch<'_> {
         let Some(helpers) = helpers else { return self.joints_alone() };
         let fitted = helpers.fitted(self.training, Vec::new());
         let base = helpers.base(&self.training.poses);
-        self.corrected(fitted, &helpers.target(self.training), &base, None, None)
+        self.corrected(fitted, &helpers.target(self.training), &base, None)
     }
 
     /// Plain LBS: a palette of joints without helpers.
@@ -294,7 +299,7 @@ impl PredictorSearch<'_> {
         for coefficients in self.with_coefficients() {
             let bytes = self.bytes(&fitted, coefficients)?;
             let fits = (bytes <= self.budget()).then_some((bytes, &palette, Vec::new()));
-            self.add((fitted.clone(), coefficients), None, fits, None);
+            self.add((fitted.clone(), coefficients), fits, None);
         }
         Ok(())
     }
@@ -328,8 +333,7 @@ impl PredictorSearch<'_> {
         fitted: Fitted,
         target: &CorrectionTarget<'_>,
         validated: &Mat<f64>,
-        refined: Option<bool>,
-        report: Option<&RotationalReport>,
+        rotational: Option<&Rotational>,
     ) -> Result<(), TrainError> {
         let certainty = if self.options.budget.is_some() { FEW_VALUES } else { target.certainty };
         let search = Search::new(CorrectionTarget { certainty, ..*target }, self.progress);
@@ -338,13 +342,13 @@ impl PredictorSearch<'_> {
             let without = self.bytes(&fitted, coefficients)?;
             let room = self.budget().checked_sub(without);
             let Some(correction) = room.and_then(|room| search.fit(room)) else {
-                self.add((fitted.clone(), coefficients), refined, None, report);
+                self.add((fitted.clone(), coefficients), None, rotational);
                 continue;
             };
             let palette = corrected(validated.clone(), &correction.validated);
             let fits = (without + correction.bytes, &palette, correction.reports);
             let fitted = fitted.clone().with(correction.groups);
-            self.add((fitted, coefficients), refined, Some(fits), report);
+            self.add((fitted, coefficients), Some(fits), rotational);
         }
         Ok(())
     }
@@ -352,13 +356,12 @@ impl PredictorSearch<'_> {
     fn add(
         &mut self,
         (fitted, tangent_coefficients): (Fitted, bool),
-        refined: Option<bool>,
         fits: Option<(usize, &Mat<f64>, Vec<GroupReport>)>,
-        rotational: Option<&RotationalReport>,
+        rotational: Option<&Rotational>,
     ) {
         let mut report = CandidateReport {
             predictor: fitted.envelope.predictor().name(),
-            refined,
+            refined: rotational.map(Rotational::is_refined),
             proxies: fitted.envelope.proxy_len(),
             tangent_coefficients,
             bytes: None,
@@ -369,7 +372,7 @@ impl PredictorSearch<'_> {
             let validated_rms = self.training.targets(&fitted.weights).rms(palette);
             (report.bytes, report.validated_rms) = (Some(bytes), Some(validated_rms));
             report.groups = groups;
-            let rotational = rotational.cloned();
+            let rotational = rotational.map(|rotational| rotational.report.clone());
             let report = self.reports.len();
             self.candidates.push(Candidate {
                 fitted,
@@ -414,19 +417,19 @@ impl PredictorSearch<'_> {
         Ok(bytes)
     }
 
-    /// Takes the candidate that scores best, with fewer proxies where that costs little.
+    /// Takes the candidate that scores best, or a smaller one where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
         let Self { training, examples, progress, lbs_rms, record, reports, candidates, .. } = self;
-        let of = |c: &Candidate| {
-            (c.fitted.envelope.predictor(), reports[c.report].refined, c.tangent_coefficients)
-        };
         let Some(best) = best(&candidates) else {
             let budget = self.options.budget.unwrap_or(usize::MAX);
             return Err(TrainError::Budget { budget, least: self.least_bytes });
         };
-        let (kind, most) = (of(best), FEWER * best.validated_rms);
-        let mut alike = candidates.iter().filter(|c| of(c) == kind && c.validated_rms <= most);
-        let chosen = alike.next().unwrap_or(best);
+        let bytes = |c: &&Candidate| reports[c.report].bytes;
+        let most = SMALLER * best.validated_rms;
+        let alike = candidates.iter().filter(|c| {
+            c.tangent_coefficients == best.tangent_coefficients && c.validated_rms <= most
+        });
+        let chosen = alike.min_by_key(bytes).unwrap_or(best);
         let palette = chosen.fitted.envelope.palettes(&training.poses);
         let training_rms = training.targets(&chosen.fitted.weights).rms(&palette);
         let base = chosen.fitted.envelope.bases(&training.poses);

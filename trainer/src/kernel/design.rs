@@ -47,6 +47,14 @@ pub struct Design<'a> {
     largest: f64,
 }
 
+/// A block of samples on a design's directions.
+pub struct BlockRows {
+    /// The rows of what it leaves out, its own first: len x k.
+    rows: Mat<f64>,
+    /// How many of them are to be predicted.
+    own: usize,
+}
+
 /// A block of samples as a fit sees it that has not seen them.
 pub struct BlockOut {
     /// Their rows of the hat matrix, on the design's directions: len x k.
@@ -56,8 +64,6 @@ pub struct BlockOut {
     own: usize,
     /// The variance of noise that the ridge stands for.
     noise: f64,
-    /// The variance of its own samples that no centre spans.
-    unspanned: f64,
 }
 
 impl<'a> Design<'a> {
@@ -109,25 +115,27 @@ impl<'a> Design<'a> {
         self.decomposed.U().transpose() * outputs
     }
 
+    /// Takes the rows of a block.
+    pub fn rows(&self, block: &Block) -> BlockRows {
+        let u = self.decomposed.U();
+        let mut rows = Mat::zeros(block.out_len(), u.ncols());
+        for (out, direction) in rows.col_iter_mut().zip(u.col_iter()) {
+            out.iter_mut().zip(block.out()).for_each(|(out, sample)| *out = direction[sample]);
+        }
+        BlockRows { rows, own: block.own.len() }
+    }
+
     /// Takes a block of samples out of a fit with a ridge; none where rounding makes what it leaves
     /// indefinite.
-    pub fn block_out(&self, block: &Block, ridge: f64) -> Option<BlockOut> {
-        let s = self.decomposed.S().column_vector();
-        let shrink: Vec<f64> = s.iter().map(|s| s * s / (s * s + ridge * self.largest)).collect();
-        let out: Vec<usize> = block.out().collect();
-        let u = self.decomposed.U();
-        let u = Mat::from_fn(out.len(), u.ncols(), |i, k| u[(out[i], k)]);
-        let hat = Mat::from_fn(u.nrows(), u.ncols(), |i, k| u[(i, k)] * shrink[k]);
-        let own = &hat * u.transpose();
-        let remainder =
-            Mat::from_fn(out.len(), out.len(), |i, j| f64::from(u8::from(i == j)) - own[(i, j)]);
-        Some(BlockOut {
-            left_out: LeftOut::new(&remainder)?,
-            hat,
-            own: block.own.len(),
-            noise: ridge * self.largest,
-            unspanned: block.own.iter().map(|&i| self.unspanned(i)).sum(),
-        })
+    pub fn block_out(&self, BlockRows { rows, own }: &BlockRows, ridge: f64) -> Option<BlockOut> {
+        let noise = ridge * self.largest;
+        let mut hat = rows.clone();
+        for (column, s) in hat.col_iter_mut().zip(self.decomposed.S().column_vector().iter()) {
+            let shrink = s * s / (s * s + noise);
+            column.iter_mut().for_each(|entry| *entry *= shrink);
+        }
+        let remainder = Mat::<f64>::identity(rows.nrows(), rows.nrows()) - &hat * rows.transpose();
+        Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat, own: *own, noise })
     }
 
     /// Solves for the coefficients of the orthonormal functions, then of the scaled inputs, of the
@@ -256,10 +264,11 @@ impl BlockOut {
         errors.subrows(0, self.own).to_owned()
     }
 
-    /// Returns the variance of the fit without the block, summed over the block's own samples.
-    pub fn variance(&self) -> f64 {
+    /// Returns the variance of the fit without its samples, summed over a block's own.
+    pub fn variance(&self, design: &Design<'_>, block: &Block) -> f64 {
         let variances = self.left_out.variances();
-        self.unspanned + self.noise * variances[..self.own].iter().map(|v| v - 1.0).sum::<f64>()
+        let unspanned: f64 = block.own.iter().map(|&i| design.unspanned(i)).sum();
+        unspanned + self.noise * variances[..self.own].iter().map(|v| v - 1.0).sum::<f64>()
     }
 }
 
@@ -298,7 +307,10 @@ mod tests {
         for block in [Block::row(0..7), Block::row(7..12), Block::row(12..20), scattered] {
             let out: Vec<usize> = block.out().collect();
             let own = Mat::from_fn(out.len(), 2, |i, o| all[(out[i], o)]);
-            let found = design.block_out(&block, 1e-3).unwrap().errors(&own, &design.project(&all));
+            let found = design
+                .block_out(&design.rows(&block), 1e-3)
+                .unwrap()
+                .errors(&own, &design.project(&all));
             let kept: Vec<usize> = (0..20).filter(|i| !out.contains(i)).collect();
             let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
             let y = Mat::from_fn(kept.len(), 2, |r, c| all[(kept[r], c)]);
@@ -338,7 +350,8 @@ mod tests {
             variance(&x, &kept, i, ridge) + prior
         };
         let expected: f64 = block.own.iter().map(of).sum();
-        let found = design.block_out(&block, 1e-3).unwrap().variance();
+        let found = design.block_out(&design.rows(&block), 1e-3).unwrap();
+        let found = found.variance(&design, &block);
         assert!((found - expected).abs() < 1e-9 && expected > 1e-4, "{found} {expected}");
     }
 

@@ -23,6 +23,11 @@ impl Block {
         Self { own: own.collect(), near: Vec::new() }
     }
 
+    /// Counts what is left out.
+    pub fn out_len(&self) -> usize {
+        self.own.len() + self.near.len()
+    }
+
     /// Lists what is left out: its own first.
     pub fn out(&self) -> impl Iterator<Item = usize> + Clone + '_ {
         self.own.iter().chain(&self.near).copied()
@@ -51,8 +56,12 @@ impl Outputs {
     /// Returns the outputs of what a block leaves out, as a fit without it is to see them.
     pub fn of_block(&self, block: usize) -> Mat<f64> {
         let seen = self.without.get(block).unwrap_or(&self.all);
-        let out: Vec<usize> = self.blocks[block].out().collect();
-        Mat::from_fn(out.len(), seen.ncols(), |i, o| seen[(out[i], o)])
+        let block = &self.blocks[block];
+        let mut all = Mat::zeros(block.out_len(), seen.ncols());
+        for (out, seen) in all.col_iter_mut().zip(seen.col_iter()) {
+            out.iter_mut().zip(block.out()).for_each(|(out, sample)| *out = seen[sample]);
+        }
+        all
     }
 
     /// Scores of predicting nothing: each output's size, over the samples as their own blocks see

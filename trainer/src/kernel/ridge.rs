@@ -3,7 +3,7 @@
 
 use super::arithmetic::U;
 use super::certainty::Certainty;
-use super::design::{Design, Hyperparameters};
+use super::design::{BlockRows, Design, Hyperparameters};
 use super::map::KernelMap;
 use super::outputs::{Outputs, gentle_mean};
 use faer::{ColRef, Mat};
@@ -60,7 +60,7 @@ pub fn best(design: &Design<'_>, outputs: &Outputs) -> Option<Scored> {
     let projected = Projected::new(design, outputs);
     let terms = design.terms();
     let of_ridge = |ridge: f64| {
-        let left = left_out(design, outputs, &projected, ridge)?;
+        let left = projected.left_out(design, ridge)?;
         let size = |left: &Mat<f64>| left.col_iter().map(|c| c.squared_norm_l2()).collect();
         let rounding = rounding(design, outputs, &projected, &terms, ridge);
         Some(OfRidge { ridge, errors: left.iter().map(size).collect(), rounding })
@@ -81,12 +81,14 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     let mut distinct = ridges.to_vec();
     distinct.sort_by(f64::total_cmp);
     distinct.dedup();
+    let mut squared = vec![0.0; outputs.blocks.len()];
     for ridge in distinct {
-        let left = left_out(design, outputs, &projected, ridge)?;
+        let left = projected.left_out(design, ridge)?;
         // Where blocks overlap the first ones count.
         for (b, block) in outputs.blocks.iter().enumerate().rev() {
-            let truth = outputs.of_block(b);
+            let truth = &projected.blocks[b].truth;
             for o in (0..ridges.len()).filter(|&o| ridges[o] == ridge) {
+                squared[b] += left[b].col(o).squared_norm_l2();
                 for (i, &sample) in block.own.iter().enumerate() {
                     predicted[(sample, o)] = truth[(i, o)] - left[b][(i, o)];
                 }
@@ -97,7 +99,7 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     let ridge = ridges.first().copied().unwrap_or_default();
     let rows = design.certainty(ridge, outputs.certainty);
     let signal = outputs.signal / design.variance();
-    let noise = noise(design, outputs, &projected, ridges)?.min(NOISE * signal);
+    let noise = noise(design, outputs, (&projected, &squared), ridge)?.min(NOISE * signal);
     let certainty = Certainty {
         len: rows.ncols(),
         signal: (signal / outputs.negligible).min(MOST),
@@ -110,25 +112,20 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
 
 /// The squared error of samples beyond the others for their variance, both as fits without them have them: a geometric
 /// mean over their blocks, or over all where there are none beyond.
+///
+/// - `squared`: the errors of each block's own samples.
 fn noise(
     design: &Design<'_>,
     outputs: &Outputs,
-    projected: &Projected,
-    ridges: &[f64],
+    (projected, squared): (&Projected, &[f64]),
+    ridge: f64,
 ) -> Option<f64> {
     let count = outputs.blocks.len();
     let first = if outputs.beyond > 0 { count - outputs.beyond } else { 0 };
     let of_block = |b: usize| {
-        let block = &outputs.blocks[b];
-        let seen = projected.without.get(b).unwrap_or(&projected.all);
-        let truth = outputs.of_block(b);
-        let squared = |(o, &ridge): (usize, &f64)| {
-            let errors = design.block_out(block, ridge)?.errors(&truth, seen);
-            Some(errors.col(o).squared_norm_l2())
-        };
-        let squared = ridges.iter().enumerate().map(squared).sum::<Option<f64>>()?;
-        let variance = design.block_out(block, ridges[0])?.variance();
-        Some((squared / variance.max(f64::MIN_POSITIVE)).max(f64::MIN_POSITIVE).ln())
+        let out = design.block_out(&projected.blocks[b].rows, ridge)?;
+        let variance = out.variance(design, &outputs.blocks[b]).max(f64::MIN_POSITIVE);
+        Some((squared[b] / variance).max(f64::MIN_POSITIVE).ln())
     };
     let sum = (first..count).map(of_block).sum::<Option<f64>>()?;
     Some((sum / (count - first).max(1) as f64).exp())
@@ -139,28 +136,37 @@ struct Projected {
     all: Mat<f64>,
     /// The same of the outputs as each block sees them.
     without: Vec<Mat<f64>>,
+    blocks: Vec<BlockOutputs>,
+}
+
+/// A block on a design's directions, and the outputs of what it leaves out.
+struct BlockOutputs {
+    rows: BlockRows,
+    truth: Mat<f64>,
 }
 
 impl Projected {
     fn new(design: &Design<'_>, outputs: &Outputs) -> Self {
         let without = outputs.without.iter().map(|outputs| design.project(outputs)).collect();
-        Self { all: design.project(&outputs.all), without }
+        let block =
+            |(b, block)| BlockOutputs { rows: design.rows(block), truth: outputs.of_block(b) };
+        let blocks = outputs.blocks.iter().enumerate().map(block).collect();
+        Self { all: design.project(&outputs.all), without, blocks }
     }
-}
 
-/// Errors of the samples of each block, predicted by the rest.
-fn left_out(
-    design: &Design<'_>,
-    outputs: &Outputs,
-    projected: &Projected,
-    ridge: f64,
-) -> Option<Vec<Mat<f64>>> {
-    let blocks = outputs.blocks.iter().enumerate();
-    let errors = blocks.map(|(b, block)| {
-        let projected = projected.without.get(b).unwrap_or(&projected.all);
-        Some(design.block_out(block, ridge)?.errors(&outputs.of_block(b), projected))
-    });
-    errors.collect()
+    /// The outputs as a block sees them.
+    fn seen(&self, block: usize) -> &Mat<f64> {
+        self.without.get(block).unwrap_or(&self.all)
+    }
+
+    /// Errors of the samples of each block, predicted by the rest.
+    fn left_out(&self, design: &Design<'_>, ridge: f64) -> Option<Vec<Mat<f64>>> {
+        let blocks = self.blocks.iter().enumerate();
+        let errors = blocks.map(|(b, BlockOutputs { rows, truth })| {
+            Some(design.block_out(rows, ridge)?.errors(truth, self.seen(b)))
+        });
+        errors.collect()
+    }
 }
 
 /// What rounding to f32 adds to each output's score, given the size of each centre's term.

@@ -37,24 +37,16 @@ pub struct Rotational {
     pub gram: Mat<f64>,
     /// Squared error of LBS that each proxy is to mend, P, summed over the poses.
     lbs_errors: Vec<f64>,
-    /// The reconstruction as S3 gives it.
-    pub unrefined: Variant,
-    /// The same, refined on the training meshes.
-    pub refined: Option<Variant>,
-    /// How it was fitted.
-    pub report: RotationalReport,
-}
-
-/// A reduced reconstruction, and how far it comes.
-pub struct Variant {
-    /// c1 and c2.
+    /// c1 and c2, refined on the training meshes where that predicts better.
     pub reduced: Reduced,
     /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
     pub validated: Mat<f64>,
     /// What it leaves over of the training meshes, as maps, 3n x 4P.
-    pub left_over: Mat<f64>,
+    left_over: Mat<f64>,
     /// The same in all poses, of fits that have not seen one fold.
-    pub left_over_without: Vec<Mat<f64>>,
+    left_over_without: Vec<Mat<f64>>,
+    /// How it was fitted.
+    pub report: RotationalReport,
 }
 
 /// What a fit did and measured; errors are RMS, as shares of the rest diagonal.
@@ -162,21 +154,16 @@ pub fn fit(
     let fixed = settings::near_rigid(lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
     let unrefined = system.run().ok_or(FitError::Singular)?;
-    let refined = choice.refinement.map(|strength| {
-        let residual = projection.residual(&unrefined.palette(&predicted, poses));
-        let regression = Regression::new(&predicted, poses, &residual, &(0..0));
-        (regression.refine(&unrefined, strength), strength)
-    });
-    let reconstruction = |reduced: Reduced, refinement| {
-        let of_folds = validation.maps(&unrefined, &projection, refinement);
-        Variant {
-            validated: validation.join(&of_folds),
-            left_over: projection.residual(&reduced.palette(&predicted, poses)),
-            left_over_without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
-            reduced,
-        }
-    };
-    let maps = refined.as_ref().map_or(&unrefined, |refined| &refined.0).palette(&predicted, poses);
+    let reduced = choice.refinement.map_or_else(
+        || unrefined.clone(),
+        |strength| {
+            let residual = projection.residual(&unrefined.palette(&predicted, poses));
+            let regression = Regression::new(&predicted, poses, &residual, &(0..0));
+            regression.refine(&unrefined, strength)
+        },
+    );
+    let of_folds = validation.maps(&unrefined, &projection, choice.refinement);
+    let maps = reduced.palette(&predicted, poses);
     let report = RotationalReport {
         basis_rank,
         basis_residual,
@@ -196,8 +183,10 @@ pub fn fit(
         ),
     };
     Ok(Rotational {
-        unrefined: reconstruction(unrefined.clone(), None),
-        refined: refined.map(|(reduced, strength)| reconstruction(reduced, Some(strength))),
+        validated: validation.join(&of_folds),
+        left_over: projection.residual(&maps),
+        left_over_without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
+        reduced,
         lbs_errors: training.lbs_errors(&proxies.weights, 0..dominant.len()),
         weights: proxies.weights,
         dominant,
@@ -219,21 +208,26 @@ fn joint_maps(joints: &Weights, poses: &Poses) -> Mat<f64> {
 }
 
 impl Rotational {
-    /// The envelope with one of its reconstructions.
-    pub fn fitted(&self, training: &Training, base: &Variant) -> Fitted {
-        let Reduced { c1, c2 } = base.reduced.clone();
+    /// Whether the reconstruction was refined on the training meshes.
+    pub fn is_refined(&self) -> bool {
+        self.report.choice.refinement.is_some()
+    }
+
+    /// The envelope without a correction.
+    pub fn fitted(&self, training: &Training) -> Fitted {
+        let Reduced { c1, c2 } = self.reduced.clone();
         let reconstruction = Reconstruction { keys: self.keys.clone(), c1, c2 };
         Fitted::new(training, self.weights.clone(), Some(reconstruction))
     }
 
-    /// What one of its reconstructions leaves over for a correction to learn.
-    pub fn target<'a>(&'a self, base: &'a Variant, training: &'a Training) -> CorrectionTarget<'a> {
+    /// What the reconstruction leaves over for a correction to learn.
+    pub fn target<'a>(&'a self, training: &'a Training) -> CorrectionTarget<'a> {
         CorrectionTarget {
             poses: &training.poses,
             features: Features::of(training),
             dominant: &self.dominant,
-            left_over: &base.left_over,
-            without: &base.left_over_without,
+            left_over: &self.left_over,
+            without: &self.left_over_without,
             gram: &self.gram,
             lbs_errors: &self.lbs_errors,
             certainty: CERTAINTY,
