@@ -158,13 +158,11 @@ fn a_file_evaluates_as_it_was_fitted() {
     let training = Training::new(&examples, &Silent).unwrap();
     let rotational = rotational::fit(&training, &options, &Silent).unwrap();
     let helpers = helpers::fit::fit(&training, 9, 4).unwrap();
-    let base = &rotational.unrefined;
     let groups = |target| Search::new(target, &Silent).fit(usize::MAX).unwrap().groups;
-    let fitted = || rotational.fitted(&training, base);
     for fitted in [
-        fitted(),
+        rotational.fitted(&training),
         helpers.fitted(&training, groups(helpers.target(&training))),
-        fitted().with(groups(rotational.target(base, &training))),
+        rotational.fitted(&training).with(groups(rotational.target(&training))),
     ] {
         evaluates_as_fitted(&examples, &training, &fitted);
     }
