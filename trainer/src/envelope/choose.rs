@@ -13,6 +13,7 @@ use super::predicted::LeftOut;
 use super::rotational::ProxyCount;
 use super::rotational::{self, Rotational, RotationalOptions, RotationalReport};
 use crate::envelope::correction::candidates::GroupReport;
+use crate::envelope::correction::listening::Known;
 use crate::envelope::correction::search::Search;
 use crate::envelope::correction::target::CorrectionTarget;
 use crate::envelope::skin::folds::folds;
@@ -73,7 +74,7 @@ pub struct TrainingReport {
 pub struct CandidateReport {
     /// What predicts.
     pub predictor: &'static str,
-    /// Whether c1 and c2 are refined on the training meshes; none without them.
+    /// Whether c1 and c2 are refined on the training meshes; none where they are not all that predicts.
     pub refined: Option<bool>,
     /// P.
     pub proxies: usize,
@@ -144,6 +145,7 @@ pub fn choose(
         candidates: Vec::new(),
         least_bytes: usize::MAX,
         kind: None,
+        known: Default::default(),
         parts: 0,
         begun: 0,
     };
@@ -199,6 +201,9 @@ struct PredictorSearch<'a> {
     least_bytes: usize,
     /// The kind of predictor that more and fewer proxies are tried for; every one that is asked for where none is.
     kind: Option<Predictor>,
+    /// What maps listen to that correct joints, and those that correct a reconstruction: chosen with the first number
+    /// of proxies for all.
+    known: [Known; 2],
     /// How many fits there are to be, and how many were begun.
     parts: usize,
     begun: usize,
@@ -238,7 +243,7 @@ impl PredictorSearch<'_> {
             let options = RotationalOptions {
                 proxies: count,
                 influences: self.options.influences,
-                refine: self.options.refine,
+                refine: self.options.refine && self.wants(Predictor::Rotational),
             };
             match rotational::fit(self.training, &options, self.progress) {
                 Ok(fitted) => {
@@ -275,8 +280,9 @@ impl PredictorSearch<'_> {
     }
 
     fn hybrid(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
-        let (fitted, target) = (rotational.fitted(self.training), rotational.target(self.training));
-        self.corrected(fitted, &target, &rotational.validated, Some(rotational))
+        let (fitted, target) =
+            (rotational.fitted_base(self.training), rotational.target(self.training));
+        self.corrected(fitted, &target, &rotational.base.validated, Some(rotational))
     }
 
     fn kernel(&mut self, count: ProxyCount) -> Result<(), TrainError> {
@@ -336,7 +342,9 @@ impl PredictorSearch<'_> {
         rotational: Option<&Rotational>,
     ) -> Result<(), TrainError> {
         let certainty = if self.options.budget.is_some() { FEW_VALUES } else { target.certainty };
-        let search = Search::new(CorrectionTarget { certainty, ..*target }, self.progress);
+        let known = &mut self.known[usize::from(rotational.is_some())];
+        let search = Search::new(CorrectionTarget { certainty, ..*target }, known, self.progress);
+        known.extend(search.known());
         let fitted = fitted.with(search.nothing());
         for coefficients in self.with_coefficients() {
             let without = self.bytes(&fitted, coefficients)?;
@@ -361,7 +369,9 @@ impl PredictorSearch<'_> {
     ) {
         let mut report = CandidateReport {
             predictor: fitted.envelope.predictor().name(),
-            refined: rotational.map(Rotational::is_refined),
+            refined: rotational
+                .filter(|_| !fitted.envelope.predictor().corrects())
+                .map(Rotational::is_refined),
             proxies: fitted.envelope.proxy_len(),
             tangent_coefficients,
             bytes: None,

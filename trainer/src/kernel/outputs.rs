@@ -53,6 +53,25 @@ pub struct Outputs {
 }
 
 impl Outputs {
+    /// The first outputs, without the last that hold no more than a share of the squared size.
+    #[must_use]
+    pub fn leading(&self, share: f64) -> Self {
+        let sizes: Vec<f64> = self.all.col_iter().map(|c| c.squared_norm_l2()).collect();
+        let mut spare = share * sizes.iter().sum::<f64>();
+        let last = sizes.iter().rev().take_while(|&&size| {
+            spare -= size;
+            spare >= 0.0
+        });
+        let len = sizes.len() - last.count();
+        let first = |m: &Mat<f64>| m.subcols(0, len).to_owned();
+        Self {
+            all: first(&self.all),
+            blocks: self.blocks.clone(),
+            without: self.without.iter().map(first).collect(),
+            ..*self
+        }
+    }
+
     /// Returns the outputs of what a block leaves out, as a fit without it is to see them.
     pub fn of_block(&self, block: usize) -> Mat<f64> {
         let seen = self.without.get(block).unwrap_or(&self.all);

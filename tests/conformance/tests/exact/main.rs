@@ -18,6 +18,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Certificate;
+use sinew_trainer::envelope::correction::listening::Known;
 use sinew_trainer::envelope::correction::search::Search;
 use sinew_trainer::envelope::fitted::Fitted;
 use sinew_trainer::envelope::helpers;
@@ -158,11 +159,12 @@ fn a_file_evaluates_as_it_was_fitted() {
     let training = Training::new(&examples, &Silent).unwrap();
     let rotational = rotational::fit(&training, &options, &Silent).unwrap();
     let helpers = helpers::fit::fit(&training, 9, 4).unwrap();
-    let groups = |target| Search::new(target, &Silent).fit(usize::MAX).unwrap().groups;
+    let groups =
+        |target| Search::new(target, &Known::new(), &Silent).fit(usize::MAX).unwrap().groups;
     for fitted in [
         rotational.fitted(&training),
         helpers.fitted(&training, groups(helpers.target(&training))),
-        rotational.fitted(&training).with(groups(rotational.target(&training))),
+        rotational.fitted_base(&training).with(groups(rotational.target(&training))),
     ] {
         evaluates_as_fitted(&examples, &training, &fitted);
     }

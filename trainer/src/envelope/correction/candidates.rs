@@ -1,15 +1,14 @@
 //! The candidates for a group's kernel map, chosen by folds of the training poses.
 
 use super::beyond::beyond;
-use super::features::Features;
+use super::listening::{CENTRES_MAX, Known, Listening, SIMPLER, most_centres};
 use super::metric::Metric;
 use super::target::CorrectionTarget;
 use crate::envelope::model::{Group, Input};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::stacked::map_of;
 use crate::kernel::design::{Design, Hyperparameters};
-use crate::kernel::function::SMOOTHEST_FIRST;
-use crate::kernel::inputs::{Inputs, WIDTHS};
+use crate::kernel::inputs::Inputs;
 use crate::kernel::outputs::{Block, Outputs};
 use crate::kernel::ridge::{self, KernelFit, Scored};
 use faer::Mat;
@@ -18,12 +17,8 @@ use serde::Serialize;
 use sinew_runtime::envelope::{GroupKernel, GroupRow, Trust};
 use std::ops::Range;
 
-/// Candidate hops, the fewest inputs first.
-const HOPS: [usize; 3] = [1, 2, 3];
 /// Candidate numbers of centres beside the origin, and the most.
-const CENTRES: [usize; 6] = [8, 16, 32, 64, 128, 256];
-/// A choice that is simpler is taken where it scores within this of the best.
-const SIMPLER: f64 = 1.02;
+const CENTRES: [usize; 6] = [8, 16, 32, 64, 128, CENTRES_MAX];
 /// Share of the outputs' squared size that no latent output carries.
 const NEGLIGIBLE: f64 = 1e-7;
 /// Largest bound on what rounding to f32 may add to the training poses, RMS over the skin in
@@ -58,10 +53,11 @@ pub struct GroupReport {
 
 /// Sizes of a group's map to choose from.
 pub struct GroupCandidates {
-    joint: usize,
+    /// The dominant joint.
+    pub joint: usize,
     proxies: Range<usize>,
-    hops: usize,
-    inputs: Vec<Input>,
+    /// What its map listens to; none where nothing moves.
+    pub listening: Option<Listening>,
     metric: Metric,
     directions: Mat<f64>,
     outputs: Outputs,
@@ -85,7 +81,14 @@ pub struct MapSize {
 
 impl GroupCandidates {
     /// Tries all there is to choose for some proxies of one dominant joint.
-    pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>, blocks: &[Block]) -> Self {
+    ///
+    /// - `known`: what joints' maps listen to, as far as it is known.
+    pub fn new(
+        target: &CorrectionTarget<'_>,
+        proxies: Range<usize>,
+        blocks: &[Block],
+        known: &Known,
+    ) -> Self {
         let CorrectionTarget { poses, features, .. } = *target;
         let joint = target.dominant[proxies.start];
         let metric = Metric::new(target.gram, &proxies);
@@ -106,15 +109,18 @@ impl GroupCandidates {
         let nothing = MapSize { scored: None, rank: 0, bytes: 0, score: sizes.iter().sum() };
         let before = nothing.score;
         let mut found = vec![nothing];
-        let (mut hops, mut inputs) = (0, Vec::new());
-        if let Some(near) = choose_joints(&outputs, poses, features, joint) {
-            found.extend(choose(&near, &outputs, &sizes, proxies.len()));
-            (hops, inputs) = (near.hops, near.inputs);
+        let choose = || Listening::choose(&outputs, poses, features, joint);
+        let listening = known.get(&joint).cloned().or_else(choose);
+        if let Some(listening) = &listening {
+            let inputs = Inputs::new(features.evaluate(poses, &listening.inputs));
+            let found_of =
+                |inputs| choose_size(&inputs, listening.kernel, &outputs, &sizes, proxies.len());
+            found.extend(inputs.map(found_of).unwrap_or_default());
         }
         let sizes = undominated(found);
         let least = sizes.last().map_or(0.0, |size| size.score);
         let preferred = sizes.iter().position(|s| s.score <= SIMPLER * least).unwrap_or(0);
-        Self { joint, proxies, hops, inputs, metric, directions, outputs, before, sizes, preferred }
+        Self { joint, proxies, listening, metric, directions, outputs, before, sizes, preferred }
     }
 
     /// Returns a group without a map.
@@ -142,19 +148,20 @@ impl GroupCandidates {
             after: self.before,
         };
         let mut group = self.nothing();
-        let fitted = size.scored.as_ref().and_then(|scored| {
-            let inputs = Inputs::new(features.evaluate(poses, &self.inputs))?;
-            precise(&inputs, &self.outputs, scored, size.rank, target.vertices)
+        let fitted = self.listening.as_ref().zip(size.scored.as_ref()).and_then(|(to, scored)| {
+            let inputs = Inputs::new(features.evaluate(poses, &to.inputs))?;
+            let fitted = precise(&inputs, &self.outputs, scored, size.rank, target.vertices)?;
+            Some((to, fitted))
         });
-        let Some(KernelFit { map, scale, predicted }) = fitted else {
+        let Some((to, KernelFit { map, scale, predicted })) = fitted else {
             return (group, report, Mat::zeros(poses.len(), 0));
         };
         let scaled = |input: &Input| Input { weight: scale * input.weight, ..*input };
-        group.inputs = self.inputs.iter().map(scaled).collect();
+        group.inputs = to.inputs.iter().map(scaled).collect();
         group.map = map;
         group.outputs = self.metric.unweigh(&self.directions.subcols(0, size.rank).to_owned());
-        report.hops = self.hops;
-        report.inputs = self.inputs.len();
+        report.hops = to.hops;
+        report.inputs = to.inputs.len();
         report.choice = size.scored.as_ref().map(|scored| scored.hyperparameters);
         report.rank = size.rank;
         report.bytes = size.bytes;
@@ -163,47 +170,14 @@ impl GroupCandidates {
     }
 }
 
-/// The joints that a map listens to, and what the smoothest kernel makes of them.
-struct NearJoints {
-    hops: usize,
-    inputs: Vec<Input>,
-    values: Inputs,
-    best: Scored,
-}
-
-/// Chooses the joints to choose_joints to, by the smoothest kernel with as many centres as may be.
-fn choose_joints(
+/// Returns every number of centres and rank of a kernel and width.
+fn choose_size(
+    inputs: &Inputs,
+    (kernel, width): (GroupKernel, f64),
     outputs: &Outputs,
-    poses: &Poses,
-    features: Features<'_>,
-    joint: usize,
-) -> Option<NearJoints> {
-    let mut tried = Vec::<NearJoints>::new();
-    for hops in HOPS {
-        let inputs = features.inputs(poses, joint, hops);
-        if tried.last().is_some_and(|last| last.inputs == inputs) {
-            continue;
-        }
-        let Some(values) = Inputs::new(features.evaluate(poses, &inputs)) else { continue };
-        if let Some(best) = widest(&values, outputs, SMOOTHEST_FIRST[0]) {
-            tried.push(NearJoints { hops, inputs, values, best });
-        }
-    }
-    let least = tried.iter().map(|t| t.best.score()).min_by(f64::total_cmp)?;
-    tried.into_iter().find(|t| t.best.score() <= SIMPLER * least)
-}
-
-/// Chooses kernel and width; returns every number of centres and rank with them.
-fn choose(near: &NearJoints, outputs: &Outputs, nothing: &[f64], proxies: usize) -> Vec<MapSize> {
-    let inputs = &near.values;
-    let rougher = SMOOTHEST_FIRST[1..].iter();
-    let rougher = rougher.filter_map(|&kernel| widest(inputs, outputs, kernel));
-    let of_kernels: Vec<Scored> = std::iter::once(near.best.clone()).chain(rougher).collect();
-    let least = of_kernels.iter().map(Scored::score).fold(f64::INFINITY, f64::min);
-    let Some(best) = of_kernels.iter().find(|t| t.score() <= SIMPLER * least) else {
-        return Vec::new();
-    };
-    let Hyperparameters { kernel, width, .. } = best.hyperparameters;
+    nothing: &[f64],
+    proxies: usize,
+) -> Vec<MapSize> {
     let most = most_centres(inputs);
     let counts: Vec<usize> = CENTRES.into_iter().filter(|&c| c < most).chain([most]).collect();
     let mut sizes = Vec::new();
@@ -227,18 +201,6 @@ fn choose(near: &NearJoints, outputs: &Outputs, nothing: &[f64], proxies: usize)
         }
     }
     sizes
-}
-
-/// The best width of a kernel with as many centres as may be.
-fn widest(inputs: &Inputs, outputs: &Outputs, kernel: GroupKernel) -> Option<Scored> {
-    let most = most_centres(inputs);
-    let designs = WIDTHS.into_iter().flat_map(|width| Design::each(inputs, kernel, width, &[most]));
-    let scored = designs.filter_map(|design| ridge::best(&design, outputs));
-    scored.min_by(|a, b| a.score().total_cmp(&b.score()))
-}
-
-fn most_centres(inputs: &Inputs) -> usize {
-    inputs.sample_len().min(CENTRES[CENTRES.len() - 1])
 }
 
 /// Sorts by bytes and leaves out what is no better than something smaller.

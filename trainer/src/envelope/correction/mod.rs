@@ -4,6 +4,7 @@
 mod beyond;
 pub mod candidates;
 pub mod features;
+pub mod listening;
 pub mod metric;
 pub(super) mod rounding;
 pub mod search;

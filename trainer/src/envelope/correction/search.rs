@@ -5,6 +5,7 @@
 //! latent ones, the leading directions of what is left over, measured where the skin is.
 
 use super::candidates::{GroupCandidates, GroupReport};
+use super::listening::Known;
 use super::target::CorrectionTarget;
 use crate::envelope::model::Group;
 use crate::envelope::skin::folds::{Fold, folds};
@@ -39,8 +40,10 @@ pub struct Correction {
 }
 
 impl<'a> Search<'a> {
-    /// Tries hops, kernels, widths, ridges, centres and ranks for every group.
-    pub fn new(target: CorrectionTarget<'a>, progress: &dyn Progress) -> Self {
+    /// Tries hops, kernels, widths, weights, ridges, centres and ranks for every group.
+    ///
+    /// - `known`: what the maps of some joints listen to; it is not tried again.
+    pub fn new(target: CorrectionTarget<'a>, known: &Known, progress: &dyn Progress) -> Self {
         let blocks = blocks(&target);
         let mut ranges = Vec::<Range<usize>>::new();
         for (l, joint) in target.dominant.iter().enumerate() {
@@ -51,12 +54,18 @@ impl<'a> Search<'a> {
         }
         progress.step(STEP, ranges.len());
         let search = |proxies| {
-            let candidates = GroupCandidates::new(&target, proxies, &blocks);
+            let candidates = GroupCandidates::new(&target, proxies, &blocks, known);
             progress.advance(1);
             candidates
         };
         let groups = ranges.into_par_iter().map(search).collect();
         Self { target, groups }
+    }
+
+    /// What the maps listen to.
+    pub fn known(&self) -> Known {
+        let of_group = |group: &GroupCandidates| Some((group.joint, group.listening.clone()?));
+        self.groups.iter().filter_map(of_group).collect()
     }
 
     /// Takes the sizes that score best within so many bytes; none where even no map takes more.
@@ -155,7 +164,7 @@ mod tests {
         let examples = demo(&DemoOptions { vertices: 300, poses: 80, held_out: 20, seed: 1 });
         let training = Training::new(&examples, &Silent).unwrap();
         let helpers = fit::fit(&training, 20, 4).unwrap();
-        let search = Search::new(helpers.target(&training), &Silent);
+        let search = Search::new(helpers.target(&training), &Known::new(), &Silent);
         let of = |bytes| -> (f64, usize) {
             let correction = search.fit(bytes).unwrap();
             let frames = examples.frames_of(Split::HeldOut);

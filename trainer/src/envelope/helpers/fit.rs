@@ -11,7 +11,7 @@ use crate::envelope::skin::stacked::{bases, set_map};
 use crate::envelope::skin::targets::skinned;
 use crate::envelope::skin::training::Training;
 use crate::numeric::affine::homogeneous;
-use crate::numeric::basis::basis;
+use crate::numeric::basis::{Basis, basis};
 use crate::numeric::cluster::cluster;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3};
@@ -29,7 +29,7 @@ const BASE: f64 = 0.05;
 /// Name of the step.
 pub const STEP: &str = "helpers";
 /// Rounds of weights and maps.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 36;
 
 /// Joints and helpers fitted to the training frames.
 pub struct Helpers {
@@ -80,35 +80,84 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
 
     let dominant: Vec<usize> = groups.iter().map(|group| group.0).collect();
     let bases = bases(&stacked, &dominant);
-    let scaled = faer::Scale(BASE);
-    let plain = skinned(&training.rest, joints, &stacked) * scaled;
-    let with_base = faer::concat![[&training.trajectories], [&plain]];
-    let items = Items::vertices(&training.rest, &with_base, training.importance());
-    let base = faer::concat![[&stacked, &bases]] * scaled;
-    let mut weights = joints.clone();
-    for _ in 0..ROUNDS {
-        let columns = faer::concat![[faer::concat![[&stacked, &maps]]], [&base]];
-        let palette = Maps { width: 4, columns };
-        weights = fit_weights(&items, &palette, influences, Some(joints)).0;
-        let (on_joints, on_helpers) = split(&weights, poses.joint_len());
-        let mut left = training.trajectories.clone();
-        for (v, x) in training.rest.iter().enumerate() {
-            let column = left.col_as_slice_mut(v);
-            for (j, w) in on_joints.of(v) {
-                for (c, x) in [x[0], x[1], x[2], 1.0].into_iter().enumerate() {
-                    let map = stacked.col_as_slice(4 * j + c);
-                    column.iter_mut().zip(map).for_each(|(y, m)| *y -= w * x * m);
-                }
-            }
-        }
-        let items = Items::vertices(&training.rest, &left, training.importance());
-        let base = Maps { width: 4, columns: bases.clone() };
-        maps = fit_maps(&items, &on_helpers, &base, PULL).columns;
-    }
+    let weights = Alternation::new(training, &stacked, &bases).run(&maps, influences);
+    let maps = fit_helpers(training, &training.trajectories, [&stacked, &bases], &weights);
     let span = poses.joint_len()..poses.joint_len() + dominant.len();
     let gram = gram(&training.targets(&weights), span.clone());
     let lbs_errors = training.lbs_errors(&weights, span);
     Some(Helpers { weights, dominant, left_over: maps - bases, gram, lbs_errors })
+}
+
+/// Weights and the helpers' maps, fitted in turn on a basis of the trajectories.
+struct Alternation<'a> {
+    training: &'a Training,
+    trajectories: Basis,
+    /// The joints' maps on the basis, and those of the helpers' dominant joints.
+    joints: Mat<f64>,
+    bases: Mat<f64>,
+    /// LBS as far as it counts, on a basis of its own, and the palette before any correction.
+    plain: Mat<f64>,
+    plain_palette: Mat<f64>,
+}
+
+impl<'a> Alternation<'a> {
+    fn new(training: &'a Training, joints: &Mat<f64>, bases: &Mat<f64>) -> Self {
+        let trajectories = basis(&training.trajectories);
+        let plain = basis(&skinned(&training.rest, &training.lbs.weights, joints));
+        let onto = |basis: &Basis, maps: &Mat<f64>| basis.vectors.transpose() * maps;
+        let palette = onto(&plain, &faer::concat![[joints, bases]]);
+        Self {
+            training,
+            joints: onto(&trajectories, joints),
+            bases: onto(&trajectories, bases),
+            trajectories,
+            plain: plain.coordinates * faer::Scale(BASE),
+            plain_palette: palette * faer::Scale(BASE),
+        }
+    }
+
+    /// Alternates from some maps of the helpers, and returns the weights. Each round starts a step ahead of where the
+    /// last one came to (Nesterov 1983), or there where that was too far.
+    fn run(&self, maps: &Mat<f64>, influences: usize) -> Weights {
+        let targets = faer::concat![[&self.trajectories.coordinates], [&self.plain]];
+        let items = Items::vertices(&self.training.rest, &targets, self.training.importance());
+        let kept = &self.training.lbs.weights;
+        let mut maps = self.trajectories.vectors.transpose() * maps;
+        let mut ahead = maps.clone();
+        let mut weights = kept.clone();
+        let (mut least, mut steps) = (f64::INFINITY, 0.0);
+        for _ in 0..ROUNDS {
+            let palette = faer::concat![[&self.joints, &ahead]];
+            let columns = faer::concat![[&palette], [&self.plain_palette]];
+            let palette = Maps { width: 4, columns };
+            let (found, errors) = fit_weights(&items, &palette, influences, Some(kept));
+            let error = errors.iter().enumerate().map(|(v, e)| items.importance.of(v) * e).sum();
+            if steps > 0.0 && error > least {
+                (ahead, steps) = (maps.clone(), 0.0);
+                continue;
+            }
+            (weights, least) = (found, error);
+            let trajectories = &self.trajectories.coordinates;
+            let maps_of = [&self.joints, &self.bases];
+            let next = fit_helpers(self.training, trajectories, maps_of, &weights);
+            ahead = &next + (&next - &maps) * faer::Scale(steps / (steps + 3.0));
+            (maps, steps) = (next, steps + 1.0);
+        }
+        weights
+    }
+}
+
+/// Fits the helpers' maps to weights and trajectories.
+fn fit_helpers(
+    training: &Training,
+    trajectories: &Mat<f64>,
+    [joints, bases]: [&Mat<f64>; 2],
+    weights: &Weights,
+) -> Mat<f64> {
+    let (on_joints, on_helpers) = split(weights, joints.ncols() / 4);
+    let left = trajectories - skinned(&training.rest, &on_joints, joints);
+    let items = Items::vertices(&training.rest, &left, training.importance());
+    fit_maps(&items, &on_helpers, &Maps { width: 4, columns: bases.clone() }, PULL).columns
 }
 
 /// Groups the vertices where LBS errs by how they err and where they lie.

@@ -38,15 +38,25 @@ pub struct Rotational {
     /// Squared error of LBS that each proxy is to mend, P, summed over the poses.
     lbs_errors: Vec<f64>,
     /// c1 and c2, refined on the training meshes where that predicts better.
-    pub reduced: Reduced,
+    reduced: Reduced,
+    /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
+    pub validated: Mat<f64>,
+    /// What a correction is added to.
+    pub base: Base,
+    /// How it was fitted.
+    pub report: RotationalReport,
+}
+
+/// The reconstruction as it is without refinement: a correction learns from the meshes itself, and what a refinement
+/// leaves over of meshes that it has seen is not what it leaves over of others.
+pub struct Base {
+    reduced: Reduced,
     /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
     pub validated: Mat<f64>,
     /// What it leaves over of the training meshes, as maps, 3n x 4P.
     left_over: Mat<f64>,
     /// The same in all poses, of fits that have not seen one fold.
-    left_over_without: Vec<Mat<f64>>,
-    /// How it was fitted.
-    pub report: RotationalReport,
+    without: Vec<Mat<f64>>,
 }
 
 /// What a fit did and measured; errors are RMS, as shares of the rest diagonal.
@@ -162,7 +172,14 @@ pub fn fit(
             regression.refine(&unrefined, strength)
         },
     );
-    let of_folds = validation.maps(&unrefined, &projection, choice.refinement);
+    let validated = validation.join(&validation.maps(&unrefined, &projection, choice.refinement));
+    let of_folds = validation.maps(&unrefined, &projection, None);
+    let base = Base {
+        validated: validation.join(&of_folds),
+        left_over: projection.residual(&unrefined.palette(&predicted, poses)),
+        without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
+        reduced: unrefined,
+    };
     let maps = reduced.palette(&predicted, poses);
     let report = RotationalReport {
         basis_rank,
@@ -183,10 +200,9 @@ pub fn fit(
         ),
     };
     Ok(Rotational {
-        validated: validation.join(&of_folds),
-        left_over: projection.residual(&maps),
-        left_over_without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
         reduced,
+        validated,
+        base,
         lbs_errors: training.lbs_errors(&proxies.weights, 0..dominant.len()),
         weights: proxies.weights,
         dominant,
@@ -213,21 +229,30 @@ impl Rotational {
         self.report.choice.refinement.is_some()
     }
 
-    /// The envelope without a correction.
+    /// The envelope.
     pub fn fitted(&self, training: &Training) -> Fitted {
-        let Reduced { c1, c2 } = self.reduced.clone();
+        self.with(&self.reduced, training)
+    }
+
+    /// The envelope that a correction is added to.
+    pub fn fitted_base(&self, training: &Training) -> Fitted {
+        self.with(&self.base.reduced, training)
+    }
+
+    fn with(&self, reduced: &Reduced, training: &Training) -> Fitted {
+        let Reduced { c1, c2 } = reduced.clone();
         let reconstruction = Reconstruction { keys: self.keys.clone(), c1, c2 };
         Fitted::new(training, self.weights.clone(), Some(reconstruction))
     }
 
-    /// What the reconstruction leaves over for a correction to learn.
+    /// What the base leaves over for a correction to learn.
     pub fn target<'a>(&'a self, training: &'a Training) -> CorrectionTarget<'a> {
         CorrectionTarget {
             poses: &training.poses,
             features: Features::of(training),
             dominant: &self.dominant,
-            left_over: &self.left_over,
-            without: &self.left_over_without,
+            left_over: &self.base.left_over,
+            without: &self.base.without,
             gram: &self.gram,
             lbs_errors: &self.lbs_errors,
             certainty: CERTAINTY,

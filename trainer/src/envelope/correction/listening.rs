@@ -1,0 +1,175 @@
+//! What a group's map listens to, and by which kernel, chosen by folds of the training poses.
+
+use super::features::Features;
+use crate::envelope::model::Input;
+use crate::envelope::skin::poses::Poses;
+use crate::kernel::design::Design;
+use crate::kernel::function::SMOOTHEST_FIRST;
+use crate::kernel::inputs::{Inputs, WIDTHS};
+use crate::kernel::outputs::Outputs;
+use crate::kernel::ridge;
+use sinew_runtime::envelope::GroupKernel;
+use std::collections::BTreeMap;
+
+/// Candidate hops, the fewest inputs first.
+const HOPS: [usize; 3] = [1, 2, 3];
+/// What a joint's weight is multiplied by, again and again.
+const FACTORS: [f64; 2] = [0.5, 2.0];
+/// How many times better a score is to be with further joints, or other weights. Folds of training tell little of poses
+/// unlike it, and there a map that listens to less, and to all alike, errs less.
+const EARNS: f64 = 1.2;
+/// Share of the outputs' squared size that the choice is made without: far less than any map leaves over.
+const TELLS_NOTHING: f64 = 1e-4;
+/// A choice that is simpler is taken where it scores within this of the best.
+pub(super) const SIMPLER: f64 = 1.02;
+/// Most centres.
+pub(super) const CENTRES_MAX: usize = 256;
+
+/// What the maps of some joints listen to.
+pub type Known = BTreeMap<usize, Listening>;
+
+/// The joints that a map listens to, how it weighs them, and its kernel.
+#[derive(Clone)]
+pub struct Listening {
+    /// Hops of the joints.
+    pub hops: usize,
+    /// Their features.
+    pub inputs: Vec<Input>,
+    /// The kernel, and its squared width in median squared distances.
+    pub kernel: (GroupKernel, f64),
+}
+
+impl Listening {
+    /// Chooses joints, kernel, width and weights for the outputs of a joint's group; none where nothing moves.
+    pub fn choose(
+        outputs: &Outputs,
+        poses: &Poses,
+        features: Features<'_>,
+        joint: usize,
+    ) -> Option<Self> {
+        let telling = outputs.leading(TELLS_NOTHING);
+        let mut near = choose_joints(&telling, poses, features, joint)?;
+        let kernel = choose_kernel(&near, &telling);
+        near.weigh_joints(kernel, &telling, poses, features);
+        Some(Self { hops: near.hops, inputs: near.inputs, kernel })
+    }
+}
+
+/// The joints within some hops, and what the smoothest kernel makes of them.
+struct NearJoints {
+    hops: usize,
+    inputs: Vec<Input>,
+    values: Inputs,
+    /// Which of [`WIDTHS`] is best, and its score.
+    width: usize,
+    score: f64,
+}
+
+/// Chooses the joints to listen to, by the smoothest kernel with as many centres as may be.
+fn choose_joints(
+    outputs: &Outputs,
+    poses: &Poses,
+    features: Features<'_>,
+    joint: usize,
+) -> Option<NearJoints> {
+    let mut tried = Vec::<NearJoints>::new();
+    for hops in HOPS {
+        let inputs = features.inputs(poses, joint, hops);
+        if tried.last().is_some_and(|last| last.inputs == inputs) {
+            continue;
+        }
+        let Some(values) = Inputs::new(features.evaluate(poses, &inputs)) else { continue };
+        let from = tried.last().map_or(WIDTHS.len() / 2, |last| last.width);
+        if let Some((width, score)) = best_width(&values, outputs, SMOOTHEST_FIRST[0], from) {
+            tried.push(NearJoints { hops, inputs, values, width, score });
+        }
+    }
+    let least = tried.iter().map(|t| t.score).min_by(f64::total_cmp)?;
+    tried.into_iter().find(|t| t.score <= EARNS * least)
+}
+
+/// Chooses kernel and width: the smoothest kernel that will do.
+fn choose_kernel(near: &NearJoints, outputs: &Outputs) -> (GroupKernel, f64) {
+    let [smoothest, rougher @ ..] = SMOOTHEST_FIRST;
+    let rougher = rougher.into_iter().filter_map(|kernel| {
+        let (width, score) = best_width(&near.values, outputs, kernel, near.width)?;
+        Some((kernel, width, score))
+    });
+    let tried: Vec<_> =
+        std::iter::once((smoothest, near.width, near.score)).chain(rougher).collect();
+    let least = tried.iter().map(|t| t.2).fold(f64::INFINITY, f64::min);
+    let best = tried.iter().find(|t| t.2 <= SIMPLER * least).unwrap_or(&tried[0]);
+    (best.0, WIDTHS[best.1])
+}
+
+/// The best of [`WIDTHS`] for a kernel with as many centres as may be, and its score: where it is no longer better to
+/// go on from the one to begin with.
+fn best_width(
+    inputs: &Inputs,
+    outputs: &Outputs,
+    kernel: GroupKernel,
+    from: usize,
+) -> Option<(usize, f64)> {
+    let score = |width: usize| coarse(inputs, outputs, (kernel, *WIDTHS.get(width)?));
+    let mut best = (from, score(from).unwrap_or(f64::INFINITY));
+    for step in [1, -1] {
+        let next = |width: usize| {
+            let next = width.checked_add_signed(step)?;
+            score(next).map(|score| (next, score))
+        };
+        while let Some(found) = next(best.0).filter(|found| found.1 < best.1) {
+            best = found;
+        }
+        if best.0 != from {
+            break;
+        }
+    }
+    Some(best).filter(|best| best.1.is_finite())
+}
+
+/// Scores a kernel and width with as many centres as may be.
+fn coarse(inputs: &Inputs, outputs: &Outputs, (kernel, width): (GroupKernel, f64)) -> Option<f64> {
+    let design = Design::each(inputs, kernel, width, &[most_centres(inputs)]).next()?;
+    ridge::coarse(&design, outputs)
+}
+
+impl NearJoints {
+    /// Weighs the joints, how they move apart from how they turn, where that gains.
+    fn weigh_joints(
+        &mut self,
+        kernel: (GroupKernel, f64),
+        outputs: &Outputs,
+        poses: &Poses,
+        features: Features<'_>,
+    ) {
+        let part = |input: &Input| (input.feature / 12, input.feature % 4 == 3);
+        let mut parts: Vec<_> = self.inputs.iter().map(part).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        let Some(mut least) = coarse(&self.values, outputs, kernel) else { return };
+        // The weight of one alone is the kernel's width.
+        for own in parts.iter().filter(|_| parts.len() > 1) {
+            for factor in FACTORS {
+                loop {
+                    let weigh = |input: &Input| {
+                        let factor = if part(input) == *own { factor } else { 1.0 };
+                        Input { weight: factor * input.weight, ..*input }
+                    };
+                    let inputs: Vec<Input> = self.inputs.iter().map(weigh).collect();
+                    let values = Inputs::new(features.evaluate(poses, &inputs));
+                    let Some(values) = values else { break };
+                    match coarse(&values, outputs, kernel) {
+                        Some(found) if EARNS * found < least => least = found,
+                        _ => break,
+                    }
+                    (self.inputs, self.values) = (inputs, values);
+                }
+            }
+        }
+    }
+}
+
+/// The most centres that samples allow.
+pub(super) fn most_centres(inputs: &Inputs) -> usize {
+    inputs.sample_len().min(CENTRES_MAX)
+}
