@@ -83,6 +83,18 @@ impl Outputs {
         all
     }
 
+    /// How many times as much there is to predict of samples as their own blocks see them: 1 where outputs do not depend
+    /// on that.
+    pub fn unseen(&self) -> f64 {
+        let size = |outputs: &Mat<f64>, block: &Block| -> f64 {
+            block.own.iter().map(|&sample| outputs.row(sample).squared_norm_l2()).sum()
+        };
+        let pairs = || self.without.iter().zip(&self.blocks);
+        let own: f64 = pairs().map(|(outputs, block)| size(outputs, block)).sum();
+        let seen: f64 = pairs().map(|(_, block)| size(&self.all, block)).sum();
+        if own > seen && seen > 0.0 { own / seen } else { 1.0 }
+    }
+
     /// Scores of predicting nothing: each output's size, over the samples as their own blocks see
     /// them.
     pub fn sizes(&self) -> Vec<f64> {

@@ -121,7 +121,8 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
 }
 
 /// The squared error of samples beyond the others for their variance, both as fits without them have them: a geometric
-/// mean over their blocks, or over all where there are none beyond.
+/// mean over their blocks, or over all where there are none beyond. What the outputs themselves owe to their samples is
+/// known of the blocks that are not beyond alone; it counts for all.
 ///
 /// - `squared`: the errors of each block's own samples.
 fn noise(
@@ -138,7 +139,7 @@ fn noise(
         Some((squared[b] / variance).max(f64::MIN_POSITIVE).ln())
     };
     let sum = (first..count).map(of_block).sum::<Option<f64>>()?;
-    Some((sum / (count - first).max(1) as f64).exp())
+    Some(outputs.unseen() * (sum / (count - first).max(1) as f64).exp())
 }
 
 /// Outputs on a design's directions.

@@ -13,8 +13,9 @@ use std::collections::BTreeMap;
 
 /// Candidate hops, the fewest inputs first.
 const HOPS: [usize; 3] = [1, 2, 3];
-/// What a joint's weight is multiplied by, again and again.
+/// What a joint's weight is multiplied by, at most so many times: joints that hardly move would be all rounding.
 const FACTORS: [f64; 2] = [0.5, 2.0];
+const TIMES: usize = 2;
 /// How many times better a score is to be with further joints, or other weights. Folds of training tell little of poses
 /// unlike it, and there a map that listens to less, and to all alike, errs less.
 const EARNS: f64 = 1.2;
@@ -150,7 +151,7 @@ impl NearJoints {
         // The weight of one alone is the kernel's width.
         for own in parts.iter().filter(|_| parts.len() > 1) {
             for factor in FACTORS {
-                loop {
+                for _ in 0..TIMES {
                     let weigh = |input: &Input| {
                         let factor = if part(input) == *own { factor } else { 1.0 };
                         Input { weight: factor * input.weight, ..*input }
