@@ -11,7 +11,7 @@ use super::model::{RecordModel, SkinModel};
 use super::options::{FileSkins, Options, Predict};
 use super::predicted::LeftOut;
 use super::rotational::ProxyCount;
-use super::rotational::{self, Rotational, RotationalOptions, RotationalReport};
+use super::rotational::{self, Rotational, RotationalOptions, RotationalReport, Variant};
 use crate::envelope::correction::candidates::GroupReport;
 use crate::envelope::correction::listening::Known;
 use crate::envelope::correction::search::Search;
@@ -74,7 +74,7 @@ pub struct TrainingReport {
 pub struct CandidateReport {
     /// What predicts.
     pub predictor: &'static str,
-    /// Whether c1 and c2 are refined on the training meshes; none where they are not all that predicts.
+    /// Whether c1 and c2 are refined on the training meshes; none without them.
     pub refined: Option<bool>,
     /// P.
     pub proxies: usize,
@@ -243,7 +243,7 @@ impl PredictorSearch<'_> {
             let options = RotationalOptions {
                 proxies: count,
                 influences: self.options.influences,
-                refine: self.options.refine && self.wants(Predictor::Rotational),
+                refine: self.options.refine,
             };
             match rotational::fit(self.training, &options, self.progress) {
                 Ok(fitted) => {
@@ -253,7 +253,9 @@ impl PredictorSearch<'_> {
                     }
                     if self.wants(Predictor::Hybrid) {
                         self.begin();
-                        self.hybrid(&fitted)?;
+                        for variant in &fitted.variants {
+                            self.hybrid(&fitted, variant)?;
+                        }
                     }
                 }
                 // Helpers need no reconstruction.
@@ -269,20 +271,20 @@ impl PredictorSearch<'_> {
     }
 
     fn rotational(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
-        let fitted = rotational.fitted(self.training);
+        let best = rotational.best();
+        let fitted = rotational.fitted(best, self.training);
         for coefficients in self.with_coefficients() {
             let bytes = self.bytes(&fitted, coefficients)?;
-            let fits =
-                (bytes <= self.budget()).then_some((bytes, &rotational.validated, Vec::new()));
-            self.add((fitted.clone(), coefficients), fits, Some(rotational));
+            let fits = (bytes <= self.budget()).then_some((bytes, &best.validated, Vec::new()));
+            self.add((fitted.clone(), coefficients), fits, Some((rotational, best)));
         }
         Ok(())
     }
 
-    fn hybrid(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
-        let (fitted, target) =
-            (rotational.fitted_base(self.training), rotational.target(self.training));
-        self.corrected(fitted, &target, &rotational.base.validated, Some(rotational))
+    fn hybrid(&mut self, rotational: &Rotational, variant: &Variant) -> Result<(), TrainError> {
+        let fitted = rotational.fitted(variant, self.training);
+        let target = rotational.target(variant, self.training);
+        self.corrected(fitted, &target, &variant.validated, Some((rotational, variant)))
     }
 
     fn kernel(&mut self, count: ProxyCount) -> Result<(), TrainError> {
@@ -339,7 +341,7 @@ impl PredictorSearch<'_> {
         fitted: Fitted,
         target: &CorrectionTarget<'_>,
         validated: &Mat<f64>,
-        rotational: Option<&Rotational>,
+        rotational: Option<(&Rotational, &Variant)>,
     ) -> Result<(), TrainError> {
         let certainty = if self.options.budget.is_some() { FEW_VALUES } else { target.certainty };
         let known = &mut self.known[usize::from(rotational.is_some())];
@@ -365,13 +367,11 @@ impl PredictorSearch<'_> {
         &mut self,
         (fitted, tangent_coefficients): (Fitted, bool),
         fits: Option<(usize, &Mat<f64>, Vec<GroupReport>)>,
-        rotational: Option<&Rotational>,
+        rotational: Option<(&Rotational, &Variant)>,
     ) {
         let mut report = CandidateReport {
             predictor: fitted.envelope.predictor().name(),
-            refined: rotational
-                .filter(|_| !fitted.envelope.predictor().corrects())
-                .map(Rotational::is_refined),
+            refined: rotational.map(|(_, variant)| variant.refined),
             proxies: fitted.envelope.proxy_len(),
             tangent_coefficients,
             bytes: None,
@@ -382,7 +382,7 @@ impl PredictorSearch<'_> {
             let validated_rms = self.training.targets(&fitted.weights).rms(palette);
             (report.bytes, report.validated_rms) = (Some(bytes), Some(validated_rms));
             report.groups = groups;
-            let rotational = rotational.map(|rotational| rotational.report.clone());
+            let rotational = rotational.map(|(rotational, _)| rotational.report.clone());
             let report = self.reports.len();
             self.candidates.push(Candidate {
                 fitted,

@@ -158,13 +158,14 @@ fn a_file_evaluates_as_it_was_fitted() {
         RotationalOptions { proxies: ProxyCount::Fixed(9), ..RotationalOptions::default() };
     let training = Training::new(&examples, &Silent).unwrap();
     let rotational = rotational::fit(&training, &options, &Silent).unwrap();
+    let best = rotational.best();
     let helpers = helpers::fit::fit(&training, 9, 4).unwrap();
     let groups =
         |target| Search::new(target, &Known::new(), &Silent).fit(usize::MAX).unwrap().groups;
     for fitted in [
-        rotational.fitted(&training),
+        rotational.fitted(best, &training),
         helpers.fitted(&training, groups(helpers.target(&training))),
-        rotational.fitted_base(&training).with(groups(rotational.target(&training))),
+        rotational.fitted(best, &training).with(groups(rotational.target(best, &training))),
     ] {
         evaluates_as_fitted(&examples, &training, &fitted);
     }

@@ -29,7 +29,9 @@ const BASE: f64 = 0.05;
 /// Name of the step.
 pub const STEP: &str = "helpers";
 /// Rounds of weights and maps.
-const ROUNDS: usize = 36;
+const ROUNDS: usize = 60;
+/// Most of its last step that a round starts ahead: with more the last digit of a file decides more of what comes out.
+const AHEAD: f64 = 0.7;
 
 /// Joints and helpers fitted to the training frames.
 pub struct Helpers {
@@ -140,7 +142,7 @@ impl<'a> Alternation<'a> {
             let trajectories = &self.trajectories.coordinates;
             let maps_of = [&self.joints, &self.bases];
             let next = fit_helpers(self.training, trajectories, maps_of, &weights);
-            ahead = &next + (&next - &maps) * faer::Scale(steps / (steps + 3.0));
+            ahead = &next + (&next - &maps) * faer::Scale(AHEAD * steps / (steps + 3.0));
             (maps, steps) = (next, steps + 1.0);
         }
         weights

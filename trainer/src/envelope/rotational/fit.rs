@@ -37,19 +37,18 @@ pub struct Rotational {
     pub gram: Mat<f64>,
     /// Squared error of LBS that each proxy is to mend, P, summed over the poses.
     lbs_errors: Vec<f64>,
-    /// c1 and c2, refined on the training meshes where that predicts better.
-    reduced: Reduced,
-    /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
-    pub validated: Mat<f64>,
-    /// What a correction is added to.
-    pub base: Base,
+    /// The reconstruction as it is without refinement, then refined on the training meshes where that predicts better.
+    pub variants: Vec<Variant>,
     /// How it was fitted.
     pub report: RotationalReport,
 }
 
-/// The reconstruction as it is without refinement: a correction learns from the meshes itself, and what a refinement
-/// leaves over of meshes that it has seen is not what it leaves over of others.
-pub struct Base {
+/// A reconstruction, and what it leaves over for a correction to learn. Refined on a few meshes it is nearer to the truth;
+/// but what it leaves over of meshes that it has seen is not what it leaves over of others.
+pub struct Variant {
+    /// Whether c1 and c2 are refined on the training meshes.
+    pub refined: bool,
+    /// c1 and c2.
     reduced: Reduced,
     /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
     pub validated: Mat<f64>,
@@ -164,23 +163,25 @@ pub fn fit(
     let fixed = settings::near_rigid(lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
     let unrefined = system.run().ok_or(FitError::Singular)?;
-    let reduced = choice.refinement.map_or_else(
-        || unrefined.clone(),
-        |strength| {
-            let residual = projection.residual(&unrefined.palette(&predicted, poses));
-            let regression = Regression::new(&predicted, poses, &residual, &(0..0));
-            regression.refine(&unrefined, strength)
-        },
-    );
-    let validated = validation.join(&validation.maps(&unrefined, &projection, choice.refinement));
-    let of_folds = validation.maps(&unrefined, &projection, None);
-    let base = Base {
-        validated: validation.join(&of_folds),
-        left_over: projection.residual(&unrefined.palette(&predicted, poses)),
-        without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
-        reduced: unrefined,
+    let refined = choice.refinement.map(|strength| {
+        let residual = projection.residual(&unrefined.palette(&predicted, poses));
+        let regression = Regression::new(&predicted, poses, &residual, &(0..0));
+        (regression.refine(&unrefined, strength), Some(strength))
+    });
+    let variants = [Some((unrefined.clone(), None)), refined].into_iter().flatten();
+    let variant = |(reduced, refinement): (Reduced, Option<f64>)| {
+        let of_folds = validation.maps(&unrefined, &projection, refinement);
+        Variant {
+            refined: refinement.is_some(),
+            validated: validation.join(&of_folds),
+            left_over: projection.residual(&reduced.palette(&predicted, poses)),
+            without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
+            reduced,
+        }
     };
-    let maps = reduced.palette(&predicted, poses);
+    let variants: Vec<Variant> = variants.map(variant).collect();
+    let best = &variants[variants.len() - 1].reduced;
+    let maps = best.palette(&predicted, poses);
     let report = RotationalReport {
         basis_rank,
         basis_residual,
@@ -200,9 +201,7 @@ pub fn fit(
         ),
     };
     Ok(Rotational {
-        reduced,
-        validated,
-        base,
+        variants,
         lbs_errors: training.lbs_errors(&proxies.weights, 0..dominant.len()),
         weights: proxies.weights,
         dominant,
@@ -224,35 +223,30 @@ fn joint_maps(joints: &Weights, poses: &Poses) -> Mat<f64> {
 }
 
 impl Rotational {
-    /// Whether the reconstruction was refined on the training meshes.
-    pub fn is_refined(&self) -> bool {
-        self.report.choice.refinement.is_some()
+    /// The variant that predicts best without a correction.
+    pub fn best(&self) -> &Variant {
+        &self.variants[self.variants.len() - 1]
     }
 
-    /// The envelope.
-    pub fn fitted(&self, training: &Training) -> Fitted {
-        self.with(&self.reduced, training)
-    }
-
-    /// The envelope that a correction is added to.
-    pub fn fitted_base(&self, training: &Training) -> Fitted {
-        self.with(&self.base.reduced, training)
-    }
-
-    fn with(&self, reduced: &Reduced, training: &Training) -> Fitted {
-        let Reduced { c1, c2 } = reduced.clone();
+    /// The envelope of a variant, without a correction.
+    pub fn fitted(&self, variant: &Variant, training: &Training) -> Fitted {
+        let Reduced { c1, c2 } = variant.reduced.clone();
         let reconstruction = Reconstruction { keys: self.keys.clone(), c1, c2 };
         Fitted::new(training, self.weights.clone(), Some(reconstruction))
     }
 
-    /// What the base leaves over for a correction to learn.
-    pub fn target<'a>(&'a self, training: &'a Training) -> CorrectionTarget<'a> {
+    /// What a variant leaves over for a correction to learn.
+    pub fn target<'a>(
+        &'a self,
+        variant: &'a Variant,
+        training: &'a Training,
+    ) -> CorrectionTarget<'a> {
         CorrectionTarget {
             poses: &training.poses,
             features: Features::of(training),
             dominant: &self.dominant,
-            left_over: &self.base.left_over,
-            without: &self.base.without,
+            left_over: &variant.left_over,
+            without: &variant.without,
             gram: &self.gram,
             lbs_errors: &self.lbs_errors,
             certainty: CERTAINTY,

@@ -29,5 +29,5 @@ pub mod settings;
 pub mod surface;
 pub mod validation;
 
-pub use fit::{KeyChoice, Rotational, RotationalReport, fit};
+pub use fit::{KeyChoice, Rotational, RotationalReport, Variant, fit};
 pub use options::{ProxyCount, RotationalOptions};
