@@ -172,7 +172,8 @@ fn the_demo_arm_by_every_predictor_and_by_the_best() {
     let published = Options { refine: false, ..only(Predictor::Rotational) };
     let plain = measured(&examples, &published, Split::HeldOut);
     // The demo's promise: LBS leaves about 1 %, the published method half of it, each predictor a tenth
-    // (README: 0.663, 0.205, at most 0.019), and the choice is as good as the best.
+    // (README: 0.663, 0.205, at most 0.019), and the choice is as good as the best, but for what cross-validation cannot
+    // tell: of errors within 2 % there it takes the smaller file.
     assert!((0.6..1.5).contains(&plain.lbs.rms_percent), "{}", plain.lbs.rms_percent);
     assert!(plain.errors.rms < 0.5 * plain.lbs.rms);
     let mut least = f64::INFINITY;
@@ -183,5 +184,5 @@ fn the_demo_arm_by_every_predictor_and_by_the_best() {
     }
     let auto = Options { predictor: Predict::Auto, ..only(Predictor::Kernel) };
     let auto = measured(&examples, &auto, Split::HeldOut);
-    assert!(auto.errors.rms <= 1.05 * least, "{} {least}", auto.errors.rms);
+    assert!(auto.errors.rms <= 1.15 * least, "{} {least}", auto.errors.rms);
 }
