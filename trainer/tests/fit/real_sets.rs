@@ -183,6 +183,12 @@ fn the_demo_arm_by_every_predictor_and_by_the_best() {
         least = least.min(found.errors.rms);
     }
     let auto = Options { predictor: Predict::Auto, ..only(Predictor::Kernel) };
-    let auto = measured(&examples, &auto, Split::HeldOut);
+    let trained = train(&examples, &auto, &Silent).unwrap();
+    let (chosen, all) = (trained.report.chosen(), &trained.report.candidates);
+    let best = all.iter().filter_map(|c| c.validated_rms).fold(f64::INFINITY, f64::min);
+    assert!(chosen.validated_rms.unwrap() <= 1.02 * best);
+    let alike = all.iter().filter(|c| c.validated_rms.is_some_and(|rms| rms <= 1.02 * best));
+    assert!(alike.clone().count() > 1 && alike.map(|c| c.bytes).min() == Some(chosen.bytes));
+    let auto = evaluate(&trained.model, None, &examples, Frames::Of(Split::HeldOut)).unwrap();
     assert!(auto.errors.rms <= 1.15 * least, "{} {least}", auto.errors.rms);
 }

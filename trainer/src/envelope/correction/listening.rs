@@ -50,8 +50,8 @@ impl Listening {
     ) -> Option<Self> {
         let telling = outputs.leading(TELLS_NOTHING);
         let mut near = choose_joints(&telling, poses, features, joint)?;
-        let kernel = choose_kernel(&near, &telling);
-        near.weigh_joints(kernel, &telling, poses, features);
+        let (kernel, score) = choose_kernel(&near, &telling);
+        near.weigh_joints((kernel, score), &telling, poses, features);
         Some(Self { hops: near.hops, inputs: near.inputs, kernel })
     }
 }
@@ -89,8 +89,8 @@ fn choose_joints(
     tried.into_iter().find(|t| t.score <= EARNS * least)
 }
 
-/// Chooses kernel and width: the smoothest kernel that will do.
-fn choose_kernel(near: &NearJoints, outputs: &Outputs) -> (GroupKernel, f64) {
+/// Chooses kernel and width, the smoothest kernel that will do, and gives their score.
+fn choose_kernel(near: &NearJoints, outputs: &Outputs) -> ((GroupKernel, f64), f64) {
     let [smoothest, rougher @ ..] = SMOOTHEST_FIRST;
     let rougher = rougher.into_iter().filter_map(|kernel| {
         let (width, score) = best_width(&near.values, outputs, kernel, near.width)?;
@@ -100,7 +100,8 @@ fn choose_kernel(near: &NearJoints, outputs: &Outputs) -> (GroupKernel, f64) {
         std::iter::once((smoothest, near.width, near.score)).chain(rougher).collect();
     let least = tried.iter().map(|t| t.2).fold(f64::INFINITY, f64::min);
     let best = tried.iter().find(|t| t.2 <= SIMPLER * least).unwrap_or(&tried[0]);
-    (best.0, WIDTHS[best.1])
+    let (kernel, width, score) = *best;
+    ((kernel, WIDTHS[width]), score)
 }
 
 /// The best of [`WIDTHS`] for a kernel with as many centres as may be, and its score: where it is no longer better to
@@ -135,10 +136,10 @@ fn coarse(inputs: &Inputs, outputs: &Outputs, (kernel, width): (GroupKernel, f64
 }
 
 impl NearJoints {
-    /// Weighs the joints, how they move apart from how they turn, where that gains.
+    /// Weighs the joints, how they move apart from how they turn, where that gains on a kernel's score.
     fn weigh_joints(
         &mut self,
-        kernel: (GroupKernel, f64),
+        (kernel, mut least): ((GroupKernel, f64), f64),
         outputs: &Outputs,
         poses: &Poses,
         features: Features<'_>,
@@ -147,7 +148,6 @@ impl NearJoints {
         let mut parts: Vec<_> = self.inputs.iter().map(part).collect();
         parts.sort_unstable();
         parts.dedup();
-        let Some(mut least) = coarse(&self.values, outputs, kernel) else { return };
         // The weight of one alone is the kernel's width.
         for own in parts.iter().filter(|_| parts.len() > 1) {
             for factor in FACTORS {

@@ -8,7 +8,7 @@ use crate::envelope::skin::blend::{Items, Maps, Weights, fit_maps, fit_weights};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::gram;
 use crate::envelope::skin::stacked::{bases, set_map};
-use crate::envelope::skin::targets::skinned;
+use crate::envelope::skin::targets::{Targets, skinned};
 use crate::envelope::skin::training::Training;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::basis::{Basis, basis};
@@ -82,7 +82,7 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
 
     let dominant: Vec<usize> = groups.iter().map(|group| group.0).collect();
     let bases = bases(&stacked, &dominant);
-    let weights = Alternation::new(training, &stacked, &bases).run(&maps, influences);
+    let weights = OnBasis::new(training, &stacked, &bases).run(&maps, influences);
     let maps = fit_helpers(training, &training.trajectories, [&stacked, &bases], &weights);
     let span = poses.joint_len()..poses.joint_len() + dominant.len();
     let gram = gram(&training.targets(&weights), span.clone());
@@ -90,8 +90,8 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
     Some(Helpers { weights, dominant, left_over: maps - bases, gram, lbs_errors })
 }
 
-/// Weights and the helpers' maps, fitted in turn on a basis of the trajectories.
-struct Alternation<'a> {
+/// The fit of weights and the helpers' maps in turn, on a basis of the trajectories.
+struct OnBasis<'a> {
     training: &'a Training,
     trajectories: Basis,
     /// The joints' maps on the basis, and those of the helpers' dominant joints.
@@ -102,7 +102,7 @@ struct Alternation<'a> {
     plain_palette: Mat<f64>,
 }
 
-impl<'a> Alternation<'a> {
+impl<'a> OnBasis<'a> {
     fn new(training: &'a Training, joints: &Mat<f64>, bases: &Mat<f64>) -> Self {
         let trajectories = basis(&training.trajectories);
         let plain = basis(&skinned(&training.rest, &training.lbs.weights, joints));
@@ -133,7 +133,7 @@ impl<'a> Alternation<'a> {
             let columns = faer::concat![[&palette], [&self.plain_palette]];
             let palette = Maps { width: 4, columns };
             let (found, errors) = fit_weights(&items, &palette, influences, Some(kept));
-            let error = errors.iter().enumerate().map(|(v, e)| items.importance.of(v) * e).sum();
+            let error = items.sum(&errors);
             if steps > 0.0 && error > least {
                 (ahead, steps) = (maps.clone(), 0.0);
                 continue;
@@ -157,8 +157,9 @@ fn fit_helpers(
     weights: &Weights,
 ) -> Mat<f64> {
     let (on_joints, on_helpers) = split(weights, joints.ncols() / 4);
-    let left = trajectories - skinned(&training.rest, &on_joints, joints);
-    let items = Items::vertices(&training.rest, &left, training.importance());
+    let (rest, importance) = (&training.rest, training.importance());
+    let left = Targets { rest, weights: &on_joints, trajectories, importance }.residuals(joints);
+    let items = Items::vertices(rest, &left, importance);
     fit_maps(&items, &on_helpers, &Maps { width: 4, columns: bases.clone() }, PULL).columns
 }
 

@@ -163,25 +163,24 @@ pub fn fit(
     let fixed = settings::near_rigid(lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
     let unrefined = system.run().ok_or(FitError::Singular)?;
-    let refined = choice.refinement.map(|strength| {
-        let residual = projection.residual(&unrefined.palette(&predicted, poses));
-        let regression = Regression::new(&predicted, poses, &residual, &(0..0));
-        (regression.refine(&unrefined, strength), Some(strength))
-    });
-    let variants = [Some((unrefined.clone(), None)), refined].into_iter().flatten();
-    let variant = |(reduced, refinement): (Reduced, Option<f64>)| {
+    let variant = |reduced: Reduced, maps: &Mat<f64>, refinement: Option<f64>| {
         let of_folds = validation.maps(&unrefined, &projection, refinement);
         Variant {
             refined: refinement.is_some(),
             validated: validation.join(&of_folds),
-            left_over: projection.residual(&reduced.palette(&predicted, poses)),
+            left_over: projection.residual(maps),
             without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
             reduced,
         }
     };
-    let variants: Vec<Variant> = variants.map(variant).collect();
-    let best = &variants[variants.len() - 1].reduced;
-    let maps = best.palette(&predicted, poses);
+    let mut maps = unrefined.palette(&predicted, poses);
+    let mut variants = vec![variant(unrefined.clone(), &maps, None)];
+    if let Some(strength) = choice.refinement {
+        let regression = Regression::new(&predicted, poses, &variants[0].left_over, &(0..0));
+        let refined = regression.refine(&unrefined, strength);
+        maps = refined.palette(&predicted, poses);
+        variants.push(variant(refined, &maps, Some(strength)));
+    }
     let report = RotationalReport {
         basis_rank,
         basis_residual,

@@ -50,6 +50,11 @@ impl<'a> Items<'a> {
         self.y.ncols() == 0
     }
 
+    /// Sums the items' errors as they count.
+    pub fn sum(&self, errors: &[f64]) -> f64 {
+        errors.iter().enumerate().map(|(item, error)| self.importance.of(item) * error).sum()
+    }
+
     fn row(&self, row: usize) -> &[f64] {
         &self.h[row * self.width..(row + 1) * self.width]
     }
@@ -152,17 +157,14 @@ impl Alternation {
         most: usize,
         progress: &dyn Progress,
     ) -> Blend {
-        let sum = |errors: Vec<f64>| {
-            errors.iter().enumerate().map(|(item, error)| items.importance.of(item) * error).sum()
-        };
         let (weights, errors) = fit_weights(items, &maps, most, None);
-        let mut blend = Blend { weights, maps, error: sum(errors) };
+        let mut blend = Blend { weights, maps, error: items.sum(&errors) };
         for _ in 0..self.rounds {
             progress.advance(1);
             let maps = fit_maps(items, &blend.weights, &blend.maps, PROXIMAL);
             let (weights, errors) = fit_weights(items, &maps, most, None);
             let last = blend.error;
-            blend = Blend { weights, maps, error: sum(errors) };
+            blend = Blend { weights, maps, error: items.sum(&errors) };
             if last.sqrt() - blend.error.sqrt() < self.gain * last.sqrt() {
                 break;
             }
