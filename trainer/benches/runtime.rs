@@ -234,6 +234,7 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
             parents: (0..joints).map(|joint| joint.checked_sub(1)).collect(),
             rest: vec![identity; joints],
             roots: Vec::new(),
+            unplaced: Vec::new(),
         },
         reconstruction: None,
         groups: (0..10).map(group).collect(),

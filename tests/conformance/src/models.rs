@@ -172,6 +172,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
             parents: (0..joints).map(parent).collect(),
             rest: (0..joints).map(frame).collect(),
             roots: Vec::new(),
+            unplaced: Vec::new(),
         },
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,

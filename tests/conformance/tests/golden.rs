@@ -127,6 +127,7 @@ fn file_model(predictor: Predictor) -> FileModel {
             parents: vec![Some(1), Some(2), Some(3), None, Some(3)],
             rest: rest_frames.collect(),
             roots: Vec::new(),
+            unplaced: Vec::new(),
         },
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,

@@ -95,6 +95,7 @@ fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
             parents,
             rest: list(joint_len, || frame(u))?,
             roots: Vec::new(),
+            unplaced: Vec::new(),
         },
         reconstruction,
         groups,

@@ -38,6 +38,8 @@ pub struct Skeleton {
     pub parents: Vec<Option<usize>>,
     /// Joints that have no parent where they come from, and here hang under the reference root.
     pub roots: Vec<usize>,
+    /// Joints of which the source does not say where they are at rest: [`Examples::place_joints`] finds it.
+    pub unplaced: Vec<usize>,
     /// Model-space rest frame of each joint (rigid); its last column is the rest origin.
     pub rest: Vec<Matrix3x4>,
 }

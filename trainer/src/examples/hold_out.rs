@@ -36,6 +36,7 @@ impl Examples {
                 self.split[frame] = if place < train_len { Split::Train } else { Split::HeldOut };
             }
         }
+        self.place_joints();
         Ok(())
     }
 
@@ -62,6 +63,7 @@ impl Examples {
                 self.split[clip.first..][..clip.times.len()].fill(Split::HeldOut);
             }
         }
+        self.place_joints();
         Ok(())
     }
 }

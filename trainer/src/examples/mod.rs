@@ -12,6 +12,7 @@ mod hold_out;
 mod import;
 mod importance;
 mod mark;
+mod origins;
 mod rigidity;
 mod sample;
 #[cfg(test)]

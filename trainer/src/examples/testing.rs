@@ -19,6 +19,7 @@ pub(super) fn triangle(frame_len: usize) -> Examples {
             parents: vec![None, Some(0)],
             rest: vec![IDENTITY; 2],
             roots: Vec::new(),
+            unplaced: Vec::new(),
         },
         transforms: vec![IDENTITY; 2 * frame_len],
         split: vec![Split::Train; frame_len],

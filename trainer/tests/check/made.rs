@@ -65,6 +65,7 @@ pub(crate) fn chain(bends: &[Bend]) -> Examples {
             parents: vec![None, Some(0), Some(1)],
             rest: vec![at(0.0), at(1.0), at(2.0)],
             roots: Vec::new(),
+            unplaced: Vec::new(),
         },
         vertices,
         transforms,

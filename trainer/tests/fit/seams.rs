@@ -44,6 +44,7 @@ fn bent(rest: Vec<[f64; 3]>, triangles: Vec<[usize; 3]>) -> Examples {
             parents: vec![None, Some(0)],
             rest: vec![IDENTITY; 2],
             roots: Vec::new(),
+            unplaced: Vec::new(),
         },
         transforms: (0..FRAMES).flat_map(|frame| [IDENTITY, rows(turn(frame))]).collect(),
         split: (0..FRAMES)

@@ -89,6 +89,7 @@ fn skeleton() -> Skeleton {
         parents: (0..shape::JOINTS.len()).map(|joint| joint.checked_sub(1)).collect(),
         rest: shape::origins().iter().map(|&origin| frame(origin.into())).collect(),
         roots: Vec::new(),
+        unplaced: Vec::new(),
     }
 }
 

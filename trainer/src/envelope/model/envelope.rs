@@ -92,6 +92,7 @@ impl EnvelopeModel {
                 parents: joints.clone().map(|joint| envelope.parent(joint)).collect(),
                 rest: joints.clone().map(|joint| rest_frame(envelope, joint)).collect(),
                 roots: Vec::new(),
+                unplaced: Vec::new(),
             },
             reconstruction: envelope.predictor().reconstructs().then(|| Reconstruction {
                 keys: keys.iter().map(key).collect(),

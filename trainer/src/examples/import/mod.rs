@@ -9,7 +9,6 @@ mod matched;
 mod motion;
 pub mod npz;
 mod order;
-mod origins;
 mod parts;
 mod rate;
 mod roots;

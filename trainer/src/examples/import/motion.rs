@@ -94,6 +94,7 @@ impl Found {
             parents: vec![None; motion.names.len()],
             rest: motion.rest.iter().map(rows).collect(),
             roots: Vec::new(),
+            unplaced: Vec::new(),
         };
         Self { space: motion.space, skeleton, transforms: posed.collect() }
     }

@@ -147,7 +147,7 @@ impl ScenePoses {
         let mut warnings = scene.warnings.drain(..).map(Warning::from).collect();
         let (parents, roots) = roots::joined(&scene.names, scene.parents.clone(), &mut warnings);
         let rest = scene.binds.iter().map(|bind| rows(&rest_frame(bind, scale))).collect();
-        let skeleton = Skeleton { names: scene.names.clone(), parents, roots, rest };
+        let skeleton = Skeleton { names: scene.names.clone(), parents, roots, unplaced: Vec::new(), rest };
         Ok(Self { skeleton, transforms: maps.iter().map(rows).collect(), warnings })
     }
 

@@ -48,7 +48,7 @@ use self::space::read_space;
 use self::texture::read_texture;
 use super::chosen::{chosen, kept};
 use super::loaded::Loaded;
-use super::{origins, roots};
+use super::roots;
 use crate::examples::validate::{REPAIRABLE, same};
 use crate::examples::{
     Distortion, Examples, ExamplesError, LoadError, Matrix3x4, Skeleton, Split, Warning,
@@ -155,7 +155,7 @@ fn read(
         Some(frames) => affine(&frames.data, None, &names)?,
         None => vec![identity; joint_len],
     };
-    let skeleton = Skeleton { names, parents, roots, rest: rest_frames };
+    let skeleton = Skeleton { names, parents, roots, unplaced: Vec::new(), rest: rest_frames };
     let mut examples = Examples {
         rest,
         triangles: faces.triangles,
@@ -177,14 +177,7 @@ fn read(
     }
     let found = examples.validate().map_err(|error| error.called(&clips))?;
     warnings.extend(found.into_iter().map(|warning| warning.called(&clips)));
-    if frames.is_none() {
-        for joint in 0..joint_len {
-            if !sidecar.joint_rest_positions.contains_key(&examples.skeleton.names[joint]) {
-                let origin = origins::rest_origin(&examples, joint);
-                examples.skeleton.rest[joint] = translation(origin);
-            }
-        }
-    }
+    examples.place_joints();
     Ok((Loaded { examples, clips, warnings }, fps))
 }
 
@@ -252,8 +245,10 @@ fn affine(
     Ok(maps)
 }
 
-/// Puts the joints whose rest position is described where it says.
+/// Puts the joints whose rest position is described where it says; the others are to be found.
 fn place(skeleton: &mut Skeleton, sidecar: &Sidecar) -> Result<(), ExamplesError> {
+    let is_told = |joint: &usize| sidecar.joint_rest_positions.contains_key(&skeleton.names[*joint]);
+    skeleton.unplaced = (0..skeleton.names.len()).filter(|joint| !is_told(joint)).collect();
     for (name, &position) in &sidecar.joint_rest_positions {
         match skeleton.names.iter().position(|joint| joint == name) {
             Some(joint) => skeleton.rest[joint] = translation(position),

@@ -2,12 +2,24 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::examples::{Examples, Split};
+use super::{Examples, Split};
 use crate::numeric::affine::parts;
 
 /// Directions in which a joint turns less than this (RMS, radians) against its parent carry no
 /// information about its origin: a thousandth of the largest turn, and above single precision.
 const LEAST_TURN: (f64, f64) = (1e-3, 1e-5);
+
+impl Examples {
+    /// Puts the joints of which the source does not say where they are at rest where the training frames have them.
+    /// Whoever changes which frames train calls it anew.
+    pub fn place_joints(&mut self) {
+        for place in 0..self.skeleton.unplaced.len() {
+            let joint = self.skeleton.unplaced[place];
+            let origin = rest_origin(self, joint);
+            self.skeleton.rest[joint].iter_mut().zip(origin).for_each(|(row, x)| row[3] = x);
+        }
+    }
+}
 
 /// Finds the rest origin of `joint`: the point that its maps and its parent's move together best
 /// over the training frames, in least squares.
@@ -15,7 +27,7 @@ const LEAST_TURN: (f64, f64) = (1e-3, 1e-5);
 /// A hinge leaves the place along its axis open, a joint that never turns leaves all open: there
 /// the point nearest to the centroid of the rest mesh is taken. The reference root gets the centroid
 /// itself; nothing depends on it.
-pub(super) fn rest_origin(examples: &Examples, joint: usize) -> [f64; 3] {
+fn rest_origin(examples: &Examples, joint: usize) -> [f64; 3] {
     let centroid =
         examples.rest.iter().map(|&position| Vector3::from(position)).sum::<Vector3<f64>>()
             / examples.vertex_len() as f64;
@@ -47,7 +59,7 @@ mod tests {
     use nalgebra::Rotation3;
 
     use super::*;
-    use crate::examples::testing::triangle;
+    use super::super::testing::triangle;
 
     const ORIGIN: Vector3<f64> = Vector3::new(0.3, -0.2, 5.0);
 
