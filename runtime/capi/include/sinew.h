@@ -1259,6 +1259,23 @@ sinew_status sinew_envelope_palette_at(const struct sinew_envelope *envelope,
                                        float *out_confidence,
                                        struct sinew_error *out_error);
 
+/// Computes how confident the kernel maps of each joint's skin are of a pose: which part of the skin the confidence of
+/// `sinew_envelope_palette` is about. A rotational envelope has none: `NO_STAGE`.
+///
+/// - `pose`, `pose_len`, `scratch`, `scratch_len`: as for `sinew_envelope_palette`.
+/// - `out_confidences`, `confidences_len`: J values in [0, 1], 1 for a joint whose skin no map moves.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_envelope_joint_confidences(const struct sinew_envelope *envelope,
+                                              const struct sinew_matrix *pose,
+                                              size_t pose_len,
+                                              float *scratch,
+                                              size_t scratch_len,
+                                              float *out_confidences,
+                                              size_t confidences_len,
+                                              struct sinew_error *out_error);
+
 /// Computes the palettes of a batch of poses, with the bits of `sinew_envelope_palette` for each.
 ///
 /// - `poses`, `poses_len`: J skinning matrices a pose, one pose after the other.

@@ -367,6 +367,16 @@ class Character {
         return failure;
     }
 
+    /// Computes how confident the maps of each joint's skin are of a pose of skinning matrices.
+    Failure joint_confidences(Span<const sinew_matrix> pose, std::vector<float> &out) {
+        Failure failure;
+        out.resize(envelope_->info().joint_len);
+        failure.status = sinew_envelope_joint_confidences(
+            envelope_->get(), pose.data, pose.len, scratch_.data(), scratch_.size(), out.data(),
+            out.size(), &failure.error);
+        return failure;
+    }
+
     const std::vector<sinew_matrix> &palette() const { return palette_; }
     float confidence() const { return confidence_; }
 

@@ -136,6 +136,42 @@ pub unsafe extern "C" fn sinew_envelope_palette_at(
     unsafe { border::call(out_error, body) }
 }
 
+/// Computes how confident the kernel maps of each joint's skin are of a pose: which part of the skin the confidence of
+/// `sinew_envelope_palette` is about. A rotational envelope has none: `NO_STAGE`.
+///
+/// - `pose`, `pose_len`, `scratch`, `scratch_len`: as for `sinew_envelope_palette`.
+/// - `out_confidences`, `confidences_len`: J values in [0, 1], 1 for a joint whose skin no map moves.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
+/// `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_joint_confidences(
+    envelope: *const sinew_envelope,
+    pose: *const sinew_matrix,
+    pose_len: usize,
+    scratch: *mut f32,
+    scratch_len: usize,
+    out_confidences: *mut f32,
+    confidences_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
+        let scratch = Array::new(scratch, scratch_len, sinew_argument::Scratch);
+        let nothing = Array::optional(core::ptr::null(), sinew_argument::Palette);
+        let confidences = Array::new(out_confidences, confidences_len, sinew_argument::Confidences);
+        // SAFETY: the caller's promise is passed on.
+        unsafe {
+            evaluate(envelope, pose, scratch, nothing, confidences, |envelope, arrays| {
+                let Arrays { pose, scratch, confidences, .. } = arrays;
+                envelope.joint_confidences(pose, scratch, confidences)
+            })
+        }
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
 /// Computes the palettes of a batch of poses, with the bits of `sinew_envelope_palette` for each.
 ///
 /// - `poses`, `poses_len`: J skinning matrices a pose, one pose after the other.

@@ -4,6 +4,7 @@ use super::group::Group;
 use super::trust::Evidence;
 use super::view::Envelope;
 use crate::linear::{Matrix3x4, padded, split};
+use crate::numeric::lesser;
 
 /// Evaluates the stage: [`crate::stages::correction`] of arguments that have been checked.
 pub(crate) fn evaluate(
@@ -25,6 +26,23 @@ pub(crate) fn evaluate(
     evidence.confidence()
 }
 
+/// Evaluates how confident the groups are, by their joints: into J values, those of joints without a map left as they are,
+/// of arguments that have been checked.
+pub(crate) fn joint_confidences(
+    envelope: &Envelope<'_>,
+    features: &[Matrix3x4],
+    scratch: &mut [f32],
+    out_confidences: &mut [f32],
+) {
+    let features = features.as_flattened().as_flattened();
+    for group in envelope.groups().filter(|group| group.centre_len() > 0) {
+        let (evidence, _) = evaluate_map(&group, features, scratch);
+        if let Some(out) = out_confidences.get_mut(group.joint) {
+            *out = lesser(*out, evidence.confidence());
+        }
+    }
+}
+
 /// Adds a group's correction to its proxies, and returns what it knows.
 fn add(
     group: &Group<'_>,
@@ -33,13 +51,7 @@ fn add(
     scratch: &mut [f32],
     out: &mut [Matrix3x4],
 ) -> Evidence {
-    let (input, scratch) = split(scratch, padded(group.input_len()));
-    let (added, scratch) = split(scratch, padded(12 * group.proxies.len()));
-    for (x, (feature, weight)) in input.iter_mut().zip(group.inputs()) {
-        *x = weight * features.get(feature).copied().unwrap_or_default();
-    }
-    let input = input.get(..group.input_len()).unwrap_or_default();
-    let evidence = group.map.evaluate(input, scratch, added);
+    let (evidence, added) = evaluate_map(group, features, scratch);
     if evidence.share() > 0.0 {
         let added = added.as_chunks::<4>().0.as_chunks::<3>().0;
         for (map, added) in out.iter_mut().zip(added) {
@@ -52,4 +64,20 @@ fn add(
         }
     }
     evidence
+}
+
+/// Evaluates a group's map; what it adds is left as it was where nothing is known.
+fn evaluate_map<'a>(
+    group: &Group<'_>,
+    features: &[f32],
+    scratch: &'a mut [f32],
+) -> (Evidence, &'a [f32]) {
+    let (input, scratch) = split(scratch, padded(group.input_len()));
+    let (added, scratch) = split(scratch, padded(12 * group.proxies.len()));
+    for (x, (feature, weight)) in input.iter_mut().zip(group.inputs()) {
+        *x = weight * features.get(feature).copied().unwrap_or_default();
+    }
+    let input = input.get(..group.input_len()).unwrap_or_default();
+    let evidence = group.map.evaluate(input, scratch, added);
+    (evidence, added)
 }

@@ -82,6 +82,37 @@ impl Envelope<'_> {
         })
     }
 
+    /// Computes how confident the kernel maps of each joint's skin are of a pose: which part of the skin the confidence
+    /// of [`Envelope::palette`] is about.
+    ///
+    /// - `pose`, `scratch`: as for [`Envelope::palette`].
+    /// - `out_confidences`: J values in [0, 1]; 1 for a joint whose skin no map moves.
+    ///
+    /// # Errors
+    /// - [`crate::CallErrorKind::NoStage`]: the envelope is rotational and has no kernel maps.
+    /// - [`crate::CallErrorKind::Length`]: `pose` or `out_confidences` has another length.
+    /// - [`crate::CallErrorKind::TooShort`]: `scratch` is too short.
+    /// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
+    pub fn joint_confidences(
+        &self,
+        pose: &[Matrix3x4],
+        scratch: &mut [f32],
+        out_confidences: &mut [f32],
+    ) -> Result<(), CallError> {
+        self.check_stage(self.predictor().corrects())?;
+        Argument::Pose.check_len(self.joint_len(), pose.len())?;
+        Argument::Confidences.check_len(self.joint_len(), out_confidences.len())?;
+        Argument::Scratch.check_least(self.scratch_len(), scratch.len())?;
+        self.check_finite(pose)?;
+        out_confidences.fill(1.0);
+        if self.group_len() > 0 {
+            let (features, scratch) = self.scratch_layout().correction(scratch);
+            features::evaluate(self, pose, features);
+            correction::joint_confidences(self, features, scratch, out_confidences);
+        }
+        Ok(())
+    }
+
     /// Computes the palettes of a batch of poses, with the bits of [`Envelope::palette`] for each.
     ///
     /// - `poses`: J skinning matrices a pose, one pose after the other.

@@ -265,6 +265,33 @@ fn a_scaled_actor_is_the_scaled_skin() {
 }
 
 #[test]
+fn joints_whose_maps_doubt_are_those_whose_groups_do() {
+    each(|envelope| {
+        let pose = posed(envelope, &turned(envelope, 0.25));
+        let mut scratch = vec![0.0; envelope.scratch_len()];
+        let mut found = vec![f32::NAN; pose.len()];
+        let done = envelope.joint_confidences(&pose, &mut scratch, &mut found);
+        if !envelope.predictor().corrects() {
+            assert_eq!(done.unwrap_err().kind, CallErrorKind::NoStage);
+            return;
+        }
+        done.unwrap();
+        let moved = |joint: usize| {
+            envelope.groups().any(|group| group.joint == joint && group.centre_len() > 0)
+        };
+        for (joint, &confidence) in found.iter().enumerate() {
+            assert!(confidence == 1.0 || moved(joint) && (0.0..1.0).contains(&confidence));
+        }
+        // Doubts add up.
+        let mut palette = vec![matrix::IDENTITY; envelope.palette_len()];
+        let all = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+        assert_eq!(all < 1.0, found.iter().any(|confidence| *confidence < 1.0));
+        let short = envelope.joint_confidences(&pose, &mut scratch, &mut found[1..]);
+        assert_eq!(short.unwrap_err().argument, Argument::Confidences);
+    });
+}
+
+#[test]
 fn levels_are_the_palette_with_and_without_its_correction() {
     each(|envelope| {
         let pose = posed(envelope, &turned(envelope, 0.25));

@@ -144,6 +144,24 @@ fn levels_have_the_bits_of_the_runtime() {
 }
 
 #[test]
+fn joints_confidences_are_those_of_the_runtime() {
+    each(|Both { c: (found, _), rust: (envelope, _), .. }| {
+        let pose = rest(&envelope);
+        let (j, s) = (pose.len(), envelope.scratch_len());
+        let (mut scratch, mut expected) = (vec![0.0; s], vec![0.5; j]);
+        let done = envelope.joint_confidences(&pose, &mut scratch, &mut expected);
+        let mut told = vec![0.5_f32; j];
+        let (from, at, out) = (pose.as_ptr().cast(), scratch.as_mut_ptr(), told.as_mut_ptr());
+        let handle = found.handle;
+        // SAFETY: an open envelope, and arrays with their lengths.
+        let status =
+            unsafe { sinew_envelope_joint_confidences(handle, from, j, at, s, out, j, NONE) };
+        let is_known = if done.is_ok() { sinew_status::Ok } else { sinew_status::NoStage };
+        assert_eq!((status, told), (is_known, expected));
+    });
+}
+
+#[test]
 fn hashes_tell_files_apart() {
     each(|Both { c: (found, mesh), rust: (envelope, skin), .. }| {
         let joints = 0..envelope.joint_len();

@@ -24,7 +24,7 @@ use sinew_status as Status;
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions by their names.
-pub(super) const FUNCTIONS: [(&str, Function); 54] = [
+pub(super) const FUNCTIONS: [(&str, Function); 55] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
     ("sinew_model_describe", model_describe),
@@ -39,6 +39,7 @@ pub(super) const FUNCTIONS: [(&str, Function); 54] = [
     ("sinew_envelope_palettes", palettes),
     ("sinew_envelope_rotational_palette", rotational_palette),
     ("sinew_envelope_palette_at", posed::palette_at),
+    ("sinew_envelope_joint_confidences", posed::joint_confidences),
     ("sinew_envelope_rest_locals", posed::rest_locals),
     ("sinew_envelope_bind", posed::bind),
     ("sinew_envelope_gather", posed::gather),

@@ -6,6 +6,7 @@ use super::shared::{optional, optional_input, unknown};
 use arbitrary::Result;
 use sinew_capi::*;
 use sinew_runtime::Model;
+use sinew_runtime::envelope::Predictor;
 use std::ops::Range;
 use std::ptr::{null, null_mut};
 
@@ -123,6 +124,31 @@ pub(super) fn palette_at(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             out,
             out_len,
             confidence,
+            error,
+        )
+    })
+}
+
+pub(super) fn joint_confidences(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let one = call.arena.poses.start..call.arena.poses.start + call.arena.poses.len() / BATCH;
+    call.spoil(one.clone())?;
+    let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
+    let is_rotational = call.arena.frame.predictor == Some(Predictor::Rotational);
+    call.fault_if(is_rotational, Status::NoStage, Argument::Call);
+    let (pose, pose_len) = call.input(one, j, Argument::Pose)?;
+    let (out, out_len) = call.output_exact(j, j, Argument::Confidences)?;
+    let (scratch, scratch_len) = call.output(call.arena.frame.scratch_len, Argument::Scratch)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe {
+        sinew_envelope_joint_confidences(
+            envelope,
+            pose,
+            pose_len,
+            scratch,
+            scratch_len,
+            out,
+            out_len,
             error,
         )
     })
