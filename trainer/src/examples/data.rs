@@ -87,6 +87,8 @@ pub struct Examples {
     /// How much each vertex counts in a fit and in what is measured of it, V numbers of mean 1; all
     /// alike without. [`Examples::weigh`] sets it.
     pub importance: Option<Vec<f64>>,
+    /// How often each frame counts in a fit, N; once without. [`Examples::repeat`] sets it.
+    pub frame_weights: Option<Vec<u8>>,
 }
 
 impl Examples {

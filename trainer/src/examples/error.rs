@@ -142,6 +142,19 @@ pub enum ExamplesError {
         /// The least that it may be called.
         least: i64,
     },
+    /// A frame counts some number of times that is not whole, none, or too many.
+    #[error(
+        "array frame_weights has {number} at frame {frame}, expected a whole number from 1 to {most}; what is not to be \
+             read has split 1 or 2"
+    )]
+    FrameWeight {
+        /// The frame, as its source calls it.
+        frame: i64,
+        /// The number.
+        number: f64,
+        /// The most that it may be.
+        most: f64,
+    },
     /// Frames follow at no rate that can be played.
     #[error("array fps has {fps}, expected {} to {} frames a second", RATES.start(), RATES.end())]
     Rate {
@@ -266,7 +279,8 @@ impl ExamplesError {
     pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
         if let Self::NotFinite { frame: Some(frame), .. }
         | Self::TooLarge { frame: Some(frame), .. }
-        | Self::NonRigidJoint { frame: Some(frame), .. } = &mut self
+        | Self::NonRigidJoint { frame: Some(frame), .. }
+        | Self::FrameWeight { frame, .. } = &mut self
         {
             *frame = called(*frame, clips);
         }

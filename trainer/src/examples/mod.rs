@@ -13,6 +13,7 @@ mod import;
 mod importance;
 mod mark;
 mod origins;
+mod repeat;
 mod rigidity;
 mod sample;
 #[cfg(test)]

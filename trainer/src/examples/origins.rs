@@ -58,8 +58,8 @@ fn rest_origin(examples: &Examples, joint: usize) -> [f64; 3] {
 mod tests {
     use nalgebra::Rotation3;
 
-    use super::*;
     use super::super::testing::triangle;
+    use super::*;
 
     const ORIGIN: Vector3<f64> = Vector3::new(0.3, -0.2, 5.0);
 

@@ -27,5 +27,6 @@ pub(super) fn triangle(frame_len: usize) -> Examples {
         clip_starts: vec![0],
         space: Space::default(),
         importance: None,
+        frame_weights: None,
     }
 }

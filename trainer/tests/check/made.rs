@@ -74,6 +74,7 @@ pub(crate) fn chain(bends: &[Bend]) -> Examples {
         clip_starts: vec![0],
         space: Space::default(),
         importance: None,
+        frame_weights: None,
     }
 }
 

@@ -92,3 +92,26 @@ fn figures_count_vertices_as_they_count() {
         assert!((found / expected - 1.0).abs() < 1e-9, "{found} against {expected}");
     }
 }
+
+#[test]
+fn a_frame_that_counts_often_is_fitted_better() {
+    let plain = arm();
+    let frame = plain.frames_of(Split::Train)[7];
+    let mut weights = vec![1.0; plain.frame_len()];
+    weights[frame] = 30.0;
+    let mut weighed = plain.clone();
+    weighed.repeat(&weights).unwrap();
+    for predictor in Predictor::ALL {
+        let [before, after] = [&plain, &weighed].map(|examples| {
+            let model = model(examples, predictor);
+            let mut alone = plain.clone();
+            alone.split.fill(Split::Train);
+            alone.split[frame] = Split::HeldOut;
+            error(&model, &alone, |_| true)
+        });
+        assert!(after < 0.8 * before, "{}: {before} {after}", predictor.name());
+    }
+    // Once each is what it is without.
+    weighed.repeat(&vec![1.0; plain.frame_len()]).unwrap();
+    assert_eq!(model(&weighed, Predictor::Kernel), model(&plain, Predictor::Kernel));
+}

@@ -54,6 +54,7 @@ fn bent(rest: Vec<[f64; 3]>, triangles: Vec<[usize; 3]>) -> Examples {
         clip_starts: vec![0],
         space: Space::default(),
         importance: None,
+        frame_weights: None,
     }
 }
 

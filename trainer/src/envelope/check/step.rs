@@ -72,5 +72,6 @@ fn sample(examples: &Examples) -> Examples {
         clip_starts: examples.clip_starts.clone(),
         space: Space::default(),
         importance: None,
+        frame_weights: None,
     }
 }

@@ -70,6 +70,7 @@ pub fn demo(options: &DemoOptions) -> Examples {
         clip_starts: vec![0],
         space: Space::default(),
         importance: None,
+        frame_weights: None,
     }
 }
 

@@ -19,7 +19,8 @@ pub struct LeftOut {
     pub times: f64,
 }
 
-/// Gathers the training frames whose meshes belong to their poses, and lists the others, the worst first.
+/// Gathers the training frames whose meshes belong to their poses, as often as each counts, and lists the others, the
+/// worst first.
 ///
 /// # Errors
 /// Those of [`Training::new`].
@@ -41,6 +42,11 @@ pub fn sound(
         );
         frames.retain(|frame| left_out.iter().all(|out| out.frame != *frame));
         training = Training::of(examples, &frames, progress)?;
+    }
+    // Of frames that stand there twice each would vouch for the other.
+    let repeated = examples.repeated(&frames);
+    if repeated.len() > frames.len() {
+        training = Training::of(examples, &repeated, progress)?;
     }
     Ok((training, left_out))
 }

@@ -56,6 +56,11 @@ fn append(joined: &mut Examples, next: Examples) {
             Some((0..joined.vertex_len()).map(mean).collect())
         }
     };
+    if joined.frame_weights.is_some() || next.frame_weights.is_some() {
+        let of =
+            |own: &Examples| own.frame_weights.clone().unwrap_or_else(|| vec![1; own.frame_len()]);
+        joined.frame_weights = Some([of(joined), of(&next)].concat());
+    }
     let before = joined.frame_len();
     joined.clip_starts.extend(next.clip_starts.iter().map(|first| before + first));
     joined.vertices.extend(next.vertices);

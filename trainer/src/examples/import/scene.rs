@@ -147,7 +147,8 @@ impl ScenePoses {
         let mut warnings = scene.warnings.drain(..).map(Warning::from).collect();
         let (parents, roots) = roots::joined(&scene.names, scene.parents.clone(), &mut warnings);
         let rest = scene.binds.iter().map(|bind| rows(&rest_frame(bind, scale))).collect();
-        let skeleton = Skeleton { names: scene.names.clone(), parents, roots, unplaced: Vec::new(), rest };
+        let skeleton =
+            Skeleton { names: scene.names.clone(), parents, roots, unplaced: Vec::new(), rest };
         Ok(Self { skeleton, transforms: maps.iter().map(rows).collect(), warnings })
     }
 
@@ -210,6 +211,7 @@ fn joined(
         clip_starts: clips.iter().map(|clip| clip.first).collect(),
         space,
         importance: None,
+        frame_weights: None,
     };
     (examples, clips, warnings)
 }

@@ -1,4 +1,4 @@
-//! What is told of the vertices: the meshes that they are of, and how much each counts.
+//! What is told of the vertices: the meshes that they are of, and how much each counts; and how often each frame does.
 
 use super::runs::{RunKind, Runs, read_runs};
 use super::sidecar::Sidecar;
@@ -33,5 +33,18 @@ pub(super) fn read_importance(
 ) -> Result<Option<Vec<f64>>, ExamplesError> {
     let Some(numbers) = archive.rows::<f64, 1>("importance", &[])? else { return Ok(None) };
     same("vertices", "rest", vertex_len, "importance", numbers.data.len())?;
+    Ok(Some(numbers.data.into_iter().map(|[number]| number).collect()))
+}
+
+/// Reads how often each of N frames counts.
+///
+/// # Errors
+/// Those of the array, [`ExamplesError::Mismatch`] for another count.
+pub(super) fn read_frame_weights(
+    archive: &mut Archive,
+    frame_len: usize,
+) -> Result<Option<Vec<f64>>, ExamplesError> {
+    let Some(numbers) = archive.rows::<f64, 1>("frame_weights", &[])? else { return Ok(None) };
+    same("frames", "vertices", frame_len, "frame_weights", numbers.data.len())?;
     Ok(Some(numbers.data.into_iter().map(|[number]| number).collect()))
 }

@@ -16,6 +16,7 @@
 //! | `frame_numbers` | N | optional: what the source calls the frames, whole numbers that ascend in a clip |
 //! | `mesh_names`, `mesh_starts` | M | optional meshes that were joined and their first vertices: 0, then ascending |
 //! | `importance` | V | optional: how much each vertex counts, of which only the ratios matter |
+//! | `frame_weights` | N | optional: how often each frame counts in a fit, whole numbers from 1 to 100 |
 //! | `up`, `forward` | | optional axes: `x`, `-x`, `y`, `-y`, `z` or `-z` |
 //! | `handedness` | | optional: `right`, as without, or `left` |
 //! | `unit` | | optional metres of a unit of length |
@@ -42,7 +43,7 @@ pub use save::save_npz;
 
 use self::clips::read_clips;
 use self::fields::{FACES, missing, read_faces, read_split};
-use self::meshes::{read_importance, read_meshes};
+use self::meshes::{read_frame_weights, read_importance, read_meshes};
 use self::sidecar::{Parent, Sidecar};
 use self::space::read_space;
 use self::texture::read_texture;
@@ -137,6 +138,7 @@ fn read(
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
     let ranges = read_meshes(&mut archive, sidecar, rest.len())?;
     let importance = read_importance(&mut archive, rest.len())?;
+    let weights = read_frame_weights(&mut archive, frame_len)?;
     let space = read_space(&mut archive, sidecar)?;
 
     let known = clips.iter().map(|clip| clip.name.clone()).collect();
@@ -146,6 +148,7 @@ fn read(
     let vertices = kept(vertices, rest.len(), kept_frames);
     let matrices = kept(matrices, joint_len, kept_frames);
     let split = kept(split, 1, kept_frames);
+    let weights = weights.map(|weights| kept(weights, 1, kept_frames));
     let transforms = affine(&matrices, Some(&split), &names);
     let transforms = transforms.map_err(|error| error.called(&clips))?;
     drop(matrices);
@@ -168,9 +171,13 @@ fn read(
         clip_starts: clips.iter().map(|clip| clip.first).collect(),
         space,
         importance: None,
+        frame_weights: None,
     };
     if let Some(importance) = importance {
         examples.weigh(importance)?;
+    }
+    if let Some(weights) = weights {
+        examples.repeat(&weights).map_err(|error| error.called(&clips))?;
     }
     if frames.is_none() {
         place(&mut examples.skeleton, sidecar)?;
@@ -247,7 +254,8 @@ fn affine(
 
 /// Puts the joints whose rest position is described where it says; the others are to be found.
 fn place(skeleton: &mut Skeleton, sidecar: &Sidecar) -> Result<(), ExamplesError> {
-    let is_told = |joint: &usize| sidecar.joint_rest_positions.contains_key(&skeleton.names[*joint]);
+    let is_told =
+        |joint: &usize| sidecar.joint_rest_positions.contains_key(&skeleton.names[*joint]);
     skeleton.unplaced = (0..skeleton.names.len()).filter(|joint| !is_told(joint)).collect();
     for (name, &position) in &sidecar.joint_rest_positions {
         match skeleton.names.iter().position(|joint| joint == name) {

@@ -74,6 +74,9 @@ fn write(file: &mut File, examples: &Examples, clips: &[Clip]) -> io::Result<()>
     if let Some(importance) = &examples.importance {
         archive.numbers("importance", &[v], importance.iter().copied())?;
     }
+    if let Some(weights) = &examples.frame_weights {
+        archive.numbers("frame_weights", &[n], weights.iter().copied())?;
+    }
     let Space { up, forward, handedness, unit } = examples.space;
     for (array, axis) in [("up", up), ("forward", forward)] {
         if let Some(axis) = axis {

@@ -47,7 +47,8 @@ fn mpfb_arm_loads_and_its_origins_can_be_found_again() {
     examples.skeleton.unplaced = (1..5).collect();
     examples.place_joints();
     for joint in 1..5 {
-        let [given, found] = [&given, &examples.skeleton.rest].map(|rest| rest[joint].map(|row| row[3]));
+        let [given, found] =
+            [&given, &examples.skeleton.rest].map(|rest| rest[joint].map(|row| row[3]));
         // A hinge's origin may slide along its axis: what counts is that both maps agree there.
         let mut worst: f64 = 0.0;
         for frame in examples.frames_of(Split::Train) {

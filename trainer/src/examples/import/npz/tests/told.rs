@@ -108,6 +108,23 @@ fn meshes_are_ranges_and_importance_is_weighed() {
 }
 
 #[test]
+fn frames_count_as_often_as_they_say() {
+    let len = Set::good().load("weights-none").unwrap().examples.frame_len();
+    let mut weights = vec![1.0; len];
+    weights[1] = 3.0;
+    let loaded = Set::good().row("frame_weights", &weights).load("weights").unwrap().examples;
+    let expected: Vec<usize> = (0..len).flat_map(|f| vec![f; weights[f] as usize]).collect();
+    assert_eq!(loaded.repeated(&Vec::from_iter(0..len)), expected);
+    let folder = Folder::new("weights-saved");
+    save_npz(&folder.npz(), &loaded, &[]).unwrap();
+    assert_eq!(load(&folder.npz()).unwrap().examples.frame_weights, loaded.frame_weights);
+    weights[1] = 0.5;
+    let refused = Set::good().row("frame_weights", &weights).load("weights-bad").unwrap_err();
+    let text = "array frame_weights has 0.5 at frame 1, expected a whole number from 1 to 100";
+    assert!(refused.to_string().contains(text), "{refused}");
+}
+
+#[test]
 fn axes_and_unit_are_told_and_saved() {
     let told = Set::good().words("up", &["z"]).words("forward", &["-y"]).row("unit", &[0.01]);
     let space = Space {
