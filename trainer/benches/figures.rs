@@ -1,13 +1,14 @@
 //! Prints the figures of the README: errors on the data sets, training times, memory, scaling.
 //!
 //! `cargo bench -p sinew-trainer --bench figures [-- SECTION ...]`, where a section is `lbs`,
-//! `proxies`, `full`, `errors`, `ranges`, `poses`, `import`, `time` or `scaling`. Sets that are not in
+//! `proxies`, `full`, `errors`, `ranges`, `poses`, `constants`, `import`, `time` or `scaling`. Sets that are not in
 //! `../shared/data` are named and left out.
 
 use faer::Mat;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use sinew_runtime::envelope::Predictor;
+use sinew_trainer::constants::ALL;
 use sinew_trainer::envelope::check::check;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
@@ -40,13 +41,14 @@ type Section = fn() -> Result<(), Box<dyn Error>>;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let sections: [(&str, Section); 9] = [
+    let sections: [(&str, Section); 10] = [
         ("lbs", lbs),
         ("proxies", proxies_alone),
         ("full", full),
         ("errors", errors),
         ("ranges", ranges),
         ("poses", poses),
+        ("constants", constants),
         ("import", import),
         ("time", time),
         ("scaling", scaling),
@@ -137,7 +139,7 @@ fn full() -> Result<(), Box<dyn Error>> {
 /// Errors of the baked models by the f32 runtime, of each predictor and of the choice among them.
 fn errors() -> Result<(), Box<dyn Error>> {
     println!(
-        "{:<12}{:<24}{:>4}{:>3}  {:<10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>10}{:>7}{:>11}{:>9}",
+        "{:<12}{:<24}{:>4}{:>3}  {:<10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>10}{:>7}{:>11}{:>9}{:>9}",
         "set",
         "predictor",
         "P",
@@ -152,7 +154,8 @@ fn errors() -> Result<(), Box<dyn Error>> {
         "median °",
         "p99 °",
         "confidence",
-        "bytes"
+        "bytes",
+        "CV/this"
     );
     let mut sets = sets()?;
     sets.push(("demo", demo(&DemoOptions::default())));
@@ -184,11 +187,12 @@ fn errors() -> Result<(), Box<dyn Error>> {
             }
         }
         for (row, options) in rows {
-            let model = train(&examples, &options, &Silent)?.model;
+            let trained = train(&examples, &options, &Silent)?;
+            let validated = trained.report.chosen().validated_rms.unwrap_or(f64::NAN);
             for split in [Split::HeldOut, Split::Extreme] {
                 if !examples.frames_of(split).is_empty() {
-                    let found = evaluate(&model, None, &examples, Frames::Of(split))?;
-                    error_row(name, row, options.influences, &found);
+                    let found = evaluate(&trained.model, None, &examples, Frames::Of(split))?;
+                    error_row(name, row, options.influences, &found, 100.0 * validated);
                 }
             }
         }
@@ -196,12 +200,12 @@ fn errors() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn error_row(set: &str, row: &str, influences: usize, found: &Evaluation) {
+fn error_row(set: &str, row: &str, influences: usize, found: &Evaluation, validated: f64) {
     let row =
         if row.starts_with("auto") { format!("{row}: {}", found.predictor) } else { row.into() };
     println!(
         "{set:<12}{row:<24}{:>4}{influences:>3}  {:<10}{:>8.4}{:>8.4}{:>8.4}{:>8.4}{:>8.2}{:>10.2}{:>10.2}\
-         {:>7.2}{:>11.3}{:>9}",
+         {:>7.2}{:>11.3}{:>9}{:>9.2}",
         found.proxies,
         found.split,
         found.lbs.rms_percent,
@@ -213,7 +217,8 @@ fn error_row(set: &str, row: &str, influences: usize, found: &Evaluation) {
         found.errors.normal_median_degrees,
         found.errors.normal_p99_degrees,
         found.confidence.least,
-        found.model_bytes
+        found.model_bytes,
+        validated / found.errors.rms_percent
     );
 }
 
@@ -279,6 +284,47 @@ fn poses() -> Result<(), Box<dyn Error>> {
                 println!("without as many at random: {:.4} %", error(&all[..named.len()])?);
             }
         }
+    }
+    Ok(())
+}
+
+/// What a third and three times of each constant make of the held-out error, against what it is set to: kernel, 40
+/// helpers.
+fn constants() -> Result<(), Box<dyn Error>> {
+    let mut sets: Vec<_> = sets()?.into_iter().filter(|set| set.0 != "mpfb-body").collect();
+    for seed in 1..4 {
+        let options = DemoOptions { poses: 60, seed, ..DemoOptions::default() };
+        sets.push((["demo 1", "demo 2", "demo 3"][seed as usize - 1], demo(&options)));
+    }
+    let options = Options {
+        predictor: Predict::Only(Predictor::Kernel),
+        proxies: Some(ProxyCount::Fixed(40)),
+        ..Options::default()
+    };
+    let error = |examples: &Examples| -> Result<f64, Box<dyn Error>> {
+        let model = train(examples, &options, &Silent)?.model;
+        Ok(evaluate(&model, None, examples, Frames::Of(Split::HeldOut))?.errors.rms_percent)
+    };
+    let names: String = sets.iter().map(|(name, _)| format!("{name:>18}")).collect();
+    println!("{:<16}{:>8}{names}", "", "");
+    let mut usual = Vec::new();
+    for (_, examples) in &sets {
+        usual.push(error(examples)?);
+    }
+    let row: String = usual.iter().map(|error| format!("{error:>16.4} %")).collect();
+    println!("{:<16}{:>8}{row}", "as set", "");
+    for constant in ALL {
+        let value = constant.get();
+        let mut cells = String::new();
+        for ((_, examples), usual) in sets.iter().zip(&usual) {
+            let of = |factor: f64| -> Result<f64, Box<dyn Error>> {
+                constant.vary(factor);
+                Ok(error(examples)? / usual)
+            };
+            cells += &format!("{:>10.2}{:>8.2}", of(1.0 / 3.0)?, of(3.0)?);
+        }
+        constant.vary(1.0);
+        println!("{:<16}{value:>8.0e}{cells}", constant.name);
     }
     Ok(())
 }

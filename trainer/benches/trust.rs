@@ -5,13 +5,14 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::evaluate::{Baseline, Character, Measured, Told};
+use sinew_trainer::envelope::evaluate::{Baseline, Character, Measured, MeasuredFrame, Told};
 use sinew_trainer::envelope::predicted::sound;
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::skin::poses::Poses;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Examples, Source, Split, load};
 use sinew_trainer::progress::Silent;
+use std::collections::BTreeSet;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -50,8 +51,33 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
     }
-    println!("all frames: Spearman {:.2}", spearman(&all));
-    println!("\n{:<44}{:>7}{:>9}{:>9}", "a frame is broken", "tried", "named", "others");
+    let of = |pick: fn(&Frame) -> (f64, f64)| spearman(&all.iter().map(pick).collect::<Vec<_>>());
+    println!(
+        "all frames: Spearman of confidence and what is gained {:.2}, of confidence and the share of LBS's error that is \
+         gained {:.2}",
+        of(|frame| (frame.confidence, frame.lbs - frame.model)),
+        of(|frame| (frame.confidence, 1.0 - frame.model / frame.lbs))
+    );
+    println!("\n{:<24}{:>7}{:>9}{:>9}{:>9}", "confidence", "frames", "LBS %", "model %", "worse");
+    for (from, to) in [(0.95, 1.01), (0.8, 0.95), (0.5, 0.8), (0.2, 0.5), (0.0, 0.2)] {
+        let own: Vec<&Frame> = all.iter().filter(|f| (from..to).contains(&f.confidence)).collect();
+        let rms = |of: fn(&Frame) -> f64| {
+            let sum: f64 = own.iter().map(|frame| of(frame).powi(2)).sum();
+            (sum / own.len().max(1) as f64).sqrt()
+        };
+        let worse = own.iter().filter(|frame| frame.is_worse()).count();
+        let range = format!("{from} to {:.2}", f64::min(to, 1.0));
+        println!(
+            "{range:<24}{:>7}{:>9.4}{:>9.4}{worse:>9}",
+            own.len(),
+            rms(|frame| frame.lbs),
+            rms(|frame| frame.model)
+        );
+    }
+    println!(
+        "\n{:<44}{:>7}{:>9}{:>9}{:>9}",
+        "a frame is broken", "tried", "named", "others", "x error"
+    );
     for (set, examples) in sound_sets()? {
         for (how, spoil) in SPOILS {
             let name = format!("broken {set}, {how}");
@@ -60,6 +86,75 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
     }
+    println!(
+        "\n{:<44}{:>9}{:>9}{:>9}{:>9}",
+        "copies with noise", "least %", "most %", "most/least", "beyond"
+    );
+    for (set, examples) in noisy_sets()? {
+        for (by, options) in predictors(&set) {
+            let name = format!("noise {set}, {by}");
+            if words.iter().all(|word| name.contains(word.as_str())) {
+                noise(&name, &examples, &options)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Copies of a set, with noise of this share of the diagonal.
+const COPIES: u64 = 10;
+const NOISE: f64 = 1e-6;
+
+/// The leg's walk, of which a quarter is held out, with its stretch beyond it, and dem-bones with its last third beyond it.
+fn noisy_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
+    let mut sets = Vec::new();
+    if let Some(path) = found("leg/leg.npz") {
+        let mut examples = load(&Source::file(&path))?.examples;
+        examples.split[66..].fill(Split::Extreme);
+        examples.hold_out(0.25)?;
+        sets.push(("leg walk".to_owned(), examples));
+    }
+    if let Some(path) = found("dem-bones/bone.npz") {
+        sets.push(("dem-bones".to_owned(), load(&Source::file(&path))?.examples));
+    }
+    Ok(sets)
+}
+
+/// Trains on copies that differ by noise, and by the digits of a text file, and says how far apart they come.
+fn noise(name: &str, examples: &Examples, options: &Options) -> Result<(), Box<dyn Error>> {
+    let splits = [Split::HeldOut, Split::Extreme];
+    let mut errors = [Vec::new(), Vec::new()];
+    let mut taken = BTreeSet::new();
+    for copy in 0..=COPIES {
+        let mut noisy = examples.clone();
+        let mut random = ChaCha8Rng::seed_from_u64(copy);
+        // Uniform noise of this size has an RMS length of as much; the last copy is rounded instead.
+        let size = NOISE * examples.diagonal();
+        for x in noisy.vertices.iter_mut().flatten() {
+            *x = match copy {
+                COPIES => (*x * 1e6).round() / 1e6,
+                _ => *x + random.random_range(-size..=size),
+            };
+        }
+        let trained = train(&noisy, options, &Silent)?;
+        let chosen = trained.report.chosen();
+        taken.insert(format!("{} {}", chosen.predictor, chosen.proxies));
+        let character = Character::open(&trained.model, None, examples)?;
+        for (split, errors) in splits.into_iter().zip(&mut errors) {
+            let frames = examples.frames_of(split);
+            if !frames.is_empty() {
+                errors.push(Measured::model(&character, examples, &frames)?.errors().rms_percent);
+            }
+        }
+    }
+    let [within, beyond] = errors.map(|mut errors| {
+        errors.sort_by(f64::total_cmp);
+        errors
+    });
+    let ratio = |errors: &[f64]| errors.last().zip(errors.first()).map_or(f64::NAN, |(a, b)| a / b);
+    let (least, most) = (within[0], within[within.len() - 1]);
+    println!("{name:<44}{least:>9.4}{most:>9.4}{:>9.3}{:>9.3}", ratio(&within), ratio(&beyond));
+    println!("    within {within:.4?}\n    beyond {beyond:.4?}\n    taken: {taken:?}");
     Ok(())
 }
 
@@ -96,7 +191,7 @@ fn sound_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
 fn broken(name: &str, examples: &Examples, spoil: Spoil) -> Result<(), Box<dyn Error>> {
     let (frames, len) = (examples.frames_of(Split::Train), examples.vertex_len());
     let (mut named, mut others) = (0, Vec::new());
-    let mut missed = Vec::new();
+    let (mut missed, mut worst) = (Vec::new(), 1.0_f64);
     for k in 0..SPOILED {
         let frame = frames[1 + k * (frames.len() - 1) / SPOILED];
         let mut spoiled = examples.clone();
@@ -105,14 +200,37 @@ fn broken(name: &str, examples: &Examples, spoil: Spoil) -> Result<(), Box<dyn E
         let (_, left_out) = sound(&spoiled, &Silent)?;
         let is_named = left_out.iter().any(|out| out.frame == frame);
         named += usize::from(is_named);
-        missed.extend((!is_named).then_some(frame));
+        if !is_named {
+            missed.push(frame);
+            worst = worst.max(harm(&spoiled, frame)?);
+        }
         others.extend(left_out.iter().map(|out| out.frame).filter(|other| *other != frame));
     }
     println!(
-        "{name:<44}{SPOILED:>7}{named:>9}{:>9}  not named: {missed:?}, others: {others:?}",
+        "{name:<44}{SPOILED:>7}{named:>9}{:>9}{worst:>9.3}  not named: {missed:?}, others: {others:?}",
         others.len()
     );
     Ok(())
+}
+
+/// How many times as much a model errs on held-out frames, or where there are none on those of training, that was
+/// trained with a spoiled frame and not without it. Of one that is named the two are the same.
+fn harm(spoiled: &Examples, frame: usize) -> Result<f64, Box<dyn Error>> {
+    let mut without = spoiled.clone();
+    without.split[frame] = Split::Extreme;
+    let held_out = spoiled.frames_of(Split::HeldOut);
+    let frames = if held_out.is_empty() { without.frames_of(Split::Train) } else { held_out };
+    let options = Options {
+        predictor: Predict::Only(Predictor::Kernel),
+        proxies: Some(ProxyCount::Fixed(40)),
+        ..Options::default()
+    };
+    let error = |examples: &Examples| -> Result<f64, Box<dyn Error>> {
+        let model = train(examples, &options, &Silent)?.model;
+        let character = Character::open(&model, None, examples)?;
+        Ok(Measured::model(&character, examples, &frames)?.errors().rms)
+    };
+    Ok(error(spoiled)? / error(&without)?)
 }
 
 /// Sets whose held-out frames are beyond those of training.
@@ -181,12 +299,21 @@ fn predictors(set: &str) -> Vec<(String, Options)> {
     rows
 }
 
-/// Measures one training; gives each frame's confidence, and what the model gains on LBS.
-fn row(
-    name: &str,
-    examples: &Examples,
-    options: &Options,
-) -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
+/// A frame as it was measured: errors are RMS, in % of the diagonal.
+struct Frame {
+    confidence: f64,
+    lbs: f64,
+    model: f64,
+}
+
+impl Frame {
+    fn is_worse(&self) -> bool {
+        self.model > WORSE * self.lbs
+    }
+}
+
+/// Measures one training; gives its frames.
+fn row(name: &str, examples: &Examples, options: &Options) -> Result<Vec<Frame>, Box<dyn Error>> {
     let model = match train(examples, options, &Silent) {
         Ok(trained) => trained.model,
         Err(error) => {
@@ -200,28 +327,26 @@ fn row(
     let measured = Measured::model(&character, examples, &frames)?;
     let lbs = Measured::lbs(&baseline, examples, &frames);
     let (ours, theirs) = (measured.errors(), lbs.errors());
-    let mut gains = Vec::new();
-    let (mut worse, mut trusted) = (0, 0);
-    let mut most = f64::NAN;
-    for (place, frame) in measured.frames.iter().enumerate() {
-        let [own, plain] = [&measured, &lbs].map(|m| m.errors_in(place).rms_percent);
-        gains.push((frame.confidence, plain - own));
-        if own > WORSE * plain {
-            worse += 1;
-            trusted += usize::from(frame.confidence > TRUSTED);
-            most = most.max(frame.confidence);
-        }
-    }
+    let frame = |(place, frame): (usize, &MeasuredFrame)| {
+        let [model, lbs] = [&measured, &lbs].map(|m| m.errors_in(place).rms_percent);
+        Frame { confidence: frame.confidence, lbs, model }
+    };
+    let all: Vec<Frame> = measured.frames.iter().enumerate().map(frame).collect();
+    let worse: Vec<f64> = all.iter().filter(|f| f.is_worse()).map(|f| f.confidence).collect();
+    let trusted = worse.iter().filter(|confidence| **confidence > TRUSTED).count();
+    let most = worse.iter().copied().fold(f64::NAN, f64::max);
+    let gains: Vec<(f64, f64)> = all.iter().map(|f| (f.confidence, f.lbs - f.model)).collect();
     println!(
-        "{name:<44}{:>7}{:>9.4}{:>9.4}{:>7.2}{:>7.2}{worse:>7}{most:>7.2}{trusted:>9}{:>9.2}",
+        "{name:<44}{:>7}{:>9.4}{:>9.4}{:>7.2}{:>7.2}{:>7}{most:>7.2}{trusted:>9}{:>9.2}",
         frames.len(),
         theirs.rms_percent,
         ours.rms_percent,
         ours.rms / theirs.rms,
         ours.p99_percent / theirs.p99_percent,
+        worse.len(),
         spearman(&gains),
     );
-    Ok(gains)
+    Ok(all)
 }
 
 /// The rank correlation of pairs.

@@ -9,11 +9,11 @@ use super::levels::AddError;
 use super::levels::{self, LevelReport};
 use super::model::{RecordModel, SkinModel};
 use super::options::{FileSkins, Options, Predict};
-use super::predicted::LeftOut;
 use super::rotational::ProxyCount;
 use super::rotational::{self, Rotational, RotationalOptions, RotationalReport, Variant};
+use super::training_report::{CandidateReport, TrainingReport};
 use crate::envelope::correction::candidates::GroupReport;
-use crate::envelope::correction::listening::Known;
+use crate::envelope::correction::listening::{self, Known};
 use crate::envelope::correction::search::Search;
 use crate::envelope::correction::target::CorrectionTarget;
 use crate::envelope::skin::folds::folds;
@@ -21,11 +21,9 @@ use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
 use crate::progress::Progress;
 use faer::Mat;
-use serde::Serialize;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::skin::NormalErrors;
-use std::ops::Range;
 
 /// Fewest proxies to begin with, where nothing else is said.
 const PROXIES: usize = 40;
@@ -46,64 +44,6 @@ pub struct Trained {
     pub report: TrainingReport,
     /// How the further meshes follow, in their order.
     pub levels: Vec<LevelReport>,
-}
-
-/// What was tried and what was taken; errors are RMS, as shares of the rest diagonal.
-#[derive(Clone, Debug, Serialize)]
-pub struct TrainingReport {
-    /// The training frames that were left out, the worst first.
-    pub left_out: Vec<LeftOut>,
-    /// LBS on the training frames.
-    pub lbs_rms: f64,
-    /// The contiguous folds, as ranges of the training frames.
-    pub folds: Vec<Range<usize>>,
-    /// Every candidate in the order in which they were tried.
-    pub candidates: Vec<CandidateReport>,
-    /// Which of them was taken.
-    pub chosen: usize,
-    /// It on the training frames.
-    pub training_rms: f64,
-    /// How its reconstruction was fitted, where it has one.
-    pub rotational: Option<RotationalReport>,
-    /// Largest |θ_j| in the training poses, J values in radians.
-    pub angle_ranges: Vec<f64>,
-}
-
-/// A candidate and its score.
-#[derive(Clone, Debug, Serialize)]
-pub struct CandidateReport {
-    /// What predicts.
-    pub predictor: &'static str,
-    /// Whether c1 and c2 are refined on the training meshes; none without them.
-    pub refined: Option<bool>,
-    /// P.
-    pub proxies: usize,
-    /// Whether the file's skins have tangent coefficients.
-    pub tangent_coefficients: bool,
-    /// Bytes of the file; none where it would be larger than allowed.
-    pub bytes: Option<usize>,
-    /// Cross-validated error; none where the file would be too large.
-    pub validated_rms: Option<f64>,
-    /// The maps of its groups.
-    pub groups: Vec<GroupReport>,
-}
-
-/// |θ| beyond which a joint comes near the seam of its rotation vector at π.
-pub const SEAM: f64 = 0.9 * std::f64::consts::PI;
-
-impl TrainingReport {
-    /// The candidate that was taken.
-    pub fn chosen(&self) -> &CandidateReport {
-        &self.candidates[self.chosen]
-    }
-
-    /// Lists the joints that turn so far from their parent in training that the regression on
-    /// their rotation vector, which jumps at a half turn, cannot be trusted there (METHOD §1.4);
-    /// none where there is no such regression.
-    pub fn joints_near_the_seam(&self) -> impl Iterator<Item = usize> + '_ {
-        let ranges = self.angle_ranges.iter().enumerate();
-        ranges.filter(|(_, range)| self.rotational.is_some() && **range > SEAM).map(|(j, _)| j)
-    }
 }
 
 /// An envelope that was fitted and fits the budget.
@@ -145,12 +85,16 @@ pub fn choose(
         candidates: Vec::new(),
         least_bytes: usize::MAX,
         kind: None,
-        known: Default::default(),
+        known: Known::new(),
+        usual: None,
         parts: 0,
         begun: 0,
     };
     if options.predictor == Predict::Auto && options.proxies.is_none() {
         choice.joints_alone()?;
+    }
+    if choice.wants(Predictor::Kernel) {
+        choice.listen();
     }
     let mut counts = proxy_counts(training, options).into_iter();
     choice.parts = counts.len() * choice.kinds();
@@ -170,9 +114,7 @@ fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyCount> {
     if let Some(count) = options.proxies {
         return vec![count];
     }
-    let most = proxies_max(training);
-    // No fewer than the skeleton has, so that proxies alone are never poorer than LBS.
-    let usual = training.poses.joint_len().max(PROXIES);
+    let (most, usual) = (proxies_max(training), usual_count(training));
     let quarters = if options.budget.is_some() { &QUARTERS[..] } else { &QUARTERS[..3] };
     let mut counts = Vec::new();
     for count in quarters.iter().map(|quarters| (quarters * usual / 4).clamp(1, most)) {
@@ -181,6 +123,12 @@ fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyCount> {
         }
     }
     counts
+}
+
+/// The number of proxies to begin with: no fewer than the skeleton has joints, so that proxies alone are never poorer
+/// than LBS.
+fn usual_count(training: &Training) -> usize {
+    training.poses.joint_len().max(PROXIES).min(proxies_max(training))
 }
 
 /// The most proxies that the mesh and a file can have.
@@ -201,9 +149,9 @@ struct PredictorSearch<'a> {
     least_bytes: usize,
     /// The kind of predictor that more and fewer proxies are tried for; every one that is asked for where none is.
     kind: Option<Predictor>,
-    /// What maps listen to that correct joints, and those that correct a reconstruction: chosen with the first number
-    /// of proxies for all.
-    known: [Known; 2],
+    /// The usual number of helpers, and what the maps of each joint listen to, which is chosen by them for any number.
+    usual: Option<Helpers>,
+    known: Known,
     /// How many fits there are to be, and how many were begun.
     parts: usize,
     begun: usize,
@@ -222,6 +170,17 @@ impl PredictorSearch<'_> {
     fn keep_best_kind(&mut self, to_come: usize) {
         self.kind = best(&self.candidates).map(|c| c.fitted.envelope.predictor());
         self.parts = self.begun + to_come * self.kinds();
+    }
+
+    /// Chooses what helpers' maps listen to, by the usual number of them: for every number the same, so that it does not
+    /// matter which were tried.
+    fn listen(&mut self) {
+        self.progress.step(fit::STEP, 1);
+        let count = usual_count(self.training);
+        self.usual = fit::fit(self.training, count, self.options.influences);
+        if let Some(helpers) = &self.usual {
+            self.known = listening::choose(&helpers.target(self.training), self.progress);
+        }
     }
 
     /// Counts the fits of one number of proxies: a reconstruction, what corrects it, and helpers.
@@ -253,9 +212,7 @@ impl PredictorSearch<'_> {
                     }
                     if self.wants(Predictor::Hybrid) {
                         self.begin();
-                        for variant in &fitted.variants {
-                            self.hybrid(&fitted, variant)?;
-                        }
+                        self.hybrid(&fitted)?;
                     }
                 }
                 // Helpers need no reconstruction.
@@ -281,23 +238,33 @@ impl PredictorSearch<'_> {
         Ok(())
     }
 
-    fn hybrid(&mut self, rotational: &Rotational, variant: &Variant) -> Result<(), TrainError> {
-        let fitted = rotational.fitted(variant, self.training);
-        let target = rotational.target(variant, self.training);
-        self.corrected(fitted, &target, &variant.validated, Some((rotational, variant)))
+    /// What corrects a reconstruction listens to what its first variant, as it is published, leaves over.
+    fn hybrid(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
+        let first = rotational.variants.first().map(|v| rotational.target(v, self.training));
+        let known = first.map(|target| listening::choose(&target, self.progress));
+        let known = known.unwrap_or_default();
+        for variant in &rotational.variants {
+            let fitted = rotational.fitted(variant, self.training);
+            let target = rotational.target(variant, self.training);
+            let of = Some((rotational, variant));
+            self.corrected(fitted, (&target, &known), &variant.validated, of)?;
+        }
+        Ok(())
     }
 
     fn kernel(&mut self, count: ProxyCount) -> Result<(), TrainError> {
         self.progress.step(fit::STEP, 1);
         let influences = self.options.influences;
         let helpers = match count {
+            ProxyCount::Fixed(count) if count == usual_count(self.training) => self.usual.take(),
             ProxyCount::Fixed(count) => fit::fit(self.training, count, influences),
             ProxyCount::MaxError(limit) => self.fewest_helpers(limit)?,
         };
         let Some(helpers) = helpers else { return self.joints_alone() };
         let fitted = helpers.fitted(self.training, Vec::new());
         let base = helpers.base(&self.training.poses);
-        self.corrected(fitted, &helpers.target(self.training), &base, None)
+        let known = self.known.clone();
+        self.corrected(fitted, (&helpers.target(self.training), &known), &base, None)
     }
 
     /// Plain LBS: a palette of joints without helpers.
@@ -339,14 +306,13 @@ impl PredictorSearch<'_> {
     fn corrected(
         &mut self,
         fitted: Fitted,
-        target: &CorrectionTarget<'_>,
+        (target, known): (&CorrectionTarget<'_>, &Known),
         validated: &Mat<f64>,
         rotational: Option<(&Rotational, &Variant)>,
     ) -> Result<(), TrainError> {
         let certainty = if self.options.budget.is_some() { FEW_VALUES } else { target.certainty };
-        let known = &mut self.known[usize::from(rotational.is_some())];
-        let search = Search::new(CorrectionTarget { certainty, ..*target }, known, self.progress);
-        known.extend(search.known());
+        let target = CorrectionTarget { certainty, ..*target };
+        let search = Search::new(target, known, self.progress);
         let fitted = fitted.with(search.nothing());
         for coefficients in self.with_coefficients() {
             let without = self.bytes(&fitted, coefficients)?;
@@ -429,7 +395,8 @@ impl PredictorSearch<'_> {
 
     /// Takes the candidate that scores best, or a smaller one where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
-        let Self { training, examples, progress, lbs_rms, record, reports, candidates, .. } = self;
+        let Self { training, examples, progress, lbs_rms, record, mut reports, candidates, .. } =
+            self;
         let Some(best) = best(&candidates) else {
             let budget = self.options.budget.unwrap_or(usize::MAX);
             return Err(TrainError::Budget { budget, least: self.least_bytes });
@@ -466,6 +433,7 @@ impl PredictorSearch<'_> {
             }
         };
         let model = recorded(model, record, self.options.budget)?;
+        reports[chosen.report].bytes = Some(model.len());
         let report = TrainingReport {
             left_out: Vec::new(),
             lbs_rms,

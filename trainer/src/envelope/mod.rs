@@ -35,6 +35,7 @@ pub mod report;
 pub mod rotational;
 pub mod skin;
 mod train;
+pub mod training_report;
 
 pub use choose::Trained;
 pub use error::{FitError, TrainError};

@@ -48,13 +48,28 @@ pub fn palette(
     examples: &Examples,
     frame: usize,
 ) -> Result<(Vec<Matrix3x4>, f32), FrameError> {
-    let pose: Vec<Matrix3x4> =
-        examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect();
+    let pose = pose(examples, frame);
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     let confidence =
         envelope.palette(&pose, &mut scratch, &mut palette).map_err(FrameError::at(frame))?;
     Ok((palette, confidence))
+}
+
+/// Computes how confident the maps of each joint's skin are of a frame of the examples; none where there are no maps.
+pub fn joint_confidences(
+    envelope: &Envelope<'_>,
+    examples: &Examples,
+    frame: usize,
+) -> Option<Vec<f32>> {
+    let mut scratch = vec![0.0; envelope.scratch_len()];
+    let mut found = vec![1.0; envelope.joint_len()];
+    let done = envelope.joint_confidences(&pose(examples, frame), &mut scratch, &mut found);
+    done.ok().map(|()| found)
+}
+
+fn pose(examples: &Examples, frame: usize) -> Vec<Matrix3x4> {
+    examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect()
 }
 
 /// Skins a mesh on the palette of a frame: positions and normals, 3V floats each.

@@ -33,15 +33,10 @@ impl Greedy {
         let mut factor = Mat::<f64>::zeros(points, most.min(len) + 1);
         let mut left = vec![1.0; points];
         let (mut order, mut pivot) = (Vec::new(), 0);
-        let mut known = vec![0.0; points];
         for column in 0..factor.ncols() {
             let root = f64::sqrt(left[pivot]);
-            known.fill(0.0);
-            for before in 0..column {
-                let share = factor[(pivot, before)];
-                let column = factor.col_as_slice(before);
-                known.iter_mut().zip(column).for_each(|(known, value)| *known += value * share);
-            }
+            let before = factor.subcols(0, column);
+            let known = before * before.row(pivot).transpose();
             for point in 0..points {
                 let value = (kernel.exact(squared(point, pivot)) - known[point]) / root;
                 factor[(point, column)] = value;

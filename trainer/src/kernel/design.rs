@@ -201,13 +201,16 @@ impl<'a> Design<'a> {
     }
 
     /// Returns the coefficients of the design's columns that give the values whose squares sum to the variance that a
-    /// fit with a ridge explains: those of the leading directions, at most so many, k x m.
+    /// fit with a ridge explains: those of the leading directions, at most so many, k x m. They stand for the others as
+    /// well: over the samples the sum is that of all.
     pub fn certainty(&self, ridge: f64, most: usize) -> Mat<f64> {
         let s: Vec<f64> = self.decomposed.S().column_vector().iter().map(|s| s * s).collect();
         let share = |i: usize| s[i] / (s[i] + ridge * self.largest);
+        let explained = |count: usize| (0..count).map(|i| s[i] * share(i)).sum::<f64>();
         let len = self.certainty_len(most);
+        let others = explained(s.len()) / explained(len).max(f64::MIN_POSITIVE);
         let v = self.decomposed.V();
-        Mat::from_fn(v.nrows(), len, |row, i| v[(row, i)] * share(i).sqrt())
+        Mat::from_fn(v.nrows(), len, |row, i| v[(row, i)] * (others * share(i)).sqrt())
     }
 
     /// Counts the values of [`Design::certainty`], m.

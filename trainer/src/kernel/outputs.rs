@@ -1,12 +1,8 @@
 //! What samples are to give, in blocks, and the mean by which errors of blocks make a score.
 
+use crate::constants::GENTLE;
 use faer::Mat;
 use std::ops::Range;
-
-/// Power of the mean over blocks. Near 0 it is the geometric mean, in which every block counts by
-/// how much its error grows or shrinks: in a sum of squares the block that is hardest to foresee
-/// would decide alone.
-const GENTLE: f64 = 0.1;
 
 /// Samples that are left out at once.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -40,6 +36,8 @@ pub struct Outputs {
     pub all: Mat<f64>,
     /// Blocks of samples, of which the first ones cover all.
     pub blocks: Vec<Block>,
+    /// Parts of the first blocks, and of which: what is told of a fit's error leaves out one of them at a time.
+    pub parts: Vec<(Block, usize)>,
     /// How many blocks, the last, are of samples beyond the others.
     pub beyond: usize,
     /// The outputs as a fit without each block is to see them, where they depend on that.
@@ -48,6 +46,8 @@ pub struct Outputs {
     pub signal: f64,
     /// The squared size in a sample that counts as nothing.
     pub negligible: f64,
+    /// The same of one output where fits are compared: of errors that are smaller none is better than another.
+    pub exact: f64,
     /// Most values of a map's certainty.
     pub certainty: usize,
 }
@@ -67,6 +67,7 @@ impl Outputs {
         Self {
             all: first(&self.all),
             blocks: self.blocks.clone(),
+            parts: self.parts.clone(),
             without: self.without.iter().map(first).collect(),
             ..*self
         }
@@ -74,8 +75,12 @@ impl Outputs {
 
     /// Returns the outputs of what a block leaves out, as a fit without it is to see them.
     pub fn of_block(&self, block: usize) -> Mat<f64> {
-        let seen = self.without.get(block).unwrap_or(&self.all);
-        let block = &self.blocks[block];
+        self.of_part(&self.blocks[block], block)
+    }
+
+    /// Returns the same of a part of a block.
+    pub fn of_part(&self, block: &Block, of: usize) -> Mat<f64> {
+        let seen = self.without.get(of).unwrap_or(&self.all);
         let mut all = Mat::zeros(block.out_len(), seen.ncols());
         for (out, seen) in all.col_iter_mut().zip(seen.col_iter()) {
             out.iter_mut().zip(block.out()).for_each(|(out, sample)| *out = seen[sample]);
@@ -102,7 +107,8 @@ impl Outputs {
         let size = |o: usize| {
             gentle_mean(blocks.clone().map(|b| {
                 let own = self.blocks[b].own.len();
-                self.of_block(b).col(o).subrows(0, own).squared_norm_l2()
+                let size = self.of_block(b).col(o).subrows(0, own).squared_norm_l2();
+                size + self.exact * own as f64
             }))
         };
         (0..self.all.ncols()).map(size).collect()
@@ -111,6 +117,6 @@ impl Outputs {
 
 /// Returns the power mean of the squared errors of blocks.
 pub fn gentle_mean(errors: impl Iterator<Item = f64>) -> f64 {
-    let (count, sum) = errors.fold((0, 0.0), |(n, sum), e| (n + 1, sum + e.powf(GENTLE)));
-    (sum / f64::from(count.max(1))).powf(1.0 / GENTLE)
+    let (count, sum) = errors.fold((0, 0.0), |(n, sum), e| (n + 1, sum + e.powf(GENTLE.get())));
+    (sum / f64::from(count.max(1))).powf(1.0 / GENTLE.get())
 }

@@ -6,12 +6,13 @@ use super::certainty::Certainty;
 use super::design::{BlockRows, Design, Hyperparameters};
 use super::map::KernelMap;
 use super::outputs::{Outputs, gentle_mean};
+use crate::constants::STIFFER;
 use faer::{ColRef, Mat};
 use sinew_runtime::format::CORRECTION_MAX;
 
 /// Roundings of a term of the sum in f32, each at random; `kernel::map` has the bound for the worst.
 const TERM: f64 = 5.0;
-/// Candidate ridges, relative to the largest squared singular value.
+/// Candidate ridges, relative to the largest squared singular value, ascending.
 const RIDGES: [f64; 13] =
     [1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
 
@@ -38,7 +39,7 @@ pub struct KernelFit {
     pub map: KernelMap,
     /// What the inputs are to be multiplied by.
     pub scale: f64,
-    /// What each sample's outputs are predicted to be without its block, n x r.
+    /// What each sample's outputs are predicted to be without its part of a block, n x r.
     pub predicted: Mat<f64>,
 }
 
@@ -71,7 +72,10 @@ fn best_of(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Sco
     let terms = design.terms();
     let of_ridge = |ridge: f64| {
         let left = projected.left_out(design, ridge)?;
-        let size = |left: &Mat<f64>| left.col_iter().map(|c| c.squared_norm_l2()).collect();
+        let size = |left: &Mat<f64>| {
+            let exact = outputs.exact * left.nrows() as f64;
+            left.col_iter().map(|c| c.squared_norm_l2() + exact).collect()
+        };
         let rounding = rounding(design, outputs, &projected, &terms, ridge);
         Some(OfRidge { ridge, errors: left.iter().map(size).collect(), rounding })
     };
@@ -93,15 +97,16 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     distinct.dedup();
     let mut squared = vec![0.0; outputs.blocks.len()];
     for ridge in distinct {
-        let left = projected.left_out(design, ridge)?;
-        // Where blocks overlap the first ones count.
-        for (b, block) in outputs.blocks.iter().enumerate().rev() {
-            let truth = &projected.blocks[b].truth;
-            for o in (0..ridges.len()).filter(|&o| ridges[o] == ridge) {
-                squared[b] += left[b].col(o).squared_norm_l2();
-                for (i, &sample) in block.own.iter().enumerate() {
-                    predicted[(sample, o)] = truth[(i, o)] - left[b][(i, o)];
-                }
+        let own: Vec<usize> = (0..ridges.len()).filter(|&o| ridges[o] == ridge).collect();
+        for (sum, left) in squared.iter_mut().zip(projected.left_out(design, ridge)?) {
+            *sum += own.iter().map(|&o| left.col(o).squared_norm_l2()).sum::<f64>();
+        }
+        for (block, of) in &outputs.parts {
+            let truth = outputs.of_part(block, *of);
+            let out = design.block_out(&design.rows(block), ridge)?;
+            let left = out.errors(&truth, projected.seen(*of));
+            for (i, &sample) in block.own.iter().enumerate() {
+                own.iter().for_each(|&o| predicted[(sample, o)] = truth[(i, o)] - left[(i, o)]);
             }
         }
     }
@@ -210,7 +215,9 @@ fn least(tried: &[OfRidge], output: usize) -> Option<(f64, f64)> {
         let of = at.errors.iter().map(|errors| errors[output] + at.rounding[output]);
         (at.ridge, gentle_mean(of))
     };
-    tried.iter().map(score).min_by(|a, b| a.1.total_cmp(&b.1))
+    let scored: Vec<(f64, f64)> = tried.iter().map(score).collect();
+    let least = scored.iter().map(|at| at.1).fold(f64::INFINITY, f64::min);
+    scored.into_iter().rev().find(|at| at.1 <= (1.0 + STIFFER.get()) * least)
 }
 
 #[cfg(test)]
@@ -233,11 +240,13 @@ mod tests {
         let blocks: Vec<_> = (0..8).map(|b| Block::row(15 * b..15 * b + 15)).collect();
         let outputs = Outputs {
             all,
+            parts: blocks.iter().cloned().zip(0..).collect(),
             blocks: blocks.clone(),
             beyond: 0,
             without: Vec::new(),
             signal: 1.0,
             negligible: 1e-6,
+            exact: 0.0,
             certainty: 16,
         };
         let inputs = Inputs::new(values).unwrap();

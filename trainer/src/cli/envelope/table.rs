@@ -2,8 +2,8 @@
 
 use crate::cli::column::padded;
 use crate::cli::counted;
-use sinew_trainer::envelope::choose::{CandidateReport, TrainingReport};
 use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
+use sinew_trainer::envelope::training_report::{CandidateReport, TrainingReport};
 
 /// Describes what was tried, what was taken, and how it does on the training frames.
 pub(super) fn report(report: &TrainingReport) -> String {

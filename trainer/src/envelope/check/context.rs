@@ -3,7 +3,7 @@
 use super::finding::{FrameName, Place};
 use super::turns::Turns;
 use crate::envelope::correction::features::Features;
-use crate::envelope::predicted::Residuals;
+use crate::envelope::skin::residuals::Residuals;
 use crate::envelope::skin::training::Training;
 use crate::examples::{Clip, Examples};
 use faer::Mat;

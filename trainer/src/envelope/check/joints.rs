@@ -3,7 +3,7 @@
 use super::context::{Context, worst_first};
 use super::finding::{Finding, Kind, Place, Severity, count, listed};
 use super::thresholds::{IDLE, SCALED, STILL};
-use crate::envelope::choose::SEAM;
+use crate::envelope::training_report::SEAM;
 use crate::examples::{Matrix3x4, Warning};
 use nalgebra::Matrix3;
 

@@ -1,11 +1,10 @@
 //! Blocks of poses beyond the others: what a map has to extrapolate to (METHOD §1.9).
 
 use super::features::near;
+use crate::constants::BEYOND;
 use crate::envelope::skin::poses::Poses;
 use crate::kernel::outputs::Block;
 
-/// Share of the poses that are beyond a joint's range.
-const BEYOND: f64 = 0.25;
 /// Angles that spread less than this, in radians, are no range.
 const STILL: f64 = 0.03;
 /// Fewest poses of a block.
@@ -29,7 +28,7 @@ fn clips(poses: &Poses) -> Vec<Block> {
 
 /// Of each joint the quarter of the poses that turn it most.
 fn ranges(poses: &Poses, joints: &[usize]) -> Vec<Block> {
-    let count = (BEYOND * poses.len() as f64) as usize;
+    let count = (BEYOND.get() * poses.len() as f64) as usize;
     if count < FEWEST {
         return Vec::new();
     }

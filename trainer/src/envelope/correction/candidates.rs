@@ -1,32 +1,26 @@
 //! The candidates for a group's kernel map, chosen by folds of the training poses.
 
-use super::beyond::beyond;
-use super::listening::{CENTRES_MAX, Known, Listening, SIMPLER, most_centres};
+use super::blocks::Blocks;
+use super::group_outputs::GroupOutputs;
+use super::listening::{CENTRES_MAX, Known, Listening, most_centres};
 use super::metric::Metric;
 use super::target::CorrectionTarget;
+use crate::constants::SIMPLER;
 use crate::envelope::model::{Group, Input};
-use crate::envelope::skin::poses::Poses;
-use crate::envelope::skin::stacked::map_of;
 use crate::kernel::design::{Design, Hyperparameters};
 use crate::kernel::inputs::Inputs;
-use crate::kernel::outputs::{Block, Outputs};
+use crate::kernel::outputs::Outputs;
 use crate::kernel::ridge::{self, KernelFit, Scored};
 use faer::Mat;
-use nalgebra::Matrix3;
 use serde::Serialize;
 use sinew_runtime::envelope::{GroupKernel, GroupRow, Trust};
 use std::ops::Range;
 
 /// Candidate numbers of centres beside the origin, and the most.
 const CENTRES: [usize; 6] = [8, 16, 32, 64, 128, CENTRES_MAX];
-/// Share of the outputs' squared size that no latent output carries.
-const NEGLIGIBLE: f64 = 1e-7;
 /// Largest bound on what rounding to f32 may add to the training poses, RMS over the skin in
 /// diagonals. The bound takes the worst of every rounding; what is seen is some fiftieth.
 const PRECISE: f64 = 5e-3;
-
-/// RMS error of the whole skin, in diagonals, that counts as none.
-const NOTHING: f64 = 2e-4;
 
 /// How a group's map was chosen.
 #[derive(Clone, Debug, Serialize)]
@@ -82,33 +76,21 @@ pub struct MapSize {
 impl GroupCandidates {
     /// Tries all there is to choose for some proxies of one dominant joint.
     ///
-    /// - `known`: what joints' maps listen to, as far as it is known.
+    /// - `known`: what joints' maps listen to.
     pub fn new(
         target: &CorrectionTarget<'_>,
         proxies: Range<usize>,
-        blocks: &[Block],
+        blocks: &Blocks,
         known: &Known,
     ) -> Self {
         let CorrectionTarget { poses, features, .. } = *target;
-        let joint = target.dominant[proxies.start];
-        let metric = Metric::new(target.gram, &proxies);
-        let seen = |left_over: &Mat<f64>| metric.weigh(&local(left_over, poses, joint, &proxies));
-        let all = seen(target.left_over);
-        let directions = leading(&all);
-        let beyond = beyond(poses, features.parents, joint);
-        let outputs = Outputs {
-            all: &all * &directions,
-            blocks: [blocks, &beyond].concat(),
-            beyond: beyond.len(),
-            signal: target.lbs_errors[proxies.clone()].iter().sum(),
-            negligible: NOTHING.powi(2) * target.vertices as f64,
-            certainty: target.certainty,
-            without: target.without.iter().map(|m| seen(m) * &directions).collect(),
-        };
+        let group = GroupOutputs::new(target, proxies, blocks);
+        let GroupOutputs { joint, proxies, metric, directions, outputs } = group;
         let sizes = outputs.sizes();
         let nothing = MapSize { scored: None, rank: 0, bytes: 0, score: sizes.iter().sum() };
         let before = nothing.score;
         let mut found = vec![nothing];
+        // A joint whose skin LBS errs nowhere on has no helpers, but may have proxies.
         let choose = || Listening::choose(&outputs, poses, features, joint);
         let listening = known.get(&joint).cloned().or_else(choose);
         if let Some(listening) = &listening {
@@ -119,7 +101,8 @@ impl GroupCandidates {
         }
         let sizes = undominated(found);
         let least = sizes.last().map_or(0.0, |size| size.score);
-        let preferred = sizes.iter().position(|s| s.score <= SIMPLER * least).unwrap_or(0);
+        let preferred =
+            sizes.iter().position(|s| s.score <= (1.0 + SIMPLER.get()) * least).unwrap_or(0);
         Self { joint, proxies, listening, metric, directions, outputs, before, sizes, preferred }
     }
 
@@ -262,37 +245,4 @@ fn bytes(d: usize, n: usize, r: usize, m: usize, p: usize) -> usize {
         trust: Trust::default(),
     };
     4 * row.words() as usize
-}
-
-/// What is left over of a group's maps, in its joint's frame: n x 12 a proxy, column
-/// `r 4h + 4 k + c` is entry r, c of proxy k's.
-fn local(left_over: &Mat<f64>, poses: &Poses, joint: usize, proxies: &Range<usize>) -> Mat<f64> {
-    let width = 4 * proxies.len();
-    let mut out = Mat::zeros(poses.len(), 3 * width);
-    for pose in 0..poses.len() {
-        let turn: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
-        for (k, proxy) in proxies.clone().enumerate() {
-            let map = turn.transpose() * map_of(left_over, pose, proxy);
-            for r in 0..3 {
-                for c in 0..4 {
-                    out[(pose, r * width + 4 * k + c)] = map[(r, c)];
-                }
-            }
-        }
-    }
-    out
-}
-
-/// The leading right singular directions, all that are not negligible.
-fn leading(values: &Mat<f64>) -> Mat<f64> {
-    let Ok(svd) = values.thin_svd() else { return Mat::zeros(values.ncols(), 0) };
-    let s: Vec<f64> = svd.S().column_vector().iter().map(|s| s * s).collect();
-    let total: f64 = s.iter().sum();
-    let mut left = total;
-    let rank = s.iter().take_while(|&&s| {
-        let kept = left > NEGLIGIBLE * total && s > 0.0;
-        left -= s;
-        kept
-    });
-    svd.V().subcols(0, rank.count()).to_owned()
 }

@@ -1,15 +1,12 @@
 //! Pose features: what the kernel maps take for inputs (METHOD §1.9).
 
+use crate::constants::{DISPLACEMENT, STILL};
 use crate::envelope::model::Input;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::training::Training;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
-/// Weight of a displacement, in diagonals, against a rotation's entries.
-const DISPLACEMENT: f64 = 3.0;
-/// Displacements that spread less than this (RMS, in weighted diagonals) are left out.
-const STILL: f64 = 3e-4;
 /// Entries of rotations that spread less than this (RMS) carry nothing.
 const CONSTANT: f64 = 1e-5;
 
@@ -41,14 +38,14 @@ impl<'a> Features<'a> {
                     let mean = features.iter().map(|f| f[entry]).sum::<f64>() / n;
                     (features.iter().map(|f| (f[entry] - mean).powi(2)).sum::<f64>() / n).sqrt()
                 };
-                let moves = [3, 7, 11].map(|entry| DISPLACEMENT * spread(entry)).into_iter();
-                let moves = moves.fold(0.0, f64::max) > STILL;
+                let moves = [3, 7, 11].map(|entry| DISPLACEMENT.get() * spread(entry)).into_iter();
+                let moves = moves.fold(0.0, f64::max) > STILL.get();
                 let entries: Vec<_> = (0..12)
                     .filter(|&entry| if entry % 4 == 3 { moves } else { spread(entry) > CONSTANT })
                     .collect();
                 entries.into_iter().map(move |entry| Input {
                     feature: 12 * joint + entry,
-                    weight: if entry % 4 == 3 { DISPLACEMENT } else { 1.0 },
+                    weight: if entry % 4 == 3 { DISPLACEMENT.get() } else { 1.0 },
                 })
             })
             .collect()

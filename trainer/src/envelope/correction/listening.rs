@@ -1,6 +1,10 @@
 //! What a group's map listens to, and by which kernel, chosen by folds of the training poses.
 
+use super::blocks::Blocks;
 use super::features::Features;
+use super::group_outputs::{GroupOutputs, groups};
+use super::target::CorrectionTarget;
+use crate::constants::{EARNS, SIMPLER, TELLS_NOTHING};
 use crate::envelope::model::Input;
 use crate::envelope::skin::poses::Poses;
 use crate::kernel::design::Design;
@@ -8,21 +12,18 @@ use crate::kernel::function::SMOOTHEST_FIRST;
 use crate::kernel::inputs::{Inputs, WIDTHS};
 use crate::kernel::outputs::Outputs;
 use crate::kernel::ridge;
+use crate::progress::Progress;
+use rayon::prelude::*;
 use sinew_runtime::envelope::GroupKernel;
 use std::collections::BTreeMap;
 
+/// Name of the step.
+const STEP: &str = "what maps listen to";
 /// Candidate hops, the fewest inputs first.
 const HOPS: [usize; 3] = [1, 2, 3];
 /// What a joint's weight is multiplied by, at most so many times: joints that hardly move would be all rounding.
 const FACTORS: [f64; 2] = [0.5, 2.0];
 const TIMES: usize = 2;
-/// How many times better a score is to be with further joints, or other weights. Folds of training tell little of poses
-/// unlike it, and there a map that listens to less, and to all alike, errs less.
-const EARNS: f64 = 1.2;
-/// Share of the outputs' squared size that the choice is made without: far less than any map leaves over.
-const TELLS_NOTHING: f64 = 1e-4;
-/// A choice that is simpler is taken where it scores within this of the best.
-pub(super) const SIMPLER: f64 = 1.02;
 /// Most centres.
 pub(super) const CENTRES_MAX: usize = 256;
 
@@ -40,15 +41,29 @@ pub struct Listening {
     pub kernel: (GroupKernel, f64),
 }
 
+/// Chooses for the dominant joint of each group what its map listens to.
+pub fn choose(target: &CorrectionTarget<'_>, progress: &dyn Progress) -> Known {
+    let blocks = Blocks::new(target.poses.times(), target.without.is_empty());
+    let groups = groups(target.dominant);
+    progress.step(STEP, groups.len());
+    let of_group = |proxies| {
+        let GroupOutputs { joint, outputs, .. } = GroupOutputs::new(target, proxies, &blocks);
+        let chosen = Listening::choose(&outputs, target.poses, target.features, joint);
+        progress.advance(1);
+        chosen.map(|listening| (joint, listening))
+    };
+    groups.into_par_iter().filter_map(of_group).collect()
+}
+
 impl Listening {
     /// Chooses joints, kernel, width and weights for the outputs of a joint's group; none where nothing moves.
-    pub fn choose(
+    pub(super) fn choose(
         outputs: &Outputs,
         poses: &Poses,
         features: Features<'_>,
         joint: usize,
     ) -> Option<Self> {
-        let telling = outputs.leading(TELLS_NOTHING);
+        let telling = outputs.leading(TELLS_NOTHING.get());
         let mut near = choose_joints(&telling, poses, features, joint)?;
         let (kernel, score) = choose_kernel(&near, &telling);
         near.weigh_joints((kernel, score), &telling, poses, features);
@@ -86,7 +101,7 @@ fn choose_joints(
         }
     }
     let least = tried.iter().map(|t| t.score).min_by(f64::total_cmp)?;
-    tried.into_iter().find(|t| t.score <= EARNS * least)
+    tried.into_iter().find(|t| t.score <= (1.0 + EARNS.get()) * least)
 }
 
 /// Chooses kernel and width, the smoothest kernel that will do, and gives their score.
@@ -99,7 +114,7 @@ fn choose_kernel(near: &NearJoints, outputs: &Outputs) -> ((GroupKernel, f64), f
     let tried: Vec<_> =
         std::iter::once((smoothest, near.width, near.score)).chain(rougher).collect();
     let least = tried.iter().map(|t| t.2).fold(f64::INFINITY, f64::min);
-    let best = tried.iter().find(|t| t.2 <= SIMPLER * least).unwrap_or(&tried[0]);
+    let best = tried.iter().find(|t| t.2 <= (1.0 + SIMPLER.get()) * least).unwrap_or(&tried[0]);
     let (kernel, width, score) = *best;
     ((kernel, WIDTHS[width]), score)
 }
@@ -160,7 +175,7 @@ impl NearJoints {
                     let values = Inputs::new(features.evaluate(poses, &inputs));
                     let Some(values) = values else { break };
                     match coarse(&values, outputs, kernel) {
-                        Some(found) if EARNS * found < least => least = found,
+                        Some(found) if (1.0 + EARNS.get()) * found < least => least = found,
                         _ => break,
                     }
                     (self.inputs, self.values) = (inputs, values);

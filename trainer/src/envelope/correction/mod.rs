@@ -2,8 +2,10 @@
 //! leaves over alike (METHOD §1.9).
 
 mod beyond;
+pub mod blocks;
 pub mod candidates;
 pub mod features;
+pub mod group_outputs;
 pub mod listening;
 pub mod metric;
 pub(super) mod rounding;

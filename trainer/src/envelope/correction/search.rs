@@ -4,19 +4,18 @@
 //! kernel map, which listens to the joints within some hops of that joint. Its outputs are a few
 //! latent ones, the leading directions of what is left over, measured where the skin is.
 
+use super::blocks::Blocks;
 use super::candidates::{GroupCandidates, GroupReport};
+use super::group_outputs::groups;
 use super::listening::Known;
 use super::target::CorrectionTarget;
 use crate::envelope::model::Group;
-use crate::envelope::skin::folds::{Fold, folds};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::stacked::{map_of, set_map};
-use crate::kernel::outputs::Block;
 use crate::numeric::affine::linear;
 use crate::progress::Progress;
 use faer::Mat;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Name of the step.
 const STEP: &str = "kernel maps";
@@ -40,18 +39,12 @@ pub struct Correction {
 }
 
 impl<'a> Search<'a> {
-    /// Tries hops, kernels, widths, weights, ridges, centres and ranks for every group.
+    /// Tries ridges, centres and ranks for every group.
     ///
-    /// - `known`: what the maps of some joints listen to; it is not tried again.
+    /// - `known`: what the maps of each joint listen to.
     pub fn new(target: CorrectionTarget<'a>, known: &Known, progress: &dyn Progress) -> Self {
-        let blocks = blocks(&target);
-        let mut ranges = Vec::<Range<usize>>::new();
-        for (l, joint) in target.dominant.iter().enumerate() {
-            match ranges.last_mut() {
-                Some(range) if target.dominant[range.start] == *joint => range.end = l + 1,
-                _ => ranges.push(l..l + 1),
-            }
-        }
+        let blocks = Blocks::new(target.poses.times(), target.without.is_empty());
+        let ranges = groups(target.dominant);
         progress.step(STEP, ranges.len());
         let search = |proxies| {
             let candidates = GroupCandidates::new(&target, proxies, &blocks, known);
@@ -60,12 +53,6 @@ impl<'a> Search<'a> {
         };
         let groups = ranges.into_par_iter().map(search).collect();
         Self { target, groups }
-    }
-
-    /// What the maps listen to.
-    pub fn known(&self) -> Known {
-        let of_group = |group: &GroupCandidates| Some((group.joint, group.listening.clone()?));
-        self.groups.iter().filter_map(of_group).collect()
     }
 
     /// Takes the sizes that score best within so many bytes; none where even no map takes more.
@@ -133,24 +120,10 @@ fn add(group: &Group, latents: &[f64], (poses, pose): (&Poses, usize), out: &mut
     }
 }
 
-/// Returns the folds of the cross-validation. Where the base is the same for all of them, further folds
-/// that lie halfway between two are added: more folds choose better.
-fn blocks(target: &CorrectionTarget<'_>) -> Vec<Block> {
-    let times = target.poses.times();
-    let mut folds = folds(times);
-    if target.without.is_empty() {
-        let between = |pair: &[Fold]| {
-            let middle = |fold: &Fold| (fold.own.start + fold.own.end) / 2;
-            Fold::new(middle(&pair[0])..middle(&pair[1]), times)
-        };
-        folds.extend(folds.windows(2).map(between).collect::<Vec<_>>());
-    }
-    folds.into_iter().map(Block::from).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::envelope::correction::listening;
     use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::helpers::fit;
     use crate::envelope::skin::targets::Targets;
@@ -164,7 +137,8 @@ mod tests {
         let examples = demo(&DemoOptions { vertices: 300, poses: 80, held_out: 20, seed: 1 });
         let training = Training::new(&examples, &Silent).unwrap();
         let helpers = fit::fit(&training, 20, 4).unwrap();
-        let search = Search::new(helpers.target(&training), &Known::new(), &Silent);
+        let target = helpers.target(&training);
+        let search = Search::new(target, &listening::choose(&target, &Silent), &Silent);
         let of = |bytes| -> (f64, usize) {
             let correction = search.fit(bytes).unwrap();
             let frames = examples.frames_of(Split::HeldOut);
@@ -204,22 +178,5 @@ mod tests {
         let identity = |row: usize, column: usize| f64::from(u8::from(row % 3 == column % 4));
         let off = palette - Mat::from_fn(3, 4 * len, identity);
         assert!(off.norm_max() < 1e-12);
-    }
-
-    #[test]
-    fn blocks_between_folds_overlap_two() {
-        let examples = demo(&DemoOptions { vertices: 200, poses: 40, held_out: 0, seed: 1 });
-        let training = Training::new(&examples, &Silent).unwrap();
-        let helpers = fit::fit(&training, 4, 4).unwrap();
-        let target = helpers.target(&training);
-        let folds: Vec<Block> =
-            folds(training.poses.times()).into_iter().map(Block::from).collect();
-        let found = blocks(&target);
-        assert_eq!(found[..10], folds);
-        assert_eq!(found.len(), 19);
-        assert_eq!(found[10].own, [2, 3, 4, 5]);
-        assert_eq!(found[10].near, [0, 1, 6, 7]);
-        let base = [Mat::zeros(120, 16)];
-        assert_eq!(blocks(&CorrectionTarget { without: &base, ..target }), folds);
     }
 }

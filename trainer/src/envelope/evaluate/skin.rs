@@ -1,7 +1,7 @@
 //! Skins of one frame: the runtime's, and that of LBS.
 
 use super::{Character, EvaluateError};
-use crate::envelope::posed::{palette, skin_on};
+use crate::envelope::posed::{joint_confidences, palette, skin_on};
 use crate::envelope::skin::blend::Weights;
 use crate::envelope::skin::weights;
 use crate::examples::Examples;
@@ -52,6 +52,17 @@ pub fn skin(
     let (palette, confidence) = palette(&character.envelope, examples, frame)?;
     let [positions, normals] = skin_on(&character.skin, &palette, frame)?;
     Ok(SkinnedFrame { positions, normals, confidence: f64::from(confidence) })
+}
+
+/// Names the joint whose skin's maps doubt a frame's pose most; none where none does.
+pub fn most_doubting<'a>(
+    character: &Character<'a>,
+    examples: &Examples,
+    frame: usize,
+) -> Option<&'a str> {
+    let found = joint_confidences(&character.envelope, examples, frame)?;
+    let joint = (0..found.len()).min_by(|&a, &b| found[a].total_cmp(&found[b]))?;
+    if found[joint] < 1.0 { character.envelope.joint_name(joint) } else { None }
 }
 
 /// The baseline: LBS with 4 influences, fitted to the training frames.

@@ -1,10 +1,11 @@
 //! The fit of helpers to the training frames (METHOD §1.9).
 
+use crate::constants::{AHEAD, BASE, ERRS, PULL, RESIDUAL_SHARE};
 use crate::envelope::correction::features::Features;
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
 use crate::envelope::model::Group;
-use crate::envelope::skin::blend::{Items, Maps, Weights, fit_maps, fit_weights};
+use crate::envelope::skin::blend::{Items, Maps, Supports, Weights, fit_maps, fit_weights};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::gram;
 use crate::envelope::skin::stacked::{bases, set_map};
@@ -16,22 +17,12 @@ use crate::numeric::cluster::cluster;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3};
 
-/// Error of LBS, in units of the diagonal, from which a vertex counts for the helpers' groups.
-const ERRS: f64 = 4e-4;
-/// Weight of a residual against a position when vertices are grouped.
-const RESIDUAL_SHARE: f64 = 8.0;
-/// Pull of a helper to its dominant joint's map, relative to the mean diagonal: without it a weakly
-/// supported helper is noise that no map can predict.
-const PULL: f64 = 1e-5;
-/// How much the base counts when weights are fitted: the palette before any correction is to skin as LBS does, for it is
-/// all that is left of poses unlike those of training.
-const BASE: f64 = 0.05;
 /// Name of the step.
 pub const STEP: &str = "helpers";
-/// Rounds of weights and maps.
+/// Rounds of weights and maps, of which the first choose what each vertex follows: as long as that changes nothing
+/// settles, and the last digit of a file decides what is changed last.
 const ROUNDS: usize = 60;
-/// Most of its last step that a round starts ahead: with more the last digit of a file decides more of what comes out.
-const AHEAD: f64 = 0.7;
+const FREE: usize = 40;
 
 /// Joints and helpers fitted to the training frames.
 pub struct Helpers {
@@ -54,7 +45,7 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
     let (joints, errors) = (&training.lbs.weights, &training.lbs.errors);
     let counts = training.importance();
     let poses = &training.poses;
-    let threshold = ERRS * ERRS * poses.len() as f64;
+    let threshold = ERRS.get() * ERRS.get() * poses.len() as f64;
     let active: Vec<usize> =
         (0..errors.len()).filter(|&v| counts.of(v) * errors[v] > threshold).collect();
     if active.is_empty() {
@@ -113,8 +104,8 @@ impl<'a> OnBasis<'a> {
             joints: onto(&trajectories, joints),
             bases: onto(&trajectories, bases),
             trajectories,
-            plain: plain.coordinates * faer::Scale(BASE),
-            plain_palette: palette * faer::Scale(BASE),
+            plain: plain.coordinates * faer::Scale(BASE.get()),
+            plain_palette: palette * faer::Scale(BASE.get()),
         }
     }
 
@@ -128,11 +119,15 @@ impl<'a> OnBasis<'a> {
         let mut ahead = maps.clone();
         let mut weights = kept.clone();
         let (mut least, mut steps) = (f64::INFINITY, 0.0);
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let palette = faer::concat![[&self.joints, &ahead]];
             let columns = faer::concat![[&palette], [&self.plain_palette]];
             let palette = Maps { width: 4, columns };
-            let (found, errors) = fit_weights(&items, &palette, influences, Some(kept));
+            let supports = match round {
+                0..FREE => Supports::Free(influences, Some(kept)),
+                _ => Supports::Fixed(&weights),
+            };
+            let (found, errors) = fit_weights(&items, &palette, supports);
             let error = items.sum(&errors);
             if steps > 0.0 && error > least {
                 (ahead, steps) = (maps.clone(), 0.0);
@@ -142,7 +137,7 @@ impl<'a> OnBasis<'a> {
             let trajectories = &self.trajectories.coordinates;
             let maps_of = [&self.joints, &self.bases];
             let next = fit_helpers(self.training, trajectories, maps_of, &weights);
-            ahead = &next + (&next - &maps) * faer::Scale(AHEAD * steps / (steps + 3.0));
+            ahead = &next + (&next - &maps) * faer::Scale(AHEAD.get() * steps / (steps + 3.0));
             (maps, steps) = (next, steps + 1.0);
         }
         weights
@@ -160,7 +155,7 @@ fn fit_helpers(
     let (rest, importance) = (&training.rest, training.importance());
     let left = Targets { rest, weights: &on_joints, trajectories, importance }.residuals(joints);
     let items = Items::vertices(rest, &left, importance);
-    fit_maps(&items, &on_helpers, &Maps { width: 4, columns: bases.clone() }, PULL).columns
+    fit_maps(&items, &on_helpers, &Maps { width: 4, columns: bases.clone() }, PULL.get()).columns
 }
 
 /// Groups the vertices where LBS errs by how they err and where they lie.
@@ -171,7 +166,7 @@ fn groups(
     count: usize,
 ) -> Vec<Vec<usize>> {
     let poses = &training.poses;
-    let scale = RESIDUAL_SHARE / (poses.len() as f64).sqrt();
+    let scale = RESIDUAL_SHARE.get() / (poses.len() as f64).sqrt();
     let mut features = Mat::zeros(3 * poses.len() + 3, active.len());
     for (k, &v) in active.iter().enumerate() {
         let h = homogeneous(&training.rest[v]);

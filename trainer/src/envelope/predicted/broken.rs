@@ -5,7 +5,8 @@
 //! magnitude worse than is usual spoils the prediction of its neighbours too, so the worst is taken out, and the rest
 //! looked at anew.
 
-use super::region::{Region, Residuals, regions};
+use super::region::{Region, regions};
+use crate::envelope::skin::residuals::Residuals;
 use crate::envelope::skin::training::Training;
 
 /// How many times a frame's error is what is usual.
@@ -33,11 +34,7 @@ pub struct Broken {
 
 /// Finds the training frames whose meshes do not belong to their poses, the worst first; none where there are many.
 pub fn broken(training: &Training) -> Vec<Broken> {
-    let weights = &training.lbs.weights;
-    let left = training.targets(weights).residuals(&training.poses.stacked());
-    let vertices = training.rest.len();
-    let dominant: Vec<usize> =
-        (0..vertices).map(|vertex| weights.strongest(vertex).unwrap_or(0)).collect();
+    let (left, dominant) = training.left_by_lbs();
     let residuals = Residuals { training, left: &left, dominant: &dominant };
     let n = training.poses.len();
     let parts = n.div_ceil(FRAMES);

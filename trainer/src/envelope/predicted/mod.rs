@@ -5,5 +5,5 @@ mod region;
 mod sound;
 
 pub use broken::{Broken, broken};
-pub use region::{HOPS, Region, Residuals, compared, regions};
+pub use region::{HOPS, Region, compared, regions};
 pub use sound::{LeftOut, sound};

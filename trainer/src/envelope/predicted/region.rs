@@ -4,13 +4,13 @@
 use crate::envelope::correction::features::Features;
 use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::poses::Time;
+use crate::envelope::skin::residuals::Residuals;
 use crate::envelope::skin::training::Training;
 use crate::examples::spread;
 use crate::kernel::gram::{GramRegression, SampleErrors};
 use crate::kernel::inputs::Inputs;
 use crate::kernel::outputs::Block;
 use faer::Mat;
-use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 /// Most poses that are compared: the work grows with their cube.
@@ -21,17 +21,6 @@ const TRIED: usize = 100;
 const VERTICES: usize = 4000;
 /// Hops of the joints that a joint's skin listens to, as the kernel maps choose most often.
 pub const HOPS: usize = 2;
-
-/// What LBS leaves of the training frames.
-#[derive(Clone, Copy)]
-pub struct Residuals<'a> {
-    /// The training frames.
-    pub training: &'a Training,
-    /// What it leaves, 3n x V, in diagonals.
-    pub left: &'a Mat<f64>,
-    /// The joint that each vertex follows most, V.
-    pub dominant: &'a [usize],
-}
 
 /// What LBS leaves of one joint's skin, as a function of the poses.
 pub struct Region {
@@ -49,10 +38,7 @@ pub fn compared(n: usize) -> Vec<usize> {
 /// Makes the regions of all joints with skin that moves.
 pub fn regions(residuals: Residuals<'_>, poses: &[usize]) -> Vec<Region> {
     let stride = residuals.dominant.len().div_ceil(VERTICES);
-    let mut skins = vec![Vec::new(); residuals.training.poses.joint_len()];
-    for (vertex, &joint) in residuals.dominant.iter().enumerate() {
-        skins[joint].push(vertex);
-    }
+    let skins = residuals.skins();
     let own = |joint: usize| {
         let skin: Vec<usize> = skins[joint].iter().copied().step_by(stride).collect();
         Region::new(residuals, joint, &skin, poses)
@@ -72,7 +58,7 @@ impl Region {
         let all = features.evaluate(&training.poses, &inputs);
         let inputs = Mat::from_fn(all.nrows(), poses.len(), |r, i| all[(r, poses[i])]);
         let inputs = Inputs::new(inputs)?;
-        let gram = gram(residuals, joint, skin, poses);
+        let gram = residuals.gram(joint, skin, poses);
         let some = spread(poses.len(), TRIED);
         let tried: Vec<usize> = some.iter().map(|&place| poses[place]).collect();
         let blocks = blocks(training, &tried);
@@ -91,19 +77,4 @@ fn blocks(training: &Training, poses: &[usize]) -> Vec<Block> {
     let times = training.poses.times();
     let times: Vec<Time> = poses.iter().map(|&pose| times[pose]).collect();
     folds(&times).into_iter().map(Block::from).collect()
-}
-
-/// Inner products of what LBS leaves, in the joint's own frame.
-fn gram(residuals: Residuals<'_>, joint: usize, skin: &[usize], poses: &[usize]) -> Mat<f64> {
-    let mut left = Mat::zeros(3 * skin.len(), poses.len());
-    for (i, &pose) in poses.iter().enumerate() {
-        let turn: Matrix3<f64> =
-            residuals.training.poses.map(pose, joint).fixed_columns::<3>(0).transpose();
-        for (k, &vertex) in skin.iter().enumerate() {
-            let column = residuals.left.col_as_slice(vertex);
-            let own = turn * Vector3::from_column_slice(&column[3 * pose..3 * pose + 3]);
-            (0..3).for_each(|axis| left[(3 * k + axis, i)] = own[axis]);
-        }
-    }
-    left.transpose() * &left
 }

@@ -126,6 +126,24 @@ impl Weights {
     }
 }
 
+/// The maps that items may follow.
+#[derive(Clone, Copy)]
+pub enum Supports<'a> {
+    /// At most so many of those that come nearest by themselves, and of some others.
+    Free(usize, Option<&'a Weights>),
+    /// Those that they follow by these weights.
+    Fixed(&'a Weights),
+}
+
+impl Supports<'_> {
+    fn most(&self) -> usize {
+        match self {
+            Self::Free(most, _) => *most,
+            Self::Fixed(weights) => weights.most(),
+        }
+    }
+}
+
 /// Pull of an alternation's maps to where they were.
 const PROXIMAL: f64 = 1e-7;
 
@@ -157,12 +175,13 @@ impl Alternation {
         most: usize,
         progress: &dyn Progress,
     ) -> Blend {
-        let (weights, errors) = fit_weights(items, &maps, most, None);
+        let supports = Supports::Free(most, None);
+        let (weights, errors) = fit_weights(items, &maps, supports);
         let mut blend = Blend { weights, maps, error: items.sum(&errors) };
         for _ in 0..self.rounds {
             progress.advance(1);
             let maps = fit_maps(items, &blend.weights, &blend.maps, PROXIMAL);
-            let (weights, errors) = fit_weights(items, &maps, most, None);
+            let (weights, errors) = fit_weights(items, &maps, supports);
             let last = blend.error;
             blend = Blend { weights, maps, error: items.sum(&errors) };
             if last.sqrt() - blend.error.sqrt() < self.gain * last.sqrt() {
@@ -174,12 +193,7 @@ impl Alternation {
 }
 
 /// Fits the weights of every item to given maps; returns them and the items' squared errors.
-pub fn fit_weights(
-    items: &Items<'_>,
-    maps: &Maps,
-    most: usize,
-    kept: Option<&Weights>,
-) -> (Weights, Vec<f64>) {
+pub fn fit_weights(items: &Items<'_>, maps: &Maps, supports: Supports<'_>) -> (Weights, Vec<f64>) {
     let products = {
         let mut all = Mat::<f64>::zeros(maps.columns.ncols(), maps.columns.ncols());
         matmul(
@@ -202,12 +216,12 @@ pub fn fit_weights(
             matmul(onto.as_mut(), Accum::Replace, maps.columns.transpose(), y, 1.0, Par::Seq);
             range
                 .clone()
-                .map(|i| fit_item(items, i, &products, &onto, range.start, most, kept))
+                .map(|i| fit_item(items, i, &products, &onto, range.start, supports))
                 .collect()
         })
         .collect();
     let errors = blocks.iter().flatten().map(|item| item.1).collect();
-    (Weights::from_lists(most, blocks.into_iter().flatten().map(|item| item.0)), errors)
+    (Weights::from_lists(supports.most(), blocks.into_iter().flatten().map(|item| item.0)), errors)
 }
 
 /// An item's maps and weights, strongest first, and its squared error.
@@ -219,8 +233,7 @@ fn fit_item(
     products: &Mat<f64>,
     onto: &Mat<f64>,
     block_start: usize,
-    most: usize,
-    kept: Option<&Weights>,
+    supports: Supports<'_>,
 ) -> FittedItem {
     let m = items.width;
     let maps = products.ncols() / m;
@@ -246,21 +259,24 @@ fn fit_item(
         }
         sum
     };
-    let mut candidates: Vec<(f64, f64, usize)> = (0..maps)
-        .map(|l| {
-            let c = toward(l);
-            (product(l, l) - 2.0 * c + own, c, l)
-        })
-        .collect();
+    let alone = |map: usize| {
+        let c = toward(map);
+        (product(map, map) - 2.0 * c + own, c, map)
+    };
+    let mut candidates: Vec<(f64, f64, usize)> = match supports {
+        Supports::Free(..) => (0..maps).map(alone).collect(),
+        Supports::Fixed(weights) => weights.of(item).map(|(map, _)| alone(map)).collect(),
+    };
     if candidates.len() > CANDIDATES {
         candidates
             .select_nth_unstable_by(CANDIDATES, |a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
         candidates.truncate(CANDIDATES);
     }
-    for (map, _) in kept.into_iter().flat_map(|kept| kept.of(item)) {
-        if candidates.len() < MAX_COLUMNS && candidates.iter().all(|c| c.2 != map) {
-            let c = toward(map);
-            candidates.push((product(map, map) - 2.0 * c + own, c, map));
+    if let Supports::Free(_, Some(kept)) = supports {
+        for (map, _) in kept.of(item) {
+            if candidates.len() < MAX_COLUMNS && candidates.iter().all(|c| c.2 != map) {
+                candidates.push(alone(map));
+            }
         }
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
@@ -278,7 +294,7 @@ fn fit_item(
             gram.value[j][i] = value;
         }
     }
-    let weights = simplex::solve_sparse(&gram, most);
+    let weights = simplex::solve_sparse(&gram, supports.most());
     let mut list: Vec<(usize, f64)> = (0..gram.len)
         .filter(|&i| weights[i] > 0.0)
         .map(|i| (candidates[i].2, weights[i]))
@@ -392,8 +408,11 @@ mod tests {
     fn true_maps_give_back_the_true_weights() {
         let (h, y, maps, truth) = exact(300, 30);
         let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
-        let (weights, errors) = fit_weights(&items, &maps, 3, None);
+        let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3, None));
         assert!(errors.iter().all(|&e| e < 1e-9));
+        let (again, errors) = fit_weights(&items, &maps, Supports::Fixed(&weights));
+        assert!(errors.iter().all(|&e| e < 1e-9));
+        assert!((0..300).all(|i| again.of(i).map(|w| w.0).eq(weights.of(i).map(|w| w.0))));
         for (item, expected) in truth.iter().enumerate() {
             let found: Vec<_> = weights.of(item).collect();
             assert!(found.is_sorted_by(|a, b| a.1 >= b.1), "strongest first");

@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Folds of the training poses, fewer where they would be short.
 const FOLDS: usize = 10;
 /// Poses of a fold, so that it holds more than neighbours of what is left.
-const FOLD_LEN: usize = 2;
+pub const FOLD_LEN: usize = 2;
 /// Frames on either side of a fold that a fit without it does not see either.
 const GAP: usize = 3;
 

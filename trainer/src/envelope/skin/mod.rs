@@ -5,6 +5,7 @@ pub mod blend;
 pub mod folds;
 pub mod poses;
 pub mod projection;
+pub mod residuals;
 pub mod stacked;
 pub mod targets;
 pub mod training;

@@ -121,6 +121,13 @@ impl Training {
         }
     }
 
+    /// Computes what LBS leaves, 3n x V, and the joint that each vertex follows most, V.
+    pub fn left_by_lbs(&self) -> (Mat<f64>, Vec<usize>) {
+        let weights = &self.lbs.weights;
+        let dominant = (0..self.rest.len()).map(|v| weights.strongest(v).unwrap_or(0)).collect();
+        (self.targets(weights).residuals(&self.poses.stacked()), dominant)
+    }
+
     /// Divides the squared errors of LBS, as they count, among a span of the palette, by the weights that each vertex
     /// has on it.
     pub fn lbs_errors(&self, weights: &Weights, span: Range<usize>) -> Vec<f64> {

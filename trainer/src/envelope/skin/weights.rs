@@ -1,7 +1,7 @@
 //! LBS weights by non-negative least squares (METHOD §1.2): the near-rigid vertices' skinning and
 //! the baseline that every report compares with.
 
-use super::blend::{Items, Maps, Weights, fit_weights};
+use super::blend::{Items, Maps, Supports, Weights, fit_weights};
 use super::poses::{Poses, trajectories};
 use crate::examples::{Examples, Importance, Matrix3x4, Split};
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
@@ -20,7 +20,8 @@ pub fn fit(
     most: usize,
 ) -> (Weights, Vec<f64>) {
     let items = Items::vertices(rest, trajectories, Importance::ALIKE);
-    fit_weights(&items, &Maps { width: 4, columns: poses.stacked() }, most, None)
+    let joints = Maps { width: 4, columns: poses.stacked() };
+    fit_weights(&items, &joints, Supports::Free(most, None))
 }
 
 /// Fits the baseline's weights to the training frames of examples.

@@ -1,6 +1,7 @@
 //! Errors and confidence by frame.
 
 use super::series::{entries, legend, names};
+use crate::envelope::evaluate::{Measured, most_doubting};
 use crate::envelope::report::comparison::{Comparison, Series};
 use crate::examples::Split;
 use crate::page::chart::{Chart, Range};
@@ -12,6 +13,8 @@ const SIZE: (f64, f64) = (1130.0, 290.0);
 const WORST: usize = 8;
 /// Confidence that prints as less than 1.
 const CERTAIN: f64 = 0.9995;
+/// Where ranges of the confidence begin, in the table of what it promises.
+const RANGES: [f64; 5] = [0.95, 0.8, 0.5, 0.2, 0.0];
 
 /// A chart of each frame's RMS error, and the frames where the model's is largest.
 pub(super) fn errors(comparison: &Comparison<'_>) -> String {
@@ -63,21 +66,59 @@ pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
         rows.extend(least.iter().take(WORST).map(|&place| {
             let frame = series.measured.frames[place].frame;
             let rms = percent(series.measured.errors_in(place).rms_percent);
+            let character = series.model.map(|model| &model.character);
+            let examples = comparison.source.examples;
+            let doubting = character.and_then(|c| most_doubting(c, examples, frame));
             vec![
                 text(&comparison.source.label(frame)),
                 text(series.name),
                 format!("{:.3}", confidence[place]),
+                text(doubting.unwrap_or_default()),
                 rms,
             ]
         }));
     }
-    let head = ["least confident", "model", "confidence", "RMS, %"].map(str::to_owned);
+    let head =
+        ["least confident", "model", "confidence", "most in doubt at", "RMS, %"].map(str::to_owned);
     paragraph(
         "How sure the model is of a pose: 1 among those it was trained on, 0 far from them, where its \
          kernel maps have faded.",
     ) + &entries(&series)
         + &chart.finish("confidence in each frame")
         + &table(&head, &rows)
+        + &by_confidence(comparison, &series)
+}
+
+/// What the confidence promises: how many frames it is in what range, and what the model and LBS leave of them.
+fn by_confidence(comparison: &Comparison<'_>, series: &[Series<'_>]) -> String {
+    let rms = |measured: &Measured, places: &[usize]| {
+        let squares = places.iter().map(|&place| measured.errors_in(place).rms_percent.powi(2));
+        percent((squares.sum::<f64>() / places.len() as f64).sqrt())
+    };
+    let mut rows = Vec::new();
+    for series in series {
+        let mut below = f64::INFINITY;
+        for from in RANGES {
+            let is_in = |confidence: f64| (from..below).contains(&confidence);
+            let frames = series.measured.frames.iter().enumerate();
+            let own: Vec<usize> =
+                frames.filter(|(_, f)| is_in(f.confidence)).map(|(place, _)| place).collect();
+            let range = format!("{from} to {}", below.min(1.0));
+            below = from;
+            if own.is_empty() {
+                continue;
+            }
+            rows.push(vec![
+                range,
+                text(series.name),
+                own.len().to_string(),
+                rms(series.measured, &own),
+                rms(&comparison.baseline, &own),
+            ]);
+        }
+    }
+    let head = ["confidence", "model", "frames", "RMS, %", "LBS, %"].map(str::to_owned);
+    table(&head, &rows)
 }
 
 /// Each frame takes a unit of room.

@@ -1,0 +1,135 @@
+//! The numbers that a fit of helpers and their maps is set to: each in one place, with its reason. A bench sets them to
+//! others, to measure what hangs on each (`cargo bench -p sinew-trainer --bench figures -- constants`).
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A number that a fit is set to.
+pub struct Constant {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is.
+    pub what: &'static str,
+    value: f64,
+    bits: AtomicU64,
+}
+
+impl Constant {
+    const fn new(name: &'static str, value: f64, what: &'static str) -> Self {
+        Self { name, what, value, bits: AtomicU64::new(value.to_bits()) }
+    }
+
+    /// Returns the number.
+    pub fn get(&self) -> f64 {
+        f64::from_bits(self.bits.load(Ordering::Relaxed))
+    }
+
+    /// Sets it to so many times what it is meant to be, for every fit of this process; 1 sets it back.
+    pub fn vary(&self, factor: f64) {
+        self.bits.store((factor * self.value).to_bits(), Ordering::Relaxed);
+    }
+}
+
+/// A vertex on which LBS errs more, RMS in diagonals, is a helper's; less is not seen.
+pub static ERRS: Constant = Constant::new(
+    "ERRS",
+    4e-4,
+    "a vertex on which LBS errs more, RMS in diagonals, is a helper's; less is not seen",
+);
+/// A residual's weight against a position's where vertices are grouped.
+pub static RESIDUAL_SHARE: Constant = Constant::new(
+    "RESIDUAL_SHARE",
+    8.0,
+    "a residual's weight against a position's where vertices are grouped",
+);
+/// Pull of a helper to its joint, of the mean diagonal: what few vertices support is noise that no map can predict.
+pub static PULL: Constant = Constant::new(
+    "PULL",
+    1e-5,
+    "pull of a helper to its joint, of the mean diagonal: what few vertices support is noise that no map can predict",
+);
+/// Weight of the palette before any correction where weights are fitted: it is all that is left of poses unlike those of training.
+pub static BASE: Constant = Constant::new(
+    "BASE",
+    0.05,
+    "weight of the palette before any correction where weights are fitted: it is all that is left of poses unlike those of training",
+);
+/// Most of its last step that a round of helpers starts ahead.
+pub static AHEAD: Constant =
+    Constant::new("AHEAD", 0.7, "most of its last step that a round of helpers starts ahead");
+/// Weight of a displacement, in diagonals, against a rotation's entries.
+pub static DISPLACEMENT: Constant = Constant::new(
+    "DISPLACEMENT",
+    3.0,
+    "weight of a displacement, in diagonals, against a rotation's entries",
+);
+/// A displacement that spreads less, RMS in weighted diagonals, is no input.
+pub static STILL: Constant = Constant::new(
+    "STILL",
+    3e-4,
+    "a displacement that spreads less, RMS in weighted diagonals, is no input",
+);
+/// How much better a score is to be with further joints, or other weights of them.
+pub static EARNS: Constant = Constant::new(
+    "EARNS",
+    0.2,
+    "how much better a score is to be with further joints, or other weights of them",
+);
+/// Share of the outputs' squared size without which joints and widths are chosen.
+pub static TELLS_NOTHING: Constant = Constant::new(
+    "TELLS_NOTHING",
+    1e-4,
+    "share of the outputs' squared size without which joints and widths are chosen",
+);
+/// How much worse a simpler choice may score.
+pub static SIMPLER: Constant =
+    Constant::new("SIMPLER", 0.02, "how much worse a simpler choice may score");
+/// Share of the outputs' squared size that no latent output carries.
+pub static NEGLIGIBLE: Constant = Constant::new(
+    "NEGLIGIBLE",
+    1e-7,
+    "share of the outputs' squared size that no latent output carries",
+);
+/// Share of LBS's squared error below which no error is better than another.
+pub static EXACT: Constant = Constant::new(
+    "EXACT",
+    1e-5,
+    "share of LBS's squared error below which no error is better than another",
+);
+/// Share of the poses that are beyond a joint's range.
+pub static BEYOND: Constant =
+    Constant::new("BEYOND", 0.25, "share of the poses that are beyond a joint's range");
+/// Share of the linear kernel beside the other, over the median squared distance.
+pub static LINEAR: Constant = Constant::new(
+    "LINEAR",
+    0.2,
+    "share of the linear kernel beside the other, over the median squared distance",
+);
+/// Power of the mean over blocks: near 0 it is geometric, so that the hardest block does not decide alone.
+pub static GENTLE: Constant = Constant::new(
+    "GENTLE",
+    0.1,
+    "power of the mean over blocks: near 0 it is geometric, so that the hardest block does not decide alone",
+);
+/// How much worse a larger ridge may score.
+pub static STIFFER: Constant =
+    Constant::new("STIFFER", 0.02, "how much worse a larger ridge may score");
+
+/// All of them.
+pub static ALL: [&Constant; 16] = [
+    &ERRS,
+    &RESIDUAL_SHARE,
+    &PULL,
+    &BASE,
+    &AHEAD,
+    &DISPLACEMENT,
+    &STILL,
+    &EARNS,
+    &TELLS_NOTHING,
+    &SIMPLER,
+    &NEGLIGIBLE,
+    &EXACT,
+    &BEYOND,
+    &LINEAR,
+    &GENTLE,
+    &STIFFER,
+];

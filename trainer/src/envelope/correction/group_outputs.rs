@@ -1,0 +1,105 @@
+//! What the map of a group has to learn: what is left over of its proxies' transforms, measured where the skin is.
+
+use super::beyond::beyond;
+use super::blocks::Blocks;
+use super::metric::Metric;
+use super::target::CorrectionTarget;
+use crate::constants::{EXACT, NEGLIGIBLE};
+use crate::envelope::skin::poses::Poses;
+use crate::envelope::skin::stacked::map_of;
+use crate::kernel::outputs::Outputs;
+use faer::Mat;
+use nalgebra::Matrix3;
+use std::ops::Range;
+
+/// RMS error of the whole skin, in diagonals, that counts as none.
+const NOTHING: f64 = 2e-4;
+
+/// What the map of a group has to learn.
+pub struct GroupOutputs {
+    /// The dominant joint.
+    pub joint: usize,
+    /// The group's proxies.
+    pub proxies: Range<usize>,
+    /// How their transforms' entries are measured.
+    pub metric: Metric,
+    /// The leading directions of what is left over, 12p x r.
+    pub directions: Mat<f64>,
+    /// What is left over along them.
+    pub outputs: Outputs,
+}
+
+impl GroupOutputs {
+    /// Measures what is left over of some proxies of one dominant joint.
+    pub fn new(
+        target: &CorrectionTarget<'_>,
+        proxies: Range<usize>,
+        Blocks { blocks, parts }: &Blocks,
+    ) -> Self {
+        let CorrectionTarget { poses, features, .. } = *target;
+        let joint = target.dominant[proxies.start];
+        let metric = Metric::new(target.gram, &proxies);
+        let seen = |left_over: &Mat<f64>| metric.weigh(&local(left_over, poses, joint, &proxies));
+        let all = seen(target.left_over);
+        let directions = leading(&all);
+        let beyond = beyond(poses, features.parents, joint);
+        let signal: f64 = target.lbs_errors[proxies.clone()].iter().sum();
+        let outputs = Outputs {
+            all: &all * &directions,
+            blocks: [blocks, &beyond[..]].concat(),
+            parts: parts.clone(),
+            beyond: beyond.len(),
+            signal,
+            negligible: NOTHING.powi(2) * target.vertices as f64,
+            exact: EXACT.get() * signal / (poses.len() * directions.ncols().max(1)) as f64,
+            certainty: target.certainty,
+            without: target.without.iter().map(|m| seen(m) * &directions).collect(),
+        };
+        Self { joint, proxies, metric, directions, outputs }
+    }
+}
+
+/// Splits proxies into groups: those that follow one another and share a dominant joint.
+pub fn groups(dominant: &[usize]) -> Vec<Range<usize>> {
+    let mut ranges = Vec::<Range<usize>>::new();
+    for (l, joint) in dominant.iter().enumerate() {
+        match ranges.last_mut() {
+            Some(range) if dominant[range.start] == *joint => range.end = l + 1,
+            _ => ranges.push(l..l + 1),
+        }
+    }
+    ranges
+}
+
+/// What is left over of a group's maps, in its joint's frame: n x 12 a proxy, column
+/// `r 4h + 4 k + c` is entry r, c of proxy k's.
+fn local(left_over: &Mat<f64>, poses: &Poses, joint: usize, proxies: &Range<usize>) -> Mat<f64> {
+    let width = 4 * proxies.len();
+    let mut out = Mat::zeros(poses.len(), 3 * width);
+    for pose in 0..poses.len() {
+        let turn: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
+        for (k, proxy) in proxies.clone().enumerate() {
+            let map = turn.transpose() * map_of(left_over, pose, proxy);
+            for r in 0..3 {
+                for c in 0..4 {
+                    out[(pose, r * width + 4 * k + c)] = map[(r, c)];
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The leading right singular directions, all that are not negligible.
+fn leading(values: &Mat<f64>) -> Mat<f64> {
+    let Ok(svd) = values.thin_svd() else { return Mat::zeros(values.ncols(), 0) };
+    let s: Vec<f64> = svd.S().column_vector().iter().map(|s| s * s).collect();
+    let total: f64 = s.iter().sum();
+    let mut left = total;
+    let rank = s.iter().take_while(|&&s| {
+        let kept = left > NEGLIGIBLE.get() * total && s > 0.0;
+        left -= s;
+        kept
+    });
+    svd.V().subcols(0, rank.count()).to_owned()
+}

@@ -1,0 +1,65 @@
+//! What a training tried and took.
+
+use super::correction::candidates::GroupReport;
+use super::predicted::LeftOut;
+use super::rotational::RotationalReport;
+use serde::Serialize;
+use std::ops::Range;
+
+/// What was tried and what was taken; errors are RMS, as shares of the rest diagonal.
+#[derive(Clone, Debug, Serialize)]
+pub struct TrainingReport {
+    /// The training frames that were left out, the worst first.
+    pub left_out: Vec<LeftOut>,
+    /// LBS on the training frames.
+    pub lbs_rms: f64,
+    /// The contiguous folds, as ranges of the training frames.
+    pub folds: Vec<Range<usize>>,
+    /// Every candidate in the order in which they were tried.
+    pub candidates: Vec<CandidateReport>,
+    /// Which of them was taken.
+    pub chosen: usize,
+    /// It on the training frames.
+    pub training_rms: f64,
+    /// How its reconstruction was fitted, where it has one.
+    pub rotational: Option<RotationalReport>,
+    /// Largest |θ_j| in the training poses, J values in radians.
+    pub angle_ranges: Vec<f64>,
+}
+
+/// A candidate and its score.
+#[derive(Clone, Debug, Serialize)]
+pub struct CandidateReport {
+    /// What predicts.
+    pub predictor: &'static str,
+    /// Whether c1 and c2 are refined on the training meshes; none without them.
+    pub refined: Option<bool>,
+    /// P.
+    pub proxies: usize,
+    /// Whether the file's skins have tangent coefficients.
+    pub tangent_coefficients: bool,
+    /// Bytes of the file; none where it would be larger than allowed.
+    pub bytes: Option<usize>,
+    /// Cross-validated error; none where the file would be too large.
+    pub validated_rms: Option<f64>,
+    /// The maps of its groups.
+    pub groups: Vec<GroupReport>,
+}
+
+/// |θ| beyond which a joint comes near the seam of its rotation vector at π.
+pub const SEAM: f64 = 0.9 * std::f64::consts::PI;
+
+impl TrainingReport {
+    /// The candidate that was taken.
+    pub fn chosen(&self) -> &CandidateReport {
+        &self.candidates[self.chosen]
+    }
+
+    /// Lists the joints that turn so far from their parent in training that the regression on
+    /// their rotation vector, which jumps at a half turn, cannot be trusted there (METHOD §1.4);
+    /// none where there is no such regression.
+    pub fn joints_near_the_seam(&self) -> impl Iterator<Item = usize> + '_ {
+        let ranges = self.angle_ranges.iter().enumerate();
+        ranges.filter(|(_, range)| self.rotational.is_some() && **range > SEAM).map(|(j, _)| j)
+    }
+}
