@@ -121,7 +121,7 @@ mod tests {
         files.push(Pieces::filter(&FilterContent::sample(2, 5)).bytes());
         let mut random = ChaCha8Rng::seed_from_u64(138);
         let mut seen = BTreeSet::new();
-        for number in 0..200_000 {
+        for number in 0..400_000 {
             let mut bytes = [0; 160];
             random.fill_bytes(&mut bytes);
             let (script, recipe) = bytes.split_at(96);
