@@ -11,6 +11,7 @@ use faer::linalg::matmul::matmul;
 use faer::prelude::*;
 use faer::{Accum, Mat, MatMut, Par, Side};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Most maps that a weight fit of one item looks at, nearest in error first.
 pub const CANDIDATES: usize = 12;
@@ -211,9 +212,7 @@ pub fn fit_weights(items: &Items<'_>, maps: &Maps, supports: Supports<'_>) -> (W
         .into_par_iter()
         .map(|b| {
             let range = b * block..((b + 1) * block).min(items.len());
-            let y = items.y.subcols(range.start * items.rows, range.len() * items.rows);
-            let mut onto = Mat::<f64>::zeros(maps.columns.ncols(), y.ncols());
-            matmul(onto.as_mut(), Accum::Replace, maps.columns.transpose(), y, 1.0, Par::Seq);
+            let onto = onto(items, maps, range.clone(), supports);
             range
                 .clone()
                 .map(|i| fit_item(items, i, &products, &onto, range.start, supports))
@@ -222,6 +221,27 @@ pub fn fit_weights(items: &Items<'_>, maps: &Maps, supports: Supports<'_>) -> (W
         .collect();
     let errors = blocks.iter().flatten().map(|item| item.1).collect();
     (Weights::from_lists(supports.most(), blocks.into_iter().flatten().map(|item| item.0)), errors)
+}
+
+/// Computes the inner products of maps' columns and some items' targets, those that their supports ask for.
+fn onto(items: &Items<'_>, maps: &Maps, range: Range<usize>, supports: Supports<'_>) -> Mat<f64> {
+    let y = items.y.subcols(range.start * items.rows, range.len() * items.rows);
+    let mut onto = Mat::<f64>::zeros(maps.columns.ncols(), y.ncols());
+    match supports {
+        Supports::Free(..) => {
+            matmul(onto.as_mut(), Accum::Replace, maps.columns.transpose(), y, 1.0, Par::Seq);
+        }
+        Supports::Fixed(weights) => {
+            for column in 0..y.ncols() {
+                for (map, _) in weights.of(range.start + column / items.rows) {
+                    for entry in maps.width * map..maps.width * (map + 1) {
+                        onto[(entry, column)] = maps.columns.col(entry).transpose() * y.col(column);
+                    }
+                }
+            }
+        }
+    }
+    onto
 }
 
 /// An item's maps and weights, strongest first, and its squared error.
