@@ -82,7 +82,7 @@ impl Bars {
         self.with(|state| {
             if self.writes_lines && state.last_line.elapsed() >= LINE {
                 let (number, of) = state.part;
-                let part = if of > 1 { format!("{number} of {of}, ") } else { String::new() };
+                let part = if of > 1 { format!("fit {number} of {of}, ") } else { String::new() };
                 tell(&format!("working: {part}{step}"));
                 state.last_line = Instant::now();
             }

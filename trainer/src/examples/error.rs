@@ -223,7 +223,7 @@ pub enum ExamplesError {
         code: i64,
     },
     /// There are not enough frames for what is asked.
-    #[error("{found} frames are too few, {needed} are needed")]
+    #[error("{}", too_few(*found, *needed))]
     TooFewPoses {
         /// Frames there are.
         found: usize,
@@ -285,6 +285,14 @@ impl ExamplesError {
             *frame = called(*frame, clips);
         }
         self
+    }
+}
+
+/// Says that frames are too few.
+fn too_few(found: usize, needed: usize) -> String {
+    match found {
+        0 => "no frame is left to train: all are held out or extreme".to_owned(),
+        _ => format!("{found} frames are too few, {needed} are needed"),
     }
 }
 

@@ -138,7 +138,7 @@ fn a_skin_is_measured_by_name_against_its_own_mesh() {
         coarse.vertex_len(),
         examples.vertex_len()
     );
-    assert_eq!(refused, expected);
+    assert!(refused.starts_with(&expected), "{refused}");
     let refused = evaluate(&model, Some("lod9"), &examples, held_out).unwrap_err().to_string();
     assert_eq!(refused, "the model holds no skin called lod9; it has: skin, lod1");
 }

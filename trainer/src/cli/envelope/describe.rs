@@ -97,9 +97,9 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
     for (name, rms) in [
         ("training frames", certificate.training_rms),
         ("cross-validated", certificate.cross_validated_rms),
-        ("level joints, training", certificate.base_training_rms),
+        ("joints alone, training", certificate.base_training_rms),
         ("LBS, training frames", certificate.lbs_training_rms),
-        ("rounding, at the most", certificate.correction_error),
+        ("rounding, bound", certificate.correction_error),
     ] {
         out += &format!("{name:<24}{:.4} %\n", 100.0 * rms / certificate.diagonal);
     }

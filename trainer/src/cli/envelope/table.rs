@@ -45,9 +45,11 @@ fn kind(candidate: &CandidateReport) -> String {
 pub(super) fn evaluation(evaluation: &Evaluation) -> String {
     let Evaluation { split, frames, vertices, diagonal, model_bytes, predictor, proxies, .. } =
         evaluation;
-    let of = if *split == "all" { String::new() } else { format!("{split} ") };
+    let is_read = evaluation.read == Some(*frames);
+    // What training has read is neither held out nor new, whatever was asked for.
+    let of = if *split == "all" || is_read { String::new() } else { format!("{split} ") };
     let read = match evaluation.read {
-        Some(read) if read == *frames => ", all of which training has read".to_owned(),
+        Some(_) if is_read => ", all of which training has read".to_owned(),
         Some(read) if read > 0 => format!(", of which training has read {read}"),
         Some(_) => ", none of which training has read".to_owned(),
         None => String::new(),

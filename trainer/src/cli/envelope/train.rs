@@ -144,9 +144,9 @@ fn budget(text: &str) -> Result<usize, String> {
         .find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit)))
         .unwrap_or((text, 1));
     let bytes = number.trim_end().parse::<usize>().ok().and_then(|number| number.checked_mul(unit));
-    bytes
-        .filter(|bytes| (1..=most).contains(bytes))
-        .ok_or_else(|| format!("expected a whole number of bytes, kB or MB, up to {most} bytes"))
+    bytes.filter(|bytes| (1..=most).contains(bytes)).ok_or_else(|| {
+        format!("expected a whole number of bytes, kB, KiB, MB or MiB, up to {most} bytes")
+    })
 }
 
 fn influences() -> RangedU64ValueParser<usize> {
@@ -206,6 +206,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let mut inputs = arguments.input.files();
     inputs.extend_from_slice(&arguments.meshes.also);
     let model = OutputFile::new(&arguments.output, &inputs)?;
+    files::check_ending(&arguments.output, &["sinew", "snw"])?;
     let record_file = arguments.record.as_ref().map(|file| OutputFile::new(file, &inputs));
     let record_file = record_file.transpose()?;
     if record_file.as_ref().is_some_and(|file| file.is(&model)) {

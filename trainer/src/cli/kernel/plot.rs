@@ -54,7 +54,9 @@ fn plot(map: &KernelMap<'_>, all: bool) -> anyhow::Result<Plot> {
     let counts = map.counts();
     let fits = matches!(kinds[..], [InputKind::Scalar] | [InputKind::Scalar, InputKind::Scalar]);
     if !fits || counts.metric_len > 0 {
-        bail!("only a function of one or two numbers, with no metric between them, can be drawn");
+        bail!(
+            "only functions of one or two plain numbers can be drawn: no rotations, and no weighing of inputs against each other"
+        );
     }
     let sites = sites(map);
     if sites.is_empty() {

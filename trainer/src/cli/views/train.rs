@@ -63,7 +63,11 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
 }
 
 fn described(name: &str, choice: &Choice) -> String {
-    let inputs: Vec<String> = choice.inputs.iter().map(|input| printable(input)).collect();
+    let named = |input: &String| {
+        let names = input.split(',').map(str::trim).filter(|name| !name.is_empty());
+        printable(&names.collect::<Vec<_>>().join(", "))
+    };
+    let inputs: Vec<String> = choice.inputs.iter().map(named).collect();
     let mut out = format!("map \"{}\" of {}\n", printable(name), inputs.join("; "));
     for (what, candidate) in
         [("points", choice.points), ("depths", choice.depths), ("visibility", choice.visibility)]

@@ -20,6 +20,8 @@ pub struct Character<'a> {
 /// Two rest meshes stand in one space within this share of the diagonal, RMS: other axes and units
 /// are further apart, a sculpt that was changed since shows as an error like any other.
 const SAME_SPACE: f64 = 0.05;
+/// Vertices stand at the same places within this share of the diagonal, RMS: what single precision leaves.
+const SAME_PLACES: f64 = 1e-4;
 
 impl<'a> Character<'a> {
     /// Finds a skin of a model's, the first where no name is given, and what it follows.
@@ -54,8 +56,8 @@ impl<'a> Character<'a> {
     /// character.
     ///
     /// # Errors
-    /// Those of [`Character::find`], [`EvaluateError::Mismatch`], [`EvaluateError::JointName`] and
-    /// [`EvaluateError::RestMesh`].
+    /// Those of [`Character::find`], [`EvaluateError::Mismatch`], [`EvaluateError::JointName`],
+    /// [`EvaluateError::RestMesh`] and [`EvaluateError::VertexOrder`].
     pub fn open(
         model: &'a [u8],
         skin: Option<&str>,
@@ -79,13 +81,35 @@ impl<'a> Character<'a> {
             }
         }
         let expected = examples.surface().copied(&examples.rest);
-        let squares = rest(skin).into_iter().zip(&expected);
-        let squares =
-            squares.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>());
-        let apart = (squares.sum::<f64>() / expected.len().max(1) as f64).sqrt();
-        if apart > SAME_SPACE * examples.diagonal() {
-            return Err(EvaluateError::RestMesh { percent: 100.0 * apart / examples.diagonal() });
+        let (found_rest, diagonal) = (rest(skin), examples.diagonal());
+        let apart = apart(&found_rest, &expected);
+        if apart > SAME_SPACE * diagonal {
+            let moved = self::apart(&unordered(&found_rest), &unordered(&expected));
+            if moved <= SAME_PLACES * diagonal {
+                return Err(EvaluateError::VertexOrder);
+            }
+            return Err(EvaluateError::RestMesh { percent: 100.0 * apart / diagonal });
         }
         Ok(found)
     }
+}
+
+/// The RMS distance of points.
+fn apart<const N: usize>(a: &[[f64; N]], b: &[[f64; N]]) -> f64 {
+    let squares = a.iter().zip(b);
+    let squares = squares.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>());
+    (squares.sum::<f64>() / a.len().max(1) as f64).sqrt()
+}
+
+/// Gives points' coordinates, each axis sorted, and their distances from the origin: alike of points in any order.
+fn unordered(points: &[[f64; 3]]) -> Vec<[f64; 4]> {
+    let mut all = vec![[0.0; 4]; points.len()];
+    for k in 0..4 {
+        let of =
+            |x: &[f64; 3]| if k < 3 { x[k] } else { x.iter().map(|x| x * x).sum::<f64>().sqrt() };
+        let mut values: Vec<f64> = points.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        all.iter_mut().zip(values).for_each(|(all, value)| all[k] = value);
+    }
+    all
 }

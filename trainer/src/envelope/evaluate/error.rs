@@ -25,7 +25,10 @@ pub enum EvaluateError {
         has: String,
     },
     /// The model was made for another character.
-    #[error("the model has {expected} {what}, the examples have {found}")]
+    #[error(
+        "the model has {expected} {what}, the examples have {found}: give examples of the file that training had, with its \
+         texture's seams where that has them"
+    )]
     Mismatch {
         /// Vertices or joints.
         what: &'static str,
@@ -54,6 +57,12 @@ pub enum EvaluateError {
         /// RMS distance in % of the diagonal.
         percent: f64,
     },
+    /// The model's rest mesh has the examples' vertices in another order.
+    #[error(
+        "the model's rest mesh has the vertices of the examples in another order, as FBX and glTF of one character do: give \
+         the file that training had, or one that has its order"
+    )]
+    VertexOrder,
     /// There is no frame to measure.
     #[error("the examples have no {split} frame")]
     NoFrames {

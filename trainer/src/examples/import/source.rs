@@ -120,6 +120,11 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
             let file = if error.is_about_targets() { at_fault } else { source.file };
             LoadError { file: file.to_owned(), error: error.into() }
         }
+        // What is posed comes from the targets.
+        error @ (ExamplesError::NotFinite { array: "vertices", .. }
+        | ExamplesError::TooLarge { array: "vertices", .. }) => {
+            LoadError { file: at_fault.to_owned(), error }
+        }
         error => blame(error),
     })
 }

@@ -58,8 +58,9 @@ impl Archive {
     /// Opens an archive and reads its directory.
     pub(crate) fn open(path: &Path) -> Result<Self, FormatError> {
         let file = File::open(path).map_err(FormatError::Read)?;
-        let zip = ZipArchive::new(BufReader::new(file))
-            .map_err(|error| ArrayError::Archive { reason: error.to_string() })?;
+        let zip = ZipArchive::new(BufReader::new(file)).map_err(|error| ArrayError::Archive {
+            reason: format!("{error}; it may be cut short: write it again"),
+        })?;
         Ok(Self { zip })
     }
 
