@@ -450,11 +450,29 @@ impl PredictorSearch<'_> {
 /// one whose maps know how far a pose is from those of training goes before a rotational one, which does not.
 fn chosen<'a>(candidates: &'a [Candidate], reports: &[CandidateReport]) -> Option<&'a Candidate> {
     let best = best(candidates)?;
-    let most = SMALLER * best.validated_rms.max(UNSEEN);
-    let alike = candidates
-        .iter()
-        .filter(|c| c.tangent_coefficients == best.tangent_coefficients && c.validated_rms <= most);
-    alike.min_by_key(|c| (!c.fitted.envelope.predictor().corrects(), reports[c.report].bytes))
+    let of_kind = |c: &&Candidate| c.tangent_coefficients == best.tangent_coefficients;
+    let of_kind: Vec<&Candidate> = candidates.iter().filter(of_kind).collect();
+    let rate = |c: &&Candidate| Rated {
+        error: c.validated_rms,
+        knows_poses: c.fitted.envelope.predictor().corrects(),
+        bytes: reports[c.report].bytes,
+    };
+    let rated: Vec<Rated> = of_kind.iter().map(rate).collect();
+    smallest_alike(&rated).map(|place| of_kind[place])
+}
+
+/// What decides between candidates.
+struct Rated {
+    error: f64,
+    knows_poses: bool,
+    bytes: Option<usize>,
+}
+
+/// The place of the smallest of those whose errors cannot be told from the least.
+fn smallest_alike(all: &[Rated]) -> Option<usize> {
+    let least = all.iter().map(|rated| rated.error).fold(f64::INFINITY, f64::min);
+    let alike = (0..all.len()).filter(|&i| all[i].error <= SMALLER * least.max(UNSEEN));
+    alike.min_by_key(|&i| (!all[i].knows_poses, all[i].bytes))
 }
 
 /// Finds the candidate with the least error: one without tangent coefficients only where those with them leave
@@ -471,5 +489,32 @@ fn best(candidates: &[Candidate]) -> Option<&Candidate> {
             Some(without)
         }
         (with, without) => with.or(without),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_errors_that_cannot_be_told_apart_the_smallest_file_is_taken() {
+        let taken = |all: &[(f64, bool, usize)]| {
+            let rated = |&(error, knows_poses, bytes): &(f64, bool, usize)| Rated {
+                error,
+                knows_poses,
+                bytes: Some(bytes),
+            };
+            smallest_alike(&all.iter().map(rated).collect::<Vec<_>>())
+        };
+        assert_eq!(
+            taken(&[(1e-3, true, 300), (1.01e-3, true, 200), (1.03e-3, true, 100)]),
+            Some(1)
+        );
+        // Nobody sees either error.
+        assert_eq!(taken(&[(1e-5, true, 300), (9e-5, true, 200)]), Some(1));
+        // What knows nothing of poses is taken where it alone is good enough.
+        assert_eq!(taken(&[(1e-3, false, 100), (1e-3, true, 200)]), Some(1));
+        assert_eq!(taken(&[(1e-3, false, 200), (1.1e-3, true, 100)]), Some(0));
+        assert_eq!(taken(&[]), None);
     }
 }

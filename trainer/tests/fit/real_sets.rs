@@ -6,6 +6,7 @@
 
 use crate::shared::shared;
 use sinew_runtime::envelope::Predictor;
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
 use sinew_trainer::envelope::rotational::surface::Surface;
 use sinew_trainer::envelope::rotational::{self, merge};
@@ -14,6 +15,7 @@ use sinew_trainer::envelope::skin::poses::{Poses, trajectories};
 use sinew_trainer::envelope::skin::targets::Targets;
 use sinew_trainer::envelope::skin::training::Training;
 use sinew_trainer::envelope::skin::weights;
+use sinew_trainer::envelope::training_report::{CandidateReport, TrainingReport};
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Examples, Importance, Split, npz};
 use sinew_trainer::numeric::basis;
@@ -165,10 +167,19 @@ fn proxies_alone_on_dem_bones() {
     }
 }
 
+/// Checks that of the candidates that cross-validation cannot tell from the best the smallest is taken: one with kernel
+/// maps before one without.
+fn check_choice(report: &TrainingReport) {
+    let (chosen, all) = (report.chosen(), &report.candidates);
+    let best = all.iter().filter_map(|c| c.validated_rms).fold(f64::INFINITY, f64::min).max(1e-4);
+    let alike = all.iter().filter(|c| c.validated_rms.is_some_and(|rms| rms <= 1.02 * best));
+    let order = |c: &CandidateReport| (c.predictor == "rotational", c.bytes);
+    assert_eq!(alike.map(order).min(), Some(order(chosen)));
+}
+
 #[test]
 fn the_demo_arm_by_every_predictor_and_by_the_best() {
-    let examples =
-        sinew_trainer::envelope::demo::demo(&sinew_trainer::envelope::demo::DemoOptions::default());
+    let examples = demo(&DemoOptions::default());
     let published = Options { refine: false, ..only(Predictor::Rotational) };
     let plain = measured(&examples, &published, Split::HeldOut);
     // The demo's promise: LBS leaves about 1 %, the published method half of it, each predictor a tenth
@@ -184,11 +195,7 @@ fn the_demo_arm_by_every_predictor_and_by_the_best() {
     }
     let auto = Options { predictor: Predict::Auto, ..only(Predictor::Kernel) };
     let trained = train(&examples, &auto, &Silent).unwrap();
-    let (chosen, all) = (trained.report.chosen(), &trained.report.candidates);
-    let best = all.iter().filter_map(|c| c.validated_rms).fold(f64::INFINITY, f64::min);
-    assert!(chosen.validated_rms.unwrap() <= 1.02 * best);
-    let alike = all.iter().filter(|c| c.validated_rms.is_some_and(|rms| rms <= 1.02 * best));
-    assert!(alike.clone().count() > 1 && alike.map(|c| c.bytes).min() == Some(chosen.bytes));
+    check_choice(&trained.report);
     let auto = evaluate(&trained.model, None, &examples, Frames::Of(Split::HeldOut)).unwrap();
     assert!(auto.errors.rms <= 1.15 * least, "{} {least}", auto.errors.rms);
 }

@@ -22,7 +22,7 @@ pub const STEP: &str = "helpers";
 /// Rounds of weights and maps, of which the first choose what each vertex follows: as long as that changes nothing
 /// settles, and the last digit of a file decides what is changed last.
 const ROUNDS: usize = 60;
-const FREE: usize = 30;
+const FREE: usize = 40;
 
 /// Joints and helpers fitted to the training frames.
 pub struct Helpers {
