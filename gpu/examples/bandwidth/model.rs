@@ -41,6 +41,7 @@ fn envelope() -> EnvelopeModel {
             parents: (0..JOINTS).map(|joint| joint.checked_sub(1)).collect(),
             rest: (0..JOINTS).map(frame).collect(),
             roots: Vec::new(),
+            unplaced: Vec::new(),
         },
         reconstruction: None,
         groups: (0..HELPERS / GROUP).map(group).collect(),
