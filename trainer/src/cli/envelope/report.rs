@@ -142,7 +142,6 @@ fn targets(arguments: &Arguments) -> anyhow::Result<OutputFiles> {
     inputs.extend(arguments.compare.clone());
     let target = |path: &PathBuf| OutputFile::new(path, &inputs);
     let page = target(&arguments.output)?;
-    files::check_ending(&arguments.output, &["html", "htm"])?;
     let csv = arguments.csv.as_ref().map(target).transpose()?;
     let ply = arguments.ply.as_ref().map(target).transpose()?;
     let all: Vec<&OutputFile> = std::iter::once(&page).chain(&csv).chain(&ply).collect();

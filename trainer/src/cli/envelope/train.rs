@@ -206,7 +206,6 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let mut inputs = arguments.input.files();
     inputs.extend_from_slice(&arguments.meshes.also);
     let model = OutputFile::new(&arguments.output, &inputs)?;
-    files::check_ending(&arguments.output, &["sinew", "snw"])?;
     let record_file = arguments.record.as_ref().map(|file| OutputFile::new(file, &inputs));
     let record_file = record_file.transpose()?;
     if record_file.as_ref().is_some_and(|file| file.is(&model)) {
