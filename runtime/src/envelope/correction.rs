@@ -28,6 +28,7 @@ pub(crate) fn evaluate(
 
 /// Evaluates how confident the groups are, by their joints: into J values, those of joints without a map left as they are,
 /// of arguments that have been checked.
+#[inline]
 pub(crate) fn joint_confidences(
     envelope: &Envelope<'_>,
     features: &[Matrix3x4],
@@ -67,6 +68,7 @@ fn add(
 }
 
 /// Evaluates a group's map; what it adds is left as it was where nothing is known.
+#[inline]
 fn evaluate_map<'a>(
     group: &Group<'_>,
     features: &[f32],

@@ -93,6 +93,9 @@ impl Envelope<'_> {
     /// - [`crate::CallErrorKind::Length`]: `pose` or `out_confidences` has another length.
     /// - [`crate::CallErrorKind::TooShort`]: `scratch` is too short.
     /// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
+    // In line down to the map: where nobody asks, the map has one caller and lies in the frame of `palette`, which keeps the
+    // stack of firmware small.
+    #[inline]
     pub fn joint_confidences(
         &self,
         pose: &[Matrix3x4],

@@ -76,6 +76,7 @@ impl<'a> Map<'a> {
     /// - `input`: x, d values.
     /// - `scratch`: padded n + padded r + m values, of any content.
     /// - `out`: y, padded o values; left as they are where w is 0.
+    #[inline]
     pub(crate) fn evaluate(&self, input: &[f32], scratch: &mut [f32], out: &mut [f32]) -> Evidence {
         let Shape { centre_len: n, rank: r, certainty_len: m, .. } = self.shape;
         let (basis, values) = scratch.split_at_mut(padded(n).min(scratch.len()));
@@ -97,6 +98,7 @@ impl<'a> Map<'a> {
     }
 
     /// Computes g, n values in whole blocks.
+    #[inline]
     fn basis(&self, input: &[f32], out: &mut [[f32; 8]]) {
         let mut blocks = out.iter_mut().zip(self.rest);
         block_distances(self.centres, input, |distances| {
