@@ -9,7 +9,7 @@ use super::outputs::{FLOATS, outputs};
 use super::posed;
 use super::priors;
 use super::shapes;
-use super::shared::{optional, unknown, wanted};
+use super::shared::{optional, spoilt_pose, unknown, wanted};
 use super::views;
 use crate::recipe;
 use arbitrary::Result;
@@ -236,8 +236,7 @@ type PaletteCall = unsafe extern "C" fn(
 ) -> sinew_status;
 
 fn palette_by(call: &mut Call<'_, '_>, function: PaletteCall) -> Result<sinew_status> {
-    let one = call.arena.poses.start..call.arena.poses.start + call.arena.poses.len() / BATCH;
-    call.spoil(one.clone())?;
+    let one = spoilt_pose(call)?;
     let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
     let (pose, pose_len) = call.input(one, j, Argument::Pose)?;
     let p = call.arena.frame.palette.len();

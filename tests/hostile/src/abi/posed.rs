@@ -1,8 +1,8 @@
 //! Calls about a pose of the caller's skeleton: gathered, checked, scaled, at levels.
 
-use super::arena::{BATCH, bytes, floats};
+use super::arena::{bytes, floats};
 use super::call::Call;
-use super::shared::{optional, optional_input, unknown};
+use super::shared::{one_pose, optional, optional_input, spoilt_pose, unknown};
 use arbitrary::Result;
 use sinew_capi::*;
 use sinew_runtime::Model;
@@ -63,7 +63,7 @@ pub(super) fn gather(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 }
 
 pub(super) fn check_pose(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let one = call.arena.poses.start..call.arena.poses.start + call.arena.poses.len() / BATCH;
+    let one = one_pose(call);
     if call.one_in(2)? && !one.is_empty() {
         // A fault of the pose is none of the call.
         let at = one.start + 4 * call.u.choose_index(one.len() / 4)?;
@@ -94,8 +94,7 @@ pub(super) fn palette_scale(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 }
 
 pub(super) fn palette_at(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let one = call.arena.poses.start..call.arena.poses.start + call.arena.poses.len() / BATCH;
-    call.spoil(one.clone())?;
+    let one = spoilt_pose(call)?;
     let (level, full) = (call.u.int_in_range(0..=3)?, sinew_level::Full as u32);
     let is_level = level == full || level == sinew_level::Joints as u32;
     call.fault_if(!is_level, Status::OutOfRange, Argument::Level);
@@ -130,8 +129,7 @@ pub(super) fn palette_at(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 }
 
 pub(super) fn joint_confidences(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let one = call.arena.poses.start..call.arena.poses.start + call.arena.poses.len() / BATCH;
-    call.spoil(one.clone())?;
+    let one = spoilt_pose(call)?;
     let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
     let is_rotational = call.arena.frame.predictor == Some(Predictor::Rotational);
     call.fault_if(is_rotational, Status::NoStage, Argument::Call);

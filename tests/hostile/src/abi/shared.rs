@@ -1,10 +1,11 @@
 //! What functions of several parts take: which part is wanted, results that may go nowhere.
 
-use super::arena::{Arena, BLANK, Since, result_after};
+use super::arena::{Arena, BATCH, BLANK, Since, result_after};
 use super::call::Call;
 use arbitrary::Result;
 use sinew_capi::*;
 use std::ffi::c_char;
+use std::ops::Range;
 use std::ptr::null;
 
 use sinew_argument as Argument;
@@ -13,6 +14,19 @@ use sinew_status as Status;
 /// Nothing that this module compares: the C ABI's own tests do.
 pub(super) fn unknown(_: &Arena) -> Vec<u8> {
     Vec::new()
+}
+
+/// The place of the first pose.
+pub(super) fn one_pose(call: &Call<'_, '_>) -> Range<usize> {
+    let Range { start, end } = call.arena.poses;
+    start..start + (end - start) / BATCH
+}
+
+/// The same, with a float in it that may be none.
+pub(super) fn spoilt_pose(call: &mut Call<'_, '_>) -> Result<Range<usize>> {
+    let one = one_pose(call);
+    call.spoil(one.clone())?;
+    Ok(one)
 }
 
 /// Draws which part is wanted: any or one of the part's own name, or of bytes that are none; the first,
