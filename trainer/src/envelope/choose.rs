@@ -1,6 +1,7 @@
 //! The choice of predictor and number of proxies by cross-validation inside the training split
 //! (METHOD §1.9).
 
+use super::alike::{Rated, smallest_alike};
 use super::error::{FitError, TrainError};
 use super::finish::{fit_normals, recorded};
 use super::fitted::{Fitted, NAME, corrected};
@@ -29,11 +30,6 @@ use sinew_runtime::skin::NormalErrors;
 const PROXIES: usize = 40;
 /// Candidate numbers of proxies against that, in quarters; the last only where bytes are few.
 const QUARTERS: [usize; 4] = [4, 2, 8, 1];
-/// The smallest file is taken whose error is within this of the least.
-const SMALLER: f64 = 1.02;
-/// Error, RMS in diagonals, below which nobody sees a difference: a fifth of a millimetre on a body. Of a walk, which
-/// every candidate fits so well, noise would choose.
-const UNSEEN: f64 = 1e-4;
 /// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
 const FEW_VALUES: usize = 4;
 /// Tangent coefficients give way to a budget where positions else err so many times as much.
@@ -260,8 +256,11 @@ impl PredictorSearch<'_> {
         self.progress.step(fit::STEP, 1);
         let influences = self.options.influences;
         let helpers = match count {
-            ProxyCount::Fixed(count) if count == usual_count(self.training) => self.usual.take(),
-            ProxyCount::Fixed(count) => fit::fit(self.training, count, influences),
+            ProxyCount::Fixed(count) => {
+                let is_usual = count == usual_count(self.training);
+                let usual = self.usual.take_if(|_| is_usual);
+                usual.or_else(|| fit::fit(self.training, count, influences))
+            }
             ProxyCount::MaxError(limit) => self.fewest_helpers(limit)?,
         };
         let Some(helpers) = helpers else { return self.joints_alone() };
@@ -461,20 +460,6 @@ fn chosen<'a>(candidates: &'a [Candidate], reports: &[CandidateReport]) -> Optio
     smallest_alike(&rated).map(|place| of_kind[place])
 }
 
-/// What decides between candidates.
-struct Rated {
-    error: f64,
-    knows_poses: bool,
-    bytes: Option<usize>,
-}
-
-/// The place of the smallest of those whose errors cannot be told from the least.
-fn smallest_alike(all: &[Rated]) -> Option<usize> {
-    let least = all.iter().map(|rated| rated.error).fold(f64::INFINITY, f64::min);
-    let alike = (0..all.len()).filter(|&i| all[i].error <= SMALLER * least.max(UNSEEN));
-    alike.min_by_key(|&i| (!all[i].knows_poses, all[i].bytes))
-}
-
 /// Finds the candidate with the least error: one without tangent coefficients only where those with them leave
 /// [`COEFFICIENTS_COST`] times as much.
 fn best(candidates: &[Candidate]) -> Option<&Candidate> {
@@ -489,32 +474,5 @@ fn best(candidates: &[Candidate]) -> Option<&Candidate> {
             Some(without)
         }
         (with, without) => with.or(without),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn of_errors_that_cannot_be_told_apart_the_smallest_file_is_taken() {
-        let taken = |all: &[(f64, bool, usize)]| {
-            let rated = |&(error, knows_poses, bytes): &(f64, bool, usize)| Rated {
-                error,
-                knows_poses,
-                bytes: Some(bytes),
-            };
-            smallest_alike(&all.iter().map(rated).collect::<Vec<_>>())
-        };
-        assert_eq!(
-            taken(&[(1e-3, true, 300), (1.01e-3, true, 200), (1.03e-3, true, 100)]),
-            Some(1)
-        );
-        // Nobody sees either error.
-        assert_eq!(taken(&[(1e-5, true, 300), (9e-5, true, 200)]), Some(1));
-        // What knows nothing of poses is taken where it alone is good enough.
-        assert_eq!(taken(&[(1e-3, false, 100), (1e-3, true, 200)]), Some(1));
-        assert_eq!(taken(&[(1e-3, false, 200), (1.1e-3, true, 100)]), Some(0));
-        assert_eq!(taken(&[]), None);
     }
 }
