@@ -97,6 +97,15 @@ fn lbs() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// One predictor, with so many helpers.
+fn fixed(predictor: Predictor, proxies: usize) -> Options {
+    Options {
+        predictor: Predict::Only(predictor),
+        proxies: Some(ProxyCount::Fixed(proxies)),
+        ..Options::default()
+    }
+}
+
 /// The proxies' own error on the training frames of dem-bones, no prediction.
 fn proxies_alone() -> Result<(), Box<dyn Error>> {
     for (name, examples) in sets()?.into_iter().filter(|set| set.0 == "dem-bones") {
@@ -160,11 +169,6 @@ fn errors() -> Result<(), Box<dyn Error>> {
     let mut sets = sets()?;
     sets.push(("demo", demo(&DemoOptions::default())));
     sets.push(("demo of 12", demo(&DemoOptions { poses: 12, ..DemoOptions::default() })));
-    let fixed = |predictor, proxies| Options {
-        predictor: Predict::Only(predictor),
-        proxies: Some(ProxyCount::Fixed(proxies)),
-        ..Options::default()
-    };
     for (name, examples) in sets {
         let large = examples.vertex_len() > 5_000;
         let proxies = if large { 60 } else { 40 };
@@ -263,12 +267,7 @@ fn poses() -> Result<(), Box<dyn Error>> {
         let error = |left_out: &[usize]| -> Result<f64, Box<dyn Error>> {
             let mut fewer = examples.clone();
             left_out.iter().for_each(|&frame| fewer.split[frame] = Split::Extreme);
-            let options = Options {
-                predictor: Predict::Only(Predictor::Kernel),
-                proxies: Some(ProxyCount::Fixed(40)),
-                ..Options::default()
-            };
-            let model = train(&fewer, &options, &Silent)?.model;
+            let model = train(&fewer, &fixed(Predictor::Kernel, 40), &Silent)?.model;
             Ok(evaluate(&model, None, &fewer, Frames::Of(Split::HeldOut))?.errors.rms_percent)
         };
         println!("{name}: {:.4} % with all training poses", error(&[])?);
@@ -296,11 +295,7 @@ fn constants() -> Result<(), Box<dyn Error>> {
         let options = DemoOptions { poses: 60, seed, ..DemoOptions::default() };
         sets.push((["demo 1", "demo 2", "demo 3"][seed as usize - 1], demo(&options)));
     }
-    let options = Options {
-        predictor: Predict::Only(Predictor::Kernel),
-        proxies: Some(ProxyCount::Fixed(40)),
-        ..Options::default()
-    };
+    let options = fixed(Predictor::Kernel, 40);
     let error = |examples: &Examples| -> Result<f64, Box<dyn Error>> {
         let model = train(examples, &options, &Silent)?.model;
         Ok(evaluate(&model, None, examples, Frames::Of(Split::HeldOut))?.errors.rms_percent)

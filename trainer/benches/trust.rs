@@ -105,7 +105,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 const COPIES: u64 = 10;
 const NOISE: f64 = 1e-6;
 
-/// The leg's walk, of which a quarter is held out, with its stretch beyond it, and dem-bones with its last third beyond it.
+/// The leg's walk, of which a quarter is held out, with its stretch beyond it, and dem-bones as it is.
 fn noisy_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     let mut sets = Vec::new();
     if let Some(path) = found("leg/leg.npz") {
@@ -220,11 +220,7 @@ fn harm(spoiled: &Examples, frame: usize) -> Result<f64, Box<dyn Error>> {
     without.split[frame] = Split::Extreme;
     let held_out = spoiled.frames_of(Split::HeldOut);
     let frames = if held_out.is_empty() { without.frames_of(Split::Train) } else { held_out };
-    let options = Options {
-        predictor: Predict::Only(Predictor::Kernel),
-        proxies: Some(ProxyCount::Fixed(40)),
-        ..Options::default()
-    };
+    let options = fixed(Predictor::Kernel, 40);
     let error = |examples: &Examples| -> Result<f64, Box<dyn Error>> {
         let model = train(examples, &options, &Silent)?.model;
         let character = Character::open(&model, None, examples)?;
@@ -282,17 +278,21 @@ fn scenes() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     Ok(scenes)
 }
 
+/// One predictor, with so many helpers.
+fn fixed(predictor: Predictor, proxies: usize) -> Options {
+    Options {
+        predictor: Predict::Only(predictor),
+        proxies: Some(ProxyCount::Fixed(proxies)),
+        ..Options::default()
+    }
+}
+
 fn predictors(set: &str) -> Vec<(String, Options)> {
     let counts: &[usize] = if set.starts_with("leg") { &[20, 80] } else { &[40] };
     let mut rows = Vec::new();
     for &count in counts {
         for only in Predictor::ALL {
-            let options = Options {
-                predictor: Predict::Only(only),
-                proxies: Some(ProxyCount::Fixed(count)),
-                ..Options::default()
-            };
-            rows.push((format!("{} {count}", only.name()), options));
+            rows.push((format!("{} {count}", only.name()), fixed(only, count)));
         }
     }
     rows.push(("auto".to_owned(), Options::default()));

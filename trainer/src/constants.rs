@@ -7,15 +7,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct Constant {
     /// Its name.
     pub name: &'static str,
-    /// What it is.
-    pub what: &'static str,
     value: f64,
     bits: AtomicU64,
 }
 
 impl Constant {
-    const fn new(name: &'static str, value: f64, what: &'static str) -> Self {
-        Self { name, what, value, bits: AtomicU64::new(value.to_bits()) }
+    const fn new(name: &'static str, value: f64) -> Self {
+        Self { name, value, bits: AtomicU64::new(value.to_bits()) }
     }
 
     /// Returns the number.
@@ -30,89 +28,40 @@ impl Constant {
 }
 
 /// A vertex on which LBS errs more, RMS in diagonals, is a helper's; less is not seen.
-pub static ERRS: Constant = Constant::new(
-    "ERRS",
-    4e-4,
-    "a vertex on which LBS errs more, RMS in diagonals, is a helper's; less is not seen",
-);
+pub static ERRS: Constant = Constant::new("ERRS", 4e-4);
 /// A residual's weight against a position's where vertices are grouped.
-pub static RESIDUAL_SHARE: Constant = Constant::new(
-    "RESIDUAL_SHARE",
-    8.0,
-    "a residual's weight against a position's where vertices are grouped",
-);
+pub static RESIDUAL_SHARE: Constant = Constant::new("RESIDUAL_SHARE", 8.0);
 /// Pull of a helper to its joint, of the mean diagonal: what few vertices support is noise that no map can predict.
-pub static PULL: Constant = Constant::new(
-    "PULL",
-    1e-5,
-    "pull of a helper to its joint, of the mean diagonal: what few vertices support is noise that no map can predict",
-);
-/// Weight of the palette before any correction where weights are fitted: it is all that is left of poses unlike those of training.
-pub static BASE: Constant = Constant::new(
-    "BASE",
-    0.05,
-    "weight of the palette before any correction where weights are fitted: it is all that is left of poses unlike those of training",
-);
-/// Most of its last step that a round of helpers starts ahead.
-pub static AHEAD: Constant =
-    Constant::new("AHEAD", 0.7, "most of its last step that a round of helpers starts ahead");
+pub static PULL: Constant = Constant::new("PULL", 1e-5);
+/// Weight of the palette before any correction where weights are fitted: it is all that is left of poses unlike
+/// those of training.
+pub static BASE: Constant = Constant::new("BASE", 0.05);
+/// Most of its last step that a round of helpers starts ahead: with more the last digit of a file decides more of what
+/// comes out.
+pub static AHEAD: Constant = Constant::new("AHEAD", 0.7);
 /// Weight of a displacement, in diagonals, against a rotation's entries.
-pub static DISPLACEMENT: Constant = Constant::new(
-    "DISPLACEMENT",
-    3.0,
-    "weight of a displacement, in diagonals, against a rotation's entries",
-);
+pub static DISPLACEMENT: Constant = Constant::new("DISPLACEMENT", 3.0);
 /// A displacement that spreads less, RMS in weighted diagonals, is no input.
-pub static STILL: Constant = Constant::new(
-    "STILL",
-    3e-4,
-    "a displacement that spreads less, RMS in weighted diagonals, is no input",
-);
-/// How much better a score is to be with further joints, or other weights of them.
-pub static EARNS: Constant = Constant::new(
-    "EARNS",
-    0.2,
-    "how much better a score is to be with further joints, or other weights of them",
-);
-/// Share of the outputs' squared size without which joints and widths are chosen.
-pub static TELLS_NOTHING: Constant = Constant::new(
-    "TELLS_NOTHING",
-    1e-4,
-    "share of the outputs' squared size without which joints and widths are chosen",
-);
+pub static STILL: Constant = Constant::new("STILL", 3e-4);
+/// How much better a score is to be with further joints, or other weights of them: folds of training tell little of poses
+/// unlike it, and there a map that listens to less, and to all alike, errs less.
+pub static EARNS: Constant = Constant::new("EARNS", 0.2);
+/// Share of the outputs' squared size without which joints and widths are chosen: far less than any map leaves over.
+pub static TELLS_NOTHING: Constant = Constant::new("TELLS_NOTHING", 1e-4);
 /// How much worse a simpler choice may score.
-pub static SIMPLER: Constant =
-    Constant::new("SIMPLER", 0.02, "how much worse a simpler choice may score");
+pub static SIMPLER: Constant = Constant::new("SIMPLER", 0.02);
 /// Share of the outputs' squared size that no latent output carries.
-pub static NEGLIGIBLE: Constant = Constant::new(
-    "NEGLIGIBLE",
-    1e-7,
-    "share of the outputs' squared size that no latent output carries",
-);
+pub static NEGLIGIBLE: Constant = Constant::new("NEGLIGIBLE", 1e-7);
 /// Share of LBS's squared error below which no error is better than another.
-pub static EXACT: Constant = Constant::new(
-    "EXACT",
-    1e-5,
-    "share of LBS's squared error below which no error is better than another",
-);
+pub static EXACT: Constant = Constant::new("EXACT", 1e-5);
 /// Share of the poses that are beyond a joint's range.
-pub static BEYOND: Constant =
-    Constant::new("BEYOND", 0.25, "share of the poses that are beyond a joint's range");
+pub static BEYOND: Constant = Constant::new("BEYOND", 0.25);
 /// Share of the linear kernel beside the other, over the median squared distance.
-pub static LINEAR: Constant = Constant::new(
-    "LINEAR",
-    0.2,
-    "share of the linear kernel beside the other, over the median squared distance",
-);
+pub static LINEAR: Constant = Constant::new("LINEAR", 0.2);
 /// Power of the mean over blocks: near 0 it is geometric, so that the hardest block does not decide alone.
-pub static GENTLE: Constant = Constant::new(
-    "GENTLE",
-    0.1,
-    "power of the mean over blocks: near 0 it is geometric, so that the hardest block does not decide alone",
-);
+pub static GENTLE: Constant = Constant::new("GENTLE", 0.1);
 /// How much worse a larger ridge may score.
-pub static STIFFER: Constant =
-    Constant::new("STIFFER", 0.02, "how much worse a larger ridge may score");
+pub static STIFFER: Constant = Constant::new("STIFFER", 0.02);
 
 /// All of them.
 pub static ALL: [&Constant; 16] = [

@@ -12,20 +12,6 @@ pub(super) struct OutputFile {
     place: PathBuf,
 }
 
-/// Checks that what is to be written has an ending of its kind, so that a slip of the hand replaces no other file.
-pub(super) fn check_ending(path: &Path, endings: &[&str]) -> anyhow::Result<()> {
-    let own = path.extension().unwrap_or_default();
-    if endings.iter().any(|ending| own.eq_ignore_ascii_case(ending)) {
-        return Ok(());
-    }
-    let expected: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
-    bail!(
-        "{}: expected a file that ends in {}, which is what is written",
-        path.display(),
-        expected.join(" or ")
-    )
-}
-
 impl OutputFile {
     /// Tries a place, so that hours of work do not end in a result that cannot be written.
     ///

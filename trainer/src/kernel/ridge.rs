@@ -5,7 +5,7 @@ use super::arithmetic::U;
 use super::certainty::Certainty;
 use super::design::{BlockRows, Design, Hyperparameters};
 use super::map::KernelMap;
-use super::outputs::{Outputs, gentle_mean};
+use super::outputs::{Block, Outputs, gentle_mean};
 use crate::constants::STIFFER;
 use faer::{ColRef, Mat};
 use sinew_runtime::format::CORRECTION_MAX;
@@ -96,15 +96,18 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     distinct.sort_by(f64::total_cmp);
     distinct.dedup();
     let mut squared = vec![0.0; outputs.blocks.len()];
+    let part = |(block, of): &(Block, usize)| BlockOutputs {
+        rows: design.rows(block),
+        truth: outputs.of_part(block, *of),
+    };
+    let parts: Vec<BlockOutputs> = outputs.parts.iter().map(part).collect();
     for ridge in distinct {
         let own: Vec<usize> = (0..ridges.len()).filter(|&o| ridges[o] == ridge).collect();
         for (sum, left) in squared.iter_mut().zip(projected.left_out(design, ridge)?) {
             *sum += own.iter().map(|&o| left.col(o).squared_norm_l2()).sum::<f64>();
         }
-        for (block, of) in &outputs.parts {
-            let truth = outputs.of_part(block, *of);
-            let out = design.block_out(&design.rows(block), ridge)?;
-            let left = out.errors(&truth, projected.seen(*of));
+        for ((block, of), BlockOutputs { rows, truth }) in outputs.parts.iter().zip(&parts) {
+            let left = design.block_out(rows, ridge)?.errors(truth, projected.seen(*of));
             for (i, &sample) in block.own.iter().enumerate() {
                 own.iter().for_each(|&o| predicted[(sample, o)] = truth[(i, o)] - left[(i, o)]);
             }
@@ -224,7 +227,6 @@ fn least(tried: &[OfRidge], output: usize) -> Option<(f64, f64)> {
 mod tests {
     use super::super::function::SMOOTHEST_FIRST;
     use super::super::inputs::{Inputs, WIDTHS};
-    use super::super::outputs::Block;
     use super::*;
     use sinew_runtime::envelope::GroupKernel;
 

@@ -5,6 +5,7 @@ pub mod basis;
 pub mod cluster;
 pub(crate) mod columns;
 pub mod frame;
+pub mod points;
 pub(crate) mod registers;
 pub(crate) mod ridge;
 pub mod simplex;

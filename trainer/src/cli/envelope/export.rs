@@ -98,7 +98,13 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     inputs.extend_from_slice(&arguments.also);
     inputs.extend(arguments.into.iter().chain(&arguments.mesh).cloned());
     let target = OutputFile::new(&arguments.output, &inputs)?;
-    files::check_ending(&arguments.output, &["glb"])?;
+    let is_glb = arguments.output.extension().is_some_and(|own| own.eq_ignore_ascii_case("glb"));
+    if !is_glb {
+        bail!(
+            "{}: expected a file that ends in .glb, which is what is written",
+            arguments.output.display()
+        );
+    }
     let model = input::read_model(&arguments.model)?;
     let skin = arguments.skin.as_deref();
     let character =

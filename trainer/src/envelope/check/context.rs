@@ -26,15 +26,13 @@ pub(super) struct Context<'a> {
 impl<'a> Context<'a> {
     pub(super) fn new(examples: &'a Examples, clips: &'a [Clip], training: Training) -> Self {
         let frames = training.poses.times().iter().map(|time| time.frame).collect();
-        let weights = &training.lbs.weights;
+        let (residuals, dominant) = training.left_by_lbs();
         Self {
             examples,
             clips,
             frames,
-            residuals: training.targets(weights).residuals(&training.poses.stacked()),
-            dominant: (0..examples.vertex_len())
-                .map(|vertex| weights.strongest(vertex).unwrap_or(0))
-                .collect(),
+            residuals,
+            dominant,
             turns: Turns::new(&training.poses, Features::of(&training)),
             training,
         }
@@ -63,11 +61,7 @@ impl<'a> Context<'a> {
 
     /// Lists the vertices that follow each joint most, J lists.
     pub(super) fn skins(&self) -> Vec<Vec<usize>> {
-        let mut skins = vec![Vec::new(); self.examples.joint_len()];
-        for (vertex, &joint) in self.dominant.iter().enumerate() {
-            skins[joint].push(vertex);
-        }
-        skins
+        self.left().skins()
     }
 
     /// Squared length of what LBS leaves of a vertex in the `i`-th training frame.

@@ -3,6 +3,7 @@
 use super::EvaluateError;
 use crate::envelope::posed::rest;
 use crate::examples::Examples;
+use crate::numeric::points::{apart, apart_unordered};
 use sinew_runtime::format::Space;
 use sinew_runtime::{Envelope, Model, Skin};
 
@@ -56,22 +57,22 @@ impl<'a> Character<'a> {
     /// character.
     ///
     /// # Errors
-    /// Those of [`Character::find`], [`EvaluateError::Mismatch`], [`EvaluateError::JointName`],
-    /// [`EvaluateError::RestMesh`] and [`EvaluateError::VertexOrder`].
+    /// Those of [`Character::find`], [`EvaluateError::Vertices`], [`EvaluateError::Joints`],
+    /// [`EvaluateError::JointName`], [`EvaluateError::RestMesh`] and [`EvaluateError::VertexOrder`].
     pub fn open(
         model: &'a [u8],
         skin: Option<&str>,
         examples: &Examples,
     ) -> Result<Self, EvaluateError> {
-        let found = Self::find(model, skin)?;
-        let Self { envelope, skin, .. } = &found;
-        for (what, expected, found) in [
-            ("vertices", skin.vertex_len(), examples.surface().engine_len()),
-            ("joints", envelope.joint_len(), examples.joint_len()),
-        ] {
-            if expected != found {
-                return Err(EvaluateError::Mismatch { what, expected, found });
-            }
+        let character = Self::find(model, skin)?;
+        let Self { envelope, skin, .. } = &character;
+        let (expected, found) = (skin.vertex_len(), examples.surface().engine_len());
+        if expected != found {
+            return Err(EvaluateError::Vertices { expected, found });
+        }
+        let (expected, found) = (envelope.joint_len(), examples.joint_len());
+        if expected != found {
+            return Err(EvaluateError::Joints { expected, found });
         }
         for (joint, found) in examples.skeleton.names.iter().enumerate() {
             let expected = envelope.joint_name(joint).unwrap_or_default();
@@ -84,32 +85,11 @@ impl<'a> Character<'a> {
         let (found_rest, diagonal) = (rest(skin), examples.diagonal());
         let apart = apart(&found_rest, &expected);
         if apart > SAME_SPACE * diagonal {
-            let moved = self::apart(&unordered(&found_rest), &unordered(&expected));
-            if moved <= SAME_PLACES * diagonal {
+            if apart_unordered(&found_rest, &expected) <= SAME_PLACES * diagonal {
                 return Err(EvaluateError::VertexOrder);
             }
             return Err(EvaluateError::RestMesh { percent: 100.0 * apart / diagonal });
         }
-        Ok(found)
+        Ok(character)
     }
-}
-
-/// The RMS distance of points.
-fn apart<const N: usize>(a: &[[f64; N]], b: &[[f64; N]]) -> f64 {
-    let squares = a.iter().zip(b);
-    let squares = squares.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>());
-    (squares.sum::<f64>() / a.len().max(1) as f64).sqrt()
-}
-
-/// Gives points' coordinates, each axis sorted, and their distances from the origin: alike of points in any order.
-fn unordered(points: &[[f64; 3]]) -> Vec<[f64; 4]> {
-    let mut all = vec![[0.0; 4]; points.len()];
-    for k in 0..4 {
-        let of =
-            |x: &[f64; 3]| if k < 3 { x[k] } else { x.iter().map(|x| x * x).sum::<f64>().sqrt() };
-        let mut values: Vec<f64> = points.iter().map(of).collect();
-        values.sort_by(f64::total_cmp);
-        all.iter_mut().zip(values).for_each(|(all, value)| all[k] = value);
-    }
-    all
 }

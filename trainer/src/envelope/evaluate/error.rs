@@ -24,14 +24,20 @@ pub enum EvaluateError {
         /// The names that there are.
         has: String,
     },
-    /// The model was made for another character.
+    /// The model was made for a mesh of another number of vertices.
     #[error(
-        "the model has {expected} {what}, the examples have {found}: give examples of the file that training had, with its \
+        "the model has {expected} vertices, the examples have {found}: give examples of the file that training had, with its \
          texture's seams where that has them"
     )]
-    Mismatch {
-        /// Vertices or joints.
-        what: &'static str,
+    Vertices {
+        /// In the model.
+        expected: usize,
+        /// In the examples.
+        found: usize,
+    },
+    /// The model was made for a skeleton of another number of joints.
+    #[error("the model has {expected} joints, the examples have {found}")]
+    Joints {
         /// In the model.
         expected: usize,
         /// In the examples.

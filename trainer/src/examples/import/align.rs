@@ -275,14 +275,6 @@ pub(super) fn diagonal(points: &[[f64; 3]]) -> f64 {
     Cloud::new(points).diagonal
 }
 
-/// Measures how far points lie from others, one by one, RMS.
-pub(super) fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    let squared = |(a, b): (&[f64; 3], &[f64; 3])| -> f64 {
-        a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
-    };
-    (a.iter().zip(b).map(squared).sum::<f64>() / a.len().max(1) as f64).sqrt()
-}
-
 /// Measures how far points lie from their centre, RMS.
 pub(super) fn radius(points: &[[f64; 3]]) -> f64 {
     Cloud::new(points).radius

@@ -1,8 +1,8 @@
 //! Examples of one character from several files.
 
-use super::align::apart;
 use super::error::ImportError;
 use crate::examples::{Clip, Examples, LoadError, Skeleton};
+use crate::numeric::points::{apart, apart_unordered};
 use std::path::{Path, PathBuf};
 
 /// Share of the diagonal within which rest meshes, and the origins of joints, are the same: what single precision and
@@ -95,7 +95,7 @@ fn check(expected: &Examples, found: &Examples, first: &Path) -> Result<(), Impo
     let percent = 100.0 * apart(&expected.rest, &found.rest) / diagonal;
     if percent > 100.0 * SAME {
         // The same places in another order.
-        let is_shuffled = apart(&sorted(&expected.rest), &sorted(&found.rest)) <= SAME * diagonal;
+        let is_shuffled = apart_unordered(&expected.rest, &found.rest) <= SAME * diagonal;
         return Err(ImportError::OtherRest { percent, is_shuffled, first: first() });
     }
     // Where they are found from the motion, each file has a motion of its own.
@@ -112,12 +112,4 @@ fn check(expected: &Examples, found: &Examples, first: &Path) -> Result<(), Impo
         return Err(ImportError::OtherFaces { first: first() });
     }
     Ok(())
-}
-
-fn sorted(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let mut points = points.to_vec();
-    points.sort_by(|a, b| {
-        a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
-    });
-    points
 }

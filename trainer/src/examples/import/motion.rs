@@ -1,6 +1,6 @@
 //! A skeleton's animation, played by a character from another file.
 
-use super::align::{self, apart};
+use super::align;
 use super::error::ImportError;
 use super::loaded::Loaded;
 use super::scene::rows;
@@ -9,6 +9,7 @@ use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Split, Warni
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{Motion, Sampling};
 use crate::formats::{fbx, gltf};
+use crate::numeric::points::apart;
 use crate::space::Conversion;
 use nalgebra::Matrix4;
 use std::path::Path;

@@ -5,5 +5,5 @@ mod read;
 mod write;
 
 pub use error::ArrayError;
-pub(crate) use read::{Archive, Rows, read_npy};
+pub(crate) use read::{Archive, Number, Rows, read_npy};
 pub(crate) use write::Writer;

@@ -2,7 +2,7 @@
 
 use crate::examples::validate::same;
 use crate::examples::{ExamplesError, Split};
-use crate::formats::npz::Archive;
+use crate::formats::npz::{Archive, Number};
 use crate::formats::{ArrayError, FormatError};
 
 /// Names of the arrays of faces: quads, then triangles.
@@ -60,16 +60,40 @@ pub(super) fn read_split(
     archive: &mut Archive,
     frame_len: usize,
 ) -> Result<Option<Vec<Split>>, ExamplesError> {
-    let Some(codes) = archive.rows::<i64, 1>("split", &[])? else { return Ok(None) };
-    same("frames", "vertices", frame_len, "split", codes.data.len())?;
-    let codes = codes.data.iter().enumerate();
-    let split = codes.map(|(frame, &[code])| match code {
+    let codes = read_each::<i64>(archive, "split", ("frames", "vertices", frame_len))?;
+    let Some(codes) = codes else { return Ok(None) };
+    let split = codes.into_iter().enumerate().map(|(frame, code)| match code {
         0 => Ok(Split::Train),
         1 => Ok(Split::HeldOut),
         2 => Ok(Split::Extreme),
         _ => Err(ExamplesError::UnknownSplit { frame, code }),
     });
     split.collect::<Result<_, _>>().map(Some)
+}
+
+/// Reads how often each of N frames counts.
+///
+/// # Errors
+/// Those of the array, [`ExamplesError::Mismatch`] for another count.
+pub(super) fn read_frame_weights(
+    archive: &mut Archive,
+    frame_len: usize,
+) -> Result<Option<Vec<f64>>, ExamplesError> {
+    read_each(archive, "frame_weights", ("frames", "vertices", frame_len))
+}
+
+/// Reads a number of each thing, of which another array has so many.
+///
+/// # Errors
+/// Those of the array, [`ExamplesError::Mismatch`] for another count.
+pub(super) fn read_each<T: Number>(
+    archive: &mut Archive,
+    array: &'static str,
+    (things, of, len): (&'static str, &'static str, usize),
+) -> Result<Option<Vec<T>>, ExamplesError> {
+    let Some(numbers) = archive.rows::<T, 1>(array, &[])? else { return Ok(None) };
+    same(things, of, len, array, numbers.data.len())?;
+    Ok(Some(numbers.data.into_iter().map(|[number]| number).collect()))
 }
 
 /// Names an array that is not there.

@@ -1,9 +1,9 @@
-//! What is told of the vertices: the meshes that they are of, and how much each counts; and how often each frame does.
+//! What is told of the vertices: the meshes that they are of, and how much each counts.
 
+use super::fields::read_each;
 use super::runs::{RunKind, Runs, read_runs};
 use super::sidecar::Sidecar;
 use crate::examples::ExamplesError;
-use crate::examples::validate::same;
 use crate::formats::npz::Archive;
 
 /// Meshes, as runs of vertices.
@@ -31,20 +31,5 @@ pub(super) fn read_importance(
     archive: &mut Archive,
     vertex_len: usize,
 ) -> Result<Option<Vec<f64>>, ExamplesError> {
-    let Some(numbers) = archive.rows::<f64, 1>("importance", &[])? else { return Ok(None) };
-    same("vertices", "rest", vertex_len, "importance", numbers.data.len())?;
-    Ok(Some(numbers.data.into_iter().map(|[number]| number).collect()))
-}
-
-/// Reads how often each of N frames counts.
-///
-/// # Errors
-/// Those of the array, [`ExamplesError::Mismatch`] for another count.
-pub(super) fn read_frame_weights(
-    archive: &mut Archive,
-    frame_len: usize,
-) -> Result<Option<Vec<f64>>, ExamplesError> {
-    let Some(numbers) = archive.rows::<f64, 1>("frame_weights", &[])? else { return Ok(None) };
-    same("frames", "vertices", frame_len, "frame_weights", numbers.data.len())?;
-    Ok(Some(numbers.data.into_iter().map(|[number]| number).collect()))
+    read_each(archive, "importance", ("vertices", "rest", vertex_len))
 }

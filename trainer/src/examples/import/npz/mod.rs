@@ -42,8 +42,8 @@ pub(super) use posed_meshes::read_posed_meshes;
 pub use save::save_npz;
 
 use self::clips::read_clips;
-use self::fields::{FACES, missing, read_faces, read_split};
-use self::meshes::{read_frame_weights, read_importance, read_meshes};
+use self::fields::{FACES, missing, read_faces, read_frame_weights, read_split};
+use self::meshes::{read_importance, read_meshes};
 use self::sidecar::{Parent, Sidecar};
 use self::space::read_space;
 use self::texture::read_texture;
