@@ -23,7 +23,8 @@ pub(super) struct ExampleArguments {
     pub(super) examples: Vec<PathBuf>,
     /// The posed meshes of a scene, one a frame of its clips and with the vertices of its mesh, split
     /// along seams or not: Alembic (.abc), a point cache (.pc2, .mdd), a folder of numbered .obj files or one of them, the
-    /// `vertices` of a .npz, in any order where it has `rest`, or the morph targets of a .glb [default: the scene's own skin and shapes]
+    /// `vertices` of a .npz, in any order where it has `rest`, or a .glb as it plays, by its skin and morph targets, in any
+    /// order [default: the scene's own skin and shapes]
     ///
     /// Of several scenes once for each, in their order. Where --clip asks for some clips, they may be those of all.
     #[arg(long, value_name = "FILE")]

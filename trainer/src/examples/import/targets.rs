@@ -19,7 +19,7 @@ pub(super) struct TargetMeshes {
 }
 
 /// Reads posed meshes: an Alembic archive (`.abc`), a point cache (`.pc2`, `.mdd`), arrays (`.npz`), one of a sequence of numbered
-/// `.obj` files, a folder that holds one, or a scene's own shapes (`.glb`, `.gltf`).
+/// `.obj` files, a folder that holds one, or a scene as it plays (`.glb`, `.gltf`).
 ///
 /// # Errors
 /// A [`LoadError`] that names the file at fault: it cannot be read, is none of these or is damaged;

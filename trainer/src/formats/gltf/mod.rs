@@ -28,7 +28,7 @@ use self::skins::Skins;
 use self::viewed::Scene;
 use self::welded::Welded;
 use super::error::FormatError;
-use super::posed_meshes::PosedMeshes;
+use super::posed_meshes::{Part, PosedMeshes};
 use super::scene::{SampledScene, Sampling, SceneError};
 use super::warning::FormatWarning;
 
@@ -66,7 +66,7 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
             let (locals, weights) = scene.at(moment);
             let worlds = scene.nodes.worlds(&locals);
             let joints: Vec<_> = skins.joints.iter().map(|&node| worlds[node]).collect();
-            let shape = sampling.shapes.then(|| scene.skinned(&skins, &joints, &weights));
+            let shape = sampling.shapes.then(|| scene.skinned(&skins, &worlds, &weights));
             let shape = shape.map(|shape| welded.pick(&shape));
             (joints, shape.unwrap_or_default())
         })
@@ -96,25 +96,32 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
     })
 }
 
-/// Reads posed meshes without joints: every mesh of the file, shaped by its morph targets and placed
-/// by its node.
+/// Reads posed meshes without joints: every mesh of the file, shaped by its morph targets, and carried by the joints of
+/// its skin or, without one, by its node.
 ///
 /// # Errors
-/// As [`read`], but for what concerns skins.
+/// As [`read`], but for meshes without a skin; [`SceneError::StillShapes`] where no morph target plays and nothing is
+/// skinned.
 pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError> {
     let (document, buffers) = file::open(path)?;
     let nodes = Nodes::read(&document)?;
     let shown = nodes.shown(&document);
-    let (meshes, _) = Meshes::read(&document, &buffers, |node| shown[node], false)?;
-    let scene = Scene::new(nodes, meshes, ClipKeys::read(&document, &buffers)?);
-    if scene.meshes.instances.is_empty() {
+    let (mut meshes, _) = Meshes::read(&document, &buffers, |node| shown[node], false)?;
+    if meshes.instances.is_empty() {
         return Err(SceneError::NoMesh.into());
     }
+    let skins = Skins::read(&document, &buffers, &nodes, &mut meshes)?;
+    let scene = Scene::new(nodes, meshes, ClipKeys::read(&document, &buffers)?);
+    let plays = scene.animations.iter().any(|clip| clip.shapes(|node| scene.shows(node)));
+    if !plays && skins.joints.is_empty() {
+        return Err(SceneError::StillShapes.into());
+    }
+    let instances = &scene.meshes.instances;
+    let unskinned = instances.iter().filter(|instance| instance.skin.is_none());
+    let moving = skins.joints.iter().copied().chain(unskinned.map(|instance| instance.node));
     let mut moved = vec![false; scene.nodes.names.len()];
-    for instance in &scene.meshes.instances {
-        for node in scene.nodes.upwards(instance.node) {
-            moved[node] = true;
-        }
+    for node in moving.flat_map(|node| scene.nodes.upwards(node)) {
+        moved[node] = true;
     }
     let sampling = Sampling { fps: None, clips: &[], shapes: true, still: false };
     let (_, moments) = scene.sample(&moved, &sampling, &mut Vec::new())?;
@@ -122,10 +129,18 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
         .par_iter()
         .map(|moment| {
             let (locals, weights) = scene.at(moment);
-            scene.placed(&scene.nodes.worlds(&locals), &weights)
+            scene.skinned(&skins, &scene.nodes.worlds(&locals), &weights)
         })
         .collect();
-    Ok(PosedMeshes::bare(scene.meshes.positions.len(), shapes.concat()))
+    let parts = instances.iter().enumerate().map(|(number, instance)| Part {
+        names: vec![instance.name.clone()],
+        range: scene.meshes.vertices(number),
+    });
+    Ok(PosedMeshes {
+        parts: parts.collect(),
+        reference: Some(scene.meshes.positions.clone()),
+        ..PosedMeshes::bare(scene.meshes.positions.len(), shapes.concat())
+    })
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ pub(super) struct Member {
 }
 
 impl Skins {
-    /// Joins the skins of the meshes and moves each mesh to where the first one's joints bind it:
+    /// Joins the skins of the meshes that have one and moves each to where the first one's joints bind it:
     /// exporters differ in whether all skins of a character share one space.
     ///
     /// # Errors
@@ -52,9 +52,8 @@ impl Skins {
         let mut all = Self::default();
         for instance in 0..meshes.instances.len() {
             let mesh = meshes.instances[instance].name.clone();
-            let number = meshes.instances[instance].skin;
-            let skin = number.and_then(|number| document.skins().nth(number));
-            let skin = skin.ok_or(SceneError::NoSkin)?;
+            let Some(number) = meshes.instances[instance].skin else { continue };
+            let skin = document.skins().nth(number).ok_or(SceneError::NoSkin)?;
             let joined = match all.members.remove(&skin.index()) {
                 Some(joined) => joined,
                 None => all.join(&skin, buffers, nodes, &mesh)?,

@@ -78,34 +78,30 @@ impl Scene {
         (locals, weights)
     }
 
-    /// Skins the meshes' shapes with joints at these world transforms.
+    /// Skins the meshes' shapes with nodes at these world transforms; one without a skin goes with its node.
     pub(super) fn skinned(
         &self,
         skins: &Skins,
-        joints: &[Matrix4<f64>],
+        worlds: &[Matrix4<f64>],
         weights: &[Vec<f64>],
     ) -> Vec<[f64; 3]> {
-        let maps: Vec<_> = joints
+        let maps: Vec<_> = skins
+            .joints
             .iter()
             .zip(&skins.inverse_binds)
-            .map(|(joint, inverse)| joint * inverse)
+            .map(|(&joint, inverse)| worlds[joint] * inverse)
             .collect();
         self.each(weights, |instance, vertex, shape| {
-            let members = instance.skin.map(|skin| skins.members[&skin].joints.as_slice());
-            let members = members.unwrap_or_default();
+            let Some(skin) = instance.skin else {
+                return worlds[instance.node].transform_point(&shape.into()).coords;
+            };
+            let members = &skins.members[&skin].joints;
             let (mut sum, mut total) = (Vector3::zeros(), 0.0);
             for &(member, weight) in &self.meshes.influences[vertex] {
                 sum += maps[members[member]].transform_point(&shape.into()).coords * weight;
                 total += weight;
             }
             sum / total
-        })
-    }
-
-    /// Places the meshes' shapes where their nodes are.
-    pub(super) fn placed(&self, worlds: &[Matrix4<f64>], weights: &[Vec<f64>]) -> Vec<[f64; 3]> {
-        self.each(weights, |instance, _, shape| {
-            worlds[instance.node].transform_point(&shape.into()).coords
         })
     }
 

@@ -160,6 +160,12 @@ pub enum SceneError {
     /// There is nothing to sample.
     #[error("holds no animation: export the poses as keys of an animation clip")]
     NoAnimation,
+    /// No animation plays a morph target of meshes without a skin.
+    #[error(
+        "has neither a skin nor morph targets that an animation plays, and so no shapes to learn: export the shapes' keys \
+         with the animation, or give the posed meshes as .abc, .pc2, .mdd, .npz or numbered .obj"
+    )]
+    StillShapes,
     /// No clip moves a joint or a shape of the mesh.
     #[error(
         "no animation targets a joint or a shape of the mesh (clips: {}): export the armature's \

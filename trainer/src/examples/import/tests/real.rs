@@ -72,6 +72,17 @@ fn vertices_that_gltf_sorts_anew_are_found_again() {
     }
 }
 
+/// Its vertices, in an order of their own, go where its own joints and shapes take them.
+#[test]
+fn a_skinned_gltf_is_targets_as_a_viewer_shows_it() {
+    for (scene, unit) in [("leg.glb", 1.0), ("leg_strips.fbx", 0.01)] {
+        let Some((Loaded { examples, .. }, _)) = leg(scene, "leg.glb") else { return };
+        let expected = load(&Source::file(&shared("leg/leg.glb").unwrap())).unwrap().examples;
+        let frames: Vec<usize> = (0..WALK + STRETCH).collect();
+        check(&examples, &expected, &frames, unit, false);
+    }
+}
+
 /// The stretch's meshes before the walk's.
 #[test]
 fn meshes_that_follow_the_clips_in_another_order_are_sorted() {

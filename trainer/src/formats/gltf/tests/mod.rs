@@ -98,6 +98,35 @@ fn morph_targets_are_skinned() {
     assert_eq!(examples.frame(3), examples.rest);
 }
 
+/// What another scene learns from a file is what a viewer shows of it: shapes, carried by the joints.
+#[test]
+fn posed_meshes_are_skinned_where_they_have_a_skin() {
+    let mut made = Made::scene();
+    let (times, weights) = (made.floats(&[[0.0], [1.0]]), made.floats(&[[0.0], [0.5]]));
+    let target = json!({ "node": 0, "path": "weights" });
+    made.clip("raise", target, times, weights, "LINEAR");
+    let nodes = made.json["nodes"].as_array_mut().unwrap();
+    // It goes with its skin, and not with its node.
+    nodes[0]["translation"] = json!([7.0, 0.0, 0.0]);
+    nodes.push(json!({ "name": "rigid", "mesh": 0, "translation": [0.0, 5.0, 0.0] }));
+    made.json["scenes"][0]["nodes"] = json!([0, 1, 3]);
+    let meshes = read_posed_meshes(&made.write("posed-skinned")).unwrap();
+    assert_eq!((meshes.vertex_len, meshes.vertices.len()), (6, 5 * 6));
+    let vertex = |frame: usize, vertex: usize| meshes.vertices[6 * frame + vertex];
+    near(vertex(1, 1), [2.0, 1.0, 0.0], 1e-7);
+    near(vertex(1, 2), [1.5, 0.5, 0.0], 1e-7);
+    near(vertex(4, 1), [3.0, 0.0, 0.5], 1e-12);
+    near(vertex(1, 3), [1.0, 5.0, 0.0], 1e-7);
+}
+
+#[test]
+fn posed_meshes_that_nothing_shapes_are_refused() {
+    let mut made = Made::scene();
+    made.json["nodes"][0].as_object_mut().unwrap().remove("skin");
+    let error = read_posed_meshes(&made.write("posed-still")).unwrap_err();
+    assert!(matches!(error, FormatError::Scene(SceneError::StillShapes)), "{error}");
+}
+
 #[test]
 fn keys_are_interpolated_as_they_say() {
     let mut made = Made::scene();
