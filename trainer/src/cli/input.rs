@@ -5,8 +5,8 @@ use super::bars::Bars;
 use anyhow::{Context, bail};
 use sinew_runtime::Model;
 use sinew_trainer::examples::{
-    self, Clip, Examples, ExamplesError, LoadError, Loaded, RATES, Source, Split, hash_file, load,
-    load_importance,
+    self, Clip, Examples, ExamplesError, LoadError, Loaded, RATES, Severity, Source, Split,
+    Warning, hash_file, load, load_importance,
 };
 use sinew_trainer::formats::Content;
 use std::path::{Path, PathBuf};
@@ -54,8 +54,8 @@ pub(super) struct LoadedInput {
     pub(super) examples: Examples,
     /// The clips that its frames come from.
     pub(super) clips: Vec<Clip>,
-    /// What was told about them.
-    pub(super) warnings: Vec<String>,
+    /// What is known about them.
+    pub(super) warnings: Vec<Warning>,
 }
 
 /// A file that is read, for the record.
@@ -68,10 +68,24 @@ pub(super) struct InputFile {
 impl ExampleArguments {
     /// Loads the examples and tells on standard error what should be known about them.
     pub(super) fn load(&self, output: Output) -> anyhow::Result<LoadedInput> {
+        self.load_telling(output, |_| true)
+    }
+
+    /// Loads the examples to measure a model on them: leaves it to the caller to tell of meshes that a scene's own
+    /// skinning makes.
+    pub(super) fn load_to_measure(&self, output: Output) -> anyhow::Result<LoadedInput> {
+        self.load_telling(output, |warning| *warning != Warning::PlainSkin)
+    }
+
+    fn load_telling(
+        &self,
+        output: Output,
+        is_told: fn(&Warning) -> bool,
+    ) -> anyhow::Result<LoadedInput> {
         let (mut files, mut warnings) = (Vec::new(), Vec::new());
         let importance = self.importance_of_each()?;
         for (source, importance) in self.sources()?.into_iter().zip(importance) {
-            let mut input = read(source, output, load)?;
+            let mut input = read(source, output, is_told, load)?;
             if let Some(file) = importance {
                 let numbers = load_importance(file)?;
                 let weighed = input.examples.weigh(numbers);
@@ -173,7 +187,7 @@ pub(super) fn load_motion(
     mesh: Option<&Path>,
     output: Output,
 ) -> anyhow::Result<LoadedInput> {
-    read(source, output, |source| examples::load_motion(source, mesh))
+    read(source, output, |_| true, |source| examples::load_motion(source, mesh))
 }
 
 /// Moves poses from a file to where their rest mesh is this one.
@@ -185,7 +199,7 @@ pub(super) fn move_to(
 ) -> anyhow::Result<()> {
     let moved = input.examples.move_to(rest).with_context(|| file.display().to_string())?;
     if let Some(warning) = moved {
-        output.warn(file.display(), warning);
+        tell(file, &warning, output);
     }
     Ok(())
 }
@@ -194,17 +208,25 @@ pub(super) fn move_to(
 fn read(
     source: Source<'_>,
     output: Output,
+    is_told: fn(&Warning) -> bool,
     load: impl Fn(&Source<'_>) -> Result<Loaded, LoadError>,
 ) -> anyhow::Result<LoadedInput> {
     check(source.file)?;
     let reading = Bars::busy(output, "reading examples");
     let Loaded { examples, clips, warnings } = load(&source)?;
     drop(reading);
-    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    for warning in &warnings {
-        output.warn(source.file.display(), warning);
+    for warning in warnings.iter().filter(|warning| is_told(warning)) {
+        tell(source.file, warning, output);
     }
     Ok(LoadedInput { examples, clips, warnings })
+}
+
+/// Tells what should be known about a file.
+fn tell(file: &Path, warning: &Warning, output: Output) {
+    match warning.severity() {
+        Severity::Warning => output.warn(file.display(), warning),
+        Severity::Note => output.note(file.display(), warning),
+    }
 }
 
 /// Refuses what is easily given by mistake.

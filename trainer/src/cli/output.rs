@@ -37,6 +37,13 @@ impl Output {
         }
     }
 
+    /// Tells on standard error what is good to know about a file and asks for nothing, unless quiet.
+    pub(super) fn note(self, about: impl Display, note: impl Display) {
+        if !self.quiet {
+            tell(&format!("note: {about}: {note}"));
+        }
+    }
+
     /// Prints a result: as JSON where that is asked for, else as text.
     pub(super) fn print(self, json: &impl serde::Serialize, text: &str) -> anyhow::Result<()> {
         let text = if self.json { &serde_json::to_string_pretty(json)? } else { text };

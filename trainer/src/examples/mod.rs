@@ -33,4 +33,4 @@ pub use mark::{Mark, is_same};
 pub use rigidity::Distortion;
 pub(crate) use sample::spread;
 pub use validate::RIGID;
-pub use warning::Warning;
+pub use warning::{Severity, Warning};

@@ -9,6 +9,16 @@ use std::fmt;
 /// How many triangles a message lists before it only counts.
 const LISTED: usize = 8;
 
+/// How much something matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Worth knowing; a training does without a change.
+    Note,
+    /// Likely a mistake, which costs accuracy.
+    Warning,
+}
+
 /// Something that does not stop a fit but that the user should know.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
@@ -84,6 +94,18 @@ pub enum Warning {
 }
 
 impl Warning {
+    /// Tells how much it matters: what was put right asks for nothing.
+    pub fn severity(&self) -> Severity {
+        match self {
+            Self::Moved { .. }
+            | Self::TargetsCut { .. }
+            | Self::ClipsSorted { .. }
+            | Self::RestOfCharacter
+            | Self::Format(FormatWarning::NormalsRepaired { .. }) => Severity::Note,
+            _ => Severity::Warning,
+        }
+    }
+
     /// Calls the frame that it points at as its source does, of frames of these clips.
     pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
         if let Self::NonRigidJoint { worst_frame: Some(frame), .. } = &mut self {

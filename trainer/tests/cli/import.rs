@@ -85,7 +85,7 @@ fn the_meshes_of_a_clip_are_cut_out_of_those_of_all() {
     let train = "train demo.glb --clip train --predictor kernel --proxies 4";
     folder.sinew(&format!("{train} --targets train.pc2 -o own.sinew")).done();
     let run = folder.sinew(&format!("{train} --targets demo.pc2 -o cut.sinew"));
-    let expected = "sinew: warning: demo.glb: the targets hold the frames of all clips, 25, of which the 20 of train \
+    let expected = "sinew: note: demo.glb: the targets hold the frames of all clips, 25, of which the 20 of train \
                     are taken\n";
     assert_eq!((run.code, run.err.as_str()), (Some(0), expected));
     assert!(folder.read("cut.sinew") == folder.read("own.sinew"), "the same meshes");
@@ -97,6 +97,41 @@ fn the_meshes_of_a_clip_are_cut_out_of_those_of_all() {
     }
     let run = folder.sinew("check demo.glb --targets demo.pc2 --clip held-out");
     assert!(run.err.contains("of which the 5 of held-out are taken"), "{}", run.err);
+}
+
+#[test]
+fn targets_that_are_forgotten_are_asked_for() {
+    let folder = rig("forgotten");
+    let fit = "--predictor kernel --proxies 4";
+    folder.sinew(&format!("train demo.glb --targets demo.pc2 {fit} -o a.sinew")).done();
+    let asked = "demo.glb: no shapes move and no targets are given: the meshes are the scene's own linear blend skinning, \
+                 and the model has learned others; give those as --targets, as in training";
+    for command in ["eval a.sinew demo.glb", "report a.sinew demo.glb --quick -o a.html"] {
+        assert_eq!(folder.sinew(command).failed(), asked);
+        folder.sinew(&format!("{command} --targets demo.pc2")).done();
+    }
+    // A model that had none has nothing to ask for.
+    folder.sinew(&format!("train demo.glb {fit} -o plain.sinew -q")).done();
+    let run = folder.sinew("eval plain.sinew demo.glb");
+    assert!(run.code == Some(0) && run.err.contains("there is nothing to learn"), "{}", run.err);
+}
+
+#[test]
+fn a_check_counts_what_it_has_printed() {
+    let folder = rig("counted");
+    for (options, told) in
+        [("", [1, 0]), ("--quiet", [0, 0]), ("--clip train --targets demo.pc2", [0, 1])]
+    {
+        let run = folder.sinew(&format!("check demo.glb {options}"));
+        let count = |kind: &str| run.err.matches(&format!("{kind}: demo.glb: ")).count();
+        assert_eq!(["warning", "note"].map(count), told, "{}", run.err);
+        let found = |kind: &str| {
+            let found = count(kind) + run.out.matches(&format!("\n  {kind}: ")).count();
+            format!("{found} {kind}{}", if found == 1 { "" } else { "s" })
+        };
+        let [warnings, notes] = ["warning", "note"].map(found);
+        assert!(run.out.contains(&format!("\n{warnings}, {notes}, ")), "{}", run.out);
+    }
 }
 
 /// Keeps the first frames of a point cache.

@@ -8,6 +8,7 @@ use sinew_trainer::envelope::check::coverage::Coverage;
 use sinew_trainer::envelope::check::finding::{Severity, Topic};
 use sinew_trainer::envelope::check::thin::Predicted;
 use sinew_trainer::envelope::check::{Check, check};
+use sinew_trainer::examples::Warning;
 use std::fmt::Write;
 
 /// Tells whether EXAMPLES are good: what is wrong with mesh, skeleton and frames, how far the
@@ -36,11 +37,13 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let input = arguments.input.load(output)?;
     let source = arguments.input.named();
     let checked = check(&input.examples, &input.clips, &Bars::new(output)).context(source)?;
-    let text = format!("{}\n{}", input::describe(&input.examples), describe(&checked));
+    let told: &[Warning] = if output.quiet { &[] } else { &input.warnings };
+    let text = format!("{}\n{}", input::describe(&input.examples), describe(&checked, told));
     output.print(&checked, &text)
 }
 
-fn describe(check: &Check) -> String {
+/// Describes a check of examples, of which so much was told before.
+fn describe(check: &Check, told: &[Warning]) -> String {
     let mut out = String::new();
     for (subject, title, facts) in [
         (Topic::Size, "size", size(check)),
@@ -63,7 +66,9 @@ fn describe(check: &Check) -> String {
     if check.advice.is_empty() {
         out += "  the poses are enough and none is superfluous\n";
     }
-    let [warnings, notes] = [Severity::Warning, Severity::Note].map(|s| check.count(s));
+    let count =
+        |severity| check.count(severity) + told.iter().filter(|w| w.severity() == severity).count();
+    let [warnings, notes] = [Severity::Warning, Severity::Note].map(count);
     let _ = writeln!(
         out,
         "{}, {}, {}",

@@ -1,6 +1,6 @@
 //! `sinew eval`: the f32 runtime on the file's bytes against examples.
 
-use super::measured::{SplitName, blame};
+use super::measured::{SplitName, blame, refuse_forgotten_targets};
 use super::table;
 use super::train::percent;
 use crate::cli::bars::Bars;
@@ -59,7 +59,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         bail!("cannot write {}: two outputs are one file", normals.named().display());
     }
     let model = input::read_model(&arguments.model)?;
-    let input::LoadedInput { mut examples, clips, .. } = arguments.input.load(output)?;
+    let loaded = arguments.input.load_to_measure(output)?;
+    let input::LoadedInput { mut examples, clips, warnings } = loaded;
     arguments.space.say(&mut examples, &arguments.input.named())?;
     let skin = arguments.skin.as_deref();
     input::convert_to_model(&mut examples, &model, skin);
@@ -67,6 +68,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let blamed = |error| blame(error, &arguments.model, &arguments.input, (&examples, &clips));
     let character = Character::open(&model, skin, &examples).map_err(blamed)?;
     let told = Told::of(&model, &character, &examples);
+    let known = (&character, &told);
+    refuse_forgotten_targets(&arguments.input, &warnings, known, &examples, output)?;
     let usual = || Frames::usual(&examples, &told);
     let frames = arguments.split.map_or_else(usual, SplitName::frames);
     let measured = (&character, model.len());

@@ -1,9 +1,10 @@
 //! Which frames a command measures, and which file a failed measurement is about.
 
-use crate::cli::input;
+use crate::cli::{Output, input};
+use anyhow::bail;
 use clap::ValueEnum;
-use sinew_trainer::envelope::evaluate::{EvaluateError, Frames};
-use sinew_trainer::examples::{Clip, Examples, Split};
+use sinew_trainer::envelope::evaluate::{Character, EvaluateError, Frames, NOTHING, Told};
+use sinew_trainer::examples::{Clip, Examples, Split, Warning};
 use std::path::Path;
 
 /// Frames by their use.
@@ -31,6 +32,34 @@ impl SplitName {
             SplitName::All => Frames::All,
         }
     }
+}
+
+/// Refuses meshes that a scene's own skinning makes, where training had others; tells of them elsewhere.
+///
+/// Training had them where it has read most frames: a scene of many influences leaves an error of LBS as well.
+pub(in crate::cli) fn refuse_forgotten_targets(
+    input: &input::ExampleArguments,
+    warnings: &[Warning],
+    (character, told): (&Character<'_>, &Told),
+    examples: &Examples,
+    output: Output,
+) -> anyhow::Result<()> {
+    if !warnings.contains(&Warning::PlainSkin) {
+        return Ok(());
+    }
+    let certificate = character.envelope.certificate();
+    let lbs = 100.0 * certificate.lbs_training_rms / certificate.diagonal;
+    let frames: Vec<usize> = (0..examples.frame_len()).collect();
+    let read = told.read_len(&frames).unwrap_or(0);
+    if f64::from(lbs) > NOTHING && 2 * read < frames.len() {
+        bail!(
+            "{}: no shapes move and no targets are given: the meshes are the scene's own linear blend skinning, and the \
+             model has learned others; give those as --targets, as in training",
+            input.named()
+        );
+    }
+    output.warn(input.named(), Warning::PlainSkin);
+    Ok(())
 }
 
 /// Names the file that an error is about.

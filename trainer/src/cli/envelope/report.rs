@@ -1,6 +1,6 @@
 //! `sinew report`: the page that shows where the error is.
 
-use super::measured::{SplitName, blame};
+use super::measured::{SplitName, blame, refuse_forgotten_targets};
 use super::table;
 use crate::cli::bars::Bars;
 use crate::cli::files::{self, OutputFile};
@@ -8,7 +8,7 @@ use crate::cli::space::StatedSpace;
 use crate::cli::{Output, input};
 use anyhow::{Context, bail};
 use serde_json::json;
-use sinew_trainer::envelope::evaluate::Character;
+use sinew_trainer::envelope::evaluate::{Character, Told};
 use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, NamedModel};
 use sinew_trainer::envelope::report::{Page, PictureOptions, csv, ply};
 use std::path::{Path, PathBuf};
@@ -76,13 +76,18 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let targets = targets(arguments)?;
     let bytes = input::read_model(&arguments.model)?;
     let other = arguments.compare.as_deref().map(input::read_model).transpose()?;
-    let input::LoadedInput { mut examples, clips, .. } = arguments.input.load(output)?;
+    let loaded = arguments.input.load_to_measure(output)?;
+    let input::LoadedInput { mut examples, clips, warnings } = loaded;
     arguments.space.say(&mut examples, &arguments.input.named())?;
     let skin = arguments.skin.as_deref();
     input::convert_to_model(&mut examples, &bytes, skin);
     let frames = arguments.split.map(SplitName::frames);
     let blamed = |error, model| blame(error, model, &arguments.input, (&examples, &clips));
     // What will be refused is refused before LBS is fitted.
+    let character = Character::open(&bytes, skin, &examples);
+    let character = character.map_err(|error| blamed(error, &arguments.model))?;
+    let known = (&character, &Told::of(&bytes, &character, &examples));
+    refuse_forgotten_targets(&arguments.input, &warnings, known, &examples, output)?;
     let compared = arguments.compare.as_deref().zip(other.as_deref());
     if let Some((path, bytes)) = compared {
         Character::open(bytes, skin, &examples).map_err(|error| blamed(error, path))?;

@@ -212,7 +212,9 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         bail!("cannot write {}: model and record are one file", arguments.output.display());
     }
     let mut hashes = arguments.input.hashes()?;
-    let input::LoadedInput { mut examples, clips, mut warnings } = arguments.input.load(output)?;
+    let input::LoadedInput { mut examples, clips, warnings: told } =
+        arguments.input.load(output)?;
+    let mut warnings: Vec<String> = told.iter().map(ToString::to_string).collect();
     let source = arguments.input.named();
     arguments.space.say(&mut examples, &source)?;
     let from = examples.space;
@@ -231,7 +233,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let trained = arguments.fit.train(&examples, &source, meshes, output)?;
     levels::warn(&trained.levels, also, output);
     let lbs = 100.0 * trained.report.lbs_rms;
-    if lbs <= NOTHING && !warnings.contains(&Warning::PlainSkin.to_string()) {
+    if lbs <= NOTHING && !told.contains(&Warning::PlainSkin) {
         let nothing = format!(
             "the meshes are what linear blend skinning makes of them, which leaves {lbs:.6} % of the diagonal: there is \
              nothing to learn, and skinning alone does as well; give the meshes that muscles, a simulation or \

@@ -1,18 +1,9 @@
 //! What a check finds, with its place.
 
 use crate::examples::Clip;
+pub use crate::examples::Severity;
 use serde::Serialize;
 use std::fmt;
-
-/// How much a finding matters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Severity {
-    /// Worth knowing; a training does without a change.
-    Note,
-    /// Likely a mistake, which costs accuracy.
-    Warning,
-}
 
 /// The part of a check that a finding belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
