@@ -76,6 +76,18 @@ pub(super) fn write(files: &[(&OutputFile, &[u8])]) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Makes a folder, unless it is there.
+///
+/// # Errors
+/// If it cannot be made.
+pub(super) fn make_folder(folder: &Path) -> anyhow::Result<()> {
+    let cannot_make = || format!("cannot make the folder {}", folder.display());
+    if folder.is_file() {
+        bail!("{}: it is a file", cannot_make());
+    }
+    fs::create_dir_all(folder).with_context(cannot_make)
+}
+
 fn cannot_write(path: &Path) -> String {
     format!("cannot write {}", path.display())
 }

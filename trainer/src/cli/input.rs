@@ -249,6 +249,12 @@ pub(super) fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses a whole number from 1 to `most`.
+pub(super) fn count(text: &str, most: usize) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|number| (1..=most).contains(number));
+    number.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
+}
+
 /// Parses a share of the frames.
 fn share(text: &str) -> Result<f64, String> {
     let share: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;

@@ -230,6 +230,12 @@ pub enum ExamplesError {
         /// Frames needed.
         needed: usize,
     },
+    /// Every frame is held out, or extreme.
+    #[error("every frame of {frame_len} is held out or extreme: none is left to train")]
+    NothingTrains {
+        /// Frames there are.
+        frame_len: usize,
+    },
     /// A share of frames to hold out is not between 0 and 1.
     #[error("the share of held-out frames must lie between 0 and 1, found {share}")]
     BadShare {

@@ -25,7 +25,7 @@ impl Examples {
     /// reads, it stays a warning.
     ///
     /// # Errors
-    /// - [`ExamplesError::Mismatch`], [`ExamplesError::Empty`] and [`ExamplesError::TooFewPoses`]
+    /// - [`ExamplesError::Mismatch`], [`ExamplesError::Empty`] and [`ExamplesError::NothingTrains`]
     ///   for counts that disagree or are zero, and without a training frame.
     /// - [`ExamplesError::DuplicateJoint`], [`ExamplesError::MissingParent`] and
     ///   [`ExamplesError::JointCycle`] for a skeleton that is no tree.
@@ -109,7 +109,7 @@ impl Examples {
             same("vertices", "rest", vertices, "importance", importance.len())?;
         }
         if !self.split.contains(&Split::Train) {
-            return Err(ExamplesError::TooFewPoses { found: 0, needed: 1 });
+            return Err(ExamplesError::NothingTrains { frame_len: self.frame_len() });
         }
         Ok(())
     }

@@ -17,6 +17,12 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
     let pc2 = folder.read("demo.pc2");
     fs::write(folder.path("cut.pc2"), &pc2[..pc2.len() - 4]).unwrap();
     fs::write(folder.path("fewer.pc2"), frames(&pc2, 24)).unwrap();
+    let mut nan = pc2.clone();
+    let place = 32 + 12 * (3 * vertex_len(&pc2) + 7);
+    nan[place..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
+    fs::write(folder.path("nan.pc2"), nan).unwrap();
+    let glb = folder.read("demo.glb");
+    fs::write(folder.path("cut.glb"), &glb[..glb.len() / 2]).unwrap();
     fs::write(folder.path("two.txt"), "1 2").unwrap();
     fs::write(folder.path("notes.doc"), "notes").unwrap();
     fs::write(folder.path("rig.blend"), "BLENDER").unwrap();
@@ -26,6 +32,15 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
     folder.sinew("demo --vertices 200 --poses 8 --held-out 3 --predictor kernel -o .").done();
     for (arguments, expected) in [
         ("demo.glb --targets cut.pc2", "cut.pc2: should have "),
+        (
+            "demo.glb --targets nan.pc2",
+            "nan.pc2: array vertices is not finite at frame 3, vertex 7",
+        ),
+        ("cut.glb", "cut.glb: is cut short: expected "),
+        (
+            "demo.glb --targets demo.pc2 --hold-out-clip train --hold-out-clip held-out",
+            "demo.glb: every frame of 25 is held out or extreme: none is left to train",
+        ),
         ("demo.glb --targets none.pc2", "none.pc2: cannot be read: "),
         ("demo.glb --targets notes.doc", "notes.doc: expected a file that ends in .abc, .pc2, "),
         (

@@ -28,7 +28,9 @@ fn outputs_that_cannot_be_written_are_refused_before_the_work() {
     }
     assert!(folder.read("demo.npz") == examples);
     let line = folder.sinew("demo -o demo.npz").failed();
-    assert!(line.starts_with("cannot make the folder demo.npz: "), "{line}");
+    assert_eq!(line, "cannot make the folder demo.npz: it is a file");
+    let line = folder.sinew("export-demo demo.npz").failed();
+    assert_eq!(line, "cannot make the folder demo.npz: it is a file");
 }
 
 #[test]

@@ -118,7 +118,7 @@ fn files_given_by_mistake_are_refused_by_name() {
     let before = folder.list();
     for (examples, expected) in [
         ("none.npz", "none.npz: cannot be read: "),
-        ("text.npz", "text.npz: is not a whole npz archive: "),
+        ("text.npz", "text.npz: is not a whole npz archive: cut short or damaged ("),
         ("demo.json", "demo.json: describes examples, expected the .npz file beside it"),
         (
             "demo.sinew",
@@ -206,6 +206,17 @@ fn arguments_out_of_range_are_bad_usage() {
         assert_eq!((run.code, run.out.as_str()), (Some(2), ""), "{arguments}: {}", run.err);
         let option = arguments.split(' ').next().unwrap();
         assert!(run.err.starts_with("error: ") && run.err.contains(option), "{}", run.err);
+        // Numbers are told what they may be.
+        let ranges = ["--proxies 0", "--proxies -1", "--proxies 100000"];
+        let expected = "expected a whole number from 1 to ";
+        assert_eq!(
+            run.err.contains(expected),
+            ranges.contains(&arguments) || option == "--influences",
+            "{}",
+            run.err
+        );
+        let units = run.err.contains("kB, KiB, MB or MiB");
+        assert_eq!(units, option == "--budget", "{}", run.err);
     }
     for arguments in ["--poses 0", "--held-out 0", "--vertices 0", "--vertices many"] {
         assert_eq!(folder.sinew(&format!("demo {arguments}")).code, Some(2), "{arguments}");

@@ -57,7 +57,8 @@ fn a_palette_alone_has_no_skin_to_measure() {
         (&found["skins"], &found["parts"]),
         (&json!([]), &json!([{ "kind": "envelope" }, { "kind": "record" }]))
     );
-    let expected = "new.sinew: the model holds a palette alone, without a skin";
+    let expected = "new.sinew: the model holds a palette alone, without a skin to measure or to play: train one \
+                    without --no-skin for that";
     for command in [
         "eval new.sinew demo.npz",
         "report new.sinew demo.npz -o page.html",

@@ -108,7 +108,10 @@ fn materials_of_an_fbx_are_named_coloured_and_textured_where_the_picture_is_besi
         by_material(glb).into_iter().map(|(name, triangles)| (name, triangles.len())).collect()
     };
     assert_eq!(count(&glb), count(&std::fs::read(&same).unwrap()));
-    assert_eq!(appearance.missing, ["checker"]);
+    let places = ["textures/packed/checker", "checker"].map(|name| path.with_file_name(name));
+    let [first, second] = places.each_ref().map(|place| place.display());
+    let missing = format!("checker (looked for as {first} and {second})");
+    assert_eq!(appearance.missing, [missing]);
     let json = Glb::read(&glb).json;
     let claw = json["materials"].as_array().unwrap().iter().find(|m| m["name"] == "Claw").unwrap();
     let colour = &claw["pbrMetallicRoughness"]["baseColorFactor"];
@@ -199,7 +202,8 @@ fn textures_that_cannot_be_shown_are_taken_away() {
         surface.get("baseColorTexture").is_some()
     };
     let (missing, material) = with(&|json| json["images"] = json!([{ "uri": "none.png" }]));
-    assert_eq!(missing, ["none.png"]);
+    let looked_for = folder.join("none.png");
+    assert_eq!(missing, [format!("none.png (looked for as {})", looked_for.display())]);
     assert!(!roughness(&material));
     let (missing, material) = with(&|json| {
         let texture = &mut json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];

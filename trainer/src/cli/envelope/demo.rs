@@ -5,8 +5,7 @@ use super::train;
 use crate::cli::bars::Bars;
 use crate::cli::files::{self, OutputFile};
 use crate::cli::{Output, input};
-use anyhow::{Context, bail};
-use clap::builder::RangedU64ValueParser;
+use anyhow::bail;
 use serde_json::json;
 use sinew_trainer::envelope::FileSkins;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
@@ -39,15 +38,15 @@ pub(in crate::cli) struct Arguments {
 #[derive(clap::Args)]
 pub(in crate::cli) struct SizeArguments {
     /// Vertices of the arm, about; at least 200 are made
-    #[arg(long, value_name = "V", value_parser = some())]
+    #[arg(long, value_name = "V", value_parser = some, allow_negative_numbers = true)]
     #[arg(default_value_t = DemoOptions::default().vertices)]
     vertices: usize,
     /// Training poses
-    #[arg(long, value_name = "N", value_parser = some())]
+    #[arg(long, value_name = "N", value_parser = some, allow_negative_numbers = true)]
     #[arg(default_value_t = DemoOptions::default().poses)]
     poses: usize,
     /// Held-out poses
-    #[arg(long, value_name = "N", value_parser = some())]
+    #[arg(long, value_name = "N", value_parser = some, allow_negative_numbers = true)]
     #[arg(default_value_t = DemoOptions::default().held_out)]
     held_out: usize,
     /// Seed of the poses
@@ -68,8 +67,8 @@ impl SizeArguments {
     }
 }
 
-fn some() -> RangedU64ValueParser<usize> {
-    RangedU64ValueParser::new().range(1..=POSITIONS_MAX as u64)
+fn some(text: &str) -> Result<usize, String> {
+    input::count(text, POSITIONS_MAX)
 }
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
@@ -117,8 +116,7 @@ fn report(
 
 /// Makes the folder, tries the places of its three files, and gives that of the model.
 fn prepare(folder: &Path) -> anyhow::Result<OutputFile> {
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    files::make_folder(folder)?;
     for examples in ["demo.npz", "demo.json"] {
         OutputFile::new(&folder.join(examples), &[])?;
     }

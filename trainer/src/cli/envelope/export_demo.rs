@@ -3,7 +3,6 @@
 use super::demo::SizeArguments;
 use crate::cli::files::{self, OutputFile};
 use crate::cli::{Output, input};
-use anyhow::Context;
 use serde_json::json;
 use sinew_trainer::envelope::export::{by_use, demo_glb};
 use sinew_trainer::formats::save_pc2;
@@ -24,8 +23,7 @@ pub(in crate::cli) struct Arguments {
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let folder = &arguments.folder;
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    files::make_folder(folder)?;
     let [glb, pc2] = ["demo.glb", "demo.pc2"].map(|name| folder.join(name));
     let target = OutputFile::new(&glb, &[])?;
     OutputFile::new(&pc2, &[])?;

@@ -8,7 +8,6 @@ use crate::cli::space::{self, StatedSpace, TargetSpace};
 use crate::cli::{Output, input};
 use anyhow::{Context, bail};
 use clap::ValueEnum;
-use clap::builder::RangedU64ValueParser;
 use serde_json::json;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope;
@@ -77,7 +76,7 @@ pub(in crate::cli) struct FitArguments {
     predictor: Predictor,
     /// Number of proxies, or of helpers beside the joints [default: chosen by
     /// cross-validation, from half to twice the number of joints, or of 40 where that is greater]
-    #[arg(long, value_name = "P", value_parser = proxies(), allow_negative_numbers = true)]
+    #[arg(long, value_name = "P", value_parser = proxies, allow_negative_numbers = true)]
     #[arg(conflicts_with = "max_error")]
     proxies: Option<usize>,
     /// Take so many proxies that they come this near to the training frames, RMS in % of the rest
@@ -85,7 +84,7 @@ pub(in crate::cli) struct FitArguments {
     #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
     max_error: Option<f64>,
     /// Most transforms of the palette a vertex follows
-    #[arg(long, value_name = "K", value_parser = influences(), allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", value_parser = influences, allow_negative_numbers = true)]
     #[arg(default_value_t = Options::default().influences)]
     influences: usize,
     /// Leave out the refinement: rotational and hybrid keep the reconstruction that S3 gives, which has
@@ -124,8 +123,8 @@ impl Predictor {
 }
 
 /// Accepts what the runtime loads by default.
-fn proxies() -> RangedU64ValueParser<usize> {
-    RangedU64ValueParser::new().range(1..=u64::from(Limits::DEFAULT.proxies))
+fn proxies(text: &str) -> Result<usize, String> {
+    input::count(text, Limits::DEFAULT.proxies as usize)
 }
 
 /// Parses a number of bytes, with or without a unit.
@@ -145,12 +144,14 @@ fn budget(text: &str) -> Result<usize, String> {
         .unwrap_or((text, 1));
     let bytes = number.trim_end().parse::<usize>().ok().and_then(|number| number.checked_mul(unit));
     bytes.filter(|bytes| (1..=most).contains(bytes)).ok_or_else(|| {
-        format!("expected a whole number of bytes, kB, KiB, MB or MiB, up to {most} bytes")
+        format!(
+            "expected a whole number of bytes, kB, KiB, MB or MiB, up to {most} bytes, as 300kB"
+        )
     })
 }
 
-fn influences() -> RangedU64ValueParser<usize> {
-    RangedU64ValueParser::new().range(1..=CANDIDATES as u64)
+fn influences(text: &str) -> Result<usize, String> {
+    input::count(text, CANDIDATES)
 }
 
 pub(super) fn percent(text: &str) -> Result<f64, String> {

@@ -14,7 +14,9 @@ pub enum EvaluateError {
     #[error("the model holds no envelope that moves a skin")]
     NoEnvelope,
     /// The model holds envelopes alone.
-    #[error("the model holds a palette alone, without a skin")]
+    #[error(
+        "the model holds a palette alone, without a skin to measure or to play: train one without --no-skin for that"
+    )]
     PaletteAlone,
     /// The model holds no skin of a name.
     #[error("the model holds no skin called {name}; it has: {has}")]
@@ -36,7 +38,9 @@ pub enum EvaluateError {
         found: usize,
     },
     /// The model was made for a skeleton of another number of joints.
-    #[error("the model has {expected} joints, the examples have {found}")]
+    #[error(
+        "the model has {expected} joints, the examples have {found}: give examples of the skeleton that training had"
+    )]
     Joints {
         /// In the model.
         expected: usize,

@@ -19,7 +19,7 @@ pub struct Appearance {
     pub images: Vec<Image>,
     /// Extensions that the file asks every reader to know, of those that are in these.
     pub required: Vec<String>,
-    /// Images that cannot be read, by name; no material has them.
+    /// Images that cannot be read, by name and by where they were looked for; no material has them.
     pub missing: Vec<String>,
 }
 

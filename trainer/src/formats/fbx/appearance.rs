@@ -1,6 +1,6 @@
 //! Materials and images of an FBX file as glTF states them: names, base colours and their textures.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 use ufbx::{Material, Mesh, Node, Texture};
@@ -33,7 +33,9 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
         ..Appearance::default()
     };
     let missing = scene.textures.iter().zip(&images).filter(|(_, image)| image.is_none());
-    appearance.missing = missing.map(|(texture, _)| name(texture)).collect();
+    let missing =
+        missing.map(|(texture, _)| image::missing(&name(texture), &places(texture, path)));
+    appearance.missing = missing.collect();
     appearance.set_images(images);
     Ok(appearance)
 }
@@ -72,17 +74,24 @@ fn stated(material: &Material, images: &[Option<Image>]) -> Value {
     json!({ "name": material.element.name.to_string(), "pbrMetallicRoughness": surface })
 }
 
-/// Reads a texture's file, where it says it is beside the scene or in the same folder.
+/// Reads a texture's file, from the first of its places that has one.
 fn picture(texture: &Texture, scene: &Path) -> Option<Image> {
-    let relative = texture.relative_filename.replace('\\', "/");
-    let mut places = [relative, name(texture)].into_iter().filter(|place| !place.is_empty());
-    let bytes = places.find_map(|place| {
-        let bytes = std::fs::read(scene.with_file_name(place)).ok()?;
+    let bytes = places(texture, scene).into_iter().find_map(|place| {
+        let bytes = std::fs::read(place).ok()?;
         image::kind(&bytes).map(|_| bytes)
     })?;
     let mut members = Map::new();
     members.insert("name".to_owned(), json!(name(texture)));
     Some(Image { members, bytes })
+}
+
+/// Lists the files that may be a texture's: where it says it is beside the scene, and in the same folder.
+fn places(texture: &Texture, scene: &Path) -> Vec<PathBuf> {
+    let relative = texture.relative_filename.replace('\\', "/");
+    let places = [relative, name(texture)].into_iter().filter(|place| !place.is_empty());
+    let mut places: Vec<PathBuf> = places.map(|place| scene.with_file_name(place)).collect();
+    places.dedup();
+    places
 }
 
 /// Names a texture as its file.

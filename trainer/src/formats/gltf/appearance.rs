@@ -45,11 +45,14 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
         let Value::Object(members) = members else { continue };
         let name = ["name", "uri"].iter().find_map(|name| members.get(*name)?.as_str());
         let name = name.filter(|name| !name.starts_with("data:")).map(str::to_owned);
-        let image = picture(members, &document, &buffers, path);
-        if image.is_none() {
-            appearance.missing.push(name.unwrap_or_else(|| format!("image {number}")));
+        let uri = members.get("uri").and_then(Value::as_str);
+        let looked_for = uri.and_then(|uri| file::beside(uri, path).ok());
+        let found = picture(members, &document, &buffers, path);
+        if found.is_none() {
+            let name = name.unwrap_or_else(|| format!("image {number}"));
+            appearance.missing.push(image::missing(&name, looked_for.as_slice()));
         }
-        images.push(image);
+        images.push(found);
     }
     appearance.set_images(images);
     let required = list("extensionsRequired");

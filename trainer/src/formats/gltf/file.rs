@@ -1,6 +1,6 @@
 //! A glTF file and the buffers it refers to.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -25,6 +25,7 @@ pub(super) fn open(path: &Path) -> Result<(Document, Buffers), FormatError> {
 
 /// Parses the bytes of a file and reads every buffer that it names, inside it or beside it.
 pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<(Document, Buffers), SceneError> {
+    check_whole(bytes)?;
     let not_gltf = |error: gltf::Error| SceneError::NotGltf { reason: error.to_string() };
     let Gltf { document, mut blob } =
         Gltf::from_slice_without_validation(bytes).map_err(not_gltf)?;
@@ -62,6 +63,16 @@ pub(super) fn tree(bytes: &[u8]) -> Result<Map<String, Value>, SceneError> {
         false => bytes.into(),
     };
     serde_json::from_slice(&json).map_err(|error| not_gltf(error.to_string()))
+}
+
+/// Checks that a binary file has as many bytes as it says.
+fn check_whole(bytes: &[u8]) -> Result<(), SceneError> {
+    let (Some(b"glTF"), Some(len)) = (bytes.first_chunk(), bytes.get(8..12)) else { return Ok(()) };
+    let expected = len.iter().rev().fold(0, |all, &byte| all << 8 | usize::from(byte));
+    match bytes.len() {
+        found if found < expected => Err(SceneError::CutShort { expected, found }),
+        _ => Ok(()),
+    }
 }
 
 /// Checks the indices that the library trusts: gltf-json 1.4 looks into the accessors of a
@@ -112,10 +123,15 @@ pub(super) fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
         let (_, text) = data.split_once(";base64,").ok_or("its data URI is not base64")?;
         return STANDARD.decode(text).map_err(|error| error.to_string());
     }
+    let file = beside(uri, path)?;
+    std::fs::read(&file).map_err(|error| format!("{}: {error}", file.display()))
+}
+
+/// Gives the file beside `path` that a URI names.
+pub(super) fn beside(uri: &str, path: &Path) -> Result<PathBuf, String> {
     if uri.contains(':') {
         return Err(format!("{uri} is no file beside this one"));
     }
     let name = percent_decode_str(uri).decode_utf8().map_err(|error| error.to_string())?;
-    let file = path.with_file_name(&*name);
-    std::fs::read(&file).map_err(|error| format!("{}: {error}", file.display()))
+    Ok(path.with_file_name(&*name))
 }

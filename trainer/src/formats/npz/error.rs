@@ -4,7 +4,9 @@
 #[derive(Debug, thiserror::Error)]
 pub enum ArrayError {
     /// The archive is truncated or is no npz at all.
-    #[error("is not a whole npz archive: {reason}")]
+    #[error(
+        "is not a whole npz archive: cut short or damaged ({reason}); write it, or copy it, again"
+    )]
     Archive {
         /// What the archive's reader says.
         reason: String,

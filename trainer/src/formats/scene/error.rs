@@ -9,6 +9,14 @@ pub enum SceneError {
         /// What the parser says.
         reason: String,
     },
+    /// The file ends before it should.
+    #[error("is cut short: expected {expected} bytes, found {found}; export it, or copy it, again")]
+    CutShort {
+        /// Bytes that it says it has.
+        expected: usize,
+        /// Bytes that are there.
+        found: usize,
+    },
     /// The file is damaged or is no FBX.
     #[error("is no FBX file that can be read: {reason}; export it again as binary FBX")]
     Fbx {
