@@ -297,7 +297,7 @@ fn bad_takes_are_named_by_line_and_column() {
     let run =
         made("face-noted").sinew("face train --basis face.npz --animation take.csv -o f.sinew");
     assert_eq!(run.code, Some(0));
-    let noted = "sinew: take.csv: the face has no shape for HeadYaw, TongueOut\n";
+    let noted = "sinew: warning: take.csv: columns that the face has no shape for are left out: HeadYaw, TongueOut\n";
     assert_eq!(run.err, noted);
 }
 

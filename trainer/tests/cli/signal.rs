@@ -86,6 +86,18 @@ fn a_signal_is_trained_inspected_and_made_finer_by_file_or_at_once() {
 }
 
 #[test]
+fn a_filter_that_lines_outdo_is_warned_of() {
+    let folder = Folder::new("signal-lines");
+    let rows = (0..80).map(|i| format!("{}\n", 0.25 * f64::from(i)));
+    fs::write(folder.path("ramp.csv"), format!("angle\n{}", rows.collect::<String>())).unwrap();
+    let train = "signal train ramp.csv --column angle --factor 2 -o ramp.sinew";
+    let run = folder.sinew(&format!("{train} --covariance gaussian:1"));
+    let expected = "sinew: warning: ramp.csv: the filter predicts samples left out worse than lines between samples do, ";
+    assert!(run.code == Some(0) && run.err.starts_with(expected), "{}", run.err);
+    assert_eq!(run.err.lines().count(), 1);
+}
+
+#[test]
 fn what_fills_no_box_is_left_out_of_the_measure_and_said() {
     let folder = Folder::new("signal-rest");
     wave(&folder, "wave.csv", 121);

@@ -55,6 +55,14 @@ fn a_head_is_trained_measured_drawn_and_reported() {
 }
 
 #[test]
+fn maps_are_called_by_the_parameters_that_they_have() {
+    let folder = Folder::new("views-named");
+    folder.sinew("views demo demo").done();
+    let text = folder.sinew("views train demo/head/views.json -o head.sinew").done().out;
+    assert!(text.contains("\nmap \"main\" of yaw\n"), "{text}");
+}
+
+#[test]
 fn a_figure_walks_is_driven_lends_its_motion_and_is_dragged() {
     let folder = trained("views-figure", "figure");
     fs::write(

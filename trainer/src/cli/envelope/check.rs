@@ -5,7 +5,7 @@ use crate::cli::column::{padded, width};
 use crate::cli::{Output, counted, input, printable};
 use anyhow::Context;
 use sinew_trainer::envelope::check::coverage::Coverage;
-use sinew_trainer::envelope::check::finding::{Severity, Topic};
+use sinew_trainer::envelope::check::finding::{Severity, Topic, short};
 use sinew_trainer::envelope::check::thin::Predicted;
 use sinew_trainer::envelope::check::{Check, check};
 use sinew_trainer::examples::Warning;
@@ -116,17 +116,6 @@ fn size(check: &Check) -> String {
     out
 }
 
-/// A length with as many places as it needs to be read.
-fn short(length: f64) -> String {
-    if length >= 100.0 {
-        format!("{length:.0}")
-    } else if length >= 0.1 {
-        format!("{length:.2}")
-    } else {
-        format!("{length:.2e}")
-    }
-}
-
 fn faces(check: &Check) -> String {
     let faces = &check.faces;
     format!(
@@ -187,11 +176,12 @@ fn floor(check: &Check) -> String {
 }
 
 fn poses(predicted: &Predicted) -> String {
-    let Predicted { compared, lbs_percent, expected_percent, enough, .. } = predicted;
+    let Predicted { lbs_percent, expected_percent, enough, .. } = predicted;
     format!(
         "poses\n  frames are predicted by those of other blocks to {expected_percent:.4} %, {:.1} % of \
-         what LBS leaves; {} of {compared} predict the rest\n",
+         what LBS leaves; {} of {} predict the rest\n",
         100.0 * expected_percent / lbs_percent,
-        enough.len()
+        enough.len(),
+        predicted.of_compared()
     )
 }

@@ -66,9 +66,10 @@ pub(super) fn slider_models(
 /// Reads a take of a face, and tells what of it the face has no shape for.
 pub(super) fn take(path: &Path, shapes: &[String], output: Output) -> anyhow::Result<Take> {
     let read = take::read(path, shapes).with_context(|| path.display().to_string())?;
-    if !read.skipped.is_empty() && !output.quiet {
+    if !read.skipped.is_empty() {
         let skipped = printable(&read.skipped.join(", "));
-        eprintln!("sinew: {}: the face has no shape for {skipped}", path.display());
+        let what = format!("columns that the face has no shape for are left out: {skipped}");
+        output.warn(path.display(), what);
     }
     Ok(read)
 }

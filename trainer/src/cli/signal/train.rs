@@ -57,6 +57,13 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             format!("samples at the end that fill no box of {factor} are not measured: {rest}");
         output.warn(about(), what);
     }
+    if let Some(LeftOut { rms, linear_rms, .. }) = fit.filter(|fit| fit.rms > fit.linear_rms) {
+        let what = format!(
+            "the filter predicts samples left out worse than lines between samples do, {rms:.4e} against {linear_rms:.4e}: \
+             lines are the better choice, or another --covariance or --mean"
+        );
+        output.warn(about(), what);
+    }
     let variance = variance(&samples, sample, &process.covariance);
     let model = FilterModel { name: column.clone(), filter, variance, fit };
     let bytes = bake(Space::default(), &[part(&model, arguments.variance)?])?;

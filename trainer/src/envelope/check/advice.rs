@@ -75,12 +75,13 @@ fn isolated(predicted: &Predicted) -> Option<String> {
 }
 
 fn redundant(predicted: &Predicted) -> Option<String> {
-    let Predicted { compared, redundant, .. } = predicted;
+    let Predicted { redundant, .. } = predicted;
     (!redundant.is_empty()).then(|| {
         format!(
-            "{} of {compared} training poses may be left out together, as the others predict \
-             them: {}",
+            "{} of {} may be left out together, as the others predict them (give them split 2 in \
+             an .npz; whole clips are left out by --clip for the others): {}",
             redundant.len(),
+            predicted.of_compared(),
             ranges(redundant)
         )
     })
@@ -106,4 +107,35 @@ fn ranges(frames: &[FrameName]) -> String {
         if first == last { format!("{first}") } else { format!("{first}-{last}") }
     };
     listed(runs.into_iter().map(run))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_says_how_poses_are_left_out_and_of_how_many() {
+        let name = |frame| FrameName { frame, number: None, clip: None };
+        let mut predicted = Predicted {
+            poses: 4,
+            compared: 4,
+            lbs_percent: 1.0,
+            expected_percent: 0.1,
+            enough: vec![name(0)],
+            redundant: [3, 1, 2].map(name).into(),
+            isolated: Vec::new(),
+        };
+        let how = "(give them split 2 in an .npz; whole clips are left out by --clip for the others): 1-3";
+        let line = redundant(&predicted).unwrap();
+        assert!(
+            line.starts_with("3 of 4 training poses may be left out") && line.ends_with(how),
+            "{line}"
+        );
+        predicted.poses = 9;
+        let line = redundant(&predicted).unwrap();
+        assert!(
+            line.starts_with("3 of the 4 training poses that were compared (of 9) may"),
+            "{line}"
+        );
+    }
 }

@@ -181,6 +181,17 @@ pub fn listed(words: impl IntoIterator<Item = impl fmt::Display>) -> String {
     out.join(", ")
 }
 
+/// Writes a length with as many places as it needs to be read.
+pub fn short(length: f64) -> String {
+    if length >= 100.0 {
+        format!("{length:.0}")
+    } else if length >= 0.1 {
+        format!("{length:.2}")
+    } else {
+        format!("{length:.2e}")
+    }
+}
+
 /// Counts things, in the singular where there is one.
 pub fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
@@ -211,5 +222,6 @@ mod tests {
         assert_eq!(listed(0..5), "0, 1, 2, 3, 4");
         assert_eq!(listed(0..9), "0, 1, 2, 3, 4, and 4 more");
         assert_eq!(count(1, "frame", "frames"), "1 frame");
+        assert_eq!([514.9, 5.149, 0.0514].map(short), ["515", "5.15", "5.14e-2"]);
     }
 }

@@ -1,6 +1,6 @@
 //! Scale and place of the mesh.
 
-use super::finding::{Finding, Kind, Severity};
+use super::finding::{Finding, Kind, Severity, short};
 use super::thresholds::{FAR, GROUND, TALL};
 use crate::examples::Examples;
 use serde::Serialize;
@@ -60,9 +60,9 @@ pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> MeshSize
             kind: Kind::OddSize,
             severity: Severity::Note,
             text: format!(
-                "{:.3e} units are no character's size in metres, centimetres or millimetres; a \
+                "{} units are no character's size in metres, centimetres or millimetres; a \
                  training does not mind",
-                extents[longest]
+                short(extents[longest])
             ),
             places: Vec::new(),
         });

@@ -11,7 +11,9 @@ use serde::Serialize;
 /// How the training poses predict each other.
 #[derive(Clone, Debug, Serialize)]
 pub struct Predicted {
-    /// Poses that were compared: all, or some, evenly apart.
+    /// Training poses there are.
+    pub poses: usize,
+    /// Those that were compared: all, or some, evenly apart.
     pub compared: usize,
     /// RMS error of LBS in them, in % of the diagonal.
     pub lbs_percent: f64,
@@ -24,6 +26,18 @@ pub struct Predicted {
     pub redundant: Vec<FrameName>,
     /// Poses that no other is like, the loneliest first.
     pub isolated: Vec<Isolated>,
+}
+
+impl Predicted {
+    /// Counts the poses that were compared, and says of how many.
+    pub fn of_compared(&self) -> String {
+        let Self { poses, compared, .. } = self;
+        if compared < poses {
+            format!("the {compared} training poses that were compared (of {poses})")
+        } else {
+            format!("{poses} training poses")
+        }
+    }
 }
 
 /// A pose that no other is like.
@@ -79,6 +93,7 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
         worst.map_or(String::new(), |r| context.joint(regions[r].joint).to_owned())
     };
     Some(Predicted {
+        poses: context.frames.len(),
         compared: poses.len(),
         lbs_percent: mean(lbs),
         expected_percent: mean(block),
