@@ -8,13 +8,20 @@ use pages::arm;
 use pages::browser::{browser, said};
 use pages::build::{cargo, emptied, write};
 use pages::text::{blocks, read, repository};
-use sinew_runtime::Model;
+use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::{Model, SkinJob};
+use sinew_trainer::envelope::export::{Export, Stand};
+use sinew_trainer::examples::Clip;
+use sinew_trainer::formats::appearance::Appearance;
 use std::path::Path;
 
 const TARGET: &str = env!("CARGO_TARGET_TMPDIR");
 
 /// The joint that is turned.
 const JOINT: &str = "upper_arm";
+
+/// The frame of the clip that is shown.
+const PLAYED: usize = 5;
 
 /// How far turning it takes the arm up, by its box, as a part of its diagonal.
 const RAISED: f32 = 0.15;
@@ -57,6 +64,48 @@ fn read_look(line: &str) -> (f32, [f32; 6], u32) {
     (number(0), [1, 2, 3, 4, 5, 6].map(number), fields[7].parse().unwrap())
 }
 
+/// Makes the file of the page's clip: the arm, and all of its frames.
+fn exported() -> Vec<u8> {
+    let export = Export {
+        model: &arm::FILE,
+        skin: None,
+        examples: &arm::EXAMPLES,
+        clips: &[whole()],
+        levels: &[],
+        appearance: &Appearance::default(),
+        stand: Stand::AsModel,
+    };
+    export.run().unwrap().glb
+}
+
+fn whole() -> Clip {
+    Clip::regular("all".to_owned(), 0, arm::EXAMPLES.frame_len())
+}
+
+/// What the page is to show of the clip, by the frame's own skinning matrices.
+fn played(model: &Model<&[u8]>) -> (f32, [f32; 6], u32) {
+    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
+    let mut scratch = vec![0.0; envelope.scratch_len()];
+    let pose = arm::pose(&arm::EXAMPLES, PLAYED);
+    let confidence = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+    let mut vertices = vec![0.0; 6 * skin.vertex_len()];
+    let floats = cells(&mut vertices);
+    SkinJob {
+        skin,
+        palette: &palette,
+        vertices: 0..skin.vertex_len(),
+        remap: None,
+        rest: Rest::default(),
+        positions: Some(Output { floats, stride: 6 }),
+        normals: Some(Output { floats: &floats[3..], stride: 6 }),
+        tangents: None,
+    }
+    .run()
+    .unwrap();
+    look(confidence, &vertices)
+}
+
 /// Opens the page with a module; holds what it says against the native runtime, and prints its frames a second.
 fn opened(browser: &str, name: &str, module: &[u8]) {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
@@ -76,13 +125,17 @@ fn opened(browser: &str, name: &str, module: &[u8]) {
     assert!(at_rest.0 > 0.999 && turned.0 > 0.5, "{} {}", at_rest.0, turned.0);
     assert!(turned.1[3] - at_rest.1[3] > RAISED * size, "{:?} {:?}", at_rest.1, turned.1);
 
-    let script = blocks(&read("runtime/WEB.md"), "js")[0].to_owned();
+    let script = blocks(&read("runtime/WEB.md"), "js").concat();
     let page = include_str!("web.html");
-    let page = page.replace("BLOCK", &script).replace("JOINT", &joint.to_string());
+    let time = whole().times[PLAYED] + 1e-3;
+    let page = page.replace("BLOCK", &script).replace("JOINT", JOINT);
+    let page = page.replace("TIME", &time.to_string());
+    let glb = exported();
     let files = [
         ("/", "text/html; charset=utf-8", page.as_bytes()),
         ("/game.wasm", "application/wasm", module),
         ("/arm.snw", "application/octet-stream", arm::FILE.as_slice()),
+        ("/arm.glb", "model/gltf-binary", &glb),
     ];
     let said = said(browser, &[], &files);
     let line = |what: &str| {
@@ -93,6 +146,14 @@ fn opened(browser: &str, name: &str, module: &[u8]) {
     std::fs::write(Path::new(TARGET).join(format!("{name}.png")), picture).unwrap();
     assert_eq!(read_look(line("rest")), at_rest, "{name}");
     assert_eq!(read_look(line("turned")), turned, "{name}");
+    let (confidence, found, _) = read_look(line("played"));
+    let (expected_confidence, expected, _) = played(&model);
+    assert!((confidence - expected_confidence).abs() < 1e-3, "{confidence} {expected_confidence}");
+    let apart = |(a, b): (&f32, &f32)| (a - b).abs();
+    let most = found.iter().zip(&expected).map(apart).fold(0.0, f32::max);
+    assert!(most < 1e-4 * size, "{found:?} {expected:?}");
+    let from_rest = expected.iter().zip(&at_rest.1).map(apart).fold(0.0, f32::max);
+    assert!(from_rest > RAISED * size, "the clip moves it: {expected:?}");
     assert_eq!(line("refused"), "refused -1 0 true", "{name}");
     assert_eq!(line("closed"), "closed NaN", "{name}");
     let rate: u32 = line("rate").split(' ').nth(1).unwrap().parse().unwrap();
