@@ -174,6 +174,7 @@ fn errors() -> Result<(), Box<dyn Error>> {
         let proxies = if large { 60 } else { 40 };
         let [rotational, kernel, hybrid] = Predictor::ALL.map(|only| fixed(only, proxies));
         let mut rows = vec![
+            ("published", Options { predictor: Predict::Published, ..rotational.clone() }),
             ("unrefined", Options { refine: false, ..rotational.clone() }),
             ("rotational", rotational),
             ("kernel", kernel.clone()),

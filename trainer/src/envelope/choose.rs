@@ -113,7 +113,8 @@ fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyCount> {
     if let Some(count) = options.proxies {
         return vec![count];
     }
-    let (most, usual) = (proxies_max(training), usual_count(training));
+    let most = options.method().proxies_max().min(training.triangles.len());
+    let usual = usual_count(training);
     let quarters = if options.budget.is_some() { &QUARTERS[..] } else { &QUARTERS[..3] };
     let mut counts = Vec::new();
     for count in quarters.iter().map(|quarters| (quarters * usual / 4).clamp(1, most)) {
@@ -161,6 +162,7 @@ impl PredictorSearch<'_> {
         let asked = match self.options.predictor {
             Predict::Auto => self.kind,
             Predict::Only(only) => Some(only),
+            Predict::Published => Some(Predictor::Rotational),
         };
         asked.is_none_or(|only| only == predictor)
     }
@@ -202,11 +204,11 @@ impl PredictorSearch<'_> {
             let options = RotationalOptions {
                 proxies: count,
                 influences: self.options.influences,
-                refine: self.options.refine,
+                method: self.options.method(),
             };
             match rotational::fit(self.training, &options, self.progress) {
                 Ok(fitted) => {
-                    proxies = ProxyCount::Fixed(fitted.keys.len());
+                    proxies = ProxyCount::Fixed(fitted.predictors.len());
                     if self.wants(Predictor::Rotational) {
                         self.rotational(&fitted)?;
                     }
@@ -340,7 +342,7 @@ impl PredictorSearch<'_> {
     ) {
         let mut report = CandidateReport {
             predictor: fitted.envelope.predictor().name(),
-            refined: rotational.map(|(_, variant)| variant.refined),
+            method: rotational.map(|(_, variant)| variant.method),
             proxies: fitted.envelope.proxy_len(),
             tangent_coefficients,
             bytes: None,

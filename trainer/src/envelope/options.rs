@@ -1,7 +1,7 @@
 //! What a training is asked for.
 
 use super::levels::Level;
-use super::rotational::ProxyCount;
+use super::rotational::{Method, ProxyCount};
 use sinew_runtime::envelope::Predictor;
 
 /// What predicts the palette from the pose.
@@ -11,6 +11,10 @@ pub enum Predict {
     Auto,
     /// This one.
     Only(Predictor),
+    /// The rotational predictor as S3 publishes it, to the letter ([`published`]).
+    ///
+    /// [`published`]: super::rotational::published
+    Published,
 }
 
 /// What a training is asked for.
@@ -22,7 +26,7 @@ pub struct Options {
     pub proxies: Option<ProxyCount>,
     /// K, the most maps of the palette that a vertex follows.
     pub influences: usize,
-    /// Whether c1 and c2 may be refined on the training meshes; S3 as published does not.
+    /// Whether c1 and c2 may be refined on the training meshes; as published they never are.
     pub refine: bool,
     /// Most bytes of the file, all of its skins included.
     pub budget: Option<usize>,
@@ -37,6 +41,17 @@ pub enum FileSkins {
     Skins(Vec<Level>),
     /// None: a palette alone, for an engine that keeps its meshes and their weights.
     PaletteAlone,
+}
+
+impl Options {
+    /// How a reconstruction is to be fitted.
+    pub(super) fn method(&self) -> Method {
+        match (self.predictor, self.refine) {
+            (Predict::Published, _) => Method::Published,
+            (_, false) => Method::Unrefined,
+            (_, true) => Method::Refined,
+        }
+    }
 }
 
 impl Default for Options {

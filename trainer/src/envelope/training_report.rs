@@ -2,7 +2,7 @@
 
 use super::correction::candidates::GroupReport;
 use super::predicted::LeftOut;
-use super::rotational::RotationalReport;
+use super::rotational::{Method, RotationalReport};
 use serde::Serialize;
 use std::ops::Range;
 
@@ -32,8 +32,8 @@ pub struct TrainingReport {
 pub struct CandidateReport {
     /// What predicts.
     pub predictor: &'static str,
-    /// Whether c1 and c2 are refined on the training meshes; none without them.
-    pub refined: Option<bool>,
+    /// How c1 and c2 came about; none without them.
+    pub method: Option<Method>,
     /// P.
     pub proxies: usize,
     /// Whether the file's skins have tangent coefficients.

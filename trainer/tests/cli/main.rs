@@ -222,7 +222,7 @@ fn the_record_holds_hashes_folds_candidates_and_the_choice() {
     assert_eq!(record["proxies"], 2);
     let asked = json!({
         "predictor": "auto", "proxies": 2, "max_error": null, "influences": 4,
-        "unrefined": false, "budget": null,
+        "unrefined": false, "published": false, "budget": null,
     });
     assert_eq!(record["options"], asked);
     assert_eq!(record["model_bytes"], folder.read("new.sinew").len());
@@ -277,6 +277,38 @@ fn each_predictor_can_be_asked_for_and_the_file_keeps_to_its_budget() {
     let expected =
         "demo.npz: a budget of 1000 bytes is too small: the smallest model that was tried takes ";
     assert!(line.starts_with(expected), "{line}");
+    assert_eq!(folder.read("new.sinew"), before);
+}
+
+#[test]
+fn the_published_method_is_rotational_and_refuses_what_it_has_not() {
+    let folder = Folder::with_demo("published");
+    let train = "-q train demo.npz -o new.sinew --published";
+    let found = folder.sinew(&format!("{train} --proxies 4 --json")).json();
+    assert_eq!(
+        (&found["predictor"], &found["options"]["published"]),
+        (&json!("rotational"), &json!(true))
+    );
+    let candidates = found["report"]["candidates"].as_array().unwrap();
+    let tried: Vec<_> = candidates.iter().map(|candidate| &candidate["method"]).collect();
+    assert_eq!(tried, [&json!("published")]);
+    // 4 proxies, and the joints, which near-rigid vertices follow.
+    assert_eq!(found["proxies"], 4 + Set::demo().joint_len());
+    let same = folder.sinew(&format!("{train} --predictor rotational --proxies 4 --json")).json();
+    assert_eq!(same["report"], found["report"]);
+    let before = folder.read("new.sinew");
+    for (more, expected) in [
+        ("--predictor kernel", "--published is a way to fit --predictor rotational, and no other"),
+        ("--predictor hybrid", "--published is a way to fit --predictor rotational, and no other"),
+        (
+            "--proxies 513",
+            "--published: a file has room for 512 proxies, for each takes that of two",
+        ),
+    ] {
+        assert_eq!(folder.sinew(&format!("{train} {more}")).failed(), expected);
+    }
+    let both = folder.sinew(&format!("{train} --unrefined"));
+    assert!(both.err.contains("'--published' cannot be used with '--unrefined'"), "{}", both.err);
     assert_eq!(folder.read("new.sinew"), before);
 }
 

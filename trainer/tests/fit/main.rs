@@ -7,6 +7,7 @@ mod importance;
 mod normals;
 mod odd_characters;
 mod poses;
+mod published;
 mod real_sets;
 mod scenes;
 mod seams;

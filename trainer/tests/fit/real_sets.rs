@@ -48,7 +48,7 @@ fn only(predictor: Predictor) -> Options {
 }
 
 /// Checks the held-out frames of a set against bounds, in % of the diagonal: LBS's published figure,
-/// the rotational predictor as published and refined, kernel, and hybrid; and the normals of the last three,
+/// the rotational predictor unrefined and refined, kernel, and hybrid; and the normals of the last three,
 /// in degrees RMS over the area.
 fn check(
     file: &str,

@@ -3,6 +3,7 @@
 use crate::cli::column::padded;
 use crate::cli::counted;
 use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
+use sinew_trainer::envelope::rotational::Method;
 use sinew_trainer::envelope::training_report::{CandidateReport, TrainingReport};
 
 /// Describes what was tried, what was taken, and how it does on the training frames.
@@ -35,10 +36,14 @@ pub(super) fn report(report: &TrainingReport) -> String {
 
 fn kind(candidate: &CandidateReport) -> String {
     let predictor = if candidate.proxies == 0 { "joints alone (LBS)" } else { candidate.predictor };
-    let unrefined = if candidate.refined == Some(false) { ", unrefined" } else { "" };
+    let method = match candidate.method {
+        Some(Method::Published) => ", as published",
+        Some(Method::Unrefined) => ", unrefined",
+        Some(Method::Refined) | None => "",
+    };
     // What they buy are normals; said only of those that the budget left without.
     let bare = if candidate.tangent_coefficients { "" } else { ", cofactors" };
-    format!("{predictor}{unrefined}{bare}")
+    format!("{predictor}{method}{bare}")
 }
 
 /// Describes a measurement, with LBS beside it.

@@ -14,7 +14,7 @@ use sinew_runtime::envelope;
 use sinew_trainer::envelope::check::check;
 use sinew_trainer::envelope::check::finding::Severity;
 use sinew_trainer::envelope::evaluate::NOTHING;
-use sinew_trainer::envelope::rotational::ProxyCount;
+use sinew_trainer::envelope::rotational::{Method, ProxyCount};
 use sinew_trainer::envelope::skin::blend::CANDIDATES;
 use sinew_trainer::envelope::{FileSkins, Options, Predict, Trained, train};
 use sinew_trainer::examples::{Examples, Split, Warning};
@@ -91,6 +91,12 @@ pub(in crate::cli) struct FitArguments {
     /// not been fitted to the training meshes
     #[arg(long)]
     unrefined: bool,
+    /// Fit the rotational predictor as S3 publishes it, to the letter: W and u by alternation, scale and shear with a
+    /// bias, near-rigid vertices by a threshold of their error under LBS, weights and transforms anew after every merge of
+    /// proxies, no refinement. It is what the others are measured against; the rest pose is not exact, and half of the
+    /// file's proxies carry the bias
+    #[arg(long, conflicts_with = "unrefined")]
+    published: bool,
     /// Most bytes of the model's file, as 300000, 300kB (of 1000) or 300KiB (of 1024); of them a mesh takes 60 a vertex with 4 influences, 16
     /// more with texture coordinates. 12 of these turn the normals rightly; where positions would
     /// else err half as much again, they are given up, and normals go by cofactors
@@ -170,6 +176,15 @@ impl FitArguments {
         meshes: FileSkins,
         output: Output,
     ) -> anyhow::Result<Trained> {
+        let predictor = match (self.published, self.predictor) {
+            (true, Predictor::Auto | Predictor::Rotational) => Predict::Published,
+            (true, _) => bail!("--published is a way to fit --predictor rotational, and no other"),
+            (false, predictor) => predictor.predict(),
+        };
+        let most = Method::Published.proxies_max();
+        if self.published && self.proxies.is_some_and(|count| count > most) {
+            bail!("--published: a file has room for {most} proxies, for each takes that of two")
+        }
         let triangles = examples.triangles.len();
         let proxies = match (self.max_error, self.proxies) {
             (Some(percent), _) => Some(ProxyCount::MaxError(percent / 100.0)),
@@ -179,7 +194,7 @@ impl FitArguments {
             (None, count) => count.map(ProxyCount::Fixed),
         };
         let options = Options {
-            predictor: self.predictor.predict(),
+            predictor,
             proxies,
             influences: self.influences,
             refine: !self.unrefined,

@@ -1,6 +1,6 @@
 //! The fit: proxies, keys, and the reduced reconstruction.
 
-use super::options::RotationalOptions;
+use super::options::{Method, RotationalOptions};
 use super::predictor::{GradientPredictor, predict_stacked};
 use super::proxies::CountTrial;
 use super::reduce::{Reduced, Reduction};
@@ -8,12 +8,11 @@ use super::refine::Regression;
 use super::settings::{Candidates, Setting, SettingTrial};
 use super::surface::Surface;
 use super::validation::Validation;
-use super::{keys, merge, proxies, settings, validation};
+use super::{bias, keys, merge, merging, proxies, published, settings, validation};
 use crate::envelope::FitError;
 use crate::envelope::correction::features::Features;
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
-use crate::envelope::model::{Key, Reconstruction};
 use crate::envelope::skin::blend::Weights;
 use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::poses::Poses;
@@ -22,6 +21,7 @@ use crate::envelope::skin::training::Training;
 use crate::numeric::basis;
 use crate::progress::Progress;
 use faer::Mat;
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -31,8 +31,8 @@ pub struct Rotational {
     pub weights: Weights,
     /// Dominant joint of each proxy, P, ascending.
     pub dominant: Vec<usize>,
-    /// The keys, P.
-    pub keys: Vec<Key>,
+    /// What predicts the keys' gradients, P.
+    pub predictors: Vec<GradientPredictor>,
     /// Σ φ φᵀ over the vertices, 4P x 4P.
     pub gram: Mat<f64>,
     /// Squared error of LBS that each proxy is to mend, P, summed over the poses.
@@ -46,8 +46,8 @@ pub struct Rotational {
 /// A reconstruction, and what it leaves over for a correction to learn. Refined on a few meshes it is nearer to the truth;
 /// but what it leaves over of meshes that it has seen is not what it leaves over of others.
 pub struct Variant {
-    /// Whether c1 and c2 are refined on the training meshes.
-    pub refined: bool,
+    /// How c1 and c2 come about.
+    pub method: Method,
     /// c1 and c2.
     reduced: Reduced,
     /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
@@ -129,14 +129,29 @@ pub fn fit(
     progress.step("merging triangles", surface.triangles.len());
     let tree = merge::MergeTree::build(&surface, || progress.advance(1));
     let followed = basis.transpose() * joint_maps(joints, poses);
-    let mut proxies = proxies::fit(&surface, &tree, &followed, options, progress)?;
+    let mut proxies = match options.method {
+        Method::Published => merging::fit(&surface, &tree, options, progress)?,
+        _ => proxies::fit(&surface, &tree, &followed, options, progress)?,
+    };
     let dominant = proxies.sort_by_joint(joints, poses.joint_len());
     let keys = keys::fit(&surface, &proxies, options.influences, progress);
     let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis)).collect();
 
-    let targets = training.targets(&proxies.weights);
-    let validation = Validation::new(&targets, poses, parents, &sequences, progress);
-    let projection = Projection::new(&targets, proxies.len());
+    let published = (options.method == Method::Published).then(|| published::setting(lbs_errors));
+    let (weights, palette_len) = match &published {
+        Some(setting) => {
+            let fixed = settings::near_rigid(lbs_errors, setting.near_rigid_fraction);
+            let weights = published::fixed_on_joints(&proxies, joints, &fixed);
+            (weights, proxies.len() + poses.joint_len())
+        }
+        None => (proxies.weights.clone(), proxies.len()),
+    };
+    let targets = training.targets(&weights);
+    let predictor = |poses: &Poses, d: &[Matrix3<f64>]| {
+        GradientPredictor::fit(poses, parents, d, options.method)
+    };
+    let validation = Validation::new(&targets, poses, &sequences, &predictor, progress);
+    let projection = Projection::new(&targets, palette_len);
     let candidates = Candidates {
         reduction: Reduction {
             rest,
@@ -151,22 +166,31 @@ pub fn fit(
         },
         lbs_errors,
         validation: &validation,
-        projection: options.refine.then_some(&projection),
+        projection: (options.method == Method::Refined).then_some(&projection),
     };
-    let (chosen, trials) = candidates.choose(progress)?;
-    let choice = chosen.choice;
+    let (choice, trials) = match published {
+        Some(setting) => (setting, Vec::new()),
+        None => {
+            let (chosen, trials) = candidates.choose(progress)?;
+            (chosen.choice, trials)
+        }
+    };
 
     progress.step("key predictors", 1);
-    let predictors: Vec<_> =
-        sequences.par_iter().map(|d| GradientPredictor::fit(poses, parents, d)).collect();
+    let predictors: Vec<_> = sequences.par_iter().map(|d| predictor(poses, d)).collect();
     let predicted = predict_stacked(&predictors, poses);
     let fixed = settings::near_rigid(lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
     let unrefined = system.run().ok_or(FitError::Singular)?;
+    let unrefined = if published.is_some() { unrefined.and_joints() } else { unrefined };
     let variant = |reduced: Reduced, maps: &Mat<f64>, refinement: Option<f64>| {
         let of_folds = validation.maps(&unrefined, &projection, refinement);
         Variant {
-            refined: refinement.is_some(),
+            method: match (options.method, refinement) {
+                (Method::Published, _) => Method::Published,
+                (_, None) => Method::Unrefined,
+                (_, Some(_)) => Method::Refined,
+            },
             validated: validation.join(&of_folds),
             left_over: projection.residual(maps),
             without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
@@ -194,17 +218,17 @@ pub fn fit(
         condition: system.equations().condition(),
         near_rigid_deviation: validation::largest_distance(
             rest,
-            (&proxies.weights, &maps),
+            (&weights, &maps),
             (joints, &poses.stacked()),
             &fixed,
         ),
     };
     Ok(Rotational {
         variants,
-        lbs_errors: training.lbs_errors(&proxies.weights, 0..dominant.len()),
-        weights: proxies.weights,
+        lbs_errors: training.lbs_errors(&weights, 0..dominant.len()),
+        weights,
         dominant,
-        keys: predictors.into_iter().map(|predictor| predictor.key).collect(),
+        predictors,
         gram: projection.gram.clone(),
         report,
     })
@@ -229,8 +253,7 @@ impl Rotational {
 
     /// The envelope of a variant, without a correction.
     pub fn fitted(&self, variant: &Variant, training: &Training) -> Fitted {
-        let Reduced { c1, c2 } = variant.reduced.clone();
-        let reconstruction = Reconstruction { keys: self.keys.clone(), c1, c2 };
+        let reconstruction = bias::carried(&self.predictors, &variant.reduced);
         Fitted::new(training, self.weights.clone(), Some(reconstruction))
     }
 

@@ -2,6 +2,7 @@
 //! METHOD §1.4 to §1.6). Too slow for run time; it is what the reduction is measured against.
 
 use super::gradient::gradient;
+use super::options::Method;
 use super::poisson::{Poisson, PoissonError};
 use super::predictor::GradientPredictor;
 use super::settings::near_rigid;
@@ -45,7 +46,8 @@ impl<'a> Full<'a> {
                 let gradients: Vec<_> = (0..frames.len())
                     .filter_map(|i| gradient(corners.map(|v| &rest[v]), posed.map(|y| &y[i])))
                     .collect();
-                GradientPredictor::fit(&poses, &examples.skeleton.parents, &gradients)
+                let parents = &examples.skeleton.parents;
+                GradientPredictor::fit(&poses, parents, &gradients, Method::Unrefined)
             })
             .collect();
         let mut fixed = near_rigid(&errors, near_rigid_fraction);

@@ -10,17 +10,21 @@
 //! | [`poisson`], [`reduce`] | the reconstruction, in full and reduced to c1 and c2 |
 //! | [`settings`], [`validation`] | near-rigid vertices, anchors and refinement, by folds |
 //! | [`refine`] | c1 and c2 refined on the training meshes |
+//! | [`published`], [`merging`], [`bias`] | S3 to the letter, in place of some of this: its setting, its merging, its bias |
 //! | [`full`] | the fit of S3 without proxies, for figures |
 
+pub mod bias;
 mod fit;
 pub mod full;
 pub mod gradient;
 pub mod keys;
 pub mod merge;
+pub mod merging;
 mod options;
 pub mod poisson;
 pub mod predictor;
 pub mod proxies;
+pub mod published;
 pub mod reduce;
 pub mod refine;
 pub mod rotation;
@@ -30,4 +34,4 @@ pub mod surface;
 pub mod validation;
 
 pub use fit::{KeyChoice, Rotational, RotationalReport, Variant, fit};
-pub use options::{ProxyCount, RotationalOptions};
+pub use options::{Method, ProxyCount, RotationalOptions};

@@ -1,6 +1,7 @@
 //! The gradient predictor of one sequence: rotation times scale and shear (METHOD §1.5).
 
 use super::gradient::polar_sequence;
+use super::options::Method;
 use super::rotation::{RotationPredictor, Solver};
 use super::scale_shear;
 use crate::envelope::model::Key;
@@ -15,6 +16,8 @@ pub struct GradientPredictor {
     pub key: Key,
     /// b's parent.
     pub parent: Option<usize>,
+    /// B, which is added to S(q); zero but in a fit as published.
+    pub bias: Matrix3<f64>,
     /// Σ|R - R_pred|² of each joint as b, J.
     pub errors: Vec<f64>,
     /// Σ|R - R_pred|² of each joint as c, J; b's own is that without c.
@@ -23,20 +26,30 @@ pub struct GradientPredictor {
 
 impl GradientPredictor {
     /// Fits a predictor to a sequence of gradients relative to the root, one per pose.
-    pub fn fit(poses: &Poses, parents: &[Option<usize>], gradients: &[Matrix3<f64>]) -> Self {
+    pub fn fit(
+        poses: &Poses,
+        parents: &[Option<usize>],
+        gradients: &[Matrix3<f64>],
+        method: Method,
+    ) -> Self {
+        let published = method == Method::Published;
+        let solver = if published { Solver::Alternation } else { Solver::ClosedForm };
         let (rotations, stretches): (Vec<_>, Vec<_>) =
             polar_sequence(gradients).into_iter().unzip();
         let RotationPredictor { joint, twist, residual, errors, residual_errors } =
-            RotationPredictor::fit(poses, &rotations, Solver::ClosedForm);
+            RotationPredictor::fit(poses, &rotations, solver);
         let parent = parents[joint];
-        let shear = scale_shear::fit(poses, joint, parent, stretches.into_iter());
-        Self { key: Key { joint, twist, residual, shear }, parent, errors, residual_errors }
+        let stretches = stretches.into_iter();
+        let (shear, bias) = scale_shear::fit(poses, joint, parent, stretches, published);
+        Self { key: Key { joint, twist, residual, shear }, parent, bias, errors, residual_errors }
     }
 
     /// Predicts the gradient of a pose, relative to the root.
     pub fn predict(&self, poses: &Poses, pose: usize) -> Matrix3<f64> {
         let parent = *poses.parent_rotation(pose, self.key.joint);
-        self.key.factors(parent, |joint| poses.angle(pose, joint), self.parent).gradient()
+        let mut factors = self.key.factors(parent, |joint| poses.angle(pose, joint), self.parent);
+        factors.stretch += self.bias;
+        factors.gradient()
     }
 }
 
@@ -76,7 +89,8 @@ mod tests {
                     * so3::exp(&(poses.angle(i, residual) * 0.3))
             })
             .collect();
-        let fitted = GradientPredictor::fit(&poses, &examples.skeleton.parents, &sequence);
+        let parents = &examples.skeleton.parents;
+        let fitted = GradientPredictor::fit(&poses, parents, &sequence, Method::Refined);
         let rms = |predicted: &dyn Fn(usize) -> Matrix3<f64>| {
             let sum: f64 =
                 (0..poses.len()).map(|i| (predicted(i) - sequence[i]).norm_squared()).sum();

@@ -9,7 +9,6 @@ use crate::numeric::affine::homogeneous;
 use crate::progress::Progress;
 use faer::Mat;
 use serde::Serialize;
-use sinew_runtime::Limits;
 
 /// Name of the step.
 const STEP: &str = "proxies";
@@ -115,7 +114,7 @@ pub fn fit(
         trials.push(CountTrial { proxies, rms });
         Proxies { weights, maps, rms, trials: Vec::new() }
     };
-    let most = surface.triangles.len().min(Limits::DEFAULT.proxies as usize);
+    let most = surface.triangles.len().min(options.method.proxies_max());
     let found = match options.proxies {
         ProxyCount::Fixed(p) => at(p.clamp(1, most)),
         ProxyCount::MaxError(limit) => fewest(&mut at, most, limit)?,
@@ -152,7 +151,7 @@ fn fewest(
 }
 
 /// The affine map of each group of triangles, through its corners and points along its normals.
-fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
+pub(super) fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
     let count = group_of.iter().max().map_or(0, |&g| g + 1);
     let rank = surface.vertices.nrows();
     let mut points = vec![nalgebra::Matrix4::<f64>::zeros(); count];

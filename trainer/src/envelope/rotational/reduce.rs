@@ -203,6 +203,18 @@ impl Reduction<'_> {
 }
 
 impl Reduced {
+    /// The same with the joints' own transforms after the proxies': `[t; q] = [c1; 0] d + [c2; I] q`.
+    #[must_use]
+    pub fn and_joints(&self) -> Self {
+        let (rows, joints) = (self.c2.nrows(), self.c2.ncols());
+        let mut c1 = Mat::zeros(rows + joints, self.c1.ncols());
+        let mut c2 = Mat::zeros(rows + joints, joints);
+        c1.subrows_mut(0, rows).copy_from(&self.c1);
+        c2.subrows_mut(0, rows).copy_from(&self.c2);
+        c2.subrows_mut(rows, joints).copy_from(Mat::<f64>::identity(joints, joints));
+        Self { c1, c2 }
+    }
+
     /// Evaluates `t = c1 d + c2 q` of n poses: gradients 3n x 3P (columns 3l..3l+3 are key l) to
     /// maps 3n x 4P (columns 4l..4l+4 are proxy l).
     pub fn palette(&self, gradients: &Mat<f64>, poses: &Poses) -> Mat<f64> {

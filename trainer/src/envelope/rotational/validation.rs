@@ -28,12 +28,12 @@ struct FoldPrediction {
 }
 
 impl<'a> Validation<'a> {
-    /// Fits the predictors of P key sequences once a fold.
+    /// Fits the predictors of P key sequences once a fold, by a function of the poses that are left and a sequence in them.
     pub fn new(
         targets: &'a Targets<'a>,
         poses: &'a Poses,
-        parents: &[Option<usize>],
         sequences: &[Vec<Matrix3<f64>>],
+        predictor: &(impl Fn(&Poses, &[Matrix3<f64>]) -> GradientPredictor + Sync),
         progress: &dyn Progress,
     ) -> Self {
         let ranges = folds(poses.times());
@@ -49,7 +49,7 @@ impl<'a> Validation<'a> {
                         let (before, rest) = sequence.split_at(out.start);
                         let kept = [before, &rest[out.len()..]].concat();
                         progress.advance(1);
-                        GradientPredictor::fit(&train, parents, &kept)
+                        predictor(&train, &kept)
                     })
                     .collect();
                 FoldPrediction { predicted: predictor::predict_stacked(&predictors, poses), fold }
