@@ -53,13 +53,13 @@ fn only(predictor: Predictor) -> Options {
 fn check(
     file: &str,
     lbs: f64,
-    [published, refined, kernel, hybrid]: [f64; 4],
+    [unrefined, refined, kernel, hybrid]: [f64; 4],
     [refined_normals, kernel_normals, hybrid_normals]: [f64; 3],
 ) {
     let Some(examples) = set(file) else { return };
     let rotational = only(Predictor::Rotational);
     for (options, most, most_degrees) in [
-        (Options { refine: false, ..rotational.clone() }, published, f64::INFINITY),
+        (Options { refine: false, ..rotational.clone() }, unrefined, f64::INFINITY),
         (rotational, refined, refined_normals),
         (only(Predictor::Kernel), kernel, kernel_normals),
         (only(Predictor::Hybrid), hybrid, hybrid_normals),
@@ -180,9 +180,9 @@ fn check_choice(report: &TrainingReport) {
 #[test]
 fn the_demo_arm_by_every_predictor_and_by_the_best() {
     let examples = demo(&DemoOptions::default());
-    let published = Options { refine: false, ..only(Predictor::Rotational) };
-    let plain = measured(&examples, &published, Split::HeldOut);
-    // The demo's promise: LBS leaves about 1 %, the published method half of it, each predictor a tenth
+    let unrefined = Options { refine: false, ..only(Predictor::Rotational) };
+    let plain = measured(&examples, &unrefined, Split::HeldOut);
+    // The demo's promise: LBS leaves about 1 %, the method without refinement half of it, each predictor a tenth
     // (README: 0.663, 0.205, at most 0.019), and the choice is as good as the best, but for what cross-validation cannot
     // tell: of errors within 2 % there it takes the smaller file.
     assert!((0.6..1.5).contains(&plain.lbs.rms_percent), "{}", plain.lbs.rms_percent);

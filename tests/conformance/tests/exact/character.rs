@@ -5,13 +5,12 @@ use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use sinew_trainer::envelope::rotational::RotationalOptions;
 use sinew_trainer::envelope::rotational::keys;
 use sinew_trainer::envelope::rotational::merge::MergeTree;
 use sinew_trainer::envelope::rotational::predictor::GradientPredictor;
 use sinew_trainer::envelope::rotational::reduce::{Anchors, Reduction};
 use sinew_trainer::envelope::rotational::surface::Surface;
-use sinew_trainer::envelope::rotational::{ProxyCount, proxies};
+use sinew_trainer::envelope::rotational::{Method, ProxyCount, RotationalOptions, proxies};
 use sinew_trainer::envelope::skin::blend::Weights;
 use sinew_trainer::envelope::skin::training::Training;
 use sinew_trainer::envelope::skin::weights;
@@ -54,7 +53,8 @@ impl Character {
         );
         let tree = MergeTree::build(&surface, || ());
         let count = ProxyCount::Fixed(PROXIES);
-        let options = RotationalOptions { proxies: count, influences: INFLUENCES, refine: false };
+        let method = Method::Unrefined;
+        let options = RotationalOptions { proxies: count, influences: INFLUENCES, method };
         let proxies = proxies::fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent);
         let proxies = proxies.expect("a fixed number can be fitted");
         let keys = keys::fit(&surface, &proxies, INFLUENCES, &Silent);
@@ -93,7 +93,9 @@ impl Character {
     /// Fits a predictor to every key.
     pub(crate) fn predictors(&self, examples: &Examples) -> Vec<GradientPredictor> {
         let parents = &examples.skeleton.parents;
-        let fit = |d: &Vec<_>| GradientPredictor::fit(&self.training.poses, parents, d);
+        let fit = |d: &Vec<_>| {
+            GradientPredictor::fit(&self.training.poses, parents, d, Method::Unrefined)
+        };
         self.sequences.iter().map(fit).collect()
     }
 

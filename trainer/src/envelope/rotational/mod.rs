@@ -1,4 +1,4 @@
-//! Enveloping as published (S3): key gradients by rotational regression, vertices by a reduced
+//! Enveloping by rotational regression (S3): key gradients by rotational regression, vertices by a reduced
 //! Poisson reconstruction, refined on the training meshes. [`fit`] goes from top to bottom:
 //!
 //! | file | what it does |
