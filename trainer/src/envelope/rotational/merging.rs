@@ -186,16 +186,14 @@ mod tests {
             let options = RotationalOptions { proxies, method, ..RotationalOptions::default() };
             fit(&surface, &tree, &options, &Silent)
         };
-        let mut last = f64::INFINITY;
-        for count in [1, 5, 12, 40] {
+        // Were the dearest groups merged instead of the cheapest, 0.016 would be left by five.
+        for (count, most) in [(1, 0.1), (5, 8e-3), (12, 1e-3), (40, 6e-4)] {
             let found = fit_to(ProxyCount::Fixed(count)).unwrap();
             let tried: Vec<_> = found.trials.iter().map(|trial| trial.proxies).collect();
             assert_eq!(tried, (count..=2 * count).rev().collect::<Vec<_>>());
             assert_eq!(found.len(), count);
-            assert!(found.rms < 0.6 * last, "{count}: {} after {last}", found.rms);
-            last = found.rms;
+            assert!(found.rms < most, "{count}: {}", found.rms);
         }
-        assert!(last < 1e-3, "{last}");
         let found = fit_to(ProxyCount::MaxError(2e-3)).unwrap();
         assert!(found.rms <= 2e-3 && found.trials.len() > 1, "{:?}", found.trials);
         let asked = fit_to(ProxyCount::MaxError(1e-30)).err();
