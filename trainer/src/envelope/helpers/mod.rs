@@ -2,3 +2,4 @@
 //! local kernel maps, are added where it errs.
 
 pub mod fit;
+mod part;
