@@ -207,6 +207,21 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
 }
 
 #[test]
+fn a_second_model_that_has_read_what_is_measured_is_told() {
+    let (examples, clips) = arm();
+    let mut seen = examples.clone();
+    seen.split.fill(Split::Train);
+    let [bytes, other] = [&examples, &seen].map(|examples| model(examples, Predictor::Rotational));
+    let told = |second| {
+        let mut comparison =
+            Comparison::new(source(&examples, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
+        comparison.compare(NamedModel { name: "other", bytes: second, skin: None }).unwrap();
+        page(&comparison, false).contains("; other has read all of them in training")
+    };
+    assert!(told(&other) && !told(&bytes));
+}
+
+#[test]
 fn the_table_by_frame_averages_to_what_evaluate_measures() {
     let (examples, mut clips) = arm();
     clips[1].numbers = Some((101..).take(clips[1].times.len()).collect());

@@ -92,4 +92,8 @@ fn poses_are_moved_to_where_a_model_is() {
     other.iter_mut().for_each(|x| x[1] *= 1.1);
     let error = poses.move_to(&other).unwrap_err().to_string();
     assert!(error.starts_with("its rest mesh is not that of the model"), "{error}");
+    assert!(error.ends_with("at best"), "{error}");
+    let reversed: Vec<_> = whole.rest.iter().rev().map(|x| x.map(|x| 100.0 * x)).collect();
+    let error = poses.move_to(&reversed).unwrap_err().to_string();
+    assert!(error.contains("the same vertices in another order"), "{error}");
 }

@@ -119,11 +119,12 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let (glb, said) = match &arguments.into {
         None => {
             let stand = stand(&arguments.space, &arguments.target, &character.space)?;
-            let appearance = appearance::load(arguments.mesh.as_ref().unwrap_or(&arguments.clip))?;
+            let dressed = arguments.mesh.as_ref().unwrap_or(&arguments.clip);
+            let appearance = appearance::load(dressed)?;
             if !appearance.missing.is_empty() {
                 let names = printable(&appearance.missing.join(", "));
                 let text = format!("images that cannot be read, and are left out: {names}");
-                output.warn(arguments.clip.display(), text);
+                output.warn(dressed.display(), text);
             }
             let (clips, levels, appearance) = (&clips, &levels, &appearance);
             let export = Export {

@@ -12,6 +12,7 @@ use crate::examples::validate::same;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Warning};
 use crate::mesh::EngineMesh;
 use crate::numeric::affine::{joined, parts, to_rows};
+use crate::numeric::points::apart_unordered;
 use crate::space::axes::{self, axis, direction};
 use crate::space::{SCALES, UNITS};
 
@@ -46,7 +47,9 @@ impl Examples {
         let own = self.surface().copied(&self.rest);
         same("vertices", "the model's mesh", rest.len(), "the mesh of this file", own.len())?;
         let similarity = meshes(&own, rest);
-        let similarity = similarity.map_err(|percent| ImportError::OtherMesh { percent })?;
+        let other =
+            |percent| ImportError::OtherMesh { percent, is_shuffled: are_shuffled(&own, rest) };
+        let similarity = similarity.map_err(other)?;
         similarity.move_joints(&mut self.skeleton, &mut self.transforms);
         similarity.move_points(&mut self.rest);
         similarity.move_points(&mut self.vertices);
@@ -80,6 +83,14 @@ pub(super) fn meshes(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<Similarity, f
             Ok(similarity)
         }
     }
+}
+
+/// Tells whether a rest mesh has the places of another's vertices, turned by right angles, scaled and moved, in any order.
+fn are_shuffled(from: &[[f64; 3]], to: &[[f64; 3]]) -> bool {
+    similarities(from, to).any(|similarity| {
+        let moved = from.iter().map(|&x| similarity.point(x.into()).into());
+        apart_unordered(&moved.collect::<Vec<_>>(), to) <= SAME_MESH * diagonal(to)
+    })
 }
 
 /// Lists what may lead from one cloud of points to another of as many, in any order: none, then every turn by right

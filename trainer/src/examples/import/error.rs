@@ -100,18 +100,25 @@ pub enum ImportError {
     },
     /// The posed meshes' vertices have another order.
     #[error(
-        "its vertices are those of the scene's mesh, but in another order: export both from one mesh, the scene as \
-         .fbx rather than glTF, which sorts vertices anew; or give an .npz with the `rest` positions of its vertices"
+        "its vertices are those of the scene's mesh, but in another order: export both from one mesh, neither as \
+         glTF, which sorts vertices anew; or give an .npz with the `rest` positions of its vertices"
     )]
     VertexOrder,
     /// The rest mesh is another one.
     #[error(
         "its rest mesh is not that of the model in any axes and unit: off by {percent:.1} % of the \
-         diagonal at best"
+         diagonal at best{}",
+        if *is_shuffled {
+            ", the same vertices in another order; give a file of the kind that training had"
+        } else {
+            ""
+        }
     )]
     OtherMesh {
         /// RMS distance in % of the diagonal.
         percent: f64,
+        /// Whether the places of all vertices are the same.
+        is_shuffled: bool,
     },
     /// An animation has none of the character's joints.
     #[error("has none of the character's joints, by name: {joints}")]

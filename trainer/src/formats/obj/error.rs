@@ -3,6 +3,9 @@
 /// An OBJ file that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ObjError {
+    /// It is no text.
+    #[error("is no text, as an OBJ file is")]
+    Binary,
     /// A line cannot be read.
     #[error("line {line} is no vertex, texture coordinate, normal or face of numbers: {text}")]
     Line {

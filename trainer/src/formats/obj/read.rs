@@ -72,6 +72,9 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed, ObjError> {
     let mut normals = Vec::new();
     let mut corners = Vec::new();
     let mut polygons = Polygons::default();
+    if bytes.contains(&0) {
+        return Err(ObjError::Binary);
+    }
     for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
         let mut words = line.split_ascii_whitespace();
         let read = match words.next() {

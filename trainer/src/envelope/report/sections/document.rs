@@ -93,7 +93,7 @@ fn header(comparison: &Comparison<'_>) -> String {
     };
     format!(
         "<h1>{} on {}{compared}</h1>\n\
-         <p class=\"under\">{} vertices, {} triangles, {} joints, diagonal {:.4}; {}</p>\n\
+         <p class=\"under\">{} vertices, {} triangles, {} joints, diagonal {:.4}; {}{}</p>\n\
          <p class=\"verdict\">{verdict}{normals}</p>\n",
         text(model.file.name),
         text(source.name),
@@ -101,7 +101,8 @@ fn header(comparison: &Comparison<'_>) -> String {
         grouped(examples.triangles.len()),
         grouped(examples.joint_len()),
         examples.diagonal(),
-        measured_on(comparison)
+        measured_on(comparison),
+        read_by_other(comparison)
     )
 }
 
@@ -140,6 +141,18 @@ fn measured_on(comparison: &Comparison<'_>) -> String {
             format!("measured on all {count} frames: {train}, {held_out}, {extreme}{read}")
         }
     }
+}
+
+/// Says how much of what is measured the second model has read, where that is another share than the first has.
+fn read_by_other(comparison: &Comparison<'_>) -> String {
+    let Some(other) = &comparison.other else { return String::new() };
+    let read = other.read.unwrap_or(0);
+    if read == comparison.model.read.unwrap_or(0) {
+        return String::new();
+    }
+    let frames = comparison.baseline.frames.len();
+    let of = if read == frames { "all".to_owned() } else { grouped(read) };
+    format!("; {} has read {of} of them in training", text(other.file.name))
 }
 
 fn accuracy(comparison: &Comparison<'_>) -> String {
