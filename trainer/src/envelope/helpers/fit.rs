@@ -1,16 +1,15 @@
 //! The fit of helpers to the training frames (METHOD §1.9).
 
-use super::part::Part;
-use crate::constants::{AHEAD, BASE, ERRS, FOLLOWS, RESIDUAL_SHARE};
+use crate::constants::{AHEAD, BASE, ERRS, PULL, RESIDUAL_SHARE};
 use crate::envelope::correction::features::Features;
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
 use crate::envelope::model::Group;
-use crate::envelope::skin::blend::{Items, Maps, Supports, Weights, fit_weights};
+use crate::envelope::skin::blend::{Items, Maps, Supports, Weights, fit_maps, fit_weights};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::gram;
 use crate::envelope::skin::stacked::{bases, set_map};
-use crate::envelope::skin::targets::skinned;
+use crate::envelope::skin::targets::{Targets, skinned};
 use crate::envelope::skin::training::Training;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::basis::{Basis, basis};
@@ -54,9 +53,6 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
     }
     let groups = groups(training, joints, &active, count);
 
-    let least = FOLLOWS.get() * FOLLOWS.get() * poses.len() as f64;
-    let may_follow = |v: &usize| errors[*v] > least || influences < joints.most();
-    let part = Part::new(training, (0..errors.len()).filter(may_follow).collect());
     let stacked = poses.stacked();
     let mut maps = Mat::zeros(stacked.nrows(), 4 * groups.len());
     let mut groups: Vec<_> = groups
@@ -77,9 +73,8 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
 
     let dominant: Vec<usize> = groups.iter().map(|group| group.0).collect();
     let bases = bases(&stacked, &dominant);
-    let weights = OnBasis::new(&part, &stacked, &bases).run(&maps, influences);
-    let maps = part.fit_helpers(&part.trajectories, [&stacked, &bases], &weights);
-    let weights = part.whole(joints, &weights);
+    let weights = OnBasis::new(training, &stacked, &bases).run(&maps, influences);
+    let maps = fit_helpers(training, &training.trajectories, [&stacked, &bases], &weights);
     let span = poses.joint_len()..poses.joint_len() + dominant.len();
     let gram = gram(&training.targets(&weights), span.clone());
     let lbs_errors = training.lbs_errors(&weights, span);
@@ -88,7 +83,7 @@ pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpe
 
 /// The fit of weights and the helpers' maps in turn, on a basis of the trajectories.
 struct OnBasis<'a> {
-    part: &'a Part,
+    training: &'a Training,
     trajectories: Basis,
     /// The joints' maps on the basis, and those of the helpers' dominant joints.
     joints: Mat<f64>,
@@ -99,13 +94,13 @@ struct OnBasis<'a> {
 }
 
 impl<'a> OnBasis<'a> {
-    fn new(part: &'a Part, joints: &Mat<f64>, bases: &Mat<f64>) -> Self {
-        let trajectories = basis(&part.trajectories);
-        let plain = basis(&skinned(&part.rest, &part.plain, joints));
+    fn new(training: &'a Training, joints: &Mat<f64>, bases: &Mat<f64>) -> Self {
+        let trajectories = basis(&training.trajectories);
+        let plain = basis(&skinned(&training.rest, &training.lbs.weights, joints));
         let onto = |basis: &Basis, maps: &Mat<f64>| basis.vectors.transpose() * maps;
         let palette = onto(&plain, &faer::concat![[joints, bases]]);
         Self {
-            part,
+            training,
             joints: onto(&trajectories, joints),
             bases: onto(&trajectories, bases),
             trajectories,
@@ -118,8 +113,8 @@ impl<'a> OnBasis<'a> {
     /// last one came to (Nesterov 1983), or there where that was too far.
     fn run(&self, maps: &Mat<f64>, influences: usize) -> Weights {
         let targets = faer::concat![[&self.trajectories.coordinates], [&self.plain]];
-        let Part { rest, plain: kept, .. } = self.part;
-        let items = Items::vertices(rest, &targets, self.part.importance());
+        let items = Items::vertices(&self.training.rest, &targets, self.training.importance());
+        let kept = &self.training.lbs.weights;
         let mut maps = self.trajectories.vectors.transpose() * maps;
         let mut ahead = maps.clone();
         let mut weights = kept.clone();
@@ -141,12 +136,26 @@ impl<'a> OnBasis<'a> {
             (weights, least) = (found, error);
             let trajectories = &self.trajectories.coordinates;
             let maps_of = [&self.joints, &self.bases];
-            let next = self.part.fit_helpers(trajectories, maps_of, &weights);
+            let next = fit_helpers(self.training, trajectories, maps_of, &weights);
             ahead = &next + (&next - &maps) * faer::Scale(AHEAD.get() * steps / (steps + 3.0));
             (maps, steps) = (next, steps + 1.0);
         }
         weights
     }
+}
+
+/// Fits the helpers' maps to weights and trajectories.
+fn fit_helpers(
+    training: &Training,
+    trajectories: &Mat<f64>,
+    [joints, bases]: [&Mat<f64>; 2],
+    weights: &Weights,
+) -> Mat<f64> {
+    let (on_joints, on_helpers) = split(weights, joints.ncols() / 4);
+    let (rest, importance) = (&training.rest, training.importance());
+    let left = Targets { rest, weights: &on_joints, trajectories, importance }.residuals(joints);
+    let items = Items::vertices(rest, &left, importance);
+    fit_maps(&items, &on_helpers, &Maps { width: 4, columns: bases.clone() }, PULL.get()).columns
 }
 
 /// Groups the vertices where LBS errs by how they err and where they lie.
@@ -200,6 +209,16 @@ fn group_maps(training: &Training, members: &[usize], joint: usize) -> Vec<Matri
             base + right * inverse
         })
         .collect()
+}
+
+/// Splits weights on joints and helpers.
+fn split(weights: &Weights, joint_len: usize) -> (Weights, Weights) {
+    let part = |keep: &dyn Fn(usize) -> Option<usize>| {
+        let lists = (0..weights.len())
+            .map(|v| weights.of(v).filter_map(|(map, w)| keep(map).map(|map| (map, w))).collect());
+        Weights::from_lists(weights.most(), lists)
+    };
+    (part(&|map| (map < joint_len).then_some(map)), part(&|map| map.checked_sub(joint_len)))
 }
 
 impl Helpers {

@@ -2,4 +2,3 @@
 //! local kernel maps, are added where it errs.
 
 pub mod fit;
-mod part;
