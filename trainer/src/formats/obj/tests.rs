@@ -96,7 +96,7 @@ fn a_comment_in_another_encoding_does_no_harm() {
 #[test]
 fn what_is_no_text_is_called_so() {
     let folder = Folder::new("obj-binary");
-    let error = load(&folder.write("a.obj", b"PK\x03\x04\0\0v \xff".to_vec())).unwrap_err();
+    let error = load(&folder.write("a.obj", b"PK\x03\x04\0\0v \xff")).unwrap_err();
     assert!(error.to_string().ends_with("is no text, as an OBJ file is"), "{error}");
 }
 
