@@ -116,7 +116,10 @@ fn a_palette_alone_is_the_same_palette_without_a_mesh() {
     let saved = with.model.len() - without.model.len();
     assert!(saved >= bytes(&models[0], 1), "{saved}");
     let refused = evaluate(&without.model, None, &examples, Frames::All).unwrap_err();
-    assert!(refused.to_string().starts_with("the model holds a palette alone, without a skin"));
+    assert_eq!(
+        refused.to_string(),
+        "the model holds a palette alone, without a skin to measure or to play: train one without --no-skin for that"
+    );
     let refused = evaluate(&without.model, Some("lod1"), &examples, Frames::All).unwrap_err();
     assert!(matches!(refused, EvaluateError::PaletteAlone));
 }

@@ -69,7 +69,7 @@ fn a_left_handed_engine_gets_the_same_skin_by_both_ways() {
             by_training.max(farthest(&skinned(&baked, &trained), &expected, 100.0 * size));
     }
     println!("axes: by matrices {by_matrices:.1e}, by training {by_training:.1e} of the diagonal");
-    assert!(by_matrices < 3e-5 && by_training < 3e-5, "what the page says");
+    assert!(by_matrices < 2e-5 && by_training < 3e-5, "what the page says");
     assert!(by_matrices > 0.0 && by_training > 0.0, "they are not compared with themselves");
 }
 
