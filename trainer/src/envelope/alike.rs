@@ -1,10 +1,10 @@
 //! Candidates whose errors cannot be told apart.
 
 /// The smallest file is taken whose error is within this of the least.
-const SMALLER: f64 = 1.02;
+pub const SMALLER: f64 = 1.02;
 /// Error, RMS in diagonals, below which nobody sees a difference: a fifth of a millimetre on a body. Of a walk, which
 /// every candidate fits so well, noise would choose.
-const UNSEEN: f64 = 1e-4;
+pub const UNSEEN: f64 = 1e-4;
 
 /// What decides between candidates.
 pub(super) struct Rated {

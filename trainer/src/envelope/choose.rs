@@ -113,7 +113,7 @@ fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyCount> {
     if let Some(count) = options.proxies {
         return vec![count];
     }
-    let most = options.method().proxies_max().min(training.triangles.len());
+    let most = proxies_max(training).min(options.method().proxies_max());
     let usual = usual_count(training);
     let quarters = if options.budget.is_some() { &QUARTERS[..] } else { &QUARTERS[..3] };
     let mut counts = Vec::new();

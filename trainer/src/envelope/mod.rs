@@ -13,7 +13,7 @@
 //! | [`levels`] | further meshes that follow the same palette |
 //! | [`check`], [`evaluate`], [`report`], [`export`], [`demo`] | the commands' work |
 
-mod alike;
+pub mod alike;
 mod bake;
 pub mod check;
 pub mod choose;

@@ -2,6 +2,7 @@
 
 use crate::cli::column::padded;
 use crate::cli::counted;
+use sinew_trainer::envelope::alike::{SMALLER, UNSEEN};
 use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
 use sinew_trainer::envelope::rotational::Method;
 use sinew_trainer::envelope::training_report::{CandidateReport, TrainingReport};
@@ -24,7 +25,11 @@ pub(super) fn report(report: &TrainingReport) -> String {
     }
     let best = report.candidates.iter().filter_map(|candidate| candidate.validated_rms);
     if report.chosen().validated_rms > best.min_by(f64::total_cmp) {
-        out += "errors within 2 %, or below 0.01 %, are alike: the smallest file is taken, a rotational one last\n";
+        out += &format!(
+            "errors within {:.0} %, or below {} %, are alike: the smallest file is taken, a rotational one last\n",
+            100.0 * (SMALLER - 1.0),
+            100.0 * UNSEEN
+        );
     }
     out += "training frames       error, % of the diagonal\n";
     let validated = report.chosen().validated_rms.unwrap_or_default();

@@ -128,10 +128,12 @@ pub fn fit(
         Surface::new(rest, triangles.clone(), moved, basis, training.importance());
     progress.step("merging triangles", surface.triangles.len());
     let tree = merge::MergeTree::build(&surface, || progress.advance(1));
-    let followed = basis.transpose() * joint_maps(joints, poses);
     let mut proxies = match options.method {
         Method::Published => merging::fit(&surface, &tree, options, progress)?,
-        _ => proxies::fit(&surface, &tree, &followed, options, progress)?,
+        _ => {
+            let followed = basis.transpose() * joint_maps(joints, poses);
+            proxies::fit(&surface, &tree, &followed, options, progress)?
+        }
     };
     let dominant = proxies.sort_by_joint(joints, poses.joint_len());
     let keys = keys::fit(&surface, &proxies, options.influences, progress);
