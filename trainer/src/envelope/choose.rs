@@ -10,7 +10,7 @@ use super::levels::AddError;
 use super::levels::{self, LevelReport};
 use super::model::{RecordModel, SkinModel};
 use super::options::{FileSkins, Options, Predict};
-use super::rotational::ProxyCount;
+use super::rotational::{Method, ProxyCount};
 use super::rotational::{self, Rotational, RotationalOptions, RotationalReport, Variant};
 use super::training_report::{CandidateReport, TrainingReport};
 use crate::envelope::correction::candidates::GroupReport;
@@ -83,8 +83,9 @@ pub fn choose(
         reports: Vec::new(),
         candidates: Vec::new(),
         least_bytes: usize::MAX,
-        kind: None,
+        kept: None,
         known: Known::new(),
+        known_of_reconstruction: None,
         usual: None,
         parts: 0,
         begun: 0,
@@ -147,11 +148,14 @@ struct PredictorSearch<'a> {
     candidates: Vec<Candidate>,
     /// Bytes of the smallest file that was tried.
     least_bytes: usize,
-    /// The kind of predictor that more and fewer proxies are tried for; every one that is asked for where none is.
-    kind: Option<Predictor>,
+    /// The kind of predictor that more and fewer proxies are tried for, and how its c1 and c2 come about; every one that
+    /// is asked for where none is.
+    kept: Option<(Predictor, Option<Method>)>,
     /// The usual number of helpers, and what the maps of each joint listen to, which is chosen by them for any number.
     usual: Option<Helpers>,
     known: Known,
+    /// What maps listen to that correct a reconstruction, chosen by the first one.
+    known_of_reconstruction: Option<Known>,
     /// How many fits there are to be, and how many were begun.
     parts: usize,
     begun: usize,
@@ -160,7 +164,7 @@ struct PredictorSearch<'a> {
 impl PredictorSearch<'_> {
     fn wants(&self, predictor: Predictor) -> bool {
         let asked = match self.options.predictor {
-            Predict::Auto => self.kind,
+            Predict::Auto => self.kept.map(|kept| kept.0),
             Predict::Only(only) => Some(only),
             Predict::Published => Some(Predictor::Rotational),
         };
@@ -170,7 +174,8 @@ impl PredictorSearch<'_> {
     /// Tries no other kind of predictor from here on than the best so far, in so many fits to come.
     fn keep_best_kind(&mut self, to_come: usize) {
         let chosen = chosen(&self.candidates, &self.reports);
-        self.kind = chosen.map(|c| c.fitted.envelope.predictor());
+        let kept = |c: &Candidate| (c.fitted.envelope.predictor(), self.reports[c.report].method);
+        self.kept = chosen.map(kept);
         self.parts = self.begun + to_come * self.kinds();
     }
 
@@ -240,17 +245,24 @@ impl PredictorSearch<'_> {
         Ok(())
     }
 
-    /// What corrects a reconstruction listens to what its first variant, as it is published, leaves over.
+    /// What corrects a reconstruction listens to what the first one's first variant, which is not refined, leaves over.
     fn hybrid(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
-        let first = rotational.variants.first().map(|v| rotational.target(v, self.training));
-        let known = first.map(|target| listening::choose(&target, self.progress));
-        let known = known.unwrap_or_default();
-        for variant in &rotational.variants {
+        let known = self.known_of_reconstruction.take().unwrap_or_else(|| {
+            let first = rotational.variants.first().map(|v| rotational.target(v, self.training));
+            let known = first.map(|target| listening::choose(&target, self.progress));
+            known.unwrap_or_default()
+        });
+        let kept = self.kept.and_then(|kept| kept.1);
+        let all = &rotational.variants;
+        let is_kept = |variant: &Variant| kept.is_none_or(|method| method == variant.method);
+        let any_is = all.iter().any(is_kept);
+        for variant in all.iter().filter(|variant| is_kept(variant) || !any_is) {
             let fitted = rotational.fitted(variant, self.training);
             let target = rotational.target(variant, self.training);
             let of = Some((rotational, variant));
             self.corrected(fitted, (&target, &known), &variant.validated, of)?;
         }
+        self.known_of_reconstruction = Some(known);
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use super::blocks::Blocks;
 use super::group_outputs::GroupOutputs;
-use super::listening::{CENTRES_MAX, Known, Listening, most_centres};
+use super::listening::{Known, Listening};
 use super::metric::Metric;
 use super::target::CorrectionTarget;
 use crate::constants::SIMPLER;
@@ -17,7 +17,7 @@ use sinew_runtime::envelope::{GroupKernel, GroupRow, Trust};
 use std::ops::Range;
 
 /// Candidate numbers of centres beside the origin, and the most.
-const CENTRES: [usize; 6] = [8, 16, 32, 64, 128, CENTRES_MAX];
+const CENTRES: [usize; 6] = [8, 16, 32, 64, 128, 256];
 /// Largest bound on what rounding to f32 may add to the training poses, RMS over the skin in
 /// diagonals. The bound takes the worst of every rounding; what is seen is some fiftieth.
 const PRECISE: f64 = 5e-3;
@@ -161,8 +161,7 @@ fn choose_size(
     nothing: &[f64],
     proxies: usize,
 ) -> Vec<MapSize> {
-    let most = most_centres(inputs);
-    let counts: Vec<usize> = CENTRES.into_iter().filter(|&c| c < most).chain([most]).collect();
+    let counts = CENTRES.map(|count| count.min(inputs.sample_len()));
     let mut sizes = Vec::new();
     for design in Design::each(inputs, kernel, width, &counts) {
         let Some(scored) = ridge::best(&design, outputs) else { continue };

@@ -24,8 +24,8 @@ const HOPS: [usize; 3] = [1, 2, 3];
 /// What a joint's weight is multiplied by, at most so many times: joints that hardly move would be all rounding.
 const FACTORS: [f64; 2] = [0.5, 2.0];
 const TIMES: usize = 2;
-/// Most centres.
-pub(super) const CENTRES_MAX: usize = 256;
+/// Centres that what maps listen to is chosen with.
+const CENTRES: usize = 128;
 
 /// What the maps of some joints listen to.
 pub type Known = BTreeMap<usize, Listening>;
@@ -144,9 +144,10 @@ fn best_width(
     Some(best).filter(|best| best.1.is_finite())
 }
 
-/// Scores a kernel and width with as many centres as may be.
+/// Scores a kernel and width with centres enough to tell.
 fn coarse(inputs: &Inputs, outputs: &Outputs, (kernel, width): (GroupKernel, f64)) -> Option<f64> {
-    let design = Design::each(inputs, kernel, width, &[most_centres(inputs)]).next()?;
+    let centres = inputs.sample_len().min(CENTRES);
+    let design = Design::each(inputs, kernel, width, &[centres]).next()?;
     ridge::coarse(&design, outputs)
 }
 
@@ -183,9 +184,4 @@ impl NearJoints {
             }
         }
     }
-}
-
-/// The most centres that samples allow.
-pub(super) fn most_centres(inputs: &Inputs) -> usize {
-    inputs.sample_len().min(CENTRES_MAX)
 }
