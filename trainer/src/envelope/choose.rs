@@ -5,13 +5,13 @@ use super::alike::{Rated, smallest_alike};
 use super::error::{FitError, TrainError};
 use super::finish::{fit_normals, recorded};
 use super::fitted::{Fitted, NAME, corrected};
-use super::helpers::fit::{self, Helpers};
+use super::helpers::fit::{HelperFit, Helpers, STEP};
 use super::levels::AddError;
 use super::levels::{self, LevelReport};
 use super::model::{RecordModel, SkinModel};
 use super::options::{FileSkins, Options, Predict};
-use super::rotational::{Method, ProxyCount};
 use super::rotational::{self, Rotational, RotationalOptions, RotationalReport, Variant};
+use super::rotational::{Method, ProxyCount};
 use super::training_report::{CandidateReport, TrainingReport};
 use crate::envelope::correction::candidates::GroupReport;
 use crate::envelope::correction::listening::{self, Known};
@@ -25,6 +25,7 @@ use faer::Mat;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::skin::NormalErrors;
+use std::cell::OnceCell;
 
 /// Fewest proxies to begin with, where nothing else is said.
 const PROXIES: usize = 40;
@@ -84,6 +85,7 @@ pub fn choose(
         candidates: Vec::new(),
         least_bytes: usize::MAX,
         kept: None,
+        helper_fit: OnceCell::new(),
         known: Known::new(),
         known_of_reconstruction: None,
         usual: None,
@@ -151,6 +153,8 @@ struct PredictorSearch<'a> {
     /// The kind of predictor that more and fewer proxies are tried for, and how its c1 and c2 come about; every one that
     /// is asked for where none is.
     kept: Option<(Predictor, Option<Method>)>,
+    /// What fits of helpers read; none where LBS errs nowhere.
+    helper_fit: OnceCell<Option<HelperFit<'a>>>,
     /// The usual number of helpers, and what the maps of each joint listen to, which is chosen by them for any number.
     usual: Option<Helpers>,
     known: Known,
@@ -182,12 +186,17 @@ impl PredictorSearch<'_> {
     /// Chooses what helpers' maps listen to, by the usual number of them: for every number the same, so that it does not
     /// matter which were tried.
     fn listen(&mut self) {
-        self.progress.step(fit::STEP, 1);
-        let count = usual_count(self.training);
-        self.usual = fit::fit(self.training, count, self.options.influences);
+        self.progress.step(STEP, 1);
+        self.usual = self.helpers(usual_count(self.training));
         if let Some(helpers) = &self.usual {
             self.known = listening::choose(&helpers.target(self.training), self.progress);
         }
+    }
+
+    /// Fits helpers; none where LBS errs nowhere.
+    fn helpers(&self, count: usize) -> Option<Helpers> {
+        let fit = self.helper_fit.get_or_init(|| HelperFit::new(self.training));
+        fit.as_ref().map(|fit| fit.run(count, self.options.influences))
     }
 
     /// Counts the fits of one number of proxies: a reconstruction, what corrects it, and helpers.
@@ -267,13 +276,12 @@ impl PredictorSearch<'_> {
     }
 
     fn kernel(&mut self, count: ProxyCount) -> Result<(), TrainError> {
-        self.progress.step(fit::STEP, 1);
-        let influences = self.options.influences;
+        self.progress.step(STEP, 1);
         let helpers = match count {
             ProxyCount::Fixed(count) => {
                 let is_usual = count == usual_count(self.training);
                 let usual = self.usual.take_if(|_| is_usual);
-                usual.or_else(|| fit::fit(self.training, count, influences))
+                usual.or_else(|| self.helpers(count))
             }
             ProxyCount::MaxError(limit) => self.fewest_helpers(limit)?,
         };
@@ -304,8 +312,7 @@ impl PredictorSearch<'_> {
         let most = proxies_max(self.training);
         let mut count = 4.min(most);
         loop {
-            let helpers = fit::fit(self.training, count, self.options.influences);
-            let Some(helpers) = helpers else { return Ok(None) };
+            let Some(helpers) = self.helpers(count) else { return Ok(None) };
             let palette = helpers.true_palette(&self.training.poses);
             let reached = self.training.targets(&helpers.weights).rms(&palette);
             if reached <= limit {

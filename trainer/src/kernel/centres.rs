@@ -6,6 +6,7 @@
 //! span vanishes at rest.
 
 use super::function::Exact;
+use crate::numeric::registers;
 use faer::{Mat, MatRef};
 use sinew_runtime::envelope::GroupKernel;
 
@@ -29,6 +30,7 @@ impl Greedy {
         most: usize,
         squared: impl Fn(usize, usize) -> f64,
     ) -> Self {
+        registers::narrow();
         let points = len + 1;
         let mut factor = Mat::<f64>::zeros(points, most.min(len) + 1);
         let mut left = vec![1.0; points];

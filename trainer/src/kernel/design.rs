@@ -13,6 +13,7 @@ use super::inputs::Inputs;
 use super::left_out::LeftOut;
 use super::map::KernelMap;
 use super::outputs::Block;
+use crate::numeric::registers;
 use faer::Mat;
 use faer::linalg::solvers::Svd;
 use serde::Serialize;
@@ -128,6 +129,7 @@ impl<'a> Design<'a> {
     /// Takes a block of samples out of a fit with a ridge; none where rounding makes what it leaves
     /// indefinite.
     pub fn block_out(&self, BlockRows { rows, own }: &BlockRows, ridge: f64) -> Option<BlockOut> {
+        registers::narrow();
         let noise = ridge * self.largest;
         let mut hat = rows.clone();
         for (column, s) in hat.col_iter_mut().zip(self.decomposed.S().column_vector().iter()) {
@@ -157,6 +159,7 @@ impl<'a> Design<'a> {
     /// RMS size of what is rounded in the kernel of each centre, the origin first: the value itself,
     /// or, for a gaussian, its change from rest.
     pub fn terms(&self) -> Vec<f64> {
+        registers::narrow();
         let Hyperparameters { kernel, width, .. } = self.hyperparameters;
         let (n, scale) = (self.sample_len(), 1.0 / self.inputs.squared_width(width));
         let of = |centre: usize| {

@@ -1,13 +1,14 @@
 //! Columns of a matrix: as slices, in parallel, and their ends; faer itself runs on one thread, so that results do
 //! not depend on how many there are.
 
+use super::registers;
 use faer::Mat;
 use rayon::prelude::*;
 
 /// Writes every column of a matrix, in parallel.
 pub(crate) fn fill(matrix: &mut Mat<f64>, write: impl Fn(usize, &mut [f64]) + Sync) {
     let columns: Vec<_> = matrix.col_iter_mut().enumerate().collect();
-    columns.into_par_iter().for_each(|(index, column)| {
+    columns.into_par_iter().for_each_init(registers::narrow, |(), (index, column)| {
         if let Some(column) = column.try_as_col_major_mut() {
             write(index, column.as_slice_mut());
         }

@@ -50,40 +50,36 @@ pub fn solve(gram: &Gram) -> [f64; MAX_COLUMNS] {
         return weights;
     };
     weights[nearest] = 1.0;
-    let mut active = vec![nearest];
     let scale: f64 = (0..n).map(|j| gram.value[j][j]).fold(0.0, f64::max);
     let noise = gram.noise + 1e-12 * scale;
+    let mut active = Active { gram, noise, columns: vec![nearest], factor: Vec::new() };
     // Each round lowers the error strictly, so no active set comes back; the cap guards rounding.
     for _ in 0..4 * n {
-        let error = gram.error(&weights);
+        let slopes = active.slopes(&weights);
+        let error: f64 = active.columns.iter().map(|&j| weights[j] * slopes[j]).sum();
         let entering = (0..n)
-            .filter(|j| !active.contains(j))
-            .map(|j| (gram.apply(&weights, j), j))
+            .filter(|j| !active.columns.contains(j))
+            .map(|j| (slopes[j], j))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         match entering {
-            Some((slope, j)) if slope < error - noise => active.push(j),
+            Some((slope, j)) if slope < error - noise => active.columns.push(j),
             _ => break,
         }
-        while let Some(target) = affine_minimum(gram, &active) {
+        while let Some(target) = active.affine_minimum() {
             let step = active
+                .columns
                 .iter()
                 .zip(&target)
                 .filter(|&(_, &t)| t <= 0.0)
                 .map(|(&j, &t)| weights[j] / (weights[j] - t).max(f64::MIN_POSITIVE))
                 .fold(1.0, f64::min);
-            for (&j, &t) in active.iter().zip(&target) {
+            for (&j, &t) in active.columns.iter().zip(&target) {
                 weights[j] += step * (t - weights[j]);
             }
             if step >= 1.0 {
                 break;
             }
-            active.retain(|&j| {
-                let keep = weights[j] > 1e-14;
-                if !keep {
-                    weights[j] = 0.0;
-                }
-                keep
-            });
+            active.keep(&mut weights);
         }
     }
     let sum: f64 = weights.iter().sum();
@@ -107,50 +103,91 @@ pub fn solve_sparse(gram: &Gram, most: usize) -> [f64; MAX_COLUMNS] {
     weights
 }
 
-/// Minimises over the affine hull of the active columns; `None` once at most one is left, or where
-/// they do not differ.
-fn affine_minimum(gram: &Gram, active: &[usize]) -> Option<Vec<f64>> {
-    let n = active.len();
-    if n <= 1 {
-        return None;
+/// The columns whose weights are not zero.
+struct Active<'a> {
+    gram: &'a Gram,
+    /// What is added to the diagonal: columns that coincide leave the weights free between them, and share them evenly.
+    noise: f64,
+    columns: Vec<usize>,
+    /// Rows of the Cholesky factor of the first columns' Gram matrix, 1, 2, 3, ... long.
+    factor: Vec<f64>,
+}
+
+impl Active<'_> {
+    /// What half of the error changes by with each column's weight.
+    fn slopes(&self, weights: &[f64; MAX_COLUMNS]) -> [f64; MAX_COLUMNS] {
+        let mut slopes = [0.0; MAX_COLUMNS];
+        for &j in &self.columns {
+            let of = slopes.iter_mut().zip(&self.gram.value[j]);
+            of.for_each(|(slope, value)| *slope += weights[j] * value);
+        }
+        slopes
     }
-    let mut a = gram.select(active);
-    let trace: f64 = (0..n).map(|i| a.value[i][i]).sum();
-    for i in 0..n {
-        // Columns that coincide leave the weights free between them: share them evenly.
-        a.value[i][i] += gram.noise + 1e-12 * trace;
+
+    /// Leaves out the columns whose weights have come to zero.
+    fn keep(&mut self, weights: &mut [f64; MAX_COLUMNS]) {
+        let kept = self.columns.iter().take_while(|&&j| weights[j] > 1e-14).count();
+        self.factor.truncate(start(kept));
+        self.columns.retain(|&j| {
+            let keep = weights[j] > 1e-14;
+            if !keep {
+                weights[j] = 0.0;
+            }
+            keep
+        });
     }
-    let mut x = vec![1.0; n];
-    for k in 0..n {
-        for j in 0..k {
-            let factor = a.value[k][j];
-            for i in k..n {
-                a.value[i][k] -= a.value[i][j] * factor;
+
+    /// Minimises over the columns' affine hull; `None` once at most one is left, or where they do not differ.
+    fn affine_minimum(&mut self) -> Option<[f64; MAX_COLUMNS]> {
+        let n = self.columns.len();
+        if n <= 1 {
+            return None;
+        }
+        while self.factor.len() < start(n) {
+            self.factor_further();
+        }
+        let mut x = [0.0; MAX_COLUMNS];
+        for k in 0..n {
+            let row = self.row(k);
+            x[k] = (1.0 - dot(&row[..k], &x)) / row[k];
+        }
+        for k in (0..n).rev() {
+            let row = self.row(k);
+            x[k] /= row[k];
+            for j in 0..k {
+                x[j] -= row[j] * x[k];
             }
         }
-        let pivot = a.value[k][k].max(gram.noise + 1e-14 * trace).sqrt();
-        for i in k..n {
-            a.value[i][k] /= pivot;
-        }
-        a.value[k][k] = pivot;
+        let sum: f64 = x.iter().sum();
+        sum.is_normal().then(|| x.map(|x| x / sum))
     }
-    for k in 0..n {
+
+    /// Adds a row to the factor.
+    fn factor_further(&mut self) {
+        let k = (0..).find(|&k| start(k) == self.factor.len()).unwrap_or(0);
+        let own = &self.gram.value[self.columns[k]];
+        let mut row = [0.0; MAX_COLUMNS];
         for j in 0..k {
-            x[k] -= a.value[k][j] * x[j];
+            let known = self.row(j);
+            row[j] = (own[self.columns[j]] - dot(&known[..j], &row)) / known[j];
         }
-        x[k] /= a.value[k][k];
+        let pivot = own[self.columns[k]] + self.noise - dot(&row[..k], &row);
+        row[k] = pivot.max(self.noise).sqrt();
+        self.factor.extend(&row[..=k]);
     }
-    for k in (0..n).rev() {
-        for j in k + 1..n {
-            x[k] -= a.value[j][k] * x[j];
-        }
-        x[k] /= a.value[k][k];
+
+    fn row(&self, k: usize) -> &[f64] {
+        &self.factor[start(k)..=start(k) + k]
     }
-    let sum: f64 = x.iter().sum();
-    if !sum.is_normal() {
-        return None;
-    }
-    Some(x.into_iter().map(|v| v / sum).collect())
+}
+
+/// Where row k of a lower triangle begins.
+fn start(k: usize) -> usize {
+    k * (k + 1) / 2
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

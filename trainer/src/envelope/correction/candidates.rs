@@ -11,6 +11,7 @@ use crate::kernel::design::{Design, Hyperparameters};
 use crate::kernel::inputs::Inputs;
 use crate::kernel::outputs::Outputs;
 use crate::kernel::ridge::{self, KernelFit, Scored};
+use crate::numeric::registers;
 use faer::Mat;
 use serde::Serialize;
 use sinew_runtime::envelope::{GroupKernel, GroupRow, Trust};
@@ -209,6 +210,7 @@ fn precise(
     let mut scored = scored.clone();
     loop {
         let fitted = ridge::fit(&design, outputs, &scored.ridges[..rank])?;
+        registers::narrow();
         let square = |error: Vec<f64>| error.iter().map(|e| e * e).sum::<f64>();
         let sum: f64 = inputs
             .scaled(fitted.scale)

@@ -25,7 +25,7 @@ const HOPS: [usize; 3] = [1, 2, 3];
 const FACTORS: [f64; 2] = [0.5, 2.0];
 const TIMES: usize = 2;
 /// Centres that what maps listen to is chosen with.
-const CENTRES: usize = 128;
+const CENTRES: usize = 192;
 
 /// What the maps of some joints listen to.
 pub type Known = BTreeMap<usize, Listening>;

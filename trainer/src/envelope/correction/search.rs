@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use crate::envelope::correction::listening;
     use crate::envelope::demo::{DemoOptions, demo};
-    use crate::envelope::helpers::fit;
+    use crate::envelope::helpers::fit::HelperFit;
     use crate::envelope::skin::targets::Targets;
     use crate::envelope::skin::training::Training;
     use crate::examples::Importance;
@@ -136,7 +136,7 @@ mod tests {
     fn poses_that_were_not_seen_come_near_rest_is_exact_and_bytes_are_kept() {
         let examples = demo(&DemoOptions { vertices: 300, poses: 80, held_out: 20, seed: 1 });
         let training = Training::new(&examples, &Silent).unwrap();
-        let helpers = fit::fit(&training, 20, 4).unwrap();
+        let helpers = HelperFit::new(&training).unwrap().run(20, 4);
         let target = helpers.target(&training);
         let search = Search::new(target, &listening::choose(&target, &Silent), &Silent);
         let of = |bytes| -> (f64, usize) {

@@ -23,6 +23,9 @@ pub const STEP: &str = "helpers";
 /// settles, and the last digit of a file decides what is changed last.
 const ROUNDS: usize = 60;
 const FREE: usize = 40;
+/// Rounds in which a vertex's choice stays as it was before it chooses only every so many rounds.
+const SETTLED: usize = 3;
+const TURN: usize = 4;
 
 /// Joints and helpers fitted to the training frames.
 pub struct Helpers {
@@ -38,93 +41,126 @@ pub struct Helpers {
     lbs_errors: Vec<f64>,
 }
 
-/// Fits `count` helpers on top of LBS weights.
-///
-/// Returns `None` where LBS errs nowhere.
-pub fn fit(training: &Training, count: usize, influences: usize) -> Option<Helpers> {
-    let (joints, errors) = (&training.lbs.weights, &training.lbs.errors);
-    let counts = training.importance();
-    let poses = &training.poses;
-    let threshold = ERRS.get() * ERRS.get() * poses.len() as f64;
-    let active: Vec<usize> =
-        (0..errors.len()).filter(|&v| counts.of(v) * errors[v] > threshold).collect();
-    if active.is_empty() {
-        return None;
-    }
-    let groups = groups(training, joints, &active, count);
+/// What a fit of any number of helpers reads.
+pub struct HelperFit<'a> {
+    training: &'a Training,
+    /// The vertices on which LBS errs, and how each errs and where it lies, a column a vertex.
+    errs: Vec<usize>,
+    features: Mat<f64>,
+    /// The joints' maps, 3n x 4J.
+    joints: Mat<f64>,
+    /// LBS as far as it counts, on a basis of its own.
+    plain: Basis,
+}
 
-    let stacked = poses.stacked();
-    let mut maps = Mat::zeros(stacked.nrows(), 4 * groups.len());
-    let mut groups: Vec<_> = groups
-        .into_iter()
-        .map(|members| {
-            let mut votes = vec![0usize; poses.joint_len()];
+impl<'a> HelperFit<'a> {
+    /// Takes training frames; none where LBS errs nowhere.
+    pub fn new(training: &'a Training) -> Option<Self> {
+        let errors = &training.lbs.errors;
+        let threshold = ERRS.get() * ERRS.get() * training.poses.len() as f64;
+        let errs = |&v: &usize| training.importance().of(v) * errors[v] > threshold;
+        let errs: Vec<usize> = (0..errors.len()).filter(errs).collect();
+        if errs.is_empty() {
+            return None;
+        }
+        let joints = training.poses.stacked();
+        let mut plain = basis(&skinned(&training.rest, &training.lbs.weights, &joints));
+        plain.coordinates *= faer::Scale(BASE.get());
+        Some(Self {
+            features: basis(&features(training, &errs)).coordinates,
+            training,
+            errs,
+            joints,
+            plain,
+        })
+    }
+
+    /// Fits `count` helpers on top of LBS weights.
+    pub fn run(&self, count: usize, influences: usize) -> Helpers {
+        let (training, joints) = (self.training, &self.joints);
+        let poses = &training.poses;
+        let groups = self.groups(count);
+        let dominant: Vec<usize> = groups.iter().map(|group| group.0).collect();
+        let mut maps = Mat::zeros(joints.nrows(), 4 * groups.len());
+        for (l, (joint, members)) in groups.iter().enumerate() {
+            for (i, map) in group_maps(training, members, *joint).into_iter().enumerate() {
+                set_map(&mut maps, i, l, &map);
+            }
+        }
+        let bases = bases(joints, &dominant);
+        let weights = OnBasis::new(self, &bases).run(&maps, influences);
+        let maps = fit_helpers(training, &training.trajectories, [joints, &bases], &weights);
+        let span = poses.joint_len()..poses.joint_len() + dominant.len();
+        let gram = gram(&training.targets(&weights), span.clone());
+        let lbs_errors = training.lbs_errors(&weights, span);
+        Helpers { weights, dominant, left_over: maps - bases, gram, lbs_errors }
+    }
+
+    /// Groups the vertices on which LBS errs by how they err and where they lie, each with the joint that most of it
+    /// follow; those of one joint stand together.
+    fn groups(&self, count: usize) -> Vec<(usize, Vec<usize>)> {
+        let joints = &self.training.lbs.weights;
+        let group = cluster(&self.features, count);
+        let mut members = vec![Vec::new(); group.iter().max().map_or(0, |g| g + 1)];
+        for (&v, &g) in self.errs.iter().zip(&group) {
+            members[g].push(v);
+        }
+        members.retain(|m| !m.is_empty());
+        let with_joint = |members: Vec<usize>| {
+            let mut votes = vec![0usize; self.training.poses.joint_len()];
             members.iter().for_each(|&v| votes[joints.strongest(v).unwrap_or(0)] += 1);
             ((0..votes.len()).rev().max_by_key(|&j| votes[j]).unwrap_or(0), members)
-        })
-        .collect();
-    // Helpers of one joint stand together.
-    groups.sort_by_key(|group| group.0);
-    for (l, (joint, members)) in groups.iter().enumerate() {
-        for (i, map) in group_maps(training, members, *joint).into_iter().enumerate() {
-            set_map(&mut maps, i, l, &map);
-        }
+        };
+        let mut groups: Vec<_> = members.into_iter().map(with_joint).collect();
+        groups.sort_by_key(|group| group.0);
+        groups
     }
-
-    let dominant: Vec<usize> = groups.iter().map(|group| group.0).collect();
-    let bases = bases(&stacked, &dominant);
-    let weights = OnBasis::new(training, &stacked, &bases).run(&maps, influences);
-    let maps = fit_helpers(training, &training.trajectories, [&stacked, &bases], &weights);
-    let span = poses.joint_len()..poses.joint_len() + dominant.len();
-    let gram = gram(&training.targets(&weights), span.clone());
-    let lbs_errors = training.lbs_errors(&weights, span);
-    Some(Helpers { weights, dominant, left_over: maps - bases, gram, lbs_errors })
 }
 
 /// The fit of weights and the helpers' maps in turn, on a basis of the trajectories.
 struct OnBasis<'a> {
-    training: &'a Training,
-    trajectories: Basis,
+    fit: &'a HelperFit<'a>,
     /// The joints' maps on the basis, and those of the helpers' dominant joints.
     joints: Mat<f64>,
     bases: Mat<f64>,
-    /// LBS as far as it counts, on a basis of its own, and the palette before any correction.
+    /// The palette before any correction, as far as it counts, on the basis of LBS.
     plain: Mat<f64>,
-    plain_palette: Mat<f64>,
 }
 
 impl<'a> OnBasis<'a> {
-    fn new(training: &'a Training, joints: &Mat<f64>, bases: &Mat<f64>) -> Self {
-        let trajectories = basis(&training.trajectories);
-        let plain = basis(&skinned(&training.rest, &training.lbs.weights, joints));
+    fn new(fit: &'a HelperFit<'_>, bases: &Mat<f64>) -> Self {
         let onto = |basis: &Basis, maps: &Mat<f64>| basis.vectors.transpose() * maps;
-        let palette = onto(&plain, &faer::concat![[joints, bases]]);
+        let trajectories = fit.training.basis();
+        let palette = onto(&fit.plain, &faer::concat![[&fit.joints, bases]]);
         Self {
-            training,
-            joints: onto(&trajectories, joints),
-            bases: onto(&trajectories, bases),
-            trajectories,
-            plain: plain.coordinates * faer::Scale(BASE.get()),
-            plain_palette: palette * faer::Scale(BASE.get()),
+            fit,
+            joints: onto(trajectories, &fit.joints),
+            bases: onto(trajectories, bases),
+            plain: palette * faer::Scale(BASE.get()),
         }
     }
 
     /// Alternates from some maps of the helpers, and returns the weights. Each round starts a step ahead of where the
     /// last one came to (Nesterov 1983), or there where that was too far.
     fn run(&self, maps: &Mat<f64>, influences: usize) -> Weights {
-        let targets = faer::concat![[&self.trajectories.coordinates], [&self.plain]];
-        let items = Items::vertices(&self.training.rest, &targets, self.training.importance());
-        let kept = &self.training.lbs.weights;
-        let mut maps = self.trajectories.vectors.transpose() * maps;
+        let HelperFit { training, plain, .. } = self.fit;
+        let trajectories = training.basis();
+        let targets = faer::concat![[&trajectories.coordinates], [&plain.coordinates]];
+        let items = Items::vertices(&training.rest, &targets, training.importance());
+        let kept = &training.lbs.weights;
+        let mut maps = trajectories.vectors.transpose() * maps;
         let mut ahead = maps.clone();
         let mut weights = kept.clone();
         let (mut least, mut steps) = (f64::INFINITY, 0.0);
+        let mut settled = vec![0; items.len()];
         for round in 0..ROUNDS {
             let palette = faer::concat![[&self.joints, &ahead]];
-            let columns = faer::concat![[&palette], [&self.plain_palette]];
+            let columns = faer::concat![[&palette], [&self.plain]];
             let palette = Maps { width: 4, columns };
+            let chooses = |v: usize| settled[v] < SETTLED || (round + v).is_multiple_of(TURN);
+            let free: Vec<bool> = (0..items.len()).map(chooses).collect();
             let supports = match round {
-                0..FREE => Supports::Free(influences, Some(kept)),
+                0..FREE => Supports::FreeFor(&free, influences, kept, &weights),
                 _ => Supports::Fixed(&weights),
             };
             let (found, errors) = fit_weights(&items, &palette, supports);
@@ -133,10 +169,12 @@ impl<'a> OnBasis<'a> {
                 (ahead, steps) = (maps.clone(), 0.0);
                 continue;
             }
+            for (v, settled) in settled.iter_mut().enumerate() {
+                *settled = if found.follow_alike(&weights, v) { *settled + 1 } else { 0 };
+            }
             (weights, least) = (found, error);
-            let trajectories = &self.trajectories.coordinates;
             let maps_of = [&self.joints, &self.bases];
-            let next = fit_helpers(self.training, trajectories, maps_of, &weights);
+            let next = fit_helpers(training, &trajectories.coordinates, maps_of, &weights);
             ahead = &next + (&next - &maps) * faer::Scale(AHEAD.get() * steps / (steps + 3.0));
             (maps, steps) = (next, steps + 1.0);
         }
@@ -158,17 +196,12 @@ fn fit_helpers(
     fit_maps(&items, &on_helpers, &Maps { width: 4, columns: bases.clone() }, PULL.get()).columns
 }
 
-/// Groups the vertices where LBS errs by how they err and where they lie.
-fn groups(
-    training: &Training,
-    joints: &Weights,
-    active: &[usize],
-    count: usize,
-) -> Vec<Vec<usize>> {
-    let poses = &training.poses;
+/// How vertices err by LBS in their joints' frames, and where they lie: 3n + 3 a vertex.
+fn features(training: &Training, vertices: &[usize]) -> Mat<f64> {
+    let (poses, joints) = (&training.poses, &training.lbs.weights);
     let scale = RESIDUAL_SHARE.get() / (poses.len() as f64).sqrt();
-    let mut features = Mat::zeros(3 * poses.len() + 3, active.len());
-    for (k, &v) in active.iter().enumerate() {
+    let mut features = Mat::zeros(3 * poses.len() + 3, vertices.len());
+    for (k, &v) in vertices.iter().enumerate() {
         let h = homogeneous(&training.rest[v]);
         let scale = scale * training.importance().of(v).sqrt();
         let column = features.col_as_slice_mut(k);
@@ -182,13 +215,7 @@ fn groups(
         }
         column[3 * poses.len()..].copy_from_slice(&training.rest[v]);
     }
-    let group = cluster(&basis(&features).coordinates, count);
-    let mut members = vec![Vec::new(); group.iter().max().map_or(0, |g| g + 1)];
-    for (k, &g) in group.iter().enumerate() {
-        members[g].push(active[k]);
-    }
-    members.retain(|m| !m.is_empty());
-    members
+    features
 }
 
 /// The affine map of some vertices in each pose, with a ridge toward their joint's map.
@@ -272,7 +299,7 @@ mod tests {
     fn helpers_take_up_what_lbs_leaves() {
         let training = arm();
         let (rest, poses) = (&training.rest, &training.poses);
-        let found = fit(&training, 20, 4).unwrap();
+        let found = HelperFit::new(&training).unwrap().run(20, 4);
         let of = |weights| training.targets(weights);
         let with = of(&found.weights).rms(&found.true_palette(poses));
         let without = of(&training.lbs.weights).rms(&poses.stacked());
@@ -286,6 +313,6 @@ mod tests {
     fn a_skin_that_is_lbs_needs_no_helper() {
         let mut training = arm();
         training.lbs.errors.fill(0.0);
-        assert!(fit(&training, 20, 4).is_none());
+        assert!(HelperFit::new(&training).is_none());
     }
 }

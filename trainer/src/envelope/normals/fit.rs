@@ -171,7 +171,7 @@ mod tests {
     use super::*;
     use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::fitted::Fitted;
-    use crate::envelope::helpers::fit::fit as fit_helpers;
+    use crate::envelope::helpers::fit::HelperFit;
     use crate::envelope::skin::training::Training;
     use crate::progress::Silent;
     use nalgebra::{DMatrix, DVector, Matrix3};
@@ -182,7 +182,7 @@ mod tests {
         let options = DemoOptions { vertices: 200, poses: 12, held_out: 0, seed: 1 };
         let examples = demo(&options);
         let training = Training::new(&examples, &Silent).unwrap();
-        let helpers = fit_helpers(&training, 6, 4).unwrap();
+        let helpers = HelperFit::new(&training).unwrap().run(6, 4);
         let palettes = helpers.true_palette(&training.poses);
         let fitted = Fitted::new(&training, helpers.weights, None);
         let mut model = fitted.file_model(&training, &examples, Certificate::default());

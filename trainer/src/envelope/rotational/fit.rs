@@ -18,7 +18,6 @@ use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::Projection;
 use crate::envelope::skin::training::Training;
-use crate::numeric::basis;
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Matrix3;
@@ -122,7 +121,7 @@ pub fn fit(
     let parents = &training.skeleton.parents;
     let (joints, lbs_errors) = (&lbs.weights, &lbs.errors);
     progress.step("trajectory basis", 1);
-    let basis = basis::basis(moved);
+    let basis = training.basis().clone();
     let (basis_rank, basis_residual) = (basis.vectors.ncols(), basis.residual);
     let (surface, basis) =
         Surface::new(rest, triangles.clone(), moved, basis, training.importance());

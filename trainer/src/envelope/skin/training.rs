@@ -6,10 +6,12 @@ use super::targets::Targets;
 use super::weights::{self, BASELINE_INFLUENCES};
 use crate::envelope::error::FitError;
 use crate::examples::{Examples, Importance, Matrix3x4, Skeleton, Split};
+use crate::numeric::basis::{Basis, basis};
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Vector3;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Fewest training poses: one row of H has six unknowns.
 pub const MIN_POSES: usize = 6;
@@ -38,6 +40,7 @@ pub struct Training {
     pub lbs: Lbs,
     /// How much each vertex counts, V numbers of mean 1; all alike without.
     importance: Option<Vec<f64>>,
+    basis: OnceLock<Basis>,
 }
 
 /// Linear blend skinning: the baseline, and what stays where it is right.
@@ -84,6 +87,7 @@ impl Training {
             trajectories: Mat::zeros(0, 0),
             lbs: Lbs { weights: Weights::from_lists(1, std::iter::empty()), errors: Vec::new() },
             importance: examples.importance.clone(),
+            basis: OnceLock::new(),
         };
         training.rest = examples.rest.iter().map(|x| training.local(x)).collect();
         let origin = |frame: &Matrix3x4| training.local(&frame.map(|row| row[3]));
@@ -144,6 +148,11 @@ impl Training {
     /// How much each vertex counts.
     pub fn importance(&self) -> Importance<'_> {
         Importance::by(self.importance.as_deref())
+    }
+
+    /// A short basis of the trajectories, made when it is first asked for.
+    pub fn basis(&self) -> &Basis {
+        self.basis.get_or_init(|| basis(&self.trajectories))
     }
 
     fn local(&self, x: &[f64; 3]) -> [f64; 3] {

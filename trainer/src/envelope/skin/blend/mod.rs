@@ -4,21 +4,15 @@
 //! R^r each; l maps `M_l` (r x m) are blended with weights w: `y ≈ Σ_l w_l M_l h`, w ≥ 0, Σw = 1,
 //! at most K of them not zero. Weights and maps are fitted in turn (METHOD §1.2, §1.7).
 
-use crate::examples::Importance;
-use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
-use crate::progress::Progress;
-use faer::linalg::matmul::matmul;
-use faer::prelude::*;
-use faer::{Accum, Mat, MatMut, Par, Side};
-use rayon::prelude::*;
-use std::ops::Range;
+mod maps;
+mod weights;
 
-/// Most maps that a weight fit of one item looks at, nearest in error first.
-pub const CANDIDATES: usize = 12;
-/// Error of a Gram matrix's entries, relative to the squared length of the target.
-const ROUNDING: f64 = 1e-14;
-/// Partial sums that a fit of maps is split into, so that threads do not change the order.
-const CHUNKS: usize = 16;
+pub use maps::fit_maps;
+pub use weights::{CANDIDATES, fit_weights};
+
+use crate::examples::Importance;
+use crate::progress::Progress;
+use faer::Mat;
 
 /// Items to be blended.
 pub struct Items<'a> {
@@ -110,6 +104,13 @@ impl Weights {
         entries.iter().take_while(|e| e.1 > 0.0).map(|&(map, weight)| (map as usize, weight))
     }
 
+    /// Returns whether an item follows the same maps by both.
+    pub fn follow_alike(&self, other: &Self, item: usize) -> bool {
+        let both = self.of(item).filter(|(map, _)| other.of(item).any(|own| own.0 == *map));
+        let count = both.count();
+        count == self.of(item).count() && count == other.of(item).count()
+    }
+
     /// Returns the map that an item follows most; none where it follows none.
     pub fn strongest(&self, item: usize) -> Option<usize> {
         self.of(item).next().map(|(map, _)| map)
@@ -134,13 +135,24 @@ pub enum Supports<'a> {
     Free(usize, Option<&'a Weights>),
     /// Those that they follow by these weights.
     Fixed(&'a Weights),
+    /// The first for some items, the second for the others.
+    FreeFor(&'a [bool], usize, &'a Weights, &'a Weights),
 }
 
-impl Supports<'_> {
+impl<'a> Supports<'a> {
     fn most(&self) -> usize {
         match self {
-            Self::Free(most, _) => *most,
+            Self::Free(most, _) | Self::FreeFor(_, most, ..) => *most,
             Self::Fixed(weights) => weights.most(),
+        }
+    }
+
+    /// What an item may follow: one of the first two.
+    fn of(self, item: usize) -> Self {
+        match self {
+            Self::FreeFor(free, most, kept, _) if free[item] => Self::Free(most, Some(kept)),
+            Self::FreeFor(.., fixed) => Self::Fixed(fixed),
+            _ => self,
         }
     }
 }
@@ -191,210 +203,6 @@ impl Alternation {
         }
         blend
     }
-}
-
-/// Fits the weights of every item to given maps; returns them and the items' squared errors.
-pub fn fit_weights(items: &Items<'_>, maps: &Maps, supports: Supports<'_>) -> (Weights, Vec<f64>) {
-    let products = {
-        let mut all = Mat::<f64>::zeros(maps.columns.ncols(), maps.columns.ncols());
-        matmul(
-            all.as_mut(),
-            Accum::Replace,
-            maps.columns.transpose(),
-            &maps.columns,
-            1.0,
-            Par::Seq,
-        );
-        all
-    };
-    let block = 256;
-    let blocks: Vec<Vec<FittedItem>> = (0..items.len().div_ceil(block))
-        .into_par_iter()
-        .map(|b| {
-            let range = b * block..((b + 1) * block).min(items.len());
-            let onto = onto(items, maps, range.clone(), supports);
-            range
-                .clone()
-                .map(|i| fit_item(items, i, &products, &onto, range.start, supports))
-                .collect()
-        })
-        .collect();
-    let errors = blocks.iter().flatten().map(|item| item.1).collect();
-    (Weights::from_lists(supports.most(), blocks.into_iter().flatten().map(|item| item.0)), errors)
-}
-
-/// Computes the inner products of maps' columns and some items' targets, those that their supports ask for.
-fn onto(items: &Items<'_>, maps: &Maps, range: Range<usize>, supports: Supports<'_>) -> Mat<f64> {
-    let y = items.y.subcols(range.start * items.rows, range.len() * items.rows);
-    let mut onto = Mat::<f64>::zeros(maps.columns.ncols(), y.ncols());
-    match supports {
-        Supports::Free(..) => {
-            matmul(onto.as_mut(), Accum::Replace, maps.columns.transpose(), y, 1.0, Par::Seq);
-        }
-        Supports::Fixed(weights) => {
-            for column in 0..y.ncols() {
-                for (map, _) in weights.of(range.start + column / items.rows) {
-                    for entry in maps.width * map..maps.width * (map + 1) {
-                        onto[(entry, column)] = maps.columns.col(entry).transpose() * y.col(column);
-                    }
-                }
-            }
-        }
-    }
-    onto
-}
-
-/// An item's maps and weights, strongest first, and its squared error.
-type FittedItem = (Vec<(usize, f64)>, f64);
-
-fn fit_item(
-    items: &Items<'_>,
-    item: usize,
-    products: &Mat<f64>,
-    onto: &Mat<f64>,
-    block_start: usize,
-    supports: Supports<'_>,
-) -> FittedItem {
-    let m = items.width;
-    let maps = products.ncols() / m;
-    let rows = item * items.rows..(item + 1) * items.rows;
-    let own: f64 = rows.clone().map(|row| norm2(items.y.col_as_slice(row))).sum();
-    let product = |a: usize, b: usize| -> f64 {
-        let mut sum = 0.0;
-        for row in rows.clone() {
-            let h = items.row(row);
-            for j in 0..m {
-                let column = &products.col_as_slice(b * m + j)[a * m..(a + 1) * m];
-                let inner: f64 = column.iter().zip(h).map(|(p, x)| p * x).sum();
-                sum += inner * h[j];
-            }
-        }
-        sum
-    };
-    let toward = |a: usize| -> f64 {
-        let mut sum = 0.0;
-        for row in rows.clone() {
-            let column = onto.col_as_slice(row - block_start * items.rows);
-            sum += column[a * m..].iter().zip(items.row(row)).map(|(p, x)| p * x).sum::<f64>();
-        }
-        sum
-    };
-    let alone = |map: usize| {
-        let c = toward(map);
-        (product(map, map) - 2.0 * c + own, c, map)
-    };
-    let mut candidates: Vec<(f64, f64, usize)> = match supports {
-        Supports::Free(..) => (0..maps).map(alone).collect(),
-        Supports::Fixed(weights) => weights.of(item).map(|(map, _)| alone(map)).collect(),
-    };
-    if candidates.len() > CANDIDATES {
-        candidates
-            .select_nth_unstable_by(CANDIDATES, |a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
-        candidates.truncate(CANDIDATES);
-    }
-    if let Supports::Free(_, Some(kept)) = supports {
-        for (map, _) in kept.of(item) {
-            if candidates.len() < MAX_COLUMNS && candidates.iter().all(|c| c.2 != map) {
-                candidates.push(alone(map));
-            }
-        }
-    }
-    candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
-
-    let mut gram = Gram {
-        len: candidates.len(),
-        noise: ROUNDING * own,
-        value: [[0.0; MAX_COLUMNS]; MAX_COLUMNS],
-    };
-    for (i, &(error, toward_a, a)) in candidates.iter().enumerate() {
-        gram.value[i][i] = error.max(0.0);
-        for (j, &(_, toward_b, b)) in candidates.iter().enumerate().take(i) {
-            let value = product(a, b) - toward_a - toward_b + own;
-            gram.value[i][j] = value;
-            gram.value[j][i] = value;
-        }
-    }
-    let weights = simplex::solve_sparse(&gram, supports.most());
-    let mut list: Vec<(usize, f64)> = (0..gram.len)
-        .filter(|&i| weights[i] > 0.0)
-        .map(|i| (candidates[i].2, weights[i]))
-        .collect();
-    list.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    (list, gram.error(&weights))
-}
-
-/// Fits the maps to given weights; a map moves from `previous` only as far as the items ask.
-///
-/// - `pull`: weight of the proximal term, as a share of the mean diagonal. It decides what no item
-///   determines (a map without items, the direction out of a flat patch) and keeps the system positive
-///   definite.
-pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps, pull: f64) -> Maps {
-    let m = items.width;
-    let (size, rank) = (previous.columns.ncols(), items.y.nrows());
-    let chunk = items.len().div_ceil(CHUNKS).max(1);
-    let parts: Vec<(Mat<f64>, Mat<f64>)> = (0..items.len().div_ceil(chunk))
-        .into_par_iter()
-        .map(|c| {
-            let mut normal = Mat::zeros(size, size);
-            let mut right = Mat::zeros(rank, size);
-            for item in c * chunk..((c + 1) * chunk).min(items.len()) {
-                for row in item * items.rows..(item + 1) * items.rows {
-                    accumulate(items, row, weights.of(item), item, normal.as_mut(), right.as_mut());
-                }
-            }
-            (normal, right)
-        })
-        .collect();
-    let mut normal = Mat::<f64>::zeros(size, size);
-    let mut right = Mat::<f64>::zeros(rank, size);
-    for (n, r) in &parts {
-        normal += n;
-        right += r;
-    }
-    let mean = (0..size).map(|i| normal[(i, i)]).sum::<f64>() / size.max(1) as f64;
-    let proximal = pull * mean + f64::MIN_POSITIVE;
-    for i in 0..size {
-        normal[(i, i)] += proximal;
-    }
-    right += faer::Scale(proximal) * &previous.columns;
-    let columns = match normal.llt(Side::Lower) {
-        Ok(factor) => factor.solve(right.transpose()).transpose().to_owned(),
-        // Only rounding could make it indefinite; the maps then stay as they are.
-        Err(_) => previous.columns.clone(),
-    };
-    Maps { width: m, columns }
-}
-
-fn accumulate(
-    items: &Items<'_>,
-    row: usize,
-    weights: impl Iterator<Item = (usize, f64)> + Clone,
-    item: usize,
-    mut normal: MatMut<'_, f64>,
-    mut right: MatMut<'_, f64>,
-) {
-    let m = items.width;
-    let h = items.row(row);
-    let y = items.y.col_as_slice(row);
-    let counts = items.importance.of(item);
-    for (a, wa) in weights.clone() {
-        for (j, hj) in h.iter().enumerate() {
-            let phi = counts * wa * hj;
-            for (b, wb) in weights.clone() {
-                for (i, hi) in h.iter().enumerate() {
-                    normal[(b * m + i, a * m + j)] += phi * wb * hi;
-                }
-            }
-            let mut column = right.as_mut().col_mut(a * m + j);
-            for (k, value) in y.iter().enumerate() {
-                column[k] += phi * value;
-            }
-        }
-    }
-}
-
-fn norm2(values: &[f64]) -> f64 {
-    values.iter().map(|v| v * v).sum()
 }
 
 #[cfg(test)]
