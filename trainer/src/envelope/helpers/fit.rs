@@ -19,10 +19,14 @@ use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3};
 
 /// Name of the step.
 pub const STEP: &str = "helpers";
-/// Rounds of weights and maps, of which the first choose what each vertex follows: as long as that changes nothing
-/// settles, and the last digit of a file decides what is changed last.
-const ROUNDS: usize = 60;
-const FREE: usize = 40;
+/// Most rounds of weights and maps in which each vertex also chooses what it follows.
+const CHOICES: usize = 160;
+/// They are over once so many in a row lower the error by less than a share of it: the last digit of a file decides what
+/// is changed last.
+const PATIENCE: usize = 16;
+const GAIN: f64 = 0.02;
+/// Rounds after them.
+const ROUNDS: usize = 20;
 /// Rounds in which a vertex's choice stays as it was before it chooses only every so many rounds.
 const SETTLED: usize = 3;
 const TURN: usize = 4;
@@ -140,45 +144,71 @@ impl<'a> OnBasis<'a> {
         }
     }
 
-    /// Alternates from some maps of the helpers, and returns the weights. Each round starts a step ahead of where the
-    /// last one came to (Nesterov 1983), or there where that was too far.
+    /// Alternates from some maps of the helpers, and returns the weights.
     fn run(&self, maps: &Mat<f64>, influences: usize) -> Weights {
         let HelperFit { training, plain, .. } = self.fit;
         let trajectories = training.basis();
         let targets = faer::concat![[&trajectories.coordinates], [&plain.coordinates]];
         let items = Items::vertices(&training.rest, &targets, training.importance());
         let kept = &training.lbs.weights;
-        let mut maps = trajectories.vectors.transpose() * maps;
-        let mut ahead = maps.clone();
-        let mut weights = kept.clone();
-        let (mut least, mut steps) = (f64::INFINITY, 0.0);
+        let mut now = Round::first(kept.clone(), trajectories.vectors.transpose() * maps);
         let mut settled = vec![0; items.len()];
-        for round in 0..ROUNDS {
-            let palette = faer::concat![[&self.joints, &ahead]];
-            let columns = faer::concat![[&palette], [&self.plain]];
-            let palette = Maps { width: 4, columns };
+        let (mut least, mut round, mut gained) = (f64::INFINITY, 0, 0);
+        while round < CHOICES && round < gained + PATIENCE {
             let chooses = |v: usize| settled[v] < SETTLED || (round + v).is_multiple_of(TURN);
             let free: Vec<bool> = (0..items.len()).map(chooses).collect();
-            let supports = match round {
-                0..FREE => Supports::FreeFor(&free, influences, kept, &weights),
-                _ => Supports::Fixed(&weights),
-            };
-            let (found, errors) = fit_weights(&items, &palette, supports);
-            let error = items.sum(&errors);
-            if steps > 0.0 && error > least {
-                (ahead, steps) = (maps.clone(), 0.0);
-                continue;
-            }
+            let supports = Supports::FreeFor(&free, influences, kept, &now.weights);
+            let next = self.round(&now, &items, supports);
             for (v, settled) in settled.iter_mut().enumerate() {
-                *settled = if found.follow_alike(&weights, v) { *settled + 1 } else { 0 };
+                *settled =
+                    if next.weights.follow_alike(&now.weights, v) { *settled + 1 } else { 0 };
             }
-            (weights, least) = (found, error);
-            let maps_of = [&self.joints, &self.bases];
-            let next = fit_helpers(training, &trajectories.coordinates, maps_of, &weights);
-            ahead = &next + (&next - &maps) * faer::Scale(AHEAD.get() * steps / (steps + 3.0));
-            (maps, steps) = (next, steps + 1.0);
+            now = next;
+            round += 1;
+            if now.error < (1.0 - GAIN) * least {
+                (least, gained) = (now.error, round);
+            }
         }
-        weights
+        for _ in 0..ROUNDS {
+            now = self.round(&now, &items, Supports::Fixed(&now.weights));
+        }
+        now.weights
+    }
+
+    /// Fits weights, then the helpers' maps. A round starts a step ahead of where the last one came to (Nesterov 1983), or
+    /// there where that was too far.
+    fn round(&self, last: &Round, items: &Items<'_>, supports: Supports<'_>) -> Round {
+        let palette = faer::concat![[&self.joints, &last.ahead]];
+        let columns = faer::concat![[&palette], [&self.plain]];
+        let (weights, errors) = fit_weights(items, &Maps { width: 4, columns }, supports);
+        let error = items.sum(&errors);
+        if last.steps > 0.0 && error > last.error {
+            return Round { ahead: last.maps.clone(), steps: 0.0, ..last.clone() };
+        }
+        let (training, maps_of) = (self.fit.training, [&self.joints, &self.bases]);
+        let maps = fit_helpers(training, &training.basis().coordinates, maps_of, &weights);
+        let step = AHEAD.get() * last.steps / (last.steps + 3.0);
+        let ahead = &maps + (&maps - &last.maps) * faer::Scale(step);
+        Round { weights, error, maps, ahead, steps: last.steps + 1.0 }
+    }
+}
+
+/// What a round comes to.
+#[derive(Clone)]
+struct Round {
+    weights: Weights,
+    /// Squared error before the maps were fitted.
+    error: f64,
+    /// The helpers' maps on the basis, and those to go on from.
+    maps: Mat<f64>,
+    ahead: Mat<f64>,
+    /// Rounds since one went too far.
+    steps: f64,
+}
+
+impl Round {
+    fn first(weights: Weights, maps: Mat<f64>) -> Self {
+        Self { weights, error: f64::INFINITY, ahead: maps.clone(), maps, steps: 0.0 }
     }
 }
 
