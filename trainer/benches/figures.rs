@@ -112,7 +112,7 @@ fn proxies_alone() -> Result<(), Box<dyn Error>> {
         let Training { unit, rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent)?;
         let basis = basis::basis(&trajectories);
-        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
         let tree = merge::MergeTree::build(&surface, || ());
         for count in [10, 20, 30] {
             let options = rotational::RotationalOptions {

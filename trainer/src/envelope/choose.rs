@@ -33,6 +33,8 @@ const PROXIES: usize = 40;
 const QUARTERS: [usize; 4] = [4, 2, 8, 1];
 /// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
 const FEW_VALUES: usize = 4;
+/// A kind of predictor whose error is so many times the least is tried with more proxies too.
+const NEARLY: f64 = 1.15;
 /// Tangent coefficients give way to a budget where positions else err so many times as much.
 const COEFFICIENTS_COST: f64 = 1.5;
 
@@ -84,7 +86,7 @@ pub fn choose(
         reports: Vec::new(),
         candidates: Vec::new(),
         least_bytes: usize::MAX,
-        kept: None,
+        kept: Vec::new(),
         helper_fit: OnceCell::new(),
         known: Known::new(),
         known_of_reconstruction: None,
@@ -98,15 +100,14 @@ pub fn choose(
     if choice.wants(Predictor::Kernel) {
         choice.listen();
     }
-    let mut counts = proxy_counts(training, options).into_iter();
-    choice.parts = counts.len() * choice.kinds();
-    if options.budget.is_none() {
-        // Where bytes do not decide, what predicts best with so many predicts best with more and with fewer.
-        counts.next().map_or(Ok(()), |usual| choice.attempt(usual))?;
-        choice.keep_best_kind(counts.len());
-    }
-    for count in counts {
-        choice.attempt(count)?;
+    let counts = proxy_counts(training, options);
+    choice.parts = counts.len() * choice.fits();
+    match &counts[..] {
+        [usual, others @ ..] if options.budget.is_none() => {
+            choice.attempt(*usual)?;
+            choice.attempt_best_kinds(*usual, others)?;
+        }
+        _ => counts.iter().try_for_each(|count| choice.attempt(*count))?,
     }
     choice.take()
 }
@@ -139,6 +140,9 @@ fn proxies_max(training: &Training) -> usize {
     training.triangles.len().min(Limits::DEFAULT.proxies as usize)
 }
 
+/// What predicts, and how its c1 and c2 come about.
+type Kind = (Predictor, Option<Method>);
+
 struct PredictorSearch<'a> {
     training: &'a Training,
     examples: &'a Examples,
@@ -150,9 +154,8 @@ struct PredictorSearch<'a> {
     candidates: Vec<Candidate>,
     /// Bytes of the smallest file that was tried.
     least_bytes: usize,
-    /// The kind of predictor that more and fewer proxies are tried for, and how its c1 and c2 come about; every one that
-    /// is asked for where none is.
-    kept: Option<(Predictor, Option<Method>)>,
+    /// The kinds of predictors to try; every one that is asked for where there is none.
+    kept: Vec<Kind>,
     /// What fits of helpers read; none where LBS errs nowhere.
     helper_fit: OnceCell<Option<HelperFit<'a>>>,
     /// The usual number of helpers, and what the maps of each joint listen to, which is chosen by them for any number.
@@ -168,19 +171,38 @@ struct PredictorSearch<'a> {
 impl PredictorSearch<'_> {
     fn wants(&self, predictor: Predictor) -> bool {
         let asked = match self.options.predictor {
-            Predict::Auto => self.kept.map(|kept| kept.0),
+            Predict::Auto => None,
             Predict::Only(only) => Some(only),
             Predict::Published => Some(Predictor::Rotational),
         };
-        asked.is_none_or(|only| only == predictor)
+        let is_kept = self.kept.is_empty() || self.kept.iter().any(|kept| kept.0 == predictor);
+        is_kept && asked.is_none_or(|only| only == predictor)
     }
 
-    /// Tries no other kind of predictor from here on than the best so far, in so many fits to come.
-    fn keep_best_kind(&mut self, to_come: usize) {
-        let chosen = chosen(&self.candidates, &self.reports);
-        let kept = |c: &Candidate| (c.fitted.envelope.predictor(), self.reports[c.report].method);
-        self.kept = chosen.map(kept);
-        self.parts = self.begun + to_come * self.kinds();
+    /// Tries other numbers of proxies than the usual one: where bytes do not decide, what predicts best with so many
+    /// predicts best with fewer, and what predicts nearly as well may do so with more.
+    fn attempt_best_kinds(
+        &mut self,
+        usual: ProxyCount,
+        others: &[ProxyCount],
+    ) -> Result<(), TrainError> {
+        let Some(best) = chosen(&self.candidates, &self.reports) else { return Ok(()) };
+        let kind = |c: &Candidate| (c.fitted.envelope.predictor(), self.reports[c.report].method);
+        let is_near = |c: &&Candidate| c.validated_rms <= NEARLY * best.validated_rms;
+        let near: Vec<Kind> = self.candidates.iter().filter(is_near).map(kind).collect();
+        let best = vec![kind(best)];
+        let kinds = |&count| if count > usual { near.clone() } else { best.clone() };
+        let plan: Vec<Vec<Kind>> = others.iter().map(kinds).collect();
+        self.parts = self.begun;
+        for kinds in &plan {
+            self.kept.clone_from(kinds);
+            self.parts += self.fits();
+        }
+        for (kinds, count) in plan.into_iter().zip(others) {
+            self.kept = kinds;
+            self.attempt(*count)?;
+        }
+        Ok(())
     }
 
     /// Chooses what helpers' maps listen to, by the usual number of them: for every number the same, so that it does not
@@ -200,7 +222,7 @@ impl PredictorSearch<'_> {
     }
 
     /// Counts the fits of one number of proxies: a reconstruction, what corrects it, and helpers.
-    fn kinds(&self) -> usize {
+    fn fits(&self) -> usize {
         let [rotational, hybrid, kernel] =
             [Predictor::Rotational, Predictor::Hybrid, Predictor::Kernel].map(|p| self.wants(p));
         usize::from(rotational || hybrid) + usize::from(hybrid) + usize::from(kernel)
@@ -261,11 +283,12 @@ impl PredictorSearch<'_> {
             let known = first.map(|target| listening::choose(&target, self.progress));
             known.unwrap_or_default()
         });
-        let kept = self.kept.and_then(|kept| kept.1);
         let all = &rotational.variants;
-        let is_kept = |variant: &Variant| kept.is_none_or(|method| method == variant.method);
+        let is_kept =
+            |variant: &Variant| self.kept.contains(&(Predictor::Hybrid, Some(variant.method)));
         let any_is = all.iter().any(is_kept);
-        for variant in all.iter().filter(|variant| is_kept(variant) || !any_is) {
+        let tried: Vec<&Variant> = all.iter().filter(|v| is_kept(v) || !any_is).collect();
+        for variant in tried {
             let fitted = rotational.fitted(variant, self.training);
             let target = rotational.target(variant, self.training);
             let of = Some((rotational, variant));

@@ -19,7 +19,6 @@ const RESIDUAL: f64 = 1e-5;
 const CHUNKS: usize = 16;
 
 /// Orthonormal trajectories and the vertices' coordinates on them.
-#[derive(Clone)]
 pub struct Basis {
     /// Basis trajectories, 3n x r, the strongest first.
     pub vectors: Mat<f64>,

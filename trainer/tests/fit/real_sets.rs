@@ -154,7 +154,7 @@ fn proxies_alone_on_dem_bones() {
     let Training { unit, rest, triangles, trajectories, .. } =
         Training::new(&examples, &Silent).unwrap();
     let basis = basis::basis(&trajectories);
-    let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
+    let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
     let tree = merge::MergeTree::build(&surface, || ());
     // Promised: 0.0019, 0.0010 and 0.0006 of the training frames (METHOD §1.7.1); nothing is held out here.
     for (count, most) in [(10, 0.0020), (20, 0.0013), (30, 0.0009)] {

@@ -157,7 +157,8 @@ impl<'a> OnBasis<'a> {
         while round < CHOICES && round < gained + PATIENCE {
             let chooses = |v: usize| settled[v] < SETTLED || (round + v).is_multiple_of(TURN);
             let free: Vec<bool> = (0..items.len()).map(chooses).collect();
-            let supports = Supports::FreeFor(&free, influences, kept, &now.weights);
+            let supports =
+                Supports::Some { free: &free, most: influences, kept, fixed: &now.weights };
             let next = self.round(&now, &items, supports);
             for (v, settled) in settled.iter_mut().enumerate() {
                 *settled =

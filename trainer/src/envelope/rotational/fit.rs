@@ -121,22 +121,20 @@ pub fn fit(
     let parents = &training.skeleton.parents;
     let (joints, lbs_errors) = (&lbs.weights, &lbs.errors);
     progress.step("trajectory basis", 1);
-    let basis = training.basis().clone();
-    let (basis_rank, basis_residual) = (basis.vectors.ncols(), basis.residual);
-    let (surface, basis) =
-        Surface::new(rest, triangles.clone(), moved, basis, training.importance());
+    let basis = training.basis();
+    let surface = Surface::new(rest, triangles.clone(), moved, basis, training.importance());
     progress.step("merging triangles", surface.triangles.len());
     let tree = merge::MergeTree::build(&surface, || progress.advance(1));
     let mut proxies = match options.method {
         Method::Published => merging::fit(&surface, &tree, options, progress)?,
         _ => {
-            let followed = basis.transpose() * joint_maps(joints, poses);
+            let followed = basis.vectors.transpose() * joint_maps(joints, poses);
             proxies::fit(&surface, &tree, &followed, options, progress)?
         }
     };
     let dominant = proxies.sort_by_joint(joints, poses.joint_len());
     let keys = keys::fit(&surface, &proxies, options.influences, progress);
-    let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis)).collect();
+    let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis.vectors)).collect();
 
     let published = (options.method == Method::Published).then(|| published::setting(lbs_errors));
     let (weights, palette_len) = match &published {
@@ -207,8 +205,8 @@ pub fn fit(
         variants.push(variant(refined, &maps, Some(strength)));
     }
     let report = RotationalReport {
-        basis_rank,
-        basis_residual,
+        basis_rank: basis.vectors.ncols(),
+        basis_residual: basis.residual,
         proxy_counts: proxies.trials,
         proxy_rms: proxies.rms,
         key_rms: keys.rms,

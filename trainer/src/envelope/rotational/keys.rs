@@ -113,15 +113,15 @@ mod tests {
         let moved = Mat::from_fn(3 * 4, rest.len(), |row, vertex| {
             (affine((row / 3) as f64) * nalgebra::Vector3::from(rest[vertex]))[row % 3] + row as f64
         });
-        let (surface, vectors) =
-            Surface::new(&rest, triangles, &moved, basis(&moved), Importance::ALIKE);
+        let basis = basis(&moved);
+        let surface = Surface::new(&rest, triangles, &moved, &basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let options =
             RotationalOptions { proxies: ProxyCount::Fixed(1), ..RotationalOptions::default() };
         let joints = Mat::zeros(0, 0);
         let proxies = proxies::fit(&surface, &tree, &joints, &options, &Silent).unwrap();
         let keys = fit(&surface, &proxies, 4, &Silent);
-        for (frame, found) in keys.sequence(0, &vectors).iter().enumerate() {
+        for (frame, found) in keys.sequence(0, &basis.vectors).iter().enumerate() {
             // The third edge n̂ is not affine, so it pulls, by its small weight.
             assert!((found - affine(frame as f64)).amax() < 0.02, "{found}");
         }
@@ -134,7 +134,7 @@ mod tests {
         let Training { rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent).unwrap();
         let basis = basis(&trajectories);
-        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let with = |count| {
             let options = RotationalOptions {

@@ -295,8 +295,8 @@ mod tests {
     #[test]
     fn two_halves_that_turn_against_each_other_become_two_groups() {
         let (rest, triangles, moved) = strip();
-        let (surface, _) =
-            Surface::new(&rest, triangles.clone(), &moved, basis(&moved), Importance::ALIKE);
+        let basis = basis(&moved);
+        let surface = Surface::new(&rest, triangles.clone(), &moved, &basis, Importance::ALIKE);
         let groups = MergeTree::build(&surface, || ()).cut(2);
         let left = groups[0];
         for (triangle, group) in groups.iter().enumerate() {
@@ -307,8 +307,8 @@ mod tests {
     #[test]
     fn a_cut_leaves_as_many_groups_as_asked_for() {
         let (rest, triangles, moved) = strip();
-        let (surface, _) =
-            Surface::new(&rest, triangles.clone(), &moved, basis(&moved), Importance::ALIKE);
+        let basis = basis(&moved);
+        let surface = Surface::new(&rest, triangles.clone(), &moved, &basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         for count in 1..=triangles.len() {
             let groups: BTreeSet<usize> = tree.cut(count).into_iter().collect();
@@ -320,8 +320,8 @@ mod tests {
     fn parts_without_a_common_edge_still_meet() {
         let (rest, triangles, moved) = strip();
         let apart = [triangles[0], triangles[5], triangles[10], triangles[15]];
-        let (surface, _) =
-            Surface::new(&rest, apart.to_vec(), &moved, basis(&moved), Importance::ALIKE);
+        let basis = basis(&moved);
+        let surface = Surface::new(&rest, apart.to_vec(), &moved, &basis, Importance::ALIKE);
         let groups = MergeTree::build(&surface, || ()).cut(1);
         assert_eq!(groups, vec![0; 4]);
     }

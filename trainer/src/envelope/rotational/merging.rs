@@ -95,7 +95,7 @@ impl<'a> Groups<'a> {
         maps: Maps,
         progress: &dyn Progress,
     ) -> Self {
-        let items = Items::vertices(surface.rest, &surface.vertices, surface.importance);
+        let items = Items::vertices(surface.rest, surface.vertices, surface.importance);
         let blend = ONCE.run(&items, maps, influences, progress);
         Self { surface, influences, of, blend }
     }
@@ -179,7 +179,7 @@ mod tests {
         let Training { rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent).unwrap();
         let basis = basis(&trajectories);
-        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let fit_to = |proxies| {
             let method = Method::Published;

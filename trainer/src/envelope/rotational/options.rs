@@ -4,7 +4,7 @@ use serde::Serialize;
 use sinew_runtime::Limits;
 
 /// How many proxies.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ProxyCount {
     /// Exactly so many.

@@ -88,7 +88,7 @@ pub fn fit(
     progress: &dyn Progress,
 ) -> Result<Proxies, FitError> {
     let influences = options.influences;
-    let items = Items::vertices(surface.rest, &surface.vertices, surface.importance);
+    let items = Items::vertices(surface.rest, surface.vertices, surface.importance);
     let equations = (surface.rest.len() * surface.frames).max(1) as f64;
     let mut trials = Vec::new();
     let mut at = |proxies: usize| {
@@ -201,8 +201,7 @@ mod tests {
         let Training { rest, triangles, trajectories, .. } =
             Training::new(&examples, &Silent).unwrap();
         let basis = basis(&trajectories);
-        let (surface, vectors) =
-            Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let fit_to = |proxies| {
             let options = RotationalOptions { proxies, ..RotationalOptions::default() };
@@ -215,7 +214,7 @@ mod tests {
         assert!(found.trials.len() > 2);
 
         // The error in coordinates is the error of the skinned vertices.
-        let maps = &vectors * &found.maps.columns;
+        let maps = &basis.vectors * &found.maps.columns;
         let targets = Targets {
             rest: &rest,
             weights: &found.weights,
@@ -232,7 +231,7 @@ mod tests {
             Training::new(&examples, &Silent).unwrap();
         let most = triangles.len();
         let basis = basis(&trajectories);
-        let (surface, _) = Surface::new(&rest, triangles, &trajectories, basis, Importance::ALIKE);
+        let surface = Surface::new(&rest, triangles, &trajectories, &basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let options = RotationalOptions {
             proxies: ProxyCount::MaxError(1e-30),

@@ -17,7 +17,7 @@ pub struct Surface<'a> {
     /// Triangles, T, each of some area.
     pub triangles: Vec<[usize; 3]>,
     /// Coordinates of the vertices, r x V.
-    pub vertices: Mat<f64>,
+    pub vertices: &'a Mat<f64>,
     /// n̂ of each triangle, of about an edge's length.
     pub rest_normals: Vec<Vector3<f64>>,
     /// Coordinates of the triangles' normals, r x T, as far as the basis spans them.
@@ -27,15 +27,14 @@ pub struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    /// Projects a mesh with trajectories (3n x V) on their basis; returns the basis's trajectories
-    /// (3n x r) beside it.
+    /// Projects a mesh with trajectories (3n x V) on their basis.
     pub fn new(
         rest: &'a [[f64; 3]],
         triangles: Vec<[usize; 3]>,
         trajectories: &Mat<f64>,
-        basis: Basis,
+        basis: &'a Basis,
         importance: Importance<'a>,
-    ) -> (Self, Mat<f64>) {
+    ) -> Self {
         let rest_normals: Vec<_> =
             triangles.iter().map(|t| edge_frame(t.map(|v| &rest[v])).column(2).into()).collect();
         let mut normals = Mat::zeros(basis.vectors.ncols(), triangles.len());
@@ -45,19 +44,15 @@ impl<'a> Surface<'a> {
                 *value = direction.transpose() * &posed;
             }
         });
-        let vertices = basis.coordinates;
-        (
-            Self {
-                frames: trajectories.nrows() / 3,
-                rest,
-                triangles,
-                vertices,
-                rest_normals,
-                normals,
-                importance,
-            },
-            basis.vectors,
-        )
+        Self {
+            frames: trajectories.nrows() / 3,
+            rest,
+            triangles,
+            vertices: &basis.coordinates,
+            rest_normals,
+            normals,
+            importance,
+        }
     }
 
     /// Returns how much a triangle counts: as its corners do on average.

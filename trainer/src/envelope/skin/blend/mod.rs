@@ -136,13 +136,22 @@ pub enum Supports<'a> {
     /// Those that they follow by these weights.
     Fixed(&'a Weights),
     /// The first for some items, the second for the others.
-    FreeFor(&'a [bool], usize, &'a Weights, &'a Weights),
+    Some {
+        /// Whether each item is free.
+        free: &'a [bool],
+        /// Most maps.
+        most: usize,
+        /// Others that a free item may follow.
+        kept: &'a Weights,
+        /// What the others follow.
+        fixed: &'a Weights,
+    },
 }
 
 impl<'a> Supports<'a> {
     fn most(&self) -> usize {
         match self {
-            Self::Free(most, _) | Self::FreeFor(_, most, ..) => *most,
+            Self::Free(most, _) | Self::Some { most, .. } => *most,
             Self::Fixed(weights) => weights.most(),
         }
     }
@@ -150,8 +159,8 @@ impl<'a> Supports<'a> {
     /// What an item may follow: one of the first two.
     fn of(self, item: usize) -> Self {
         match self {
-            Self::FreeFor(free, most, kept, _) if free[item] => Self::Free(most, Some(kept)),
-            Self::FreeFor(.., fixed) => Self::Fixed(fixed),
+            Self::Some { free, most, kept, .. } if free[item] => Self::Free(most, Some(kept)),
+            Self::Some { fixed, .. } => Self::Fixed(fixed),
             _ => self,
         }
     }
@@ -248,6 +257,25 @@ mod tests {
                 assert!((weight - expected[map]).abs() < 1e-6, "item {item}");
             }
         }
+    }
+
+    #[test]
+    fn an_item_that_is_not_free_keeps_what_it_follows() {
+        let (h, y, maps, _) = exact(300, 30);
+        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
+        let first = Weights::from_lists(2, (0..300).map(|i| vec![(i % 2, 1.0)]));
+        let free: Vec<bool> = (0..300).map(|i| i % 3 == 0).collect();
+        let supports = Supports::Some { free: &free, most: 2, kept: &first, fixed: &first };
+        let (some, errors) = fit_weights(&items, &maps, supports);
+        let (all, least) = fit_weights(&items, &maps, Supports::Free(2, Some(&first)));
+        for item in 0..300 {
+            if free[item] {
+                assert!(some.of(item).eq(all.of(item)) && errors[item] == least[item]);
+            } else {
+                assert!(some.follow_alike(&first, item) && errors[item] >= least[item]);
+            }
+        }
+        assert!((0..300).any(|item| !all.follow_alike(&first, item)));
     }
 
     #[test]

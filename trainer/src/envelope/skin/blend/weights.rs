@@ -11,7 +11,7 @@ use std::ops::Range;
 pub const CANDIDATES: usize = 12;
 /// Error of a Gram matrix's entries, relative to the squared length of the target.
 const ROUNDING: f64 = 1e-14;
-/// Items, and columns of maps, that are read at a time.
+/// Items that are read at a time.
 const BLOCK: usize = 256;
 
 /// Fits the weights of every item to given maps; returns them and the items' squared errors.
