@@ -1,6 +1,6 @@
 //! The fit of maps to given weights.
 
-use super::{Items, Maps, Weights};
+use super::items::{Items, Maps, Weights};
 use crate::numeric::registers;
 use faer::prelude::*;
 use faer::{Mat, MatMut, Side};

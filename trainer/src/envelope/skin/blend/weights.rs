@@ -1,6 +1,6 @@
 //! The fit of weights to given maps.
 
-use super::{Items, Maps, Supports, Weights};
+use super::items::{Items, Maps, Supports, Weights};
 use crate::numeric::registers;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
 use faer::Mat;
