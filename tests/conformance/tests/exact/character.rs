@@ -16,7 +16,6 @@ use sinew_trainer::envelope::skin::training::Training;
 use sinew_trainer::envelope::skin::weights;
 use sinew_trainer::examples::{Examples, Importance};
 use sinew_trainer::numeric::affine::{after, from_rows, homogeneous, to_rows};
-use sinew_trainer::numeric::basis::basis;
 use sinew_trainer::progress::Silent;
 
 const PROXIES: usize = 9;
@@ -44,13 +43,8 @@ impl Character {
         let training = Training::new(examples, &Silent).expect("there are poses and triangles");
         let Training { rest, triangles, poses, trajectories, .. } = &training;
         let (joints, errors) = weights::fit(rest, trajectories, poses, INFLUENCES);
-        let (surface, basis) = Surface::new(
-            rest,
-            triangles.clone(),
-            trajectories,
-            basis(trajectories),
-            Importance::ALIKE,
-        );
+        let basis = training.basis();
+        let surface = Surface::new(rest, triangles.clone(), trajectories, basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());
         let count = ProxyCount::Fixed(PROXIES);
         let method = Method::Unrefined;
@@ -63,7 +57,7 @@ impl Character {
         let threshold = sorted[sorted.len() / 4];
         Self {
             joint_len: examples.joint_len(),
-            sequences: (0..keys.len()).map(|l| keys.sequence(l, &basis)).collect(),
+            sequences: (0..keys.len()).map(|l| keys.sequence(l, &basis.vectors)).collect(),
             fixed: errors.iter().map(|&error| error < threshold).collect(),
             proxies: proxies.weights,
             keys: keys.weights,

@@ -21,7 +21,7 @@ use sinew_runtime::envelope::Certificate;
 use sinew_trainer::envelope::correction::listening::Known;
 use sinew_trainer::envelope::correction::search::Search;
 use sinew_trainer::envelope::fitted::Fitted;
-use sinew_trainer::envelope::helpers;
+use sinew_trainer::envelope::helpers::fit::HelperFit;
 use sinew_trainer::envelope::model::EnvelopeModel;
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::rotational::predictor::predict_stacked;
@@ -159,7 +159,7 @@ fn a_file_evaluates_as_it_was_fitted() {
     let training = Training::new(&examples, &Silent).unwrap();
     let rotational = rotational::fit(&training, &options, &Silent).unwrap();
     let best = rotational.best();
-    let helpers = helpers::fit::fit(&training, 9, 4).unwrap();
+    let helpers = HelperFit::new(&training).unwrap().run(9, 4);
     let groups =
         |target| Search::new(target, &Known::new(), &Silent).fit(usize::MAX).unwrap().groups;
     for fitted in [
