@@ -24,7 +24,7 @@ pub const STEP: &str = "helpers";
 const CHOICES: usize = 40;
 const ROUNDS: usize = 20;
 /// Rounds in which a vertex's choice stays as it was before it chooses only every so many rounds.
-const SETTLED: usize = 3;
+const SETTLED: usize = 5;
 const TURN: usize = 4;
 
 /// Joints and helpers fitted to the training frames.
