@@ -2,6 +2,7 @@
 //! (METHOD §1.9).
 
 use super::alike::{Rated, smallest_alike};
+use super::counts::{proxies_max, proxy_counts, usual_count};
 use super::error::{FitError, TrainError};
 use super::finish::{fit_normals, recorded};
 use super::fitted::{Fitted, NAME, corrected};
@@ -22,15 +23,9 @@ use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
 use crate::progress::Progress;
 use faer::Mat;
-use sinew_runtime::Limits;
 use sinew_runtime::envelope::{Certificate, Predictor};
 use sinew_runtime::skin::NormalErrors;
-use std::cell::OnceCell;
 
-/// Fewest proxies to begin with, where nothing else is said.
-const PROXIES: usize = 40;
-/// Candidate numbers of proxies against that, in quarters; the last only where bytes are few.
-const QUARTERS: [usize; 4] = [4, 2, 8, 1];
 /// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
 const FEW_VALUES: usize = 4;
 /// A kind of predictor whose error is so many times the least is tried with more proxies too.
@@ -87,7 +82,7 @@ pub fn choose(
         candidates: Vec::new(),
         least_bytes: usize::MAX,
         kept: Vec::new(),
-        helper_fit: OnceCell::new(),
+        helper_fit: None,
         known: Known::new(),
         known_of_reconstruction: None,
         usual: None,
@@ -112,34 +107,6 @@ pub fn choose(
     choice.take()
 }
 
-/// The numbers of proxies to try, the usual one first.
-fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyCount> {
-    if let Some(count) = options.proxies {
-        return vec![count];
-    }
-    let most = proxies_max(training).min(options.method().proxies_max());
-    let usual = usual_count(training);
-    let quarters = if options.budget.is_some() { &QUARTERS[..] } else { &QUARTERS[..3] };
-    let mut counts = Vec::new();
-    for count in quarters.iter().map(|quarters| (quarters * usual / 4).clamp(1, most)) {
-        if !counts.contains(&ProxyCount::Fixed(count)) {
-            counts.push(ProxyCount::Fixed(count));
-        }
-    }
-    counts
-}
-
-/// The number of proxies to begin with: no fewer than the skeleton has joints, so that proxies alone are never poorer
-/// than LBS.
-fn usual_count(training: &Training) -> usize {
-    training.poses.joint_len().max(PROXIES).min(proxies_max(training))
-}
-
-/// The most proxies that the mesh and a file can have.
-fn proxies_max(training: &Training) -> usize {
-    training.triangles.len().min(Limits::DEFAULT.proxies as usize)
-}
-
 /// What predicts, and how its c1 and c2 come about.
 type Kind = (Predictor, Option<Method>);
 
@@ -157,7 +124,7 @@ struct PredictorSearch<'a> {
     /// The kinds of predictors to try; every one that is asked for where there is none.
     kept: Vec<Kind>,
     /// What fits of helpers read; none where LBS errs nowhere.
-    helper_fit: OnceCell<Option<HelperFit<'a>>>,
+    helper_fit: Option<HelperFit<'a>>,
     /// The usual number of helpers, and what the maps of each joint listen to, which is chosen by them for any number.
     usual: Option<Helpers>,
     known: Known,
@@ -209,6 +176,7 @@ impl PredictorSearch<'_> {
     /// matter which were tried.
     fn listen(&mut self) {
         self.progress.step(STEP, 1);
+        self.helper_fit = HelperFit::new(self.training);
         self.usual = self.helpers(usual_count(self.training));
         if let Some(helpers) = &self.usual {
             self.known = listening::choose(&helpers.target(self.training), self.progress);
@@ -217,8 +185,7 @@ impl PredictorSearch<'_> {
 
     /// Fits helpers; none where LBS errs nowhere.
     fn helpers(&self, count: usize) -> Option<Helpers> {
-        let fit = self.helper_fit.get_or_init(|| HelperFit::new(self.training));
-        fit.as_ref().map(|fit| fit.run(count, self.options.influences))
+        self.helper_fit.as_ref().map(|fit| fit.run(count, self.options.influences))
     }
 
     /// Counts the fits of one number of proxies: a reconstruction, what corrects it, and helpers.

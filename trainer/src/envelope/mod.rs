@@ -18,6 +18,7 @@ mod bake;
 pub mod check;
 pub mod choose;
 pub mod correction;
+mod counts;
 pub mod demo;
 mod error;
 pub mod evaluate;

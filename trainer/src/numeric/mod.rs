@@ -4,6 +4,7 @@ pub mod affine;
 pub mod basis;
 pub mod cluster;
 pub(crate) mod columns;
+pub(crate) mod dot;
 pub mod frame;
 pub mod points;
 pub(crate) mod registers;

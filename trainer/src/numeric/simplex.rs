@@ -3,6 +3,8 @@
 //! This is the point of least norm in the convex hull of the `p_j - y` (Wolfe 1976), solved by an
 //! active set on their Gram matrix.
 
+use super::dot::dot;
+
 /// Most columns one problem may have.
 pub const MAX_COLUMNS: usize = 16;
 
@@ -184,10 +186,6 @@ impl Active<'_> {
 /// Where row k of a lower triangle begins.
 fn start(k: usize) -> usize {
     k * (k + 1) / 2
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ const HOPS: [usize; 3] = [1, 2, 3];
 /// What a joint's weight is multiplied by, at most so many times: joints that hardly move would be all rounding.
 const FACTORS: [f64; 2] = [0.5, 2.0];
 const TIMES: usize = 2;
-/// Most centres that what maps listen to is chosen with; of 128 some is chosen that a map of all poses errs more with.
+/// Most centres that what maps listen to is chosen with: 128 are too few to tell what a map of more needs.
 const CENTRES: usize = 192;
 
 /// What the maps of some joints listen to.

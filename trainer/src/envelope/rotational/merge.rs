@@ -7,6 +7,7 @@
 
 use super::surface::Surface;
 use crate::numeric::affine::homogeneous;
+use crate::numeric::dot::dot_by_lanes;
 use nalgebra::Matrix4;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
@@ -183,10 +184,10 @@ impl Patches {
         let mut error = self.energy[a];
         for r in 0..4 {
             let own = &map[row(r)];
-            error -= 2.0 * dot(own, &self.targets[a][row(r)]);
+            error -= 2.0 * dot_by_lanes(own, &self.targets[a][row(r)]);
             for c in 0..=r {
                 let twice = if c == r { 1.0 } else { 2.0 };
-                error += twice * self.points[a][(r, c)] * dot(own, &map[row(c)]);
+                error += twice * self.points[a][(r, c)] * dot_by_lanes(own, &map[row(c)]);
             }
         }
         error.max(0.0)
@@ -253,19 +254,6 @@ impl Patches {
 pub(super) fn regular_inverse(gram: &Matrix4<f64>) -> Matrix4<f64> {
     let ridge = 1e-12 * gram.trace() + f64::MIN_POSITIVE;
     (gram + Matrix4::identity() * ridge).try_inverse().unwrap_or_default()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut lanes = [0.0; 4];
-    let (x, x_rest) = a.as_chunks::<4>();
-    let (y, y_rest) = b.as_chunks::<4>();
-    for (p, q) in x.iter().zip(y) {
-        for k in 0..4 {
-            lanes[k] += p[k] * q[k];
-        }
-    }
-    let tail: f64 = x_rest.iter().zip(y_rest).map(|(p, q)| p * q).sum();
-    lanes.iter().sum::<f64>() + tail
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! The energy of a sum of kernels and its gradient, by all that can be learned (METHOD §3).
 
 use super::error::HyperError;
-use super::least_squares::{dot, solve};
+use super::least_squares::solve;
 use super::options::{Entries, Options};
 use crate::kernel::function::Exact;
 use crate::kernel::sum::{monomials, powers};
+use crate::numeric::dot::dot;
 use faer::MatRef;
 use sinew_runtime::kernel::Kernel;
 

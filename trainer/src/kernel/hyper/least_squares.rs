@@ -1,5 +1,7 @@
 //! Least squares by Householder reflections, in scalar loops of one order.
 
+use crate::numeric::dot::dot;
+
 /// A column is a sum of earlier ones where no more than this share of its length is its own.
 const DEPENDENT: f64 = 1e-13;
 
@@ -39,11 +41,6 @@ pub(super) fn solve(mut design: Vec<f64>, mut right: Vec<f64>, rows: usize) -> V
         }
     }
     out
-}
-
-/// Returns a·b.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

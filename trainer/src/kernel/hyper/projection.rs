@@ -2,9 +2,9 @@
 //! (METHOD §3; Golub and Pereyra 1973).
 
 use super::energy::{Energy, Parameters, Point};
-use super::least_squares::dot;
 use super::quasi_newton::{Memory, add, search};
 use super::trace::{Step, Stop, Trace};
+use crate::numeric::dot::dot;
 
 /// How far the first step goes at most, in units of u and of W.
 const REACH: f64 = 0.1;

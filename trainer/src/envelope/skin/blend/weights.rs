@@ -1,6 +1,7 @@
 //! The fit of weights to given maps.
 
 use super::items::{Items, Maps, Supports, Weights};
+use crate::numeric::dot::dot_by_lanes;
 use crate::numeric::registers;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
 use faer::Mat;
@@ -111,7 +112,8 @@ struct ItemFit<'a> {
 impl<'a> ItemFit<'a> {
     fn new(items: &'a Items<'_>, item: usize, products: &'a Products, onto: &'a [f64]) -> Self {
         let rows = item * items.rows..(item + 1) * items.rows;
-        let size = rows.clone().map(|row| items.y.col_as_slice(row)).map(|y| dot(y, y)).sum();
+        let size =
+            rows.clone().map(|row| items.y.col_as_slice(row)).map(|y| dot_by_lanes(y, y)).sum();
         let h = &items.h[rows.start * items.width..rows.end * items.width];
         let m = items.width;
         let mut squares = vec![0.0; m * m];
@@ -196,7 +198,7 @@ impl<'a> ItemFit<'a> {
     fn product(&self, a: usize, b: usize) -> f64 {
         let square = self.squares.len();
         let pair = a * self.products.own.nrows() + b;
-        dot(&self.products.pairs[square * pair..][..square], &self.squares)
+        dot_by_lanes(&self.products.pairs[square * pair..][..square], &self.squares)
     }
 
     /// The inner product of what a map makes of the item and its target.
@@ -213,17 +215,4 @@ impl<'a> ItemFit<'a> {
         let size = self.products.by_entry.ncols();
         self.h.chunks_exact(self.width).zip(self.onto.chunks_exact(size))
     }
-}
-
-/// Sums products, in four sums that a processor can add at once.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (fours, rest) = (a.chunks_exact(4).zip(b.chunks_exact(4)), a.len() / 4 * 4);
-    for (a, b) in fours {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    let rest = a[rest..].iter().zip(&b[rest..]).map(|(a, b)| a * b);
-    sums.iter().sum::<f64>() + rest.sum::<f64>()
 }
