@@ -23,9 +23,6 @@ pub const STEP: &str = "helpers";
 /// as they gain, errors are 1 % less, and the last digit of a file decides more of them.
 const CHOICES: usize = 40;
 const ROUNDS: usize = 20;
-/// Rounds in which a vertex's choice stays as it was before it chooses only every so many rounds.
-const SETTLED: usize = 5;
-const TURN: usize = 4;
 
 /// Joints and helpers fitted to the training frames.
 pub struct Helpers {
@@ -148,18 +145,8 @@ impl<'a> OnBasis<'a> {
         let items = Items::vertices(&training.rest, &targets, training.importance());
         let kept = &training.lbs.weights;
         let mut now = Round::first(kept.clone(), trajectories.vectors.transpose() * maps);
-        let mut settled = vec![0; items.len()];
-        for round in 0..CHOICES {
-            let chooses = |v: usize| settled[v] < SETTLED || (round + v).is_multiple_of(TURN);
-            let free: Vec<bool> = (0..items.len()).map(chooses).collect();
-            let supports =
-                Supports::Some { free: &free, most: influences, kept, fixed: &now.weights };
-            let next = self.round(&now, &items, supports);
-            for (v, settled) in settled.iter_mut().enumerate() {
-                *settled =
-                    if next.weights.follow_alike(&now.weights, v) { *settled + 1 } else { 0 };
-            }
-            now = next;
+        for _ in 0..CHOICES {
+            now = self.round(&now, &items, Supports::Free(influences, Some(kept)));
         }
         for _ in 0..ROUNDS {
             now = self.round(&now, &items, Supports::Fixed(&now.weights));

@@ -93,13 +93,6 @@ impl Weights {
         entries.iter().take_while(|e| e.1 > 0.0).map(|&(map, weight)| (map as usize, weight))
     }
 
-    /// Returns whether an item follows the same maps by both.
-    pub fn follow_alike(&self, other: &Self, item: usize) -> bool {
-        let both = self.of(item).filter(|(map, _)| other.of(item).any(|own| own.0 == *map));
-        let count = both.count();
-        count == self.of(item).count() && count == other.of(item).count()
-    }
-
     /// Returns the map that an item follows most; none where it follows none.
     pub fn strongest(&self, item: usize) -> Option<usize> {
         self.of(item).next().map(|(map, _)| map)
@@ -124,33 +117,13 @@ pub enum Supports<'a> {
     Free(usize, Option<&'a Weights>),
     /// Those that they follow by these weights.
     Fixed(&'a Weights),
-    /// The first for some items, the second for the others.
-    Some {
-        /// Whether each item is free.
-        free: &'a [bool],
-        /// Most maps.
-        most: usize,
-        /// Others that a free item may follow.
-        kept: &'a Weights,
-        /// What the others follow.
-        fixed: &'a Weights,
-    },
 }
 
-impl<'a> Supports<'a> {
+impl Supports<'_> {
     pub(super) fn most(&self) -> usize {
         match self {
-            Self::Free(most, _) | Self::Some { most, .. } => *most,
+            Self::Free(most, _) => *most,
             Self::Fixed(weights) => weights.most(),
-        }
-    }
-
-    /// What an item may follow: one of the first two.
-    pub(super) fn of(self, item: usize) -> Self {
-        match self {
-            Self::Some { free, most, kept, .. } if free[item] => Self::Free(most, Some(kept)),
-            Self::Some { fixed, .. } => Self::Fixed(fixed),
-            _ => self,
         }
     }
 }

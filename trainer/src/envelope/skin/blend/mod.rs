@@ -62,25 +62,6 @@ mod tests {
     }
 
     #[test]
-    fn an_item_that_is_not_free_keeps_what_it_follows() {
-        let (h, y, maps, _) = exact(300, 30);
-        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
-        let first = Weights::from_lists(2, (0..300).map(|i| vec![(i % 2, 1.0)]));
-        let free: Vec<bool> = (0..300).map(|i| i % 3 == 0).collect();
-        let supports = Supports::Some { free: &free, most: 2, kept: &first, fixed: &first };
-        let (some, errors) = fit_weights(&items, &maps, supports);
-        let (all, least) = fit_weights(&items, &maps, Supports::Free(2, Some(&first)));
-        for item in 0..300 {
-            if free[item] {
-                assert!(some.of(item).eq(all.of(item)) && errors[item] == least[item]);
-            } else {
-                assert!(some.follow_alike(&first, item) && errors[item] >= least[item]);
-            }
-        }
-        assert!((0..300).any(|item| !all.follow_alike(&first, item)));
-    }
-
-    #[test]
     fn true_weights_give_back_the_true_maps() {
         let (h, y, maps, truth) = exact(300, 30);
         let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };

@@ -4,7 +4,8 @@ use super::items::{Items, Maps, Supports, Weights};
 use crate::numeric::dot::dot_by_lanes;
 use crate::numeric::registers;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
-use faer::Mat;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, Par};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -22,7 +23,7 @@ pub fn fit_weights(items: &Items<'_>, maps: &Maps, supports: Supports<'_>) -> (W
         let range = block * BLOCK..((block + 1) * BLOCK).min(items.len());
         let onto = products.onto(items, range.clone(), supports);
         let of_items = onto.chunks_exact(items.rows * maps.columns.ncols());
-        let fit = |(item, onto)| ItemFit::new(items, item, &products, onto).run(supports.of(item));
+        let fit = |(item, onto)| ItemFit::new(items, item, &products, onto).run(supports);
         range.zip(of_items).map(fit).collect()
     };
     let blocks: Vec<Vec<ItemWeights>> =
@@ -62,28 +63,22 @@ impl Products {
     /// Computes the inner products of [`Products::by_entry`] and the targets of some items, row by row, those that their
     /// supports ask for.
     fn onto(&self, items: &Items<'_>, range: Range<usize>, supports: Supports<'_>) -> Vec<f64> {
+        let y = items.y.subcols(range.start * items.rows, range.len() * items.rows);
         let size = self.by_entry.ncols();
-        let mut onto = vec![0.0; size * items.rows * range.len()];
-        let rows = items.rows * range.start..items.rows * range.end;
-        let is_free = |row: &usize| matches!(supports.of(row / items.rows), Supports::Free(..));
-        let free: Vec<usize> = rows.clone().filter(is_free).collect();
-        let mut y = Mat::zeros(items.y.nrows(), free.len());
-        y.col_iter_mut().zip(&free).for_each(|(mut y, row)| y.copy_from(items.y.col(*row)));
-        let all = self.by_entry.transpose() * y;
-        registers::narrow();
-        let mut all = all.col_iter();
-        for (row, out) in rows.zip(onto.chunks_exact_mut(size)) {
-            match supports.of(row / items.rows) {
-                Supports::Fixed(weights) => {
-                    for (map, _) in weights.of(row / items.rows) {
+        let mut onto = vec![0.0; size * y.ncols()];
+        match supports {
+            Supports::Free(..) => {
+                let out = MatMut::from_column_major_slice_mut(&mut onto, size, y.ncols());
+                matmul(out, Accum::Replace, self.by_entry.transpose(), y, 1.0, Par::Seq);
+                registers::narrow();
+            }
+            Supports::Fixed(weights) => {
+                for (row, out) in onto.chunks_exact_mut(size).enumerate() {
+                    for (map, _) in weights.of(range.start + row / items.rows) {
                         for entry in (map..size).step_by(self.own.nrows()) {
-                            out[entry] = self.by_entry.col(entry).transpose() * items.y.col(row);
+                            out[entry] = self.by_entry.col(entry).transpose() * y.col(row);
                         }
                     }
-                }
-                _ => {
-                    let all = all.next().into_iter().flat_map(|all| all.iter());
-                    out.iter_mut().zip(all).for_each(|(out, own)| *out = *own);
                 }
             }
         }
