@@ -11,6 +11,7 @@ use super::levels::AddError;
 use super::levels::{self, LevelReport};
 use super::model::{RecordModel, SkinModel};
 use super::options::{FileSkins, Options, Predict};
+use super::rotational::lessons::Lessons;
 use super::rotational::{self, Rotational, RotationalOptions, RotationalReport, Variant};
 use super::rotational::{Method, ProxyCount};
 use super::training_report::{CandidateReport, TrainingReport};
@@ -86,6 +87,8 @@ pub fn choose(
         known: Known::new(),
         known_of_reconstruction: None,
         usual: None,
+        teacher: None,
+        lessons: None,
         parts: 0,
         begun: 0,
     };
@@ -128,6 +131,9 @@ struct PredictorSearch<'a> {
     /// The usual number of helpers, and what the maps of each joint listen to, which is chosen by them for any number.
     usual: Option<Helpers>,
     known: Known,
+    /// Kernel maps on the usual number of helpers, and the lessons that they give.
+    teacher: Option<Fitted>,
+    lessons: Option<Lessons>,
     /// What maps listen to that correct a reconstruction, chosen by the first one.
     known_of_reconstruction: Option<Known>,
     /// How many fits there are to be, and how many were begun.
@@ -202,6 +208,12 @@ impl PredictorSearch<'_> {
 
     fn attempt(&mut self, count: ProxyCount) -> Result<(), TrainError> {
         let mut proxies = count;
+        // Kernel maps go first, for reconstructions learn from them, but where the error decides how many proxies there are.
+        let first = matches!(count, ProxyCount::Fixed(_));
+        if first && self.wants(Predictor::Kernel) {
+            self.begin();
+            self.kernel(count)?;
+        }
         if self.wants(Predictor::Rotational) || self.wants(Predictor::Hybrid) {
             self.begin();
             let options = RotationalOptions {
@@ -209,9 +221,13 @@ impl PredictorSearch<'_> {
                 influences: self.options.influences,
                 method: self.options.method(),
             };
-            match rotational::fit(self.training, &options, self.progress) {
+            if options.method == Method::Refined {
+                self.teach();
+            }
+            let lessons = self.lessons.as_ref();
+            match rotational::fit(self.training, &options, lessons, self.progress) {
                 Ok(fitted) => {
-                    proxies = ProxyCount::Fixed(fitted.predictors.len());
+                    proxies = ProxyCount::Fixed(fitted.dominant.len());
                     if self.wants(Predictor::Rotational) {
                         self.rotational(&fitted)?;
                     }
@@ -225,11 +241,32 @@ impl PredictorSearch<'_> {
                 Err(error) => return Err(error.into()),
             }
         }
-        if self.wants(Predictor::Kernel) {
+        if !first && self.wants(Predictor::Kernel) {
             self.begin();
             self.kernel(proxies)?;
         }
         Ok(())
+    }
+
+    /// Has lessons made for reconstructions, once: by kernel maps on the usual number of helpers, so that it does not
+    /// matter what else was tried. There are none where LBS errs nowhere.
+    fn teach(&mut self) {
+        if self.lessons.is_some() {
+            return;
+        }
+        if self.teacher.is_none() {
+            if self.helper_fit.is_none() {
+                self.listen();
+            }
+            let helpers = self.usual.take().or_else(|| self.helpers(usual_count(self.training)));
+            self.teacher = helpers.as_ref().and_then(|helpers| {
+                let target = helpers.target(self.training);
+                let correction = Search::new(target, &self.known, self.progress).fit(usize::MAX)?;
+                Some(helpers.fitted(self.training, correction.groups))
+            });
+            self.usual = helpers;
+        }
+        self.lessons = self.teacher.as_ref().map(|teacher| Lessons::new(self.training, teacher));
     }
 
     fn rotational(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
@@ -276,10 +313,15 @@ impl PredictorSearch<'_> {
             ProxyCount::MaxError(limit) => self.fewest_helpers(limit)?,
         };
         let Some(helpers) = helpers else { return self.joints_alone() };
+        let is_usual = count == ProxyCount::Fixed(usual_count(self.training));
         let fitted = helpers.fitted(self.training, Vec::new());
         let base = helpers.base(&self.training.poses);
         let known = self.known.clone();
-        self.corrected(fitted, (&helpers.target(self.training), &known), &base, None)
+        self.corrected(fitted, (&helpers.target(self.training), &known), &base, None)?;
+        if is_usual && self.options.budget.is_none() {
+            self.teacher = self.candidates.last().map(|candidate| candidate.fitted.clone());
+        }
+        Ok(())
     }
 
     /// Plain LBS: a palette of joints without helpers.

@@ -157,7 +157,7 @@ fn a_file_evaluates_as_it_was_fitted() {
     let options =
         RotationalOptions { proxies: ProxyCount::Fixed(9), ..RotationalOptions::default() };
     let training = Training::new(&examples, &Silent).unwrap();
-    let rotational = rotational::fit(&training, &options, &Silent).unwrap();
+    let rotational = rotational::fit(&training, &options, None, &Silent).unwrap();
     let best = rotational.best();
     let helpers = HelperFit::new(&training).unwrap().run(9, 4);
     let groups =

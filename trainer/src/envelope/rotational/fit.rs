@@ -1,14 +1,15 @@
 //! The fit: proxies, keys, and the reduced reconstruction.
 
+use super::lessons::Lessons;
 use super::options::{Method, RotationalOptions};
 use super::predictor::{GradientPredictor, predict_stacked};
 use super::proxies::CountTrial;
 use super::reduce::{Reduced, Reduction};
-use super::refine::Regression;
+use super::refinement::{Keyed, Refinement, RefinementTrial, Refining};
 use super::settings::{Candidates, Setting, SettingTrial};
 use super::surface::Surface;
 use super::validation::Validation;
-use super::{bias, keys, merge, merging, proxies, published, settings, validation};
+use super::{bias, keys, merge, merging, proxies, published, refinement, settings, validation};
 use crate::envelope::FitError;
 use crate::envelope::correction::features::Features;
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
@@ -30,8 +31,6 @@ pub struct Rotational {
     pub weights: Weights,
     /// Dominant joint of each proxy, P, ascending.
     pub dominant: Vec<usize>,
-    /// What predicts the keys' gradients, P.
-    pub predictors: Vec<GradientPredictor>,
     /// Σ φ φᵀ over the vertices, 4P x 4P.
     pub gram: Mat<f64>,
     /// Squared error of LBS that each proxy is to mend, P, summed over the poses.
@@ -47,8 +46,12 @@ pub struct Rotational {
 pub struct Variant {
     /// How c1 and c2 come about.
     pub method: Method,
+    /// What predicts the keys' gradients, P.
+    pub predictors: Vec<GradientPredictor>,
     /// c1 and c2.
     reduced: Reduced,
+    /// The maps of the training poses, 3n x 4P.
+    maps: Mat<f64>,
     /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
     pub validated: Mat<f64>,
     /// What it leaves over of the training meshes, as maps, 3n x 4P.
@@ -74,10 +77,14 @@ pub struct RotationalReport {
     pub keys: Vec<KeyChoice>,
     /// The contiguous folds, as ranges of the training frames.
     pub folds: Vec<std::ops::Range<usize>>,
-    /// Every candidate of F, γ, μ and the refinement, and its cross-validated error.
+    /// Every candidate of F, γ and μ, and its cross-validated error.
     pub trials: Vec<SettingTrial>,
     /// The candidate taken.
     pub choice: Setting,
+    /// Every refinement that was tried, and how it did.
+    pub refinements: Vec<RefinementTrial>,
+    /// The one taken.
+    pub refinement: Option<Refinement>,
     /// Condition number of the reduced system.
     pub condition: f64,
     /// Largest distance of a vertex of F from its LBS position on the training frames.
@@ -110,11 +117,14 @@ impl KeyChoice {
 
 /// Fits an envelope to the training frames.
 ///
+/// - `lessons`: what its refinement is fitted to as well.
+///
 /// # Errors
 /// [`FitError::MaxError`] and [`FitError::Singular`].
 pub fn fit(
     training: &Training,
     options: &RotationalOptions,
+    lessons: Option<&Lessons>,
     progress: &dyn Progress,
 ) -> Result<Rotational, FitError> {
     let Training { rest, triangles, poses, trajectories: moved, lbs, .. } = training;
@@ -149,8 +159,12 @@ pub fn fit(
     let predictor = |poses: &Poses, d: &[Matrix3<f64>]| {
         GradientPredictor::fit(poses, parents, d, options.method)
     };
-    let validation = Validation::new(&targets, poses, &sequences, &predictor, progress);
     let projection = Projection::new(&targets, palette_len);
+    progress.step("key predictors", 1);
+    let keyed = Keyed {
+        predictors: sequences.par_iter().map(|d| predictor(poses, d)).collect(),
+        validation: Validation::new(&projection, poses, &sequences, &predictor, progress),
+    };
     let candidates = Candidates {
         reduction: Reduction {
             rest,
@@ -164,45 +178,52 @@ pub fn fit(
             anchors: None,
         },
         lbs_errors,
-        validation: &validation,
-        projection: (options.method == Method::Refined).then_some(&projection),
+        validation: &keyed.validation,
     };
     let (choice, trials) = match published {
         Some(setting) => (setting, Vec::new()),
-        None => {
-            let (chosen, trials) = candidates.choose(progress)?;
-            (chosen.choice, trials)
-        }
+        None => candidates.choose(progress)?,
     };
-
-    progress.step("key predictors", 1);
-    let predictors: Vec<_> = sequences.par_iter().map(|d| predictor(poses, d)).collect();
-    let predicted = predict_stacked(&predictors, poses);
     let fixed = settings::near_rigid(lbs_errors, choice.near_rigid_fraction);
     let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
     let unrefined = system.run().ok_or(FitError::Singular)?;
     let unrefined = if published.is_some() { unrefined.and_joints() } else { unrefined };
-    let variant = |reduced: Reduced, maps: &Mat<f64>, refinement: Option<f64>| {
-        let of_folds = validation.maps(&unrefined, &projection, refinement);
+
+    let variant = |method, keyed: &Keyed<'_>, reduced: Reduced, of_folds: &[Mat<f64>]| {
+        let maps = reduced.palette(&predict_stacked(&keyed.predictors, poses), poses);
         Variant {
-            method: match (options.method, refinement) {
-                (Method::Published, _) => Method::Published,
-                (_, None) => Method::Unrefined,
-                (_, Some(_)) => Method::Refined,
-            },
-            validated: validation.join(&of_folds),
-            left_over: projection.residual(maps),
-            without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
+            method,
+            predictors: keyed.predictors.clone(),
             reduced,
+            validated: keyed.validation.join(of_folds),
+            left_over: projection.residual(&maps),
+            without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
+            maps,
         }
     };
-    let mut maps = unrefined.palette(&predicted, poses);
-    let mut variants = vec![variant(unrefined.clone(), &maps, None)];
-    if let Some(strength) = choice.refinement {
-        let regression = Regression::new(&predicted, poses, &variants[0].left_over, &(0..0));
-        let refined = regression.refine(&unrefined, strength);
-        maps = refined.palette(&predicted, poses);
-        variants.push(variant(refined, &maps, Some(strength)));
+    let first = match options.method {
+        Method::Published => Method::Published,
+        Method::Unrefined | Method::Refined => Method::Unrefined,
+    };
+    let of_folds = keyed.validation.unrefined(&unrefined);
+    let mut variants = vec![variant(first, &keyed, unrefined.clone(), &of_folds)];
+    let (mut refinement, mut refinements) = (None, Vec::new());
+    if options.method == Method::Refined {
+        progress.step("refinement", 1);
+        let rigid = keyed.without_shear();
+        let seen = lessons.map(|lessons| {
+            (lessons, projection.of(&targets, (&lessons.weights, &lessons.palettes)))
+        });
+        let [shearing, rigid] = [&keyed, &rigid].map(|keyed| {
+            let lessons = seen.as_ref().map(|(lessons, projection)| (*lessons, projection));
+            Refining::new(&unrefined, keyed, (poses, &projection), lessons)
+        });
+        (refinement, refinements) = refinement::choose(&shearing, &rigid);
+        if let Some(choice) = &refinement {
+            let refining = if choice.shear { &shearing } else { &rigid };
+            let (reduced, of_folds) = (refining.refined(choice), refining.maps_of_folds(choice));
+            variants.push(variant(Method::Refined, refining.keyed, reduced, &of_folds));
+        }
     }
     let report = RotationalReport {
         basis_rank: basis.vectors.ncols(),
@@ -210,14 +231,16 @@ pub fn fit(
         proxy_counts: proxies.trials,
         proxy_rms: proxies.rms,
         key_rms: keys.rms,
-        keys: predictors.iter().map(KeyChoice::new).collect(),
+        keys: keyed.predictors.iter().map(KeyChoice::new).collect(),
         folds: folds(poses.times()).into_iter().map(|fold| fold.own).collect(),
         trials,
         choice,
+        refinements,
+        refinement,
         condition: system.equations().condition(),
         near_rigid_deviation: validation::largest_distance(
             rest,
-            (&weights, &maps),
+            (&weights, &variants[variants.len() - 1].maps),
             (joints, &poses.stacked()),
             &fixed,
         ),
@@ -227,7 +250,6 @@ pub fn fit(
         lbs_errors: training.lbs_errors(&weights, 0..dominant.len()),
         weights,
         dominant,
-        predictors,
         gram: projection.gram.clone(),
         report,
     })
@@ -252,7 +274,7 @@ impl Rotational {
 
     /// The envelope of a variant, without a correction.
     pub fn fitted(&self, variant: &Variant, training: &Training) -> Fitted {
-        let reconstruction = bias::carried(&self.predictors, &variant.reduced);
+        let reconstruction = bias::carried(&variant.predictors, &variant.reduced);
         Fitted::new(training, self.weights.clone(), Some(reconstruction))
     }
 

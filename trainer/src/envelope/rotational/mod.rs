@@ -8,8 +8,9 @@
 //! | [`rotation`] | the joint that each follows, its residual joint, and their twists |
 //! | [`scale_shear`], [`predictor`] | its scale and shear, and both as one key |
 //! | [`poisson`], [`reduce`] | the reconstruction, in full and reduced to c1 and c2 |
-//! | [`settings`], [`validation`] | near-rigid vertices, anchors and refinement, by folds |
-//! | [`refine`] | c1 and c2 refined on the training meshes |
+//! | [`settings`], [`validation`] | near-rigid vertices and anchors, by folds |
+//! | [`lessons`] | made poses, and what another predictor makes of them |
+//! | [`refine`], [`refinement`] | c1 and c2 refined on the training meshes and on lessons, by folds and by lessons |
 //! | [`published`], [`merging`], [`bias`] | S3 to the letter, in place of some of this: its setting, its merging, its bias |
 //! | [`full`] | the fit of S3 without proxies, for figures |
 
@@ -18,6 +19,7 @@ mod fit;
 pub mod full;
 pub mod gradient;
 pub mod keys;
+pub mod lessons;
 pub mod merge;
 pub mod merging;
 mod options;
@@ -27,6 +29,7 @@ pub mod proxies;
 pub mod published;
 pub mod reduce;
 pub mod refine;
+pub mod refinement;
 pub mod rotation;
 pub mod scale_shear;
 pub mod settings;

@@ -7,7 +7,7 @@ use super::scale_shear;
 use crate::envelope::model::Key;
 use crate::envelope::skin::poses::Poses;
 use faer::Mat;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Matrix6};
 
 /// A key, and how every joint would have done in its place.
 #[derive(Clone, Debug)]
@@ -42,6 +42,13 @@ impl GradientPredictor {
         let stretches = stretches.into_iter();
         let (shear, bias) = scale_shear::fit(poses, joint, parent, stretches, published);
         Self { key: Key { joint, twist, residual, shear }, parent, bias, errors, residual_errors }
+    }
+
+    /// The same without scale and shear.
+    #[must_use]
+    pub fn without_shear(&self) -> Self {
+        let key = Key { shear: Matrix6::zeros(), ..self.key.clone() };
+        Self { key, bias: Matrix3::zeros(), ..self.clone() }
     }
 
     /// Predicts the gradient of a pose, relative to the root.

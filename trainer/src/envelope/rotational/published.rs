@@ -33,7 +33,7 @@ pub fn setting(lbs_errors: &[f64]) -> Setting {
     let count = lbs_errors.len().max(1) as f64;
     let mean = lbs_errors.iter().sum::<f64>() / count;
     let within = lbs_errors.iter().filter(|error| **error <= mean).count();
-    Setting { near_rigid_fraction: within as f64 / count, anchors: ANCHORS, refinement: None }
+    Setting { near_rigid_fraction: within as f64 / count, anchors: ANCHORS }
 }
 
 /// Gives weights on P proxies and then J joints: on the proxies, of the vertices of F on the joints.

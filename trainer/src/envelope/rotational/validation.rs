@@ -8,7 +8,7 @@ use crate::envelope::skin::blend::Weights;
 use crate::envelope::skin::folds::{Fold, folds};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::Projection;
-use crate::envelope::skin::targets::{Targets, skin};
+use crate::envelope::skin::targets::skin;
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Matrix3;
@@ -16,21 +16,29 @@ use rayon::prelude::*;
 
 /// Key gradients of every training pose, predicted without each fold in turn.
 pub struct Validation<'a> {
-    targets: &'a Targets<'a>,
+    projection: &'a Projection,
     poses: &'a Poses,
     folds: Vec<FoldPrediction>,
 }
 
 struct FoldPrediction {
     fold: Fold,
-    /// Predictions of all poses by predictors fitted without the fold, 3n x 3P.
+    /// Predictors fitted without the fold, P.
+    predictors: Vec<GradientPredictor>,
+    /// What they predict of all poses, 3n x 3P.
     predicted: Mat<f64>,
+}
+
+impl FoldPrediction {
+    fn new(fold: Fold, predictors: Vec<GradientPredictor>, poses: &Poses) -> Self {
+        Self { predicted: predictor::predict_stacked(&predictors, poses), fold, predictors }
+    }
 }
 
 impl<'a> Validation<'a> {
     /// Fits the predictors of P key sequences once a fold, by a function of the poses that are left and a sequence in them.
     pub fn new(
-        targets: &'a Targets<'a>,
+        projection: &'a Projection,
         poses: &'a Poses,
         sequences: &[Vec<Matrix3<f64>>],
         predictor: &(impl Fn(&Poses, &[Matrix3<f64>]) -> GradientPredictor + Sync),
@@ -52,10 +60,20 @@ impl<'a> Validation<'a> {
                         predictor(&train, &kept)
                     })
                     .collect();
-                FoldPrediction { predicted: predictor::predict_stacked(&predictors, poses), fold }
+                FoldPrediction::new(fold, predictors, poses)
             })
             .collect();
-        Self { targets, poses, folds }
+        Self { projection, poses, folds }
+    }
+
+    /// The same by predictors without scale and shear.
+    #[must_use]
+    pub fn without_shear(&self) -> Self {
+        let of = |of: &FoldPrediction| {
+            let rigid = of.predictors.iter().map(GradientPredictor::without_shear).collect();
+            FoldPrediction::new(of.fold.clone(), rigid, self.poses)
+        };
+        Self { folds: self.folds.par_iter().map(of).collect(), ..*self }
     }
 
     /// RMS error of the poses, each predicted without its fold.
@@ -63,61 +81,43 @@ impl<'a> Validation<'a> {
         self.score_maps(&self.unrefined(reduced))
     }
 
-    /// RMS error of the poses after refinement at each strength, each pose refined and predicted
-    /// without its fold.
-    pub fn score_refined(
-        &self,
-        reduced: &Reduced,
-        projection: &Projection,
-        strengths: &[f64],
-    ) -> Vec<f64> {
-        let regressions = self.regressions(reduced, projection);
-        let score = |&strength| self.score_maps(&self.refined(reduced, &regressions, strength));
-        strengths.iter().map(score).collect()
+    /// RMS error of the poses after refinement at a ridge, each pose refined and predicted without its fold.
+    ///
+    /// - `regressions`: of each fold.
+    pub fn score_refined(&self, reduced: &Reduced, regressions: &[Regression], ridge: f64) -> f64 {
+        self.score_maps(&self.refined(reduced, regressions, ridge))
     }
 
-    /// The maps of all poses, 3n x 4P, by fits that have not seen each fold, refined or not.
-    pub fn maps(
-        &self,
-        reduced: &Reduced,
-        projection: &Projection,
-        refinement: Option<f64>,
-    ) -> Vec<Mat<f64>> {
-        match refinement {
-            None => self.unrefined(reduced),
-            Some(strength) => {
-                self.refined(reduced, &self.regressions(reduced, projection), strength)
-            }
-        }
-    }
-
-    fn unrefined(&self, reduced: &Reduced) -> Vec<Mat<f64>> {
+    /// The maps of all poses, 3n x 4P, by fits that have not seen each fold.
+    pub fn unrefined(&self, reduced: &Reduced) -> Vec<Mat<f64>> {
         self.folds.par_iter().map(|fold| reduced.palette(&fold.predicted, self.poses)).collect()
     }
 
-    fn regressions(&self, reduced: &Reduced, projection: &Projection) -> Vec<Regression> {
+    /// The same, refined at a ridge.
+    pub fn refined(
+        &self,
+        reduced: &Reduced,
+        regressions: &[Regression],
+        ridge: f64,
+    ) -> Vec<Mat<f64>> {
+        let of = |(fold, regression): (&FoldPrediction, &Regression)| {
+            regression.refine(reduced, ridge).palette(&fold.predicted, self.poses)
+        };
+        self.folds.par_iter().zip(regressions).map(of).collect()
+    }
+
+    /// What refines a reconstruction, by the poses outside each fold.
+    pub fn regressions(&self, reduced: &Reduced) -> Vec<Regression> {
         let of = |of: &FoldPrediction| {
-            let FoldPrediction { fold, predicted } = of;
-            let residual = projection.residual(&reduced.palette(predicted, self.poses));
+            let FoldPrediction { fold, predicted, .. } = of;
+            let residual = self.projection.residual(&reduced.palette(predicted, self.poses));
             Regression::new(predicted, self.poses, &residual, &fold.out)
         };
         self.folds.par_iter().map(of).collect()
     }
 
-    fn refined(
-        &self,
-        reduced: &Reduced,
-        regressions: &[Regression],
-        strength: f64,
-    ) -> Vec<Mat<f64>> {
-        let of = |(fold, regression): (&FoldPrediction, &Regression)| {
-            regression.refine(reduced, strength).palette(&fold.predicted, self.poses)
-        };
-        self.folds.par_iter().zip(regressions).map(of).collect()
-    }
-
     fn score_maps(&self, maps: &[Mat<f64>]) -> f64 {
-        self.targets.rms(&self.join(maps))
+        self.projection.rms(&self.join(maps))
     }
 
     /// Joins the folds' own rows of the maps of all folds.

@@ -1,6 +1,6 @@
 //! Poses and surface trajectories with the reference root's motion removed (METHOD §1.1).
 
-use crate::examples::{Examples, RIGID};
+use crate::examples::{Examples, RIGID, Skeleton};
 use crate::numeric::affine::{after, from_rows, homogeneous, joined, linear};
 use crate::numeric::{columns, so3};
 use faer::Mat;
@@ -31,36 +31,49 @@ pub struct Time {
 impl Poses {
     /// Reads the given frames of the examples.
     pub fn new(examples: &Examples, frames: &[usize]) -> Self {
-        let joint_len = examples.joint_len();
-        let parents = &examples.skeleton.parents;
-        let root = examples.skeleton.root();
-        let mut poses = Self {
-            joint_len,
-            root,
-            maps: Vec::with_capacity(frames.len() * joint_len),
-            angles: Vec::with_capacity(frames.len() * joint_len),
-            parent_rotations: Vec::with_capacity(frames.len() * joint_len),
-            roots: Vec::with_capacity(frames.len()),
-            times: frames
-                .iter()
-                .map(|&frame| Time { clip: examples.clip_of(frame), frame })
-                .collect(),
-        };
+        let mut poses = Self::none(&examples.skeleton);
         for &frame in frames {
             let pose: Vec<_> = examples.pose(frame).iter().map(from_rows).collect();
-            let inverse = rigid_inverse(&pose[root]);
-            let maps: Vec<_> = pose.iter().map(|b| after(&inverse, b)).collect();
-            let rotations: Vec<_> = maps.iter().map(nearest_rotation).collect();
-            for (joint, parent) in parents.iter().enumerate() {
-                let frame_of_parent = parent.map_or(Matrix3::identity(), |p| rotations[p]);
-                let relative = frame_of_parent.transpose() * rotations[joint];
-                poses.angles.push(parent.map_or(Vector3::zeros(), |_| so3::log(&relative)));
-                poses.parent_rotations.push(frame_of_parent);
-            }
-            poses.maps.extend(maps);
-            poses.roots.push(pose[root]);
+            poses.push(&pose, &examples.skeleton.parents);
+            poses.times.push(Time { clip: examples.clip_of(frame), frame });
         }
         poses
+    }
+
+    /// Gathers poses that were not taken, as one clip: of each the map from rest of every joint.
+    pub fn made(poses: &[Vec<Matrix3x4<f64>>], skeleton: &Skeleton) -> Self {
+        let mut made = Self::none(skeleton);
+        for (frame, pose) in poses.iter().enumerate() {
+            made.push(pose, &skeleton.parents);
+            made.times.push(Time { clip: 0, frame });
+        }
+        made
+    }
+
+    fn none(skeleton: &Skeleton) -> Self {
+        Self {
+            joint_len: skeleton.names.len(),
+            root: skeleton.root(),
+            maps: Vec::new(),
+            angles: Vec::new(),
+            parent_rotations: Vec::new(),
+            roots: Vec::new(),
+            times: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, pose: &[Matrix3x4<f64>], parents: &[Option<usize>]) {
+        let inverse = rigid_inverse(&pose[self.root]);
+        let maps: Vec<_> = pose.iter().map(|b| after(&inverse, b)).collect();
+        let rotations: Vec<_> = maps.iter().map(nearest_rotation).collect();
+        for (joint, parent) in parents.iter().enumerate() {
+            let frame_of_parent = parent.map_or(Matrix3::identity(), |p| rotations[p]);
+            let relative = frame_of_parent.transpose() * rotations[joint];
+            self.angles.push(parent.map_or(Vector3::zeros(), |_| so3::log(&relative)));
+            self.parent_rotations.push(frame_of_parent);
+        }
+        self.maps.extend(maps);
+        self.roots.push(pose[self.root]);
     }
 
     /// Returns n.

@@ -1,7 +1,9 @@
-//! The training meshes as a palette sees them: summed over the vertices by what they follow.
+//! Meshes as a palette sees them: summed over the vertices by what they follow.
 
+use super::blend::Weights;
 use super::targets::Targets;
 use crate::numeric::affine::homogeneous;
+use crate::numeric::dot::dot;
 use crate::numeric::ridge::solve_ridge;
 use faer::Mat;
 use std::ops::Range;
@@ -9,16 +11,22 @@ use std::ops::Range;
 /// Share of the mean diagonal that decides directions of the palette no vertex sees.
 const UNSEEN: f64 = 1e-6;
 
-/// The training meshes as the palette sees them.
+/// Meshes as a palette sees them.
 pub struct Projection {
     /// Σ φ φᵀ, 4P x 4P.
     pub gram: Mat<f64>,
     /// The trajectories weighted onto the palette, 3n x 4P.
     onto: Mat<f64>,
+    /// The maps that come nearest, 3n x 4P, and what those leave of `onto`.
+    nearest: Mat<f64>,
+    slope: Mat<f64>,
+    /// Their squared error, over V vertices and the poses.
+    floor: f64,
+    vertices: usize,
 }
 
 impl Projection {
-    /// Sums over the vertices.
+    /// Sums over the vertices of the training meshes.
     pub fn new(targets: &Targets<'_>, proxy_len: usize) -> Self {
         let mut onto = Mat::zeros(targets.trajectories.nrows(), 4 * proxy_len);
         for (vertex, x) in targets.rest.iter().enumerate() {
@@ -33,35 +41,115 @@ impl Projection {
                 }
             }
         }
-        Self { gram: gram(targets, 0..proxy_len), onto }
+        let exact = Self::onto(gram(targets, 0..proxy_len), onto, targets.rest.len());
+        Self { floor: targets.rms(&exact.nearest).powi(2), ..exact }
+    }
+
+    /// Other meshes that skin as some maps on other weights have it; of their error, what the palette's maps can help.
+    ///
+    /// - `palettes`: those maps, 3m x 4L.
+    pub fn of(&self, targets: &Targets<'_>, (weights, palettes): (&Weights, &Mat<f64>)) -> Self {
+        let [own, other] = [self.gram.ncols(), palettes.ncols()].map(|columns| 0..columns / 4);
+        let onto = palettes * gram_between(targets, own, (weights, other));
+        Self::onto(self.gram.clone(), onto, self.vertices)
+    }
+
+    fn onto(gram: Mat<f64>, onto: Mat<f64>, vertices: usize) -> Self {
+        let nearest = nearest(&gram, &onto);
+        let slope = &onto - &nearest * &gram;
+        Self { gram, onto, nearest, slope, floor: 0.0, vertices }
     }
 
     /// What maps (3n x 4P) leave over, as maps, by least squares over the vertices.
     pub fn residual(&self, maps: &Mat<f64>) -> Mat<f64> {
-        let left = &self.onto - maps * &self.gram;
-        let mut gram = self.gram.clone();
-        let mean = gram.diagonal().column_vector().sum() / gram.nrows().max(1) as f64;
-        solve_ridge(&mut gram, left.transpose().to_owned(), UNSEEN * mean).transpose().to_owned()
+        nearest(&self.gram, &(&self.onto - maps * &self.gram))
     }
+
+    /// RMS error over vertices and poses under maps, 3n x 4P.
+    pub fn rms(&self, maps: &Mat<f64>) -> f64 {
+        let off = maps - &self.nearest;
+        let weighted = &off * &self.gram - &self.slope * faer::Scale(2.0);
+        let squared: f64 = (0..off.ncols())
+            .map(|column| dot(off.col_as_slice(column), weighted.col_as_slice(column)))
+            .sum();
+        let count = (self.vertices * maps.nrows() / 3).max(1) as f64;
+        (self.floor + squared / count).max(0.0).sqrt()
+    }
+}
+
+/// The maps that weigh nearest to others onto a palette: `maps gram = onto`.
+fn nearest(gram: &Mat<f64>, onto: &Mat<f64>) -> Mat<f64> {
+    let mut gram = gram.clone();
+    let mean = gram.diagonal().column_vector().sum() / gram.nrows().max(1) as f64;
+    solve_ridge(&mut gram, onto.transpose().to_owned(), UNSEEN * mean).transpose().to_owned()
 }
 
 /// Sums φ φᵀ over the vertices, for a span of l maps of the palette: 4l x 4l.
 pub fn gram(targets: &Targets<'_>, span: Range<usize>) -> Mat<f64> {
-    let mut gram = Mat::zeros(4 * span.len(), 4 * span.len());
+    gram_between(targets, span.clone(), (targets.weights, span))
+}
+
+/// Sums φ' φᵀ over the vertices, for spans of l' maps of another palette and l of this one: 4l' x 4l.
+fn gram_between(
+    targets: &Targets<'_>,
+    span: Range<usize>,
+    (others, other_span): (&Weights, Range<usize>),
+) -> Mat<f64> {
+    let mut gram = Mat::zeros(4 * other_span.len(), 4 * span.len());
     for (vertex, x) in targets.rest.iter().enumerate() {
         let h = homogeneous(x);
         let counted = h * targets.importance.of(vertex);
-        let own = targets.weights.of(vertex).filter(|(map, _)| span.contains(map));
-        for (a, alpha) in own.clone() {
-            for (b, beta) in own.clone() {
+        let other = others.of(vertex).filter(|(map, _)| other_span.contains(map));
+        for (a, alpha) in targets.weights.of(vertex).filter(|(map, _)| span.contains(map)) {
+            for (b, beta) in other.clone() {
                 for i in 0..4 {
                     for j in 0..4 {
-                        let (row, column) = (4 * (b - span.start) + j, 4 * (a - span.start) + i);
-                        gram[(row, column)] += alpha * counted[i] * beta * h[j];
+                        let place = (4 * (b - other_span.start) + j, 4 * (a - span.start) + i);
+                        gram[place] += alpha * counted[i] * beta * h[j];
                     }
                 }
             }
         }
     }
     gram
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::envelope::demo::{DemoOptions, demo};
+    use crate::envelope::skin::targets::skinned;
+    use crate::envelope::skin::training::Training;
+    use crate::progress::Silent;
+
+    #[test]
+    fn errors_are_those_of_all_vertices_and_other_meshes_are_seen_as_they_are_skinned() {
+        let examples = demo(&DemoOptions { vertices: 300, poses: 8, held_out: 0, seed: 2 });
+        let training = Training::new(&examples, &Silent).unwrap();
+        let weights = &training.lbs.weights;
+        let targets = training.targets(weights);
+        let palette = training.poses.stacked();
+        let joints = palette.ncols() / 4;
+        let seen = Projection::new(&targets, joints);
+        let off = Mat::from_fn(palette.nrows(), palette.ncols(), |row, column| {
+            1e-3 * ((row * 7919 + column * 104_729) as f64).sin()
+        });
+        for maps in [&palette, &(&palette + &off)] {
+            let (found, expected) = (seen.rms(maps), targets.rms(maps));
+            assert!((found - expected).abs() < 1e-9 * expected, "{found} for {expected}");
+        }
+
+        // The meshes of other maps, which are on weights of their own: every vertex follows one joint.
+        let rigid = (0..weights.len()).map(|v| vec![(weights.strongest(v).unwrap(), 1.0)]);
+        let rigid = Weights::from_lists(1, rigid);
+        let others = &palette + &off;
+        let trajectories = skinned(&training.rest, &rigid, &others);
+        let expected = Projection::new(&Targets { trajectories: &trajectories, ..targets }, joints);
+        let found = seen.of(&targets, (&rigid, &others));
+        assert!((found.residual(&palette) - expected.residual(&palette)).norm_max() < 1e-9);
+        let least = found.rms(&expected.nearest);
+        let can_help = |maps| (expected.rms(maps).powi(2) - expected.floor).sqrt();
+        assert!(least < 1e-3 * found.rms(&palette), "{least}");
+        assert!((found.rms(&palette) - can_help(&palette)).abs() < 1e-3 * can_help(&palette));
+    }
 }
