@@ -32,10 +32,10 @@ pub static ERRS: Constant = Constant::new("ERRS", 4e-4);
 /// A residual's weight against a position's where vertices are grouped.
 pub static RESIDUAL_SHARE: Constant = Constant::new("RESIDUAL_SHARE", 8.0);
 /// Pull of a helper to its joint, of the mean diagonal: what few vertices support is noise that no map can predict.
-pub static PULL: Constant = Constant::new("PULL", 1e-5);
+pub static PULL: Constant = Constant::new("PULL", 3e-6);
 /// Weight of the palette before any correction where weights are fitted: it is all that is left of poses unlike
 /// those of training.
-pub static BASE: Constant = Constant::new("BASE", 0.05);
+pub static BASE: Constant = Constant::new("BASE", 0.025);
 /// Most of its last step that a round of helpers starts ahead: with more the last digit of a file decides more of what
 /// comes out.
 pub static AHEAD: Constant = Constant::new("AHEAD", 0.7);

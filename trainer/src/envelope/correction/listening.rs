@@ -81,7 +81,8 @@ struct NearJoints {
     score: f64,
 }
 
-/// Chooses the joints to listen to, by the smoothest kernel.
+/// Chooses the joints to listen to, by the smoothest kernel: of those that score alike the narrowest, which fades first in
+/// poses unlike those of training, and then the fewest.
 fn choose_joints(
     outputs: &Outputs,
     poses: &Poses,
@@ -101,7 +102,8 @@ fn choose_joints(
         }
     }
     let least = tried.iter().map(|t| t.score).min_by(f64::total_cmp)?;
-    tried.into_iter().find(|t| t.score <= (1.0 + EARNS.get()) * least)
+    let alike = tried.into_iter().filter(|t| t.score <= (1.0 + EARNS.get()) * least);
+    alike.min_by_key(|t| t.width)
 }
 
 /// Chooses kernel and width, the smoothest kernel that will do, and gives their score.

@@ -143,10 +143,11 @@ impl<'a> OnBasis<'a> {
         let trajectories = training.basis();
         let targets = faer::concat![[&trajectories.coordinates], [&plain.coordinates]];
         let items = Items::vertices(&training.rest, &targets, training.importance());
-        let kept = &training.lbs.weights;
-        let mut now = Round::first(kept.clone(), trajectories.vectors.transpose() * maps);
+        let others = &training.lbs.weights;
+        let mut now = Round::first(others.clone(), trajectories.vectors.transpose() * maps);
         for _ in 0..CHOICES {
-            now = self.round(&now, &items, Supports::Free(influences, Some(kept)));
+            let last = &now.weights;
+            now = self.round(&now, &items, Supports::Better { most: influences, others, last });
         }
         for _ in 0..ROUNDS {
             now = self.round(&now, &items, Supports::Fixed(&now.weights));

@@ -21,7 +21,7 @@ pub fn fit(
 ) -> (Weights, Vec<f64>) {
     let items = Items::vertices(rest, trajectories, Importance::ALIKE);
     let joints = Maps { width: 4, columns: poses.stacked() };
-    fit_weights(&items, &joints, Supports::Free(most, None))
+    fit_weights(&items, &joints, Supports::Free(most))
 }
 
 /// Fits the baseline's weights to the training frames of examples.

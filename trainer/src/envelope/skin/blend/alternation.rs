@@ -36,7 +36,7 @@ impl Alternation {
         most: usize,
         progress: &dyn Progress,
     ) -> Blend {
-        let supports = Supports::Free(most, None);
+        let supports = Supports::Free(most);
         let (weights, errors) = fit_weights(items, &maps, supports);
         let mut blend = Blend { weights, maps, error: items.sum(&errors) };
         for _ in 0..self.rounds {

@@ -113,8 +113,10 @@ impl Weights {
 /// The maps that items may follow.
 #[derive(Clone, Copy)]
 pub enum Supports<'a> {
-    /// At most so many of those that come nearest by themselves, and of some others.
-    Free(usize, Option<&'a Weights>),
+    /// At most so many of those that come nearest by themselves.
+    Free(usize),
+    /// The same, of those of some other weights too; or just those of the last weights, where they serve better.
+    Better { most: usize, others: &'a Weights, last: &'a Weights },
     /// Those that they follow by these weights.
     Fixed(&'a Weights),
 }
@@ -122,7 +124,7 @@ pub enum Supports<'a> {
 impl Supports<'_> {
     pub(super) fn most(&self) -> usize {
         match self {
-            Self::Free(most, _) => *most,
+            Self::Free(most) | Self::Better { most, .. } => *most,
             Self::Fixed(weights) => weights.most(),
         }
     }

@@ -47,7 +47,7 @@ mod tests {
     fn true_maps_give_back_the_true_weights() {
         let (h, y, maps, truth) = exact(300, 30);
         let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
-        let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3, None));
+        let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3));
         assert!(errors.iter().all(|&e| e < 1e-9));
         let (again, errors) = fit_weights(&items, &maps, Supports::Fixed(&weights));
         assert!(errors.iter().all(|&e| e < 1e-9));
@@ -59,6 +59,29 @@ mod tests {
                 assert!((weight - expected[map]).abs() < 1e-6, "item {item}");
             }
         }
+    }
+
+    #[test]
+    fn what_an_item_followed_last_is_left_only_for_what_serves_better() {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(6);
+        let (count, rank, maps) = (200, 40, 30);
+        let mut numbers = |rows, columns| {
+            Mat::<f64>::from_fn(rows, columns, |_, _| random.random_range(-1.0..1.0))
+        };
+        let (y, columns) = (numbers(rank, count), numbers(rank, 4 * maps));
+        let h = (0..count).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
+        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
+        let maps = Maps { width: 4, columns };
+        let (chosen, of_chosen) = fit_weights(&items, &maps, Supports::Free(3));
+        let random_ones = (0..count).map(|i| [7, 11, 13].map(|k| (i * k % 30, 1.0 / 3.0)).to_vec());
+        let start = Weights::from_lists(3, random_ones);
+        let (last, of_last) = fit_weights(&items, &maps, Supports::Fixed(&start));
+        let better = Supports::Better { most: 3, others: &chosen, last: &last };
+        let (_, errors) = fit_weights(&items, &maps, better);
+        let least: Vec<f64> = of_chosen.iter().zip(&of_last).map(|(a, b)| a.min(*b)).collect();
+        assert!(errors.iter().zip(&least).all(|(found, least)| *found <= least * (1.0 + 1e-12)));
+        assert!(of_last.iter().zip(&of_chosen).any(|(last, chosen)| last < chosen), "both happen");
+        assert!(of_last.iter().zip(&of_chosen).any(|(last, chosen)| last > chosen));
     }
 
     #[test]

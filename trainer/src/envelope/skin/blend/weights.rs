@@ -7,6 +7,7 @@ use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 use std::ops::Range;
 
 /// Most maps that a fit of one item looks at, nearest in error first.
@@ -67,7 +68,7 @@ impl Products {
         let size = self.by_entry.ncols();
         let mut onto = vec![0.0; size * y.ncols()];
         match supports {
-            Supports::Free(..) => {
+            Supports::Free(_) | Supports::Better { .. } => {
                 let out = MatMut::from_column_major_slice_mut(&mut onto, size, y.ncols());
                 matmul(out, Accum::Replace, self.by_entry.transpose(), y, 1.0, Par::Seq);
                 registers::narrow();
@@ -88,6 +89,10 @@ impl Products {
 
 /// An item's maps and weights, strongest first, and its squared error.
 type ItemWeights = (Vec<(usize, f64)>, f64);
+
+fn by_error(a: &(f64, usize), b: &(f64, usize)) -> Ordering {
+    a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+}
 
 /// The fit of an item's weights.
 struct ItemFit<'a> {
@@ -121,27 +126,41 @@ impl<'a> ItemFit<'a> {
     }
 
     fn run(&self, supports: Supports<'_>) -> ItemWeights {
-        let mut candidates: Vec<(f64, usize)> = match supports {
-            Supports::Fixed(weights) => {
-                weights.of(self.item).map(|(map, _)| (self.error_alone(map), map)).collect()
-            }
-            _ => self.errors_alone().into_iter().zip(0..).collect(),
+        let own = |weights: &Weights| -> Vec<(f64, usize)> {
+            weights.of(self.item).map(|(map, _)| (self.error_alone(map), map)).collect()
         };
-        let nearest = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        let most = supports.most();
+        match supports {
+            Supports::Fixed(weights) => self.solve(own(weights), most),
+            Supports::Free(_) => self.solve(self.nearest(), most),
+            Supports::Better { others, last, .. } => {
+                let mut candidates = self.nearest();
+                for (error, map) in own(others) {
+                    if candidates.len() < MAX_COLUMNS && candidates.iter().all(|c| c.1 != map) {
+                        candidates.push((error, map));
+                    }
+                }
+                let (chosen, kept) = (self.solve(candidates, most), self.solve(own(last), most));
+                if chosen.1 < kept.1 { chosen } else { kept }
+            }
+        }
+    }
+
+    /// The maps by which alone the item errs least.
+    fn nearest(&self) -> Vec<(f64, usize)> {
+        let mut candidates: Vec<_> = self.errors_alone().into_iter().zip(0..).collect();
         if candidates.len() > CANDIDATES {
-            candidates.select_nth_unstable_by(CANDIDATES, nearest);
+            candidates.select_nth_unstable_by(CANDIDATES, by_error);
             candidates.truncate(CANDIDATES);
         }
-        if let Supports::Free(_, Some(kept)) = supports {
-            for (map, _) in kept.of(self.item) {
-                if candidates.len() < MAX_COLUMNS && candidates.iter().all(|c| c.1 != map) {
-                    candidates.push((self.error_alone(map), map));
-                }
-            }
-        }
-        candidates.sort_by(nearest);
+        candidates
+    }
+
+    /// Fits at most so many weights of candidates, each with its error alone.
+    fn solve(&self, mut candidates: Vec<(f64, usize)>, most: usize) -> ItemWeights {
+        candidates.sort_by(by_error);
         let gram = self.gram(&candidates);
-        let weights = simplex::solve_sparse(&gram, supports.most());
+        let weights = simplex::solve_sparse(&gram, most);
         let mut list: Vec<(usize, f64)> = (0..gram.len)
             .filter(|&i| weights[i] > 0.0)
             .map(|i| (candidates[i].1, weights[i]))
