@@ -115,8 +115,15 @@ impl Weights {
 pub enum Supports<'a> {
     /// At most so many of those that come nearest by themselves.
     Free(usize),
-    /// The same, of those of some other weights too; or just those of the last weights, where they serve better.
-    Better { most: usize, others: &'a Weights, last: &'a Weights },
+    /// The same, or what some other weights follow, or just what the last weights do where that serves better.
+    Better {
+        /// At most so many.
+        most: usize,
+        /// Other weights.
+        others: &'a Weights,
+        /// The last weights.
+        last: &'a Weights,
+    },
     /// Those that they follow by these weights.
     Fixed(&'a Weights),
 }
