@@ -34,7 +34,7 @@ pub static RESIDUAL_SHARE: Constant = Constant::new("RESIDUAL_SHARE", 8.0);
 /// Pull of a helper to its joint, of the mean diagonal: what few vertices support is noise that no map can predict.
 pub static PULL: Constant = Constant::new("PULL", 3e-6);
 /// Weight of the palette before any correction where weights are fitted: it is all that is left of poses unlike
-/// those of training.
+/// those of training. With less of it a fit errs less on poses like those, and more on others.
 pub static BASE: Constant = Constant::new("BASE", 0.025);
 /// Most of its last step that a round of helpers starts ahead: with more the last digit of a file decides more of what
 /// comes out.

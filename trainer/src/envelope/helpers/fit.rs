@@ -19,8 +19,7 @@ use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3};
 
 /// Name of the step.
 pub const STEP: &str = "helpers";
-/// Rounds of weights and maps in which each vertex also chooses what it follows, and those after them. With more, as long
-/// as they gain, errors are 1 % less, and the last digit of a file decides more of them.
+/// Rounds of weights and maps in which each vertex also chooses what it follows, and those after them.
 const CHOICES: usize = 40;
 const ROUNDS: usize = 20;
 
