@@ -238,7 +238,7 @@ fn the_record_holds_hashes_folds_candidates_and_the_choice() {
     let candidates = report["candidates"].as_array().unwrap();
     let mut kinds: Vec<_> = candidates.iter().map(|c| c["predictor"].as_str().unwrap()).collect();
     kinds.dedup();
-    assert_eq!(kinds, ["rotational", "hybrid", "kernel"]);
+    assert_eq!(kinds, ["kernel", "rotational", "hybrid"]);
     let score = |candidate: &Value| number(&candidate["validated_rms"]);
     let chosen = &candidates[report["chosen"].as_u64().unwrap() as usize];
     assert!(candidates.iter().all(|candidate| score(candidate) >= score(chosen)));
