@@ -95,10 +95,22 @@ impl<'a> Maker<'a> {
             if !random.random_bool(ASIDE) {
                 return whole;
             }
-            let aside = Vector3::from_fn(|_, _| random.random_range(-turn..=*turn));
-            Motion { aside, ..some(random) }
+            Motion { aside: self.aside(*turn, random), ..some(random) }
         };
         self.turns.iter().map(of_joint).collect()
+    }
+
+    /// A turn about axes that stand by some vertices, so that a character in other axes is turned alike.
+    fn aside(&self, turn: f64, random: &mut impl Rng) -> Vector3<f64> {
+        let rest = &self.training.rest;
+        let mut axes = [Vector3::zeros(); 3];
+        for axis in 0..3 {
+            let vertex = Vector3::from(rest[random.random_range(0..rest.len())]);
+            let across = axes.iter().fold(vertex, |left, axis| left - axis * axis.dot(&left));
+            axes[axis] = across.try_normalize(f64::EPSILON).unwrap_or_default();
+        }
+        let about = |axis: usize| axes[(axis + 1) % 3].cross(&axes[(axis + 2) % 3]);
+        (0..3).map(|axis| about(axis) * random.random_range(-turn..=turn)).sum()
     }
 
     /// The joints' maps as the root sees them, J. A joint whose origin parts from where its parent carries it, or which
