@@ -1,7 +1,7 @@
 //! The choice of predictor and number of proxies by cross-validation inside the training split
 //! (METHOD §1.9).
 
-use super::alike::{Rated, smallest_alike};
+use super::candidate::{Candidate, chosen};
 use super::counts::{proxies_max, proxy_counts, usual_count};
 use super::error::{FitError, TrainError};
 use super::finish::{fit_normals, recorded};
@@ -12,7 +12,7 @@ use super::levels::{self, LevelReport};
 use super::model::{RecordModel, SkinModel};
 use super::options::{FileSkins, Options, Predict};
 use super::rotational::lessons::Lessons;
-use super::rotational::{self, Rotational, RotationalOptions, RotationalReport, Variant};
+use super::rotational::{self, Rotational, RotationalOptions, Variant};
 use super::rotational::{Method, ProxyCount};
 use super::training_report::{CandidateReport, TrainingReport};
 use crate::envelope::correction::candidates::GroupReport;
@@ -31,9 +31,6 @@ use sinew_runtime::skin::NormalErrors;
 const FEW_VALUES: usize = 4;
 /// A kind of predictor whose error is so many times the least is tried with more proxies too.
 const NEARLY: f64 = 1.15;
-/// Tangent coefficients give way to a budget where positions else err so many times as much.
-const COEFFICIENTS_COST: f64 = 1.5;
-
 /// A trained model.
 pub struct Trained {
     /// The file's bytes.
@@ -42,15 +39,6 @@ pub struct Trained {
     pub report: TrainingReport,
     /// How the further meshes follow, in their order.
     pub levels: Vec<LevelReport>,
-}
-
-/// An envelope that was fitted and fits the budget.
-struct Candidate {
-    fitted: Fitted,
-    tangent_coefficients: bool,
-    report: usize,
-    validated_rms: f64,
-    rotational: Option<RotationalReport>,
 }
 
 /// Fits every candidate that the options allow and takes the best.
@@ -304,16 +292,15 @@ impl PredictorSearch<'_> {
 
     fn kernel(&mut self, count: ProxyCount) -> Result<(), TrainError> {
         self.progress.step(STEP, 1);
+        let is_usual = count == ProxyCount::Fixed(usual_count(self.training));
         let helpers = match count {
             ProxyCount::Fixed(count) => {
-                let is_usual = count == usual_count(self.training);
                 let usual = self.usual.take_if(|_| is_usual);
                 usual.or_else(|| self.helpers(count))
             }
             ProxyCount::MaxError(limit) => self.fewest_helpers(limit)?,
         };
         let Some(helpers) = helpers else { return self.joints_alone() };
-        let is_usual = count == ProxyCount::Fixed(usual_count(self.training));
         let fitted = helpers.fitted(self.training, Vec::new());
         let base = helpers.base(&self.training.poses);
         let known = self.known.clone();
@@ -495,37 +482,5 @@ impl PredictorSearch<'_> {
             candidates: reports,
         };
         Ok(Trained { model, report, levels })
-    }
-}
-
-/// Chooses the candidate with the least error, or a smaller one of which that cannot be told apart. Of those alike
-/// one whose maps know how far a pose is from those of training goes before a rotational one, which does not.
-fn chosen<'a>(candidates: &'a [Candidate], reports: &[CandidateReport]) -> Option<&'a Candidate> {
-    let best = best(candidates)?;
-    let of_kind = |c: &&Candidate| c.tangent_coefficients == best.tangent_coefficients;
-    let of_kind: Vec<&Candidate> = candidates.iter().filter(of_kind).collect();
-    let rate = |c: &&Candidate| Rated {
-        error: c.validated_rms,
-        knows_poses: c.fitted.envelope.predictor().corrects(),
-        bytes: reports[c.report].bytes,
-    };
-    let rated: Vec<Rated> = of_kind.iter().map(rate).collect();
-    smallest_alike(&rated).map(|place| of_kind[place])
-}
-
-/// Finds the candidate with the least error: one without tangent coefficients only where those with them leave
-/// [`COEFFICIENTS_COST`] times as much.
-fn best(candidates: &[Candidate]) -> Option<&Candidate> {
-    let least = |coefficients| {
-        let alike = candidates.iter().filter(move |c| c.tangent_coefficients == coefficients);
-        alike.min_by(|a, b| a.validated_rms.total_cmp(&b.validated_rms))
-    };
-    match (least(true), least(false)) {
-        (Some(with), Some(without))
-            if with.validated_rms > COEFFICIENTS_COST * without.validated_rms =>
-        {
-            Some(without)
-        }
-        (with, without) => with.or(without),
     }
 }

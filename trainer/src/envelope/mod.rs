@@ -15,6 +15,7 @@
 
 pub mod alike;
 mod bake;
+mod candidate;
 pub mod check;
 pub mod choose;
 pub mod correction;

@@ -50,8 +50,6 @@ pub struct Variant {
     pub predictors: Vec<GradientPredictor>,
     /// c1 and c2.
     reduced: Reduced,
-    /// The maps of the training poses, 3n x 4P.
-    maps: Mat<f64>,
     /// The maps of each fold's own poses by fits that have not seen it, 3n x 4P.
     pub validated: Mat<f64>,
     /// What it leaves over of the training meshes, as maps, 3n x 4P.
@@ -198,7 +196,6 @@ pub fn fit(
             validated: keyed.validation.join(of_folds),
             left_over: projection.residual(&maps),
             without: of_folds.iter().map(|maps| projection.residual(maps)).collect(),
-            maps,
         }
     };
     let first = match options.method {
@@ -225,6 +222,8 @@ pub fn fit(
             variants.push(variant(Method::Refined, refining.keyed, reduced, &of_folds));
         }
     }
+    let last = &variants[variants.len() - 1];
+    let maps = last.reduced.palette(&predict_stacked(&last.predictors, poses), poses);
     let report = RotationalReport {
         basis_rank: basis.vectors.ncols(),
         basis_residual: basis.residual,
@@ -240,7 +239,7 @@ pub fn fit(
         condition: system.equations().condition(),
         near_rigid_deviation: validation::largest_distance(
             rest,
-            (&weights, &variants[variants.len() - 1].maps),
+            (&weights, &maps),
             (joints, &poses.stacked()),
             &fixed,
         ),

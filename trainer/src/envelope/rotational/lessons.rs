@@ -123,12 +123,12 @@ impl<'a> Maker<'a> {
             let Some(parent) = skeleton.parents[joint] else { continue };
             let Motion { frame, factor, aside } = motions[joint];
             let (above, angle) = (poses.parent_rotation(frame, joint), poses.angle(frame, joint));
-            let origin = origins[joint].push(1.0);
-            let parted = (poses.map(frame, joint) - poses.map(frame, parent)) * origin;
+            let parted = poses.gap(frame, [joint, parent], &origins[joint]);
             let own = linear(poses.map(frame, joint));
             let stretch: Matrix3<f64> = (above * so3::exp(angle)).transpose() * own;
             turns[joint] = turns[parent] * so3::exp(&(angle * factor + aside));
-            let at = maps[parent] * origin + turns[parent] * above.transpose() * parted * factor;
+            let at = maps[parent] * origins[joint].push(1.0)
+                + turns[parent] * above.transpose() * parted * factor;
             let turned = turns[joint] * stretch;
             maps[joint] = joined(&turned, &(at - turned * origins[joint]));
         }

@@ -23,7 +23,7 @@ const WEIGHTS: [f64; 4] = [2e-2, 2e-3, 2e-4, 2e-5];
 const STIFFER: f64 = 1.02;
 
 /// Power of the folds' error against that of lessons, which are but another predictor's word.
-const FOLDS_COUNT: f64 = 1.5;
+const FOLDS_POWER: f64 = 1.5;
 
 /// A refinement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -49,7 +49,7 @@ pub struct RefinementTrial {
 
 impl RefinementTrial {
     fn score(&self) -> f64 {
-        self.rms.powf(FOLDS_COUNT) * self.lessons.unwrap_or(1.0)
+        self.rms.powf(FOLDS_POWER) * self.lessons.unwrap_or(1.0)
     }
 }
 
@@ -155,18 +155,17 @@ impl<'a> Refining<'a> {
         RefinementTrial { choice: None, rms, lessons: self.error_on_lessons(self.unrefined) }
     }
 
-    fn attempt(&self, choices: impl Iterator<Item = Refinement>) -> Vec<RefinementTrial> {
-        choices
-            .map(|choice| {
-                let Refinement { ridge, lessons, .. } = choice;
-                let folds = self.taught_folds(lessons);
-                RefinementTrial {
-                    choice: Some(choice),
-                    rms: self.keyed.validation.score_refined(self.unrefined, &folds, ridge),
-                    lessons: self.error_on_lessons(&self.refined(&choice)),
-                }
-            })
-            .collect()
+    /// Tries ridges at one weight of lessons.
+    ///
+    /// - `shear`: whether the keys scale and shear.
+    fn attempt(&self, ridges: &[f64], shear: bool, lessons: f64) -> Vec<RefinementTrial> {
+        let (trained, folds) = (self.taught(&self.trained, lessons), self.taught_folds(lessons));
+        let of_ridge = |&ridge: &f64| RefinementTrial {
+            choice: Some(Refinement { ridge, shear, lessons }),
+            rms: self.keyed.validation.score_refined(self.unrefined, &folds, ridge),
+            lessons: self.error_on_lessons(&trained.refine(self.unrefined, ridge)),
+        };
+        ridges.iter().map(of_ridge).collect()
     }
 
     fn error_on_lessons(&self, reduced: &Reduced) -> Option<f64> {
@@ -181,14 +180,8 @@ pub fn choose(
     shearing: &Refining<'_>,
     rigid: &Refining<'_>,
 ) -> (Option<Refinement>, Vec<RefinementTrial>) {
-    let kinds = [(shearing, true), (rigid, false)];
-    let by_ridge = kinds.map(|(refining, shear)| {
-        refining.attempt(RIDGES.into_iter().map(|ridge| Refinement {
-            ridge,
-            shear,
-            lessons: WEIGHTS[0],
-        }))
-    });
+    let by_ridge = [(shearing, true), (rigid, false)]
+        .map(|(refining, shear)| refining.attempt(&RIDGES, shear, WEIGHTS[0]));
     let mut trials = vec![shearing.unrefined()];
     for (one, other) in by_ridge[0].iter().zip(&by_ridge[1]) {
         trials.extend([*one, *other]);
@@ -196,8 +189,9 @@ pub fn choose(
     let mut chosen = stiffest(&trials);
     if let (Some(best), true) = (chosen, shearing.lessons.is_some()) {
         let refining = if best.shear { shearing } else { rigid };
-        let lighter = WEIGHTS[1..].iter().map(|&lessons| Refinement { lessons, ..best });
-        trials.extend(refining.attempt(lighter));
+        for &lessons in &WEIGHTS[1..] {
+            trials.extend(refining.attempt(&[best.ridge], best.shear, lessons));
+        }
         chosen = stiffest(&trials);
     }
     (chosen, trials)

@@ -128,6 +128,16 @@ impl Poses {
             .collect()
     }
 
+    /// Returns how a joint's origin, given in the rest pose, parts from where its parent carries it, as the root sees it.
+    pub fn gap(
+        &self,
+        pose: usize,
+        [joint, parent]: [usize; 2],
+        origin: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        (self.map(pose, joint) - self.map(pose, parent)) * origin.push(1.0)
+    }
+
     /// Returns how far each joint's origin comes from where its parent carries it, the most over the poses, J
     /// lengths; 0 for the root.
     ///
@@ -135,9 +145,8 @@ impl Poses {
     pub fn gaps(&self, parents: &[Option<usize>], origins: &[Vector3<f64>]) -> Vec<f64> {
         let of_joint = |(joint, parent): (usize, &Option<usize>)| {
             let Some(parent) = *parent else { return 0.0 };
-            let origin = origins[joint].push(1.0);
-            let gap = |pose: usize| (self.map(pose, joint) - self.map(pose, parent)) * origin;
-            (0..self.len()).map(|pose| gap(pose).norm()).fold(0.0, f64::max)
+            let gap = |pose| self.gap(pose, [joint, parent], &origins[joint]).norm();
+            (0..self.len()).map(gap).fold(0.0, f64::max)
         };
         parents.iter().enumerate().map(of_joint).collect()
     }

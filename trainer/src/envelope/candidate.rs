@@ -1,0 +1,53 @@
+//! What was fitted, to choose from.
+
+use super::alike::{Rated, smallest_alike};
+use super::fitted::Fitted;
+use super::rotational::RotationalReport;
+use super::training_report::CandidateReport;
+
+/// Tangent coefficients give way to a budget where positions else err so many times as much.
+const COEFFICIENTS_COST: f64 = 1.5;
+
+/// An envelope that was fitted and fits the budget.
+pub(super) struct Candidate {
+    pub(super) fitted: Fitted,
+    pub(super) tangent_coefficients: bool,
+    pub(super) report: usize,
+    pub(super) validated_rms: f64,
+    pub(super) rotational: Option<RotationalReport>,
+}
+
+/// Chooses the candidate with the least error, or a smaller one of which that cannot be told apart. Of those alike
+/// one whose maps know how far a pose is from those of training goes before a rotational one, which does not.
+pub(super) fn chosen<'a>(
+    candidates: &'a [Candidate],
+    reports: &[CandidateReport],
+) -> Option<&'a Candidate> {
+    let best = best(candidates)?;
+    let of_kind = |c: &&Candidate| c.tangent_coefficients == best.tangent_coefficients;
+    let of_kind: Vec<&Candidate> = candidates.iter().filter(of_kind).collect();
+    let rate = |c: &&Candidate| Rated {
+        error: c.validated_rms,
+        knows_poses: c.fitted.envelope.predictor().corrects(),
+        bytes: reports[c.report].bytes,
+    };
+    let rated: Vec<Rated> = of_kind.iter().map(rate).collect();
+    smallest_alike(&rated).map(|place| of_kind[place])
+}
+
+/// Finds the candidate with the least error: one without tangent coefficients only where those with them leave
+/// [`COEFFICIENTS_COST`] times as much.
+fn best(candidates: &[Candidate]) -> Option<&Candidate> {
+    let least = |coefficients| {
+        let alike = candidates.iter().filter(move |c| c.tangent_coefficients == coefficients);
+        alike.min_by(|a, b| a.validated_rms.total_cmp(&b.validated_rms))
+    };
+    match (least(true), least(false)) {
+        (Some(with), Some(without))
+            if with.validated_rms > COEFFICIENTS_COST * without.validated_rms =>
+        {
+            Some(without)
+        }
+        (with, without) => with.or(without),
+    }
+}
