@@ -4,6 +4,7 @@
 
 #include "params.glsl"
 #include "blob.glsl"
+#include "rotation.glsl"
 
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Poses {
@@ -12,6 +13,28 @@ layout(set = 0, binding = 2, std430) readonly buffer Poses {
 layout(set = 0, binding = 3, std430) buffer Scratch {
     float scratch[];
 };
+
+// S - I, S turning half as far as a rotation does, its odd part fading toward half a turn.
+mat3 half_of(mat3 m) {
+    vec4 q = quaternion(m);
+    precise float len = sqrt((q.x * q.x + q.y * q.y + q.z * q.z) + q.w * q.w);
+    precise float low = 1.0 - q.w / len;
+    low = low * low;
+    low = low * low;
+    precise float odd = (1.0 - low * low) / len;
+    precise float even = 1.0 / (len * (len + q.w));
+    precise vec3 v = q.xyz * odd;
+    precise float xx = q.x * q.x;
+    precise float yy = q.y * q.y;
+    precise float zz = q.z * q.z;
+    precise float xy = even * (q.x * q.y);
+    precise float xz = even * (q.x * q.z);
+    precise float yz = even * (q.y * q.z);
+    precise vec3 a = vec3(0.0 - even * (yy + zz), xy + v.z, xz - v.y);
+    precise vec3 b = vec3(xy - v.z, 0.0 - even * (xx + zz), yz + v.x);
+    precise vec3 c = vec3(xz + v.y, yz - v.x, 0.0 - even * (xx + yy));
+    return mat3(a, b, c);
+}
 
 void main() {
     uint instance = gl_WorkGroupID.y;
@@ -32,6 +55,7 @@ void main() {
     vec3 origin = blob_vec3(params.origins + 3u * joint);
     uint above = pose + 12u * parent;
     uint own = pose + 12u * joint;
+    mat3 rotation;
     for (uint r = 0u; r < 3u; r++) {
         float x = poses[above + r];
         float y = poses[above + 4u + r];
@@ -49,11 +73,15 @@ void main() {
             }
             row[c] = x * a + y * b + z * d;
         }
+        for (uint c = 0u; c < 3u; c++) {
+            rotation[c][r] = row[c];
+        }
         row[r] -= 1.0;
         precise float moved = (row.x * origin.x + row.y * origin.y + row.z * origin.z) + row.w;
-        scratch[to + 4u * r] = row.x;
-        scratch[to + 4u * r + 1u] = row.y;
-        scratch[to + 4u * r + 2u] = row.z;
         scratch[to + 4u * r + 3u] = moved;
+    }
+    mat3 turn = half_of(rotation);
+    for (uint i = 0u; i < 9u; i++) {
+        scratch[to + 4u * (i % 3u) + i / 3u] = turn[i / 3u][i % 3u];
     }
 }

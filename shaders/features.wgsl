@@ -26,6 +26,7 @@ fn main(
     let origin = blob_vec3(params.origins + 3u * joint);
     let above = pose + 12u * parent;
     let own = pose + 12u * joint;
+    var rotation: mat3x3<f32>;
     for (var r = 0u; r < 3u; r++) {
         let x = poses[above + r];
         let y = poses[above + 4u + r];
@@ -43,10 +44,36 @@ fn main(
             }
             row[c] = x * a + y * b + z * d;
         }
+        for (var c = 0u; c < 3u; c++) {
+            rotation[c][r] = row[c];
+        }
         row[r] -= 1.0;
-        scratch[out + 4u * r] = row.x;
-        scratch[out + 4u * r + 1u] = row.y;
-        scratch[out + 4u * r + 2u] = row.z;
         scratch[out + 4u * r + 3u] = (row.x * origin.x + row.y * origin.y + row.z * origin.z) + row.w;
     }
+    let turn = half_of(rotation);
+    for (var i = 0u; i < 9u; i++) {
+        scratch[out + 4u * (i % 3u) + i / 3u] = turn[i / 3u][i % 3u];
+    }
+}
+
+// S - I, S turning half as far as a rotation does, its odd part fading toward half a turn.
+fn half_of(m: mat3x3<f32>) -> mat3x3<f32> {
+    let q = quaternion(m);
+    let length = sqrt((q.x * q.x + q.y * q.y + q.z * q.z) + q.w * q.w);
+    let low = 1.0 - q.w / length;
+    let low_4 = (low * low) * (low * low);
+    let odd = (1.0 - low_4 * low_4) / length;
+    let even = 1.0 / (length * (length + q.w));
+    let v = q.xyz * odd;
+    let xx = q.x * q.x;
+    let yy = q.y * q.y;
+    let zz = q.z * q.z;
+    let xy = even * (q.x * q.y);
+    let xz = even * (q.x * q.z);
+    let yz = even * (q.y * q.z);
+    return mat3x3<f32>(
+        vec3<f32>(0.0 - even * (yy + zz), xy + v.z, xz - v.y),
+        vec3<f32>(xy - v.z, 0.0 - even * (xx + zz), yz + v.x),
+        vec3<f32>(xz + v.y, yz - v.x, 0.0 - even * (xx + yy)),
+    );
 }

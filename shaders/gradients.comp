@@ -6,6 +6,7 @@
 #include "params.glsl"
 #include "blob.glsl"
 #include "numeric.glsl"
+#include "rotation.glsl"
 
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Poses {
@@ -56,31 +57,11 @@ mat3 rotation(uint relative, uint joint) {
     return mat3(load(at), load(at + 3u), load(at + 6u));
 }
 
-// The rotation vector of a rotation matrix, by the largest component of its quaternion.
+// The rotation vector of a rotation matrix.
 vec3 log_of(mat3 m) {
-    float xx = m[0].x;
-    float yy = m[1].y;
-    float zz = m[2].z;
-    precise float trace = xx + yy + zz;
-    precise vec3 v;
-    precise float w;
-    if (trace >= 0.0) {
-        v = vec3(m[1].z - m[2].y, m[2].x - m[0].z, m[0].y - m[1].x);
-        w = 1.0 + trace;
-    } else if (xx >= yy && xx >= zz) {
-        v = vec3(1.0 + (xx - yy - zz), m[1].x + m[0].y, m[2].x + m[0].z);
-        w = m[1].z - m[2].y;
-    } else if (yy >= zz) {
-        v = vec3(m[1].x + m[0].y, 1.0 + (yy - xx - zz), m[2].y + m[1].z);
-        w = m[2].x - m[0].z;
-    } else {
-        v = vec3(m[2].x + m[0].z, m[2].y + m[1].z, 1.0 + (zz - xx - yy));
-        w = m[0].y - m[1].x;
-    }
-    if (w < 0.0) {
-        v = -v;
-        w = -w;
-    }
+    vec4 q = quaternion(m);
+    vec3 v = q.xyz;
+    float w = q.w;
     precise float len = sqrt(dot3(v, v));
     if (len < 1.0e-18) {
         return vec3(0.0);

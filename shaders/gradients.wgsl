@@ -43,30 +43,11 @@ fn rotation(relative: u32, joint: u32) -> mat3x3<f32> {
     return mat3x3<f32>(load(at), load(at + 3u), load(at + 6u));
 }
 
-// The rotation vector of a rotation matrix, by the largest component of its quaternion.
+// The rotation vector of a rotation matrix.
 fn log_of(m: mat3x3<f32>) -> vec3<f32> {
-    let xx = m[0].x;
-    let yy = m[1].y;
-    let zz = m[2].z;
-    var v: vec3<f32>;
-    var w: f32;
-    if xx + yy + zz >= 0.0 {
-        v = vec3<f32>(m[1].z - m[2].y, m[2].x - m[0].z, m[0].y - m[1].x);
-        w = 1.0 - (-xx - yy - zz);
-    } else if xx >= yy && xx >= zz {
-        v = vec3<f32>(1.0 - (yy - xx + zz), m[1].x + m[0].y, m[2].x + m[0].z);
-        w = m[1].z - m[2].y;
-    } else if yy >= zz {
-        v = vec3<f32>(m[1].x + m[0].y, 1.0 - (xx - yy + zz), m[2].y + m[1].z);
-        w = m[2].x - m[0].z;
-    } else {
-        v = vec3<f32>(m[2].x + m[0].z, m[2].y + m[1].z, 1.0 - (xx - zz + yy));
-        w = m[0].y - m[1].x;
-    }
-    if w < 0.0 {
-        v = -v;
-        w = -w;
-    }
+    let q = quaternion(m);
+    let v = q.xyz;
+    let w = q.w;
     let length = sqrt(dot3(v, v));
     if length < 1.0e-18 {
         return vec3<f32>(0.0);

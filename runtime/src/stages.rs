@@ -86,8 +86,8 @@ pub fn joints(
 /// Computes the features phi of a pose: 12 of a joint, exactly 0 in the rest pose.
 ///
 /// A joint j with parent p moves by `M = B_p^-1 B_j = [R | t]`, `B_p` taken as rigid. Its features
-/// are the rows of `[R - I | M o - o]`, o its rest origin: the displacement of the origin in the
-/// parent's frame. Feature `12 j + 4 r + c` is entry r, c; the root's are 0.
+/// are the rows of `[S - I | M o - o]`: S turns half as far as R does (METHOD §1.9), o is its rest origin,
+/// whose displacement the parent's frame sees. Feature `12 j + 4 r + c` is entry r, c; the root's are 0.
 ///
 /// - `pose`: J skinning matrices, rest to posed, in model space; [`crate::model_space_pose`] makes
 ///   them from local rotations.

@@ -6,7 +6,7 @@ use sinew_runtime::{CallError, Frame, FrameJob, Model, RenderJob, Views};
 
 /// A file of an object that stands alone, and one of an object that is transferred.
 pub(crate) const VIEWS: [&[u8]; 2] =
-    [include_bytes!("views-6.snw"), include_bytes!("views-6-transferred.snw")];
+    [include_bytes!("views-7.snw"), include_bytes!("views-7-transferred.snw")];
 
 /// A hash of each of them. Change these only with a reason that the commit states: they are the promise of
 /// METHOD §7.

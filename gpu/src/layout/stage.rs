@@ -97,10 +97,10 @@ impl Stage {
     /// Returns its WGSL, whole; the entry point is `main`.
     pub const fn wgsl(self) -> &'static str {
         match self {
-            Self::Gradients => wgsl!("params", "blob", "numeric", "gradients"),
+            Self::Gradients => wgsl!("params", "blob", "numeric", "rotation", "gradients"),
             Self::Palette => wgsl!("params", "blob", "palette"),
             Self::Joints => wgsl!("params", "blob", "joints"),
-            Self::Features => wgsl!("params", "blob", "features"),
+            Self::Features => wgsl!("params", "blob", "rotation", "features"),
             Self::Correction => wgsl!("params", "blob", "numeric", "correction"),
             Self::Confidence => wgsl!("params", "blob", "numeric", "confidence"),
             Self::Shapes => wgsl!("shapes_params", "blob", "frame", "shapes"),

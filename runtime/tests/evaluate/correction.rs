@@ -29,7 +29,24 @@ fn skeleton(joints: usize) -> (Vec<Option<usize>>, Vec<[f64; 3]>) {
     (parents, origins)
 }
 
-/// Features by moving points: the axes and the origin of a joint, seen from its parent.
+/// S - I of the rows of a rotation R, as its trace and its odd part tell: S turns half as far about the same axis, and
+/// its odd part fades as the quaternion's w does.
+fn reference_half(r: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let odd = [(2, 1), (0, 2), (1, 0)].map(|(a, b)| r[a][b] - r[b][a]);
+    let length = odd.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let (sine, w) = (length.atan2(r[0][0] + r[1][1] + r[2][2] - 1.0) / 2.0).sin_cos();
+    let [x, y, z] = odd.map(|value| value / length.max(1e-300));
+    let cross = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    let faded = sine * (1.0 - (1.0 - w).powi(8));
+    [0, 1, 2].map(|a| {
+        [0, 1, 2].map(|b| {
+            let twice = (0..3).map(|k| cross[a][k] * cross[k][b]).sum::<f64>();
+            faded * cross[a][b] + (1.0 - w) * twice
+        })
+    })
+}
+
+/// Features by moving points: the axes and the origin of a joint, seen from its parent; then half of the turn.
 fn reference_features(pose: &[Matrix3x4]) -> Vec<f64> {
     let (parents, origins) = skeleton(pose.len());
     let mut out = Vec::new();
@@ -45,12 +62,14 @@ fn reference_features(pose: &[Matrix3x4]) -> Vec<f64> {
             [0, 1, 2].map(|r| (0..3).map(|k| parent[k][r] * x[k]).sum::<f64>())
         };
         let axis = |c: usize| [0, 1, 2].map(|r| if r == c { 1.0 } else { 0.0 });
-        let columns = [(axis(0), 0.0), (axis(1), 0.0), (axis(2), 0.0), (origins[joint], 1.0)];
-        let columns = columns.map(|(p, w)| {
-            let moved = moved(p, w);
-            [0, 1, 2].map(|r| moved[r] - p[r])
-        });
-        out.extend([0, 1, 2].iter().flat_map(|&r| columns.map(|column| column[r])));
+        let columns = [0, 1, 2].map(|c| moved(axis(c), 0.0));
+        let turn = reference_half([0, 1, 2].map(|r| columns.map(|column| column[r])));
+        let origin = origins[joint];
+        let shift = moved(origin, 1.0);
+        out.extend((0..3).flat_map(|r| {
+            let [x, y, z] = turn[r];
+            [x, y, z, shift[r] - origin[r]]
+        }));
     }
     out
 }

@@ -152,7 +152,7 @@ fn file_model(predictor: Predictor) -> FileModel {
 }
 
 fn golden_path(predictor: Predictor) -> PathBuf {
-    let name = format!("../golden/envelope-6-{}.snw", predictor.name());
+    let name = format!("../golden/envelope-7-{}.snw", predictor.name());
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 

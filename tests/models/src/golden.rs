@@ -8,22 +8,22 @@ use std::path::{Path, PathBuf};
 
 /// Names of the golden files, one a predictor: rotational, kernel, hybrid.
 pub const GOLDEN_NAMES: [&str; 3] =
-    ["envelope-6-rotational.snw", "envelope-6-kernel.snw", "envelope-6-hybrid.snw"];
+    ["envelope-7-rotational.snw", "envelope-7-kernel.snw", "envelope-7-hybrid.snw"];
 
 /// The golden files, as [`GOLDEN_NAMES`].
 pub const GOLDEN: [&[u8]; 3] = [
-    include_bytes!("../../golden/envelope-6-rotational.snw"),
-    include_bytes!("../../golden/envelope-6-kernel.snw"),
-    include_bytes!("../../golden/envelope-6-hybrid.snw"),
+    include_bytes!("../../golden/envelope-7-rotational.snw"),
+    include_bytes!("../../golden/envelope-7-kernel.snw"),
+    include_bytes!("../../golden/envelope-7-hybrid.snw"),
 ];
 
 /// The golden files of skins with tangent coefficients, as [`Pieces::turned`] makes them.
-pub const TURNED_NAMES: [&str; 2] = ["skin-6-tangents.snw", "skin-6-normals.snw"];
+pub const TURNED_NAMES: [&str; 2] = ["skin-7-tangents.snw", "skin-7-normals.snw"];
 
 /// Those files: whose frames are of tangents, and of normals alone.
 pub const TURNED: [&[u8]; 2] = [
-    include_bytes!("../../golden/skin-6-tangents.snw"),
-    include_bytes!("../../golden/skin-6-normals.snw"),
+    include_bytes!("../../golden/skin-7-tangents.snw"),
+    include_bytes!("../../golden/skin-7-normals.snw"),
 ];
 
 impl Pieces {

@@ -221,7 +221,7 @@ impl Pieces {
 }
 
 /// The golden files of objects, as [`Pieces::viewed`] makes them.
-pub const VIEWED_NAMES: [&str; 2] = ["views-6.snw", "views-6-transferred.snw"];
+pub const VIEWED_NAMES: [&str; 2] = ["views-7.snw", "views-7-transferred.snw"];
 
 /// Lists the places of a grid, row by row.
 fn grid() -> impl Iterator<Item = [f32; 2]> {

@@ -6,10 +6,25 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 ///
 /// Computed as 2 atan2(|v|, w) of the quaternion, which is accurate near the identity and near π.
 pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
-    let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
-    let (w, v) = if q.w < 0.0 { (-q.w, -q.imag()) } else { (q.w, q.imag()) };
+    let (w, v) = quaternion(rotation);
     let sine = v.norm();
     if sine < 1e-300 { Vector3::zeros() } else { v * (2.0 * sine.atan2(w) / sine) }
+}
+
+/// Returns what turning half as far, by S with S² = R, takes a vector along by: S - I, 0 of the identity.
+///
+/// From about 150° on its odd part fades to 0 at half a turn, where S would jump: it is continuous in R everywhere
+/// (METHOD §1.9).
+pub fn half(rotation: &Matrix3<f64>) -> Matrix3<f64> {
+    let (w, v) = quaternion(rotation);
+    let cross = v.cross_matrix();
+    cross * (1.0 - (1.0 - w).powi(8)) + cross * cross / (1.0 + w)
+}
+
+/// Returns w, which is not negative, and x, y, z of a rotation's quaternion.
+fn quaternion(rotation: &Matrix3<f64>) -> (f64, Vector3<f64>) {
+    let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
+    if q.w < 0.0 { (-q.w, -q.imag()) } else { (q.w, q.imag()) }
 }
 
 /// Returns the rotation matrix of an axis-angle vector.
@@ -44,6 +59,27 @@ mod tests {
         for angle in [0.0, 1e-9, 1e-4, 0.5, 2.0, 3.1, std::f64::consts::PI - 1e-7] {
             let v = Vector3::new(0.6, -0.48, 0.64) * angle;
             assert!((log(&exp(&v)) - v).norm() < 1e-9 * angle.max(1e-6), "angle {angle}");
+        }
+    }
+
+    #[test]
+    fn half_of_a_rotation_twice_is_the_rotation() {
+        let axis = Vector3::new(0.6, -0.48, 0.64);
+        assert_eq!(half(&Matrix3::identity()), Matrix3::zeros());
+        for (angle, within) in [(1e-6, 1e-15), (0.5, 1e-4), (1.6, 2e-4), (2.0, 4e-3), (2.6, 0.1)] {
+            let root = half(&exp(&(axis * angle))) + Matrix3::identity();
+            let off = (root * root - exp(&(axis * angle))).amax();
+            assert!(off < within, "{off} at angle {angle}");
+        }
+    }
+
+    #[test]
+    fn half_does_not_jump_at_half_a_turn() {
+        let axis = Vector3::new(0.6, -0.48, 0.64);
+        let at = |angle: f64| half(&exp(&(axis * angle)));
+        let pi = std::f64::consts::PI;
+        for step in [1e-2, 1e-4, 1e-6] {
+            assert!((at(pi - step) - at(pi + step)).amax() < 10.0 * step, "{step}");
         }
     }
 

@@ -16,7 +16,8 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
     let n = subject.poses.len();
     let mut features = Finding::new("features");
     for (i, pose) in subject.poses.iter().enumerate() {
-        let expected = tolerance::features(&subject.oracle, &Inexact::exact(pose.widened()));
+        let expected = Inexact::exact(pose.widened());
+        let expected = tolerance::features(&subject.oracle, &expected, backend.arithmetic());
         compare_transforms(&mut features, part(&found, n, i), part(&cpu, n, i), &expected);
     }
     Ok(vec![features])

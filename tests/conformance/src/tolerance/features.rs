@@ -1,28 +1,66 @@
 //! The tolerance of stage features.
 
+use super::gradients::turned;
 use super::inexact::{Inexact, Transform, product, seen_from};
 use nalgebra::{Matrix3, Vector3};
 use sinew_trainer::envelope::model::EnvelopeModel;
-use sinew_trainer::kernel::arithmetic::U;
+use sinew_trainer::kernel::arithmetic::{Arithmetic, U};
 use sinew_trainer::numeric::affine::linear;
+use sinew_trainer::numeric::{affine, so3};
 
-/// Features: `M = [Q_pᵀ Q_j | Q_pᵀ (t_j - t_p)]` is behind γ₄; 1 is taken off on the diagonal of
-/// R, and `(R - I) o + t` sums three products and one term.
-pub fn features(oracle: &EnvelopeModel, pose: &Inexact<Transform>) -> Inexact<Transform> {
+/// Features: `M = [Q_pᵀ Q_j | Q_pᵀ (t_j - t_p)] = [R | t]` is behind γ₄. 1 is taken off on the diagonal of R, and
+/// `(R - I) o + t` sums three products and one term; [`half`] says what becomes of R's error.
+pub fn features(
+    oracle: &EnvelopeModel,
+    pose: &Inexact<Transform>,
+    arithmetic: Arithmetic,
+) -> Inexact<Transform> {
     let value = oracle.features(&pose.value);
     let bound = |joint: usize| {
         let Some(parent) = oracle.skeleton.parents[joint] else { return Transform::zeros() };
         let at = |joint: usize| (&pose.value[joint], &pose.error[joint]);
-        let (turn, origin) = (linear(&value[joint]), oracle.origin(joint));
-        let mut error = seen_from(at(parent), at(joint));
-        let shift = value[joint].column(3) - turn * origin;
-        let shift_error = error.column(3).into_owned();
-        let diagonal = (turn.abs() + linear(&error)).diagonal() * U;
-        let turn_error = linear(&error) + Matrix3::from_diagonal(&diagonal);
-        let turned = product((&turn, &turn_error), (&origin, &Vector3::zeros()), 4);
-        error.fixed_columns_mut::<3>(0).copy_from(&turn_error);
-        error.set_column(3, &(turned + (shift.abs() + shift_error) * U + shift_error));
-        error
+        let apart = affine::seen_from(at(parent).0, at(joint).0);
+        let error = seen_from(at(parent), at(joint));
+        let (shift, shift_error) = (apart.column(3).abs(), error.column(3).into_owned());
+        let (rotation, rotation_error) = (linear(&apart), linear(&error));
+        let turn = rotation - Matrix3::identity();
+        let diagonal = (turn.abs() + rotation_error).diagonal() * U;
+        let turn_error = rotation_error + Matrix3::from_diagonal(&diagonal);
+        let origin = (&oracle.origin(joint), &Vector3::zeros());
+        let moved = product((&turn, &turn_error), origin, 4);
+        affine::joined(
+            &half(&rotation, &rotation_error, arithmetic),
+            &(moved + (shift + shift_error) * U + shift_error),
+        )
     };
     Inexact { error: (0..value.len()).map(bound).collect(), value }
+}
+
+/// Half of a rotation: `(1 - l⁸) [a] + [a][a] / (1 + c)`, l = 1 - c, of the unit quaternion c >= 0, a.
+///
+/// That quaternion is off by d, half of what [`turned`] bounds the rotation by. No entry of the odd part moves by more
+/// than d (1 + 8 l⁷), of the even by more than 3 d.
+///
+/// The quaternion that is read off has a length, behind 2u (a sum of squares) and a root; c is off by
+/// that and a quotient, l by a rounding more; l⁸ by eight times as much and by 7u of its three squares. The odd part's
+/// factor is a difference and a quotient by the length, and a product follows. The even part's is behind two
+/// lengths, a sum, a product and a quotient, and of the quaternion's entries behind 2u and a product. Their sum rounds once.
+fn half(
+    rotation: &Matrix3<f64>,
+    rotation_error: &Matrix3<f64>,
+    arithmetic: Arithmetic,
+) -> Matrix3<f64> {
+    let d = turned(rotation, rotation_error) / 2.0;
+    let angles = so3::log(rotation);
+    let (sine, c) = (angles.norm() / 2.0).sin_cos();
+    let axis = angles.try_normalize(0.0).unwrap_or_default().cross_matrix();
+    let low = (1.0 - c + d).min(1.0);
+    let steepness = 4.0 + 8.0 * (1.0 - c + d).powi(7);
+    let length = (2 + arithmetic.root) as f64;
+    let division = arithmetic.division as f64;
+    let of_low = 8.0 * low.powi(7) * (c * (length + division) + low) + 7.0 * low.powi(8);
+    let odd = axis.abs() * (sine * (of_low + 2.0 + length + division));
+    let even = (axis * axis).abs() * ((1.0 - c) * (5.0 + 2.0 * length + division));
+    let inherited = Matrix3::repeat(steepness * d);
+    inherited + ((odd + even) + so3::half(rotation).abs() + inherited) * U
 }

@@ -21,14 +21,9 @@ pub fn relative(oracle: &EnvelopeModel, pose: &Inexact<Transform>) -> Inexact<Tr
 
 /// Gradients, second part: θ = log(Q_pᵀ Q_j); one bound for the length of each error.
 ///
-/// Let Δ be the Frobenius distance of the computed matrix from the nearest rotation of the exact
-/// one: the product's error and the exact one's own defect. The quaternion is read off linearly,
-/// up to a length of at least 2 (its largest component is at least 1/2, times four): it moves by at
-/// most √3 Δ, that is, the rotation by an angle of √3 Δ. Rounding of its components, the largest of
-/// a sum of four numbers up to 1, adds 8u. log is as steep as (|θ|/2)/sin(|θ|/2), π/2 at the most.
-/// |v| is off by 1.5u and a root, and so is its ratio to w; the arc tangent by 2.1 ULP or 4.2u, of
+/// [`turned`] bounds the rotation. log is as steep as (|θ|/2)/sin(|θ|/2), π/2 at the most. |v| is off by 1.5u and a root, and so is its ratio to w; the arc tangent by 2.1 ULP or 4.2u, of
 /// which u is its division; the scale by |v| once more, a division and a product: in all 7.2u|θ|,
-/// two roots and two divisions, here 8u. A tenth covers the second order in Δ ≤ 0.05.
+/// two roots and two divisions, here 8u.
 pub fn rotations(
     oracle: &EnvelopeModel,
     relative: &Inexact<Transform>,
@@ -42,18 +37,26 @@ pub fn rotations(
             let turn = |j: usize| (linear(&relative.value[j]), linear(&relative.error[j]));
             let ((p, p_error), (q, q_error)) = (turn(parent), turn(joint));
             let (p, p_error) = (p.transpose(), p_error.transpose());
-            let nearest = so3::polar(&(p * q)).map_or(Matrix3::zeros(), |(rotation, _)| rotation);
             let error = product((&p, &p_error), (&q, &q_error), 3);
-            let delta = error.norm() + (p * q - nearest).norm();
-            assert!(
-                delta <= 0.05,
-                "joint {joint} is not rigid, or its error is not small: {delta}"
-            );
             let half = theta.norm() / 2.0;
             let steepness = if half > 0.0 { half / half.sin() } else { 1.0 };
-            1.1 * steepness * (3f64.sqrt() * delta + 8.0 * U) + of_angle * theta.norm()
+            steepness * turned(&(p * q), &error) + of_angle * theta.norm()
         });
     Inexact { error: error.collect(), value }
+}
+
+/// The angle by which the rotation of a quaternion that is read off a matrix is off.
+///
+/// Let Δ be the Frobenius distance of the computed matrix from the nearest rotation of the exact
+/// one: the error and the exact one's own defect. The quaternion is read off linearly,
+/// up to a length of at least 2 (its largest component is at least 1/2, times four): it moves by at
+/// most √3 Δ, that is, the rotation by an angle of √3 Δ. Rounding of its components, the largest of
+/// a sum of four numbers up to 1, adds 8u. A tenth covers the second order in Δ ≤ 0.05.
+pub(super) fn turned(rotation: &Matrix3<f64>, error: &Matrix3<f64>) -> f64 {
+    let nearest = so3::polar(rotation).map_or(Matrix3::zeros(), |(rotation, _)| rotation);
+    let delta = error.norm() + (rotation - nearest).norm();
+    assert!(delta <= 0.05, "a joint is not rigid, or its error is not small: {delta}");
+    1.1 * (3f64.sqrt() * delta + 8.0 * U)
 }
 
 /// Takes, of a rotation vector that may be at π within its error, the representative that the

@@ -18,7 +18,8 @@ pub fn whole(
     found: &[[f32; 3]],
     arithmetic: Arithmetic,
 ) -> (Inexact<Transform>, Inexact<f64>) {
-    let corrected = |base| correction(oracle, pose, &features(oracle, pose), base, arithmetic);
+    let corrected =
+        |base| correction(oracle, pose, &features(oracle, pose, arithmetic), base, arithmetic);
     if !oracle.predictor().reconstructs() {
         return corrected(joints(oracle, pose));
     }

@@ -205,7 +205,7 @@ impl<'a> Case<'a> {
         let Counts { poses: n, joints: j, palette: m, .. } = self.written.description.counts;
         let features = features_of(&Cpu, subject)?;
         self.transforms("features", vec![n, j, 3, 4], &features);
-        let bounds = subject.transforms_of(|pose| tolerance::features(oracle, &pose));
+        let bounds = subject.transforms_of(|pose| tolerance::features(oracle, &pose, ARITHMETIC));
         let tolerance = transforms_tolerance(&features, &bounds);
         self.written.stage("features", &["pose"], vec![("features", tolerance)]);
         self.transforms("palette", vec![n, m, 3, 4], palettes);

@@ -3,7 +3,7 @@
 use super::thresholds::SLIDE;
 use crate::envelope::correction::features::Features;
 use crate::envelope::skin::poses::Poses;
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 /// Each joint of each pose against its parent, at rest the identity.
 pub(super) struct Turns {
@@ -23,13 +23,9 @@ impl Turns {
     pub(super) fn new(poses: &Poses, joints: Features<'_>) -> Self {
         let joint_len = poses.joint_len();
         let of = |at: usize| {
-            let f = joints.feature(poses, at / joint_len, at % joint_len);
-            let rotation = Matrix3::from_fn(|r, c| f[4 * r + c]) + Matrix3::identity();
+            let (rotation, slide) = joints.relative(poses, at / joint_len, at % joint_len);
             let rotation = Rotation3::from_matrix_unchecked(rotation);
-            Turn {
-                rotation: UnitQuaternion::from_rotation_matrix(&rotation),
-                slide: Vector3::new(f[3], f[7], f[11]),
-            }
+            Turn { rotation: UnitQuaternion::from_rotation_matrix(&rotation), slide }
         };
         Self { joint_len, all: (0..poses.len() * joint_len).map(of).collect() }
     }

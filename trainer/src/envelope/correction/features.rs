@@ -4,6 +4,7 @@ use crate::constants::{DISPLACEMENT, STILL};
 use crate::envelope::model::Input;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::training::Training;
+use crate::numeric::so3;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
@@ -69,20 +70,33 @@ impl<'a> Features<'a> {
         out
     }
 
-    /// Relative rotation minus I and, last in each row, the displacement of the joint's origin in
-    /// its parent's frame; zero for the root.
-    pub fn feature(&self, poses: &Poses, pose: usize, joint: usize) -> [f64; 12] {
-        let Some(parent) = self.parents[joint] else { return [0.0; 12] };
-        let inverse = poses.parent_rotation(pose, joint).transpose();
-        let own: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
-        let turn = inverse * own - Matrix3::identity();
-        let at = |j: usize| poses.map(pose, j) * self.origins[j].push(1.0);
-        let apart = inverse * (at(joint) - at(parent));
-        let moved = apart - (self.origins[joint] - self.origins[parent]);
+    /// Half of the rotation against the parent ([`so3::half`]) and, last in each row, the displacement of
+    /// the joint's origin in its parent's frame; zero for the root.
+    fn feature(&self, poses: &Poses, pose: usize, joint: usize) -> [f64; 12] {
+        let (rotation, moved) = self.relative(poses, pose, joint);
+        let turn = so3::half(&rotation);
         std::array::from_fn(|k| match (k / 4, k % 4) {
             (r, 3) => moved[r],
             (r, c) => turn[(r, c)],
         })
+    }
+
+    /// The rotation of a joint as its parent sees it, and the displacement of its origin; of the root the
+    /// identity and zero.
+    pub fn relative(
+        &self,
+        poses: &Poses,
+        pose: usize,
+        joint: usize,
+    ) -> (Matrix3<f64>, Vector3<f64>) {
+        let Some(parent) = self.parents[joint] else {
+            return (Matrix3::identity(), Vector3::zeros());
+        };
+        let inverse = poses.parent_rotation(pose, joint).transpose();
+        let own: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
+        let at = |j: usize| poses.map(pose, j) * self.origins[j].push(1.0);
+        let apart = inverse * (at(joint) - at(parent));
+        (inverse * own, apart - (self.origins[joint] - self.origins[parent]))
     }
 }
 

@@ -24,7 +24,7 @@ pub struct Group {
 /// One weighted feature.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Input {
-    /// 12 j + 4 r + c: entry r, c of joint j's `[R - I | displacement]`.
+    /// 12 j + 4 r + c: entry r, c of joint j's `[half of its turn | displacement]`.
     pub feature: usize,
     /// What it is multiplied by.
     pub weight: f64,

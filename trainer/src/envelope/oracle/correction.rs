@@ -4,6 +4,7 @@ use crate::envelope::model::{EnvelopeModel, Group};
 use crate::kernel::certainty::Evidence;
 use crate::kernel::map::Value;
 use crate::numeric::affine::{linear, seen_from};
+use crate::numeric::so3;
 use nalgebra::{Matrix3x4, Vector3};
 
 impl EnvelopeModel {
@@ -15,14 +16,15 @@ impl EnvelopeModel {
     }
 
     /// Returns J features: of a joint that its parent sees move by `M = [R | t]`, rows of
-    /// `[R - I | M o - o]`, o its origin; 0 for the root.
+    /// `[half of R | M o - o]`, o its origin, as [`so3::half`] has it; 0 for the root.
     pub fn features(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
         let of_joint = |(joint, parent): (usize, &Option<usize>)| {
             parent.map_or(Matrix3x4::zeros(), |parent| {
                 let origin = self.origin(joint);
                 let mut apart = seen_from(&pose[parent], &pose[joint]);
                 let moved = apart * origin.push(1.0) - origin;
-                apart -= Matrix3x4::identity();
+                let turn = so3::half(&linear(&apart));
+                apart.fixed_columns_mut::<3>(0).copy_from(&turn);
                 apart.set_column(3, &moved);
                 apart
             })
