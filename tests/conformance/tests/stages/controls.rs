@@ -137,7 +137,7 @@ impl Spoil<'_> {
             }
             (Output::Features, Step::Features { poses, out }) => {
                 for (pose, out) in poses.chunks(joint_len).zip(out.chunks_mut(joint_len)) {
-                    let right = tolerance::features(oracle, &exact(pose));
+                    let right = tolerance::features(oracle, &exact(pose), IEEE);
                     self.off(&mut out[0][2][3], right.value[0][(2, 3)], right.error[0][(2, 3)]);
                 }
             }
