@@ -9,7 +9,7 @@ use sinew_trainer::numeric::affine::linear;
 use sinew_trainer::numeric::{affine, so3};
 
 /// Features: `M = [Q_pᵀ Q_j | Q_pᵀ (t_j - t_p)] = [R | t]` is behind γ₄. 1 is taken off on the diagonal of R, and
-/// `(R - I) o + t` sums three products and one term; [`half`] says what becomes of R's error.
+/// `(R - I) o + t` sums three products and one term; `half` says what becomes of R's error.
 pub fn features(
     oracle: &EnvelopeModel,
     pose: &Inexact<Transform>,

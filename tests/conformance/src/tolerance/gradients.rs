@@ -21,7 +21,7 @@ pub fn relative(oracle: &EnvelopeModel, pose: &Inexact<Transform>) -> Inexact<Tr
 
 /// Gradients, second part: θ = log(Q_pᵀ Q_j); one bound for the length of each error.
 ///
-/// [`turned`] bounds the rotation. log is as steep as (|θ|/2)/sin(|θ|/2), π/2 at the most. |v| is off by 1.5u and a root, and so is its ratio to w; the arc tangent by 2.1 ULP or 4.2u, of
+/// `turned` bounds the rotation. log is as steep as (|θ|/2)/sin(|θ|/2), π/2 at the most. |v| is off by 1.5u and a root, and so is its ratio to w; the arc tangent by 2.1 ULP or 4.2u, of
 /// which u is its division; the scale by |v| once more, a division and a product: in all 7.2u|θ|,
 /// two roots and two divisions, here 8u.
 pub fn rotations(
