@@ -30,9 +30,9 @@ mat3 half_of(mat3 m) {
     precise float xy = even * (q.x * q.y);
     precise float xz = even * (q.x * q.z);
     precise float yz = even * (q.y * q.z);
-    precise vec3 a = vec3(0.0 - even * (yy + zz), xy + v.z, xz - v.y);
-    precise vec3 b = vec3(xy - v.z, 0.0 - even * (xx + zz), yz + v.x);
-    precise vec3 c = vec3(xz + v.y, yz - v.x, 0.0 - even * (xx + yy));
+    precise vec3 a = vec3(-even * (yy + zz), xy + v.z, xz - v.y);
+    precise vec3 b = vec3(xy - v.z, -even * (xx + zz), yz + v.x);
+    precise vec3 c = vec3(xz + v.y, yz - v.x, -even * (xx + yy));
     return mat3(a, b, c);
 }
 

@@ -72,8 +72,8 @@ fn half_of(m: mat3x3<f32>) -> mat3x3<f32> {
     let xz = even * (q.x * q.z);
     let yz = even * (q.y * q.z);
     return mat3x3<f32>(
-        vec3<f32>(0.0 - even * (yy + zz), xy + v.z, xz - v.y),
-        vec3<f32>(xy - v.z, 0.0 - even * (xx + zz), yz + v.x),
-        vec3<f32>(xz + v.y, yz - v.x, 0.0 - even * (xx + yy)),
+        vec3<f32>(-even * (yy + zz), xy + v.z, xz - v.y),
+        vec3<f32>(xy - v.z, -even * (xx + zz), yz + v.x),
+        vec3<f32>(xz + v.y, yz - v.x, -even * (xx + yy)),
     );
 }

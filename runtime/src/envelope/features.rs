@@ -56,8 +56,8 @@ fn half(m: &Columns) -> [[f32; 3]; 3] {
     let [xx, yy, zz] = [x * x, y * y, z * z];
     let [xy, xz, yz] = [even * (x * y), even * (x * z), even * (y * z)];
     [
-        [0.0 - even * (yy + zz), xy - c, xz + b],
-        [xy + c, 0.0 - even * (xx + zz), yz - a],
-        [xz - b, yz + a, 0.0 - even * (xx + yy)],
+        [-even * (yy + zz), xy - c, xz + b],
+        [xy + c, -even * (xx + zz), yz - a],
+        [xz - b, yz + a, -even * (xx + yy)],
     ]
 }
