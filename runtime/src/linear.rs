@@ -122,8 +122,7 @@ pub(crate) fn inverse(m: &Matrix3x4) -> Matrix3x4 {
 /// Returns the quaternion of a rotation up to its length: x, y, z, and w, which is not negative.
 ///
 /// It is found from the largest of its four components (Shepperd 1978).
-#[cfg_attr(target_os = "none", inline(never))]
-#[cfg_attr(not(target_os = "none"), inline(always))]
+#[inline(always)]
 pub(crate) fn quaternion(m: &Columns) -> ([f32; 3], f32) {
     let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = *m;
     let (v, w) = if xx + yy + zz >= 0.0 {
