@@ -46,6 +46,8 @@ pub static STILL: Constant = Constant::new("STILL", 3e-4);
 /// How much better a score is to be with further joints, or other weights of them: folds of training tell little of poses
 /// unlike it, and there a map that listens to less, and to all alike, errs less.
 pub static EARNS: Constant = Constant::new("EARNS", 0.2);
+/// How much better scores are to be with one more list of what the maps of a joint listen to: a list costs a map.
+pub static LISTS: Constant = Constant::new("LISTS", 0.1);
 /// Share of the outputs' squared size without which joints and widths are chosen: far less than any map leaves over.
 pub static TELLS_NOTHING: Constant = Constant::new("TELLS_NOTHING", 1e-4);
 /// How much worse a simpler choice may score.
@@ -64,7 +66,7 @@ pub static GENTLE: Constant = Constant::new("GENTLE", 0.1);
 pub static STIFFER: Constant = Constant::new("STIFFER", 0.02);
 
 /// All of them.
-pub static ALL: [&Constant; 16] = [
+pub static ALL: [&Constant; 17] = [
     &ERRS,
     &RESIDUAL_SHARE,
     &PULL,
@@ -73,6 +75,7 @@ pub static ALL: [&Constant; 16] = [
     &DISPLACEMENT,
     &STILL,
     &EARNS,
+    &LISTS,
     &TELLS_NOTHING,
     &SIMPLER,
     &NEGLIGIBLE,

@@ -171,15 +171,17 @@ impl PredictorSearch<'_> {
     fn listen(&mut self) {
         self.progress.step(STEP, 1);
         self.helper_fit = HelperFit::new(self.training);
-        self.usual = self.helpers(usual_count(self.training));
-        if let Some(helpers) = &self.usual {
-            self.known = listening::choose(&helpers.target(self.training), self.progress);
-        }
+        self.usual = self.helpers(usual_count(self.training)).map(|helpers| {
+            let target = helpers.target(self.training);
+            self.known = listening::choose(&target, usize::MAX, self.progress);
+            helpers.listening(self.training, &self.known)
+        });
     }
 
     /// Fits helpers; none where LBS errs nowhere.
     fn helpers(&self, count: usize) -> Option<Helpers> {
-        self.helper_fit.as_ref().map(|fit| fit.run(count, self.options.influences))
+        let fit = self.helper_fit.as_ref()?;
+        Some(fit.run(count, self.options.influences).listening(self.training, &self.known))
     }
 
     /// Counts the fits of one number of proxies: a reconstruction, what corrects it, and helpers.
@@ -272,7 +274,7 @@ impl PredictorSearch<'_> {
     fn hybrid(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
         let known = self.known_of_reconstruction.take().unwrap_or_else(|| {
             let first = rotational.variants.first().map(|v| rotational.target(v, self.training));
-            let known = first.map(|target| listening::choose(&target, self.progress));
+            let known = first.map(|target| listening::choose(&target, 1, self.progress));
             known.unwrap_or_default()
         });
         let all = &rotational.variants;

@@ -63,13 +63,44 @@ impl Outputs {
             spare >= 0.0
         });
         let len = sizes.len() - last.count();
-        let first = |m: &Mat<f64>| m.subcols(0, len).to_owned();
+        self.columns(&Vec::from_iter(0..len))
+    }
+
+    /// Some of the outputs.
+    #[must_use]
+    pub fn columns(&self, columns: &[usize]) -> Self {
+        let own = |m: &Mat<f64>| Mat::from_fn(m.nrows(), columns.len(), |i, k| m[(i, columns[k])]);
         Self {
-            all: first(&self.all),
+            all: own(&self.all),
             blocks: self.blocks.clone(),
             parts: self.parts.clone(),
-            without: self.without.iter().map(first).collect(),
+            without: self.without.iter().map(own).collect(),
             ..*self
+        }
+    }
+
+    /// Several outputs of the same samples side by side.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[must_use]
+    pub fn beside(several: &[Self]) -> Self {
+        let beside = |of: &dyn Fn(&Self) -> &Mat<f64>| {
+            let columns = several.iter().flat_map(|own| of(own).col_iter());
+            let columns: Vec<_> = columns.collect();
+            Mat::from_fn(of(&several[0]).nrows(), columns.len(), |i, k| columns[k][i])
+        };
+        let sum = |of: fn(&Self) -> f64| several.iter().map(of).sum::<f64>();
+        let len = sum(|own| own.all.ncols() as f64).max(1.0);
+        let first = &several[0];
+        Self {
+            all: beside(&|own| &own.all),
+            blocks: first.blocks.clone(),
+            parts: first.parts.clone(),
+            without: (0..first.without.len()).map(|b| beside(&|own| &own.without[b])).collect(),
+            signal: sum(|own| own.signal),
+            exact: sum(|own| own.exact * own.all.ncols() as f64) / len,
+            ..*first
         }
     }
 

@@ -63,8 +63,13 @@ pub fn best(design: &Design<'_>, outputs: &Outputs) -> Option<Scored> {
 
 /// The score of [`best`] to within what half of the ridges tell, at half the cost: enough to compare designs.
 pub fn coarse(design: &Design<'_>, outputs: &Outputs) -> Option<f64> {
+    coarse_each(design, outputs).map(|scores| scores.iter().sum())
+}
+
+/// The same of each output.
+pub fn coarse_each(design: &Design<'_>, outputs: &Outputs) -> Option<Vec<f64>> {
     let ridges: Vec<f64> = RIDGES.into_iter().step_by(2).collect();
-    best_of(design, outputs, &ridges).map(|scored| scored.score())
+    best_of(design, outputs, &ridges).map(|scored| scored.scores)
 }
 
 fn best_of(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Scored> {

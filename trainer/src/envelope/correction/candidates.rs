@@ -85,6 +85,7 @@ impl GroupCandidates {
         known: &Known,
     ) -> Self {
         let CorrectionTarget { poses, features, .. } = *target;
+        let (_, listens) = target.place(proxies.start);
         let group = GroupOutputs::new(target, proxies, blocks);
         let GroupOutputs { joint, proxies, metric, directions, outputs } = group;
         let sizes = outputs.sizes();
@@ -93,7 +94,8 @@ impl GroupCandidates {
         let mut found = vec![nothing];
         // A joint whose skin LBS errs nowhere on has no helpers, but may have proxies.
         let choose = || Listening::choose(&outputs, poses, features, joint);
-        let listening = known.get(&joint).cloned().or_else(choose);
+        let known = known.get(&joint).and_then(|lists| lists.get(listens));
+        let listening = known.cloned().or_else(choose);
         if let Some(listening) = &listening {
             let inputs = Inputs::new(features.evaluate(poses, &listening.inputs));
             let found_of =

@@ -26,12 +26,11 @@ impl<'a> Features<'a> {
         Self { parents: &training.skeleton.parents, origins: &training.origins }
     }
 
-    /// Lists the inputs that the joints within some hops of a joint give, those that vary over the
-    /// poses.
-    pub fn inputs(&self, poses: &Poses, joint: usize, hops: usize) -> Vec<Input> {
-        near(self.parents, joint, hops)
-            .into_iter()
-            .flat_map(|joint| {
+    /// Lists the inputs that some joints give, those that vary over the poses.
+    pub fn inputs(&self, poses: &Poses, joints: &[usize]) -> Vec<Input> {
+        joints
+            .iter()
+            .flat_map(|&joint| {
                 let features: Vec<_> =
                     (0..poses.len()).map(|i| self.feature(poses, i, joint)).collect();
                 let spread = |entry: usize| {
@@ -118,6 +117,31 @@ pub fn near(parents: &[Option<usize>], joint: usize, hops: usize) -> Vec<usize> 
     if listens.is_empty() { (0..parents.len()).filter(turning).collect() } else { listens }
 }
 
+/// Of some joints those on one side of a joint, behind a neighbour of it in the tree, and the joint itself.
+pub fn on_side(
+    parents: &[Option<usize>],
+    joint: usize,
+    neighbour: usize,
+    joints: &[usize],
+) -> Vec<usize> {
+    let below = |mut at: usize| loop {
+        match parents[at] {
+            Some(parent) if parent == joint => break Some(at),
+            Some(parent) => at = parent,
+            None => break None,
+        }
+    };
+    let side = |at: usize| below(at).or(parents[joint]);
+    let is_own = |&at: &usize| at == joint || side(at) == Some(neighbour);
+    joints.iter().copied().filter(is_own).collect()
+}
+
+/// The neighbours of a joint in the tree.
+pub fn neighbours(parents: &[Option<usize>], joint: usize) -> impl Iterator<Item = usize> + '_ {
+    let children = (0..parents.len()).filter(move |&child| parents[child] == Some(joint));
+    children.chain(parents[joint])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,6 +156,15 @@ mod tests {
     }
 
     #[test]
+    fn a_side_is_what_lies_behind_a_neighbour() {
+        let chain = [None, Some(0), Some(1), Some(2), Some(1)];
+        let all = [0, 1, 2, 3, 4];
+        let side = |neighbour| on_side(&chain, 1, neighbour, &all);
+        assert_eq!(neighbours(&chain, 1).collect::<Vec<_>>(), [2, 4, 0]);
+        assert_eq!([side(2), side(4), side(0)], [vec![1, 2, 3], vec![1, 4], vec![0, 1]]);
+    }
+
+    #[test]
     fn what_never_varies_is_no_input() {
         let mut examples = demo(&DemoOptions { vertices: 200, poses: 12, held_out: 0, seed: 3 });
         let frames: Vec<usize> = (0..examples.frame_len()).collect();
@@ -143,7 +176,8 @@ mod tests {
                 .map(|m| Vector3::new(m[0][3], m[1][3], m[2][3]))
                 .collect();
             let joints = Features { parents: &examples.skeleton.parents, origins: &origins };
-            joints.inputs(&Poses::new(examples, &frames), examples.skeleton.root(), 9)
+            let near = near(joints.parents, examples.skeleton.root(), 9);
+            joints.inputs(&Poses::new(examples, &frames), &near)
         };
         assert!(inputs(&examples).len() > 9);
         examples.transforms.fill([

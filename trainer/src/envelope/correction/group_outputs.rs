@@ -59,13 +59,52 @@ impl GroupOutputs {
     }
 }
 
-/// Splits proxies into groups: those that follow one another and share a dominant joint.
-pub fn groups(dominant: &[usize]) -> Vec<Range<usize>> {
+/// Outputs of several proxies, each measured by itself, side by side.
+pub struct EachOutputs {
+    /// All of them.
+    pub outputs: Outputs,
+    /// Whose each column is, counted from the first proxy.
+    pub owners: Vec<usize>,
+}
+
+impl EachOutputs {
+    /// Measures what is left over of some proxies of one dominant joint, without the last that hold no more than a share of
+    /// a proxy's squared size.
+    pub fn new(
+        target: &CorrectionTarget<'_>,
+        proxies: Range<usize>,
+        blocks: &Blocks,
+        share: f64,
+    ) -> Self {
+        let of = |l: usize| GroupOutputs::new(target, l..l + 1, blocks).outputs.leading(share);
+        let each: Vec<Outputs> = proxies.map(of).collect();
+        let columns = |(k, own): (usize, &Outputs)| std::iter::repeat_n(k, own.all.ncols());
+        let owners = each.iter().enumerate().flat_map(columns).collect();
+        Self { outputs: Outputs::beside(&each), owners }
+    }
+
+    /// Sums what there is of each column by proxy.
+    pub fn by_proxy(&self, columns: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.owners.last().map_or(0, |last| last + 1)];
+        self.owners.iter().zip(columns).for_each(|(&k, value)| sums[k] += value);
+        sums
+    }
+
+    /// The outputs of some proxies.
+    pub fn of(&self, is_own: impl Fn(usize) -> bool) -> Outputs {
+        let own: Vec<usize> =
+            (0..self.owners.len()).filter(|&column| is_own(self.owners[column])).collect();
+        self.outputs.columns(&own)
+    }
+}
+
+/// Splits proxies into groups: those that follow one another and share a place.
+pub fn groups<P: PartialEq>(len: usize, place: impl Fn(usize) -> P) -> Vec<Range<usize>> {
     let mut ranges = Vec::<Range<usize>>::new();
-    for (l, joint) in dominant.iter().enumerate() {
+    for proxy in 0..len {
         match ranges.last_mut() {
-            Some(range) if dominant[range.start] == *joint => range.end = l + 1,
-            _ => ranges.push(l..l + 1),
+            Some(range) if place(range.start) == place(proxy) => range.end = proxy + 1,
+            _ => ranges.push(proxy..proxy + 1),
         }
     }
     ranges

@@ -17,6 +17,9 @@ pub struct CorrectionTarget<'a> {
     pub features: Features<'a>,
     /// Dominant joint of each of the P proxies; those of one joint stand together.
     pub dominant: &'a [usize],
+    /// Which of the lists that maps of its joint listen to each of the proxies takes; those of one stand together. Empty
+    /// where joints have one.
+    pub listens: &'a [usize],
     /// The transforms less those of the base, 3n x 4P.
     pub left_over: &'a Mat<f64>,
     /// The same for each fold, of a base fitted without the fold; empty where nothing of the base is
@@ -30,4 +33,11 @@ pub struct CorrectionTarget<'a> {
     pub certainty: usize,
     /// V.
     pub vertices: usize,
+}
+
+impl CorrectionTarget<'_> {
+    /// The dominant joint of a proxy, and which of its lists it takes.
+    pub fn place(&self, proxy: usize) -> (usize, usize) {
+        (self.dominant[proxy], self.listens.get(proxy).copied().unwrap_or(0))
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::constants::{AHEAD, BASE, ERRS, PULL, RESIDUAL_SHARE};
 use crate::envelope::correction::features::Features;
+use crate::envelope::correction::listening::{self, Known};
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
 use crate::envelope::model::Group;
@@ -29,6 +30,9 @@ pub struct Helpers {
     pub weights: Weights,
     /// Dominant joint of each helper, P, ascending.
     pub dominant: Vec<usize>,
+    /// Which of the lists that maps of its joint listen to each takes, P, ascending for a joint; all the first before
+    /// [`Helpers::listening`].
+    pub listens: Vec<usize>,
     /// What their true maps on the training frames add to their dominant joints', 3n x 4P.
     pub left_over: Mat<f64>,
     /// Σ φ φᵀ of the helpers over the vertices, 4P x 4P.
@@ -89,7 +93,8 @@ impl<'a> HelperFit<'a> {
         let span = poses.joint_len()..poses.joint_len() + dominant.len();
         let gram = gram(&training.targets(&weights), span.clone());
         let lbs_errors = training.lbs_errors(&weights, span);
-        Helpers { weights, dominant, left_over: maps - bases, gram, lbs_errors }
+        let listens = vec![0; dominant.len()];
+        Helpers { weights, dominant, listens, left_over: maps - bases, gram, lbs_errors }
     }
 
     /// Groups the vertices on which LBS errs by how they err and where they lie, each with the joint that most of it
@@ -258,6 +263,33 @@ fn split(weights: &Weights, joint_len: usize) -> (Weights, Weights) {
 }
 
 impl Helpers {
+    /// The helpers in an order in which those of a joint stand together that take the same of what its maps listen to: each
+    /// takes what predicts it best.
+    pub fn listening(self, training: &Training, known: &Known) -> Self {
+        let listens = listening::assign(&self.target(training), known);
+        let mut order: Vec<usize> = (0..listens.len()).collect();
+        order.sort_by_key(|&l| (self.dominant[l], listens[l]));
+        let mut rank = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(k, &l)| rank[l] = k);
+        let joint_len = training.poses.joint_len();
+        let place = |(map, w): (usize, f64)| {
+            (map.checked_sub(joint_len).map_or(map, |l| joint_len + rank[l]), w)
+        };
+        let lists = (0..self.weights.len()).map(|v| self.weights.of(v).map(place).collect());
+        let from = |column: usize| 4 * order[column / 4] + column % 4;
+        let (left_over, gram) = (&self.left_over, &self.gram);
+        Self {
+            weights: Weights::from_lists(self.weights.most(), lists),
+            dominant: order.iter().map(|&l| self.dominant[l]).collect(),
+            listens: order.iter().map(|&l| listens[l]).collect(),
+            left_over: Mat::from_fn(left_over.nrows(), left_over.ncols(), |r, c| {
+                left_over[(r, from(c))]
+            }),
+            gram: Mat::from_fn(gram.nrows(), gram.ncols(), |r, c| gram[(from(r), from(c))]),
+            lbs_errors: order.iter().map(|&l| self.lbs_errors[l]).collect(),
+        }
+    }
+
     /// The envelope with a correction, whose groups hold the helpers.
     pub fn fitted(&self, training: &Training, groups: Vec<Group>) -> Fitted {
         Fitted::new(training, self.weights.clone(), None).with(groups)
@@ -276,6 +308,7 @@ impl Helpers {
             poses: &training.poses,
             features: Features::of(training),
             dominant: &self.dominant,
+            listens: &self.listens,
             left_over: &self.left_over,
             without: &[],
             gram: &self.gram,

@@ -1,7 +1,7 @@
 //! How well the training poses predict each other: kernel ridge regression of what LBS leaves, each
 //! joint's skin from the joints near it (METHOD §1.9).
 
-use crate::envelope::correction::features::Features;
+use crate::envelope::correction::features::{Features, near};
 use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::poses::Time;
 use crate::envelope::skin::residuals::Residuals;
@@ -54,7 +54,7 @@ impl Region {
         poses: &[usize],
     ) -> Option<Self> {
         let (training, features) = (residuals.training, Features::of(residuals.training));
-        let inputs = features.inputs(&training.poses, joint, HOPS);
+        let inputs = features.inputs(&training.poses, &near(features.parents, joint, HOPS));
         let all = features.evaluate(&training.poses, &inputs);
         let inputs = Mat::from_fn(all.nrows(), poses.len(), |r, i| all[(r, poses[i])]);
         let inputs = Inputs::new(inputs)?;

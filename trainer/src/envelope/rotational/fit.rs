@@ -287,6 +287,7 @@ impl Rotational {
             poses: &training.poses,
             features: Features::of(training),
             dominant: &self.dominant,
+            listens: &[],
             left_over: &variant.left_over,
             without: &variant.without,
             gram: &self.gram,

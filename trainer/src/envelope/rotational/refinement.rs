@@ -221,7 +221,7 @@ mod tests {
         let training = Training::new(&examples, &Silent).unwrap();
         let helpers = HelperFit::new(&training).unwrap().run(20, 4);
         let target = helpers.target(&training);
-        let known = listening::choose(&target, &Silent);
+        let known = listening::choose(&target, 1, &Silent);
         let maps = Search::new(target, &known, &Silent).fit(usize::MAX).unwrap();
         let lessons = Lessons::new(&training, &helpers.fitted(&training, maps.groups));
         let options =
