@@ -352,6 +352,26 @@ mod tests {
     }
 
     #[test]
+    fn helpers_that_hear_the_same_stand_together_and_the_skin_stays() {
+        let training = arm();
+        let found = HelperFit::new(&training).unwrap().run(20, 4);
+        let skin = |helpers: &Helpers| {
+            let palette = helpers.true_palette(&training.poses);
+            (training.targets(&helpers.weights).rms(&palette), helpers.gram.trace())
+        };
+        let (rms, trace) = skin(&found);
+        let known = listening::choose(&found.target(&training), usize::MAX, &Silent);
+        assert!(known.values().any(|lists| lists.len() > 1), "some joint has several lists");
+        let sum: f64 = found.lbs_errors.iter().sum();
+        let found = found.listening(&training, &known);
+        let places: Vec<_> = (0..20).map(|l| found.target(&training).place(l)).collect();
+        assert!(places.is_sorted() && places.iter().any(|place| place.1 > 0), "{places:?}");
+        let (moved, moved_trace) = skin(&found);
+        assert!((moved / rms - 1.0).abs() < 1e-9 && (moved_trace / trace - 1.0).abs() < 1e-12);
+        assert!((found.lbs_errors.iter().sum::<f64>() / sum - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn a_skin_that_is_lbs_needs_no_helper() {
         let mut training = arm();
         training.lbs.errors.fill(0.0);
