@@ -357,7 +357,8 @@ mod tests {
         let found = HelperFit::new(&training).unwrap().run(20, 4);
         let skin = |helpers: &Helpers| {
             let palette = helpers.true_palette(&training.poses);
-            (training.targets(&helpers.weights).rms(&palette), helpers.gram.trace())
+            let trace: f64 = (0..helpers.gram.nrows()).map(|i| helpers.gram[(i, i)]).sum();
+            (training.targets(&helpers.weights).rms(&palette), trace)
         };
         let (rms, trace) = skin(&found);
         let known = listening::choose(&found.target(&training), usize::MAX, &Silent);
