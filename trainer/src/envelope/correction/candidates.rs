@@ -2,7 +2,8 @@
 
 use super::blocks::Blocks;
 use super::group_outputs::GroupOutputs;
-use super::listening::{Known, Listening};
+use super::listening::Listening;
+use super::lists::Known;
 use super::metric::Metric;
 use super::target::CorrectionTarget;
 use crate::constants::SIMPLER;
