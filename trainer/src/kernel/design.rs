@@ -311,31 +311,32 @@ mod tests {
     #[test]
     fn blocks_left_out_in_closed_form_equal_fits_without_them() {
         let inputs = inputs();
-        let design = design(&inputs, 6);
-        let x = design.columns.clone();
-        let all = Mat::from_fn(20, 2, |i, o| (0.3 * i as f64 + o as f64).sin());
-        let ridge = 1e-3 * design.largest;
-        let scattered = Block { own: vec![3, 11, 12, 17], near: vec![2, 4, 19] };
-        for block in [Block::row(0..7), Block::row(7..12), Block::row(12..20), scattered] {
-            let out: Vec<usize> = block.out().collect();
-            let own = Mat::from_fn(out.len(), 2, |i, o| all[(out[i], o)]);
-            let found = design
-                .block_out(&design.rows(&block), 1e-3)
-                .unwrap()
-                .errors(&own, &design.project(&all));
-            let kept: Vec<usize> = (0..20).filter(|i| !out.contains(i)).collect();
-            let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
-            let y = Mat::from_fn(kept.len(), 2, |r, c| all[(kept[r], c)]);
-            let mut normal = a.transpose() * &a;
-            (0..normal.nrows()).for_each(|i| normal[(i, i)] += ridge);
-            let solution = normal.llt(Side::Lower).unwrap().solve(a.transpose() * y);
-            let predicted = &x * solution;
-            assert_eq!(found.nrows(), block.own.len());
-            for (place, &i) in block.own.iter().enumerate() {
-                for o in 0..2 {
-                    let expected = all[(i, o)] - predicted[(i, o)];
-                    let found = found[(place, o)];
-                    assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()));
+        for design in [6, 20].map(|centres| design(&inputs, centres)) {
+            let x = design.columns.clone();
+            let all = Mat::from_fn(20, 2, |i, o| (0.3 * i as f64 + o as f64).sin());
+            let ridge = 1e-3 * design.largest;
+            let scattered = Block { own: vec![3, 11, 12, 17], near: vec![2, 4, 19] };
+            for block in [Block::row(0..7), Block::row(7..12), Block::row(12..20), scattered] {
+                let out: Vec<usize> = block.out().collect();
+                let own = Mat::from_fn(out.len(), 2, |i, o| all[(out[i], o)]);
+                let found = design
+                    .block_out(&design.rows(&block), 1e-3)
+                    .unwrap()
+                    .errors(&own, &design.project(&all));
+                let kept: Vec<usize> = (0..20).filter(|i| !out.contains(i)).collect();
+                let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
+                let y = Mat::from_fn(kept.len(), 2, |r, c| all[(kept[r], c)]);
+                let mut normal = a.transpose() * &a;
+                (0..normal.nrows()).for_each(|i| normal[(i, i)] += ridge);
+                let solution = normal.llt(Side::Lower).unwrap().solve(a.transpose() * y);
+                let predicted = &x * solution;
+                assert_eq!(found.nrows(), block.own.len());
+                for (place, &i) in block.own.iter().enumerate() {
+                    for o in 0..2 {
+                        let expected = all[(i, o)] - predicted[(i, o)];
+                        let found = found[(place, o)];
+                        assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()));
+                    }
                 }
             }
         }
@@ -353,42 +354,46 @@ mod tests {
     #[test]
     fn variances_are_those_of_fits_without_a_block_and_of_what_no_centre_spans() {
         let inputs = inputs();
-        let design = design(&inputs, 6);
-        let (x, ridge) = (design.columns.clone(), 1e-3 * design.largest);
-        let block = Block { own: vec![3, 11, 12], near: vec![2, 4] };
-        let kept: Vec<usize> = (0..20).filter(|i| !block.out().any(|out| out == *i)).collect();
-        let of = |&i: &usize| {
-            let prior: f64 = design.prior(i) - x.row(i).squared_norm_l2();
-            variance(&x, &kept, i, ridge) + prior
-        };
-        let expected: f64 = block.own.iter().map(of).sum();
-        let found = design.block_out(&design.rows(&block), 1e-3).unwrap();
-        let found = found.variance(&design, &block);
-        assert!((found - expected).abs() < 1e-9 && expected > 1e-4, "{found} {expected}");
+        for design in [6, 20].map(|centres| design(&inputs, centres)) {
+            let (x, ridge) = (design.columns.clone(), 1e-3 * design.largest);
+            let block = Block { own: vec![3, 11, 12], near: vec![2, 4] };
+            let kept: Vec<usize> = (0..20).filter(|i| !block.out().any(|out| out == *i)).collect();
+            let of = |&i: &usize| {
+                let prior: f64 = design.prior(i) - x.row(i).squared_norm_l2();
+                variance(&x, &kept, i, ridge) + prior
+            };
+            let expected: f64 = block.own.iter().map(of).sum();
+            let found = design.block_out(&design.rows(&block), 1e-3).unwrap();
+            let found = found.variance(&design, &block);
+            assert!((found - expected).abs() < 1e-9 && expected > 1e-4, "{found} {expected}");
+        }
     }
 
     #[test]
     fn certainty_explains_what_all_samples_tell_of_each() {
         let inputs = inputs();
-        let design = design(&inputs, 6);
-        let (x, ridge) = (design.columns.clone(), 1e-3 * design.largest);
-        let rows = design.certainty(1e-3, 16);
-        assert_eq!(rows.ncols(), design.certainty_len(16));
-        let all = Vec::from_iter(0..20);
-        for i in 0..20 {
-            let explained = (x.row(i) * &rows).squared_norm_l2();
-            let left = x.row(i).squared_norm_l2() - explained;
-            let expected = variance(&x, &all, i, ridge);
-            assert!((left - expected).abs() < 1e-4, "{left} {expected}");
+        for design in [6, 20].map(|centres| design(&inputs, centres)) {
+            let (x, ridge) = (design.columns.clone(), 1e-3 * design.largest);
+            let rows = design.certainty(1e-3, 16);
+            assert_eq!(rows.ncols(), design.certainty_len(16));
+            let all = Vec::from_iter(0..20);
+            for i in 0..20 {
+                let explained = (x.row(i) * &rows).squared_norm_l2();
+                let left = x.row(i).squared_norm_l2() - explained;
+                let expected = variance(&x, &all, i, ridge);
+                assert!((left - expected).abs() < 1e-4, "{left} {expected}");
+            }
+            let fitted = design.map(&rows, Certainty { len: rows.ncols(), ..design.certain() });
+            let input: Vec<f64> =
+                inputs.values().col(7).iter().map(|x| design.scale() * x).collect();
+            let evidence = fitted.evaluate(&input).evidence;
+            assert_eq!(evidence.known, 0.0, "no signal");
+            let trusted =
+                Certainty { len: rows.ncols(), signal: 1.0, noise: 1.0, ..design.certain() };
+            let known = design.map(&rows, trusted).evaluate(&input).evidence;
+            assert!((known.known + known.doubted - design.prior(7)).abs() < 1e-9);
+            assert!((known.known - (x.row(7) * &rows).squared_norm_l2()).abs() < 1e-9);
         }
-        let fitted = design.map(&rows, Certainty { len: rows.ncols(), ..design.certain() });
-        let input: Vec<f64> = inputs.values().col(7).iter().map(|x| design.scale() * x).collect();
-        let evidence = fitted.evaluate(&input).evidence;
-        assert_eq!(evidence.known, 0.0, "no signal");
-        let trusted = Certainty { len: rows.ncols(), signal: 1.0, noise: 1.0, ..design.certain() };
-        let known = design.map(&rows, trusted).evaluate(&input).evidence;
-        assert!((known.known + known.doubted - design.prior(7)).abs() < 1e-9);
-        assert!((known.known - (x.row(7) * &rows).squared_norm_l2()).abs() < 1e-9);
     }
 
     #[test]
