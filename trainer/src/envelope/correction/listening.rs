@@ -2,7 +2,7 @@
 
 use super::features::{Features, near};
 use super::group_outputs::EachOutputs;
-use crate::constants::{EARNS, SIMPLER, TELLS_NOTHING};
+use crate::constants::{EARNS, SIMPLER};
 use crate::envelope::model::Input;
 use crate::envelope::skin::poses::Poses;
 use crate::kernel::design::Design;
@@ -29,20 +29,6 @@ pub struct Listening {
     pub inputs: Vec<Input>,
     /// The kernel, and its squared width in median squared distances.
     pub kernel: (GroupKernel, f64),
-}
-
-impl Listening {
-    /// Chooses joints, kernel, width and weights for the outputs of a joint's group; none where nothing moves.
-    pub(super) fn choose(
-        outputs: &Outputs,
-        poses: &Poses,
-        features: Features<'_>,
-        joint: usize,
-    ) -> Option<Self> {
-        let telling = outputs.leading(TELLS_NOTHING.get());
-        let near = NearJoints::choose(&telling, poses, features, joint)?;
-        Some(near.listening(&telling, poses, features))
-    }
 }
 
 /// The joints within some hops, and what the smoothest kernel makes of them.
