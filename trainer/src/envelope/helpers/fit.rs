@@ -2,7 +2,7 @@
 
 use crate::constants::{AHEAD, BASE, ERRS, PULL, RESIDUAL_SHARE};
 use crate::envelope::correction::features::Features;
-use crate::envelope::correction::lists::{self, Known};
+use crate::envelope::correction::listening::{self, Known};
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
 use crate::envelope::model::Group;
@@ -266,7 +266,7 @@ impl Helpers {
     /// The helpers in an order in which those of a joint stand together that take the same of what its maps listen to: each
     /// takes what predicts it best.
     pub fn listening(self, training: &Training, known: &Known) -> Self {
-        let listens = lists::assign(&self.target(training), known);
+        let listens = listening::assign(&self.target(training), known);
         let mut order: Vec<usize> = (0..listens.len()).collect();
         order.sort_by_key(|&l| (self.dominant[l], listens[l]));
         let mut rank = vec![0; order.len()];
@@ -361,7 +361,7 @@ mod tests {
             (training.targets(&helpers.weights).rms(&palette), trace)
         };
         let (rms, trace) = skin(&found);
-        let known = lists::choose(&found.target(&training), usize::MAX, &Silent);
+        let known = listening::choose(&found.target(&training), usize::MAX, &Silent);
         assert!(known.values().any(|lists| lists.len() > 1), "some joint has several lists");
         let sum: f64 = found.lbs_errors.iter().sum();
         let found = found.listening(&training, &known);
