@@ -171,7 +171,8 @@ impl PredictorSearch<'_> {
     fn listen(&mut self) {
         self.progress.step(STEP, 1);
         self.helper_fit = HelperFit::new(self.training);
-        self.usual = self.helpers(usual_count(self.training)).map(|helpers| {
+        self.usual = self.helper_fit.as_ref().map(|fit| {
+            let helpers = fit.run(usual_count(self.training), self.options.influences);
             let target = helpers.target(self.training);
             self.known = listening::choose(&target, usize::MAX, self.progress);
             helpers.listening(self.training, &self.known)

@@ -64,7 +64,9 @@ pub struct EachOutputs {
     /// All of them.
     pub outputs: Outputs,
     /// Whose each column is, counted from the first proxy.
-    pub owners: Vec<usize>,
+    owners: Vec<usize>,
+    /// How many proxies there are, those that have nothing left over among them.
+    proxy_len: usize,
 }
 
 impl EachOutputs {
@@ -80,12 +82,12 @@ impl EachOutputs {
         let each: Vec<Outputs> = proxies.map(of).collect();
         let columns = |(k, own): (usize, &Outputs)| std::iter::repeat_n(k, own.all.ncols());
         let owners = each.iter().enumerate().flat_map(columns).collect();
-        Self { outputs: Outputs::beside(&each), owners }
+        Self { outputs: Outputs::beside(&each), owners, proxy_len: each.len() }
     }
 
     /// Sums what there is of each column by proxy.
     pub fn by_proxy(&self, columns: &[f64]) -> Vec<f64> {
-        let mut sums = vec![0.0; self.owners.last().map_or(0, |last| last + 1)];
+        let mut sums = vec![0.0; self.proxy_len];
         self.owners.iter().zip(columns).for_each(|(&k, value)| sums[k] += value);
         sums
     }

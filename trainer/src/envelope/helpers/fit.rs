@@ -373,6 +373,17 @@ mod tests {
     }
 
     #[test]
+    fn a_helper_with_nothing_to_learn_takes_a_list_as_well() {
+        let training = arm();
+        let mut found = HelperFit::new(&training).unwrap().run(20, 4);
+        let known = listening::choose(&found.target(&training), usize::MAX, &Silent);
+        let has_several = |l: &usize| known[&found.dominant[*l]].len() > 1;
+        let last = (0..20).rev().find(has_several).unwrap();
+        found.left_over.subcols_mut(4 * last, 4).fill(0.0);
+        assert_eq!(listening::assign(&found.target(&training), &known).len(), 20);
+    }
+
+    #[test]
     fn a_skin_that_is_lbs_needs_no_helper() {
         let mut training = arm();
         training.lbs.errors.fill(0.0);
