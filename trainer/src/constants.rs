@@ -48,6 +48,9 @@ pub static STILL: Constant = Constant::new("STILL", 3e-4);
 pub static EARNS: Constant = Constant::new("EARNS", 0.2);
 /// How much better scores are to be with one more list of what the maps of a joint listen to: a list costs a map.
 pub static LISTS: Constant = Constant::new("LISTS", 0.1);
+/// Share of what is left over, squared, that joints may have together whose maps are chosen by joints and width alone: for
+/// the rest of the choices they matter too little.
+pub static MINOR: Constant = Constant::new("MINOR", 0.05);
 /// Share of the outputs' squared size without which joints and widths are chosen: far less than any map leaves over.
 pub static TELLS_NOTHING: Constant = Constant::new("TELLS_NOTHING", 1e-4);
 /// How much worse a simpler choice may score.
@@ -66,7 +69,7 @@ pub static GENTLE: Constant = Constant::new("GENTLE", 0.1);
 pub static STIFFER: Constant = Constant::new("STIFFER", 0.02);
 
 /// All of them.
-pub static ALL: [&Constant; 17] = [
+pub static ALL: [&Constant; 18] = [
     &ERRS,
     &RESIDUAL_SHARE,
     &PULL,
@@ -76,6 +79,7 @@ pub static ALL: [&Constant; 17] = [
     &STILL,
     &EARNS,
     &LISTS,
+    &MINOR,
     &TELLS_NOTHING,
     &SIMPLER,
     &NEGLIGIBLE,

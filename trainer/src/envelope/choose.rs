@@ -16,7 +16,7 @@ use super::rotational::{self, Rotational, RotationalOptions, Variant};
 use super::rotational::{Method, ProxyCount};
 use super::training_report::{CandidateReport, TrainingReport};
 use crate::envelope::correction::candidates::GroupReport;
-use crate::envelope::correction::listening::{self, Known};
+use crate::envelope::correction::lists::{self, Known};
 use crate::envelope::correction::search::Search;
 use crate::envelope::correction::target::CorrectionTarget;
 use crate::envelope::skin::folds::folds;
@@ -174,7 +174,7 @@ impl PredictorSearch<'_> {
         self.usual = self.helper_fit.as_ref().map(|fit| {
             let helpers = fit.run(usual_count(self.training), self.options.influences);
             let target = helpers.target(self.training);
-            self.known = listening::choose(&target, usize::MAX, self.progress);
+            self.known = lists::choose(&target, usize::MAX, self.progress);
             helpers.listening(self.training, &self.known)
         });
     }
@@ -275,7 +275,7 @@ impl PredictorSearch<'_> {
     fn hybrid(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
         let known = self.known_of_reconstruction.take().unwrap_or_else(|| {
             let first = rotational.variants.first().map(|v| rotational.target(v, self.training));
-            let known = first.map(|target| listening::choose(&target, 1, self.progress));
+            let known = first.map(|target| lists::choose(&target, 1, self.progress));
             known.unwrap_or_default()
         });
         let all = &rotational.variants;

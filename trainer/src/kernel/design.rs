@@ -14,8 +14,7 @@ use super::left_out::LeftOut;
 use super::map::KernelMap;
 use super::outputs::Block;
 use crate::numeric::registers;
-use faer::Mat;
-use faer::linalg::solvers::Svd;
+use faer::{Mat, Side};
 use serde::Serialize;
 use sinew_runtime::envelope::GroupKernel;
 
@@ -43,8 +42,12 @@ pub struct Design<'a> {
     pub hyperparameters: Hyperparameters,
     inputs: &'a Inputs,
     centres: Greedy,
-    decomposed: Svd<f64>,
-    /// The largest squared singular value, of which ridges are shares.
+    /// X.
+    columns: Mat<f64>,
+    /// Its left singular vectors, n x k, and its squared singular values, descending.
+    directions: Mat<f64>,
+    squared: Vec<f64>,
+    /// The largest of them, of which ridges are shares.
     largest: f64,
 }
 
@@ -101,9 +104,10 @@ impl<'a> Design<'a> {
         centres: Greedy,
     ) -> Option<Self> {
         let scaled = inputs.values().transpose() * faer::Scale(inputs.linear_share().sqrt());
-        let decomposed = faer::concat![[centres.functions(), scaled]].thin_svd().ok()?;
-        let largest = decomposed.S().column_vector().iter().next().map_or(0.0, |s| s * s);
-        Some(Self { hyperparameters, inputs, centres, decomposed, largest })
+        let columns = faer::concat![[centres.functions(), scaled]];
+        let (directions, squared) = directions(&columns)?;
+        let largest = squared.first().copied().unwrap_or(0.0);
+        Some(Self { hyperparameters, inputs, centres, columns, directions, squared, largest })
     }
 
     /// Returns n.
@@ -113,14 +117,13 @@ impl<'a> Design<'a> {
 
     /// Projects outputs n x r onto the design's k directions, k x r.
     pub fn project(&self, outputs: &Mat<f64>) -> Mat<f64> {
-        self.decomposed.U().transpose() * outputs
+        self.directions.transpose() * outputs
     }
 
     /// Takes the rows of a block.
     pub fn rows(&self, block: &Block) -> BlockRows {
-        let u = self.decomposed.U();
-        let mut rows = Mat::zeros(block.out_len(), u.ncols());
-        for (out, direction) in rows.col_iter_mut().zip(u.col_iter()) {
+        let mut rows = Mat::zeros(block.out_len(), self.directions.ncols());
+        for (out, direction) in rows.col_iter_mut().zip(self.directions.col_iter()) {
             out.iter_mut().zip(block.out()).for_each(|(out, sample)| *out = direction[sample]);
         }
         BlockRows { rows, own: block.own.len() }
@@ -132,8 +135,8 @@ impl<'a> Design<'a> {
         registers::narrow();
         let noise = ridge * self.largest;
         let mut hat = rows.clone();
-        for (column, s) in hat.col_iter_mut().zip(self.decomposed.S().column_vector().iter()) {
-            let shrink = s * s / (s * s + noise);
+        for (column, s) in hat.col_iter_mut().zip(&self.squared) {
+            let shrink = s / (s + noise);
             column.iter_mut().for_each(|entry| *entry *= shrink);
         }
         let remainder = Mat::<f64>::identity(rows.nrows(), rows.nrows()) - &hat * rows.transpose();
@@ -143,11 +146,10 @@ impl<'a> Design<'a> {
     /// Solves for the coefficients of the orthonormal functions, then of the scaled inputs, of the
     /// first outputs that were projected, with a ridge each.
     pub fn solve(&self, projected: &Mat<f64>, ridges: &[f64]) -> Mat<f64> {
-        let s = self.decomposed.S().column_vector();
-        let shrunk = Mat::from_fn(projected.nrows(), ridges.len(), |k, o| {
-            projected[(k, o)] * s[k] / (s[k] * s[k] + ridges[o] * self.largest)
+        let dual = Mat::from_fn(projected.nrows(), ridges.len(), |k, o| {
+            projected[(k, o)] / (self.squared[k] + ridges[o] * self.largest)
         });
-        self.decomposed.V() * shrunk
+        self.columns.transpose() * (&self.directions * dual)
     }
 
     /// Turns coefficients of the design's columns to those of the kernels at the origin and at the
@@ -207,21 +209,20 @@ impl<'a> Design<'a> {
     /// fit with a ridge explains: those of the leading directions, at most so many, k x m. They stand for the others as
     /// well: over the samples the sum is that of all.
     pub fn certainty(&self, ridge: f64, most: usize) -> Mat<f64> {
-        let s: Vec<f64> = self.decomposed.S().column_vector().iter().map(|s| s * s).collect();
+        let s = &self.squared;
         let share = |i: usize| s[i] / (s[i] + ridge * self.largest);
         let explained = |count: usize| (0..count).map(|i| s[i] * share(i)).sum::<f64>();
         let len = self.certainty_len(most);
         let others = explained(s.len()) / explained(len).max(f64::MIN_POSITIVE);
-        let v = self.decomposed.V();
-        Mat::from_fn(v.nrows(), len, |row, i| v[(row, i)] * (others * share(i)).sqrt())
+        let v = self.columns.transpose() * self.directions.subcols(0, len);
+        Mat::from_fn(v.nrows(), len, |row, i| v[(row, i)] * (others * share(i) / s[i]).sqrt())
     }
 
     /// Counts the values of [`Design::certainty`], m.
     pub fn certainty_len(&self, most: usize) -> usize {
-        let s: Vec<f64> = self.decomposed.S().column_vector().iter().map(|s| s * s).collect();
-        let mut left: f64 = s.iter().sum();
+        let mut left: f64 = self.squared.iter().sum();
         let negligible = UNEXPLAINED * left;
-        let needed = s.iter().take_while(|s| {
+        let needed = self.squared.iter().take_while(|s| {
             let needed = left > negligible;
             left -= *s;
             needed
@@ -256,10 +257,23 @@ impl<'a> Design<'a> {
 
     /// What of it the centres do not span.
     fn unspanned(&self, sample: usize) -> f64 {
-        let (u, s) = (self.decomposed.U().row(sample), self.decomposed.S().column_vector());
-        let spanned: f64 = u.iter().zip(s.iter()).map(|(u, s)| (u * s).powi(2)).sum();
+        let spanned = self.columns.row(sample).squared_norm_l2();
         (self.prior(sample) - spanned).max(0.0)
     }
+}
+
+/// The left singular vectors of a matrix, n x k, and its squared singular values, descending; none where the
+/// decomposition does not converge. Of a wide one they come from inner products, in half the time: what that rounds is
+/// far below every ridge.
+fn directions(columns: &Mat<f64>) -> Option<(Mat<f64>, Vec<f64>)> {
+    if columns.nrows() > columns.ncols() {
+        let svd = columns.thin_svd().ok()?;
+        let squared = svd.S().column_vector().iter().map(|s| s * s).collect();
+        return Some((svd.U().to_owned(), squared));
+    }
+    let eigen = (columns * columns.transpose()).self_adjoint_eigen(Side::Lower).ok()?;
+    let squared = eigen.S().column_vector().iter().rev().map(|s| s.max(0.0)).collect();
+    Some((eigen.U().reverse_cols().to_owned(), squared))
 }
 
 impl BlockOut {
@@ -281,7 +295,6 @@ impl BlockOut {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use faer::Side;
     use faer::linalg::solvers::Solve;
 
     fn inputs() -> Inputs {
@@ -295,41 +308,35 @@ mod tests {
         Design::new(inputs, hyperparameters).unwrap()
     }
 
-    /// The design's columns.
-    fn columns(design: &Design<'_>) -> Mat<f64> {
-        let share = design.inputs.linear_share();
-        let scaled = design.inputs.values().transpose() * faer::Scale(share.sqrt());
-        faer::concat![[design.centres.functions(), scaled]]
-    }
-
     #[test]
     fn blocks_left_out_in_closed_form_equal_fits_without_them() {
         let inputs = inputs();
-        let design = design(&inputs, 6);
-        let x = columns(&design);
-        let all = Mat::from_fn(20, 2, |i, o| (0.3 * i as f64 + o as f64).sin());
-        let ridge = 1e-3 * design.largest;
-        let scattered = Block { own: vec![3, 11, 12, 17], near: vec![2, 4, 19] };
-        for block in [Block::row(0..7), Block::row(7..12), Block::row(12..20), scattered] {
-            let out: Vec<usize> = block.out().collect();
-            let own = Mat::from_fn(out.len(), 2, |i, o| all[(out[i], o)]);
-            let found = design
-                .block_out(&design.rows(&block), 1e-3)
-                .unwrap()
-                .errors(&own, &design.project(&all));
-            let kept: Vec<usize> = (0..20).filter(|i| !out.contains(i)).collect();
-            let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
-            let y = Mat::from_fn(kept.len(), 2, |r, c| all[(kept[r], c)]);
-            let mut normal = a.transpose() * &a;
-            (0..normal.nrows()).for_each(|i| normal[(i, i)] += ridge);
-            let solution = normal.llt(Side::Lower).unwrap().solve(a.transpose() * y);
-            let predicted = &x * solution;
-            assert_eq!(found.nrows(), block.own.len());
-            for (place, &i) in block.own.iter().enumerate() {
-                for o in 0..2 {
-                    let expected = all[(i, o)] - predicted[(i, o)];
-                    let found = found[(place, o)];
-                    assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()));
+        for design in [6, 20].map(|centres| design(&inputs, centres)) {
+            let x = design.columns.clone();
+            let all = Mat::from_fn(20, 2, |i, o| (0.3 * i as f64 + o as f64).sin());
+            let ridge = 1e-3 * design.largest;
+            let scattered = Block { own: vec![3, 11, 12, 17], near: vec![2, 4, 19] };
+            for block in [Block::row(0..7), Block::row(7..12), Block::row(12..20), scattered] {
+                let out: Vec<usize> = block.out().collect();
+                let own = Mat::from_fn(out.len(), 2, |i, o| all[(out[i], o)]);
+                let found = design
+                    .block_out(&design.rows(&block), 1e-3)
+                    .unwrap()
+                    .errors(&own, &design.project(&all));
+                let kept: Vec<usize> = (0..20).filter(|i| !out.contains(i)).collect();
+                let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
+                let y = Mat::from_fn(kept.len(), 2, |r, c| all[(kept[r], c)]);
+                let mut normal = a.transpose() * &a;
+                (0..normal.nrows()).for_each(|i| normal[(i, i)] += ridge);
+                let solution = normal.llt(Side::Lower).unwrap().solve(a.transpose() * y);
+                let predicted = &x * solution;
+                assert_eq!(found.nrows(), block.own.len());
+                for (place, &i) in block.own.iter().enumerate() {
+                    for o in 0..2 {
+                        let expected = all[(i, o)] - predicted[(i, o)];
+                        let found = found[(place, o)];
+                        assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()));
+                    }
                 }
             }
         }
@@ -347,48 +354,52 @@ mod tests {
     #[test]
     fn variances_are_those_of_fits_without_a_block_and_of_what_no_centre_spans() {
         let inputs = inputs();
-        let design = design(&inputs, 6);
-        let (x, ridge) = (columns(&design), 1e-3 * design.largest);
-        let block = Block { own: vec![3, 11, 12], near: vec![2, 4] };
-        let kept: Vec<usize> = (0..20).filter(|i| !block.out().any(|out| out == *i)).collect();
-        let of = |&i: &usize| {
-            let prior: f64 = design.prior(i) - x.row(i).squared_norm_l2();
-            variance(&x, &kept, i, ridge) + prior
-        };
-        let expected: f64 = block.own.iter().map(of).sum();
-        let found = design.block_out(&design.rows(&block), 1e-3).unwrap();
-        let found = found.variance(&design, &block);
-        assert!((found - expected).abs() < 1e-9 && expected > 1e-4, "{found} {expected}");
+        for design in [6, 20].map(|centres| design(&inputs, centres)) {
+            let (x, ridge) = (design.columns.clone(), 1e-3 * design.largest);
+            let block = Block { own: vec![3, 11, 12], near: vec![2, 4] };
+            let kept: Vec<usize> = (0..20).filter(|i| !block.out().any(|out| out == *i)).collect();
+            let of = |&i: &usize| {
+                let prior: f64 = design.prior(i) - x.row(i).squared_norm_l2();
+                variance(&x, &kept, i, ridge) + prior
+            };
+            let expected: f64 = block.own.iter().map(of).sum();
+            let found = design.block_out(&design.rows(&block), 1e-3).unwrap();
+            let found = found.variance(&design, &block);
+            assert!((found - expected).abs() < 1e-9 && expected > 1e-4, "{found} {expected}");
+        }
     }
 
     #[test]
     fn certainty_explains_what_all_samples_tell_of_each() {
         let inputs = inputs();
-        let design = design(&inputs, 6);
-        let (x, ridge) = (columns(&design), 1e-3 * design.largest);
-        let rows = design.certainty(1e-3, 16);
-        assert_eq!(rows.ncols(), design.certainty_len(16));
-        let all = Vec::from_iter(0..20);
-        for i in 0..20 {
-            let explained = (x.row(i) * &rows).squared_norm_l2();
-            let left = x.row(i).squared_norm_l2() - explained;
-            let expected = variance(&x, &all, i, ridge);
-            assert!((left - expected).abs() < 1e-4, "{left} {expected}");
+        for design in [6, 20].map(|centres| design(&inputs, centres)) {
+            let (x, ridge) = (design.columns.clone(), 1e-3 * design.largest);
+            let rows = design.certainty(1e-3, 16);
+            assert_eq!(rows.ncols(), design.certainty_len(16));
+            let all = Vec::from_iter(0..20);
+            for i in 0..20 {
+                let explained = (x.row(i) * &rows).squared_norm_l2();
+                let left = x.row(i).squared_norm_l2() - explained;
+                let expected = variance(&x, &all, i, ridge);
+                assert!((left - expected).abs() < 1e-4, "{left} {expected}");
+            }
+            let fitted = design.map(&rows, Certainty { len: rows.ncols(), ..design.certain() });
+            let input: Vec<f64> =
+                inputs.values().col(7).iter().map(|x| design.scale() * x).collect();
+            let evidence = fitted.evaluate(&input).evidence;
+            assert_eq!(evidence.known, 0.0, "no signal");
+            let trusted =
+                Certainty { len: rows.ncols(), signal: 1.0, noise: 1.0, ..design.certain() };
+            let known = design.map(&rows, trusted).evaluate(&input).evidence;
+            assert!((known.known + known.doubted - design.prior(7)).abs() < 1e-9);
+            assert!((known.known - (x.row(7) * &rows).squared_norm_l2()).abs() < 1e-9);
         }
-        let fitted = design.map(&rows, Certainty { len: rows.ncols(), ..design.certain() });
-        let input: Vec<f64> = inputs.values().col(7).iter().map(|x| design.scale() * x).collect();
-        let evidence = fitted.evaluate(&input).evidence;
-        assert_eq!(evidence.known, 0.0, "no signal");
-        let trusted = Certainty { len: rows.ncols(), signal: 1.0, noise: 1.0, ..design.certain() };
-        let known = design.map(&rows, trusted).evaluate(&input).evidence;
-        assert!((known.known + known.doubted - design.prior(7)).abs() < 1e-9);
-        assert!((known.known - (x.row(7) * &rows).squared_norm_l2()).abs() < 1e-9);
     }
 
     #[test]
     fn with_every_sample_a_centre_columns_make_the_kernel_matrix() {
         let inputs = inputs();
-        let x = columns(&design(&inputs, 20));
+        let x = design(&inputs, 20).columns;
         let expected = inputs.kernel_matrix(GroupKernel::Gaussian, 4.0);
         assert!((&x * x.transpose() - expected).norm_max() < 1e-12);
     }

@@ -15,6 +15,8 @@ const TERM: f64 = 5.0;
 /// Candidate ridges, relative to the largest squared singular value, ascending.
 const RIDGES: [f64; 13] =
     [1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
+/// How many times as large as the last that was tried a ridge is for which smaller ones need no trial.
+const PAST: f64 = 50.0;
 
 /// Most of a map's squared error against that of the base, per unit of variance.
 const NOISE: f64 = 4.0;
@@ -77,17 +79,30 @@ fn best_of(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Sco
     let terms = design.terms();
     let of_ridge = |ridge: f64| {
         let left = projected.left_out(design, ridge)?;
-        let size = |left: &Mat<f64>| {
-            let exact = outputs.exact * left.nrows() as f64;
-            left.col_iter().map(|c| c.squared_norm_l2() + exact).collect()
-        };
         let rounding = rounding(design, outputs, &projected, &terms, ridge);
-        Some(OfRidge { ridge, errors: left.iter().map(size).collect(), rounding })
+        let score = |(output, rounding): (usize, f64)| {
+            let errors = left.iter().map(|left| {
+                let exact = outputs.exact * left.nrows() as f64;
+                left.col(output).squared_norm_l2() + exact + rounding
+            });
+            gentle_mean(errors)
+        };
+        Some(OfRidge { ridge, scores: rounding.into_iter().enumerate().map(score).collect() })
     };
-    let tried: Vec<OfRidge> = ridges.iter().copied().filter_map(of_ridge).collect();
-    let best: Vec<(f64, f64)> =
-        (0..outputs.all.ncols()).map(|o| least(&tried, o)).collect::<Option<_>>()?;
-    let (ridges, scores) = best.into_iter().unzip();
+    let mut tried = Vec::<OfRidge>::new();
+    let mut best = None;
+    for at in ridges.iter().rev().copied().filter_map(of_ridge) {
+        let ridge = at.ridge;
+        tried.push(at);
+        let found: Vec<(f64, f64)> =
+            (0..outputs.all.ncols()).map(|output| least(&tried, output)).collect::<Option<_>>()?;
+        let is_past = found.iter().all(|found| found.0 > PAST * ridge);
+        best = Some(found);
+        if is_past {
+            break;
+        }
+    }
+    let (ridges, scores) = best?.into_iter().unzip();
     let scored = Scored { hyperparameters: design.hyperparameters, ridges, scores };
     Some(scored).filter(|scored| scored.score().is_finite())
 }
@@ -210,22 +225,17 @@ fn rounding(
     design.at_centres(&solution).col_iter().map(|c| samples * square(c)).collect()
 }
 
-/// Squared errors of each block and output at one ridge.
+/// Scores of the outputs at one ridge.
 struct OfRidge {
     ridge: f64,
-    errors: Vec<Vec<f64>>,
-    rounding: Vec<f64>,
+    scores: Vec<f64>,
 }
 
-/// The ridge that scores best for an output, and its score.
+/// The ridge that scores best for an output, the largest tried first, and its score.
 fn least(tried: &[OfRidge], output: usize) -> Option<(f64, f64)> {
-    let score = |at: &OfRidge| {
-        let of = at.errors.iter().map(|errors| errors[output] + at.rounding[output]);
-        (at.ridge, gentle_mean(of))
-    };
-    let scored: Vec<(f64, f64)> = tried.iter().map(score).collect();
-    let least = scored.iter().map(|at| at.1).fold(f64::INFINITY, f64::min);
-    scored.into_iter().rev().find(|at| at.1 <= (1.0 + STIFFER.get()) * least)
+    let least = tried.iter().map(|at| at.scores[output]).fold(f64::INFINITY, f64::min);
+    let found = tried.iter().find(|at| at.scores[output] <= (1.0 + STIFFER.get()) * least)?;
+    Some((found.ridge, found.scores[output]))
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Certificate;
-use sinew_trainer::envelope::correction::listening::Known;
+use sinew_trainer::envelope::correction::lists::Known;
 use sinew_trainer::envelope::correction::search::Search;
 use sinew_trainer::envelope::fitted::Fitted;
 use sinew_trainer::envelope::helpers::fit::HelperFit;

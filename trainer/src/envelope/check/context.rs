@@ -94,7 +94,7 @@ pub(super) fn worst_first(
     indices: impl Iterator<Item = usize>,
     of: impl Fn(usize) -> f64,
 ) -> Vec<usize> {
-    let mut sorted: Vec<usize> = indices.collect();
-    sorted.sort_by(|&a, &b| of(b).total_cmp(&of(a)));
-    sorted
+    let mut sorted: Vec<(f64, usize)> = indices.map(|index| (of(index), index)).collect();
+    sorted.sort_by(|a, b| b.0.total_cmp(&a.0));
+    sorted.into_iter().map(|(_, index)| index).collect()
 }

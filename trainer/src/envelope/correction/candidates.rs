@@ -1,8 +1,9 @@
 //! The candidates for a group's kernel map, chosen by folds of the training poses.
 
 use super::blocks::Blocks;
-use super::group_outputs::GroupOutputs;
-use super::listening::{Known, Listening};
+use super::group_outputs::{EachOutputs, GroupOutputs};
+use super::listening::{Listening, NearJoints};
+use super::lists::Known;
 use super::metric::Metric;
 use super::target::CorrectionTarget;
 use crate::constants::SIMPLER;
@@ -93,7 +94,11 @@ impl GroupCandidates {
         let before = nothing.score;
         let mut found = vec![nothing];
         // A joint whose skin LBS errs nowhere on has no helpers, but may have proxies.
-        let choose = || Listening::choose(&outputs, poses, features, joint);
+        let choose = || {
+            let each = EachOutputs::new(target, proxies.clone(), blocks);
+            let near = NearJoints::choose(&each.outputs, poses, features, joint)?;
+            Some(near.listening(&each.outputs, poses, features))
+        };
         let known = known.get(&joint).and_then(|lists| lists.get(listens));
         let listening = known.cloned().or_else(choose);
         if let Some(listening) = &listening {

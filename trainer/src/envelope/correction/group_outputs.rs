@@ -4,7 +4,7 @@ use super::beyond::beyond;
 use super::blocks::Blocks;
 use super::metric::Metric;
 use super::target::CorrectionTarget;
-use crate::constants::{EXACT, NEGLIGIBLE};
+use crate::constants::{EXACT, NEGLIGIBLE, TELLS_NOTHING};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::stacked::map_of;
 use crate::kernel::outputs::Outputs;
@@ -70,15 +70,11 @@ pub struct EachOutputs {
 }
 
 impl EachOutputs {
-    /// Measures what is left over of some proxies of one dominant joint, without the last that hold no more than a share of
-    /// a proxy's squared size.
-    pub fn new(
-        target: &CorrectionTarget<'_>,
-        proxies: Range<usize>,
-        blocks: &Blocks,
-        share: f64,
-    ) -> Self {
-        let of = |l: usize| GroupOutputs::new(target, l..l + 1, blocks).outputs.leading(share);
+    /// Measures what is left over of some proxies of one dominant joint, as far as it tells what their maps need.
+    pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>, blocks: &Blocks) -> Self {
+        let of = |l: usize| {
+            GroupOutputs::new(target, l..l + 1, blocks).outputs.leading(TELLS_NOTHING.get())
+        };
         let each: Vec<Outputs> = proxies.map(of).collect();
         let columns = |(k, own): (usize, &Outputs)| std::iter::repeat_n(k, own.all.ncols());
         let owners = each.iter().enumerate().flat_map(columns).collect();

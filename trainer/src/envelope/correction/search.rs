@@ -7,7 +7,7 @@
 use super::blocks::Blocks;
 use super::candidates::{GroupCandidates, GroupReport};
 use super::group_outputs::groups;
-use super::listening::Known;
+use super::lists::Known;
 use super::target::CorrectionTarget;
 use crate::envelope::model::Group;
 use crate::envelope::skin::poses::Poses;
@@ -123,7 +123,7 @@ fn add(group: &Group, latents: &[f64], (poses, pose): (&Poses, usize), out: &mut
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::envelope::correction::listening;
+    use crate::envelope::correction::lists;
     use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::helpers::fit::HelperFit;
     use crate::envelope::skin::targets::Targets;
@@ -138,7 +138,7 @@ mod tests {
         let training = Training::new(&examples, &Silent).unwrap();
         let helpers = HelperFit::new(&training).unwrap().run(20, 4);
         let target = helpers.target(&training);
-        let search = Search::new(target, &listening::choose(&target, 1, &Silent), &Silent);
+        let search = Search::new(target, &lists::choose(&target, 1, &Silent), &Silent);
         let of = |bytes| -> (f64, usize) {
             let correction = search.fit(bytes).unwrap();
             let frames = examples.frames_of(Split::HeldOut);

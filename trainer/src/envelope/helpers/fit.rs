@@ -2,7 +2,7 @@
 
 use crate::constants::{AHEAD, BASE, ERRS, PULL, RESIDUAL_SHARE};
 use crate::envelope::correction::features::Features;
-use crate::envelope::correction::listening::{self, Known};
+use crate::envelope::correction::lists::{self, Known};
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
 use crate::envelope::model::Group;
@@ -266,7 +266,7 @@ impl Helpers {
     /// The helpers in an order in which those of a joint stand together that take the same of what its maps listen to: each
     /// takes what predicts it best.
     pub fn listening(self, training: &Training, known: &Known) -> Self {
-        let listens = listening::assign(&self.target(training), known);
+        let listens = lists::assign(&self.target(training), known);
         let mut order: Vec<usize> = (0..listens.len()).collect();
         order.sort_by_key(|&l| (self.dominant[l], listens[l]));
         let mut rank = vec![0; order.len()];
@@ -361,7 +361,7 @@ mod tests {
             (training.targets(&helpers.weights).rms(&palette), trace)
         };
         let (rms, trace) = skin(&found);
-        let known = listening::choose(&found.target(&training), usize::MAX, &Silent);
+        let known = lists::choose(&found.target(&training), usize::MAX, &Silent);
         assert!(known.values().any(|lists| lists.len() > 1), "some joint has several lists");
         let sum: f64 = found.lbs_errors.iter().sum();
         let found = found.listening(&training, &known);
@@ -376,11 +376,11 @@ mod tests {
     fn a_helper_with_nothing_to_learn_takes_a_list_as_well() {
         let training = arm();
         let mut found = HelperFit::new(&training).unwrap().run(20, 4);
-        let known = listening::choose(&found.target(&training), usize::MAX, &Silent);
+        let known = lists::choose(&found.target(&training), usize::MAX, &Silent);
         let has_several = |l: &usize| known[&found.dominant[*l]].len() > 1;
         let last = (0..20).rev().find(has_several).unwrap();
         found.left_over.subcols_mut(4 * last, 4).fill(0.0);
-        assert_eq!(listening::assign(&found.target(&training), &known).len(), 20);
+        assert_eq!(lists::assign(&found.target(&training), &known).len(), 20);
     }
 
     #[test]

@@ -206,7 +206,7 @@ fn stiffest(trials: &[RefinementTrial]) -> Option<Refinement> {
 mod tests {
     use super::super::{ProxyCount, RotationalOptions, fit};
     use super::*;
-    use crate::envelope::correction::listening;
+    use crate::envelope::correction::lists;
     use crate::envelope::correction::search::Search;
     use crate::envelope::demo::{DemoOptions, demo};
     use crate::envelope::helpers::fit::HelperFit;
@@ -221,7 +221,7 @@ mod tests {
         let training = Training::new(&examples, &Silent).unwrap();
         let helpers = HelperFit::new(&training).unwrap().run(20, 4);
         let target = helpers.target(&training);
-        let known = listening::choose(&target, 1, &Silent);
+        let known = lists::choose(&target, 1, &Silent);
         let maps = Search::new(target, &known, &Silent).fit(usize::MAX).unwrap();
         let lessons = Lessons::new(&training, &helpers.fitted(&training, maps.groups));
         let options =
