@@ -29,6 +29,8 @@ impl Constant {
 
 /// A vertex on which LBS errs more, RMS in diagonals, is a helper's; less is not seen.
 pub static ERRS: Constant = Constant::new("ERRS", 4e-4);
+/// A vertex on which LBS errs less, RMS in diagonals, keeps its weights: there is nothing to gain.
+pub static SERVED: Constant = Constant::new("SERVED", 1e-4);
 /// A residual's weight against a position's where vertices are grouped.
 pub static RESIDUAL_SHARE: Constant = Constant::new("RESIDUAL_SHARE", 8.0);
 /// Pull of a helper to its joint, of the mean diagonal: what few vertices support is noise that no map can predict.
@@ -69,8 +71,9 @@ pub static GENTLE: Constant = Constant::new("GENTLE", 0.1);
 pub static STIFFER: Constant = Constant::new("STIFFER", 0.02);
 
 /// All of them.
-pub static ALL: [&Constant; 18] = [
+pub static ALL: [&Constant; 19] = [
     &ERRS,
+    &SERVED,
     &RESIDUAL_SHARE,
     &PULL,
     &BASE,

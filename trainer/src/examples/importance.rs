@@ -23,6 +23,11 @@ impl<'a> Importance<'a> {
     pub fn of(self, item: usize) -> f64 {
         self.0.map_or(1.0, |numbers| numbers[item])
     }
+
+    /// The numbers of some items; none where all count alike.
+    pub fn some(self, items: &[usize]) -> Option<Vec<f64>> {
+        self.0.map(|numbers| items.iter().map(|&item| numbers[item]).collect())
+    }
 }
 
 impl Examples {

@@ -1,6 +1,7 @@
 //! What samples are to give, in blocks, and the mean by which errors of blocks make a score.
 
 use crate::constants::GENTLE;
+use crate::numeric::columns::some;
 use faer::Mat;
 use std::ops::Range;
 
@@ -69,7 +70,7 @@ impl Outputs {
     /// Some of the outputs.
     #[must_use]
     pub fn columns(&self, columns: &[usize]) -> Self {
-        let own = |m: &Mat<f64>| Mat::from_fn(m.nrows(), columns.len(), |i, k| m[(i, columns[k])]);
+        let own = |m: &Mat<f64>| some(m, columns);
         Self {
             all: own(&self.all),
             blocks: self.blocks.clone(),

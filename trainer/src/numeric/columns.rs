@@ -15,6 +15,11 @@ pub(crate) fn fill(matrix: &mut Mat<f64>, write: impl Fn(usize, &mut [f64]) + Sy
     });
 }
 
+/// Returns some of a matrix's columns.
+pub(crate) fn some(matrix: &Mat<f64>, columns: &[usize]) -> Mat<f64> {
+    Mat::from_fn(matrix.nrows(), columns.len(), |row, k| matrix[(row, columns[k])])
+}
+
 /// Returns the least and the greatest of numbers that are not none.
 pub(crate) fn ends<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> [f64; 2] {
     let none = [f64::INFINITY, f64::NEG_INFINITY];

@@ -1,6 +1,6 @@
 //! The fit of helpers to the training frames (METHOD §1.9).
 
-use crate::constants::{AHEAD, BASE, ERRS, PULL, RESIDUAL_SHARE};
+use crate::constants::{AHEAD, BASE, ERRS, PULL, RESIDUAL_SHARE, SERVED};
 use crate::envelope::correction::features::Features;
 use crate::envelope::correction::lists::{self, Known};
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
@@ -12,9 +12,11 @@ use crate::envelope::skin::projection::gram;
 use crate::envelope::skin::stacked::{bases, set_map};
 use crate::envelope::skin::targets::{Targets, skinned};
 use crate::envelope::skin::training::Training;
+use crate::examples::Importance;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::basis::{Basis, basis};
 use crate::numeric::cluster::cluster;
+use crate::numeric::columns;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3};
 
@@ -88,8 +90,10 @@ impl<'a> HelperFit<'a> {
             }
         }
         let bases = bases(joints, &dominant);
-        let weights = OnBasis::new(self, &bases).run(&maps, influences);
-        let maps = fit_helpers(training, &training.trajectories, [joints, &bases], &weights);
+        let open = Open::new(self, influences);
+        let weights =
+            open.among(&training.lbs.weights, &OnBasis::new(&open, &bases).run(&maps, influences));
+        let maps = fit_helpers(&training.targets(&weights), [joints, &bases]);
         let span = poses.joint_len()..poses.joint_len() + dominant.len();
         let gram = gram(&training.targets(&weights), span.clone());
         let lbs_errors = training.lbs_errors(&weights, span);
@@ -118,9 +122,54 @@ impl<'a> HelperFit<'a> {
     }
 }
 
+/// The vertices that are fitted: all but those that LBS serves.
+struct Open<'a> {
+    fit: &'a HelperFit<'a>,
+    vertices: Vec<usize>,
+    rest: Vec<[f64; 3]>,
+    importance: Option<Vec<f64>>,
+    /// Their weights by LBS.
+    lbs: Weights,
+    /// Their trajectories on a basis, and under these the same of LBS.
+    trajectories: Mat<f64>,
+    targets: Mat<f64>,
+}
+
+impl<'a> Open<'a> {
+    fn new(fit: &'a HelperFit<'_>, influences: usize) -> Self {
+        let Training { rest, lbs, poses, .. } = fit.training;
+        let served = SERVED.get() * SERVED.get() * poses.len() as f64;
+        let is_open = |&v: &usize| lbs.errors[v] > served || lbs.weights.of(v).count() > influences;
+        let vertices: Vec<usize> = (0..rest.len()).filter(is_open).collect();
+        let own = |m: &Mat<f64>| columns::some(m, &vertices);
+        let trajectories = own(&fit.training.basis().coordinates);
+        let lists = vertices.iter().map(|&v| lbs.weights.of(v).collect());
+        Self {
+            rest: vertices.iter().map(|&v| rest[v]).collect(),
+            importance: fit.training.importance().some(&vertices),
+            lbs: Weights::from_lists(lbs.weights.most(), lists),
+            targets: faer::concat![[&trajectories], [&own(&fit.plain.coordinates)]],
+            trajectories,
+            vertices,
+            fit,
+        }
+    }
+
+    fn importance(&self) -> Importance<'_> {
+        Importance::by(self.importance.as_deref())
+    }
+
+    /// Puts weights of these vertices in the place of others among those of all.
+    fn among(&self, all: &Weights, own: &Weights) -> Weights {
+        let mut lists: Vec<Vec<_>> = (0..all.len()).map(|v| all.of(v).collect()).collect();
+        self.vertices.iter().enumerate().for_each(|(k, &v)| lists[v] = own.of(k).collect());
+        Weights::from_lists(own.most(), lists.into_iter())
+    }
+}
+
 /// The fit of weights and the helpers' maps in turn, on a basis of the trajectories.
 struct OnBasis<'a> {
-    fit: &'a HelperFit<'a>,
+    open: &'a Open<'a>,
     /// The joints' maps on the basis, and those of the helpers' dominant joints.
     joints: Mat<f64>,
     bases: Mat<f64>,
@@ -129,13 +178,14 @@ struct OnBasis<'a> {
 }
 
 impl<'a> OnBasis<'a> {
-    fn new(fit: &'a HelperFit<'_>, bases: &Mat<f64>) -> Self {
+    fn new(open: &'a Open<'_>, bases: &Mat<f64>) -> Self {
+        let HelperFit { training, joints, plain, .. } = open.fit;
         let onto = |basis: &Basis, maps: &Mat<f64>| basis.vectors.transpose() * maps;
-        let trajectories = fit.training.basis();
-        let palette = onto(&fit.plain, &faer::concat![[&fit.joints, bases]]);
+        let trajectories = training.basis();
+        let palette = onto(plain, &faer::concat![[joints, bases]]);
         Self {
-            fit,
-            joints: onto(trajectories, &fit.joints),
+            open,
+            joints: onto(trajectories, joints),
             bases: onto(trajectories, bases),
             plain: palette * faer::Scale(BASE.get()),
         }
@@ -143,12 +193,10 @@ impl<'a> OnBasis<'a> {
 
     /// Alternates from some maps of the helpers, and returns the weights.
     fn run(&self, maps: &Mat<f64>, influences: usize) -> Weights {
-        let HelperFit { training, plain, .. } = self.fit;
-        let trajectories = training.basis();
-        let targets = faer::concat![[&trajectories.coordinates], [&plain.coordinates]];
-        let items = Items::vertices(&training.rest, &targets, training.importance());
-        let others = &training.lbs.weights;
-        let mut now = Round::first(others.clone(), trajectories.vectors.transpose() * maps);
+        let Open { rest, targets, lbs: others, .. } = self.open;
+        let items = Items::vertices(rest, targets, self.open.importance());
+        let vectors = &self.open.fit.training.basis().vectors;
+        let mut now = Round::first(others.clone(), vectors.transpose() * maps);
         for _ in 0..CHOICES {
             let last = &now.weights;
             now = self.round(&now, &items, Supports::Better { most: influences, others, last });
@@ -169,8 +217,10 @@ impl<'a> OnBasis<'a> {
         if last.steps > 0.0 && error > last.error {
             return Round { ahead: last.maps.clone(), steps: 0.0, ..last.clone() };
         }
-        let (training, maps_of) = (self.fit.training, [&self.joints, &self.bases]);
-        let maps = fit_helpers(training, &training.basis().coordinates, maps_of, &weights);
+        let Open { rest, trajectories, .. } = self.open;
+        let importance = self.open.importance();
+        let targets = Targets { rest, weights: &weights, trajectories, importance };
+        let maps = fit_helpers(&targets, [&self.joints, &self.bases]);
         let step = AHEAD.get() * last.steps / (last.steps + 3.0);
         let ahead = &maps + (&maps - &last.maps) * faer::Scale(step);
         Round { weights, error, maps, ahead, steps: last.steps + 1.0 }
@@ -197,16 +247,10 @@ impl Round {
 }
 
 /// Fits the helpers' maps to weights and trajectories.
-fn fit_helpers(
-    training: &Training,
-    trajectories: &Mat<f64>,
-    [joints, bases]: [&Mat<f64>; 2],
-    weights: &Weights,
-) -> Mat<f64> {
-    let (on_joints, on_helpers) = split(weights, joints.ncols() / 4);
-    let (rest, importance) = (&training.rest, training.importance());
-    let left = Targets { rest, weights: &on_joints, trajectories, importance }.residuals(joints);
-    let items = Items::vertices(rest, &left, importance);
+fn fit_helpers(targets: &Targets<'_>, [joints, bases]: [&Mat<f64>; 2]) -> Mat<f64> {
+    let (on_joints, on_helpers) = split(targets.weights, joints.ncols() / 4);
+    let left = Targets { weights: &on_joints, ..*targets }.residuals(joints);
+    let items = Items::vertices(targets.rest, &left, targets.importance);
     fit_maps(&items, &on_helpers, &Maps { width: 4, columns: bases.clone() }, PULL.get()).columns
 }
 
