@@ -122,40 +122,59 @@ impl<'a> Design<'a> {
 
     /// Takes the rows of a block.
     pub fn rows(&self, block: &Block) -> BlockRows {
-        let mut rows = Mat::zeros(block.out_len(), self.directions.ncols());
-        for (out, direction) in rows.col_iter_mut().zip(self.directions.col_iter()) {
-            out.iter_mut().zip(block.out()).for_each(|(out, sample)| *out = direction[sample]);
-        }
-        BlockRows { rows, own: block.own.len() }
+        BlockRows { rows: block.rows(&self.directions), own: block.own.len() }
+    }
+
+    /// What a fit to all samples with a ridge leaves of outputs, n x r, given their projection.
+    pub fn residuals(&self, outputs: &Mat<f64>, projected: &Mat<f64>, ridge: f64) -> Mat<f64> {
+        let shrink = self.shrink(ridge);
+        let fitted = Mat::from_fn(projected.nrows(), projected.ncols(), |k, o| {
+            shrink[k] * projected[(k, o)]
+        });
+        outputs - &self.directions * fitted
+    }
+
+    /// What a ridge leaves of each direction.
+    fn shrink(&self, ridge: f64) -> Vec<f64> {
+        self.squared.iter().map(|s| s / (s + ridge * self.largest)).collect()
     }
 
     /// Takes a block of samples out of a fit with a ridge; none where rounding makes what it leaves
     /// indefinite.
     pub fn block_out(&self, BlockRows { rows, own }: &BlockRows, ridge: f64) -> Option<BlockOut> {
         registers::narrow();
-        let noise = ridge * self.largest;
-        let mut hat = rows.clone();
-        for (column, s) in hat.col_iter_mut().zip(&self.squared) {
-            let shrink = s / (s + noise);
-            column.iter_mut().for_each(|entry| *entry *= shrink);
-        }
+        let shrink = self.shrink(ridge);
+        let hat = Mat::from_fn(rows.nrows(), rows.ncols(), |i, k| shrink[k] * rows[(i, k)]);
         let remainder = Mat::<f64>::identity(rows.nrows(), rows.nrows()) - &hat * rows.transpose();
+        let noise = ridge * self.largest;
         Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat, own: *own, noise })
     }
 
     /// Solves for the coefficients of the orthonormal functions, then of the scaled inputs, of the
     /// first outputs that were projected, with a ridge each.
     pub fn solve(&self, projected: &Mat<f64>, ridges: &[f64]) -> Mat<f64> {
-        let dual = Mat::from_fn(projected.nrows(), ridges.len(), |k, o| {
-            projected[(k, o)] / (self.squared[k] + ridges[o] * self.largest)
-        });
+        let dual = self.dual(&projected.subcols(0, ridges.len()).to_owned(), |o| ridges[o]);
         self.columns.transpose() * (&self.directions * dual)
+    }
+
+    /// Solves for coefficients of the directions, k x r.
+    ///
+    /// - `ridge`: of each output.
+    pub fn dual(&self, projected: &Mat<f64>, ridge: impl Fn(usize) -> f64) -> Mat<f64> {
+        Mat::from_fn(projected.nrows(), projected.ncols(), |k, o| {
+            projected[(k, o)] / (self.squared[k] + ridge(o) * self.largest)
+        })
     }
 
     /// Turns coefficients of the design's columns to those of the kernels at the origin and at the
     /// centres, centres + 1 x r.
-    pub fn at_centres(&self, solution: &Mat<f64>) -> Mat<f64> {
+    fn at_centres(&self, solution: &Mat<f64>) -> Mat<f64> {
         self.centres.at_centres(&solution.subrows(0, self.hyperparameters.centres).to_owned())
+    }
+
+    /// The same of what each direction stands for, centres + 1 x k.
+    pub fn directions_at_centres(&self) -> Mat<f64> {
+        self.at_centres(&(self.columns.transpose() * &self.directions))
     }
 
     /// RMS size of what is rounded in the kernel of each centre, the origin first: the value itself,
@@ -277,11 +296,15 @@ fn directions(columns: &Mat<f64>) -> Option<(Mat<f64>, Vec<f64>)> {
 }
 
 impl BlockOut {
-    /// Finds the errors of the block's own samples, given the outputs of what it leaves out and the projection of all,
-    /// as the fit without the block sees them: a row a sample.
-    pub fn errors(&self, outputs: &Mat<f64>, projected: &Mat<f64>) -> Mat<f64> {
-        let errors = self.left_out.errors(&(outputs - &self.hat * projected));
-        errors.subrows(0, self.own).to_owned()
+    /// What a fit to all samples leaves of those that are left out, given their outputs and the projection of all, as the
+    /// fit without the block sees them: a row a sample.
+    pub fn residuals(&self, outputs: &Mat<f64>, projected: &Mat<f64>) -> Mat<f64> {
+        outputs - &self.hat * projected
+    }
+
+    /// Turns these residuals to the errors of the block's own samples.
+    pub fn errors(&self, residuals: &Mat<f64>) -> Mat<f64> {
+        self.left_out.errors(residuals).subrows(0, self.own).to_owned()
     }
 
     /// Returns the variance of the fit without its samples, summed over a block's own.
@@ -319,10 +342,12 @@ mod tests {
             for block in [Block::row(0..7), Block::row(7..12), Block::row(12..20), scattered] {
                 let out: Vec<usize> = block.out().collect();
                 let own = Mat::from_fn(out.len(), 2, |i, o| all[(out[i], o)]);
-                let found = design
-                    .block_out(&design.rows(&block), 1e-3)
-                    .unwrap()
-                    .errors(&own, &design.project(&all));
+                let left = design.block_out(&design.rows(&block), 1e-3).unwrap();
+                let projected = design.project(&all);
+                let residuals = left.residuals(&own, &projected);
+                let same = block.rows(&design.residuals(&all, &projected, 1e-3));
+                assert!((&same - &residuals).norm_max() < 1e-12);
+                let found = left.errors(&residuals);
                 let kept: Vec<usize> = (0..20).filter(|i| !out.contains(i)).collect();
                 let a = Mat::from_fn(kept.len(), x.ncols(), |r, c| x[(kept[r], c)]);
                 let y = Mat::from_fn(kept.len(), 2, |r, c| all[(kept[r], c)]);

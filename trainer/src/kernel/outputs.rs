@@ -29,6 +29,15 @@ impl Block {
     pub fn out(&self) -> impl Iterator<Item = usize> + Clone + '_ {
         self.own.iter().chain(&self.near).copied()
     }
+
+    /// Takes the rows of what is left out.
+    pub fn rows(&self, all: &Mat<f64>) -> Mat<f64> {
+        let mut rows = Mat::zeros(self.out_len(), all.ncols());
+        for (out, all) in rows.col_iter_mut().zip(all.col_iter()) {
+            out.iter_mut().zip(self.out()).for_each(|(out, sample)| *out = all[sample]);
+        }
+        rows
+    }
 }
 
 /// What the samples are to give.
@@ -112,12 +121,7 @@ impl Outputs {
 
     /// Returns the same of a part of a block.
     pub fn of_part(&self, block: &Block, of: usize) -> Mat<f64> {
-        let seen = self.without.get(of).unwrap_or(&self.all);
-        let mut all = Mat::zeros(block.out_len(), seen.ncols());
-        for (out, seen) in all.col_iter_mut().zip(seen.col_iter()) {
-            out.iter_mut().zip(block.out()).for_each(|(out, sample)| *out = seen[sample]);
-        }
-        all
+        block.rows(self.without.get(of).unwrap_or(&self.all))
     }
 
     /// How many times as much there is to predict of samples as their own blocks see them: 1 where outputs do not depend

@@ -7,7 +7,7 @@ use super::design::{BlockRows, Design, Hyperparameters};
 use super::map::KernelMap;
 use super::outputs::{Block, Outputs, gentle_mean};
 use crate::constants::STIFFER;
-use faer::{ColRef, Mat};
+use faer::Mat;
 use sinew_runtime::format::CORRECTION_MAX;
 
 /// Roundings of a term of the sum in f32, each at random; `kernel::map` has the bound for the worst.
@@ -76,10 +76,10 @@ pub fn coarse_each(design: &Design<'_>, outputs: &Outputs) -> Option<Vec<f64>> {
 
 fn best_of(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Scored> {
     let projected = Projected::new(design, outputs);
-    let terms = design.terms();
+    let rounding = Rounding::new(design, outputs.blocks.len());
     let of_ridge = |ridge: f64| {
-        let left = projected.left_out(design, ridge)?;
-        let rounding = rounding(design, outputs, &projected, &terms, ridge);
+        let left = projected.left_out(design, outputs, ridge)?;
+        let rounding = rounding.of(&design.dual(&projected.all, |_| ridge));
         let score = |(output, rounding): (usize, f64)| {
             let errors = left.iter().map(|left| {
                 let exact = outputs.exact * left.nrows() as f64;
@@ -123,11 +123,12 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     let parts: Vec<BlockOutputs> = outputs.parts.iter().map(part).collect();
     for ridge in distinct {
         let own: Vec<usize> = (0..ridges.len()).filter(|&o| ridges[o] == ridge).collect();
-        for (sum, left) in squared.iter_mut().zip(projected.left_out(design, ridge)?) {
+        for (sum, left) in squared.iter_mut().zip(projected.left_out(design, outputs, ridge)?) {
             *sum += own.iter().map(|&o| left.col(o).squared_norm_l2()).sum::<f64>();
         }
         for ((block, of), BlockOutputs { rows, truth }) in outputs.parts.iter().zip(&parts) {
-            let left = design.block_out(rows, ridge)?.errors(truth, projected.seen(*of));
+            let out = design.block_out(rows, ridge)?;
+            let left = out.errors(&out.residuals(truth, projected.seen(*of)));
             for (i, &sample) in block.own.iter().enumerate() {
                 own.iter().for_each(|&o| predicted[(sample, o)] = truth[(i, o)] - left[(i, o)]);
             }
@@ -199,30 +200,46 @@ impl Projected {
     }
 
     /// Errors of the samples of each block, predicted by the rest.
-    fn left_out(&self, design: &Design<'_>, ridge: f64) -> Option<Vec<Mat<f64>>> {
-        let blocks = self.blocks.iter().enumerate();
-        let errors = blocks.map(|(b, BlockOutputs { rows, truth })| {
-            Some(design.block_out(rows, ridge)?.errors(truth, self.seen(b)))
-        });
-        errors.collect()
+    fn left_out(
+        &self,
+        design: &Design<'_>,
+        outputs: &Outputs,
+        ridge: f64,
+    ) -> Option<Vec<Mat<f64>>> {
+        let alike = self.without.is_empty();
+        let all = alike.then(|| design.residuals(&outputs.all, &self.all, ridge));
+        let errors = |(b, BlockOutputs { rows, truth }): (usize, &BlockOutputs)| {
+            let out = design.block_out(rows, ridge)?;
+            let residuals = match &all {
+                Some(all) => outputs.blocks[b].rows(all),
+                None => out.residuals(truth, self.seen(b)),
+            };
+            Some(out.errors(&residuals))
+        };
+        self.blocks.iter().enumerate().map(errors).collect()
     }
 }
 
-/// What rounding to f32 adds to each output's score, given the size of each centre's term.
-fn rounding(
-    design: &Design<'_>,
-    outputs: &Outputs,
-    projected: &Projected,
-    terms: &[f64],
-    ridge: f64,
-) -> Vec<f64> {
-    let solution = design.solve(&projected.all, &vec![ridge; outputs.all.ncols()]);
-    let samples = design.sample_len() as f64 / outputs.blocks.len() as f64;
-    let square = |c: ColRef<'_, f64>| {
-        let own = c.iter().zip(terms).map(|(c, term)| (c * term).powi(2));
-        (TERM * U).powi(2) * own.sum::<f64>()
-    };
-    design.at_centres(&solution).col_iter().map(|c| samples * square(c)).collect()
+/// What rounding to f32 adds to outputs' scores.
+struct Rounding {
+    /// For each of a design's directions the size of what is rounded in each centre's term, centres + 1 x k.
+    terms: Mat<f64>,
+}
+
+impl Rounding {
+    fn new(design: &Design<'_>, blocks: usize) -> Self {
+        let samples = design.sample_len() as f64 / blocks as f64;
+        let mut terms = design.directions_at_centres();
+        for (mut row, term) in terms.row_iter_mut().zip(design.terms()) {
+            row *= faer::Scale(samples.sqrt() * TERM * U * term);
+        }
+        Self { terms }
+    }
+
+    /// What it adds to each output's, given their duals.
+    fn of(&self, dual: &Mat<f64>) -> Vec<f64> {
+        (&self.terms * dual).col_iter().map(|output| output.squared_norm_l2()).collect()
+    }
 }
 
 /// Scores of the outputs at one ridge.
