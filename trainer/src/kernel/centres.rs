@@ -19,6 +19,8 @@ pub struct Greedy {
     pub order: Vec<usize>,
     /// Rows: the origin, then the n samples; columns: the origin, then the centres.
     factor: Mat<f64>,
+    /// The kernels' values, as the factor.
+    values: Mat<f64>,
 }
 
 impl Greedy {
@@ -33,6 +35,7 @@ impl Greedy {
         registers::narrow();
         let points = len + 1;
         let mut factor = Mat::<f64>::zeros(points, most.min(len) + 1);
+        let mut values = factor.clone();
         let mut left = vec![1.0; points];
         let (mut order, mut pivot) = (Vec::new(), 0);
         for column in 0..factor.ncols() {
@@ -40,7 +43,9 @@ impl Greedy {
             let before = factor.subcols(0, column);
             let known = before * before.row(pivot).transpose();
             for point in 0..points {
-                let value = (kernel.exact(squared(point, pivot)) - known[point]) / root;
+                let here = kernel.exact(squared(point, pivot));
+                let value = (here - known[point]) / root;
+                values[(point, column)] = here;
                 factor[(point, column)] = value;
                 left[point] -= value * value;
             }
@@ -55,14 +60,20 @@ impl Greedy {
                 None => break,
             }
         }
-        let factor = factor.subcols(0, order.len() + 1).to_owned();
-        Self { order, factor }
+        let taken = |of: Mat<f64>| of.subcols(0, order.len() + 1).to_owned();
+        Self { factor: taken(factor), values: taken(values), order }
     }
 
     /// Returns the first `count` centres alone.
     pub fn first(&self, count: usize) -> Self {
-        let factor = self.factor.subcols(0, count + 1).to_owned();
-        Self { order: self.order[..count].to_vec(), factor }
+        let taken = |of: &Mat<f64>| of.subcols(0, count + 1).to_owned();
+        let (factor, values) = (taken(&self.factor), taken(&self.values));
+        Self { order: self.order[..count].to_vec(), factor, values }
+    }
+
+    /// The value of the origin's kernel (0) or of a centre's (1 and on) at the origin (0) or at a sample (1 and on).
+    pub fn value(&self, point: usize, centre: usize) -> f64 {
+        self.values[(point, centre)]
     }
 
     /// The n samples' values of the centres' orthonormal functions, n x centres.

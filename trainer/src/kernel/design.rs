@@ -14,7 +14,8 @@ use super::left_out::LeftOut;
 use super::map::KernelMap;
 use super::outputs::Block;
 use crate::numeric::registers;
-use faer::{Mat, Side};
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::{Accum, Mat, Par, Side};
 use serde::Serialize;
 use sinew_runtime::envelope::GroupKernel;
 
@@ -145,7 +146,11 @@ impl<'a> Design<'a> {
         registers::narrow();
         let shrink = self.shrink(ridge);
         let hat = Mat::from_fn(rows.nrows(), rows.ncols(), |i, k| shrink[k] * rows[(i, k)]);
-        let remainder = Mat::<f64>::identity(rows.nrows(), rows.nrows()) - &hat * rows.transpose();
+        let mut remainder = Mat::<f64>::identity(rows.nrows(), rows.nrows());
+        let lower = BlockStructure::TriangularLower;
+        let whole = BlockStructure::Rectangular;
+        let (out, onto) = (remainder.as_mut(), rows.transpose());
+        triangular::matmul(out, lower, Accum::Add, &hat, whole, onto, whole, -1.0, Par::Seq);
         let noise = ridge * self.largest;
         Some(BlockOut { left_out: LeftOut::new(&remainder)?, hat, own: *own, noise })
     }
@@ -180,24 +185,23 @@ impl<'a> Design<'a> {
     /// RMS size of what is rounded in the kernel of each centre, the origin first: the value itself,
     /// or, for a gaussian, its change from rest.
     pub fn terms(&self) -> Vec<f64> {
-        registers::narrow();
         let Hyperparameters { kernel, width, .. } = self.hyperparameters;
         let (n, scale) = (self.sample_len(), 1.0 / self.inputs.squared_width(width));
-        let of = |centre: usize| {
+        let of = |(k, centre): (usize, usize)| {
             let size = |i: usize| {
                 let [here, rest, own] = [(centre, i), (centre, 0), (0, i)]
                     .map(|(i, j)| scale * self.inputs.squared(i, j));
                 let twice = (2.0 * here + 2.0 * rest - own).max(0.0);
-                let steepest = kernel.exact(here.min(rest));
-                (steepest * (own * twice).sqrt()).powi(2)
+                let steepest = self.centres.value(i, k).max(self.centres.value(0, k));
+                steepest * steepest * own * twice
             };
             match kernel {
                 GroupKernel::Gaussian => ((1..=n).map(size).sum::<f64>() / n as f64).sqrt(),
                 _ => 1.0,
             }
         };
-        let centres = self.centres.order.iter().map(|k| k + 1);
-        std::iter::once(0).chain(centres).map(of).collect()
+        let centres = self.centres.order.iter().map(|sample| sample + 1);
+        std::iter::once(0).chain(centres).enumerate().map(of).collect()
     }
 
     /// Returns what inputs are to be multiplied by before a map of this design takes them.

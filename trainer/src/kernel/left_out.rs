@@ -12,8 +12,8 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
-    /// Takes R_II, or a multiple of it where residuals are the same multiple of theirs; none where
-    /// rounding has made it indefinite.
+    /// Takes R_II, of which the lower triangle is read, or a multiple of it where residuals are the same multiple of
+    /// theirs; none where rounding has made it indefinite.
     pub fn new(remainder: &Mat<f64>) -> Option<Self> {
         Some(Self { remainder: remainder.llt(Side::Lower).ok()? })
     }

@@ -64,13 +64,14 @@ fn best_width(
     kernel: GroupKernel,
     from: usize,
 ) -> Option<(usize, f64)> {
-    let score = |width: usize| coarse(inputs, outputs, (kernel, *WIDTHS.get(width)?));
-    let mut best = (from, score(from).unwrap_or(f64::INFINITY));
+    let mut known = [None; WIDTHS.len()];
+    let mut score = |width: usize| {
+        let coarse = || coarse(inputs, outputs, (kernel, WIDTHS[width]));
+        known.get_mut(width)?.get_or_insert_with(coarse).map(|score| (width, score))
+    };
+    let mut best = score(from).unwrap_or((from, f64::INFINITY));
     for step in [1, -1] {
-        let next = |width: usize| {
-            let next = width.checked_add_signed(step)?;
-            score(next).map(|score| (next, score))
-        };
+        let mut next = |width: usize| score(width.checked_add_signed(step)?);
         while let Some(found) = next(best.0).filter(|found| found.1 < best.1) {
             best = found;
         }
@@ -80,11 +81,9 @@ fn best_width(
     }
     // Of widths that score alike the narrowest, which fades first.
     let alike = (1.0 + EARNS.get()) * best.1;
-    while let Some(width) = best.0.checked_sub(1) {
-        match score(width).filter(|&score| score <= alike) {
-            Some(score) => best = (width, score),
-            None => break,
-        }
+    let mut narrower = |width: usize| score(width.checked_sub(1)?);
+    while let Some(found) = narrower(best.0).filter(|found| found.1 <= alike) {
+        best = found;
     }
     Some(best).filter(|best| best.1.is_finite())
 }
