@@ -72,7 +72,10 @@ fn the_place_of_the_character_does_not_matter() {
     for position in far.rest.iter_mut().chain(&mut far.vertices) {
         (0..3).for_each(|axis| position[axis] += shift[axis]);
     }
-    for map in far.transforms.iter_mut().chain(&mut far.skeleton.rest) {
+    for frame in &mut far.skeleton.rest {
+        (0..3).for_each(|axis| frame[axis][3] += shift[axis]);
+    }
+    for map in &mut far.transforms {
         let turned = map.map(|row| row[0] * shift[0] + row[1] * shift[1] + row[2] * shift[2]);
         (0..3).for_each(|axis| map[axis][3] += shift[axis] - turned[axis]);
     }
@@ -80,9 +83,7 @@ fn the_place_of_the_character_does_not_matter() {
         let reference = measured(&near, predictor, 12, Split::HeldOut).errors;
         let found = measured(&far, predictor, 12, Split::HeldOut).errors;
         // What is left is the rounding of f32, which grows with the distance.
-        // A correction on top of a reconstruction feels it most.
-        let slack = if predictor == ALL[2] { 1.2 } else { 1.1 };
-        let most = slack * reference.rms_percent + 2e-3;
+        let most = 1.03 * reference.rms_percent;
         assert!(found.rms_percent < most, "{predictor:?} {found:?} {reference:?}");
     }
 }
