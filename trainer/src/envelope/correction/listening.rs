@@ -41,16 +41,18 @@ pub(super) struct NearJoints {
     score: f64,
 }
 
-/// Chooses kernel and width, the smoothest kernel that will do, and gives their score.
+/// Chooses kernel and width, the smoothest kernel that will do, and gives their score: where a rougher one is worse no
+/// still rougher one is tried.
 fn choose_kernel(near: &NearJoints, outputs: &Outputs) -> ((GroupKernel, f64), f64) {
     let [smoothest, rougher @ ..] = SMOOTHEST_FIRST;
-    let rougher = rougher.into_iter().filter_map(|kernel| {
-        let (width, score) = best_width(&near.values, outputs, kernel, near.width)?;
-        Some((kernel, width, score))
-    });
-    let tried: Vec<_> =
-        std::iter::once((smoothest, near.width, near.score)).chain(rougher).collect();
-    let least = tried.iter().map(|t| t.2).fold(f64::INFINITY, f64::min);
+    let mut tried = vec![(smoothest, near.width, near.score)];
+    let mut least = near.score;
+    for kernel in rougher {
+        let found = best_width(&near.values, outputs, kernel, near.width);
+        let Some((width, score)) = found.filter(|found| found.1 <= least) else { break };
+        tried.push((kernel, width, score));
+        least = score;
+    }
     let best = tried.iter().find(|t| t.2 <= (1.0 + SIMPLER.get()) * least).unwrap_or(&tried[0]);
     let (kernel, width, score) = *best;
     ((kernel, WIDTHS[width]), score)

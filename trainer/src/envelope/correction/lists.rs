@@ -31,6 +31,9 @@ pub fn choose(target: &CorrectionTarget<'_>, most: usize, progress: &dyn Progres
         let near = NearJoints::choose(&each.outputs, target.poses, target.features, joint);
         let lists = near.map_or_else(Vec::new, |near| match is_minor {
             true => vec![near.plain()],
+            false if most == 1 => {
+                vec![near.listening(&each.outputs, target.poses, target.features)]
+            }
             false => several(target, joint, each, near, most),
         });
         progress.advance(1);
@@ -68,8 +71,8 @@ fn several(
     let other = |(hops, joints): (usize, Vec<usize>)| {
         scored(NearJoints::new(poses, features, hops, &joints)?)
     };
-    let sets = if most > 1 { sets(features.parents, joint) } else { Vec::new() };
-    let mut others: Vec<_> = sets.into_iter().filter_map(other).collect();
+    let sets = sets(features.parents, joint).into_iter();
+    let mut others: Vec<_> = sets.filter_map(other).collect();
     let Some((least, _)) = taken.first() else { return Vec::new() };
     let mut least = least.clone();
     while taken.len() < most {
@@ -82,6 +85,10 @@ fn several(
         }
         least = lesser(&least, &others[best].0);
         taken.push(others.swap_remove(best));
+    }
+    if taken.len() == 1 {
+        let all = |(_, near): (_, NearJoints)| near.listening(&each.outputs, poses, features);
+        return taken.into_iter().map(all).collect();
     }
     let owner = |proxy: usize| {
         let lists = 0..taken.len();
