@@ -139,7 +139,8 @@ impl<'a> Open<'a> {
     fn new(fit: &'a HelperFit<'_>, influences: usize) -> Self {
         let Training { rest, lbs, poses, .. } = fit.training;
         let served = SERVED.get() * SERVED.get() * poses.len() as f64;
-        let is_open = |&v: &usize| lbs.errors[v] > served || lbs.weights.of(v).count() > influences;
+        let error = |v: usize| fit.training.importance().of(v).max(1.0) * lbs.errors[v];
+        let is_open = |&v: &usize| error(v) > served || lbs.weights.of(v).count() > influences;
         let vertices: Vec<usize> = (0..rest.len()).filter(is_open).collect();
         let own = |m: &Mat<f64>| columns::some(m, &vertices);
         let trajectories = own(&fit.training.basis().coordinates);
@@ -425,6 +426,21 @@ mod tests {
         let last = (0..20).rev().find(has_several).unwrap();
         found.left_over.subcols_mut(4 * last, 4).fill(0.0);
         assert_eq!(lists::assign(&found.target(&training), &known).len(), 20);
+    }
+
+    #[test]
+    fn vertices_that_lbs_serves_keep_its_weights_as_far_as_there_may_be_so_many() {
+        let mut training = arm();
+        (0..100).for_each(|v| training.lbs.errors[v] = 0.0);
+        let is_kept = |influences: usize, v: usize| {
+            let found = HelperFit::new(&training).unwrap().run(20, influences);
+            found.weights.of(v).eq(training.lbs.weights.of(v))
+        };
+        let few = (0..100).find(|&v| training.lbs.weights.of(v).count() == 1).unwrap();
+        let several = (0..100).find(|&v| training.lbs.weights.of(v).count() > 1).unwrap();
+        assert!(is_kept(4, few) && is_kept(4, several) && is_kept(1, few));
+        assert!(!is_kept(1, several));
+        assert!((100..300).any(|v| !is_kept(4, v)));
     }
 
     #[test]
