@@ -116,17 +116,14 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     distinct.sort_by(f64::total_cmp);
     distinct.dedup();
     let mut squared = vec![0.0; outputs.blocks.len()];
-    let part = |(block, of): &(Block, usize)| BlockOutputs {
-        rows: design.rows(block),
-        truth: outputs.of_part(block, *of),
-    };
-    let parts: Vec<BlockOutputs> = outputs.parts.iter().map(part).collect();
+    let part = |(block, of): &(Block, usize)| (design.rows(block), outputs.of_part(block, *of));
+    let parts: Vec<(BlockRows, Mat<f64>)> = outputs.parts.iter().map(part).collect();
     for ridge in distinct {
         let own: Vec<usize> = (0..ridges.len()).filter(|&o| ridges[o] == ridge).collect();
         for (sum, left) in squared.iter_mut().zip(projected.left_out(design, outputs, ridge)?) {
             *sum += own.iter().map(|&o| left.col(o).squared_norm_l2()).sum::<f64>();
         }
-        for ((block, of), BlockOutputs { rows, truth }) in outputs.parts.iter().zip(&parts) {
+        for ((block, of), (rows, truth)) in outputs.parts.iter().zip(&parts) {
             let out = design.block_out(rows, ridge)?;
             let left = out.errors(&out.residuals(truth, projected.seen(*of)));
             for (i, &sample) in block.own.iter().enumerate() {
@@ -163,7 +160,7 @@ fn noise(
     let count = outputs.blocks.len();
     let first = if outputs.beyond > 0 { count - outputs.beyond } else { 0 };
     let of_block = |b: usize| {
-        let out = design.block_out(&projected.blocks[b].rows, ridge)?;
+        let out = design.block_out(&projected.blocks[b], ridge)?;
         let variance = out.variance(design, &outputs.blocks[b]).max(f64::MIN_POSITIVE);
         Some((squared[b] / variance).max(f64::MIN_POSITIVE).ln())
     };
@@ -176,21 +173,13 @@ struct Projected {
     all: Mat<f64>,
     /// The same of the outputs as each block sees them.
     without: Vec<Mat<f64>>,
-    blocks: Vec<BlockOutputs>,
-}
-
-/// A block on a design's directions, and the outputs of what it leaves out.
-struct BlockOutputs {
-    rows: BlockRows,
-    truth: Mat<f64>,
+    blocks: Vec<BlockRows>,
 }
 
 impl Projected {
     fn new(design: &Design<'_>, outputs: &Outputs) -> Self {
         let without = outputs.without.iter().map(|outputs| design.project(outputs)).collect();
-        let block =
-            |(b, block)| BlockOutputs { rows: design.rows(block), truth: outputs.of_block(b) };
-        let blocks = outputs.blocks.iter().enumerate().map(block).collect();
+        let blocks = outputs.blocks.iter().map(|block| design.rows(block)).collect();
         Self { all: design.project(&outputs.all), without, blocks }
     }
 
@@ -208,11 +197,11 @@ impl Projected {
     ) -> Option<Vec<Mat<f64>>> {
         let alike = self.without.is_empty();
         let all = alike.then(|| design.residuals(&outputs.all, &self.all, ridge));
-        let errors = |(b, BlockOutputs { rows, truth }): (usize, &BlockOutputs)| {
+        let errors = |(b, rows): (usize, &BlockRows)| {
             let out = design.block_out(rows, ridge)?;
             let residuals = match &all {
                 Some(all) => outputs.blocks[b].rows(all),
-                None => out.residuals(truth, self.seen(b)),
+                None => out.residuals(&outputs.of_block(b), self.seen(b)),
             };
             Some(out.errors(&residuals))
         };

@@ -321,16 +321,13 @@ impl Helpers {
             (map.checked_sub(joint_len).map_or(map, |l| joint_len + rank[l]), w)
         };
         let lists = (0..self.weights.len()).map(|v| self.weights.of(v).map(place).collect());
-        let from = |column: usize| 4 * order[column / 4] + column % 4;
-        let (left_over, gram) = (&self.left_over, &self.gram);
+        let from: Vec<usize> = order.iter().flat_map(|l| 4 * l..4 * l + 4).collect();
         Self {
             weights: Weights::from_lists(self.weights.most(), lists),
             dominant: order.iter().map(|&l| self.dominant[l]).collect(),
             listens: order.iter().map(|&l| listens[l]).collect(),
-            left_over: Mat::from_fn(left_over.nrows(), left_over.ncols(), |r, c| {
-                left_over[(r, from(c))]
-            }),
-            gram: Mat::from_fn(gram.nrows(), gram.ncols(), |r, c| gram[(from(r), from(c))]),
+            left_over: columns::some(&self.left_over, &from),
+            gram: Mat::from_fn(from.len(), from.len(), |r, c| self.gram[(from[r], from[c])]),
             lbs_errors: order.iter().map(|&l| self.lbs_errors[l]).collect(),
         }
     }
