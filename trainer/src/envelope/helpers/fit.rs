@@ -6,7 +6,7 @@ use crate::envelope::correction::lists::{self, Known};
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
 use crate::envelope::model::Group;
-use crate::envelope::skin::blend::{Items, Maps, Supports, Weights, fit_maps, fit_weights};
+use crate::envelope::skin::blend::{Alternation, InTurn, Items, Maps, Supports, Weights, fit_maps};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::gram;
 use crate::envelope::skin::stacked::{bases, set_map};
@@ -168,7 +168,7 @@ impl<'a> Open<'a> {
     }
 }
 
-/// The fit of weights and the helpers' maps in turn, on a basis of the trajectories.
+/// What weights and the helpers' maps are fitted in turn to, on a basis of the trajectories.
 struct OnBasis<'a> {
     open: &'a Open<'a>,
     /// The joints' maps on the basis, and those of the helpers' dominant joints.
@@ -192,58 +192,30 @@ impl<'a> OnBasis<'a> {
         }
     }
 
-    /// Alternates from some maps of the helpers, and returns the weights.
+    /// Fits weights and maps in turn from some maps of the helpers, and returns the weights.
     fn run(&self, maps: &Mat<f64>, influences: usize) -> Weights {
-        let Open { rest, targets, lbs: others, .. } = self.open;
+        let columns = self.open.fit.training.basis().vectors.transpose() * maps;
+        let maps = Maps { width: 4, columns };
+        let alternation = Alternation { choices: CHOICES, rounds: ROUNDS, ahead: AHEAD.get() };
+        alternation.run(self, (&self.open.lbs, maps), influences, || ()).0
+    }
+}
+
+impl InTurn for OnBasis<'_> {
+    fn weights(&self, helpers: &Maps, supports: Supports<'_>) -> (Weights, f64) {
+        let palette = faer::concat![[&self.joints, &helpers.columns]];
+        let columns = faer::concat![[&palette], [&self.plain]];
+        let Open { rest, targets, .. } = self.open;
         let items = Items::vertices(rest, targets, self.open.importance());
-        let vectors = &self.open.fit.training.basis().vectors;
-        let mut now = Round::first(others.clone(), vectors.transpose() * maps);
-        for _ in 0..CHOICES {
-            let last = &now.weights;
-            now = self.round(&now, &items, Supports::Better { most: influences, others, last });
-        }
-        for _ in 0..ROUNDS {
-            now = self.round(&now, &items, Supports::Fixed(&now.weights));
-        }
-        now.weights
+        items.weights(&Maps { width: 4, columns }, supports)
     }
 
-    /// Fits weights, then the helpers' maps. A round starts a step ahead of where the last one came to (Nesterov 1983), or
-    /// there where that was too far.
-    fn round(&self, last: &Round, items: &Items<'_>, supports: Supports<'_>) -> Round {
-        let palette = faer::concat![[&self.joints, &last.ahead]];
-        let columns = faer::concat![[&palette], [&self.plain]];
-        let (weights, errors) = fit_weights(items, &Maps { width: 4, columns }, supports);
-        let error = items.sum(&errors);
-        if last.steps > 0.0 && error > last.error {
-            return Round { ahead: last.maps.clone(), steps: 0.0, ..last.clone() };
-        }
+    fn maps(&self, weights: &Weights, _: &Maps) -> Maps {
         let Open { rest, trajectories, .. } = self.open;
         let importance = self.open.importance();
-        let targets = Targets { rest, weights: &weights, trajectories, importance };
-        let maps = fit_helpers(&targets, [&self.joints, &self.bases]);
-        let step = AHEAD.get() * last.steps / (last.steps + 3.0);
-        let ahead = &maps + (&maps - &last.maps) * faer::Scale(step);
-        Round { weights, error, maps, ahead, steps: last.steps + 1.0 }
-    }
-}
-
-/// What a round comes to.
-#[derive(Clone)]
-struct Round {
-    weights: Weights,
-    /// Squared error before the maps were fitted.
-    error: f64,
-    /// The helpers' maps on the basis, and those to go on from.
-    maps: Mat<f64>,
-    ahead: Mat<f64>,
-    /// Rounds since one went too far.
-    steps: f64,
-}
-
-impl Round {
-    fn first(weights: Weights, maps: Mat<f64>) -> Self {
-        Self { weights, error: f64::INFINITY, ahead: maps.clone(), maps, steps: 0.0 }
+        let targets = Targets { rest, weights, trajectories, importance };
+        let columns = fit_helpers(&targets, [&self.joints, &self.bases]);
+        Maps { width: 4, columns }
     }
 }
 

@@ -8,15 +8,13 @@ use super::options::{ProxyCount, RotationalOptions};
 use super::proxies::{CountTrial, Proxies, group_maps};
 use super::surface::Surface;
 use crate::envelope::FitError;
-use crate::envelope::skin::blend::{Alternation, Blend, Items, Maps};
+use crate::envelope::skin::blend::{Blend, InTurn, Items, Maps, Supports};
 use crate::numeric::affine::homogeneous;
 use crate::progress::Progress;
 use faer::Mat;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// Weights, then maps, once after every merge.
-const ONCE: Alternation = Alternation { rounds: 1, gain: 0.0 };
 /// Groups of the first try under an error, and how many times as many the next has.
 const FIRST: usize = 8;
 const NEXT: usize = 4;
@@ -96,8 +94,11 @@ impl<'a> Groups<'a> {
         progress: &dyn Progress,
     ) -> Self {
         let items = Items::vertices(surface.rest, surface.vertices, surface.importance);
-        let blend = ONCE.run(&items, maps, influences, progress);
-        Self { surface, influences, of, blend }
+        let supports = Supports::Free(influences);
+        let maps = items.maps(&items.weights(&maps, supports).0, &maps);
+        let (weights, error) = items.weights(&maps, supports);
+        progress.advance(1);
+        Self { surface, influences, of, blend: Blend { weights, maps, error } }
     }
 
     fn len(&self) -> usize {

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 /// Name of the step.
 const STEP: &str = "proxies";
-const ALTERNATION: Alternation = Alternation { rounds: 12, gain: 2e-3 };
+const ALTERNATION: Alternation = Alternation { choices: 20, rounds: 10, ahead: 0.9 };
 
 /// A number of proxies that was tried, and the error it leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -92,24 +92,14 @@ pub fn fit(
     let equations = (surface.rest.len() * surface.frames).max(1) as f64;
     let mut trials = Vec::new();
     let mut at = |proxies: usize| {
-        progress.step(STEP, ALTERNATION.rounds);
-        let start = group_maps(surface, &tree.cut(proxies));
-        let mut best = ALTERNATION.run(&items, start, influences, progress);
-        // A skin that follows its joints is a start of its own, which merging need not find.
-        if joints.ncols() > 0 && joints.ncols() <= 4 * proxies {
-            let mut columns = Mat::zeros(joints.nrows(), 4 * proxies);
-            let (mut own, mut more) = columns.as_mut().split_at_col_mut(joints.ncols());
-            own.copy_from(joints);
-            if more.ncols() > 0 {
-                more.copy_from(group_maps(surface, &tree.cut(more.ncols() / 4)).columns);
-            }
-            let start = Maps { width: 4, columns };
-            let other = ALTERNATION.run(&items, start, influences, progress);
-            if other.error < best.error {
-                best = other;
-            }
-        }
-        let Blend { weights, maps, error } = best;
+        let merged = group_maps(surface, &tree.cut(proxies));
+        let following = following(surface, tree, joints, proxies);
+        let starts = 1 + following.iter().len();
+        progress.step(STEP, starts * (ALTERNATION.choices + ALTERNATION.rounds));
+        let blend = |start| ALTERNATION.blend(&items, start, influences, || progress.advance(1));
+        let nearer = |a: Blend, b: Blend| if b.error < a.error { b } else { a };
+        let Blend { weights, maps, error } =
+            following.map(blend).into_iter().fold(blend(merged), nearer);
         let rms = (error / equations).sqrt();
         trials.push(CountTrial { proxies, rms });
         Proxies { weights, maps, rms, trials: Vec::new() }
@@ -120,6 +110,22 @@ pub fn fit(
         ProxyCount::MaxError(limit) => fewest(&mut at, most, limit)?,
     };
     Ok(Proxies { trials, ..found })
+}
+
+/// The maps of joints and of so many groups that with them there are P; none where the joints are too many. A skin that
+/// follows its joints is a start of its own, which merging need not find.
+fn following(
+    surface: &Surface<'_>,
+    tree: &MergeTree,
+    joints: &Mat<f64>,
+    proxies: usize,
+) -> Option<Maps> {
+    let more = (4 * proxies).checked_sub(joints.ncols()).filter(|_| joints.ncols() > 0)? / 4;
+    let groups = match more {
+        0 => Mat::zeros(joints.nrows(), 0),
+        _ => group_maps(surface, &tree.cut(more)).columns,
+    };
+    Some(Maps { width: 4, columns: faer::concat![[joints, groups]] })
 }
 
 /// Doubles P until the error is met, then halves the bracket.

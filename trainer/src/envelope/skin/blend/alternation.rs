@@ -3,21 +3,30 @@
 use super::items::{Items, Maps, Supports, Weights};
 use super::maps::fit_maps;
 use super::weights::fit_weights;
-use crate::progress::Progress;
 
-/// Pull of an alternation's maps to where they were.
+/// Pull of items' maps to where they were.
 const PROXIMAL: f64 = 1e-7;
 
-/// Weights and maps fitted in turn.
-#[derive(Clone, Copy)]
-pub struct Alternation {
-    /// Most rounds.
-    pub rounds: usize,
-    /// Gain of a round, relative to the RMS error, below which it is the last.
-    pub gain: f64,
+/// What weights and maps are fitted in turn to.
+pub trait InTurn {
+    /// Fits weights to maps; gives them and what squared error they leave.
+    fn weights(&self, maps: &Maps, supports: Supports<'_>) -> (Weights, f64);
+    /// Fits maps to weights, starting from others.
+    fn maps(&self, weights: &Weights, from: &Maps) -> Maps;
 }
 
-/// What an alternation comes to.
+impl InTurn for Items<'_> {
+    fn weights(&self, maps: &Maps, supports: Supports<'_>) -> (Weights, f64) {
+        let (weights, errors) = fit_weights(self, maps, supports);
+        (weights, self.sum(&errors))
+    }
+
+    fn maps(&self, weights: &Weights, from: &Maps) -> Maps {
+        fit_maps(self, weights, from, PROXIMAL)
+    }
+}
+
+/// Weights and maps, and what squared error they leave.
 pub struct Blend {
     /// Weights of the items.
     pub weights: Weights,
@@ -27,28 +36,82 @@ pub struct Blend {
     pub error: f64,
 }
 
+/// How weights and maps are fitted in turn.
+#[derive(Clone, Copy)]
+pub struct Alternation {
+    /// Rounds in which each item also chooses what it follows.
+    pub choices: usize,
+    /// Those after them.
+    pub rounds: usize,
+    /// Most of its last step that a round starts ahead.
+    pub ahead: f64,
+}
+
 impl Alternation {
-    /// Fits blends of at most `most` maps an item, starting from given maps.
+    /// Starts from maps, and of each item from what serves it better of the nearest maps and those that it follows by some
+    /// weights.
+    ///
+    /// - `most`: most maps that an item follows.
+    /// - `advance`: called once a round.
     pub fn run(
         &self,
-        items: &Items<'_>,
-        maps: Maps,
+        fit: &impl InTurn,
+        (others, maps): (&Weights, Maps),
         most: usize,
-        progress: &dyn Progress,
-    ) -> Blend {
-        let supports = Supports::Free(most);
-        let (weights, errors) = fit_weights(items, &maps, supports);
-        let mut blend = Blend { weights, maps, error: items.sum(&errors) };
-        for _ in 0..self.rounds {
-            progress.advance(1);
-            let maps = fit_maps(items, &blend.weights, &blend.maps, PROXIMAL);
-            let (weights, errors) = fit_weights(items, &maps, supports);
-            let last = blend.error;
-            blend = Blend { weights, maps, error: items.sum(&errors) };
-            if last.sqrt() - blend.error.sqrt() < self.gain * last.sqrt() {
-                break;
-            }
+        advance: impl Fn(),
+    ) -> (Weights, Maps) {
+        let mut now = Round::first(others.clone(), maps);
+        for round in 0..self.choices + self.rounds {
+            let last = &now.weights;
+            let supports = if round < self.choices {
+                Supports::Better { most, others, last }
+            } else {
+                Supports::Fixed(last)
+            };
+            now = now.next(fit, supports, self.ahead);
+            advance();
         }
-        blend
+        (now.weights, now.maps)
+    }
+
+    /// Fits items with at most `most` maps each, from maps alone.
+    pub fn blend(&self, items: &Items<'_>, maps: Maps, most: usize, advance: impl Fn()) -> Blend {
+        let (nearest, _) = items.weights(&maps, Supports::Free(most));
+        let (weights, maps) = self.run(items, (&nearest, maps), most, advance);
+        let (weights, error) = items.weights(&maps, Supports::Fixed(&weights));
+        Blend { weights, maps, error }
+    }
+}
+
+/// What a round comes to.
+#[derive(Clone)]
+struct Round {
+    weights: Weights,
+    /// Squared error before the maps were fitted.
+    error: f64,
+    /// The maps, and those to go on from.
+    maps: Maps,
+    ahead: Maps,
+    /// Rounds since one went too far.
+    steps: f64,
+}
+
+impl Round {
+    fn first(weights: Weights, maps: Maps) -> Self {
+        Self { weights, error: f64::INFINITY, ahead: maps.clone(), maps, steps: 0.0 }
+    }
+
+    /// Fits weights, then maps. A round starts a step ahead of where the last one came to (Nesterov 1983), or there where
+    /// that was too far.
+    fn next(&self, fit: &impl InTurn, supports: Supports<'_>, most_ahead: f64) -> Self {
+        let (weights, error) = fit.weights(&self.ahead, supports);
+        if self.steps > 0.0 && error > self.error {
+            return Self { ahead: self.maps.clone(), steps: 0.0, ..self.clone() };
+        }
+        let maps = fit.maps(&weights, &self.ahead);
+        let step = most_ahead * self.steps / (self.steps + 3.0);
+        let columns = &maps.columns + (&maps.columns - &self.maps.columns) * faer::Scale(step);
+        let ahead = Maps { width: maps.width, columns };
+        Self { weights, error, maps, ahead, steps: self.steps + 1.0 }
     }
 }

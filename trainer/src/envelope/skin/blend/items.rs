@@ -45,6 +45,7 @@ impl<'a> Items<'a> {
 }
 
 /// Maps side by side: r x (l·m).
+#[derive(Clone)]
 pub struct Maps {
     /// m.
     pub width: usize,

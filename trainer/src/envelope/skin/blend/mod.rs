@@ -9,7 +9,7 @@ mod items;
 mod maps;
 mod weights;
 
-pub use alternation::{Alternation, Blend};
+pub use alternation::{Alternation, Blend, InTurn};
 pub use items::{Items, Maps, Supports, Weights};
 pub use maps::fit_maps;
 pub use weights::{CANDIDATES, fit_weights};
@@ -92,6 +92,25 @@ mod tests {
         let start = Maps { width: 4, columns: Mat::zeros(30, 12) };
         let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start, 1e-7);
         assert!((fitted.columns - maps.columns).norm_max() < 1e-4);
+    }
+
+    #[test]
+    fn rounds_that_start_ahead_come_nearer() {
+        let (h, y, maps, _) = exact(300, 30);
+        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
+        let start = Maps {
+            columns: &maps.columns + Mat::from_fn(30, 12, |r, c| ((7 * r + c) as f64).sin()),
+            ..maps
+        };
+        let error = |ahead| {
+            let alternation = Alternation { choices: 20, rounds: 10, ahead };
+            let blend = alternation.blend(&items, start.clone(), 3, || ());
+            let (_, errors) = fit_weights(&items, &blend.maps, Supports::Fixed(&blend.weights));
+            assert!((items.sum(&errors) - blend.error).abs() <= 1e-9 * blend.error);
+            blend.error
+        };
+        let (plain, ahead) = (error(0.0), error(0.9));
+        assert!(ahead < 0.5 * plain, "{ahead} for {plain}");
     }
 
     #[test]
