@@ -32,7 +32,7 @@ pub fn fit(
     influences: usize,
     progress: &dyn Progress,
 ) -> Keys {
-    progress.step(STEP, ALTERNATION.choices);
+    progress.step(STEP, ALTERNATION.count());
     let y = edge_targets(surface);
     let counts: Vec<f64> =
         (0..surface.triangles.len()).map(|t| surface.triangle_importance(t)).collect();

@@ -12,7 +12,9 @@ use serde::Serialize;
 
 /// Name of the step.
 const STEP: &str = "proxies";
-const ALTERNATION: Alternation = Alternation { choices: 20, rounds: 10, ahead: 0.9 };
+/// From each start so many rounds, then so many from the better.
+const FIRST: Alternation = Alternation { choices: 6, rounds: 0, ahead: 0.9 };
+const ALTERNATION: Alternation = Alternation { choices: 14, rounds: 10, ahead: 0.9 };
 
 /// A number of proxies that was tried, and the error it leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -94,12 +96,14 @@ pub fn fit(
     let mut at = |proxies: usize| {
         let merged = group_maps(surface, &tree.cut(proxies));
         let following = following(surface, tree, joints, proxies);
+        let advance = || progress.advance(1);
         let starts = 1 + following.iter().len();
-        progress.step(STEP, starts * (ALTERNATION.choices + ALTERNATION.rounds));
-        let blend = |start| ALTERNATION.blend(&items, start, influences, || progress.advance(1));
+        progress.step(STEP, starts * FIRST.count() + ALTERNATION.count());
+        let first = |start| FIRST.blend(&items, start, influences, advance);
         let nearer = |a: Blend, b: Blend| if b.error < a.error { b } else { a };
+        let best = following.map(first).into_iter().fold(first(merged), nearer);
         let Blend { weights, maps, error } =
-            following.map(blend).into_iter().fold(blend(merged), nearer);
+            ALTERNATION.blend(&items, best.maps, influences, advance);
         let rms = (error / equations).sqrt();
         trials.push(CountTrial { proxies, rms });
         Proxies { weights, maps, rms, trials: Vec::new() }

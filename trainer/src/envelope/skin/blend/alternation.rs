@@ -48,6 +48,11 @@ pub struct Alternation {
 }
 
 impl Alternation {
+    /// Returns how many rounds there are.
+    pub fn count(&self) -> usize {
+        self.choices + self.rounds
+    }
+
     /// Starts from maps, and of each item from what serves it better of the nearest maps and those that it follows by some
     /// weights.
     ///
@@ -61,7 +66,7 @@ impl Alternation {
         advance: impl Fn(),
     ) -> (Weights, Maps) {
         let mut now = Round::first(others.clone(), maps);
-        for round in 0..self.choices + self.rounds {
+        for round in 0..self.count() {
             let last = &now.weights;
             let supports = if round < self.choices {
                 Supports::Better { most, others, last }
