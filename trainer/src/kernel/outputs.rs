@@ -134,8 +134,8 @@ impl Outputs {
     }
 
     /// How many times a doubt is to count against adding what is predicted, as a power of two: 0 where nothing of the base
-    /// was fitted. What has to be mended where samples tell nothing is taken to lie between what is known to be left, of samples as their
-    /// own blocks see them, and what would be without any fit.
+    /// was fitted. What has to be mended where samples tell nothing is taken to lie between what is known to be left, of
+    /// samples as their own blocks see them, and what would be without any fit.
     pub fn caution(&self) -> u8 {
         let pairs = self.without.iter().zip(&self.blocks);
         let left: f64 = pairs.map(|(outputs, block)| size(outputs, block)).sum();
