@@ -185,8 +185,8 @@ mod tests {
         let found = of(2.0, -0.5, &[0.5, -1.0]);
         assert!((found.known - 37.5).abs() < 1e-12 && (found.doubted - 30.0).abs() < 1e-12);
         assert!((found.confidence() - 38.5 / 68.5).abs() < 1e-12 && share(found) == 1.0);
-        let cautious = Certainty { caution: 4, ..CERTAINTY };
-        let expected = step(8.0 * 38.5 / (38.5 + 16.0 * 30.0));
+        let cautious = Certainty { caution: 5, ..CERTAINTY };
+        let expected = step(8.0 * 38.5 / (38.5 + 32.0 * 30.0));
         assert!((cautious.share(found) - expected).abs() < 1e-12 && expected < 0.5);
         let found = of(2.0, -0.5, &[0.0, 0.1]);
         assert!(found.confidence() < 0.02 && share(found) < 1e-2);
