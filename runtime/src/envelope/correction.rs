@@ -53,7 +53,7 @@ fn add(
     out: &mut [Matrix3x4],
 ) -> Evidence {
     let (evidence, added) = evaluate_map(group, features, scratch);
-    if group.trust.share(evidence) > 0.0 {
+    if evidence.share() > 0.0 {
         let added = added.as_chunks::<4>().0.as_chunks::<3>().0;
         for (map, added) in out.iter_mut().zip(added) {
             for (row, [x, y, z, _]) in map.iter_mut().zip(dominant) {

@@ -86,7 +86,7 @@ impl<'a> Map<'a> {
         let (latent, certainty) = split(values, r);
         let change = basis.first().copied().unwrap_or_default();
         let evidence = self.trust.evidence(input, change, certainty.iter().take(m));
-        let w = self.trust.share(evidence);
+        let w = evidence.share();
         if w > 0.0 {
             let out = out.as_chunks_mut().0;
             block_product(self.outputs, [latent, &[]], out);

@@ -17,9 +17,6 @@ pub struct Trust {
     pub signal: f32,
     /// The same of the map, per unit of the variance that is left.
     pub noise: f32,
-    /// A doubt counts 2^caution times, caution 0 to 15, where it is decided what the map adds: the better the base, the
-    /// more.
-    pub caution: u8,
 }
 
 /// What is known of a pose, and what is in doubt: expected squared distances over what counts as none.
@@ -32,7 +29,7 @@ pub struct Evidence {
 }
 
 impl Trust {
-    /// Returns the floats as a row holds them.
+    /// Returns the numbers as a row holds them.
     pub(crate) fn words(&self) -> [Le; 4] {
         [self.reach, self.linear, self.signal, self.noise].map(f32::to_le_bytes)
     }
@@ -64,12 +61,6 @@ impl Trust {
         let explained = near * lesser(prior, explained);
         Evidence { known: self.signal * explained, doubted: self.noise * (prior - explained) }
     }
-
-    /// Returns w, what a map is multiplied by: 1 but where it is much more likely to spoil than to mend.
-    pub(crate) fn share(&self, evidence: Evidence) -> f32 {
-        let doubted = (1u32 << (self.caution & 15)) as f32 * evidence.doubted;
-        smoothstep(lesser(1.0, 8.0 * Evidence { doubted, ..evidence }.confidence()))
-    }
 }
 
 impl Evidence {
@@ -82,5 +73,10 @@ impl Evidence {
     pub fn confidence(self) -> f32 {
         let known = 1.0 + self.known;
         known / (known + self.doubted)
+    }
+
+    /// Returns w, what a map is multiplied by: 1 but where it is much more likely to spoil than to mend.
+    pub(crate) fn share(self) -> f32 {
+        smoothstep(lesser(1.0, 8.0 * self.confidence()))
     }
 }

@@ -104,7 +104,7 @@ fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     };
     let mut latent = times(&group.coefficients, &[basis.clone(), x.clone()].concat());
     let certainty = latent.split_off(latent.len() - group.certainty);
-    let Trust { reach, linear, signal, noise, caution } = group.trust;
+    let Trust { reach, linear, signal, noise } = group.trust;
     let [reach, linear, signal, noise] = [reach, linear, signal, noise].map(f64::from);
     let apart = x.iter().map(|x| x * x).sum::<f64>();
     let prior = (1.0 - (1.0 + basis[0]).powi(2) + linear * apart).max(0.0);
@@ -116,8 +116,7 @@ fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     } else {
         [0.0, f64::INFINITY]
     };
-    let cautious = [evidence[0], 2f64.powi(caution.into()) * evidence[1]];
-    let w = smooth((8.0 * sure(cautious)).min(1.0));
+    let w = smooth((8.0 * sure(evidence)).min(1.0));
     let out = times(&group.outputs, &latent);
     let maps = out.chunks(12).map(|k| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| w * k[4 * r + c])));
     (maps.collect(), evidence)
@@ -266,7 +265,6 @@ fn each_number_of_a_group_matters() {
         |g| g.trust.linear = 0.5,
         |g| g.trust.signal = 1.0,
         |g| g.trust.noise = 1.0,
-        |g| g.trust.caution = 6,
         |g| g.coefficients[3][2] += 0.5,
         |g| g.coefficients[4][13] += 0.5,
         |g| g.kernel = GroupKernel::Matern32,

@@ -101,14 +101,7 @@ fn file_model(predictor: Predictor) -> FileModel {
                 kernel: GroupKernel::ALL[(first + g) % 4],
                 centres: dyadic.dense(n, d, 1.0).transpose().to_owned(),
                 coefficients: dyadic.dense(rank + 2, n + d, 0.25),
-                certainty: Certainty {
-                    len: 2,
-                    reach: 4.0,
-                    linear: 0.25,
-                    signal: 8.0,
-                    noise: 16.0,
-                    caution: 2,
-                },
+                certainty: Certainty { len: 2, reach: 4.0, linear: 0.25, signal: 8.0, noise: 16.0 },
             },
             outputs: dyadic.dense(12 * proxies, rank, 0.25),
         }
@@ -263,12 +256,10 @@ fn read_back_groups(parts: &EnvelopeModel, envelope: Envelope<'_>) {
         };
         assert_eq!((found.joint, found.kernel), (group.joint, *kernel));
         assert_eq!(found.proxies, group.proxies);
-        assert_eq!(found.certainty_len(), certainty.len);
-        assert_eq!(found.trust.caution, certainty.caution);
-        let Trust { reach, linear, signal, noise, .. } = found.trust;
-        let found_trust = [reach, linear, signal, noise].map(f64::from);
-        let Certainty { reach, linear, signal, noise, .. } = *certainty;
-        assert_eq!(found_trust, [reach, linear, signal, noise]);
+        let Trust { reach, linear, signal, noise } = found.trust;
+        let Certainty { len, reach: far, linear: share, signal: known, noise: doubt } = *certainty;
+        assert_eq!(found.certainty_len(), len);
+        assert_eq!([reach, linear, signal, noise].map(f64::from), [far, share, known, doubt]);
         for (i, &Input { feature, weight }) in group.inputs.iter().enumerate() {
             assert_eq!(found.input(i), Some((feature, weight as f32)));
         }
@@ -373,10 +364,6 @@ fn parts_that_do_not_fit_are_refused() {
     assert_eq!(
         refused(&|_, s| s.influences[7] = vec![(70_000, 1.0)]),
         BakeError::Size { what: "palette index", found: 70_000 }
-    );
-    assert_eq!(
-        refused(&|p, _| p.groups[0].map.certainty.caution = 16),
-        BakeError::Size { what: "caution of a group", found: 16 }
     );
     assert_eq!(
         refused(&|_, s| s.envelope = Some(1)),

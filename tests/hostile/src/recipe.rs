@@ -330,10 +330,7 @@ fn group(pieces: &mut Pieces, u: &mut Unstructured<'_>) -> Result<()> {
     let mut row = GroupRow::from_bytes(bytes);
     match u.int_in_range(0..=12)? {
         0 => row.joint = integer(u)? as u16,
-        1 => {
-            let both: u8 = u.arbitrary()?;
-            (row.kernel, row.trust.caution) = (both & 15, both >> 4);
-        }
+        1 => row.kernel = u.arbitrary()?,
         2 => row.certainty_len = integer(u)? as u8,
         3 => row.input_len = integer(u)? as u16,
         4 => row.centre_len = integer(u)? as u16,

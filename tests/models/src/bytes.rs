@@ -68,14 +68,14 @@ pub fn section_row(row: &SectionRow) -> [u8; 16] {
 pub fn group_row(row: &GroupRow) -> [u8; 32] {
     let mut out = [0; 32];
     out[..2].copy_from_slice(&row.joint.to_le_bytes());
-    out[2] = row.kernel + 16 * row.trust.caution;
+    out[2] = row.kernel;
     out[3] = row.certainty_len;
     out[4..6].copy_from_slice(&row.input_len.to_le_bytes());
     out[6..8].copy_from_slice(&row.centre_len.to_le_bytes());
     out[8..10].copy_from_slice(&row.rank.to_le_bytes());
     out[10..12].copy_from_slice(&row.proxy_len.to_le_bytes());
     out[12..16].copy_from_slice(&row.offset.to_le_bytes());
-    let Trust { reach, linear, signal, noise, .. } = row.trust;
+    let Trust { reach, linear, signal, noise } = row.trust;
     for (float, value) in out[16..].as_chunks_mut().0.iter_mut().zip([reach, linear, signal, noise])
     {
         *float = value.to_le_bytes();

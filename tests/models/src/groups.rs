@@ -49,7 +49,7 @@ impl GroupContent {
             coefficients: (0..r + CERTAINTY).map(|_| list(n + d, 0.5)).collect(),
             certainty: CERTAINTY,
             outputs: (0..12 * proxies).map(|_| list(r, 0.5)).collect(),
-            trust: Trust { reach: 8.0, linear: 0.25, signal: 2.0, noise: 3.0, caution: 1 },
+            trust: Trust { reach: 8.0, linear: 0.25, signal: 2.0, noise: 3.0 },
         }
     }
 

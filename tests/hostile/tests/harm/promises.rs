@@ -142,7 +142,7 @@ fn largest(golden: &[u8]) -> Vec<u8> {
         for bytes in rows.as_chunks_mut().0 {
             let mut row = GroupRow::from_bytes(bytes);
             let [reach, linear, signal, noise] = [CORRECTION_MAX; 4];
-            row.trust = Trust { reach, linear, signal, noise, caution: 0 };
+            row.trust = Trust { reach, linear, signal, noise };
             *bytes = group_row(&row);
             groups.push(row);
         }

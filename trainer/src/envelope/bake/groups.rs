@@ -6,9 +6,6 @@ use crate::envelope::model::{Group, Input};
 use faer::Col;
 use sinew_runtime::envelope::{GroupRow, Trust};
 
-/// Four bits hold it.
-const CAUTION_MAX: u8 = 15;
-
 /// What the sections `groups` and `corrections` hold, and the scratch that they need.
 pub(super) struct GroupSections {
     pub(super) rows: Vec<u8>,
@@ -35,12 +32,6 @@ pub(super) fn write(groups: &[Group]) -> Result<GroupSections, BakeError> {
 impl Group {
     fn row(&self, offset: usize) -> Result<GroupRow, BakeError> {
         let certainty = self.map.certainty;
-        if certainty.caution > CAUTION_MAX {
-            return Err(BakeError::Size {
-                what: "caution of a group",
-                found: certainty.caution.into(),
-            });
-        }
         Ok(GroupRow {
             joint: narrow("joint of a group", self.joint)?,
             kernel: self.map.kernel.number(),
@@ -55,7 +46,6 @@ impl Group {
                 linear: certainty.linear as f32,
                 signal: certainty.signal as f32,
                 noise: certainty.noise as f32,
-                caution: certainty.caution,
             },
         })
     }
