@@ -196,9 +196,8 @@ impl<'a> OnBasis<'a> {
     fn run(&self, maps: &Mat<f64>, influences: usize) -> Weights {
         let columns = self.open.fit.training.basis().vectors.transpose() * maps;
         let maps = Maps { width: 4, columns };
-        let alternation =
-            Alternation { tries: 0, choices: CHOICES, rounds: ROUNDS, ahead: AHEAD.get() };
-        alternation.run(self, Some(&self.open.lbs), (maps, None), influences, || ()).0
+        let alternation = Alternation { choices: CHOICES, rounds: ROUNDS, ahead: AHEAD.get() };
+        alternation.run(self, (&self.open.lbs, maps), influences, || ()).0
     }
 }
 
@@ -294,7 +293,7 @@ impl Helpers {
             (map.checked_sub(joint_len).map_or(map, |l| joint_len + rank[l]), w)
         };
         let lists = (0..self.weights.len()).map(|v| self.weights.of(v).map(place).collect());
-        let from = columns::of_maps(&order);
+        let from: Vec<usize> = order.iter().flat_map(|l| 4 * l..4 * l + 4).collect();
         Self {
             weights: Weights::from_lists(self.weights.most(), lists),
             dominant: order.iter().map(|&l| self.dominant[l]).collect(),

@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
 const NORMAL_WEIGHT: f64 = 0.1;
 /// Name of the step.
 const STEP: &str = "keys";
-const ALTERNATION: Alternation = Alternation { tries: 0, choices: 3, rounds: 0, ahead: 0.0 };
+const ALTERNATION: Alternation = Alternation { choices: 3, rounds: 0, ahead: 0.0 };
 
 /// Fitted keys.
 pub struct Keys {
@@ -32,7 +32,7 @@ pub fn fit(
     influences: usize,
     progress: &dyn Progress,
 ) -> Keys {
-    progress.step(STEP, ALTERNATION.count(1));
+    progress.step(STEP, ALTERNATION.count());
     let y = edge_targets(surface);
     let counts: Vec<f64> =
         (0..surface.triangles.len()).map(|t| surface.triangle_importance(t)).collect();
@@ -43,7 +43,7 @@ pub fn fit(
     });
     let start = Maps { width: 3, columns };
     let Blend { weights, maps, error } =
-        ALTERNATION.blend(&items, (start, None), influences, || progress.advance(1));
+        ALTERNATION.blend(&items, start, influences, || progress.advance(1));
     let edges = (2 * surface.triangles.len() * surface.frames).max(1) as f64;
     Keys { weights, gradients: maps, rms: (error / edges).sqrt() }
 }

@@ -6,14 +6,15 @@ use super::surface::Surface;
 use crate::envelope::FitError;
 use crate::envelope::skin::blend::{Alternation, Blend, Items, Maps, Weights};
 use crate::numeric::affine::homogeneous;
-use crate::numeric::columns;
 use crate::progress::Progress;
 use faer::Mat;
 use serde::Serialize;
 
 /// Name of the step.
 const STEP: &str = "proxies";
-const ALTERNATION: Alternation = Alternation { tries: 6, choices: 20, rounds: 10, ahead: 0.9 };
+/// From each start so many rounds, then so many from the better.
+const FIRST: Alternation = Alternation { choices: 6, rounds: 0, ahead: 0.9 };
+const ALTERNATION: Alternation = Alternation { choices: 14, rounds: 10, ahead: 0.9 };
 
 /// A number of proxies that was tried, and the error it leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -68,7 +69,10 @@ impl Proxies {
         let renumbered = (0..self.weights.len())
             .map(|item| self.weights.of(item).map(|(l, alpha)| (rank[l], alpha)).collect());
         self.weights = Weights::from_lists(self.weights.most(), renumbered);
-        self.maps.columns = columns::some(&self.maps.columns, &columns::of_maps(&order));
+        let columns = &self.maps.columns;
+        let from = |column: usize| 4 * order[column / 4] + column % 4;
+        self.maps.columns =
+            Mat::from_fn(columns.nrows(), columns.ncols(), |r, c| columns[(r, from(c))]);
         order.into_iter().map(|l| dominant[l]).collect()
     }
 }
@@ -92,10 +96,14 @@ pub fn fit(
     let mut at = |proxies: usize| {
         let merged = group_maps(surface, &tree.cut(proxies));
         let following = following(surface, tree, joints, proxies);
-        progress.step(STEP, ALTERNATION.count(1 + following.iter().len()));
-        let starts = (merged, following);
+        let advance = || progress.advance(1);
+        let starts = 1 + following.iter().len();
+        progress.step(STEP, starts * FIRST.count() + ALTERNATION.count());
+        let first = |start| FIRST.blend(&items, start, influences, advance);
+        let nearer = |a: Blend, b: Blend| if b.error < a.error { b } else { a };
+        let best = following.map(first).into_iter().fold(first(merged), nearer);
         let Blend { weights, maps, error } =
-            ALTERNATION.blend(&items, starts, influences, || progress.advance(1));
+            ALTERNATION.blend(&items, best.maps, influences, advance);
         let rms = (error / equations).sqrt();
         trials.push(CountTrial { proxies, rms });
         Proxies { weights, maps, rms, trials: Vec::new() }

@@ -39,9 +39,7 @@ pub struct Blend {
 /// How weights and maps are fitted in turn.
 #[derive(Clone, Copy)]
 pub struct Alternation {
-    /// Rounds from each of two starts, before the one that comes nearer goes on alone.
-    pub tries: usize,
-    /// Rounds in which each item also chooses what it follows, the tries among them.
+    /// Rounds in which each item also chooses what it follows.
     pub choices: usize,
     /// Those after them.
     pub rounds: usize,
@@ -50,59 +48,41 @@ pub struct Alternation {
 }
 
 impl Alternation {
-    /// Goes from the maps of a start, or of two, to weights and maps. An item follows what serves it better of the nearest
-    /// maps and those that it follows by some weights; where there are none, by those of the round before.
+    /// Returns how many rounds there are.
+    pub fn count(&self) -> usize {
+        self.choices + self.rounds
+    }
+
+    /// Starts from maps, and of each item from what serves it better of the nearest maps and those that it follows by some
+    /// weights.
     ///
     /// - `most`: most maps that an item follows.
     /// - `advance`: called once a round.
     pub fn run(
         &self,
         fit: &impl InTurn,
-        others: Option<&Weights>,
-        (start, rival): (Maps, Option<Maps>),
+        (others, maps): (&Weights, Maps),
         most: usize,
         advance: impl Fn(),
     ) -> (Weights, Maps) {
-        let free = others.map_or(Supports::Free(most), |others| Supports::Better {
-            most,
-            others,
-            last: others,
-        });
-        let first = |maps: Maps| {
-            advance();
-            Round::first(fit, &maps, free)
-        };
-        let (mut now, mut rival) = (first(start), rival.map(first));
-        for round in 1..self.choices + self.rounds {
-            if round == self.tries {
-                now = rival.take().filter(|rival| rival.error < now.error).unwrap_or(now);
-            }
-            let next = |now: Round| {
-                advance();
-                let last = &now.weights;
-                let better = Supports::Better { most, others: others.unwrap_or(last), last };
-                let is_choice = round < self.choices;
-                now.next(fit, if is_choice { better } else { Supports::Fixed(last) }, self.ahead)
+        let mut now = Round::first(others.clone(), maps);
+        for round in 0..self.count() {
+            let last = &now.weights;
+            let supports = if round < self.choices {
+                Supports::Better { most, others, last }
+            } else {
+                Supports::Fixed(last)
             };
-            (now, rival) = (next(now), rival.map(next));
+            now = now.next(fit, supports, self.ahead);
+            advance();
         }
         (now.weights, now.maps)
     }
 
-    /// Counts the rounds from so many starts.
-    pub fn count(&self, starts: usize) -> usize {
-        self.choices + self.rounds + (starts - 1) * self.tries
-    }
-
     /// Fits items with at most `most` maps each, from maps alone.
-    pub fn blend(
-        &self,
-        items: &Items<'_>,
-        starts: (Maps, Option<Maps>),
-        most: usize,
-        advance: impl Fn(),
-    ) -> Blend {
-        let (weights, maps) = self.run(items, None, starts, most, advance);
+    pub fn blend(&self, items: &Items<'_>, maps: Maps, most: usize, advance: impl Fn()) -> Blend {
+        let (nearest, _) = items.weights(&maps, Supports::Free(most));
+        let (weights, maps) = self.run(items, (&nearest, maps), most, advance);
         let (weights, error) = items.weights(&maps, Supports::Fixed(&weights));
         Blend { weights, maps, error }
     }
@@ -122,14 +102,11 @@ struct Round {
 }
 
 impl Round {
-    /// Fits weights, then maps.
-    fn first(fit: &impl InTurn, start: &Maps, supports: Supports<'_>) -> Self {
-        let (weights, error) = fit.weights(start, supports);
-        let maps = fit.maps(&weights, start);
-        Self { weights, error, ahead: maps.clone(), maps, steps: 1.0 }
+    fn first(weights: Weights, maps: Maps) -> Self {
+        Self { weights, error: f64::INFINITY, ahead: maps.clone(), maps, steps: 0.0 }
     }
 
-    /// Does so again. A round starts a step ahead of where the last one came to (Nesterov 1983), or there where
+    /// Fits weights, then maps. A round starts a step ahead of where the last one came to (Nesterov 1983), or there where
     /// that was too far.
     fn next(&self, fit: &impl InTurn, supports: Supports<'_>, most_ahead: f64) -> Self {
         let (weights, error) = fit.weights(&self.ahead, supports);

@@ -103,8 +103,8 @@ mod tests {
             ..maps
         };
         let error = |ahead| {
-            let alternation = Alternation { tries: 0, choices: 20, rounds: 10, ahead };
-            let blend = alternation.blend(&items, (start.clone(), None), 3, || ());
+            let alternation = Alternation { choices: 20, rounds: 10, ahead };
+            let blend = alternation.blend(&items, start.clone(), 3, || ());
             let (_, errors) = fit_weights(&items, &blend.maps, Supports::Fixed(&blend.weights));
             assert!((items.sum(&errors) - blend.error).abs() <= 1e-9 * blend.error);
             blend.error
