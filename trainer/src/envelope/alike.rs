@@ -11,14 +11,17 @@ pub(super) struct Rated {
     pub(super) error: f64,
     /// Whether its maps know how far a pose is from those of training.
     pub(super) knows_poses: bool,
+    /// Whether it extrapolates as a reconstruction does that nothing taught of poses unlike those of training.
+    pub(super) untaught: bool,
     pub(super) bytes: Option<usize>,
 }
 
-/// The place of the smallest of those whose errors cannot be told from the least, after what knows such poses.
+/// The place of the smallest of those whose errors cannot be told from the least, after what does well in poses unlike
+/// those of training.
 pub(super) fn smallest_alike(all: &[Rated]) -> Option<usize> {
     let least = all.iter().map(|rated| rated.error).fold(f64::INFINITY, f64::min);
     let alike = (0..all.len()).filter(|&i| all[i].error <= SMALLER * least.max(UNSEEN));
-    alike.min_by_key(|&i| (!all[i].knows_poses, all[i].bytes))
+    alike.min_by_key(|&i| (!all[i].knows_poses, all[i].untaught, all[i].bytes))
 }
 
 #[cfg(test)]
@@ -30,6 +33,7 @@ mod tests {
         let rated = |&(error, knows_poses, bytes): &(f64, bool, usize)| Rated {
             error,
             knows_poses,
+            untaught: false,
             bytes: Some(bytes),
         };
         let taken =
@@ -44,5 +48,8 @@ mod tests {
         assert_eq!(taken(&[(1e-3, false, 100), (1e-3, true, 200)]), Some(1));
         assert_eq!(taken(&[(1e-3, false, 200), (1.1e-3, true, 100)]), Some(0));
         assert_eq!(taken(&[]), None);
+        // Nor is one that no lesson taught, small as it may be.
+        let untaught = Rated { untaught: true, ..rated(&(1e-3, true, 100)) };
+        assert_eq!(smallest_alike(&[untaught, rated(&(1e-3, true, 300))]), Some(1));
     }
 }

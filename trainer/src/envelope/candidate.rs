@@ -2,7 +2,7 @@
 
 use super::alike::{Rated, smallest_alike};
 use super::fitted::Fitted;
-use super::rotational::RotationalReport;
+use super::rotational::{Method, RotationalReport};
 use super::training_report::CandidateReport;
 
 /// Tangent coefficients give way to a budget where positions else err so many times as much.
@@ -18,7 +18,8 @@ pub(super) struct Candidate {
 }
 
 /// Chooses the candidate with the least error, or a smaller one of which that cannot be told apart. Of those alike
-/// one whose maps know how far a pose is from those of training goes before a rotational one, which does not.
+/// one whose maps know how far a pose is from those of training goes before a rotational one, which does not, and what
+/// lessons taught before what is not refined.
 pub(super) fn chosen<'a>(
     candidates: &'a [Candidate],
     reports: &[CandidateReport],
@@ -29,6 +30,7 @@ pub(super) fn chosen<'a>(
     let rate = |c: &&Candidate| Rated {
         error: c.validated_rms,
         knows_poses: c.fitted.envelope.predictor().corrects(),
+        untaught: reports[c.report].method == Some(Method::Unrefined),
         bytes: reports[c.report].bytes,
     };
     let rated: Vec<Rated> = of_kind.iter().map(rate).collect();

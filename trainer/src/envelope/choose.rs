@@ -98,6 +98,9 @@ pub fn choose(
     choice.take()
 }
 
+/// What predicts, and how its c1 and c2 come about.
+type Kind = (Predictor, Option<Method>);
+
 struct PredictorSearch<'a> {
     training: &'a Training,
     examples: &'a Examples,
@@ -110,7 +113,7 @@ struct PredictorSearch<'a> {
     /// Bytes of the smallest file that was tried.
     least_bytes: usize,
     /// The kinds of predictors to try; every one that is asked for where there is none.
-    kept: Vec<Predictor>,
+    kept: Vec<Kind>,
     /// What fits of helpers read; none where LBS errs nowhere.
     helper_fit: Option<HelperFit<'a>>,
     /// The usual number of helpers, and what the maps of each joint listen to, which is chosen by them for any number.
@@ -133,7 +136,7 @@ impl PredictorSearch<'_> {
             Predict::Only(only) => Some(only),
             Predict::Published => Some(Predictor::Rotational),
         };
-        let is_kept = self.kept.is_empty() || self.kept.contains(&predictor);
+        let is_kept = self.kept.is_empty() || self.kept.iter().any(|kept| kept.0 == predictor);
         is_kept && asked.is_none_or(|only| only == predictor)
     }
 
@@ -145,12 +148,12 @@ impl PredictorSearch<'_> {
         others: &[ProxyCount],
     ) -> Result<(), TrainError> {
         let Some(best) = chosen(&self.candidates, &self.reports) else { return Ok(()) };
-        let kind = |c: &Candidate| c.fitted.envelope.predictor();
+        let kind = |c: &Candidate| (c.fitted.envelope.predictor(), self.reports[c.report].method);
         let is_near = |c: &&Candidate| c.validated_rms <= NEARLY * best.validated_rms;
-        let near: Vec<Predictor> = self.candidates.iter().filter(is_near).map(kind).collect();
+        let near: Vec<Kind> = self.candidates.iter().filter(is_near).map(kind).collect();
         let best = vec![kind(best)];
         let kinds = |&count| if count > usual { near.clone() } else { best.clone() };
-        let plan: Vec<Vec<Predictor>> = others.iter().map(kinds).collect();
+        let plan: Vec<Vec<Kind>> = others.iter().map(kinds).collect();
         self.parts = self.begun;
         for kinds in &plan {
             self.kept.clone_from(kinds);
@@ -268,20 +271,24 @@ impl PredictorSearch<'_> {
         Ok(())
     }
 
-    /// Of a reconstruction the best variant is corrected: one that is not refined was never the better one by more than
-    /// chance, and no lesson has taught it of poses unlike those of training. What corrects it listens to what the first
-    /// one's first variant, which is not refined, leaves over.
+    /// What corrects a reconstruction listens to what the first one's first variant, which is not refined, leaves over.
     fn hybrid(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
         let known = self.known_of_reconstruction.take().unwrap_or_else(|| {
             let first = rotational.variants.first().map(|v| rotational.target(v, self.training));
             let known = first.map(|target| lists::choose(&target, 1, self.progress));
             known.unwrap_or_default()
         });
-        let best = rotational.best();
-        let fitted = rotational.fitted(best, self.training);
-        let target = rotational.target(best, self.training);
-        let of = Some((rotational, best));
-        self.corrected(fitted, (&target, &known), &best.validated, of)?;
+        let all = &rotational.variants;
+        let is_kept =
+            |variant: &Variant| self.kept.contains(&(Predictor::Hybrid, Some(variant.method)));
+        let any_is = all.iter().any(is_kept);
+        let tried: Vec<&Variant> = all.iter().filter(|v| is_kept(v) || !any_is).collect();
+        for variant in tried {
+            let fitted = rotational.fitted(variant, self.training);
+            let target = rotational.target(variant, self.training);
+            let of = Some((rotational, variant));
+            self.corrected(fitted, (&target, &known), &variant.validated, of)?;
+        }
         self.known_of_reconstruction = Some(known);
         Ok(())
     }

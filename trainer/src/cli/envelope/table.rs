@@ -26,7 +26,7 @@ pub(super) fn report(report: &TrainingReport) -> String {
     let best = report.candidates.iter().filter_map(|candidate| candidate.validated_rms);
     if report.chosen().validated_rms > best.min_by(f64::total_cmp) {
         out += &format!(
-            "errors within {:.0} %, or below {} %, are alike: the smallest file is taken, rotational ones last\n",
+            "errors within {:.0} %, or below {} %, are alike: the smallest file is taken, unrefined ones and rotational ones last\n",
             100.0 * (SMALLER - 1.0),
             100.0 * UNSEEN
         );
