@@ -13,7 +13,7 @@ use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
 use crate::format::{CORRECTION_MAX, FileErrorKind as Kind, SectionKind, saturated};
 use crate::linear::padded;
-use crate::linear::{Le, dot, floats, rows};
+use crate::linear::{Le, cross, dot, floats, rows};
 
 /// Checks an envelope's counts, and returns what they ask of its sections.
 pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<Asked> {
@@ -81,9 +81,7 @@ fn check_inverse_binds(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checke
     let near = |found: f32, expected: f32| (found - expected).abs() <= BIND_TOLERANCE;
     for (joint, matrix) in envelope.bind_words().iter().enumerate() {
         let [mut x, mut y, mut z] = rows(&floats(matrix)).map(|[x, y, z, _]: [f32; 4]| [x, y, z]);
-        let across =
-            [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
-        let mut is_rotation = dot(across, z) > 0.0;
+        let mut is_rotation = dot(cross(x, y), z) > 0.0;
         for _ in 0..3 {
             is_rotation &= near(dot(x, x), 1.0) && near(dot(x, y), 0.0);
             (x, y, z) = (y, z, x);
@@ -151,11 +149,12 @@ fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
 /// Finds what is wrong with the row of a group by itself.
 fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
     let has_centres = row.centre_len > 0;
+    let kernel = row.kernel_and_caution & 15;
     let trust = row.trust.words();
     if u32::from(row.joint) >= joint_len {
         Some((Kind::Index, [joint_len, row.joint.into()]))
-    } else if GroupKernel::from_number(row.kernel).is_none() {
-        Some((Kind::Unsupported, [0, row.kernel.into()]))
+    } else if GroupKernel::from_number(kernel).is_none() {
+        Some((Kind::Unsupported, [0, kernel.into()]))
     } else if row.proxy_len == 0 || has_centres && (row.input_len == 0 || row.rank == 0) {
         Some((Kind::Empty, [1, 0]))
     } else if outside(&trust, [0.0, CORRECTION_MAX]).is_some()
@@ -175,7 +174,7 @@ fn check_corrections(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked 
     let mut start = 0;
     for row in envelope.group_rows() {
         // The section has the words of all groups, so that each finds its own.
-        let own = usize::try_from(row.words()).unwrap_or(words.len()).min(words.len());
+        let own = words.len().min(row.words() as usize);
         let (group, rest) = words.split_at(own);
         let (features, floats) = group.split_at(padded(row.input_len.into()).min(own));
         for (i, feature) in features.iter().enumerate() {

@@ -53,21 +53,19 @@ fn add(
     out: &mut [Matrix3x4],
 ) -> Evidence {
     let (evidence, added) = evaluate_map(group, features, scratch);
-    if evidence.share() > 0.0 {
-        let added = added.as_chunks::<4>().0.as_chunks::<3>().0;
-        for (map, added) in out.iter_mut().zip(added) {
-            for (row, [x, y, z, _]) in map.iter_mut().zip(dominant) {
-                let [a, b, c] = added;
-                for (value, ((a, b), c)) in row.iter_mut().zip(a.iter().zip(b).zip(c)) {
-                    *value += x * a + y * b + z * c;
-                }
+    let added = added.as_chunks::<4>().0.as_chunks::<3>().0;
+    for (map, added) in out.iter_mut().zip(added) {
+        for (row, [x, y, z, _]) in map.iter_mut().zip(dominant) {
+            let [a, b, c] = added;
+            for (value, ((a, b), c)) in row.iter_mut().zip(a.iter().zip(b).zip(c)) {
+                *value += x * a + y * b + z * c;
             }
         }
     }
     evidence
 }
 
-/// Evaluates a group's map; what it adds is left as it was where nothing is known.
+/// Evaluates a group's map; it adds nothing where nothing is known.
 #[inline]
 fn evaluate_map<'a>(
     group: &Group<'_>,
@@ -80,6 +78,5 @@ fn evaluate_map<'a>(
         *x = weight * features.get(feature).copied().unwrap_or_default();
     }
     let input = input.get(..group.input_len()).unwrap_or_default();
-    let evidence = group.map.evaluate(input, scratch, added);
-    (evidence, added)
+    group.map.evaluate(input, scratch, added)
 }

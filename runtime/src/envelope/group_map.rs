@@ -47,6 +47,7 @@ pub(crate) struct Map<'a> {
     pub(crate) shape: Shape,
     pub(crate) kernel: GroupKernel,
     pub(crate) trust: Trust,
+    pub(crate) caution: u8,
     centres: &'a [[Le; 8]],
     rest: &'a [[Le; 8]],
     coefficients: &'a [[Le; 8]],
@@ -58,7 +59,7 @@ impl<'a> Map<'a> {
     pub(crate) fn new(
         shape: Shape,
         kernel: GroupKernel,
-        trust: Trust,
+        (trust, caution): (Trust, u8),
         words: &'a [Le],
     ) -> Option<Self> {
         let Shape { input_len: d, centre_len: n, rank: r, output_len: o, .. } = shape;
@@ -68,16 +69,23 @@ impl<'a> Map<'a> {
         let (rest, blocks) = blocks.split_at_checked(matrix(n, 1)?)?;
         let (coefficients, blocks) = blocks.split_at_checked(matrix(shape.values(), n + d)?)?;
         let (outputs, _) = blocks.split_at_checked(matrix(o, r)?)?;
-        Some(Self { shape, kernel, trust, centres, rest, coefficients, outputs })
+        Some(Self { shape, kernel, trust, caution, centres, rest, coefficients, outputs })
     }
 
     /// Evaluates the map where x is known, and returns what is known of it (METHOD §2.6).
     ///
     /// - `input`: x, d values.
     /// - `scratch`: padded n + padded r + m values, of any content.
-    /// - `out`: y, padded o values; left as they are where w is 0.
+    /// - `out`: room for y, padded o values.
+    ///
+    /// Returns y too, or nothing where w is 0.
     #[inline]
-    pub(crate) fn evaluate(&self, input: &[f32], scratch: &mut [f32], out: &mut [f32]) -> Evidence {
+    pub(crate) fn evaluate<'b>(
+        &self,
+        input: &[f32],
+        scratch: &mut [f32],
+        out: &'b mut [f32],
+    ) -> (Evidence, &'b [f32]) {
         let Shape { centre_len: n, rank: r, certainty_len: m, .. } = self.shape;
         let (basis, values) = scratch.split_at_mut(padded(n).min(scratch.len()));
         self.basis(input, basis.as_chunks_mut().0);
@@ -86,15 +94,18 @@ impl<'a> Map<'a> {
         let (latent, certainty) = split(values, r);
         let change = basis.first().copied().unwrap_or_default();
         let evidence = self.trust.evidence(input, change, certainty.iter().take(m));
-        let w = evidence.share();
+        let w = evidence.share(self.caution);
         if w > 0.0 {
             let out = out.as_chunks_mut().0;
             block_product(self.outputs, [latent, &[]], out);
-            for value in out.as_flattened_mut() {
+            let out = out.as_flattened_mut();
+            for value in &mut *out {
                 *value *= w;
             }
+            (evidence, out)
+        } else {
+            (evidence, &[])
         }
-        evidence
     }
 
     /// Computes g, n values in whole blocks.

@@ -116,7 +116,8 @@ fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     } else {
         [0.0, f64::INFINITY]
     };
-    let w = smooth((8.0 * sure(evidence)).min(1.0));
+    let cautious = [evidence[0], 2f64.powi(group.caution.into()) * evidence[1]];
+    let w = smooth((8.0 * sure(cautious)).min(1.0));
     let out = times(&group.outputs, &latent);
     let maps = out.chunks(12).map(|k| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| w * k[4 * r + c])));
     (maps.collect(), evidence)
@@ -265,6 +266,7 @@ fn each_number_of_a_group_matters() {
         |g| g.trust.linear = 0.5,
         |g| g.trust.signal = 1.0,
         |g| g.trust.noise = 1.0,
+        |g| g.caution = 6,
         |g| g.coefficients[3][2] += 0.5,
         |g| g.coefficients[4][13] += 0.5,
         |g| g.kernel = GroupKernel::Matern32,

@@ -48,6 +48,7 @@ fn accessors_give_what_was_written() {
         for (index, expected) in groups.iter().enumerate() {
             let found = envelope.group(index).unwrap();
             assert_eq!((found.joint, found.kernel), (expected.joint, expected.kernel));
+            assert_eq!(found.caution, expected.caution);
             assert_eq!(found.proxies, start..start + expected.proxies);
             assert_eq!((found.trust, found.certainty_len()), (expected.trust, expected.certainty));
             start = found.proxies.end;
@@ -138,11 +139,12 @@ fn each_field_of_a_group_is_checked() {
     let index = FileError { expected: 4, found: 4, ..group(Kind::Index) };
     assert_eq!(row(|r| r.joint = 4), Err(index));
     let unknown = |found| Err(FileError { found, ..group(Kind::Unsupported) });
-    for kernel in [0, 1, 7, 12, 255] {
-        assert_eq!(row(|r| r.kernel = kernel), unknown(kernel.into()));
+    for kernel in [0, 1, 7, 12, 15] {
+        assert_eq!(row(|r| r.kernel_and_caution = 16 + kernel), unknown(kernel.into()));
     }
     for kernel in GroupKernel::ALL {
-        assert_eq!(row(|r| r.kernel = kernel.number()), Ok(()));
+        assert_eq!(row(|r| r.kernel_and_caution = kernel.number()), Ok(()));
+        assert_eq!(row(|r| r.kernel_and_caution = kernel.number() + 16 * 15), Ok(()));
     }
     let empty = FileError { expected: 1, ..group(Kind::Empty) };
     for edit in [(|r| r.proxy_len = 0) as fn(&mut GroupRow), |r| r.input_len = 0, |r| r.rank = 0] {
@@ -265,7 +267,10 @@ fn each_number_of_a_correction_is_checked() {
 #[test]
 fn errors_say_what_is_wrong_in_a_phrase() {
     let phrase = |refused: Result<(), FileError>| refused.unwrap_err().to_string();
-    assert_eq!(phrase(row(|r| r.kernel = 3)), "part 0: element 1 of groups: unknown number 3");
+    assert_eq!(
+        phrase(row(|r| r.kernel_and_caution = 3)),
+        "part 0: element 1 of groups: unknown number 3"
+    );
     assert_eq!(
         phrase(edited(|b| b.set_word(SectionKind::EnvelopeCounts, 5, 9))),
         "part 0: floats of scratch: the groups need 56, found 9"

@@ -275,6 +275,7 @@ fn groups(shape: Shape) -> Vec<Group> {
                     linear: 0.5,
                     signal: 4.0,
                     noise: 40.0,
+                    caution: 1,
                 },
             },
             outputs: row_major(&outputs, 12 * own, r),

@@ -101,7 +101,14 @@ fn file_model(predictor: Predictor) -> FileModel {
                 kernel: GroupKernel::ALL[(first + g) % 4],
                 centres: dyadic.dense(n, d, 1.0).transpose().to_owned(),
                 coefficients: dyadic.dense(rank + 2, n + d, 0.25),
-                certainty: Certainty { len: 2, reach: 4.0, linear: 0.25, signal: 8.0, noise: 16.0 },
+                certainty: Certainty {
+                    len: 2,
+                    reach: 4.0,
+                    linear: 0.25,
+                    signal: 8.0,
+                    noise: 16.0,
+                    caution: 2,
+                },
             },
             outputs: dyadic.dense(12 * proxies, rank, 0.25),
         }
@@ -257,9 +264,15 @@ fn read_back_groups(parts: &EnvelopeModel, envelope: Envelope<'_>) {
         assert_eq!((found.joint, found.kernel), (group.joint, *kernel));
         assert_eq!(found.proxies, group.proxies);
         let Trust { reach, linear, signal, noise } = found.trust;
-        let Certainty { len, reach: far, linear: share, signal: known, noise: doubt } = *certainty;
-        assert_eq!(found.certainty_len(), len);
-        assert_eq!([reach, linear, signal, noise].map(f64::from), [far, share, known, doubt]);
+        let read = Certainty {
+            len: found.certainty_len(),
+            reach: reach.into(),
+            linear: linear.into(),
+            signal: signal.into(),
+            noise: noise.into(),
+            caution: found.caution,
+        };
+        assert_eq!(read, *certainty);
         for (i, &Input { feature, weight }) in group.inputs.iter().enumerate() {
             assert_eq!(found.input(i), Some((feature, weight as f32)));
         }
@@ -364,6 +377,10 @@ fn parts_that_do_not_fit_are_refused() {
     assert_eq!(
         refused(&|_, s| s.influences[7] = vec![(70_000, 1.0)]),
         BakeError::Size { what: "palette index", found: 70_000 }
+    );
+    assert_eq!(
+        refused(&|p, _| p.groups[0].map.certainty.caution = 16),
+        BakeError::Size { what: "caution of a group", found: 16 }
     );
     assert_eq!(
         refused(&|_, s| s.envelope = Some(1)),

@@ -186,7 +186,7 @@ fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Resu
     let len = u.int_in_range(0..=9)?;
     let share = |u: &mut Unstructured<'_>| Ok::<_, Error>(float(u, CORRECTION_MAX)?.abs());
     let [linear, signal, noise] = [share(u)?, share(u)?, share(u)?];
-    let reach = 0.5 * share(u)? + 1.0;
+    let (reach, caution) = (0.5 * share(u)? + 1.0, u.int_in_range(0..=15)?);
     Ok(Group {
         joint: u.choose_index(joint_len)?,
         proxies,
@@ -199,7 +199,7 @@ fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Resu
             // Squared, added up and rooted again, a far centre's kernel at rest stays a number.
             centres: matrix(d, n, || float(u, CORRECTION_MAX))?,
             coefficients: matrix(r + len, n + d, || float(u, CORRECTION_MAX))?,
-            certainty: Certainty { len, reach, linear, signal, noise },
+            certainty: Certainty { len, reach, linear, signal, noise, caution },
         },
         outputs: matrix(rows, r, || float(u, CORRECTION_MAX))?,
     })
@@ -357,11 +357,11 @@ fn compare_groups(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
         assert_eq!((found.joint, found.kernel), (group.joint, *kernel));
         assert_eq!(found.proxies, group.proxies);
         assert_eq!((found.input_len(), found.centre_len(), found.rank()), (d, n, r));
-        let Certainty { len, reach, linear, signal, noise } = *certainty;
+        let Certainty { len, reach, linear, signal, noise, caution } = *certainty;
         let [reach, linear, signal, noise] = [reach, linear, signal, noise].map(round);
         assert_eq!(
-            (found.certainty_len(), found.trust),
-            (len, Trust { reach, linear, signal, noise })
+            (found.certainty_len(), found.trust, found.caution),
+            (len, Trust { reach, linear, signal, noise }, caution)
         );
         for (i, &Input { feature, weight }) in inputs.iter().enumerate() {
             assert_eq!(found.input(i), Some((feature, round(weight))));

@@ -127,13 +127,23 @@ impl Outputs {
     /// How many times as much there is to predict of samples as their own blocks see them: 1 where outputs do not depend
     /// on that.
     pub fn unseen(&self) -> f64 {
-        let size = |outputs: &Mat<f64>, block: &Block| -> f64 {
-            block.own.iter().map(|&sample| outputs.row(sample).squared_norm_l2()).sum()
-        };
         let pairs = || self.without.iter().zip(&self.blocks);
         let own: f64 = pairs().map(|(outputs, block)| size(outputs, block)).sum();
         let seen: f64 = pairs().map(|(_, block)| size(&self.all, block)).sum();
         if own > seen && seen > 0.0 { own / seen } else { 1.0 }
+    }
+
+    /// How many times a doubt is to count against adding what is predicted, as a power of two: 0 where nothing of the base
+    /// was fitted. What has to be mended where samples tell nothing is taken to lie between what is known to be left, of
+    /// samples as their own blocks see them, and what would be without any fit.
+    pub fn caution(&self) -> u8 {
+        let pairs = self.without.iter().zip(&self.blocks);
+        let left: f64 = pairs.map(|(outputs, block)| size(outputs, block)).sum();
+        if left > 0.0 {
+            (0.5 * (self.signal / left).log2()).round().clamp(0.0, 15.0) as u8
+        } else {
+            0
+        }
     }
 
     /// Scores of predicting nothing: each output's size, over the samples as their own blocks see
@@ -149,6 +159,11 @@ impl Outputs {
         };
         (0..self.all.ncols()).map(size).collect()
     }
+}
+
+/// The squared size of what a block's own samples are to give.
+fn size(outputs: &Mat<f64>, block: &Block) -> f64 {
+    block.own.iter().map(|&sample| outputs.row(sample).squared_norm_l2()).sum()
 }
 
 /// Returns the power mean of the squared errors of blocks.

@@ -140,6 +140,7 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
         len: rows.ncols(),
         signal: (signal / outputs.negligible).min(MOST),
         noise: (noise / outputs.negligible).min(MOST),
+        caution: outputs.caution(),
         ..design.certain()
     };
     let map = design.map(&faer::concat![[&solution, &rows]], certainty);
@@ -284,7 +285,7 @@ mod tests {
             assert_eq!(at(0.0, 0.0).outputs, [0.0, 0.0]);
             let most = if kernel == GroupKernel::Matern12 { 0.1 } else { 0.02 };
             for (x, y) in [(0.3, -0.2), (-0.5, 0.4), (0.1, 0.8)] {
-                assert!(at(x, y).evidence.share() > 0.99);
+                assert!(map.certainty.share(at(x, y).evidence) > 0.99);
                 for (a, b) in at(x, y).outputs.iter().zip(truth(x, y)) {
                     assert!((a - b).abs() < most, "{kernel:?} {a} {b}");
                 }

@@ -64,8 +64,10 @@ fn latents(group: &Group, training: &Training) -> Vec<Latents> {
     let at = |input: Vec<f64>| {
         let Value { outputs, evidence } = group.map.evaluate(&input);
         let error = group.map.error(&input);
-        let (least, most) = error.evidence.share(Arithmetic::IEEE);
-        let of_share = (evidence.share() - least).max(most - evidence.share());
+        let certainty = &group.map.certainty;
+        let share = certainty.share(evidence);
+        let (least, most) = certainty.shares(error.evidence, Arithmetic::IEEE);
+        let of_share = (share - least).max(most - share);
         // A sum of r products, the share, and the product with the joint's rotation.
         let own = (outputs.len() as f64 + 6.0) * U * most;
         let latent = |(z, error): (&f64, &f64)| Latent {

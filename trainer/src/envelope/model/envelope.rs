@@ -152,6 +152,7 @@ fn widened(group: &sinew_runtime::envelope::Group<'_>) -> Group {
                 linear: group.trust.linear.into(),
                 signal: group.trust.signal.into(),
                 noise: group.trust.noise.into(),
+                caution: group.caution,
             },
         },
         outputs: Mat::from_fn(12 * group.proxies.len(), r, |row, c| wide(group.output(row, c))),
