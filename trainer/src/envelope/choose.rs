@@ -29,8 +29,9 @@ use sinew_runtime::skin::NormalErrors;
 
 /// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
 const FEW_VALUES: usize = 4;
-/// A kind of predictor whose error is so many times the least is tried with more proxies too.
+/// Of a predictor whose error is at most so many times the least more is tried: more proxies, a hybrid that is not refined.
 const NEARLY: f64 = 1.15;
+
 /// A trained model.
 pub struct Trained {
     /// The file's bytes.
@@ -148,10 +149,7 @@ impl PredictorSearch<'_> {
         others: &[ProxyCount],
     ) -> Result<(), TrainError> {
         let Some(best) = chosen(&self.candidates, &self.reports) else { return Ok(()) };
-        let kind = |c: &Candidate| (c.fitted.envelope.predictor(), self.reports[c.report].method);
-        let is_near = |c: &&Candidate| c.validated_rms <= NEARLY * best.validated_rms;
-        let near: Vec<Kind> = self.candidates.iter().filter(is_near).map(kind).collect();
-        let best = vec![kind(best)];
+        let (near, best) = (self.near(), vec![self.kind(best)]);
         let kinds = |&count| if count > usual { near.clone() } else { best.clone() };
         let plan: Vec<Vec<Kind>> = others.iter().map(kinds).collect();
         self.parts = self.begun;
@@ -164,6 +162,17 @@ impl PredictorSearch<'_> {
             self.attempt(*count)?;
         }
         Ok(())
+    }
+
+    /// Lists the kinds whose error is nearly the least.
+    fn near(&self) -> Vec<Kind> {
+        let least = chosen(&self.candidates, &self.reports).map(|best| best.validated_rms);
+        let is_near = |c: &&Candidate| least.is_some_and(|least| c.validated_rms <= NEARLY * least);
+        self.candidates.iter().filter(is_near).map(|c| self.kind(c)).collect()
+    }
+
+    fn kind(&self, candidate: &Candidate) -> Kind {
+        (candidate.fitted.envelope.predictor(), self.reports[candidate.report].method)
     }
 
     /// Chooses what helpers' maps listen to, by the usual number of them: for every number the same, so that it does not
@@ -271,7 +280,8 @@ impl PredictorSearch<'_> {
         Ok(())
     }
 
-    /// What corrects a reconstruction listens to what the first one's first variant, which is not refined, leaves over.
+    /// Corrects the refined variant of a reconstruction, and the other too where that is nearly the best, or all that is
+    /// asked for. What corrects them listens to what the first one's first variant, which is not refined, leaves over.
     fn hybrid(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
         let known = self.known_of_reconstruction.take().unwrap_or_else(|| {
             let first = rotational.variants.first().map(|v| rotational.target(v, self.training));
@@ -282,12 +292,15 @@ impl PredictorSearch<'_> {
         let is_kept =
             |variant: &Variant| self.kept.contains(&(Predictor::Hybrid, Some(variant.method)));
         let any_is = all.iter().any(is_kept);
-        let tried: Vec<&Variant> = all.iter().filter(|v| is_kept(v) || !any_is).collect();
+        let tried: Vec<&Variant> = all.iter().rev().filter(|v| is_kept(v) || !any_is).collect();
         for variant in tried {
             let fitted = rotational.fitted(variant, self.training);
             let target = rotational.target(variant, self.training);
             let of = Some((rotational, variant));
             self.corrected(fitted, (&target, &known), &variant.validated, of)?;
+            if !self.near().iter().any(|near| near.0 == Predictor::Hybrid) {
+                break;
+            }
         }
         self.known_of_reconstruction = Some(known);
         Ok(())
