@@ -20,6 +20,11 @@ pub(crate) fn some(matrix: &Mat<f64>, columns: &[usize]) -> Mat<f64> {
     Mat::from_fn(matrix.nrows(), columns.len(), |row, k| matrix[(row, columns[k])])
 }
 
+/// Lists the columns of some affine maps, of which each has four.
+pub(crate) fn of_maps(maps: &[usize]) -> Vec<usize> {
+    maps.iter().flat_map(|l| 4 * l..4 * l + 4).collect()
+}
+
 /// Returns the least and the greatest of numbers that are not none.
 pub(crate) fn ends<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> [f64; 2] {
     let none = [f64::INFINITY, f64::NEG_INFINITY];

@@ -293,7 +293,7 @@ impl Helpers {
             (map.checked_sub(joint_len).map_or(map, |l| joint_len + rank[l]), w)
         };
         let lists = (0..self.weights.len()).map(|v| self.weights.of(v).map(place).collect());
-        let from: Vec<usize> = order.iter().flat_map(|l| 4 * l..4 * l + 4).collect();
+        let from = columns::of_maps(&order);
         Self {
             weights: Weights::from_lists(self.weights.most(), lists),
             dominant: order.iter().map(|&l| self.dominant[l]).collect(),

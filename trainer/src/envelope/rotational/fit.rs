@@ -19,6 +19,7 @@ use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::Projection;
 use crate::envelope::skin::training::Training;
+use crate::numeric::columns;
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Matrix3;
@@ -259,10 +260,7 @@ fn joint_maps(joints: &Weights, poses: &Poses) -> Mat<f64> {
     let mut used = vec![false; poses.joint_len()];
     (0..joints.len()).flat_map(|v| joints.of(v)).for_each(|(joint, _)| used[joint] = true);
     let followed: Vec<usize> = (0..used.len()).filter(|&joint| used[joint]).collect();
-    let stacked = poses.stacked();
-    Mat::from_fn(stacked.nrows(), 4 * followed.len(), |row, column| {
-        stacked[(row, 4 * followed[column / 4] + column % 4)]
-    })
+    columns::some(&poses.stacked(), &columns::of_maps(&followed))
 }
 
 impl Rotational {

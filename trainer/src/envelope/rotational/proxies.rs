@@ -6,6 +6,7 @@ use super::surface::Surface;
 use crate::envelope::FitError;
 use crate::envelope::skin::blend::{Alternation, Blend, Items, Maps, Weights};
 use crate::numeric::affine::homogeneous;
+use crate::numeric::columns;
 use crate::progress::Progress;
 use faer::Mat;
 use serde::Serialize;
@@ -69,10 +70,7 @@ impl Proxies {
         let renumbered = (0..self.weights.len())
             .map(|item| self.weights.of(item).map(|(l, alpha)| (rank[l], alpha)).collect());
         self.weights = Weights::from_lists(self.weights.most(), renumbered);
-        let columns = &self.maps.columns;
-        let from = |column: usize| 4 * order[column / 4] + column % 4;
-        self.maps.columns =
-            Mat::from_fn(columns.nrows(), columns.ncols(), |r, c| columns[(r, from(c))]);
+        self.maps.columns = columns::some(&self.maps.columns, &columns::of_maps(&order));
         order.into_iter().map(|l| dominant[l]).collect()
     }
 }
