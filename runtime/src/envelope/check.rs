@@ -149,12 +149,11 @@ fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
 /// Finds what is wrong with the row of a group by itself.
 fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
     let has_centres = row.centre_len > 0;
-    let kernel = row.kernel_and_caution & 15;
     let trust = row.trust.words();
     if u32::from(row.joint) >= joint_len {
         Some((Kind::Index, [joint_len, row.joint.into()]))
-    } else if GroupKernel::from_number(kernel).is_none() {
-        Some((Kind::Unsupported, [0, kernel.into()]))
+    } else if GroupKernel::from_number(row.kernel()).is_none() {
+        Some((Kind::Unsupported, [0, row.kernel().into()]))
     } else if row.proxy_len == 0 || has_centres && (row.input_len == 0 || row.rank == 0) {
         Some((Kind::Empty, [1, 0]))
     } else if outside(&trust, [0.0, CORRECTION_MAX]).is_some()

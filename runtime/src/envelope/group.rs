@@ -35,8 +35,8 @@ pub struct Group<'a> {
 impl<'a> Group<'a> {
     fn new(row: &GroupRow, proxies: Range<usize>, words: &'a [Le]) -> Option<Self> {
         let (shape, trust) = (row.shape(), row.trust);
-        let kernel = GroupKernel::from_number(row.kernel_and_caution & 15)?;
-        let caution = row.kernel_and_caution >> 4;
+        let kernel = GroupKernel::from_number(row.kernel())?;
+        let caution = row.caution();
         let (features, words) = words.split_at_checked(padded(shape.input_len))?;
         let (weights, words) = words.split_at_checked(padded(shape.input_len))?;
         let map = Map::new(shape, kernel, (trust, caution), words)?;

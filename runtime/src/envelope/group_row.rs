@@ -31,6 +31,16 @@ impl GroupRow {
     /// Bytes of a row.
     pub const BYTES: usize = 32;
 
+    /// Returns the number of the kernel.
+    pub fn kernel(&self) -> u8 {
+        self.kernel_and_caution & 15
+    }
+
+    /// Returns the caution, 0 to 15.
+    pub fn caution(&self) -> u8 {
+        self.kernel_and_caution >> 4
+    }
+
     /// Counts the group's words in section `corrections`; no product of its sizes overflows.
     pub fn words(&self) -> u64 {
         2 * padded(usize::from(self.input_len)) as u64 + self.shape().words()

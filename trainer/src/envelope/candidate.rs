@@ -4,9 +4,15 @@ use super::alike::{Rated, smallest_alike};
 use super::fitted::Fitted;
 use super::rotational::{Method, RotationalReport};
 use super::training_report::CandidateReport;
+use sinew_runtime::envelope::Predictor;
 
 /// Tangent coefficients give way to a budget where positions else err so many times as much.
 const COEFFICIENTS_COST: f64 = 1.5;
+/// Of a predictor whose error is at most so many times the least more is tried: more proxies, a hybrid that is not refined.
+const NEARLY: f64 = 1.15;
+
+/// What predicts, and how its c1 and c2 come about.
+pub(super) type Kind = (Predictor, Option<Method>);
 
 /// An envelope that was fitted and fits the budget.
 pub(super) struct Candidate {
@@ -15,6 +21,19 @@ pub(super) struct Candidate {
     pub(super) report: usize,
     pub(super) validated_rms: f64,
     pub(super) rotational: Option<RotationalReport>,
+}
+
+impl Candidate {
+    pub(super) fn kind(&self, reports: &[CandidateReport]) -> Kind {
+        (self.fitted.envelope.predictor(), reports[self.report].method)
+    }
+}
+
+/// Lists the kinds whose error is nearly the least.
+pub(super) fn near(candidates: &[Candidate], reports: &[CandidateReport]) -> Vec<Kind> {
+    let Some(best) = chosen(candidates, reports) else { return Vec::new() };
+    let is_near = |c: &&Candidate| c.validated_rms <= NEARLY * best.validated_rms;
+    candidates.iter().filter(is_near).map(|c| c.kind(reports)).collect()
 }
 
 /// Chooses the candidate with the least error, or a smaller one of which that cannot be told apart. Of those alike

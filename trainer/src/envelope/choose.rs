@@ -1,7 +1,7 @@
 //! The choice of predictor and number of proxies by cross-validation inside the training split
 //! (METHOD §1.9).
 
-use super::candidate::{Candidate, chosen};
+use super::candidate::{Candidate, Kind, chosen, near};
 use super::counts::{proxies_max, proxy_counts, usual_count};
 use super::error::{FitError, TrainError};
 use super::finish::{fit_normals, recorded};
@@ -29,8 +29,6 @@ use sinew_runtime::skin::NormalErrors;
 
 /// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
 const FEW_VALUES: usize = 4;
-/// Of a predictor whose error is at most so many times the least more is tried: more proxies, a hybrid that is not refined.
-const NEARLY: f64 = 1.15;
 
 /// A trained model.
 pub struct Trained {
@@ -99,9 +97,6 @@ pub fn choose(
     choice.take()
 }
 
-/// What predicts, and how its c1 and c2 come about.
-type Kind = (Predictor, Option<Method>);
-
 struct PredictorSearch<'a> {
     training: &'a Training,
     examples: &'a Examples,
@@ -149,7 +144,8 @@ impl PredictorSearch<'_> {
         others: &[ProxyCount],
     ) -> Result<(), TrainError> {
         let Some(best) = chosen(&self.candidates, &self.reports) else { return Ok(()) };
-        let (near, best) = (self.near(), vec![self.kind(best)]);
+        let best = vec![best.kind(&self.reports)];
+        let near = near(&self.candidates, &self.reports);
         let kinds = |&count| if count > usual { near.clone() } else { best.clone() };
         let plan: Vec<Vec<Kind>> = others.iter().map(kinds).collect();
         self.parts = self.begun;
@@ -162,17 +158,6 @@ impl PredictorSearch<'_> {
             self.attempt(*count)?;
         }
         Ok(())
-    }
-
-    /// Lists the kinds whose error is nearly the least.
-    fn near(&self) -> Vec<Kind> {
-        let least = chosen(&self.candidates, &self.reports).map(|best| best.validated_rms);
-        let is_near = |c: &&Candidate| least.is_some_and(|least| c.validated_rms <= NEARLY * least);
-        self.candidates.iter().filter(is_near).map(|c| self.kind(c)).collect()
-    }
-
-    fn kind(&self, candidate: &Candidate) -> Kind {
-        (candidate.fitted.envelope.predictor(), self.reports[candidate.report].method)
     }
 
     /// Chooses what helpers' maps listen to, by the usual number of them: for every number the same, so that it does not
@@ -298,7 +283,8 @@ impl PredictorSearch<'_> {
             let target = rotational.target(variant, self.training);
             let of = Some((rotational, variant));
             self.corrected(fitted, (&target, &known), &variant.validated, of)?;
-            if !self.near().iter().any(|near| near.0 == Predictor::Hybrid) {
+            let near = near(&self.candidates, &self.reports);
+            if near.iter().all(|kind| kind.0 != Predictor::Hybrid) {
                 break;
             }
         }
