@@ -45,11 +45,11 @@ pub static AHEAD: Constant = Constant::new("AHEAD", 0.7);
 pub static DISPLACEMENT: Constant = Constant::new("DISPLACEMENT", 3.0);
 /// A displacement that spreads less, RMS in weighted diagonals, is no input.
 pub static STILL: Constant = Constant::new("STILL", 3e-4);
-/// How much better a score is to be with further joints, or other weights of them: folds of training tell little of poses
-/// unlike it, and there a map that listens to less, and to all alike, errs less.
+/// How much better a score is to be with further joints, or with one more list of them: folds of training tell little of
+/// poses unlike it, and there a map that listens to less errs less.
 pub static EARNS: Constant = Constant::new("EARNS", 0.2);
-/// How much better scores are to be with one more list of what the maps of a joint listen to: a list costs a map.
-pub static LISTS: Constant = Constant::new("LISTS", 0.1);
+/// How much better it is to be where one joint weighs twice as much as it did, or half, for the same reason.
+pub static WEIGHS: Constant = Constant::new("WEIGHS", 0.3);
 /// Share of what is left over, squared, that joints may have together whose maps are chosen by joints and width alone: for
 /// the rest of the choices they matter too little.
 pub static MINOR: Constant = Constant::new("MINOR", 0.05);
@@ -81,7 +81,7 @@ pub static ALL: [&Constant; 19] = [
     &DISPLACEMENT,
     &STILL,
     &EARNS,
-    &LISTS,
+    &WEIGHS,
     &MINOR,
     &TELLS_NOTHING,
     &SIMPLER,

@@ -2,7 +2,7 @@
 
 use super::features::{Features, near};
 use super::group_outputs::EachOutputs;
-use crate::constants::{EARNS, SIMPLER};
+use crate::constants::{EARNS, SIMPLER, WEIGHS};
 use crate::envelope::model::Input;
 use crate::envelope::skin::poses::Poses;
 use crate::kernel::design::Design;
@@ -203,7 +203,7 @@ impl NearJoints {
                     let values = Inputs::new(features.evaluate(poses, &inputs));
                     let Some(values) = values else { break };
                     match coarse(&values, outputs, kernel) {
-                        Some(found) if (1.0 + EARNS.get()) * found < least => least = found,
+                        Some(found) if (1.0 + WEIGHS.get()) * found < least => least = found,
                         _ => break,
                     }
                     (self.inputs, self.values) = (inputs, values);

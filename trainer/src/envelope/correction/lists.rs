@@ -5,7 +5,7 @@ use super::features::{near, neighbours, on_side};
 use super::group_outputs::{EachOutputs, groups};
 use super::listening::{HOPS, Listening, NearJoints, scores};
 use super::target::CorrectionTarget;
-use crate::constants::{LISTS, MINOR};
+use crate::constants::{EARNS, MINOR};
 use crate::kernel::inputs::Inputs;
 use crate::progress::Progress;
 use rayon::prelude::*;
@@ -80,7 +80,7 @@ fn several(
         let best =
             (0..others.len()).min_by(|&a, &b| with(&others[a].0).total_cmp(&with(&others[b].0)));
         let Some(best) = best else { break };
-        if (1.0 + LISTS.get()) * with(&others[best].0) >= least.iter().sum() {
+        if (1.0 + EARNS.get()) * with(&others[best].0) >= least.iter().sum() {
             break;
         }
         least = lesser(&least, &others[best].0);
