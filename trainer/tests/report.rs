@@ -101,9 +101,9 @@ fn row<'a>(rows: &'a [Vec<String>], first: &str) -> &'a [String] {
 fn accuracy(of: &Evaluation, lbs: bool) -> [String; 6] {
     let e = if lbs { &of.lbs } else { &of.errors };
     [
-        format!("{:.4} %", e.rms_percent),
-        format!("{:.4} %", e.p99_percent),
-        format!("{:.4} %", e.max_percent),
+        format!("{:.4}\u{a0}%", e.rms_percent),
+        format!("{:.4}\u{a0}%", e.p99_percent),
+        format!("{:.4}\u{a0}%", e.max_percent),
         format!("{:.2}°", e.normal_rms_degrees),
         format!("{:.2}°", e.normal_median_degrees),
         format!("{:.2}°", e.normal_p99_degrees),
@@ -189,11 +189,11 @@ fn a_disturbed_vertex_is_the_worst_one_everywhere() {
     let sentence = format!("Vertex {vertex}, where the model is off by ");
     let (_, after) = html.split_once(&sentence).expect("the worst vertex is named");
     // LBS moves a vertex as far as its rest position was moved, or less where joints disagree.
-    let percent: f64 = after.split(' ').next().unwrap().parse().unwrap();
+    let percent: f64 = after.split('\u{a0}').next().unwrap().parse().unwrap();
     assert!((10.0..21.0).contains(&percent), "{percent}");
     assert!(html.contains(&format!("The vertices with the largest: {vertex} (")));
     // What there is nothing to show of is left out.
-    for absent in ["More or fewer proxies", "near-rigid", "(0 %)", "(100 %)"] {
+    for absent in ["More or fewer proxies", "near-rigid", "(0\u{a0}%)", "(100\u{a0}%)"] {
         assert!(!html.contains(absent), "{absent}");
     }
     for record in ::csv::Reader::from_reader(&csv::by_frame(&comparison).unwrap()[..]).records() {

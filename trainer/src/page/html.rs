@@ -7,8 +7,9 @@ use png::EncodingError;
 
 const STYLE: &str = include_str!("style.css");
 
-/// A page in one file.
+/// A page in one file; no unit stands on another line than its number.
 pub(crate) fn page(title: &str, body: &str) -> String {
+    let body = body.replace(" %", "\u{a0}%").replace(" °", "\u{a0}°");
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -116,6 +117,12 @@ mod tests {
             text("<b a=\"1\" b='2'>&\u{7}é"),
             "&lt;b a=&quot;1&quot; b=&#39;2&#39;&gt;&amp;\\u{7}é"
         );
+    }
+
+    #[test]
+    fn a_unit_stays_with_its_number() {
+        let page = page("", &paragraph("0.1 % off, 2 °"));
+        assert!(page.contains("<p>0.1\u{a0}% off, 2\u{a0}°</p>"), "{page}");
     }
 
     #[test]
