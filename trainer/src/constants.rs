@@ -48,7 +48,7 @@ pub static STILL: Constant = Constant::new("STILL", 3e-4);
 /// How much better a score is to be with further joints, or with one more list of them: folds of training tell little of
 /// poses unlike it, and there a map that listens to less errs less.
 pub static EARNS: Constant = Constant::new("EARNS", 0.2);
-/// How much better it is to be where one joint weighs twice as much as it did, or half, for the same reason.
+/// How much better a score is to be where one joint weighs twice as much as it did, or half, for the same reason.
 pub static WEIGHS: Constant = Constant::new("WEIGHS", 0.3);
 /// Share of what is left over, squared, that joints may have together whose maps are chosen by joints and width alone: for
 /// the rest of the choices they matter too little.
