@@ -6,6 +6,12 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// Endings that promise a file to other programs.
+const PROMISED: [&str; 23] = [
+    "abc", "blend", "csv", "fbx", "gif", "glb", "gltf", "html", "jpg", "json", "npy", "npz", "obj",
+    "pc2", "pdf", "ply", "png", "txt", "usd", "usda", "usdc", "usdz", "yaml",
+];
+
 /// A place for a file, where a file can be written.
 pub(super) struct OutputFile {
     named: PathBuf,
@@ -42,6 +48,31 @@ impl OutputFile {
         let target = Self { named, place };
         target.part(&[])?;
         Ok(target)
+    }
+
+    /// The same for a model.
+    ///
+    /// # Errors
+    /// If its name promises another kind of file.
+    pub(super) fn of_a_model(self) -> anyhow::Result<Self> {
+        self.of_a("a model", "sinew")
+    }
+
+    /// The same for a report.
+    ///
+    /// # Errors
+    /// If its name promises another kind of file.
+    pub(super) fn of_a_report(self) -> anyhow::Result<Self> {
+        self.of_a("a report", "html")
+    }
+
+    fn of_a(self, what: &str, ending: &str) -> anyhow::Result<Self> {
+        let own = self.named.extension().map(|own| own.to_ascii_lowercase());
+        let own = own.as_ref().and_then(|own| own.to_str()).filter(|own| *own != ending);
+        if let Some(own) = own.filter(|own| PROMISED.contains(own)) {
+            bail!("{}: {what} is no .{own} file, name it .{ending}", cannot_write(&self.named));
+        }
+        Ok(self)
     }
 
     /// Returns the place as it was named.

@@ -236,6 +236,9 @@ fn check(examples: &Path) -> anyhow::Result<()> {
         bail!("{path}: is a folder, expected a file");
     }
     if examples.extension().is_some_and(|extension| extension == "json") {
+        if !examples.exists() {
+            bail!("{path}: there is no such file; --json prints its results and takes no name");
+        }
         bail!("{path}: describes examples, expected the .npz file beside it");
     }
     Ok(())

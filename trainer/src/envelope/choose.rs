@@ -19,6 +19,7 @@ use crate::envelope::correction::candidates::GroupReport;
 use crate::envelope::correction::lists::{self, Known};
 use crate::envelope::correction::search::Search;
 use crate::envelope::correction::target::CorrectionTarget;
+use crate::envelope::skin::blend::Weights;
 use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
@@ -79,6 +80,7 @@ pub fn choose(
         parts: 0,
         begun: 0,
     };
+    choice.check_budget()?;
     if options.predictor == Predict::Auto && options.proxies.is_none() {
         choice.joints_alone()?;
     }
@@ -410,13 +412,34 @@ impl PredictorSearch<'_> {
         self.options.budget.unwrap_or(usize::MAX)
     }
 
+    /// Refuses a budget that no model can meet, before anything is fitted: each holds the skeleton and, of every vertex, a
+    /// weight at least.
+    fn check_budget(&self) -> Result<(), TrainError> {
+        let Some(budget) = self.options.budget else { return Ok(()) };
+        let lbs = &self.training.lbs.weights;
+        let strongest = |vertex| vec![(lbs.strongest(vertex).unwrap_or(0), 1.0)];
+        let weights = Weights::from_lists(1, (0..lbs.len()).map(strongest));
+        let least = self.size(&Fitted::new(self.training, weights, None), false)?;
+        if least > budget {
+            return Err(TrainError::BudgetOfMesh { budget, least });
+        }
+        Ok(())
+    }
+
     /// Whether skins are to have tangent coefficients, as it is tried: under a budget positions may need their bytes.
     fn with_coefficients(&self) -> impl Iterator<Item = bool> + use<> {
         [true].into_iter().chain(self.options.budget.map(|_| false))
     }
 
-    /// Bytes of the file.
+    /// Bytes of the file of a candidate.
     fn bytes(&mut self, fitted: &Fitted, coefficients: bool) -> Result<usize, TrainError> {
+        let bytes = self.size(fitted, coefficients)?;
+        self.least_bytes = self.least_bytes.min(bytes);
+        Ok(bytes)
+    }
+
+    /// Bytes of a file.
+    fn size(&self, fitted: &Fitted, coefficients: bool) -> Result<usize, TrainError> {
         let mut model = fitted.file_model(self.training, self.examples, Certificate::default());
         match &self.options.meshes {
             FileSkins::Skins(further) => {
@@ -433,9 +456,7 @@ impl PredictorSearch<'_> {
         if self.options.budget.is_none() {
             model.records.push(self.record.clone());
         }
-        let bytes = model.bake()?.len();
-        self.least_bytes = self.least_bytes.min(bytes);
-        Ok(bytes)
+        Ok(model.bake()?.len())
     }
 
     /// Takes the candidate that scores best, or a smaller one where that costs little.

@@ -20,6 +20,14 @@ pub enum TrainError {
     /// What was fitted could not be measured.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
+    /// No model can be small enough: skeleton and mesh alone are not.
+    #[error("a budget of {budget} bytes is too small: skeleton and mesh alone take {least}")]
+    BudgetOfMesh {
+        /// Bytes allowed.
+        budget: usize,
+        /// Bytes without anything that is learnt.
+        least: usize,
+    },
     /// No candidate's file is small enough.
     #[error(
         "a budget of {budget} bytes is too small: the smallest model that was tried takes {least}, \

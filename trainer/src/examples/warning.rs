@@ -152,7 +152,8 @@ impl fmt::Display for Warning {
                     joints.split_first().map_or(("", &[][..]), |(a, b)| (a, b));
                 write!(
                     f,
-                    "{} joints have no parent: {reference} is the root, and the model has {} under it",
+                    "{} joints have no parent: {reference} is the root, and the model has {} under it; \
+                     where that is wrong, put all of them under one joint",
                     joints.len(),
                     others.join(", ")
                 )

@@ -327,7 +327,7 @@ fn warnings_go_to_standard_error_unless_quiet() {
     let mut set = Set::demo();
     set.json["bone_parents"][3] = json!(-1);
     set.write(&folder.path("roots.npz"));
-    let warning = "sinew: warning: roots.npz: 2 joints have no parent: chest is the root, and the model has upper_arm_twist under it\n";
+    let warning = "sinew: warning: roots.npz: 2 joints have no parent: chest is the root, and the model has upper_arm_twist under it; where that is wrong, put all of them under one joint\n";
     for command in [
         "train roots.npz -o new.sinew --proxies 2",
         "eval demo.sinew roots.npz",

@@ -16,6 +16,14 @@ fn outputs_that_cannot_be_written_are_refused_before_the_work() {
         (format!("{train} new/"), "cannot write new/: it is a folder"),
         (format!("{train} demo.npz"), "cannot write demo.npz: it is an input"),
         (format!("{train} inner/../demo.json"), "cannot write inner/../demo.json: it is an input"),
+        (
+            format!("{train} new.glb"),
+            "cannot write new.glb: a model is no .glb file, name it .sinew",
+        ),
+        (
+            "report demo.sinew demo.npz -o new.PDF".to_owned(),
+            "cannot write new.PDF: a report is no .pdf file, name it .html",
+        ),
         (format!("{train} new --record demo.npz"), "cannot write demo.npz: it is an input"),
         (format!("{train} new --record no/r"), "cannot write no/r: there is no folder no"),
         (format!("{train} new --record ./new"), "cannot write new: model and record are one file"),

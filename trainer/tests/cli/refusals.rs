@@ -121,6 +121,10 @@ fn files_given_by_mistake_are_refused_by_name() {
         ("text.npz", "text.npz: is not a whole npz archive: cut short or damaged ("),
         ("demo.json", "demo.json: describes examples, expected the .npz file beside it"),
         (
+            "new.json",
+            "new.json: there is no such file; --json prints its results and takes no name",
+        ),
+        (
             "demo.sinew",
             "demo.sinew: is a baked model, expected examples: commands take the model first",
         ),

@@ -183,7 +183,7 @@ fn a_budget_covers_every_skin() {
     let model = Model::from_bytes(within.model.as_slice()).unwrap();
     let least = bytes(&model, 1);
     assert!(least < own);
-    assert!(matches!(budget(least + 1000), Err(TrainError::Budget { .. })));
+    assert!(matches!(budget(least + 1000), Err(TrainError::BudgetOfMesh { .. })));
 }
 
 #[test]

@@ -97,7 +97,7 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
     for (name, rms) in [
         ("training frames", certificate.training_rms),
         ("cross-validated", certificate.cross_validated_rms),
-        ("joints alone, training", certificate.base_training_rms),
+        ("without its correction", certificate.base_training_rms),
         ("LBS, training frames", certificate.lbs_training_rms),
         ("rounding, bound", certificate.correction_error),
     ] {

@@ -146,7 +146,7 @@ fn targets(arguments: &Arguments) -> anyhow::Result<OutputFiles> {
     inputs.push(arguments.model.clone());
     inputs.extend(arguments.compare.clone());
     let target = |path: &PathBuf| OutputFile::new(path, &inputs);
-    let page = target(&arguments.output)?;
+    let page = target(&arguments.output)?.of_a_report()?;
     let csv = arguments.csv.as_ref().map(target).transpose()?;
     let ply = arguments.ply.as_ref().map(target).transpose()?;
     let all: Vec<&OutputFile> = std::iter::once(&page).chain(&csv).chain(&ply).collect();

@@ -221,7 +221,7 @@ impl FitArguments {
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let mut inputs = arguments.input.files();
     inputs.extend_from_slice(&arguments.meshes.also);
-    let model = OutputFile::new(&arguments.output, &inputs)?;
+    let model = OutputFile::new(&arguments.output, &inputs)?.of_a_model()?;
     let record_file = arguments.record.as_ref().map(|file| OutputFile::new(file, &inputs));
     let record_file = record_file.transpose()?;
     if record_file.as_ref().is_some_and(|file| file.is(&model)) {

@@ -27,7 +27,8 @@ pub(in crate::cli) struct Arguments {
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let Arguments { measured, out, width } = arguments;
     let (path, take) = (&measured.face, &measured.animation);
-    let target = OutputFile::new(out, &[path.clone(), outline::beside(path), take.clone()])?;
+    let target = OutputFile::new(out, &[path.clone(), outline::beside(path), take.clone()])?
+        .of_a_report()?;
     let model = input::load(path)?;
     let face = input::open(&model, path)?;
     let outline = Outline::read(path, face.skin.vertex_len())?;

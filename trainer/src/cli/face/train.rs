@@ -70,7 +70,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let Arguments { basis: path, animation, out, .. } = arguments;
     let mut inputs = vec![path.clone()];
     inputs.extend(animation.iter().chain(&arguments.landmarks).cloned());
-    let target = OutputFile::new(out, &inputs)?;
+    let target = OutputFile::new(out, &inputs)?.of_a_model()?;
     let mesh = OutputFile::new(&outline::beside(out), &inputs)?;
     if target.is(&mesh) {
         bail!("cannot write {}: its mesh is to stand beside it under that name", out.display());

@@ -62,7 +62,7 @@ pub(in crate::cli) struct Arguments {
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let Arguments { problem: path, out, .. } = arguments;
-    let target = OutputFile::new(out, std::slice::from_ref(path))?;
+    let target = OutputFile::new(out, std::slice::from_ref(path))?.of_a_model()?;
     let about = || path.display().to_string();
     let mut problem = read(path, &arguments.outputs).with_context(about)?;
     overrule(&mut problem, arguments)?;

@@ -43,7 +43,7 @@ pub(in crate::cli) struct Arguments {
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let Arguments { signal, column, averages, .. } = arguments;
-    let target = OutputFile::new(&arguments.out, std::slice::from_ref(signal))?;
+    let target = OutputFile::new(&arguments.out, std::slice::from_ref(signal))?.of_a_model()?;
     let about = || signal.display().to_string();
     let samples = read_signal(signal, column).with_context(about)?;
     let (sample, factor) = (sample(*averages), usize::from(arguments.factor));

@@ -28,7 +28,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let file = arguments.set.file();
     let mut taken = vec![arguments.model.clone(), file.to_owned()];
     taken.extend(arguments.prototype.clone());
-    let target = OutputFile::new(&arguments.out, &taken)?;
+    let target = OutputFile::new(&arguments.out, &taken)?.of_a_report()?;
     let (model, set) = (load(&arguments.model)?, arguments.set.read()?);
     let prototype = arguments.prototype.as_deref().map(load).transpose()?;
     let page = report(&model, &set, prototype.as_ref());

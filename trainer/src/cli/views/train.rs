@@ -31,7 +31,7 @@ pub(in crate::cli) struct Arguments {
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let file = arguments.set.file();
-    let target = OutputFile::new(&arguments.out, &[file.to_owned()])?;
+    let target = OutputFile::new(&arguments.out, &[file.to_owned()])?.of_a_model()?;
     let set = arguments.set.read()?;
     let options = FitOptions { exact: arguments.exact };
     let Trained { model, choices } =
