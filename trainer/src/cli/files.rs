@@ -2,6 +2,7 @@
 
 use anyhow::{Context, bail};
 use sinew_trainer::files::PendingFile;
+use std::ffi::OsStr;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -105,6 +106,21 @@ pub(super) fn write(files: &[(&OutputFile, &[u8])]) -> anyhow::Result<()> {
         part.finish().with_context(|| cannot_write(&target.named))?;
     }
     Ok(())
+}
+
+/// Finds which of some endings a file has, in whatever case.
+///
+/// # Errors
+/// If it has none of them.
+pub(super) fn ending(path: &Path, known: &[&'static str]) -> anyhow::Result<&'static str> {
+    let own = path.extension().unwrap_or_default();
+    let found = known.iter().find(|known| own.eq_ignore_ascii_case(OsStr::new(known)));
+    found.copied().with_context(|| {
+        let (last, others) = known.split_last().unwrap_or((&"", &[]));
+        let others = others.join(", .");
+        let known = if others.is_empty() { String::new() } else { format!(".{others} or ") };
+        format!("{}: expected a file that ends in {known}.{last}", path.display())
+    })
 }
 
 /// Makes a folder, unless it is there.

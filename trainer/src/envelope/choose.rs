@@ -1,15 +1,15 @@
 //! The choice of predictor and number of proxies by cross-validation inside the training split
 //! (METHOD §1.9).
 
+use super::budget::Budget;
 use super::candidate::{Candidate, Kind, chosen, near};
 use super::counts::{proxies_max, proxy_counts, usual_count};
 use super::error::{FitError, TrainError};
-use super::finish::{fit_normals, recorded};
-use super::fitted::{Fitted, NAME, corrected};
+use super::fitted::{Fitted, corrected};
 use super::helpers::fit::{HelperFit, Helpers, STEP};
 use super::levels::AddError;
 use super::levels::{self, LevelReport};
-use super::model::{RecordModel, SkinModel};
+use super::normals::fit_normals;
 use super::options::{FileSkins, Options, Predict};
 use super::rotational::lessons::Lessons;
 use super::rotational::{self, Rotational, RotationalOptions, Variant};
@@ -19,14 +19,12 @@ use crate::envelope::correction::candidates::GroupReport;
 use crate::envelope::correction::lists::{self, Known};
 use crate::envelope::correction::search::Search;
 use crate::envelope::correction::target::CorrectionTarget;
-use crate::envelope::skin::blend::Weights;
 use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
 use crate::progress::Progress;
 use faer::Mat;
 use sinew_runtime::envelope::{Certificate, Predictor};
-use sinew_runtime::skin::NormalErrors;
 
 /// Most values of a map's certainty under a budget: they tell less of a pose, and leave bytes for what moves the skin.
 const FEW_VALUES: usize = 4;
@@ -55,21 +53,15 @@ pub fn choose(
         levels::check_names(further).map_err(AddError::from)?;
     }
     let lbs = training.targets(&training.lbs.weights);
-    let mut record = RecordModel::new(NAME, examples, &training.lbs.weights);
-    if matches!(options.meshes, FileSkins::PaletteAlone) {
-        // Of weights without a mesh nothing can be made.
-        record.lbs = None;
-    }
     let mut choice = PredictorSearch {
         training,
         examples,
         options,
         progress,
         lbs_rms: lbs.rms(&training.poses.stacked()),
-        record,
+        budget: Budget::new(training, examples, options)?,
         reports: Vec::new(),
         candidates: Vec::new(),
-        least_bytes: usize::MAX,
         kept: Vec::new(),
         helper_fit: None,
         known: Known::new(),
@@ -80,7 +72,6 @@ pub fn choose(
         parts: 0,
         begun: 0,
     };
-    choice.check_budget()?;
     if options.predictor == Predict::Auto && options.proxies.is_none() {
         choice.joints_alone()?;
     }
@@ -105,11 +96,9 @@ struct PredictorSearch<'a> {
     options: &'a Options,
     progress: &'a dyn Progress,
     lbs_rms: f64,
-    record: RecordModel,
+    budget: Budget<'a>,
     reports: Vec<CandidateReport>,
     candidates: Vec<Candidate>,
-    /// Bytes of the smallest file that was tried.
-    least_bytes: usize,
     /// The kinds of predictors to try; every one that is asked for where there is none.
     kept: Vec<Kind>,
     /// What fits of helpers read; none where LBS errs nowhere.
@@ -259,9 +248,10 @@ impl PredictorSearch<'_> {
     fn rotational(&mut self, rotational: &Rotational) -> Result<(), TrainError> {
         let best = rotational.best();
         let fitted = rotational.fitted(best, self.training);
-        for coefficients in self.with_coefficients() {
-            let bytes = self.bytes(&fitted, coefficients)?;
-            let fits = (bytes <= self.budget()).then_some((bytes, &best.validated, Vec::new()));
+        for coefficients in self.budget.with_coefficients() {
+            let bytes = self.budget.bytes(&fitted, coefficients)?;
+            let fits =
+                (bytes <= self.budget.most()).then_some((bytes, &best.validated, Vec::new()));
             self.add((fitted.clone(), coefficients), fits, Some((rotational, best)));
         }
         Ok(())
@@ -319,9 +309,9 @@ impl PredictorSearch<'_> {
     fn joints_alone(&mut self) -> Result<(), TrainError> {
         let fitted = Fitted::new(self.training, self.training.lbs.weights.clone(), None);
         let palette = self.training.poses.stacked();
-        for coefficients in self.with_coefficients() {
-            let bytes = self.bytes(&fitted, coefficients)?;
-            let fits = (bytes <= self.budget()).then_some((bytes, &palette, Vec::new()));
+        for coefficients in self.budget.with_coefficients() {
+            let bytes = self.budget.bytes(&fitted, coefficients)?;
+            let fits = (bytes <= self.budget.most()).then_some((bytes, &palette, Vec::new()));
             self.add((fitted.clone(), coefficients), fits, None);
         }
         Ok(())
@@ -361,9 +351,9 @@ impl PredictorSearch<'_> {
         let target = CorrectionTarget { certainty, ..*target };
         let search = Search::new(target, known, self.progress);
         let fitted = fitted.with(search.nothing());
-        for coefficients in self.with_coefficients() {
-            let without = self.bytes(&fitted, coefficients)?;
-            let room = self.budget().checked_sub(without);
+        for coefficients in self.budget.with_coefficients() {
+            let without = self.budget.bytes(&fitted, coefficients)?;
+            let room = self.budget.most().checked_sub(without);
             let Some(correction) = room.and_then(|room| search.fit(room)) else {
                 self.add((fitted.clone(), coefficients), None, rotational);
                 continue;
@@ -408,64 +398,12 @@ impl PredictorSearch<'_> {
         self.reports.push(report);
     }
 
-    fn budget(&self) -> usize {
-        self.options.budget.unwrap_or(usize::MAX)
-    }
-
-    /// Refuses a budget that no model can meet, before anything is fitted: each holds the skeleton and, of every vertex, a
-    /// weight at least.
-    fn check_budget(&self) -> Result<(), TrainError> {
-        let Some(budget) = self.options.budget else { return Ok(()) };
-        let lbs = &self.training.lbs.weights;
-        let strongest = |vertex| vec![(lbs.strongest(vertex).unwrap_or(0), 1.0)];
-        let weights = Weights::from_lists(1, (0..lbs.len()).map(strongest));
-        let least = self.size(&Fitted::new(self.training, weights, None), false)?;
-        if least > budget {
-            return Err(TrainError::BudgetOfMesh { budget, least });
-        }
-        Ok(())
-    }
-
-    /// Whether skins are to have tangent coefficients, as it is tried: under a budget positions may need their bytes.
-    fn with_coefficients(&self) -> impl Iterator<Item = bool> + use<> {
-        [true].into_iter().chain(self.options.budget.map(|_| false))
-    }
-
-    /// Bytes of the file of a candidate.
-    fn bytes(&mut self, fitted: &Fitted, coefficients: bool) -> Result<usize, TrainError> {
-        let bytes = self.size(fitted, coefficients)?;
-        self.least_bytes = self.least_bytes.min(bytes);
-        Ok(bytes)
-    }
-
-    /// Bytes of a file.
-    fn size(&self, fitted: &Fitted, coefficients: bool) -> Result<usize, TrainError> {
-        let mut model = fitted.file_model(self.training, self.examples, Certificate::default());
-        match &self.options.meshes {
-            FileSkins::Skins(further) => {
-                levels::reserve(&mut model, further);
-                if coefficients {
-                    model.skins.iter_mut().for_each(SkinModel::reserve_coefficients);
-                }
-                if let Some(own) = model.skins.first_mut() {
-                    own.normal_errors = Some(NormalErrors { model: 0.0, lbs: 0.0 });
-                }
-            }
-            FileSkins::PaletteAlone => model.skins.clear(),
-        }
-        if self.options.budget.is_none() {
-            model.records.push(self.record.clone());
-        }
-        Ok(model.bake()?.len())
-    }
-
     /// Takes the candidate that scores best, or a smaller one where that costs little.
     fn take(self) -> Result<Trained, TrainError> {
-        let Self { training, examples, progress, lbs_rms, record, mut reports, candidates, .. } =
+        let Self { training, examples, progress, lbs_rms, budget, mut reports, candidates, .. } =
             self;
         let Some(chosen) = chosen(&candidates, &reports) else {
-            let budget = self.options.budget.unwrap_or(usize::MAX);
-            return Err(TrainError::Budget { budget, least: self.least_bytes });
+            return Err(budget.exceeded());
         };
         let palette = chosen.fitted.envelope.palettes(&training.poses);
         let training_rms = training.targets(&chosen.fitted.weights).rms(&palette);
@@ -492,7 +430,7 @@ impl PredictorSearch<'_> {
                 Vec::new()
             }
         };
-        let model = recorded(model, record, self.options.budget)?;
+        let model = budget.recorded(model)?;
         reports[chosen.report].bytes = Some(model.len());
         let report = TrainingReport {
             left_out: Vec::new(),

@@ -5,7 +5,7 @@
 //! | [`skin`] | what every fit reads: poses, trajectories, LBS, weights, folds |
 //! | [`rotational`], [`helpers`] | the two predictors: functions from that to a [`model`] |
 //! | [`correction`] | what kernel maps add to either |
-//! | [`choose`] | which predictor and how many proxies, within `--budget` |
+//! | [`choose`], `budget` | which predictor and how many proxies, within `--budget` |
 //! | [`model`] | the one model in f64: fitted, baked, evaluated, and read back from a file |
 //! | [`oracle`] | its evaluation, stage by stage: what the runtime is held to |
 //! | `bake` | how a file holds it |
@@ -15,6 +15,7 @@
 
 pub mod alike;
 mod bake;
+mod budget;
 mod candidate;
 pub mod check;
 pub mod choose;
@@ -24,7 +25,6 @@ pub mod demo;
 mod error;
 pub mod evaluate;
 pub mod export;
-mod finish;
 pub mod fitted;
 pub mod helpers;
 pub mod levels;

@@ -198,8 +198,8 @@ fn functions_of_one_or_two_numbers_are_drawn() {
     let folder = trained("kernel-plot", &problem, "");
     folder.sinew("kernel plot model.sinew -o one.png").done();
     assert_eq!(&folder.read("one.png")[..4], b"\x89PNG");
-    folder.sinew("kernel plot model.sinew --all -o all.svg").done();
-    let svg = String::from_utf8(folder.read("all.svg")).unwrap();
+    folder.sinew("kernel plot model.sinew --all -o all.SVG").done();
+    let svg = String::from_utf8(folder.read("all.SVG")).unwrap();
     for name in ["thin plate", "multiquadric", "gaussian", "Wendland"] {
         assert!(svg.contains(&format!(">{name}</text>")), "{name}");
     }

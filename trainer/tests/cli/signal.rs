@@ -167,7 +167,7 @@ fn signals_that_nothing_can_be_made_of_are_refused_and_a_constant_stays() {
     let missing = folder.sinew("signal superres s.csv --factor 2 -o out.csv").failed();
     assert_eq!(missing, "of a .csv --column NAME is needed");
     let other = folder.sinew("signal superres s.csv --column a --factor 2 -o out.png").failed();
-    assert_eq!(other, "out.png: expected a file that ends as s.csv");
+    assert_eq!(other, "out.png: expected a file that ends in .csv");
 }
 
 #[test]
@@ -295,6 +295,8 @@ fn values_derivatives_and_averages_become_a_function() {
     assert!((value(102) - value(101)).abs() < 1e-5);
     folder.sinew("signal plot o.json -o o.svg").done();
 
+    let refused = folder.sinew("signal fit o.json -o none.csv").failed();
+    assert_eq!(refused, "cannot write none.csv: a model is no .csv file, name it .sinew");
     let mut other = observations.clone();
     other["covariance"] = json!("oscillating:2,3");
     write(&other);

@@ -210,6 +210,8 @@ fn grids_are_written_for_other_tools_and_lent_motion_is_reported() {
             "--map walk --inp phase,nod:3x3 -o x.inp",
             "figure.sinew: \"nod\" is no parameter: expected phase",
         ),
+        ("--map walk --inp phase:9 -o x.glb", "x.glb: expected a file that ends in .inp"),
+        ("--map jump --glb -o x.gltf", "x.gltf: expected a file that ends in .glb"),
     ] {
         assert_eq!(folder.sinew(&format!("views export figure.sinew {arguments}")).failed(), told);
     }
@@ -264,6 +266,12 @@ fn what_cannot_be_done_is_told_in_a_line() {
         (
             "views pin panel.sinew --set yaw=0 --set pitch=0 --set bend=0 --pin 99=1,2 -o x.png",
             "pin 0: point 99, of 35",
+        ),
+        ("views render panel.sinew -o x.jpg", "x.jpg: expected a file that ends in .png"),
+        ("views pin panel.sinew --pin 0=1,2 -o x", "x: expected a file that ends in .png"),
+        (
+            "views transfer panel.sinew demo/panel/views.json -o x.png",
+            "cannot write x.png: a model is no .png file, name it .sinew",
         ),
     ] {
         assert_eq!(folder.sinew(arguments).failed(), told, "{arguments}");

@@ -98,13 +98,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     inputs.extend_from_slice(&arguments.also);
     inputs.extend(arguments.into.iter().chain(&arguments.mesh).cloned());
     let target = OutputFile::new(&arguments.output, &inputs)?;
-    let is_glb = arguments.output.extension().is_some_and(|own| own.eq_ignore_ascii_case("glb"));
-    if !is_glb {
-        bail!(
-            "{}: expected a file that ends in .glb, which is what is written",
-            arguments.output.display()
-        );
-    }
+    files::ending(&arguments.output, &["glb"])?;
     let model = input::read_model(&arguments.model)?;
     let skin = arguments.skin.as_deref();
     let character =

@@ -4,8 +4,8 @@ use super::input::{self, AnchorName};
 use super::pins::{self, Followed, PinArgument, Placed, Projection};
 use crate::cli::Output;
 use crate::cli::column::padded;
-use crate::cli::files::{OutputFile, write};
-use anyhow::{Context, bail};
+use crate::cli::files::{self, OutputFile, write};
+use anyhow::Context;
 use serde_json::json;
 use sinew_runtime::Model;
 use sinew_runtime::prior::Edit;
@@ -14,7 +14,7 @@ use sinew_trainer::face::outline::{self, Outline};
 use sinew_trainer::face::picture::{Paint, Photographer};
 use sinew_trainer::face::scene::{Weights, glb};
 use sinew_trainer::face::take;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Drags vertices of FACE to places and lets the rest of the face follow as it did in the take.
 ///
@@ -71,7 +71,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let path = &arguments.face;
     let inputs = [path.clone(), outline::beside(path)];
     let target = OutputFile::new(&arguments.out, &inputs)?;
-    let ending = ending(&arguments.out)?;
+    let ending = files::ending(&arguments.out, &["obj", "glb", "png", "csv"])?;
     let about = || path.display().to_string();
     let model = input::load(path)?;
     let face = input::open(&model, path)?;
@@ -89,7 +89,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     };
     let solved = solve(&solver, arguments, screen, output).with_context(about)?;
     let bytes = match ending {
-        Ending::Csv => {
+        "csv" => {
             let weights = solved.weights.iter().copied().map(f64::from).collect();
             take::to_csv(&face.names(), &[(0, weights)])?
         }
@@ -140,13 +140,13 @@ fn draw(
     face: &BakedFace<'_>,
     model: &Model<Vec<u8>>,
     solved: &Solved,
-    ending: Ending,
+    ending: &str,
     arguments: &Arguments,
 ) -> anyhow::Result<Vec<u8>> {
     let outline = Outline::read(&arguments.face, face.skin.vertex_len())?;
     Ok(match ending {
-        Ending::Obj => outline.moved(&solved.shaped.positions).into_bytes(),
-        Ending::Glb => glb(face, outline.faces()?, &Weights::Still(&solved.weights))?,
+        "obj" => outline.moved(&solved.shaped.positions).into_bytes(),
+        "glb" => glb(face, outline.faces()?, &Weights::Still(&solved.weights))?,
         _ => {
             let camera = photographer(face, model, &outline, arguments)?;
             let pins: Vec<_> = solved.pins.iter().map(|pin| pin.places).collect();
@@ -218,23 +218,4 @@ fn print(
         );
     }
     output.print(&json, &text)
-}
-
-/// What to write.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Ending {
-    Obj,
-    Glb,
-    Png,
-    Csv,
-}
-
-fn ending(path: &Path) -> anyhow::Result<Ending> {
-    match path.extension().and_then(|ending| ending.to_str()) {
-        Some("obj") => Ok(Ending::Obj),
-        Some("glb") => Ok(Ending::Glb),
-        Some("png") => Ok(Ending::Png),
-        Some("csv") => Ok(Ending::Csv),
-        _ => bail!("{}: expected a file that ends in .obj, .glb, .png or .csv", path.display()),
-    }
 }

@@ -1,9 +1,9 @@
 //! `sinew face solve`: the weights of an animation from points that were followed.
 
 use super::input::{self, AnchorName};
-use crate::cli::files::{OutputFile, write};
+use crate::cli::files::{OutputFile, ending, write};
 use crate::cli::{Output, counted};
-use anyhow::{Context, bail};
+use anyhow::Context;
 use serde_json::json;
 use sinew_runtime::prior::{Pin, Temporal};
 use sinew_trainer::face::baked::{BakedFace, Terms};
@@ -52,11 +52,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let Arguments { face: path, track: points, out, .. } = arguments;
     let inputs = [path.clone(), outline::beside(path), points.clone()];
     let target = OutputFile::new(out, &inputs)?;
-    let is_glb = match out.extension().and_then(|ending| ending.to_str()) {
-        Some("csv") => false,
-        Some("glb") => true,
-        _ => bail!("{}: expected a file that ends in .csv or .glb", out.display()),
-    };
+    let is_glb = ending(out, &["csv", "glb"])? == "glb";
     let model = input::load(path)?;
     let face = input::open(&model, path)?;
     let track = track::read(points, face.skin.vertex_len())

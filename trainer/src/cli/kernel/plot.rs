@@ -1,6 +1,6 @@
 //! `sinew kernel plot`: a function as a picture.
 
-use crate::cli::files::{OutputFile, write};
+use crate::cli::files::{OutputFile, ending, write};
 use crate::cli::{Output, counted, input, printable};
 use anyhow::{Context, bail};
 use serde_json::json;
@@ -8,7 +8,7 @@ use sinew_runtime::Model;
 use sinew_runtime::kernel::{InputKind, KernelMap, OutputKind};
 use sinew_trainer::kernel::compare::all_kernels;
 use sinew_trainer::kernel::plot::{Panel, Plot};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Draws a function of one or two numbers, each of its outputs, with the samples that are its centres.
 #[derive(clap::Args)]
@@ -28,7 +28,7 @@ const ROOM: f64 = 0.25;
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let target = OutputFile::new(&arguments.out, std::slice::from_ref(&arguments.model))?;
-    let is_svg = ending(&arguments.out)?;
+    let is_svg = ending(&arguments.out, &["png", "svg"])? == "svg";
     let about = || arguments.model.display().to_string();
     let model = Model::from_bytes(input::read_model(&arguments.model)?).with_context(about)?;
     let map = model.kernels().next().with_context(|| format!("{}: it has no function", about()))?;
@@ -39,14 +39,6 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let (panels, place) = (plot.panels.len(), target.named().display());
     let json = json!({ "panels": panels, "file": place.to_string() });
     output.print(&json, &format!("{place}: {}\n", counted(panels, "picture", "pictures")))
-}
-
-fn ending(path: &Path) -> anyhow::Result<bool> {
-    match path.extension().and_then(|ending| ending.to_str()) {
-        Some("svg") => Ok(true),
-        Some("png") => Ok(false),
-        _ => bail!("{}: expected a file that ends in .png or .svg", path.display()),
-    }
 }
 
 fn plot(map: &KernelMap<'_>, all: bool) -> anyhow::Result<Plot> {

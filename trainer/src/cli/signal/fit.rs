@@ -28,7 +28,7 @@ pub(in crate::cli) struct Arguments {
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let path = &arguments.observations;
-    let target = OutputFile::new(&arguments.out, std::slice::from_ref(path))?;
+    let target = OutputFile::new(&arguments.out, std::slice::from_ref(path))?.of_a_model()?;
     let about = || path.display().to_string();
     let observations = Observations::read(path).with_context(about)?;
     let fit = observations.fit().with_context(about)?;

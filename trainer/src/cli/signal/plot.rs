@@ -1,9 +1,9 @@
 //! `sinew signal plot`: a curve, its samples and how sure it is, as a picture.
 
 use super::options::{ProcessArguments, sample};
-use crate::cli::files::{OutputFile, write};
+use crate::cli::files::{OutputFile, ending, write};
 use crate::cli::{Output, printable};
-use anyhow::{Context, bail};
+use anyhow::Context;
 use serde_json::json;
 use sinew_trainer::signal::choose::variance;
 use sinew_trainer::signal::functional::Functional;
@@ -40,17 +40,10 @@ const ROOM: f64 = 0.1;
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let target = OutputFile::new(&arguments.out, std::slice::from_ref(&arguments.input))?;
-    let ending =
-        |path: &Path| path.extension().and_then(|ending| ending.to_str()).map(str::to_owned);
-    let is_svg = match ending(&arguments.out).as_deref() {
-        Some("svg") => true,
-        Some("png") => false,
-        _ => bail!("{}: expected a file that ends in .png or .svg", arguments.out.display()),
-    };
-    let plot = match ending(&arguments.input).as_deref() {
-        Some("csv") => of_signal(arguments, output)?,
-        Some("json") => of_observations(&arguments.input)?,
-        _ => bail!("{}: expected a file that ends in .csv or .json", arguments.input.display()),
+    let is_svg = ending(&arguments.out, &["png", "svg"])? == "svg";
+    let plot = match ending(&arguments.input, &["csv", "json"])? {
+        "csv" => of_signal(arguments, output)?,
+        _ => of_observations(&arguments.input)?,
     };
     let drawing = plot.draw();
     let bytes = if is_svg { drawing.svg()?.into_bytes() } else { drawing.picture().png()? };

@@ -1,7 +1,7 @@
 //! `sinew signal superres`: an image or a signal made finer.
 
 use super::options::{ProcessArguments, sample};
-use crate::cli::files::{OutputFile, write};
+use crate::cli::files::{OutputFile, ending, write};
 use crate::cli::{Output, input, printable};
 use anyhow::{Context, bail};
 use serde_json::json;
@@ -52,15 +52,11 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let mut taken = vec![path.clone()];
     taken.extend(arguments.model.clone());
     let target = OutputFile::new(&arguments.out, &taken)?;
-    let ending = |path: &Path| path.extension().map(|ending| ending.to_ascii_lowercase());
-    let (kind, wanted) = (ending(path), ending(&arguments.out));
-    if kind != wanted {
-        bail!("{}: expected a file that ends as {}", arguments.out.display(), path.display());
-    }
-    let (bytes, json, text) = match kind.as_ref().and_then(|kind| kind.to_str()) {
-        Some("png") => image(arguments, output)?,
-        Some("csv") => signal(arguments, output)?,
-        _ => bail!("{}: expected a file that ends in .png or .csv", path.display()),
+    let kind = ending(path, &["png", "csv"])?;
+    ending(&arguments.out, &[kind])?;
+    let (bytes, json, text) = match kind {
+        "png" => image(arguments, output)?,
+        _ => signal(arguments, output)?,
     };
     write(&[(&target, &bytes)])?;
     output.print(&json, &format!("{}: {text}\n", target.named().display()))

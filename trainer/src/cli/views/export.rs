@@ -2,7 +2,7 @@
 
 use super::input::load;
 use super::values::{assignment, values};
-use crate::cli::files::{OutputFile, write};
+use crate::cli::files::{OutputFile, ending, write};
 use crate::cli::{Output, counted};
 use anyhow::{Context, bail};
 use serde_json::json;
@@ -74,6 +74,7 @@ fn sides(text: &str) -> Result<Sides, String> {
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let about = || arguments.model.display().to_string();
     let target = OutputFile::new(&arguments.out, std::slice::from_ref(&arguments.model))?;
+    ending(&arguments.out, &[if arguments.format.inp.is_some() { "inp" } else { "glb" }])?;
     let model = load(&arguments.model)?;
     let (map, set) = (arguments.map.as_deref(), values(&arguments.set)?);
     let grid = |sides: &Sides| Grid::of_sides(&model, map, &set, &sides.0).with_context(about);

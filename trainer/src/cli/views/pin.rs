@@ -3,7 +3,7 @@
 use super::input::load;
 use super::values::{assignment, values};
 use crate::cli::Output;
-use crate::cli::files::{OutputFile, write};
+use crate::cli::files::{OutputFile, ending, write};
 use anyhow::{Context, bail};
 use serde_json::json;
 use sinew_trainer::kernel::model::KernelModel;
@@ -44,6 +44,7 @@ fn pin(text: &str) -> Result<Pin, String> {
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let about = || arguments.model.display().to_string();
     let target = OutputFile::new(&arguments.out, std::slice::from_ref(&arguments.model))?;
+    ending(&arguments.out, &["png"])?;
     let model = load(&arguments.model)?;
     let mut player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
     if player.views().is_transferred() {

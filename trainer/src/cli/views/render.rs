@@ -4,7 +4,7 @@ use super::input::load;
 use super::track::{Follower, read};
 use super::values::{assignment, values};
 use crate::cli::Output;
-use crate::cli::files::{OutputFile, write};
+use crate::cli::files::{OutputFile, ending, write};
 use anyhow::{Context, bail};
 use serde_json::json;
 use sinew_trainer::views::player::{Player, straight};
@@ -38,6 +38,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         .cloned()
         .collect();
     let target = OutputFile::new(&arguments.out, &taken)?;
+    ending(&arguments.out, &["png"])?;
     let model = load(&arguments.model)?;
     let mut player = Player::new(&model, arguments.map.as_deref()).with_context(about)?;
     let values = match &arguments.points {

@@ -32,7 +32,7 @@ pub(in crate::cli) struct Arguments {
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let Arguments { prototype, instance, out, by_size } = arguments;
-    let target = OutputFile::new(out, &[prototype.clone(), instance.clone()])?;
+    let target = OutputFile::new(out, &[prototype.clone(), instance.clone()])?.of_a_model()?;
     let model = load(prototype)?;
     let about = || instance.display().to_string();
     let views = read_instance(instance).with_context(about)?;

@@ -1,9 +1,9 @@
-//! What is done to the model that was chosen: its normals, and what it tells of its training.
+//! The normals of the model that was chosen.
 
-use super::error::TrainError;
-use super::evaluate::{Baseline, Character, Measured};
-use super::model::{FileModel, RecordModel};
-use super::normals::{Fan, PosedSurface};
+use super::{Fan, PosedSurface};
+use crate::envelope::error::TrainError;
+use crate::envelope::evaluate::{Baseline, Character, Measured};
+use crate::envelope::model::FileModel;
 use crate::envelope::skin::training::Training;
 use crate::examples::Examples;
 use faer::Mat;
@@ -13,7 +13,7 @@ use sinew_runtime::skin::NormalErrors;
 /// `evaluate` does.
 ///
 /// - `palettes`: of the training poses, 3n x 4 a transform, in training units; `None` for a skin without coefficients.
-pub(super) fn fit_normals(
+pub fn fit_normals(
     model: &mut FileModel,
     palettes: Option<&Mat<f64>>,
     training: &Training,
@@ -38,22 +38,4 @@ pub(super) fn fit_normals(
     let errors = NormalErrors { model: measured as f32, lbs: lbs as f32 };
     model.skins.iter_mut().for_each(|skin| skin.normal_errors = Some(errors));
     Ok(())
-}
-
-/// Bakes a model with the record of its training, as much of it as a budget has room for.
-pub(super) fn recorded(
-    mut model: FileModel,
-    record: RecordModel,
-    budget: Option<usize>,
-) -> Result<Vec<u8>, TrainError> {
-    let marks = RecordModel { lbs: None, ..record.clone() };
-    for record in [record, marks] {
-        model.records = vec![record];
-        let bytes = model.bake()?;
-        if budget.is_none_or(|budget| bytes.len() <= budget) {
-            return Ok(bytes);
-        }
-    }
-    model.records.clear();
-    Ok(model.bake()?)
 }
