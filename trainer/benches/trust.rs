@@ -5,8 +5,9 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::Predictor;
+use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Baseline, Character, Measured, MeasuredFrame, Told};
-use sinew_trainer::envelope::predicted::sound;
+use sinew_trainer::envelope::predicted::Sound;
 use sinew_trainer::envelope::rotational::ProxyCount;
 use sinew_trainer::envelope::skin::poses::Poses;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -175,7 +176,7 @@ const SPOILS: [(&str, Spoil); 3] = [
 /// Frames of a set that are spoiled, one at a time.
 const SPOILED: usize = 12;
 
-/// The sets as they are, and the two clips of the leg.
+/// The sets as they are, the two clips of the leg, and the demo of few poses.
 fn sound_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
     let mut sets: Vec<(String, Examples)> =
         scenes()?.into_iter().filter(|(name, _)| name.starts_with("leg")).collect();
@@ -184,6 +185,7 @@ fn sound_sets() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
             sets.push((name.to_owned(), load(&Source::file(&path))?.examples));
         }
     }
+    sets.push(("demo".to_owned(), demo(&DemoOptions { poses: 12, ..DemoOptions::default() })));
     Ok(sets)
 }
 
@@ -197,7 +199,8 @@ fn broken(name: &str, examples: &Examples, spoil: Spoil) -> Result<(), Box<dyn E
         let mut spoiled = examples.clone();
         let before = examples.frame(frame - 1).to_vec();
         spoil(&mut spoiled.vertices[frame * len..(frame + 1) * len], &before, examples.diagonal());
-        let (_, left_out) = sound(&spoiled, &Silent)?;
+        let sound = Sound::new(&spoiled, &Silent)?;
+        let left_out = sound.left_out();
         let is_named = left_out.iter().any(|out| out.frame == frame);
         named += usize::from(is_named);
         if !is_named {

@@ -5,6 +5,8 @@ pub const SMALLER: f64 = 1.02;
 /// Error, RMS in diagonals, below which nobody sees a difference: a fifth of a millimetre on a body. Of a walk, which
 /// every candidate fits so well, noise would choose.
 pub const UNSEEN: f64 = 1e-4;
+/// Tangent coefficients give way to a budget where positions else err so many times as much.
+pub const COEFFICIENTS_COST: f64 = 1.5;
 
 /// What decides between candidates.
 pub(super) struct Rated {

@@ -33,7 +33,9 @@ impl<'a> Budget<'a> {
         options: &'a Options,
     ) -> Result<Self, TrainError> {
         let lbs = &training.lbs.weights;
-        let mut record = RecordModel::new(NAME, examples, lbs);
+        let mut frames: Vec<usize> = training.poses.times().iter().map(|time| time.frame).collect();
+        frames.dedup();
+        let mut record = RecordModel::new(NAME, examples, &frames, lbs);
         if matches!(options.meshes, FileSkins::PaletteAlone) {
             // Of weights without a mesh nothing can be made.
             record.lbs = None;

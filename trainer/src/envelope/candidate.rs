@@ -1,13 +1,11 @@
 //! What was fitted, to choose from.
 
-use super::alike::{Rated, smallest_alike};
+use super::alike::{COEFFICIENTS_COST, Rated, smallest_alike};
 use super::fitted::Fitted;
 use super::rotational::{Method, RotationalReport};
 use super::training_report::CandidateReport;
 use sinew_runtime::envelope::Predictor;
 
-/// Tangent coefficients give way to a budget where positions else err so many times as much.
-const COEFFICIENTS_COST: f64 = 1.5;
 /// Of a predictor whose error is at most so many times the least more is tried: more proxies, a hybrid that is not refined.
 const NEARLY: f64 = 1.15;
 

@@ -3,8 +3,8 @@
 use super::choose::{self, Trained};
 use super::error::{FitError, TrainError};
 use super::options::Options;
-use super::predicted;
-use crate::examples::{Examples, Split};
+use super::predicted::Sound;
+use crate::examples::Examples;
 use crate::progress::Progress;
 
 /// Fits an envelope to the training frames of the examples and bakes it. Frames whose meshes do not belong to their poses
@@ -19,11 +19,13 @@ pub fn train(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Trained, TrainError> {
-    let frames = examples.frames_of(Split::Train);
-    if frames.windows(2).all(|pair| examples.pose(pair[0]) == examples.pose(pair[1])) {
-        return Err(FitError::OnePose { found: frames.len() }.into());
+    let sound = Sound::new(examples, progress)?;
+    let poses = &sound.training.poses;
+    if poses.are_one() {
+        return Err(FitError::OnePose { found: poses.len() }.into());
     }
-    let (training, left_out) = predicted::sound(examples, progress)?;
+    let left_out = sound.left_out().to_vec();
+    let training = sound.weighted(examples, progress)?;
     let mut trained = choose::choose(&training, examples, options, progress)?;
     trained.report.left_out = left_out;
     Ok(trained)

@@ -1,7 +1,7 @@
 //! What a training tried and took.
 
 use super::correction::candidates::GroupReport;
-use super::predicted::LeftOut;
+use super::predicted::Doubted;
 use super::rotational::{Method, RotationalReport};
 use serde::Serialize;
 use std::ops::Range;
@@ -10,7 +10,7 @@ use std::ops::Range;
 #[derive(Clone, Debug, Serialize)]
 pub struct TrainingReport {
     /// The training frames that were left out, the worst first.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<Doubted>,
     /// LBS on the training frames.
     pub lbs_rms: f64,
     /// The contiguous folds, as ranges of the training frames.

@@ -102,6 +102,14 @@ impl Examples {
         self.split.len()
     }
 
+    /// The same, some frames no longer among those of training.
+    #[must_use]
+    pub fn without(&self, frames: &[usize]) -> Self {
+        let mut others = self.clone();
+        frames.iter().for_each(|&frame| others.split[frame] = Split::Extreme);
+        others
+    }
+
     /// Finds the number of the clip that a frame is of.
     pub fn clip_of(&self, frame: usize) -> usize {
         self.clip_starts.partition_point(|&first| first <= frame)

@@ -5,7 +5,7 @@ use super::inputs::{Inputs, WIDTHS};
 use super::left_out::LeftOut;
 use super::outputs::Block;
 use faer::linalg::solvers::DenseSolveCore;
-use faer::{Mat, Side};
+use faer::{Mat, MatRef, Side};
 use sinew_runtime::envelope::GroupKernel;
 use std::ops::Range;
 
@@ -91,21 +91,35 @@ impl GramRegression {
         samples.iter().map(of_sample).collect()
     }
 
-    /// Predicts each of some samples by the others of them: squared errors, summed over the outputs, over their variance
+    /// Predicts every sample by those of some that are others: squared errors, summed over the outputs, over their variance
     /// as the regression has it, and as they are. None where rounding makes the fit indefinite.
     ///
-    /// With A = K + λI the error is `[A⁻¹ y]_i / [A⁻¹]_ii` and its variance `1 / [A⁻¹]_ii`.
-    pub fn surprises(&self, samples: &[usize]) -> Option<Vec<(f64, f64)>> {
-        let n = samples.len();
-        let pick = |m: &Mat<f64>| Mat::from_fn(n, n, |i, j| m[(samples[i], samples[j])]);
-        let mut ridged = pick(&self.kernel);
-        (0..n).for_each(|i| ridged[(i, i)] += self.ridge);
+    /// With A = K + λI of some samples the error of one of them is `[A⁻¹ y]_i / [A⁻¹]_ii` and its variance `1 / [A⁻¹]_ii`; of
+    /// another it is y - kᵀA⁻¹y, with a variance of K_ii + λ - kᵀA⁻¹k.
+    pub fn surprises(&self, by: &[usize]) -> Option<Vec<(f64, f64)>> {
+        let (n, m) = (self.sample_len(), by.len());
+        let of_all = |matrix: &Mat<f64>| Mat::from_fn(m, n, |i, j| matrix[(by[i], j)]);
+        let of_some = |matrix: &Mat<f64>| Mat::from_fn(m, m, |i, j| matrix[(by[i], by[j])]);
+        let mut ridged = of_some(&self.kernel);
+        (0..m).for_each(|i| ridged[(i, i)] += self.ridge);
         let inverse = ridged.llt(Side::Lower).ok()?.inverse();
-        let half = pick(&self.gram) * &inverse;
-        let of_sample = |i: usize| {
-            let squared: f64 = (0..n).map(|k| inverse[(k, i)] * half[(k, i)]).sum();
-            let precision = inverse[(i, i)];
-            (squared / precision, squared / precision.powi(2))
+        let half = of_some(&self.gram) * &inverse;
+        let (kernel, gram) = (of_all(&self.kernel), of_all(&self.gram));
+        let (weights, seen) = (&inverse * &kernel, &half * &kernel);
+        let sum = |a: MatRef<'_, f64>, i: usize, b: MatRef<'_, f64>, j: usize| -> f64 {
+            (0..m).map(|k| a[(k, i)] * b[(k, j)]).sum()
+        };
+        let of_sample = |j: usize| {
+            if let Ok(i) = by.binary_search(&j) {
+                let precision = inverse[(i, i)];
+                let squared = sum(inverse.as_ref(), i, half.as_ref(), i);
+                return (squared / precision, squared / precision.powi(2));
+            }
+            let [crossed, own] = [&gram, &seen].map(|of| sum(weights.as_ref(), j, of.as_ref(), j));
+            let squared = (self.gram[(j, j)] - 2.0 * crossed + own).max(0.0);
+            let explained = sum(weights.as_ref(), j, kernel.as_ref(), j);
+            let variance = self.kernel[(j, j)] + self.ridge - explained;
+            (squared / variance.max(self.ridge), squared)
         };
         Some((0..n).map(of_sample).collect())
     }
@@ -221,7 +235,7 @@ mod tests {
         let (regression, outputs) = regression();
         let kept: Vec<usize> = (0..N).filter(|&i| i != 4).collect();
         let found = regression.surprises(&kept).unwrap();
-        for (place, &sample) in kept.iter().enumerate() {
+        for (sample, found) in found.into_iter().enumerate() {
             let others: Vec<usize> = kept.iter().copied().filter(|&i| i != sample).collect();
             let squared = missed(&regression.kernel, &outputs, sample, &others);
             let among = Mat::from_fn(others.len(), others.len(), |i, j| {
@@ -231,9 +245,9 @@ mod tests {
             let near = Mat::from_fn(others.len(), 1, |i, _| regression.kernel[(others[i], sample)]);
             let explained = (near.transpose() * among.partial_piv_lu().inverse() * &near)[(0, 0)];
             let variance = regression.kernel[(sample, sample)] + RIDGE - explained;
-            assert!((found[place].1 - squared).abs() < 1e-8 * (1.0 + squared));
+            assert!((found.1 - squared).abs() < 1e-8 * (1.0 + squared));
             let surprise = squared / variance;
-            assert!((found[place].0 - surprise).abs() < 1e-8 * (1.0 + surprise));
+            assert!((found.0 - surprise).abs() < 1e-8 * (1.0 + surprise));
         }
     }
 

@@ -28,6 +28,6 @@ fn a_good_character_has_no_warning() {
 fn a_character_that_never_moves_is_checked_all_the_same() {
     let still = made::chain(&[([0.0, 0.0], Split::Train); 8]);
     let checked = check(&still);
-    assert_eq!(kinds(&checked), [Kind::Still, Kind::Repeated]);
+    assert_eq!(kinds(&checked), [Kind::OnePose, Kind::Still, Kind::Repeated]);
     assert!(checked.predicted.is_none() && checked.advice.is_empty());
 }

@@ -2,7 +2,7 @@
 
 use crate::cli::column::padded;
 use crate::cli::counted;
-use sinew_trainer::envelope::alike::{SMALLER, UNSEEN};
+use sinew_trainer::envelope::alike::{COEFFICIENTS_COST, SMALLER, UNSEEN};
 use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
 use sinew_trainer::envelope::rotational::Method;
 use sinew_trainer::envelope::training_report::{CandidateReport, TrainingReport};
@@ -24,7 +24,14 @@ pub(super) fn report(report: &TrainingReport) -> String {
         out += &format!("{name:<width$}{proxies:>8}{bytes:>12}   {rms}{mark}\n");
     }
     let best = report.candidates.iter().filter_map(|candidate| candidate.validated_rms);
-    if report.chosen().validated_rms > best.min_by(f64::total_cmp) {
+    let best = best.min_by(f64::total_cmp).unwrap_or_default();
+    let validated = report.chosen().validated_rms.unwrap_or_default();
+    if validated > SMALLER * best.max(UNSEEN) {
+        out += &format!(
+            "what errs least is without tangent coefficients, by which normals are right: it is taken where what has them \
+             errs {COEFFICIENTS_COST} times as much\n"
+        );
+    } else if validated > best {
         out += &format!(
             "errors within {:.0} %, or below {} %, are alike: the smallest file is taken, unrefined ones and rotational ones last\n",
             100.0 * (SMALLER - 1.0),
@@ -32,7 +39,6 @@ pub(super) fn report(report: &TrainingReport) -> String {
         );
     }
     out += "training frames       error, % of the diagonal\n";
-    let validated = report.chosen().validated_rms.unwrap_or_default();
     for (name, rms) in [
         ("LBS, 4 influences", report.lbs_rms),
         ("the model", report.training_rms),

@@ -12,7 +12,7 @@ use serde_json::json;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope;
 use sinew_trainer::envelope::check::check;
-use sinew_trainer::envelope::check::finding::Severity;
+use sinew_trainer::envelope::check::finding::{Finding, Kind, Severity};
 use sinew_trainer::envelope::evaluate::NOTHING;
 use sinew_trainer::envelope::rotational::{Method, ProxyCount};
 use sinew_trainer::envelope::skin::blend::CANDIDATES;
@@ -242,7 +242,9 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     };
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
     let checked = check(&examples, &clips, &Silent).with_context(|| source.clone())?;
-    for finding in checked.findings.iter().filter(|f| f.severity == Severity::Warning) {
+    // Examples of one pose are refused in the same words.
+    let is_told = |f: &&Finding| f.severity == Severity::Warning && f.kind != Kind::OnePose;
+    for finding in checked.findings.iter().filter(is_told) {
         output.warn(&source, &finding.text);
         warnings.push(finding.text.clone());
     }
@@ -259,9 +261,10 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         warnings.push(nothing);
     }
     let validated_rms = trained.report.chosen().validated_rms.unwrap_or(f64::INFINITY);
-    if lbs > NOTHING && validated_rms > HARDLY * trained.report.lbs_rms {
+    if 100.0 * validated_rms > NOTHING && validated_rms > HARDLY * trained.report.lbs_rms {
+        let how = if validated_rms > trained.report.lbs_rms { "worse" } else { "hardly better" };
         let hardly = format!(
-            "the model is hardly better than linear blend skinning on poses that it has not seen: {:.4} against {lbs:.4} % \
+            "the model is {how} than linear blend skinning on poses that it has not seen: {:.4} against {lbs:.4} % \
              of the diagonal; `sinew check` tells what the examples lack",
             100.0 * validated_rms
         );
@@ -274,6 +277,9 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             "{source}: the cross-validated error is {validated:.4} %, above --fail-above {most}: nothing was written"
         );
     }
+    let is_left_out = |frame: &usize| trained.report.left_out.iter().any(|out| out.frame == *frame);
+    let mut fitted_to = examples.frames_of(Split::Train);
+    fitted_to.retain(|frame| !is_left_out(frame));
     let record = json!({
         "sinew": env!("CARGO_PKG_VERSION"),
         "inputs": hashes,
@@ -285,7 +291,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         "hold_out_clips": arguments.input.hold_out_clip,
         "fps": arguments.input.fps,
         "clip": arguments.input.clip,
-        "training_frames": examples.frames_of(Split::Train),
+        "training_frames": fitted_to,
         "held_out_frames": examples.frames_of(Split::HeldOut),
         "extreme_frames": examples.frames_of(Split::Extreme),
         "diagonal": examples.diagonal(),

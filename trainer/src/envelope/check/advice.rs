@@ -1,7 +1,7 @@
 //! What to add to the training poses, and what to leave out.
 
 use super::coverage::{Apart, Coverage};
-use super::finding::{FrameName, count, listed};
+use super::finding::{count, listed, runs};
 use super::thin::Predicted;
 use super::thresholds::{FEW, MUCH};
 
@@ -82,35 +82,14 @@ fn redundant(predicted: &Predicted) -> Option<String> {
              an .npz; whole clips are left out by --clip for the others): {}",
             redundant.len(),
             predicted.of_compared(),
-            ranges(redundant)
+            listed(runs(redundant))
         )
     })
 }
 
-/// Names frames in order, runs as `first-last`, by what their source calls them, where it does.
-fn ranges(frames: &[FrameName]) -> String {
-    let mut frames: Vec<&FrameName> = frames.iter().collect();
-    frames.sort_unstable_by_key(|frame| frame.frame);
-    let mut runs: Vec<[&FrameName; 2]> = Vec::new();
-    for frame in frames {
-        // Numbers may begin anew with a clip.
-        let follows = |last: &FrameName| {
-            last.frame + 1 == frame.frame && (frame.number.is_none() || last.number < frame.number)
-        };
-        match runs.last_mut() {
-            Some([_, last]) if follows(last) => *last = frame,
-            _ => runs.push([frame; 2]),
-        }
-    }
-    let run = |run: [&FrameName; 2]| {
-        let [first, last] = run.map(|frame| frame.number.unwrap_or(frame.frame as i64));
-        if first == last { format!("{first}") } else { format!("{first}-{last}") }
-    };
-    listed(runs.into_iter().map(run))
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::finding::FrameName;
     use super::*;
 
     #[test]

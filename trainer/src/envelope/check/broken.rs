@@ -1,23 +1,32 @@
 //! Frames whose meshes do not belong to their poses.
 
-use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
-use crate::envelope::predicted::LeftOut;
+use super::finding::{Finding, FrameName, Kind, LISTED, Place, Severity, count, listed, runs};
+use crate::envelope::predicted::{Doubted, Sound};
 use crate::examples::Clip;
 
-/// Tells of frames that a fit leaves out.
-pub(super) fn broken(left_out: &[LeftOut], clips: &[Clip]) -> Finding {
-    let name = |out: &LeftOut| FrameName::new(clips, out.frame);
-    let line = |out: &LeftOut| format!("{} ({:.0} times what is usual)", name(out), out.times);
+/// Tells of frames that do not belong, and whether a fit leaves them out.
+pub(super) fn broken(sound: &Sound, clips: &[Clip]) -> Finding {
+    let Sound { doubted, stay, .. } = sound;
+    let name = |of: &Doubted| FrameName::new(clips, of.frame);
+    let line = |of: &Doubted| format!("{} ({:.0} times what is usual)", name(of), of.times);
+    let names: Vec<FrameName> = doubted.iter().map(name).collect();
+    let all = match doubted.len() {
+        0..=LISTED => String::new(),
+        _ => format!("; all of them: {}", runs(&names).join(", ")),
+    };
+    let then = match stay {
+        true => "too many to leave out, so that a training learns them with the others",
+        false => "a training leaves out what is named here",
+    };
     Finding {
         kind: Kind::Broken,
         severity: Severity::Warning,
         text: format!(
             "{} a mesh that does not belong to the pose, by what all others tell (a simulation that exploded, a mesh \
-             that is moved, or of another frame); a training leaves them out: look at them, and mend them or leave them \
-             out yourself: frame {}",
-            count(left_out.len(), "frame has", "frames have"),
-            listed(left_out.iter().map(line))
+             that is moved, or of another frame); {then}: look, and mend or leave out yourself: frame {}{all}",
+            count(doubted.len(), "frame has", "frames have"),
+            listed(doubted.iter().map(line))
         ),
-        places: left_out.iter().map(|out| Place::Frame(name(out))).collect(),
+        places: names.into_iter().map(Place::Frame).collect(),
     }
 }

@@ -75,6 +75,8 @@ pub enum Kind {
     ClipOrder,
     /// Meshes that do not belong to their poses.
     Broken,
+    /// All training frames are one pose.
+    OnePose,
 }
 
 impl Kind {
@@ -101,7 +103,8 @@ impl Kind {
             | Self::Contradicting
             | Self::OutOfStep
             | Self::ClipOrder
-            | Self::Broken => Topic::Frames,
+            | Self::Broken
+            | Self::OnePose => Topic::Frames,
         }
     }
 }
@@ -147,7 +150,7 @@ pub struct Finding {
 }
 
 /// Places that a line names before it only counts.
-const LISTED: usize = 5;
+pub const LISTED: usize = 5;
 
 impl FrameName {
     /// Names a frame of some clips.
@@ -179,6 +182,28 @@ pub fn listed(words: impl IntoIterator<Item = impl fmt::Display>) -> String {
         out.push(format!("and {more} more"));
     }
     out.join(", ")
+}
+
+/// Names frames in order, runs as `first-last`, by what their source calls them, where it does.
+pub fn runs(frames: &[FrameName]) -> Vec<String> {
+    let mut frames: Vec<&FrameName> = frames.iter().collect();
+    frames.sort_unstable_by_key(|frame| frame.frame);
+    let mut runs: Vec<[&FrameName; 2]> = Vec::new();
+    for frame in frames {
+        // Numbers may begin anew with a clip.
+        let follows = |last: &FrameName| {
+            last.frame + 1 == frame.frame && (frame.number.is_none() || last.number < frame.number)
+        };
+        match runs.last_mut() {
+            Some([_, last]) if follows(last) => *last = frame,
+            _ => runs.push([frame; 2]),
+        }
+    }
+    let run = |run: [&FrameName; 2]| {
+        let [first, last] = run.map(|frame| frame.number.unwrap_or(frame.frame as i64));
+        if first == last { format!("{first}") } else { format!("{first}-{last}") }
+    };
+    runs.into_iter().map(run).collect()
 }
 
 /// Writes a length with as many places as it needs to be read.

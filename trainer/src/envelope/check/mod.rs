@@ -22,7 +22,7 @@ pub mod thresholds;
 mod turns;
 
 use crate::envelope::FitError;
-use crate::envelope::predicted;
+use crate::envelope::predicted::Sound;
 use crate::envelope::skin::training::Training;
 use crate::examples::{Clip, Examples, ExamplesError};
 use crate::progress::Progress;
@@ -92,28 +92,48 @@ pub fn check(
     let warnings = examples.validate()?;
     let mut findings = Vec::new();
     let size = size::size(examples, &mut findings);
+    let sound = Sound::new(examples, progress)?;
+    let doubted: Vec<usize> = sound.doubted.iter().map(|of| of.frame).collect();
+    let named = (!doubted.is_empty()).then(|| broken::broken(&sound, clips));
+    // Rest mesh, units, axes and order are those of the frames that a training learns from; what is wrong with a frame is
+    // told of every one.
+    let (others, all);
+    let (learnt, all) = if sound.left_out().is_empty() {
+        (examples, None)
+    } else {
+        others = examples.without(&doubted);
+        all = Context::new(examples, clips, Training::new(examples, progress)?);
+        (&others, Some(&all))
+    };
     progress.step("units and axes", 1);
-    let apart = convention::convention(examples, &mut findings);
-    order::order(examples, clips, apart, &mut findings);
-    let faces = faces::faces(examples, &warnings, &mut findings);
-    let context = Context::new(examples, clips, Training::new(examples, progress)?);
+    let apart = convention::convention(learnt, &mut findings);
+    order::order(learnt, clips, apart, &mut findings);
+    let faces = faces::faces(learnt, &warnings, &mut findings);
+    let context = Context::new(examples, clips, sound.training);
+    let all = all.unwrap_or(&context);
     let rest = rest::rest(&context, &mut findings);
     joints::joints(&context, &warnings, &mut findings);
     progress.step("faces in poses", 1);
-    folded::folded(&context, &mut findings);
+    folded::folded(all, &mut findings);
     progress.step("frames", 1);
-    repeats::repeats(&context, &mut findings);
-    step::steps(&context, &mut findings);
+    if context.training.poses.are_one() {
+        findings.push(Finding {
+            kind: Kind::OnePose,
+            severity: Severity::Warning,
+            text: FitError::OnePose { found: context.frames.len() }.to_string(),
+            places: Vec::new(),
+        });
+    }
+    repeats::repeats(all, &mut findings);
+    step::steps(all, &mut findings);
+    findings.extend(named);
     let joints = coverage::coverage(&context);
     let never_together = coverage::apart(&context);
     progress.step("poses", 1);
-    let (sound, left_out) = predicted::sound(examples, progress)?;
-    let predicted = if left_out.is_empty() {
-        thin::predict(&context)
-    } else {
-        findings.push(broken::broken(&left_out, clips));
-        thin::predict(&Context::new(examples, clips, sound))
-    };
+    let mut predicted = thin::predict(&context);
+    if let Some(predicted) = &mut predicted {
+        predicted.isolated.retain(|pose| !doubted.contains(&pose.frame.frame));
+    }
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     Ok(Check {
         size,

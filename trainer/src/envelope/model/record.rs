@@ -1,7 +1,7 @@
 //! What an envelope was trained on.
 
 use crate::envelope::skin::blend::Weights;
-use crate::examples::{Examples, Mark, Split};
+use crate::examples::{Examples, Mark};
 
 /// Marks of the training frames, and linear blend skinning fitted to them.
 #[derive(Clone, Debug)]
@@ -17,13 +17,12 @@ pub struct RecordModel {
 }
 
 impl RecordModel {
-    /// Records the training of an envelope.
-    pub fn new(envelope: &str, examples: &Examples, lbs: &Weights) -> Self {
-        let frames = examples.frames_of(Split::Train);
+    /// Records the training of an envelope on some frames of the examples.
+    pub fn new(envelope: &str, examples: &Examples, frames: &[usize], lbs: &Weights) -> Self {
         Self {
             envelope: envelope.to_owned(),
             joint_len: examples.joint_len(),
-            marks: frames.into_iter().map(|frame| examples.mark(frame)).collect(),
+            marks: frames.iter().map(|&frame| examples.mark(frame)).collect(),
             lbs: Some(lbs.clone()),
         }
     }

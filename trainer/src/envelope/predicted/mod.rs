@@ -6,4 +6,4 @@ mod sound;
 
 pub use broken::{Broken, broken};
 pub use region::{HOPS, Region, compared, regions};
-pub use sound::{LeftOut, sound};
+pub use sound::{Doubted, Sound};

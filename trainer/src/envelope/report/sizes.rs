@@ -4,6 +4,7 @@ use super::comparison::Comparison;
 use super::stopwatch::Stopwatch;
 use crate::envelope::choose::choose;
 use crate::envelope::evaluate::{Character, Errors, EvaluateError, Measured};
+use crate::envelope::predicted::Sound;
 use crate::envelope::rotational::ProxyCount;
 use crate::envelope::rotational::settings::near_rigid;
 use crate::envelope::skin::training::Training;
@@ -75,7 +76,7 @@ impl Sizes {
     ) -> Result<Self, FitError> {
         let examples = comparison.source.examples;
         let begun = Instant::now();
-        let training = Training::new(examples, progress)?;
+        let training = Sound::new(examples, progress)?.weighted(examples, progress)?;
         let shared_seconds = begun.elapsed().as_secs_f64();
         let counts = counts(comparison.model.character.envelope.proxy_len(), &training);
         let mut sizes = Self { shared_seconds, trials: Vec::new(), near_rigid: None };

@@ -7,6 +7,9 @@ use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use std::ops::Range;
 
+/// Entries of joints' maps, lengths in diagonals, that differ by less are one: nobody sees what they move.
+const ONE: f64 = 1e-4;
+
 /// The joints of n poses of J joints, relative to the reference root.
 #[derive(Clone, Debug)]
 pub struct Poses {
@@ -119,6 +122,12 @@ impl Poses {
     /// Returns Q_p of a pose: the rotation of the joint's parent, I for the root.
     pub fn parent_rotation(&self, pose: usize, joint: usize) -> &Matrix3<f64> {
         &self.parent_rotations[pose * self.joint_len + joint]
+    }
+
+    /// Whether all are one pose, each joint within what nobody sees of where it is in the first.
+    pub fn are_one(&self) -> bool {
+        let all = self.maps.chunks(self.joint_len);
+        all.flat_map(|pose| pose.iter().zip(&self.maps)).all(|(a, b)| (a - b).amax() <= ONE)
     }
 
     /// Returns the largest |θ_j| over the poses, J values in radians.
