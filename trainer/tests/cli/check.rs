@@ -28,6 +28,32 @@ fn a_check_prints_its_sections_and_succeeds() {
 }
 
 #[test]
+fn a_mesh_that_is_moved_is_named_left_out_and_not_called_read() {
+    let folder = Folder::with_demo("moved");
+    let mut set = Set::demo();
+    let (moved, len) = (set.frames(0)[9], 3 * set.vertex_len());
+    let (_, numbers) = set.reals.get_mut("vertices").unwrap();
+    let ys = numbers[moved * len..][..len].iter_mut().skip(1).step_by(3);
+    ys.for_each(|y| *y += 0.2);
+    set.write(&folder.path("moved.npz"));
+    let text = folder.sinew("check moved.npz").done().out;
+    assert!(
+        text.contains(&format!("look, and mend or leave out yourself: frame {moved} (")),
+        "{text}"
+    );
+    assert!(!text.contains("another sculpt") && !text.contains("another order"), "{text}");
+    let train =
+        "train moved.npz -o moved.sinew --predictor kernel --proxies 2 --record record.json";
+    let run = folder.sinew(train);
+    assert!(run.code == Some(0) && run.err.contains("leaves out what is named here"), "{run:?}");
+    let mut others = set.frames(0);
+    others.retain(|frame| *frame != moved);
+    assert_eq!(folder.json("record.json")["training_frames"], json!(others));
+    let found = folder.sinew("eval moved.sinew moved.npz --split train --json").json();
+    assert_eq!(found["read"], json!(others.len()));
+}
+
+#[test]
 fn tables_stand_in_columns_whatever_the_script_of_names() {
     let folder = Folder::with_demo("check-cjk");
     let mut set = Set::demo();
