@@ -118,7 +118,10 @@ fn by_confidence(comparison: &Comparison<'_>, series: &[Series<'_>]) -> String {
         }
     }
     let head = ["confidence", "model", "frames", "RMS, %", "LBS, %"].map(str::to_owned);
-    table(&head, &rows)
+    paragraph(
+        "What the confidence promises: frames by how sure the model is of them, and what it and linear blend skinning \
+         leave there.",
+    ) + &table(&head, &rows)
 }
 
 /// Each frame takes a unit of room.

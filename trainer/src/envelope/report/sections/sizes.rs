@@ -28,8 +28,9 @@ pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, FitError
     let outcomes: Vec<&Outcome> =
         sizes.trials.iter().filter_map(|trial| trial.outcome.as_ref().ok()).collect();
     paragraph(&format!(
-        "The predictor of {}, <b>{predictor}</b>, trained on the training frames of these examples \
-         with other numbers of proxies, and measured on the same frames as above.",
+        "The predictor of {}, <b>{predictor}</b>, trained anew on the training frames of these examples as \
+         train does with --predictor {predictor} and no further options, with other numbers of proxies, and measured \
+         on the same frames as above.",
         text(comparison.model.file.name)
     )) + &charts(comparison, &outcomes)
         + &trials(comparison, &sizes.trials)
