@@ -124,10 +124,12 @@ impl Poses {
         &self.parent_rotations[pose * self.joint_len + joint]
     }
 
-    /// Whether all are one pose, each joint within what nobody sees of where it is in the first.
+    /// Whether all are one pose, each joint within what nobody sees of where it is in the first; of a skeleton of one joint,
+    /// whether that stands still.
     pub fn are_one(&self) -> bool {
-        let all = self.maps.chunks(self.joint_len);
-        all.flat_map(|pose| pose.iter().zip(&self.maps)).all(|(a, b)| (a - b).amax() <= ONE)
+        let maps = if self.joint_len == 1 { &self.roots } else { &self.maps };
+        let all = maps.chunks(self.joint_len);
+        all.flat_map(|pose| pose.iter().zip(maps)).all(|(a, b)| (a - b).amax() <= ONE)
     }
 
     /// Returns the largest |θ_j| over the poses, J values in radians.
