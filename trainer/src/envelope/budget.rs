@@ -33,7 +33,7 @@ impl<'a> Budget<'a> {
         options: &'a Options,
     ) -> Result<Self, TrainError> {
         let lbs = &training.lbs.weights;
-        let mut frames: Vec<usize> = training.poses.times().iter().map(|time| time.frame).collect();
+        let mut frames = training.poses.frames();
         frames.dedup();
         let mut record = RecordModel::new(NAME, examples, &frames, lbs);
         if matches!(options.meshes, FileSkins::PaletteAlone) {

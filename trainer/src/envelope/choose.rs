@@ -435,7 +435,7 @@ impl PredictorSearch<'_> {
         let report = TrainingReport {
             left_out: Vec::new(),
             lbs_rms,
-            folds: folds(training.poses.times()).into_iter().map(|fold| fold.own).collect(),
+            folds: folds(&training.poses).into_iter().map(|fold| fold.own).collect(),
             chosen: chosen.report,
             training_rms,
             rotational: chosen.rotational.clone(),

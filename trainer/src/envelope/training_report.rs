@@ -4,7 +4,6 @@ use super::correction::candidates::GroupReport;
 use super::predicted::Doubted;
 use super::rotational::{Method, RotationalReport};
 use serde::Serialize;
-use std::ops::Range;
 
 /// What was tried and what was taken; errors are RMS, as shares of the rest diagonal.
 #[derive(Clone, Debug, Serialize)]
@@ -13,8 +12,8 @@ pub struct TrainingReport {
     pub left_out: Vec<Doubted>,
     /// LBS on the training frames.
     pub lbs_rms: f64,
-    /// The contiguous folds, as ranges of the training frames.
-    pub folds: Vec<Range<usize>>,
+    /// The folds, each as the numbers of its poses among the training frames.
+    pub folds: Vec<Vec<usize>>,
     /// Every candidate in the order in which they were tried.
     pub candidates: Vec<CandidateReport>,
     /// Which of them was taken.

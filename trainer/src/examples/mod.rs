@@ -17,7 +17,7 @@ mod repeat;
 mod rigidity;
 mod sample;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 mod validate;
 mod warning;
 

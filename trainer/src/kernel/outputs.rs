@@ -30,6 +30,13 @@ impl Block {
         self.own.iter().chain(&self.near).copied()
     }
 
+    /// Lists those of n samples that are not left out.
+    pub fn others(&self, n: usize) -> Vec<usize> {
+        let mut is_other = vec![true; n];
+        self.out().for_each(|sample| is_other[sample] = false);
+        (0..n).filter(|&sample| is_other[sample]).collect()
+    }
+
     /// Takes the rows of what is left out.
     pub fn rows(&self, all: &Mat<f64>) -> Mat<f64> {
         let mut rows = Mat::zeros(self.out_len(), all.ncols());

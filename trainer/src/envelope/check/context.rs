@@ -25,12 +25,11 @@ pub(super) struct Context<'a> {
 
 impl<'a> Context<'a> {
     pub(super) fn new(examples: &'a Examples, clips: &'a [Clip], training: Training) -> Self {
-        let frames = training.poses.times().iter().map(|time| time.frame).collect();
         let (residuals, dominant) = training.left_by_lbs();
         Self {
             examples,
             clips,
-            frames,
+            frames: training.poses.frames(),
             residuals,
             dominant,
             turns: Turns::new(&training.poses, Features::of(&training)),

@@ -2,6 +2,7 @@
 
 use super::features::near;
 use crate::constants::BEYOND;
+use crate::envelope::skin::distinct::Distinct;
 use crate::envelope::skin::poses::Poses;
 use crate::kernel::outputs::Block;
 
@@ -13,21 +14,23 @@ const FEWEST: usize = 2;
 /// Lists blocks that a fit for one joint is to be tried on: whole clips, and of each joint near it the poses that turn
 /// it most.
 pub(super) fn beyond(poses: &Poses, parents: &[Option<usize>], joint: usize) -> Vec<Block> {
-    clips(poses).into_iter().chain(ranges(poses, &near(parents, joint, 1))).collect()
+    let distinct = Distinct::new(poses);
+    let own = clips(poses).into_iter().chain(ranges(poses, &near(parents, joint, 1)));
+    let blocks = own.map(|own| distinct.block(own));
+    blocks.filter(|block| 2 * block.out_len() <= poses.len()).collect()
 }
 
 /// Every clip, where there are several.
-fn clips(poses: &Poses) -> Vec<Block> {
+fn clips(poses: &Poses) -> Vec<Vec<usize>> {
     let times = poses.times();
     let cuts = (1..times.len()).filter(|&i| times[i].clip != times[i - 1].clip);
     let cuts: Vec<usize> = std::iter::once(0).chain(cuts).chain([times.len()]).collect();
     let clips = cuts.windows(2).map(|pair| pair[0]..pair[1]);
-    let clips = clips.filter(|clip| clip.len() >= FEWEST && 2 * clip.len() <= times.len());
-    clips.map(Block::row).collect()
+    clips.filter(|clip| clip.len() >= FEWEST).map(Vec::from_iter).collect()
 }
 
 /// Of each joint the quarter of the poses that turn it most.
-fn ranges(poses: &Poses, joints: &[usize]) -> Vec<Block> {
+fn ranges(poses: &Poses, joints: &[usize]) -> Vec<Vec<usize>> {
     let count = (BEYOND.get() * poses.len() as f64) as usize;
     if count < FEWEST {
         return Vec::new();
@@ -39,7 +42,7 @@ fn ranges(poses: &Poses, joints: &[usize]) -> Vec<Block> {
         let moves = angle(order[0]) - angle(order[order.len() - 1]) > STILL;
         let mut own = order[..count].to_vec();
         own.sort_unstable();
-        moves.then_some(Block { own, near: Vec::new() })
+        moves.then_some(own)
     };
     joints.iter().filter_map(range).collect()
 }

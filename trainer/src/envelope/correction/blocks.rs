@@ -1,8 +1,10 @@
 //! Blocks of poses that are left out: by some maps are chosen, by others it is told how well they do.
 
-use crate::envelope::skin::folds::{FOLD_LEN, Fold, folds};
-use crate::envelope::skin::poses::Time;
+use crate::envelope::skin::distinct::Distinct;
+use crate::envelope::skin::folds::{FOLD_LEN, ranges};
+use crate::envelope::skin::poses::Poses;
 use crate::kernel::outputs::Block;
+use std::ops::Range;
 
 /// Parts of a fold, fewer where they would be short.
 const PARTS: usize = 4;
@@ -20,38 +22,40 @@ impl Blocks {
     /// Cuts poses into blocks.
     ///
     /// - `between`: whether there are blocks across two folds, which a base that is fitted to each fold rules out.
-    pub fn new(times: &[Time], between: bool) -> Self {
-        let folds = folds(times);
-        let middle = |fold: &Fold| (fold.own.start + fold.own.end) / 2;
-        let parts = |(number, fold): (usize, &Fold)| {
-            let (start, len) = (fold.own.start, fold.own.len());
+    pub fn new(poses: &Poses, between: bool) -> Self {
+        let distinct = &Distinct::new(poses);
+        let folds = ranges(distinct);
+        let middle = |fold: &Range<usize>| (fold.start + fold.end) / 2;
+        let parts = |(number, fold): (usize, &Range<usize>)| {
+            let (start, len) = (fold.start, fold.len());
             let count = (len / FOLD_LEN).clamp(1, PARTS);
             let cut = move |part: usize| start + part * len / count;
-            let part = move |part| (Fold::new(cut(part)..cut(part + 1), times).into(), number);
-            (0..count).map(part)
+            (0..count).map(move |part| (distinct.run(cut(part)..cut(part + 1)), number))
         };
         let parts = folds.iter().enumerate().flat_map(parts).collect();
         let pairs = folds.windows(2).filter(|_| between);
-        let across = pairs.map(|pair| Fold::new(middle(&pair[0])..middle(&pair[1]), times));
-        let across: Vec<Fold> = across.collect();
-        Self { blocks: folds.into_iter().chain(across).map(Block::from).collect(), parts }
+        let across: Vec<_> = pairs.map(|pair| middle(&pair[0])..middle(&pair[1])).collect();
+        let blocks = folds.into_iter().chain(across).map(|range| distinct.run(range)).collect();
+        Self { blocks, parts }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::envelope::skin::folds::folds;
+    use crate::envelope::skin::testing::moving;
 
     #[test]
     fn blocks_lie_across_two_folds_and_parts_in_one() {
-        let times: Vec<Time> = (0..40).map(|frame| Time { clip: 0, frame }).collect();
-        let folds: Vec<Block> = folds(&times).into_iter().map(Block::from).collect();
-        let Blocks { blocks, parts } = Blocks::new(&times, true);
+        let poses = moving(&[40]);
+        let folds = folds(&poses);
+        let Blocks { blocks, parts } = Blocks::new(&poses, true);
         assert_eq!(blocks[..10], folds);
         assert_eq!(blocks.len(), 19);
         assert_eq!(blocks[10].own, [2, 3, 4, 5]);
         assert_eq!(blocks[10].near, [0, 1, 6, 7]);
-        assert_eq!(Blocks::new(&times, false).blocks, folds);
+        assert_eq!(Blocks::new(&poses, false).blocks, folds);
         let own: Vec<usize> = parts.iter().flat_map(|(part, _)| part.own.clone()).collect();
         assert_eq!(own, Vec::from_iter(0..40));
         assert_eq!(parts[3], (Block { own: vec![6, 7], near: vec![5, 8] }, 1));

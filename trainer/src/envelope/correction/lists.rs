@@ -20,7 +20,7 @@ pub type Known = BTreeMap<usize, Vec<Listening>>;
 
 /// Chooses for each dominant joint what the maps of its proxies listen to, in as many lists at most.
 pub fn choose(target: &CorrectionTarget<'_>, most: usize, progress: &dyn Progress) -> Known {
-    let blocks = Blocks::new(target.poses.times(), target.without.is_empty());
+    let blocks = Blocks::new(target.poses, target.without.is_empty());
     let groups = groups(target.dominant.len(), |proxy| target.dominant[proxy]);
     progress.step(STEP, groups.len());
     let each = |proxies: &Range<usize>| EachOutputs::new(target, proxies.clone(), &blocks);
@@ -127,7 +127,7 @@ fn lesser(a: &[f64], b: &[f64]) -> Vec<f64> {
 
 /// Says of each proxy which of its joint's lists predicts it best.
 pub fn assign(target: &CorrectionTarget<'_>, known: &Known) -> Vec<usize> {
-    let blocks = Blocks::new(target.poses.times(), target.without.is_empty());
+    let blocks = Blocks::new(target.poses, target.without.is_empty());
     let groups = groups(target.dominant.len(), |proxy| target.dominant[proxy]);
     let of_joint = |proxies: Range<usize>| -> Vec<usize> {
         let len = proxies.len();

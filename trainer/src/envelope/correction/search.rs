@@ -43,7 +43,7 @@ impl<'a> Search<'a> {
     ///
     /// - `known`: what the maps of each joint listen to.
     pub fn new(target: CorrectionTarget<'a>, known: &Known, progress: &dyn Progress) -> Self {
-        let blocks = Blocks::new(target.poses.times(), target.without.is_empty());
+        let blocks = Blocks::new(target.poses, target.without.is_empty());
         let ranges = groups(target.dominant.len(), |proxy| target.place(proxy));
         progress.step(STEP, ranges.len());
         let search = |proxies| {

@@ -31,7 +31,7 @@ pub fn fit_normals(
     }
     let bytes = model.bake()?;
     let character = Character::open(&bytes, None, examples)?;
-    let frames: Vec<usize> = training.poses.times().iter().map(|time| time.frame).collect();
+    let frames = training.poses.frames();
     let measured = Measured::model(&character, examples, &frames)?.angle_rms();
     let lbs = Baseline::new(training.lbs.weights.clone(), examples);
     let lbs = Measured::lbs(&lbs, examples, &frames).angle_rms();

@@ -3,7 +3,6 @@
 
 use crate::envelope::correction::features::{Features, near};
 use crate::envelope::skin::folds::folds;
-use crate::envelope::skin::poses::Time;
 use crate::envelope::skin::residuals::Residuals;
 use crate::envelope::skin::training::Training;
 use crate::examples::spread;
@@ -74,7 +73,5 @@ impl Region {
 
 /// Folds of some of the training poses.
 fn blocks(training: &Training, poses: &[usize]) -> Vec<Block> {
-    let times = training.poses.times();
-    let times: Vec<Time> = poses.iter().map(|&pose| times[pose]).collect();
-    folds(&times).into_iter().map(Block::from).collect()
+    folds(&training.poses.only(poses))
 }

@@ -15,7 +15,6 @@ use crate::envelope::correction::features::Features;
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
 use crate::envelope::fitted::Fitted;
 use crate::envelope::skin::blend::Weights;
-use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::Projection;
 use crate::envelope::skin::training::Training;
@@ -74,8 +73,6 @@ pub struct RotationalReport {
     pub key_rms: f64,
     /// The joints that each key follows, and how every other joint would have done.
     pub keys: Vec<KeyChoice>,
-    /// The contiguous folds, as ranges of the training frames.
-    pub folds: Vec<std::ops::Range<usize>>,
     /// Every candidate of F, γ and μ, and its cross-validated error.
     pub trials: Vec<SettingTrial>,
     /// The candidate taken.
@@ -232,7 +229,6 @@ pub fn fit(
         proxy_rms: proxies.rms,
         key_rms: keys.rms,
         keys: keyed.predictors.iter().map(KeyChoice::new).collect(),
-        folds: folds(poses.times()).into_iter().map(|fold| fold.own).collect(),
         trials,
         choice,
         refinements,

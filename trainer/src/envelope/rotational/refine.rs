@@ -8,9 +8,9 @@
 
 use super::reduce::Reduced;
 use crate::envelope::skin::poses::Poses;
+use crate::envelope::skin::stacked::in_poses;
 use crate::numeric::ridge::solve_ridge;
 use faer::Mat;
-use std::ops::Range;
 
 /// The regression of a palette's residual on the deviations of its inputs from rest.
 #[derive(Clone)]
@@ -23,20 +23,19 @@ pub struct Regression {
 }
 
 impl Regression {
-    /// Sums over the poses outside a range: gradients (3n x 3P), residual maps (3n x 4P).
+    /// Sums over the poses that are not left out: gradients (3n x 3P), residual maps (3n x 4P).
     pub fn new(
         gradients: &Mat<f64>,
         poses: &Poses,
         residual: &Mat<f64>,
-        left_out: &Range<usize>,
+        left_out: &[usize],
     ) -> Self {
         let all = features(gradients, poses);
         let (mut gram, mut right) = (all.transpose() * &all, all.transpose() * residual);
-        let (start, len) = (3 * left_out.start, 3 * left_out.len());
-        let (x, r) = (all.subrows(start, len), residual.subrows(start, len));
-        gram -= x.transpose() * x;
-        right -= x.transpose() * r;
-        let rows = (all.nrows() - len) as f64;
+        let [x, r] = [&all, residual].map(|all| in_poses(all, left_out));
+        gram -= x.transpose() * &x;
+        right -= x.transpose() * &r;
+        let rows = (all.nrows() - x.nrows()) as f64;
         Self { gram, right, rows, keys: gradients.ncols(), root: poses.root() }
     }
 
@@ -105,7 +104,7 @@ mod tests {
             };
             let gradients = Mat::from_fn(3 * frames.len(), 6, number);
             let residual = Mat::from_fn(3 * frames.len(), 8, |row, column| number(row, column + 9));
-            Regression::new(&gradients, &poses, &residual, &(0..0))
+            Regression::new(&gradients, &poses, &residual, &[])
         };
         let weighted = regression(&[0, 1, 2, 3, 4]).and(&regression(&[5, 6, 7]), 2.0);
         let repeated = regression(&[0, 1, 2, 3, 4, 5, 6, 7, 5, 6, 7]);

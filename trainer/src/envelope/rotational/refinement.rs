@@ -105,7 +105,7 @@ impl<'a> Refining<'a> {
     ) -> Self {
         let regression = |poses: &Poses, gradients: &Mat<f64>, projection: &Projection| {
             let left_over = projection.residual(&unrefined.palette(gradients, poses));
-            Regression::new(gradients, poses, &left_over, &(0..0))
+            Regression::new(gradients, poses, &left_over, &[])
         };
         let count = |lessons: &Lessons| poses.len() as f64 / lessons.poses.len().max(1) as f64;
         let seen = |(lessons, projection): (&'a Lessons, &'a Projection)| {

@@ -5,10 +5,11 @@ use super::predictor::{self, GradientPredictor};
 use super::reduce::Reduced;
 use super::refine::Regression;
 use crate::envelope::skin::blend::Weights;
-use crate::envelope::skin::folds::{Fold, folds};
+use crate::envelope::skin::folds::folds;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::Projection;
 use crate::envelope::skin::targets::skin;
+use crate::kernel::outputs::Block;
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Matrix3;
@@ -22,7 +23,7 @@ pub struct Validation<'a> {
 }
 
 struct FoldPrediction {
-    fold: Fold,
+    fold: Block,
     /// Predictors fitted without the fold, P.
     predictors: Vec<GradientPredictor>,
     /// What they predict of all poses, 3n x 3P.
@@ -30,7 +31,7 @@ struct FoldPrediction {
 }
 
 impl FoldPrediction {
-    fn new(fold: Fold, predictors: Vec<GradientPredictor>, poses: &Poses) -> Self {
+    fn new(fold: Block, predictors: Vec<GradientPredictor>, poses: &Poses) -> Self {
         Self { predicted: predictor::predict_stacked(&predictors, poses), fold, predictors }
     }
 }
@@ -44,18 +45,17 @@ impl<'a> Validation<'a> {
         predictor: &(impl Fn(&Poses, &[Matrix3<f64>]) -> GradientPredictor + Sync),
         progress: &dyn Progress,
     ) -> Self {
-        let ranges = folds(poses.times());
-        progress.step("cross-validation", ranges.len() * sequences.len());
-        let folds = ranges
+        let folds = folds(poses);
+        progress.step("cross-validation", folds.len() * sequences.len());
+        let folds = folds
             .into_iter()
             .map(|fold| {
-                let out = fold.out.clone();
-                let train = poses.without(out.clone());
+                let left = fold.others(poses.len());
+                let train = poses.only(&left);
                 let predictors: Vec<_> = sequences
                     .par_iter()
                     .map(|sequence| {
-                        let (before, rest) = sequence.split_at(out.start);
-                        let kept = [before, &rest[out.len()..]].concat();
+                        let kept: Vec<_> = left.iter().map(|&pose| sequence[pose]).collect();
                         progress.advance(1);
                         predictor(&train, &kept)
                     })
@@ -111,7 +111,9 @@ impl<'a> Validation<'a> {
         let of = |of: &FoldPrediction| {
             let FoldPrediction { fold, predicted, .. } = of;
             let residual = self.projection.residual(&reduced.palette(predicted, self.poses));
-            Regression::new(predicted, self.poses, &residual, &fold.out)
+            let mut out: Vec<usize> = fold.out().collect();
+            out.sort_unstable();
+            Regression::new(predicted, self.poses, &residual, &out)
         };
         self.folds.par_iter().map(of).collect()
     }
@@ -125,8 +127,9 @@ impl<'a> Validation<'a> {
         let columns = maps.first().map_or(0, Mat::ncols);
         let mut joined = Mat::zeros(3 * self.poses.len(), columns);
         for (FoldPrediction { fold, .. }, maps) in self.folds.iter().zip(maps) {
-            let (start, len) = (3 * fold.own.start, 3 * fold.own.len());
-            joined.subrows_mut(start, len).copy_from(maps.subrows(start, len));
+            for &pose in &fold.own {
+                joined.subrows_mut(3 * pose, 3).copy_from(maps.subrows(3 * pose, 3));
+            }
         }
         joined
     }

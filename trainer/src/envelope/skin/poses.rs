@@ -5,7 +5,6 @@ use crate::numeric::affine::{after, from_rows, homogeneous, joined, linear};
 use crate::numeric::{columns, so3};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
-use std::ops::Range;
 
 /// Entries of joints' maps, lengths in diagonals, that differ by less are one: nobody sees what they move.
 const ONE: f64 = 1e-4;
@@ -104,6 +103,11 @@ impl Poses {
         &self.times
     }
 
+    /// Lists the frames of the n poses.
+    pub fn frames(&self) -> Vec<usize> {
+        self.times.iter().map(|time| time.frame).collect()
+    }
+
     /// Returns `B_r⁻¹ B_j` of a pose.
     pub fn map(&self, pose: usize, joint: usize) -> &Matrix3x4<f64> {
         &self.maps[pose * self.joint_len + joint]
@@ -130,6 +134,17 @@ impl Poses {
         let maps = if self.joint_len == 1 { &self.roots } else { &self.maps };
         let all = maps.chunks(self.joint_len);
         all.flat_map(|pose| pose.iter().zip(maps)).all(|(a, b)| (a - b).amax() <= ONE)
+    }
+
+    /// Whether entries of the joints' maps differ by no more than this in two poses.
+    pub fn are_alike(&self, a: usize, b: usize, most: f64) -> bool {
+        self.pose(a).iter().zip(self.pose(b)).all(|(a, b)| (a - b).amax() <= most)
+    }
+
+    /// Returns how far an entry of a joint's map is from the same in the first pose, where it is farthest.
+    pub fn farthest_apart(&self) -> f64 {
+        let all = self.maps.chunks(self.joint_len).flat_map(|pose| pose.iter().zip(&self.maps));
+        all.map(|(a, b)| (a - b).amax()).fold(0.0, f64::max)
     }
 
     /// Returns the largest |θ_j| over the poses, J values in radians.
@@ -187,20 +202,21 @@ impl Poses {
         })
     }
 
-    /// Returns the poses outside a range.
-    pub fn without(&self, range: Range<usize>) -> Self {
-        fn outside<T: Copy>(all: &[T], width: usize, range: &Range<usize>) -> Vec<T> {
-            [&all[..range.start * width], &all[range.end * width..]].concat()
+    /// Returns some of the poses.
+    #[must_use]
+    pub fn only(&self, poses: &[usize]) -> Self {
+        fn of<T: Copy>(all: &[T], width: usize, poses: &[usize]) -> Vec<T> {
+            poses.iter().flat_map(|&pose| &all[pose * width..][..width]).copied().collect()
         }
         let joints = self.joint_len;
         Self {
             joint_len: joints,
             root: self.root,
-            maps: outside(&self.maps, joints, &range),
-            angles: outside(&self.angles, joints, &range),
-            parent_rotations: outside(&self.parent_rotations, joints, &range),
-            roots: outside(&self.roots, 1, &range),
-            times: outside(&self.times, 1, &range),
+            maps: of(&self.maps, joints, poses),
+            angles: of(&self.angles, joints, poses),
+            parent_rotations: of(&self.parent_rotations, joints, poses),
+            roots: of(&self.roots, 1, poses),
+            times: of(&self.times, 1, poses),
         }
     }
 }

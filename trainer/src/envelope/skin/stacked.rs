@@ -8,6 +8,13 @@ pub fn map_of(maps: &Mat<f64>, pose: usize, helper: usize) -> Matrix3x4<f64> {
     Matrix3x4::from_fn(|r, c| maps[(3 * pose + r, 4 * helper + c)])
 }
 
+/// The maps in some of the poses: 3 rows of each.
+pub fn in_poses(maps: &Mat<f64>, poses: &[usize]) -> Mat<f64> {
+    Mat::from_fn(3 * poses.len(), maps.ncols(), |row, column| {
+        maps[(3 * poses[row / 3] + row % 3, column)]
+    })
+}
+
 /// Writes the map of a helper in a pose of stacked maps.
 pub fn set_map(maps: &mut Mat<f64>, pose: usize, helper: usize, map: &Matrix3x4<f64>) {
     for c in 0..4 {
