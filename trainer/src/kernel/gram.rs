@@ -5,7 +5,7 @@ use super::inputs::{Inputs, WIDTHS};
 use super::left_out::LeftOut;
 use super::outputs::Block;
 use faer::linalg::solvers::DenseSolveCore;
-use faer::{Mat, MatRef, Side};
+use faer::{Mat, Side};
 use sinew_runtime::envelope::GroupKernel;
 use std::ops::Range;
 
@@ -98,26 +98,29 @@ impl GramRegression {
     /// another it is y - kᵀA⁻¹y, with a variance of K_ii + λ - kᵀA⁻¹k.
     pub fn surprises(&self, by: &[usize]) -> Option<Vec<(f64, f64)>> {
         let (n, m) = (self.sample_len(), by.len());
-        let of_all = |matrix: &Mat<f64>| Mat::from_fn(m, n, |i, j| matrix[(by[i], j)]);
-        let of_some = |matrix: &Mat<f64>| Mat::from_fn(m, m, |i, j| matrix[(by[i], by[j])]);
-        let mut ridged = of_some(&self.kernel);
+        let others: Vec<usize> = (0..n).filter(|j| by.binary_search(j).is_err()).collect();
+        let of = |matrix: &Mat<f64>, columns: &[usize]| {
+            Mat::from_fn(m, columns.len(), |i, j| matrix[(by[i], columns[j])])
+        };
+        let mut ridged = of(&self.kernel, by);
         (0..m).for_each(|i| ridged[(i, i)] += self.ridge);
         let inverse = ridged.llt(Side::Lower).ok()?.inverse();
-        let half = of_some(&self.gram) * &inverse;
-        let (kernel, gram) = (of_all(&self.kernel), of_all(&self.gram));
+        let half = of(&self.gram, by) * &inverse;
+        let (kernel, gram) = (of(&self.kernel, &others), of(&self.gram, &others));
         let (weights, seen) = (&inverse * &kernel, &half * &kernel);
-        let sum = |a: MatRef<'_, f64>, i: usize, b: MatRef<'_, f64>, j: usize| -> f64 {
-            (0..m).map(|k| a[(k, i)] * b[(k, j)]).sum()
+        let product = |a: &Mat<f64>, b: &Mat<f64>, column: usize| -> f64 {
+            a.col_as_slice(column).iter().zip(b.col_as_slice(column)).map(|(a, b)| a * b).sum()
         };
         let of_sample = |j: usize| {
             if let Ok(i) = by.binary_search(&j) {
                 let precision = inverse[(i, i)];
-                let squared = sum(inverse.as_ref(), i, half.as_ref(), i);
+                let squared = product(&inverse, &half, i);
                 return (squared / precision, squared / precision.powi(2));
             }
-            let [crossed, own] = [&gram, &seen].map(|of| sum(weights.as_ref(), j, of.as_ref(), j));
+            let other = others.partition_point(|&other| other < j);
+            let [crossed, own] = [&gram, &seen].map(|of| product(&weights, of, other));
             let squared = (self.gram[(j, j)] - 2.0 * crossed + own).max(0.0);
-            let explained = sum(weights.as_ref(), j, kernel.as_ref(), j);
+            let explained = product(&weights, &kernel, other);
             let variance = self.kernel[(j, j)] + self.ridge - explained;
             (squared / variance.max(self.ridge), squared)
         };

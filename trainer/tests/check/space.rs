@@ -1,9 +1,10 @@
 //! Scale, place, and whether mesh and skeleton speak of the same space.
 
-use super::made::{arm, check, only};
+use super::made::{arm, check, frames, only};
 use nalgebra::{Matrix3, Vector3};
 use sinew_trainer::envelope::check::finding::{Kind, Severity};
-use sinew_trainer::examples::{Examples, Matrix3x4};
+use sinew_trainer::examples::{Clip, Examples, Matrix3x4};
+use sinew_trainer::progress::Silent;
 
 type Points = [[f64; 3]];
 
@@ -143,4 +144,66 @@ fn vertices_in_another_order_are_told_of() {
     assert_eq!(order.severity, Severity::Warning);
     let words = "the posed meshes have the vertices of the rest mesh in another order: export both";
     assert!(order.text.starts_with(words), "{}", order.text);
+}
+
+/// Moves the mesh of a frame by so many diagonals along y.
+fn lift(examples: &mut Examples, frame: usize, by: f64) {
+    let (len, diagonal) = (examples.vertex_len(), examples.diagonal());
+    examples.vertices[frame * len..][..len].iter_mut().for_each(|x| x[1] += by * diagonal);
+}
+
+#[test]
+fn meshes_with_a_motion_that_the_joints_lack_are_told_of() {
+    let mut travelling = arm();
+    (0..40).for_each(|frame| lift(&mut travelling, frame, 0.1 * frame as f64));
+    let found = check(&travelling);
+    let elsewhere = found.find(Kind::Elsewhere).unwrap();
+    assert_eq!(elsewhere.severity, Severity::Warning);
+    assert!(elsewhere.text.contains("as if the root moved in the meshes or in the joints alone"));
+    assert!(frames(elsewhere).len() >= 20 && found.find(Kind::VertexOrder).is_none());
+}
+
+#[test]
+fn frames_that_are_moved_alike_are_named_and_nothing_else_is_said_of_the_others() {
+    for moved in [5..14, 5..23] {
+        let mut examples = arm();
+        moved.clone().for_each(|frame| lift(&mut examples, frame, 0.2));
+        let broken = only(&examples, Kind::Broken);
+        let mut named = frames(&broken);
+        named.sort_unstable();
+        assert_eq!(named, Vec::from_iter(moved.clone()));
+        let stay = broken.text.contains("too many to leave out");
+        assert_eq!(stay, moved.len() > 10, "{}", broken.text);
+    }
+}
+
+#[test]
+fn a_clip_in_another_space_is_named() {
+    let whole = arm();
+    let names = ["walk", "reach"];
+    let clips = [0, 25].map(|first| Clip {
+        name: names[usize::from(first > 0)].to_owned(),
+        first,
+        times: (0..if first == 0 { 25 } else { 15 }).map(f64::from).collect(),
+        numbers: None,
+    });
+    let check = |linear: Matrix3<f64>, shift: Vector3<f64>| {
+        let mut examples = whole.clone();
+        examples.clip_starts = vec![0, 25];
+        let len = examples.vertex_len();
+        apply(&mut examples.vertices[25 * len..], &linear, &shift);
+        sinew_trainer::envelope::check::check(&examples, &clips, &Silent).unwrap().findings
+    };
+    let zero = Vector3::zeros();
+    for (found, kind, words) in [
+        (check(scale(100.0), zero), Kind::OtherUnits, "the posed meshes should be 0.01 times"),
+        (check(z_up(), zero), Kind::OtherAxes, "the posed meshes should have the axes (x, z, -y)"),
+        (check(scale(1.0), Vector3::y()), Kind::Shifted, "the posed meshes should be moved by"),
+    ] {
+        let [first, ..] = &found[..] else { panic!("{kind:?} expected") };
+        assert_eq!((first.kind, first.severity), (kind, Severity::Warning));
+        assert!(first.text.starts_with(&format!("in clip reach, {words}")), "{}", first.text);
+        assert!(found.iter().all(|other| other.kind != Kind::Broken), "{found:#?}");
+    }
+    assert!(check(scale(1.0), zero).is_empty());
 }

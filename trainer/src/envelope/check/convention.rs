@@ -5,7 +5,7 @@
 
 use super::finding::{Finding, Kind, Severity};
 use super::thresholds::{MISPLACED, RIGHTED};
-use crate::examples::{Examples, Split, spread};
+use crate::examples::{Clip, Examples, Split, spread};
 use crate::numeric::affine::from_rows;
 use crate::space::axes;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
@@ -26,6 +26,8 @@ enum Odd {
 }
 
 const ODD: [Odd; 3] = [Odd::Joints, Odd::Rest, Odd::Posed];
+/// The same where other clips are right: there is but one rest mesh.
+const ODD_IN_A_CLIP: [Odd; 2] = [Odd::Posed, Odd::Joints];
 
 /// What puts it right: its points go to `turn x + shift`.
 #[derive(Clone, Copy, Debug)]
@@ -35,41 +37,56 @@ struct Remedy {
     shift: Vector3<f64>,
 }
 
-/// Tells of other units, axes and places; and returns whether mesh and skeleton lie apart for another reason.
-pub(super) fn convention(examples: &Examples, findings: &mut Vec<Finding>) -> bool {
-    let sample = Sample::new(examples);
-    let as_it_is = Remedy { odd: Odd::Rest, turn: Matrix3::identity(), shift: Vector3::zeros() };
-    let error = sample.error(&as_it_is);
-    if error < MISPLACED * sample.unit {
-        return false;
-    }
-    let mut remedies = Vec::new();
-    for odd in ODD {
-        for scale in SCALES {
-            let turns = axes::rotations();
-            remedies.extend(turns.map(|turn| Remedy { odd, turn: turn * scale, ..as_it_is }));
+/// How mesh and skeleton lie to each other.
+enum Lie {
+    /// As they are to.
+    Together,
+    /// Apart, but for a remedy, which leaves so much of so large an error.
+    Odd(Remedy, [f64; 2]),
+    /// Apart for another reason.
+    Apart,
+}
+
+/// Tells of other units, axes and places, of all frames or else of single clips; and returns whether mesh and skeleton
+/// lie apart for another reason.
+pub(super) fn convention(examples: &Examples, clips: &[Clip], findings: &mut Vec<Finding>) -> bool {
+    let all = examples.frames_of(Split::Train);
+    let whole = match Sample::new(examples, &all).lie(&ODD) {
+        Lie::Together => return false,
+        Lie::Odd(remedy, errors) => Some(finding(&remedy, errors, "")),
+        Lie::Apart => None,
+    };
+    let of_clip = |clip: &Clip| {
+        let frames = clip.first..clip.first + clip.times.len();
+        let own: Vec<usize> = all.iter().copied().filter(|frame| frames.contains(frame)).collect();
+        match Sample::new(examples, &own).lie(&ODD_IN_A_CLIP) {
+            Lie::Odd(remedy, errors) if !own.is_empty() => {
+                Some(finding(&remedy, errors, &format!("in clip {}, ", clip.name)))
+            }
+            _ => None,
         }
+    };
+    let before = findings.len();
+    match whole {
+        Some(whole) => findings.push(whole),
+        None => findings.extend(clips.iter().filter_map(of_clip)),
     }
-    remedies.extend(ODD.map(|odd| sample.shift(odd)));
-    let errors: Vec<f64> = remedies.par_iter().map(|remedy| sample.error(remedy)).collect();
-    let best = (0..errors.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap_or(0);
-    if errors[best] > RIGHTED * error {
-        return true;
-    }
-    let percent = |error: f64| 100.0 * error / sample.unit;
-    findings.push(Finding {
-        kind: remedies[best].kind(),
+    findings.len() == before
+}
+
+fn finding(remedy: &Remedy, [left, error]: [f64; 2], place: &str) -> Finding {
+    Finding {
+        kind: remedy.kind(),
         severity: Severity::Warning,
         text: format!(
-            "{}: with that, the best single joint of each vertex leaves {:.2} % of the diagonal \
+            "{place}{}: with that, the best single joint of each vertex leaves {:.2} % of the diagonal \
              instead of {:.0} %; nothing below is to be trusted until it is exported so",
-            remedies[best].describe(),
-            percent(errors[best]),
-            percent(error)
+            remedy.describe(),
+            100.0 * left,
+            100.0 * error
         ),
         places: Vec::new(),
-    });
-    false
+    }
 }
 
 /// Some vertices in some training frames.
@@ -84,11 +101,10 @@ struct Sample {
 }
 
 impl Sample {
-    fn new(examples: &Examples) -> Self {
+    fn new(examples: &Examples, frames: &[usize]) -> Self {
         let vertices = spread(examples.vertex_len(), SAMPLE.0);
-        let training = examples.frames_of(Split::Train);
         let frames: Vec<usize> =
-            spread(training.len(), SAMPLE.1).into_iter().map(|i| training[i]).collect();
+            spread(frames.len(), SAMPLE.1).into_iter().map(|i| frames[i]).collect();
         let at = |points: &[[f64; 3]]| vertices.iter().map(|&v| points[v].into()).collect();
         let posed: Vec<Vec<Vector3<f64>>> = frames.iter().map(|&f| at(examples.frame(f))).collect();
         let corner = |pick: fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>| {
@@ -103,6 +119,30 @@ impl Sample {
                 .collect(),
             unit: (high.unwrap_or_default() - low.unwrap_or_default()).norm(),
             posed,
+        }
+    }
+
+    /// Tries remedies, each for one of what may be odd.
+    fn lie(&self, odd: &[Odd]) -> Lie {
+        let as_it_is =
+            Remedy { odd: Odd::Rest, turn: Matrix3::identity(), shift: Vector3::zeros() };
+        let error = self.error(&as_it_is);
+        if error < MISPLACED * self.unit {
+            return Lie::Together;
+        }
+        let mut remedies = Vec::new();
+        for &odd in odd {
+            for scale in SCALES {
+                let turns = axes::rotations();
+                remedies.extend(turns.map(|turn| Remedy { odd, turn: turn * scale, ..as_it_is }));
+            }
+        }
+        remedies.extend(odd.iter().map(|&odd| self.shift(odd)));
+        let errors: Vec<f64> = remedies.par_iter().map(|remedy| self.error(remedy)).collect();
+        let best = (0..errors.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap_or(0);
+        match errors[best] <= RIGHTED * error {
+            true => Lie::Odd(remedies[best], [errors[best] / self.unit, error / self.unit]),
+            false => Lie::Apart,
         }
     }
 

@@ -35,6 +35,8 @@ pub enum Kind {
     OtherAxes,
     /// Mesh and skeleton stand apart.
     Shifted,
+    /// Most meshes stand elsewhere than their joints, each in its own way.
+    Elsewhere,
     /// The posed meshes' vertices have another order than the rest mesh's.
     VertexOrder,
     /// The meshes near rest are not the rest mesh.
@@ -87,6 +89,7 @@ impl Kind {
             Self::OtherUnits
             | Self::OtherAxes
             | Self::Shifted
+            | Self::Elsewhere
             | Self::VertexOrder
             | Self::RestDiffers
             | Self::RestUntested => Topic::Rest,

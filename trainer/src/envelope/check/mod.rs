@@ -8,6 +8,7 @@ mod broken;
 mod context;
 pub mod convention;
 pub mod coverage;
+mod elsewhere;
 pub mod faces;
 pub mod finding;
 mod folded;
@@ -94,7 +95,7 @@ pub fn check(
     let size = size::size(examples, &mut findings);
     let sound = Sound::new(examples, progress)?;
     let doubted: Vec<usize> = sound.doubted.iter().map(|of| of.frame).collect();
-    let named = (!doubted.is_empty()).then(|| broken::broken(&sound, clips));
+    let mut named = (!doubted.is_empty()).then(|| broken::broken(&sound, clips));
     // Rest mesh, units, axes and order are those of the frames that a training learns from; what is wrong with a frame is
     // told of every one.
     let (others, all);
@@ -106,8 +107,17 @@ pub fn check(
         (&others, Some(&all))
     };
     progress.step("units and axes", 1);
-    let apart = convention::convention(learnt, &mut findings);
-    order::order(learnt, clips, apart, &mut findings);
+    let before = findings.len();
+    let apart = convention::convention(learnt, clips, &mut findings);
+    if sound.stay && findings.len() > before {
+        // So many do not belong because they are in another space.
+        named = None;
+    }
+    match order::order(learnt, clips, apart) {
+        Some(order) => findings.push(order),
+        None if apart => findings.extend(elsewhere::elsewhere(&sound.training, clips)),
+        None => {}
+    }
     let faces = faces::faces(learnt, &warnings, &mut findings);
     let context = Context::new(examples, clips, sound.training);
     let all = all.unwrap_or(&context);

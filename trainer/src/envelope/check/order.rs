@@ -5,10 +5,10 @@ use crate::examples::{Clip, Examples, PosedClips, is_shuffled};
 
 /// Tells of clips in another order; and, of meshes that lie `apart` from the joints and nothing has put right, of
 /// vertices in another order.
-pub(super) fn order(examples: &Examples, clips: &[Clip], apart: bool, findings: &mut Vec<Finding>) {
+pub(super) fn order(examples: &Examples, clips: &[Clip], apart: bool) -> Option<Finding> {
     let Examples { rest, transforms, vertices: posed, .. } = examples;
     if apart && is_shuffled(rest, transforms, posed) {
-        findings.push(Finding {
+        return Some(Finding {
             kind: Kind::VertexOrder,
             severity: Severity::Warning,
             text: "the posed meshes have the vertices of the rest mesh in another order: export both from one mesh; \
@@ -16,14 +16,13 @@ pub(super) fn order(examples: &Examples, clips: &[Clip], apart: bool, findings: 
                 .to_owned(),
             places: Vec::new(),
         });
-        return;
     }
     let lens: Vec<usize> = clips.iter().map(|clip| clip.times.len()).collect();
     let given = PosedClips { rest, transforms, posed, lens: &lens, placed: true };
-    let Some(order) = given.order() else { return };
+    let order = given.order()?;
     let [other, here] = order.percent;
     let names: Vec<&str> = order.clips.iter().map(|&clip| clips[clip].name.as_str()).collect();
-    findings.push(Finding {
+    Some(Finding {
         kind: Kind::ClipOrder,
         severity: Severity::Warning,
         text: format!(
@@ -31,9 +30,6 @@ pub(super) fn order(examples: &Examples, clips: &[Clip], apart: bool, findings: 
              one joint carries them, {here:.2} % as they are",
             names.join(", ")
         ),
-        places: clips
-            .iter()
-            .map(|clip| Place::Frame(FrameName::new(clips, clip.first)))
-            .collect(),
-    });
+        places: clips.iter().map(|clip| Place::Frame(FrameName::new(clips, clip.first))).collect(),
+    })
 }

@@ -51,6 +51,7 @@ fn ranges(poses: &Poses, joints: &[usize]) -> Vec<Vec<usize>> {
 mod tests {
     use super::*;
     use crate::envelope::demo::{DemoOptions, demo};
+    use crate::examples::Examples;
 
     #[test]
     fn whole_clips_and_the_ends_of_ranges_are_left_out() {
@@ -80,5 +81,21 @@ mod tests {
         let found = beyond(&Poses::new(&examples, &frames), &parents, joint);
         assert_eq!(found[0], Block::row(0..15));
         assert_eq!(found.len(), ranges + 1, "a clip that is more than half, or one pose, is none");
+    }
+
+    #[test]
+    fn a_clip_is_left_out_with_what_repeats_it() {
+        let mut examples = demo(&DemoOptions { vertices: 200, poses: 40, held_out: 0, seed: 3 });
+        examples.clip_starts = vec![0, 10, 20];
+        let first_two = |examples: &Examples| {
+            let poses = Poses::new(examples, &Vec::from_iter(0..40));
+            beyond(&poses, &examples.skeleton.parents, 1)[..2].to_vec()
+        };
+        assert_eq!(first_two(&examples), [Block::row(0..10), Block::row(10..20)]);
+        let joints = examples.joint_len();
+        examples.transforms.copy_within(..5 * joints, 10 * joints);
+        let [first, second] = &first_two(&examples)[..] else { panic!("two clips") };
+        assert_eq!(first.near, [10, 11, 12, 13, 14]);
+        assert_eq!(second.near, [0, 1, 2, 3, 4]);
     }
 }

@@ -5,6 +5,7 @@
 //! order of magnitude worse than is usual spoils the prediction of its neighbours too, and of few frames that of all: so
 //! frames are judged by those alone that belong to their meshes, in turn with which those are.
 
+use super::moved::{Stand, stands};
 use super::region::{Region, regions};
 use crate::envelope::skin::residuals::Residuals;
 use crate::envelope::skin::training::Training;
@@ -41,13 +42,24 @@ pub fn broken(training: &Training) -> Vec<Broken> {
     let residuals = Residuals { training, left: &left, dominant: &dominant };
     let n = training.poses.len();
     let parts = n.div_ceil(FRAMES);
-    let mut found = Vec::new();
-    for part in 0..parts {
-        let poses: Vec<usize> = (part..n).step_by(parts).collect();
-        found.extend(among(residuals, &poses));
+    let mut found = elsewhere(residuals);
+    if found.is_empty() {
+        let poses = |part| Vec::from_iter((part..n).step_by(parts));
+        found = (0..parts).flat_map(|part| among(residuals, &poses(part))).collect();
     }
     found.sort_by(|a, b| b.times.total_cmp(&a.times));
     found
+}
+
+/// Those that stand elsewhere than their joints, where most do not. The others are judged when LBS is fitted without them.
+fn elsewhere(residuals: Residuals<'_>) -> Vec<Broken> {
+    let all = stands(residuals);
+    let usual = middle(all.iter().map(|stand| stand.moved).collect()).max(f64::MIN_POSITIVE);
+    let is_elsewhere = |(_, stand): &(usize, Stand)| stand.is_elsewhere();
+    let found = all.iter().copied().enumerate().filter(is_elsewhere);
+    let found: Vec<Broken> =
+        found.map(|(pose, stand)| Broken { pose, times: stand.moved / usual }).collect();
+    if 2 * found.len() < all.len() { found } else { Vec::new() }
 }
 
 fn among(residuals: Residuals<'_>, poses: &[usize]) -> Vec<Broken> {
@@ -239,6 +251,15 @@ mod tests {
                 assert_eq!(found(&spoiled), [frame], "of {poses}");
             }
         }
+    }
+
+    #[test]
+    fn nearly_half_that_are_moved_alike_are_found() {
+        let mut spoiled = examples();
+        spoil(&mut spoiled, 10..38, false);
+        let mut found = found(&spoiled);
+        found.sort_unstable();
+        assert_eq!(found, Vec::from_iter(10..38));
     }
 
     #[test]

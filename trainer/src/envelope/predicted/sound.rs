@@ -77,8 +77,7 @@ impl Sound {
         examples: &Examples,
         progress: &dyn Progress,
     ) -> Result<Training, FitError> {
-        let times = self.training.poses.times();
-        let frames: Vec<usize> = times.iter().map(|time| time.frame).collect();
+        let frames = self.training.poses.frames();
         let repeated = examples.repeated(&frames);
         if repeated.len() == frames.len() {
             return Ok(self.training);

@@ -42,7 +42,7 @@ impl<'a> Distinct<'a> {
     }
 
     /// Counts them.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.groups.len()
     }
 
@@ -65,14 +65,13 @@ impl<'a> Distinct<'a> {
     /// A block of some in a row, and near it their neighbours in time.
     pub fn run(&self, range: Range<usize>) -> Block {
         let gap = GAP.min(range.len() / 2);
+        let times = |at: usize| self.groups[at].iter().map(|&pose| self.poses.times()[pose]);
         let is_near = |a: usize, b: usize| {
-            let pairs = self.groups[a].iter().flat_map(|a| self.groups[b].iter().map(move |b| (a, b)));
-            let mut times = pairs.map(|(&a, &b)| (self.poses.times()[a], self.poses.times()[b]));
-            times.any(|(a, b)| a.clip == b.clip && a.frame.abs_diff(b.frame) <= gap)
+            times(a).any(|a| times(b).any(|b| a.clip == b.clip && a.frame.abs_diff(b.frame) <= gap))
         };
         let (first, last) = (range.start, range.end - 1);
         let before = (0..first).rev().take_while(|&at| is_near(at, first)).count();
-        let after = (range.end..self.len()).take_while(|&at| is_near(at, last)).count();
+        let after = (range.end..self.count()).take_while(|&at| is_near(at, last)).count();
         let near = [first - before..first, range.end..range.end + after];
         Block { own: self.poses_of(range), near: self.poses_of(near.into_iter().flatten()) }
     }
@@ -112,14 +111,14 @@ mod tests {
         assert_eq!(out(&clips, 2..4), [1, 4], "few poses have few neighbours");
         assert_eq!(out(&clips, 20..30), [30, 31, 32], "not across clips");
         let apart: Vec<usize> = (0..15).chain(24..40).collect();
-        assert_eq!(out(&clips.only(&apart), 5..15), [2, 3, 4], "nor across frames that are missing");
+        assert_eq!(out(&clips.only(&apart), 5..15), [2, 3, 4], "nor where frames are missing");
     }
 
     #[test]
     fn repeats_are_left_out_together() {
         let poses = looped(12, 3);
         let distinct = Distinct::new(&poses);
-        assert_eq!(distinct.len(), 12);
+        assert_eq!(distinct.count(), 12);
         let Block { own, near } = distinct.run(4..6);
         assert_eq!(own, [4, 5, 16, 17, 28, 29]);
         assert_eq!(near, [3, 6, 15, 18, 27, 30]);
@@ -128,6 +127,6 @@ mod tests {
 
     #[test]
     fn where_all_poses_are_one_each_is_its_own() {
-        assert_eq!(Distinct::new(&looped(1, 9)).len(), 9);
+        assert_eq!(Distinct::new(&looped(1, 9)).count(), 9);
     }
 }

@@ -19,7 +19,7 @@ pub fn folds(poses: &Poses) -> Vec<Block> {
 
 /// Splits distinct poses into runs of nearly as many poses, two at least, that end where clips do if one ends nearby.
 pub fn ranges(distinct: &Distinct<'_>) -> Vec<Range<usize>> {
-    let (n, count) = (distinct.len(), (distinct.len() / FOLD_LEN).clamp(2, FOLDS));
+    let (n, count) = (distinct.count(), (distinct.count() / FOLD_LEN).clamp(2, FOLDS));
     let half = n / count / 2;
     let near = |cut: usize| {
         let ends = cut.saturating_sub(half).max(1)..(cut + half).min(n);
@@ -27,8 +27,8 @@ pub fn ranges(distinct: &Distinct<'_>) -> Vec<Range<usize>> {
         ends.min_by_key(|at| at.abs_diff(cut)).unwrap_or(cut)
     };
     let starts = distinct.starts();
-    let all = starts[n];
-    let cut = |fold: usize| near(starts.partition_point(|&start| start < fold * all / count).clamp(1, n - 1));
+    let place = |pose: usize| starts.partition_point(|&start| start < pose).clamp(1, n - 1);
+    let cut = |fold: usize| near(place(fold * starts[n] / count));
     let mut cuts: Vec<usize> = (1..count).map(cut).collect();
     cuts.insert(0, 0);
     cuts.push(n);
@@ -58,6 +58,14 @@ mod tests {
         let folds = folds(&moving(&[33, 41, 26]));
         let ends: Vec<usize> = folds.iter().map(|fold| fold.own[fold.own.len() - 1] + 1).collect();
         assert_eq!(ends, [10, 20, 33, 40, 50, 60, 74, 80, 90, 100]);
+    }
+
+    #[test]
+    fn folds_hold_nearly_as_many_poses_each_also_where_some_are_held() {
+        let held: Vec<usize> = (0..20).chain([20; 20]).chain(20..40).collect();
+        let folds = folds(&moving(&[40]).only(&held));
+        let lengths: Vec<usize> = folds.iter().map(|fold| fold.own.len()).collect();
+        assert_eq!(lengths, [6, 6, 6, 23, 1, 6, 6, 6]);
     }
 
     #[test]
