@@ -138,7 +138,7 @@ fn refinement_keeps_the_rest_pose_and_lowers_the_error() {
     let targets = Targets { rest, weights: &character.proxies, trajectories, importance };
     let palette = reduced.palette(&predicted, poses);
     let residual = Projection::new(&targets, character.proxy_len()).residual(&palette);
-    let regression = Regression::new(&predicted, poses, &residual, &(0..0));
+    let regression = Regression::new(&predicted, poses, &residual, &[]);
     let (d, q) = rest_pose(&character);
     for strength in [1e-1, 1e-4, 1e-7] {
         let refined = regression.refine(&reduced, strength);

@@ -7,11 +7,14 @@ use crate::envelope::skin::residuals::Residuals;
 use crate::envelope::skin::training::Training;
 use crate::examples::Clip;
 
+/// Share of a frame's squared error that is left where its mesh is put back, where most frames bend LBS.
+const LEFT: f64 = 0.25;
+
 /// Tells of most training frames that their meshes stand elsewhere; of fewer the others tell ([`super::broken`]).
 pub(super) fn elsewhere(training: &Training, clips: &[Clip]) -> Option<Finding> {
     let (left, dominant) = training.left_by_lbs();
     let stands = stands(Residuals { training, left: &left, dominant: &dominant });
-    let places = (0..stands.len()).filter(|&pose| stands[pose].is_elsewhere());
+    let places = (0..stands.len()).filter(|&pose| stands[pose].looks_elsewhere(LEFT));
     let worst = worst_first(places, |pose| stands[pose].moved);
     if 2 * worst.len() < stands.len() {
         return None;

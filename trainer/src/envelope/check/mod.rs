@@ -109,14 +109,14 @@ pub fn check(
     progress.step("units and axes", 1);
     let before = findings.len();
     let apart = convention::convention(learnt, clips, &mut findings);
-    if sound.stay && findings.len() > before {
-        // So many do not belong because they are in another space.
-        named = None;
-    }
     match order::order(learnt, clips, apart) {
         Some(order) => findings.push(order),
         None if apart => findings.extend(elsewhere::elsewhere(&sound.training, clips)),
         None => {}
+    }
+    if sound.stay && findings.len() > before {
+        // So many do not belong because the whole does not.
+        named = None;
     }
     let faces = faces::faces(learnt, &warnings, &mut findings);
     let context = Context::new(examples, clips, sound.training);

@@ -1,5 +1,4 @@
-//! Cross-validation inside the training split, by contiguous folds: neighbours in an animation are
-//! almost the same pose, so single frames left out would prove nothing (METHOD §1.1).
+//! Cross-validation inside the training split, by folds (METHOD §1.1).
 
 use super::predictor::{self, GradientPredictor};
 use super::reduce::Reduced;
