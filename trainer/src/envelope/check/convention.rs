@@ -51,25 +51,21 @@ enum Lie {
 /// lie apart for another reason.
 pub(super) fn convention(examples: &Examples, clips: &[Clip], findings: &mut Vec<Finding>) -> bool {
     let all = examples.frames_of(Split::Train);
-    let whole = match Sample::new(examples, &all).lie(&ODD) {
-        Lie::Together => return false,
-        Lie::Odd(remedy, errors) => Some(finding(&remedy, errors, "")),
-        Lie::Apart => None,
-    };
     let of_clip = |clip: &Clip| {
         let frames = clip.first..clip.first + clip.times.len();
         let own: Vec<usize> = all.iter().copied().filter(|frame| frames.contains(frame)).collect();
         match Sample::new(examples, &own).lie(&ODD_IN_A_CLIP) {
-            Lie::Odd(remedy, errors) if !own.is_empty() => {
+            Lie::Odd(remedy, errors) => {
                 Some(finding(&remedy, errors, &format!("in clip {}, ", clip.name)))
             }
-            _ => None,
+            Lie::Together | Lie::Apart => None,
         }
     };
     let before = findings.len();
-    match whole {
-        Some(whole) => findings.push(whole),
-        None => findings.extend(clips.iter().filter_map(of_clip)),
+    match Sample::new(examples, &all).lie(&ODD) {
+        Lie::Together => return false,
+        Lie::Odd(remedy, errors) => findings.push(finding(&remedy, errors, "")),
+        Lie::Apart => findings.extend(clips.iter().filter_map(of_clip)),
     }
     findings.len() == before
 }
@@ -127,7 +123,7 @@ impl Sample {
         let as_it_is =
             Remedy { odd: Odd::Rest, turn: Matrix3::identity(), shift: Vector3::zeros() };
         let error = self.error(&as_it_is);
-        if error < MISPLACED * self.unit {
+        if error <= MISPLACED * self.unit {
             return Lie::Together;
         }
         let mut remedies = Vec::new();

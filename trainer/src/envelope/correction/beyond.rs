@@ -13,8 +13,12 @@ const FEWEST: usize = 2;
 
 /// Lists blocks that a fit for one joint is to be tried on: whole clips, and of each joint near it the poses that turn
 /// it most.
-pub(super) fn beyond(poses: &Poses, parents: &[Option<usize>], joint: usize) -> Vec<Block> {
-    let distinct = Distinct::new(poses);
+pub(super) fn beyond(
+    distinct: &Distinct<'_>,
+    parents: &[Option<usize>],
+    joint: usize,
+) -> Vec<Block> {
+    let poses = distinct.poses;
     let own = clips(poses).into_iter().chain(ranges(poses, &near(parents, joint, 1)));
     let blocks = own.map(|own| distinct.block(own));
     blocks.filter(|block| 2 * block.out_len() <= poses.len()).collect()
@@ -64,7 +68,8 @@ mod tests {
         };
         let poses = Poses::new(&examples, &frames);
         let joint = moving(&poses);
-        for block in beyond(&poses, &parents, joint) {
+        let distinct = Distinct::new(&poses);
+        for block in beyond(&distinct, &parents, joint) {
             let angle = |pose: usize, joint: usize| poses.angle(pose, joint).norm();
             let is_end = |joint: &usize| {
                 let least =
@@ -75,10 +80,11 @@ mod tests {
             assert_eq!(block.own.len(), 10);
             assert!(near(&parents, joint, 1).iter().any(is_end));
         }
-        let ranges = beyond(&poses, &parents, joint).len();
+        let ranges = beyond(&distinct, &parents, joint).len();
         assert!(ranges > 0);
         examples.clip_starts = vec![0, 15, 39];
-        let found = beyond(&Poses::new(&examples, &frames), &parents, joint);
+        let poses = Poses::new(&examples, &frames);
+        let found = beyond(&Distinct::new(&poses), &parents, joint);
         assert_eq!(found[0], Block::row(0..15));
         assert_eq!(found.len(), ranges + 1, "a clip that is more than half, or one pose, is none");
     }
@@ -89,7 +95,7 @@ mod tests {
         examples.clip_starts = vec![0, 10, 20];
         let first_two = |examples: &Examples| {
             let poses = Poses::new(examples, &Vec::from_iter(0..40));
-            beyond(&poses, &examples.skeleton.parents, 1)[..2].to_vec()
+            beyond(&Distinct::new(&poses), &examples.skeleton.parents, 1)[..2].to_vec()
         };
         assert_eq!(first_two(&examples), [Block::row(0..10), Block::row(10..20)]);
         let joints = examples.joint_len();

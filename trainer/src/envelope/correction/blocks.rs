@@ -10,7 +10,9 @@ use std::ops::Range;
 const PARTS: usize = 4;
 
 /// Blocks of the training poses.
-pub struct Blocks {
+pub struct Blocks<'a> {
+    /// The poses, those that are one together.
+    pub distinct: Distinct<'a>,
     /// The folds, and where wanted one more across the middle of each pair: more blocks choose better.
     pub blocks: Vec<Block>,
     /// The folds in parts, and of which each is: the model has seen all poses, and of fits that have not seen a tenth of
@@ -18,25 +20,26 @@ pub struct Blocks {
     pub parts: Vec<(Block, usize)>,
 }
 
-impl Blocks {
+impl<'a> Blocks<'a> {
     /// Cuts poses into blocks.
     ///
     /// - `between`: whether there are blocks across two folds, which a base that is fitted to each fold rules out.
-    pub fn new(poses: &Poses, between: bool) -> Self {
-        let distinct = &Distinct::new(poses);
-        let folds = ranges(distinct);
+    pub fn new(poses: &'a Poses, between: bool) -> Self {
+        let distinct = Distinct::new(poses);
+        let folds = ranges(&distinct);
         let middle = |fold: &Range<usize>| (fold.start + fold.end) / 2;
         let parts = |(number, fold): (usize, &Range<usize>)| {
             let (start, len) = (fold.start, fold.len());
             let count = (len / FOLD_LEN).clamp(1, PARTS);
             let cut = move |part: usize| start + part * len / count;
-            (0..count).map(move |part| (distinct.run(cut(part)..cut(part + 1)), number))
+            let run = |part| distinct.run(cut(part)..cut(part + 1));
+            (0..count).map(|part| (run(part), number)).collect::<Vec<_>>()
         };
         let parts = folds.iter().enumerate().flat_map(parts).collect();
         let pairs = folds.windows(2).filter(|_| between);
         let across: Vec<_> = pairs.map(|pair| middle(&pair[0])..middle(&pair[1])).collect();
         let blocks = folds.into_iter().chain(across).map(|range| distinct.run(range)).collect();
-        Self { blocks, parts }
+        Self { distinct, blocks, parts }
     }
 }
 
@@ -50,7 +53,7 @@ mod tests {
     fn blocks_lie_across_two_folds_and_parts_in_one() {
         let poses = moving(&[40]);
         let folds = folds(&poses);
-        let Blocks { blocks, parts } = Blocks::new(&poses, true);
+        let Blocks { blocks, parts, .. } = Blocks::new(&poses, true);
         assert_eq!(blocks[..10], folds);
         assert_eq!(blocks.len(), 19);
         assert_eq!(blocks[10].own, [2, 3, 4, 5]);

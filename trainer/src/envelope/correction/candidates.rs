@@ -82,7 +82,7 @@ impl GroupCandidates {
     pub fn new(
         target: &CorrectionTarget<'_>,
         proxies: Range<usize>,
-        blocks: &Blocks,
+        blocks: &Blocks<'_>,
         known: &Known,
     ) -> Self {
         let CorrectionTarget { poses, features, .. } = *target;

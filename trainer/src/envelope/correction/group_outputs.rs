@@ -34,7 +34,7 @@ impl GroupOutputs {
     pub fn new(
         target: &CorrectionTarget<'_>,
         proxies: Range<usize>,
-        Blocks { blocks, parts }: &Blocks,
+        Blocks { distinct, blocks, parts }: &Blocks<'_>,
     ) -> Self {
         let CorrectionTarget { poses, features, .. } = *target;
         let joint = target.dominant[proxies.start];
@@ -42,7 +42,7 @@ impl GroupOutputs {
         let seen = |left_over: &Mat<f64>| metric.weigh(&local(left_over, poses, joint, &proxies));
         let all = seen(target.left_over);
         let directions = leading(&all);
-        let beyond = beyond(poses, features.parents, joint);
+        let beyond = beyond(distinct, features.parents, joint);
         let signal: f64 = target.lbs_errors[proxies.clone()].iter().sum();
         let outputs = Outputs {
             all: &all * &directions,
@@ -71,7 +71,7 @@ pub struct EachOutputs {
 
 impl EachOutputs {
     /// Measures what is left over of some proxies of one dominant joint, as far as it tells what their maps need.
-    pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>, blocks: &Blocks) -> Self {
+    pub fn new(target: &CorrectionTarget<'_>, proxies: Range<usize>, blocks: &Blocks<'_>) -> Self {
         let of = |l: usize| {
             GroupOutputs::new(target, l..l + 1, blocks).outputs.leading(TELLS_NOTHING.get())
         };

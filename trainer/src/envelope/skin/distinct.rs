@@ -13,7 +13,8 @@ const GAP: usize = 3;
 
 /// Poses, those that are one together.
 pub struct Distinct<'a> {
-    poses: &'a Poses,
+    /// The poses.
+    pub poses: &'a Poses,
     /// The numbers of those that are one, in order; in the order of the first.
     groups: Vec<Vec<usize>>,
     /// Of which group each pose is, n.
