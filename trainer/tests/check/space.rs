@@ -2,7 +2,7 @@
 
 use super::made::{arm, check, frames, only};
 use nalgebra::{Matrix3, Vector3};
-use sinew_trainer::envelope::check::finding::{Kind, Severity};
+use sinew_trainer::envelope::check::finding::{Finding, Kind, Severity};
 use sinew_trainer::examples::{Clip, Examples, Matrix3x4};
 use sinew_trainer::progress::Silent;
 
@@ -177,33 +177,64 @@ fn frames_that_are_moved_alike_are_named_and_nothing_else_is_said_of_the_others(
     }
 }
 
+/// Findings of the arm as two clips, `walk` of 25 frames and `reach`, which is spoiled.
+fn in_clips(spoil: impl Fn(&mut Examples)) -> Vec<Finding> {
+    let clip = |name: &str, first: usize, end: usize| Clip {
+        name: name.to_owned(),
+        first,
+        times: (first..end).map(|frame| frame as f64).collect(),
+        numbers: None,
+    };
+    let mut examples = arm();
+    examples.clip_starts = vec![0, 25];
+    spoil(&mut examples);
+    let clips = [clip("walk", 0, 25), clip("reach", 25, 40)];
+    sinew_trainer::envelope::check::check(&examples, &clips, &Silent).unwrap().findings
+}
+
 #[test]
 fn a_clip_in_another_space_is_named() {
-    let whole = arm();
-    let names = ["walk", "reach"];
-    let clips = [0, 25].map(|first| Clip {
-        name: names[usize::from(first > 0)].to_owned(),
-        first,
-        times: (0..if first == 0 { 25 } else { 15 }).map(f64::from).collect(),
-        numbers: None,
-    });
-    let check = |linear: Matrix3<f64>, shift: Vector3<f64>| {
-        let mut examples = whole.clone();
-        examples.clip_starts = vec![0, 25];
-        let len = examples.vertex_len();
-        apply(&mut examples.vertices[25 * len..], &linear, &shift);
-        sinew_trainer::envelope::check::check(&examples, &clips, &Silent).unwrap().findings
+    let in_space = |linear: Matrix3<f64>, shift: Vector3<f64>| {
+        in_clips(|examples| {
+            let len = examples.vertex_len();
+            apply(&mut examples.vertices[25 * len..], &linear, &shift);
+        })
     };
     let zero = Vector3::zeros();
     for (found, kind, words) in [
-        (check(scale(100.0), zero), Kind::OtherUnits, "the posed meshes should be 0.01 times"),
-        (check(z_up(), zero), Kind::OtherAxes, "the posed meshes should have the axes (x, z, -y)"),
-        (check(scale(1.0), Vector3::y()), Kind::Shifted, "the posed meshes should be moved by"),
+        (in_space(scale(100.0), zero), Kind::OtherUnits, "the posed meshes should be 0.01 times"),
+        (in_space(z_up(), zero), Kind::OtherAxes, "the posed meshes should have the axes (x, z"),
+        (in_space(scale(1.0), Vector3::y()), Kind::Shifted, "the posed meshes should be moved by"),
     ] {
-        let [first, ..] = &found[..] else { panic!("{kind:?} expected") };
+        let [first, others @ ..] = &found[..] else { panic!("{kind:?} expected") };
         assert_eq!((first.kind, first.severity), (kind, Severity::Warning));
         assert!(first.text.starts_with(&format!("in clip reach, {words}")), "{}", first.text);
-        assert!(found.iter().all(|other| other.kind != Kind::Broken), "{found:#?}");
+        assert_eq!(frames(first), [25]);
+        assert!(others.iter().all(|other| other.kind != Kind::Broken), "{others:#?}");
     }
-    assert!(check(scale(1.0), zero).is_empty());
+    assert!(in_space(scale(1.0), zero).is_empty());
+}
+
+#[test]
+fn a_clip_with_the_meshes_of_another_is_named() {
+    let found = in_clips(|examples| {
+        let len = examples.vertex_len();
+        examples.vertices.copy_within(..15 * len, 25 * len);
+    });
+    let wrong = found.iter().find(|finding| finding.kind == Kind::WrongClip).unwrap();
+    assert_eq!((wrong.severity, frames(wrong)), (Severity::Warning, vec![25]));
+    let words = "the meshes of clip reach are not of its joints";
+    assert!(wrong.text.starts_with(words), "{}", wrong.text);
+}
+
+#[test]
+fn clips_whose_joints_have_other_orders_are_told_of() {
+    let found = in_clips(|examples| {
+        let joints = examples.joint_len();
+        let poses = examples.transforms[25 * joints..].chunks_mut(joints);
+        poses.for_each(|pose| pose.swap(1, 4));
+    });
+    let unlike = found.iter().find(|finding| finding.kind == Kind::UnlikeClips).unwrap();
+    assert_eq!((unlike.severity, frames(unlike)), (Severity::Warning, vec![0, 25]));
+    assert!(unlike.text.starts_with("no weights fit all clips"), "{}", unlike.text);
 }

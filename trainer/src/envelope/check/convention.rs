@@ -5,7 +5,7 @@
 
 use super::finding::{Finding, Kind, Severity};
 use super::thresholds::{MISPLACED, RIGHTED};
-use crate::examples::{Clip, Examples, Split, spread};
+use crate::examples::{Examples, Split, spread};
 use crate::numeric::affine::from_rows;
 use crate::space::axes;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
@@ -47,27 +47,24 @@ enum Lie {
     Apart,
 }
 
-/// Tells of other units, axes and places, of all frames or else of single clips; and returns whether mesh and skeleton
-/// lie apart for another reason.
-pub(super) fn convention(examples: &Examples, clips: &[Clip], findings: &mut Vec<Finding>) -> bool {
-    let all = examples.frames_of(Split::Train);
-    let of_clip = |clip: &Clip| {
-        let frames = clip.first..clip.first + clip.times.len();
-        let own: Vec<usize> = all.iter().copied().filter(|frame| frames.contains(frame)).collect();
-        match Sample::new(examples, &own).lie(&ODD_IN_A_CLIP) {
-            Lie::Odd(remedy, errors) => {
-                Some(finding(&remedy, errors, &format!("in clip {}, ", clip.name)))
-            }
-            Lie::Together | Lie::Apart => None,
+/// Tells of other units, axes and places; and returns whether mesh and skeleton lie apart for another reason.
+pub(super) fn convention(examples: &Examples, findings: &mut Vec<Finding>) -> bool {
+    match Sample::new(examples, &examples.frames_of(Split::Train)).lie(&ODD) {
+        Lie::Together => false,
+        Lie::Odd(remedy, errors) => {
+            findings.push(finding(&remedy, errors, ""));
+            false
         }
-    };
-    let before = findings.len();
-    match Sample::new(examples, &all).lie(&ODD) {
-        Lie::Together => return false,
-        Lie::Odd(remedy, errors) => findings.push(finding(&remedy, errors, "")),
-        Lie::Apart => findings.extend(clips.iter().filter_map(of_clip)),
+        Lie::Apart => true,
     }
-    findings.len() == before
+}
+
+/// Tells the same of a clip, where others are right.
+pub(super) fn of_clip(examples: &Examples, name: &str, frames: &[usize]) -> Option<Finding> {
+    match Sample::new(examples, frames).lie(&ODD_IN_A_CLIP) {
+        Lie::Odd(remedy, errors) => Some(finding(&remedy, errors, &format!("in clip {name}, "))),
+        Lie::Together | Lie::Apart => None,
+    }
 }
 
 fn finding(remedy: &Remedy, [left, error]: [f64; 2], place: &str) -> Finding {
@@ -123,7 +120,7 @@ impl Sample {
         let as_it_is =
             Remedy { odd: Odd::Rest, turn: Matrix3::identity(), shift: Vector3::zeros() };
         let error = self.error(&as_it_is);
-        if error <= MISPLACED * self.unit {
+        if error < MISPLACED * self.unit {
             return Lie::Together;
         }
         let mut remedies = Vec::new();

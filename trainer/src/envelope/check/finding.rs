@@ -75,6 +75,10 @@ pub enum Kind {
     OutOfStep,
     /// Meshes that follow the clips in another order.
     ClipOrder,
+    /// A clip whose meshes are not of its joints.
+    WrongClip,
+    /// Clips that no weights fit together.
+    UnlikeClips,
     /// Meshes that do not belong to their poses.
     Broken,
     /// All training frames are one pose.
@@ -106,6 +110,8 @@ impl Kind {
             | Self::Contradicting
             | Self::OutOfStep
             | Self::ClipOrder
+            | Self::WrongClip
+            | Self::UnlikeClips
             | Self::Broken
             | Self::OnePose => Topic::Frames,
         }

@@ -5,6 +5,7 @@
 
 mod advice;
 mod broken;
+mod clips;
 mod context;
 pub mod convention;
 pub mod coverage;
@@ -108,11 +109,16 @@ pub fn check(
     };
     progress.step("units and axes", 1);
     let before = findings.len();
-    let apart = convention::convention(learnt, clips, &mut findings);
-    match order::order(learnt, clips, apart) {
-        Some(order) => findings.push(order),
-        None if apart => findings.extend(elsewhere::elsewhere(&sound.training, clips)),
-        None => {}
+    let apart = convention::convention(learnt, &mut findings);
+    findings.extend(order::of_clips(learnt, clips));
+    if findings.len() == before {
+        findings.extend(clips::clips(learnt, clips));
+    }
+    if apart && findings.len() == before {
+        findings.extend(order::of_vertices(learnt));
+    }
+    if apart && findings.len() == before {
+        findings.extend(elsewhere::elsewhere(&sound.training, clips));
     }
     if sound.stay && findings.len() > before {
         // So many do not belong because the whole does not.

@@ -3,20 +3,22 @@
 use super::finding::{Finding, FrameName, Kind, Place, Severity};
 use crate::examples::{Clip, Examples, PosedClips, is_shuffled};
 
-/// Tells of clips in another order; and, of meshes that lie `apart` from the joints and nothing has put right, of
-/// vertices in another order.
-pub(super) fn order(examples: &Examples, clips: &[Clip], apart: bool) -> Option<Finding> {
+/// Tells of vertices in another order, of meshes that lie apart from the joints and that nothing has put right.
+pub(super) fn of_vertices(examples: &Examples) -> Option<Finding> {
     let Examples { rest, transforms, vertices: posed, .. } = examples;
-    if apart && is_shuffled(rest, transforms, posed) {
-        return Some(Finding {
-            kind: Kind::VertexOrder,
-            severity: Severity::Warning,
-            text: "the posed meshes have the vertices of the rest mesh in another order: export both from one mesh; \
-                   nothing below is to be trusted until they are"
-                .to_owned(),
-            places: Vec::new(),
-        });
-    }
+    is_shuffled(rest, transforms, posed).then(|| Finding {
+        kind: Kind::VertexOrder,
+        severity: Severity::Warning,
+        text: "the posed meshes have the vertices of the rest mesh in another order: export both from one mesh; \
+               nothing below is to be trusted until they are"
+            .to_owned(),
+        places: Vec::new(),
+    })
+}
+
+/// Tells of clips in another order.
+pub(super) fn of_clips(examples: &Examples, clips: &[Clip]) -> Option<Finding> {
+    let Examples { rest, transforms, vertices: posed, .. } = examples;
     let lens: Vec<usize> = clips.iter().map(|clip| clip.times.len()).collect();
     let given = PosedClips { rest, transforms, posed, lens: &lens, placed: true };
     let order = given.order()?;

@@ -49,7 +49,7 @@ pub(super) fn steps(context: &Context<'_>, findings: &mut Vec<Finding>) {
 }
 
 /// RMS error of LBS fitted to the poses with the meshes of other frames.
-fn error(sample: &Examples, frames: &[usize], poses: &Poses, shift: isize) -> f64 {
+pub(super) fn error(sample: &Examples, frames: &[usize], poses: &Poses, shift: isize) -> f64 {
     let frames: Vec<usize> = frames.iter().map(|f| f.saturating_add_signed(shift)).collect();
     let moved = trajectories(sample, &frames, poses);
     let (_, errors) = weights::fit(&sample.rest, &moved, poses, BASELINE_INFLUENCES);
@@ -57,7 +57,7 @@ fn error(sample: &Examples, frames: &[usize], poses: &Poses, shift: isize) -> f6
 }
 
 /// The examples with few vertices.
-fn sample(examples: &Examples) -> Examples {
+pub(super) fn sample(examples: &Examples) -> Examples {
     let kept = spread(examples.vertex_len(), VERTICES);
     let pick = |points: &[[f64; 3]]| kept.iter().map(|&v| points[v]).collect::<Vec<_>>();
     Examples {
