@@ -94,6 +94,8 @@ impl GramRegression {
     /// Predicts every sample by those of some that are others: squared errors, summed over the outputs, over their variance
     /// as the regression has it, and as they are. None where rounding makes the fit indefinite.
     ///
+    /// - `by`: in order.
+    ///
     /// With A = K + λI of some samples the error of one of them is `[A⁻¹ y]_i / [A⁻¹]_ii` and its variance `1 / [A⁻¹]_ii`; of
     /// another it is y - kᵀA⁻¹y, with a variance of K_ii + λ - kᵀA⁻¹k.
     pub fn surprises(&self, by: &[usize]) -> Option<Vec<(f64, f64)>> {

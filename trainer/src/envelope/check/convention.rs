@@ -41,44 +41,57 @@ struct Remedy {
 enum Lie {
     /// As they are to.
     Together,
-    /// Apart, but for a remedy, which leaves so much of so large an error.
-    Odd(Remedy, [f64; 2]),
+    /// Apart, but for a remedy.
+    Odd(Convention),
     /// Apart for another reason.
     Apart,
+}
+
+/// What would put mesh and skeleton together.
+pub(super) struct Convention {
+    kind: Kind,
+    /// What should be otherwise, in words.
+    pub(super) what: String,
+    /// What the best single joint of each vertex leaves with that and without, RMS in diagonals of the posed mesh.
+    leaves: [f64; 2],
+}
+
+impl Convention {
+    /// Tells of it.
+    ///
+    /// - `place`: where, if not everywhere.
+    pub(super) fn finding(self, place: &str) -> Finding {
+        let Self { kind, what, leaves } = self;
+        let [with, without] = leaves.map(|share| 100.0 * share);
+        Finding {
+            kind,
+            severity: Severity::Warning,
+            text: format!(
+                "{place}{what}: with that, the best single joint of each vertex leaves {with:.2} % of the diagonal \
+                 instead of {without:.0} %; nothing below is to be trusted until it is exported so"
+            ),
+            places: Vec::new(),
+        }
+    }
 }
 
 /// Tells of other units, axes and places; and returns whether mesh and skeleton lie apart for another reason.
 pub(super) fn convention(examples: &Examples, findings: &mut Vec<Finding>) -> bool {
     match Sample::new(examples, &examples.frames_of(Split::Train)).lie(&ODD) {
         Lie::Together => false,
-        Lie::Odd(remedy, errors) => {
-            findings.push(finding(&remedy, errors, ""));
+        Lie::Odd(convention) => {
+            findings.push(convention.finding(""));
             false
         }
         Lie::Apart => true,
     }
 }
 
-/// Tells the same of a clip, where others are right.
-pub(super) fn of_clip(examples: &Examples, name: &str, frames: &[usize]) -> Option<Finding> {
+/// Finds other units, axes and places of a clip, where others are right.
+pub(super) fn of_clip(examples: &Examples, frames: &[usize]) -> Option<Convention> {
     match Sample::new(examples, frames).lie(&ODD_IN_A_CLIP) {
-        Lie::Odd(remedy, errors) => Some(finding(&remedy, errors, &format!("in clip {name}, "))),
+        Lie::Odd(convention) => Some(convention),
         Lie::Together | Lie::Apart => None,
-    }
-}
-
-fn finding(remedy: &Remedy, [left, error]: [f64; 2], place: &str) -> Finding {
-    Finding {
-        kind: remedy.kind(),
-        severity: Severity::Warning,
-        text: format!(
-            "{place}{}: with that, the best single joint of each vertex leaves {:.2} % of the diagonal \
-             instead of {:.0} %; nothing below is to be trusted until it is exported so",
-            remedy.describe(),
-            100.0 * left,
-            100.0 * error
-        ),
-        places: Vec::new(),
     }
 }
 
@@ -133,10 +146,14 @@ impl Sample {
         remedies.extend(odd.iter().map(|&odd| self.shift(odd)));
         let errors: Vec<f64> = remedies.par_iter().map(|remedy| self.error(remedy)).collect();
         let best = (0..errors.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap_or(0);
-        match errors[best] <= RIGHTED * error {
-            true => Lie::Odd(remedies[best], [errors[best] / self.unit, error / self.unit]),
-            false => Lie::Apart,
+        if errors[best] > RIGHTED * error {
+            return Lie::Apart;
         }
+        Lie::Odd(Convention {
+            kind: remedies[best].kind(),
+            what: remedies[best].describe(),
+            leaves: [errors[best], error].map(|error| error / self.unit),
+        })
     }
 
     /// RMS distance, in units of the posed meshes, of the vertices from where a remedy takes them.

@@ -1,38 +1,35 @@
-//! Whether most meshes stand elsewhere than their joints, each in its own way: one of the two lacks the root's motion.
+//! Whether most meshes stand elsewhere than their joints: one of the two lacks the root's motion.
 
-use super::context::worst_first;
-use super::finding::{Finding, FrameName, Kind, Place, Severity, count};
+use super::context::{Context, worst_first};
+use super::finding::{Finding, Kind, Severity, count};
 use crate::envelope::predicted::stands;
 use crate::envelope::skin::residuals::Residuals;
-use crate::envelope::skin::training::Training;
-use crate::examples::Clip;
 
 /// Share of a frame's squared error that is left where its mesh is put back, where most frames bend LBS.
 const LEFT: f64 = 0.25;
 
 /// Tells of most training frames that their meshes stand elsewhere; of fewer the others tell ([`super::broken`]).
-pub(super) fn elsewhere(training: &Training, clips: &[Clip]) -> Option<Finding> {
-    let (left, dominant) = training.left_by_lbs();
-    let stands = stands(Residuals { training, left: &left, dominant: &dominant });
+pub(super) fn elsewhere(context: &Context<'_>) -> Option<Finding> {
+    let Context { training, residuals: left, dominant, .. } = context;
+    let stands = stands(Residuals { training, left, dominant });
     let places = (0..stands.len()).filter(|&pose| stands[pose].looks_elsewhere(LEFT));
     let worst = worst_first(places, |pose| stands[pose].moved);
     if 2 * worst.len() < stands.len() {
         return None;
     }
-    let name = |&pose: &usize| FrameName::new(clips, training.poses.times()[pose].frame);
-    let farthest = worst.first()?;
+    let farthest = *worst.first()?;
     Some(Finding {
         kind: Kind::Elsewhere,
         severity: Severity::Warning,
         text: format!(
-            "{} of {} a mesh that stands elsewhere than the joints, as a whole and each in its own way, by up to \
-             {:.0} % of the diagonal in frame {}: as if the root moved in the meshes or in the joints alone, or the \
-             meshes were of other frames; nothing below is to be trusted until they go together",
+            "{} of {} a mesh that stands elsewhere than the joints, as a whole, by up to {:.0} % of the diagonal in frame \
+             {}: as if the root moved in the meshes or in the joints alone, all stood in another place, or the meshes were of \
+             other frames; nothing below is to be trusted until they go together",
             worst.len(),
             count(stands.len(), "training frame has", "training frames have"),
-            100.0 * stands[*farthest].moved,
-            name(farthest)
+            100.0 * stands[farthest].moved,
+            context.frame(farthest)
         ),
-        places: worst.iter().map(name).map(Place::Frame).collect(),
+        places: context.frames(worst.iter().copied()),
     })
 }

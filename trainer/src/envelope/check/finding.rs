@@ -35,7 +35,7 @@ pub enum Kind {
     OtherAxes,
     /// Mesh and skeleton stand apart.
     Shifted,
-    /// Most meshes stand elsewhere than their joints, each in its own way.
+    /// Most meshes stand elsewhere than their joints.
     Elsewhere,
     /// The posed meshes' vertices have another order than the rest mesh's.
     VertexOrder,

@@ -111,21 +111,21 @@ pub fn check(
     let before = findings.len();
     let apart = convention::convention(learnt, &mut findings);
     findings.extend(order::of_clips(learnt, clips));
-    if findings.len() == before {
-        findings.extend(clips::clips(learnt, clips));
-    }
-    if apart && findings.len() == before {
-        findings.extend(order::of_vertices(learnt));
-    }
-    if apart && findings.len() == before {
-        findings.extend(elsewhere::elsewhere(&sound.training, clips));
+    let by_clip = match findings.len() == before {
+        true => clips::clips(examples, clips, &doubted),
+        false => Vec::new(),
+    };
+    let context = Context::new(examples, clips, sound.training);
+    if apart && findings.len() == before && by_clip.is_empty() {
+        let order = order::of_vertices(learnt);
+        findings.extend(order.or_else(|| elsewhere::elsewhere(&context)));
     }
     if sound.stay && findings.len() > before {
         // So many do not belong because the whole does not.
         named = None;
     }
+    findings.extend(by_clip);
     let faces = faces::faces(learnt, &warnings, &mut findings);
-    let context = Context::new(examples, clips, sound.training);
     let all = all.unwrap_or(&context);
     let rest = rest::rest(&context, &mut findings);
     joints::joints(&context, &warnings, &mut findings);

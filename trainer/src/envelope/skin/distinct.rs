@@ -6,8 +6,10 @@ use super::poses::Poses;
 use crate::kernel::outputs::Block;
 use std::ops::Range;
 
-/// Poses are one where no joint differs by more than this share of how far joints move: what export leaves of a loop.
+/// Poses are one where no entry of a joint's map differs by more than this share of how far the farthest comes from its
+/// first, of 2 at most, which is as far as an entry of a rotation does: what export leaves of a loop.
 const SAME: f64 = 1e-3;
+const FARTHEST: f64 = 2.0;
 /// Frames on either side of a block that a fit without it does not see either.
 const GAP: usize = 3;
 
@@ -24,7 +26,7 @@ pub struct Distinct<'a> {
 impl<'a> Distinct<'a> {
     /// Finds poses that are one: those that are near the first of them. Where all are, each is its own.
     pub fn new(poses: &'a Poses) -> Self {
-        let most = SAME * poses.farthest_apart();
+        let most = SAME * poses.farthest_apart().min(FARTHEST);
         let mut groups = Vec::<Vec<usize>>::new();
         for pose in 0..poses.len() {
             match groups.iter_mut().find(|group| poses.are_alike(group[0], pose, most)) {
@@ -32,7 +34,7 @@ impl<'a> Distinct<'a> {
                 None => groups.push(vec![pose]),
             }
         }
-        if groups.len() == 1 {
+        if groups.len() == 1 || poses.are_one() {
             groups = (0..poses.len()).map(|pose| vec![pose]).collect();
         }
         let mut of = vec![0; poses.len()];
@@ -63,31 +65,42 @@ impl<'a> Distinct<'a> {
         at > 0 && clip(at - 1) != clip(at)
     }
 
-    /// A block of some in a row, and near it their neighbours in time.
+    /// A block of some in a row, and near it their neighbours in time with all that repeat these: of so many frames that
+    /// they are no more than its own, nor more than half of the others.
     pub fn run(&self, range: Range<usize>) -> Block {
-        let gap = GAP.min(range.len() / 2);
-        let times = |at: usize| self.groups[at].iter().map(|&pose| self.poses.times()[pose]);
-        let is_near = |a: usize, b: usize| {
-            times(a).any(|a| times(b).any(|b| a.clip == b.clip && a.frame.abs_diff(b.frame) <= gap))
-        };
-        let (first, last) = (range.start, range.end - 1);
-        let before = (0..first).rev().take_while(|&at| is_near(at, first)).count();
-        let after = (range.end..self.count()).take_while(|&at| is_near(at, last)).count();
-        let near = [first - before..first, range.end..range.end + after];
-        Block { own: self.poses_of(range), near: self.poses_of(near.into_iter().flatten()) }
+        let own = self.poses_of(range.clone());
+        let most = own.len().min((self.of.len() - own.len()) / 2);
+        let near = |gap| self.with_repeats(own.iter().flat_map(|&pose| self.neighbours(pose, gap)));
+        let gaps = (0..=GAP.min(range.len() / 2)).rev();
+        let near = gaps.map(|gap| without(near(gap), &own)).find(|near| near.len() <= most);
+        Block { near: near.unwrap_or_default(), own }
     }
 
-    /// A block of some poses, and near it those that repeat them.
+    /// A block of some poses, in order, and near it those that repeat them.
     pub fn block(&self, own: Vec<usize>) -> Block {
-        let mut groups: Vec<usize> = own.iter().map(|&pose| self.of[pose]).collect();
+        Block { near: without(self.with_repeats(own.iter().copied()), &own), own }
+    }
+
+    /// Lists the poses of a clip that are no more than so many frames from one of them.
+    fn neighbours(&self, pose: usize, gap: usize) -> impl Iterator<Item = usize> {
+        let times = self.poses.times();
+        let own = times[pose];
+        let is_near = move |other: &usize| {
+            times[*other].clip == own.clip && times[*other].frame.abs_diff(own.frame) <= gap
+        };
+        let before = (0..pose).rev().take_while(is_near);
+        before.chain((pose + 1..times.len()).take_while(is_near))
+    }
+
+    /// Lists some poses and all that repeat them, in order.
+    fn with_repeats(&self, poses: impl Iterator<Item = usize>) -> Vec<usize> {
+        let mut groups: Vec<usize> = poses.map(|pose| self.of[pose]).collect();
         groups.sort_unstable();
         groups.dedup();
-        let mut near = self.poses_of(groups.into_iter());
-        near.retain(|pose| !own.contains(pose));
-        Block { own, near }
+        self.poses_of(groups.into_iter())
     }
 
-    /// Lists the poses of some of the groups.
+    /// Lists the poses of some of the groups, in order.
     fn poses_of(&self, groups: impl Iterator<Item = usize>) -> Vec<usize> {
         let mut poses: Vec<usize> = groups.flat_map(|at| &self.groups[at]).copied().collect();
         poses.sort_unstable();
@@ -95,8 +108,15 @@ impl<'a> Distinct<'a> {
     }
 }
 
+/// Those of some poses that are not among others, which are in order.
+fn without(mut poses: Vec<usize>, others: &[usize]) -> Vec<usize> {
+    poses.retain(|pose| others.binary_search(pose).is_err());
+    poses
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::folds::folds;
     use super::super::testing::{looped, moving};
     use super::*;
 
@@ -123,7 +143,21 @@ mod tests {
         let Block { own, near } = distinct.run(4..6);
         assert_eq!(own, [4, 5, 16, 17, 28, 29]);
         assert_eq!(near, [3, 6, 15, 18, 27, 30]);
-        assert_eq!(distinct.block(vec![5, 17, 6]).near, [18, 29, 30]);
+        assert_eq!(distinct.run(10..12).near, [0, 9, 12, 21, 24, 33], "the loop begins anew");
+        assert_eq!(distinct.block(vec![5, 6, 17]).near, [18, 29, 30]);
+    }
+
+    #[test]
+    fn some_poses_are_always_left_to_fit_to() {
+        let held: Vec<usize> = [0; 90].into_iter().chain(1..5).collect();
+        let few = (2..7).flat_map(|poses| (2..5).map(move |times| looped(poses, times)));
+        for poses in few.chain([moving(&[5]).only(&held)]) {
+            let folds = folds(&poses);
+            assert!(folds.len() > 1);
+            for fold in folds {
+                assert!(!fold.others(poses.len()).is_empty(), "{fold:?} of {}", poses.len());
+            }
+        }
     }
 
     #[test]

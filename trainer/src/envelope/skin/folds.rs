@@ -17,7 +17,8 @@ pub fn folds(poses: &Poses) -> Vec<Block> {
     ranges(&distinct).into_iter().map(|range| distinct.run(range)).collect()
 }
 
-/// Splits distinct poses into runs of nearly as many poses, two at least, that end where clips do if one ends nearby.
+/// Splits distinct poses into runs of nearly as many poses, repeats among them, two runs at least, that end where clips do if
+/// one ends nearby.
 pub fn ranges(distinct: &Distinct<'_>) -> Vec<Range<usize>> {
     let (n, count) = (distinct.count(), (distinct.count() / FOLD_LEN).clamp(2, FOLDS));
     let half = n / count / 2;
@@ -61,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn folds_hold_nearly_as_many_poses_each_also_where_some_are_held() {
+    fn a_pose_that_is_held_counts_as_often_as_it_is_there() {
         let held: Vec<usize> = (0..20).chain([20; 20]).chain(20..40).collect();
         let folds = folds(&moving(&[40]).only(&held));
         let lengths: Vec<usize> = folds.iter().map(|fold| fold.own.len()).collect();
