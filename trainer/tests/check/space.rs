@@ -2,7 +2,8 @@
 
 use super::made::{arm, check, frames, only};
 use nalgebra::{Matrix3, Vector3};
-use sinew_trainer::envelope::check::finding::{Finding, Kind, Severity};
+use sinew_trainer::envelope::check::Check;
+use sinew_trainer::envelope::check::finding::{Kind, Severity};
 use sinew_trainer::examples::{Clip, Examples, Matrix3x4};
 use sinew_trainer::progress::Silent;
 
@@ -177,8 +178,8 @@ fn frames_that_are_moved_alike_are_named_and_nothing_else_is_said_of_the_others(
     }
 }
 
-/// Findings of the arm as two clips, `walk` of so many frames and `reach`, which is spoiled.
-fn in_clips(walk: usize, spoil: impl Fn(&mut Examples)) -> Vec<Finding> {
+/// Checks the arm as two clips, `walk` of so many frames and `reach`, which is spoiled.
+fn in_clips(walk: usize, spoil: impl Fn(&mut Examples)) -> Check {
     let clip = |name: &str, first: usize, end: usize| Clip {
         name: name.to_owned(),
         first,
@@ -189,7 +190,7 @@ fn in_clips(walk: usize, spoil: impl Fn(&mut Examples)) -> Vec<Finding> {
     examples.clip_starts = vec![0, walk];
     spoil(&mut examples);
     let clips = [clip("walk", 0, walk), clip("reach", walk, 40)];
-    sinew_trainer::envelope::check::check(&examples, &clips, &Silent).unwrap().findings
+    sinew_trainer::envelope::check::check(&examples, &clips, &Silent).unwrap()
 }
 
 #[test]
@@ -206,14 +207,14 @@ fn a_clip_in_another_space_is_named() {
         (in_space(z_up(), zero), Kind::OtherAxes, "the posed meshes should have the axes (x, z"),
         (in_space(scale(1.0), Vector3::y()), Kind::Shifted, "the posed meshes should be moved by"),
     ] {
-        let [first, others @ ..] = &found[..] else { panic!("{kind:?} expected") };
+        let [first, others @ ..] = &found.findings[..] else { panic!("{kind:?} expected") };
         assert_eq!((first.kind, first.severity), (kind, Severity::Warning));
         assert!(first.text.starts_with(&format!("in clip reach, {words}")), "{}", first.text);
         assert_eq!(frames(first), [25]);
         let broken = others.iter().filter(|other| other.kind == Kind::Broken);
         assert!(broken.flat_map(frames).all(|frame| frame >= 25), "{others:#?}");
     }
-    assert!(in_space(scale(1.0), zero).is_empty());
+    assert!(in_space(scale(1.0), zero).findings.is_empty());
 }
 
 #[test]
@@ -222,9 +223,9 @@ fn a_short_clip_is_named_though_its_frames_are_left_out() {
         let len = examples.vertex_len();
         apply(&mut examples.vertices[32 * len..], &scale(1.0), &Vector3::y());
     });
-    let shifted = found.iter().find(|finding| finding.kind == Kind::Shifted).unwrap();
+    let shifted = found.find(Kind::Shifted).unwrap();
     assert!(shifted.text.starts_with("in clip reach, the posed meshes should be moved by"));
-    let broken = found.iter().find(|finding| finding.kind == Kind::Broken).unwrap();
+    let broken = found.find(Kind::Broken).unwrap();
     assert!(broken.text.contains("a training leaves out what is named here"), "{}", broken.text);
 }
 
@@ -235,11 +236,11 @@ fn frames_that_explode_are_no_wrong_clip() {
         let exploding = examples.vertices[30 * len..36 * len].iter_mut().flatten().enumerate();
         exploding.for_each(|(i, x)| *x += size * (12.9898 * i as f64).sin());
     });
-    let broken = found.iter().find(|finding| finding.kind == Kind::Broken).unwrap();
+    let broken = found.find(Kind::Broken).unwrap();
     let mut named = frames(broken);
     named.sort_unstable();
     assert_eq!(named, Vec::from_iter(30..36));
-    assert!(found.iter().all(|finding| finding.kind != Kind::WrongClip), "{found:#?}");
+    assert!(found.find(Kind::WrongClip).is_none(), "{found:#?}");
 }
 
 #[test]
@@ -248,7 +249,7 @@ fn a_clip_with_the_meshes_of_another_is_named() {
         let len = examples.vertex_len();
         examples.vertices.copy_within(..15 * len, 25 * len);
     });
-    let wrong = found.iter().find(|finding| finding.kind == Kind::WrongClip).unwrap();
+    let wrong = found.find(Kind::WrongClip).unwrap();
     assert_eq!((wrong.severity, frames(wrong)), (Severity::Warning, vec![25]));
     let words = "the meshes of clip reach are not of the joints";
     assert!(wrong.text.starts_with(words), "{}", wrong.text);
@@ -261,7 +262,7 @@ fn clips_whose_joints_have_other_orders_are_told_of() {
         let poses = examples.transforms[25 * joints..].chunks_mut(joints);
         poses.for_each(|pose| pose.swap(1, 4));
     });
-    let unlike = found.iter().find(|finding| finding.kind == Kind::UnlikeClips).unwrap();
+    let unlike = found.find(Kind::UnlikeClips).unwrap();
     assert_eq!((unlike.severity, frames(unlike)), (Severity::Warning, vec![0, 25]));
     assert!(unlike.text.starts_with("no weights fit all clips"), "{}", unlike.text);
 }

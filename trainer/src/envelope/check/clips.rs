@@ -8,8 +8,10 @@ use super::thresholds::{UNLIKE_CLIPS, WRONG_CLIP};
 use crate::envelope::skin::poses::Poses;
 use crate::examples::{Clip, Examples, Split, spread};
 
-/// Frames of a clip that are looked at: fewer, and almost any weights fit; more tell no more.
-const FRAMES: (usize, usize) = (6, 200);
+/// Fewest training frames of a clip that is looked at: fewer, almost any weights fit.
+const FEWEST: usize = 6;
+/// Most that are looked at: more tell no more.
+const MOST: usize = 200;
 
 /// What LBS leaves of a clip.
 struct Fit<'a> {
@@ -32,7 +34,7 @@ pub(super) fn clips(examples: &Examples, clips: &[Clip], doubted: &[usize]) -> V
     };
     let fit = |clip| {
         let frames = frames_of(examples, clip, doubted);
-        (frames.len() >= FRAMES.0).then(|| Fit { clip, alone: rms(&frames), frames })
+        (frames.len() >= FEWEST).then(|| Fit { clip, alone: rms(&frames), frames })
     };
     let fits: Vec<Fit<'_>> = clips.iter().filter_map(fit).collect();
     let best = fits.iter().map(|fit| fit.alone).fold(f64::INFINITY, f64::min);
@@ -74,7 +76,7 @@ fn frames_of(examples: &Examples, clip: &Clip, doubted: &[usize]) -> Vec<usize> 
     let all: Vec<usize> = all.filter(|&frame| examples.split[frame] == Split::Train).collect();
     let sound: Vec<usize> = all.iter().copied().filter(|frame| !doubted.contains(frame)).collect();
     let own = if 2 * sound.len() < all.len() { all } else { sound };
-    spread(own.len(), FRAMES.1).into_iter().map(|k| own[k]).collect()
+    spread(own.len(), MOST).into_iter().map(|k| own[k]).collect()
 }
 
 /// Wrong clips that the same would put right, or nothing.
@@ -83,11 +85,15 @@ struct Same<'a, 'b> {
     clips: Vec<&'a Fit<'b>>,
 }
 
+/// What a remedy says should be otherwise, by however much that leaves.
+fn what(remedy: &Option<Convention>) -> Option<&str> {
+    remedy.as_ref().map(|remedy| remedy.what.as_str())
+}
+
 fn by_remedy<'a, 'b>(examples: &Examples, wrong: Vec<&'a Fit<'b>>) -> Vec<Same<'a, 'b>> {
     let mut all = Vec::<Same<'_, '_>>::new();
     for fit in wrong {
         let remedy = convention::of_clip(examples, &fit.frames);
-        let what = |remedy: &Option<Convention>| remedy.as_ref().map(|remedy| remedy.what.clone());
         match all.iter_mut().find(|same| what(&same.remedy) == what(&remedy)) {
             Some(same) => same.clips.push(fit),
             None => all.push(Same { remedy, clips: vec![fit] }),

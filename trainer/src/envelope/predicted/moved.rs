@@ -6,6 +6,7 @@
 
 use crate::envelope::skin::residuals::Residuals;
 use crate::numeric::so3;
+use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
@@ -43,7 +44,7 @@ pub fn stands(residuals: Residuals<'_>) -> Vec<Stand> {
 
 fn stand(Residuals { training, left, .. }: Residuals<'_>, pose: usize) -> Stand {
     let len = training.rest.len();
-    let at = |columns: &faer::Mat<f64>, vertex: usize| {
+    let at = |columns: &Mat<f64>, vertex: usize| {
         Vector3::from_column_slice(&columns.col_as_slice(vertex)[3 * pose..3 * pose + 3])
     };
     let truth = |vertex: usize| at(&training.trajectories, vertex);
