@@ -16,6 +16,13 @@ layout(set = 0, binding = 3, std430) buffer Confidences {
 
 const uint ROTATIONAL = 1u;
 
+// 1 up to an angle, and 0 where it is exceeded by half the range and 0.1.
+float within(float angle, float most, float range) {
+    precise float excess = max(angle - most, 0.0) / (0.5 * range + 0.1);
+    precise float own = 1.0 - smooth_step(min(excess, 1.0));
+    return own;
+}
+
 void main() {
     uint instance = gl_WorkGroupID.y;
     if (gl_LocalInvocationIndex != 0u) {
@@ -30,11 +37,9 @@ void main() {
             precise float square = theta.x * theta.x + theta.y * theta.y + theta.z * theta.z;
             precise float angle = sqrt(square);
             float range = blob_float(params.pose_ranges + joint);
-            precise float excess = max(angle - range, 0.0) / (0.5 * range + 0.1);
-            precise float own = 1.0 - smooth_step(min(excess, 1.0));
-            confidence = min(confidence, own);
+            confidence = min(confidence, within(angle, range, range));
         }
-    } else {
+    } else if (params.group_len > 0u) {
         precise float known = 0.0;
         precise float doubted = 0.0;
         for (uint i = 0u; i < params.group_len; i++) {
@@ -45,6 +50,14 @@ void main() {
         precise float sure = 1.0 + known;
         precise float share = sure / (sure + doubted);
         confidence = share;
+        for (uint joint = 0u; joint < params.joint_len; joint++) {
+            uint at = base + params.features + 12u * joint;
+            precise float trace = scratch[at] + scratch[at + 5u] + scratch[at + 10u];
+            precise float angle = 2.0 * sqrt(max(0.0, -trace));
+            float range = blob_float(params.pose_ranges + joint);
+            precise float most = 1.5 * range;
+            confidence = min(confidence, within(angle, most, range));
+        }
     }
     confidences[params.confidences_offset + instance * params.confidences_stride] = confidence;
 }

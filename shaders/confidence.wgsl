@@ -5,6 +5,12 @@
 
 const ROTATIONAL: u32 = 1u;
 
+// 1 up to an angle, and 0 where it is exceeded by half the range and 0.1.
+fn within(angle: f32, most: f32, range: f32) -> f32 {
+    let excess = max(angle - most, 0.0) / (0.5 * range + 0.1);
+    return 1.0 - smooth_step(min(excess, 1.0));
+}
+
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
@@ -22,10 +28,9 @@ fn main(
             let theta = vec3<f32>(scratch[at], scratch[at + 1u], scratch[at + 2u]);
             let angle = sqrt(theta.x * theta.x + theta.y * theta.y + theta.z * theta.z);
             let range = blob_float(params.pose_ranges + joint);
-            let excess = max(angle - range, 0.0) / (0.5 * range + 0.1);
-            confidence = min(confidence, 1.0 - smooth_step(min(excess, 1.0)));
+            confidence = min(confidence, within(angle, range, range));
         }
-    } else {
+    } else if params.group_len > 0u {
         var known = 0.0;
         var doubted = 0.0;
         for (var i = 0u; i < params.group_len; i++) {
@@ -35,6 +40,13 @@ fn main(
         }
         let sure = 1.0 + known;
         confidence = sure / (sure + doubted);
+        for (var joint = 0u; joint < params.joint_len; joint++) {
+            let at = base + params.features + 12u * joint;
+            let trace = scratch[at] + scratch[at + 5u] + scratch[at + 10u];
+            let angle = 2.0 * sqrt(max(0.0, -trace));
+            let range = blob_float(params.pose_ranges + joint);
+            confidence = min(confidence, within(angle, 1.5 * range, range));
+        }
     }
     confidences[params.confidences_offset + instance * params.confidences_stride] = confidence;
 }

@@ -109,8 +109,8 @@ pub fn features(
     Ok(())
 }
 
-/// Stage correction: adds `Q_dom(l) K_l(phi)` to the P proxies' transforms, and returns the pose's confidence: the
-/// least of the groups that have centres; 1 if there are none.
+/// Stage correction: adds `Q_dom(l) K_l(phi)` to the P proxies' transforms, and returns the confidence in
+/// the pose: what the groups know, or what the ranges of the joints do where that is less; 1 without groups.
 ///
 /// Where a group's confidence is 0 its proxies keep their bits.
 ///
@@ -135,6 +135,9 @@ pub fn correction(
     Argument::Features.check_len(envelope.joint_len(), features.len())?;
     Argument::Scratch.check_least(envelope.correction_len(), scratch.len())?;
     Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
+    if envelope.group_len() == 0 {
+        return Ok(1.0);
+    }
     Ok(envelope::correction::evaluate(envelope, pose, features, scratch, out_palette))
 }
 

@@ -227,12 +227,29 @@ fn error_row(set: &str, row: &str, influences: usize, found: &Evaluation, valida
     );
 }
 
-/// Poses beyond the trained range: each joint of mpfb-arm in turn, its top quartile of angles held
-/// out.
+/// Poses beyond the trained range of mpfb-arm: those of other joints than the one that its first frames turn, then of each
+/// joint in turn its top quartile of angles.
 fn ranges() -> Result<(), Box<dyn Error>> {
     for (_, mut examples) in sets()?.into_iter().filter(|set| set.0 == "mpfb-arm") {
         let frames: Vec<usize> = (0..examples.frame_len()).collect();
         let poses = Poses::new(&examples, &frames);
+        let measured = |examples: &Examples, what: &str| -> Result<(), Box<dyn Error>> {
+            let model = train(examples, &Options::default(), &Silent)?.model;
+            let found = evaluate(&model, None, examples, Frames::Of(Split::HeldOut))?;
+            println!(
+                "{what}: LBS {:.4} %, {} {:.4} %, confidence {:.3} on average, {:.3} at the least",
+                found.lbs.rms_percent,
+                found.predictor,
+                found.errors.rms_percent,
+                found.confidence.mean,
+                found.confidence.least
+            );
+            Ok(())
+        };
+        let mut few = examples.clone();
+        let unread = &examples.frames_of(Split::Train)[12..];
+        unread.iter().for_each(|&frame| few.split[frame] = Split::Extreme);
+        measured(&few, "beyond 12 frames that turn the collarbone alone")?;
         for joint in 1..examples.joint_len() {
             let angles: Vec<f64> = frames.iter().map(|&i| poses.angle(i, joint).norm()).collect();
             let mut sorted = angles.clone();
@@ -240,20 +257,9 @@ fn ranges() -> Result<(), Box<dyn Error>> {
             let bent = sorted[3 * sorted.len() / 4];
             let split = |angle: &f64| if *angle > bent { Split::HeldOut } else { Split::Train };
             examples.split = angles.iter().map(split).collect();
-            let model = train(&examples, &Options::default(), &Silent)?.model;
-            let found = evaluate(&model, None, &examples, Frames::Of(Split::HeldOut))?;
-            println!(
-                "{:<14} beyond {:>3.0} of {:>3.0} °: LBS {:.4} %, {} {:.4} %, confidence {:.3} on \
-                 average, {:.3} at the least",
-                examples.skeleton.names[joint],
-                bent.to_degrees(),
-                sorted[sorted.len() - 1].to_degrees(),
-                found.lbs.rms_percent,
-                found.predictor,
-                found.errors.rms_percent,
-                found.confidence.mean,
-                found.confidence.least
-            );
+            let (from, to) = (bent.to_degrees(), sorted[sorted.len() - 1].to_degrees());
+            let joint = &examples.skeleton.names[joint];
+            measured(&examples, &format!("{joint:<14} beyond {from:>3.0} of {to:>3.0} °"))?;
         }
     }
     Ok(())

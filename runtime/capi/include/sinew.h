@@ -1263,7 +1263,8 @@ sinew_status sinew_envelope_palette_at(const struct sinew_envelope *envelope,
 /// `sinew_envelope_palette` is about. A rotational envelope has none: `NO_STAGE`.
 ///
 /// - `pose`, `pose_len`, `scratch`, `scratch_len`: as for `sinew_envelope_palette`.
-/// - `out_confidences`, `confidences_len`: J values in [0, 1], 1 for a joint whose skin no map moves.
+/// - `out_confidences`, `confidences_len`: J values in [0, 1]; of a joint whose skin no map moves, what its
+///   trained range tells.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
 /// `TOO_LONG`, `OVERLAP`.

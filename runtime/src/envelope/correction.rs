@@ -1,5 +1,6 @@
 //! Stage correction: what the kernel maps add to the palette (METHOD §1.9).
 
+use super::confidence;
 use super::group::Group;
 use super::trust::Evidence;
 use super::view::Envelope;
@@ -10,32 +11,34 @@ use crate::numeric::lesser;
 pub(crate) fn evaluate(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
-    features: &[Matrix3x4],
+    joints: &[Matrix3x4],
     scratch: &mut [f32],
     out_palette: &mut [Matrix3x4],
 ) -> f32 {
     let first = out_palette.len().saturating_sub(envelope.proxy_len());
     let (_, proxies) = split(out_palette, first);
-    let features = features.as_flattened().as_flattened();
+    let features = joints.as_flattened().as_flattened();
     let mut evidence = Evidence::default();
     for group in envelope.groups().filter(|group| group.centre_len() > 0) {
         let out = proxies.get_mut(group.proxies.clone()).unwrap_or_default();
         let dominant = pose.get(group.joint).unwrap_or(&[[0.0; 4]; 3]);
         evidence = evidence.and(add(&group, dominant, features, scratch, out));
     }
-    evidence.confidence()
+    confidence::of_features(envelope, joints).fold(evidence.confidence(), lesser)
 }
 
-/// Evaluates how confident the groups are, by their joints: into J values, those of joints without a map left as they are,
-/// of arguments that have been checked.
+/// Evaluates how confident the groups are, by their joints, and what is known of each joint's angle: J values, of arguments
+/// that have been checked.
 #[inline]
 pub(crate) fn joint_confidences(
     envelope: &Envelope<'_>,
-    features: &[Matrix3x4],
+    joints: &[Matrix3x4],
     scratch: &mut [f32],
     out_confidences: &mut [f32],
 ) {
-    let features = features.as_flattened().as_flattened();
+    let own = confidence::of_features(envelope, joints);
+    out_confidences.iter_mut().zip(own).for_each(|(out, own)| *out = own);
+    let features = joints.as_flattened().as_flattened();
     for group in envelope.groups().filter(|group| group.centre_len() > 0) {
         let (evidence, _) = evaluate_map(&group, features, scratch);
         if let Some(out) = out_confidences.get_mut(group.joint) {

@@ -26,9 +26,10 @@ impl Envelope<'_> {
     /// Computes the palette of a pose, and returns the confidence in it, in [0, 1]: 1 within what
     /// was seen in training, 0 far from it.
     ///
-    /// Where a kernel map is not confident it fades, and its proxies tend to their base. A
-    /// rotational envelope has nothing to fade: its confidence tells only how far joints turn beyond
-    /// their trained ranges. An envelope without any kernel map is certain.
+    /// Where a kernel map is not confident it fades, and its proxies tend to their base. No map hears a joint that
+    /// kept still in training, and no fit knows its skin: as it turns, and as any joint does far beyond its trained
+    /// range, the confidence falls. A rotational envelope has nothing to fade: its confidence tells only how far joints
+    /// turn beyond their trained ranges. An envelope of joints alone is certain.
     ///
     /// - `pose`: J skinning matrices, rest to posed, in model space; rigid to 1e-4, which is not looked at here:
     ///   [`Envelope::check_pose`] does in a debug build.
@@ -86,7 +87,7 @@ impl Envelope<'_> {
     /// of [`Envelope::palette`] is about.
     ///
     /// - `pose`, `scratch`: as for [`Envelope::palette`].
-    /// - `out_confidences`: J values in [0, 1]; 1 for a joint whose skin no map moves.
+    /// - `out_confidences`: J values in [0, 1]; of a joint whose skin no map moves, what its trained range tells.
     ///
     /// # Errors
     /// - [`crate::CallErrorKind::NoStage`]: the envelope is rotational and has no kernel maps.

@@ -131,6 +131,25 @@ fn an_elbow_bent_further_than_in_training_stays_better_than_lbs_and_is_less_sure
 }
 
 #[test]
+fn joints_that_kept_still_are_doubted_as_they_turn() {
+    let Some((examples, _)) = arm() else { return };
+    let mut examples = examples.clone();
+    // The first frames turn the collarbone alone.
+    examples.split.iter_mut().enumerate().for_each(|(frame, split)| {
+        *split = if frame < 12 { Split::Train } else { Split::HeldOut };
+    });
+    for predictor in [Predictor::Kernel, Predictor::Hybrid] {
+        let model = train(&examples, &only(predictor), &Silent).unwrap().model;
+        let seen = evaluate(&model, None, &examples, Frames::Of(Split::Train)).unwrap();
+        let unseen = evaluate(&model, None, &examples, Frames::Of(Split::HeldOut)).unwrap();
+        // What follows the other joints is not known, and errs by percents of the diagonal.
+        assert!(unseen.errors.rms > 0.01, "{unseen:?}");
+        assert!(seen.confidence.least > 0.5, "{seen:?}");
+        assert!(unseen.confidence.mean < 0.3, "{unseen:?}");
+    }
+}
+
+#[test]
 fn dense_lbs_weights_reach_the_error_that_dem_bones_prints() {
     let Some(examples) = set("dem-bones/bone.npz") else { return };
     let frames: Vec<usize> = (0..examples.frame_len()).collect();

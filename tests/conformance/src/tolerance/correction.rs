@@ -4,6 +4,7 @@ use super::inexact::{Inexact, Transform, product};
 use sinew_trainer::envelope::model::{EnvelopeModel, Group};
 use sinew_trainer::kernel::arithmetic::{Arithmetic, U, gamma};
 use sinew_trainer::kernel::certainty::Between;
+use sinew_trainer::kernel::fade::STEP_ERROR;
 use sinew_trainer::kernel::map::{Value, ValueError};
 use sinew_trainer::numeric::affine::linear;
 
@@ -35,11 +36,44 @@ pub fn correction(
         }
     }
     let (least, most) = evidence.confidence(oracle.groups.len(), arithmetic);
+    let (least_known, most_known) = known_of_joints(oracle, features, arithmetic);
+    let (least, most) = (least.min(least_known), most.min(most_known));
     let confidence = Inexact {
         value: vec![confidence],
         error: vec![(confidence - least).max(most - confidence)],
     };
     (Inexact { value, error }, confidence)
+}
+
+/// The least and the most that is known of the joints' angles: those that a trace of three entries, summed with two roundings,
+/// and the square root's, may be off to; the excess behind one rounding of its bound and one of its own, its scale's two and
+/// the quotient's; a step's relative error, and the difference from 1.
+fn known_of_joints(
+    oracle: &EnvelopeModel,
+    features: &Inexact<Transform>,
+    arithmetic: Arithmetic,
+) -> (f64, f64) {
+    let shifted = |sign: f64| {
+        let of_joint = |((feature, error), range): ((&Transform, &Transform), &f64)| {
+            let entries = |m: &Transform| linear(m).diagonal().abs().sum();
+            let trace = linear(feature).trace();
+            let off = entries(error) + gamma(2) * (entries(feature) + entries(error));
+            let root = 2.0 * (sign * off - trace).max(0.0).sqrt();
+            let most = 1.5 * range;
+            let own = gamma(arithmetic.root) * root + U * most;
+            let excess = gamma(4 + arithmetic.division) * ((root - most).abs() + own);
+            let angle = (root + sign * (own + excess)).max(0.0);
+            // Of features the trace alone counts.
+            Transform::from_diagonal_element(-angle * angle / 12.0)
+        };
+        let both = features.value.iter().zip(&features.error);
+        let moved: Vec<_> = both.zip(&oracle.pose_ranges).map(of_joint).collect();
+        oracle.known_of_joints(&moved).into_iter().fold(1.0, f64::min)
+    };
+    let rounded = |known: f64, sign: f64| {
+        if known < 1.0 { known + sign * (STEP_ERROR * (1.0 - known) + U) } else { 1.0 }
+    };
+    (rounded(shifted(1.0), -1.0).max(0.0), rounded(shifted(-1.0), 1.0).min(1.0))
 }
 
 /// K of a group's proxies, its errors, and what the group knows.

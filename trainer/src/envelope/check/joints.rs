@@ -24,10 +24,12 @@ pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut
             kind: Kind::Still,
             severity: Severity::Note,
             text: format!(
-                "{} against {} in training, so that nothing is learned of {}: {}",
+                "{} against {} in training, so that nothing is learned of {}, and a model doubts \
+                 every pose that turns {}: {}",
                 count(still.len(), "joint never moves", "joints never move"),
                 if still.len() == 1 { "its parent" } else { "their parents" },
                 if still.len() == 1 { "it" } else { "them" },
+                if still.len() == 1 { "it" } else { "one" },
                 names(context, &still)
             ),
             places: places(context, &still),

@@ -1,5 +1,6 @@
 //! The stages of the correction (METHOD §1.9).
 
+use super::reconstruction::within;
 use crate::envelope::model::{EnvelopeModel, Group};
 use crate::kernel::certainty::Evidence;
 use crate::kernel::map::Value;
@@ -32,7 +33,8 @@ impl EnvelopeModel {
         self.skeleton.parents.iter().enumerate().map(of_joint).collect()
     }
 
-    /// Adds `Q_dom K` to the palette's last P maps; returns them all, and the confidence.
+    /// Adds `Q_dom K` to the palette's last P maps; returns them all, and the confidence: the least of what groups and
+    /// ranges know, 1 without groups.
     pub fn correct(
         &self,
         pose: &[Matrix3x4<f64>],
@@ -50,7 +52,21 @@ impl EnvelopeModel {
             }
             known = known.and(evidence);
         }
-        (palette, known.confidence())
+        let own = self.known_of_joints(features).into_iter();
+        (palette, own.fold(known.confidence(), f64::min))
+    }
+
+    /// Returns what is known of each joint's angle: 1 up to one and a half times its range, none of an envelope without
+    /// groups. 4 sin(angle / 4) stands for the angle.
+    pub fn known_of_joints(&self, features: &[Matrix3x4<f64>]) -> Vec<f64> {
+        if self.groups.is_empty() {
+            return Vec::new();
+        }
+        let of_joint = |(feature, range): (&Matrix3x4<f64>, &f64)| {
+            let angle = 2.0 * (-linear(feature).trace()).max(0.0).sqrt();
+            within(angle, 1.5 * range, *range)
+        };
+        features.iter().zip(&self.pose_ranges).map(of_joint).collect()
     }
 
     /// Returns a joint's rest origin.

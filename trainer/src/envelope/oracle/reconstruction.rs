@@ -66,11 +66,14 @@ impl EnvelopeModel {
     /// Returns the confidence in J rotations of a rotational model, the least over the joints: 1
     /// within a joint's trained range, 0 from half of it and 0.1 rad beyond (FORMAT.md).
     pub fn confidence(&self, rotations: &[Vector3<f64>]) -> f64 {
-        let of_joint = |(theta, range): (&Vector3<f64>, &f64)| {
-            1.0 - step((theta.norm() - range) / (range / 2.0 + 0.1))
-        };
+        let of_joint = |(theta, range): (&Vector3<f64>, &f64)| within(theta.norm(), *range, *range);
         rotations.iter().zip(&self.pose_ranges).map(of_joint).fold(1.0, f64::min)
     }
+}
+
+/// Returns 1 up to an angle, and 0 where it is exceeded by half the range and 0.1 (METHOD §1.8).
+pub(super) fn within(angle: f64, most: f64, range: f64) -> f64 {
+    1.0 - step((angle - most) / (range / 2.0 + 0.1))
 }
 
 /// Stacks transposed blocks: row C l + c, column r is entry r, c of block l.
