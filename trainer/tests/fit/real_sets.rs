@@ -142,8 +142,9 @@ fn joints_that_kept_still_are_doubted_as_they_turn() {
         let model = train(&examples, &only(predictor), &Silent).unwrap().model;
         let seen = evaluate(&model, None, &examples, Frames::Of(Split::Train)).unwrap();
         let unseen = evaluate(&model, None, &examples, Frames::Of(Split::HeldOut)).unwrap();
-        // What follows the other joints is not known, and errs by percents of the diagonal.
-        assert!(unseen.errors.rms > 0.01, "{unseen:?}");
+        // What follows the other joints nobody can tell; by chance LBS errs by 8.6 %, by what is nearest 3.0 %.
+        assert!(unseen.lbs.rms_percent < 4.0 && unseen.errors.rms_percent < 4.0, "{unseen:?}");
+        assert!(unseen.errors.rms_percent > 1.0, "{unseen:?}");
         assert!(seen.confidence.least > 0.5, "{seen:?}");
         assert!(unseen.confidence.mean < 0.3, "{unseen:?}");
     }

@@ -24,13 +24,13 @@ pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut
             kind: Kind::Still,
             severity: Severity::Note,
             text: format!(
-                "{} against {} in training, so that nothing is learned of {}, and a model doubts \
-                 every pose that turns {}: {}",
+                "{} against {} in training: {}; nothing tells what follows {}, so the skin nearest by does, and a \
+                 model doubts poses that turn {}",
                 count(still.len(), "joint never moves", "joints never move"),
                 if still.len() == 1 { "its parent" } else { "their parents" },
+                names(context, &still),
                 if still.len() == 1 { "it" } else { "them" },
-                if still.len() == 1 { "it" } else { "one" },
-                names(context, &still)
+                if still.len() == 1 { "it" } else { "one" }
             ),
             places: places(context, &still),
         });

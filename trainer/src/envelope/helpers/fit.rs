@@ -93,6 +93,7 @@ impl<'a> HelperFit<'a> {
         let open = Open::new(self, influences);
         let weights =
             open.among(&training.lbs.weights, &OnBasis::new(&open, &bases).run(&maps, influences));
+        let weights = training.still.settle(&weights, &training.rest);
         let maps = fit_helpers(&training.targets(&weights), [joints, &bases]);
         let span = poses.joint_len()..poses.joint_len() + dominant.len();
         let gram = gram(&training.targets(&weights), span.clone());

@@ -8,6 +8,7 @@ pub mod poses;
 pub mod projection;
 pub mod residuals;
 pub mod stacked;
+pub mod still;
 pub mod targets;
 #[cfg(test)]
 pub mod testing;

@@ -136,6 +136,11 @@ impl Poses {
         all.flat_map(|pose| pose.iter().zip(maps)).all(|(a, b)| (a - b).amax() <= ONE)
     }
 
+    /// Whether two joints move as one in all poses, each within what nobody sees of the other.
+    pub fn move_as_one(&self, a: usize, b: usize) -> bool {
+        (0..self.len()).all(|pose| (self.map(pose, a) - self.map(pose, b)).amax() <= ONE)
+    }
+
     /// Whether entries of the joints' maps differ by no more than this in two poses.
     pub fn are_alike(&self, a: usize, b: usize, most: f64) -> bool {
         self.pose(a).iter().zip(self.pose(b)).all(|(a, b)| (a - b).amax() <= most)

@@ -2,6 +2,7 @@
 
 use super::blend::Weights;
 use super::poses::{Poses, trajectories};
+use super::still::Still;
 use super::targets::Targets;
 use super::weights::{self, BASELINE_INFLUENCES};
 use crate::envelope::error::FitError;
@@ -34,6 +35,8 @@ pub struct Training {
     pub origins: Vec<Vector3<f64>>,
     /// n poses.
     pub poses: Poses,
+    /// The joints that move as one in all of them.
+    pub still: Still,
     /// The vertices' trajectories, 3n x V.
     pub trajectories: Mat<f64>,
     /// LBS fitted to them.
@@ -84,6 +87,7 @@ impl Training {
             skeleton: examples.skeleton.clone(),
             origins: Vec::new(),
             poses: Poses::new(examples, &[]),
+            still: Still::default(),
             trajectories: Mat::zeros(0, 0),
             lbs: Lbs { weights: Weights::from_lists(1, std::iter::empty()), errors: Vec::new() },
             importance: examples.importance.clone(),
@@ -97,9 +101,11 @@ impl Training {
         }
         (training.poses, training.trajectories) = training.view(examples, frames);
         progress.step("LBS weights", 1);
-        let Self { rest, trajectories, poses, .. } = &training;
+        let Self { rest, trajectories, poses, skeleton, origins, .. } = &training;
         let (weights, errors) = weights::fit(rest, trajectories, poses, BASELINE_INFLUENCES);
-        training.lbs = Lbs { weights, errors };
+        let still = Still::new(poses, &skeleton.parents, origins);
+        training.lbs = Lbs { weights: still.settle(&weights, rest), errors };
+        training.still = still;
         Ok(training)
     }
 

@@ -3,7 +3,8 @@
 
 use super::blend::{Items, Maps, Supports, Weights, fit_weights};
 use super::poses::{Poses, trajectories};
-use crate::examples::{Examples, Importance, Matrix3x4, Split};
+use super::still::Still;
+use crate::examples::{Examples, Importance, Matrix3x4, Skeleton, Split};
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
 use faer::Mat;
 use nalgebra::Vector3;
@@ -29,7 +30,11 @@ pub fn baseline(examples: &Examples) -> Weights {
     let frames = examples.frames_of(Split::Train);
     let poses = Poses::new(examples, &frames);
     let moved = trajectories(examples, &frames, &poses);
-    fit(&examples.rest, &moved, &poses, BASELINE_INFLUENCES).0
+    let (weights, _) = fit(&examples.rest, &moved, &poses, BASELINE_INFLUENCES);
+    let Skeleton { parents, rest, .. } = &examples.skeleton;
+    let origins: Vec<_> = rest.iter().map(|frame| frame.map(|row| row[3]).into()).collect();
+    let poses = poses.about(examples.centroid()).in_units_of(examples.diagonal());
+    Still::new(&poses, parents, &origins).settle(&weights, &examples.rest)
 }
 
 /// Skins one vertex by LBS: its position and the normal that the blended map's cofactors give.
