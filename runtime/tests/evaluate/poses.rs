@@ -311,6 +311,7 @@ fn a_joint_beyond_its_trained_range_is_doubted_whether_maps_hear_it_or_not() {
             envelope.joint_confidences(&pose, &mut scratch, &mut joints).unwrap();
             (envelope.palette(&pose, &mut scratch, &mut palette).unwrap(), joints[joint], palette)
         };
+        let mut doubted = 0;
         let cases = [(0.0, 0.0), (0.0, 0.04), (0.5, 0.7), (0.5, 0.9), (0.5, 1.4), (1.6, 2.9)];
         // Joint 1 is the root.
         for (joint, (range, angle)) in
@@ -324,7 +325,9 @@ fn a_joint_beyond_its_trained_range_is_doubted_whether_maps_hear_it_or_not() {
             assert!((found.0 - loose.0.min(known)).abs() < 1e-5, "{joint} {range} {angle}");
             assert!((found.1 - loose.1.min(known)).abs() < 1e-5, "{joint} {range} {angle}");
             assert_eq!(found.2, loose.2, "it moves nothing");
+            doubted += usize::from(known < loose.0);
         }
+        assert!(doubted >= 6, "{doubted} poses of which the maps are surer");
     }
 }
 

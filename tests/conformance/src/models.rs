@@ -176,7 +176,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
         },
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,
-        pose_ranges: vec![1.5; joints],
+        pose_ranges: (0..joints).map(|joint| [1.5, 0.5, 3.0, 1.0][joint % 4]).collect(),
         pose_gaps: vec![0.0; joints],
         certificate: Certificate {
             diagonal: 4.0,

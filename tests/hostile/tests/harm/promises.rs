@@ -128,6 +128,7 @@ fn largest(golden: &[u8]) -> Vec<u8> {
         SectionKind::RestBoxes,
         SectionKind::C1,
         SectionKind::C2,
+        SectionKind::PoseRanges,
         SectionKind::Origins,
     ] {
         if let Some(content) = pieces.find(kind) {

@@ -2,50 +2,52 @@
 
 use super::blend::Weights;
 use super::poses::Poses;
+use crate::examples::Skeleton;
 use nalgebra::Vector3;
 
 /// Joints in groups that move as one in every pose, and where each has its bones.
 #[derive(Default)]
 pub struct Still {
-    /// For each joint, the joints of its group; none where it moves alone.
+    /// For each joint, the joints of its group that may be followed; none where it moves alone.
     groups: Vec<Vec<usize>>,
     bones: Vec<Vec<Bone>>,
 }
 
-/// A bone, from a joint's origin to a child's, or on from where the parent stands.
+/// A bone, from a joint's origin to a child's; of a joint without children as long as its parent's, on from there.
 struct Bone {
     from: Vector3<f64>,
     along: Vector3<f64>,
-    /// How far it goes, in lengths of `along`.
-    most: f64,
 }
 
 impl Still {
     /// Finds them.
     ///
     /// - `poses`: with lengths in diagonals.
-    /// - `parents`, `origins`: of J joints, these in the rest pose and in any unit.
-    pub fn new(poses: &Poses, parents: &[Option<usize>], origins: &[Vector3<f64>]) -> Self {
-        let joints = 0..parents.len();
-        let carrier =
-            |joint: usize| parents[joint].filter(|&parent| poses.move_as_one(joint, parent));
-        let first =
-            |joint| std::iter::successors(Some(joint), |&j| carrier(j)).last().unwrap_or(joint);
+    /// - `origins`: of the joints in the rest pose, in any unit.
+    pub fn new(poses: &Poses, skeleton: &Skeleton, origins: &[Vector3<f64>]) -> Self {
+        let (joints, parents) = (0..origins.len(), skeleton.own_parents());
+        // The joint that is the farthest up of those that move with it.
+        let first = |joint: usize| {
+            let carrier = |at: &usize| parents[*at].filter(|&up| poses.move_as_one(joint, up));
+            std::iter::successors(Some(joint), carrier).last().unwrap_or(joint)
+        };
         let firsts: Vec<usize> = joints.clone().map(first).collect();
+        // Nothing tells where a joint is that neither its file nor its motion places.
+        let is_placed =
+            |&joint: &usize| joint == firsts[joint] || !skeleton.unplaced.contains(&joint);
         let group = |first: &usize| -> Vec<usize> {
-            let all: Vec<usize> = joints.clone().filter(|&joint| firsts[joint] == *first).collect();
-            if all.len() > 1 { all } else { Vec::new() }
+            let all = joints.clone().filter(|&joint| firsts[joint] == *first);
+            let all: Vec<usize> = all.collect();
+            if all.len() > 1 { all.into_iter().filter(is_placed).collect() } else { Vec::new() }
         };
         let bones = |joint: usize| {
             let from = origins[joint];
             let children = joints.clone().filter(|&child| parents[child] == Some(joint));
-            let mut bones: Vec<Bone> = children
-                .map(|child| Bone { from, along: origins[child] - from, most: 1.0 })
-                .collect();
+            let mut bones: Vec<Bone> =
+                children.map(|child| Bone { from, along: origins[child] - from }).collect();
             if bones.is_empty() {
-                let along =
-                    parents[joint].map_or_else(Vector3::zeros, |parent| from - origins[parent]);
-                bones.push(Bone { from, along, most: f64::INFINITY });
+                let along = parents[joint].map_or_else(Vector3::zeros, |up| from - origins[up]);
+                bones.push(Bone { from, along });
             }
             bones
         };
@@ -91,18 +93,21 @@ impl Bone {
     fn distance(&self, x: &Vector3<f64>) -> f64 {
         let (apart, square) = (x - self.from, self.along.norm_squared());
         let at = if square > 0.0 { apart.dot(&self.along) / square } else { 0.0 };
-        (apart - self.along * at.clamp(0.0, self.most)).norm()
+        (apart - self.along * at.clamp(0.0, 1.0)).norm()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::examples::Skeleton;
     use nalgebra::{Isometry3, Matrix3x4, Rotation3};
 
     /// Joints 0, 1 and 2 in a row, of which some turn.
     fn still(turning: &[usize]) -> Still {
+        placed(turning, &[])
+    }
+
+    fn placed(turning: &[usize], unplaced: &[usize]) -> Still {
         let origins = [0.0, 1.0, 2.0].map(|x| Vector3::new(x, 0.0, 0.0));
         let rest =
             |x: &Vector3<f64>| [[1.0, 0.0, 0.0, x.x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -111,7 +116,7 @@ mod tests {
             parents: vec![None, Some(0), Some(1)],
             rest: origins.iter().map(rest).collect(),
             roots: Vec::new(),
-            unplaced: Vec::new(),
+            unplaced: unplaced.to_vec(),
         };
         let pose = |angle: f64| -> Vec<Matrix3x4<f64>> {
             let turn = |joint: usize| if turning.contains(&joint) { angle } else { 0.0 };
@@ -127,7 +132,7 @@ mod tests {
             all.collect()
         };
         let poses = Poses::made(&[pose(0.0), pose(0.5), pose(-0.2)], &skeleton);
-        Still::new(&poses, &skeleton.parents, &origins)
+        Still::new(&poses, &skeleton, &origins)
     }
 
     fn settled(still: &Still, x: f64, list: &[(usize, f64)]) -> Vec<(usize, f64)> {
@@ -141,6 +146,13 @@ mod tests {
         for (x, joint) in [(-1.0, 0), (0.4, 0), (1.3, 1), (1.9, 1), (2.5, 2), (9.0, 2)] {
             assert_eq!(settled(&none, x, &[(0, 0.75), (2, 0.25)]), [(joint, 1.0)], "{x}");
         }
+    }
+
+    #[test]
+    fn joints_that_nothing_places_are_followed_by_none() {
+        let list = [(2, 0.75), (0, 0.25)];
+        assert_eq!(settled(&placed(&[], &[1, 2]), 2.5, &list), [(0, 1.0)]);
+        assert_eq!(settled(&placed(&[1], &[2]), 2.5, &list), [(1, 0.75), (0, 0.25)]);
     }
 
     #[test]

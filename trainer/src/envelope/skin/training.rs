@@ -103,7 +103,7 @@ impl Training {
         progress.step("LBS weights", 1);
         let Self { rest, trajectories, poses, skeleton, origins, .. } = &training;
         let (weights, errors) = weights::fit(rest, trajectories, poses, BASELINE_INFLUENCES);
-        let still = Still::new(poses, &skeleton.parents, origins);
+        let still = Still::new(poses, skeleton, origins);
         training.lbs = Lbs { weights: still.settle(&weights, rest), errors };
         training.still = still;
         Ok(training)

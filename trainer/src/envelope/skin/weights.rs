@@ -4,7 +4,7 @@
 use super::blend::{Items, Maps, Supports, Weights, fit_weights};
 use super::poses::{Poses, trajectories};
 use super::still::Still;
-use crate::examples::{Examples, Importance, Matrix3x4, Skeleton, Split};
+use crate::examples::{Examples, Importance, Matrix3x4, Split};
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
 use faer::Mat;
 use nalgebra::Vector3;
@@ -31,10 +31,11 @@ pub fn baseline(examples: &Examples) -> Weights {
     let poses = Poses::new(examples, &frames);
     let moved = trajectories(examples, &frames, &poses);
     let (weights, _) = fit(&examples.rest, &moved, &poses, BASELINE_INFLUENCES);
-    let Skeleton { parents, rest, .. } = &examples.skeleton;
-    let origins: Vec<_> = rest.iter().map(|frame| frame.map(|row| row[3]).into()).collect();
+    let skeleton = &examples.skeleton;
+    let origins: Vec<_> =
+        skeleton.rest.iter().map(|frame| frame.map(|row| row[3]).into()).collect();
     let poses = poses.about(examples.centroid()).in_units_of(examples.diagonal());
-    Still::new(&poses, parents, &origins).settle(&weights, &examples.rest)
+    Still::new(&poses, skeleton, &origins).settle(&weights, &examples.rest)
 }
 
 /// Skins one vertex by LBS: its position and the normal that the blended map's cofactors give.
