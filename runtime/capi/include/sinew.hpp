@@ -367,7 +367,7 @@ class Character {
         return failure;
     }
 
-    /// Computes how confident the maps of each joint's skin are of a pose of skinning matrices.
+    /// Computes how confident each joint is of a pose of skinning matrices: the maps of its skin, and its trained range.
     Failure joint_confidences(Span<const sinew_matrix> pose, std::vector<float> &out) {
         Failure failure;
         out.resize(envelope_->info().joint_len);

@@ -5,8 +5,8 @@
 //! | predictor | base of the palette | correction | confidence |
 //! |---|---|---|---|
 //! | rotational | `gradients`, `palette` | none | `confidence` |
-//! | kernel | `joints` | `features`, `correction` | of the correction |
-//! | hybrid | `gradients`, `palette` | `features`, `correction` | of the correction |
+//! | kernel | `joints` | `features`, `correction` | of the correction, and of the joints' ranges |
+//! | hybrid | `gradients`, `palette` | `features`, `correction` | the same |
 //!
 //! A [`crate::Skin`] takes the palette of any of them.
 

@@ -56,7 +56,7 @@ pub fn palette(
     Ok((palette, confidence))
 }
 
-/// Computes how confident the maps of each joint's skin are of a frame of the examples; none where there are no maps.
+/// Computes how confident each joint is of a frame of the examples; none where there are no maps.
 pub fn joint_confidences(
     envelope: &Envelope<'_>,
     examples: &Examples,

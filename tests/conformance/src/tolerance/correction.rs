@@ -1,4 +1,4 @@
-//! The tolerance of stage correction, and of its confidence.
+//! The tolerance of stage correction, and of its confidence: what maps know, and what the joints' ranges do.
 
 use super::inexact::{Inexact, Transform, product};
 use sinew_trainer::envelope::model::{EnvelopeModel, Group};

@@ -24,7 +24,7 @@ pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut
             kind: Kind::Still,
             severity: Severity::Note,
             text: format!(
-                "{} against {} in training: {}; nothing tells what follows {}, so the skin nearest by does, and a \
+                "{} against {} in training: {}; nothing tells what skin follows {}, so what is nearest does, and a \
                  model doubts poses that turn {}",
                 count(still.len(), "joint never moves", "joints never move"),
                 if still.len() == 1 { "its parent" } else { "their parents" },

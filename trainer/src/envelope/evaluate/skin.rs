@@ -54,7 +54,7 @@ pub fn skin(
     Ok(SkinnedFrame { positions, normals, confidence: f64::from(confidence) })
 }
 
-/// Names the joint whose skin's maps doubt a frame's pose most; none where none does.
+/// Names the joint that doubts a frame's pose most; none where none does.
 pub fn most_doubting<'a>(
     character: &Character<'a>,
     examples: &Examples,
