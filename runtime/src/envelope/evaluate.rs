@@ -83,11 +83,12 @@ impl Envelope<'_> {
         })
     }
 
-    /// Computes how confident each joint is of a pose, by the kernel maps of its skin and by its trained range: which part of the skin the confidence
-    /// of [`Envelope::palette`] is about.
+    /// Computes how confident each joint is of a pose, by the kernel maps of its skin and by its trained range: which
+    /// part of the skin the confidence of [`Envelope::palette`] is about.
     ///
     /// - `pose`, `scratch`: as for [`Envelope::palette`].
-    /// - `out_confidences`: J values in [0, 1]; of a joint whose skin no map moves, what its trained range tells. 1 without maps.
+    /// - `out_confidences`: J values in [0, 1]; of a joint whose skin no map moves, what its trained range
+    ///   tells. 1 without maps.
     ///
     /// # Errors
     /// - [`crate::CallErrorKind::NoStage`]: the envelope is rotational and has no kernel maps.
