@@ -40,7 +40,8 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Bakes a model of the shape that the budget is stated for: J = 20, P = 20, V = 1000, K = 4.
+/// Bakes a model of the shape that the budget is stated for: J = 20, P = 20, V = 1000, K = 4. No
+/// joint can leave its range, so that every pose is known and none is cheaper for being far.
 fn bar(predictor: Predictor) -> Vec<u8> {
     let shape = Shape {
         predictor,
@@ -51,7 +52,8 @@ fn bar(predictor: Predictor) -> Vec<u8> {
         tangents: true,
         coefficients: false,
     };
-    random_with(shape, if predictor.corrects() { groups(shape) } else { Vec::new() })
+    let groups = if predictor.corrects() { groups(shape) } else { Vec::new() };
+    random_with(shape, groups, vec![10.0; shape.joints])
 }
 
 /// Makes a group of two helpers of every other joint. Each has 16 centres and hears the rotations of
@@ -82,7 +84,6 @@ fn groups(shape: Shape) -> Vec<Group> {
                 kernel: GroupKernel::Gaussian,
                 centres: Mat::from_fn(d, centres, |i, k| coordinates[k * d + i]),
                 coefficients: row_major(&list(rows * (centres + d), 0.1), rows, centres + d),
-                // Every pose is known, so that none is cheaper for being far.
                 certainty: Certainty {
                     len: CERTAINTY,
                     reach: 1e3,

@@ -96,14 +96,15 @@ pub fn shapes() -> &'static [Vec<u8>; SHAPES.len()] {
 /// If the bake refuses it.
 pub fn random(shape: Shape) -> Vec<u8> {
     let groups = if shape.predictor.corrects() { groups(shape) } else { Vec::new() };
-    random_with(shape, groups)
+    let ranges = (0..shape.joints).map(|joint| [1.5, 0.5, 3.0, 1.0][joint % 4]);
+    random_with(shape, groups, ranges.collect())
 }
 
-/// Bakes a model as [`random`] does, with these groups.
+/// Bakes a model as [`random`] does, with these groups and these ranges of the joints, in radians.
 ///
 /// # Panics
 /// If the bake refuses it.
-pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
+pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> Vec<u8> {
     let Shape { predictor, vertices, joints, proxies, influences, tangents, coefficients } = shape;
     let mut random = ChaCha8Rng::seed_from_u64(vertices as u64);
     let mut within = |size: f64| random.random_range(-size..=size);
@@ -176,7 +177,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>) -> Vec<u8> {
         },
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,
-        pose_ranges: (0..joints).map(|joint| [1.5, 0.5, 3.0, 1.0][joint % 4]).collect(),
+        pose_ranges,
         pose_gaps: vec![0.0; joints],
         certificate: Certificate {
             diagonal: 4.0,
