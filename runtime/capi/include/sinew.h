@@ -1260,8 +1260,7 @@ sinew_status sinew_envelope_palette_at(const struct sinew_envelope *envelope,
                                        struct sinew_error *out_error);
 
 /// Computes how confident each joint is of a pose, by the kernel maps of its skin and by its trained range: which part of
-/// the skin the confidence of
-/// `sinew_envelope_palette` is about. A rotational envelope has none: `NO_STAGE`.
+/// the skin the confidence of `sinew_envelope_palette` is about. A rotational envelope has none: `NO_STAGE`.
 ///
 /// - `pose`, `pose_len`, `scratch`, `scratch_len`: as for `sinew_envelope_palette`.
 /// - `out_confidences`, `confidences_len`: J values in [0, 1]; of a joint whose skin no map moves, what its

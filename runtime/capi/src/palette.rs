@@ -137,8 +137,7 @@ pub unsafe extern "C" fn sinew_envelope_palette_at(
 }
 
 /// Computes how confident each joint is of a pose, by the kernel maps of its skin and by its trained range: which part of
-/// the skin the confidence of
-/// `sinew_envelope_palette` is about. A rotational envelope has none: `NO_STAGE`.
+/// the skin the confidence of `sinew_envelope_palette` is about. A rotational envelope has none: `NO_STAGE`.
 ///
 /// - `pose`, `pose_len`, `scratch`, `scratch_len`: as for `sinew_envelope_palette`.
 /// - `out_confidences`, `confidences_len`: J values in [0, 1]; of a joint whose skin no map moves, what its

@@ -23,8 +23,10 @@ impl Still {
     /// Finds them.
     ///
     /// - `poses`: with lengths in diagonals.
-    /// - `origins`: of the joints in the rest pose, in any unit.
-    pub fn new(poses: &Poses, skeleton: &Skeleton, origins: &[Vector3<f64>]) -> Self {
+    /// - `skeleton`: in any unit.
+    pub fn new(poses: &Poses, skeleton: &Skeleton) -> Self {
+        let origins: Vec<Vector3<f64>> =
+            skeleton.rest.iter().map(|frame| frame.map(|row| row[3]).into()).collect();
         let (joints, parents) = (0..origins.len(), skeleton.own_parents());
         // The joint that is the farthest up of those that move with it.
         let first = |joint: usize| {
@@ -36,8 +38,7 @@ impl Still {
         let is_placed =
             |&joint: &usize| joint == firsts[joint] || !skeleton.unplaced.contains(&joint);
         let group = |first: &usize| -> Vec<usize> {
-            let all = joints.clone().filter(|&joint| firsts[joint] == *first);
-            let all: Vec<usize> = all.collect();
+            let all: Vec<usize> = joints.clone().filter(|&joint| firsts[joint] == *first).collect();
             if all.len() > 1 { all.into_iter().filter(is_placed).collect() } else { Vec::new() }
         };
         let bones = |joint: usize| {
@@ -60,7 +61,7 @@ impl Still {
     /// Gives what a vertex follows of joints that move as one to the one whose bone is nearest. The poses are met as before.
     ///
     /// - `weights`: on a palette in which the joints come first.
-    /// - `rest`: in the unit of the joints' origins.
+    /// - `rest`: in the unit of the skeleton.
     #[must_use]
     pub fn settle(&self, weights: &Weights, rest: &[[f64; 3]]) -> Weights {
         let settled = |(vertex, x): (usize, &[f64; 3])| {
@@ -132,7 +133,7 @@ mod tests {
             all.collect()
         };
         let poses = Poses::made(&[pose(0.0), pose(0.5), pose(-0.2)], &skeleton);
-        Still::new(&poses, &skeleton, &origins)
+        Still::new(&poses, &skeleton)
     }
 
     fn settled(still: &Still, x: f64, list: &[(usize, f64)]) -> Vec<(usize, f64)> {

@@ -101,9 +101,9 @@ impl Training {
         }
         (training.poses, training.trajectories) = training.view(examples, frames);
         progress.step("LBS weights", 1);
-        let Self { rest, trajectories, poses, skeleton, origins, .. } = &training;
+        let Self { rest, trajectories, poses, skeleton, .. } = &training;
         let (weights, errors) = weights::fit(rest, trajectories, poses, BASELINE_INFLUENCES);
-        let still = Still::new(poses, skeleton, origins);
+        let still = Still::new(poses, skeleton);
         training.lbs = Lbs { weights: still.settle(&weights, rest), errors };
         training.still = still;
         Ok(training)

@@ -31,11 +31,8 @@ pub fn baseline(examples: &Examples) -> Weights {
     let poses = Poses::new(examples, &frames);
     let moved = trajectories(examples, &frames, &poses);
     let (weights, _) = fit(&examples.rest, &moved, &poses, BASELINE_INFLUENCES);
-    let skeleton = &examples.skeleton;
-    let origins: Vec<_> =
-        skeleton.rest.iter().map(|frame| frame.map(|row| row[3]).into()).collect();
     let poses = poses.about(examples.centroid()).in_units_of(examples.diagonal());
-    Still::new(&poses, skeleton, &origins).settle(&weights, &examples.rest)
+    Still::new(&poses, &examples.skeleton).settle(&weights, &examples.rest)
 }
 
 /// Skins one vertex by LBS: its position and the normal that the blended map's cofactors give.
