@@ -69,7 +69,7 @@ fn lbs() -> Result<(), Box<dyn Error>> {
         let percent = |rms: f64| 100.0 * rms / examples.diagonal();
         let poses = Poses::new(&examples, &training);
         let moved = trajectories(&examples, &training, &poses);
-        let (fitted, _) = weights::fit(&examples.rest, &moved, &poses, 4);
+        let (fitted, _) = weights::fit(&examples.rest, &moved, &poses, 4, None);
         let held_out = examples.frames_of(Split::HeldOut);
         let poses = Poses::new(&examples, &held_out);
         let moved = trajectories(&examples, &held_out, &poses);
@@ -84,7 +84,8 @@ fn lbs() -> Result<(), Box<dyn Error>> {
             let all: Vec<usize> = (0..examples.frame_len()).collect();
             let poses = Poses::new(&examples, &all);
             let moved = trajectories(&examples, &all, &poses);
-            let (dense, _) = weights::fit(&examples.rest, &moved, &poses, examples.joint_len());
+            let (dense, _) =
+                weights::fit(&examples.rest, &moved, &poses, examples.joint_len(), None);
             let targets = Targets {
                 rest: &examples.rest,
                 weights: &dense,

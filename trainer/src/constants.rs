@@ -31,6 +31,13 @@ impl Constant {
 pub static ERRS: Constant = Constant::new("ERRS", 4e-4);
 /// A vertex on which LBS errs less, RMS in diagonals, keeps its weights: there is nothing to gain.
 pub static SERVED: Constant = Constant::new("SERVED", 1e-4);
+/// A distance from a bone that is near, in diagonals: what is nearer yet says no more of what a vertex follows.
+pub static NEAR: Constant = Constant::new("NEAR", 0.03);
+/// Share of its squared error that a vertex adds for the square of how many times farther it is from what it follows than
+/// from the nearest: nothing where the poses tell, and where they do not all.
+pub static NEARER: Constant = Constant::new("NEARER", 0.25);
+/// How many times more a distance counts among joints and helpers: of more maps more do as well by chance.
+pub static FARTHER: Constant = Constant::new("FARTHER", 1.4);
 /// A residual's weight against a position's where vertices are grouped.
 pub static RESIDUAL_SHARE: Constant = Constant::new("RESIDUAL_SHARE", 8.0);
 /// Pull of a helper to its joint, of the mean diagonal: what few vertices support is noise that no map can predict.
@@ -71,9 +78,12 @@ pub static GENTLE: Constant = Constant::new("GENTLE", 0.1);
 pub static STIFFER: Constant = Constant::new("STIFFER", 0.02);
 
 /// All of them.
-pub static ALL: [&Constant; 19] = [
+pub static ALL: [&Constant; 22] = [
     &ERRS,
     &SERVED,
+    &NEAR,
+    &NEARER,
+    &FARTHER,
     &RESIDUAL_SHARE,
     &PULL,
     &BASE,

@@ -31,6 +31,14 @@ impl Gram {
         Self { len: columns.len(), noise: self.noise, value }
     }
 
+    /// Returns the Gram matrix of the same differences, each set aside in one more direction by a length of its own.
+    pub fn set_aside(mut self, by: impl Fn(usize) -> f64) -> Self {
+        for i in 0..self.len {
+            (0..self.len).for_each(|j| self.value[i][j] += by(i) * by(j));
+        }
+        self
+    }
+
     /// Returns the squared error of weights.
     pub fn error(&self, weights: &[f64; MAX_COLUMNS]) -> f64 {
         let n = self.len;

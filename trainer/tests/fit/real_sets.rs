@@ -142,8 +142,8 @@ fn joints_that_kept_still_are_doubted_as_they_turn() {
         let model = train(&examples, &only(predictor), &Silent).unwrap().model;
         let seen = evaluate(&model, None, &examples, Frames::Of(Split::Train)).unwrap();
         let unseen = evaluate(&model, None, &examples, Frames::Of(Split::HeldOut)).unwrap();
-        // What follows the other joints nobody can tell; by chance LBS errs by 8.6 %, by what is nearest 3.0 %.
-        assert!(unseen.lbs.rms_percent < 4.0 && unseen.errors.rms_percent < 4.0, "{unseen:?}");
+        // What follows the other joints nobody can tell; by chance LBS errs by 8.6 %, by what is nearest 2.7 %.
+        assert!(unseen.lbs.rms_percent < 3.5 && unseen.errors.rms_percent < 3.5, "{unseen:?}");
         assert!(unseen.errors.rms_percent > 1.0, "{unseen:?}");
         assert!(seen.confidence.least > 0.5, "{seen:?}");
         assert!(unseen.confidence.mean < 0.3, "{unseen:?}");
@@ -156,7 +156,7 @@ fn dense_lbs_weights_reach_the_error_that_dem_bones_prints() {
     let frames: Vec<usize> = (0..examples.frame_len()).collect();
     let poses = Poses::new(&examples, &frames);
     let moved = trajectories(&examples, &frames, &poses);
-    let (dense, _) = weights::fit(&examples.rest, &moved, &poses, examples.joint_len());
+    let (dense, _) = weights::fit(&examples.rest, &moved, &poses, examples.joint_len(), None);
     let targets = Targets {
         rest: &examples.rest,
         weights: &dense,

@@ -42,7 +42,7 @@ impl Character {
     pub(crate) fn fit(examples: &Examples) -> Self {
         let training = Training::new(examples, &Silent).expect("there are poses and triangles");
         let Training { rest, triangles, poses, trajectories, .. } = &training;
-        let (joints, errors) = weights::fit(rest, trajectories, poses, INFLUENCES);
+        let (joints, errors) = weights::fit(rest, trajectories, poses, INFLUENCES, None);
         let basis = training.basis();
         let surface = Surface::new(rest, triangles.clone(), trajectories, basis, Importance::ALIKE);
         let tree = MergeTree::build(&surface, || ());

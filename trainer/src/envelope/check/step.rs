@@ -52,7 +52,7 @@ pub(super) fn steps(context: &Context<'_>, findings: &mut Vec<Finding>) {
 pub(super) fn error(sample: &Examples, frames: &[usize], poses: &Poses, shift: isize) -> f64 {
     let frames: Vec<usize> = frames.iter().map(|f| f.saturating_add_signed(shift)).collect();
     let moved = trajectories(sample, &frames, poses);
-    let (_, errors) = weights::fit(&sample.rest, &moved, poses, BASELINE_INFLUENCES);
+    let (_, errors) = weights::fit(&sample.rest, &moved, poses, BASELINE_INFLUENCES, None);
     (errors.iter().sum::<f64>() / (errors.len() * frames.len()) as f64).sqrt()
 }
 

@@ -1,6 +1,6 @@
 //! The fit of helpers to the training frames (METHOD §1.9).
 
-use crate::constants::{AHEAD, BASE, ERRS, PULL, RESIDUAL_SHARE, SERVED};
+use crate::constants::{AHEAD, BASE, ERRS, FARTHER, PULL, RESIDUAL_SHARE, SERVED};
 use crate::envelope::correction::features::Features;
 use crate::envelope::correction::lists::{self, Known};
 use crate::envelope::correction::target::{CERTAINTY, CorrectionTarget};
@@ -91,9 +91,8 @@ impl<'a> HelperFit<'a> {
         }
         let bases = bases(joints, &dominant);
         let open = Open::new(self, influences);
-        let weights =
-            open.among(&training.lbs.weights, &OnBasis::new(&open, &bases).run(&maps, influences));
-        let weights = training.still.settle(&weights, &training.rest);
+        let own = OnBasis::new(&open, &bases, &dominant).run(&maps, influences);
+        let weights = open.among(&training.lbs.weights, &own);
         let maps = fit_helpers(&training.targets(&weights), [joints, &bases]);
         let span = poses.joint_len()..poses.joint_len() + dominant.len();
         let gram = gram(&training.targets(&weights), span.clone());
@@ -177,19 +176,25 @@ struct OnBasis<'a> {
     bases: Mat<f64>,
     /// The palette before any correction, as far as it counts, on the basis of LBS.
     plain: Mat<f64>,
+    /// How far each joint's bone is from each vertex, as far as it counts, and for a helper its dominant joint's.
+    distances: Mat<f64>,
 }
 
 impl<'a> OnBasis<'a> {
-    fn new(open: &'a Open<'_>, bases: &Mat<f64>) -> Self {
+    fn new(open: &'a Open<'_>, bases: &Mat<f64>, dominant: &[usize]) -> Self {
         let HelperFit { training, joints, plain, .. } = open.fit;
         let onto = |basis: &Basis, maps: &Mat<f64>| basis.vectors.transpose() * maps;
         let trajectories = training.basis();
         let palette = onto(plain, &faer::concat![[joints, bases]]);
+        let maps: Vec<usize> = (0..joints.ncols() / 4).chain(dominant.iter().copied()).collect();
         Self {
             open,
             joints: onto(trajectories, joints),
             bases: onto(trajectories, bases),
             plain: palette * faer::Scale(BASE.get()),
+            distances: Mat::from_fn(maps.len(), open.vertices.len(), |map, k| {
+                FARTHER.get() * training.distances[(maps[map], open.vertices[k])]
+            }),
         }
     }
 
@@ -207,7 +212,8 @@ impl InTurn for OnBasis<'_> {
         let palette = faer::concat![[&self.joints, &helpers.columns]];
         let columns = faer::concat![[&palette], [&self.plain]];
         let Open { rest, targets, .. } = self.open;
-        let items = Items::vertices(rest, targets, self.open.importance());
+        let distances = Some(&self.distances);
+        let items = Items { distances, ..Items::vertices(rest, targets, self.open.importance()) };
         items.weights(&Maps { width: 4, columns }, supports)
     }
 

@@ -8,6 +8,7 @@ use super::predictor::GradientPredictor;
 use super::settings::near_rigid;
 use crate::envelope::FitError;
 use crate::envelope::skin::blend::Weights;
+use crate::envelope::skin::bones;
 use crate::envelope::skin::poses::{Poses, trajectories};
 use crate::envelope::skin::weights::{self, BASELINE_INFLUENCES};
 use crate::examples::{Examples, Split};
@@ -38,7 +39,9 @@ impl<'a> Full<'a> {
         let poses = Poses::new(examples, &frames);
         let moved = trajectories(examples, &frames, &poses);
         let rest = &examples.rest;
-        let (joints, errors) = weights::fit(rest, &moved, &poses, BASELINE_INFLUENCES);
+        let distances = bones::distances(examples, &poses);
+        let (joints, errors) =
+            weights::fit(rest, &moved, &poses, BASELINE_INFLUENCES, Some(&distances));
         let predictors = triangles
             .par_iter()
             .map(|corners| {

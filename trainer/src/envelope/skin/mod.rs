@@ -2,13 +2,13 @@
 //! skin as a part of a file is `model/skin.rs` and `bake/skin.rs`.
 
 pub mod blend;
+pub mod bones;
 pub mod distinct;
 pub mod folds;
 pub mod poses;
 pub mod projection;
 pub mod residuals;
 pub mod stacked;
-pub mod still;
 pub mod targets;
 #[cfg(test)]
 pub mod testing;

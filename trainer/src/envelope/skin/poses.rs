@@ -136,9 +136,10 @@ impl Poses {
         all.flat_map(|pose| pose.iter().zip(maps)).all(|(a, b)| (a - b).amax() <= ONE)
     }
 
-    /// Whether two joints move as one in all poses, each within what nobody sees of the other.
-    pub fn move_as_one(&self, a: usize, b: usize) -> bool {
-        (0..self.len()).all(|pose| (self.map(pose, a) - self.map(pose, b)).amax() <= ONE)
+    /// Whether two joints turn as one in all poses, each within what nobody sees of the other.
+    pub fn turn_as_one(&self, a: usize, b: usize) -> bool {
+        let apart = |pose| self.map(pose, a) - self.map(pose, b);
+        (0..self.len()).all(|pose| apart(pose).fixed_columns::<3>(0).amax() <= ONE)
     }
 
     /// Whether entries of the joints' maps differ by no more than this in two poses.

@@ -1,8 +1,8 @@
 //! The training frames as the fit sees them.
 
 use super::blend::Weights;
+use super::bones;
 use super::poses::{Poses, trajectories};
-use super::still::Still;
 use super::targets::Targets;
 use super::weights::{self, BASELINE_INFLUENCES};
 use crate::envelope::error::FitError;
@@ -35,8 +35,8 @@ pub struct Training {
     pub origins: Vec<Vector3<f64>>,
     /// n poses.
     pub poses: Poses,
-    /// The joints that move as one in all of them.
-    pub still: Still,
+    /// How many times farther each joint's bone is from each vertex than the nearest, J x V.
+    pub distances: Mat<f64>,
     /// The vertices' trajectories, 3n x V.
     pub trajectories: Mat<f64>,
     /// LBS fitted to them.
@@ -87,7 +87,7 @@ impl Training {
             skeleton: examples.skeleton.clone(),
             origins: Vec::new(),
             poses: Poses::new(examples, &[]),
-            still: Still::default(),
+            distances: Mat::zeros(0, 0),
             trajectories: Mat::zeros(0, 0),
             lbs: Lbs { weights: Weights::from_lists(1, std::iter::empty()), errors: Vec::new() },
             importance: examples.importance.clone(),
@@ -101,11 +101,11 @@ impl Training {
         }
         (training.poses, training.trajectories) = training.view(examples, frames);
         progress.step("LBS weights", 1);
-        let Self { rest, trajectories, poses, skeleton, .. } = &training;
-        let (weights, errors) = weights::fit(rest, trajectories, poses, BASELINE_INFLUENCES);
-        let still = Still::new(poses, skeleton);
-        training.lbs = Lbs { weights: still.settle(&weights, rest), errors };
-        training.still = still;
+        training.distances = bones::distances(examples, &training.poses);
+        let Self { rest, trajectories, poses, distances, .. } = &training;
+        let (weights, errors) =
+            weights::fit(rest, trajectories, poses, BASELINE_INFLUENCES, Some(distances));
+        training.lbs = Lbs { weights, errors };
         Ok(training)
     }
 

@@ -2,8 +2,8 @@
 //! the baseline that every report compares with.
 
 use super::blend::{Items, Maps, Supports, Weights, fit_weights};
+use super::bones;
 use super::poses::{Poses, trajectories};
-use super::still::Still;
 use crate::examples::{Examples, Importance, Matrix3x4, Split};
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
 use faer::Mat;
@@ -14,13 +14,16 @@ pub const BASELINE_INFLUENCES: usize = 4;
 
 /// Fits at most `most` joint weights a vertex to trajectories (3n x V); returns them and the
 /// vertices' squared errors, summed over the poses.
+///
+/// - `distances`: as [`bones::distances`] gives them; without, the poses alone tell.
 pub fn fit(
     rest: &[[f64; 3]],
     trajectories: &Mat<f64>,
     poses: &Poses,
     most: usize,
+    distances: Option<&Mat<f64>>,
 ) -> (Weights, Vec<f64>) {
-    let items = Items::vertices(rest, trajectories, Importance::ALIKE);
+    let items = Items { distances, ..Items::vertices(rest, trajectories, Importance::ALIKE) };
     let joints = Maps { width: 4, columns: poses.stacked() };
     fit_weights(&items, &joints, Supports::Free(most))
 }
@@ -30,9 +33,8 @@ pub fn baseline(examples: &Examples) -> Weights {
     let frames = examples.frames_of(Split::Train);
     let poses = Poses::new(examples, &frames);
     let moved = trajectories(examples, &frames, &poses);
-    let (weights, _) = fit(&examples.rest, &moved, &poses, BASELINE_INFLUENCES);
-    let poses = poses.about(examples.centroid()).in_units_of(examples.diagonal());
-    Still::new(&poses, &examples.skeleton).settle(&weights, &examples.rest)
+    let distances = bones::distances(examples, &poses);
+    fit(&examples.rest, &moved, &poses, BASELINE_INFLUENCES, Some(&distances)).0
 }
 
 /// Skins one vertex by LBS: its position and the normal that the blended map's cofactors give.

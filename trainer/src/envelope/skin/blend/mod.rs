@@ -17,6 +17,7 @@ pub use weights::{CANDIDATES, fit_weights};
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constants::NEARER;
     use crate::examples::Importance;
     use faer::Mat;
     use rand::{RngExt, SeedableRng};
@@ -46,7 +47,8 @@ mod tests {
     #[test]
     fn true_maps_give_back_the_true_weights() {
         let (h, y, maps, truth) = exact(300, 30);
-        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
+        let items =
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
         let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3));
         assert!(errors.iter().all(|&e| e < 1e-9));
         let (again, errors) = fit_weights(&items, &maps, Supports::Fixed(&weights));
@@ -70,7 +72,8 @@ mod tests {
         };
         let (y, columns) = (numbers(rank, count), numbers(rank, 4 * maps));
         let h = (0..count).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
-        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
+        let items =
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
         let maps = Maps { width: 4, columns };
         let (chosen, of_chosen) = fit_weights(&items, &maps, Supports::Free(3));
         let random_ones = (0..count).map(|i| [7, 11, 13].map(|k| (i * k % 30, 1.0 / 3.0)).to_vec());
@@ -85,9 +88,64 @@ mod tests {
     }
 
     #[test]
+    fn of_weights_that_err_as_little_those_of_nearer_maps_are_taken() {
+        let (h, y, Maps { width, columns }, truth) = exact(300, 30);
+        // Each map twice, the second time farther.
+        let maps = Maps { width, columns: faer::concat![[&columns, &columns]] };
+        let distances =
+            Mat::from_fn(6, 300, |map, item| if (map < 3) == (item < 150) { 1.0 } else { 2.0 });
+        let items = Items {
+            width: 4,
+            rows: 1,
+            h,
+            y: &y,
+            importance: Importance::ALIKE,
+            distances: Some(&distances),
+        };
+        let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3));
+        assert!(errors.iter().all(|&e| e < 1e-6), "{errors:?}");
+        for (item, expected) in truth.iter().enumerate() {
+            for (map, weight) in weights.of(item) {
+                assert_eq!(distances[(map, item)], 1.0, "item {item}");
+                assert!((weight - expected[map % 3]).abs() < 1e-3, "item {item}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_near_adds_no_more_to_an_error_than_its_share() {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(8);
+        let mut numbers = |rows, columns| {
+            Mat::<f64>::from_fn(rows, columns, |_, _| random.random_range(-1.0..1.0))
+        };
+        let (y, columns, distances) = (numbers(40, 200), numbers(40, 4 * 8), numbers(8, 200));
+        let distances = Mat::from_fn(8, 200, |map, item| 1.0 + distances[(map, item)].abs());
+        let h: Vec<f64> = (0..200).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
+        let free =
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
+        let near = Items { h: free.h.clone(), distances: Some(&distances), ..free };
+        let maps = Maps { width: 4, columns };
+        // Of eight maps none is left out, so that what is found is the least.
+        let [free, near] = [&free, &near].map(|items| fit_weights(items, &maps, Supports::Free(8)));
+        let distance = |weights: &Weights, item: usize| -> f64 {
+            weights.of(item).map(|(map, weight)| weight * distances[(map, item)]).sum()
+        };
+        let mut nearer = 0.0;
+        for (item, (least, error)) in free.1.iter().zip(&near.1).enumerate() {
+            let [was, is] = [&free.0, &near.0].map(|weights| distance(weights, item));
+            let share = 1.0 + NEARER.get() * (was * was - is * is);
+            assert!(*error <= least * share + 1e-9, "item {item}: {error} for {least}");
+            assert!(is <= was + 1e-9, "item {item}");
+            nearer += was - is;
+        }
+        assert!(nearer > 1.0, "{nearer}");
+    }
+
+    #[test]
     fn true_weights_give_back_the_true_maps() {
         let (h, y, maps, truth) = exact(300, 30);
-        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
+        let items =
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
         let lists = truth.iter().map(|w| w.iter().copied().enumerate().collect());
         let start = Maps { width: 4, columns: Mat::zeros(30, 12) };
         let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start, 1e-7);
@@ -97,7 +155,8 @@ mod tests {
     #[test]
     fn rounds_that_start_ahead_come_nearer() {
         let (h, y, maps, _) = exact(300, 30);
-        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
+        let items =
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
         let start = Maps {
             columns: &maps.columns + Mat::from_fn(30, 12, |r, c| ((7 * r + c) as f64).sin()),
             ..maps
@@ -116,7 +175,8 @@ mod tests {
     #[test]
     fn a_map_that_no_item_uses_stays_where_it_was() {
         let (h, y, maps, truth) = exact(50, 30);
-        let items = Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE };
+        let items =
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
         let lists = truth.iter().map(|_| vec![(0, 1.0)]);
         let fitted = fit_maps(&items, &Weights::from_lists(1, lists), &maps, 1e-7);
         let moved = fitted.columns.subcols(4, 8) - maps.columns.subcols(4, 8);

@@ -1,6 +1,7 @@
 //! The fit of weights to given maps.
 
 use super::items::{Items, Maps, Supports, Weights};
+use crate::constants::NEARER;
 use crate::numeric::dot::dot_by_lanes;
 use crate::numeric::registers;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
@@ -14,6 +15,8 @@ use std::ops::Range;
 pub const CANDIDATES: usize = 12;
 /// Error of a Gram matrix's entries, relative to the squared length of the target.
 const ROUNDING: f64 = 1e-14;
+/// An error below this share of the squared length of the target is one that nobody sees.
+const UNSEEN: f64 = 1e-8;
 /// Items that are read at a time.
 const BLOCK: usize = 256;
 
@@ -104,6 +107,8 @@ struct ItemFit<'a> {
     /// Squared length of its target.
     size: f64,
     item: usize,
+    /// How many times farther each map is than the nearest, where it is known.
+    distances: Option<&'a [f64]>,
     products: &'a Products,
     /// Its part of [`Products::onto`].
     onto: &'a [f64],
@@ -122,7 +127,8 @@ impl<'a> ItemFit<'a> {
                 squares.iter_mut().zip(h).for_each(|(square, hi)| *square += hi * hj);
             }
         }
-        Self { width: m, h, squares, size, item, products, onto }
+        let distances = items.distances.map(|all| all.col_as_slice(item));
+        Self { width: m, h, squares, size, item, distances, products, onto }
     }
 
     fn run(&self, supports: Supports<'_>) -> ItemWeights {
@@ -141,32 +147,58 @@ impl<'a> ItemFit<'a> {
                     }
                 }
                 let (chosen, kept) = (self.solve(candidates, most), self.solve(own(last), most));
-                if chosen.1 < kept.1 { chosen } else { kept }
+                if self.cost(&chosen) < self.cost(&kept) { chosen } else { kept }
             }
         }
     }
 
     /// The maps by which alone the item errs least.
     fn nearest(&self) -> Vec<(f64, usize)> {
-        let mut candidates: Vec<_> = self.errors_alone().into_iter().zip(0..).collect();
-        if candidates.len() > CANDIDATES {
-            candidates.select_nth_unstable_by(CANDIDATES, by_error);
-            candidates.truncate(CANDIDATES);
+        let errors = self.errors_alone();
+        let cost = |map: usize| {
+            let distance = self.distances.map_or(0.0, |distances| distances[map]);
+            self.with_distance(errors[map], distance)
+        };
+        let mut costs: Vec<_> = (0..errors.len()).map(|map| (cost(map), map)).collect();
+        if costs.len() > CANDIDATES {
+            costs.select_nth_unstable_by(CANDIDATES, by_error);
+            costs.truncate(CANDIDATES);
         }
-        candidates
+        costs.into_iter().map(|(_, map)| (errors[map], map)).collect()
     }
 
     /// Fits at most so many weights of candidates, each with its error alone.
     fn solve(&self, mut candidates: Vec<(f64, usize)>, most: usize) -> ItemWeights {
         candidates.sort_by(by_error);
         let gram = self.gram(&candidates);
-        let weights = simplex::solve_sparse(&gram, most);
+        let mut weights = simplex::solve_sparse(&gram, most);
+        if let Some(distances) = self.distances {
+            let aside = self.aside(gram.error(&weights)).sqrt();
+            let aside = gram.set_aside(|i| aside * distances[candidates[i].1]);
+            weights = simplex::solve_sparse(&aside, most);
+        }
         let mut list: Vec<(usize, f64)> = (0..gram.len)
             .filter(|&i| weights[i] > 0.0)
             .map(|i| (candidates[i].1, weights[i]))
             .collect();
         list.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         (list, gram.error(&weights))
+    }
+
+    /// Gives an error with what the distance of what is followed adds to it.
+    fn cost(&self, (list, error): &ItemWeights) -> f64 {
+        let distance = |distances: &[f64]| list.iter().map(|(map, w)| w * distances[*map]).sum();
+        self.with_distance(*error, self.distances.map_or(0.0, distance))
+    }
+
+    fn with_distance(&self, error: f64, distance: f64) -> f64 {
+        error + self.aside(error) * distance * distance
+    }
+
+    /// The square of how far aside of an item that errs by so much a map stands that is as near as any: what is so many
+    /// times farther stands so many times farther aside.
+    fn aside(&self, error: f64) -> f64 {
+        NEARER.get() * error.max(UNSEEN * self.size)
     }
 
     /// Gives the item's squared error by each map alone.
