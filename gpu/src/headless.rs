@@ -35,13 +35,6 @@ pub trait Device {
     /// [`HeadlessError`]
     fn upload(&self, blob: &[u8], plan: &Plan) -> Result<Box<dyn Uploaded + '_>, HeadlessError>;
 
-    /// Measures how long it takes to copy so many bytes from one buffer of the device to another,
-    /// `repeat_len` times in one submission.
-    ///
-    /// # Errors
-    /// [`HeadlessError`]
-    fn time_copy(&self, bytes: u64, repeat_len: usize) -> Result<Duration, HeadlessError>;
-
     /// Counts the messages of validation layers so far; `None` where they cannot be counted here.
     fn message_len(&self) -> Option<usize>;
 }

@@ -3,8 +3,10 @@
 //!
 //! `cargo run --release -p sinew-gpu --example bandwidth [-- DRIVER]`
 
+mod copy;
 mod model;
 
+use copy::Copy;
 use sinew_gpu::headless::{Device, Uploaded};
 use sinew_gpu::layout::{Batch, Plan, Resource, Stage};
 use sinew_gpu::{vulkan, wgpu};
@@ -25,16 +27,17 @@ const WGPU_MOST: f64 = 1.3;
 const APART_MOST: f64 = 0.15;
 
 fn main() -> Result<()> {
-    let devices = open(std::env::args().nth(1).as_deref())?;
-    let info = devices[0].info();
+    let (wgpu, vulkan) = open(std::env::args().nth(1).as_deref())?;
+    let devices: [&dyn Device; 2] = [&wgpu, &vulkan];
+    let info = wgpu.info();
     println!("{}, {} {}", info.name, info.driver, info.driver_info);
     println!("medians of {MEDIAN_OF}");
     // A buffer has at most 256 MiB at downlevel limits: hardware gets almost that for an output.
-    let (instances, vertices) = if info.software { (64, 10_000) } else { (1024, 20_000) };
-    bandwidth(&devices, instances, vertices)?;
-    let wgpu = side_by_side(&devices)?;
+    let instances = if info.software { 64 } else { 1024 };
+    bandwidth(&devices, &wgpu, instances, 10_000)?;
+    let ratio = side_by_side(&devices)?;
     let by_instances = by_instances(&devices)?;
-    let missed = missed(wgpu, &by_instances);
+    let missed = missed(ratio, &by_instances);
     if info.driver == LAVAPIPE && !missed.is_empty() {
         return Err(missed.join("; ").into());
     }
@@ -62,21 +65,26 @@ fn missed(wgpu: f64, by_instances: &[(&str, f64)]) -> Vec<String> {
 }
 
 /// Opens a device through each API: of the driver that is given, or else hardware if there is any.
-fn open(driver: Option<&str>) -> Result<[Box<dyn Device>; 2]> {
+fn open(driver: Option<&str>) -> Result<(wgpu::headless::Device, vulkan::headless::Device)> {
     let found = wgpu::headless::devices();
     let hardware = || found.iter().find(|info| !info.software).or(found.first());
     let driver = match driver {
         Some(driver) => driver.to_owned(),
         None => hardware().ok_or("there is no device")?.driver.clone(),
     };
-    Ok([
-        Box::new(wgpu::headless::Device::of_driver(&driver, false)?),
-        Box::new(vulkan::headless::Device::of_driver(&driver, false)?),
-    ])
+    Ok((
+        wgpu::headless::Device::of_driver(&driver, false)?,
+        vulkan::headless::Device::of_driver(&driver, false)?,
+    ))
 }
 
-/// Measures the skin stage, and a copy of as many bytes.
-fn bandwidth(devices: &[Box<dyn Device>], instances: usize, vertices: usize) -> Result<()> {
+/// Measures the skin stage, and on one device a copy of as many bytes.
+fn bandwidth(
+    devices: &[&dyn Device],
+    copying: &wgpu::headless::Device,
+    instances: usize,
+    vertices: usize,
+) -> Result<()> {
     let model = loaded(vertices)?;
     let (envelope, skin) = parts(&model)?;
     let moved = Moved::new(&envelope, &skin, instances);
@@ -88,20 +96,22 @@ fn bandwidth(devices: &[Box<dyn Device>], instances: usize, vertices: usize) -> 
         moved.palettes as f64 / 1e6,
         moved.written as f64 / 1e6
     );
-    println!("{:8} {:>9} {:>9} {:>10} {:>7}", "", "skin ms", "GB/s", "copy GB/s", "share");
+    let rate = |seconds: f64| moved.all() as f64 / seconds / 1e9;
+    // A copy reads as much as it writes.
+    let copy = Copy::new(copying, moved.all() / 2)?;
+    copy.time(1)?;
+    let copy = each(|repeat_len| copy.time(repeat_len))?;
+    println!("copied by a shader: {:.1} GB/s", rate(copy));
+    println!("{:8} {:>9} {:>9} {:>7}", "", "skin ms", "GB/s", "share");
     for device in devices {
-        let mut uploaded = posed(device.as_ref(), &model, instances)?;
+        let mut uploaded = posed(*device, &model, instances)?;
         uploaded.run(instances)?;
         let skin = each(|repeat_len| uploaded.time_stage(Stage::Skin, instances, repeat_len))?;
-        // A copy reads as much as it writes.
-        let copy = each(|repeat_len| device.time_copy(moved.all() / 2, repeat_len))?;
-        let rate = |seconds: f64| moved.all() as f64 / seconds / 1e9;
         println!(
-            "{:8} {:9.3} {:9.1} {:10.1} {:6.1}%",
+            "{:8} {:9.3} {:9.1} {:6.1}%",
             device.info().api,
             1e3 * skin,
             rate(skin),
-            rate(copy),
             100.0 * copy / skin
         );
     }
@@ -134,21 +144,19 @@ impl Moved {
 }
 
 /// Measures all stages of a large batch through each API, in turns; returns the time of wgpu over that of Vulkan.
-fn side_by_side(devices: &[Box<dyn Device>]) -> Result<f64> {
+fn side_by_side(devices: &[&dyn Device]) -> Result<f64> {
     let (instances, vertices) = (256, 10_000);
     let model = loaded(vertices)?;
     let mut batches = Vec::new();
     for device in devices {
-        batches.push(posed(device.as_ref(), &model, instances)?);
+        batches.push(posed(*device, &model, instances)?);
     }
     let mut times = vec![Vec::new(); batches.len()];
-    for round in 0..=MEDIAN_OF {
+    for _ in 0..MEDIAN_OF {
         for (batch, times) in batches.iter_mut().zip(&mut times) {
-            let time = run(batch.as_mut(), instances, 1)?;
-            // The first warms up.
-            if round > 0 {
-                times.push(time);
-            }
+            // The first after the other API's turn warms up.
+            run(batch.as_mut(), instances, 1)?;
+            times.push(run(batch.as_mut(), instances, 1)?);
         }
     }
     println!("\nall stages, {instances} instances of {vertices} vertices, recorded to waited for");
@@ -163,15 +171,15 @@ fn side_by_side(devices: &[Box<dyn Device>]) -> Result<f64> {
 
 /// Measures all stages of a small and of a large number of instances, in turns; returns each API's time for an instance
 /// among many over that among few.
-fn by_instances(devices: &[Box<dyn Device>]) -> Result<Vec<(&'static str, f64)>> {
+fn by_instances(devices: &[&dyn Device]) -> Result<Vec<(&'static str, f64)>> {
     let (few, many, vertices) = (64, 1024, 1000);
     let model = loaded(vertices)?;
     println!("\nall stages, time for an instance of {vertices} vertices");
     println!("{:8} {:>7} us {:>7} us {:>7}", "", few, many, "ratio");
     let mut ratios = Vec::new();
     for device in devices {
-        let mut small = posed(device.as_ref(), &model, few)?;
-        let mut large = posed(device.as_ref(), &model, many)?;
+        let mut small = posed(*device, &model, few)?;
+        let mut large = posed(*device, &model, many)?;
         let mut times = [Vec::new(), Vec::new()];
         for round in 0..=MEDIAN_OF {
             // As many instances in the end.

@@ -1,13 +1,11 @@
 //! A batch whose buffers the helper owns.
 
 use super::super::bound::{Bound, barrier};
-use super::commands::Commands;
 use super::device::Device;
 use super::held::{Held, uploaded};
 use super::memory::Memory;
 use crate::headless::{self, DeviceInfo, HeadlessError, Uploaded};
 use crate::layout::{DeviceLimits, Plan, Resource, Stage};
-use ash::vk;
 use std::time::{Duration, Instant};
 
 /// A batch on a device, with its buffers in the device's own memory.
@@ -124,44 +122,6 @@ impl headless::Device for Device {
 
     fn upload(&self, blob: &[u8], plan: &Plan) -> Result<Box<dyn Uploaded + '_>, HeadlessError> {
         Ok(Box::new(self.batch(blob, plan)?))
-    }
-
-    fn time_copy(&self, bytes: u64, repeat_len: usize) -> Result<Duration, HeadlessError> {
-        let bytes = bytes.next_multiple_of(4);
-        let none = vk::BufferUsageFlags::empty();
-        let [from, to] = [Memory::local(self, bytes, none)?, Memory::local(self, bytes, none)?];
-        let regions = [vk::BufferCopy::default().size(bytes)];
-        let memory = [vk::MemoryBarrier::default()
-            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-            .dst_access_mask(vk::AccessFlags::TRANSFER_READ | vk::AccessFlags::TRANSFER_WRITE)];
-        let (stage, flags) = (vk::PipelineStageFlags::TRANSFER, vk::DependencyFlags::empty());
-        let commands = Commands::new(self)?;
-        let copy = |count: usize| {
-            let record = |device: &ash::Device, commands| {
-                for _ in 0..count {
-                    // SAFETY: it is being recorded, and both buffers have these bytes.
-                    unsafe {
-                        device.cmd_pipeline_barrier(
-                            commands,
-                            stage,
-                            stage,
-                            flags,
-                            &memory,
-                            &[],
-                            &[],
-                        );
-                        device.cmd_copy_buffer(commands, from.buffer(), to.buffer(), &regions);
-                    }
-                }
-                Ok(())
-            };
-            // SAFETY: what is recorded is valid.
-            unsafe { commands.submit(record) }
-        };
-        copy(1)?;
-        let start = Instant::now();
-        copy(repeat_len)?;
-        Ok(start.elapsed())
     }
 
     fn message_len(&self) -> Option<usize> {

@@ -119,25 +119,6 @@ impl headless::Device for Device {
         Ok(Box::new(uploaded))
     }
 
-    fn time_copy(&self, bytes: u64, repeat_len: usize) -> Result<Duration, HeadlessError> {
-        let bytes = bytes.next_multiple_of(4);
-        let from = self.buffer(bytes, BufferUsages::COPY_SRC | BufferUsages::COPY_DST)?;
-        let to = self.buffer(bytes, BufferUsages::COPY_DST)?;
-        // Both are cleared before they are used for the first time.
-        let copy = |count: usize| {
-            self.submit(|encoder| {
-                for _ in 0..count {
-                    encoder.copy_buffer_to_buffer(&from, 0, &to, 0, bytes);
-                }
-                Ok(())
-            })
-        };
-        copy(1)?;
-        let start = Instant::now();
-        copy(repeat_len)?;
-        Ok(start.elapsed())
-    }
-
     fn message_len(&self) -> Option<usize> {
         // They go to `log`, whose one logger is the program's.
         None

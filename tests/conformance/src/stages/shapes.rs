@@ -6,8 +6,8 @@ use crate::shapes::ShapeSubject;
 use crate::tolerance::{self, UNDERFLOW};
 use sinew_gpu::layout::{Attribute, ShapesBatch};
 
-/// Compares positions, normals and tangents of the whole mesh; then the floats that a range of it fills, the attributes of
-/// a vertex side by side, bit by bit.
+/// Compares positions, normals and tangents of the whole mesh; then those of a range of it, the attributes of a vertex
+/// side by side, bit by bit with what the backend made of the whole.
 ///
 /// # Errors
 /// What the backend refuses.
@@ -24,22 +24,22 @@ pub fn body(backend: &dyn Backend, subject: &ShapeSubject<'_>) -> Result<Vec<Fin
             for ((finding, own), (value, error)) in
                 findings.iter_mut().zip(places(&batch)).zip(right)
             {
-                let Attribute { offset, stride, instance_stride } = own;
-                let at = offset + face * instance_stride + vertex * stride;
                 let errors: Vec<_> = error.iter().map(|error| error + UNDERFLOW).collect();
+                let at = place(&own, face, vertex);
                 let range = at..at + value.len();
                 finding.compare(&found[range.clone()], &cpu[range], &value, &errors);
             }
         }
     }
-    let batch = side_by_side(subject);
-    let (found, cpu) = (shaped_by(backend, subject, &batch)?, shaped_by(&Cpu, subject, &batch)?);
+    let aside = side_by_side(subject);
+    let ranged = shaped_by(backend, subject, &aside)?;
     let mut range = Finding::new("a range, side by side");
-    let len = if subject.skin.has_tangents() { 10 } else { 6 };
     for face in 0..subject.face_len {
-        for i in 0..batch.vertices.len() {
-            let at = FIRST + face * instance_stride(&batch) + STRIDE * i;
-            range.equal(&found[at..][..len], &cpu[at..][..len]);
+        for (i, vertex) in aside.vertices.clone().enumerate() {
+            for ((own, whole), len) in places(&aside).zip(places(&batch)).zip([3, 3, 4]) {
+                let (at, from) = (place(&own, face, i), place(&whole, face, vertex));
+                range.equal(&ranged[at..][..len], &found[from..][..len]);
+            }
         }
     }
     findings.push(range);
@@ -71,6 +71,11 @@ fn instance_stride(batch: &ShapesBatch) -> usize {
 
 fn places(batch: &ShapesBatch) -> impl Iterator<Item = Attribute> {
     [batch.positions, batch.normals, batch.tangents].into_iter().flatten()
+}
+
+/// Where an attribute of a face's vertex starts.
+fn place(attribute: &Attribute, face: usize, vertex: usize) -> usize {
+    attribute.offset + face * attribute.instance_stride + vertex * attribute.stride
 }
 
 /// Shapes a batch of all faces.

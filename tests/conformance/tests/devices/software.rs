@@ -71,10 +71,6 @@ impl Device for Software<'_> {
         Ok(Box::new(Batch { part, plan: plan.clone(), buffers, fault: self.fault }))
     }
 
-    fn time_copy(&self, _: u64, _: usize) -> Result<Duration, HeadlessError> {
-        Ok(Duration::ZERO)
-    }
-
     fn message_len(&self) -> Option<usize> {
         None
     }
