@@ -76,9 +76,12 @@ pub static LINEAR: Constant = Constant::new("LINEAR", 0.2);
 pub static GENTLE: Constant = Constant::new("GENTLE", 0.1);
 /// How much worse a larger ridge may score.
 pub static STIFFER: Constant = Constant::new("STIFFER", 0.02);
+/// How many times the squared norm that a function of its outputs' size would have by its prior it has at most: what hangs
+/// on a direction that the samples hardly take is learned of their noise, and thrown far wherever a pose takes it.
+pub static PLAUSIBLE: Constant = Constant::new("PLAUSIBLE", 1e6);
 
 /// All of them.
-pub static ALL: [&Constant; 22] = [
+pub static ALL: [&Constant; 23] = [
     &ERRS,
     &SERVED,
     &NEAR,
@@ -101,4 +104,5 @@ pub static ALL: [&Constant; 22] = [
     &LINEAR,
     &GENTLE,
     &STIFFER,
+    &PLAUSIBLE,
 ];

@@ -171,6 +171,12 @@ impl<'a> Design<'a> {
         })
     }
 
+    /// Returns the squared norms of the functions that coefficients of the directions stand for, r.
+    pub fn norms(&self, dual: &Mat<f64>) -> Vec<f64> {
+        let norm = |o| self.squared.iter().enumerate().map(|(k, s)| s * dual[(k, o)].powi(2)).sum();
+        (0..dual.ncols()).map(norm).collect()
+    }
+
     /// Turns coefficients of the design's columns to those of the kernels at the origin and at the
     /// centres, centres + 1 x r.
     fn at_centres(&self, solution: &Mat<f64>) -> Mat<f64> {

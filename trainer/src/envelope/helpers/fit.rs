@@ -375,7 +375,7 @@ mod tests {
     #[test]
     fn helpers_that_hear_the_same_stand_together_and_the_skin_stays() {
         let training = arm();
-        let found = HelperFit::new(&training).unwrap().run(20, 4);
+        let found = HelperFit::new(&training).unwrap().run(40, 4);
         let skin = |helpers: &Helpers| {
             let palette = helpers.true_palette(&training.poses);
             let trace: f64 = (0..helpers.gram.nrows()).map(|i| helpers.gram[(i, i)]).sum();
@@ -386,7 +386,7 @@ mod tests {
         assert!(known.values().any(|lists| lists.len() > 1), "some joint has several lists");
         let sum: f64 = found.lbs_errors.iter().sum();
         let found = found.listening(&training, &known);
-        let places: Vec<_> = (0..20).map(|l| found.target(&training).place(l)).collect();
+        let places: Vec<_> = (0..40).map(|l| found.target(&training).place(l)).collect();
         assert!(places.is_sorted() && places.iter().any(|place| place.1 > 0), "{places:?}");
         let (moved, moved_trace) = skin(&found);
         assert!((moved / rms - 1.0).abs() < 1e-9 && (moved_trace / trace - 1.0).abs() < 1e-12);
@@ -396,12 +396,12 @@ mod tests {
     #[test]
     fn a_helper_with_nothing_to_learn_takes_a_list_as_well() {
         let training = arm();
-        let mut found = HelperFit::new(&training).unwrap().run(20, 4);
+        let mut found = HelperFit::new(&training).unwrap().run(40, 4);
         let known = lists::choose(&found.target(&training), usize::MAX, &Silent);
         let has_several = |l: &usize| known[&found.dominant[*l]].len() > 1;
-        let last = (0..20).rev().find(has_several).unwrap();
+        let last = (0..40).rev().find(has_several).unwrap();
         found.left_over.subcols_mut(4 * last, 4).fill(0.0);
-        assert_eq!(lists::assign(&found.target(&training), &known).len(), 20);
+        assert_eq!(lists::assign(&found.target(&training), &known).len(), 40);
     }
 
     #[test]
