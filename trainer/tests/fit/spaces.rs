@@ -18,8 +18,9 @@ const GLTF: Space = Space::GLTF;
 const UNREAL: Space = Space::UNREAL;
 const UNITY: Space = Space::UNITY;
 
+/// Of a seed where no vertex is between what it may follow: there the last digit decides, and a unit of 100 changes it.
 fn arm() -> Examples {
-    let arm = demo(&DemoOptions { vertices: 400, poses: 40, held_out: 12, seed: 2 });
+    let arm = demo(&DemoOptions { vertices: 400, poses: 40, held_out: 12, seed: 3 });
     Examples { space: GLTF, ..arm }
 }
 
