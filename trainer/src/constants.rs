@@ -33,8 +33,8 @@ pub static ERRS: Constant = Constant::new("ERRS", 4e-4);
 pub static SERVED: Constant = Constant::new("SERVED", 1e-4);
 /// A distance from a bone that is near, in diagonals: what is nearer yet says no more of what a vertex follows.
 pub static NEAR: Constant = Constant::new("NEAR", 0.03);
-/// Share of its squared error that a vertex adds for the square of how many times farther it is from what it follows than
-/// from the nearest: nothing where the poses tell, and where they do not all.
+/// Share of its squared error that a vertex is charged for distance, times the square of how many times farther than the
+/// nearest bone it follows: too little to matter where poses tell, enough to decide where they do not.
 pub static NEARER: Constant = Constant::new("NEARER", 0.25);
 /// How many times more a distance counts among joints and helpers: of more maps more do as well by chance.
 pub static FARTHER: Constant = Constant::new("FARTHER", 1.4);
@@ -76,8 +76,8 @@ pub static LINEAR: Constant = Constant::new("LINEAR", 0.2);
 pub static GENTLE: Constant = Constant::new("GENTLE", 0.1);
 /// How much worse a larger ridge may score.
 pub static STIFFER: Constant = Constant::new("STIFFER", 0.02);
-/// How many times the squared norm that a function of its outputs' size would have by its prior it has at most: what hangs
-/// on a direction that the samples hardly take is learned of their noise, and thrown far wherever a pose takes it.
+/// Most that a function's squared norm may be, over the one that its outputs' size tells by the prior: more hangs on
+/// directions that the samples hardly take, is learned of their noise, and throws wherever a pose takes them.
 pub static PLAUSIBLE: Constant = Constant::new("PLAUSIBLE", 1e6);
 
 /// All of them.

@@ -172,7 +172,7 @@ impl<'a> Design<'a> {
     }
 
     /// Returns the squared norms of the functions that coefficients of the directions stand for, r.
-    pub fn norms(&self, dual: &Mat<f64>) -> Vec<f64> {
+    pub fn squared_norms(&self, dual: &Mat<f64>) -> Vec<f64> {
         let norm = |o| self.squared.iter().enumerate().map(|(k, s)| s * dual[(k, o)].powi(2)).sum();
         (0..dual.ncols()).map(norm).collect()
     }

@@ -82,10 +82,10 @@ fn best_of(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Sco
     let of_ridge = |ridge: f64| {
         let left = projected.left_out(design, outputs, ridge)?;
         let dual = design.dual(&projected.all, |_| ridge);
-        let norms = design.norms(&dual);
+        let squared_norms = design.squared_norms(&dual);
         let rounding = rounding.of(&dual);
         let score = |(output, rounding): (usize, f64)| {
-            if norms[output] > plausible * outputs.all.col(output).squared_norm_l2() {
+            if squared_norms[output] > plausible * outputs.all.col(output).squared_norm_l2() {
                 return f64::INFINITY;
             }
             let errors = left.iter().map(|left| {

@@ -176,8 +176,9 @@ struct OnBasis<'a> {
     bases: Mat<f64>,
     /// The palette before any correction, as far as it counts, on the basis of LBS.
     plain: Mat<f64>,
-    /// How far each joint's bone is from each vertex, as far as it counts, and for a helper its dominant joint's.
-    distances: Mat<f64>,
+    /// How many times farther each joint's bone is from each vertex than the nearest, as far as it counts; for a helper its
+    /// dominant joint's.
+    farther: Mat<f64>,
 }
 
 impl<'a> OnBasis<'a> {
@@ -192,8 +193,8 @@ impl<'a> OnBasis<'a> {
             joints: onto(trajectories, joints),
             bases: onto(trajectories, bases),
             plain: palette * faer::Scale(BASE.get()),
-            distances: Mat::from_fn(maps.len(), open.vertices.len(), |map, k| {
-                FARTHER.get() * training.distances[(maps[map], open.vertices[k])]
+            farther: Mat::from_fn(maps.len(), open.vertices.len(), |map, k| {
+                FARTHER.get() * training.farther[(maps[map], open.vertices[k])]
             }),
         }
     }
@@ -212,8 +213,8 @@ impl InTurn for OnBasis<'_> {
         let palette = faer::concat![[&self.joints, &helpers.columns]];
         let columns = faer::concat![[&palette], [&self.plain]];
         let Open { rest, targets, .. } = self.open;
-        let distances = Some(&self.distances);
-        let items = Items { distances, ..Items::vertices(rest, targets, self.open.importance()) };
+        let farther = Some(&self.farther);
+        let items = Items { farther, ..Items::vertices(rest, targets, self.open.importance()) };
         items.weights(&Maps { width: 4, columns }, supports)
     }
 

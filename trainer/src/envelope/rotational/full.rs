@@ -8,7 +8,6 @@ use super::predictor::GradientPredictor;
 use super::settings::near_rigid;
 use crate::envelope::FitError;
 use crate::envelope::skin::blend::Weights;
-use crate::envelope::skin::bones;
 use crate::envelope::skin::poses::{Poses, trajectories};
 use crate::envelope::skin::weights::{self, BASELINE_INFLUENCES};
 use crate::examples::{Examples, Split};
@@ -39,9 +38,7 @@ impl<'a> Full<'a> {
         let poses = Poses::new(examples, &frames);
         let moved = trajectories(examples, &frames, &poses);
         let rest = &examples.rest;
-        let distances = bones::distances(examples, &poses);
-        let (joints, errors) =
-            weights::fit(rest, &moved, &poses, BASELINE_INFLUENCES, Some(&distances));
+        let (joints, errors) = weights::fit(rest, &moved, &poses, BASELINE_INFLUENCES, None);
         let predictors = triangles
             .par_iter()
             .map(|corners| {

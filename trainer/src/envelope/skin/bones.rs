@@ -2,33 +2,35 @@
 
 use super::poses::Poses;
 use crate::constants::NEAR;
-use crate::examples::Examples;
+use crate::examples::{Examples, Matrix3x4};
 use faer::Mat;
 use nalgebra::Vector3;
 
 /// How many times farther each joint's bone is from each vertex than the nearest is, J x V numbers of at least 1.
 ///
 /// - `poses`: of the training frames, in any unit. They place a joint of which the source does not say where it is, if it
-///   turns against its parent; else nothing does, and it is far from all.
-pub fn distances(examples: &Examples, poses: &Poses) -> Mat<f64> {
+///   turns against its parent; else nothing does, and only its children's places tell of its bone.
+pub fn farther(examples: &Examples, poses: &Poses) -> Mat<f64> {
     let (skeleton, unit) = (&examples.skeleton, examples.diagonal());
     let parents = skeleton.own_parents();
     let turns = |joint: usize| parents[joint].is_some_and(|up| !poses.turn_as_one(joint, up));
-    let is_placed = |joint: usize| !skeleton.unplaced.contains(&joint) || turns(joint);
-    let origins: Vec<Vector3<f64>> =
-        skeleton.rest.iter().map(|frame| frame.map(|row| row[3]).into()).collect();
-    let bones =
-        |joint| if is_placed(joint) { bones(joint, &parents, &origins) } else { Vec::new() };
-    let bones: Vec<Vec<Bone>> = (0..origins.len()).map(bones).collect();
-    let distances = Mat::from_fn(origins.len(), examples.vertex_len(), |joint, vertex| {
+    let place = |(joint, frame): (usize, &Matrix3x4)| {
+        let is_placed = !skeleton.unplaced.contains(&joint) || turns(joint);
+        is_placed.then(|| frame.map(|row| row[3]).into())
+    };
+    let places: Vec<_> = skeleton.rest.iter().enumerate().map(place).collect();
+    let bones: Vec<_> = (0..places.len()).map(|joint| bones_of(joint, &parents, &places)).collect();
+    let mut farther = Mat::from_fn(bones.len(), examples.vertex_len(), |joint, vertex| {
         let x = Vector3::from(examples.rest[vertex]);
-        let own = bones[joint].iter().map(|bone| bone.distance(&x));
-        own.fold(unit, f64::min) + NEAR.get() * unit
+        let distances = bones[joint].iter().map(|bone| bone.distance(&x));
+        distances.fold(unit, f64::min) + NEAR.get() * unit
     });
-    let nearest =
-        |vertex: usize| distances.col(vertex).iter().copied().fold(f64::INFINITY, f64::min);
-    let nearest: Vec<f64> = (0..distances.ncols()).map(nearest).collect();
-    Mat::from_fn(distances.nrows(), nearest.len(), |j, v| distances[(j, v)] / nearest[v])
+    for vertex in 0..farther.ncols() {
+        let of_joints = farther.col_as_slice_mut(vertex);
+        let nearest = of_joints.iter().copied().fold(f64::INFINITY, f64::min);
+        of_joints.iter_mut().for_each(|distance| *distance /= nearest);
+    }
+    farther
 }
 
 /// A bone, from a joint's origin to a child's.
@@ -37,15 +39,18 @@ struct Bone {
     along: Vector3<f64>,
 }
 
-/// Gives the bones of a joint: one to each child; without children one as long as its parent's, on from there.
-fn bones(joint: usize, parents: &[Option<usize>], origins: &[Vector3<f64>]) -> Vec<Bone> {
-    let from = origins[joint];
-    let children = (0..origins.len()).filter(|&child| parents[child] == Some(joint));
-    let mut bones: Vec<Bone> =
-        children.map(|child| Bone { from, along: origins[child] - from }).collect();
+/// Gives the bones of a joint: one to each child; without children one as long as its parent's, on from there. Of joints
+/// without a place there is none, but where their children are.
+fn bones_of(joint: usize, parents: &[Option<usize>], places: &[Option<Vector3<f64>>]) -> Vec<Bone> {
+    let children = (0..places.len()).filter(|&child| parents[child] == Some(joint));
+    let children = children.filter_map(|child| places[child]);
+    let Some(from) = places[joint] else {
+        return children.map(|from| Bone { from, along: Vector3::zeros() }).collect();
+    };
+    let mut bones: Vec<Bone> = children.map(|child| Bone { from, along: child - from }).collect();
     if bones.is_empty() {
-        let along = parents[joint].map_or_else(Vector3::zeros, |up| from - origins[up]);
-        bones.push(Bone { from, along });
+        let parent = parents[joint].and_then(|parent| places[parent]);
+        bones.push(Bone { from, along: parent.map_or_else(Vector3::zeros, |up| from - up) });
     }
     bones
 }
@@ -61,6 +66,7 @@ impl Bone {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::envelope::demo::{DemoOptions, demo};
     use crate::examples::testing::triangle;
 
     /// Joints at 0 and 1 on the x axis, of which the second may turn, and three vertices.
@@ -76,7 +82,7 @@ mod tests {
     }
 
     fn found(examples: &Examples) -> Mat<f64> {
-        distances(examples, &Poses::new(examples, &[0, 1]))
+        farther(examples, &Poses::new(examples, &[0, 1]))
     }
 
     #[test]
@@ -106,6 +112,45 @@ mod tests {
             let found = found(&examples);
             assert_eq!(found[(1, 1)] == 1.0, turns);
             assert_eq!(found[(0, 1)] == 1.0, !turns);
+        }
+    }
+
+    #[test]
+    fn what_nothing_places_makes_no_bones_of_others() {
+        let mut examples = pair(false);
+        examples.skeleton.unplaced = vec![1];
+        examples.place_joints();
+        let near = NEAR.get() * examples.diagonal();
+        let from_root = f64::hypot(1.5, 0.2) + near;
+        let apart = found(&examples)[(1, 1)] * from_root;
+        assert!((apart - (1.0 + NEAR.get()) * examples.diagonal()).abs() < 1e-12, "no bone to it");
+        let mut examples = pair(false);
+        examples.skeleton.unplaced = vec![0];
+        examples.place_joints();
+        let found = found(&examples);
+        // The root is known by its child, which is one point with its bone's start.
+        assert!((found[(0, 0)] - 1.0).abs() < 1e-12 && (found[(1, 0)] - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn weights_do_not_depend_on_where_the_character_stands() {
+        let examples = demo(&DemoOptions { vertices: 200, poses: 12, held_out: 0, seed: 1 });
+        let mut moved = examples.clone();
+        let far = |x: &mut [f64; 3]| x[0] += 1000.0;
+        moved.rest.iter_mut().for_each(far);
+        moved.vertices.iter_mut().for_each(far);
+        moved.skeleton.rest.iter_mut().for_each(|frame| frame[0][3] += 1000.0);
+        for map in &mut moved.transforms {
+            let turned = [map[0][0], map[1][0], map[2][0]].map(|x| 1000.0 * x);
+            (0..3).for_each(|row| map[row][3] -= turned[row]);
+            map[0][3] += 1000.0;
+        }
+        let [here, there] = [&examples, &moved].map(super::super::weights::baseline);
+        for vertex in 0..here.len() {
+            for (here, there) in here.of(vertex).zip(there.of(vertex)) {
+                assert_eq!(here.0, there.0, "{vertex}");
+                assert!((here.1 - there.1).abs() < 1e-6, "{vertex}: {here:?} {there:?}");
+            }
         }
     }
 

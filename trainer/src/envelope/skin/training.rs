@@ -36,7 +36,7 @@ pub struct Training {
     /// n poses.
     pub poses: Poses,
     /// How many times farther each joint's bone is from each vertex than the nearest, J x V.
-    pub distances: Mat<f64>,
+    pub farther: Mat<f64>,
     /// The vertices' trajectories, 3n x V.
     pub trajectories: Mat<f64>,
     /// LBS fitted to them.
@@ -87,7 +87,7 @@ impl Training {
             skeleton: examples.skeleton.clone(),
             origins: Vec::new(),
             poses: Poses::new(examples, &[]),
-            distances: Mat::zeros(0, 0),
+            farther: Mat::zeros(0, 0),
             trajectories: Mat::zeros(0, 0),
             lbs: Lbs { weights: Weights::from_lists(1, std::iter::empty()), errors: Vec::new() },
             importance: examples.importance.clone(),
@@ -101,10 +101,10 @@ impl Training {
         }
         (training.poses, training.trajectories) = training.view(examples, frames);
         progress.step("LBS weights", 1);
-        training.distances = bones::distances(examples, &training.poses);
-        let Self { rest, trajectories, poses, distances, .. } = &training;
+        training.farther = bones::farther(examples, &training.poses);
+        let Self { rest, trajectories, poses, farther, .. } = &training;
         let (weights, errors) =
-            weights::fit(rest, trajectories, poses, BASELINE_INFLUENCES, Some(distances));
+            weights::fit(rest, trajectories, poses, BASELINE_INFLUENCES, Some(farther));
         training.lbs = Lbs { weights, errors };
         Ok(training)
     }

@@ -15,15 +15,15 @@ pub const BASELINE_INFLUENCES: usize = 4;
 /// Fits at most `most` joint weights a vertex to trajectories (3n x V); returns them and the
 /// vertices' squared errors, summed over the poses.
 ///
-/// - `distances`: as [`bones::distances`] gives them; without, the poses alone tell.
+/// - `farther`: as [`bones::farther`] gives it, where positions are about the centroid; without, the poses alone tell.
 pub fn fit(
     rest: &[[f64; 3]],
     trajectories: &Mat<f64>,
     poses: &Poses,
     most: usize,
-    distances: Option<&Mat<f64>>,
+    farther: Option<&Mat<f64>>,
 ) -> (Weights, Vec<f64>) {
-    let items = Items { distances, ..Items::vertices(rest, trajectories, Importance::ALIKE) };
+    let items = Items { farther, ..Items::vertices(rest, trajectories, Importance::ALIKE) };
     let joints = Maps { width: 4, columns: poses.stacked() };
     fit_weights(&items, &joints, Supports::Free(most))
 }
@@ -31,10 +31,19 @@ pub fn fit(
 /// Fits the baseline's weights to the training frames of examples.
 pub fn baseline(examples: &Examples) -> Weights {
     let frames = examples.frames_of(Split::Train);
+    let centre = examples.centroid();
+    let about = |x: &[f64; 3]| [0, 1, 2].map(|axis| x[axis] - centre[axis]);
+    let rest: Vec<_> = examples.rest.iter().map(about).collect();
     let poses = Poses::new(examples, &frames);
-    let moved = trajectories(examples, &frames, &poses);
-    let distances = bones::distances(examples, &poses);
-    fit(&examples.rest, &moved, &poses, BASELINE_INFLUENCES, Some(&distances)).0
+    let mut moved = trajectories(examples, &frames, &poses);
+    for vertex in 0..moved.ncols() {
+        for y in moved.col_as_slice_mut(vertex).as_chunks_mut::<3>().0 {
+            *y = about(y);
+        }
+    }
+    let poses = poses.about(centre);
+    let farther = bones::farther(examples, &poses);
+    fit(&rest, &moved, &poses, BASELINE_INFLUENCES, Some(&farther)).0
 }
 
 /// Skins one vertex by LBS: its position and the normal that the blended map's cofactors give.

@@ -16,15 +16,15 @@ pub struct Items<'a> {
     /// How much each item counts when maps are fitted.
     pub importance: Importance<'a>,
     /// How many times farther each map is from each item than the nearest, maps x items: of weights that err nearly as
-    /// little those of nearer maps are taken. None where maps have no place.
-    pub distances: Option<&'a Mat<f64>>,
+    /// little those of nearer maps are taken. None where maps have no place, or the error alone is to tell.
+    pub farther: Option<&'a Mat<f64>>,
 }
 
 impl<'a> Items<'a> {
     /// One row `[x̂ 1]` a vertex, with their trajectories r x V.
     pub fn vertices(rest: &[[f64; 3]], y: &'a Mat<f64>, importance: Importance<'a>) -> Self {
         let h = rest.iter().flat_map(|x| [x[0], x[1], x[2], 1.0]).collect();
-        Self { width: 4, rows: 1, h, y, importance, distances: None }
+        Self { width: 4, rows: 1, h, y, importance, farther: None }
     }
 
     /// Returns the number of items.

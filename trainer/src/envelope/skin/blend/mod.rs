@@ -48,7 +48,7 @@ mod tests {
     fn true_maps_give_back_the_true_weights() {
         let (h, y, maps, truth) = exact(300, 30);
         let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
         let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3));
         assert!(errors.iter().all(|&e| e < 1e-9));
         let (again, errors) = fit_weights(&items, &maps, Supports::Fixed(&weights));
@@ -73,7 +73,7 @@ mod tests {
         let (y, columns) = (numbers(rank, count), numbers(rank, 4 * maps));
         let h = (0..count).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
         let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
         let maps = Maps { width: 4, columns };
         let (chosen, of_chosen) = fit_weights(&items, &maps, Supports::Free(3));
         let random_ones = (0..count).map(|i| [7, 11, 13].map(|k| (i * k % 30, 1.0 / 3.0)).to_vec());
@@ -92,7 +92,7 @@ mod tests {
         let (h, y, Maps { width, columns }, truth) = exact(300, 30);
         // Each map twice, the second time farther.
         let maps = Maps { width, columns: faer::concat![[&columns, &columns]] };
-        let distances =
+        let farther =
             Mat::from_fn(6, 300, |map, item| if (map < 3) == (item < 150) { 1.0 } else { 2.0 });
         let items = Items {
             width: 4,
@@ -100,13 +100,13 @@ mod tests {
             h,
             y: &y,
             importance: Importance::ALIKE,
-            distances: Some(&distances),
+            farther: Some(&farther),
         };
         let (weights, errors) = fit_weights(&items, &maps, Supports::Free(3));
         assert!(errors.iter().all(|&e| e < 1e-6), "{errors:?}");
         for (item, expected) in truth.iter().enumerate() {
             for (map, weight) in weights.of(item) {
-                assert_eq!(distances[(map, item)], 1.0, "item {item}");
+                assert_eq!(farther[(map, item)], 1.0, "item {item}");
                 assert!((weight - expected[map % 3]).abs() < 1e-3, "item {item}");
             }
         }
@@ -118,17 +118,17 @@ mod tests {
         let mut numbers = |rows, columns| {
             Mat::<f64>::from_fn(rows, columns, |_, _| random.random_range(-1.0..1.0))
         };
-        let (y, columns, distances) = (numbers(40, 200), numbers(40, 4 * 8), numbers(8, 200));
-        let distances = Mat::from_fn(8, 200, |map, item| 1.0 + distances[(map, item)].abs());
+        let (y, columns, farther) = (numbers(40, 200), numbers(40, 4 * 8), numbers(8, 200));
+        let farther = Mat::from_fn(8, 200, |map, item| 1.0 + farther[(map, item)].abs());
         let h: Vec<f64> = (0..200).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
         let free =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
-        let near = Items { h: free.h.clone(), distances: Some(&distances), ..free };
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
+        let near = Items { h: free.h.clone(), farther: Some(&farther), ..free };
         let maps = Maps { width: 4, columns };
         // Of eight maps none is left out, so that what is found is the least.
         let [free, near] = [&free, &near].map(|items| fit_weights(items, &maps, Supports::Free(8)));
         let distance = |weights: &Weights, item: usize| -> f64 {
-            weights.of(item).map(|(map, weight)| weight * distances[(map, item)]).sum()
+            weights.of(item).map(|(map, weight)| weight * farther[(map, item)]).sum()
         };
         let mut nearer = 0.0;
         for (item, (least, error)) in free.1.iter().zip(&near.1).enumerate() {
@@ -145,7 +145,7 @@ mod tests {
     fn true_weights_give_back_the_true_maps() {
         let (h, y, maps, truth) = exact(300, 30);
         let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
         let lists = truth.iter().map(|w| w.iter().copied().enumerate().collect());
         let start = Maps { width: 4, columns: Mat::zeros(30, 12) };
         let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start, 1e-7);
@@ -156,7 +156,7 @@ mod tests {
     fn rounds_that_start_ahead_come_nearer() {
         let (h, y, maps, _) = exact(300, 30);
         let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
         let start = Maps {
             columns: &maps.columns + Mat::from_fn(30, 12, |r, c| ((7 * r + c) as f64).sin()),
             ..maps
@@ -176,7 +176,7 @@ mod tests {
     fn a_map_that_no_item_uses_stays_where_it_was() {
         let (h, y, maps, truth) = exact(50, 30);
         let items =
-            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, distances: None };
+            Items { width: 4, rows: 1, h, y: &y, importance: Importance::ALIKE, farther: None };
         let lists = truth.iter().map(|_| vec![(0, 1.0)]);
         let fitted = fit_maps(&items, &Weights::from_lists(1, lists), &maps, 1e-7);
         let moved = fitted.columns.subcols(4, 8) - maps.columns.subcols(4, 8);

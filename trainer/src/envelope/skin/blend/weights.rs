@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// Most maps that a fit of one item looks at, nearest in error first.
+/// Most maps that a fit of one item looks at, those of the least errors by themselves, with what distance adds.
 pub const CANDIDATES: usize = 12;
 /// Error of a Gram matrix's entries, relative to the squared length of the target.
 const ROUNDING: f64 = 1e-14;
@@ -108,7 +108,7 @@ struct ItemFit<'a> {
     size: f64,
     item: usize,
     /// How many times farther each map is than the nearest, where it is known.
-    distances: Option<&'a [f64]>,
+    farther: Option<&'a [f64]>,
     products: &'a Products,
     /// Its part of [`Products::onto`].
     onto: &'a [f64],
@@ -127,8 +127,8 @@ impl<'a> ItemFit<'a> {
                 squares.iter_mut().zip(h).for_each(|(square, hi)| *square += hi * hj);
             }
         }
-        let distances = items.distances.map(|all| all.col_as_slice(item));
-        Self { width: m, h, squares, size, item, distances, products, onto }
+        let farther = items.farther.map(|all| all.col_as_slice(item));
+        Self { width: m, h, squares, size, item, farther, products, onto }
     }
 
     fn run(&self, supports: Supports<'_>) -> ItemWeights {
@@ -152,12 +152,12 @@ impl<'a> ItemFit<'a> {
         }
     }
 
-    /// The maps by which alone the item errs least.
+    /// The maps by which alone the item errs least, with what distance adds, each with its error.
     fn nearest(&self) -> Vec<(f64, usize)> {
         let errors = self.errors_alone();
         let cost = |map: usize| {
-            let distance = self.distances.map_or(0.0, |distances| distances[map]);
-            self.with_distance(errors[map], distance)
+            let farther = self.farther.map_or(0.0, |farther| farther[map]);
+            self.with_distance(errors[map], farther)
         };
         let mut costs: Vec<_> = (0..errors.len()).map(|map| (cost(map), map)).collect();
         if costs.len() > CANDIDATES {
@@ -172,9 +172,9 @@ impl<'a> ItemFit<'a> {
         candidates.sort_by(by_error);
         let gram = self.gram(&candidates);
         let mut weights = simplex::solve_sparse(&gram, most);
-        if let Some(distances) = self.distances {
+        if let Some(farther) = self.farther {
             let aside = self.aside(gram.error(&weights)).sqrt();
-            let aside = gram.set_aside(|i| aside * distances[candidates[i].1]);
+            let aside = gram.set_aside(|i| aside * farther[candidates[i].1]);
             weights = simplex::solve_sparse(&aside, most);
         }
         let mut list: Vec<(usize, f64)> = (0..gram.len)
@@ -187,16 +187,16 @@ impl<'a> ItemFit<'a> {
 
     /// Gives an error with what the distance of what is followed adds to it.
     fn cost(&self, (list, error): &ItemWeights) -> f64 {
-        let distance = |distances: &[f64]| list.iter().map(|(map, w)| w * distances[*map]).sum();
-        self.with_distance(*error, self.distances.map_or(0.0, distance))
+        let mean = |farther: &[f64]| list.iter().map(|(map, w)| w * farther[*map]).sum();
+        self.with_distance(*error, self.farther.map_or(0.0, mean))
     }
 
-    fn with_distance(&self, error: f64, distance: f64) -> f64 {
-        error + self.aside(error) * distance * distance
+    fn with_distance(&self, error: f64, farther: f64) -> f64 {
+        error + self.aside(error) * farther * farther
     }
 
-    /// The square of how far aside of an item that errs by so much a map stands that is as near as any: what is so many
-    /// times farther stands so many times farther aside.
+    /// Squared length by which a map as near as any stands aside of an item that errs by so much; others stand aside by
+    /// that length times how many times farther they are.
     fn aside(&self, error: f64) -> f64 {
         NEARER.get() * error.max(UNSEEN * self.size)
     }
