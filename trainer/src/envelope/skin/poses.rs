@@ -241,6 +241,27 @@ pub fn trajectories(examples: &Examples, frames: &[usize], poses: &Poses) -> Mat
     all
 }
 
+/// Measures a position from a centre in a unit.
+pub fn local(x: &[f64; 3], (centre, unit): ([f64; 3], f64)) -> [f64; 3] {
+    std::array::from_fn(|axis| (x[axis] - centre[axis]) / unit)
+}
+
+/// Gathers poses and [`trajectories`] with positions measured from a centre in a unit.
+pub fn seen_from(
+    examples: &Examples,
+    frames: &[usize],
+    (centre, unit): ([f64; 3], f64),
+) -> (Poses, Mat<f64>) {
+    let poses = Poses::new(examples, frames);
+    let mut trajectories = trajectories(examples, frames, &poses);
+    for vertex in 0..trajectories.ncols() {
+        for y in trajectories.col_as_slice_mut(vertex).as_chunks_mut::<3>().0 {
+            *y = local(y, (centre, unit));
+        }
+    }
+    (poses.about(centre).in_units_of(unit), trajectories)
+}
+
 /// Inverts a rigid map.
 pub fn rigid_inverse(m: &Matrix3x4<f64>) -> Matrix3x4<f64> {
     let transposed = nearest_rotation(m).transpose();

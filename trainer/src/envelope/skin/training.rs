@@ -2,7 +2,7 @@
 
 use super::blend::Weights;
 use super::bones;
-use super::poses::{Poses, trajectories};
+use super::poses::{Poses, local, seen_from};
 use super::targets::Targets;
 use super::weights::{self, BASELINE_INFLUENCES};
 use crate::envelope::error::FitError;
@@ -111,14 +111,7 @@ impl Training {
 
     /// Gives other frames of the examples as these are seen: poses, and trajectories 3n x V.
     pub fn view(&self, examples: &Examples, frames: &[usize]) -> (Poses, Mat<f64>) {
-        let poses = Poses::new(examples, frames);
-        let mut trajectories = trajectories(examples, frames, &poses);
-        for vertex in 0..trajectories.ncols() {
-            for y in trajectories.col_as_slice_mut(vertex).as_chunks_mut::<3>().0 {
-                *y = self.local(y);
-            }
-        }
-        (poses.about(self.centre).in_units_of(self.unit), trajectories)
+        seen_from(examples, frames, (self.centre, self.unit))
     }
 
     /// The training meshes, as vertices of these weights on a palette.
@@ -162,6 +155,6 @@ impl Training {
     }
 
     fn local(&self, x: &[f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|axis| (x[axis] - self.centre[axis]) / self.unit)
+        local(x, (self.centre, self.unit))
     }
 }

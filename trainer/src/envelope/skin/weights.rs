@@ -3,7 +3,7 @@
 
 use super::blend::{Items, Maps, Supports, Weights, fit_weights};
 use super::bones;
-use super::poses::{Poses, trajectories};
+use super::poses::{Poses, local, seen_from};
 use crate::examples::{Examples, Importance, Matrix3x4, Split};
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
 use faer::Mat;
@@ -31,17 +31,9 @@ pub fn fit(
 /// Fits the baseline's weights to the training frames of examples.
 pub fn baseline(examples: &Examples) -> Weights {
     let frames = examples.frames_of(Split::Train);
-    let centre = examples.centroid();
-    let about = |x: &[f64; 3]| [0, 1, 2].map(|axis| x[axis] - centre[axis]);
-    let rest: Vec<_> = examples.rest.iter().map(about).collect();
-    let poses = Poses::new(examples, &frames);
-    let mut moved = trajectories(examples, &frames, &poses);
-    for vertex in 0..moved.ncols() {
-        for y in moved.col_as_slice_mut(vertex).as_chunks_mut::<3>().0 {
-            *y = about(y);
-        }
-    }
-    let poses = poses.about(centre);
+    let centroid = (examples.centroid(), 1.0);
+    let rest: Vec<_> = examples.rest.iter().map(|x| local(x, centroid)).collect();
+    let (poses, moved) = seen_from(examples, &frames, centroid);
     let farther = bones::farther(examples, &poses);
     fit(&rest, &moved, &poses, BASELINE_INFLUENCES, Some(&farther)).0
 }
