@@ -4,7 +4,8 @@ Whatever Blender shows is what is written: muscles, correctives, simulation, any
 the meshes' vertices. For each frame it evaluates the meshes and the bones that deform them, in
 world space. All visible meshes of the armature are joined, in the scene's order; the strips of its
 NLA become clips by name, or all frames are one clip called as its action. Names, frame rate and
-numbers, axes, unit, and texture coordinates go with them.
+numbers, axes, unit, joint weights (vertex groups called as bones) and texture coordinates go with
+them.
 
     blender rig.blend --background --python blender_export.py -- examples.npz
     python blender_export.py --blend rig.blend examples.npz        (with `pip install bpy`)
@@ -42,7 +43,7 @@ def main(arguments):
     bones = deforming(armature, options.bones)
     clips = chosen_clips(scene, armature, options)
     frames = [frame for _, own in clips for frame in own]
-    parts = at_rest(scene, meshes, armature, options.importance)
+    parts = at_rest(scene, meshes, armature, bones, options.importance)
     examples = {
         **joined(meshes, parts),
         **skeleton(armature, bones),
@@ -216,7 +217,7 @@ def starts(lengths):
     return [sum(lengths[:number]) for number in range(len(lengths))]
 
 
-def at_rest(scene, meshes, armature, importance):
+def at_rest(scene, meshes, armature, bones, importance):
     """Evaluates the meshes with every bone at rest, each as arrays by name."""
     if importance and not any(importance in mesh.vertex_groups for mesh in meshes):
         known = ", ".join(sorted({g.name for mesh in meshes for g in mesh.vertex_groups}))
@@ -230,8 +231,13 @@ def at_rest(scene, meshes, armature, importance):
             with Evaluated(mesh) as (shape, world):
                 part = faces(shape, np.linalg.det(world[:3, :3]) < 0)
                 part["rest"] = positions(shape, world)
+                groups = {group.name: group.index for group in mesh.vertex_groups}
+                own = [groups.get(bone.name) for bone in bones]
+                part["joint_weights"] = weights(shape, own)
                 if importance:
-                    part["importance"] = weights(mesh, shape, importance)
+                    part["importance"] = np.ones(len(shape.vertices), np.float32)
+                    if importance in groups:
+                        part["importance"] = weights(shape, [groups[importance]])[:, 0]
             parts.append(part)
     finally:
         armature.data.pose_position = position
@@ -277,16 +283,14 @@ def coordinates(shape):
     return uv, uv_of.reshape(-1).astype(np.int32)
 
 
-def weights(mesh, shape, group):
-    """How much each vertex weighs in a group; 1 in a mesh that has no such group."""
-    if group not in mesh.vertex_groups:
-        return np.ones(len(shape.vertices), np.float32)
-    number = mesh.vertex_groups[group].index
-    found = np.zeros(len(shape.vertices), np.float32)
+def weights(shape, groups):
+    """How much each vertex weighs in some groups, by their numbers; nothing where there is none."""
+    places = {group: place for place, group in enumerate(groups) if group is not None}
+    found = np.zeros((len(shape.vertices), len(groups)), np.float32)
     for vertex in shape.vertices:
         for own in vertex.groups:
-            if own.group == number:
-                found[vertex.index] = own.weight
+            if own.group in places:
+                found[vertex.index, places[own.group]] = own.weight
     return found
 
 
@@ -310,8 +314,9 @@ def joined(meshes, parts):
             found[f"{name}_uv"] = behind(f"{name}_uv", first_uvs)
     if textured:
         found["uv"] = np.concatenate([part["uv"] for part in parts])
-    if "importance" in parts[0]:
-        found["importance"] = np.concatenate([part["importance"] for part in parts])
+    for name in ("joint_weights", "importance"):
+        if name in parts[0]:
+            found[name] = np.concatenate([part[name] for part in parts])
     found["mesh_names"] = np.array([mesh.name for mesh in meshes])
     found["mesh_starts"] = np.array(firsts, np.int32)
     return {name: array.astype(np.int32) if array.dtype.kind == "i" else array

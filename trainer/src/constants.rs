@@ -38,6 +38,11 @@ pub static NEAR: Constant = Constant::new("NEAR", 0.03);
 pub static NEARER: Constant = Constant::new("NEARER", 0.25);
 /// How many times more a distance counts among joints and helpers: of more maps more do as well by chance.
 pub static FARTHER: Constant = Constant::new("FARTHER", 1.4);
+/// How much farther than the nearest, over its distance, a joint is of which hardly any weight is painted on a vertex.
+pub static PAINTED: Constant = Constant::new("PAINTED", 1.0);
+/// How many times farther than its bone a joint is of which no weight is painted on a vertex: an artist who left it out
+/// knows more than poses in which it happens to move as another does.
+pub static UNPAINTED: Constant = Constant::new("UNPAINTED", 20.0);
 /// A residual's weight against a position's where vertices are grouped.
 pub static RESIDUAL_SHARE: Constant = Constant::new("RESIDUAL_SHARE", 8.0);
 /// Pull of a helper to its joint, of the mean diagonal: what few vertices support is noise that no map can predict.
@@ -80,8 +85,10 @@ pub static STIFFER: Constant = Constant::new("STIFFER", 0.02);
 /// directions that the samples hardly take, is learned of their noise, and throws wherever a pose takes them.
 pub static PLAUSIBLE: Constant = Constant::new("PLAUSIBLE", 1e6);
 
-/// All of them.
-pub static ALL: [&Constant; 23] = [
+/// Those that count where joint weights are painted.
+pub static OF_PAINTED: [&Constant; 2] = [&PAINTED, &UNPAINTED];
+/// All others.
+pub static OTHERS: [&Constant; 23] = [
     &ERRS,
     &SERVED,
     &NEAR,

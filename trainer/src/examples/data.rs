@@ -84,6 +84,9 @@ pub struct Examples {
     pub clip_starts: Vec<usize>,
     /// Axes, handedness and unit, as far as they are known.
     pub space: Space,
+    /// Joint weights as an artist painted them, V x J, vertex-major: which joints are near a vertex, where poses do not
+    /// tell which it follows. A vertex may have none.
+    pub joint_weights: Option<Vec<f64>>,
     /// How much each vertex counts in a fit and in what is measured of it, V numbers of mean 1; all
     /// alike without. [`Examples::weigh`] sets it.
     pub importance: Option<Vec<f64>>,

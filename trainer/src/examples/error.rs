@@ -242,6 +242,19 @@ pub enum ExamplesError {
         /// The share.
         share: f64,
     },
+    /// A joint cannot weigh so much.
+    #[error(
+        "array joint_weights has {number} at vertex {vertex}, joint {joint}, expected a number that is finite and not \
+             negative"
+    )]
+    JointWeight {
+        /// The vertex.
+        vertex: usize,
+        /// The joint.
+        joint: String,
+        /// What was given.
+        number: f64,
+    },
     /// A vertex cannot count so much.
     #[error("the importance of vertex {vertex} must be finite and not negative, found {number}")]
     Importance {

@@ -26,6 +26,7 @@ pub(crate) fn triangle(frame_len: usize) -> Examples {
         ranges: Vec::new(),
         clip_starts: vec![0],
         space: Space::default(),
+        joint_weights: None,
         importance: None,
         frame_weights: None,
     }

@@ -32,6 +32,7 @@ impl Examples {
     /// - [`ExamplesError::Space`] for axes along one line, [`ExamplesError::Range`] for a named range.
     /// - [`ExamplesError::NotFinite`] for NaN and infinity, in any frame, and
     ///   [`ExamplesError::TooLarge`] for what a model cannot hold.
+    /// - [`ExamplesError::JointWeight`] for a joint weight that is negative or not finite.
     /// - [`ExamplesError::VertexOutOfRange`] and [`ExamplesError::NoArea`] for faces.
     /// - The first of these, [`ExamplesError::Mismatch`], [`ExamplesError::NotFinite`],
     ///   [`ExamplesError::NoCopy`] and [`ExamplesError::OtherCopy`] for the engine's vertices.
@@ -105,6 +106,10 @@ impl Examples {
         same("maps", "split and bone_names", expected, "bone_transforms", self.transforms.len())?;
         SpaceRequest::all_of(&self.space).of(self.space)?;
         self.check_ranges()?;
+        if let Some(weights) = &self.joint_weights {
+            let expected = vertices * joints;
+            same("joint weights", "rest and bone_names", expected, "joint_weights", weights.len())?;
+        }
         if let Some(importance) = &self.importance {
             same("vertices", "rest", vertices, "importance", importance.len())?;
         }
@@ -178,7 +183,19 @@ impl Examples {
         let frames = self.skeleton.rest.iter().map(|map| map.as_flattened());
         numbers("joint_world_rest", frames, None, joint, rest)?;
         let maps = self.transforms.iter().map(|map| map.as_flattened());
-        numbers("bone_transforms", maps, Some(self.joint_len()), joint, trained)
+        numbers("bone_transforms", maps, Some(self.joint_len()), joint, trained)?;
+        self.check_joint_weights()
+    }
+
+    fn check_joint_weights(&self) -> Result<(), ExamplesError> {
+        let all = self.joint_weights.iter().flatten();
+        let bad = |number: &f64| !(number.is_finite() && *number >= 0.0);
+        let Some((place, &number)) = all.enumerate().find(|(_, number)| bad(number)) else {
+            return Ok(());
+        };
+        let (vertex, joint) = (place / self.joint_len(), place % self.joint_len());
+        let joint = self.skeleton.names[joint].clone();
+        Err(ExamplesError::JointWeight { vertex, joint, number })
     }
 
     fn check_faces(&self) -> Result<Vec<Warning>, ExamplesError> {

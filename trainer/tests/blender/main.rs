@@ -79,6 +79,8 @@ fn a_scene_becomes_the_examples_that_it_shows() {
     assert_eq!(examples.skeleton.parents, [None, Some(0)]);
     near(&examples.skeleton.rest[1].map(|row| row[3]), &[0.0, 0.0, 1.0]);
     near(&examples.rest[5], &[0.3, 0.3, 1.5]);
+    let weights = [[1.0, 0.0], [0.75, 0.25], [0.0, 1.0], [0.0, 1.0], [0.0, 1.0], [0.0, 1.0]];
+    near(examples.joint_weights.as_ref().unwrap(), weights.as_flattened());
     // A bone's own x stays x: by 90 degrees about it at (0, 0, 1), y becomes z and z becomes -y.
     let bent = examples.pose(2)[1];
     near(&bent[0], &[1.0, 0.0, 0.0, 0.0]);
@@ -121,6 +123,9 @@ fn the_same_scene_as_fbx_moves_the_same_joints() {
     assert_eq!(examples.skeleton.names, ["upper", "control", "lower"]);
     let script = npz::load(&path).unwrap().examples;
     assert_eq!(examples.rest, script.rest);
+    let [own, other] = [&examples, &script].map(|read| read.joint_weights.as_ref().unwrap());
+    let without_control: Vec<f64> = own.chunks_exact(3).flat_map(|row| [row[0], row[2]]).collect();
+    near(&without_control, other);
     for frame in 0..3 {
         for (joint, other) in [(0, 0), (2, 1)] {
             let [found, expected] = [examples.pose(frame)[joint], script.pose(frame)[other]];
@@ -175,6 +180,7 @@ fn meshes_are_joined_strips_are_clips_and_a_group_weighs() {
     let importance = examples.importance.as_ref().unwrap();
     let ratios: Vec<f64> = importance.iter().map(|number| number / importance[0]).collect();
     near(&ratios, &[1.0, 0.0, 0.0, 0.25, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
+    near(&examples.joint_weights.as_ref().unwrap()[2 * 6..], &[1.0, 0.0].repeat(4));
     // The sleeve is mirrored, its faces are turned over; it has no texture, and no seam.
     near(&examples.rest[7], &[-0.2, 0.0, 0.0]);
     assert_eq!(examples.triangles[6..], [[6, 8, 7], [6, 9, 8]]);

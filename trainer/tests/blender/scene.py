@@ -51,6 +51,8 @@ limb = add("Limb", shape)
 limb.parent = rig
 for name, vertices in (("upper", [0, 1]), ("lower", [2, 3, 4, 5])):
     limb.vertex_groups.new(name=name).add(vertices, 1.0, "REPLACE")
+limb.vertex_groups["upper"].add([1], 0.75, "REPLACE")
+limb.vertex_groups["lower"].add([1], 0.25, "REPLACE")
 limb.modifiers.new("Armature", "ARMATURE").object = rig
 
 

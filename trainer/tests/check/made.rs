@@ -73,6 +73,7 @@ pub(crate) fn chain(bends: &[Bend]) -> Examples {
         ranges: Vec::new(),
         clip_starts: vec![0],
         space: Space::default(),
+        joint_weights: None,
         importance: None,
         frame_weights: None,
     }

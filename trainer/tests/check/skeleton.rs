@@ -74,6 +74,40 @@ fn a_joint_that_moves_no_vertex_is_named() {
 }
 
 #[test]
+fn joint_weights_of_another_skin_are_named_and_left_aside() {
+    let mut examples = chain(&bends());
+    // What no weights explain: else poses tell more than any weights.
+    for (k, x) in examples.vertices.as_flattened_mut().iter_mut().enumerate() {
+        *x += 0.1 * (7.0 * k as f64).sin();
+    }
+    // As the chain is made.
+    let weights = |x: f64| {
+        let [a, b] = [1.0, 2.0].map(|at| ((x - at) / 0.5 + 0.5).clamp(0.0, 1.0));
+        [1.0 - a, a * (1.0 - b), a * b]
+    };
+    let painted: Vec<f64> = examples.rest.iter().flat_map(|x| weights(x[0])).collect();
+    let without = check(&examples);
+    assert_eq!(without.lbs.painted_percent, None);
+    examples.joint_weights = Some(painted);
+    let found = check(&examples);
+    assert_eq!(found.find(Kind::Weights), None);
+    // All that the weights that made the chain leave: waves along three axes, of the diagonal of 3 x 0.4 x 0.4.
+    let own = found.lbs.painted_percent.unwrap();
+    let waves = 100.0 * 0.1 * f64::sqrt(1.5) / f64::sqrt(9.0 + 2.0 * 0.16);
+    assert!((own / waves - 1.0).abs() < 0.02, "{own} {waves}");
+    // The tip is left on the root.
+    let weights = examples.joint_weights.iter_mut().flat_map(|all| all.chunks_exact_mut(3));
+    for (row, _) in weights.zip(&examples.rest).filter(|(_, x)| x[0] > 2.9) {
+        row.copy_from_slice(&[1.0, 0.0, 0.0]);
+    }
+    let found = check(&examples);
+    let finding = found.find(Kind::Weights).unwrap();
+    assert_eq!((finding.severity, joints(finding)), (Severity::Warning, vec!["root"]));
+    assert!((found.lbs.rms_percent / without.lbs.rms_percent - 1.0).abs() < 0.1);
+    assert!(found.lbs.painted_percent.unwrap() > 2.0 * own);
+}
+
+#[test]
 fn another_sculpt_at_rest_is_warned_of_where_it_differs() {
     let mut examples = arm();
     let hand = examples.skeleton.rest[number(&examples, "hand")];

@@ -53,6 +53,7 @@ fn bent(rest: Vec<[f64; 3]>, triangles: Vec<[usize; 3]>) -> Examples {
         ranges: Vec::new(),
         clip_starts: vec![0],
         space: Space::default(),
+        joint_weights: None,
         importance: None,
         frame_weights: None,
     }

@@ -167,11 +167,15 @@ fn floor(check: &Check) -> String {
     let list = |items: Vec<String>| items.join(", ");
     let frames = lbs.frames.iter().map(|(frame, rms)| format!("{frame} ({rms:.2})")).collect();
     let vertices = lbs.vertices.iter().map(|(vertex, rms)| format!("{vertex} ({rms:.2})"));
+    let painted = lbs.painted_percent.map(|rms| {
+        format!("  {rms:.4} % by the joint weights that come with the mesh, as they are\n")
+    });
     format!(
-        "LBS, 4 influences, training frames\n  {:.4} %; worst in frames {}; at vertices {}\n",
+        "LBS, 4 influences, training frames\n  {:.4} %; worst in frames {}; at vertices {}\n{}",
         lbs.rms_percent,
         printable(&list(frames)),
-        list(vertices.collect())
+        list(vertices.collect()),
+        painted.unwrap_or_default()
     )
 }
 

@@ -51,6 +51,8 @@ pub enum Kind {
     HalfTurn,
     /// A joint moves no vertex.
     Idle,
+    /// The joint weights that come with the mesh mislead about a joint's skin.
+    Weights,
     /// Triangles without area at rest.
     NoArea,
     /// Neighbouring triangles look to opposite sides.
@@ -97,7 +99,9 @@ impl Kind {
             | Self::VertexOrder
             | Self::RestDiffers
             | Self::RestUntested => Topic::Rest,
-            Self::NonRigid | Self::Still | Self::HalfTurn | Self::Idle => Topic::Joints,
+            Self::NonRigid | Self::Still | Self::HalfTurn | Self::Idle | Self::Weights => {
+                Topic::Joints
+            }
             Self::NoArea
             | Self::Winding
             | Self::NonManifold

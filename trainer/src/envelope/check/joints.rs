@@ -3,6 +3,7 @@
 use super::context::{Context, worst_first};
 use super::finding::{Finding, Kind, Place, Severity, count, listed};
 use super::thresholds::{IDLE, SCALED, STILL};
+use crate::envelope::skin::painted::MISLEADS;
 use crate::envelope::training_report::SEAM;
 use crate::examples::{Matrix3x4, Warning};
 use nalgebra::Matrix3;
@@ -33,6 +34,21 @@ pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut
                 if still.len() == 1 { "it" } else { "one" }
             ),
             places: places(context, &still),
+        });
+    }
+    let misleading = &context.training.lbs.misleading;
+    if !misleading.is_empty() {
+        findings.push(Finding {
+            kind: Kind::Weights,
+            severity: Severity::Warning,
+            text: format!(
+                "the joint weights that come with the mesh mislead about the skin of {}: near to them LBS errs more than \
+                 {MISLEADS} times as much as without, so they are left aside there; look whether they are of this mesh \
+                 and these joints: {}",
+                count(misleading.len(), "joint", "joints"),
+                names(context, misleading)
+            ),
+            places: places(context, misleading),
         });
     }
     let mut used = vec![false; context.examples.joint_len()];

@@ -25,6 +25,7 @@ mod turns;
 
 use crate::envelope::FitError;
 use crate::envelope::predicted::Sound;
+use crate::envelope::skin::painted::Painted;
 use crate::envelope::skin::training::Training;
 use crate::examples::{Clip, Examples, ExamplesError};
 use crate::progress::Progress;
@@ -61,6 +62,8 @@ pub struct Check {
 pub struct Floor {
     /// RMS.
     pub rms_percent: f64,
+    /// RMS by the joint weights that come with the mesh, as they are, over the vertices that have any.
+    pub painted_percent: Option<f64>,
     /// The worst frames with their RMS.
     pub frames: Vec<(FrameName, f64)>,
     /// The worst vertices with their RMS.
@@ -184,6 +187,8 @@ fn floor(context: &Context<'_>) -> Floor {
     let vertices = worst_first(all.iter().copied(), of_vertex).into_iter().take(WORST);
     Floor {
         rms_percent: 100.0 * context.lbs_rms(),
+        painted_percent: Painted::of(context.examples)
+            .map(|painted| 100.0 * painted.rms(&context.training)),
         frames: frames.map(|i| (context.frame(i), of_frame(i))).collect(),
         vertices: vertices.map(|v| (v, of_vertex(v))).collect(),
     }

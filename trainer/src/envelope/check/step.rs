@@ -71,6 +71,7 @@ pub(super) fn sample(examples: &Examples) -> Examples {
         ranges: Vec::new(),
         clip_starts: examples.clip_starts.clone(),
         space: Space::default(),
+        joint_weights: None,
         importance: None,
         frame_weights: None,
     }

@@ -69,6 +69,7 @@ pub fn demo(options: &DemoOptions) -> Examples {
         ranges: Vec::new(),
         clip_starts: vec![0],
         space: Space::default(),
+        joint_weights: None,
         importance: None,
         frame_weights: None,
     }

@@ -194,7 +194,7 @@ impl<'a> OnBasis<'a> {
             bases: onto(trajectories, bases),
             plain: palette * faer::Scale(BASE.get()),
             farther: Mat::from_fn(maps.len(), open.vertices.len(), |map, k| {
-                FARTHER.get() * training.farther[(maps[map], open.vertices[k])]
+                FARTHER.get() * training.lbs.farther[(maps[map], open.vertices[k])]
             }),
         }
     }

@@ -154,8 +154,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn limbs_that_swing_alike_carry_their_own_skin() {
+    /// Two limbs that swing alike, ten vertices on each.
+    fn limbs() -> Examples {
         let frames = [0.0, 0.2, -0.3, 0.5, -0.1, 0.4, -0.5];
         let mut examples = triangle(frames.len());
         // Two limbs down from hips on the z axis, about which both turn.
@@ -186,12 +186,31 @@ mod tests {
             let limb = [[c, -s, 0.0, 0.0], [s, c, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
             examples.transforms.extend([frame([0.0; 3]), limb, limb, limb, limb]);
         }
-        let weights = super::super::weights::baseline(&examples);
+        examples
+    }
+
+    #[test]
+    fn limbs_that_swing_alike_carry_their_own_skin() {
+        let weights = super::super::weights::baseline(&limbs());
         for vertex in 0..20 {
             let own = usize::from(vertex >= 10);
             let stray: f64 =
                 weights.of(vertex).filter(|(j, _)| *j > 0 && (j - 1) % 2 != own).map(|w| w.1).sum();
             assert!(stray < 1e-9, "{vertex} {:?}", weights.of(vertex).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn limbs_that_swing_alike_carry_what_an_artist_painted() {
+        let mut examples = limbs();
+        let painted = |vertex: usize| if vertex < 10 { 2 } else { 1 };
+        let row = |vertex: usize| (0..5).map(move |j| f64::from(u8::from(j == painted(vertex))));
+        examples.joint_weights = Some((0..20).flat_map(row).collect());
+        let weights = super::super::weights::baseline(&examples);
+        for vertex in 0..20 {
+            let found: f64 =
+                weights.of(vertex).filter(|w| w.0 == painted(vertex)).map(|w| w.1).sum();
+            assert!(found > 0.999, "{vertex} {:?}", weights.of(vertex).collect::<Vec<_>>());
         }
     }
 }

@@ -5,6 +5,7 @@ pub mod blend;
 pub mod bones;
 pub mod distinct;
 pub mod folds;
+pub mod painted;
 pub mod poses;
 pub mod projection;
 pub mod residuals;

@@ -1,12 +1,11 @@
 //! The training frames as the fit sees them.
 
 use super::blend::Weights;
-use super::bones;
 use super::poses::{Poses, local, seen_from};
 use super::targets::Targets;
-use super::weights::{self, BASELINE_INFLUENCES};
+use super::weights::Lbs;
 use crate::envelope::error::FitError;
-use crate::examples::{Examples, Importance, Matrix3x4, Skeleton, Split};
+use crate::examples::{Examples, Importance, Skeleton, Split};
 use crate::numeric::basis::{Basis, basis};
 use crate::progress::Progress;
 use faer::Mat;
@@ -35,8 +34,6 @@ pub struct Training {
     pub origins: Vec<Vector3<f64>>,
     /// n poses.
     pub poses: Poses,
-    /// How many times farther each joint's bone is from each vertex than the nearest, J x V.
-    pub farther: Mat<f64>,
     /// The vertices' trajectories, 3n x V.
     pub trajectories: Mat<f64>,
     /// LBS fitted to them.
@@ -44,14 +41,6 @@ pub struct Training {
     /// How much each vertex counts, V numbers of mean 1; all alike without.
     importance: Option<Vec<f64>>,
     basis: OnceLock<Basis>,
-}
-
-/// Linear blend skinning: the baseline, and what stays where it is right.
-pub struct Lbs {
-    /// At most [`BASELINE_INFLUENCES`] joint weights a vertex.
-    pub weights: Weights,
-    /// Squared error of each vertex, summed over the poses.
-    pub errors: Vec<f64>,
 }
 
 impl Training {
@@ -79,34 +68,29 @@ impl Training {
         if triangles.is_empty() {
             return Err(FitError::NoTriangles);
         }
-        let mut training = Self {
-            unit: examples.diagonal(),
-            centre: examples.centroid(),
-            rest: Vec::new(),
+        let seen @ (centre, unit) = (examples.centroid(), examples.diagonal());
+        let rest: Vec<_> = examples.rest.iter().map(|x| local(x, seen)).collect();
+        let mut skeleton = examples.skeleton.clone();
+        for frame in &mut skeleton.rest {
+            let origin = local(&frame.map(|row| row[3]), seen);
+            frame.iter_mut().zip(origin).for_each(|(row, x)| row[3] = x);
+        }
+        let (poses, trajectories) = seen_from(examples, frames, seen);
+        progress.step("LBS weights", 1);
+        let lbs = Lbs::new(examples, &rest, &trajectories, &poses);
+        Ok(Self {
+            unit,
+            centre,
+            rest,
             triangles,
-            skeleton: examples.skeleton.clone(),
-            origins: Vec::new(),
-            poses: Poses::new(examples, &[]),
-            farther: Mat::zeros(0, 0),
-            trajectories: Mat::zeros(0, 0),
-            lbs: Lbs { weights: Weights::from_lists(1, std::iter::empty()), errors: Vec::new() },
+            origins: skeleton.rest.iter().map(|m| m.map(|row| row[3]).into()).collect(),
+            skeleton,
+            poses,
+            trajectories,
+            lbs,
             importance: examples.importance.clone(),
             basis: OnceLock::new(),
-        };
-        training.rest = examples.rest.iter().map(|x| training.local(x)).collect();
-        let origin = |frame: &Matrix3x4| training.local(&frame.map(|row| row[3]));
-        training.origins = training.skeleton.rest.iter().map(|m| origin(m).into()).collect();
-        for (frame, origin) in training.skeleton.rest.iter_mut().zip(&training.origins) {
-            frame.iter_mut().zip(origin).for_each(|(row, x)| row[3] = *x);
-        }
-        (training.poses, training.trajectories) = training.view(examples, frames);
-        progress.step("LBS weights", 1);
-        training.farther = bones::farther(examples, &training.poses);
-        let Self { rest, trajectories, poses, farther, .. } = &training;
-        let (weights, errors) =
-            weights::fit(rest, trajectories, poses, BASELINE_INFLUENCES, Some(farther));
-        training.lbs = Lbs { weights, errors };
-        Ok(training)
+        })
     }
 
     /// Gives other frames of the examples as these are seen: poses, and trajectories 3n x V.
@@ -152,9 +136,5 @@ impl Training {
     /// A short basis of the trajectories, made when it is first asked for.
     pub fn basis(&self) -> &Basis {
         self.basis.get_or_init(|| basis(&self.trajectories))
-    }
-
-    fn local(&self, x: &[f64; 3]) -> [f64; 3] {
-        local(x, (self.centre, self.unit))
     }
 }

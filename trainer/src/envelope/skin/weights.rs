@@ -3,7 +3,9 @@
 
 use super::blend::{Items, Maps, Supports, Weights, fit_weights};
 use super::bones;
+use super::painted::Painted;
 use super::poses::{Poses, local, seen_from};
+use crate::constants::ERRS;
 use crate::examples::{Examples, Importance, Matrix3x4, Split};
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
 use faer::Mat;
@@ -28,14 +30,56 @@ pub fn fit(
     fit_weights(&items, &joints, Supports::Free(most))
 }
 
+/// Linear blend skinning: the baseline, and what stays where it is right.
+pub struct Lbs {
+    /// At most [`BASELINE_INFLUENCES`] joint weights a vertex.
+    pub weights: Weights,
+    /// Squared error of each vertex, summed over the poses.
+    pub errors: Vec<f64>,
+    /// How many times farther each joint is from each vertex than the nearest, J x V: by the weights that come with the
+    /// examples, else by the joints' bones.
+    pub farther: Mat<f64>,
+    /// Joints on whose skin those weights mislead, so that it goes by bones.
+    pub misleading: Vec<usize>,
+}
+
+impl Lbs {
+    /// Fits LBS to training frames as they are seen: V rest positions, trajectories 3n x V and poses about the centre of
+    /// the mesh, in diagonals.
+    pub fn new(
+        examples: &Examples,
+        rest: &[[f64; 3]],
+        trajectories: &Mat<f64>,
+        poses: &Poses,
+    ) -> Self {
+        let fit =
+            |farther: &Mat<f64>| fit(rest, trajectories, poses, BASELINE_INFLUENCES, Some(farther));
+        let by_bones = bones::farther(examples, poses);
+        let (weights, errors) = fit(&by_bones);
+        let Some(painted) = Painted::of(examples) else {
+            return Self { weights, errors, farther: by_bones, misleading: Vec::new() };
+        };
+        let mut farther = painted.farther(&by_bones);
+        let (mut near, mut near_errors) = fit(&farther);
+        let unseen = ERRS.get().powi(2) * (trajectories.nrows() / 3) as f64;
+        let misleading = painted.misleading(&near_errors, &errors, unseen);
+        if !misleading.is_empty() {
+            for vertex in (0..rest.len()).filter(|&vertex| painted.follows(vertex, &misleading)) {
+                farther.col_mut(vertex).copy_from(by_bones.col(vertex));
+            }
+            (near, near_errors) = fit(&farther);
+        }
+        Self { weights: near, errors: near_errors, farther, misleading }
+    }
+}
+
 /// Fits the baseline's weights to the training frames of examples.
 pub fn baseline(examples: &Examples) -> Weights {
     let frames = examples.frames_of(Split::Train);
-    let centroid = (examples.centroid(), 1.0);
-    let rest: Vec<_> = examples.rest.iter().map(|x| local(x, centroid)).collect();
-    let (poses, moved) = seen_from(examples, &frames, centroid);
-    let farther = bones::farther(examples, &poses);
-    fit(&rest, &moved, &poses, BASELINE_INFLUENCES, Some(&farther)).0
+    let seen = (examples.centroid(), examples.diagonal());
+    let rest: Vec<_> = examples.rest.iter().map(|x| local(x, seen)).collect();
+    let (poses, moved) = seen_from(examples, &frames, seen);
+    Lbs::new(examples, &rest, &moved, &poses).weights
 }
 
 /// Skins one vertex by LBS: its position and the normal that the blended map's cofactors give.

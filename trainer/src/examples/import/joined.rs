@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 const SAME: f64 = 1e-4;
 
 /// Joins examples of one character, one file's frames after the other's, in the axes and unit of the first. Clips are
-/// called FILE:CLIP. How much vertices count is the mean of what the files say, by their training frames.
+/// called FILE:CLIP. How much vertices count is the mean of what the files say, by their training frames; joint weights are
+/// those of the first file that has any.
 ///
 /// # Errors
 /// A [`LoadError`] that names the first file whose character is another.
@@ -61,6 +62,7 @@ fn append(joined: &mut Examples, next: Examples) {
             |own: &Examples| own.frame_weights.clone().unwrap_or_else(|| vec![1; own.frame_len()]);
         joined.frame_weights = Some([of(joined), of(&next)].concat());
     }
+    joined.joint_weights = joined.joint_weights.take().or(next.joint_weights);
     let before = joined.frame_len();
     joined.clip_starts.extend(next.clip_starts.iter().map(|first| before + first));
     joined.vertices.extend(next.vertices);
@@ -112,4 +114,22 @@ fn check(expected: &Examples, found: &Examples, first: &Path) -> Result<(), Impo
         return Err(ImportError::OtherFaces { first: first() });
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::testing::triangle;
+
+    #[test]
+    fn joint_weights_are_those_of_the_first_file_that_has_any() {
+        let file = |weights: Option<Vec<f64>>| {
+            let examples = Examples { joint_weights: weights, ..triangle(1) };
+            (PathBuf::from("a.npz"), examples, Vec::new())
+        };
+        let [first, second] = [vec![1.0; 6], vec![0.5; 6]];
+        let (joined, _) =
+            join(vec![file(None), file(Some(first.clone())), file(Some(second))]).unwrap();
+        assert_eq!((joined.frame_len(), joined.joint_weights), (3, Some(first)));
+    }
 }

@@ -197,7 +197,7 @@ fn joined(
     split: Option<Vec<Split>>,
 ) -> Joined {
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len(&scene)]);
-    let SampledScene { rest, triangles, engine, ranges, space, clips, .. } = scene;
+    let SampledScene { rest, triangles, engine, ranges, joint_weights, space, clips, .. } = scene;
     let ScenePoses { skeleton, transforms, warnings } = poses;
     let examples = Examples {
         rest,
@@ -210,6 +210,7 @@ fn joined(
         ranges,
         clip_starts: clips.iter().map(|clip| clip.first).collect(),
         space,
+        joint_weights,
         importance: None,
         frame_weights: None,
     };

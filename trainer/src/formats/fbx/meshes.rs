@@ -106,6 +106,35 @@ pub(super) fn are_posed(
     whole && parts.iter().all(|part| skin(&scene.meshes[part.mesh]).is_some())
 }
 
+/// Gives the joint weights of the parts' skins, V x J, of the joints at these nodes; none without a skin.
+pub(super) fn joint_weights(
+    scene: &Scene,
+    parts: &[MeshPart],
+    nodes: &[usize],
+) -> Option<Vec<f64>> {
+    let mut all = Vec::new();
+    for part in parts {
+        let (mesh, first) = (&scene.meshes[part.mesh], all.len());
+        all.resize(first + mesh.num_vertices * nodes.len(), 0.0);
+        let Some(skin) = skin(mesh) else { continue };
+        let joints = skin.clusters.iter().map(|cluster| {
+            let node = cluster.bone_node.as_ref()?.element.typed_id as usize;
+            nodes.iter().position(|&joint| joint == node)
+        });
+        let joints: Vec<Option<usize>> = joints.collect();
+        for (row, own) in all[first..].chunks_exact_mut(nodes.len()).zip(&skin.vertices) {
+            let begin = own.weight_begin as usize;
+            let weights = &skin.weights.as_ref()[begin..begin + own.num_weights as usize];
+            for weight in weights {
+                if let Some(joint) = joints[weight.cluster_index as usize] {
+                    row[joint] += weight.weight.max(0.0);
+                }
+            }
+        }
+    }
+    parts.iter().any(|part| skin(&scene.meshes[part.mesh]).is_some()).then_some(all)
+}
+
 /// Tells of vertices of skinned parts that no joint moves.
 pub(super) fn unweighted(scene: &Scene, parts: &[MeshPart], warnings: &mut Vec<FormatWarning>) {
     let skins = parts.iter().filter_map(|part| skin(&scene.meshes[part.mesh]));

@@ -59,6 +59,7 @@ pub(super) fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScen
         triangles: geometry.triangles,
         engine: geometry.engine,
         ranges: geometry.ranges,
+        joint_weights: meshes::joint_weights(&scene, &parts, &nodes),
         space: space(&scene.settings),
         names,
         parents,

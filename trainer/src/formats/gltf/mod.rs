@@ -77,6 +77,7 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
     let morphs = moments.iter().any(|moment| moment.clip.shapes(|node| scene.shows(node)));
     let ranges = scene.meshes.ranges().into_iter();
     let ranges = ranges.map(|(name, range)| (name, welded.range(&range))).collect();
+    let joint_weights = skins.weights_of(&scene.meshes, &welded.firsts);
     let rest = welded.pick(&scene.meshes.positions);
     let Welded { triangles, engine, .. } = welded;
     Ok(SampledScene {
@@ -84,6 +85,7 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
         triangles,
         engine,
         ranges,
+        joint_weights: Some(joint_weights),
         space: Space::GLTF,
         names,
         parents,

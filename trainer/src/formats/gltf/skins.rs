@@ -123,6 +123,21 @@ impl Skins {
         Some(FormatWarning::NeutralBone { joint, count: followers.sum() })
     }
 
+    /// Gives the joint weights of some of the meshes' vertices, in ascending order: as many rows of J.
+    pub(super) fn weights_of(&self, meshes: &Meshes, vertices: &[usize]) -> Vec<f64> {
+        let mut all = vec![0.0; vertices.len() * self.joints.len()];
+        let rows = all.chunks_exact_mut(self.joints.len().max(1)).zip(vertices);
+        for (row, &vertex) in rows {
+            let after = meshes.instances.partition_point(|instance| instance.first <= vertex);
+            let skin = meshes.instances[after - 1].skin;
+            let Some(member) = skin.and_then(|skin| self.members.get(&skin)) else { continue };
+            for &(joint, weight) in &meshes.influences[vertex] {
+                row[member.joints[joint]] += weight;
+            }
+        }
+        all
+    }
+
     /// Gives the nearest joint above each joint; several may have none.
     pub(super) fn parents(&self, nodes: &Nodes) -> Vec<Option<usize>> {
         let of = |node: usize| self.joints.iter().position(|&joint| joint == node);

@@ -17,6 +17,8 @@ pub(crate) struct SampledScene {
     pub(crate) engine: Option<EngineMesh>,
     /// The meshes that were joined, by name; none where there is one.
     pub(crate) ranges: Vec<(String, Range<usize>)>,
+    /// Joint weights of the skins, V x J, vertex-major; none without a skin.
+    pub(crate) joint_weights: Option<Vec<f64>>,
     /// Axes and unit of the scene.
     pub(crate) space: Space,
     /// J names.

@@ -15,6 +15,7 @@
 //! | `fps` | | optional frames a second, 30 without |
 //! | `frame_numbers` | N | optional: what the source calls the frames, whole numbers that ascend in a clip |
 //! | `mesh_names`, `mesh_starts` | M | optional meshes that were joined and their first vertices: 0, then ascending |
+//! | `joint_weights` | V, J | optional: joint weights as painted; they tell which joints are near a vertex |
 //! | `importance` | V | optional: how much each vertex counts, of which only the ratios matter |
 //! | `frame_weights` | N | optional: how often each frame counts in a fit, whole numbers from 1 to 100 |
 //! | `up`, `forward` | | optional axes: `x`, `-x`, `y`, `-y`, `z` or `-z` |
@@ -43,7 +44,7 @@ pub use save::save_npz;
 
 use self::clips::read_clips;
 use self::fields::{FACES, missing, read_faces, read_frame_weights, read_split};
-use self::meshes::{read_importance, read_meshes};
+use self::meshes::{read_importance, read_joint_weights, read_meshes};
 use self::sidecar::{Parent, Sidecar};
 use self::space::read_space;
 use self::texture::read_texture;
@@ -137,6 +138,7 @@ fn read(
     let split = read_split(&mut archive, frame_len)?;
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
     let ranges = read_meshes(&mut archive, sidecar, rest.len())?;
+    let joint_weights = read_joint_weights(&mut archive, [rest.len(), joint_len])?;
     let importance = read_importance(&mut archive, rest.len())?;
     let weights = read_frame_weights(&mut archive, frame_len)?;
     let space = read_space(&mut archive, sidecar)?;
@@ -170,6 +172,7 @@ fn read(
         ranges,
         clip_starts: clips.iter().map(|clip| clip.first).collect(),
         space,
+        joint_weights,
         importance: None,
         frame_weights: None,
     };

@@ -71,6 +71,9 @@ fn write(file: &mut File, examples: &Examples, clips: &[Clip]) -> io::Result<()>
     write_clips(&mut archive, clips)?;
     let meshes = examples.ranges.iter().map(|(name, range)| (name, range.start));
     write_runs(&mut archive, &MESHES, meshes)?;
+    if let Some(weights) = &examples.joint_weights {
+        archive.numbers("joint_weights", &[v, j], weights.iter().copied())?;
+    }
     if let Some(importance) = &examples.importance {
         archive.numbers("importance", &[v], importance.iter().copied())?;
     }

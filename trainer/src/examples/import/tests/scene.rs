@@ -41,6 +41,7 @@ fn limb() -> (SampledScene, Vec<[f64; 3]>) {
         triangles: vec![[0, 1, 2]],
         engine: None,
         ranges: Vec::new(),
+        joint_weights: None,
         space: Space::default(),
         names: vec!["upper".into(), "lower".into()],
         parents: vec![None, Some(0)],

@@ -103,6 +103,8 @@ fn a_skinned_mesh_is_read_with_its_joints_and_frames() {
     near(&origins(&rig.binds), &[[0.0; 3], [1.0, 0.0, 0.0]]);
     near(&origins(&rig.frames), &[[0.0; 3], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [4.0, 0.0, 0.0]]);
     // The quarter turn carries x to y.
+    let weights = [[1.0, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [1.0, 0.0]];
+    assert_eq!(rig.joint_weights.as_deref(), Some(weights.as_flattened()));
     near(&[[rig.frames[3].m11, rig.frames[3].m21, rig.frames[3].m31]], &[[0.0, 1.0, 0.0]]);
     near(shapes(&rig)[0], &ARM);
     let bent =

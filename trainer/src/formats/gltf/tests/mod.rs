@@ -65,6 +65,8 @@ fn a_joint_carries_its_vertices() {
     assert_eq!(examples.split, [Split::Train; 3]);
     assert_eq!(examples.skeleton.parents, [None, Some(0)]);
     assert_eq!(examples.skeleton.rest[1].map(|row| row[3]), [2.0, 0.0, 0.0]);
+    let weights = [[1.0, 0.0], [0.0, 1.0], [0.5, 0.5]];
+    assert_eq!(examples.joint_weights.as_deref(), Some(weights.as_flattened()));
     assert_eq!(examples.frame(0), examples.rest);
     let bent = examples.frame(1);
     near(bent[0], [1.0, 0.0, 0.0], 1e-7);

@@ -108,6 +108,35 @@ fn meshes_are_ranges_and_importance_is_weighed() {
 }
 
 #[test]
+fn painted_joint_weights_are_read_and_saved() {
+    assert_eq!(Set::good().load("painted-none").unwrap().examples.joint_weights, None);
+    let weights = [1.0, 0.0, 0.5, 0.5, 0.0, 2.0, 0.0, 0.0, 0.25, 0.75];
+    let painted = |shape: &[u64], place: usize, number: f64| {
+        let mut set = Set::good();
+        let mut weights = weights.to_vec();
+        weights[place] = number;
+        weights.truncate(shape.iter().product::<u64>() as usize);
+        set.reals.insert("joint_weights", (shape.to_vec(), weights));
+        set
+    };
+    let loaded = painted(&[5, 2], 0, 1.0).load("painted").unwrap().examples;
+    assert_eq!(loaded.joint_weights.as_deref(), Some(&weights[..]));
+    let folder = Folder::new("painted-saved");
+    save_npz(&folder.npz(), &loaded, &[]).unwrap();
+    assert_eq!(load(&folder.npz()).unwrap().examples.joint_weights, loaded.joint_weights);
+    for (set, words) in [
+        (painted(&[4, 2], 0, 1.0), "rest has 5 vertices, joint_weights has 4"),
+        (painted(&[5, 1], 0, 1.0), "bone_names has 2 joints, joint_weights has 1"),
+        (painted(&[10], 0, 1.0), "array joint_weights must have shape [n, n], found [10]"),
+        (painted(&[5, 2], 7, -0.5), "joint_weights has -0.5 at vertex 3, joint tip, expected a"),
+        (painted(&[5, 2], 2, f64::NAN), "joint_weights has NaN at vertex 1, joint root, expected"),
+    ] {
+        let fault = set.fault("painted-bad").to_string();
+        assert!(fault.contains(words), "{fault}");
+    }
+}
+
+#[test]
 fn frames_count_as_often_as_they_say() {
     let len = Set::good().load("weights-none").unwrap().examples.frame_len();
     let mut weights = vec![1.0; len];

@@ -1,0 +1,135 @@
+//! Joint weights as an artist painted them (METHOD §1.2): what they tell of which joints are near, and where they
+//! mislead.
+
+use super::blend::Weights;
+use super::training::Training;
+use crate::constants::{PAINTED, UNPAINTED};
+use crate::examples::Examples;
+use faer::Mat;
+
+/// Share of a vertex's largest weight below which another is a rest of smoothing and normalising.
+const TRACE: f64 = 1e-3;
+/// How many times what it errs without them, RMS, the skin that follows a joint most may err near to painted weights:
+/// what errs more was painted for another mesh, or other joints.
+pub const MISLEADS: f64 = 2.0;
+
+/// The painted weights of V vertices.
+pub struct Painted<'a> {
+    joint_len: usize,
+    /// V x J.
+    rows: Vec<&'a [f64]>,
+}
+
+impl<'a> Painted<'a> {
+    /// Gives those that come with examples, where any do.
+    pub fn of(examples: &'a Examples) -> Option<Self> {
+        let (joint_len, weights) = (examples.joint_len(), examples.joint_weights.as_ref()?);
+        Some(Self { joint_len, rows: weights.chunks_exact(joint_len).collect() })
+    }
+
+    /// How many times farther each joint is from each vertex than the nearest, J x V, where `by_bones` it is so much
+    /// farther: the farther the less it weighs, and far where it weighs nothing. A vertex without weights goes by bones.
+    pub fn farther(&self, by_bones: &Mat<f64>) -> Mat<f64> {
+        let mut farther = by_bones.clone();
+        for (vertex, row) in self.rows.iter().enumerate() {
+            let Some(strongest) = self.strongest(vertex) else { continue };
+            for (joint, farther) in farther.col_as_slice_mut(vertex).iter_mut().enumerate() {
+                let share = row[joint] / row[strongest];
+                let painted = 1.0 + PAINTED.get() * (1.0 - share);
+                let unpainted = UNPAINTED.get() * *farther;
+                *farther = if share > TRACE { painted } else { unpainted.max(painted) };
+            }
+        }
+        farther
+    }
+
+    /// Lists the joints on whose skin the weights mislead: all, where they do on most of it.
+    ///
+    /// - `near`, `free`: squared errors of the V vertices near to the weights and without them.
+    /// - `unseen`: a squared error of a vertex that does not count.
+    pub fn misleading(&self, near: &[f64], free: &[f64], unseen: f64) -> Vec<usize> {
+        let mut skins = vec![Vec::new(); self.joint_len];
+        for vertex in 0..self.rows.len() {
+            self.strongest(vertex).into_iter().for_each(|joint| skins[joint].push(vertex));
+        }
+        let sum = |skin: &[usize], errors: &[f64]| skin.iter().map(|&v| errors[v]).sum::<f64>();
+        let misleads = |&joint: &usize| {
+            let skin = &skins[joint];
+            let free = sum(skin, free).max(unseen * skin.len() as f64);
+            sum(skin, near) > MISLEADS.powi(2) * free
+        };
+        let joints = (0..self.joint_len).filter(|&joint| !skins[joint].is_empty());
+        let (all, misleading): (Vec<_>, Vec<_>) =
+            (joints.clone().collect(), joints.filter(misleads).collect());
+        let count =
+            |joints: &[usize]| joints.iter().map(|&joint| skins[joint].len()).sum::<usize>();
+        if 2 * count(&misleading) > count(&all) { all } else { misleading }
+    }
+
+    /// Whether a vertex follows one of some joints most.
+    pub fn follows(&self, vertex: usize, joints: &[usize]) -> bool {
+        self.strongest(vertex).is_some_and(|joint| joints.contains(&joint))
+    }
+
+    /// RMS error of LBS by the weights as they are, over the vertices that have any and the training poses, in diagonals.
+    pub fn rms(&self, training: &Training) -> f64 {
+        let list = |row: &&[f64]| {
+            let sum: f64 = row.iter().sum();
+            let some = row.iter().enumerate().filter(|(_, weight)| **weight > 0.0);
+            let mut list: Vec<_> = some.map(|(joint, weight)| (joint, weight / sum)).collect();
+            list.sort_by(|a, b| b.1.total_cmp(&a.1));
+            list
+        };
+        let weights = Weights::from_lists(self.joint_len, self.rows.iter().map(list));
+        let left = training.targets(&weights).residuals(&training.poses.stacked());
+        let some = (0..self.rows.len()).filter(|&vertex| weights.strongest(vertex).is_some());
+        let squares = some.flat_map(|vertex| left.col_as_slice(vertex).iter().map(|x| x * x));
+        let (count, sum) = squares.fold((0, 0.0), |(count, sum), square| (count + 1, sum + square));
+        (3.0 * sum / f64::from(count.max(1))).sqrt()
+    }
+
+    /// The joint of the largest weight, the first of several.
+    fn strongest(&self, vertex: usize) -> Option<usize> {
+        let row = self.rows[vertex];
+        let most = row.iter().copied().fold(0.0, f64::max);
+        row.iter().position(|&weight| most > 0.0 && weight == most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::testing::triangle;
+
+    #[test]
+    fn what_weighs_less_is_farther_and_what_weighs_nothing_far() {
+        let mut examples = triangle(1);
+        // The second vertex has none.
+        examples.joint_weights = Some(vec![3.0, 1.0, 0.0, 0.0, 0.0, 0.5]);
+        let by_bones = Mat::from_fn(2, 3, |joint, _| [2.0, 1.0][joint]);
+        let found = Painted::of(&examples).unwrap().farther(&by_bones);
+        let (painted, unpainted) = (PAINTED.get(), UNPAINTED.get());
+        let expected = [[1.0, 1.0 + painted * 2.0 / 3.0], [2.0, 1.0], [2.0 * unpainted, 1.0]];
+        for (vertex, expected) in expected.iter().enumerate() {
+            for (joint, expected) in expected.iter().enumerate() {
+                assert!((found[(joint, vertex)] - expected).abs() < 1e-12, "{joint} {vertex}");
+            }
+        }
+        assert!(Painted::of(&triangle(1)).is_none());
+    }
+
+    #[test]
+    fn they_mislead_where_the_skin_of_a_joint_errs_twice_as_much() {
+        let mut examples = triangle(1);
+        examples.joint_weights = Some(vec![1.0, 0.0, 1.0, 0.0, 0.2, 0.8]);
+        let painted = Painted::of(&examples).unwrap();
+        let misleading = |near: [f64; 3], unseen| painted.misleading(&near, &[1.0; 3], unseen);
+        let none: [usize; 0] = [];
+        // One vertex of a joint's skin may err more where the others make up for it.
+        assert_eq!(misleading([7.0, 0.9, 3.9], 0.0), none);
+        assert_eq!(misleading([1.0, 1.0, 4.1], 0.0), [1]);
+        assert_eq!(misleading([1.0, 1.0, 4.1], 1.1), none, "of errors that do not count");
+        assert_eq!(misleading([9.0, 1.0, 1.0], 0.0), [0, 1], "most of the skin");
+        assert!(painted.follows(2, &[1]) && !painted.follows(0, &[1]));
+    }
+}
