@@ -98,6 +98,11 @@ fn the_rig_trains_to_the_model_of_the_demo() {
     assert_eq!(warnings, []);
     read.hold_out_clips(&clips, &["held-out".to_owned()]).unwrap();
     assert_eq!(read.split, examples.split);
+    // The demo itself has no skin that says which joints are near.
+    assert_eq!(
+        read.joint_weights.take().map(|all| all.len()),
+        Some(read.rest.len() * read.joint_len())
+    );
     let proxies = Some(ProxyCount::Fixed(6));
     for predictor in [Predictor::Kernel, Predictor::Rotational] {
         let predictor = Predict::Only(predictor);

@@ -2,7 +2,6 @@
 //! mislead.
 
 use super::blend::Weights;
-use super::training::Training;
 use crate::constants::{PAINTED, UNPAINTED};
 use crate::examples::Examples;
 use faer::Mat;
@@ -71,8 +70,8 @@ impl<'a> Painted<'a> {
         self.strongest(vertex).is_some_and(|joint| joints.contains(&joint))
     }
 
-    /// RMS error of LBS by the weights as they are, over the vertices that have any and the training poses, in diagonals.
-    pub fn rms(&self, training: &Training) -> f64 {
+    /// Gives the weights as they blend; a vertex without any follows nothing.
+    pub fn weights(&self) -> Weights {
         let list = |row: &&[f64]| {
             let sum: f64 = row.iter().sum();
             let some = row.iter().enumerate().filter(|(_, weight)| **weight > 0.0);
@@ -80,12 +79,7 @@ impl<'a> Painted<'a> {
             list.sort_by(|a, b| b.1.total_cmp(&a.1));
             list
         };
-        let weights = Weights::from_lists(self.joint_len, self.rows.iter().map(list));
-        let left = training.targets(&weights).residuals(&training.poses.stacked());
-        let some = (0..self.rows.len()).filter(|&vertex| weights.strongest(vertex).is_some());
-        let squares = some.flat_map(|vertex| left.col_as_slice(vertex).iter().map(|x| x * x));
-        let (count, sum) = squares.fold((0, 0.0), |(count, sum), square| (count + 1, sum + square));
-        (3.0 * sum / f64::from(count.max(1))).sqrt()
+        Weights::from_lists(self.joint_len, self.rows.iter().map(list))
     }
 
     /// The joint of the largest weight, the first of several.
