@@ -79,7 +79,9 @@ impl<'a> Painted<'a> {
             list.sort_by(|a, b| b.1.total_cmp(&a.1));
             list
         };
-        Weights::from_lists(self.joint_len, self.rows.iter().map(list))
+        let lists: Vec<_> = self.rows.iter().map(list).collect();
+        let most = lists.iter().map(Vec::len).max().unwrap_or(0).max(1);
+        Weights::from_lists(most, lists.into_iter())
     }
 
     /// The joint of the largest weight, the first of several.
