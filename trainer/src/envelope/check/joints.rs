@@ -3,7 +3,6 @@
 use super::context::{Context, worst_first};
 use super::finding::{Finding, Kind, Place, Severity, count, listed};
 use super::thresholds::{IDLE, SCALED, STILL};
-use crate::envelope::skin::painted::MISLEADS;
 use crate::envelope::training_report::SEAM;
 use crate::examples::{Matrix3x4, Warning};
 use nalgebra::Matrix3;
@@ -42,9 +41,9 @@ pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut
             kind: Kind::Weights,
             severity: Severity::Warning,
             text: format!(
-                "the joint weights that come with the mesh mislead about the skin of {}: near to them LBS errs more than \
-                 {MISLEADS} times as much as without, so they are left aside there; look whether they are of this mesh \
-                 and these joints: {}",
+                "the joint weights that come with the mesh mislead about the skin of {}: near to them LBS errs far more \
+                 than without, so they are left aside there; look whether they are of this mesh and these joints, and \
+                 more than a first binding: {}",
                 count(misleading.len(), "joint", "joints"),
                 names(context, misleading)
             ),

@@ -8,9 +8,10 @@ use faer::Mat;
 
 /// Share of a vertex's largest weight below which another is a rest of smoothing and normalising.
 const TRACE: f64 = 1e-3;
-/// How many times what it errs without them, RMS, the skin that follows a joint most may err near to painted weights:
-/// what errs more was painted for another mesh, or other joints.
-pub const MISLEADS: f64 = 2.0;
+/// How many times what it errs without them, RMS, the skin that follows a joint most may err near to painted weights, and
+/// the skin of all such joints together: what errs more was painted for another mesh or other joints, or not at all.
+const MISLEADS: f64 = 2.0;
+const ALL_MISLEAD: f64 = 1.25;
 
 /// The painted weights of V vertices.
 pub struct Painted<'a> {
@@ -42,27 +43,29 @@ impl<'a> Painted<'a> {
         farther
     }
 
-    /// Lists the joints on whose skin the weights mislead: all, where they do on most of it.
+    /// Lists the joints on whose skin the weights mislead: all, where they do on what is left of it together.
     ///
     /// - `near`, `free`: squared errors of the V vertices near to the weights and without them.
     /// - `unseen`: a squared error of a vertex that does not count.
     pub fn misleading(&self, near: &[f64], free: &[f64], unseen: f64) -> Vec<usize> {
-        let mut skins = vec![Vec::new(); self.joint_len];
+        // Of each joint's skin, in this order.
+        let mut sums = vec![[0.0; 3]; self.joint_len];
         for vertex in 0..self.rows.len() {
-            self.strongest(vertex).into_iter().for_each(|joint| skins[joint].push(vertex));
+            let Some(joint) = self.strongest(vertex) else { continue };
+            let own = [near[vertex], free[vertex], unseen];
+            sums[joint] = std::array::from_fn(|k| sums[joint][k] + own[k]);
         }
-        let sum = |skin: &[usize], errors: &[f64]| skin.iter().map(|&v| errors[v]).sum::<f64>();
-        let misleads = |&joint: &usize| {
-            let skin = &skins[joint];
-            let free = sum(skin, free).max(unseen * skin.len() as f64);
-            sum(skin, near) > MISLEADS.powi(2) * free
-        };
-        let joints = (0..self.joint_len).filter(|&joint| !skins[joint].is_empty());
-        let (all, misleading): (Vec<_>, Vec<_>) =
-            (joints.clone().collect(), joints.filter(misleads).collect());
-        let count =
-            |joints: &[usize]| joints.iter().map(|&joint| skins[joint].len()).sum::<usize>();
-        if 2 * count(&misleading) > count(&all) { all } else { misleading }
+        let mislead =
+            |[near, free, unseen]: [f64; 3], most: f64| near > most.powi(2) * free.max(unseen);
+        let (mut misleading, others): (Vec<usize>, Vec<usize>) = (0..self.joint_len)
+            .filter(|&joint| sums[joint] != [0.0; 3])
+            .partition(|&joint| mislead(sums[joint], MISLEADS));
+        let left = std::array::from_fn(|k| others.iter().map(|&joint| sums[joint][k]).sum());
+        if mislead(left, ALL_MISLEAD) {
+            misleading.extend(others);
+            misleading.sort_unstable();
+        }
+        misleading
     }
 
     /// Whether a vertex follows one of some joints most.
@@ -121,11 +124,12 @@ mod tests {
         let painted = Painted::of(&examples).unwrap();
         let misleading = |near: [f64; 3], unseen| painted.misleading(&near, &[1.0; 3], unseen);
         let none: [usize; 0] = [];
-        // One vertex of a joint's skin may err more where the others make up for it.
-        assert_eq!(misleading([7.0, 0.9, 3.9], 0.0), none);
+        // One vertex may err more where the others make up for it.
+        assert_eq!(misleading([2.5, 0.5, 1.5], 0.0), none);
         assert_eq!(misleading([1.0, 1.0, 4.1], 0.0), [1]);
-        assert_eq!(misleading([1.0, 1.0, 4.1], 1.1), none, "of errors that do not count");
-        assert_eq!(misleading([9.0, 1.0, 1.0], 0.0), [0, 1], "most of the skin");
+        assert_eq!(misleading([0.5, 0.5, 4.1], 1.1), none, "of errors that do not count");
+        assert_eq!(misleading([2.5, 1.5, 1.5], 0.0), [0, 1], "all together");
+        assert_eq!(misleading([1.0, 3.0, 4.1], 0.0), [0, 1], "what is left");
         assert!(painted.follows(2, &[1]) && !painted.follows(0, &[1]));
     }
 }
