@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::validate::same;
+use super::validate::{is_weight, same};
 use super::{Examples, ExamplesError, LoadError};
 use crate::formats::numbers;
 
@@ -47,8 +47,7 @@ impl Examples {
             numbers = self.surface().of_first_copies(&numbers);
         }
         same("vertices", "rest", self.vertex_len(), "importance", numbers.len())?;
-        let bad = |number: &f64| !(number.is_finite() && *number >= 0.0);
-        if let Some(vertex) = numbers.iter().position(bad) {
+        if let Some(vertex) = numbers.iter().position(|&number| !is_weight(number)) {
             return Err(ExamplesError::Importance { vertex, number: numbers[vertex] });
         }
         // The largest first, so that no sum overflows.

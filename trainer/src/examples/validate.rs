@@ -188,9 +188,8 @@ impl Examples {
     }
 
     fn check_joint_weights(&self) -> Result<(), ExamplesError> {
-        let all = self.joint_weights.iter().flatten();
-        let bad = |number: &f64| !(number.is_finite() && *number >= 0.0);
-        let Some((place, &number)) = all.enumerate().find(|(_, number)| bad(number)) else {
+        let mut all = self.joint_weights.iter().flatten().enumerate();
+        let Some((place, &number)) = all.find(|(_, number)| !is_weight(**number)) else {
             return Ok(());
         };
         let (vertex, joint) = (place / self.joint_len(), place % self.joint_len());
@@ -260,6 +259,11 @@ impl Examples {
             });
         }
     }
+}
+
+/// Tells whether something may weigh so much.
+pub(super) fn is_weight(number: f64) -> bool {
+    number.is_finite() && number >= 0.0
 }
 
 pub(super) fn same(

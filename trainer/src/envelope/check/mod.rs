@@ -187,14 +187,15 @@ fn floor(context: &Context<'_>) -> Floor {
     let vertices = worst_first(all.iter().copied(), of_vertex).into_iter().take(WORST);
     Floor {
         rms_percent: 100.0 * context.lbs_rms(),
-        painted_percent: Painted::of(context.examples).map(|own| 100.0 * rms_of(&own, context)),
+        painted_percent: Painted::of(context.examples)
+            .map(|own| 100.0 * painted_rms(&own, context)),
         frames: frames.map(|i| (context.frame(i), of_frame(i))).collect(),
         vertices: vertices.map(|v| (v, of_vertex(v))).collect(),
     }
 }
 
 /// RMS error of LBS by weights as they were painted, over the vertices that have any, in diagonals.
-fn rms_of(painted: &Painted<'_>, context: &Context<'_>) -> f64 {
+fn painted_rms(painted: &Painted<'_>, context: &Context<'_>) -> f64 {
     let (training, weights) = (&context.training, painted.weights());
     let left = training.targets(&weights).residuals(&training.poses.stacked());
     let some = (0..weights.len()).filter(|&vertex| weights.strongest(vertex).is_some());

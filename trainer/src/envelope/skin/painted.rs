@@ -8,9 +8,10 @@ use faer::Mat;
 
 /// Share of a vertex's largest weight below which another is a rest of smoothing and normalising.
 const TRACE: f64 = 1e-3;
-/// How many times what it errs without them, RMS, the skin that follows a joint most may err near to painted weights, and
-/// the skin of all such joints together: what errs more was painted for another mesh or other joints, or not at all.
+/// How many times what it errs without them, RMS, the skin that follows a joint most may err near to painted weights:
+/// what errs more was painted for another mesh or other joints, or not at all.
 const MISLEADS: f64 = 2.0;
+/// The same of the skin of all such joints together, among which chance evens out.
 const ALL_MISLEAD: f64 = 1.25;
 
 /// The painted weights of V vertices.

@@ -4,11 +4,13 @@
 //! `proxies`, `full`, `errors`, `ranges`, `painted`, `poses`, `constants`, `import`, `time` or `scaling`. Sets that are not
 //! in `../shared/data` are named and left out.
 
+mod painted;
+
 use faer::Mat;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::constants::{OF_PAINTED, OTHERS};
+use sinew_trainer::constants::OTHERS;
 use sinew_trainer::envelope::check::check;
 use sinew_trainer::envelope::demo::{DemoOptions, demo};
 use sinew_trainer::envelope::evaluate::{Evaluation, Frames, evaluate};
@@ -27,7 +29,6 @@ use sinew_trainer::formats::save_pc2;
 use sinew_trainer::numeric::basis;
 use sinew_trainer::progress::Silent;
 use std::error::Error;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -48,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("full", full),
         ("errors", errors),
         ("ranges", ranges),
-        ("painted", painted),
+        ("painted", painted::painted),
         ("poses", poses),
         ("constants", constants),
         ("import", import),
@@ -246,9 +247,7 @@ fn ranges() -> Result<(), Box<dyn Error>> {
             );
             Ok(())
         };
-        let mut few = examples.clone();
-        let unread = &examples.frames_of(Split::Train)[12..];
-        unread.iter().for_each(|&frame| few.split[frame] = Split::Extreme);
+        let few = trained_on_first(&examples, 12);
         measured(&few, "beyond 12 frames that turn the collarbone alone")?;
         for joint in 1..examples.joint_len() {
             let angles: Vec<f64> = frames.iter().map(|&i| poses.angle(i, joint).norm()).collect();
@@ -265,71 +264,6 @@ fn ranges() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What painted joint weights make of LBS and of a model, held out, and what hangs on their constants: in range, and beyond
-/// the clip, or the first frames, that train.
-fn painted() -> Result<(), Box<dyn Error>> {
-    let errors = |examples: &Examples| -> Result<[f64; 2], Box<dyn Error>> {
-        let model = train(examples, &Options::default(), &Silent)?.model;
-        let found = evaluate(&model, None, examples, Frames::Of(Split::HeldOut))?;
-        Ok([found.lbs.rms_percent, found.errors.rms_percent])
-    };
-    println!("{:<26}{:>24}{:>24}", "LBS, model (%)", "without", "with");
-    for (name, painted) in painted_scenes()? {
-        let plain = Examples { joint_weights: None, ..painted.clone() };
-        let [[lbs, model], with @ [lbs_with, model_with]] = [errors(&plain)?, errors(&painted)?];
-        println!("{name:<26}{lbs:>16.4}{model:>8.4}{lbs_with:>16.4}{model_with:>8.4}");
-        for constant in OF_PAINTED {
-            for (factor, times) in [(1.0 / 3.0, "a third"), (3.0, "3 times")] {
-                constant.vary(factor);
-                let [lbs, model] = errors(&painted)?;
-                constant.vary(1.0);
-                let (lbs, model) = (lbs / with[0], model / with[1]);
-                let name = format!("  {times} {}", constant.name);
-                println!("{name:<50}{lbs:>16.2}{model:>8.2}");
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Sets with the weights that an artist painted, and scenes with those of their skin.
-fn painted_scenes() -> Result<Vec<(String, Examples)>, Box<dyn Error>> {
-    let mut scenes = Vec::new();
-    for (name, file) in SETS {
-        let Some(path) = found(file) else { continue };
-        let mut examples = npz::load(&path)?.examples;
-        let mut archive = zip::ZipArchive::new(File::open(&path)?)?;
-        let Ok(array) = archive.by_name("artist_lbs_weights.npy") else { continue };
-        let weights = npyz::NpyFile::new(array)?.into_vec::<f32>()?;
-        examples.joint_weights = Some(weights.into_iter().map(f64::from).collect());
-        if name == "mpfb-arm" {
-            for count in [12, 40] {
-                let mut few = examples.clone();
-                let unread = &examples.frames_of(Split::Train)[count..];
-                unread.iter().for_each(|&frame| few.split[frame] = Split::Extreme);
-                scenes.push((format!("{name}, {count} frames"), few));
-            }
-        }
-        scenes.push((name.to_owned(), examples));
-    }
-    let [fbx, targets, fox] =
-        ["leg/leg_strips.fbx", "leg/leg.abc", "gltf-loader/Fox.glb"].map(found);
-    let leg = fbx.zip(targets.as_ref()).map(|(scene, targets)| (scene, Some(targets.as_path())));
-    for (name, scene) in [("leg", leg), ("fox", fox.map(|scene| (scene, None)))] {
-        let Some((scene, targets)) = scene else { continue };
-        let loaded = load(&Source { targets, ..Source::file(&scene) })?;
-        for trained in 0..2 {
-            let mut examples = loaded.examples.clone();
-            for frame in 0..examples.frame_len() {
-                let own = examples.clip_of(frame) == trained + 1;
-                examples.split[frame] = if own { Split::Train } else { Split::HeldOut };
-            }
-            scenes.push((format!("{name} trained on {}", loaded.clips[trained].name), examples));
-        }
-    }
-    Ok(scenes)
-}
-
 /// What `check` says of mpfb-arm's training poses, held to account: the held-out error without the
 /// redundant ones, without the isolated ones, and without as many at random.
 fn poses() -> Result<(), Box<dyn Error>> {
@@ -337,8 +271,7 @@ fn poses() -> Result<(), Box<dyn Error>> {
         let clips = [];
         let Some(found) = check(&examples, &clips, &Silent)?.predicted else { continue };
         let error = |left_out: &[usize]| -> Result<f64, Box<dyn Error>> {
-            let mut fewer = examples.clone();
-            left_out.iter().for_each(|&frame| fewer.split[frame] = Split::Extreme);
+            let fewer = examples.without(left_out);
             let model = train(&fewer, &fixed(Predictor::Kernel, 40), &Silent)?.model;
             Ok(evaluate(&model, None, &fewer, Frames::Of(Split::HeldOut))?.errors.rms_percent)
         };
@@ -532,6 +465,11 @@ fn high_water_mark(status: &Path) -> usize {
     let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
     let kilobytes = line.and_then(|rest| rest.split_whitespace().next()?.parse::<usize>().ok());
     kilobytes.unwrap_or(0) * 1024
+}
+
+/// The same, only so many of the first training frames left to train.
+fn trained_on_first(examples: &Examples, count: usize) -> Examples {
+    examples.without(&examples.frames_of(Split::Train)[count..])
 }
 
 fn sets() -> Result<Vec<(&'static str, Examples)>, Box<dyn Error>> {
