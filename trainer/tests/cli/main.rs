@@ -1,6 +1,7 @@
 //! The command line's contract, on the binary itself.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
+mod cases;
 mod check;
 mod common;
 mod export;
