@@ -73,6 +73,8 @@ pub struct Examples {
     pub skeleton: Skeleton,
     /// Posed positions, N x V, frame-major.
     pub vertices: Vec<[f64; 3]>,
+    /// Whether the posed positions are those of the scene's own skin and shapes, so that each mesh belongs to its pose.
+    pub own_skin: bool,
     /// Map from the rest pose to the pose of each joint, N x J, frame-major, model space.
     pub transforms: Vec<Matrix3x4>,
     /// Use of each frame, N.

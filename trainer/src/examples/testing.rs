@@ -29,5 +29,6 @@ pub(crate) fn triangle(frame_len: usize) -> Examples {
         joint_weights: None,
         importance: None,
         frame_weights: None,
+        own_skin: false,
     }
 }

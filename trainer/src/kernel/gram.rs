@@ -72,6 +72,11 @@ impl GramRegression {
         self.gram[(sample, sample)]
     }
 
+    /// Returns the squared distance of a sample from rest, as the kernel has it: its prior variance.
+    pub fn moved(&self, sample: usize) -> f64 {
+        self.kernel[(sample, sample)]
+    }
+
     /// Predicts every sample by the others; `blocks` cover all. None where
     /// rounding makes a fit indefinite.
     pub fn errors(&self, blocks: &[Block]) -> Option<SampleErrors> {

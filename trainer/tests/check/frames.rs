@@ -1,6 +1,6 @@
 //! Frames against each other.
 
-use super::made::{arm, check, frames, only};
+use super::made::{arm, chain, check, frames, kinds, only};
 use sinew_trainer::envelope::check::finding::{Kind, Severity};
 use sinew_trainer::examples::{Clip, Examples, Split};
 use sinew_trainer::progress::Silent;
@@ -105,4 +105,41 @@ fn meshes_that_follow_the_clips_in_another_order_are_told_of() {
     assert!(order.text.starts_with(words), "{}", order.text);
     assert_eq!((order.severity, frames(order)), (Severity::Warning, vec![0, 16]));
     assert!(check(&right).find(Kind::ClipOrder).is_none());
+}
+
+/// Sixteen frames in which the hinges sway by up to `sway` degrees, then five that bend both, or the second alone.
+fn action(sway: [f64; 2], both: bool) -> Examples {
+    let idle =
+        (0..16).map(|k| [0, 1].map(|hinge| sway[hinge] * (1.7 * k as f64 + hinge as f64).sin()));
+    let bent = [25.0, 50.0, 70.0, 55.0, 30.0].map(|b| [if both { 0.8 * b } else { 0.0 }, b]);
+    let train = |angles| (angles, Split::Train);
+    chain(&idle.chain(bent).map(train).collect::<Vec<_>>())
+}
+
+#[test]
+fn frames_that_alone_move_a_joint_are_not_called_wrong() {
+    for sway in [[0.0, 0.0], [0.5, 0.5], [3.0, 3.0], [10.0, 10.0], [60.0, 0.0], [60.0, 2.0]] {
+        for both in [false, true] {
+            let found = check(&action(sway, both));
+            assert!(!kinds(&found).contains(&Kind::Broken), "{sway:?} {both}: {found:#?}");
+        }
+    }
+}
+
+#[test]
+fn an_exact_linear_skin_has_no_wrong_frames() {
+    // Each vertex follows one joint, and rounding is all that LBS leaves.
+    let mut examples = action([0.0, 0.0], true);
+    let (v, j) = (examples.vertex_len(), examples.joint_len());
+    for frame in 0..examples.frame_len() {
+        for (vertex, x) in examples.rest.iter().enumerate() {
+            let joint = [1.0, 2.0].iter().filter(|hinge| x[0] > **hinge).count();
+            let map = &examples.transforms[frame * j + joint];
+            let at = |row: &[f64; 4]| row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3];
+            examples.vertices[frame * v + vertex] =
+                map.each_ref().map(|row| f64::from(at(row) as f32));
+        }
+    }
+    let found = check(&examples);
+    assert!(!kinds(&found).contains(&Kind::Broken), "{found:#?}");
 }

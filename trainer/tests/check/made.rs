@@ -76,6 +76,7 @@ pub(crate) fn chain(bends: &[Bend]) -> Examples {
         joint_weights: None,
         importance: None,
         frame_weights: None,
+        own_skin: false,
     }
 }
 

@@ -56,6 +56,7 @@ fn bent(rest: Vec<[f64; 3]>, triangles: Vec<[usize; 3]>) -> Examples {
         joint_weights: None,
         importance: None,
         frame_weights: None,
+        own_skin: false,
     }
 }
 

@@ -15,7 +15,7 @@ pub(super) fn broken(sound: &Sound, clips: &[Clip]) -> Finding {
         _ => format!("; all of them: {}", runs(&names).join(", ")),
     };
     let then = match stay {
-        true => "too many to leave out, so that a training learns them with the others",
+        true => "without them too few frames or no motion would be left, so training keeps them",
         false => "a training leaves out what is named here",
     };
     Finding {

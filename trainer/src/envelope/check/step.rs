@@ -74,5 +74,6 @@ pub(super) fn sample(examples: &Examples) -> Examples {
         joint_weights: None,
         importance: None,
         frame_weights: None,
+        own_skin: false,
     }
 }

@@ -72,6 +72,7 @@ pub fn demo(options: &DemoOptions) -> Examples {
         joint_weights: None,
         importance: None,
         frame_weights: None,
+        own_skin: false,
     }
 }
 

@@ -9,7 +9,7 @@ use crate::envelope::model::Group;
 use crate::envelope::skin::blend::{Alternation, InTurn, Items, Maps, Supports, Weights, fit_maps};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::gram;
-use crate::envelope::skin::stacked::{bases, set_map};
+use crate::envelope::skin::stacked::{bases, map_of, set_map};
 use crate::envelope::skin::targets::{Targets, skinned};
 use crate::envelope::skin::training::Training;
 use crate::examples::Importance;
@@ -84,21 +84,37 @@ impl<'a> HelperFit<'a> {
         let groups = self.groups(count);
         let dominant: Vec<usize> = groups.iter().map(|group| group.0).collect();
         let mut maps = Mat::zeros(joints.nrows(), 4 * groups.len());
-        for (l, (joint, members)) in groups.iter().enumerate() {
-            for (i, map) in group_maps(training, members, *joint).into_iter().enumerate() {
+        let blends = self.blends(&groups);
+        for (l, (_, members)) in groups.iter().enumerate() {
+            let blend = |pose| map_of(&blends, pose, l);
+            for (i, map) in group_maps(training, members, blend).into_iter().enumerate() {
                 set_map(&mut maps, i, l, &map);
             }
         }
         let bases = bases(joints, &dominant);
         let open = Open::new(self, influences);
-        let own = OnBasis::new(&open, &bases, &dominant).run(&maps, influences);
+        let own = OnBasis::new(&open, [&bases, &blends], &dominant).run(&maps, influences);
         let weights = open.among(&training.lbs.weights, &own);
-        let maps = fit_helpers(&training.targets(&weights), [joints, &bases]);
+        let maps = fit_helpers(&training.targets(&weights), [joints, &blends]);
         let span = poses.joint_len()..poses.joint_len() + dominant.len();
         let gram = gram(&training.targets(&weights), span.clone());
         let lbs_errors = training.lbs_errors(&weights, span);
         let listens = vec![0; dominant.len()];
         Helpers { weights, dominant, listens, left_over: maps - bases, gram, lbs_errors }
+    }
+
+    /// Blends the joints' maps by the mean LBS weights of each group's vertices, 3n x 4P. The blend decides what the vertices
+    /// do not: along the normal of a flat group, whose skin would shear by its dominant joint's map alone.
+    fn blends(&self, groups: &[(usize, Vec<usize>)]) -> Mat<f64> {
+        let mut out = Mat::zeros(self.joints.nrows(), 4 * groups.len());
+        for (l, (_, members)) in groups.iter().enumerate() {
+            let share = 1.0 / members.len() as f64;
+            for (joint, weight) in members.iter().flat_map(|&v| self.training.lbs.weights.of(v)) {
+                let mut own = out.subcols_mut(4 * l, 4);
+                own += faer::Scale(share * weight) * self.joints.subcols(4 * joint, 4);
+            }
+        }
+        out
     }
 
     /// Groups the vertices on which LBS errs by how they err and where they lie, each with the joint that most of it
@@ -171,9 +187,9 @@ impl<'a> Open<'a> {
 /// What weights and the helpers' maps are fitted in turn to, on a basis of the trajectories.
 struct OnBasis<'a> {
     open: &'a Open<'a>,
-    /// The joints' maps on the basis, and those of the helpers' dominant joints.
+    /// The joints' maps on the basis, and their blends that helpers are pulled to.
     joints: Mat<f64>,
-    bases: Mat<f64>,
+    blends: Mat<f64>,
     /// The palette before any correction, as far as it counts, on the basis of LBS.
     plain: Mat<f64>,
     /// How many times farther each joint's bone is from each vertex than the nearest, as far as it counts; for a helper its
@@ -182,7 +198,7 @@ struct OnBasis<'a> {
 }
 
 impl<'a> OnBasis<'a> {
-    fn new(open: &'a Open<'_>, bases: &Mat<f64>, dominant: &[usize]) -> Self {
+    fn new(open: &'a Open<'_>, [bases, blends]: [&Mat<f64>; 2], dominant: &[usize]) -> Self {
         let HelperFit { training, joints, plain, .. } = open.fit;
         let onto = |basis: &Basis, maps: &Mat<f64>| basis.vectors.transpose() * maps;
         let trajectories = training.basis();
@@ -191,7 +207,7 @@ impl<'a> OnBasis<'a> {
         Self {
             open,
             joints: onto(trajectories, joints),
-            bases: onto(trajectories, bases),
+            blends: onto(trajectories, blends),
             plain: palette * faer::Scale(BASE.get()),
             farther: Mat::from_fn(maps.len(), open.vertices.len(), |map, k| {
                 FARTHER.get() * training.lbs.farther[(maps[map], open.vertices[k])]
@@ -222,17 +238,17 @@ impl InTurn for OnBasis<'_> {
         let Open { rest, trajectories, .. } = self.open;
         let importance = self.open.importance();
         let targets = Targets { rest, weights, trajectories, importance };
-        let columns = fit_helpers(&targets, [&self.joints, &self.bases]);
+        let columns = fit_helpers(&targets, [&self.joints, &self.blends]);
         Maps { width: 4, columns }
     }
 }
 
 /// Fits the helpers' maps to weights and trajectories.
-fn fit_helpers(targets: &Targets<'_>, [joints, bases]: [&Mat<f64>; 2]) -> Mat<f64> {
+fn fit_helpers(targets: &Targets<'_>, [joints, blends]: [&Mat<f64>; 2]) -> Mat<f64> {
     let (on_joints, on_helpers) = split(targets.weights, joints.ncols() / 4);
     let left = Targets { weights: &on_joints, ..*targets }.residuals(joints);
     let items = Items::vertices(targets.rest, &left, targets.importance);
-    fit_maps(&items, &on_helpers, &Maps { width: 4, columns: bases.clone() }, PULL.get()).columns
+    fit_maps(&items, &on_helpers, &Maps { width: 4, columns: blends.clone() }, PULL.get()).columns
 }
 
 /// How vertices err by LBS in their joints' frames, and where they lie: 3n + 3 a vertex.
@@ -257,16 +273,22 @@ fn features(training: &Training, vertices: &[usize]) -> Mat<f64> {
     features
 }
 
-/// The affine map of some vertices in each pose, with a ridge toward their joint's map.
-fn group_maps(training: &Training, members: &[usize], joint: usize) -> Vec<Matrix3x4<f64>> {
+/// Fits the affine map of some vertices in each pose, with a ridge toward a blend of the joints' maps.
+fn group_maps(
+    training: &Training,
+    members: &[usize],
+    blend: impl Fn(usize) -> Matrix3x4<f64>,
+) -> Vec<Matrix3x4<f64>> {
     const RIDGE: f64 = 1e-2;
     let h = |v: usize| homogeneous(&training.rest[v]);
     let gram: Matrix4<f64> = members.iter().map(|&v| h(v) * h(v).transpose()).sum();
-    let ridged = gram + Matrix4::from_diagonal(&gram.diagonal()) * RIDGE;
+    // Members in a coordinate plane leave a diagonal entry at 0: the floor keeps the matrix regular.
+    let floor = f64::EPSILON * gram.trace();
+    let ridged = gram + Matrix4::from_diagonal(&gram.diagonal().map(|d| (RIDGE * d).max(floor)));
     let inverse = ridged.try_inverse().unwrap_or_default();
     (0..training.poses.len())
         .map(|i| {
-            let base = training.poses.map(i, joint);
+            let base = blend(i);
             let mut right = Matrix3x4::zeros();
             for &v in members {
                 let truth = &training.trajectories.col_as_slice(v)[3 * i..3 * i + 3];

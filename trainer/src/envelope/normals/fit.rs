@@ -1,7 +1,7 @@
 //! The fit of tangent coefficients (METHOD §1.8).
 
 use super::fan::Fan;
-use super::lean::Lean;
+use super::lean::{Lean, LeaningNormal};
 use crate::envelope::model::SkinModel;
 use crate::numeric::ridge::solve_ridge;
 use faer::Mat;
@@ -72,8 +72,13 @@ impl PosedSurface<'_> {
         influences: &[(usize, f64)],
     ) -> Option<Vec<[f64; 2]>> {
         let at_rest = |corner: usize| self.rest[corner].into();
-        let lean = if self.authored { Some(Lean::new(fan, at_rest, frame)?) } else { None };
-        let images = fan.images(at_rest, lean.as_ref().map_or(frame, |lean| &lean.plane))?;
+        let lean = if self.authored {
+            let leaning = LeaningNormal::new(fan, at_rest, &frame[0].cross(&frame[1]));
+            Some((Lean::new(fan, at_rest, frame)?, leaning))
+        } else {
+            None
+        };
+        let images = fan.images(at_rest, lean.as_ref().map_or(frame, |(lean, _)| &lean.plane))?;
         let (&(last, _), others) = influences.split_last()?;
         let x = self.rest[fan.centre];
         let apart: Vec<Vec<f64>> = others
@@ -97,11 +102,15 @@ impl PosedSurface<'_> {
             let at = |position: usize| of(self.trajectories.col_as_slice(position), pose);
             let Some(mut normal) = fan.normal(at).try_normalize(0.0) else { continue };
             let mut carried = fan.carried(&images, at, &normal);
-            if let Some(lean) = &lean {
-                carried = lean.images(carried, normal);
-                let [along, across] = &carried;
-                let Some(leaning) = along.cross(across).try_normalize(0.0) else { continue };
+            if let Some((lean, leaning)) = &lean {
+                let images = lean.images(carried, normal);
+                let Some(leaning) = leaning.posed(fan, at) else { continue };
                 normal = leaning;
+                carried = images.map(|image| image - normal * normal.dot(&image));
+            }
+            // Faces that are folded onto each other may turn the map over: its normal would point inward.
+            if normal.dot(&carried[0].cross(&carried[1])) <= 0.0 {
+                continue;
             }
             let left = [0, 1].map(|k| carried[k] - of(&blended[k], pose));
             for a in 0..len {
@@ -207,11 +216,21 @@ mod tests {
         influences: &[(usize, f64)],
     ) -> DMatrix<f64> {
         let rest = |v: usize| Vector3::from(surface.rest[v]);
-        let ends: Vec<usize> = fan.faces.iter().flatten().copied().collect();
-        let flat = DMatrix::from_fn(ends.len(), 2, |e, k| {
-            [t, b][k].dot(&(rest(ends[e]) - rest(fan.centre)))
-        });
-        let inverse = flat.pseudo_inverse(1e-12).unwrap();
+        // The mean map of the faces by area, each by its own edges and unit normal.
+        let map_of = |at: &dyn Fn(usize) -> Vector3<f64>| {
+            let mean = |&[p, q]: &[usize; 2]| {
+                let edges = |at: &dyn Fn(usize) -> Vector3<f64>| {
+                    let [a, b] = [p, q].map(|v| at(v) - at(fan.centre));
+                    Matrix3::from_columns(&[a, b, a.cross(&b).normalize()])
+                };
+                let from = edges(&rest);
+                let flat = Matrix3::identity() - from.column(2) * from.column(2).transpose();
+                edges(at) * from.try_inverse().unwrap() * flat * from.determinant()
+            };
+            fan.faces.iter().map(mean).sum::<Matrix3<f64>>()
+        };
+        let axes = nalgebra::Matrix3x2::from_columns(&[t, b]);
+        let at_rest = (axes.transpose() * map_of(&rest) * axes).try_inverse().unwrap();
         let (poses, free) = (surface.trajectories.nrows() / 3, influences.len() - 1);
         let map = |l: usize, pose: usize| {
             nalgebra::Matrix3x4::from_fn(|r, c| surface.palettes[(3 * pose + r, 4 * l + c)])
@@ -233,9 +252,7 @@ mod tests {
                 left.fixed_view_mut::<3, 1>(3 * pose, l).copy_from(&apart);
             }
             for (k, axis) in [t, b].into_iter().enumerate() {
-                let edges = ends.iter().enumerate();
-                let image: Vector3<f64> =
-                    edges.map(|(e, &end)| (at(end) - at(fan.centre)) * inverse[(k, e)]).sum();
+                let image = map_of(&at) * axes * at_rest.column(k);
                 let blended: Vector3<f64> = influences
                     .iter()
                     .map(|&(l, weight)| map(l, pose).fixed_columns::<3>(0) * axis * weight)

@@ -1,7 +1,8 @@
 //! Frames whose meshes do not belong to their poses: a simulation that exploded, a mesh that is moved or a frame late.
 //!
 //! Each frame is predicted by others from its pose, and its error is measured against what the prediction is unsure of: a
-//! pose like no other may be predicted badly, up to what skinning errs by there, one among others may not. A frame that is an
+//! pose like no other may be predicted badly, up to what skinning errs by there, one among others may not. Where other frames
+//! hardly move the joints of a region, they say nothing of its skin in frames that do. A frame that is an
 //! order of magnitude worse than is usual spoils the prediction of its neighbours too, and of few frames that of all: so
 //! frames are judged by those alone that belong to their meshes, in turn with which those are.
 
@@ -9,12 +10,17 @@ use super::moved::{Stand, stands};
 use super::region::{Region, regions};
 use crate::envelope::skin::residuals::Residuals;
 use crate::envelope::skin::training::Training;
+use crate::kernel::gram::GramRegression;
 
 /// How many times a frame's error is what is usual.
 const TIMES: f64 = 10.0;
 /// How many times farther from all others a pose stands alone than nine of ten do, and how many times larger than theirs,
 /// as LBS leaves it, the error of such a pose may be: of it the others tell little.
 const ALONE: f64 = 3.0;
+/// How many times farther from rest a pose moves a region's joints than any other, from where the others say nothing of it.
+const UNKNOWN: f64 = 10.0;
+/// Error below which no frame is wrong, RMS over the skin in diagonals.
+const RIGHT: f64 = 1e-4;
 /// Share of the frames that do not judge the others to begin with, those that surprise most, and how often all are judged.
 const SUSPECTED: f64 = 0.25;
 const ROUNDS: usize = 10;
@@ -68,7 +74,8 @@ fn elsewhere(residuals: Residuals<'_>) -> Vec<Broken> {
 fn among(residuals: Residuals<'_>, poses: &[usize]) -> Vec<Broken> {
     let regions = regions(residuals, poses);
     let left = |i: usize| regions.iter().map(|r| r.regression.left(i)).sum::<f64>();
-    let compared = Compared { left: (0..poses.len()).map(left).collect(), regions };
+    let right = RIGHT.powi(2) * regions.iter().map(|r| r.vertex_len).sum::<usize>() as f64;
+    let compared = Compared { left: (0..poses.len()).map(left).collect(), regions, right };
     let times = compared.judged().unwrap_or_default();
     let broken = |(i, times): (usize, &Option<f64>)| times.map(|times| (poses[i], times));
     let found = times.iter().enumerate().filter_map(broken);
@@ -81,6 +88,8 @@ struct Compared {
     regions: Vec<Region>,
     /// Squared error of LBS in each, of the skin that the regions look at.
     left: Vec<f64>,
+    /// Squared error below which a frame is right.
+    right: f64,
 }
 
 /// A squared error as others predict it.
@@ -124,7 +133,7 @@ impl Compared {
             let left: Vec<f64> = others.iter().map(|&other| self.left[other]).collect();
             let share = (FEW / (others.len() + 1) as f64).clamp(SHARE, 1.0);
             let mean = left.iter().sum::<f64>() / left.len().max(1) as f64;
-            let is_seen = times >= ALONE && squared > share.powi(2) * mean;
+            let is_seen = times >= ALONE && squared > (share.powi(2) * mean).max(self.right);
             let is_broken = is_seen
                 && match self.is_alone(i, &others) {
                     true => times >= TIMES && squared > ALONE.powi(2) * most(left),
@@ -149,18 +158,32 @@ impl Compared {
         own > ALONE.powi(2) * most(apart)
     }
 
-    /// How far each pose is missed by those of some that are others, summed over the joints.
+    /// How far each pose is missed by those of some that are others, summed over the joints of which they know.
     fn missed(&self, by: &[usize]) -> Option<Vec<Missed>> {
         let mut sums = vec![Missed::default(); self.left.len()];
-        for region in &self.regions {
-            for (sum, (surprise, squared)) in sums.iter_mut().zip(region.regression.surprises(by)?)
-            {
-                sum.surprise += surprise;
-                sum.squared += squared;
+        for Region { regression, .. } in &self.regions {
+            let is_known = known(regression, by);
+            let missed = regression.surprises(by)?.into_iter().zip(is_known);
+            for (sum, ((surprise, squared), is_known)) in sums.iter_mut().zip(missed) {
+                if is_known {
+                    sum.surprise += surprise;
+                    sum.squared += squared;
+                }
             }
         }
         Some(sums)
     }
+}
+
+/// Tells of each pose whether another one of some moves a region's joints at least a tenth as far from rest.
+fn known(regression: &GramRegression, by: &[usize]) -> Vec<bool> {
+    let mut farthest: Vec<(f64, usize)> = by.iter().map(|&i| (regression.moved(i), i)).collect();
+    farthest.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let of_pose = |pose: usize| {
+        let other = farthest.iter().find(|far| far.1 != pose).map_or(0.0, |far| far.0);
+        other * UNKNOWN.powi(2) >= regression.moved(pose)
+    };
+    (0..regression.sample_len()).map(of_pose).collect()
 }
 
 /// The middle one of some values.

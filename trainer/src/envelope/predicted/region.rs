@@ -25,6 +25,8 @@ pub const HOPS: usize = 2;
 pub struct Region {
     /// The joint.
     pub joint: usize,
+    /// How many vertices of its skin are looked at.
+    pub vertex_len: usize,
     /// What it leaves in the compared poses, predicted from each other.
     pub regression: GramRegression,
 }
@@ -62,7 +64,7 @@ impl Region {
         let tried: Vec<usize> = some.iter().map(|&place| poses[place]).collect();
         let blocks = blocks(training, &tried);
         let regression = GramRegression::choose(&inputs, gram, &some, &blocks)?;
-        Some(Self { joint, regression })
+        Some(Self { joint, vertex_len: skin.len(), regression })
     }
 
     /// Predicts every compared pose by the others.

@@ -2,6 +2,7 @@
 
 use super::broken::{Broken, broken};
 use crate::envelope::error::FitError;
+use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::training::{MIN_POSES, Training};
 use crate::examples::{Examples, Split};
 use crate::progress::Progress;
@@ -27,12 +28,12 @@ pub struct Sound {
     pub training: Training,
     /// The others, the worst of each look first.
     pub doubted: Vec<Doubted>,
-    /// Whether they stay in the training, for it would have too few frames without them.
+    /// Whether they stay in the training, for it would have too few frames, or no motion, without them.
     pub stay: bool,
 }
 
 impl Sound {
-    /// Looks at the training frames of the examples.
+    /// Looks at the training frames of the examples. Meshes of the scene's own skin all belong to their poses.
     ///
     /// # Errors
     /// Those of [`Training::new`].
@@ -42,6 +43,9 @@ impl Sound {
         let most = (MOST * frames.len() as f64).max(1.0) as usize;
         let most = most.min(frames.len() - MIN_POSES);
         let mut sound = Self { training, doubted: Vec::new(), stay: false };
+        if examples.own_skin {
+            return Ok(sound);
+        }
         for _ in 0..ROUNDS {
             progress.step("frames", 1);
             let found = broken(&sound.training);
@@ -51,12 +55,12 @@ impl Sound {
                 break;
             }
             sound.doubted.extend(found);
-            sound.stay = sound.doubted.len() > most;
+            frames.retain(|frame| sound.doubted.iter().all(|out| out.frame != *frame));
+            sound.stay = sound.doubted.len() > most || Poses::new(examples, &frames).are_one();
             if sound.stay {
                 sound.training = Training::new(examples, progress)?;
                 break;
             }
-            frames.retain(|frame| sound.doubted.iter().all(|out| out.frame != *frame));
             sound.training = Training::of(examples, &frames, progress)?;
         }
         Ok(sound)

@@ -66,6 +66,7 @@ fn append(joined: &mut Examples, next: Examples) {
     let before = joined.frame_len();
     joined.clip_starts.extend(next.clip_starts.iter().map(|first| before + first));
     joined.vertices.extend(next.vertices);
+    joined.own_skin &= next.own_skin;
     joined.transforms.extend(next.transforms);
     joined.split.extend(next.split);
     joined.place_joints();

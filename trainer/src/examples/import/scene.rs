@@ -43,7 +43,9 @@ pub(super) fn join(
             poses.warnings.push(Warning::PlainSkin);
         }
         let vertices = scene.shapes.take().ok_or(ImportError::NoShapes)?;
-        return Ok(joined(scene, poses, vertices, None));
+        let (mut examples, clips, warnings) = joined(scene, poses, vertices, None);
+        examples.own_skin = true;
+        return Ok((examples, clips, warnings));
     };
     if sampling.fps.is_none() {
         check_even(&scene.clips)?;
@@ -213,6 +215,7 @@ fn joined(
         joint_weights,
         importance: None,
         frame_weights: None,
+        own_skin: false,
     };
     (examples, clips, warnings)
 }

@@ -1,1 +1,41 @@
-//! Cases of the folder `normals`.
+//! Cases of the folder `normals`: a tube of three rings, whose long thin faces bend at the middle one.
+
+use super::with_cases;
+use serde_json::Value;
+
+fn at_most(found: &Value, key: &str, most: f64) {
+    let value = found[key].as_f64().unwrap();
+    assert!(value <= most, "{key}: {value}, at most {most}");
+}
+
+#[test]
+fn every_predictor_learns_the_middle_ring_and_its_normals() {
+    let Some(folder) = with_cases("ring", &["normals/h_none.glb", "normals/h_none.npz"]) else {
+        return;
+    };
+    let shape = "h_none.glb --targets h_none.npz";
+    for (options, percent) in [
+        ("", 0.02),
+        ("--predictor kernel", 0.02),
+        ("--predictor kernel --proxies 1", 0.02),
+        ("--predictor kernel --proxies 4", 0.02),
+        ("--predictor rotational", 0.06),
+        ("--predictor rotational --proxies 20", 0.06),
+        ("--predictor hybrid", 0.02),
+    ] {
+        folder.sinew(&format!("train {shape} -o m.sinew {options}")).done();
+        let found = folder.sinew(&format!("eval m.sinew {shape} --json")).json();
+        at_most(&found, "rms_percent", percent);
+        at_most(&found, "normal_rms_degrees", 2.0);
+        at_most(&found, "normal_p99_degrees", 10.0);
+    }
+}
+
+#[test]
+fn authored_normals_of_an_exact_linear_skin_are_near_the_truth() {
+    let Some(folder) = with_cases("own", &["normals/own.glb"]) else { return };
+    folder.sinew("-q train own.glb -o m.sinew");
+    let found = folder.sinew("eval m.sinew own.glb --json").json();
+    at_most(&found, "normal_rms_degrees", 2.0);
+    at_most(&found["lbs"], "normal_rms_degrees", 2.0);
+}

@@ -175,6 +175,7 @@ fn read(
         joint_weights,
         importance: None,
         frame_weights: None,
+        own_skin: false,
     };
     if let Some(importance) = importance {
         examples.weigh(importance)?;
