@@ -1,18 +1,47 @@
 //! Columns of text, as a terminal shows them.
 
 use super::printable;
-use unicode_width::UnicodeWidthStr;
+use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
 /// Measures a name in columns of a terminal, of which some characters take two and some none.
 pub(super) fn width(name: &str) -> usize {
     printable(name).width()
 }
 
-/// Fills a name up to so many columns.
+/// Returns the columns of the longest name, from `least` to `most`; [`padded`] shortens longer names.
+pub(super) fn longest<'a>(
+    names: impl IntoIterator<Item = &'a str>,
+    least: usize,
+    most: usize,
+) -> usize {
+    names.into_iter().map(width).fold(least, usize::max).min(most)
+}
+
+/// Fills a name up to `columns`, or shortens it in the middle, where fewer names differ than at their ends.
 pub(super) fn padded(name: &str, columns: usize) -> String {
-    let name = printable(name);
+    let name = shortened(&printable(name), columns);
     let missing = columns.saturating_sub(name.width());
     name + &" ".repeat(missing)
+}
+
+/// Leaves a mark in the middle of a name that takes more than `columns`.
+fn shortened(name: &str, columns: usize) -> String {
+    if name.width() <= columns {
+        return name.to_owned();
+    }
+    let room = columns.saturating_sub(1);
+    let first: String = fitting(name.chars(), room / 3).collect();
+    let last: Vec<char> = fitting(name.chars().rev(), room - first.width()).collect();
+    first + "…" + &last.into_iter().rev().collect::<String>()
+}
+
+/// Takes characters as long as they fit.
+fn fitting(characters: impl Iterator<Item = char>, columns: usize) -> impl Iterator<Item = char> {
+    let mut taken = 0;
+    characters.take_while(move |character| {
+        taken += character.width().unwrap_or(0);
+        taken <= columns
+    })
 }
 
 #[cfg(test)]
@@ -25,7 +54,14 @@ mod tests {
         for (name, columns) in [("arm", 3), ("左腕", 4), ("e\u{301}", 1), ("\u{1b}", 6)] {
             assert_eq!(width(name), columns, "{name}");
             assert_eq!(width(&padded(name, 8)), 8, "{name}");
-            assert_eq!(padded(name, 0), printable(name), "never cut");
         }
+    }
+
+    #[test]
+    fn long_names_are_shortened_in_the_middle() {
+        assert_eq!(padded("character:rig:left_forearm_01", 16), "chara…forearm_01");
+        assert_eq!(padded("左腕".repeat(9).as_str(), 8), "左…左腕 ");
+        assert_eq!(longest(["arm", "character:rig:left_forearm_01"], 5, 16), 16);
+        assert_eq!(longest(["arm"], 5, 16), 5);
     }
 }

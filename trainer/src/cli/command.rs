@@ -8,7 +8,7 @@ use std::process::ExitCode;
 /// Learns how a character's skin moves from example poses, bakes it into a small file, and measures
 /// that file against linear blend skinning (LBS).
 #[derive(Parser)]
-#[command(name = "sinew", version, arg_required_else_help = true)]
+#[command(name = "sinew", version, arg_required_else_help = true, max_term_width = COLUMNS)]
 #[command(after_help = "Start with `sinew demo`: it needs no input.\n\
     Exit status: 0 done, 1 failed (bad input, or a file that cannot be written), 2 bad usage.")]
 struct Cli {
@@ -18,22 +18,33 @@ struct Cli {
     output: Output,
 }
 
+/// Columns that text is wrapped to on a wider terminal, or where there is none: longer lines are hard to read.
+const COLUMNS: usize = 100;
+
 /// The commands of any file and of each part; the envelope's have no noun before them.
 #[derive(Subcommand)]
 enum Command {
     #[command(flatten)]
     Envelope(envelope::Command),
     Inspect(inspect::Arguments),
-    /// Turns scattered data into functions: poses into shapes, or any numbers into any others
+    /// Turns scattered data into functions
+    ///
+    /// Poses become shapes, or any numbers any others.
     #[command(subcommand)]
     Kernel(kernel::Command),
-    /// Drags a few points of a face and lets the rest follow as it does in a take
+    /// Drags a few points of a face and lets the rest follow
+    ///
+    /// The rest follows as it does in a take.
     #[command(subcommand)]
     Face(face::Command),
-    /// Makes pictures between pictures: from a few views with matched points to any other
+    /// Makes pictures between pictures, from a few views of an object
+    ///
+    /// The views have matched points; any other view follows from them.
     #[command(subcommand)]
     Views(views::Command),
-    /// Makes signals and images finer, and functions of values, derivatives and averages
+    /// Makes signals and images finer, and functions of observations
+    ///
+    /// Observations are values, derivatives and averages.
     #[command(subcommand)]
     Signal(signal::Command),
 }
@@ -70,10 +81,53 @@ pub(crate) fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use unicode_width::UnicodeWidthStr;
 
     #[test]
     fn the_command_line_is_well_formed() {
         explained(Cli::command()).debug_assert();
+    }
+
+    /// Calls something with every command and its name as it is typed.
+    fn each(mut command: clap::Command, of: &mut dyn FnMut(&str, &clap::Command)) {
+        fn walk(before: &str, command: &clap::Command, of: &mut dyn FnMut(&str, &clap::Command)) {
+            let name = format!("{before} {}", command.get_name());
+            of(&name, command);
+            command.get_subcommands().for_each(|command| walk(&name, command, of));
+        }
+        command.build();
+        walk("", &command, of);
+    }
+
+    /// Columns of usual terminals.
+    const TERMINALS: [usize; 2] = [80, COLUMNS];
+
+    #[test]
+    fn every_help_fits_the_terminal() {
+        for columns in TERMINALS {
+            each(explained(Cli::command().term_width(columns)), &mut |name, command| {
+                let mut command = command.clone();
+                for help in [command.render_help(), command.render_long_help()] {
+                    for line in help.to_string().lines() {
+                        assert!(line.width() <= columns, "{name}, {columns} columns: {line}");
+                    }
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn every_summary_is_one_line() {
+        each(explained(Cli::command().term_width(TERMINALS[0])), &mut |name, command| {
+            let help = command.clone().render_help().to_string();
+            for own in command.get_subcommands() {
+                let summary = own.get_about().map(ToString::to_string).unwrap_or_default();
+                let begins = format!("{} ", own.get_name());
+                let line = help.lines().find(|line| line.trim_start().starts_with(&begins));
+                let line = line.unwrap_or_default();
+                assert!(!summary.is_empty() && line.ends_with(&summary), "{name}: {line}");
+            }
+        });
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! `sinew inspect`: what a model file holds.
 
-use super::column::{padded, width};
+use super::column::{longest, padded};
 use super::described::Described;
 use super::{Output, envelope, face, input, kernel, printable, signal, space, views};
 use anyhow::Context;
@@ -9,10 +9,14 @@ use sinew_runtime::format::{Element, PartKind, PartRow, SectionKind};
 use sinew_runtime::{Model, Section};
 use std::path::PathBuf;
 
-/// Shows what MODEL holds: its parts (envelopes predict palettes, skins are meshes that follow them,
-/// kernels are functions of scattered data, priors say how a face's shapes go together, views
-/// are pictures and what lies between them, filters make signals finer, records tell what an envelope was
-/// trained on), the axes and the unit of its numbers, and its bytes by section.
+/// Columns of the longest name of a part, which fit a terminal with the others.
+const NAME: usize = 54;
+
+/// Shows the parts, figures and bytes of a model file
+///
+/// Envelopes predict palettes; skins are meshes that follow them; kernels are functions of scattered data; priors
+/// say how the shapes of a face go together; views are pictures and the pictures between them; filters make signals
+/// finer; records hold the training of an envelope. It also shows the axes and the unit of the numbers.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     /// A model that `sinew train` wrote, `sinew kernel train`, `sinew face train`, `sinew views train` or
@@ -34,13 +38,13 @@ pub(super) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     described.iter().for_each(|part| text += &part.text);
     let [section, part, element, bytes] = ["section", "part", "element", "bytes"];
     let names = part_names(&model, &described);
-    let columns = names.iter().map(|name| width(name)).max().unwrap_or(0).max(10) + 2;
+    let columns = longest(names.iter().map(String::as_str), 10, NAME) + 2;
     text += &format!("{section:<24}{part:<columns$}{element:<8}{bytes:>12}\n");
     for section in model.sections() {
         let (kind, element) = (kind_name(&section), element_name(&section));
         let part = names.get(usize::from(section.row.part)).map_or("unknown", String::as_str);
-        let part = padded(part, columns);
-        text += &format!("{kind:<24}{part}{element:<8}{:>12}\n", section.bytes.len());
+        let part = padded(part, columns - 2);
+        text += &format!("{kind:<24}{part}  {element:<8}{:>12}\n", section.bytes.len());
     }
     text += &format!("{:<36}{:>12}\n", "head, tables and padding", around(&model));
     output.print(&as_json(&model, &described), &text)

@@ -9,8 +9,10 @@ use sinew_trainer::face::outline::Outline;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// Drags a few landmarks of FACE to where they truly are in a take, and measures how far the whole face then is from
-/// it: with the prior, and with the slider norm, to which no weight knows of another.
+/// Measures how near a few dragged landmarks bring a whole face
+///
+/// It drags landmarks of FACE to their places in a take, and measures how far the whole face then is from the take: with
+/// the prior, and with the slider norm, in which the weights are independent. Lengths are in the unit of the face.
 ///
 /// Handles are drawn ten times of the face's landmarks. The slider norm and the prior each use the tolerance that
 /// serves them best on the frames that --frames leaves out.

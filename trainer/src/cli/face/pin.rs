@@ -16,7 +16,7 @@ use sinew_trainer::face::scene::{Weights, glb};
 use sinew_trainer::face::take;
 use std::path::PathBuf;
 
-/// Drags vertices of FACE to places and lets the rest of the face follow as it did in the take.
+/// Drags vertices of a face and lets the rest follow as in the take
 ///
 /// Writes the mesh (.obj), the mesh with its shapes and weights (.glb), a picture (.png), or the weights (.csv).
 #[derive(clap::Args)]

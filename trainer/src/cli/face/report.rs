@@ -10,8 +10,10 @@ use sinew_trainer::face::picture::Photographer;
 use sinew_trainer::face::report::Report;
 use std::path::PathBuf;
 
-/// Shows what `eval` measures: expressions of a take by a few handles, with the prior and with the slider norm side by
-/// side, where each is off, and a drag. One HTML file.
+/// Writes a page that shows how near a few handles bring a face
+///
+/// The page shows expressions of a take by a few handles, with the prior and with the slider norm side by side, where
+/// each is off, and a drag. It is one HTML file.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     #[command(flatten)]

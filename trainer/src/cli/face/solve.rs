@@ -13,8 +13,9 @@ use sinew_trainer::face::scene::{Weights, glb};
 use sinew_trainer::face::{take, track};
 use std::path::PathBuf;
 
-/// Finds the weights of an animation from tracked points: a table with the columns frame, vertex, x, y, z and, where
-/// some count more than others, stiffness.
+/// Finds the weights of an animation from tracked points
+///
+/// POINTS is a table with the columns frame, vertex, x, y, z and, where some count more than others, stiffness.
 ///
 /// Each frame stays near the one before it, mirrored shapes near each other, and of shapes that undo each other one
 /// alone is at work; --plain leaves all that out.

@@ -15,15 +15,17 @@ use sinew_trainer::face::source::{self, Source};
 use sinew_trainer::face::train::{HANDLES, Options, measure, of_meshes, of_take};
 use std::path::PathBuf;
 
-/// Learns from a take how the expressions of a face go together, and bakes the face and that into a file.
+/// Learns how the expressions of a face go together
+///
+/// It learns from a take, and bakes the face and what it learned into a file.
 ///
 /// Beside FACE stands FACE.obj, the neutral mesh with its faces, texture coordinates and landmarks, which the runtime
 /// does without and `pin` and `report` draw with.
 #[derive(clap::Args)]
 #[command(after_help = "\
-A face is an .npz with neutral, expression_deltas, expression_names, quads or tris, and if there are any uv, uv_quads,\n\
-identity_deltas and landmarks; a .glb, .gltf or .fbx with named shape keys; or a folder with neutral.obj and an .obj a\n\
-shape. An .npz with meshes (N, V, 3) is a face without shapes: its principal components become shapes, and no take is\n\
+A face is an .npz with neutral, expression_deltas, expression_names, quads or tris, and if there are any uv, uv_quads, \
+identity_deltas and landmarks; a .glb, .gltf or .fbx with named shape keys; or a folder with neutral.obj and an .obj a \
+shape. An .npz with meshes (N, V, 3) is a face without shapes: its principal components become shapes, and no take is \
 needed. Columns of a take have the names of the shapes or those of ARKit: EyeBlinkLeft is eyeBlink_L.")]
 pub(in crate::cli) struct Arguments {
     /// The face: .npz, .glb, .gltf, .fbx, or a folder of .obj files

@@ -1,13 +1,18 @@
 //! `sinew kernel check`: cases of another implementation.
 
-use crate::cli::column::{padded, width};
+use crate::cli::column::{longest, padded};
 use crate::cli::{Output, printable};
 use anyhow::{Context, bail};
 use sinew_trainer::kernel::check::{Cases, DEVIATION, RCOND};
 use std::path::PathBuf;
 
-/// Holds this solver against cases of another one: FILE has `cases`, each with `sites`, `values`,
-/// `queries`, `expected` and `options` by the names of SciPy's RBFInterpolator.
+/// Columns of the longest name of a case.
+const NAME: usize = 48;
+
+/// Compares this solver with cases of another one
+///
+/// FILE has `cases`, each with `sites`, `values`, `queries`, `expected` and `options` by the names of SciPy's
+/// RBFInterpolator.
 ///
 /// Fails where an output deviates by more than 1e-9 of its range although the system's reciprocal
 /// condition is above 1e-10.
@@ -21,10 +26,10 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let about = || arguments.file.display().to_string();
     let text = std::fs::read(&arguments.file).with_context(about)?;
     let report = Cases::read(&text).with_context(about)?.check();
-    let columns = report.cases.iter().map(|case| width(&case.name)).max().unwrap_or(0) + 2;
+    let columns = longest(report.cases.iter().map(|case| &*case.name), 4, NAME) + 2;
     let mut text = format!("{:<columns$}{:>10}{:>10}\n", "case", "deviation", "rcond");
     for case in &report.cases {
-        let name = padded(&case.name, columns);
+        let name = padded(&case.name, columns - 2) + "  ";
         text += &match (case.deviation, case.rcond, &case.skipped) {
             (Some(deviation), Some(rcond), _) => {
                 let mark = match (rcond > RCOND, deviation <= DEVIATION) {

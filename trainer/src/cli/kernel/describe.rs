@@ -1,12 +1,15 @@
 //! What `sinew inspect` says of functions.
 
-use crate::cli::column::{padded, width};
+use crate::cli::column::{longest, padded};
 use crate::cli::described::Described;
 use crate::cli::{counted, printable};
 use serde_json::{Value, json};
 use sinew_runtime::Model;
 use sinew_runtime::format::PartKind;
 use sinew_runtime::kernel::{KernelMap, OutputKind, OutputRow};
+
+/// Columns of the longest name of an input or output.
+const NAME: usize = 38;
 
 /// Describes the functions of a file.
 pub(in crate::cli) fn describe(model: &Model<Vec<u8>>) -> Vec<Described> {
@@ -43,9 +46,9 @@ fn as_text(map: &KernelMap<'_>) -> String {
         let name = printable(map.output_name(output).unwrap_or_default());
         names.push([format!("output {name}"), format!("{}{}", row.kind.name(), kept(&row))]);
     }
-    let longest = names.iter().map(|[name, _]| width(name)).max().unwrap_or(0);
-    let columns = longest.max(24) + 2;
-    names.iter().for_each(|[name, what]| out += &format!("  {}{what}\n", padded(name, columns)));
+    let columns = longest(names.iter().map(|[name, _]| &**name), 24, NAME) + 2;
+    let padded = |name: &str| padded(name, columns - 2);
+    names.iter().for_each(|[name, what]| out += &format!("  {}  {what}\n", padded(name)));
     for (name, figure) in [
         ("left at the samples, RMS", fit.rms_residual),
         ("samples left out, RMS", fit.left_out_rms),

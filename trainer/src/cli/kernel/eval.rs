@@ -9,7 +9,9 @@ use sinew_trainer::kernel::model::{inputs_of, query_numbers};
 use sinew_trainer::kernel::problem::read_queries;
 use std::path::PathBuf;
 
-/// Evaluates the function of MODEL at QUERIES: by the runtime, in single precision, as an engine does.
+/// Evaluates a function at queries, as an engine does
+///
+/// The runtime evaluates the function of MODEL in single precision.
 ///
 /// QUERIES is JSON, rows of numbers (also as `queries`), or CSV whose columns have the inputs' names.
 /// The result is CSV: a line a query, the outputs and the confidence.

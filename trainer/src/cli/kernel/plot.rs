@@ -10,7 +10,9 @@ use sinew_trainer::kernel::compare::all_kernels;
 use sinew_trainer::kernel::plot::{Panel, Plot};
 use std::path::PathBuf;
 
-/// Draws a function of one or two numbers, each of its outputs, with the samples that are its centres.
+/// Draws a function of one or two numbers, with its samples
+///
+/// Each output has a picture; the samples are the centres of the function.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew kernel train` wrote

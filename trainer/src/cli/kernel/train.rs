@@ -12,16 +12,16 @@ use sinew_trainer::kernel::scattered::report::FitReport;
 use sinew_trainer::kernel::train::{LearnReport, Report, Trained, train};
 use std::path::PathBuf;
 
-/// Turns samples into a function, and bakes it into a file.
+/// Turns samples into a function, and bakes it into a file
 ///
 /// PROBLEM is JSON with `sites`, `values` and, where they are more than numbers, `inputs`, `outputs` and
 /// `options`; or CSV, a sample a line below a line of names; or .npz with `sites` and `values`. What
 /// is given here counts more than the options of the file.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Kinds of inputs: scalar, vector3, quaternion, rows, swing, twist, angle, and \"euler XYZ\" in any order\n\
-(degrees); swing, twist and angle are about an `axis`. Kinds of outputs: scalar (with `clamp`: [least,\n\
-most] and `normalise`), vector3, quaternion. Columns a.x a.y a.z of a CSV are one vector, with a.w one\n\
+Kinds of inputs: scalar, vector3, quaternion, rows, swing, twist, angle, and \"euler XYZ\" in any order \
+(degrees); swing, twist and angle are about an `axis`. Kinds of outputs: scalar (with `clamp`: [least, \
+most] and `normalise`), vector3, quaternion. Columns a.x a.y a.z of a CSV are one vector, with a.w one \
 quaternion, a.rx a.ry a.rz one rotation.\n\
 Without --epsilon the width is the one that predicts left-out samples best.")]
 pub(in crate::cli) struct Arguments {

@@ -11,8 +11,10 @@ use sinew_trainer::signal::function::function;
 use sinew_trainer::signal::observations::Observations;
 use std::path::PathBuf;
 
-/// Finds the likeliest function of one number with these values, derivatives and averages, and bakes it as a kernel,
-/// which `sinew kernel eval` and the runtime evaluate.
+/// Finds a function from values, derivatives and averages
+///
+/// It is the likeliest function of one number. It is baked as a kernel, which `sinew kernel eval` and the runtime
+/// evaluate.
 ///
 /// OBSERVATIONS is JSON: `observations`, each {"at": x, "value": y}, {"at": x, "derivative": y} or {"from": a, "to": b,
 /// "average": y}; and, as far as they are given, `name`, `covariance` ("squared exponential:LENGTH" and others; else

@@ -13,7 +13,9 @@ use sinew_trainer::signal::plot::SignalPlot;
 use sinew_trainer::signal::reading::read_signal;
 use std::path::{Path, PathBuf};
 
-/// Draws a signal or a function of observations: the curve, samples, and a band of two standard deviations.
+/// Draws a signal or a function, with a band around it
+///
+/// The picture has the curve, the samples, and a band of two standard deviations.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A signal (.csv), or observations as `sinew signal fit` takes them (.json)

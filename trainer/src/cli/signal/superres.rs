@@ -13,13 +13,13 @@ use sinew_trainer::signal::image::Image;
 use sinew_trainer::signal::reading::read_signal;
 use std::path::{Path, PathBuf};
 
-/// Makes an image (.png) or a column of a CSV finer, so many times.
+/// Makes an image (.png) or a column of a CSV finer
 ///
 /// Pixels are taken for means over their area and give themselves back: the mean of those made of one is that one.
 /// Samples of a CSV are values, which stay where they are, unless they are said to be averages.
 #[derive(clap::Args)]
 #[command(after_help = "\
-It is a linear filter, the best one if the covariance is right: sharper than bicubic, and far below what neural\n\
+It is a linear filter, the best one if the covariance is right: sharper than bicubic, and far below what neural \
 networks invent.")]
 pub(in crate::cli) struct Arguments {
     /// What to make finer: .png or .csv

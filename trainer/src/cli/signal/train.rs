@@ -13,8 +13,9 @@ use sinew_trainer::signal::model::{FilterModel, LeftOut};
 use sinew_trainer::signal::reading::read_signal;
 use std::path::PathBuf;
 
-/// Learns how alike samples of a signal are by their distance, and bakes a filter that makes signals of its kind
-/// finer.
+/// Learns a filter from a signal that makes signals of its kind finer
+///
+/// It learns how alike samples are by their distance.
 ///
 /// SIGNAL is CSV: a line of names, then a sample a line. Every fine sample is a sum of the coarse samples of a window,
 /// by weights that the runtime reads from MODEL.

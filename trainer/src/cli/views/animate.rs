@@ -10,7 +10,7 @@ use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::Values;
 use std::path::{Path, PathBuf};
 
-/// Draws the object of MODEL along a path of parameters.
+/// Draws the object along a path of parameters
 ///
 /// PATH is JSON: `keys`, a list of parameters by name, and `frames`, how many pictures lead from each key to the next.
 #[derive(clap::Args)]

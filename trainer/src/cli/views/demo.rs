@@ -7,8 +7,10 @@ use sinew_trainer::views::demo::write;
 use sinew_trainer::views::set::ViewSet;
 use std::path::PathBuf;
 
-/// Writes sets of views to try, without any input: a drawn figure of 16 joints that walks and jumps, a panel
-/// in perspective that bends, a head that turns all the way round.
+/// Writes sets of views to try; needs no input
+///
+/// They are a drawn figure of 16 joints that walks and jumps, a panel in perspective that bends, and a head that turns
+/// all the way round.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// The folder to write to; it is made where it is not there

@@ -12,8 +12,9 @@ use std::path::PathBuf;
 /// Bytes of a parameter that is sent.
 const PARAMETER: usize = 4;
 
-/// Draws the object of MODEL as tracked points move: what its parameters are follows from them, wherever they are on
-/// the screen and however large.
+/// Draws the object as tracked points move
+///
+/// The parameters follow from the points, wherever they are on the screen and however large.
 ///
 /// POINTS is CSV: a line a frame, x and y of each point, empty where a point is not seen; a first line of names is passed
 /// over.

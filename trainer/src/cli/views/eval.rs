@@ -6,8 +6,10 @@ use anyhow::Context;
 use sinew_trainer::views::evaluate::evaluate;
 use std::path::PathBuf;
 
-/// Measures MODEL on the views under `test`, or, where there are none, on those under `train`: points in pixels, the
-/// share of points whose visibility is right, pictures in dB.
+/// Measures a model on views: points, visibility and pictures
+///
+/// It takes the views under `test`, or, where there are none, those under `train`. Points are in pixels, visibility is
+/// the share of points for which it is right, pictures are in dB.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew views train` wrote

@@ -9,8 +9,9 @@ use serde_json::json;
 use sinew_trainer::views::export::{Grid, Side, glb, puppet};
 use std::path::PathBuf;
 
-/// Writes what MODEL shows at a grid of one or two of its parameters, for tools that know no more: an Inochi2D puppet, or
-/// binary glTF with morph targets.
+/// Writes a grid of views as an Inochi2D puppet or as glTF
+///
+/// The grid has one or two parameters of MODEL. Binary glTF has them as morph targets.
 ///
 /// GRID is `yaw,pitch:9x9`, or, from where to where, `yaw=-40..40,pitch=-20..20:9x9`. Without a range a number goes as far
 /// as the examples do, and an angle as far as they turn. All other parameters are set.

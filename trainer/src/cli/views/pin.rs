@@ -12,8 +12,9 @@ use sinew_trainer::views::pin::{Pin, bend, follow};
 use sinew_trainer::views::player::{Player, straight};
 use std::path::PathBuf;
 
-/// Draws the object of MODEL with points dragged to places: parameters follow first, by what the examples say goes
-/// together, then what lies near a point.
+/// Draws the object with points dragged to places
+///
+/// Parameters follow first, as they go together in the examples; then the neighbourhood of each point follows.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew views train` wrote

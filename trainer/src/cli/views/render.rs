@@ -11,7 +11,9 @@ use sinew_trainer::views::player::{Player, straight};
 use sinew_trainer::views::set::Values;
 use std::path::{Path, PathBuf};
 
-/// Draws the object of MODEL at parameters, or as tracked points stand, as an engine does.
+/// Draws the object at parameters, or from tracked points
+///
+/// It draws as an engine does.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew views train` wrote

@@ -8,8 +8,10 @@ use serde_json::json;
 use sinew_trainer::views::report::report;
 use std::path::PathBuf;
 
-/// Writes a page about MODEL and the views that it was trained on: a sheet of views by their parameters, the examples framed,
-/// what a view is made of, the network over pixels beside it, and the object that lent its motion.
+/// Writes a page about a model and the views it was trained on
+///
+/// The page has a sheet of views by their parameters with the examples framed, the parts of a view, the network over
+/// pixels beside it, and the object that lent its motion.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew views train` wrote

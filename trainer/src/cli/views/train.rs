@@ -12,7 +12,7 @@ use sinew_trainer::views::fit::{Candidate, Choice, FitOptions};
 use sinew_trainer::views::train::{Trained, train};
 use std::path::PathBuf;
 
-/// Learns every view between the views of VIEWS, and bakes it with their pictures into a file.
+/// Learns every view between some views, and bakes it into a file
 ///
 /// VIEWS is JSON: `image_size`, and under `train` a view each, with its `points` in pixels, its parameters by name
 /// (angles end in `_deg`), and, of key views, its `image`. `sinew views demo` writes some to look at, VIEWS.md

@@ -12,8 +12,9 @@ use sinew_trainer::views::set::read_instance;
 use sinew_trainer::views::transfer::transfer;
 use std::path::PathBuf;
 
-/// Lends the motion of PROTOTYPE's object to another of its class: all that is asked of that is a picture, and its points
-/// in one or more of the key views.
+/// Lends the motion of one object to another of its class
+///
+/// The other object needs a picture, and its points in one or more of the key views of PROTOTYPE.
 ///
 /// INSTANCE is JSON: under `views` each has a key view's name as `view`, its `image` and its `points`.
 #[derive(clap::Args)]
