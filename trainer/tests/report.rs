@@ -344,3 +344,71 @@ fn training_frames_are_told_for_what_they_are() {
     assert!(html.contains("cannot be trained: the fit needs 6 training poses, found 0."));
     tags(&html);
 }
+
+/// Frames of a split alone, in one clip.
+fn only(examples: &Examples, split: Split) -> (Examples, Vec<Clip>) {
+    let frames = examples.frames_of(split);
+    let mut out = examples.clone();
+    out.vertices = frames.iter().flat_map(|&frame| examples.frame(frame).to_vec()).collect();
+    out.transforms = frames.iter().flat_map(|&frame| examples.pose(frame).to_vec()).collect();
+    out.split = vec![Split::Train; frames.len()];
+    out.clip_starts = vec![0];
+    let times = (0..frames.len()).map(|frame| frame as f64 / 30.0).collect();
+    (out, vec![Clip { name: "walk".to_owned(), first: 0, times, numbers: None }])
+}
+
+#[test]
+fn other_sizes_are_trained_on_the_frames_that_the_model_has_read() {
+    let (examples, clips) = arm();
+    let bytes = model(&examples, Predictor::Kernel);
+    // The model alone knows that frames were held out.
+    let mut bare = examples.clone();
+    bare.split.fill(Split::Train);
+    let comparison = Comparison::new(source(&bare, &clips), None, file(&bytes)).unwrap();
+    assert_eq!(comparison.measured_frames(), examples.frames_of(Split::HeldOut));
+    let found = evaluate(&bytes, None, &examples, HELD_OUT).unwrap();
+    let html = page(&comparison, true);
+    let cells = rows(&html);
+    assert_eq!(row(&cells, "8")[1..7], accuracy(&found, false));
+    // The tables of the worst frames and of the least confident ones; the second names models.
+    let named = cells.iter().filter(|row| row[0].starts_with("frame "));
+    let uses: Vec<&str> =
+        named.map(|row| &*row[1]).filter(|name| !name.contains("sinew")).collect();
+    assert!(!uses.is_empty() && uses.iter().all(|name| *name == "held-out"), "{uses:?}");
+    let table = csv::by_frame(&comparison).unwrap();
+    let mut reader = ::csv::Reader::from_reader(&table[..]);
+    assert!(reader.records().all(|row| &row.unwrap()[3] == "held-out"));
+
+    // Other frames that are held out when the report is made are not trained on, although the model has read them.
+    let mut other = bare.clone();
+    let measured: Vec<usize> = examples.frames_of(Split::Train)[..6].to_vec();
+    measured.iter().for_each(|&frame| other.split[frame] = Split::HeldOut);
+    let rest = examples.without(&measured);
+    let again = evaluate(&model(&rest, Predictor::Kernel), None, &other, HELD_OUT).unwrap();
+    let comparison = Comparison::new(source(&other, &clips), Some(HELD_OUT), file(&bytes)).unwrap();
+    let html = page(&comparison, true);
+    assert_eq!(row(&rows(&html), "8")[1..7], accuracy(&again, false));
+}
+
+#[test]
+fn other_sizes_that_only_measured_frames_could_train_are_told_or_left_out() {
+    let (examples, clips) = arm();
+    let bytes = model(&examples, Predictor::Kernel);
+    let told = "trained on frames that are measured here";
+    // Every frame that the model has read is measured: the figures are those of a fit on its own frames.
+    let (read, walk) = only(&examples, Split::Train);
+    let comparison = Comparison::new(source(&read, &walk), None, file(&bytes)).unwrap();
+    let html = page(&comparison, true);
+    let again = model(&read, Predictor::Kernel);
+    let found = evaluate(&again, None, &read, Frames::Of(Split::Train)).unwrap();
+    assert!(html.contains(told));
+    assert_eq!(row(&rows(&html), "8")[1..7], accuracy(&found, false));
+    // Of new poses alone none is a training frame.
+    let (new, walk) = only(&examples, Split::HeldOut);
+    let comparison = Comparison::new(source(&new, &walk), None, file(&bytes)).unwrap();
+    let html = page(&comparison, true);
+    assert!(html.contains("needs the training frames of the model among the examples"));
+    assert!(!rows(&html).iter().any(|row| row[0] == "8"));
+    let comparison = Comparison::new(source(&examples, &clips), None, file(&bytes)).unwrap();
+    assert!(!page(&comparison, true).contains(told));
+}

@@ -1,6 +1,7 @@
 //! Examples: posed meshes of one character, and its joints.
 
 use crate::mesh::{EngineMesh, Surface, normals};
+use crate::space::millimetres;
 use sinew_runtime::format::Space;
 use std::ops::Range;
 
@@ -113,6 +114,24 @@ impl Examples {
         let mut others = self.clone();
         frames.iter().for_each(|&frame| others.split[frame] = Split::Extreme);
         others
+    }
+
+    /// Returns a copy whose training frames are these; other training frames are held out.
+    #[must_use]
+    pub fn trained_on(&self, frames: &[usize]) -> Self {
+        let mut others = self.clone();
+        others
+            .split
+            .iter_mut()
+            .filter(|split| **split == Split::Train)
+            .for_each(|split| *split = Split::HeldOut);
+        frames.iter().for_each(|&frame| others.split[frame] = Split::Train);
+        others
+    }
+
+    /// Returns the diagonal of the rest pose's bounding box in millimetres; `None` where the unit is not known.
+    pub fn diagonal_mm(&self) -> Option<f64> {
+        millimetres(&self.space).map(|unit| unit * self.diagonal())
     }
 
     /// Finds the number of the clip that a frame is of.

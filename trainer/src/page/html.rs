@@ -1,6 +1,7 @@
 //! The page's parts: text, tables, pictures.
 
 use super::picture::Picture;
+use crate::space::written;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use png::EncodingError;
@@ -9,7 +10,9 @@ const STYLE: &str = include_str!("style.css");
 
 /// A page in one file; no unit stands on another line than its number.
 pub(crate) fn page(title: &str, body: &str) -> String {
-    let body = body.replace(" %", "\u{a0}%").replace(" °", "\u{a0}°");
+    let body = [" %", " °", " mm"]
+        .iter()
+        .fold(body.to_owned(), |body, unit| body.replace(unit, &unit.replace(' ', "\u{a0}")));
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -93,6 +96,11 @@ pub(crate) fn figure(
 /// An error in % of the diagonal, as `sinew eval` prints it.
 pub(crate) fn percent(value: f64) -> String {
     format!("{value:.4}")
+}
+
+/// A length in millimetres below the figure of a cell; nothing where the unit is not known.
+pub(crate) fn below(millimetres: Option<f64>) -> String {
+    millimetres.map_or(String::new(), |length| format!("<small>{} mm</small>", written(length)))
 }
 
 /// A number with a thin space before each three digits.

@@ -122,7 +122,7 @@ fn frame(space: &Space) -> Option<Matrix3<f64>> {
 }
 
 /// Widens a unit to the decimal number that was meant: 0.01, not what single precision makes of it.
-fn metres(unit: f32) -> f64 {
+pub(super) fn metres(unit: f32) -> f64 {
     unit.to_string().parse().unwrap_or(f64::from(unit))
 }
 

@@ -2,8 +2,10 @@
 
 pub(crate) mod axes;
 mod conversion;
+mod millimetres;
 mod request;
 
 pub use conversion::Conversion;
+pub use millimetres::{beside, millimetres, written};
 pub(crate) use request::{SCALES, UNITS};
 pub use request::{SpaceError, SpaceRequest};

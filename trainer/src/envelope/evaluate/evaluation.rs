@@ -21,6 +21,9 @@ pub struct Evaluation {
     pub vertices: usize,
     /// Diagonal of the rest pose's bounding box, in units of the input.
     pub diagonal: f64,
+    /// The diagonal in millimetres; `None` where the unit is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diagonal_mm: Option<f64>,
     /// The model's errors.
     #[serde(flatten)]
     pub errors: Errors,
@@ -52,6 +55,12 @@ pub struct Region {
     pub rms_percent: f64,
     /// That of LBS.
     pub lbs_rms_percent: f64,
+    /// RMS distance in millimetres; `None` where the unit is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_mm: Option<f64>,
+    /// That of LBS.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lbs_rms_mm: Option<f64>,
 }
 
 /// Lists the parts of a mesh that have names: of which kind, the name, and their vertices.
@@ -167,7 +176,17 @@ impl Evaluation {
         let Character { envelope, skin, .. } = character;
         let region = |(kind, name, own): (&'static str, String, Vec<usize>)| {
             let [rms_percent, lbs_rms_percent] = [measured, lbs].map(|m| m.rms_percent_of(&own));
-            Region { kind, name, vertices: own.len(), rms_percent, lbs_rms_percent }
+            let [rms_mm, lbs_rms_mm] = [rms_percent, lbs_rms_percent]
+                .map(|percent| measured.diagonal_mm.map(|diagonal| percent / 100.0 * diagonal));
+            Region {
+                kind,
+                name,
+                vertices: own.len(),
+                rms_percent,
+                lbs_rms_percent,
+                rms_mm,
+                lbs_rms_mm,
+            }
         };
         Self {
             split: frames.name(),
@@ -175,6 +194,7 @@ impl Evaluation {
             read,
             vertices: skin.vertex_len(),
             diagonal: measured.diagonal,
+            diagonal_mm: measured.diagonal_mm,
             errors: measured.errors(),
             confidence: measured.confidence(),
             model_bytes,

@@ -18,6 +18,9 @@ pub struct Errors {
     pub p99_percent: f64,
     /// Largest distance in % of the rest diagonal.
     pub max_percent: f64,
+    /// The distances in millimetres; `None` where the unit of the examples is not known.
+    #[serde(flatten)]
+    pub millimetres: Option<Millimetres>,
     /// RMS angle, over the rest surface's area, between the normals and the true ones: those of the posed mesh,
     /// the mean of its triangles' by area. In degrees.
     pub normal_rms_degrees: f64,
@@ -25,6 +28,17 @@ pub struct Errors {
     pub normal_median_degrees: f64,
     /// 99th percentile of the angles, by area, in degrees.
     pub normal_p99_degrees: f64,
+}
+
+/// Distances of [`Errors`] in millimetres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Millimetres {
+    /// RMS distance.
+    pub rms_mm: f64,
+    /// 99th percentile of the distances.
+    pub p99_mm: f64,
+    /// Largest distance.
+    pub max_mm: f64,
 }
 
 /// RMS error of LBS, in % of the rest diagonal, below which it is none that another may be compared with.
@@ -50,6 +64,8 @@ pub struct Confidence {
 pub struct Measured {
     /// Diagonal of the rest pose's bounding box, in units of the input.
     pub diagonal: f64,
+    /// The diagonal in millimetres; `None` where the unit of the examples is not known.
+    pub diagonal_mm: Option<f64>,
     /// The frames, in the order in which they were asked for.
     pub frames: Vec<MeasuredFrame>,
     /// How much each vertex counts, V numbers of mean 1; all alike without.
@@ -108,7 +124,8 @@ impl Measured {
         let copy_of: Vec<usize> = (0..surface.engine_len()).map(|e| surface.copy_of(e)).collect();
         let areas = surface.areas().into_iter().zip(&copy_of);
         let areas = areas.map(|(area, &vertex)| area * examples.importance().of(vertex)).collect();
-        Self { diagonal: examples.diagonal(), frames, importance, areas, copy_of }
+        let (diagonal, diagonal_mm) = (examples.diagonal(), examples.diagonal_mm());
+        Self { diagonal, diagonal_mm, frames, importance, areas, copy_of }
     }
 
     /// Summarises all vertices in all frames.
@@ -206,11 +223,19 @@ impl Measured {
         let rms = rms(distances.iter().copied());
         let counted = distances.iter().filter(|(_, counts)| *counts > 0.0);
         let largest = counted.map(|(distance, _)| *distance).fold(0.0, f64::max);
+        let p99 = percentile(&mut distances, 0.99);
+        let [rms_percent, p99_percent, max_percent] = [rms, p99, largest].map(|d| self.percent(d));
+        let millimetres = |diagonal: f64| {
+            let [rms_mm, p99_mm, max_mm] =
+                [rms, p99, largest].map(|length| length / self.diagonal * diagonal);
+            Millimetres { rms_mm, p99_mm, max_mm }
+        };
         Errors {
             rms,
-            rms_percent: self.percent(rms),
-            p99_percent: self.percent(percentile(&mut distances, 0.99)),
-            max_percent: self.percent(largest),
+            rms_percent,
+            p99_percent,
+            max_percent,
+            millimetres: self.diagonal_mm.map(millimetres),
             normal_rms_degrees: self::rms(angles.iter().copied()).to_degrees(),
             normal_median_degrees: percentile(&mut angles, 0.5).to_degrees(),
             normal_p99_degrees: percentile(&mut angles, 0.99).to_degrees(),

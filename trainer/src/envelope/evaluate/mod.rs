@@ -11,6 +11,6 @@ mod told;
 pub use character::Character;
 pub use error::EvaluateError;
 pub use evaluation::{Evaluation, Frames, Region, evaluate};
-pub use measured::{Confidence, Errors, Measured, MeasuredFrame, NOTHING, largest};
+pub use measured::{Confidence, Errors, Measured, MeasuredFrame, Millimetres, NOTHING, largest};
 pub use skin::{Baseline, SkinnedFrame, most_doubting, skin};
 pub use told::Told;

@@ -3,7 +3,8 @@
 use crate::envelope::evaluate::{
     Baseline, Character, EvaluateError, Evaluation, Frames, Measured, Told,
 };
-use crate::examples::{Clip, Examples};
+use crate::examples::{Clip, Examples, Split};
+use crate::space::beside;
 
 /// Examples as a report names them.
 #[derive(Clone, Copy)]
@@ -53,6 +54,8 @@ pub struct MeasuredModel<'a> {
     pub measured: Measured,
     /// How many of the measured frames its training has read; none where its file does not tell.
     pub read: Option<usize>,
+    /// The record of its training.
+    pub told: Told,
 }
 
 /// One of the skins that stand side by side.
@@ -87,8 +90,8 @@ impl<'a> Comparison<'a> {
         let frames = frames.unwrap_or_else(|| Frames::usual(examples, &told));
         let chosen = frames.measurable(examples, &told)?;
         let measured = Measured::model(&character, examples, &chosen)?;
-        let model = MeasuredModel { file, character, measured, read: told.read_len(&chosen) };
         let lbs = told.baseline(examples);
+        let model = MeasuredModel { file, character, measured, read: told.read_len(&chosen), told };
         let baseline = Measured::lbs(&lbs, examples, &chosen);
         Ok(Self { source, frames, lbs, baseline, model, other: None })
     }
@@ -101,14 +104,34 @@ impl<'a> Comparison<'a> {
         let character = Character::open(file.bytes, file.skin, self.source.examples)?;
         let chosen = self.measured_frames();
         let measured = Measured::model(&character, self.source.examples, &chosen)?;
-        let read = Told::of(file.bytes, &character, self.source.examples).read_len(&chosen);
-        self.other = Some(MeasuredModel { file, character, measured, read });
+        let told = Told::of(file.bytes, &character, self.source.examples);
+        let read = told.read_len(&chosen);
+        self.other = Some(MeasuredModel { file, character, measured, read, told });
         Ok(())
     }
 
     /// Lists the numbers of the measured frames.
     pub fn measured_frames(&self) -> Vec<usize> {
         self.baseline.frames.iter().map(|frame| frame.frame).collect()
+    }
+
+    /// Returns the millimetres of a length in % of the diagonal; `None` where the unit is not known.
+    pub fn mm(&self, percent: f64) -> Option<f64> {
+        self.baseline.diagonal_mm.map(|diagonal| percent / 100.0 * diagonal)
+    }
+
+    /// Writes a length in % of the diagonal: `0.1234 %`, and ` (1.234 mm)` behind it where the unit is known.
+    pub fn length(&self, percent: f64) -> String {
+        format!("{percent:.4} %{}", beside(percent, self.baseline.diagonal_mm))
+    }
+
+    /// Returns the use of a frame in the training of the model; in the examples where its file does not tell.
+    pub fn use_of(&self, frame: usize) -> Split {
+        match (self.model.told.has_read(frame), self.source.examples.split[frame]) {
+            (Some(true), _) => Split::Train,
+            (Some(false), Split::Train) => Split::HeldOut,
+            (_, split) => split,
+        }
     }
 
     /// Lists the models, one or two.

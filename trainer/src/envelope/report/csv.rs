@@ -1,10 +1,15 @@
 //! Errors by frame, as a table for other tools.
 
 use super::comparison::Comparison;
+use crate::envelope::evaluate::Millimetres;
 
-/// Writes a row for each measured frame, under a row of names: `frame`, its place among all, from 0; `number`, what
-/// the source calls it, or its place; `clip`, `split`, `vertices`; then, for the model, and with `lbs_` and `other_` before them for LBS and for the model that it is
-/// compared with, `rms`, `p99` and `max` in % of the rest diagonal, `worst_vertex` and `confidence`.
+/// Writes a row for each measured frame, under a row of names.
+///
+/// The first columns are `frame`, its place among all, from 0; `number`, its number in the source, or its place;
+/// `clip`; `split`, its use in the model's training; and `vertices`. The model's columns follow: `rms`, `p99` and `max`
+/// in % of the rest diagonal, `worst_vertex`, `confidence`, and `rms_mm`, `p99_mm` and `max_mm` where the unit is
+/// known. LBS has the same columns with `lbs_` before their names, without a confidence. A second model has them with
+/// `other_`.
 ///
 /// # Errors
 /// Those of the writer.
@@ -18,12 +23,15 @@ pub fn by_frame(comparison: &Comparison<'_>) -> Result<Vec<u8>, csv::Error> {
     for (series, prefix) in &order {
         names.extend(["rms", "p99", "max", "worst_vertex"].map(|name| format!("{prefix}{name}")));
         names.extend(series.model.map(|_| format!("{prefix}confidence")));
+        if series.measured.diagonal_mm.is_some() {
+            names.extend(["rms_mm", "p99_mm", "max_mm"].map(|name| format!("{prefix}{name}")));
+        }
     }
     writer.write_record(&names)?;
     let (examples, source) = (comparison.source.examples, &comparison.source);
     for (place, frame) in comparison.measured_frames().into_iter().enumerate() {
         let clip = source.clip_of(frame).map_or("", |clip| source.clips[clip].name.as_str());
-        let split = examples.split[frame].name();
+        let split = comparison.use_of(frame).name();
         let mut row = vec![frame.to_string(), source.number(frame).to_string()];
         row.extend([clip, split].map(str::to_owned));
         row.push(examples.vertex_len().to_string());
@@ -35,6 +43,9 @@ pub fn by_frame(comparison: &Comparison<'_>) -> Result<Vec<u8>, csv::Error> {
             );
             row.push(frame.worst_vertex().to_string());
             row.extend(series.model.map(|_| frame.confidence.to_string()));
+            if let Some(Millimetres { rms_mm, p99_mm, max_mm }) = errors.millimetres {
+                row.extend([rms_mm, p99_mm, max_mm].map(|length| length.to_string()));
+            }
         }
         writer.write_record(&row)?;
     }

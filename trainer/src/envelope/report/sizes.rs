@@ -7,8 +7,9 @@ use crate::envelope::evaluate::{Character, Errors, EvaluateError, Measured};
 use crate::envelope::predicted::Sound;
 use crate::envelope::rotational::ProxyCount;
 use crate::envelope::rotational::settings::near_rigid;
-use crate::envelope::skin::training::Training;
+use crate::envelope::skin::training::{MIN_POSES, Training};
 use crate::envelope::{FitError, Options, Predict, TrainError, Trained};
+use crate::examples::{Examples, Split};
 use crate::progress::Progress;
 use sinew_runtime::Limits;
 use std::time::Instant;
@@ -21,6 +22,8 @@ const TWICE_MOST: usize = 300_000_000;
 pub(super) struct Sizes {
     /// Seconds that they share: reading the frames, LBS.
     pub(super) shared_seconds: f64,
+    /// Whether they are measured on frames that they were trained on, for the model has read no others.
+    pub(super) seen: bool,
     /// The trainings, by ascending number of proxies.
     pub(super) trials: Vec<SizeTrial>,
     /// The near-rigid vertices of the one with as many proxies as the model, V; none where it has no
@@ -68,21 +71,25 @@ impl Sizes {
     /// where that takes no more than seconds, with twice as many; measures each on the report's
     /// frames. A training that fails says so in its place.
     ///
+    /// The trainings read the frames that the model has read, without those that the report measures. Where too few
+    /// are left, they read the measured ones too.
+    ///
     /// # Errors
     /// [`FitError`], where the examples allow no training at all.
     pub(super) fn train(
         comparison: &Comparison<'_>,
         progress: &dyn Progress,
     ) -> Result<Self, FitError> {
-        let examples = comparison.source.examples;
+        let (frames, seen) = frames(comparison);
+        let examples = &comparison.source.examples.trained_on(&frames);
         let begun = Instant::now();
         let training = Sound::new(examples, progress)?.weighted(examples, progress)?;
         let shared_seconds = begun.elapsed().as_secs_f64();
         let counts = counts(comparison.model.character.envelope.proxy_len(), &training);
-        let mut sizes = Self { shared_seconds, trials: Vec::new(), near_rigid: None };
+        let mut sizes = Self { shared_seconds, seen, trials: Vec::new(), near_rigid: None };
         for (number, &proxies) in counts.iter().enumerate() {
             progress.part(number + 1, counts.len());
-            let outcome = sizes.attempt(comparison, &training, proxies, progress);
+            let outcome = sizes.attempt(comparison, (examples, &training), proxies, progress);
             sizes.trials.push(SizeTrial { proxies, outcome });
         }
         Ok(sizes)
@@ -91,11 +98,10 @@ impl Sizes {
     fn attempt(
         &mut self,
         comparison: &Comparison<'_>,
-        training: &Training,
+        (examples, training): (&Examples, &Training),
         proxies: usize,
         progress: &dyn Progress,
     ) -> Result<Outcome, SizeError> {
-        let examples = comparison.source.examples;
         let Character { envelope, skin, .. } = &comparison.model.character;
         let options = Options {
             predictor: Predict::Only(envelope.predictor()),
@@ -122,6 +128,15 @@ impl Sizes {
             steps,
         })
     }
+}
+
+/// Lists the frames to train on, and tells whether the report measures them too.
+fn frames(comparison: &Comparison<'_>) -> (Vec<usize>, bool) {
+    let all = 0..comparison.source.examples.frame_len();
+    let read: Vec<usize> = all.filter(|&f| comparison.use_of(f) == Split::Train).collect();
+    let measured = comparison.measured_frames();
+    let others: Vec<usize> = read.iter().copied().filter(|f| !measured.contains(f)).collect();
+    if others.len() < MIN_POSES { (read, true) } else { (others, false) }
 }
 
 /// The numbers of proxies to try, ascending; none for a model without any.

@@ -8,8 +8,9 @@ use crate::envelope::report::comparison::{Comparison, Series};
 use crate::envelope::report::pictures::{PictureOptions, Pictures};
 use crate::envelope::report::sizes::Sizes;
 use crate::examples::Split;
-use crate::page::html::{self, grouped, paragraph, percent, section, table, text};
+use crate::page::html::{self, grouped, paragraph, section, table, text};
 use crate::progress::Progress;
+use crate::space::written;
 
 /// A report on what was measured.
 pub struct Page<'a> {
@@ -80,20 +81,20 @@ fn header(comparison: &Comparison<'_>) -> String {
     );
     let verdict = match errors.share_of(&lbs) {
         Some(share) => format!(
-            "The model is off by <b>{} %</b> of the diagonal, RMS: {:.1} % of what linear blend \
-             skinning leaves ({} %).",
-            percent(errors.rms_percent),
+            "The model is off by <b>{}</b> of the diagonal, RMS: {:.1} % of the error of linear blend \
+             skinning, {}.",
+            comparison.length(errors.rms_percent),
             100.0 * share,
-            percent(lbs.rms_percent)
+            comparison.length(lbs.rms_percent)
         ),
         None => format!(
-            "The model is off by <b>{} %</b> of the diagonal, RMS.",
-            percent(errors.rms_percent)
+            "The model is off by <b>{}</b> of the diagonal, RMS.",
+            comparison.length(errors.rms_percent)
         ),
     };
     format!(
         "<h1>{} on {}{compared}</h1>\n\
-         <p class=\"under\">{} vertices, {} triangles, {} joints, diagonal {:.4}; {}{}</p>\n\
+         <p class=\"under\">{} vertices, {} triangles, {} joints, diagonal {:.4}{}; {}{}</p>\n\
          <p class=\"verdict\">{verdict}{normals}</p>\n",
         text(model.file.name),
         text(source.name),
@@ -101,6 +102,7 @@ fn header(comparison: &Comparison<'_>) -> String {
         grouped(examples.triangles.len()),
         grouped(examples.joint_len()),
         examples.diagonal(),
+        baseline.diagonal_mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm))),
         measured_on(comparison),
         read_by_other(comparison)
     )
@@ -133,7 +135,9 @@ fn measured_on(comparison: &Comparison<'_>) -> String {
             grouped(read)
         ),
         (Frames::All, read) => {
-            let of = |split| format!("{} {}", examples.frames_of(split).len(), split.name());
+            let uses = || (0..examples.frame_len()).map(|frame| comparison.use_of(frame));
+            let of =
+                |split| format!("{} {}", uses().filter(|own| *own == split).count(), split.name());
             let [train, held_out, extreme] = [Split::Train, Split::HeldOut, Split::Extreme].map(of);
             let read = read.map_or(String::new(), |read| {
                 format!("; the fit has read {} of them", grouped(read))

@@ -1,11 +1,11 @@
 //! Errors and confidence by frame.
 
-use super::series::{entries, legend, names};
+use super::series::{entries, legend, length, names};
 use crate::envelope::evaluate::{Measured, most_doubting};
 use crate::envelope::report::comparison::{Comparison, Series};
 use crate::examples::Split;
 use crate::page::chart::{Chart, Range};
-use crate::page::html::{paragraph, percent, table, text};
+use crate::page::html::{paragraph, table, text};
 
 /// Size of a chart, in pixels.
 const SIZE: (f64, f64) = (1130.0, 290.0);
@@ -34,7 +34,7 @@ pub(super) fn errors(comparison: &Comparison<'_>) -> String {
         let at: Vec<String> = series
             .iter()
             .zip(&rms)
-            .map(|(series, rms)| format!("{} {} %", series.name, percent(rms[place])))
+            .map(|(series, rms)| format!("{} {}", series.name, comparison.length(rms[place])))
             .collect();
         chart.tell(cell(place), &format!("{}: {}", comparison.source.label(frame), at.join(", ")));
     }
@@ -65,7 +65,7 @@ pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
         least.sort_by(|&a, &b| confidence[a].total_cmp(&confidence[b]));
         rows.extend(least.iter().take(WORST).map(|&place| {
             let frame = series.measured.frames[place].frame;
-            let rms = percent(series.measured.errors_in(place).rms_percent);
+            let rms = length(comparison, series.measured.errors_in(place).rms_percent);
             let character = series.model.map(|model| &model.character);
             let examples = comparison.source.examples;
             let doubting = character.and_then(|c| most_doubting(c, examples, frame));
@@ -93,7 +93,7 @@ pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
 fn by_confidence(comparison: &Comparison<'_>, series: &[Series<'_>]) -> String {
     let rms = |measured: &Measured, places: &[usize]| {
         let squares = places.iter().map(|&place| measured.errors_in(place).rms_percent.powi(2));
-        percent((squares.sum::<f64>() / places.len() as f64).sqrt())
+        length(comparison, (squares.sum::<f64>() / places.len() as f64).sqrt())
     };
     let mut rows = Vec::new();
     for series in series {
@@ -155,7 +155,7 @@ fn lines(chart: &mut Chart, comparison: &Comparison<'_>, class: &str, values: &[
 /// several, and writes frame numbers.
 fn bands(chart: &mut Chart, comparison: &Comparison<'_>) {
     let (frames, source) = (comparison.measured_frames(), &comparison.source);
-    let split = |frame: usize| source.examples.split[frame];
+    let split = |frame: usize| comparison.use_of(frame);
     if frames.iter().any(|&frame| split(frame) != split(frames[0])) {
         for (range, of) in runs(&frames, split) {
             if of != Split::Train {
@@ -196,10 +196,10 @@ fn worst(comparison: &Comparison<'_>, rms: &[Vec<f64>]) -> String {
     head.extend(["largest, %", "at vertex", "confidence"].map(str::to_owned));
     let row = |&place: &usize| {
         let frame = &comparison.model.measured.frames[place];
-        let split = comparison.source.examples.split[frame.frame].name();
+        let split = comparison.use_of(frame.frame).name();
         let mut row = vec![text(&comparison.source.label(frame.frame)), split.to_owned()];
-        row.extend(rms.iter().map(|rms| percent(rms[place])));
-        row.push(percent(comparison.model.measured.errors_in(place).max_percent));
+        row.extend(rms.iter().map(|rms| length(comparison, rms[place])));
+        row.push(length(comparison, comparison.model.measured.errors_in(place).max_percent));
         row.push(frame.worst_vertex().to_string());
         row.push(format!("{:.3}", frame.confidence));
         row

@@ -1,10 +1,10 @@
 //! Errors by joint.
 
-use super::series::{legend, names};
+use super::series::{legend, length, names};
 use crate::envelope::report::comparison::Comparison;
 use crate::envelope::report::joints::by_joint;
 use crate::page::bars::bars;
-use crate::page::html::{grouped, paragraph, percent, table, text};
+use crate::page::html::{grouped, paragraph, table, text};
 
 /// A row for each joint: vertices, errors, the model's worst frame, bars.
 pub(super) fn errors(comparison: &Comparison<'_>) -> String {
@@ -17,8 +17,11 @@ pub(super) fn errors(comparison: &Comparison<'_>) -> String {
     let row = |joint: &crate::envelope::report::joints::JointErrors| {
         let name = &comparison.source.examples.skeleton.names[joint.joint];
         let mut row = vec![text(name), grouped(joint.vertices)];
-        row.extend(joint.rms_percent.iter().map(|rms| percent(*rms)));
-        row.extend([joint.worst.0.to_string(), percent(joint.worst.1)]);
+        row.extend(joint.rms_percent.iter().map(|rms| length(comparison, *rms)));
+        row.extend([
+            comparison.source.number(joint.worst.0).to_string(),
+            length(comparison, joint.worst.1),
+        ]);
         let values = series.iter().zip(&joint.rms_percent);
         let values: Vec<_> = values.map(|(series, rms)| (series.class, *rms)).collect();
         row.push(bars(&values, most));

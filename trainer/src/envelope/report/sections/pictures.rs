@@ -7,7 +7,7 @@ use crate::envelope::report::palette::{dominant_colours, follow_joints};
 use crate::envelope::report::pictures::{Paint, Pictures, Shape};
 use crate::page::camera::Camera;
 use crate::page::colour::{Colour, Scale};
-use crate::page::html::{grouped, paragraph, percent, side_by_side, text};
+use crate::page::html::{grouped, paragraph, side_by_side, text};
 
 const SCALES: &str = "Colours stand for errors in % of the diagonal; but for the last picture, which \
                       shows the model once more on a scale of its own, all share one. The ring is the worst \
@@ -40,7 +40,8 @@ pub(super) fn worst_pose(
         Ok(side_by_side(under.len(), &clay) + &side_by_side(under.len(), &under))
     };
     let told = |s: &Series<'_>| {
-        format!("{} {} %", text(s.name), percent(s.measured.errors_in(pictures.worst).rms_percent))
+        let rms = s.measured.errors_in(pictures.worst).rms_percent;
+        format!("{} {}", text(s.name), comparison.length(rms))
     };
     let told: Vec<String> = series.iter().map(told).collect();
     let camera = pictures.whole(&shapes.iter().collect::<Vec<_>>());
@@ -54,9 +55,9 @@ pub(super) fn worst_pose(
         + &angles
         + "<h3>Around the worst vertex</h3>\n"
         + &paragraph(&format!(
-            "Vertex {vertex}, where the model is off by {} % and LBS by {} %.",
-            percent(errors[1][vertex]),
-            percent(errors[0][vertex])
+            "Vertex {vertex}, where the model is off by {} and LBS by {}.",
+            comparison.length(errors[1][vertex]),
+            comparison.length(errors[0][vertex])
         ))
         + &rows(&pictures.near(&shapes[0], vertex, &errors[1]))?)
 }
@@ -134,7 +135,7 @@ fn worst_vertices(comparison: &Comparison<'_>, errors: &[Vec<f64>]) -> String {
     order.sort_by(|&a, &b| errors[1][b].total_cmp(&errors[1][a]));
     let worst = order.iter().take(MOST).map(|&vertex| {
         let frame = comparison.source.number(worst_frame(&comparison.model.measured, vertex));
-        format!("{vertex} ({} %, worst in frame {frame})", percent(errors[1][vertex]))
+        format!("{vertex} ({}, worst in frame {frame})", comparison.length(errors[1][vertex]))
     });
     let worst: Vec<String> = worst.collect();
     paragraph(&format!("The vertices with the largest: {}.", worst.join(", ")))

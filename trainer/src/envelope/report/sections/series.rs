@@ -2,15 +2,16 @@
 
 use crate::envelope::evaluate::Errors;
 use crate::envelope::report::comparison::{Comparison, Series};
-use crate::page::html::{percent, text};
+use crate::page::html::{below, percent, text};
 
 /// RMS, 99th percentile and largest error, then RMS, median and 99th percentile of the normals' angles, as
 /// cells.
 pub(super) fn errors(errors: &Errors) -> [String; 6] {
-    let Errors { rms_percent, p99_percent, max_percent, .. } = *errors;
+    let Errors { rms_percent, p99_percent, max_percent, millimetres, .. } = *errors;
+    let lengths = millimetres.map(|of| [of.rms_mm, of.p99_mm, of.max_mm]);
     let Errors { normal_rms_degrees, normal_median_degrees, normal_p99_degrees, .. } = *errors;
-    let [rms, p99, max] =
-        [rms_percent, p99_percent, max_percent].map(|e| format!("{} %", percent(e)));
+    let [rms, p99, max] = [(rms_percent, 0), (p99_percent, 1), (max_percent, 2)]
+        .map(|(own, place)| format!("{} %{}", percent(own), below(lengths.map(|all| all[place]))));
     let angles = [normal_rms_degrees, normal_median_degrees, normal_p99_degrees];
     let [normals, median, normals_p99] = angles.map(|angle| format!("{angle:.2}°"));
     [rms, p99, max, normals, median, normals_p99]
@@ -22,6 +23,11 @@ pub(super) const ERRORS: [&str; 6] = ["RMS", "99 %", "largest", "normals, RMS", 
 /// Names of the columns of all series.
 pub(super) fn names(comparison: &Comparison<'_>) -> Vec<String> {
     comparison.series().iter().map(|series| text(series.name)).collect()
+}
+
+/// A length in % of the diagonal as a cell of a column that says so, with millimetres below it.
+pub(super) fn length(comparison: &Comparison<'_>, own: f64) -> String {
+    percent(own) + &below(comparison.mm(own))
 }
 
 /// The legend of all series.

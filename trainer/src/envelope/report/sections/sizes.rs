@@ -15,8 +15,14 @@ pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, FitError
     let predictor = comparison.model.character.envelope.predictor().name();
     let sizes = match sizes {
         Err(error) => {
+            let why = match error {
+                FitError::TooFewPoses { .. } => {
+                    " This section needs the training frames of the model among the examples."
+                }
+                _ => "",
+            };
             return paragraph(&format!(
-                "On these examples {predictor} cannot be trained: {}.",
+                "On these examples {predictor} cannot be trained: {}.{why}",
                 text(&error.to_string())
             ));
         }
@@ -27,10 +33,17 @@ pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, FitError
     };
     let outcomes: Vec<&Outcome> =
         sizes.trials.iter().filter_map(|trial| trial.outcome.as_ref().ok()).collect();
+    let seen = match sizes.seen {
+        true => {
+            "They were trained on frames that are measured here, for the model has read no others: there the error falls \
+             with every proxy. The cross-validated error shows the gain in new poses."
+        }
+        false => "They have not read the measured frames.",
+    };
     paragraph(&format!(
-        "The predictor of {}, <b>{predictor}</b>, trained anew on the training frames of these examples as \
-         train does with --predictor {predictor} and no further options, with other numbers of proxies, and measured \
-         on the same frames as above.",
+        "The predictor of {}, <b>{predictor}</b>, with other numbers of proxies: each trained on the training frames of \
+         the model, as train does with --predictor {predictor} and no further options, and measured on the frames above. \
+         {seen}",
         text(comparison.model.file.name)
     )) + &charts(comparison, &outcomes)
         + &trials(comparison, &sizes.trials)
