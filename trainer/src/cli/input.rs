@@ -66,9 +66,9 @@ pub(super) struct InputFile {
 }
 
 impl ExampleArguments {
-    /// Loads the examples and tells on standard error what should be known about them.
-    pub(super) fn load(&self, output: Output) -> anyhow::Result<LoadedInput> {
-        self.load_telling(output, |_| true)
+    /// Loads the examples to check them: leaves it to the check to tell what validation finds.
+    pub(super) fn load_to_check(&self, output: Output) -> anyhow::Result<LoadedInput> {
+        self.load_telling(output, |warning| !warning.is_of_validation())
     }
 
     /// Loads the examples to measure a model on them: leaves it to the caller to tell of meshes that a scene's own
@@ -171,11 +171,13 @@ pub(super) fn hash(file: &Path) -> anyhow::Result<InputFile> {
     Ok(InputFile { file: name, sha256 })
 }
 
-/// Moves examples into the space of a model, as far as both are known, and leaves seams out that its skin, the
-/// first where no name is given, does not have. A model that cannot be loaded is left to who measures it.
+/// Moves examples into the space of a model, where both are known, and leaves out seams that its skin, the
+/// first where no name is given, does not have. Examples without a unit are in the model's, or their rest mesh is
+/// refused. A model that cannot be loaded is left to the measurement.
 pub(super) fn convert_to_model(examples: &mut Examples, model: &[u8], skin: Option<&str>) {
     let Ok(model) = Model::from_bytes(model) else { return };
     examples.convert_to(&model.space());
+    examples.space.unit = examples.space.unit.or(model.space().unit);
     if let Some(skin) = skin.map_or_else(|| model.skin(), |name| model.skin_named(name)) {
         examples.unsplit_for(skin.vertex_len());
     }

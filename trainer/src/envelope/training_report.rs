@@ -53,12 +53,4 @@ impl TrainingReport {
     pub fn chosen(&self) -> &CandidateReport {
         &self.candidates[self.chosen]
     }
-
-    /// Lists the joints that turn so far from their parent in training that the regression on
-    /// their rotation vector, which jumps at a half turn, cannot be trusted there (METHOD §1.4);
-    /// none where there is no such regression.
-    pub fn joints_near_the_seam(&self) -> impl Iterator<Item = usize> + '_ {
-        let ranges = self.angle_ranges.iter().enumerate();
-        ranges.filter(|(_, range)| self.rotational.is_some() && **range > SEAM).map(|(j, _)| j)
-    }
 }

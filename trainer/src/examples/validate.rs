@@ -50,8 +50,8 @@ impl Examples {
             }
         }
         self.check_rigid_in(&self.frames_of(Split::Train))?;
-        self.report_rigidity("joint_world_rest", &self.skeleton.rest, false, &mut warnings);
-        self.report_rigidity("bone_transforms", &self.transforms, true, &mut warnings);
+        self.report_rigidity(&self.skeleton.rest, false, &mut warnings);
+        self.report_rigidity(&self.transforms, true, &mut warnings);
         Ok(warnings)
     }
 
@@ -236,13 +236,7 @@ impl Examples {
     }
 
     /// Warns of each joint whose maps, one or one a frame, are not quite rigid.
-    fn report_rigidity(
-        &self,
-        array: &'static str,
-        maps: &[Matrix3x4],
-        posed: bool,
-        warnings: &mut Vec<Warning>,
-    ) {
+    fn report_rigidity(&self, maps: &[Matrix3x4], posed: bool, warnings: &mut Vec<Warning>) {
         for (number, joint) in self.skeleton.names.iter().enumerate() {
             let deviations =
                 maps.chunks_exact(self.joint_len()).map(|maps| deviation(&maps[number]));
@@ -251,7 +245,6 @@ impl Examples {
                 continue;
             };
             warnings.push(Warning::NonRigidJoint {
-                array,
                 joint: joint.clone(),
                 matrix_len: off.count(),
                 worst_frame: posed.then_some(worst as i64),

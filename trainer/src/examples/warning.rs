@@ -1,7 +1,7 @@
 //! What does not stop a fit and is worth saying.
 
 use super::Clip;
-use super::error::{called, in_frame};
+use super::error::called;
 use crate::formats::FormatWarning;
 use crate::formats::scene::RATE;
 use std::fmt;
@@ -26,13 +26,11 @@ pub enum Warning {
     Format(FormatWarning),
     /// A joint's maps are not quite rigid; a fit uses the rotation nearest to each.
     NonRigidJoint {
-        /// The array.
-        array: &'static str,
         /// The joint.
         joint: String,
         /// How many of its matrices are off.
         matrix_len: usize,
-        /// The frame of the worst, its place or what its source calls it, for arrays that have one.
+        /// The frame of the worst, its place or its number in the source; `None` for the rest pose.
         worst_frame: Option<i64>,
         /// How far the worst is off.
         deviation: f64,
@@ -101,9 +99,19 @@ impl Warning {
             | Self::TargetsCut { .. }
             | Self::ClipsSorted { .. }
             | Self::RestOfCharacter
+            | Self::RepeatedVertex { .. }
+            | Self::ZeroArea { .. }
             | Self::Format(FormatWarning::NormalsRepaired { .. }) => Severity::Note,
             _ => Severity::Warning,
         }
+    }
+
+    /// Tells whether [`Examples::validate`](super::Examples::validate) finds it, so that a check of the examples says it too.
+    pub fn is_of_validation(&self) -> bool {
+        matches!(
+            self,
+            Self::NonRigidJoint { .. } | Self::RepeatedVertex { .. } | Self::ZeroArea { .. }
+        )
     }
 
     /// Calls the frame that it points at as its source does, of frames of these clips.
@@ -125,13 +133,17 @@ impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Warning::Format(warning) => warning.fmt(f),
-            Warning::NonRigidJoint { array, joint, matrix_len, worst_frame, deviation } => {
-                let place = in_frame(*worst_frame);
-                write!(
-                    f,
-                    "array {array} is not rigid at {place}joint {joint}: off by {deviation:.1e} at \
-                     worst, matrices off in all: {matrix_len}"
-                )
+            Warning::NonRigidJoint { joint, matrix_len, worst_frame, deviation } => {
+                let off = 100.0 * deviation;
+                write!(f, "joint {joint} is not rigid: ")?;
+                match (worst_frame, matrix_len) {
+                    (None, _) => write!(f, "its rest pose scales or shears by {off:.2} %"),
+                    (Some(frame), 1) => write!(f, "it scales or shears by {off:.2} % in frame {frame}"),
+                    (Some(frame), len) => write!(
+                        f,
+                        "it scales or shears in {len} frames, most in frame {frame}, by {off:.2} %"
+                    ),
+                }
             }
             Warning::RepeatedVertex { triangles } => {
                 write!(

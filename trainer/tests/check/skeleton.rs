@@ -127,6 +127,49 @@ fn another_sculpt_at_rest_is_warned_of_where_it_differs() {
 }
 
 #[test]
+fn a_frame_that_equals_the_rest_mesh_shows_that_it_belongs() {
+    let mut examples = arm();
+    // Muscles that tense without any joint: another mesh in the rest pose, as often as not.
+    let len = examples.vertex_len();
+    let identity = examples.transforms[..examples.joint_len()].to_vec();
+    for frame in (1..examples.frame_len()).step_by(2) {
+        examples.transforms[frame * identity.len()..][..identity.len()].copy_from_slice(&identity);
+        for vertex in 0..len {
+            let [x, y, z] = examples.rest[vertex];
+            examples.vertices[frame * len + vertex] =
+                [x, y, z * (1.0 + 0.3 * (20.0 * x).sin().abs())];
+        }
+    }
+    // The frame that equals the rest mesh is neither the first nor the last of them.
+    let middle = examples.frame_len() / 2;
+    let rest = examples.rest.clone();
+    examples.vertices.copy_within(middle * len..(middle + 1) * len, 0);
+    examples.transforms.copy_within(middle * identity.len()..(middle + 1) * identity.len(), 0);
+    examples.vertices[middle * len..][..len].copy_from_slice(&rest);
+    examples.transforms[middle * identity.len()..][..identity.len()].copy_from_slice(&identity);
+    let found = check(&examples);
+    assert!(found.find(Kind::RestDiffers).is_none(), "{:?}", found.findings);
+    // Without that frame the same meshes are those of another sculpt.
+    examples.split[middle] = Split::HeldOut;
+    assert!(check(&examples).find(Kind::RestDiffers).is_some());
+}
+
+#[test]
+fn a_linear_skin_needs_no_frame_near_rest() {
+    let bent = bends().into_iter().map(|([a, b], split)| ([0.5 * a + 30.0, 0.5 * b + 30.0], split));
+    let mut examples = chain(&bent.collect::<Vec<_>>());
+    for (frame, pose) in examples.transforms.chunks(3).enumerate() {
+        for (vertex, rest) in examples.rest.iter().enumerate() {
+            let joint = pose[(vertex / 4 / 5).min(2)];
+            let at =
+                joint.map(|row| (0..3).map(|axis| row[axis] * rest[axis]).sum::<f64>() + row[3]);
+            examples.vertices[frame * examples.rest.len() + vertex] = at;
+        }
+    }
+    assert!(check(&examples).find(Kind::RestUntested).is_none());
+}
+
+#[test]
 fn frames_that_are_all_bent_leave_the_rest_mesh_untested() {
     let bent: Vec<_> = bends()
         .into_iter()

@@ -9,6 +9,7 @@ mod face;
 mod fit;
 mod import;
 mod kernel;
+mod millimetres;
 mod outputs;
 mod refusals;
 mod report;
@@ -17,6 +18,7 @@ mod several;
 mod shared;
 mod signal;
 mod skins;
+mod tables;
 mod views;
 
 use common::{Folder, HELD_OUT, PROXIES, Set, TRAINING, read_npy};

@@ -1,18 +1,23 @@
 //! `sinew check`: whether examples are good, before a training.
 
 use crate::cli::bars::Bars;
-use crate::cli::column::{padded, width};
+use crate::cli::column::{longest, padded};
 use crate::cli::{Output, counted, input, printable};
 use anyhow::Context;
+use sinew_runtime::format::Space;
 use sinew_trainer::envelope::check::coverage::Coverage;
 use sinew_trainer::envelope::check::finding::{Severity, Topic, short};
 use sinew_trainer::envelope::check::thin::Predicted;
 use sinew_trainer::envelope::check::{Check, check};
+use sinew_trainer::envelope::evaluate::NOTHING;
 use sinew_trainer::examples::Warning;
+use sinew_trainer::space::written;
 use std::fmt::Write;
 
-/// Tells whether EXAMPLES are good: what is wrong with mesh, skeleton and frames, how far the
-/// training poses reach, and which poses to add or to leave out.
+/// Checks examples before a training, and says what to mend or add
+///
+/// It finds faults of mesh, skeleton and frames, shows how far the training poses reach, and names poses to add or to
+/// leave out.
 ///
 /// A warning is likely a mistake that costs accuracy, a note is worth knowing. Findings name frames,
 /// joints, vertices and triangles by the numbers of the file, from 0 (frames by what it calls them, where it
@@ -32,21 +37,29 @@ pub(in crate::cli) struct Arguments {
 
 /// Joints in the table; `--json` has all.
 const ROWS: usize = 16;
+/// Columns of the longest joint name in the table, which then fits a terminal.
+const NAME: usize = 30;
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
-    let input = arguments.input.load(output)?;
+    let input = arguments.input.load_to_check(output)?;
     let source = arguments.input.named();
     let checked = check(&input.examples, &input.clips, &Bars::new(output)).context(source)?;
-    let told: &[Warning] = if output.quiet { &[] } else { &input.warnings };
-    let text = format!("{}\n{}", input::describe(&input.examples), describe(&checked, told));
+    // The check says itself what validation finds.
+    let is_told = |warning: &&Warning| !output.quiet && !warning.is_of_validation();
+    let told: Vec<&Warning> = input.warnings.iter().filter(is_told).collect();
+    let text = format!(
+        "{}\n{}",
+        input::describe(&input.examples),
+        describe(&checked, &input.examples.space, &told)
+    );
     output.print(&checked, &text)
 }
 
 /// Describes a check of examples, of which so much was told before.
-fn describe(check: &Check, told: &[Warning]) -> String {
+fn describe(check: &Check, space: &Space, told: &[&Warning]) -> String {
     let mut out = String::new();
     for (subject, title, facts) in [
-        (Topic::Size, "size", size(check)),
+        (Topic::Size, "size", size(check, space)),
         (Topic::Rest, "rest mesh", check.rest.describe()),
         (Topic::Faces, "faces", faces(check)),
         (Topic::Joints, "joints", String::new()),
@@ -54,7 +67,7 @@ fn describe(check: &Check, told: &[Warning]) -> String {
     ] {
         section(&mut out, check, subject, title, &facts);
     }
-    out += &table(&check.joints);
+    out += &table(check);
     out += &floor(check);
     if let Some(predicted) = &check.predicted {
         out += &poses(predicted);
@@ -98,20 +111,24 @@ fn section(out: &mut String, check: &Check, subject: Topic, title: &str, facts: 
     }
 }
 
-fn size(check: &Check) -> String {
+fn size(check: &Check, space: &Space) -> String {
     let size = &check.size;
     let [x, y, z] = size.extents.map(short);
     let mut out = format!("{x} x {y} x {z}, diagonal {}", short(size.diagonal));
-    match size.ground {
-        Some(axis) => {
-            let _ = write!(out, "; it stands on {axis} = 0: if that is the floor, {axis} is up");
+    let _ = match (space.up, size.ground) {
+        (Some(up), _) => write!(out, "; {} is up", up.name()),
+        (None, Some(axis)) => {
+            write!(out, "; it stands on {axis} = 0: if that is the floor, {axis} is up")
         }
-        None => {
-            let _ = write!(out, "; longest along {}", size.longest);
+        (None, None) => write!(out, "; longest along {}", size.longest),
+    };
+    match size.metres {
+        Some(metres) => {
+            let _ = write!(out, "; {} m long", short(metres));
         }
-    }
-    for (unit, metres) in &size.units {
-        let _ = write!(out, "; {metres:.2} m long if in {unit}");
+        None => size.units.iter().for_each(|(unit, metres)| {
+            let _ = write!(out, "; {metres:.2} m long if in {unit}");
+        }),
     }
     out
 }
@@ -127,13 +144,13 @@ fn faces(check: &Check) -> String {
 }
 
 /// The joints, those whose skin LBS leaves furthest off first.
-fn table(joints: &[Coverage]) -> String {
-    let mut rows: Vec<&Coverage> = joints.iter().collect();
+fn table(check: &Check) -> String {
+    let mut rows: Vec<&Coverage> = check.joints.iter().collect();
     rows.sort_by(|a, b| b.lbs_percent.total_cmp(&a.lbs_percent));
-    let longest = rows.iter().take(ROWS).map(|row| width(&row.joint)).max().unwrap_or(0);
-    let columns = longest.max("joint".len());
+    let columns = longest(rows.iter().take(ROWS).map(|row| &*row.joint), "joint".len(), NAME);
+    let mm = check.lbs.rms_mm.map_or(String::new(), |_| format!(" {:>9}", "LBS, mm"));
     let mut out = format!(
-        "{:<columns$}  {:>8} {:>14} {:>8} {:>8} {:>7} {:>8} {:>8}\n",
+        "{:<columns$} {:>8} {:>12} {:>6} {:>7} {:>6} {:>6} {:>8}{mm}\n",
         "joint", "vertices", "turns by", "beside", "slides", "poses", "beyond", "LBS, %"
     );
     for row in rows.iter().take(ROWS) {
@@ -143,9 +160,10 @@ fn table(joints: &[Coverage]) -> String {
         } else {
             "-".to_owned()
         };
+        let mm = row.lbs_mm.map_or(String::new(), |mm| format!(" {:>9}", written(mm)));
         let _ = writeln!(
             out,
-            "{}  {:>8} {:>14} {:>7}° {:>8} {:>7} {:>8} {:>8.4}",
+            "{} {:>8} {:>12} {:>5}° {:>7} {:>6} {:>6} {:>8.4}{mm}",
             padded(&row.joint, columns),
             row.vertices,
             format!("{least:.0} to {most:.0}°"),
@@ -164,26 +182,37 @@ fn table(joints: &[Coverage]) -> String {
 
 fn floor(check: &Check) -> String {
     let lbs = &check.lbs;
-    let list = |items: Vec<String>| items.join(", ");
-    let frames = lbs.frames.iter().map(|(frame, rms)| format!("{frame} ({rms:.2})")).collect();
-    let vertices = lbs.vertices.iter().map(|(vertex, rms)| format!("{vertex} ({rms:.2})"));
-    let painted = lbs.painted_percent.map(|rms| {
-        format!("  {rms:.4} % by the joint weights that come with the mesh, as they are\n")
-    });
-    format!(
-        "LBS, 4 influences, training frames\n  {:.4} %; worst in frames {}; at vertices {}\n{}",
+    let beside = |mm: Option<f64>| mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm)));
+    let mut out = format!(
+        "LBS, 4 influences, training frames\n  {:.4} %{}",
         lbs.rms_percent,
-        printable(&list(frames)),
-        list(vertices.collect()),
-        painted.unwrap_or_default()
-    )
+        beside(lbs.rms_mm)
+    );
+    // Where LBS leaves nothing, none is worse than another.
+    if lbs.rms_percent > NOTHING {
+        let frames = lbs.frames.iter().map(|(frame, rms)| format!("{frame} ({rms:.2} %)"));
+        let vertices = lbs.vertices.iter().map(|(vertex, rms)| format!("{vertex} ({rms:.2} %)"));
+        let [frames, vertices] =
+            [frames.collect(), vertices.collect()].map(|all: Vec<_>| all.join(", "));
+        let _ = write!(out, "; worst in frames {}; at vertices {vertices}", printable(&frames));
+    }
+    out += "\n";
+    if let Some(rms) = lbs.painted_percent {
+        let mm = beside(lbs.painted_mm);
+        let _ = writeln!(
+            out,
+            "  {rms:.4} %{mm} by the joint weights that come with the mesh, as they are"
+        );
+    }
+    out
 }
 
 fn poses(predicted: &Predicted) -> String {
-    let Predicted { lbs_percent, expected_percent, enough, .. } = predicted;
+    let Predicted { lbs_percent, expected_percent, expected_mm, enough, .. } = predicted;
+    let mm = expected_mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm)));
     format!(
-        "poses\n  frames are predicted by those of other blocks to {expected_percent:.4} %, {:.1} % of \
-         what LBS leaves; {} of {} predict the rest\n",
+        "poses\n  each block of frames is predicted by the others to {expected_percent:.4} %{mm}, {:.1} % of \
+         the error of LBS; {} of {} predict the rest\n",
         100.0 * expected_percent / lbs_percent,
         enough.len(),
         predicted.of_compared()

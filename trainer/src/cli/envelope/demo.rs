@@ -20,6 +20,8 @@ use std::path::{Path, PathBuf};
 /// Most positions in all frames together: 2.4 GB of them.
 const POSITIONS_MAX: usize = 100_000_000;
 
+/// Trains, bakes and measures a generated arm; needs no input
+///
 /// Generates a procedural arm, trains an envelope on it, bakes it, and measures the baked model on
 /// poses that the training has not seen.
 #[derive(clap::Args)]
@@ -85,7 +87,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let mut text = format!(
         "a procedural arm: {}\n{}{}",
         input::describe(&examples),
-        table::report(&trained.report),
+        table::report(&trained.report, examples.diagonal_mm()),
         table::evaluation(&evaluation)
     );
     if let (Some(folder), Some(model)) = (folder, &model) {

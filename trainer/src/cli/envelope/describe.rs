@@ -1,21 +1,26 @@
 //! What `sinew inspect` says of envelopes and skins.
 
-use crate::cli::column::{padded, width};
+use crate::cli::column::{longest, padded};
 use crate::cli::described::Described;
 use crate::cli::{counted, printable};
 use serde_json::{Value, json};
 use sinew_runtime::format::PartKind;
 use sinew_runtime::record::RecordCounts;
 use sinew_runtime::{Envelope, Model, Skin};
+use sinew_trainer::space::{millimetres, written};
+
+/// Columns of the longest joint name: two of them, and a figure, fit a terminal.
+const NAME: usize = 42;
 
 /// Describes the envelopes of a file, its skins, and what it tells of their training.
 pub(in crate::cli) fn describe(model: &Model<Vec<u8>>) -> Vec<Described> {
+    let unit_mm = millimetres(&model.space());
     let envelopes = model.envelopes().map(|envelope| Described {
         part: envelope.part(),
         kind: PartKind::Envelope,
         name: envelope.name().to_owned(),
-        text: of_envelope(&envelope),
-        json: envelope_as_json(&envelope),
+        text: of_envelope(&envelope, unit_mm),
+        json: envelope_as_json(&envelope, unit_mm),
     });
     let skins = model.skins().map(|skin| Described {
         part: skin.part(),
@@ -81,7 +86,7 @@ fn of_skin(model: &Model<Vec<u8>>, skin: &Skin<'_>) -> String {
     out
 }
 
-fn of_envelope(envelope: &Envelope<'_>) -> String {
+fn of_envelope(envelope: &Envelope<'_>, unit_mm: Option<f64>) -> String {
     let mut out = format!(
         "envelope \"{}\", {}: {} joints, {}, a palette of {} transforms, {} bytes of scratch\n",
         printable(envelope.name()),
@@ -101,12 +106,13 @@ fn of_envelope(envelope: &Envelope<'_>) -> String {
         ("LBS, training frames", certificate.lbs_training_rms),
         ("rounding, bound", certificate.correction_error),
     ] {
-        out += &format!("{name:<24}{:.4} %\n", 100.0 * rms / certificate.diagonal);
+        let mm = unit_mm.map(|unit| format!("{:>12} mm", written(unit * f64::from(rms))));
+        let percent = 100.0 * rms / certificate.diagonal;
+        out += &format!("{name:<24}{percent:.4} %{}\n", mm.unwrap_or_default());
     }
     let joint_name = |joint| envelope.joint_name(joint).unwrap_or_default();
-    let longest = (0..envelope.joint_len()).map(|joint| width(joint_name(joint))).max();
-    let columns = longest.unwrap_or(0).max(22) + 2;
-    let column = |name: &str| padded(name, columns);
+    let columns = longest((0..envelope.joint_len()).map(joint_name), 22, NAME) + 2;
+    let column = |name: &str| padded(name, columns - 2) + "  ";
     out += &format!("{:<columns$}{:<columns$}{:>12}\n", "joint", "parent", "trained to");
     for joint in 0..envelope.joint_len() {
         let parent = column(envelope.parent(joint).map_or("-", joint_name));
@@ -147,7 +153,7 @@ fn skin_as_json(skin: &Skin<'_>) -> Value {
     })
 }
 
-fn envelope_as_json(envelope: &Envelope<'_>) -> Value {
+fn envelope_as_json(envelope: &Envelope<'_>, unit_mm: Option<f64>) -> Value {
     let certificate = envelope.certificate();
     let joints: Vec<Value> = (0..envelope.joint_len())
         .map(|joint| {
@@ -172,6 +178,20 @@ fn envelope_as_json(envelope: &Envelope<'_>) -> Value {
             })
         })
         .collect();
+    let mut errors = json!({
+        "diagonal": certificate.diagonal,
+        "training_rms": certificate.training_rms,
+        "cross_validated_rms": certificate.cross_validated_rms,
+        "lbs_training_rms": certificate.lbs_training_rms,
+        "correction_error": certificate.correction_error,
+        "base_training_rms": certificate.base_training_rms,
+    });
+    if let (Some(unit), Value::Object(all)) = (unit_mm, &mut errors) {
+        let length =
+            |(key, value): (&String, &Value)| Some((format!("{key}_mm"), unit * value.as_f64()?));
+        let lengths: Vec<_> = all.iter().filter_map(length).collect();
+        all.extend(lengths.into_iter().map(|(key, length)| (key, json!(length))));
+    }
     json!({
         "part": envelope.part(),
         "name": envelope.name(),
@@ -182,13 +202,6 @@ fn envelope_as_json(envelope: &Envelope<'_>) -> Value {
         "skeleton_hash": envelope.skeleton_hash(),
         "joints": joints,
         "groups": groups,
-        "certificate": {
-            "diagonal": certificate.diagonal,
-            "training_rms": certificate.training_rms,
-            "cross_validated_rms": certificate.cross_validated_rms,
-            "lbs_training_rms": certificate.lbs_training_rms,
-            "correction_error": certificate.correction_error,
-            "base_training_rms": certificate.base_training_rms,
-        },
+        "certificate": errors,
     })
 }

@@ -162,7 +162,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         .map(|(name, clip)| format!("{} ({} frames)", printable(name), clip.times.len()));
     let text = format!(
         "{}wrote {} ({} bytes), {}animations: {}",
-        levels::table(&said.levels),
+        levels::table(&said.levels, examples.diagonal_mm()),
         arguments.output.display(),
         glb.len(),
         said.into.as_ref().map_or(String::new(), |into| {
@@ -175,7 +175,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         "animations": animations.map(|(name, clip)| {
             json!({ "name": name, "frames": clip.times.len() })
         }).collect::<Vec<_>>(),
-        "levels": said.levels,
+        "levels": levels::as_json(&said.levels, examples.diagonal_mm()),
         "into": said.into,
     });
     output.print(&record, &text)

@@ -8,7 +8,9 @@ use sinew_trainer::envelope::export::{by_use, demo_glb};
 use sinew_trainer::formats::save_pc2;
 use std::path::PathBuf;
 
-/// Writes the demo's rig and meshes as an artist would export them, to show what input looks like
+/// Writes the demo's rig and meshes as an artist exports them
+///
+/// The files show how input looks.
 ///
 /// demo.glb holds the skeleton, the rest mesh with four LBS weights a vertex, and two animations at
 /// 30 frames a second: train and held-out. demo.pc2 is a point cache of the meshes that the arm

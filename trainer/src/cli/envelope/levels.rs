@@ -3,9 +3,10 @@
 use crate::cli::Output;
 use crate::cli::column::padded;
 use anyhow::bail;
+use serde_json::{Value, json};
 use sinew_trainer::envelope::levels::{Level, LevelReport};
 use sinew_trainer::formats::obj;
-use sinew_trainer::space::Conversion;
+use sinew_trainer::space::{Conversion, written};
 use std::path::{Path, PathBuf};
 
 /// Reads further meshes, each called as its file, and converts them as the examples were.
@@ -49,21 +50,37 @@ pub(in crate::cli) fn warn(levels: &[LevelReport], files: &[PathBuf], output: Ou
     }
 }
 
-/// Describes how meshes follow; nothing where there is none.
-pub(in crate::cli) fn table(levels: &[LevelReport]) -> String {
+/// Gives how meshes follow as JSON, with lengths in millimetres where the diagonal is known.
+pub(in crate::cli) fn as_json(levels: &[LevelReport], diagonal_mm: Option<f64>) -> Value {
+    let level = |level: &LevelReport| {
+        let mut out = json!(level);
+        if let Some(diagonal) = diagonal_mm {
+            out["fitted_mm"] = json!(level.fitted_percent / 100.0 * diagonal);
+        }
+        out
+    };
+    levels.iter().map(level).collect()
+}
+
+/// Describes how meshes follow, on a mesh with this diagonal; nothing where there is none.
+pub(in crate::cli) fn table(levels: &[LevelReport], diagonal_mm: Option<f64>) -> String {
     if levels.is_empty() {
         return String::new();
     }
     let [name, vertices, distance, transferred, fitted] =
         ["RMS error, % of the diagonal", "vertices", "distance", "transferred", "fitted"];
-    let mut out = format!("{name:<30}{vertices:>10}{distance:>12}{transferred:>14}{fitted:>10}\n");
+    let mm = diagonal_mm.map_or("", |_| "  fitted, mm");
+    let mut out =
+        format!("{name:<30}{vertices:>10}{distance:>12}{transferred:>14}{fitted:>10}{mm}\n");
     for level in levels {
         let LevelReport { vertices, distance_percent, transferred_percent, fitted_percent, .. } =
             level;
         let name = padded(&level.name, 30);
+        let length = |diagonal: f64| written(fitted_percent / 100.0 * diagonal);
+        let mm = diagonal_mm.map_or(String::new(), |mm| format!("{:>12}", length(mm)));
         out += &format!(
             "{name}{vertices:>10}{distance_percent:>12.4}{transferred_percent:>14.4}\
-             {fitted_percent:>10.4}\n"
+             {fitted_percent:>10.4}{mm}\n"
         );
     }
     out

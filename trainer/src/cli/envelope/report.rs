@@ -13,7 +13,10 @@ use sinew_trainer::envelope::report::comparison::{Comparison, NamedExamples, Nam
 use sinew_trainer::envelope::report::{Page, PictureOptions, csv, ply};
 use std::path::{Path, PathBuf};
 
-/// Shows where MODEL errs on EXAMPLES: pictures, charts and tables in one HTML file.
+/// Writes a page that shows where the error of a model is
+///
+/// The page has pictures, charts and tables in one HTML file, in % of the diagonal, and in millimetres where MODEL or
+/// EXAMPLES have a unit.
 ///
 /// The page shows the worst pose beside the truth and LBS, each shaded with the normals that it has, maps of
 /// the error and of the normals' angle on the skin, errors by

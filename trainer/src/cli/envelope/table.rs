@@ -6,30 +6,34 @@ use sinew_trainer::envelope::alike::{COEFFICIENTS_COST, SMALLER, UNSEEN};
 use sinew_trainer::envelope::evaluate::{Confidence, Errors, Evaluation};
 use sinew_trainer::envelope::rotational::Method;
 use sinew_trainer::envelope::training_report::{CandidateReport, TrainingReport};
+use sinew_trainer::space::written;
 
-/// Describes what was tried, what was taken, and how it does on the training frames.
-pub(super) fn report(report: &TrainingReport) -> String {
-    let [name, proxies, bytes, rms] =
-        ["candidate", "proxies", "bytes", "cross-validated error, % of the diagonal"];
+/// Describes what was tried, what was taken, and how it does on the training frames, of examples with this diagonal.
+pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> String {
+    let length = |share: Option<f64>| share.zip(diagonal_mm).map(|(share, mm)| share * mm);
     let names = report.candidates.iter().map(|candidate| kind(candidate).len() + 1);
     let width = names.fold(22, usize::max);
-    let mut out = format!("{name:<width$}{proxies:>8}{bytes:>12}   {rms}\n");
+    let [name, proxies, bytes, rms] = ["candidate", "proxies", "bytes", "cross-validated, %"];
+    let mm = in_mm(diagonal_mm, "mm".to_owned());
+    let mut out = format!("{name:<width$}{proxies:>8}{bytes:>12}{rms:>20}{mm}\n");
     for (index, candidate) in report.candidates.iter().enumerate() {
         let mark = if index == report.chosen { " <- taken" } else { "" };
         let (bytes, rms) = match (candidate.bytes, candidate.validated_rms) {
             (Some(bytes), Some(rms)) => (bytes.to_string(), format!("{:.4}", 100.0 * rms)),
             _ => ("too many".to_owned(), "-".to_owned()),
         };
+        let mm = length(candidate.validated_rms).map_or("-".to_owned(), written);
+        let mm = in_mm(diagonal_mm, mm);
         let (name, proxies) = (kind(candidate), candidate.proxies);
-        out += &format!("{name:<width$}{proxies:>8}{bytes:>12}   {rms}{mark}\n");
+        out += &format!("{name:<width$}{proxies:>8}{bytes:>12}{rms:>20}{mm}{mark}\n");
     }
     let best = report.candidates.iter().filter_map(|candidate| candidate.validated_rms);
     let best = best.min_by(f64::total_cmp).unwrap_or_default();
     let validated = report.chosen().validated_rms.unwrap_or_default();
     if validated > SMALLER * best.max(UNSEEN) {
         out += &format!(
-            "what errs least is without tangent coefficients, by which normals are right: it is taken where what has them \
-             errs {COEFFICIENTS_COST} times as much\n"
+            "the candidate with the least error lacks tangent coefficients, which make normals right: one that has them \
+             is taken unless its error is {COEFFICIENTS_COST} times as large\n"
         );
     } else if validated > best {
         out += &format!(
@@ -38,15 +42,23 @@ pub(super) fn report(report: &TrainingReport) -> String {
             100.0 * UNSEEN
         );
     }
-    out += "training frames       error, % of the diagonal\n";
+    let own = width + 20;
+    let mm = in_mm(diagonal_mm, "mm".to_owned());
+    out += &format!("{:<own$}{:>20}{mm}\n", "RMS error, training frames", "% of the diagonal");
     for (name, rms) in [
         ("LBS, 4 influences", report.lbs_rms),
         ("the model", report.training_rms),
         ("cross-validated", validated),
     ] {
-        out += &format!("{name:<22}{:.4}\n", 100.0 * rms);
+        let mm = in_mm(diagonal_mm, length(Some(rms)).map_or(String::new(), written));
+        out += &format!("{name:<own$}{:>20.4}{mm}\n", 100.0 * rms);
     }
     out
+}
+
+/// A cell of a column of millimetres, which a table has where the unit is known.
+fn in_mm(diagonal_mm: Option<f64>, cell: String) -> String {
+    diagonal_mm.map_or(String::new(), |_| format!("{cell:>12}"))
 }
 
 fn kind(candidate: &CandidateReport) -> String {
@@ -74,25 +86,33 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
         Some(_) => ", none of which training has read".to_owned(),
         None => String::new(),
     };
+    let mm = evaluation.diagonal_mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm)));
     let mut out =
-        format!("{frames} {of}frames{read}; {vertices} vertices, diagonal {diagonal:.4}\n");
-    let header = ["error, % of the diagonal", "RMS", "p99", "max", "normals, RMS", "median", "p99"];
-    let [name, rms, p99, max, normals, median, normals_p99] = header;
-    out += &format!(
-        "{name:<26}{rms:>10}{p99:>10}{max:>10}{normals:>16}{median:>11}{normals_p99:>11}\n"
-    );
+        format!("{frames} {of}frames{read}; {vertices} vertices, diagonal {diagonal:.4}{mm}\n");
     let predictor = format!("{predictor}, {}", counted(*proxies, "proxy", "proxies"));
-    for (name, e) in [("LBS, 4 influences", &evaluation.lbs), (&predictor, &evaluation.errors)] {
-        let Errors { rms_percent, p99_percent, max_percent, .. } = e;
-        let Errors { normal_rms_degrees, normal_median_degrees, normal_p99_degrees, .. } = e;
-        out += &format!(
-            "{name:<26}{rms_percent:>10.4}{p99_percent:>10.4}{max_percent:>10.4}\
-             {normal_rms_degrees:>14.2} °{normal_median_degrees:>9.2} °{normal_p99_degrees:>9.2} °\n"
-        );
+    let both = [("LBS, 4 influences", &evaluation.lbs), (&*predictor, &evaluation.errors)];
+    let mut head = ["RMS", "p99", "max"].to_vec();
+    if evaluation.diagonal_mm.is_some() {
+        head.extend(["RMS, mm", "p99, mm", "max, mm"]);
+    }
+    out += &row("error, % of the diagonal", head.into_iter().map(str::to_owned));
+    for (name, Errors { rms_percent, p99_percent, max_percent, millimetres, .. }) in both {
+        let percents =
+            [rms_percent, p99_percent, max_percent].map(|percent| format!("{percent:.4}"));
+        let lengths = millimetres.map(|of| [of.rms_mm, of.p99_mm, of.max_mm].map(written));
+        out += &row(name, percents.into_iter().chain(lengths.into_iter().flatten()));
     }
     for region in evaluation.regions.iter().filter(|region| region.kind == "mesh") {
-        let name = padded(&format!("  {}", region.name), 26);
-        out += &format!("{name}{:>10.4}\n", region.rms_percent);
+        let percent = format!("{:.4}", region.rms_percent);
+        // The length stands in the column of RMS lengths.
+        let length = region.rms_mm.map(|mm| [String::new(), String::new(), written(mm)]);
+        let cells = std::iter::once(percent).chain(length.into_iter().flatten());
+        out += &row(&format!("  {}", region.name), cells);
+    }
+    out += &row("normals, degrees", ["RMS", "median", "p99"].into_iter().map(str::to_owned));
+    for (name, e) in both {
+        let angles = [e.normal_rms_degrees, e.normal_median_degrees, e.normal_p99_degrees];
+        out += &row(name, angles.into_iter().map(|angle| format!("{angle:.2}")));
     }
     let share = evaluation.errors.share_of(&evaluation.lbs);
     let Confidence { mean, least } = evaluation.confidence;
@@ -102,4 +122,10 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
         out += &format!(", {:.1} % of LBS's RMS error", 100.0 * share);
     }
     out + "\n"
+}
+
+/// A row of a measurement's tables.
+fn row(name: &str, cells: impl Iterator<Item = String>) -> String {
+    let cells = cells.map(|cell| format!("{cell:>11}")).collect::<String>();
+    padded(name, 26) + &cells + "\n"
 }

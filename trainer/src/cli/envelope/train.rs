@@ -11,6 +11,7 @@ use clap::ValueEnum;
 use serde_json::json;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope;
+use sinew_trainer::envelope::alike::{SMALLER, UNSEEN};
 use sinew_trainer::envelope::check::check;
 use sinew_trainer::envelope::check::finding::{Finding, Kind, Severity};
 use sinew_trainer::envelope::evaluate::NOTHING;
@@ -19,12 +20,13 @@ use sinew_trainer::envelope::skin::blend::CANDIDATES;
 use sinew_trainer::envelope::{FileSkins, Options, Predict, Trained, train};
 use sinew_trainer::examples::{Examples, Split, Warning};
 use sinew_trainer::progress::Silent;
+use sinew_trainer::space::beside;
 use std::path::PathBuf;
 
 /// Share of LBS's error from which a model is hardly better.
 const HARDLY: f64 = 0.9;
 
-/// Fits an envelope to the training frames of EXAMPLES and bakes it into MODEL.
+/// Fits an envelope to example poses and bakes it into a model
 ///
 /// Held-out and extreme frames are never read by the fit: every choice is made by cross-validation
 /// inside the training frames. The same input gives the same bytes for any number of threads.
@@ -201,20 +203,7 @@ impl FitArguments {
             budget: self.budget,
             meshes,
         };
-        let trained =
-            train(examples, &options, &Bars::new(output)).with_context(|| source.to_owned())?;
-        for joint in trained.report.joints_near_the_seam() {
-            let degrees = trained.report.angle_ranges[joint].to_degrees();
-            let name = &examples.skeleton.names[joint];
-            output.warn(
-                source,
-                format_args!(
-                    "joint {name} turns by up to {degrees:.0}° against its parent: near 180° its \
-                     rotation vector jumps, and what follows it there is not to be trusted"
-                ),
-            );
-        }
-        Ok(trained)
+        train(examples, &options, &Bars::new(output)).with_context(|| source.to_owned())
     }
 }
 
@@ -229,8 +218,10 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     }
     let mut hashes = arguments.input.hashes()?;
     let input::LoadedInput { mut examples, clips, warnings: told } =
-        arguments.input.load(output)?;
-    let mut warnings: Vec<String> = told.iter().map(ToString::to_string).collect();
+        arguments.input.load_to_check(output)?;
+    // The check says itself what validation finds.
+    let own = told.iter().filter(|warning| !warning.is_of_validation());
+    let mut warnings: Vec<String> = own.map(ToString::to_string).collect();
     let source = arguments.input.named();
     arguments.space.say(&mut examples, &source)?;
     let from = examples.space;
@@ -242,36 +233,28 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     };
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
     let checked = check(&examples, &clips, &Silent).with_context(|| source.clone())?;
-    // Examples of one pose are refused in the same words.
-    let is_told = |f: &&Finding| f.severity == Severity::Warning && f.kind != Kind::OnePose;
     for finding in checked.findings.iter().filter(is_told) {
-        output.warn(&source, &finding.text);
+        match finding.severity {
+            Severity::Warning => output.warn(&source, &finding.text),
+            Severity::Note => output.note(&source, &finding.text),
+        }
         warnings.push(finding.text.clone());
     }
     let trained = arguments.fit.train(&examples, &source, meshes, output)?;
     levels::warn(&trained.levels, also, output);
+    let diagonal_mm = examples.diagonal_mm();
     let lbs = 100.0 * trained.report.lbs_rms;
-    if lbs <= NOTHING && !told.contains(&Warning::PlainSkin) {
-        let nothing = format!(
-            "the meshes are what linear blend skinning makes of them, which leaves {lbs:.6} % of the diagonal: there is \
-             nothing to learn, and skinning alone does as well; give the meshes that muscles, a simulation or \
-             correctives make"
-        );
-        output.warn(&source, &nothing);
-        warnings.push(nothing);
-    }
     let validated_rms = trained.report.chosen().validated_rms.unwrap_or(f64::INFINITY);
-    if 100.0 * validated_rms > NOTHING && validated_rms > HARDLY * trained.report.lbs_rms {
-        let how = if validated_rms > trained.report.lbs_rms { "worse" } else { "hardly better" };
-        let hardly = format!(
-            "the model is {how} than linear blend skinning on poses that it has not seen: {:.4} against {lbs:.4} % \
-             of the diagonal; `sinew check` tells what the examples lack",
-            100.0 * validated_rms
-        );
-        output.warn(&source, &hardly);
-        warnings.push(hardly);
-    }
     let validated = 100.0 * validated_rms;
+    let doubt = match lbs <= NOTHING {
+        true if told.contains(&Warning::PlainSkin) => None,
+        true => Some(nothing(lbs)),
+        false => hardly(validated, lbs, diagonal_mm),
+    };
+    if let Some(doubt) = doubt {
+        output.warn(&source, &doubt);
+        warnings.push(doubt);
+    }
     if let Some(most) = arguments.fail_above.filter(|most| validated > *most) {
         bail!(
             "{source}: the cross-validated error is {validated:.4} %, above --fail-above {most}: nothing was written"
@@ -280,7 +263,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let is_left_out = |frame: &usize| trained.report.left_out.iter().any(|out| out.frame == *frame);
     let mut fitted_to = examples.frames_of(Split::Train);
     fitted_to.retain(|frame| !is_left_out(frame));
-    let record = json!({
+    let mut record = json!({
         "sinew": env!("CARGO_PKG_VERSION"),
         "inputs": hashes,
         "warnings": warnings,
@@ -302,12 +285,22 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         "space": space::as_json(&examples.space),
         "options": arguments.fit,
         "meshes": arguments.meshes,
-        "levels": trained.levels,
+        "levels": levels::as_json(&trained.levels, diagonal_mm),
         "predictor": trained.report.chosen().predictor,
         "proxies": trained.report.chosen().proxies,
         "report": trained.report,
         "model_bytes": trained.model.len(),
     });
+    if let Some(diagonal) = diagonal_mm {
+        record["diagonal_mm"] = json!(diagonal);
+        for (key, rms) in [
+            ("lbs_rms_mm", trained.report.lbs_rms),
+            ("training_rms_mm", trained.report.training_rms),
+            ("validated_rms_mm", validated_rms),
+        ] {
+            record[key] = json!(rms * diagonal);
+        }
+    }
     // The model last, so that none ever stands without its record.
     let record_bytes = serde_json::to_vec_pretty(&record)?;
     let record_file = record_file.as_ref().map(|file| (file, record_bytes.as_slice()));
@@ -317,17 +310,92 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let text = format!(
         "{}\n{}{}wrote {} ({} bytes)",
         input::describe(&examples),
-        table::report(&trained.report),
-        levels::table(&trained.levels),
+        table::report(&trained.report, diagonal_mm),
+        levels::table(&trained.levels, diagonal_mm),
         arguments.output.display(),
         trained.model.len()
     );
     output.print(&record, &text)
 }
 
+/// Tells whether a training repeats a finding of the check: warnings, and triangles that the fit leaves out. Examples of
+/// one pose are refused in the same words.
+fn is_told(finding: &&Finding) -> bool {
+    match finding.kind {
+        Kind::OnePose => false,
+        Kind::NoArea => true,
+        _ => finding.severity == Severity::Warning,
+    }
+}
+
+/// Says that LBS leaves nothing to learn, in % of the diagonal.
+fn nothing(lbs: f64) -> String {
+    format!(
+        "the meshes are what linear blend skinning makes of them, which leaves {lbs:.6} % of the diagonal: there is \
+         nothing to learn, and skinning alone does as well; give the meshes that muscles, a simulation or \
+         correctives make"
+    )
+}
+
+/// Says that a model is hardly better than LBS, no better, or worse, where it is; errors in % of the diagonal.
+fn hardly(validated: f64, lbs: f64, diagonal_mm: Option<f64>) -> Option<String> {
+    if validated <= HARDLY * lbs {
+        return None;
+    }
+    let [own, of_lbs] =
+        [validated, lbs].map(|percent| format!("{percent:.4} %{}", beside(percent, diagonal_mm)));
+    let is_tied = validated <= SMALLER * lbs && lbs <= SMALLER * validated;
+    let (how, figures) = match own == of_lbs {
+        true => ("no better", format!("both are off by {own} of the diagonal")),
+        false => {
+            let how = if is_tied {
+                "no better"
+            } else if validated > lbs {
+                "worse"
+            } else {
+                "hardly better"
+            };
+            (how, format!("it is off by {own} of the diagonal, linear blend skinning by {of_lbs}"))
+        }
+    };
+    let then = match lbs <= 100.0 * UNSEEN && is_tied {
+        true => "skinning alone does as well, and nobody sees so small an error",
+        false => "`sinew check` tells what the examples lack",
+    };
+    Some(format!(
+        "the model is {how} than linear blend skinning on poses that it has not seen: {figures}; {then}"
+    ))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::budget;
+    use super::{budget, hardly};
+
+    #[test]
+    fn figures_that_print_alike_are_not_called_worse() {
+        let said = |validated, lbs| hardly(validated, lbs, None).unwrap();
+        let tie = said(0.009_512, 0.009_498);
+        assert!(
+            tie.contains("is no better than linear") && tie.contains("both are off by 0.0095 % of"),
+            "{tie}"
+        );
+        assert!(tie.contains("skinning alone does as well"), "{tie}");
+        let tie = said(0.5004, 0.5);
+        assert!(
+            tie.contains("no better") && tie.contains("0.5004 %") && tie.contains("by 0.5000 %"),
+            "{tie}"
+        );
+        assert!(
+            said(0.6, 0.5).contains("is worse than")
+                && said(0.46, 0.5).contains("hardly better than")
+        );
+        assert_eq!(hardly(0.4, 0.5, None), None);
+        let known = hardly(0.6, 0.5, Some(2000.0)).unwrap();
+        assert!(
+            known.contains("0.6000 % (12.000 mm)") && known.contains("0.5000 % (10.000 mm)"),
+            "{known}"
+        );
+    }
 
     #[test]
     fn sizes_have_units() {

@@ -100,6 +100,8 @@ mod tests {
             compared: 4,
             lbs_percent: 1.0,
             expected_percent: 0.1,
+            lbs_mm: None,
+            expected_mm: None,
             enough: vec![name(0)],
             redundant: [3, 1, 2].map(name).into(),
             isolated: Vec::new(),

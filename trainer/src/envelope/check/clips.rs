@@ -7,6 +7,7 @@ use super::step::{error, sample};
 use super::thresholds::{UNLIKE_CLIPS, WRONG_CLIP};
 use crate::envelope::skin::poses::Poses;
 use crate::examples::{Clip, Examples, Split, spread};
+use crate::space::beside;
 
 /// Fewest training frames of a clip that is looked at: fewer, almost any weights fit.
 const FEWEST: usize = 6;
@@ -61,9 +62,10 @@ pub(super) fn clips(examples: &Examples, clips: &[Clip], doubted: &[usize]) -> V
         kind: Kind::UnlikeClips,
         severity: Severity::Warning,
         text: format!(
-            "no weights fit all clips: LBS errs by {:.2} % of the diagonal with one set of them, and with one for each by {}; \
+            "no weights fit all clips: LBS is off by {:.2} % of the diagonal{} with one set of them, and with one for each by {}; \
              as if joints or vertices had another order in some",
             100.0 * together,
+            beside(100.0 * together, examples.diagonal_mm()),
             listed(fits.iter().map(line))
         ),
         places: fits.iter().map(place).collect(),

@@ -6,6 +6,7 @@ use crate::envelope::correction::features::Features;
 use crate::envelope::skin::residuals::Residuals;
 use crate::envelope::skin::training::Training;
 use crate::examples::{Clip, Examples};
+use crate::space::beside;
 use faer::Mat;
 
 /// The examples, their training frames, and what LBS leaves of them.
@@ -35,6 +36,17 @@ impl<'a> Context<'a> {
             turns: Turns::new(&training.poses, Features::of(&training)),
             training,
         }
+    }
+
+    /// Returns the millimetres of a length in % of the diagonal; `None` where the unit is not known.
+    pub(super) fn mm(&self, percent: f64) -> Option<f64> {
+        self.examples.diagonal_mm().map(|diagonal| percent / 100.0 * diagonal)
+    }
+
+    /// Writes a length in diagonals for a finding: `0.49 % of the diagonal (4.8 mm)`.
+    pub(super) fn length(&self, share: f64) -> String {
+        let percent = 100.0 * share;
+        format!("{percent:.2} % of the diagonal{}", beside(percent, self.examples.diagonal_mm()))
     }
 
     pub(super) fn left(&self) -> Residuals<'_> {

@@ -20,6 +20,9 @@ pub struct Coverage {
     pub vertices: usize,
     /// RMS error of LBS over them in the training frames, in % of the diagonal.
     pub lbs_percent: f64,
+    /// That error in millimetres; `None` where the unit is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lbs_mm: Option<f64>,
     /// Largest angle.
     pub degrees: f64,
     /// Axis of most of its rotation, in the rest pose's model axes.
@@ -97,10 +100,12 @@ fn of(
         .filter(|beyond| beyond.degrees > BEYOND)
         .collect();
     beyond.sort_by(|a, b| b.degrees.total_cmp(&a.degrees));
+    let lbs_percent = 100.0 * context.rms_of(skin);
     Coverage {
         joint: context.joint(joint).to_owned(),
         vertices: skin.len(),
-        lbs_percent: 100.0 * context.rms_of(skin),
+        lbs_percent,
+        lbs_mm: context.mm(lbs_percent),
         degrees: most(&mut training.iter().map(|turn| turn.rotation.angle().to_degrees())),
         axis: axis.into(),
         twist: [least(&mut twists()), twists().fold(f64::NEG_INFINITY, f64::max)],

@@ -22,12 +22,12 @@ pub(super) fn elsewhere(context: &Context<'_>) -> Option<Finding> {
         kind: Kind::Elsewhere,
         severity: Severity::Warning,
         text: format!(
-            "{} of {} a mesh that stands elsewhere than the joints, as a whole, by up to {:.0} % of the diagonal in frame \
+            "{} of {} a mesh that stands elsewhere than the joints, as a whole, by up to {} in frame \
              {}: as if the root moved in the meshes or in the joints alone, all stood in another place, or the meshes were of \
              other frames; nothing below is to be trusted until they go together",
             worst.len(),
             count(stands.len(), "training frame has", "training frames have"),
-            100.0 * stands[farthest].moved,
+            context.length(stands[farthest].moved),
             context.frame(farthest)
         ),
         places: context.frames(worst.iter().copied()),

@@ -62,8 +62,14 @@ pub struct Check {
 pub struct Floor {
     /// RMS.
     pub rms_percent: f64,
+    /// RMS in millimetres; `None` where the unit is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_mm: Option<f64>,
     /// RMS by the joint weights that come with the mesh, as they are, over the vertices that have any.
     pub painted_percent: Option<f64>,
+    /// That in millimetres; `None` where the unit is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub painted_mm: Option<f64>,
     /// The worst frames with their RMS.
     pub frames: Vec<(FrameName, f64)>,
     /// The worst vertices with their RMS.
@@ -185,10 +191,14 @@ fn floor(context: &Context<'_>) -> Floor {
     let of_vertex = |v: usize| 100.0 * context.rms_of(&[v]);
     let frames = worst_first(0..context.frames.len(), of_frame).into_iter().take(WORST);
     let vertices = worst_first(all.iter().copied(), of_vertex).into_iter().take(WORST);
+    let rms_percent = 100.0 * context.lbs_rms();
+    let painted_percent =
+        Painted::of(context.examples).map(|own| 100.0 * painted_rms(&own, context));
     Floor {
-        rms_percent: 100.0 * context.lbs_rms(),
-        painted_percent: Painted::of(context.examples)
-            .map(|own| 100.0 * painted_rms(&own, context)),
+        rms_percent,
+        rms_mm: context.mm(rms_percent),
+        painted_percent,
+        painted_mm: painted_percent.and_then(|percent| context.mm(percent)),
         frames: frames.map(|i| (context.frame(i), of_frame(i))).collect(),
         vertices: vertices.map(|v| (v, of_vertex(v))).collect(),
     }

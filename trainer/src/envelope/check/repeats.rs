@@ -36,7 +36,7 @@ pub(super) fn repeats(context: &Context<'_>, findings: &mut Vec<Finding>) {
         let line = |&k: &usize| {
             let (vertex, distance) = farthest(context, against[k].first, against[k].frame);
             let pair = pair(&against[k]);
-            format!("{pair}, {:.2} % of the diagonal apart at vertex {vertex}", 100.0 * distance)
+            format!("{pair}, {} apart at vertex {vertex}", context.length(distance))
         };
         findings.push(Finding {
             kind: Kind::Contradicting,

@@ -5,6 +5,7 @@ use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
 use super::thresholds::{NEAR_REST, REST_ERROR, VISIBLE};
 use crate::envelope::correction::features::near;
 use crate::envelope::predicted::HOPS;
+use crate::space::written;
 use serde::Serialize;
 
 /// How the rest mesh was tested.
@@ -16,6 +17,9 @@ pub struct Rest {
     pub nearest_degrees: f64,
     /// RMS error of LBS in it, in % of the diagonal.
     pub nearest_lbs_percent: f64,
+    /// That error in millimetres; `None` where the unit is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nearest_lbs_mm: Option<f64>,
     /// Joints with skin of their own.
     pub joints: usize,
     /// Of them, those near rest, with their neighbours, in some training frame.
@@ -35,13 +39,13 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
         joints += 1;
         let around = near(&context.training.skeleton.parents, joint, HOPS);
         let bend = |i: usize| around.iter().map(|&j| context.turns.bend(i, j)).fold(0.0, f64::max);
-        let least = poses.clone().min_by(|&a, &b| bend(a).total_cmp(&bend(b))).unwrap_or(0);
-        if bend(least) > NEAR_REST {
-            continue;
-        }
+        // One frame with the rest mesh is enough: in others muscles may tense without a joint.
+        let error = |i: &usize| context.rms(*i, skin);
+        let near_rest = poses.clone().filter(|&i| bend(i) <= NEAR_REST);
+        let Some(least) = near_rest.min_by(|a, b| error(a).total_cmp(&error(b))) else { continue };
         tested += 1;
-        let (here, overall) = (context.rms(least, skin), context.rms_of(skin));
-        if here > VISIBLE && here > REST_ERROR * overall {
+        let here = error(&least);
+        if here > VISIBLE && here > REST_ERROR * context.rms_of(skin) {
             off.push((joint, least, bend(least), here));
         }
     }
@@ -49,20 +53,22 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
         let order = worst_first(0..off.len(), |k| off[k].3);
         let line = |&k: &usize| {
             let (joint, frame, bend, error) = off[k];
-            let (name, frame, error) = (context.joint(joint), context.frame(frame), 100.0 * error);
-            format!("{name} by {error:.2} % of the diagonal in frame {frame}, {bend:.0}° from rest")
+            let (name, frame, error) =
+                (context.joint(joint), context.frame(frame), context.length(error));
+            format!("{name} by {error} in frame {frame}, {bend:.0}° from rest")
         };
         findings.push(Finding {
             kind: Kind::RestDiffers,
             severity: Severity::Warning,
             text: format!(
-                "the meshes near rest are not the rest mesh, as if it were another sculpt: {}",
+                "no mesh near rest is the rest mesh, as if that were another sculpt; the nearest: {}",
                 listed(order.iter().map(line))
             ),
             places: order.iter().map(|&k| context.joint_place(off[k].0)).collect(),
         });
     }
-    if tested == 0 {
+    // Where LBS leaves nothing, every frame shows that the rest mesh belongs to the poses.
+    if tested == 0 && context.lbs_rms() > VISIBLE {
         findings.push(Finding {
             kind: Kind::RestUntested,
             severity: Severity::Note,
@@ -75,10 +81,12 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
             places: vec![Place::Frame(context.frame(nearest))],
         });
     }
+    let nearest_lbs_percent = 100.0 * context.rms(nearest, &all);
     Rest {
         nearest: context.frame(nearest),
         nearest_degrees: bend(nearest),
-        nearest_lbs_percent: 100.0 * context.rms(nearest, &all),
+        nearest_lbs_percent,
+        nearest_lbs_mm: context.mm(nearest_lbs_percent),
         joints,
         tested,
     }
@@ -87,9 +95,10 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
 impl Rest {
     /// Tells what was tested, in a line.
     pub fn describe(&self) -> String {
+        let mm = self.nearest_lbs_mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm)));
         format!(
-            "near rest, in some training frame: the skin of {} of {}; the nearest frame is {}, \
-             {:.0}° away, where LBS errs by {:.3} %",
+            "near rest in some training frame: the skin of {} of {}; the nearest frame is {}, {:.0}° from rest, \
+             where LBS is off by {:.4} %{mm}",
             self.tested,
             count(self.joints, "joint", "joints"),
             self.nearest,

@@ -20,6 +20,12 @@ pub struct Predicted {
     /// RMS error to be expected in poses never seen, in % of the diagonal: each contiguous block of
     /// poses predicted by the others.
     pub expected_percent: f64,
+    /// The error of LBS in millimetres; `None` where the unit is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lbs_mm: Option<f64>,
+    /// The expected error in millimetres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expected_mm: Option<f64>,
     /// Poses that predict all others, in order.
     pub enough: Vec<FrameName>,
     /// The others, that which is predicted best first.
@@ -97,6 +103,8 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
         compared: poses.len(),
         lbs_percent: mean(lbs),
         expected_percent: mean(block),
+        lbs_mm: context.mm(mean(lbs)),
+        expected_mm: context.mm(mean(block)),
         enough: kept.iter().map(|&i| name(i)).collect(),
         redundant: redundant.iter().map(|&i| name(i)).collect(),
         isolated: isolated

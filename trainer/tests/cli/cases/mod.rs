@@ -7,6 +7,7 @@ mod kernel;
 mod normals;
 mod signal;
 mod views;
+mod words;
 
 use crate::common::Folder;
 use crate::shared::shared;
