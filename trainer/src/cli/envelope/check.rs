@@ -77,7 +77,10 @@ fn describe(check: &Check, space: &Space, told: &[&Warning]) -> String {
         let _ = writeln!(out, "  {}", printable(line));
     }
     if check.advice.is_empty() {
-        out += "  the poses are enough and none is superfluous\n";
+        out += match check.lbs.rms_percent > NOTHING {
+            true => "  the poses are enough and none is superfluous\n",
+            false => "  linear blend skinning gives these meshes: there is nothing to learn\n",
+        };
     }
     let count =
         |severity| check.count(severity) + told.iter().filter(|w| w.severity() == severity).count();

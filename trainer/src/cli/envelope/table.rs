@@ -16,7 +16,14 @@ pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> Strin
     let [name, proxies, bytes, rms] = ["candidate", "proxies", "bytes", "cross-validated, %"];
     let mm = in_mm(diagonal_mm, "mm".to_owned());
     let mut out = format!("{name:<width$}{proxies:>8}{bytes:>12}{rms:>20}{mm}\n");
+    let row = |candidate: &CandidateReport| (kind(candidate), candidate.proxies, candidate.bytes);
     for (index, candidate) in report.candidates.iter().enumerate() {
+        // Several tries may end as one model.
+        let is_repeated =
+            report.candidates[..index].iter().any(|other| row(other) == row(candidate));
+        if is_repeated && index != report.chosen {
+            continue;
+        }
         let mark = if index == report.chosen { " <- taken" } else { "" };
         let (bytes, rms) = match (candidate.bytes, candidate.validated_rms) {
             (Some(bytes), Some(rms)) => (bytes.to_string(), format!("{:.4}", 100.0 * rms)),

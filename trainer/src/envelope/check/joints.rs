@@ -24,8 +24,8 @@ pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut
             kind: Kind::Still,
             severity: Severity::Note,
             text: format!(
-                "{} against {} in training: {}; nothing tells what skin follows {}, so what is nearest does, and a \
-                 model doubts poses that turn {}",
+                "{} against {} in training: {}; no frame shows which skin follows {}, so the nearest skin does, and the \
+                 confidence of a model falls where a pose turns {}",
                 count(still.len(), "joint never moves", "joints never move"),
                 if still.len() == 1 { "its parent" } else { "their parents" },
                 names(context, &still),
@@ -128,8 +128,9 @@ fn half_turns(context: &Context<'_>, findings: &mut Vec<Finding>) {
         kind: Kind::HalfTurn,
         severity: Severity::Warning,
         text: format!(
-            "near a half turn against the parent the rotation vector jumps; `--predictor kernel` \
-             does not mind, or share the turn with another joint: {}",
+            "{} near a half turn against the parent, where the rotational predictor jumps: {}; use `--predictor \
+             kernel`, or share the turn with another joint",
+            count(over.len(), "joint comes", "joints come"),
             listed(over.iter().map(line))
         ),
         places: over

@@ -24,6 +24,7 @@ pub mod thresholds;
 mod turns;
 
 use crate::envelope::FitError;
+use crate::envelope::evaluate::NOTHING;
 use crate::envelope::predicted::Sound;
 use crate::envelope::skin::painted::Painted;
 use crate::envelope::skin::training::Training;
@@ -160,17 +161,13 @@ pub fn check(
         predicted.isolated.retain(|pose| !doubted.contains(&pose.frame.frame));
     }
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-    Ok(Check {
-        size,
-        rest,
-        faces,
-        lbs: floor(&context),
-        advice: advice::advice(&joints, &never_together, predicted.as_ref()),
-        joints,
-        never_together,
-        predicted,
-        findings,
-    })
+    let lbs = floor(&context);
+    let advice = match lbs.rms_percent > NOTHING {
+        true => advice::advice(&joints, &never_together, predicted.as_ref()),
+        // Poses teach nothing where LBS leaves nothing.
+        false => Vec::new(),
+    };
+    Ok(Check { size, rest, faces, lbs, advice, joints, never_together, predicted, findings })
 }
 
 impl Check {

@@ -79,19 +79,17 @@ fn header(comparison: &Comparison<'_>) -> String {
         " Its normals are turned by <b>{:.2}°</b>, RMS over the area (linear blend skinning: {:.2}°).",
         errors.normal_rms_degrees, lbs.normal_rms_degrees
     );
-    let verdict = match errors.share_of(&lbs) {
-        Some(share) => format!(
-            "The model is off by <b>{}</b> of the diagonal, RMS: {:.1} % of the error of linear blend \
-             skinning, {}.",
-            comparison.length(errors.rms_percent),
-            100.0 * share,
-            comparison.length(lbs.rms_percent)
-        ),
-        None => format!(
-            "The model is off by <b>{}</b> of the diagonal, RMS.",
-            comparison.length(errors.rms_percent)
-        ),
-    };
+    let mm = errors.millimetres.map(|of| format!(" (<b>{} mm</b>)", written(of.rms_mm)));
+    let share = errors.share_of(&lbs).map(|share| {
+        let lbs = comparison.length(lbs.rms_percent);
+        format!(": {:.1} % of the error of linear blend skinning, {lbs}", 100.0 * share)
+    });
+    let verdict = format!(
+        "The model is off by <b>{:.4} %</b> of the diagonal{}, RMS{}.",
+        errors.rms_percent,
+        mm.unwrap_or_default(),
+        share.unwrap_or_default()
+    );
     format!(
         "<h1>{} on {}{compared}</h1>\n\
          <p class=\"under\">{} vertices, {} triangles, {} joints, diagonal {:.4}{}; {}{}</p>\n\

@@ -8,6 +8,7 @@ use crate::envelope::report::pictures::{Paint, Pictures, Shape};
 use crate::page::camera::Camera;
 use crate::page::colour::{Colour, Scale};
 use crate::page::html::{grouped, paragraph, side_by_side, text};
+use crate::space::written;
 
 const SCALES: &str = "Colours stand for errors in % of the diagonal; but for the last picture, which \
                       shows the model once more on a scale of its own, all share one. The ring is the worst \
@@ -135,7 +136,9 @@ fn worst_vertices(comparison: &Comparison<'_>, errors: &[Vec<f64>]) -> String {
     order.sort_by(|&a, &b| errors[1][b].total_cmp(&errors[1][a]));
     let worst = order.iter().take(MOST).map(|&vertex| {
         let frame = comparison.source.number(worst_frame(&comparison.model.measured, vertex));
-        format!("{vertex} ({}, worst in frame {frame})", comparison.length(errors[1][vertex]))
+        let error = errors[1][vertex];
+        let mm = comparison.mm(error).map_or(String::new(), |mm| format!(", {} mm", written(mm)));
+        format!("{vertex} ({error:.4} %{mm}, worst in frame {frame})")
     });
     let worst: Vec<String> = worst.collect();
     paragraph(&format!("The vertices with the largest: {}.", worst.join(", ")))

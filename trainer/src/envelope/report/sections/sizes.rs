@@ -6,7 +6,7 @@ use crate::envelope::evaluate::Errors;
 use crate::envelope::report::comparison::Comparison;
 use crate::envelope::report::sizes::{Outcome, SizeTrial, Sizes};
 use crate::page::chart::{Chart, Range};
-use crate::page::html::{grouped, paragraph, percent, table, text};
+use crate::page::html::{below, grouped, paragraph, percent, table, text};
 
 const SIZE: (f64, f64) = (550.0, 250.0);
 
@@ -103,7 +103,8 @@ fn trials(comparison: &Comparison<'_>, trials: &[SizeTrial]) -> String {
     let row = |name: String, errors: &Errors, validated: f64, bytes: usize, seconds: String| {
         let mut row = vec![name];
         row.extend(cells(errors));
-        row.extend([format!("{} %", percent(validated)), format!("{} B", grouped(bytes)), seconds]);
+        let validated = format!("{} %{}", percent(validated), below(comparison.mm(validated)));
+        row.extend([validated, format!("{} B", grouped(bytes)), seconds]);
         row
     };
     let trial = |trial: &SizeTrial| match &trial.outcome {
