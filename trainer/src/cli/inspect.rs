@@ -14,9 +14,9 @@ const NAME: usize = 54;
 
 /// Shows the parts, figures and bytes of a model file
 ///
-/// Envelopes predict palettes; skins are meshes that follow them; kernels are functions of scattered data; priors
-/// say how the shapes of a face go together; views are pictures and the pictures between them; filters make signals
-/// finer; records hold the training of an envelope. It also shows the axes and the unit of the numbers.
+/// Envelopes predict palettes. Skins are meshes that follow them. Kernels are functions of scattered data. Priors
+/// say how the shapes of a face go together. Views are pictures and the pictures between them. Filters make signals
+/// finer. Records hold the training of an envelope. It also shows the axes and the unit of the numbers.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     /// A model that `sinew train` wrote, `sinew kernel train`, `sinew face train`, `sinew views train` or

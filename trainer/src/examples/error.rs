@@ -56,7 +56,7 @@ pub enum ExamplesError {
         array: &'static str,
     },
     /// A number is NaN or infinite.
-    #[error("array {array} is not finite at {}{element}", in_frame(*frame))]
+    #[error("{} is not finite at {}{element}", named(array), in_frame(*frame))]
     NotFinite {
         /// The array.
         array: &'static str,
@@ -67,7 +67,8 @@ pub enum ExamplesError {
     },
     /// A number is larger than a model can hold.
     #[error(
-        "array {array} exceeds {:e}, the most a model can hold, at {}{element}",
+        "{} exceeds {:e}, the most a model can hold, at {}{element}",
+        named(array),
         sinew_runtime::format::MAGNITUDE_MAX,
         in_frame(*frame)
     )]
@@ -294,6 +295,23 @@ pub enum ExamplesError {
 }
 
 impl ExamplesError {
+    /// Names the part of a scene, which has no arrays.
+    pub(crate) fn of_scene(mut self) -> Self {
+        if let Self::NotFinite { array, .. } | Self::TooLarge { array, .. } = &mut self {
+            *array = match *array {
+                "rest" => "rest mesh",
+                "vertices" => "posed mesh",
+                "joint_world_rest" => "rest pose",
+                "bone_transforms" => "animated pose",
+                "uv" => "texture coordinate of the mesh",
+                "normals" => "normal of the mesh",
+                "tangents" => "tangent of the mesh",
+                other => other,
+            };
+        }
+        self
+    }
+
     /// Calls the frame that it points at as its source does, of frames of these clips.
     pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
         if let Self::NotFinite { frame: Some(frame), .. }
@@ -305,6 +323,11 @@ impl ExamplesError {
         }
         self
     }
+}
+
+/// Names an array, or the part of a scene that [`ExamplesError::of_scene`] calls it.
+fn named(array: &str) -> String {
+    if array.contains(' ') { format!("the {array}") } else { format!("array {array}") }
 }
 
 /// Says that frames are too few.

@@ -60,6 +60,20 @@ fn the_size_tells_the_unit() {
 }
 
 #[test]
+fn a_known_unit_is_held_against_the_size() {
+    let of = |unit| {
+        let mut examples = moved(scale(100.0), Vector3::zeros());
+        examples.space.unit = Some(unit);
+        examples
+    };
+    let odd = only(&of(1.0), Kind::OddSize);
+    assert!(odd.text.contains("in centimetres it would be 0.88 m"), "{}", odd.text);
+    let size = check(&of(0.01)).size;
+    assert!((size.metres.unwrap() - 0.88).abs() < 0.02, "{size:?}");
+    assert!(check(&of(0.01)).find(Kind::OddSize).is_none());
+}
+
+#[test]
 fn the_ground_is_the_axis_on_which_the_mesh_stands() {
     let mut standing = arm();
     let lowest = standing.rest.iter().map(|x| x[1]).fold(f64::INFINITY, f64::min);

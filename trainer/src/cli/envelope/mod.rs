@@ -12,6 +12,7 @@ mod measured;
 mod report;
 mod table;
 mod train;
+mod warnings;
 
 pub(super) use command::Command;
 pub(super) use describe::describe;

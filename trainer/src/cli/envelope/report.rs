@@ -53,7 +53,8 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view)]
     #[arg(allow_hyphen_values = true)]
     view: Option<(f64, f64)>,
-    /// Write the errors of every frame to FILE: a row each, errors in % of the diagonal
+    /// Write the errors of every frame to FILE: a row each, in % of the diagonal, and in millimetres where the
+    /// unit is known
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
     /// Write the rest mesh to FILE with each vertex's RMS error, in % of the diagonal, as `error`

@@ -8,7 +8,7 @@ use sinew_trainer::envelope::rotational::Method;
 use sinew_trainer::envelope::training_report::{CandidateReport, TrainingReport};
 use sinew_trainer::space::written;
 
-/// Describes what was tried, what was taken, and how it does on the training frames, of examples with this diagonal.
+/// Describes the candidates, the choice and its errors on the training frames, of examples with this diagonal.
 pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> String {
     let length = |share: Option<f64>| share.zip(diagonal_mm).map(|(share, mm)| share * mm);
     let names = report.candidates.iter().map(|candidate| kind(candidate).len() + 1);
@@ -39,12 +39,13 @@ pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> Strin
     let validated = report.chosen().validated_rms.unwrap_or_default();
     if validated > SMALLER * best.max(UNSEEN) {
         out += &format!(
-            "the candidate with the least error lacks tangent coefficients, which make normals right: one that has them \
-             is taken unless its error is {COEFFICIENTS_COST} times as large\n"
+            "the candidate with the least error lacks tangent coefficients, which make normals right: one\n\
+             that has them is taken unless its error is {COEFFICIENTS_COST} times as large\n"
         );
     } else if validated > best {
         out += &format!(
-            "errors within {:.0} %, or below {} %, are alike: the smallest file is taken, unrefined ones and rotational ones last\n",
+            "errors within {:.0} %, or below {} %, are alike: the smallest file is taken, unrefined ones and\n\
+             rotational ones last\n",
             100.0 * (SMALLER - 1.0),
             100.0 * UNSEEN
         );

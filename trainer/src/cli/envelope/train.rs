@@ -1,7 +1,7 @@
 //! `sinew train`: examples in, baked model out.
 
 use super::levels;
-use super::table;
+use super::{table, warnings};
 use crate::cli::bars::Bars;
 use crate::cli::files::{self, OutputFile};
 use crate::cli::space::{self, StatedSpace, TargetSpace};
@@ -11,20 +11,14 @@ use clap::ValueEnum;
 use serde_json::json;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope;
-use sinew_trainer::envelope::alike::{SMALLER, UNSEEN};
 use sinew_trainer::envelope::check::check;
-use sinew_trainer::envelope::check::finding::{Finding, Kind, Severity};
-use sinew_trainer::envelope::evaluate::NOTHING;
+use sinew_trainer::envelope::check::finding::Severity;
 use sinew_trainer::envelope::rotational::{Method, ProxyCount};
 use sinew_trainer::envelope::skin::blend::CANDIDATES;
 use sinew_trainer::envelope::{FileSkins, Options, Predict, Trained, train};
 use sinew_trainer::examples::{Examples, Split, Warning};
 use sinew_trainer::progress::Silent;
-use sinew_trainer::space::beside;
 use std::path::PathBuf;
-
-/// Share of LBS's error from which a model is hardly better.
-const HARDLY: f64 = 0.9;
 
 /// Fits an envelope to example poses and bakes it into a model
 ///
@@ -221,7 +215,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         arguments.input.load_to_check(output)?;
     // The check says itself what validation finds.
     let own = told.iter().filter(|warning| !warning.is_of_validation());
-    let mut warnings: Vec<String> = own.map(ToString::to_string).collect();
+    let mut said: Vec<String> = own.map(ToString::to_string).collect();
     let source = arguments.input.named();
     arguments.space.say(&mut examples, &source)?;
     let from = examples.space;
@@ -233,12 +227,12 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     };
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
     let checked = check(&examples, &clips, &Silent).with_context(|| source.clone())?;
-    for finding in checked.findings.iter().filter(is_told) {
+    for finding in checked.findings.iter().filter(warnings::is_told) {
         match finding.severity {
             Severity::Warning => output.warn(&source, &finding.text),
             Severity::Note => output.note(&source, &finding.text),
         }
-        warnings.push(finding.text.clone());
+        said.push(finding.text.clone());
     }
     let trained = arguments.fit.train(&examples, &source, meshes, output)?;
     levels::warn(&trained.levels, also, output);
@@ -246,14 +240,10 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let lbs = 100.0 * trained.report.lbs_rms;
     let validated_rms = trained.report.chosen().validated_rms.unwrap_or(f64::INFINITY);
     let validated = 100.0 * validated_rms;
-    let doubt = match lbs <= NOTHING {
-        true if told.contains(&Warning::PlainSkin) => None,
-        true => Some(nothing(lbs)),
-        false => hardly(validated, lbs, diagonal_mm),
-    };
-    if let Some(doubt) = doubt {
-        output.warn(&source, &doubt);
-        warnings.push(doubt);
+    let known = told.contains(&Warning::PlainSkin);
+    if let Some(text) = warnings::no_gain(validated, lbs, diagonal_mm, known) {
+        output.warn(&source, &text);
+        said.push(text);
     }
     if let Some(most) = arguments.fail_above.filter(|most| validated > *most) {
         bail!(
@@ -266,7 +256,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let mut record = json!({
         "sinew": env!("CARGO_PKG_VERSION"),
         "inputs": hashes,
-        "warnings": warnings,
+        "warnings": said,
         "vertices": examples.vertex_len(),
         "engine_vertices": examples.surface().engine_len(),
         "joints": examples.joint_len(),
@@ -318,84 +308,9 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     output.print(&record, &text)
 }
 
-/// Tells whether a training repeats a finding of the check: warnings, and triangles that the fit leaves out. Examples of
-/// one pose are refused in the same words.
-fn is_told(finding: &&Finding) -> bool {
-    match finding.kind {
-        Kind::OnePose => false,
-        Kind::NoArea => true,
-        _ => finding.severity == Severity::Warning,
-    }
-}
-
-/// Says that LBS leaves nothing to learn, in % of the diagonal.
-fn nothing(lbs: f64) -> String {
-    format!(
-        "the meshes are what linear blend skinning makes of them, which leaves {lbs:.6} % of the diagonal: there is \
-         nothing to learn, and skinning alone does as well; give the meshes that muscles, a simulation or \
-         correctives make"
-    )
-}
-
-/// Says that a model is hardly better than LBS, no better, or worse, where it is; errors in % of the diagonal.
-fn hardly(validated: f64, lbs: f64, diagonal_mm: Option<f64>) -> Option<String> {
-    if validated <= HARDLY * lbs {
-        return None;
-    }
-    let [own, of_lbs] =
-        [validated, lbs].map(|percent| format!("{percent:.4} %{}", beside(percent, diagonal_mm)));
-    let is_tied = validated <= SMALLER * lbs && lbs <= SMALLER * validated;
-    let (how, figures) = match own == of_lbs {
-        true => ("no better", format!("both are off by {own} of the diagonal")),
-        false => {
-            let how = if is_tied {
-                "no better"
-            } else if validated > lbs {
-                "worse"
-            } else {
-                "hardly better"
-            };
-            (how, format!("it is off by {own} of the diagonal, linear blend skinning by {of_lbs}"))
-        }
-    };
-    let then = match lbs <= 100.0 * UNSEEN && is_tied {
-        true => "skinning alone does as well, and nobody sees so small an error",
-        false => "`sinew check` tells what the examples lack",
-    };
-    Some(format!(
-        "the model is {how} than linear blend skinning on poses that it has not seen: {figures}; {then}"
-    ))
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{budget, hardly};
-
-    #[test]
-    fn figures_that_print_alike_are_not_called_worse() {
-        let said = |validated, lbs| hardly(validated, lbs, None).unwrap();
-        let tie = said(0.009_512, 0.009_498);
-        assert!(
-            tie.contains("is no better than linear") && tie.contains("both are off by 0.0095 % of"),
-            "{tie}"
-        );
-        assert!(tie.contains("skinning alone does as well"), "{tie}");
-        let tie = said(0.5004, 0.5);
-        assert!(
-            tie.contains("no better") && tie.contains("0.5004 %") && tie.contains("by 0.5000 %"),
-            "{tie}"
-        );
-        assert!(
-            said(0.6, 0.5).contains("is worse than")
-                && said(0.46, 0.5).contains("hardly better than")
-        );
-        assert_eq!(hardly(0.4, 0.5, None), None);
-        let known = hardly(0.6, 0.5, Some(2000.0)).unwrap();
-        assert!(
-            known.contains("0.6000 % (12.000 mm)") && known.contains("0.5000 % (10.000 mm)"),
-            "{known}"
-        );
-    }
+    use super::budget;
 
     #[test]
     fn sizes_have_units() {

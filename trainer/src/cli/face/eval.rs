@@ -11,8 +11,8 @@ use std::path::PathBuf;
 
 /// Measures how near a few dragged landmarks bring a whole face
 ///
-/// It drags landmarks of FACE to their places in a take, and measures how far the whole face then is from the take: with
-/// the prior, and with the slider norm, in which the weights are independent. Lengths are in the unit of the face.
+/// It drags landmarks of FACE to their places in a take, and measures how far the whole face then is from the take. It
+/// does so with the prior, and with the slider norm, in which weights are independent. Lengths are in the face's unit.
 ///
 /// Handles are drawn ten times of the face's landmarks. The slider norm and the prior each use the tolerance that
 /// serves them best on the frames that --frames leaves out.

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 
 /// Learns how the expressions of a face go together
 ///
-/// It learns from a take, and bakes the face and what it learned into a file.
+/// It learns from a take, and bakes the face with its prior into a file.
 ///
 /// Beside FACE stands FACE.obj, the neutral mesh with its faces, texture coordinates and landmarks, which the runtime
 /// does without and `pin` and `report` draw with.

@@ -10,8 +10,8 @@ use std::path::PathBuf;
 
 /// Writes a page about a model and the views it was trained on
 ///
-/// The page has a sheet of views by their parameters with the examples framed, the parts of a view, the network over
-/// pixels beside it, and the object that lent its motion.
+/// The page has a sheet of views by their parameters, with the examples framed. It shows the parts of a view, the
+/// network over pixels beside it, and the object that lent its motion.
 #[derive(clap::Args)]
 pub(in crate::cli) struct Arguments {
     /// A file that `sinew views train` wrote

@@ -5,11 +5,11 @@ use crate::envelope::evaluate::Millimetres;
 
 /// Writes a row for each measured frame, under a row of names.
 ///
-/// The first columns are `frame`, its place among all, from 0; `number`, its number in the source, or its place;
-/// `clip`; `split`, its use in the model's training; and `vertices`. The model's columns follow: `rms`, `p99` and `max`
-/// in % of the rest diagonal, `worst_vertex`, `confidence`, and `rms_mm`, `p99_mm` and `max_mm` where the unit is
-/// known. LBS has the same columns with `lbs_` before their names, without a confidence. A second model has them with
-/// `other_`.
+/// The first columns are `frame`, `number`, `clip`, `split` and `vertices`. A frame counts from 0; its number is that of
+/// the source, or its place; its split is its use in the model's training. The model's columns follow: `rms`, `p99` and
+/// `max` in % of the rest diagonal, `worst_vertex` and `confidence`. Where the unit is known, `rms_mm`, `p99_mm` and
+/// `max_mm` follow. LBS has these columns with `lbs_` before their names, without a confidence. A second model has them
+/// with `other_`.
 ///
 /// # Errors
 /// Those of the writer.

@@ -123,9 +123,9 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
         // What is posed comes from the targets.
         error @ (ExamplesError::NotFinite { array: "vertices", .. }
         | ExamplesError::TooLarge { array: "vertices", .. }) => {
-            LoadError { file: at_fault.to_owned(), error }
+            LoadError { file: at_fault.to_owned(), error: error.of_scene() }
         }
-        error => blame(error),
+        error => blame(error.of_scene()),
     })
 }
 

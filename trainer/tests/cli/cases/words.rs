@@ -60,3 +60,30 @@ fn a_joint_near_a_half_turn_is_named_once() {
     let run = folder.sinew("train fox.glb -o m.sinew --predictor rotational --proxies 4");
     assert_eq!(lines(&run, &["b_LeftHand_011", "166°"]).len(), 1, "{run:?}");
 }
+
+/// Writes a GLB whose accessor `name` of the first primitive has another number at its second element.
+fn spoiled(glb: &[u8], name: &str, number: f32) -> Vec<u8> {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let json: serde_json::Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+    let accessor = &json["meshes"][0]["primitives"][0]["attributes"][name];
+    let accessor = &json["accessors"][accessor.as_u64().unwrap() as usize];
+    let view = &json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+    let offset = |of: &serde_json::Value| of["byteOffset"].as_u64().unwrap_or(0) as usize;
+    let mut out = glb.to_vec();
+    let at = 28 + length + offset(view) + offset(accessor) + 12;
+    out[at..at + 4].copy_from_slice(&number.to_le_bytes());
+    out
+}
+
+#[test]
+fn a_number_that_is_wrong_is_named_by_its_place_in_the_scene() {
+    let Some(folder) = with_cases("scene-words", &["gltf/plain.glb"]) else { return };
+    let glb = folder.read("plain.glb");
+    for (number, expected) in [
+        (f32::NAN, "the rest mesh is not finite at vertex 1"),
+        (1e30, "the rest mesh exceeds 1e9, the most a model can hold, at vertex 1"),
+    ] {
+        std::fs::write(folder.path("bad.glb"), spoiled(&glb, "POSITION", number)).unwrap();
+        assert_eq!(folder.sinew("check bad.glb").failed(), format!("bad.glb: {expected}"));
+    }
+}
