@@ -67,7 +67,7 @@ fn a_known_unit_is_held_against_the_size() {
         examples
     };
     let odd = only(&of(1.0), Kind::OddSize);
-    assert!(odd.text.contains("in centimetres it would be 0.88 m"), "{}", odd.text);
+    assert!(odd.text.contains("in centimetres it would be 0.87 m"), "{}", odd.text);
     let size = check(&of(0.01)).size;
     assert!((size.metres.unwrap() - 0.88).abs() < 0.02, "{size:?}");
     assert!(check(&of(0.01)).find(Kind::OddSize).is_none());

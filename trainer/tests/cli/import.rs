@@ -34,7 +34,7 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
         ("demo.glb --targets cut.pc2", "cut.pc2: should have "),
         (
             "demo.glb --targets nan.pc2",
-            "nan.pc2: array vertices is not finite at frame 3, vertex 7",
+            "nan.pc2: the posed mesh is not finite at frame 3, vertex 7",
         ),
         ("cut.glb", "cut.glb: is cut short: expected "),
         (

@@ -12,7 +12,6 @@ use serde_json::json;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope;
 use sinew_trainer::envelope::check::check;
-use sinew_trainer::envelope::check::finding::Severity;
 use sinew_trainer::envelope::rotational::{Method, ProxyCount};
 use sinew_trainer::envelope::skin::blend::CANDIDATES;
 use sinew_trainer::envelope::{FileSkins, Options, Predict, Trained, train};
@@ -228,10 +227,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
     let checked = check(&examples, &clips, &Silent).with_context(|| source.clone())?;
     for finding in checked.findings.iter().filter(warnings::is_told) {
-        match finding.severity {
-            Severity::Warning => output.warn(&source, &finding.text),
-            Severity::Note => output.note(&source, &finding.text),
-        }
+        output.warn(&source, &finding.text);
         said.push(finding.text.clone());
     }
     let trained = arguments.fit.train(&examples, &source, meshes, output)?;
