@@ -66,7 +66,7 @@ pub(super) struct InputFile {
 }
 
 impl ExampleArguments {
-    /// Loads the examples to check them: leaves it to the check to tell what validation finds.
+    /// Loads the examples to check them; the check reports the findings of validation.
     pub(super) fn load_to_check(&self, output: Output) -> anyhow::Result<LoadedInput> {
         self.load_telling(output, |warning| !warning.is_of_validation())
     }

@@ -106,7 +106,7 @@ impl Warning {
         }
     }
 
-    /// Tells whether [`Examples::validate`](super::Examples::validate) finds it, so that a check of the examples says it too.
+    /// Returns whether [`Examples::validate`](super::Examples::validate) finds it: a check of examples reports it too.
     pub fn is_of_validation(&self) -> bool {
         matches!(
             self,

@@ -1,4 +1,4 @@
-//! What a training warns of: findings of the check, and a model that gains nothing.
+//! Warnings of a training: findings of the check, and a model without a gain over LBS.
 
 use sinew_trainer::envelope::alike::{SMALLER, UNSEEN};
 use sinew_trainer::envelope::check::finding::{Finding, Kind, Severity};

@@ -80,7 +80,7 @@ pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> MeshSize
     size
 }
 
-/// Tells whether a character may be this long, in metres.
+/// Returns whether a character may be this long, in metres.
 fn is_usual(metres: f64) -> bool {
     (TALL.0..=TALL.1).contains(&metres)
 }

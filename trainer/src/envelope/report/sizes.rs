@@ -130,7 +130,7 @@ impl Sizes {
     }
 }
 
-/// Lists the frames to train on, and tells whether the report measures them too.
+/// Lists the frames to train on, and returns whether the report measures them too.
 fn frames(comparison: &Comparison<'_>) -> (Vec<usize>, bool) {
     let all = 0..comparison.source.examples.frame_len();
     let read: Vec<usize> = all.filter(|&f| comparison.use_of(f) == Split::Train).collect();
