@@ -35,7 +35,7 @@ fn every_predictor_learns_the_middle_ring_and_its_normals() {
 fn authored_normals_of_an_exact_linear_skin_are_near_the_truth() {
     let Some(folder) = with_cases("own", &["normals/own.glb"]) else { return };
     folder.sinew("-q train own.glb -o m.sinew");
-    let found = folder.sinew("eval m.sinew own.glb --json").json();
+    let found = folder.sinew("-q eval m.sinew own.glb --json").json();
     at_most(&found, "normal_rms_degrees", 2.0);
     at_most(&found["lbs"], "normal_rms_degrees", 2.0);
 }
