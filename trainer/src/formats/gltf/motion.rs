@@ -1,8 +1,8 @@
 //! The motion of joints alone: of a scene with or without a mesh.
 
 use super::clips::ClipKeys;
-use super::file;
-use super::meshes::Meshes;
+use super::file::{self, Parsed};
+use super::meshes::{Meshes, Wanted};
 use super::nodes::Nodes;
 use super::viewed::Scene;
 use crate::formats::error::FormatError;
@@ -19,16 +19,18 @@ pub(crate) fn read_motion(
     joints: &[String],
     sampling: &Sampling<'_>,
 ) -> Result<Motion, FormatError> {
-    let (document, buffers) = file::open(path)?;
-    let nodes = Nodes::read(&document)?;
-    let (meshes, _) = Meshes::read(&document, &buffers, |_| false, true)?;
-    let scene = Scene::new(nodes, meshes, ClipKeys::read(&document, &buffers)?);
+    let parsed = file::open(path)?;
+    let Parsed { document, buffers, .. } = &parsed;
+    let nodes = Nodes::read(document)?;
+    let wanted = Wanted { skinned_only: true, default_shape: true };
+    let meshes = Meshes::read(document, buffers, |_| false, wanted)?;
+    let scene = Scene::new(nodes, meshes, ClipKeys::read(document, buffers)?);
     let names = &scene.nodes.names;
     let found: Vec<usize> =
         (0..names.len()).filter(|&node| joints.contains(&names[node])).collect();
     let mut moved = vec![false; names.len()];
     found.iter().flat_map(|&node| scene.nodes.upwards(node)).for_each(|node| moved[node] = true);
-    let mut warnings = Vec::new();
+    let mut warnings = Vec::from_iter(parsed.warning());
     let (clips, moments) = scene.sample(&moved, sampling, &mut warnings)?;
     let at_rest = scene.nodes.worlds(&scene.nodes.locals);
     let frames = moments.iter().flat_map(|moment| {

@@ -40,14 +40,17 @@ impl Skins {
     /// Joins the skins of the meshes that have one and moves each to where the first one's joints bind it:
     /// exporters differ in whether all skins of a character share one space.
     ///
+    /// - `unbound`: whether a vertex may follow no joint.
+    ///
     /// # Errors
-    /// [`SceneError::NoSkin`], [`SceneError::SingularBind`], [`SceneError::OtherBind`] and those
+    /// [`SceneError::NoSkin`], [`SceneError::Unbound`], [`SceneError::SingularBind`], [`SceneError::OtherBind`] and those
     /// of the bind matrices' accessor.
     pub(super) fn read(
         document: &Document,
         buffers: &Buffers,
         nodes: &Nodes,
         meshes: &mut Meshes,
+        unbound: bool,
     ) -> Result<Self, SceneError> {
         let mut all = Self::default();
         for instance in 0..meshes.instances.len() {
@@ -59,7 +62,7 @@ impl Skins {
                 None => all.join(&skin, buffers, nodes, &mesh)?,
             };
             let influences = &meshes.influences[meshes.vertices(instance)];
-            check_influences(influences, joined.joints.len(), &mesh)?;
+            check_influences(influences, joined.joints.len(), &mesh, unbound)?;
             move_mesh(meshes, instance, &joined.shift);
             all.members.insert(skin.index(), joined);
         }
@@ -152,9 +155,10 @@ fn check_influences(
     influences: &[Vec<(usize, f64)>],
     joint_len: usize,
     mesh: &str,
+    unbound: bool,
 ) -> Result<(), SceneError> {
     for (vertex, influences) in influences.iter().enumerate() {
-        if influences.is_empty() {
+        if influences.is_empty() && !unbound {
             return Err(SceneError::Unbound { mesh: mesh.to_owned(), vertex });
         }
         if let Some(&(joint, _)) = influences.iter().find(|(joint, _)| *joint >= joint_len) {

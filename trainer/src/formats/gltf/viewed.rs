@@ -113,12 +113,15 @@ impl Scene {
     ) -> Vec<[f64; 3]> {
         let mut all = Vec::with_capacity(self.meshes.positions.len());
         for (number, instance) in self.meshes.instances.iter().enumerate() {
-            let active = instance.morphs.iter().zip(&weights[instance.node]);
-            let active: Vec<_> = active.filter(|(_, weight)| **weight != 0.0).collect();
+            let more = weights[instance.node].iter().zip(&instance.weights);
+            // The positions have the default weights.
+            let more = more.map(|(weight, default)| weight - default);
+            let active = instance.morphs.iter().zip(more);
+            let active: Vec<_> = active.filter(|(_, weight)| *weight != 0.0).collect();
             for (own, vertex) in self.meshes.vertices(number).enumerate() {
                 let mut shape = Vector3::from(self.meshes.positions[vertex]);
                 for (morph, weight) in &active {
-                    shape += Vector3::from(morph[own]) * **weight;
+                    shape += Vector3::from(morph[own]) * *weight;
                 }
                 all.push(place(instance, vertex, shape).into());
             }

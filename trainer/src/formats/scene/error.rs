@@ -86,6 +86,11 @@ pub enum SceneError {
         /// The node.
         node: String,
     },
+    /// The scene that the file shows has no node.
+    #[error(
+        "is empty: its scene shows no node; export the character's mesh and armature, in the scene that the file shows"
+    )]
+    Empty,
     /// There is no mesh of triangles.
     #[error("holds no mesh: export the character's mesh together with its armature")]
     NoMesh,
@@ -103,7 +108,7 @@ pub enum SceneError {
     /// A vertex follows no joint.
     #[error(
         "mesh {mesh}: vertex {vertex} has no joint weight: assign every vertex to a joint before \
-         exporting"
+         exporting, or give the posed meshes as --targets"
     )]
     Unbound {
         /// The mesh.
