@@ -120,17 +120,16 @@ pub enum ImportError {
         /// Whether the places of all vertices are the same.
         is_shuffled: bool,
     },
-    /// An animation has none of the character's joints.
-    #[error("has none of the character's joints, by name: {joints}")]
-    NoJoints {
-        /// The character's.
-        joints: String,
-    },
     /// An animation lacks the root of the character's joints.
-    #[error("has no joint {joint}, the root of the character's: export the whole skeleton")]
+    #[error(
+        "has no joint {joint}, the root of the character's: {}",
+        mismatch.as_deref().unwrap_or("export the whole skeleton")
+    )]
     NoRoot {
         /// The root.
         joint: String,
+        /// What keeps names from matching, and the option that mends it.
+        mismatch: Option<String>,
     },
     /// An animation's joints at rest are not the character's.
     #[error(

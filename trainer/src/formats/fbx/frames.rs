@@ -5,8 +5,9 @@ use rayon::prelude::*;
 use ufbx::{AnimStack, EvaluateOpts, Scene, SceneRoot, SkinningMethod};
 
 use super::convert::{fault, matrix};
+use super::joints::parents_among;
 use super::meshes::{MeshPart, skin};
-use crate::formats::scene::{Clip, Sampling, SceneError, sample_times};
+use crate::formats::scene::{Clip, Sample, Sampling, SceneError, samples};
 use crate::formats::warning::FormatWarning;
 
 /// The properties of a node that place it.
@@ -21,12 +22,12 @@ pub(super) struct Take {
     stack: usize,
     name: String,
     /// In the animation's own seconds.
-    times: Vec<f64>,
+    samples: Vec<Sample>,
 }
 
 /// Chooses the animations that move joints, and their frames.
 pub(super) fn takes(
-    scene: &Scene,
+    scene: &SceneRoot,
     joints: &[usize],
     parts: &[MeshPart],
     sampling: &Sampling<'_>,
@@ -36,6 +37,7 @@ pub(super) fn takes(
     let named = |stack: &AnimStack| sampling.takes(&stack.element.name);
     sampling.check(scene.anim_stacks.iter().map(|stack| name(stack)).collect())?;
     let watched = Watched::new(scene, joints, parts);
+    let parents = parents_among(scene, joints);
     let (mut takes, mut still) = (Vec::new(), Vec::new());
     for (place, stack) in scene.anim_stacks.iter().enumerate().filter(|(_, stack)| named(stack)) {
         let (keys, keyed) = watched.keys(stack);
@@ -44,8 +46,14 @@ pub(super) fn takes(
             continue;
         }
         watched.check_constraints(scene, &keyed)?;
-        let times = sample_times(&stack.element.name, keys, sampling)?;
-        takes.push(Take { stack: place, name: name(stack), times });
+        let pose = |time: f64| {
+            let animation = &scene.anim_stacks[place].anim;
+            let posed = ufbx::evaluate_scene(scene, animation, time, EvaluateOpts::default());
+            let posed = posed.map_err(fault)?;
+            Ok(joints.iter().map(|&node| matrix(&posed.nodes[node].node_to_world)).collect())
+        };
+        let samples = samples(&stack.element.name, keys, sampling, &parents, pose)?;
+        takes.push(Take { stack: place, name: name(stack), samples });
     }
     if takes.is_empty() {
         watched.check_constraints(scene, &vec![false; scene.elements.len()])?;
@@ -80,7 +88,8 @@ pub(super) fn posed(
         let joints = nodes.iter().map(|&node| matrix(&scene.nodes[node].node_to_world)).collect();
         return Ok(Posed { joints, shapes: None, morphs: false });
     }
-    let moments = takes.iter().flat_map(|take| take.times.iter().map(|&time| (take.stack, time)));
+    let moments =
+        takes.iter().flat_map(|take| take.samples.iter().map(|sample| (take.stack, sample.at)));
     let pose = |&(stack, time): &(usize, f64)| {
         let animation = &scene.anim_stacks[stack].anim;
         let posed = ufbx::evaluate_scene(scene, animation, time, EvaluateOpts::default());
@@ -113,8 +122,9 @@ pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
     }
     let mut first = 0;
     let clip = |take: Take| {
-        first += take.times.len();
-        Clip::at(take.name, first - take.times.len(), &take.times)
+        first += take.samples.len();
+        let times: Vec<f64> = take.samples.iter().map(|sample| sample.time).collect();
+        Clip::at(take.name, first - times.len(), &times)
     };
     takes.into_iter().map(clip).collect()
 }

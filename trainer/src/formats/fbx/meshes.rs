@@ -35,7 +35,9 @@ pub(super) fn parts(
     let shown = scene.nodes.iter().filter_map(|node| Some((&**node, &**node.mesh.as_ref()?)));
     let shown: Vec<(&Node, &Mesh)> = shown.filter(|(_, mesh)| mesh.num_vertices > 0).collect();
     if shown.is_empty() {
-        return Err(SceneError::NoMesh);
+        // The root node is there always.
+        let is_empty = scene.nodes.len() < 2;
+        return Err(if is_empty { SceneError::Empty } else { SceneError::NoMesh });
     }
     let (skinned, other): (Vec<_>, Vec<_>) =
         shown.iter().copied().partition(|(_, mesh)| !mesh.skin_deformers.is_empty());

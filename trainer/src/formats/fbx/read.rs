@@ -45,12 +45,14 @@ pub(super) fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScen
     let mut warnings = Vec::new();
     let parts = meshes::parts(&scene, &mut warnings)?;
     let geometry = meshes::join(&scene, &parts, &mut warnings);
-    let Joints { nodes, names, parents, binds } = joints::find(&scene, &parts)?;
+    let Joints { nodes, names, parents, binds } = joints::find(&scene, &parts, &mut warnings)?;
     let takes = match sampling.still {
         true => Vec::new(),
         false => frames::takes(&scene, &nodes, &parts, sampling, &mut warnings)?,
     };
-    meshes::unweighted(&scene, &parts, &mut warnings);
+    if sampling.shapes {
+        meshes::unweighted(&scene, &parts, &mut warnings);
+    }
     let posed = meshes::are_posed(&scene, &parts, &mut warnings);
     let shown = (posed && sampling.shapes).then_some(parts.as_slice());
     let Posed { joints: frames, shapes, morphs } = frames::posed(&scene, &takes, &nodes, shown)?;

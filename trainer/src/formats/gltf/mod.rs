@@ -61,11 +61,9 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
     if welded.repaired > 0 {
         warnings.push(FormatWarning::NormalsRepaired { count: welded.repaired });
     }
-    let mut moved = vec![false; scene.nodes.names.len()];
-    for node in skins.joints.iter().flat_map(|&joint| scene.nodes.upwards(joint)) {
-        moved[node] = true;
-    }
-    let (clips, moments) = scene.sample(&moved, sampling, &mut warnings)?;
+    let (names, equal) = skins.names(&scene.nodes);
+    warnings.extend(equal);
+    let (clips, moments) = scene.sample(&skins.joints, sampling, &mut warnings)?;
     let posed: Vec<_> = moments
         .par_iter()
         .map(|moment| {
@@ -78,8 +76,8 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
         })
         .collect();
     let (frames, shapes): (Vec<_>, Vec<_>) = posed.into_iter().unzip();
-    let parents = skins.parents(&scene.nodes);
-    let names = skins.joints.iter().map(|&node| scene.nodes.names[node].clone()).collect();
+    let parents = scene.nodes.parents_among(&skins.joints);
+    let names = skins.joints.iter().map(|&node| names[node].clone()).collect();
     let morphs = moments.iter().any(|moment| moment.clip.shapes(|node| scene.shows(node)));
     let ranges = scene.meshes.ranges().into_iter();
     let ranges = ranges.map(|(name, range)| (name, welded.range(&range))).collect();
@@ -129,12 +127,9 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
     let instances = &scene.meshes.instances;
     let unskinned = instances.iter().filter(|instance| instance.skin.is_none());
     let moving = skins.joints.iter().copied().chain(unskinned.map(|instance| instance.node));
-    let mut moved = vec![false; scene.nodes.names.len()];
-    for node in moving.flat_map(|node| scene.nodes.upwards(node)) {
-        moved[node] = true;
-    }
-    let sampling = Sampling { fps: None, clips: &[], shapes: true, still: false };
-    let (_, moments) = scene.sample(&moved, &sampling, &mut Vec::new())?;
+    let moving: Vec<usize> = moving.collect();
+    let sampling = Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
+    let (_, moments) = scene.sample(&moving, &sampling, &mut Vec::new())?;
     let shapes: Vec<_> = moments
         .par_iter()
         .map(|moment| {

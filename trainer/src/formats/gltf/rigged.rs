@@ -23,7 +23,7 @@ pub(crate) struct RiggedFile {
     pub(crate) tree: Map<String, Value>,
     /// The bytes of its one buffer.
     pub(crate) bytes: Vec<u8>,
-    /// Names of its nodes, made up where it has none.
+    /// Names of its nodes, made up where it has none; joints of equal names are told apart.
     pub(crate) names: Vec<String>,
     /// Parents of the nodes.
     pub(crate) parents: Vec<Option<usize>>,
@@ -85,10 +85,11 @@ impl RiggedFile {
             binds[node] = Some(bind);
         }
         let tree = file::tree(bytes)?;
+        let (names, _) = skins.names(&nodes);
         let mut file = Self {
             tree,
             bytes: Vec::new(),
-            names: nodes.names,
+            names,
             parents: nodes.parents,
             order: nodes.order,
             locals,

@@ -9,7 +9,7 @@ use super::accessor::numbers;
 use super::file::Buffers;
 use super::meshes::Meshes;
 use super::nodes::Nodes;
-use crate::formats::scene::SceneError;
+use crate::formats::scene::{SceneError, told_apart};
 use crate::formats::warning::FormatWarning;
 
 /// Two bind matrices of one joint agree within this share of their largest entry; files round them.
@@ -65,6 +65,22 @@ impl Skins {
             check_influences(influences, joined.joints.len(), &mesh, unbound)?;
             move_mesh(meshes, instance, &joined.shift);
             all.members.insert(skin.index(), joined);
+        }
+        Ok(all)
+    }
+
+    /// Joins all skins of a file, whatever hangs on them.
+    ///
+    /// # Errors
+    /// Those of [`Skins::join`].
+    pub(super) fn all(
+        document: &Document,
+        buffers: &Buffers,
+        nodes: &Nodes,
+    ) -> Result<Self, SceneError> {
+        let mut all = Self::default();
+        for skin in document.skins() {
+            all.join(&skin, buffers, nodes, skin.name().unwrap_or("none"))?;
         }
         Ok(all)
     }
@@ -141,10 +157,13 @@ impl Skins {
         all
     }
 
-    /// Gives the nearest joint above each joint; several may have none.
-    pub(super) fn parents(&self, nodes: &Nodes) -> Vec<Option<usize>> {
-        let of = |node: usize| self.joints.iter().position(|&joint| joint == node);
-        self.joints.iter().map(|&node| nodes.upwards(node).skip(1).find_map(of)).collect()
+    /// Tells the joints of equal names apart; gives the names of all nodes, and tells of those that differ from before.
+    pub(super) fn names(&self, nodes: &Nodes) -> (Vec<String>, Option<FormatWarning>) {
+        let is_joint = |node: usize| self.joints.contains(&node);
+        let (names, renamed) = told_apart(&nodes.names, &nodes.parents, is_joint);
+        let joints: Vec<String> = renamed.into_iter().map(|node| names[node].clone()).collect();
+        let warning = (!joints.is_empty()).then_some(FormatWarning::EqualNames { joints });
+        (names, warning)
     }
 }
 

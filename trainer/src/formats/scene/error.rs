@@ -170,6 +170,18 @@ pub enum SceneError {
         /// The joint.
         joint: String,
     },
+    /// No node is a joint of the character.
+    #[error(
+        "has none of the character's joints, by name: {}{}",
+        joints.join(", "),
+        mismatch.as_ref().map_or(String::new(), |mismatch| format!("; {mismatch}"))
+    )]
+    OtherJoints {
+        /// The character's.
+        joints: Vec<String>,
+        /// What keeps the names from matching, and the option that mends it.
+        mismatch: Option<String>,
+    },
     /// There is nothing to sample.
     #[error("holds no animation: export the poses as keys of an animation clip")]
     NoAnimation,

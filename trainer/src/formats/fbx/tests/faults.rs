@@ -45,7 +45,7 @@ fn clips_that_are_not_there_or_move_nothing_are_refused() {
     arm.scene.animation("empty");
     let fault = |clip: &str| {
         let sampling =
-            Sampling { fps: None, clips: &[clip.to_owned()], shapes: true, still: false };
+            Sampling { fps: None, clips: &[clip.to_owned()], shapes: true, still: false, played: false };
         arm.sampled(&sampling).err().unwrap().to_string()
     };
     assert_eq!(fault("walk"), "has no clip walk, there are: bend, empty");

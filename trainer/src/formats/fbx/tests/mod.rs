@@ -17,7 +17,7 @@ mod shaped;
 use scene::{Scene, translation};
 
 /// All clips, at their own keys.
-const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true, still: false };
+const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
 
 /// A quad and a triangle along x.
 const ARM: [[f64; 3]; 5] =
@@ -356,6 +356,7 @@ fn animations_are_clips_by_name_or_all_and_empty_ones_are_passed_over() {
             clips: &["walk".to_owned()],
             shapes: true,
             still: false,
+            played: false,
         })
         .unwrap();
     let times: Vec<f64> = walk.clips[0].times.iter().map(|time| (time * 48.0).round()).collect();
