@@ -22,12 +22,12 @@ pub(crate) mod testing;
 mod validate;
 mod warning;
 
+pub use crate::formats::scene::JointNames;
 pub use crate::formats::scene::{Clip, RATES};
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
 pub(crate) use error::called;
 pub use error::{Element, ExamplesError, LoadError};
 pub use hash::hash_file;
-pub use crate::formats::scene::JointNames;
 pub use import::{ImportError, Loaded, Source, join, load, load_motion, load_poses, npz};
 pub(crate) use import::{PosedClips, is_shuffled};
 pub use importance::{Importance, load_importance};

@@ -142,9 +142,13 @@ pub enum ImportError {
     },
     /// A scene without a mesh was given where a mesh is needed.
     #[error(
-        "holds joints and no mesh: give a file that has the character's mesh as well, with --mesh or --into"
+        "holds joints and no mesh: give a file that has the character's mesh as well, with --mesh or --into{}",
+        mismatch.as_ref().map_or(String::new(), |mismatch| format!("; {mismatch}"))
     )]
-    JointsAlone,
+    JointsAlone {
+        /// What keeps its names from those of the model, and the option that mends it.
+        mismatch: Option<String>,
+    },
     /// A file beside others has another mesh, or another skeleton.
     #[error(
         "has {found} {what}, {first} has {expected}: examples in several files are of one character"

@@ -9,7 +9,7 @@ use crate::examples::idle::idle;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Split, Warning};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{JointNames, Motion, Sampling};
-use crate::formats::{fbx, gltf};
+use crate::formats::{FormatError, fbx, gltf};
 use crate::numeric::points::apart;
 use crate::space::Conversion;
 use nalgebra::Matrix4;
@@ -32,11 +32,7 @@ pub(super) fn play(
     sampling: &Sampling<'_>,
 ) -> Result<Loaded, ExamplesError> {
     let Skeleton { names, parents, rest: own_rest, .. } = &character.skeleton;
-    let motion = match extension(file).as_str() {
-        "glb" | "gltf" => gltf::read_motion(file, names, joint_names, sampling)?,
-        "fbx" => fbx::read_motion(file, names, joint_names, sampling)?,
-        _ => return Err(unknown_format(file, ".glb, .gltf or .fbx").into()),
-    };
+    let motion = read(file, names, joint_names, sampling)?;
     let mut places: Vec<Option<usize>> = vec![None; names.len()];
     motion.joints.of.iter().enumerate().for_each(|(own, &joint)| places[joint] = Some(own));
     let mismatch = &motion.joints.mismatch;
@@ -77,6 +73,23 @@ pub(super) fn play(
     warnings.extend(character.unscale_idle_joints());
     warnings.extend(character.validate()?);
     Ok(Loaded { examples: character, clips: motion.clips, warnings })
+}
+
+/// Reads how the joints of a character move in a file.
+///
+/// # Errors
+/// [`FormatError`]
+pub(super) fn read(
+    file: &Path,
+    joints: &[String],
+    names: &JointNames<'_>,
+    sampling: &Sampling<'_>,
+) -> Result<Motion, FormatError> {
+    match extension(file).as_str() {
+        "glb" | "gltf" => gltf::read_motion(file, joints, names, sampling),
+        "fbx" => fbx::read_motion(file, joints, names, sampling),
+        _ => Err(unknown_format(file, ".glb, .gltf or .fbx")),
+    }
 }
 
 /// Gives the maps from rest to posed of an animation's joints, frame-major, where the character has them at rest: as a

@@ -14,9 +14,9 @@ use super::shuffled::is_shuffled;
 use super::targets::TargetMeshes;
 use crate::examples::idle::idle;
 use crate::examples::{Clip, Examples, ExamplesError, Matrix3x4, RIGID, Skeleton, Split, Warning};
-use crate::formats::{FormatError, FormatWarning};
 use crate::formats::posed_meshes::PosedMeshes;
 use crate::formats::scene::{SampledScene, Sampling, SceneError};
+use crate::formats::{FormatError, FormatWarning};
 use crate::mesh::Surface;
 
 /// Examples that are not checked yet, the clips of their frames, and what was done to them.

@@ -33,7 +33,14 @@ pub struct Source<'a> {
 impl<'a> Source<'a> {
     /// Names a file that needs nothing beside it.
     pub fn file(file: &'a Path) -> Self {
-        Self { file, targets: None, fps: None, clips: &[], still: false, names: JointNames::default() }
+        Self {
+            file,
+            targets: None,
+            fps: None,
+            clips: &[],
+            still: false,
+            names: JointNames::default(),
+        }
     }
 
     /// Lists the files that a load reads, where they are there.
@@ -172,8 +179,18 @@ pub fn load_motion(source: &Source<'_>, mesh: Option<&Path>) -> Result<Loaded, L
                 &error,
                 ExamplesError::Format(FormatError::Scene(SceneError::NoMesh | SceneError::NoSkin))
             );
-            let error = if is_bare { ImportError::JointsAlone.into() } else { error };
-            LoadError { file, error }
+            if !is_bare {
+                return LoadError { file, error };
+            }
+            let names = &source.names;
+            let motion = motion::read(&file, names.known, names, &source.played());
+            let mismatch = match motion {
+                Ok(motion) => motion.joints.mismatch,
+                Err(FormatError::Scene(SceneError::OtherJoints { mismatch, .. })) => mismatch,
+                Err(_) => None,
+            };
+            let error = ImportError::JointsAlone { mismatch };
+            LoadError { file, error: error.into() }
         });
     };
     source.check_content()?;

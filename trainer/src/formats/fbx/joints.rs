@@ -64,12 +64,8 @@ pub(super) fn find(
 }
 
 /// Gives the names of all nodes, those of joints told apart where they are equal, and lists the nodes of these.
-pub(super) fn names(
-    scene: &Scene,
-    is_joint: impl Fn(usize) -> bool,
-) -> (Vec<String>, Vec<usize>) {
-    let names: Vec<String> =
-        scene.nodes.iter().map(|node| node.element.name.to_string()).collect();
+pub(super) fn names(scene: &Scene, is_joint: impl Fn(usize) -> bool) -> (Vec<String>, Vec<usize>) {
+    let names: Vec<String> = scene.nodes.iter().map(|node| node.element.name.to_string()).collect();
     let places = 0..scene.nodes.len();
     let parents: Vec<Option<usize>> = places.map(|place| above(scene, place)).collect();
     told_apart(&names, &parents, is_joint)

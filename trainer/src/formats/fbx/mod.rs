@@ -17,4 +17,5 @@ mod tests;
 
 pub(crate) use motion::read_motion;
 pub(crate) use read::read;
+pub(super) use read::read_mesh;
 pub(crate) use shaped::read_shapes;

@@ -2,6 +2,7 @@
 
 mod accessor;
 pub(super) mod appearance;
+mod bare;
 mod clips;
 mod file;
 mod meshes;
@@ -15,6 +16,7 @@ mod viewed;
 mod welded;
 pub(crate) mod write;
 
+pub(super) use bare::read_mesh;
 pub(crate) use motion::read_motion;
 
 use std::path::Path;

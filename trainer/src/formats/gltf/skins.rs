@@ -213,7 +213,8 @@ fn agree(a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
     (a - b).amax() <= AGREE * a.amax()
 }
 
-fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f64>) {
+/// Moves all that a mesh has in space; where it is mirrored, its triangles are turned over.
+pub(super) fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f64>) {
     if *shift == Matrix4::identity() {
         return;
     }
@@ -229,6 +230,11 @@ fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f64>) {
     }
     for [x, y, z, _] in &mut meshes.tangents[vertices.clone()] {
         [*x, *y, *z] = (linear * Vector3::new(*x, *y, *z)).into();
+    }
+    if linear.determinant() < 0.0 {
+        for [a, b, _] in meshes.triangles.iter_mut().filter(|[a, ..]| vertices.contains(a)) {
+            std::mem::swap(a, b);
+        }
     }
     for displacement in meshes.instances[instance].morphs.iter_mut().flatten() {
         *displacement = shift.transform_vector(&(*displacement).into()).into();

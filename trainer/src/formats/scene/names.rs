@@ -75,15 +75,22 @@ pub struct JointNames<'a> {
 impl JointNames<'_> {
     /// Gives a name as a character of these joints has it.
     pub(crate) fn renamed(&self, name: &str, known: &[String]) -> String {
-        let replaced = self.prefixes.iter().find_map(|(from, to)| {
-            Some(format!("{to}{}", name.strip_prefix(from.as_str())?))
-        });
+        let replaced = self
+            .prefixes
+            .iter()
+            .find_map(|(from, to)| Some(format!("{to}{}", name.strip_prefix(from.as_str())?)));
         let name = replaced.unwrap_or_else(|| name.to_owned());
         if !self.ignore_case || known.contains(&name) {
             return name;
         }
         let same = |other: &&String| other.to_lowercase() == name.to_lowercase();
         known.iter().find(same).cloned().unwrap_or(name)
+    }
+
+    /// Says what keeps the names of a file, once renamed, from the model's, with the option that mends it; `None` where
+    /// nothing does.
+    pub fn mismatch(&self, found: &[String]) -> Option<String> {
+        mismatch(self.known, found)
     }
 
     /// Renames all names of a file as the model has them.
@@ -96,7 +103,7 @@ impl JointNames<'_> {
 ///
 /// - `known`: the character's joints.
 /// - `found`: the file's nodes.
-pub(super) fn mismatch(known: &[String], found: &[String]) -> Option<String> {
+pub(crate) fn mismatch(known: &[String], found: &[String]) -> Option<String> {
     let lower = |names: &[String]| -> Vec<String> {
         names.iter().map(|name| name.to_lowercase()).collect()
     };
@@ -119,8 +126,7 @@ pub(super) fn mismatch(known: &[String], found: &[String]) -> Option<String> {
         };
         let option = format!("{from}={to}");
         let is_plain = |c: char| c.is_alphanumeric() || "_:.=/-".contains(c);
-        let option =
-            if option.chars().all(is_plain) { option } else { format!("'{option}'") };
+        let option = if option.chars().all(is_plain) { option } else { format!("'{option}'") };
         format!(
             "its names begin {}, the character's {}: give --rename-joints {option}{more}",
             begin(from),
@@ -132,9 +138,9 @@ pub(super) fn mismatch(known: &[String], found: &[String]) -> Option<String> {
     }
     // The prefix in the file's own case.
     let from = &prefix_lower.0;
-    let own = found.iter().find_map(|name| {
-        name.get(..from.len()).filter(|begin| begin.to_lowercase() == *from)
-    });
+    let own = found
+        .iter()
+        .find_map(|name| name.get(..from.len()).filter(|begin| begin.to_lowercase() == *from));
     Some(told(&(own.unwrap_or(from).to_owned(), prefix_lower.1), " --ignore-case"))
 }
 
@@ -193,8 +199,7 @@ mod tests {
 
         // Two copies under one node.
         let names = strings(&["rig", "root", "mid", "tip", "root", "mid", "tip", "root 2"]);
-        let parents =
-            [None, Some(0), Some(1), Some(2), Some(0), Some(4), Some(5), Some(0)];
+        let parents = [None, Some(0), Some(1), Some(2), Some(0), Some(4), Some(5), Some(0)];
         let (labels, _) = told_apart(&names, &parents, |_| true);
         assert_eq!(
             labels[1..],

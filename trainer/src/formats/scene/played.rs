@@ -243,13 +243,10 @@ mod tests {
         assert_eq!(times(&found), [0.0, before, 1.0, 2.0]);
         assert_eq!([step(found[1].at), step(found[2].at)], [0.0, 1.0]);
         // Frames of a rate miss a jump between them, which stays one.
-        assert_eq!(times(&sampled(&[0.0, 0.7, 2.0], Some(1.0), |t| f64::from(u8::from(t >= 0.7)))), [
-            0.0,
-            f64::from(0.7_f32.next_down()),
-            0.7,
-            1.0,
-            2.0
-        ]);
+        assert_eq!(
+            times(&sampled(&[0.0, 0.7, 2.0], Some(1.0), |t| f64::from(u8::from(t >= 0.7)))),
+            [0.0, f64::from(0.7_f32.next_down()), 0.7, 1.0, 2.0]
+        );
     }
 
     #[test]

@@ -59,7 +59,8 @@ fn targets(vertices: Vec<[f64; 3]>) -> TargetMeshes {
     PosedMeshes::bare(VERTICES, vertices).into()
 }
 
-const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
+const KEYS: Sampling<'_> =
+    Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
 
 /// y up to z up, metres to centimetres.
 fn elsewhere([x, y, z]: [f64; 3]) -> [f64; 3] {

@@ -44,8 +44,13 @@ fn clips_that_are_not_there_or_move_nothing_are_refused() {
     let mut arm = Arm::skinned("Linear");
     arm.scene.animation("empty");
     let fault = |clip: &str| {
-        let sampling =
-            Sampling { fps: None, clips: &[clip.to_owned()], shapes: true, still: false, played: false };
+        let sampling = Sampling {
+            fps: None,
+            clips: &[clip.to_owned()],
+            shapes: true,
+            still: false,
+            played: false,
+        };
         arm.sampled(&sampling).err().unwrap().to_string()
     };
     assert_eq!(fault("walk"), "has no clip walk, there are: bend, empty");

@@ -17,7 +17,8 @@ mod shaped;
 use scene::{Scene, translation};
 
 /// All clips, at their own keys.
-const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
+const KEYS: Sampling<'_> =
+    Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
 
 /// A quad and a triangle along x.
 const ARM: [[f64; 3]; 5] =
