@@ -204,7 +204,7 @@ fn poses(
 ) -> anyhow::Result<input::LoadedInput> {
     let source = Source { fps: arguments.fps, names, ..Source::file(&arguments.clip) };
     let load = |mesh: Option<&Path>| input::load_motion(source, mesh, output);
-    let loaded = match (&arguments.mesh, &arguments.into) {
+    match (&arguments.mesh, &arguments.into) {
         (Some(mesh), _) => load(Some(mesh)),
         // Its own mesh first: only what has none needs the other file's.
         (None, Some(into)) => load(None).or_else(|error| {
@@ -214,14 +214,6 @@ fn poses(
             if is_bare { load(Some(into)) } else { Err(error) }
         }),
         (None, None) => load(None),
-    }?;
-    let found = &loaded.examples.skeleton.names;
-    match names.mismatch(found).filter(|_| found != names.known) {
-        Some(mismatch) => bail!(
-            "{}: its joints are not called as the model's: {mismatch}",
-            arguments.mesh.as_ref().unwrap_or(&arguments.clip).display()
-        ),
-        None => Ok(loaded),
     }
 }
 

@@ -23,6 +23,7 @@ pub(in crate::cli) struct AlsoArguments {
     /// Where the axes of the --also meshes come from, and a scale, as "(x, -z, y) x 0.01": once for all, or once for
     /// each, in their order [default: recognised]
     #[arg(long, value_name = "AXES", requires = "also", allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     also_axes: Vec<Conversion>,
 }
 

@@ -120,6 +120,12 @@ pub enum ImportError {
         /// Whether the places of all vertices are the same.
         is_shuffled: bool,
     },
+    /// The joints are not called as the model's, but would be by other names.
+    #[error("its joints are not called as the model's: {mismatch}")]
+    OtherNames {
+        /// What keeps the names from matching, and the option that mends it.
+        mismatch: String,
+    },
     /// An animation lacks the root of the character's joints.
     #[error(
         "has no joint {joint}, the root of the character's: {}",

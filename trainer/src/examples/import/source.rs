@@ -6,7 +6,7 @@ use super::error::ImportError;
 use super::loaded::Loaded;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
-use crate::examples::{ExamplesError, LoadError};
+use crate::examples::{Examples, ExamplesError, LoadError};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{JointNames, SampledScene, Sampling, SceneError};
 use crate::formats::{FormatError, content, fbx, gltf};
@@ -156,13 +156,26 @@ pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
     let scene = source.scene(&sampling).map_err(&blame)?;
     let Some(scene) = scene else {
         let mut loaded = npz::load_played(source.file, &sampling)?;
-        source.names.rename(&mut loaded.examples.skeleton.names);
+        rename(&mut loaded.examples, &source.names).map_err(&blame)?;
         return Ok(loaded);
     };
     let (mut examples, clips, mut warnings) = scene::still(scene).map_err(&blame)?;
-    source.names.rename(&mut examples.skeleton.names);
+    rename(&mut examples, &source.names).map_err(&blame)?;
     warnings.extend(examples.validate().map_err(&blame)?);
     Ok(Loaded { examples, clips, warnings })
+}
+
+/// Calls the joints as a model's.
+///
+/// # Errors
+/// [`ImportError::OtherNames`] where they are not, and would be if they were renamed.
+fn rename(examples: &mut Examples, names: &JointNames<'_>) -> Result<(), ExamplesError> {
+    let own = &mut examples.skeleton.names;
+    names.rename(own);
+    match names.mismatch(own) {
+        Some(mismatch) => Err(ImportError::OtherNames { mismatch }.into()),
+        None => Ok(()),
+    }
 }
 
 /// Reads the animations of a scene that may hold joints alone, for a character whose mesh another file has.

@@ -89,7 +89,7 @@ impl JointNames<'_> {
 
     /// Says what keeps the names of a file, once renamed, from the model's, with the option that mends it; `None` where
     /// nothing does.
-    pub fn mismatch(&self, found: &[String]) -> Option<String> {
+    pub(crate) fn mismatch(&self, found: &[String]) -> Option<String> {
         mismatch(self.known, found)
     }
 

@@ -2,6 +2,7 @@
 
 mod face;
 mod frames;
+mod glb;
 mod gltf;
 mod kernel;
 mod normals;

@@ -211,17 +211,27 @@ impl Graft<'_> {
 
     /// Gives the meshes' vertices what the model's follow.
     fn weights(&self, document: &mut Document, influences: &[Vec<(usize, f64)>]) {
-        // Primitives that share their positions share these, too.
-        let mut made: HashMap<Option<u64>, Vec<(String, Value)>> = HashMap::new();
+        // Primitives that share their positions, and are the same vertices of the model, share these, too.
+        let mut made: HashMap<(Option<u64>, &[usize]), Vec<(String, Value)>> = HashMap::new();
+        let mut shown: HashMap<usize, &Vec<Vec<usize>>> = HashMap::new();
         for (mesh, vertices) in self.meshes() {
+            let mut own = mesh.mesh;
+            if *shown.entry(own).or_insert(vertices) != vertices {
+                // Another node shows this mesh as other vertices of the model.
+                let copy = document.meshes[own].clone();
+                document.meshes.push(copy);
+                own = document.meshes.len() - 1;
+                document.nodes[mesh.node]["mesh"] = json!(own);
+            }
             for (number, vertices) in vertices.iter().enumerate().filter(|(_, v)| !v.is_empty()) {
-                let primitive = primitives(&mut document.meshes[mesh.mesh]).nth(number);
+                let primitive = primitives(&mut document.meshes[own]).nth(number);
                 let positions = primitive.and_then(|p| p["attributes"]["POSITION"].as_u64());
-                let attributes = made.entry(positions).or_insert_with(|| {
+                let key = (positions, vertices.as_slice());
+                let attributes = made.entry(key).or_insert_with(|| {
                     let own: Vec<_> = vertices.iter().map(|&v| influences[v].clone()).collect();
                     document.influences(&own, self.nodes.len())
                 });
-                for primitive in primitives(&mut document.meshes[mesh.mesh]).skip(number).take(1) {
+                for primitive in primitives(&mut document.meshes[own]).skip(number).take(1) {
                     for (name, array) in attributes.iter() {
                         primitive["attributes"][name] = array.clone();
                     }
