@@ -4,6 +4,7 @@ use nalgebra::Matrix4;
 use rayon::prelude::*;
 use ufbx::{AnimStack, EvaluateOpts, Scene, SceneRoot, SkinningMethod};
 
+use super::blends::{WEIGHING, channels, is_shaped};
 use super::convert::{fault, matrix};
 use super::joints::parents_among;
 use super::meshes::{MeshPart, skin};
@@ -12,9 +13,6 @@ use crate::formats::warning::FormatWarning;
 
 /// The properties of a node that place it.
 const PLACING: [&str; 3] = ["Lcl Translation", "Lcl Rotation", "Lcl Scaling"];
-
-/// The property of a blendshape channel that weighs it.
-const WEIGHING: &str = "DeformPercent";
 
 /// An animation, and when its frames are taken.
 pub(super) struct Take {
@@ -97,7 +95,7 @@ pub(super) fn posed(
         let joints = nodes.iter().map(|&node| matrix(&posed.nodes[node].node_to_world));
         let (mut shape, mut morphs) = (Vec::new(), false);
         for part in parts.into_iter().flatten() {
-            morphs |= deform(&posed, part, &mut shape);
+            morphs |= deform(scene, &posed, part, &mut shape);
         }
         Ok((joints.collect::<Vec<_>>(), shape, morphs))
     };
@@ -130,7 +128,12 @@ pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
 }
 
 /// Adds the posed vertices of a part, and tells whether they are more than linear blend skinning.
-fn deform(posed: &Scene, part: &MeshPart, positions: &mut Vec<[f64; 3]>) -> bool {
+fn deform(
+    scene: &Scene,
+    posed: &Scene,
+    part: &MeshPart,
+    positions: &mut Vec<[f64; 3]>,
+) -> bool {
     let mesh = &posed.meshes[part.mesh];
     let Some(skin) = skin(mesh) else { return false };
     let mut shape = mesh.vertices.to_vec();
@@ -144,10 +147,8 @@ fn deform(posed: &Scene, part: &MeshPart, positions: &mut Vec<[f64; 3]>) -> bool
         let v = ufbx::transform_position(&map, v);
         [v.x, v.y, v.z]
     }));
-    let channels = mesh.blend_deformers.into_iter().flat_map(|blend| &blend.channels);
-    let mut keyframes = channels.flat_map(|channel| &channel.keyframes);
     let linear = [SkinningMethod::Linear, SkinningMethod::Rigid].contains(&skin.skinning_method);
-    !linear || keyframes.any(|keyframe| keyframe.effective_weight != 0.0)
+    !linear || is_shaped(scene, mesh)
 }
 
 /// Elements whose animation the examples need, by their numbers: keys of others do not count as frames.
@@ -170,10 +171,8 @@ impl Watched {
         }
         let mut weighed = vec![false; scene.elements.len()];
         for part in parts {
-            for blend in &scene.meshes[part.mesh].blend_deformers {
-                for channel in &blend.channels {
-                    weighed[channel.element.element_id as usize] = true;
-                }
+            for channel in channels(&scene.meshes[part.mesh]) {
+                weighed[channel.element.element_id as usize] = true;
             }
         }
         Self { placed, weighed }

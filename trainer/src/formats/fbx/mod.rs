@@ -4,6 +4,7 @@
 //! meshes of several nodes follow one another in the order of the nodes.
 
 pub(super) mod appearance;
+mod blends;
 mod convert;
 mod corners;
 mod frames;

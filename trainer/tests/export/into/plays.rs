@@ -4,12 +4,13 @@ use super::super::scene::Scene;
 use super::super::validator::valid;
 use super::super::{clip, model, pose, runtime_skin, set};
 use super::file::Glb;
-use super::{Character, Clip, Examples};
+use super::{Character, Clip, Examples, export_into};
 use nalgebra::{Matrix4, Vector3};
 use serde_json::json;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{Grafted, export_into};
+use sinew_trainer::envelope::export::Grafted;
+use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::{Loaded, Source, load};
 use std::path::Path;
 
@@ -33,7 +34,7 @@ struct Expected<'a> {
 #[track_caller]
 fn check(name: &str, file: &Path, expected: &Expected<'_>) -> Grafted {
     let Expected { mesh, examples, model, clips, world, unit } = *expected;
-    let grafted = export_into(model, None, examples, clips, file).unwrap();
+    let grafted = export_into(model, examples, clips, &[], file).unwrap();
     valid(name, &grafted.glb);
     let scene = Scene::read(&grafted.glb);
     let loaded = Model::from_bytes(model).unwrap();
@@ -204,7 +205,7 @@ fn a_mesh_without_a_skin_takes_the_joints_with_it() {
     attributes.retain(|name, _| name == "POSITION" || name == "NORMAL");
     let Character { examples, clips, model, .. } = &character;
     let file = character.glb.save("static");
-    let grafted = export_into(model, None, examples, clips, &file).unwrap();
+    let grafted = export_into(model, examples, clips, &[], &file).unwrap();
     assert_eq!(grafted.added_joints.len(), names.len());
     let scene = Scene::read(&grafted.glb);
     let runtime = Model::from_bytes(model.as_slice()).unwrap();
