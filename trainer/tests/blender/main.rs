@@ -153,7 +153,10 @@ fn drivers_and_shapes_are_at_rest_in_the_rest_mesh() {
     let scene = folder.join("driven.blend");
     let path = folder.join("driven.npz");
     let [said, noted] = done(&of(&python, &scene, &path, &["--frames", "2:3"]));
-    assert!(said.ends_with("rest mesh: of frame 2, armature, keys and drivers at rest\n"), "{said}");
+    assert!(
+        said.ends_with("rest mesh: of frame 2, armature, keys and drivers at rest\n"),
+        "{said}"
+    );
     let on = "shape keys that are on at rest, as no key moves them: Face Puff (0.50), Face Style (0.50), Face Calm (0.25)";
     assert!(noted.contains(on), "{noted}");
     let examples = npz::load(&path).unwrap().examples;

@@ -128,12 +128,7 @@ pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
 }
 
 /// Adds the posed vertices of a part, and tells whether they are more than linear blend skinning.
-fn deform(
-    scene: &Scene,
-    posed: &Scene,
-    part: &MeshPart,
-    positions: &mut Vec<[f64; 3]>,
-) -> bool {
+fn deform(scene: &Scene, posed: &Scene, part: &MeshPart, positions: &mut Vec<[f64; 3]>) -> bool {
     let mesh = &posed.meshes[part.mesh];
     let Some(skin) = skin(mesh) else { return false };
     let mut shape = mesh.vertices.to_vec();

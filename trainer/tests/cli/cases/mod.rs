@@ -1,5 +1,6 @@
 //! The inputs of `../shared/cases`: each gives the value that the folder's README states.
 
+mod also;
 mod face;
 mod frames;
 mod glb;

@@ -2,8 +2,8 @@
 
 use super::super::scene::Scene;
 use super::super::validator::valid;
-use super::{Character, export_into};
 use super::file::Glb;
+use super::{Character, export_into};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};

@@ -101,6 +101,37 @@ fn in_the_file_that_it_was_trained_on() {
     assert_eq!(grafted.kept_animations, ["train", "held-out"]);
 }
 
+/// A mesh that the file does not have goes with the model's joints, wherever those stand in the file.
+#[test]
+fn a_further_mesh_is_added_beside() {
+    let mut character = Character::new();
+    character.glb.json["nodes"][0]["scale"] = json!([0.5, 0.5, 0.5]);
+    let Character { examples, clips, glb, model } = &character;
+    let file = glb.save("further");
+    let mesh = sinew_trainer::formats::Mesh {
+        positions: examples.rest.clone(),
+        triangles: examples.triangles.clone(),
+        engine: examples.engine.clone(),
+    };
+    let levels = [Level { name: "lod1".to_owned(), mesh }];
+    let grafted = export_into(model, examples, clips, &levels, &file).unwrap();
+    std::fs::remove_file(file).unwrap();
+    valid("further", &grafted.glb);
+    assert_eq!((grafted.levels.len(), grafted.levels[0].name.as_str()), (1, "lod1"));
+    let scene = Scene::read(&grafted.glb);
+    let first = scene.gltf.animations().len() - clips.len();
+    for (number, clip) in clips.iter().enumerate() {
+        for key in 0..clip.times.len() {
+            let worlds = scene.worlds(Some((first + number, key, 0.0)));
+            let [own, further] = ["skin", "lod1"].map(|mesh| scene.posed(mesh, &worlds));
+            let apart = own.iter().zip(&further).map(|(a, b)| (a - b).norm());
+            let apart = apart.fold(0.0, f64::max);
+            // The same mesh, with weights that were fitted to where it goes.
+            assert!(apart < 0.01 * examples.diagonal(), "{apart}");
+        }
+    }
+}
+
 /// As exporters do that keep z up and centimetres, and put both right above the joints.
 #[test]
 fn under_an_armature_that_scales_and_turns() {
