@@ -7,9 +7,9 @@ NLA become clips by name, or all frames are one clip called as its action. Names
 numbers, axes, unit, joint weights (vertex groups called as bones) and texture coordinates go with
 them.
 
-The rest mesh is that of the first frame, with the armature in its rest position, and every keyed shape
-key, keyed custom property and keyed bone at its default, so that drivers are at rest too. What no key
-moves keeps its value in all frames, and so at rest.
+The rest mesh is taken at the first frame, with the armature in its rest position. Every keyed shape
+key, custom property and bone has its default there, and drivers follow. Properties without keys keep
+their value in all frames, and at rest too.
 
     blender rig.blend --background --python blender_export.py -- examples.npz
     python blender_export.py --blend rig.blend examples.npz        (with `pip install bpy`)
@@ -231,9 +231,9 @@ def starts(lengths):
 
 
 def at_rest(scene, frame, meshes, armature, bones, importance):
-    """Evaluates the meshes in a frame with everything that is keyed at rest, each as arrays by name.
+    """Evaluates the meshes at a frame, with every keyed property at rest, each as arrays by name.
 
-    Gives the rest frames of the bones, too, and names the shape keys that are on.
+    Returns the rest frames of the bones, too, and the names of the shape keys that are on.
     """
     if importance and not any(importance in mesh.vertex_groups for mesh in meshes):
         known = ", ".join(sorted({g.name for mesh in meshes for g in mesh.vertex_groups}))
@@ -272,9 +272,9 @@ TRANSFORMS = ("location", "rotation_", "scale", "bbone_")
 
 
 def settle(scene):
-    """Puts bones, custom properties and shape keys that are keyed at their defaults; drivers follow.
+    """Puts keyed bones, custom properties and shape keys at their defaults; drivers follow.
 
-    Gives what restores them.
+    Returns functions that restore the values.
     """
     owners = [scene, scene.world]
     for thing in scene.objects:
@@ -292,7 +292,7 @@ def settle(scene):
 
 
 def keyed(owner):
-    """Lists what the actions and the strips of something's NLA move, each as a path and an index."""
+    """Lists the properties that the action and the NLA of a data-block move, each as path and index."""
     data = owner.animation_data
     if data is None:
         return set()
@@ -319,7 +319,7 @@ def curves_of(action):
 
 
 def reset(owner, path, index):
-    """Puts a property at its default; gives what restores it, and nothing of what has no default."""
+    """Puts a property at its default; returns a function that restores it, or none without a default."""
     try:
         if path.endswith("]"):
             holder, _, name = path[:-2].rpartition('["')

@@ -7,8 +7,10 @@ use crate::numeric::affine::{joined, parts, to_rows};
 use crate::numeric::so3::polar;
 use nalgebra::{Matrix3, Vector3};
 
-/// Tells which joints move no vertex and carry no joint that does, by the weights painted on a mesh, V x J; without
-/// weights none is known to.
+/// Marks the joints that move no vertex and carry no joint that does.
+///
+/// - `joint_weights`: painted weights of a mesh, V x J; without them no joint is marked.
+/// - `parents`: of the J joints.
 pub(super) fn idle(joint_weights: Option<&[f64]>, parents: &[Option<usize>]) -> Vec<bool> {
     let Some(weights) = joint_weights else { return vec![false; parents.len()] };
     let mut idle = vec![true; parents.len()];
@@ -25,8 +27,8 @@ pub(super) fn idle(joint_weights: Option<&[f64]>, parents: &[Option<usize>]) -> 
 }
 
 impl Examples {
-    /// Takes the scale out of joints that move no vertex and carry none that does: sockets, and bones that shrink what
-    /// they hold. They move and turn as before. Tells of those that were scaled.
+    /// Removes the scale of idle joints, such as sockets. They move and turn as before. Returns a warning that names the
+    /// joints that were scaled.
     pub(crate) fn unscale_idle_joints(&mut self) -> Option<Warning> {
         let joint_len = self.joint_len();
         let Skeleton { parents, rest, .. } = &self.skeleton;
@@ -96,7 +98,7 @@ mod tests {
         let apart = found.as_flattened().iter().zip(expected.as_flattened());
         assert!(apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-12, "{found:?}");
 
-        // One that moves a vertex keeps what is wrong with it.
+        // A joint that moves a vertex keeps its scale.
         let row: Vec<f64> = weights(1);
         examples.joint_weights = Some(row.repeat(examples.vertex_len()));
         examples.transforms[1] = scaled;

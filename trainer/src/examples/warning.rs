@@ -177,7 +177,7 @@ impl fmt::Display for Warning {
             Warning::IdleScaled { joints } => {
                 write!(
                     f,
-                    "joints that are scaled, move no vertex and carry none that does are taken without their scale: {}",
+                    "scaled joints that move no vertex are taken without their scale: {}",
                     joints.join(", ")
                 )
             }

@@ -8,7 +8,7 @@ use super::{content, fbx, gltf, obj};
 use sinew_runtime::format::Space;
 use std::path::Path;
 
-/// A mesh, and what its file says of it.
+/// A mesh and the space of its file.
 pub struct MeshFile {
     /// The meshes of the file as one, in the rest pose.
     pub mesh: Mesh,

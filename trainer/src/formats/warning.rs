@@ -107,7 +107,7 @@ impl fmt::Display for FormatWarning {
                 write!(f, "points and lines are left out, of the meshes: {}", meshes.join(", "))
             }
             FormatWarning::EqualNames { joints } => {
-                write!(f, "joints of equal names are told apart as {}", joints.join(", "))
+                write!(f, "joints with equal names were renamed: {}", joints.join(", "))
             }
             FormatWarning::Unweighted { count, follow } => {
                 write!(f, "vertices without a joint's weight, which follow {follow}: {count}")

@@ -106,7 +106,7 @@ impl Conversion {
 impl FromStr for Conversion {
     type Err = &'static str;
 
-    /// Reads what [`Display`](fmt::Display) writes, as `(x, -z, y) x 0.01`; marks may be left out, as in `x -z y 0.01`.
+    /// Parses the form of [`Display`](fmt::Display), as in `(x, -z, y) x 0.01`, with or without its punctuation.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let expected = "expected where x, y and z come from, and a scale, as \"(x, -z, y) x 0.01\"";
         let words = text.split(|c: char| c.is_whitespace() || "(),".contains(c));

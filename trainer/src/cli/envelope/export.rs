@@ -26,8 +26,8 @@ use std::path::{Path, PathBuf};
 /// axes back. An engine must multiply the nodes' matrices, as glTF asks; one that keeps only a move,
 /// a turn and a scale of each joint in model space loses the shear.
 ///
-/// Keys stand at the clip's own times. Where a clip jumps, as steps do, two keys follow each other at once; joints that
-/// only step keep their steps. Curves have as many keys as bring the joints within 0.02 % of the skeleton's size.
+/// Keys stand at the clip's own times. A joint whose keys hold their values keeps its steps, and every other track has
+/// two neighbouring keys at a jump. Curves get enough keys to bring the joints within 0.02 % of the skeleton's size.
 ///
 /// Names, materials and textures of the meshes of CLIP live through, where it is a scene: all that a GLB or glTF
 /// says of them, and of an FBX names, base colours, and pictures that lie beside it.
@@ -61,15 +61,17 @@ pub(in crate::cli) struct Arguments {
     /// CLIP; with --into and a CLIP without a mesh, the file of --into]
     #[arg(long, value_name = "CHARACTER")]
     mesh: Option<PathBuf>,
-    /// Frames a second that the clip plays at; of a scene, at which it is sampled [default: what its file says, 30, with a
+    /// Frames a second that the clip plays at; a scene is sampled at them [default: what its file says, 30, with a
     /// warning, of a .npz that says nothing]
     #[arg(long, value_name = "FPS", value_parser = input::rate, allow_negative_numbers = true)]
     fps: Option<f64>,
     /// The skin whose mesh it plays [default: the model's first]
     #[arg(long, value_name = "NAME")]
     skin: Option<String>,
-    /// Put TO in place of FROM where names of joints begin with FROM, in CLIP and the files of --mesh and --into, so that
-    /// they are the model's: `mixamorig:=` takes a prefix away, `=mixamorig:` adds one; may be given several times
+    /// Replace the prefix FROM of joint names by TO, as in `mixamorig:=`; may be given several times
+    ///
+    /// The names in CLIP and in the files of --mesh and --into then match the model's. An empty FROM adds a prefix, an
+    /// empty TO removes one.
     #[arg(long, value_name = "FROM=TO", value_parser = renaming, allow_hyphen_values = true)]
     rename_joints: Vec<(String, String)>,
     /// Match names of joints in whatever case

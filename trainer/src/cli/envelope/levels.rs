@@ -28,10 +28,11 @@ pub(in crate::cli) struct AlsoArguments {
 }
 
 impl AlsoArguments {
-    /// Reads the meshes, each called as its file, and converts them: as its file says, or as the examples were.
+    /// Reads the meshes, named after their files. Each is converted from the space that its file states, or as the
+    /// examples were.
     ///
-    /// - `conversion`: what became of the examples.
-    /// - `space`: where they are now.
+    /// - `conversion`: the change of axes and unit of the examples.
+    /// - `space`: their axes and unit after it.
     pub(in crate::cli) fn load(
         &self,
         conversion: Option<&Conversion>,

@@ -11,17 +11,17 @@ use crate::formats::gltf::write::{Document, SkinIndex};
 use crate::space::Conversion;
 use rayon::prelude::*;
 
-/// Further meshes, and the transforms of the palette that each follows.
+/// Further meshes and their weights on the palette.
 #[derive(Default)]
 pub(super) struct Further {
     levels: Vec<Level>,
     influences: Vec<Influences>,
-    /// How they follow, in their order.
+    /// Reports on the meshes, in their order.
     pub(super) reports: Vec<LevelReport>,
 }
 
 impl Further {
-    /// Finds what meshes follow, and moves those in other axes or another unit.
+    /// Finds the weights of meshes, and moves meshes in other axes or another unit.
     ///
     /// # Errors
     /// [`ExportError::Level`] and [`ExportError::Frame`].

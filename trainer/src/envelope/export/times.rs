@@ -45,3 +45,25 @@ fn hold<const N: usize>(keys: &[[f32; N]], times: &[f32]) -> bool {
     let is_jump = |key: &usize| jumps.binary_search(key).is_ok();
     !jumps.is_empty() && (1..keys.len()).map(|key| key - 1).filter(|k| !is_jump(k)).all(is_held)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_joint_keeps_its_steps_where_it_only_jumps() {
+        let before = 1.0_f32.next_down();
+        let times = [0.0, before, 1.0, 2.0];
+        let holds = |values: [f32; 4], times: &[f32]| {
+            let keys = values.map(|x| [x, 5.0, 0.0]).to_vec();
+            track(0, ChannelKeys::Translation(keys), times).holds
+        };
+        assert!(holds([1.0, 1.0, 3.0, 3.0], &times));
+        // Single precision rounds.
+        assert!(holds([1.0, 1.000_001, 3.0, 3.0], &times));
+        assert!(!holds([1.0, 1.0, 3.0, 3.1], &times));
+        assert!(!holds([1.0, 1.1, 3.0, 3.0], &times));
+        // Without a jump a joint at rest is linear, as all are.
+        assert!(!holds([1.0; 4], &[0.0, 0.5, 1.0, 2.0]));
+    }
+}

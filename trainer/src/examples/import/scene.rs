@@ -247,8 +247,11 @@ fn check_frames(
     Ok(())
 }
 
-/// Takes the scale that all maps share, but those of idle joints, out of their linear parts, and returns it; 1 where they
-/// share none or are rigid: what is left is for the examples' own checks to judge.
+/// Divides maps by their common scale and returns it. Returns 1 if they are rigid or have no common scale; the checks
+/// of the examples then judge them. Idle joints have no say.
+///
+/// - `maps`: of all joints, frame-major.
+/// - `idle`: whether each joint is idle.
 pub(super) fn unscale(maps: &mut [Matrix4<f64>], idle: &[bool]) -> f64 {
     let scale = |map: &Matrix4<f64>| map.fixed_view::<3, 3>(0, 0).determinant().abs().cbrt();
     let mut scales =

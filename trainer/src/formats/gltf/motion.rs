@@ -29,7 +29,7 @@ pub(crate) fn read_motion(
     if nodes.names.is_empty() {
         return Err(SceneError::Empty.into());
     }
-    // Where the skins of a file disagree, its nodes tell what is at rest.
+    // Skins that disagree have no common rest pose; the nodes have one.
     let skins = Skins::all(document, buffers, &nodes).unwrap_or_default();
     let shows: Vec<bool> = document.nodes().map(|node| node.mesh().is_some()).collect();
     // Without a skin, whatever shows no mesh; of an armature called as a joint below it, the joint.

@@ -78,6 +78,9 @@ impl RiggedFile {
             return Err(SceneError::Extension { name: (*name).to_owned() });
         }
         let nodes = Nodes::read(&document)?;
+        if !nodes.shown(&document).contains(&true) {
+            return Err(SceneError::Empty);
+        }
         let locals: Vec<_> = nodes.locals.iter().map(|local| local.matrix()).collect();
         let (meshes, skins) = meshes(&document, &buffers, &nodes)?;
         let mut binds = vec![None; locals.len()];

@@ -8,15 +8,15 @@ use super::accessor::numbers;
 use super::file::Buffers;
 use crate::formats::scene::SceneError;
 
-/// Tells whether a primitive is made of triangles, and not of points or lines.
+/// Returns true for a primitive of triangles, and false for points and lines.
 pub(super) fn is_surface(primitive: &Primitive<'_>) -> bool {
     matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
 }
 
-/// Lists the corners of a primitive's triangles, by the numbers of its vertices, of which there are `vertex_len`.
+/// Lists the corners of a primitive's triangles, as numbers of its `vertex_len` vertices.
 ///
-/// Triangles of strips and fans that repeat a corner are left out: they join one part of a strip to the next. The
-/// largest index of a type restarts a strip or fan, as engines do it.
+/// Strips and fans may repeat a corner to join two parts: such triangles are left out. The largest index of a type
+/// restarts a strip or fan, as in engines.
 ///
 /// # Errors
 /// [`SceneError::Accessor`]; [`SceneError::NoSuch`] for a vertex that is not there; [`SceneError::Count`] where a list

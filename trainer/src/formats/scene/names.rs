@@ -1,14 +1,14 @@
-//! Names of joints: told apart where they are equal, and matched with those of another file.
+//! Names of joints: made unique within a file, and matched between files.
 
 use std::collections::{BTreeMap, HashSet};
 
-/// Tells joints of equal names apart. One is qualified by the nearest nodes above that differ, as `left arm/hand` and
-/// `right arm/hand`; where none differ, all but the first are numbered, as `hand` and `hand 2`.
+/// Makes the names of joints unique. The nearest ancestors with different names qualify equal names, as in
+/// `left arm/hand` and `right arm/hand`. Without such ancestors the second joint becomes `hand 2`.
 ///
 /// - `names`, `parents`: of all nodes.
-/// - `is_joint`: whether a node counts; others keep their names.
+/// - `is_joint`: whether a node is a joint; other nodes keep their names.
 ///
-/// Returns the names of all nodes, and the nodes whose names differ from before.
+/// Returns the names of all nodes, and the nodes that were renamed.
 pub(in crate::formats) fn told_apart(
     names: &[String],
     parents: &[Option<usize>],
@@ -21,10 +21,10 @@ pub(in crate::formats) fn told_apart(
     }
     let mut groups: Vec<Vec<usize>> =
         groups.into_values().filter(|group| group.len() > 1).collect();
-    // Nodes above first, for their new names tell apart what hangs below.
+    // Ancestors first, because their new names qualify their descendants.
     groups.sort_by_key(|group| group.iter().map(|&node| above(node).count()).min());
     let mut labels = names.to_vec();
-    // What qualifies others: a name with its number, but not with what qualifies itself.
+    // Qualifiers have numbers, but no qualifiers of their own.
     let mut qualifiers = names.to_vec();
     let mut taken: HashSet<String> = names.iter().cloned().collect();
     for group in &groups {
@@ -61,19 +61,19 @@ pub(in crate::formats) fn told_apart(
     (labels, renamed)
 }
 
-/// How the names of joints in a file become those of a character.
+/// Maps the joint names of a file to the names of a character.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct JointNames<'a> {
-    /// Beginnings of names, and what takes their place; the first that a name has counts.
+    /// Prefixes and their replacements; the first prefix that a name has is replaced.
     pub prefixes: &'a [(String, String)],
-    /// Whether names match in whatever case.
+    /// Whether upper and lower case match.
     pub ignore_case: bool,
-    /// The names of the model's joints, where they are known.
+    /// Names of the model's joints; empty if unknown.
     pub known: &'a [String],
 }
 
 impl JointNames<'_> {
-    /// Gives a name as a character of these joints has it.
+    /// Renames a joint; `known` are the character's names.
     pub(crate) fn renamed(&self, name: &str, known: &[String]) -> String {
         let replaced = self
             .prefixes
@@ -87,19 +87,20 @@ impl JointNames<'_> {
         known.iter().find(same).cloned().unwrap_or(name)
     }
 
-    /// Says what keeps the names of a file, once renamed, from the model's, with the option that mends it; `None` where
-    /// nothing does.
+    /// Explains how renamed names still differ from the model's, and names the option that matches them. Returns `None`
+    /// if no option would match more.
     pub(crate) fn mismatch(&self, found: &[String]) -> Option<String> {
         mismatch(self.known, found)
     }
 
-    /// Renames all names of a file as the model has them.
+    /// Renames all joints of a file.
     pub(crate) fn rename(&self, names: &mut [String]) {
         names.iter_mut().for_each(|name| *name = self.renamed(name, self.known));
     }
 }
 
-/// What keeps the names of a file from those of a character, and the options that match them; `None` where nothing does.
+/// Explains how the names of a file differ from a character's, and names the options that match them. Returns `None` if
+/// no option would match more.
 ///
 /// - `known`: the character's joints.
 /// - `found`: the file's nodes.
@@ -150,7 +151,8 @@ fn matches(known: &[String], found: &[String]) -> usize {
     known.iter().filter(|name| found.contains(name)).count()
 }
 
-/// Finds the prefixes, of a file and of a character, whose exchange matches most names, and how many it matches.
+/// Finds the pair of prefixes, in a file and in a character, whose exchange matches most names; returns it and their
+/// count.
 fn prefixes(known: &[String], found: &[String]) -> Option<((String, String), usize)> {
     let mut votes: BTreeMap<(&str, &str), HashSet<usize>> = BTreeMap::new();
     for (number, known) in known.iter().enumerate() {
@@ -174,7 +176,7 @@ fn prefixes(known: &[String], found: &[String]) -> Option<((String, String), usi
     Some(((from.to_owned(), to.to_owned()), own.len()))
 }
 
-/// Lists a name, and what follows each mark in it that parts a prefix from a name.
+/// Lists a name, and the rest of the name after each punctuation mark.
 fn ends(name: &str) -> impl Iterator<Item = &str> {
     let marks = name.char_indices().filter(|(_, c)| !c.is_alphanumeric());
     std::iter::once(name).chain(marks.map(|(place, mark)| &name[place + mark.len_utf8()..]))

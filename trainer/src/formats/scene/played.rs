@@ -1,4 +1,4 @@
-//! The times at which a clip is sampled to be played: linear keys at them play what the clip does.
+//! Sample times of a clip for playback: linear keys at these times reproduce the clip.
 
 use super::error::SceneError;
 use super::sampling::Sampling;
@@ -6,10 +6,10 @@ use super::times::{SAME, sample_times};
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
-/// Farthest that joints may be from the clip between two samples, over the size of the skeleton: the positions of a
-/// skin must be within 1e-3 of its diagonal.
+/// Largest error of the joints between two samples, over the skeleton's size. Skins must be within 1e-3 of their
+/// diagonal.
 const NEAR: f64 = 2e-4;
-/// Poses at one time that are further apart than this, over the size of the skeleton, are a jump.
+/// Smallest jump of a pose, over the skeleton's size.
 const JUMP: f64 = 1e-6;
 /// How often the step between two keys may be halved.
 const HALVINGS: u32 = 10;
@@ -28,14 +28,14 @@ pub(in crate::formats) struct Sample {
 /// Frames of joints in the world.
 pub(in crate::formats) type Pose = Vec<Matrix4<f64>>;
 
-/// Chooses the moments at which the clip `name` is sampled; `keys` are those of every channel in any order.
+/// Chooses the moments at which the clip `name` is sampled.
 ///
-/// To be learned from, a clip has one sample a key, or as many a second as asked for. To be played, it has two samples
-/// where the pose jumps, whose times are neighbours in single precision, and as many more between two keys as linear
-/// interpolation needs; with a rate, none between.
+/// For training a clip has one sample a key, or the rate that is asked for. For playback a jump has two samples, whose
+/// times are neighbours in single precision. Curves get more samples between their keys, unless a rate is given.
 ///
+/// - `keys`: key times of every channel, in any order, in seconds.
 /// - `parents`: of the joints.
-/// - `pose`: where the joints are at a time.
+/// - `pose`: world frames of the joints at a time.
 ///
 /// # Errors
 /// [`SceneError::KeyTimes`], and those of `pose`.
@@ -82,15 +82,15 @@ pub(in crate::formats) fn samples(
     Ok(all)
 }
 
-/// Keys that are nearly one, or a time between keys.
+/// Keys at nearly one time, or a time between keys.
 struct Moment {
     first: f64,
     last: f64,
-    /// Whether it is a sample even where the pose does not jump.
+    /// Whether the moment is a sample without a jump, too.
     is_sample: bool,
 }
 
-/// Lists the moments of some keys: each is a sample, or only `wanted` times are.
+/// Merges keys at nearly one time. Each moment is a sample, or only the `wanted` times are.
 fn moments(keys: Vec<f64>, wanted: Option<&[f64]>) -> Vec<Moment> {
     let keys = keys.into_iter().map(|key| (key, wanted.is_none()));
     let wanted = wanted.into_iter().flatten().map(|&time| (time, true));
@@ -143,7 +143,7 @@ impl<'a> Measure<'a> {
         joints.fold(0.0, f64::max)
     }
 
-    /// Lists the times between two at which linear interpolation needs a sample.
+    /// Lists the times between two samples at which linear interpolation needs more.
     fn between(
         &self,
         [from, to]: [f64; 2],
@@ -172,8 +172,8 @@ impl<'a> Measure<'a> {
         Ok(all)
     }
 
-    /// Interpolates between two poses as linear keys of the joints do: each against its parent, its origin on a line
-    /// and its axes along an arc.
+    /// Interpolates between two poses as linear keys do: the origin of a joint moves along a line and its axes along an
+    /// arc, relative to the parent.
     fn blended(&self, start: &Pose, end: &Pose, part: f64) -> Pose {
         let mut worlds = vec![Matrix4::identity(); start.len()];
         for &joint in &self.order {

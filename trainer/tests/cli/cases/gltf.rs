@@ -141,8 +141,13 @@ fn an_empty_scene_is_called_empty() {
     }
     std::fs::write(folder.path("bare.gltf"), r#"{ "asset": { "version": "2.0" } }"#).unwrap();
     run(&folder, "-q train --predictor kernel plain.glb -o m.sinew");
-    for command in ["check bare.gltf", "export m.sinew --clip bare.gltf --mesh plain.glb -o o.glb"]
-    {
+    for command in [
+        "check bare.gltf",
+        "train plain.glb --targets bare.gltf -o n.sinew",
+        "train plain.glb --also bare.gltf -o n.sinew",
+        "export m.sinew --clip bare.gltf --mesh plain.glb -o o.glb",
+        "export m.sinew --clip plain.glb --into bare.gltf -o o.glb",
+    ] {
         assert!(refused(&folder, command).contains("is empty"), "{command}");
     }
 }
@@ -374,7 +379,9 @@ fn joints_of_equal_names_are_told_apart() {
     assert!(lbs(&folder, "pairsamenames.glb") <= 1e-4);
     let told = run(&folder, "train --predictor kernel pairsamenames.glb -o m.sinew").err;
     assert!(
-        told.contains("told apart as root/mid, root/tip, root 2, root 2/mid, root 2/tip"),
+        told.contains(
+            "equal names were renamed: root/mid, root/tip, root 2, root 2/mid, root 2/tip"
+        ),
         "{told}"
     );
     let source = Glb::read(&folder, "pairsamenames.glb");
@@ -406,7 +413,10 @@ fn a_scaled_joint_that_moves_nothing_is_no_matter() {
     let Some(folder) = with_cases("socket", &cases) else { return };
     assert!(lbs(&folder, "scaled_socket.glb") <= 1e-4);
     let told = run(&folder, "train --predictor kernel scaled_socket.glb -o m.sinew").err;
-    assert!(told.contains("are taken without their scale: socket"), "{told}");
+    assert!(
+        told.contains("scaled joints that move no vertex are taken without their scale: socket"),
+        "{told}"
+    );
     // A joint under it that moves nothing either.
     let mut child = Glb::read(&folder, "scaled_socket.glb");
     let binds = child.json["skins"][0]["inverseBindMatrices"].clone();

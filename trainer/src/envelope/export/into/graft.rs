@@ -200,7 +200,7 @@ impl Graft<'_> {
         }
     }
 
-    /// Gives the inverse bind matrices of what is seen from the model's rest mesh like this.
+    /// Returns the inverse bind matrices of a mesh; `to_model` leads from the mesh to the model's rest mesh.
     fn rows(&self, to_model: &Matrix4<f64>) -> Vec<Rows> {
         let rows = |bind: &Matrix4<f64>| {
             let bind = bind * to_model;
