@@ -74,7 +74,7 @@ pub(in crate::cli) struct Arguments {
     /// empty TO removes one.
     #[arg(long, value_name = "FROM=TO", value_parser = renaming, allow_hyphen_values = true)]
     rename_joints: Vec<(String, String)>,
-    /// Match names of joints in whatever case
+    /// Match joint names regardless of case
     #[arg(long)]
     ignore_case: bool,
     #[command(flatten)]

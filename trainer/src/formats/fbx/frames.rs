@@ -8,7 +8,7 @@ use super::blends::{WEIGHING, channels, is_shaped};
 use super::convert::{fault, matrix};
 use super::joints::parents_among;
 use super::meshes::{MeshPart, skin};
-use crate::formats::scene::{Clip, Sample, Sampling, SceneError, samples};
+use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, SceneError, samples};
 use crate::formats::warning::FormatWarning;
 
 /// The properties of a node that place it.
@@ -36,6 +36,8 @@ pub(super) fn takes(
     sampling.check(scene.anim_stacks.iter().map(|stack| name(stack)).collect())?;
     let watched = Watched::new(scene, joints, parts);
     let parents = parents_among(scene, joints);
+    let rate = scene.settings.frames_per_second;
+    let frame = if rate > 0.0 { 1.0 / rate } else { 0.0 };
     let (mut takes, mut still) = (Vec::new(), Vec::new());
     for (place, stack) in scene.anim_stacks.iter().enumerate().filter(|(_, stack)| named(stack)) {
         let (keys, keyed) = watched.keys(stack);
@@ -50,7 +52,8 @@ pub(super) fn takes(
             let posed = posed.map_err(fault)?;
             Ok(joints.iter().map(|&node| matrix(&posed.nodes[node].node_to_world)).collect())
         };
-        let samples = samples(&stack.element.name, keys, sampling, &parents, pose)?;
+        let joints = MovingJoints { parents: &parents, frame, pose };
+        let samples = samples(&stack.element.name, keys, sampling, &joints)?;
         takes.push(Take { stack: place, name: name(stack), samples });
     }
     if takes.is_empty() {

@@ -4,7 +4,7 @@ use super::clips::ClipKeys;
 use super::meshes::{Instance, Meshes};
 use super::nodes::{Local, Nodes};
 use super::skins::Skins;
-use crate::formats::scene::{Clip, Sample, Sampling, SceneError, samples};
+use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, SceneError, samples};
 use crate::formats::warning::FormatWarning;
 use nalgebra::{Matrix4, Vector3};
 
@@ -55,7 +55,8 @@ impl Scene {
                 let worlds = self.nodes.worlds(&self.at(&Moment { clip: keys, time }).0);
                 Ok(joints.iter().map(|&node| worlds[node]).collect())
             };
-            let samples = samples(&keys.name, times, sampling, &parents, pose)?;
+            let joints = MovingJoints { parents: &parents, frame: 0.0, pose };
+            let samples = samples(&keys.name, times, sampling, &joints)?;
             if samples.is_empty() {
                 idle.push(keys.name.clone());
                 continue;

@@ -17,7 +17,7 @@ pub(crate) use motion::{Motion, MotionJoints};
 pub use names::JointNames;
 pub(crate) use names::mismatch;
 pub(super) use names::told_apart;
-pub(super) use played::{Sample, samples};
+pub(super) use played::{MovingJoints, Sample, samples};
 pub(crate) use sampled::SampledScene;
 pub(crate) use sampling::Sampling;
 pub(crate) use times::EVEN;

@@ -13,6 +13,8 @@ const NEAR: f64 = 2e-4;
 const JUMP: f64 = 1e-6;
 /// How often the step between two keys may be halved.
 const HALVINGS: u32 = 10;
+/// Frames of a baked file that may stand apart: what lies between them is not meant.
+const FRAMES: f64 = 1.5;
 /// Where between two samples linear interpolation is compared with the clip.
 const PARTS: [f64; 3] = [0.25, 0.5, 0.75];
 
@@ -28,24 +30,32 @@ pub(in crate::formats) struct Sample {
 /// Frames of joints in the world.
 pub(in crate::formats) type Pose = Vec<Matrix4<f64>>;
 
+/// Joints that a clip moves.
+pub(in crate::formats) struct MovingJoints<'a, F> {
+    /// Their parents.
+    pub(in crate::formats) parents: &'a [Option<usize>],
+    /// Seconds of a frame, of a file that bakes its frames; nothing shorter is halved. 0 for other files.
+    pub(in crate::formats) frame: f64,
+    /// World frames of the joints at a time in seconds.
+    pub(in crate::formats) pose: F,
+}
+
 /// Chooses the moments at which the clip `name` is sampled.
 ///
 /// For training a clip has one sample a key, or the rate that is asked for. For playback a jump has two samples, whose
 /// times are neighbours in single precision. Curves get more samples between their keys, unless a rate is given.
 ///
 /// - `keys`: key times of every channel, in any order, in seconds.
-/// - `parents`: of the joints.
-/// - `pose`: world frames of the joints at a time.
 ///
 /// # Errors
-/// [`SceneError::KeyTimes`], and those of `pose`.
+/// [`SceneError::KeyTimes`], and those of the joints' poses.
 pub(in crate::formats) fn samples(
     name: &str,
     keys: Vec<f64>,
     sampling: &Sampling<'_>,
-    parents: &[Option<usize>],
-    pose: impl Fn(f64) -> Result<Pose, SceneError> + Sync,
+    joints: &MovingJoints<'_, impl Fn(f64) -> Result<Pose, SceneError> + Sync>,
 ) -> Result<Vec<Sample>, SceneError> {
+    let MovingJoints { parents, frame, pose } = joints;
     let times = sample_times(name, keys.clone(), sampling)?;
     if !sampling.played || times.is_empty() {
         return Ok(times.into_iter().map(|time| Sample { at: time, time }).collect());
@@ -54,7 +64,7 @@ pub(in crate::formats) fn samples(
     let moments = moments(keys, wanted.as_deref());
     let reached = |moment: &Moment| Ok([pose(moment.first.next_down())?, pose(moment.last)?]);
     let reached = moments.par_iter().map(reached).collect::<Result<Vec<_>, SceneError>>()?;
-    let measure = Measure::new(parents, reached.iter().map(|[_, after]| after));
+    let measure = Measure::new(parents, *frame, reached.iter().map(|[_, after]| after));
     let mut kept = Vec::new();
     for (moment, [before, after]) in moments.iter().zip(&reached) {
         let is_jump = !kept.is_empty() && measure.apart(before, after) > JUMP;
@@ -64,7 +74,7 @@ pub(in crate::formats) fn samples(
     }
     let between = kept.par_windows(2).map(|pair| match pair {
         [(from, _, start, _), (to, end, ..)] if sampling.fps.is_none() => {
-            measure.between([from.last, to.last], [start, end], &pose, HALVINGS)
+            measure.between([from.last, to.last], [start, end], pose, HALVINGS)
         }
         _ => Ok(Vec::new()),
     });
@@ -116,10 +126,16 @@ struct Measure<'a> {
     order: Vec<usize>,
     /// Diagonal of the box around the joints.
     size: f64,
+    /// Longest step that is never halved.
+    least: f64,
 }
 
 impl<'a> Measure<'a> {
-    fn new(parents: &'a [Option<usize>], poses: impl Iterator<Item = &'a Pose>) -> Self {
+    fn new(
+        parents: &'a [Option<usize>],
+        frame: f64,
+        poses: impl Iterator<Item = &'a Pose>,
+    ) -> Self {
         let depth = |joint: &usize| {
             std::iter::successors(parents[*joint], |&parent| parents[parent]).count()
         };
@@ -129,7 +145,8 @@ impl<'a> Measure<'a> {
         let one = extent(poses.first().into_iter().copied());
         // A single joint has the size of its way.
         let size = if one > 0.0 { one } else { extent(poses.into_iter()) };
-        Self { parents, order, size: if size > 0.0 { size } else { 1.0 } }
+        let size = if size > 0.0 { size } else { 1.0 };
+        Self { parents, order, size, least: FRAMES * frame }
     }
 
     /// Measures how far points near the joints are apart in two poses, over the skeleton's size.
@@ -154,7 +171,7 @@ impl<'a> Measure<'a> {
         let middle = 0.5 * (from + to);
         let single = [from, middle, to].map(|time| time as f32);
         let has_room = single[0].next_up() < single[1] && single[1] < single[2].next_down();
-        if halvings == 0 || !has_room {
+        if halvings == 0 || !has_room || to - from <= self.least {
             return Ok(Vec::new());
         }
         let mut is_near = true;
@@ -223,7 +240,8 @@ mod tests {
     fn sampled(keys: &[f64], fps: Option<f64>, angle: impl Fn(f64) -> f64 + Sync) -> Vec<Sample> {
         let sampling = Sampling { fps, clips: &[], shapes: false, still: false, played: true };
         let pose = |time: f64| Ok(arm(angle(time)));
-        samples("turn", keys.to_vec(), &sampling, &[None, Some(0)], pose).unwrap()
+        let joints = MovingJoints { parents: &[None, Some(0)], frame: 0.0, pose };
+        samples("turn", keys.to_vec(), &sampling, &joints).unwrap()
     }
 
     fn times(samples: &[Sample]) -> Vec<f64> {
@@ -250,10 +268,28 @@ mod tests {
     }
 
     #[test]
+    fn frames_of_a_baked_file_are_not_parted() {
+        let sampling =
+            Sampling { fps: None, clips: &[], shapes: false, still: false, played: true };
+        // A turn that a file of 24 frames a second bakes over a frame, and a curve over ten.
+        let keys = [0.0, 1.0 / 24.0, 11.0 / 24.0];
+        let pose =
+            |time: f64| Ok(arm(if time < keys[1] { 100.0 * time * time } else { time * time }));
+        let joints = MovingJoints { parents: &[None, Some(0)], frame: 1.0 / 24.0, pose };
+        let found = samples("turn", keys.to_vec(), &sampling, &joints).unwrap();
+        let times = times(&found);
+        assert_eq!(times.iter().filter(|&&time| time < keys[1]).count(), 2, "{times:?}");
+        assert!((8..20).contains(&times.len()), "{times:?}");
+        let steps = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-3);
+        assert!(steps.fold(f64::MAX, f64::min) > 0.5 / 24.0, "{times:?}");
+    }
+
+    #[test]
     fn a_curve_has_as_many_as_bring_it_near() {
         let curve = |time: f64| time * time;
         let found = sampled(&[0.0, 1.0], None, curve);
-        let measure = Measure { parents: &[None, Some(0)], order: vec![0, 1], size: 1.0 };
+        let measure =
+            Measure { parents: &[None, Some(0)], order: vec![0, 1], size: 1.0, least: 0.0 };
         assert!((5..100).contains(&found.len()), "{}", found.len());
         for pair in found.windows(2) {
             for part in [0.1, 0.3, 0.6, 0.9] {
