@@ -118,7 +118,7 @@ impl FromStr for Conversion {
             _ => return Err(expected),
         };
         let named = |word: &&str| Axis::ALL.into_iter().find(|axis| axis.name() == *word);
-        let rows: Vec<_> = own.iter().filter_map(named).map(|axis| direction(axis)).collect();
+        let rows: Vec<_> = own.iter().filter_map(named).map(direction).collect();
         let [x, y, z] = rows[..] else { return Err(expected) };
         let axes = Matrix3::from_columns(&[x, y, z]).transpose();
         let is_sound = axes.determinant().abs() > 0.5 && f64::is_normal(scale) && scale > 0.0;

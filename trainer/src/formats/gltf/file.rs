@@ -82,8 +82,11 @@ pub(super) fn tree(bytes: &[u8]) -> Result<Map<String, Value>, SceneError> {
     serde_json::from_slice(&json).map_err(|error| SceneError::NotGltf { reason: error.to_string() })
 }
 
+/// Bytes of a part of a file.
+type Chunk<'a> = Cow<'a, [u8]>;
+
 /// Gives the JSON of a file, and the bytes that follow it in a binary file.
-fn chunks(bytes: &[u8]) -> Result<(Cow<'_, [u8]>, Option<Cow<'_, [u8]>>), SceneError> {
+fn chunks(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), SceneError> {
     if !bytes.starts_with(b"glTF") {
         return Ok((bytes.into(), None));
     }

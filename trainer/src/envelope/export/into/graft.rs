@@ -37,6 +37,9 @@ pub struct Grafted {
     pub levels: Vec<LevelReport>,
 }
 
+/// Attributes of vertices, each with its array.
+type Attributes = Vec<(String, Value)>;
+
 /// Rows of an affine map.
 type Rows = [[f32; 4]; 3];
 
@@ -212,7 +215,7 @@ impl Graft<'_> {
     /// Gives the meshes' vertices what the model's follow.
     fn weights(&self, document: &mut Document, influences: &[Vec<(usize, f64)>]) {
         // Primitives that share their positions, and are the same vertices of the model, share these, too.
-        let mut made: HashMap<(Option<u64>, &[usize]), Vec<(String, Value)>> = HashMap::new();
+        let mut made: HashMap<(Option<u64>, &[usize]), Attributes> = HashMap::new();
         let mut shown: HashMap<usize, &Vec<Vec<usize>>> = HashMap::new();
         for (mesh, vertices) in self.meshes() {
             let mut own = mesh.mesh;
