@@ -7,6 +7,10 @@ NLA become clips by name, or all frames are one clip called as its action. Names
 numbers, axes, unit, joint weights (vertex groups called as bones) and texture coordinates go with
 them.
 
+The rest mesh is taken at the first frame, with the armature in its rest position. Every keyed shape
+key, custom property and bone has its default there, and drivers follow. Properties without keys keep
+their value in all frames, and at rest too.
+
     blender rig.blend --background --python blender_export.py -- examples.npz
     python blender_export.py --blend rig.blend examples.npz        (with `pip install bpy`)
 
@@ -20,6 +24,7 @@ much as it weighs in the group: outside of it not at all, and fully in meshes wi
 import argparse
 import math
 import sys
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -43,11 +48,16 @@ def main(arguments):
     bones = deforming(armature, options.bones)
     clips = chosen_clips(scene, armature, options)
     frames = [frame for _, own in clips for frame in own]
-    parts = at_rest(scene, meshes, armature, bones, options.importance)
+    before = scene.frame_current
+    try:
+        parts, rest, shapes = at_rest(scene, frames[0], meshes, armature, bones, options.importance)
+        posed = poses(scene, meshes, parts, armature, rest, bones, frames)
+    finally:
+        scene.frame_set(before)
     examples = {
         **joined(meshes, parts),
-        **skeleton(armature, bones),
-        **poses(scene, meshes, parts, armature, bones, frames),
+        **skeleton(rest, bones),
+        **posed,
         **told(scene, clips, frames),
     }
     # The last name decides the format: numpy would add .npz to any other.
@@ -58,8 +68,11 @@ def main(arguments):
         f"wrote {options.output}: {len(examples['rest'])} vertices, {len(bones)} joints, "
         f"{len(frames)} frames at {float(examples['fps']):g} a second\n"
         f"  meshes: {', '.join(mesh.name for mesh in meshes)}\n"
-        f"  clips: {names}"
+        f"  clips: {names}\n"
+        f"  rest mesh: of frame {frames[0]}, armature, keys and drivers at rest"
     )
+    if shapes:
+        note(f"shape keys that are on at rest, as no key moves them: {', '.join(shapes)}")
 
 
 def parse(arguments):
@@ -217,16 +230,22 @@ def starts(lengths):
     return [sum(lengths[:number]) for number in range(len(lengths))]
 
 
-def at_rest(scene, meshes, armature, bones, importance):
-    """Evaluates the meshes with every bone at rest, each as arrays by name."""
+def at_rest(scene, frame, meshes, armature, bones, importance):
+    """Evaluates the meshes at a frame, with every keyed property at rest, each as arrays by name.
+
+    Returns the rest frames of the bones, too, and the names of the shape keys that are on.
+    """
     if importance and not any(importance in mesh.vertex_groups for mesh in meshes):
         known = ", ".join(sorted({g.name for mesh in meshes for g in mesh.vertex_groups}))
         raise Problem(f"no mesh has a vertex group {importance}, only: {known or 'none'}")
-    position = armature.data.pose_position
+    position, restore = armature.data.pose_position, []
     armature.data.pose_position = "REST"
     try:
-        scene.frame_set(scene.frame_current)
-        parts = []
+        scene.frame_set(frame)
+        restore = settle(scene)
+        bpy.context.view_layer.update()
+        rest = rest_frames(armature, bones)
+        parts, shapes = [], []
         for mesh in meshes:
             with Evaluated(mesh) as (shape, world):
                 part = faces(shape, np.linalg.det(world[:3, :3]) < 0)
@@ -239,11 +258,107 @@ def at_rest(scene, meshes, armature, bones, importance):
                     if importance in groups:
                         part["importance"] = weights(shape, [groups[importance]])[:, 0]
             parts.append(part)
+            shapes += shapes_that_are_on(mesh)
     finally:
         armature.data.pose_position = position
+        for back in reversed(restore):
+            back()
     if not any(len(part["quads"]) + len(part["tris"]) for part in parts):
         raise Problem(f"mesh {meshes[0].name} has no faces")
-    return parts
+    return parts, rest, shapes
+
+
+TRANSFORMS = ("location", "rotation_", "scale", "bbone_")
+
+
+def settle(scene):
+    """Puts keyed bones, custom properties and shape keys at their defaults; drivers follow.
+
+    Returns functions that restore the values.
+    """
+    owners = [scene, scene.world]
+    for thing in scene.objects:
+        owners += [thing, thing.data, getattr(thing.data, "shape_keys", None)]
+    restore = []
+    for owner in dict.fromkeys(owner for owner in owners if owner is not None):
+        for path, index in sorted(keyed(owner)):
+            holder, _, name = path.rpartition(".")
+            shape = holder.startswith("key_blocks[") and name == "value"
+            bone = holder.startswith("pose.bones[") and name.startswith(TRANSFORMS)
+            own = path.endswith('"]') and not path.startswith("modifiers[")
+            if shape or bone or own:
+                restore += reset(owner, path, index)
+    return restore
+
+
+def keyed(owner):
+    """Lists the properties that the action and the NLA of a data-block move, each as path and index."""
+    data = owner.animation_data
+    if data is None:
+        return set()
+    actions = {data.action}
+    tracks = [t for t in data.nla_tracks if not t.mute] if data.use_nla else []
+    strips = [strip for track in tracks for strip in track.strips]
+    while strips:
+        strip = strips.pop()
+        actions.add(strip.action)
+        # Strips of a meta strip.
+        strips += getattr(strip, "strips", [])
+    return {(curve.data_path, curve.array_index)
+            for action in actions - {None} for curve in curves_of(action)}
+
+
+def curves_of(action):
+    # From Blender 4.4 on an action has layers, and before 5.0 its curves as well.
+    if hasattr(action, "layers"):
+        bags = [bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags]
+        found = [curve for bag in bags for curve in bag.fcurves]
+        if found:
+            return found
+    return list(getattr(action, "fcurves", []))
+
+
+def reset(owner, path, index):
+    """Puts a property at its default; returns a function that restores it, or none without a default."""
+    try:
+        if path.endswith("]"):
+            holder, _, name = path[:-2].rpartition('["')
+            name = bpy.utils.unescape_identifier(name)
+            holder = owner.path_resolve(holder) if holder else owner
+            default = holder.id_properties_ui(name).as_dict().get("default", 0)
+            get, put = holder.__getitem__, holder.__setitem__
+        else:
+            holder, _, name = path.rpartition(".")
+            holder = owner.path_resolve(holder)
+            prop = holder.bl_rna.properties[name]
+            default = prop.default_array if prop.is_array else prop.default
+            if name == "value":
+                # A shape key is off at rest; Blender 5 adds new ones switched on.
+                default = 0
+            get, put = partial(getattr, holder), partial(setattr, holder)
+        before = get(name)
+        if hasattr(before, "__len__"):
+            before = list(before)
+            value = list(before)
+            value[index] = default[index] if hasattr(default, "__len__") else default
+        else:
+            value = type(before)(default)
+        put(name, value)
+    except (AttributeError, KeyError, TypeError, ValueError, IndexError):
+        # A key without its property moves nothing.
+        return []
+    owner.update_tag()
+    return [partial(put, name, before)]
+
+
+def shapes_that_are_on(mesh):
+    keys = mesh.data.shape_keys
+    if keys is None or not keys.use_relative:
+        return []
+    keys = keys.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    on = [key for key in keys.key_blocks if key.value != 0 and not key.mute]
+    return [f"{mesh.name} {key.name} ({key.value:.2f})" for key in on
+            if key != keys.reference_key]
 
 
 def faces(shape, mirrored):
@@ -323,7 +438,7 @@ def joined(meshes, parts):
             for name, array in found.items() if len(array)}
 
 
-def skeleton(armature, bones):
+def skeleton(rest, bones):
     numbers = {bone.name: number for number, bone in enumerate(bones)}
 
     def parent(bone):
@@ -335,7 +450,7 @@ def skeleton(armature, bones):
     return {
         "bone_names": np.array([bone.name for bone in bones]),
         "bone_parents": np.array([parent(bone) for bone in bones], np.int32),
-        "joint_world_rest": np.array([rigid(frame) for frame in rest_frames(armature, bones)]),
+        "joint_world_rest": np.array([rigid(frame) for frame in rest]),
     }
 
 
@@ -344,8 +459,8 @@ def rest_frames(armature, bones):
     return np.array([world @ np.array(bone.matrix_local) for bone in bones])
 
 
-def poses(scene, meshes, parts, armature, bones, frames):
-    rest = np.linalg.inv(rest_frames(armature, bones))
+def poses(scene, meshes, parts, armature, rest, bones, frames):
+    rest = np.linalg.inv(rest)
     vertices = np.empty((len(frames), sum(len(part["rest"]) for part in parts), 3), np.float32)
     maps = np.empty((len(frames), len(bones), 4, 4))
     for number, frame in enumerate(frames):

@@ -145,7 +145,12 @@ impl ExampleArguments {
         for file in &self.examples {
             let own = if several && !is_scene(file) { None } else { targets.next() };
             let targets = own.map(PathBuf::as_path);
-            sources.push(Source { file, targets, fps: self.fps, clips: &self.clip, still: false });
+            sources.push(Source {
+                targets,
+                fps: self.fps,
+                clips: &self.clip,
+                ..Source::file(file)
+            });
         }
         Ok(sources)
     }

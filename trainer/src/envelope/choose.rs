@@ -51,6 +51,7 @@ pub fn choose(
 ) -> Result<Trained, TrainError> {
     if let FileSkins::Skins(further) = &options.meshes {
         levels::check_names(further).map_err(AddError::from)?;
+        levels::check_places(further, examples).map_err(AddError::from)?;
     }
     let lbs = training.targets(&training.lbs.weights);
     let mut choice = PredictorSearch {

@@ -9,6 +9,7 @@ mod engine;
 mod error;
 mod hash;
 mod hold_out;
+mod idle;
 mod import;
 mod importance;
 mod mark;
@@ -21,6 +22,7 @@ pub(crate) mod testing;
 mod validate;
 mod warning;
 
+pub use crate::formats::scene::JointNames;
 pub use crate::formats::scene::{Clip, RATES};
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
 pub(crate) use error::called;

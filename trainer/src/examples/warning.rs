@@ -54,6 +54,13 @@ pub enum Warning {
     FollowParents {
         /// The joints.
         joints: Vec<String>,
+        /// What keeps names from matching, and the option that mends it.
+        mismatch: Option<String>,
+    },
+    /// Joints that move nothing are scaled, which was taken out.
+    IdleScaled {
+        /// The joints.
+        joints: Vec<String>,
     },
     /// An animation's joints stand otherwise where nothing is animated than the character's at rest, which is taken.
     RestOfCharacter,
@@ -101,6 +108,7 @@ impl Warning {
             | Self::RestOfCharacter
             | Self::RepeatedVertex { .. }
             | Self::ZeroArea { .. }
+            | Self::IdleScaled { .. }
             | Self::Format(FormatWarning::NormalsRepaired { .. }) => Severity::Note,
             _ => Severity::Warning,
         }
@@ -170,10 +178,18 @@ impl fmt::Display for Warning {
                     others.join(", ")
                 )
             }
-            Warning::FollowParents { joints } => {
+            Warning::FollowParents { joints, mismatch } => {
                 write!(
                     f,
                     "joints that it does not have follow their parents: {}",
+                    joints.join(", ")
+                )?;
+                mismatch.as_ref().map_or(Ok(()), |mismatch| write!(f, "; {mismatch}"))
+            }
+            Warning::IdleScaled { joints } => {
+                write!(
+                    f,
+                    "scaled joints that move no vertex are taken without their scale: {}",
                     joints.join(", ")
                 )
             }

@@ -82,7 +82,11 @@ pub fn glb(face: &BakedFace<'_>, mesh: &Mesh, weights: &Weights<'_>) -> Result<V
     if let Weights::Played(frames) = weights {
         let times: Vec<f32> = frames.iter().map(|(time, _)| *time as f32).collect();
         let keys = frames.iter().flat_map(|(_, weights)| weights.iter().map(|w| [*w])).collect();
-        document.animation("take", &times, vec![Track { node, keys: ChannelKeys::Weights(keys) }]);
+        document.animation(
+            "take",
+            &times,
+            vec![Track { node, keys: ChannelKeys::Weights(keys), holds: false }],
+        );
     }
     document.finish().map_err(FaceError::Glb)
 }

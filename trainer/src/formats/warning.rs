@@ -30,6 +30,21 @@ pub enum FormatWarning {
         /// The clips.
         clips: Vec<String>,
     },
+    /// Animation channels that name no node are left out.
+    UntargetedChannels {
+        /// The clips that have any.
+        clips: Vec<String>,
+    },
+    /// Points and lines of meshes are left out.
+    PointsAndLines {
+        /// The meshes.
+        meshes: Vec<String>,
+    },
+    /// Joints of equal names, which were told apart.
+    EqualNames {
+        /// The names that they have now.
+        joints: Vec<String>,
+    },
     /// Vertices that no joint moves.
     Unweighted {
         /// How many.
@@ -80,6 +95,19 @@ impl fmt::Display for FormatWarning {
                     "clips that move neither a joint nor a shape of the mesh are left out: {}",
                     clips.join(", ")
                 )
+            }
+            FormatWarning::UntargetedChannels { clips } => {
+                write!(
+                    f,
+                    "animation channels without a node are left out, of the clips: {}",
+                    clips.join(", ")
+                )
+            }
+            FormatWarning::PointsAndLines { meshes } => {
+                write!(f, "points and lines are left out, of the meshes: {}", meshes.join(", "))
+            }
+            FormatWarning::EqualNames { joints } => {
+                write!(f, "joints with equal names were renamed: {}", joints.join(", "))
             }
             FormatWarning::Unweighted { count, follow } => {
                 write!(f, "vertices without a joint's weight, which follow {follow}: {count}")

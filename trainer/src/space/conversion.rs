@@ -3,8 +3,9 @@
 use super::axes::{direction, names};
 use super::request::{SpaceError, SpaceRequest};
 use nalgebra::{Matrix3, Vector3};
-use sinew_runtime::format::{Handedness, Space};
+use sinew_runtime::format::{Axis, Handedness, Space};
 use std::fmt;
+use std::str::FromStr;
 
 /// A change of axes and unit: `x' = scale axes x`, where the axes are those of the old space in
 /// another order or sign.
@@ -99,6 +100,35 @@ impl Conversion {
         if self.is_mirrored() {
             triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
         }
+    }
+}
+
+impl FromStr for Conversion {
+    type Err = &'static str;
+
+    /// Parses the form of [`Display`](fmt::Display), as in `(x, -z, y) x 0.01`, with or without its punctuation.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let expected = "expected where x, y and z come from, and a scale, as \"(x, -z, y) x 0.01\"";
+        let words = text.split(|c: char| c.is_whitespace() || "(),".contains(c));
+        let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+        let (own, scale) = words.split_at_checked(3).ok_or(expected)?;
+        let scale = match scale {
+            [] => 1.0,
+            [scale] | ["x", scale] => scale.parse().map_err(|_| expected)?,
+            _ => return Err(expected),
+        };
+        let named = |word: &&str| Axis::ALL.into_iter().find(|axis| axis.name() == *word);
+        let rows: Vec<_> = own.iter().filter_map(named).map(direction).collect();
+        let [x, y, z] = rows[..] else { return Err(expected) };
+        let axes = Matrix3::from_columns(&[x, y, z]).transpose();
+        let is_sound = axes.determinant().abs() > 0.5 && f64::is_normal(scale) && scale > 0.0;
+        is_sound.then_some(Self { axes, scale }).ok_or(expected)
+    }
+}
+
+impl serde::Serialize for Conversion {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
     }
 }
 

@@ -4,31 +4,64 @@ use crate::cli::Output;
 use crate::cli::column::padded;
 use anyhow::bail;
 use serde_json::{Value, json};
+use sinew_runtime::format::Space;
 use sinew_trainer::envelope::levels::{Level, LevelReport};
-use sinew_trainer::formats::obj;
+use sinew_trainer::formats::MeshFile;
 use sinew_trainer::space::{Conversion, written};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Reads further meshes, each called as its file, and converts them as the examples were.
-pub(in crate::cli) fn load(
-    files: &[PathBuf],
-    conversion: Option<&Conversion>,
-) -> anyhow::Result<Vec<Level>> {
-    let mut levels = files.iter().map(|file| level(file)).collect::<anyhow::Result<Vec<_>>>()?;
-    for level in &mut levels {
-        if let Some(conversion) = conversion {
-            level.mesh.convert(conversion);
-        }
-    }
-    Ok(levels)
+/// Further meshes.
+#[derive(clap::Args, serde::Serialize)]
+pub(in crate::cli) struct AlsoArguments {
+    /// A further mesh on the same joints (.obj, .glb, .gltf, .fbx), of any topology, in the rest pose of the examples;
+    /// may be given several times
+    ///
+    /// One prediction then drives all of them: levels of detail, garments. Weights come from the nearest points of the
+    /// model's surface, and are fitted to where that surface carries them. Other axes or another unit are recognised
+    /// where one way alone brings the mesh there; --also-axes says which, where several do.
+    #[arg(long, value_name = "LOD")]
+    pub(in crate::cli) also: Vec<PathBuf>,
+    /// Where the axes of the --also meshes come from, and a scale, as "(x, -z, y) x 0.01": once for all, or once for
+    /// each, in their order [default: recognised]
+    #[arg(long, value_name = "AXES", requires = "also", allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    also_axes: Vec<Conversion>,
 }
 
-fn level(file: &Path) -> anyhow::Result<Level> {
-    if file.is_dir() {
-        bail!("{}: is a folder, expected an .obj file", file.display());
+impl AlsoArguments {
+    /// Reads the meshes, named after their files. Each is converted from the space that its file states, or as the
+    /// examples were.
+    ///
+    /// - `conversion`: the change of axes and unit of the examples.
+    /// - `space`: their axes and unit after it.
+    pub(in crate::cli) fn load(
+        &self,
+        conversion: Option<&Conversion>,
+        space: &Space,
+        output: Output,
+    ) -> anyhow::Result<Vec<Level>> {
+        let (files, given) = (self.also.len(), self.also_axes.len());
+        if given > 1 && given != files {
+            bail!(
+                "--also-axes: expected one for all meshes or one for each of {files}, found {given}"
+            );
+        }
+        let mut levels = Vec::new();
+        for (number, file) in self.also.iter().enumerate() {
+            if file.is_dir() {
+                bail!("{}: is a folder, expected a mesh (.obj, .glb, .gltf, .fbx)", file.display());
+            }
+            let MeshFile { mut mesh, space: own, warnings } = MeshFile::read(file)?;
+            warnings.iter().for_each(|warning| output.warn(file.display(), warning));
+            let by_file = own.and_then(|own| Conversion::between(&own, space));
+            let known = if own.is_some() { by_file.as_ref() } else { conversion };
+            let axes = self.also_axes.get(if given > 1 { number } else { 0 });
+            known.into_iter().chain(axes).for_each(|conversion| mesh.convert(conversion));
+            let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            levels.push(Level { name, mesh });
+        }
+        Ok(levels)
     }
-    let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Level { name, mesh: obj::load(file)? })
 }
 
 /// Warns of meshes that were moved, and of vertices that do not belong to the model's surface.

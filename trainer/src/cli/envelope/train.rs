@@ -1,6 +1,6 @@
 //! `sinew train`: examples in, baked model out.
 
-use super::levels;
+use super::levels::{self, AlsoArguments};
 use super::{table, warnings};
 use crate::cli::bars::Bars;
 use crate::cli::files::{self, OutputFile};
@@ -49,17 +49,12 @@ pub(in crate::cli) struct Arguments {
 /// Which meshes a model holds.
 #[derive(clap::Args, serde::Serialize)]
 struct MeshArguments {
-    /// A further mesh in the model, as a skin called as its file: of any topology, in the rest pose
-    /// of EXAMPLES; may be given several times
-    ///
-    /// One prediction then drives all of them: levels of detail, garments. Weights come from the nearest
-    /// points of the examples' mesh and are fitted to where that carries them in the training frames, as
-    /// `sinew export --also` does it. Other axes or another unit are recognised where one way alone brings it there.
-    #[arg(long, value_name = "LOD.obj", conflicts_with = "no_skin")]
-    also: Vec<PathBuf>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    further: AlsoArguments,
     /// Leave the mesh out: a model of a palette alone, for an engine that keeps its own meshes with
     /// their weights
-    #[arg(long)]
+    #[arg(long, conflicts_with = "also")]
     no_skin: bool,
 }
 
@@ -202,7 +197,7 @@ impl FitArguments {
 
 pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Result<()> {
     let mut inputs = arguments.input.files();
-    inputs.extend_from_slice(&arguments.meshes.also);
+    inputs.extend_from_slice(&arguments.meshes.further.also);
     let model = OutputFile::new(&arguments.output, &inputs)?.of_a_model()?;
     let record_file = arguments.record.as_ref().map(|file| OutputFile::new(file, &inputs));
     let record_file = record_file.transpose()?;
@@ -219,10 +214,14 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     arguments.space.say(&mut examples, &source)?;
     let from = examples.space;
     let conversion = arguments.target.convert(&mut examples, &source)?;
-    let also = &arguments.meshes.also;
+    let further = &arguments.meshes.further;
+    let also = &further.also;
     let meshes = match arguments.meshes.no_skin {
         true => FileSkins::PaletteAlone,
-        false => FileSkins::Skins(levels::load(also, conversion.as_ref())?),
+        false => {
+            let levels = further.load(conversion.as_ref(), &examples.space, output)?;
+            FileSkins::Skins(levels)
+        }
     };
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
     let checked = check(&examples, &clips, &Silent).with_context(|| source.clone())?;

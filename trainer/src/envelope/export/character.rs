@@ -2,18 +2,16 @@
 
 use super::dress::parts;
 use super::error::ExportError;
+use super::further::Further;
 use super::mesh::SkinnedMesh;
 use super::played::Played;
 use super::proxies::ProxyNodes;
 use super::skeleton::{JointNodes, quaternion, turned};
-use crate::envelope::evaluate::Character;
-use crate::envelope::levels::{Influences, Level, LevelReport, SkinSurface};
-use crate::envelope::posed::{FrameError, rest, skin_on};
+use crate::envelope::levels::{Level, LevelReport};
 use crate::examples::{Clip, Examples};
 use crate::formats::appearance::Appearance;
 use crate::formats::gltf::write::{Document, Placed};
 use crate::space::{Conversion, SpaceRequest};
-use rayon::prelude::*;
 use sinew_runtime::format::{Axis, Handedness, Space};
 
 /// What a file says of itself.
@@ -75,8 +73,7 @@ impl Export<'_> {
         let played = Played::new(model, skin, examples, clips)?;
         let right = played.right_handed(examples)?;
         let skin = &played.character.skin;
-        let mut levels = levels.to_vec();
-        let (influences_of_levels, reports) = follow(&played, examples, &mut levels)?;
+        let mut further = Further::new(&played, examples, levels)?;
 
         let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
         let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
@@ -85,7 +82,7 @@ impl Export<'_> {
         if let Some(mirror) = &right.mirror {
             normals_at_rest.iter_mut().for_each(|n| *n = mirror.direction(*n));
             mirror.triangles(&mut triangles);
-            levels.iter_mut().for_each(|level| level.mesh.convert(mirror));
+            further.convert(mirror);
         }
 
         let mut document = Document::new(NOTE);
@@ -113,55 +110,14 @@ impl Export<'_> {
         for part in parts(mesh.name, &ranges, right.rest.len(), &triangles, materials) {
             document.mesh(&part.of(&mesh), palette_skin);
         }
-        for (level, influences) in levels.iter().zip(&influences_of_levels) {
-            let surface = level.mesh.surface();
-            let mesh = SkinnedMesh {
-                name: &level.name,
-                positions: &surface.copied(&level.mesh.positions),
-                normals: &surface.normals(),
-                uv: surface.uv(),
-                influences: &surface.copied(influences),
-                primitives: &[(None, surface.engine_triangles().to_vec())],
-            };
-            document.mesh(&mesh, palette_skin);
-        }
+        further.add(&mut document, palette_skin);
         for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
-            let (mut tracks, worlds) = joints.tracks(&right.poses[own.clone()]);
+            let (mut tracks, worlds) = joints.tracks(&right.poses[own.clone()], times);
             tracks.extend(proxies.tracks(&right.palettes[own], &worlds));
             document.animation(&clip.name, times, tracks);
         }
-        Ok(Exported { glb: document.finish()?, levels: reports })
+        Ok(Exported { glb: document.finish()?, levels: further.reports })
     }
-}
-
-/// Finds what further meshes follow, and moves those in other axes or another unit.
-fn follow(
-    played: &Played<'_>,
-    examples: &Examples,
-    levels: &mut [Level],
-) -> Result<(Vec<Influences>, Vec<LevelReport>), ExportError> {
-    if levels.is_empty() {
-        return Ok(Default::default());
-    }
-    let own = examples.surface();
-    let Played { character: Character { skin, .. }, frames, palettes, influences, .. } = played;
-    let posed = palettes.par_iter().zip(frames);
-    let posed = posed
-        .map(|(palette, &frame)| {
-            let [positions, _] = skin_on(skin, palette, frame)?;
-            Ok(own.of_first_copies(positions.as_chunks().0))
-        })
-        .collect::<Result<Vec<_>, FrameError>>()?;
-    let surface = SkinSurface {
-        rest: &own.of_first_copies(&rest(skin)),
-        triangles: &examples.solid_triangles(),
-        influences: &own.of_first_copies(influences),
-        most: skin.influence_len(),
-        diagonal: examples.diagonal(),
-        palettes,
-        posed,
-    };
-    Ok(surface.follow_all(levels)?)
 }
 
 /// Places the armature of a right-handed model, so that the character stands as asked.

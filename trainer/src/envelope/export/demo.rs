@@ -55,7 +55,8 @@ pub fn demo_glb(examples: &Examples, clips: &[Clip]) -> Result<Vec<u8>, ExportEr
     for clip in clips {
         let frames = clip.first..clip.first + clip.times.len();
         let poses: Vec<_> = frames.map(|frame| examples.pose(frame).to_vec()).collect();
-        document.animation(&clip.name, &key_times(clip)?, joints.tracks(&poses).0);
+        let times = key_times(clip)?;
+        document.animation(&clip.name, &times, joints.tracks(&poses, &times).0);
     }
     Ok(document.finish()?)
 }

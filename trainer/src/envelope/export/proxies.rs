@@ -135,11 +135,12 @@ impl Chain {
             scales.push(stretch.scale.map(|x| x as f32).into());
             axes.push(quaternion(&turned(&stretch.axes.transpose())));
         }
+        let linear = |node, keys| Track { node, keys, holds: false };
         vec![
-            Track { node: self.outer, keys: ChannelKeys::Translation(places) },
-            Track { node: self.outer, keys: ChannelKeys::Rotation(continuous(turns)) },
-            Track { node: self.outer, keys: ChannelKeys::Scale(scales) },
-            Track { node: self.inner, keys: ChannelKeys::Rotation(continuous(axes)) },
+            linear(self.outer, ChannelKeys::Translation(places)),
+            linear(self.outer, ChannelKeys::Rotation(continuous(turns))),
+            linear(self.outer, ChannelKeys::Scale(scales)),
+            linear(self.inner, ChannelKeys::Rotation(continuous(axes))),
         ]
     }
 }

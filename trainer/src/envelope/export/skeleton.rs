@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Matrix4, Rotation3, Translation3, UnitQuaternion, Vector3};
 
+use super::times::track;
 use crate::examples::{Matrix3x4, Skeleton};
 use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
 use crate::numeric::so3;
@@ -61,11 +62,12 @@ impl JointNodes {
         self.nodes.iter().zip(at_rest).map(carrier).collect()
     }
 
-    /// Tracks the joints through poses: J rigid maps each, from the rest pose. Gives the world frames
-    /// that they reach, too.
+    /// Tracks the joints through poses at these times: J rigid maps each, from the rest pose. Gives the world
+    /// frames that they reach, too.
     pub(super) fn tracks(
         &self,
         poses: &[Vec<Matrix3x4>],
+        times: &[f32],
     ) -> (Vec<Track>, Vec<Vec<Isometry3<f64>>>) {
         let keys = poses.iter().map(|pose| {
             let worlds = pose.iter().zip(&self.binds).map(|(map, bind)| square(map) * bind);
@@ -76,7 +78,7 @@ impl JointNodes {
             let translations = keys.iter().map(|pose| pose[joint].translation).collect();
             let rotations = keys.iter().map(|pose| pose[joint].rotation).collect();
             [ChannelKeys::Translation(translations), ChannelKeys::Rotation(continuous(rotations))]
-                .map(|keys| Track { node, keys })
+                .map(|keys| track(node, keys, times))
         };
         (self.nodes.iter().enumerate().flat_map(track).collect(), reached)
     }

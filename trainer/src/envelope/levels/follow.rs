@@ -41,7 +41,8 @@ pub enum LevelError {
     /// It lies on the model's surface in several other axes, and which are meant cannot be told.
     #[error(
         "mesh {name} is not in the model's axes and unit: turned to {axes} it is {percent:.1} % of the diagonal away from \
-         the model's surface, and hardly further to {}: export it in the axes and unit of the examples",
+         the model's surface, and hardly further to {}: give one of these, as --also-axes \"{axes}\", or export it in the \
+         axes and unit of the examples",
         as_near.join(", ")
     )]
     Axes {

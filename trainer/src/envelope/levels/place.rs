@@ -2,7 +2,7 @@
 
 use super::follow::{FAR, Influences, Level, LevelError, LevelReport, SkinSurface};
 use super::nearest::Tree;
-use crate::examples::spread;
+use crate::examples::{Examples, spread};
 use crate::space::axes::rotations;
 use crate::space::{Conversion, SCALES};
 use nalgebra::Vector3;
@@ -17,6 +17,26 @@ const CLEAR: f64 = 0.5;
 const ALIKE: f64 = 1e-3;
 /// Vertices that are looked at.
 const SAMPLE: usize = 150;
+
+/// Checks that further meshes lie on a mesh at rest, in whatever axes and unit.
+///
+/// # Errors
+/// [`LevelError::Far`] and [`LevelError::Axes`].
+pub fn check_places(levels: &[Level], examples: &Examples) -> Result<(), LevelError> {
+    let surface = SkinSurface {
+        rest: &examples.rest,
+        triangles: &examples.solid_triangles(),
+        influences: &Vec::new(),
+        most: 1,
+        diagonal: examples.diagonal(),
+        palettes: &[],
+        posed: Vec::new(),
+    };
+    for level in levels {
+        surface.place(&mut level.clone())?;
+    }
+    Ok(())
+}
 
 impl SkinSurface<'_> {
     /// Finds weights for further meshes as [`Self::follow`] does, of which those in other axes or another unit are moved
@@ -38,10 +58,10 @@ impl SkinSurface<'_> {
     }
 
     /// Moves a mesh that is far from the surface to where it is near, by a turn by right angles and a change of unit;
-    /// tells how, where it had to be moved. What comes near in no way stays as it is.
+    /// tells how, where it had to be moved.
     ///
     /// # Errors
-    /// [`LevelError::Axes`] where several ways bring it as near.
+    /// [`LevelError::Far`] where no way brings it near, [`LevelError::Axes`] where several bring it as near.
     fn place(&self, level: &mut Level) -> Result<Option<String>, LevelError> {
         let tree = Tree::new(self.rest, self.triangles);
         let positions = &level.mesh.positions;
@@ -56,14 +76,15 @@ impl SkinSurface<'_> {
         let turns = rotations().flat_map(|turn| SCALES.map(|scale| Conversion::new(turn, scale)));
         let turns: Vec<Conversion> = turns.collect();
         // The first leaves all as it is.
-        if turns.first().map(distance).is_none_or(|unmoved| unmoved <= FAR) {
+        let unmoved = turns.first().map_or(0.0, distance);
+        if unmoved <= FAR {
             return Ok(None);
         }
         let mut found: Vec<_> = turns.into_par_iter().map(|turn| (distance(&turn), turn)).collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         let [(nearest, conversion), others @ ..] = &found[..] else { return Ok(None) };
         if *nearest > NEAR {
-            return Ok(None);
+            return Err(LevelError::Far { name: level.name.clone(), percent: 100.0 * unmoved });
         }
         let as_near = others.iter().take_while(|(other, _)| nearest.max(ALIKE) > CLEAR * other);
         let as_near: Vec<String> = as_near.map(|(_, conversion)| conversion.to_string()).collect();

@@ -120,17 +120,22 @@ pub enum ImportError {
         /// Whether the places of all vertices are the same.
         is_shuffled: bool,
     },
-    /// An animation has none of the character's joints.
-    #[error("has none of the character's joints, by name: {joints}")]
-    NoJoints {
-        /// The character's.
-        joints: String,
+    /// The joints are not called as the model's, but would be by other names.
+    #[error("its joints are not called as the model's: {mismatch}")]
+    OtherNames {
+        /// What keeps the names from matching, and the option that mends it.
+        mismatch: String,
     },
     /// An animation lacks the root of the character's joints.
-    #[error("has no joint {joint}, the root of the character's: export the whole skeleton")]
+    #[error(
+        "has no joint {joint}, the root of the character's: {}",
+        mismatch.as_deref().unwrap_or("export the whole skeleton")
+    )]
     NoRoot {
         /// The root.
         joint: String,
+        /// What keeps names from matching, and the option that mends it.
+        mismatch: Option<String>,
     },
     /// An animation's joints at rest are not the character's.
     #[error(
@@ -143,9 +148,13 @@ pub enum ImportError {
     },
     /// A scene without a mesh was given where a mesh is needed.
     #[error(
-        "holds joints and no mesh: give a file that has the character's mesh as well, with --mesh or --into"
+        "holds joints and no mesh: give a file that has the character's mesh as well, with --mesh or --into{}",
+        mismatch.as_ref().map_or(String::new(), |mismatch| format!("; {mismatch}"))
     )]
-    JointsAlone,
+    JointsAlone {
+        /// What keeps its names from those of the model, and the option that mends it.
+        mismatch: Option<String>,
+    },
     /// A file beside others has another mesh, or another skeleton.
     #[error(
         "has {found} {what}, {first} has {expected}: examples in several files are of one character"

@@ -3,12 +3,13 @@
 use super::align;
 use super::error::ImportError;
 use super::loaded::Loaded;
-use super::scene::rows;
+use super::scene::{rest_frame, rows, unscale};
 use super::unposed;
+use crate::examples::idle::idle;
 use crate::examples::{Examples, ExamplesError, Matrix3x4, Skeleton, Split, Warning};
 use crate::formats::extension::{extension, unknown_format};
-use crate::formats::scene::{Motion, Sampling};
-use crate::formats::{fbx, gltf};
+use crate::formats::scene::{JointNames, Motion, Sampling};
+use crate::formats::{FormatError, fbx, gltf};
 use crate::numeric::points::apart;
 use crate::space::Conversion;
 use nalgebra::Matrix4;
@@ -22,40 +23,36 @@ const SAME_REST: f64 = 0.01;
 /// has in another rest pose, or only as they move, start from the character's.
 ///
 /// # Errors
-/// [`ImportError::NoJoints`], [`ImportError::NoRoot`] and [`ImportError::OtherSkeleton`]; what keeps the scene from
-/// being read.
+/// [`ImportError::NoRoot`] and [`ImportError::OtherSkeleton`]; what keeps the scene from being read, with
+/// [`SceneError::OtherJoints`](crate::formats::SceneError::OtherJoints) where no name matches.
 pub(super) fn play(
     file: &Path,
     mut character: Examples,
+    joint_names: &JointNames<'_>,
     sampling: &Sampling<'_>,
 ) -> Result<Loaded, ExamplesError> {
     let Skeleton { names, parents, rest: own_rest, .. } = &character.skeleton;
-    let motion = match extension(file).as_str() {
-        "glb" | "gltf" => gltf::read_motion(file, names, sampling)?,
-        "fbx" => fbx::read_motion(file, names, sampling)?,
-        _ => return Err(unknown_format(file, ".glb, .gltf or .fbx").into()),
-    };
-    let place = |name: &String| motion.names.iter().position(|own| own == name);
-    let places: Vec<Option<usize>> = names.iter().map(place).collect();
-    if places.iter().all(Option::is_none) {
-        return Err(ImportError::NoJoints { joints: names.join(", ") }.into());
-    }
+    let motion = read(file, names, joint_names, sampling)?;
+    let mut places: Vec<Option<usize>> = vec![None; names.len()];
+    motion.joints.of.iter().enumerate().for_each(|(own, &joint)| places[joint] = Some(own));
+    let mismatch = &motion.joints.mismatch;
     let root = character.skeleton.root();
     if places[root].is_none() {
-        return Err(ImportError::NoRoot { joint: names[root].clone() }.into());
+        let (joint, mismatch) = (names[root].clone(), mismatch.clone());
+        return Err(ImportError::NoRoot { joint, mismatch }.into());
     }
     let mut warnings: Vec<Warning> = motion.warnings.iter().cloned().map(Warning::from).collect();
-    let mut found = Found::new(&motion);
-    if let Err(error) = found.move_to(&character, &places) {
-        let Some(transforms) = unposed::transforms(&motion, &character, &places) else {
-            return Err(error.into());
-        };
-        found.transforms = transforms;
-        warnings.push(Warning::RestOfCharacter);
-    }
+    let found = match found(&motion, &character, &places) {
+        Ok(transforms) => transforms,
+        Err(error) => {
+            let of_character = unposed::transforms(&motion, &character, &places);
+            warnings.push(Warning::RestOfCharacter);
+            of_character.ok_or(error)?
+        }
+    };
     let joint_len = names.len();
     let mut transforms: Vec<Matrix3x4> = Vec::new();
-    for frame in found.transforms.chunks_exact(motion.names.len()) {
+    for frame in found.chunks_exact(motion.joints.nodes.len()) {
         let carrier = |joint: usize| {
             let mut upwards = std::iter::successors(Some(joint), |&joint| parents[joint]);
             upwards.find_map(|joint| places[joint])
@@ -66,17 +63,56 @@ pub(super) fn play(
     let missing: Vec<String> =
         (0..own_rest.len()).filter(missing).map(|joint| names[joint].clone()).collect();
     if !missing.is_empty() {
-        warnings.push(Warning::FollowParents { joints: missing });
+        let mismatch = mismatch.clone();
+        warnings.push(Warning::FollowParents { joints: missing, mismatch });
     }
     let frame_len = transforms.len() / joint_len.max(1);
     character.vertices = character.rest.repeat(frame_len);
     character.split = vec![Split::Train; frame_len];
     character.transforms = transforms;
+    warnings.extend(character.unscale_idle_joints());
     warnings.extend(character.validate()?);
     Ok(Loaded { examples: character, clips: motion.clips, warnings })
 }
 
-/// The joints of an animation's file, in its order.
+/// Reads how the joints of a character move in a file.
+///
+/// # Errors
+/// [`FormatError`]
+pub(super) fn read(
+    file: &Path,
+    joints: &[String],
+    names: &JointNames<'_>,
+    sampling: &Sampling<'_>,
+) -> Result<Motion, FormatError> {
+    match extension(file).as_str() {
+        "glb" | "gltf" => gltf::read_motion(file, joints, names, sampling),
+        "fbx" => fbx::read_motion(file, joints, names, sampling),
+        _ => Err(unknown_format(file, ".glb, .gltf or .fbx")),
+    }
+}
+
+/// Gives the maps from rest to posed of an animation's joints, frame-major, where the character has them at rest: as a
+/// skin of the animation's file binds them, or, without one or elsewhere, as they stand where nothing is animated.
+///
+/// # Errors
+/// [`ImportError::OtherSkeleton`]
+fn found(
+    motion: &Motion,
+    character: &Examples,
+    places: &[Option<usize>],
+) -> Result<Vec<Matrix3x4>, ImportError> {
+    let of = |rest: &[Matrix4<f64>]| {
+        let mut found = Found::new(motion, rest, character);
+        found.move_to(character, places).map(|()| found.transforms)
+    };
+    match motion.binds.as_deref().map(of) {
+        Some(Ok(transforms)) => Ok(transforms),
+        _ => of(&motion.rest),
+    }
+}
+
+/// The joints of an animation's file, in the order of the character's.
 struct Found {
     space: sinew_runtime::format::Space,
     skeleton: Skeleton,
@@ -85,19 +121,24 @@ struct Found {
 }
 
 impl Found {
-    fn new(motion: &Motion) -> Self {
+    /// Begins with the joints at rest in some frames; a scale that all maps have goes into these.
+    fn new(motion: &Motion, rest: &[Matrix4<f64>], character: &Examples) -> Self {
         let back = |frame: &Matrix4<f64>| frame.try_inverse().unwrap_or_else(Matrix4::identity);
-        let back: Vec<_> = motion.rest.iter().map(back).collect();
-        let posed = motion.frames.chunks_exact(back.len());
-        let posed = posed.flat_map(|frame| frame.iter().zip(&back).map(|(a, b)| rows(&(a * b))));
+        let back: Vec<_> = rest.iter().map(back).collect();
+        let posed = motion.frames.iter().zip(back.iter().cycle());
+        let mut maps: Vec<_> = posed.map(|(frame, back)| frame * back).collect();
+        let Skeleton { names, parents, .. } = &character.skeleton;
+        let idle = idle(character.joint_weights.as_deref(), parents);
+        let idle: Vec<bool> = motion.joints.of.iter().map(|&joint| idle[joint]).collect();
+        let scale = unscale(&mut maps, &idle);
         let skeleton = Skeleton {
-            names: motion.names.clone(),
-            parents: vec![None; motion.names.len()],
-            rest: motion.rest.iter().map(rows).collect(),
+            names: motion.joints.of.iter().map(|&joint| names[joint].clone()).collect(),
+            parents: vec![None; rest.len()],
+            rest: rest.iter().map(|frame| rows(&rest_frame(frame, scale))).collect(),
             roots: Vec::new(),
             unplaced: Vec::new(),
         };
-        Self { space: motion.space, skeleton, transforms: posed.collect() }
+        Self { space: motion.space, skeleton, transforms: maps.iter().map(rows).collect() }
     }
 
     /// Moves the joints to where the character's are: by axes and unit where both are known, else by where they

@@ -12,10 +12,11 @@ use super::rate::check_even;
 use super::roots;
 use super::shuffled::is_shuffled;
 use super::targets::TargetMeshes;
+use crate::examples::idle::idle;
 use crate::examples::{Clip, Examples, ExamplesError, Matrix3x4, RIGID, Skeleton, Split, Warning};
-use crate::formats::FormatError;
 use crate::formats::posed_meshes::PosedMeshes;
 use crate::formats::scene::{SampledScene, Sampling, SceneError};
+use crate::formats::{FormatError, FormatWarning};
 use crate::mesh::Surface;
 
 /// Examples that are not checked yet, the clips of their frames, and what was done to them.
@@ -85,6 +86,13 @@ pub(super) fn join(
             poses.tell(&similarity, "targets");
         }
     }
+    let weights = scene.joint_weights.as_deref().unwrap_or_default();
+    let rows = weights.chunks_exact(scene.names.len().max(1));
+    let count = rows.filter(|row| row.iter().all(|weight| *weight == 0.0)).count();
+    if count > 0 {
+        let unweighted = FormatWarning::Unweighted { count, follow: "the targets" };
+        poses.warnings.push(unweighted.into());
+    }
     let all = joined(scene, poses, vertices, split);
     Ok(cut(all, sampling))
 }
@@ -139,12 +147,10 @@ impl ScenePoses {
         let maps = scene.frames.iter().enumerate();
         let mut maps: Vec<_> =
             maps.map(|(number, frame)| frame * inverses[number % joint_len]).collect();
-        let scale = common_scale(&maps);
+        let idle = idle(scene.joint_weights.as_deref(), &scene.parents);
+        let scale = unscale(&mut maps, &idle);
         for position in scene.rest.as_flattened_mut() {
             *position *= scale;
-        }
-        for map in &mut maps {
-            map.fixed_view_mut::<3, 3>(0, 0).unscale_mut(scale);
         }
         let mut warnings = scene.warnings.drain(..).map(Warning::from).collect();
         let (parents, roots) = roots::joined(&scene.names, scene.parents.clone(), &mut warnings);
@@ -200,8 +206,8 @@ fn joined(
 ) -> Joined {
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len(&scene)]);
     let SampledScene { rest, triangles, engine, ranges, joint_weights, space, clips, .. } = scene;
-    let ScenePoses { skeleton, transforms, warnings } = poses;
-    let examples = Examples {
+    let ScenePoses { skeleton, transforms, mut warnings } = poses;
+    let mut examples = Examples {
         rest,
         triangles,
         engine,
@@ -217,6 +223,7 @@ fn joined(
         frame_weights: None,
         own_skin: false,
     };
+    warnings.extend(examples.unscale_idle_joints());
     (examples, clips, warnings)
 }
 
@@ -243,17 +250,26 @@ fn check_frames(
     Ok(())
 }
 
-/// The scale that all maps share, as 1 where they share none or are rigid: what is left is for the
-/// examples' own checks to judge.
-fn common_scale(maps: &[Matrix4<f64>]) -> f64 {
+/// Divides maps by their common scale and returns it. Returns 1 if they are rigid or have no common scale; the checks
+/// of the examples then judge them. Idle joints have no say.
+///
+/// - `maps`: of all joints, frame-major.
+/// - `idle`: whether each joint is idle.
+pub(super) fn unscale(maps: &mut [Matrix4<f64>], idle: &[bool]) -> f64 {
     let scale = |map: &Matrix4<f64>| map.fixed_view::<3, 3>(0, 0).determinant().abs().cbrt();
-    let Some(first) = maps.first().map(scale) else { return 1.0 };
-    let shared = maps.iter().all(|map| (scale(map) / first - 1.0).abs() < RIGID);
-    if shared && (first - 1.0).abs() > RIGID && first.is_normal() { first } else { 1.0 }
+    let mut scales =
+        maps.iter().zip(idle.iter().cycle()).filter(|(_, idle)| !**idle).map(|(map, _)| scale(map));
+    let Some(first) = scales.next() else { return 1.0 };
+    let shared = scales.all(|scale| (scale / first - 1.0).abs() < RIGID);
+    if !shared || (first - 1.0).abs() <= RIGID || !first.is_normal() {
+        return 1.0;
+    }
+    maps.iter_mut().for_each(|map| map.fixed_view_mut::<3, 3>(0, 0).unscale_mut(first));
+    first
 }
 
 /// The rigid part of a joint's bind matrix, in the units of the scaled rest mesh.
-fn rest_frame(bind: &Matrix4<f64>, scale: f64) -> Matrix4<f64> {
+pub(super) fn rest_frame(bind: &Matrix4<f64>, scale: f64) -> Matrix4<f64> {
     let mut frame = Matrix4::identity();
     let svd = bind.fixed_view::<3, 3>(0, 0).into_owned().svd(true, true);
     if let (Some(u), Some(v)) = (svd.u, svd.v_t) {

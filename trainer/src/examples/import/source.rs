@@ -6,9 +6,9 @@ use super::error::ImportError;
 use super::loaded::Loaded;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
-use crate::examples::{ExamplesError, LoadError};
+use crate::examples::{Examples, ExamplesError, LoadError};
 use crate::formats::extension::{extension, unknown_format};
-use crate::formats::scene::{SampledScene, Sampling, SceneError};
+use crate::formats::scene::{JointNames, SampledScene, Sampling, SceneError};
 use crate::formats::{FormatError, content, fbx, gltf};
 
 /// The files that examples are read from, and how.
@@ -26,12 +26,21 @@ pub struct Source<'a> {
     pub clips: &'a [String],
     /// Whether the one frame is what a scene shows without any clip.
     pub still: bool,
+    /// How the names of the joints become a model's, where poses are to be played.
+    pub names: JointNames<'a>,
 }
 
 impl<'a> Source<'a> {
     /// Names a file that needs nothing beside it.
     pub fn file(file: &'a Path) -> Self {
-        Self { file, targets: None, fps: None, clips: &[], still: false }
+        Self {
+            file,
+            targets: None,
+            fps: None,
+            clips: &[],
+            still: false,
+            names: JointNames::default(),
+        }
     }
 
     /// Lists the files that a load reads, where they are there.
@@ -85,7 +94,12 @@ impl<'a> Source<'a> {
     }
 
     fn sampling(&self, shapes: bool) -> Sampling<'a> {
-        Sampling { fps: self.fps, clips: self.clips, shapes, still: self.still }
+        Sampling { fps: self.fps, clips: self.clips, shapes, still: self.still, played: false }
+    }
+
+    /// Samples clips as they are to be played.
+    fn played(&self) -> Sampling<'a> {
+        Sampling { played: true, ..self.sampling(false) }
     }
 
     fn blame(&self) -> impl Fn(ExamplesError) -> LoadError {
@@ -129,20 +143,39 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, LoadError> {
     })
 }
 
-/// Reads poses; of a scene without a skin the rest mesh stands in for every posed one. The source's
-/// targets are not read. The frames of an `.npz` play at the source's rate, where it has one.
+/// Reads poses to be played; of a scene without a skin the rest mesh stands in for every posed one. The source's
+/// targets are not read. Clips of a scene have as many frames as playing them linearly takes: two where a pose jumps, and
+/// more than keys along a curve. The frames of an `.npz` play at the source's rate, where it has one.
 ///
 /// # Errors
 /// As [`load`].
 pub fn load_poses(source: &Source<'_>) -> Result<Loaded, LoadError> {
     let blame = source.blame();
     Source::file(source.file).check_content()?;
-    let sampling = source.sampling(false);
+    let sampling = source.played();
     let scene = source.scene(&sampling).map_err(&blame)?;
-    let Some(scene) = scene else { return npz::load_played(source.file, &sampling) };
-    let (examples, clips, mut warnings) = scene::still(scene).map_err(&blame)?;
+    let Some(scene) = scene else {
+        let mut loaded = npz::load_played(source.file, &sampling)?;
+        rename(&mut loaded.examples, &source.names).map_err(&blame)?;
+        return Ok(loaded);
+    };
+    let (mut examples, clips, mut warnings) = scene::still(scene).map_err(&blame)?;
+    rename(&mut examples, &source.names).map_err(&blame)?;
     warnings.extend(examples.validate().map_err(&blame)?);
     Ok(Loaded { examples, clips, warnings })
+}
+
+/// Calls the joints as a model's.
+///
+/// # Errors
+/// [`ImportError::OtherNames`] where they are not, and would be if they were renamed.
+fn rename(examples: &mut Examples, names: &JointNames<'_>) -> Result<(), ExamplesError> {
+    let own = &mut examples.skeleton.names;
+    names.rename(own);
+    match names.mismatch(own) {
+        Some(mismatch) => Err(ImportError::OtherNames { mismatch }.into()),
+        None => Ok(()),
+    }
 }
 
 /// Reads the animations of a scene that may hold joints alone, for a character whose mesh another file has.
@@ -159,11 +192,22 @@ pub fn load_motion(source: &Source<'_>, mesh: Option<&Path>) -> Result<Loaded, L
                 &error,
                 ExamplesError::Format(FormatError::Scene(SceneError::NoMesh | SceneError::NoSkin))
             );
-            let error = if is_bare { ImportError::JointsAlone.into() } else { error };
-            LoadError { file, error }
+            if !is_bare {
+                return LoadError { file, error };
+            }
+            let names = &source.names;
+            let motion = motion::read(&file, names.known, names, &source.played());
+            let mismatch = match motion {
+                Ok(motion) => motion.joints.mismatch,
+                Err(FormatError::Scene(SceneError::OtherJoints { mismatch, .. })) => mismatch,
+                Err(_) => None,
+            };
+            let error = ImportError::JointsAlone { mismatch };
+            LoadError { file, error: error.into() }
         });
     };
     source.check_content()?;
-    let character = load_poses(&Source { still: true, ..Source::file(mesh) })?.examples;
-    motion::play(source.file, character, &source.sampling(false)).map_err(source.blame())
+    let names = source.names;
+    let character = load_poses(&Source { still: true, names, ..Source::file(mesh) })?.examples;
+    motion::play(source.file, character, &names, &source.played()).map_err(source.blame())
 }

@@ -49,11 +49,11 @@ pub(super) fn transforms(
     let posed: Vec<Frame> = motion.frames.iter().map(frame).collect::<Option<_>>()?;
     let rest: Vec<Frame> = character.skeleton.rest.iter().map(parts).collect();
     let turn = TURNS.map(|turn| Matrix3::from_row_slice(&turn)).into_iter().find(|turn| {
-        let slid = slid(turn, &posed, motion.names.len(), &rest, &pairs(character, places));
+        let slid = slid(turn, &posed, motion.joints.nodes.len(), &rest, &pairs(character, places));
         slid.is_some_and(|slid| slid < SLIDES * character.diagonal())
     })?;
     let mut transforms = Vec::with_capacity(posed.len());
-    for frame in posed.chunks_exact(motion.names.len()) {
+    for frame in posed.chunks_exact(motion.joints.nodes.len()) {
         transforms.extend(frame.iter().enumerate().map(|(own, (axes, origin))| {
             let joint = places.iter().position(|place| *place == Some(own));
             let (rest_axes, rest_origin) = &rest[joint.unwrap_or(character.skeleton.root())];

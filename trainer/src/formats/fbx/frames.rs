@@ -4,16 +4,15 @@ use nalgebra::Matrix4;
 use rayon::prelude::*;
 use ufbx::{AnimStack, EvaluateOpts, Scene, SceneRoot, SkinningMethod};
 
+use super::blends::{WEIGHING, channels, is_shaped};
 use super::convert::{fault, matrix};
+use super::joints::parents_among;
 use super::meshes::{MeshPart, skin};
-use crate::formats::scene::{Clip, Sampling, SceneError, sample_times};
+use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, SceneError, samples};
 use crate::formats::warning::FormatWarning;
 
 /// The properties of a node that place it.
 const PLACING: [&str; 3] = ["Lcl Translation", "Lcl Rotation", "Lcl Scaling"];
-
-/// The property of a blendshape channel that weighs it.
-const WEIGHING: &str = "DeformPercent";
 
 /// An animation, and when its frames are taken.
 pub(super) struct Take {
@@ -21,12 +20,12 @@ pub(super) struct Take {
     stack: usize,
     name: String,
     /// In the animation's own seconds.
-    times: Vec<f64>,
+    samples: Vec<Sample>,
 }
 
 /// Chooses the animations that move joints, and their frames.
 pub(super) fn takes(
-    scene: &Scene,
+    scene: &SceneRoot,
     joints: &[usize],
     parts: &[MeshPart],
     sampling: &Sampling<'_>,
@@ -36,6 +35,9 @@ pub(super) fn takes(
     let named = |stack: &AnimStack| sampling.takes(&stack.element.name);
     sampling.check(scene.anim_stacks.iter().map(|stack| name(stack)).collect())?;
     let watched = Watched::new(scene, joints, parts);
+    let parents = parents_among(scene, joints);
+    let rate = scene.settings.frames_per_second;
+    let frame = if rate > 0.0 { 1.0 / rate } else { 0.0 };
     let (mut takes, mut still) = (Vec::new(), Vec::new());
     for (place, stack) in scene.anim_stacks.iter().enumerate().filter(|(_, stack)| named(stack)) {
         let (keys, keyed) = watched.keys(stack);
@@ -44,8 +46,15 @@ pub(super) fn takes(
             continue;
         }
         watched.check_constraints(scene, &keyed)?;
-        let times = sample_times(&stack.element.name, keys, sampling)?;
-        takes.push(Take { stack: place, name: name(stack), times });
+        let pose = |time: f64| {
+            let animation = &scene.anim_stacks[place].anim;
+            let posed = ufbx::evaluate_scene(scene, animation, time, EvaluateOpts::default());
+            let posed = posed.map_err(fault)?;
+            Ok(joints.iter().map(|&node| matrix(&posed.nodes[node].node_to_world)).collect())
+        };
+        let joints = MovingJoints { parents: &parents, frame, pose };
+        let samples = samples(&stack.element.name, keys, sampling, &joints)?;
+        takes.push(Take { stack: place, name: name(stack), samples });
     }
     if takes.is_empty() {
         watched.check_constraints(scene, &vec![false; scene.elements.len()])?;
@@ -80,7 +89,8 @@ pub(super) fn posed(
         let joints = nodes.iter().map(|&node| matrix(&scene.nodes[node].node_to_world)).collect();
         return Ok(Posed { joints, shapes: None, morphs: false });
     }
-    let moments = takes.iter().flat_map(|take| take.times.iter().map(|&time| (take.stack, time)));
+    let moments =
+        takes.iter().flat_map(|take| take.samples.iter().map(|sample| (take.stack, sample.at)));
     let pose = |&(stack, time): &(usize, f64)| {
         let animation = &scene.anim_stacks[stack].anim;
         let posed = ufbx::evaluate_scene(scene, animation, time, EvaluateOpts::default());
@@ -88,7 +98,7 @@ pub(super) fn posed(
         let joints = nodes.iter().map(|&node| matrix(&posed.nodes[node].node_to_world));
         let (mut shape, mut morphs) = (Vec::new(), false);
         for part in parts.into_iter().flatten() {
-            morphs |= deform(&posed, part, &mut shape);
+            morphs |= deform(scene, &posed, part, &mut shape);
         }
         Ok((joints.collect::<Vec<_>>(), shape, morphs))
     };
@@ -113,14 +123,15 @@ pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
     }
     let mut first = 0;
     let clip = |take: Take| {
-        first += take.times.len();
-        Clip::at(take.name, first - take.times.len(), &take.times)
+        first += take.samples.len();
+        let times: Vec<f64> = take.samples.iter().map(|sample| sample.time).collect();
+        Clip::at(take.name, first - times.len(), &times)
     };
     takes.into_iter().map(clip).collect()
 }
 
 /// Adds the posed vertices of a part, and tells whether they are more than linear blend skinning.
-fn deform(posed: &Scene, part: &MeshPart, positions: &mut Vec<[f64; 3]>) -> bool {
+fn deform(scene: &Scene, posed: &Scene, part: &MeshPart, positions: &mut Vec<[f64; 3]>) -> bool {
     let mesh = &posed.meshes[part.mesh];
     let Some(skin) = skin(mesh) else { return false };
     let mut shape = mesh.vertices.to_vec();
@@ -134,10 +145,8 @@ fn deform(posed: &Scene, part: &MeshPart, positions: &mut Vec<[f64; 3]>) -> bool
         let v = ufbx::transform_position(&map, v);
         [v.x, v.y, v.z]
     }));
-    let channels = mesh.blend_deformers.into_iter().flat_map(|blend| &blend.channels);
-    let mut keyframes = channels.flat_map(|channel| &channel.keyframes);
     let linear = [SkinningMethod::Linear, SkinningMethod::Rigid].contains(&skin.skinning_method);
-    !linear || keyframes.any(|keyframe| keyframe.effective_weight != 0.0)
+    !linear || is_shaped(scene, mesh)
 }
 
 /// Elements whose animation the examples need, by their numbers: keys of others do not count as frames.
@@ -160,10 +169,8 @@ impl Watched {
         }
         let mut weighed = vec![false; scene.elements.len()];
         for part in parts {
-            for blend in &scene.meshes[part.mesh].blend_deformers {
-                for channel in &blend.channels {
-                    weighed[channel.element.element_id as usize] = true;
-                }
+            for channel in channels(&scene.meshes[part.mesh]) {
+                weighed[channel.element.element_id as usize] = true;
             }
         }
         Self { placed, weighed }

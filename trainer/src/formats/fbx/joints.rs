@@ -5,7 +5,8 @@ use ufbx::{Mesh, Node, Scene};
 
 use super::convert::matrix;
 use super::meshes::{MeshPart, skin};
-use crate::formats::scene::SceneError;
+use crate::formats::scene::{SceneError, told_apart};
+use crate::formats::warning::FormatWarning;
 
 /// How far apart the places may be where two meshes are bound to a joint, as a share of the size of
 /// the mesh: single precision, and some arithmetic.
@@ -21,7 +22,11 @@ pub(super) struct Joints {
 }
 
 /// Finds the joints of the parts' skins and the bones above them, or all bones without a skin.
-pub(super) fn find(scene: &Scene, parts: &[MeshPart]) -> Result<Joints, SceneError> {
+pub(super) fn find(
+    scene: &Scene,
+    parts: &[MeshPart],
+    warnings: &mut Vec<FormatWarning>,
+) -> Result<Joints, SceneError> {
     let mut binds = vec![None; scene.nodes.len()];
     for part in parts {
         bind(scene, part, &mut binds)?;
@@ -42,16 +47,14 @@ pub(super) fn find(scene: &Scene, parts: &[MeshPart]) -> Result<Joints, SceneErr
     }
     // The scene has them by depth, other readers of the format in the order of the file.
     nodes.sort_by_key(|&place| scene.nodes[place].element.element_id);
-    let place_of = |node: &Node| node.element.typed_id as usize;
-    let parent = |&place: &usize| {
-        let above = |node: &Node| node.parent.as_ref().map(|parent| place_of(parent));
-        let mut ancestors =
-            std::iter::successors(above(&scene.nodes[place]), |&place| above(&scene.nodes[place]));
-        ancestors.find_map(|place| nodes.iter().position(|&node| node == place))
-    };
+    let (names, renamed) = names(scene, |place| is_joint[place]);
+    if !renamed.is_empty() {
+        let joints = renamed.into_iter().map(|place| names[place].clone()).collect();
+        warnings.push(FormatWarning::EqualNames { joints });
+    }
     Ok(Joints {
-        names: nodes.iter().map(|&place| scene.nodes[place].element.name.to_string()).collect(),
-        parents: nodes.iter().map(parent).collect(),
+        names: nodes.iter().map(|&place| names[place].clone()).collect(),
+        parents: parents_among(scene, &nodes),
         binds: nodes
             .iter()
             .map(|&place| binds[place].unwrap_or_else(|| at_rest(&scene.nodes[place])))
@@ -60,8 +63,31 @@ pub(super) fn find(scene: &Scene, parts: &[MeshPart]) -> Result<Joints, SceneErr
     })
 }
 
+/// Gives the names of all nodes, those of joints told apart where they are equal, and lists the nodes of these.
+pub(super) fn names(scene: &Scene, is_joint: impl Fn(usize) -> bool) -> (Vec<String>, Vec<usize>) {
+    let names: Vec<String> = scene.nodes.iter().map(|node| node.element.name.to_string()).collect();
+    let places = 0..scene.nodes.len();
+    let parents: Vec<Option<usize>> = places.map(|place| above(scene, place)).collect();
+    told_apart(&names, &parents, is_joint)
+}
+
+/// Gives the nearest of some nodes above each of them; several may have none.
+pub(super) fn parents_among(scene: &Scene, nodes: &[usize]) -> Vec<Option<usize>> {
+    let of = |place: usize| nodes.iter().position(|&node| node == place);
+    nodes.iter().map(|&node| upwards(scene, node).skip(1).find_map(of)).collect()
+}
+
+/// Walks from a node to its root.
+pub(super) fn upwards(scene: &Scene, place: usize) -> impl Iterator<Item = usize> + Clone + '_ {
+    std::iter::successors(Some(place), |&place| above(scene, place))
+}
+
+fn above(scene: &Scene, place: usize) -> Option<usize> {
+    scene.nodes[place].parent.as_ref().map(|parent| parent.element.typed_id as usize)
+}
+
 /// Notes where each joint of a part's skin stands when it is bound.
-fn bind(
+pub(super) fn bind(
     scene: &Scene,
     part: &MeshPart,
     binds: &mut [Option<Matrix4<f64>>],

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use ufbx::{Matrix, Mesh, Node, Scene, SkinDeformer};
 
+use super::blends::rest_vertices;
 use super::corners::{CornerLists, polygons};
 use crate::formats::scene::SceneError;
 use crate::formats::warning::FormatWarning;
@@ -35,7 +36,9 @@ pub(super) fn parts(
     let shown = scene.nodes.iter().filter_map(|node| Some((&**node, &**node.mesh.as_ref()?)));
     let shown: Vec<(&Node, &Mesh)> = shown.filter(|(_, mesh)| mesh.num_vertices > 0).collect();
     if shown.is_empty() {
-        return Err(SceneError::NoMesh);
+        // The root node is there always.
+        let is_empty = scene.nodes.len() < 2;
+        return Err(if is_empty { SceneError::Empty } else { SceneError::NoMesh });
     }
     let (skinned, other): (Vec<_>, Vec<_>) =
         shown.iter().copied().partition(|(_, mesh)| !mesh.skin_deformers.is_empty());
@@ -62,7 +65,8 @@ pub(super) fn join(
     let mut ranges = Vec::new();
     for part in parts {
         let (mesh, first) = (&scene.meshes[part.mesh], rest.len());
-        let positions: Vec<[f64; 3]> = mesh.vertices.iter().map(|v| [v.x, v.y, v.z]).collect();
+        let vertices = rest_vertices(scene, mesh);
+        let positions: Vec<[f64; 3]> = vertices.iter().map(|v| [v.x, v.y, v.z]).collect();
         let mirrored = ufbx::matrix_determinant(&part.rest) < 0.0;
         let polygons = polygons(mesh);
         let (own, begin) = (polygons.corners(), corners.len());
@@ -76,7 +80,7 @@ pub(super) fn join(
             let v = ufbx::transform_position(&part.rest, v);
             [v.x, v.y, v.z]
         };
-        rest.extend(mesh.vertices.iter().map(place));
+        rest.extend(vertices.iter().map(place));
         ranges.push((scene.nodes[part.node].element.name.to_string(), first..rest.len()));
     }
     let (engine, count) = corners.finish().engine_mesh(&rest, &places);

@@ -4,6 +4,7 @@
 //! meshes of several nodes follow one another in the order of the nodes.
 
 pub(super) mod appearance;
+mod blends;
 mod convert;
 mod corners;
 mod frames;
@@ -17,4 +18,5 @@ mod tests;
 
 pub(crate) use motion::read_motion;
 pub(crate) use read::read;
+pub(super) use read::read_mesh;
 pub(crate) use shaped::read_shapes;

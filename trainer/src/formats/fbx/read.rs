@@ -11,8 +11,10 @@ use ufbx::{
 use super::convert::fault;
 use super::frames::{self, Posed};
 use super::joints::{self, Joints};
-use super::meshes;
+use super::meshes::{self, Geometry};
 use crate::formats::error::FormatError;
+use crate::formats::mesh::Mesh;
+use crate::formats::mesh_file::{MeshFile, check_triangles};
 use crate::formats::scene::{SampledScene, Sampling, SceneError};
 use crate::space::SpaceRequest;
 use crate::space::axes::direction;
@@ -45,12 +47,14 @@ pub(super) fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScen
     let mut warnings = Vec::new();
     let parts = meshes::parts(&scene, &mut warnings)?;
     let geometry = meshes::join(&scene, &parts, &mut warnings);
-    let Joints { nodes, names, parents, binds } = joints::find(&scene, &parts)?;
+    let Joints { nodes, names, parents, binds } = joints::find(&scene, &parts, &mut warnings)?;
     let takes = match sampling.still {
         true => Vec::new(),
         false => frames::takes(&scene, &nodes, &parts, sampling, &mut warnings)?,
     };
-    meshes::unweighted(&scene, &parts, &mut warnings);
+    if sampling.shapes {
+        meshes::unweighted(&scene, &parts, &mut warnings);
+    }
     let posed = meshes::are_posed(&scene, &parts, &mut warnings);
     let shown = (posed && sampling.shapes).then_some(parts.as_slice());
     let Posed { joints: frames, shapes, morphs } = frames::posed(&scene, &takes, &nodes, shown)?;
@@ -70,6 +74,21 @@ pub(super) fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScen
         clips: frames::clips(takes),
         warnings,
     })
+}
+
+/// Reads the meshes of a file as one: those with a skin as they are bound, or, where none has one, all as they stand.
+///
+/// # Errors
+/// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
+pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError> {
+    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+    let scene = open(&bytes)?;
+    let mut warnings = Vec::new();
+    let parts = meshes::parts(&scene, &mut warnings)?;
+    let Geometry { rest: positions, triangles, engine, .. } =
+        meshes::join(&scene, &parts, &mut warnings);
+    let mesh = check_triangles(Mesh { positions, triangles, engine })?;
+    Ok(MeshFile { mesh, space: Some(space(&scene.settings)), warnings })
 }
 
 pub(super) fn open(bytes: &[u8]) -> Result<SceneRoot, SceneError> {

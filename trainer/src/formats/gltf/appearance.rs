@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use ::gltf::{Document, Primitive, Semantic};
+use ::gltf::{Document, Semantic};
 use serde_json::{Map, Value};
 
-use super::file::{self, Buffers};
+use super::file::{self, Buffers, Parsed};
 use super::nodes::Nodes;
 use super::rigged::shown_meshes;
+use super::triangles::{is_surface, triangles};
 use crate::formats::appearance::data::{Appearance, Image};
 use crate::formats::appearance::image;
 use crate::formats::error::FormatError;
@@ -18,13 +19,18 @@ use crate::formats::error::FormatError;
 /// [`FormatError::Read`] and [`FormatError::Scene`].
 pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
-    let (document, buffers) = file::parse(&bytes, path)?;
+    let Parsed { document, buffers, .. } = file::parse(&bytes, path)?;
     let mut tree = file::tree(&bytes)?;
     let meshes = shown_meshes(&document, &Nodes::read(&document)?);
     let primitives = meshes.iter().flat_map(|(mesh, _)| mesh.primitives());
-    let of_triangles = primitives.flat_map(|primitive| {
-        std::iter::repeat_n(primitive.material().index(), triangle_len(&primitive))
-    });
+    let mut of_triangles = Vec::new();
+    for primitive in primitives.filter(is_surface) {
+        let positions = primitive.get(&Semantic::Positions);
+        let vertex_len = positions.map_or(0, |positions| positions.count());
+        let place = || "the meshes".to_owned();
+        let count = triangles(&primitive, &buffers, vertex_len, place)?.len();
+        of_triangles.extend(std::iter::repeat_n(primitive.material().index(), count));
+    }
     let mut list = |name: &str| match tree.remove(name) {
         Some(Value::Array(items)) => items,
         _ => Vec::new(),
@@ -34,7 +40,7 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
             [(mesh, node)] => node.name().or(mesh.name()).map(str::to_owned),
             _ => None,
         },
-        of_triangles: of_triangles.collect(),
+        of_triangles,
         materials: list("materials"),
         textures: list("textures"),
         samplers: list("samplers"),
@@ -60,11 +66,6 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
     let required = required.into_iter().filter_map(|name| name.as_str().map(str::to_owned));
     appearance.required = required.filter(|name| used.contains(name)).collect();
     Ok(appearance)
-}
-
-fn triangle_len(primitive: &Primitive<'_>) -> usize {
-    let corners = primitive.indices().or_else(|| primitive.get(&Semantic::Positions));
-    corners.map_or(0, |corners| corners.count() / 3)
 }
 
 fn picture(

@@ -5,7 +5,7 @@ use gltf::{Animation, Document};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::accessor::numbers;
-use super::file::Buffers;
+use super::file::{Buffers, unnamed_clip};
 use super::nodes::Local;
 use crate::formats::scene::SceneError;
 
@@ -41,7 +41,7 @@ impl ClipKeys {
     fn read_one(animation: &Animation<'_>, buffers: &Buffers) -> Result<Self, SceneError> {
         let name = match animation.name() {
             Some(name) => name.to_owned(),
-            None => format!("animation {}", animation.index()),
+            None => unnamed_clip(animation.index()),
         };
         let mut channels = Vec::new();
         for channel in animation.channels() {

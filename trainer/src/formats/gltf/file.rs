@@ -4,37 +4,58 @@ use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use gltf::Document;
 use gltf::binary::Glb;
 use gltf::buffer::Source;
 use gltf::json::validation::Checked;
-use gltf::{Document, Gltf};
 use percent_encoding::percent_decode_str;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
+use std::borrow::Cow;
 
 use crate::formats::error::FormatError;
 use crate::formats::scene::SceneError;
+use crate::formats::warning::FormatWarning;
 
 /// The bytes of each buffer.
 pub(super) type Buffers = Vec<Vec<u8>>;
 
+/// A file and its buffers.
+pub(super) struct Parsed {
+    pub(super) document: Document,
+    pub(super) buffers: Buffers,
+    /// Clips with channels that name no node, and were left out.
+    pub(super) untargeted: Vec<String>,
+}
+
+impl Parsed {
+    /// Tells of the channels that were left out.
+    pub(super) fn warning(&self) -> Option<FormatWarning> {
+        let clips = self.untargeted.clone();
+        (!clips.is_empty()).then_some(FormatWarning::UntargetedChannels { clips })
+    }
+}
+
 /// Reads a file and every buffer that it names, inside it or beside it.
-pub(super) fn open(path: &Path) -> Result<(Document, Buffers), FormatError> {
+pub(super) fn open(path: &Path) -> Result<Parsed, FormatError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
     Ok(parse(&bytes, path)?)
 }
 
 /// Parses the bytes of a file and reads every buffer that it names, inside it or beside it.
-pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<(Document, Buffers), SceneError> {
+pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, SceneError> {
     check_whole(bytes)?;
-    let not_gltf = |error: gltf::Error| SceneError::NotGltf { reason: error.to_string() };
-    let Gltf { document, mut blob } =
-        Gltf::from_slice_without_validation(bytes).map_err(not_gltf)?;
-    let mut json = document.into_json();
+    let mut tree = tree(bytes)?;
+    let untargeted = drop_untargeted(&mut tree);
+    state_nodes(&mut tree);
+    let mut json: gltf::json::Root = serde_json::from_value(Value::Object(tree))
+        .map_err(|error| SceneError::NotGltf { reason: error.to_string() })?;
     check_indices(&json)?;
     check_extensions(&json)?;
     // The library refuses those that it does not know, whatever they are about.
     json.extensions_required.clear();
-    let document = Document::from_json(json).map_err(not_gltf)?;
+    let document = Document::from_json(json)
+        .map_err(|error| SceneError::NotGltf { reason: error.to_string() })?;
+    let mut blob = chunks(bytes)?.1.map(Cow::into_owned);
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let bytes = match buffer.source() {
@@ -49,7 +70,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<(Document, Buffers), Sc
         let damaged = |reason| SceneError::Buffer { buffer: buffer.index(), reason };
         buffers.push(bytes.map_err(damaged)?);
     }
-    Ok((document, buffers))
+    Ok(Parsed { document, buffers, untargeted })
 }
 
 /// Gives all the members of a file whose bytes [`parse`] takes.
@@ -57,12 +78,55 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<(Document, Buffers), Sc
 /// # Errors
 /// [`SceneError::NotGltf`]
 pub(super) fn tree(bytes: &[u8]) -> Result<Map<String, Value>, SceneError> {
-    let not_gltf = |reason: String| SceneError::NotGltf { reason };
-    let json = match bytes.starts_with(b"glTF") {
-        true => Glb::from_slice(bytes).map_err(|error| not_gltf(error.to_string()))?.json,
-        false => bytes.into(),
-    };
-    serde_json::from_slice(&json).map_err(|error| not_gltf(error.to_string()))
+    let (json, _) = chunks(bytes)?;
+    serde_json::from_slice(&json).map_err(|error| SceneError::NotGltf { reason: error.to_string() })
+}
+
+/// Bytes of a part of a file.
+type Chunk<'a> = Cow<'a, [u8]>;
+
+/// Gives the JSON of a file, and the bytes that follow it in a binary file.
+fn chunks(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), SceneError> {
+    if !bytes.starts_with(b"glTF") {
+        return Ok((bytes.into(), None));
+    }
+    let not_gltf = |error: gltf::Error| SceneError::NotGltf { reason: error.to_string() };
+    let Glb { json, bin, .. } = Glb::from_slice(bytes).map_err(not_gltf)?;
+    Ok((json, bin))
+}
+
+/// Drops the animation channels without a node, which the specification has readers ignore, and those of pointers,
+/// whose node an extension names; returns the clips that had any.
+fn drop_untargeted(tree: &mut Map<String, Value>) -> Vec<String> {
+    let mut clips = Vec::new();
+    let animations = tree.get_mut("animations").and_then(Value::as_array_mut);
+    for (number, animation) in animations.into_iter().flatten().enumerate() {
+        let name = animation.get("name").and_then(Value::as_str);
+        let name = name.map_or_else(|| unnamed_clip(number), str::to_owned);
+        let Some(Value::Array(channels)) = animation.get_mut("channels") else { continue };
+        let before = channels.len();
+        channels.retain(|channel| {
+            let Some(target) = channel.get("target") else { return true };
+            target.get("node").is_some() && target.get("path") != Some(&json!("pointer"))
+        });
+        if channels.len() < before {
+            clips.push(name);
+        }
+    }
+    clips
+}
+
+/// Names a clip whose file does not.
+pub(super) fn unnamed_clip(number: usize) -> String {
+    format!("animation {number}")
+}
+
+/// Gives scenes without nodes an empty list, which the library expects.
+fn state_nodes(tree: &mut Map<String, Value>) {
+    let scenes = tree.get_mut("scenes").and_then(Value::as_array_mut);
+    for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| json!([]));
+    }
 }
 
 /// Checks that a binary file has as many bytes as it says.
@@ -105,9 +169,16 @@ fn check_indices(json: &gltf::json::Root) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Extensions that change nothing of shapes and motion, or that are read: integers for positions.
-const HARMLESS: [&str; 5] =
-    ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_mesh_quantization"];
+/// Extensions that change nothing of shapes and motion, that are read (integers for positions), or whose channels are
+/// left out with a warning (pointers).
+const HARMLESS: [&str; 6] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "KHR_lights_",
+    "KHR_mesh_quantization",
+    "KHR_animation_pointer",
+];
 
 fn check_extensions(json: &gltf::json::Root) -> Result<(), SceneError> {
     let harmless = |name: &&String| HARMLESS.iter().any(|known| name.starts_with(known));

@@ -1,17 +1,19 @@
 //! The meshes of a glTF file, joined into one.
 
-use gltf::mesh::Mode;
-use gltf::{Document, Primitive, Semantic};
+use gltf::{Document, Mesh, Node, Primitive, Semantic};
+use nalgebra::Vector3;
 
 use super::accessor::numbers;
 use super::file::Buffers;
+use super::triangles::{is_surface, triangles};
 use crate::formats::scene::SceneError;
+use crate::formats::warning::FormatWarning;
 
 /// Every mesh that is read, one after another.
 pub(super) struct Meshes {
     /// The nodes that show them.
     pub(super) instances: Vec<Instance>,
-    /// Positions without morph targets, V, each in its mesh's space.
+    /// Positions, V, each in its mesh's space; morph targets have their default weights where these are wanted.
     pub(super) positions: Vec<[f64; 3]>,
     /// Vertex numbers of each triangle.
     pub(super) triangles: Vec<[usize; 3]>,
@@ -25,6 +27,19 @@ pub(super) struct Meshes {
     pub(super) authored: [bool; 3],
     /// Joints of the instance's skin and weights that carry each vertex; none without a skin.
     pub(super) influences: Vec<Vec<(usize, f64)>>,
+    /// Names of meshes without a skin that were left out.
+    pub(super) unskinned: Vec<String>,
+    /// Names of meshes whose points and lines were left out.
+    pub(super) with_lines: Vec<String>,
+}
+
+/// Which meshes are read, and how they are at rest.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted {
+    /// Whether those without a skin are left out.
+    pub(super) skinned_only: bool,
+    /// Whether morph targets have their default weights: the shape that clips play on.
+    pub(super) default_shape: bool,
 }
 
 /// A node that shows a mesh.
@@ -44,17 +59,17 @@ pub(super) struct Instance {
 }
 
 impl Meshes {
-    /// Reads the meshes that the nodes of the file's scene show, in the nodes' order, or only those
-    /// that have a skin; names those that were left out.
+    /// Reads the meshes that the nodes of the file's scene show, in the nodes' order.
     ///
     /// # Errors
-    /// [`SceneError::NoTriangles`], [`SceneError::Accessor`] and [`SceneError::Count`].
+    /// [`SceneError::NoTriangles`] where there are points and lines alone, [`SceneError::Accessor`] and
+    /// [`SceneError::Count`].
     pub(super) fn read(
         document: &Document,
         buffers: &Buffers,
         shown: impl Fn(usize) -> bool,
-        skinned_only: bool,
-    ) -> Result<(Self, Vec<String>), SceneError> {
+        wanted: Wanted,
+    ) -> Result<Self, SceneError> {
         let mut all = Self {
             instances: Vec::new(),
             positions: Vec::new(),
@@ -64,33 +79,55 @@ impl Meshes {
             uv: Vec::new(),
             authored: [false; 3],
             influences: Vec::new(),
+            unskinned: Vec::new(),
+            with_lines: Vec::new(),
         };
-        let mut left_out = Vec::new();
+        let mut no_triangles = None;
         for node in document.nodes().filter(|node| shown(node.index())) {
             let Some(mesh) = node.mesh() else { continue };
             let name = node.name().or(mesh.name()).map(str::to_owned);
             let name = name.unwrap_or_else(|| format!("node {}", node.index()));
             let skin = node.skin().map(|skin| skin.index());
-            if skinned_only && skin.is_none() {
-                left_out.push(name);
+            if wanted.skinned_only && skin.is_none() {
+                all.unskinned.push(name);
                 continue;
             }
-            let weights = node.weights().or(mesh.weights()).unwrap_or_default();
+            if let Some(other) = mesh.primitives().find(|primitive| !is_surface(primitive)) {
+                all.with_lines.push(name.clone());
+                let mode = format!("{:?}", other.mode()).to_lowercase();
+                no_triangles = Some(SceneError::NoTriangles { mesh: name.clone(), mode });
+            }
+            if !has_surface(&mesh) {
+                continue;
+            }
             let mut instance = Instance {
                 node: node.index(),
                 name,
                 skin,
                 first: all.positions.len(),
                 morphs: Vec::new(),
-                weights: weights.iter().copied().map(f64::from).collect(),
+                weights: default_weights(&node, &mesh),
             };
-            for primitive in mesh.primitives() {
-                all.add(&primitive, &mut instance, buffers)?;
+            for primitive in mesh.primitives().filter(is_surface) {
+                all.add(&primitive, &mut instance, buffers, wanted)?;
             }
             instance.weights.resize(instance.morphs.len(), 0.0);
             all.instances.push(instance);
         }
-        Ok((all, left_out))
+        match no_triangles {
+            Some(error) if all.instances.is_empty() => Err(error),
+            _ => Ok(all),
+        }
+    }
+
+    /// Tells of the meshes that were left out.
+    pub(super) fn warnings(&self) -> impl Iterator<Item = FormatWarning> + use<> {
+        let [unskinned, with_lines] = [self.unskinned.clone(), self.with_lines.clone()];
+        let unskinned =
+            (!unskinned.is_empty()).then_some(FormatWarning::UnskinnedMeshes { meshes: unskinned });
+        let with_lines = (!with_lines.is_empty())
+            .then_some(FormatWarning::PointsAndLines { meshes: with_lines });
+        unskinned.into_iter().chain(with_lines)
     }
 
     fn add(
@@ -98,48 +135,32 @@ impl Meshes {
         primitive: &Primitive<'_>,
         instance: &mut Instance,
         buffers: &Buffers,
+        wanted: Wanted,
     ) -> Result<(), SceneError> {
         let place = || format!("mesh {}", instance.name);
         let count = |what, expected, found| match expected == found {
             true => Ok(()),
             false => Err(SceneError::Count { place: place(), what, expected, found }),
         };
-        if primitive.mode() != Mode::Triangles {
-            let mode = format!("{:?}", primitive.mode()).to_lowercase();
-            return Err(SceneError::NoTriangles { mesh: instance.name.clone(), mode });
-        }
         let read = |semantic, width| {
             let accessor = primitive.get(&semantic);
             accessor.map(|accessor| numbers(&accessor, buffers, width)).transpose()
         };
         let base = self.positions.len();
-        let positions = read(Semantic::Positions, 3)?.unwrap_or_default();
-        let vertex_len = positions.len() / 3;
-        self.positions.extend_from_slice(positions.as_chunks().0);
-
-        let corners: Vec<usize> = match primitive.indices() {
-            Some(indices) => {
-                numbers(&indices, buffers, 1)?.into_iter().map(|index| index as usize).collect()
-            }
-            None => (0..vertex_len).collect(),
-        };
-        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex >= vertex_len) {
-            return Err(SceneError::NoSuch {
-                place: place(),
-                what: "vertex",
-                found: vertex,
-                len: vertex_len,
-            });
-        }
-        count("corners in whole triangles", corners.len() / 3 * 3, corners.len())?;
-        let corners = corners.as_chunks::<3>().0;
-        self.triangles.extend(corners.iter().map(|corners| corners.map(|vertex| base + vertex)));
+        let weights: &[f64] = if wanted.default_shape { &instance.weights } else { &[] };
+        let positions = shaped(primitive, Attribute::Positions, weights, buffers, place)?;
+        let vertex_len = positions.len();
+        self.positions.extend(positions);
+        let triangles = triangles(primitive, buffers, vertex_len, place)?;
+        self.triangles
+            .extend(triangles.into_iter().map(|corners| corners.map(|vertex| base + vertex)));
 
         let end = base + vertex_len;
         self.normals.resize(end, [0.0; 3]);
-        if let Some(normals) = read(Semantic::Normals, 3)? {
-            count("normals", 3 * vertex_len, normals.len())?;
-            self.normals[base..].copy_from_slice(normals.as_chunks().0);
+        let normals = shaped(primitive, Attribute::Normals, weights, buffers, place)?;
+        if !normals.is_empty() {
+            count("normals", vertex_len, normals.len())?;
+            self.normals[base..].copy_from_slice(&normals);
             self.authored[0] = true;
         }
         self.tangents.resize(end, [0.0; 4]);
@@ -197,4 +218,65 @@ impl Meshes {
         let end = self.instances.get(instance + 1).map_or(self.positions.len(), |next| next.first);
         self.instances[instance].first..end
     }
+}
+
+/// Tells whether a mesh has triangles.
+pub(super) fn has_surface(mesh: &Mesh<'_>) -> bool {
+    mesh.primitives().any(|primitive| is_surface(&primitive))
+}
+
+/// Gives the weights of a mesh's morph targets where nothing is animated.
+pub(super) fn default_weights(node: &Node<'_>, mesh: &Mesh<'_>) -> Vec<f64> {
+    let weights = node.weights().or(mesh.weights()).unwrap_or_default();
+    weights.iter().copied().map(f64::from).collect()
+}
+
+/// What morph targets displace.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Attribute {
+    Positions,
+    /// Of unit length where a target displaces them.
+    Normals,
+}
+
+/// Reads an attribute of a primitive's vertices, displaced by its morph targets with these weights; nothing where the
+/// primitive lacks it.
+///
+/// # Errors
+/// [`SceneError::Accessor`] and [`SceneError::Count`].
+pub(super) fn shaped(
+    primitive: &Primitive<'_>,
+    attribute: Attribute,
+    weights: &[f64],
+    buffers: &Buffers,
+    place: impl Fn() -> String,
+) -> Result<Vec<[f64; 3]>, SceneError> {
+    let semantic = match attribute {
+        Attribute::Positions => Semantic::Positions,
+        Attribute::Normals => Semantic::Normals,
+    };
+    let Some(own) = primitive.get(&semantic) else { return Ok(Vec::new()) };
+    let mut all = numbers(&own, buffers, 3)?.as_chunks().0.to_vec();
+    for (target, &weight) in primitive.morph_targets().zip(weights) {
+        let displaced = match attribute {
+            Attribute::Positions => target.positions(),
+            Attribute::Normals => target.normals(),
+        };
+        let Some(displaced) = displaced.filter(|_| weight != 0.0) else { continue };
+        let by = numbers(&displaced, buffers, 3)?;
+        let (expected, found) = (3 * all.len(), by.len());
+        if expected != found {
+            let what = "displacements";
+            return Err(SceneError::Count { place: place(), what, expected, found });
+        }
+        for (own, by) in all.iter_mut().zip(by.as_chunks().0) {
+            let sum = Vector3::from(*own) + Vector3::from(*by) * weight;
+            *own = match attribute {
+                Attribute::Positions => sum,
+                Attribute::Normals => sum.try_normalize(0.0).unwrap_or(sum),
+            }
+            .into();
+        }
+    }
+    Ok(all)
 }

@@ -2,6 +2,7 @@
 
 mod accessor;
 pub(super) mod appearance;
+mod bare;
 mod clips;
 mod file;
 mod meshes;
@@ -10,10 +11,12 @@ mod nodes;
 pub(crate) mod rigged;
 pub(crate) mod shaped;
 mod skins;
+mod triangles;
 mod viewed;
 mod welded;
 pub(crate) mod write;
 
+pub(super) use bare::read_mesh;
 pub(crate) use motion::read_motion;
 
 use std::path::Path;
@@ -22,7 +25,8 @@ use rayon::prelude::*;
 use sinew_runtime::format::Space;
 
 use self::clips::ClipKeys;
-use self::meshes::Meshes;
+use self::file::Parsed;
+use self::meshes::{Meshes, Wanted};
 use self::nodes::Nodes;
 use self::skins::Skins;
 use self::viewed::Scene;
@@ -37,29 +41,31 @@ use super::warning::FormatWarning;
 /// # Errors
 /// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
 pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene, FormatError> {
-    let (document, buffers) = file::open(path)?;
-    let nodes = Nodes::read(&document)?;
-    let shown = nodes.shown(&document);
-    let (mut meshes, left_out) = Meshes::read(&document, &buffers, |node| shown[node], true)?;
+    let parsed = file::open(path)?;
+    let Parsed { document, buffers, .. } = &parsed;
+    let nodes = Nodes::read(document)?;
+    let shown = nodes.shown(document);
+    let wanted = Wanted { skinned_only: true, default_shape: true };
+    let mut meshes = Meshes::read(document, buffers, |node| shown[node], wanted)?;
     if meshes.instances.is_empty() {
-        let empty = document.meshes().len() == 0;
-        return Err(if empty { SceneError::NoMesh } else { SceneError::NoSkin }.into());
+        return Err(match meshes.unskinned.is_empty() {
+            _ if !shown.contains(&true) => SceneError::Empty,
+            true => SceneError::NoMesh,
+            false => SceneError::NoSkin,
+        }
+        .into());
     }
-    let skins = Skins::read(&document, &buffers, &nodes, &mut meshes)?;
+    let skins = Skins::read(document, buffers, &nodes, &mut meshes, !sampling.shapes)?;
     let mut warnings = Vec::from_iter(skins.neutral(&nodes, &meshes));
-    let scene = Scene::new(nodes, meshes, ClipKeys::read(&document, &buffers)?);
-    if !left_out.is_empty() {
-        warnings.push(FormatWarning::UnskinnedMeshes { meshes: left_out });
-    }
+    warnings.extend(meshes.warnings().chain(parsed.warning()));
+    let scene = Scene::new(nodes, meshes, ClipKeys::read(document, buffers)?);
     let welded = Welded::new(&scene.meshes);
     if welded.repaired > 0 {
         warnings.push(FormatWarning::NormalsRepaired { count: welded.repaired });
     }
-    let mut moved = vec![false; scene.nodes.names.len()];
-    for node in skins.joints.iter().flat_map(|&joint| scene.nodes.upwards(joint)) {
-        moved[node] = true;
-    }
-    let (clips, moments) = scene.sample(&moved, sampling, &mut warnings)?;
+    let (names, equal) = skins.names(&scene.nodes);
+    warnings.extend(equal);
+    let (clips, moments) = scene.sample(&skins.joints, sampling, &mut warnings)?;
     let posed: Vec<_> = moments
         .par_iter()
         .map(|moment| {
@@ -72,8 +78,8 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
         })
         .collect();
     let (frames, shapes): (Vec<_>, Vec<_>) = posed.into_iter().unzip();
-    let parents = skins.parents(&scene.nodes);
-    let names = skins.joints.iter().map(|&node| scene.nodes.names[node].clone()).collect();
+    let parents = scene.nodes.parents_among(&skins.joints);
+    let names = skins.joints.iter().map(|&node| names[node].clone()).collect();
     let morphs = moments.iter().any(|moment| moment.clip.shapes(|node| scene.shows(node)));
     let ranges = scene.meshes.ranges().into_iter();
     let ranges = ranges.map(|(name, range)| (name, welded.range(&range))).collect();
@@ -105,14 +111,16 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
 /// As [`read`], but for meshes without a skin; [`SceneError::StillShapes`] where no morph target plays and nothing is
 /// skinned.
 pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError> {
-    let (document, buffers) = file::open(path)?;
+    let Parsed { document, buffers, .. } = file::open(path)?;
     let nodes = Nodes::read(&document)?;
     let shown = nodes.shown(&document);
-    let (mut meshes, _) = Meshes::read(&document, &buffers, |node| shown[node], false)?;
+    let wanted = Wanted { skinned_only: false, default_shape: true };
+    let mut meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted)?;
     if meshes.instances.is_empty() {
-        return Err(SceneError::NoMesh.into());
+        let is_empty = !shown.contains(&true);
+        return Err(if is_empty { SceneError::Empty } else { SceneError::NoMesh }.into());
     }
-    let skins = Skins::read(&document, &buffers, &nodes, &mut meshes)?;
+    let skins = Skins::read(&document, &buffers, &nodes, &mut meshes, false)?;
     let scene = Scene::new(nodes, meshes, ClipKeys::read(&document, &buffers)?);
     let plays = scene.animations.iter().any(|clip| clip.shapes(|node| scene.shows(node)));
     if !plays && skins.joints.is_empty() {
@@ -121,12 +129,9 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, FormatError>
     let instances = &scene.meshes.instances;
     let unskinned = instances.iter().filter(|instance| instance.skin.is_none());
     let moving = skins.joints.iter().copied().chain(unskinned.map(|instance| instance.node));
-    let mut moved = vec![false; scene.nodes.names.len()];
-    for node in moving.flat_map(|node| scene.nodes.upwards(node)) {
-        moved[node] = true;
-    }
-    let sampling = Sampling { fps: None, clips: &[], shapes: true, still: false };
-    let (_, moments) = scene.sample(&moved, &sampling, &mut Vec::new())?;
+    let moving: Vec<usize> = moving.collect();
+    let sampling = Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
+    let (_, moments) = scene.sample(&moving, &sampling, &mut Vec::new())?;
     let shapes: Vec<_> = moments
         .par_iter()
         .map(|moment| {

@@ -93,8 +93,14 @@ impl Nodes {
         (0..self.names.len()).map(|node| self.upwards(node).any(|up| roots.contains(&up))).collect()
     }
 
+    /// Gives the nearest of some joints above each of them; several may have none.
+    pub(super) fn parents_among(&self, joints: &[usize]) -> Vec<Option<usize>> {
+        let of = |node: usize| joints.iter().position(|&joint| joint == node);
+        joints.iter().map(|&node| self.upwards(node).skip(1).find_map(of)).collect()
+    }
+
     /// Walks from a node to its root.
-    pub(super) fn upwards(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
+    pub(super) fn upwards(&self, node: usize) -> impl Iterator<Item = usize> + Clone + '_ {
         std::iter::successors(Some(node), |&node| self.parents[node])
     }
 }

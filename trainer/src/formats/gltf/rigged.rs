@@ -3,14 +3,15 @@
 
 use std::path::Path;
 
-use ::gltf::{Document, Semantic};
+use ::gltf::Document;
 use nalgebra::Matrix4;
 use serde_json::{Map, Value, json};
 
-use super::accessor::numbers;
-use super::file::{self, Buffers};
+use super::file::{self, Buffers, Parsed};
+use super::meshes::{Attribute, default_weights, has_surface, shaped};
 use super::nodes::Nodes;
 use super::skins::Skins;
+use super::triangles::is_surface;
 use crate::formats::appearance::image;
 use crate::formats::error::FormatError;
 use crate::formats::scene::SceneError;
@@ -22,7 +23,7 @@ pub(crate) struct RiggedFile {
     pub(crate) tree: Map<String, Value>,
     /// The bytes of its one buffer.
     pub(crate) bytes: Vec<u8>,
-    /// Names of its nodes, made up where it has none.
+    /// Names of its nodes, made up where it has none; joints of equal names are told apart.
     pub(crate) names: Vec<String>,
     /// Parents of the nodes.
     pub(crate) parents: Vec<Option<usize>>,
@@ -49,8 +50,10 @@ pub(crate) struct RiggedMesh {
     pub(crate) skin: Option<usize>,
     /// From the mesh to the space in which joints are bound; to the first mesh where there are none.
     pub(crate) to_bind: Matrix4<f64>,
-    /// Positions of each primitive.
+    /// Positions of each primitive, its morph targets at their default weights.
     pub(crate) positions: Vec<Vec<[f64; 3]>>,
+    /// Whether each primitive is made of triangles, and not of points or lines.
+    pub(crate) surfaces: Vec<bool>,
 }
 
 /// Extensions that hide vertices from who does not know them.
@@ -69,12 +72,15 @@ impl RiggedFile {
     }
 
     fn parse(bytes: &[u8], path: &Path) -> Result<Self, SceneError> {
-        let (document, buffers) = file::parse(bytes, path)?;
+        let Parsed { document, buffers, .. } = file::parse(bytes, path)?;
         let compressed = |name: &&str| document.extensions_used().any(|used| used == *name);
         if let Some(name) = COMPRESSIONS.iter().find(|name| compressed(name)) {
             return Err(SceneError::Extension { name: (*name).to_owned() });
         }
         let nodes = Nodes::read(&document)?;
+        if !nodes.shown(&document).contains(&true) {
+            return Err(SceneError::Empty);
+        }
         let locals: Vec<_> = nodes.locals.iter().map(|local| local.matrix()).collect();
         let (meshes, skins) = meshes(&document, &buffers, &nodes)?;
         let mut binds = vec![None; locals.len()];
@@ -82,10 +88,11 @@ impl RiggedFile {
             binds[node] = Some(bind);
         }
         let tree = file::tree(bytes)?;
+        let (names, _) = skins.names(&nodes);
         let mut file = Self {
             tree,
             bytes: Vec::new(),
-            names: nodes.names,
+            names,
             parents: nodes.parents,
             order: nodes.order,
             locals,
@@ -172,7 +179,10 @@ pub(super) fn shown_meshes<'a>(
 ) -> Vec<(::gltf::Mesh<'a>, ::gltf::Node<'a>)> {
     let shown = nodes.shown(document);
     let all = document.nodes().filter(|node| shown[node.index()]);
-    let mut all: Vec<_> = all.filter_map(|node| Some((node.mesh()?, node))).collect();
+    let mut all: Vec<_> = all
+        .filter_map(|node| Some((node.mesh()?, node)))
+        .filter(|(mesh, _)| has_surface(mesh))
+        .collect();
     if all.iter().any(|(_, node)| node.skin().is_some()) {
         all.retain(|(_, node)| node.skin().is_some());
     }
@@ -207,14 +217,15 @@ fn meshes(
                     .map_or_else(Matrix4::identity, |back| back * worlds[node.index()]),
             },
         };
-        let positions = mesh.primitives().map(|primitive| {
-            let positions = primitive.get(&Semantic::Positions);
-            let positions = positions.map(|accessor| numbers(&accessor, buffers, 3)).transpose()?;
-            Ok(positions.unwrap_or_default().as_chunks().0.to_vec())
-        });
+        let weights = default_weights(&node, &mesh);
+        let place = || format!("mesh {name}");
+        let positions = mesh
+            .primitives()
+            .map(|primitive| shaped(&primitive, Attribute::Positions, &weights, buffers, place));
         let positions = positions.collect::<Result<_, SceneError>>()?;
+        let surfaces = mesh.primitives().map(|primitive| is_surface(&primitive)).collect();
         let (node, mesh) = (node.index(), mesh.index());
-        meshes.push(RiggedMesh { node, mesh, name, skin, to_bind, positions });
+        meshes.push(RiggedMesh { node, mesh, name, skin, to_bind, positions, surfaces });
     }
     Ok((meshes, skins))
 }

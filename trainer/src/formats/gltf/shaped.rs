@@ -6,8 +6,8 @@ use nalgebra::{Matrix4, Vector3};
 use serde_json::Value;
 use sinew_runtime::format::Space;
 
-use super::file;
-use super::meshes::Meshes;
+use super::file::{self, Parsed};
+use super::meshes::{Meshes, Wanted};
 use super::nodes::Nodes;
 use crate::formats::error::FormatError;
 use crate::formats::scene::SceneError;
@@ -26,17 +26,21 @@ pub(crate) fn read_shapes(path: &Path) -> Result<ShapedMesh, FormatError> {
 }
 
 pub(super) fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, SceneError> {
-    let (document, buffers) = file::parse(bytes, path)?;
+    let Parsed { document, buffers, .. } = file::parse(bytes, path)?;
     let tree = file::tree(bytes)?;
     let nodes = Nodes::read(&document)?;
     let shown = nodes.shown(&document);
-    let (meshes, _) = Meshes::read(&document, &buffers, |node| shown[node], false)?;
+    // The weights that a file has by default are no part of a face at rest.
+    let wanted = Wanted { skinned_only: false, default_shape: false };
+    let meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted)?;
     let (shaped, plain): (Vec<_>, Vec<_>) =
         (0..meshes.instances.len()).partition(|&at| !meshes.instances[at].morphs.is_empty());
     if shaped.is_empty() {
-        return Err(SceneError::NoShapes);
+        let is_empty = !shown.contains(&true);
+        return Err(if is_empty { SceneError::Empty } else { SceneError::NoShapes });
     }
     let mut out = ShapedMesh { space: Space::GLTF, is_split: true, ..ShapedMesh::default() };
+    out.warnings.extend(meshes.warnings());
     if !plain.is_empty() {
         let meshes = plain.iter().map(|&at| meshes.instances[at].name.clone()).collect();
         out.warnings.push(FormatWarning::UnshapedMeshes { meshes });

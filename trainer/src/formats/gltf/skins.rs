@@ -9,7 +9,7 @@ use super::accessor::numbers;
 use super::file::Buffers;
 use super::meshes::Meshes;
 use super::nodes::Nodes;
-use crate::formats::scene::SceneError;
+use crate::formats::scene::{SceneError, told_apart};
 use crate::formats::warning::FormatWarning;
 
 /// Two bind matrices of one joint agree within this share of their largest entry; files round them.
@@ -40,14 +40,17 @@ impl Skins {
     /// Joins the skins of the meshes that have one and moves each to where the first one's joints bind it:
     /// exporters differ in whether all skins of a character share one space.
     ///
+    /// - `unbound`: whether a vertex may follow no joint.
+    ///
     /// # Errors
-    /// [`SceneError::NoSkin`], [`SceneError::SingularBind`], [`SceneError::OtherBind`] and those
+    /// [`SceneError::NoSkin`], [`SceneError::Unbound`], [`SceneError::SingularBind`], [`SceneError::OtherBind`] and those
     /// of the bind matrices' accessor.
     pub(super) fn read(
         document: &Document,
         buffers: &Buffers,
         nodes: &Nodes,
         meshes: &mut Meshes,
+        unbound: bool,
     ) -> Result<Self, SceneError> {
         let mut all = Self::default();
         for instance in 0..meshes.instances.len() {
@@ -59,9 +62,25 @@ impl Skins {
                 None => all.join(&skin, buffers, nodes, &mesh)?,
             };
             let influences = &meshes.influences[meshes.vertices(instance)];
-            check_influences(influences, joined.joints.len(), &mesh)?;
+            check_influences(influences, joined.joints.len(), &mesh, unbound)?;
             move_mesh(meshes, instance, &joined.shift);
             all.members.insert(skin.index(), joined);
+        }
+        Ok(all)
+    }
+
+    /// Joins all skins of a file, whatever hangs on them.
+    ///
+    /// # Errors
+    /// Those of [`Skins::join`].
+    pub(super) fn all(
+        document: &Document,
+        buffers: &Buffers,
+        nodes: &Nodes,
+    ) -> Result<Self, SceneError> {
+        let mut all = Self::default();
+        for skin in document.skins() {
+            all.join(&skin, buffers, nodes, skin.name().unwrap_or("none"))?;
         }
         Ok(all)
     }
@@ -138,10 +157,13 @@ impl Skins {
         all
     }
 
-    /// Gives the nearest joint above each joint; several may have none.
-    pub(super) fn parents(&self, nodes: &Nodes) -> Vec<Option<usize>> {
-        let of = |node: usize| self.joints.iter().position(|&joint| joint == node);
-        self.joints.iter().map(|&node| nodes.upwards(node).skip(1).find_map(of)).collect()
+    /// Tells the joints of equal names apart; gives the names of all nodes, and tells of those that differ from before.
+    pub(super) fn names(&self, nodes: &Nodes) -> (Vec<String>, Option<FormatWarning>) {
+        let is_joint = |node: usize| self.joints.contains(&node);
+        let (names, renamed) = told_apart(&nodes.names, &nodes.parents, is_joint);
+        let joints: Vec<String> = renamed.into_iter().map(|node| names[node].clone()).collect();
+        let warning = (!joints.is_empty()).then_some(FormatWarning::EqualNames { joints });
+        (names, warning)
     }
 }
 
@@ -152,9 +174,10 @@ fn check_influences(
     influences: &[Vec<(usize, f64)>],
     joint_len: usize,
     mesh: &str,
+    unbound: bool,
 ) -> Result<(), SceneError> {
     for (vertex, influences) in influences.iter().enumerate() {
-        if influences.is_empty() {
+        if influences.is_empty() && !unbound {
             return Err(SceneError::Unbound { mesh: mesh.to_owned(), vertex });
         }
         if let Some(&(joint, _)) = influences.iter().find(|(joint, _)| *joint >= joint_len) {
@@ -190,7 +213,8 @@ fn agree(a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
     (a - b).amax() <= AGREE * a.amax()
 }
 
-fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f64>) {
+/// Moves all that a mesh has in space; where it is mirrored, its triangles are turned over.
+pub(super) fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f64>) {
     if *shift == Matrix4::identity() {
         return;
     }
@@ -206,6 +230,11 @@ fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f64>) {
     }
     for [x, y, z, _] in &mut meshes.tangents[vertices.clone()] {
         [*x, *y, *z] = (linear * Vector3::new(*x, *y, *z)).into();
+    }
+    if linear.determinant() < 0.0 {
+        for [a, b, _] in meshes.triangles.iter_mut().filter(|[a, ..]| vertices.contains(a)) {
+            std::mem::swap(a, b);
+        }
     }
     for displacement in meshes.instances[instance].morphs.iter_mut().flatten() {
         *displacement = shift.transform_vector(&(*displacement).into()).into();

@@ -4,7 +4,7 @@ use super::clips::ClipKeys;
 use super::meshes::{Instance, Meshes};
 use super::nodes::{Local, Nodes};
 use super::skins::Skins;
-use crate::formats::scene::{Clip, Sampling, SceneError, sample_times};
+use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, SceneError, samples};
 use crate::formats::warning::FormatWarning;
 use nalgebra::{Matrix4, Vector3};
 
@@ -24,16 +24,17 @@ impl Scene {
 }
 
 /// A time of a clip.
+#[derive(Clone, Copy)]
 pub(super) struct Moment<'a> {
     pub(super) clip: &'a ClipKeys,
     pub(super) time: f64,
 }
 
 impl Scene {
-    /// Lists the clips to read, and their moments.
+    /// Lists the clips to read, and their moments, for these joints or other nodes that move.
     pub(super) fn sample(
         &self,
-        moved: &[bool],
+        joints: &[usize],
         sampling: &Sampling<'_>,
         warnings: &mut Vec<FormatWarning>,
     ) -> Result<(Vec<Clip>, Vec<Moment<'_>>), SceneError> {
@@ -42,16 +43,28 @@ impl Scene {
         }
         let names: Vec<String> = self.animations.iter().map(|keys| keys.name.clone()).collect();
         sampling.check(names.clone())?;
+        let mut moved = vec![false; self.nodes.names.len()];
+        for node in joints.iter().flat_map(|&joint| self.nodes.upwards(joint)) {
+            moved[node] = true;
+        }
+        let parents = self.nodes.parents_among(joints);
         let (mut clips, mut moments, mut idle) = (Vec::new(), Vec::new(), Vec::new());
         for keys in self.animations.iter().filter(|keys| sampling.takes(&keys.name)) {
             let times = keys.times(|node| moved[node], |node| self.shows(node));
-            let times = sample_times(&keys.name, times, sampling)?;
-            if times.is_empty() {
+            let pose = |time| {
+                let worlds = self.nodes.worlds(&self.at(&Moment { clip: keys, time }).0);
+                Ok(joints.iter().map(|&node| worlds[node]).collect())
+            };
+            let joints = MovingJoints { parents: &parents, frame: 0.0, pose };
+            let samples = samples(&keys.name, times, sampling, &joints)?;
+            if samples.is_empty() {
                 idle.push(keys.name.clone());
                 continue;
             }
+            let times: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
             clips.push(Clip::at(keys.name.clone(), moments.len(), &times));
-            moments.extend(times.into_iter().map(|time| Moment { clip: keys, time }));
+            let moment = |Sample { at: time, .. }| Moment { clip: keys, time };
+            moments.extend(samples.into_iter().map(moment));
         }
         if clips.is_empty() {
             return Err(SceneError::NothingMoves { clips: names });
@@ -113,12 +126,15 @@ impl Scene {
     ) -> Vec<[f64; 3]> {
         let mut all = Vec::with_capacity(self.meshes.positions.len());
         for (number, instance) in self.meshes.instances.iter().enumerate() {
-            let active = instance.morphs.iter().zip(&weights[instance.node]);
-            let active: Vec<_> = active.filter(|(_, weight)| **weight != 0.0).collect();
+            let more = weights[instance.node].iter().zip(&instance.weights);
+            // The positions have the default weights.
+            let more = more.map(|(weight, default)| weight - default);
+            let active = instance.morphs.iter().zip(more);
+            let active: Vec<_> = active.filter(|(_, weight)| *weight != 0.0).collect();
             for (own, vertex) in self.meshes.vertices(number).enumerate() {
                 let mut shape = Vector3::from(self.meshes.positions[vertex]);
                 for (morph, weight) in &active {
-                    shape += Vector3::from(morph[own]) * **weight;
+                    shape += Vector3::from(morph[own]) * *weight;
                 }
                 all.push(place(instance, vertex, shape).into());
             }

@@ -78,6 +78,20 @@ pub(crate) struct Track {
     pub(crate) node: NodeIndex,
     /// The values.
     pub(crate) keys: ChannelKeys,
+    /// Whether each value holds until the next key; else values are interpolated linearly.
+    pub(crate) holds: bool,
+}
+
+/// Lists the keys that stand right before a jump: those whose times are one step of single precision before the next.
+pub(crate) fn before_jumps(times: &[f32]) -> impl Iterator<Item = usize> + '_ {
+    (1..times.len()).filter(|&key| times[key - 1].next_up() == times[key]).map(|key| key - 1)
+}
+
+/// Leaves out the rows of some keys, `width` a key.
+fn without<const N: usize>(rows: Vec<[f32; N]>, keys: &[usize], key_len: usize) -> Vec<[f32; N]> {
+    let width = (rows.len() / key_len.max(1)).max(1);
+    let kept = rows.chunks(width).enumerate().filter(|(key, _)| keys.binary_search(key).is_err());
+    kept.flat_map(|(_, rows)| rows).copied().collect()
 }
 
 /// Values of one property.
@@ -191,33 +205,56 @@ impl Document {
     }
 
     /// Adds an animation with keys at some times, in seconds, ascending; between them values are
-    /// interpolated linearly, rotations along the shorter arc.
+    /// interpolated linearly, rotations along the shorter arc. Tracks that hold their values have no keys right before
+    /// jumps.
     pub(crate) fn animation(&mut self, name: &str, times: &[f32], tracks: Vec<Track>) {
+        let len = times.len();
         let times: Vec<[f32; 1]> = times.iter().map(|&time| [time]).collect();
-        let input = self.floats(ArrayKind::floats("SCALAR"), &times);
-        self.bound(input, &times);
+        let jumps: Vec<usize> = before_jumps(times.as_flattened()).collect();
+        let input = self.key_times(&times);
+        let mut input_of_steps = None;
         let (mut channels, mut samplers) = (Vec::new(), Vec::new());
-        for Track { node, keys } in tracks {
+        for Track { node, keys, holds } in tracks {
+            let (input, interpolation, dropped) = match holds {
+                false => (input, "LINEAR", &[][..]),
+                true => {
+                    let kept = || without(times.clone(), &jumps, len);
+                    let input = *input_of_steps.get_or_insert_with(|| self.key_times(&kept()));
+                    (input, "STEP", &jumps[..])
+                }
+            };
             let (path, output) = match keys {
                 ChannelKeys::Translation(keys) => {
+                    let keys = without(keys, dropped, len);
                     ("translation", self.floats(ArrayKind::floats("VEC3"), &keys))
                 }
                 ChannelKeys::Rotation(keys) => {
+                    let keys = without(keys, dropped, len);
                     ("rotation", self.floats(ArrayKind::floats("VEC4"), &keys))
                 }
                 ChannelKeys::Scale(keys) => {
+                    let keys = without(keys, dropped, len);
                     ("scale", self.floats(ArrayKind::floats("VEC3"), &keys))
                 }
                 ChannelKeys::Weights(keys) => {
+                    let keys = without(keys, dropped, len);
                     ("weights", self.floats(ArrayKind::floats("SCALAR"), &keys))
                 }
             };
-            let sampler = json!({ "input": input, "interpolation": "LINEAR", "output": output });
+            let sampler =
+                json!({ "input": input, "interpolation": interpolation, "output": output });
             let sampler = push(&mut samplers, sampler);
             let target = json!({ "node": node, "path": path });
             channels.push(json!({ "sampler": sampler, "target": target }));
         }
         self.animations.push(json!({ "name": name, "channels": channels, "samplers": samplers }));
+    }
+
+    /// Adds key times, with their bounds.
+    fn key_times(&mut self, times: &[[f32; 1]]) -> ArrayIndex {
+        let input = self.floats(ArrayKind::floats("SCALAR"), times);
+        self.bound(input, times);
+        input
     }
 
     /// Gives the file's bytes.

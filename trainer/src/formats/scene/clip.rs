@@ -17,7 +17,7 @@ pub struct Clip {
     pub name: String,
     /// Its first frame among those of all clips.
     pub first: usize,
-    /// When each of its frames plays, in seconds from the beginning of the clip, ascending.
+    /// When each of its frames plays, in the source's seconds, ascending.
     pub times: Vec<f64>,
     /// What its source calls each of its frames, ascending; without, they have no numbers but their places.
     pub numbers: Option<Vec<i64>>,
@@ -51,9 +51,7 @@ impl Clip {
 
     /// Makes a clip from `first` on of frames at these times of its source, ascending.
     pub(in crate::formats) fn at(name: String, first: usize, times: &[f64]) -> Self {
-        let begin = times.first().copied().unwrap_or_default();
-        let times = times.iter().map(|time| time - begin).collect();
-        Self { name, first, times, numbers: None }
+        Self { name, first, times: times.to_vec(), numbers: None }
     }
 
     /// Plays it at so many frames a second: of the source's, where it numbers them, so that of every second
@@ -66,12 +64,13 @@ impl Clip {
     /// no second frame.
     pub fn rate_of(clips: &[Self]) -> Option<f64> {
         let longest = clips.iter().max_by_key(|clip| clip.times.len())?;
-        let fps = longest.places().last()? / longest.times.last()?;
+        let fps = longest.places().last()? / (longest.times.last()? - longest.times.first()?);
         let whole = fps.round();
         let fps = if (fps - whole).abs() <= SAME * fps { whole } else { fps };
         let plays = |clip: &Self| {
+            let begin = clip.times.first().copied().unwrap_or_default();
             let mut times = clip.places().zip(&clip.times);
-            times.all(|(place, time)| (place / fps - time).abs() <= SAME * time)
+            times.all(|(place, time)| (place / fps - (time - begin)).abs() <= SAME * time.abs())
         };
         (RATES.contains(&fps) && clips.iter().all(plays)).then_some(fps)
     }
@@ -115,6 +114,8 @@ mod tests {
         assert!((found - 23.976).abs() < 1e-12, "{found}");
         assert_eq!(Clip::rate_of(&[clip.clone(), twos.clone()]), None);
         assert_eq!(Clip::rate_of(&[Clip::still()]), None);
+        clip.times.iter_mut().for_each(|time| *time += 1.5);
+        assert!((Clip::rate_of(&[clip.clone()]).unwrap() - 23.976).abs() < 1e-9);
         clip.times[1] += 1e-3;
         assert_eq!(Clip::rate_of(&[clip]), None);
         assert_eq!([0, 2, 3].map(|frame| twos.number(frame)), [Some(-1), Some(5), None]);

@@ -86,6 +86,11 @@ pub enum SceneError {
         /// The node.
         node: String,
     },
+    /// The scene that the file shows has no node.
+    #[error(
+        "is empty: its scene shows no node; export the character's mesh and armature, in the scene that the file shows"
+    )]
+    Empty,
     /// There is no mesh of triangles.
     #[error("holds no mesh: export the character's mesh together with its armature")]
     NoMesh,
@@ -103,7 +108,7 @@ pub enum SceneError {
     /// A vertex follows no joint.
     #[error(
         "mesh {mesh}: vertex {vertex} has no joint weight: assign every vertex to a joint before \
-         exporting"
+         exporting, or give the posed meshes as --targets"
     )]
     Unbound {
         /// The mesh.
@@ -164,6 +169,18 @@ pub enum SceneError {
         mesh: String,
         /// The joint.
         joint: String,
+    },
+    /// No node is a joint of the character.
+    #[error(
+        "has none of the character's joints, by name: {}{}",
+        joints.join(", "),
+        mismatch.as_ref().map_or(String::new(), |mismatch| format!("; {mismatch}"))
+    )]
+    OtherJoints {
+        /// The character's.
+        joints: Vec<String>,
+        /// What keeps the names from matching, and the option that mends it.
+        mismatch: Option<String>,
     },
     /// There is nothing to sample.
     #[error("holds no animation: export the poses as keys of an animation clip")]

@@ -12,6 +12,8 @@ pub(crate) struct Sampling<'a> {
     pub(crate) shapes: bool,
     /// Whether the one frame is what the scene shows without any clip.
     pub(crate) still: bool,
+    /// Whether clips are sampled to be played, and not to be learned from.
+    pub(crate) played: bool,
 }
 
 impl Sampling<'_> {

@@ -4,7 +4,7 @@ use super::error::SceneError;
 use super::sampling::Sampling;
 
 /// Keys nearer than this, in seconds, are one: files hold times in single precision.
-const SAME: f64 = 1e-5;
+pub(super) const SAME: f64 = 1e-5;
 /// Steps between keys are even while they differ by less than this share.
 pub(crate) const EVEN: f64 = 0.01;
 /// Most frames of a clip: ten hours at thirty a second.
@@ -46,7 +46,7 @@ mod tests {
         sample_times(
             "walk",
             keys.to_vec(),
-            &Sampling { fps, clips: &[], shapes: true, still: false },
+            &Sampling { fps, clips: &[], shapes: true, still: false, played: false },
         )
     }
 

@@ -1,12 +1,548 @@
 //! Cases of the folder `gltf`.
 
+use super::glb::Glb;
 use super::with_cases;
+use crate::common::{Folder, Run};
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+
+/// Runs a command that must succeed, whatever it warns of.
+#[track_caller]
+fn run(folder: &Folder, command: &str) -> Run {
+    let run = folder.sinew(command);
+    assert_eq!(run.code, Some(0), "{command}: {}", run.err);
+    run
+}
+
+/// Gives the one line of a command that must fail.
+#[track_caller]
+fn refused(folder: &Folder, command: &str) -> String {
+    let run = folder.sinew(command);
+    assert_eq!(run.code, Some(1), "{command}: {}", run.err);
+    run.err.lines().last().unwrap().to_owned()
+}
+
+/// Trains a file and gives the error of linear blend skinning on it, in % of the diagonal.
+#[track_caller]
+fn lbs(folder: &Folder, file: &str) -> f64 {
+    run(folder, &format!("-q train --predictor kernel {file} -o m.sinew"));
+    let found = run(folder, &format!("-q eval m.sinew {file} --json")).out;
+    let found: Value = serde_json::from_str(&found).unwrap();
+    found["lbs"]["rms_percent"].as_f64().unwrap()
+}
+
+/// Greatest distance of two meshes, in % of the diagonal of the first.
+fn apart(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let (low, high) = a.iter().fold((a[0], a[0]), |(low, high), x| (low.inf(x), high.sup(x)));
+    let most = a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    100.0 * most / (high - low).norm()
+}
+
+/// Lists 8 times between each pair of keys of an animation, and the keys.
+fn moments(glb: &Glb, animation: usize) -> Vec<f64> {
+    let mut keys = glb.times(animation, 0);
+    let between = keys.windows(2).flat_map(|pair| {
+        (1..9).map(|part| pair[0] + f64::from(part) / 9.0 * (pair[1] - pair[0])).collect::<Vec<_>>()
+    });
+    let mut all: Vec<f64> = between.collect();
+    all.append(&mut keys);
+    all
+}
+
+/// Greatest distance between two files that play at once, in % of the diagonal.
+fn off(source: (&Glb, &str, usize), played: (&Glb, &str, usize)) -> f64 {
+    let at = |(glb, mesh, clip): (&Glb, &str, usize), time| glb.posed(mesh, Some((clip, time)));
+    let times = moments(source.0, source.2);
+    times.iter().map(|&t| apart(&at(source, t), &at(played, t))).fold(0.0, f64::max)
+}
+
+/// Trains a file, exports it with its own clip, plain and into itself, and measures how far both are from it.
+#[track_caller]
+fn off_as_exported(folder: &Folder, file: &str) -> [f64; 2] {
+    run(folder, &format!("-q train --predictor kernel {file} -o m.sinew"));
+    let source = Glb::read(folder, file);
+    ["", &format!("--into {file}")].map(|into| {
+        run(folder, &format!("-q export m.sinew --clip {file} {into} -o out.glb"));
+        let played = Glb::read(folder, "out.glb");
+        let clip = played.json["animations"].as_array().unwrap().len() - 1;
+        off((&source, "tube", 0), (&played, "tube", clip))
+    })
+}
 
 #[test]
 fn a_plain_linear_skin_is_exact() {
     let Some(folder) = with_cases("plain", &["gltf/plain.glb"]) else { return };
-    folder.sinew("-q train plain.glb -o m.sinew");
-    let found = folder.sinew("eval m.sinew plain.glb --json").json();
-    let error = found["lbs"]["rms_percent"].as_f64().unwrap();
+    let error = lbs(&folder, "plain.glb");
     assert!(error <= 1e-4, "{error}");
+    let off = off_as_exported(&folder, "plain.glb");
+    assert!(off.iter().all(|&off| off <= 1e-3), "{off:?}");
+}
+
+#[test]
+fn default_morph_weights_belong_to_the_rest_shape() {
+    let Some(folder) = with_cases("morphdefault", &["gltf/morphdefault.glb"]) else { return };
+    let mut node = Glb::read(&folder, "morphdefault.glb");
+    // The node's weights count before the mesh's.
+    node.json["nodes"][3]["weights"] = json!([0.4]);
+    node.write(&folder, "node.glb");
+    // A target that displaces few vertices, and another that is off.
+    let mut sparse = Glb::read(&folder, "morphdefault.glb");
+    let at = sparse.numbers(&[5, 60, 61]);
+    let by = sparse.floats("VEC3", 3, &[0.0, 0.3, 0.0, 0.1, 0.0, 0.2, 0.0, 0.0, 0.4]);
+    let view = |glb: &Glb, accessor: usize| glb.json["accessors"][accessor]["bufferView"].clone();
+    let of_sparse = json!({
+        "componentType": 5126, "type": "VEC3", "count": 132,
+        "sparse": { "count": 3, "indices": { "bufferView": view(&sparse, at), "componentType": 5123 },
+            "values": { "bufferView": view(&sparse, by) } },
+    });
+    let accessors = sparse.json["accessors"].as_array_mut().unwrap();
+    accessors.push(of_sparse);
+    let morph = accessors.len() - 1;
+    let mesh = &mut sparse.json["meshes"][0];
+    mesh["weights"] = json!([0.0, 0.5]);
+    mesh["primitives"][0]["targets"].as_array_mut().unwrap().push(json!({ "POSITION": morph }));
+    sparse.write(&folder, "sparse.glb");
+    for file in ["morphdefault.glb", "node.glb", "sparse.glb"] {
+        let error = lbs(&folder, file);
+        assert!(error <= 1e-4, "{file}: {error}");
+        let off = off_as_exported(&folder, file);
+        assert!(off.iter().all(|&off| off <= 1e-3), "{file}: {off:?}");
+    }
+}
+
+#[test]
+fn a_channel_without_a_node_is_left_out() {
+    let Some(folder) = with_cases("animpointer", &["gltf/animpointer.glb"]) else { return };
+    let told = run(&folder, "check animpointer.glb").err;
+    assert!(told.contains("animation channels without a node are left out, of the clips: move"));
+    assert!(lbs(&folder, "animpointer.glb") <= 1e-4);
+    let mut glb = Glb::read(&folder, "animpointer.glb");
+    glb.json["extensionsRequired"] = json!(["KHR_animation_pointer"]);
+    glb.write(&folder, "required.glb");
+    run(&folder, "check required.glb");
+    // Clips of such channels alone move nothing.
+    let channels = glb.json["animations"][0]["channels"].as_array_mut().unwrap();
+    channels.retain(|channel| channel["target"].get("node").is_none());
+    glb.write(&folder, "alone.glb");
+    let line = refused(&folder, "check alone.glb");
+    assert!(line.contains("no animation targets a joint"), "{line}");
+}
+
+#[test]
+fn an_empty_scene_is_called_empty() {
+    let Some(folder) = with_cases("empty", &["gltf/plain.glb"]) else { return };
+    for (name, scenes) in [("none", json!([{}])), ("list", json!([{ "nodes": [] }]))] {
+        let mut glb = Glb::read(&folder, "plain.glb");
+        glb.json["scenes"] = scenes;
+        glb.write(&folder, &format!("{name}.glb"));
+        let line = refused(&folder, &format!("check {name}.glb"));
+        assert!(line.contains("is empty: its scene shows no node"), "{line}");
+    }
+    std::fs::write(folder.path("bare.gltf"), r#"{ "asset": { "version": "2.0" } }"#).unwrap();
+    run(&folder, "-q train --predictor kernel plain.glb -o m.sinew");
+    for command in [
+        "check bare.gltf",
+        "train plain.glb --targets bare.gltf -o n.sinew",
+        "train plain.glb --also bare.gltf -o n.sinew",
+        "export m.sinew --clip bare.gltf --mesh plain.glb -o o.glb",
+        "export m.sinew --clip plain.glb --into bare.gltf -o o.glb",
+    ] {
+        assert!(refused(&folder, command).contains("is empty"), "{command}");
+    }
+}
+
+#[test]
+fn steps_and_curves_play_as_the_clip_does() {
+    let cases = ["gltf/step.glb", "gltf/cubic.glb", "gltf/plain.glb"];
+    let Some(folder) = with_cases("steps", &cases) else { return };
+    for (file, bound) in [("step.glb", 1e-3), ("cubic.glb", 0.1)] {
+        let off = off_as_exported(&folder, file);
+        println!("{file}: off by {off:?} %");
+        assert!(off.iter().all(|&off| off <= bound), "{file}: {off:?}");
+    }
+    // A clip that mixes all three, beginning late; the last key of one joint is not that of the others.
+    let mut glb = Glb::read(&folder, "cubic.glb");
+    let plain = Glb::read(&folder, "plain.glb");
+    let turns: Vec<f32> = plain
+        .values(&plain.json["animations"][0]["samplers"][1]["output"])
+        .into_iter()
+        .map(|x| x as f32)
+        .collect();
+    let late = |times: &[f64]| times.iter().map(|time| (time + 0.7) as f32).collect::<Vec<_>>();
+    let times = late(&glb.times(0, 0));
+    let all = glb.floats("SCALAR", 1, &times);
+    let few = glb.floats("SCALAR", 1, &times[..7]);
+    let few_turns = glb.floats("VEC4", 4, &turns[..4 * 7]);
+    let turns = glb.floats("VEC4", 4, &turns);
+    let samplers = &mut glb.json["animations"][0]["samplers"];
+    samplers[0]["input"] = json!(all);
+    samplers[1] = json!({ "input": few, "output": few_turns, "interpolation": "STEP" });
+    samplers[2] = json!({ "input": all, "output": turns, "interpolation": "LINEAR" });
+    glb.write(&folder, "mixed.glb");
+    let off = off_as_exported(&folder, "mixed.glb");
+    println!("mixed.glb: off by {off:?} %");
+    assert!(off.iter().all(|&off| off <= 0.1), "{off:?}");
+}
+
+#[test]
+fn a_joint_that_steps_keeps_its_steps_and_jumps_have_two_keys() {
+    let Some(folder) = with_cases("keys", &["gltf/step.glb"]) else { return };
+    run(&folder, "-q train --predictor kernel step.glb -o m.sinew");
+    let source = Glb::read(&folder, "step.glb");
+    for into in ["", "--into step.glb"] {
+        run(&folder, &format!("-q export m.sinew --clip step.glb {into} -o out.glb"));
+        let played = Glb::read(&folder, "out.glb");
+        let clip = played.json["animations"].as_array().unwrap().len() - 1;
+        for joint in ["root", "mid", "tip"] {
+            let turned = ("rotation".to_owned(), "STEP".to_owned());
+            assert!(played.interpolations(clip, joint).contains(&turned), "{joint}");
+        }
+        assert_eq!(played.times(clip, 0), source.times(0, 0));
+    }
+    // One joint that moves between keys stays linear, and its keys come in pairs.
+    let mut mixed = Glb::read(&folder, "step.glb");
+    mixed.json["animations"][0]["samplers"][0]["interpolation"] = json!("LINEAR");
+    mixed.write(&folder, "mixed.glb");
+    run(&folder, "-q export m.sinew --clip mixed.glb -o out.glb");
+    let played = Glb::read(&folder, "out.glb");
+    let how = |joint: &str| {
+        let all = played.interpolations(0, joint);
+        all.into_iter().find(|(path, _)| path == "rotation").unwrap().1
+    };
+    assert_eq!(["root", "mid", "tip"].map(how), ["LINEAR", "STEP", "STEP"]);
+}
+
+#[test]
+fn clips_keep_their_times_and_stay_in_step() {
+    let cases = ["gltf/latestart.glb", "gltf/plain.glb"];
+    let Some(folder) = with_cases("latestart", &cases) else { return };
+    run(&folder, "-q train --predictor kernel latestart.glb -o m.sinew");
+    let ends = |glb: &Glb, clip: usize| {
+        let times = glb.times(clip, 0);
+        [times[0], times[times.len() - 1]]
+    };
+    // A second clip that begins at another time.
+    let mut two = Glb::read(&folder, "latestart.glb");
+    let times: Vec<f32> = two.times(0, 0).iter().map(|time| (0.5 * time + 4.0) as f32).collect();
+    let times = two.floats("SCALAR", 1, &times);
+    let mut second = two.json["animations"][0].clone();
+    second["name"] = json!("second");
+    second["samplers"].as_array_mut().unwrap().iter_mut().for_each(|s| s["input"] = json!(times));
+    two.json["animations"].as_array_mut().unwrap().push(second);
+    two.write(&folder, "two.glb");
+    for (file, more, expected) in [
+        ("latestart.glb", "", vec![[1.5, 3.5]]),
+        ("latestart.glb", "--mesh plain.glb", vec![[1.5, 3.5]]),
+        ("two.glb", "", vec![[1.5, 3.5], [4.75, 5.75]]),
+        ("two.glb", "--into two.glb", vec![[1.5, 3.5], [4.75, 5.75], [1.5, 3.5], [4.75, 5.75]]),
+    ] {
+        run(&folder, &format!("-q export m.sinew --clip {file} {more} -o out.glb"));
+        let played = Glb::read(&folder, "out.glb");
+        for (clip, expected) in expected.iter().enumerate() {
+            assert_eq!(ends(&played, clip), *expected, "{file} {more}");
+        }
+    }
+    let (source, played) = (Glb::read(&folder, "two.glb"), Glb::read(&folder, "out.glb"));
+    for clip in [0, 1] {
+        let off = off((&source, "tube", clip), (&played, "tube", 2 + clip));
+        assert!(off <= 1e-3, "{off}");
+    }
+}
+
+#[test]
+fn binds_tell_what_is_at_rest_and_not_the_pose_of_the_nodes() {
+    let cases = ["gltf/plain.glb", "gltf/posed_tip.glb"];
+    let Some(folder) = with_cases("posed", &cases) else { return };
+    run(&folder, "-q train --predictor kernel plain.glb -o m.sinew");
+    // The same without its mesh, as animations are handed over: the skin stays.
+    let mut bare = Glb::read(&folder, "posed_tip.glb");
+    bare.json["nodes"][3] = json!({ "name": "tube" });
+    bare.write(&folder, "bare.glb");
+    let source = Glb::read(&folder, "posed_tip.glb");
+    for command in [
+        "--clip posed_tip.glb --into plain.glb",
+        "--clip posed_tip.glb --mesh plain.glb",
+        "--clip bare.glb --mesh plain.glb",
+        "--clip bare.glb --into plain.glb",
+    ] {
+        run(&folder, &format!("-q export m.sinew {command} -o out.glb"));
+        let played = Glb::read(&folder, "out.glb");
+        let clip = played.json["animations"].as_array().unwrap().len() - 1;
+        let off = off((&source, "tube", 0), (&played, "tube", clip));
+        assert!(off <= 1e-3, "{command}: {off}");
+    }
+}
+
+#[test]
+fn a_prefix_is_named_with_the_option_that_takes_it_away() {
+    let cases = ["gltf/plain.glb", "gltf/clipprefixed.glb"];
+    let Some(folder) = with_cases("prefixed", &cases) else { return };
+    run(&folder, "-q train --predictor kernel plain.glb -o m.sinew");
+    let export = "export m.sinew --clip clipprefixed.glb -o out.glb";
+    let words =
+        "begin with mixamorig:, the character's without a prefix: give --rename-joints mixamorig:=";
+    for more in ["", " --mesh plain.glb", " --into plain.glb"] {
+        let line = refused(&folder, &format!("{export}{more}"));
+        assert!(line.contains(words), "{line}");
+    }
+    // The clip plays the turns of plain.glb the other way round.
+    let source = Glb::read(&folder, "clipprefixed.glb");
+    let mut expected = Glb::read(&folder, "plain.glb");
+    let times: Vec<f32> = source.times(0, 0).iter().map(|&x| x as f32).collect();
+    let times = expected.floats("SCALAR", 1, &times);
+    for channel in source.json["animations"][0]["channels"].as_array().unwrap() {
+        let node = channel["target"]["node"].as_u64().unwrap() as usize;
+        let own = &source.json["animations"][0]["samplers"]
+            [channel["sampler"].as_u64().unwrap() as usize];
+        let turns: Vec<f32> = source.values(&own["output"]).iter().map(|&x| x as f32).collect();
+        let turns = expected.floats("VEC4", 4, &turns);
+        expected.json["animations"][0]["samplers"][node] =
+            json!({ "input": times, "output": turns });
+    }
+    let with = |prefix: &str, name: &str| {
+        let mut glb = Glb::read(&folder, "clipprefixed.glb");
+        for (node, own) in ["root", "mid", "tip"].iter().enumerate() {
+            glb.json["nodes"][node]["name"] = json!(format!("{prefix}{own}"));
+        }
+        glb.write(&folder, name);
+    };
+    with("rig|a.", "other.glb");
+    with("Upper_", "upper.glb");
+    let mut cased = Glb::read(&folder, "clipprefixed.glb");
+    for (node, name) in ["Root", "MID", "tip"].iter().enumerate() {
+        cased.json["nodes"][node]["name"] = json!(name);
+    }
+    cased.write(&folder, "cased.glb");
+    for (file, option) in [
+        ("clipprefixed.glb", "--rename-joints mixamorig:="),
+        ("other.glb", "--rename-joints rig|a.="),
+        ("upper.glb", "--rename-joints Upper_="),
+        ("cased.glb", "--ignore-case"),
+    ] {
+        for target in ["--mesh plain.glb", "--into plain.glb"] {
+            let command = format!("export m.sinew --clip {file} {target} -o out.glb");
+            let line = refused(&folder, &command);
+            let quoted = option.replace("rig|a.=", "'rig|a.='");
+            assert!(line.contains(&format!("give {quoted}")), "{line}");
+            run(&folder, &format!("-q {command} {option}"));
+            let played = Glb::read(&folder, "out.glb");
+            let clip = played.json["animations"].as_array().unwrap().len() - 1;
+            let off = off((&expected, "tube", 0), (&played, "tube", clip));
+            assert!(off <= 1e-3, "{command}: {off}");
+        }
+    }
+}
+
+#[test]
+fn an_artist_s_file_or_a_clip_with_a_mesh_may_have_prefixes_too() {
+    let Some(folder) = with_cases("prefixed-mesh", &["gltf/plain.glb"]) else { return };
+    run(&folder, "-q train --predictor kernel plain.glb -o m.sinew");
+    let mut glb = Glb::read(&folder, "plain.glb");
+    for (node, own) in ["root", "mid", "tip"].iter().enumerate() {
+        glb.json["nodes"][node]["name"] = json!(format!("x:{own}"));
+    }
+    glb.write(&folder, "prefixed.glb");
+    let source = Glb::read(&folder, "plain.glb");
+    for command in [
+        "export m.sinew --clip prefixed.glb -o out.glb",
+        "export m.sinew --clip plain.glb --into prefixed.glb -o out.glb",
+        "export m.sinew --clip prefixed.glb --into prefixed.glb -o out.glb",
+        "export m.sinew --clip plain.glb --mesh prefixed.glb -o out.glb",
+    ] {
+        let line = refused(&folder, command);
+        assert!(line.contains("give --rename-joints x:="), "{line}");
+        run(&folder, &format!("-q {command} --rename-joints x:="));
+        let played = Glb::read(&folder, "out.glb");
+        let clip = played.json["animations"].as_array().unwrap().len() - 1;
+        let off = off((&source, "tube", 0), (&played, "tube", clip));
+        assert!(off <= 1e-3, "{command}: {off}");
+    }
+}
+
+#[test]
+fn vertices_without_weights_are_learned_from_the_targets() {
+    let cases = ["gltf/zeroweights.glb", "gltf/plain_targets.npz"];
+    let Some(folder) = with_cases("zeroweights", &cases) else { return };
+    let line = refused(&folder, "train zeroweights.glb -o m.sinew");
+    assert!(line.contains("vertex 40 has no joint weight"), "{line}");
+    let told = run(&folder, "train zeroweights.glb --targets plain_targets.npz -o m.sinew").err;
+    assert!(told.contains("vertices without a joint's weight, which follow the targets: 10"));
+    let found = run(&folder, "-q eval m.sinew zeroweights.glb --targets plain_targets.npz --json");
+    let found: Value = serde_json::from_str(&found.out).unwrap();
+    assert!(found["rms_percent"].as_f64().unwrap() <= 1e-3, "{}", found["rms_percent"]);
+}
+
+#[test]
+fn joints_of_equal_names_are_told_apart() {
+    let Some(folder) = with_cases("samenames", &["gltf/pairsamenames.glb"]) else { return };
+    assert!(lbs(&folder, "pairsamenames.glb") <= 1e-4);
+    let told = run(&folder, "train --predictor kernel pairsamenames.glb -o m.sinew").err;
+    assert!(
+        told.contains(
+            "equal names were renamed: root/mid, root/tip, root 2, root 2/mid, root 2/tip"
+        ),
+        "{told}"
+    );
+    let source = Glb::read(&folder, "pairsamenames.glb");
+    // An animation of the joints alone has their names too.
+    let mut bare = Glb::read(&folder, "pairsamenames.glb");
+    for mesh in [3, 8] {
+        bare.json["nodes"][mesh] = json!({ "name": "gone" });
+    }
+    bare.write(&folder, "bare.glb");
+    for command in [
+        "--clip pairsamenames.glb",
+        "--clip pairsamenames.glb --into pairsamenames.glb",
+        "--clip bare.glb --mesh pairsamenames.glb",
+    ] {
+        run(&folder, &format!("-q export m.sinew {command} -o out.glb"));
+        let played = Glb::read(&folder, "out.glb");
+        let clip = played.json["animations"].as_array().unwrap().len() - 1;
+        for mesh in ["tube", "tube2"] {
+            let off = off((&source, mesh, 0), (&played, mesh, clip));
+            assert!(off <= 1e-3, "{command}, {mesh}: {off}");
+        }
+    }
+}
+
+#[test]
+fn a_scaled_joint_that_moves_nothing_is_no_matter() {
+    let cases = ["gltf/scaled_socket.glb", "gltf/plain.glb"];
+    let Some(folder) = with_cases("socket", &cases) else { return };
+    assert!(lbs(&folder, "scaled_socket.glb") <= 1e-4);
+    let told = run(&folder, "train --predictor kernel scaled_socket.glb -o m.sinew").err;
+    assert!(
+        told.contains("scaled joints that move no vertex are taken without their scale: socket"),
+        "{told}"
+    );
+    // A joint under it that moves nothing either.
+    let mut child = Glb::read(&folder, "scaled_socket.glb");
+    let binds = child.json["skins"][0]["inverseBindMatrices"].clone();
+    let mut binds: Vec<f32> = child.values(&binds).iter().map(|&x| x as f32).collect();
+    let own = binds[3 * 16..].to_vec();
+    binds.extend(own);
+    let binds = child.floats("MAT4", 16, &binds);
+    let nodes = child.json["nodes"].as_array_mut().unwrap();
+    nodes.push(json!({ "name": "held" }));
+    let held = nodes.len() - 1;
+    nodes[5]["children"] = json!([held]);
+    child.json["skins"][0] = json!({ "joints": [0, 1, 2, 5, held], "inverseBindMatrices": binds });
+    child.write(&folder, "child.glb");
+    assert!(lbs(&folder, "child.glb") <= 1e-4);
+    for file in ["child.glb", "scaled_socket.glb"] {
+        let off = off_as_exported(&folder, file);
+        assert!(off.iter().all(|&off| off <= 1e-3), "{file}: {off:?}");
+    }
+    run(&folder, "-q export m.sinew --clip scaled_socket.glb --mesh scaled_socket.glb -o out.glb");
+    // One that carries vertices is refused as before.
+    let mut bound = Glb::read(&folder, "scaled_socket.glb");
+    let joints: Vec<u8> = vec![[3, 1, 2, 0]; 132].concat();
+    let joints = bound.add("VEC4", 5121, 132, &joints);
+    bound.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = json!(joints);
+    bound.write(&folder, "bound.glb");
+    let line = refused(&folder, "train bound.glb -o m.sinew");
+    assert!(line.contains("joint socket is scaled"), "{line}");
+}
+
+/// The tube's rings as strips, and its ends as fans, with stitches and restarts.
+#[test]
+fn strips_and_fans_are_triangles() {
+    let Some(folder) = with_cases("strips", &["gltf/plain.glb"]) else { return };
+    let mut glb = Glb::read(&folder, "plain.glb");
+    let indices = glb.values(&glb.json["meshes"][0]["primitives"][0]["indices"].clone());
+    let triangles: Vec<[u16; 3]> =
+        indices.as_chunks::<3>().0.iter().map(|corners| corners.map(|x| x as u16)).collect();
+    let (as_strip, as_fan) = triangles.split_at(triangles.len() / 2);
+    // Each triangle begins at an even place: corners repeated at both ends join it to the next.
+    let mut strip: Vec<u16> = Vec::new();
+    for (number, &[a, b, c]) in as_strip.iter().enumerate() {
+        match number % 3 {
+            0 if number > 0 => strip.extend([u16::MAX, a, b, c]),
+            _ if strip.is_empty() => strip.extend([a, b, c]),
+            _ => {
+                let since = strip.iter().rev().take_while(|&&x| x != u16::MAX).count();
+                let last = strip[strip.len() - 1];
+                strip.push(last);
+                if since % 2 == 1 {
+                    strip.push(a);
+                }
+                strip.extend([a, a, b, c]);
+            }
+        }
+    }
+    let fans: Vec<u16> = as_fan.iter().flat_map(|&[a, b, c]| [c, a, b, u16::MAX]).collect();
+    let [strip, fans] = [glb.numbers(&strip), glb.numbers(&fans)];
+    let mut primitive = glb.json["meshes"][0]["primitives"][0].clone();
+    primitive["mode"] = json!(5);
+    primitive["indices"] = json!(strip);
+    let mut second = primitive.clone();
+    second["mode"] = json!(6);
+    second["indices"] = json!(fans);
+    glb.json["meshes"][0]["primitives"] = json!([primitive, second]);
+    glb.write(&folder, "strips.glb");
+    assert!(lbs(&folder, "strips.glb") <= 1e-4);
+    let record = run(&folder, "-q train --predictor kernel strips.glb -o m.sinew --json").out;
+    let record: Value = serde_json::from_str(&record).unwrap();
+    // The vertices of both parts, welded.
+    assert_eq!(record["vertices"], 132);
+    run(&folder, "-q export m.sinew --clip strips.glb -o out.glb");
+    let played = Glb::read(&folder, "out.glb");
+    let corners = &played.json["meshes"][0]["primitives"][0]["indices"];
+    let corners = played.values(corners);
+    let found = corners.as_chunks::<3>().0.iter().map(|c| {
+        // The smallest first, as turning a triangle about does not change it.
+        let mut own = c.map(|x| x as u16 % 132);
+        let least = (0..3).min_by_key(|&k| own[k]).unwrap();
+        own.rotate_left(least);
+        own
+    });
+    let mut found: Vec<[u16; 3]> = found.collect();
+    let mut expected = triangles.clone();
+    for own in &mut expected {
+        let least = (0..3).min_by_key(|&k| own[k]).unwrap();
+        own.rotate_left(least);
+    }
+    found.sort_unstable();
+    expected.sort_unstable();
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn points_and_lines_beside_triangles_are_left_out_and_told_of() {
+    let Some(folder) = with_cases("lines", &["gltf/plain.glb"]) else { return };
+    let mut glb = Glb::read(&folder, "plain.glb");
+    let edges = glb.numbers(&[0, 1, 1, 2, 130, 131]);
+    let mut lines = glb.json["meshes"][0]["primitives"][0].clone();
+    lines["mode"] = json!(1);
+    lines["indices"] = json!(edges);
+    // A point beside the tube, with weights of its own.
+    let place = glb.floats("VEC3", 3, &[0.35, 1.9, 0.0]);
+    let joints = glb.add("VEC4", 5121, 1, &[2, 0, 0, 0]);
+    let weights = glb.floats("VEC4", 4, &[1.0, 0.0, 0.0, 0.0]);
+    let point = json!({ "mode": 0, "attributes":
+        { "POSITION": place, "JOINTS_0": joints, "WEIGHTS_0": weights } });
+    let primitives = glb.json["meshes"][0]["primitives"].as_array_mut().unwrap();
+    primitives.insert(0, point);
+    primitives.push(lines);
+    glb.write(&folder, "lines.glb");
+    let told = run(&folder, "train --predictor kernel lines.glb -o m.sinew").err;
+    assert!(told.contains("points and lines are left out, of the meshes: tube"), "{told}");
+    assert!(lbs(&folder, "lines.glb") <= 1e-4);
+    let source = Glb::read(&folder, "lines.glb");
+    run(&folder, "-q export m.sinew --clip lines.glb --into lines.glb -o out.glb");
+    let played = Glb::read(&folder, "out.glb");
+    for time in moments(&source, 0) {
+        let [own, found] =
+            [(&source, 0), (&played, 1)].map(|(glb, clip)| glb.posed("tube", Some((clip, time))));
+        assert!(apart(&own[1..], &found[1..]) <= 1e-3);
+        // The point goes with the vertex nearest to it.
+        assert!((own[0] - found[0]).norm() < 0.3);
+    }
+    for primitive in glb.json["meshes"][0]["primitives"].as_array_mut().unwrap() {
+        primitive["mode"] = json!(3);
+    }
+    glb.write(&folder, "alone.glb");
+    let line = refused(&folder, "train alone.glb -o m.sinew");
+    assert!(line.contains("mesh tube is made of linestrip: export it as triangles"), "{line}");
 }

@@ -1,7 +1,9 @@
 //! The inputs of `../shared/cases`: each gives the value that the folder's README states.
 
+mod also;
 mod face;
 mod frames;
+mod glb;
 mod gltf;
 mod kernel;
 mod normals;

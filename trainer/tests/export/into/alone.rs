@@ -2,12 +2,12 @@
 
 use super::super::scene::Scene;
 use super::super::validator::valid;
-use super::Character;
 use super::file::Glb;
+use super::{Character, export_into};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
-use sinew_trainer::envelope::export::{ExportError, Grafted, IntoError, export_into};
+use sinew_trainer::envelope::export::{ExportError, Grafted, IntoError};
 use sinew_trainer::formats::{FormatError, SceneError};
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ const PIXEL: &str =
 
 fn into(character: &Character, file: &Path) -> Result<Grafted, ExportError> {
     let Character { examples, clips, model, .. } = character;
-    export_into(model, None, examples, clips, file)
+    export_into(model, examples, clips, &[], file)
 }
 
 /// The demo with all that an artist may have beside: a material, a texture, a hat with a shape, a camera, a

@@ -7,8 +7,22 @@ mod plays;
 use super::{arm, clip, model};
 pub(super) use file::Glb;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{by_use, demo_glb};
-use sinew_trainer::examples::{Clip, Examples};
+use sinew_trainer::envelope::export::{ExportError, ExportInto, Grafted, by_use, demo_glb};
+use sinew_trainer::envelope::levels::Level;
+use sinew_trainer::examples::{Clip, Examples, JointNames};
+use std::path::Path;
+
+/// Puts a model's first skin into a file.
+fn export_into(
+    model: &[u8],
+    examples: &Examples,
+    clips: &[Clip],
+    levels: &[Level],
+    file: &Path,
+) -> Result<Grafted, ExportError> {
+    let names = JointNames::default();
+    ExportInto { model, skin: None, examples, clips, levels, names, file }.run()
+}
 
 /// The demo as an artist has it, with a model of it.
 struct Character {

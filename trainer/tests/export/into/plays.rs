@@ -4,12 +4,13 @@ use super::super::scene::Scene;
 use super::super::validator::valid;
 use super::super::{clip, model, pose, runtime_skin, set};
 use super::file::Glb;
-use super::{Character, Clip, Examples};
+use super::{Character, Clip, Examples, export_into};
 use nalgebra::{Matrix4, Vector3};
 use serde_json::json;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_trainer::envelope::export::{Grafted, export_into};
+use sinew_trainer::envelope::export::Grafted;
+use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::{Loaded, Source, load};
 use std::path::Path;
 
@@ -33,7 +34,7 @@ struct Expected<'a> {
 #[track_caller]
 fn check(name: &str, file: &Path, expected: &Expected<'_>) -> Grafted {
     let Expected { mesh, examples, model, clips, world, unit } = *expected;
-    let grafted = export_into(model, None, examples, clips, file).unwrap();
+    let grafted = export_into(model, examples, clips, &[], file).unwrap();
     valid(name, &grafted.glb);
     let scene = Scene::read(&grafted.glb);
     let loaded = Model::from_bytes(model).unwrap();
@@ -98,6 +99,37 @@ fn in_the_file_that_it_was_trained_on() {
     assert_eq!(grafted.added_joints, [""; 0]);
     assert_eq!(grafted.animations, ["train (sinew)", "new"]);
     assert_eq!(grafted.kept_animations, ["train", "held-out"]);
+}
+
+/// A mesh that the file does not have goes with the model's joints, wherever those stand in the file.
+#[test]
+fn a_further_mesh_is_added_beside() {
+    let mut character = Character::new();
+    character.glb.json["nodes"][0]["scale"] = json!([0.5, 0.5, 0.5]);
+    let Character { examples, clips, glb, model } = &character;
+    let file = glb.save("further");
+    let mesh = sinew_trainer::formats::Mesh {
+        positions: examples.rest.clone(),
+        triangles: examples.triangles.clone(),
+        engine: examples.engine.clone(),
+    };
+    let levels = [Level { name: "lod1".to_owned(), mesh }];
+    let grafted = export_into(model, examples, clips, &levels, &file).unwrap();
+    std::fs::remove_file(file).unwrap();
+    valid("further", &grafted.glb);
+    assert_eq!((grafted.levels.len(), grafted.levels[0].name.as_str()), (1, "lod1"));
+    let scene = Scene::read(&grafted.glb);
+    let first = scene.gltf.animations().len() - clips.len();
+    for (number, clip) in clips.iter().enumerate() {
+        for key in 0..clip.times.len() {
+            let worlds = scene.worlds(Some((first + number, key, 0.0)));
+            let [own, further] = ["skin", "lod1"].map(|mesh| scene.posed(mesh, &worlds));
+            let apart = own.iter().zip(&further).map(|(a, b)| (a - b).norm());
+            let apart = apart.fold(0.0, f64::max);
+            // The same mesh, with weights that were fitted to where it goes.
+            assert!(apart < 0.01 * examples.diagonal(), "{apart}");
+        }
+    }
 }
 
 /// As exporters do that keep z up and centimetres, and put both right above the joints.
@@ -204,7 +236,7 @@ fn a_mesh_without_a_skin_takes_the_joints_with_it() {
     attributes.retain(|name, _| name == "POSITION" || name == "NORMAL");
     let Character { examples, clips, model, .. } = &character;
     let file = character.glb.save("static");
-    let grafted = export_into(model, None, examples, clips, &file).unwrap();
+    let grafted = export_into(model, examples, clips, &[], &file).unwrap();
     assert_eq!(grafted.added_joints.len(), names.len());
     let scene = Scene::read(&grafted.glb);
     let runtime = Model::from_bytes(model.as_slice()).unwrap();

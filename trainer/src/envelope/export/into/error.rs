@@ -14,6 +14,14 @@ pub enum IntoError {
          unit: give the character that the model was trained on, in its rest pose"
     )]
     NoMesh,
+    /// None of its nodes has the name of a joint, but would with other names.
+    #[error("has none of the model's joints, by name: {}; {mismatch}", joints.join(", "))]
+    OtherJoints {
+        /// The model's.
+        joints: Vec<String>,
+        /// What keeps the names from matching, and the option that mends it.
+        mismatch: String,
+    },
     /// Some vertices of a mesh are the model's, and others are not.
     #[error(
         "mesh {mesh}: vertex {vertex} at {at:?} is none of the model's, {found} of {len} are: train on \

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use nalgebra::{Matrix3, Matrix4, Point3, Vector3};
+use rayon::prelude::*;
 
 use super::error::IntoError;
 use crate::examples::{Matrix3x4, spread};
@@ -115,7 +116,8 @@ fn traces(poses: &[Vec<Matrix3x4>], turn: &Matrix3<f64>) -> f64 {
 }
 
 fn sample(mesh: &RiggedMesh) -> impl Iterator<Item = Point3<f64>> {
-    let all: Vec<_> = mesh.positions.iter().flatten().collect();
+    let surfaces = mesh.positions.iter().zip(&mesh.surfaces).filter(|(_, surface)| **surface);
+    let all: Vec<_> = surfaces.flat_map(|(positions, _)| positions).collect();
     let few = spread(all.len(), SAMPLE).into_iter();
     few.map(move |vertex| mesh.to_bind.transform_point(&Point3::from(*all[vertex])))
 }
@@ -133,8 +135,12 @@ fn match_all(
         let mut missing = None;
         let (mut number, mut found) = (0, 0);
         let mut primitives = Vec::new();
-        for positions in &mesh.positions {
+        for (positions, is_surface) in mesh.positions.iter().zip(&mesh.surfaces) {
             let mut vertices = Vec::with_capacity(positions.len());
+            if !is_surface {
+                primitives.push(vertices);
+                continue;
+            }
             for x in positions {
                 let vertex =
                     places.at(to_model.transform_point(&Point3::from(*x)), Some(first + number));
@@ -149,7 +155,18 @@ fn match_all(
         }
         first += number;
         all.push(match missing {
-            None => (found > 0).then_some(primitives),
+            None if found > 0 => {
+                // Points and lines are none of the model's, but go with it.
+                for (vertices, positions) in primitives.iter_mut().zip(&mesh.positions) {
+                    if vertices.is_empty() {
+                        let place = |x: &[f64; 3]| to_model.transform_point(&Point3::from(*x));
+                        let nearest = |x| places.nearest(place(x));
+                        *vertices = positions.par_iter().map(nearest).collect();
+                    }
+                }
+                Some(primitives)
+            }
+            None => None,
             Some(_) if found == 0 => None,
             Some((vertex, at)) => {
                 let mesh = mesh.name.clone();
@@ -175,6 +192,13 @@ impl<'a> Places<'a> {
             cells.entry(point.map(|x| (x / near).floor() as i64)).or_default().push(number);
         }
         Self { points, near, cells }
+    }
+
+    /// Finds the point nearest to a place.
+    fn nearest(&self, place: Point3<f64>) -> usize {
+        let distance = |point: &[f64; 3]| (Vector3::from(*point) - place.coords).norm_squared();
+        let all = self.points.iter().map(distance).enumerate();
+        all.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(number, _)| number)
     }
 
     /// Finds the point at a place: this one if it is there, which tells points that share a place apart,

@@ -10,13 +10,16 @@ use super::error::IntoError;
 use super::find::Found;
 use super::joints::{self, OwnJoints};
 use crate::envelope::export::error::ExportError;
+use crate::envelope::export::further::Further;
 use crate::envelope::export::played::Played;
 use crate::envelope::export::proxies::ProxyNodes;
 use crate::envelope::export::skeleton::square;
+use crate::envelope::levels::{Level, LevelReport};
 use crate::examples::{Clip, Examples};
 use crate::formats::FileError;
 use crate::formats::gltf::rigged::{RiggedFile, RiggedMesh};
 use crate::formats::gltf::write::Document;
+use crate::formats::scene::JointNames;
 
 /// An artist's file that plays a model.
 pub struct Grafted {
@@ -30,7 +33,12 @@ pub struct Grafted {
     pub animations: Vec<String>,
     /// Animations of the file that move the same joints, and no proxy.
     pub kept_animations: Vec<String>,
+    /// How the further meshes follow, in their order.
+    pub levels: Vec<LevelReport>,
 }
+
+/// Attributes of vertices, each with its array.
+type Attributes = Vec<(String, Value)>;
 
 /// Rows of an affine map.
 type Rows = [[f32; 4]; 3];
@@ -38,58 +46,89 @@ type Rows = [[f32; 4]; 3];
 /// Puts a model into an artist's GLB or glTF: the meshes whose vertices are the model's, found by place,
 /// hang on the file's own joints, found by name, and on proxies under them, and an animation a clip is
 /// added. All else of the file stays as it is.
-///
-/// # Errors
-/// - Those of [`Export::run`](crate::envelope::export::Export::run) that concern model and clips.
-/// - [`ExportError::Into`]: the file cannot be read, does not hold the model's mesh, or cannot hold its
-///   motion.
-pub fn export_into(
-    model: &[u8],
-    skin: Option<&str>,
-    examples: &Examples,
-    clips: &[Clip],
-    path: &Path,
-) -> Result<Grafted, ExportError> {
-    let in_file = |error| IntoError::File(FileError { file: path.to_owned(), error });
-    let file = RiggedFile::read(path).map_err(in_file)?;
-    let played = Played::new(model, skin, examples, clips)?;
-    let right = played.right_handed(examples)?;
-    let known = joints::nodes(&file, &right.skeleton.names);
-    let root = known.get(right.skeleton.root()).copied().flatten();
-    let found = Found::new(&file, root, &right.rest, examples.diagonal(), &right.poses)?;
+#[derive(Clone, Copy)]
+pub struct ExportInto<'a> {
+    /// A model's file.
+    pub model: &'a [u8],
+    /// The skin whose mesh plays; the model's first where none is named.
+    pub skin: Option<&'a str>,
+    /// The poses.
+    pub examples: &'a Examples,
+    /// The clips of its frames.
+    pub clips: &'a [Clip],
+    /// Further meshes, which are added.
+    pub levels: &'a [Level],
+    /// How the names of the file's joints become the model's.
+    pub names: JointNames<'a>,
+    /// The artist's file.
+    pub file: &'a Path,
+}
 
-    let mut document = Document::of(file.tree.clone(), file.bytes.clone());
-    let kept_animations = moving(&document, &known);
-    let joints = OwnJoints::new(&mut document, &file, &found, &right.skeleton, &known)?;
-    let carriers = joints.carriers();
-    let proxies = ProxyNodes::new(&mut document, &carriers, &right.centres, &right.carriers);
-    let shown = played.shown();
-    let nodes: Vec<_> = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
-    // From the model's rest mesh to each joint's own space.
-    let mut inverse_binds: Vec<_> = (0..shown).map(|joint| joints.inverse_bind(joint)).collect();
-    for (bind, &joint) in proxies.inverse_binds.iter().zip(&right.carriers) {
-        let bind = square(&bind.map(|row| row.map(f64::from)));
-        inverse_binds.push(Matrix4::new_scaling(1.0 / joints.unit(joint)) * bind);
-    }
+impl ExportInto<'_> {
+    /// Makes the file.
+    ///
+    /// # Errors
+    /// - Those of [`Export::run`](crate::envelope::export::Export::run) that concern model, clips and further meshes.
+    /// - [`ExportError::Into`]: the file cannot be read, does not hold the model's mesh, or cannot hold its
+    ///   motion.
+    pub fn run(&self) -> Result<Grafted, ExportError> {
+        let Self { model, skin, examples, clips, levels, names, file: path } = *self;
+        let in_file = |error| IntoError::File(FileError { file: path.to_owned(), error });
+        let file = RiggedFile::read(path).map_err(in_file)?;
+        let played = Played::new(model, skin, examples, clips)?;
+        let right = played.right_handed(examples)?;
+        let mut further = Further::new(&played, examples, levels)?;
+        if let Some(mirror) = &right.mirror {
+            further.convert(mirror);
+        }
+        let known = joints::nodes(&file, &right.skeleton.names, &names)?;
+        let root = known.get(right.skeleton.root()).copied().flatten();
+        let found = Found::new(&file, root, &right.rest, examples.diagonal(), &right.poses)?;
 
-    let graft = Graft { file: &file, found: &found, nodes: &nodes, inverse_binds: &inverse_binds };
-    graft.release(&mut document);
-    graft.skins(&mut document, joints.added.is_empty());
-    graft.weights(&mut document, &played.influences);
-    for mesh in graft.meshes().map(|(mesh, _)| mesh) {
-        to_root(&mut document, &file, mesh);
+        let mut document = Document::of(file.tree.clone(), file.bytes.clone());
+        let kept_animations = moving(&document, &known);
+        let joints = OwnJoints::new(&mut document, &file, &found, &right.skeleton, &known)?;
+        let carriers = joints.carriers();
+        let proxies = ProxyNodes::new(&mut document, &carriers, &right.centres, &right.carriers);
+        let shown = played.shown();
+        let nodes: Vec<_> = joints.nodes[..shown].iter().copied().chain(proxies.joints()).collect();
+        // From the model's rest mesh to each joint's own space.
+        let mut inverse_binds: Vec<_> =
+            (0..shown).map(|joint| joints.inverse_bind(joint)).collect();
+        for (bind, &joint) in proxies.inverse_binds.iter().zip(&right.carriers) {
+            let bind = square(&bind.map(|row| row.map(f64::from)));
+            inverse_binds.push(Matrix4::new_scaling(1.0 / joints.unit(joint)) * bind);
+        }
+
+        let graft =
+            Graft { file: &file, found: &found, nodes: &nodes, inverse_binds: &inverse_binds };
+        graft.release(&mut document);
+        graft.skins(&mut document, joints.added.is_empty());
+        graft.weights(&mut document, &played.influences);
+        for mesh in graft.meshes().map(|(mesh, _)| mesh) {
+            to_root(&mut document, &file, mesh);
+        }
+        if !levels.is_empty() {
+            let rows = graft.rows(&Matrix4::identity());
+            let matrices = document.matrices(&rows);
+            document.skins.push(json!({ "joints": nodes, "inverseBindMatrices": matrices }));
+            let skin = document.skins.len() - 1;
+            further.add(&mut document, skin);
+        }
+        let mut animations = Vec::new();
+        for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
+            let (mut tracks, worlds) = joints.tracks(&right.poses[own.clone()], times)?;
+            tracks.extend(proxies.tracks(&right.palettes[own], &worlds));
+            let name = free_name(&document, &clip.name);
+            document.animation(&name, times, tracks);
+            animations.push(name);
+        }
+        let meshes = graft.meshes().map(|(mesh, _)| mesh.name.clone()).collect();
+        let glb = document.finish()?;
+        let added_joints = joints.added;
+        let levels = further.reports;
+        Ok(Grafted { glb, meshes, added_joints, animations, kept_animations, levels })
     }
-    let mut animations = Vec::new();
-    for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
-        let (mut tracks, worlds) = joints.tracks(&right.poses[own.clone()])?;
-        tracks.extend(proxies.tracks(&right.palettes[own], &worlds));
-        let name = free_name(&document, &clip.name);
-        document.animation(&name, times, tracks);
-        animations.push(name);
-    }
-    let meshes = graft.meshes().map(|(mesh, _)| mesh.name.clone()).collect();
-    let glb = document.finish()?;
-    Ok(Grafted { glb, meshes, added_joints: joints.added, animations, kept_animations })
 }
 
 /// A file, and what its meshes are to follow.
@@ -142,13 +181,8 @@ impl Graft<'_> {
         for (mesh, _) in self.meshes() {
             let known = made.iter().find(|(bound, _)| *bound == mesh.to_bind);
             let skin = known.map(|(_, skin)| *skin).unwrap_or_else(|| {
-                let to_model = self.found.to_model * mesh.to_bind;
-                let rows = |bind: &Matrix4<f64>| -> Rows {
-                    let bind = bind * to_model;
-                    [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| bind[(row, column)] as f32))
-                };
-                let matrices: Vec<Rows> = self.inverse_binds.iter().map(rows).collect();
-                let matrices = document.matrices(&matrices);
+                let rows = self.rows(&(self.found.to_model * mesh.to_bind));
+                let matrices = document.matrices(&rows);
                 let free = mesh.skin.filter(|&skin| {
                     document.nodes.iter().all(|node| node.get("skin") != Some(&json!(skin)))
                 });
@@ -169,19 +203,38 @@ impl Graft<'_> {
         }
     }
 
+    /// Returns the inverse bind matrices of a mesh; `to_model` leads from the mesh to the model's rest mesh.
+    fn rows(&self, to_model: &Matrix4<f64>) -> Vec<Rows> {
+        let rows = |bind: &Matrix4<f64>| {
+            let bind = bind * to_model;
+            [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| bind[(row, column)] as f32))
+        };
+        self.inverse_binds.iter().map(rows).collect()
+    }
+
     /// Gives the meshes' vertices what the model's follow.
     fn weights(&self, document: &mut Document, influences: &[Vec<(usize, f64)>]) {
-        // Primitives that share their positions share these, too.
-        let mut made: HashMap<Option<u64>, Vec<(String, Value)>> = HashMap::new();
+        // Primitives that share their positions, and are the same vertices of the model, share these, too.
+        let mut made: HashMap<(Option<u64>, &[usize]), Attributes> = HashMap::new();
+        let mut shown: HashMap<usize, &Vec<Vec<usize>>> = HashMap::new();
         for (mesh, vertices) in self.meshes() {
+            let mut own = mesh.mesh;
+            if *shown.entry(own).or_insert(vertices) != vertices {
+                // Another node shows this mesh as other vertices of the model.
+                let copy = document.meshes[own].clone();
+                document.meshes.push(copy);
+                own = document.meshes.len() - 1;
+                document.nodes[mesh.node]["mesh"] = json!(own);
+            }
             for (number, vertices) in vertices.iter().enumerate().filter(|(_, v)| !v.is_empty()) {
-                let primitive = primitives(&mut document.meshes[mesh.mesh]).nth(number);
+                let primitive = primitives(&mut document.meshes[own]).nth(number);
                 let positions = primitive.and_then(|p| p["attributes"]["POSITION"].as_u64());
-                let attributes = made.entry(positions).or_insert_with(|| {
+                let key = (positions, vertices.as_slice());
+                let attributes = made.entry(key).or_insert_with(|| {
                     let own: Vec<_> = vertices.iter().map(|&v| influences[v].clone()).collect();
                     document.influences(&own, self.nodes.len())
                 });
-                for primitive in primitives(&mut document.meshes[mesh.mesh]).skip(number).take(1) {
+                for primitive in primitives(&mut document.meshes[own]).skip(number).take(1) {
                     for (name, array) in attributes.iter() {
                         primitive["attributes"][name] = array.clone();
                     }

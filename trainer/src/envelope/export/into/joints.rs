@@ -8,9 +8,11 @@ use super::find::Found;
 use crate::envelope::export::skeleton::{
     Carrier, continuous, isometry, parents_first, quaternion, square,
 };
+use crate::envelope::export::times::track;
 use crate::examples::{Matrix3x4, Skeleton};
 use crate::formats::gltf::rigged::RiggedFile;
 use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
+use crate::formats::scene::{JointNames, mismatch};
 
 /// A scale is that of its node within this share.
 const SAME_SCALE: f64 = 1e-5;
@@ -46,14 +48,29 @@ struct Tree {
 }
 
 /// Finds the node of each joint by its name: the joint of a skin where several have it.
-pub(super) fn nodes(file: &RiggedFile, names: &[String]) -> Vec<Option<NodeIndex>> {
-    let find = |name: &String| {
-        let mut named = (0..file.names.len()).filter(|&node| file.names[node] == *name);
+///
+/// - `joints`: names of the joints.
+/// - `names`: how names of the file become such.
+///
+/// # Errors
+/// [`IntoError::OtherJoints`] where none is found, and other names would match.
+pub(super) fn nodes(
+    file: &RiggedFile,
+    joints: &[String],
+    names: &JointNames<'_>,
+) -> Result<Vec<Option<NodeIndex>>, IntoError> {
+    let own: Vec<String> = file.names.iter().map(|name| names.renamed(name, joints)).collect();
+    let find = |joint: &String| {
+        let mut named = (0..own.len()).filter(|&node| own[node] == *joint);
         let bound = named.clone().find(|&node| file.binds[node].is_some());
         let shows = |node: &usize| file.meshes.iter().any(|mesh| mesh.node == *node);
         bound.or_else(|| named.find(|node| !shows(node)))
     };
-    names.iter().map(find).collect()
+    let found: Vec<_> = joints.iter().map(find).collect();
+    match mismatch(joints, &own).filter(|_| found.iter().all(Option::is_none)) {
+        Some(mismatch) => Err(IntoError::OtherJoints { joints: joints.to_vec(), mismatch }),
+        None => Ok(found),
+    }
 }
 
 impl OwnJoints {
@@ -136,14 +153,15 @@ impl OwnJoints {
         self.units[joint]
     }
 
-    /// Tracks the joints through poses: J maps each, from the rest pose. Gives the frames that they reach
-    /// in the model, too.
+    /// Tracks the joints through poses at these times: J maps each, from the rest pose. Gives the frames that they
+    /// reach in the model, too.
     ///
     /// # Errors
     /// [`IntoError::Uneven`]
     pub(super) fn tracks(
         &self,
         poses: &[Vec<Matrix3x4>],
+        times: &[f32],
     ) -> Result<(Vec<Track>, Frames), IntoError> {
         let keys = poses.iter().map(|pose| {
             let maps: Vec<_> = pose.iter().map(square).collect();
@@ -155,11 +173,11 @@ impl OwnJoints {
         for (joint, &node) in self.nodes.iter().enumerate() {
             let translations = keys.iter().map(|pose| pose[joint].translation).collect();
             let rotations = keys.iter().map(|pose| pose[joint].rotation).collect();
-            tracks.push(Track { node, keys: ChannelKeys::Translation(translations) });
-            tracks.push(Track { node, keys: ChannelKeys::Rotation(continuous(rotations)) });
+            tracks.push(track(node, ChannelKeys::Translation(translations), times));
+            tracks.push(track(node, ChannelKeys::Rotation(continuous(rotations)), times));
             if keys.iter().any(|pose| pose[joint].scale != self.scales[joint]) {
                 let scales = keys.iter().map(|pose| pose[joint].scale).collect();
-                tracks.push(Track { node, keys: ChannelKeys::Scale(scales) });
+                tracks.push(track(node, ChannelKeys::Scale(scales), times));
             }
         }
         Ok((tracks, reached))

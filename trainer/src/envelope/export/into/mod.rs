@@ -10,4 +10,4 @@ mod joints;
 mod unused;
 
 pub use error::IntoError;
-pub use graft::{Grafted, export_into};
+pub use graft::{ExportInto, Grafted};

@@ -68,7 +68,7 @@ use crate::formats::scene::Sampling;
 /// A [`LoadError`] that names the file at fault: it cannot be read, lacks an array, holds one of
 /// another type or shape, or fails [`Examples::validate`].
 pub fn load(path: &Path) -> Result<Loaded, LoadError> {
-    load_clips(path, &Sampling { fps: None, clips: &[], shapes: true, still: false })
+    load_clips(path, &Sampling { fps: None, clips: &[], shapes: true, still: false, played: false })
 }
 
 /// Reads the examples of the clips that are asked for, as [`load`].
@@ -186,6 +186,7 @@ fn read(
     if frames.is_none() {
         place(&mut examples.skeleton, sidecar)?;
     }
+    warnings.extend(examples.unscale_idle_joints());
     let found = examples.validate().map_err(|error| error.called(&clips))?;
     warnings.extend(found.into_iter().map(|warning| warning.called(&clips)));
     examples.place_joints();

@@ -59,7 +59,8 @@ fn targets(vertices: Vec<[f64; 3]>) -> TargetMeshes {
     PosedMeshes::bare(VERTICES, vertices).into()
 }
 
-const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true, still: false };
+const KEYS: Sampling<'_> =
+    Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
 
 /// y up to z up, metres to centimetres.
 fn elsewhere([x, y, z]: [f64; 3]) -> [f64; 3] {
@@ -289,7 +290,7 @@ fn meshes_at_one_rate_need_keys_at_one_rate() {
         join(
             scene,
             Some(posed),
-            &Sampling { fps: Some(24.0), clips: &[], shapes: true, still: false }
+            &Sampling { fps: Some(24.0), clips: &[], shapes: true, still: false, played: false }
         )
         .is_ok()
     );

@@ -26,7 +26,10 @@ fn what_is_no_fbx_is_refused_and_named() {
 fn a_scene_without_a_mesh_a_joint_or_an_animation_is_refused() {
     let mut scene = Scene::default();
     let parse = |scene: &Scene| parse(scene.text().as_bytes(), &KEYS).err().unwrap();
-    says(&parse(&scene), "holds no mesh");
+    says(&parse(&scene), "is empty: its scene shows no node");
+    let mut bare = Scene::default();
+    bare.node("bone", "LimbNode", 0, &[]);
+    says(&parse(&bare), "holds no mesh");
     let node = scene.node("body", "Mesh", 0, &[]);
     scene.mesh(node, &ARM, &FACES, "");
     says(&parse(&scene), "has no joint");
@@ -44,8 +47,13 @@ fn clips_that_are_not_there_or_move_nothing_are_refused() {
     let mut arm = Arm::skinned("Linear");
     arm.scene.animation("empty");
     let fault = |clip: &str| {
-        let sampling =
-            Sampling { fps: None, clips: &[clip.to_owned()], shapes: true, still: false };
+        let sampling = Sampling {
+            fps: None,
+            clips: &[clip.to_owned()],
+            shapes: true,
+            still: false,
+            played: false,
+        };
         arm.sampled(&sampling).err().unwrap().to_string()
     };
     assert_eq!(fault("walk"), "has no clip walk, there are: bend, empty");

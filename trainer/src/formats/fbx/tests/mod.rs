@@ -17,7 +17,8 @@ mod shaped;
 use scene::{Scene, translation};
 
 /// All clips, at their own keys.
-const KEYS: Sampling<'_> = Sampling { fps: None, clips: &[], shapes: true, still: false };
+const KEYS: Sampling<'_> =
+    Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
 
 /// A quad and a triangle along x.
 const ARM: [[f64; 3]; 5] =
@@ -111,8 +112,10 @@ fn a_skinned_mesh_is_read_with_its_joints_and_frames() {
         [[3.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.5, 0.5, 0.0], [3.0, 1.0, 0.0], [3.0, 1.0, 0.0]];
     near(shapes(&rig)[1], &bent);
     let [clip] = &rig.clips[..] else { panic!("{:?}", rig.clips) };
-    assert_eq!((clip.name.as_str(), clip.first, clip.times[0]), ("bend", 0, 0.0));
-    assert!(clip.times.len() == 2 && (clip.times[1] - 1.0 / 24.0).abs() < 1e-12);
+    assert_eq!((clip.name.as_str(), clip.first, clip.times.len()), ("bend", 0, 2));
+    // The file's own seconds: its first frame is 1.
+    let frames: Vec<f64> = clip.times.iter().map(|time| 24.0 * time).collect();
+    assert!((frames[0] - 1.0).abs() < 1e-9 && (frames[1] - 2.0).abs() < 1e-9, "{frames:?}");
 }
 
 #[test]
@@ -141,6 +144,71 @@ fn blendshapes_move_before_the_skin_through_the_shapes_between() {
     // At a quarter, half of the first shape; at three quarters, half of each.
     near(&[shapes(&rig)[0][3]], &[[2.0, 1.0, 1.0]]);
     near(&[shapes(&rig)[1][3]], &[[4.0 - 1.5, 1.0, 1.5]]);
+}
+
+/// What an animation weighs is off at rest: its own weight is that of the frame in which the file was saved.
+#[test]
+fn a_channel_that_no_clip_weighs_belongs_to_the_rest_mesh() {
+    let mut arm = Arm::skinned("Linear");
+    let fat = arm.scene.channel(arm.mesh, "fat", &[(100.0, 3, [0.0, 0.0, 2.0])]);
+    let smile = arm.scene.channel(arm.mesh, "smile", &[(100.0, 1, [0.0, 1.0, 0.0])]);
+    for channel in [fat, smile] {
+        arm.scene.weigh(channel, 50.0);
+    }
+    let keys = [(1, 25.0), (2, 75.0)];
+    arm.scene.keys(arm.layer, smile, "DeformPercent", "d|DeformPercent", &keys);
+    let rig = arm.rig();
+    assert!(rig.morphs);
+    let mut rest = ARM;
+    rest[3][2] += 1.0;
+    near(&rig.rest, &rest);
+    near(&[shapes(&rig)[0][1], shapes(&rig)[0][3]], &[[1.0, 0.25, 0.0], rest[3]]);
+    near(&[shapes(&rig)[1][3]], &[[3.0, 1.0, 1.0]]);
+
+    // Alone it is no shape that moves.
+    let mut arm = Arm::skinned("Linear");
+    let fat = arm.scene.channel(arm.mesh, "fat", &[(100.0, 3, [0.0, 0.0, 2.0])]);
+    arm.scene.weigh(fat, 50.0);
+    let rig = arm.rig();
+    assert!(!rig.morphs);
+    near(&rig.rest, &rest);
+    near(&shapes(&rig)[0][3..4], &rest[3..4]);
+}
+
+#[test]
+fn keys_that_hold_jump_where_they_are_played() {
+    let mut arm = Arm::skinned("Linear");
+    arm.scene.hold_keys();
+    let played = Sampling { played: true, shapes: false, ..KEYS };
+    let rig = arm.sampled(&played).unwrap_or_else(|error| panic!("{error}"));
+    let times: Vec<f32> = rig.clips[0].times.iter().map(|time| *time as f32).collect();
+    let end = (2.0_f64 / 24.0) as f32;
+    assert_eq!(times, [(1.0_f64 / 24.0) as f32, end.next_down(), end]);
+    let roots = [0, 2, 4].map(|place| rig.frames[place].m14.round());
+    assert_eq!(roots, [0.0, 0.0, 3.0]);
+    // By default they are straight lines, and a turn of a quarter about one axis needs no more.
+    let rig = Arm::skinned("Linear").sampled(&played).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(rig.clips[0].times.len(), 2);
+}
+
+#[test]
+fn joints_of_equal_names_are_told_apart() {
+    let mut arm = Arm::skinned("Linear");
+    let [left, right] =
+        ["left", "right"].map(|name| arm.scene.node(name, "LimbNode", arm.root, &[]));
+    let hands = [left, right].map(|parent| arm.scene.node("hand", "LimbNode", parent, &[]));
+    let node = arm.scene.node("gloves", "Mesh", 0, &[]);
+    let gloves = arm.scene.mesh(node, &ARM, &FACES, "");
+    let skin = arm.scene.skin(gloves, "Linear");
+    let here = translation(0.0, 0.0, 0.0);
+    let all = [0, 1, 2, 3, 4].map(|vertex| (vertex, 0.5));
+    hands.iter().for_each(|&hand| arm.scene.cluster(skin, hand, &all, here, here));
+    let rig = arm.rig();
+    let mut names = rig.names.clone();
+    names.sort();
+    assert_eq!(names, ["left", "left/hand", "right", "right/hand", "root", "tip"]);
+    let joints = vec!["left/hand".to_owned(), "right/hand".to_owned()];
+    assert_eq!(rig.warnings, [FormatWarning::EqualNames { joints }]);
 }
 
 #[test]
@@ -356,10 +424,11 @@ fn animations_are_clips_by_name_or_all_and_empty_ones_are_passed_over() {
             clips: &["walk".to_owned()],
             shapes: true,
             still: false,
+            played: false,
         })
         .unwrap();
     let times: Vec<f64> = walk.clips[0].times.iter().map(|time| (time * 48.0).round()).collect();
-    assert_eq!(times, [0.0, 1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(times, [20.0, 21.0, 22.0, 23.0, 24.0]);
     near(&[[walk.frames[6].m24, 0.0, 0.0]], &[[2.5, 0.0, 0.0]]);
 }
 

@@ -121,6 +121,20 @@ impl Scene {
         channel
     }
 
+    /// Gives a channel a weight of its own, in percent.
+    pub(super) fn weigh(&mut self, channel: u32, percent: f64) {
+        let begin = self.objects.find(&format!("Deformer: {channel},")).unwrap();
+        let at = begin + self.objects[begin..].find("DeformPercent: 0").unwrap();
+        let end = at + "DeformPercent: 0".len();
+        self.objects.replace_range(at..end, &format!("DeformPercent: {percent}"));
+    }
+
+    /// Makes all keys hold their values until the next.
+    pub(super) fn hold_keys(&mut self) {
+        let [linear, constant] = [4, 2].map(|flags| numbers("KeyAttrFlags", &[flags]));
+        self.objects = self.objects.replace(&linear, &constant);
+    }
+
     /// Adds an animation, and gives its layer.
     pub(super) fn animation(&mut self, name: &str) -> u32 {
         let stack = self.object("AnimationStack", name, "", "");

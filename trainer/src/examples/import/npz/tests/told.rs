@@ -64,7 +64,13 @@ fn one_clip_is_read_alone() {
     let of = |clip: &str| {
         load_clips(
             &path,
-            &Sampling { fps: None, clips: &[clip.to_owned()], shapes: true, still: false },
+            &Sampling {
+                fps: None,
+                clips: &[clip.to_owned()],
+                shapes: true,
+                still: false,
+                played: false,
+            },
         )
     };
     let Loaded { examples, clips, .. } = of("Stretch").unwrap();

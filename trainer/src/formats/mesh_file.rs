@@ -1,0 +1,45 @@
+//! A mesh by itself, from whichever format.
+
+use super::error::{FileError, FormatError};
+use super::extension::{extension, unknown_format};
+use super::mesh::Mesh;
+use super::warning::FormatWarning;
+use super::{content, fbx, gltf, obj};
+use sinew_runtime::format::Space;
+use std::path::Path;
+
+/// A mesh and the space of its file.
+pub struct MeshFile {
+    /// The meshes of the file as one, in the rest pose.
+    pub mesh: Mesh,
+    /// Axes and unit, as far as they are known.
+    pub space: Option<Space>,
+    /// What was left out.
+    pub warnings: Vec<FormatWarning>,
+}
+
+impl MeshFile {
+    /// Reads a mesh from a `.obj`, `.glb`, `.gltf` or `.fbx` file. Of a scene, meshes with a skin stand as they are bound;
+    /// where none has one, all stand as their nodes do.
+    ///
+    /// # Errors
+    /// [`FileError`]: the file cannot be read, or holds no triangles.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let blame = |error| FileError { file: path.to_owned(), error };
+        content::check(path).map_err(blame)?;
+        match extension(path).as_str() {
+            "obj" => Ok(Self { mesh: obj::load(path)?, space: None, warnings: Vec::new() }),
+            "glb" | "gltf" => gltf::read_mesh(path).map_err(blame),
+            "fbx" => fbx::read_mesh(path).map_err(blame),
+            _ => Err(blame(unknown_format(path, ".obj, .glb, .gltf or .fbx"))),
+        }
+    }
+}
+
+/// Refuses a mesh without triangles.
+pub(super) fn check_triangles(mesh: Mesh) -> Result<Mesh, FormatError> {
+    match mesh.triangles.is_empty() {
+        true => Err(super::SceneError::NoMesh.into()),
+        false => Ok(mesh),
+    }
+}
