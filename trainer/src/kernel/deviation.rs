@@ -19,6 +19,9 @@ use sinew_runtime::kernel::{Normalise, QueryRule};
 
 /// Share of a value's range by which a baked function may be off, unless another is asked for.
 pub const F32_ERROR: f64 = 1e-3;
+/// Share of the deviation that a file may have, up to which a width is taken before others: the deviation is
+/// measured at some queries, and must hold at all.
+pub const ROOM: f64 = 0.1;
 /// Queries between the samples.
 const BETWEEN: usize = 1000;
 

@@ -5,7 +5,7 @@ use super::error::KernelError;
 use super::matrix::{distances, gram};
 use super::options::{Options, is_scale_invariant};
 use super::samples::Samples;
-use crate::kernel::deviation::Probe;
+use crate::kernel::deviation::{Probe, ROOM};
 use crate::kernel::function::Exact;
 use crate::kernel::sum::KernelSum;
 use rayon::prelude::*;
@@ -21,10 +21,6 @@ const NARROW: f64 = 8.0;
 const SMOOTHINGS: [f64; 6] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2, 1.0];
 /// Halvings of the grid's steps, in logarithms, about the best candidate.
 const HALVINGS: usize = 4;
-/// Share of the deviation that a file may have, up to which a candidate is taken before others: it is measured
-/// at some queries and must hold at all.
-const ROOM: f64 = 0.1;
-
 /// What of the options is to be chosen; the rest stays what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Freedom {
