@@ -17,15 +17,15 @@ use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::{Normalise, QueryRule};
 
-/// Share of a value's range by which a baked function may be off, unless another is asked for.
+/// Default limit of a baked function's deviation, over the value's range.
 pub const F32_ERROR: f64 = 1e-3;
-/// Share of the deviation that a file may have, up to which a width is taken before others: the deviation is
-/// measured at some queries, and must hold at all.
+/// Share of the limit that a width must stay within to be preferred: the deviation is measured at some queries and
+/// must hold at all.
 pub const ROOM: f64 = 0.1;
 /// Queries between the samples.
 const BETWEEN: usize = 1000;
 
-/// Queries of a function, for the runtime and for f64, and what may be missed there.
+/// Queries of a function, for the runtime and for f64, and the deviation that is allowed there.
 #[derive(Clone, Debug)]
 pub struct Probe {
     /// Inputs, rotations as quaternions.
@@ -34,7 +34,7 @@ pub struct Probe {
     queries: Vec<Query>,
     /// Range of each value, m.
     ranges: Vec<f64>,
-    /// Share of a range by which a value may be off.
+    /// Largest deviation that is allowed, over the range.
     limit: f64,
 }
 
@@ -47,10 +47,10 @@ struct Query {
 }
 
 impl Probe {
-    /// Makes queries: each of the samples' sites, as given, and 1,000 between random pairs of them.
+    /// Makes queries: the sites of the samples, as given, and 1,000 between random pairs of them.
     ///
     /// - `ranges`: the range of each value of the function, m, above 0.
-    /// - `limit`: the share of a range by which a value may be off.
+    /// - `limit`: the largest deviation that is allowed, over the range.
     ///
     /// # Errors
     /// [`EvaluationError`] of a site.
@@ -78,16 +78,17 @@ impl Probe {
         Ok(Self { inputs, queries, ranges, limit })
     }
 
-    /// Returns the share of a range by which a value may be off.
+    /// Returns the largest deviation that is allowed, over the range.
     pub fn limit(&self) -> f64 {
         self.limit
     }
 
-    /// Measures how far a function in its file is from f64: the largest deviation over the value's range.
+    /// Measures how far a baked function is from f64: the largest deviation, over the value's range. Infinite if
+    /// the file holds a number that is not finite, or gives one.
     ///
     /// - `exact`: computes all values, m, of features, in f64.
     pub fn deviation(&self, sum: &KernelSum, exact: impl Fn(&[f64]) -> Vec<f64> + Sync) -> f64 {
-        // A file that the runtime does not take has numbers that f32 cannot hold.
+        // The runtime refuses a file with numbers that are not finite in f32.
         let bytes = part(&self.model(sum)).and_then(|part| bake(Space::default(), &[part]));
         let Some(file) = bytes.ok().and_then(|bytes| Model::from_bytes(bytes).ok()) else {
             return f64::INFINITY;
@@ -107,7 +108,7 @@ impl Probe {
         self.queries.par_iter().map(of).reduce(|| 0.0, f64::max)
     }
 
-    /// Refuses a function that its file misses by more than the limit; returns its deviation.
+    /// Refuses a function whose deviation is above the limit; returns the deviation.
     ///
     /// # Errors
     /// [`KernelError::Deviation`].

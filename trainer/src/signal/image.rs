@@ -107,9 +107,8 @@ impl Image {
         Ok(Self { width: factor * width, height: factor * height, samples, ..self.clone() })
     }
 
-    /// Keeps the numbers within what the file's bits hold, and colours within how far they are covered, without
-    /// changing the mean of a box of so many pixels a side: of a box that has to change, every number is moved by
-    /// as much, as far as it may.
+    /// Clips numbers to the range of the file and colours to their coverage, but keeps the mean of each box of
+    /// `factor` pixels a side: all numbers of a box that clips move by one amount before they are clipped.
     ///
     /// # Errors
     /// [`SignalError::Multiple`] of a side that boxes do not fill.
@@ -117,7 +116,7 @@ impl Image {
         let mut out = self.clone();
         let means = self.coarser(factor)?;
         let colours = self.channels - usize::from(self.has_alpha);
-        // How far pixels are covered is the most that their colours may be.
+        // The coverage comes first: it is the greatest colour.
         for channel in (0..self.channels).rev() {
             let is_bound = self.has_alpha && channel < colours;
             for (place, mean) in
@@ -178,8 +177,8 @@ impl Image {
     }
 }
 
-/// Keeps numbers between 0 and what each is at most, `[number, most]`, so that their mean is the one that is given, or
-/// the nearest that they can have: the nearest such numbers, which are all moved by as much and then kept.
+/// Clips numbers to 0 and their greatest value, `[number, greatest]`, after moving all by the amount that gives them
+/// their mean again, or the nearest mean that is possible.
 fn kept(numbers: &[[f64; 2]], mean: f64) -> Vec<f64> {
     if numbers.iter().all(|[number, most]| (0.0..=*most).contains(number)) {
         return numbers.iter().map(|[number, _]| *number).collect();

@@ -1,7 +1,7 @@
 //! A function of observations as a sum of kernels, where the kernel library can express it.
 //!
 //! The covariance with a value is a kernel about its place. That with an average is an integral of kernels, whose
-//! quadrature is a kernel at each node; that with a derivative is what a difference of eight kernels tends to. Both are
+//! quadrature is a kernel at each node. That with a derivative is the limit of a difference of eight kernels. Both are
 //! as good as f32 only where the kernel is smooth without end: the gaussian.
 
 use super::covariance::Covariance;
@@ -22,7 +22,7 @@ const STEP: f64 = 0.1;
 /// Longest box that one quadrature is taken of, in lengths.
 const PIECE: f64 = 2.0;
 
-/// Makes the kernels of a fit, rounded to what a file holds.
+/// Makes the kernels of a fit, rounded to f32.
 ///
 /// - `numbers`: the number of each observation as it is written, n.
 ///
@@ -80,8 +80,8 @@ pub fn input() -> Input {
 
 /// Makes the queries at which the file of a fit is compared with it: where it was observed, and between.
 ///
-/// - `limit`: the share of the function's range by which the file may be off. Where all is observed at one place its
-///   range is the deviation of the process.
+/// - `limit`: the largest deviation of the file that is allowed, over the function's range. Where all is observed at one
+///   place the range is the standard deviation of the process.
 ///
 /// # Errors
 /// [`SignalError::Number`] of a limit that is not above 0.

@@ -151,7 +151,7 @@ fn at_every_sample_the_confidence_is_one_and_the_output_the_samples() {
             let n = 6 + (20.0 * random(&mut seed).abs()) as usize;
             let most = if joints > 0 { 60.0 } else { 1.0 };
             let mut row = |len: usize, most: f64| -> Vec<f64> {
-                (0..len).map(|_| (10.0 * most * random(&mut seed)).round() / 10.0).collect()
+                (0..len).map(|_| most * random(&mut seed)).collect()
             };
             let sites: Vec<Vec<f64>> = (0..n).map(|_| row(inputs, most)).collect();
             let values: Vec<Vec<f64>> = (0..n).map(|_| row(2, 5.0)).collect();
@@ -164,7 +164,7 @@ fn at_every_sample_the_confidence_is_one_and_the_output_the_samples() {
             let inputs = named(if joints > 0 { "euler XYZ" } else { "scalar" });
             let problem = json!({
                 "inputs": inputs, "sites": sites, "values": values,
-                "options": { "kernel": kernel, "outside": rule, "average": true },
+                "options": { "kernel": kernel, "outside": rule },
             });
             let about = format!("{joints} {kernel} {rule}");
             let folder = Folder::new("kernel-confidence");
@@ -231,8 +231,8 @@ fn a_file_that_misses_its_function_is_refused_unless_it_may() {
         fs::write(folder.path("problem.json"), problem.to_string()).unwrap();
     };
     for options in [
-        json!({ "epsilon": 2.0 }),
-        json!({ "mode": "scipy", "kernel": "gaussian", "epsilon": 0.5 }),
+        json!({ "epsilon": 8.0 }),
+        json!({ "mode": "scipy", "kernel": "gaussian", "epsilon": 2.0 }),
         json!({ "mode": "published", "kernel": "gaussian" }),
     ] {
         write(options.clone());
@@ -242,7 +242,7 @@ fn a_file_that_misses_its_function_is_refused_unless_it_may() {
         assert!(run.err.contains(expected) && run.err.ends_with("--f32-error\n"), "{}", run.err);
         assert!(!folder.path("model.sinew").exists());
     }
-    write(json!({ "epsilon": 2.0 }));
+    write(json!({ "epsilon": 8.0 }));
     let run = folder.sinew("kernel train problem.json -o model.sinew --f32-error 100 --json");
     let allowed = run.json()["f32_error"].as_f64().unwrap();
     assert!(allowed > 1e-3, "{allowed}");
@@ -251,7 +251,7 @@ fn a_file_that_misses_its_function_is_refused_unless_it_may() {
     for (found, expected) in found.iter().zip(&values) {
         near(&found["outputs"], &[*expected], range * allowed);
     }
-    write(json!({ "epsilon": 2.0, "f32_error": 100.0 }));
+    write(json!({ "epsilon": 8.0, "f32_error": 100.0 }));
     folder.sinew("kernel train problem.json -o model.sinew").done();
     let said = folder.sinew("kernel train problem.json -o model.sinew --f32-error 0").failed();
     assert!(said.contains("the f32 error is 0, expected a finite number above 0"), "{said}");
@@ -498,7 +498,6 @@ fn bad_problems_are_refused_by_place_and_nothing_is_written() {
     let sites: Vec<f64> = (0..30).map(|i| f64::from(i) / 30.0).collect();
     let wide = json!({ "sites": sites, "values": sites, "options": { "epsilon": 0.01 } });
     refused(&wide.to_string(), "smooth more, take a narrower kernel or fewer centres");
-    refused(&wide.to_string(), "the fit is ill-conditioned (reciprocal condition below 2e-16");
     let queries = |text: &str| {
         let good = json!({ "sites": [1, 2], "values": [1, 2] });
         fs::write(folder.path("problem.json"), good.to_string()).unwrap();

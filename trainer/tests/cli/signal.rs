@@ -245,8 +245,13 @@ fn drawn_text_gives_itself_back_too() {
 fn what_is_not_covered_lends_no_colour() {
     use png::{BitDepth, ColorType};
     let folder = Folder::new("signal-alpha");
-    // The left half is not covered, and black where it is not seen; the right is white.
-    let pixel = |i: usize| if i % 10 < 5 { [0, 0, 0, 0] } else { [255, 255, 255, 255] };
+    // The left half is not covered, and black where it is not seen; the right is white, and its edge half
+    // covered.
+    let pixel = |i: usize| match i % 10 {
+        0..5 => [0, 0, 0, 0],
+        5 => [255, 255, 255, 128],
+        _ => [255, 255, 255, 255],
+    };
     let given: Vec<u8> = (0..80).flat_map(pixel).collect();
     png(&folder, "in.png", ColorType::Rgba, BitDepth::Eight, [10, 8], &given);
     folder.sinew("signal superres in.png --factor 2 -o out.png").done();

@@ -24,7 +24,7 @@ const SHOWN: usize = 40;
 
 /// Reads rows of numbers, or a column of them; all rows of one kind.
 ///
-/// - `what`: what they are called.
+/// - `what`: the name of the rows, for errors.
 ///
 /// # Errors
 /// [`ProblemError::NoRows`] and [`ProblemError::Entry`].

@@ -12,7 +12,7 @@ use crate::kernel::sum::KernelSum;
 /// A fit of either kind.
 pub enum AnyFit {
     /// Every sample is a centre.
-    Every(Fit),
+    Every(Box<Fit>),
     /// Fewer centres, by least squares.
     Fewer(FewerFit),
 }
@@ -27,7 +27,7 @@ impl AnyFit {
             Some(most) if most < samples.sample_len() => {
                 Self::Fewer(FewerFit::new(samples, options, &Centres::Greedy(most))?)
             }
-            _ => Self::Every(Fit::new(samples, options)?),
+            _ => Self::Every(Box::new(Fit::new(samples, options)?)),
         })
     }
 

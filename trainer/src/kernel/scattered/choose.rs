@@ -120,7 +120,7 @@ struct Candidate {
     tried: Tried,
     /// The function, or why there is none.
     sum: Result<KernelSum, KernelError>,
-    /// What its file deviates by, over what it may.
+    /// Deviation of its file, over the limit.
     deviation: OnceCell<f64>,
 }
 
@@ -199,7 +199,7 @@ impl Judge<'_> {
         })
     }
 
-    /// Returns what a candidate's file deviates by, over what it may; 0 without a probe.
+    /// Returns the deviation of a candidate's file, over the limit; 0 without a probe.
     fn deviation(&self, candidate: &Candidate) -> f64 {
         *candidate.deviation.get_or_init(|| match (self.probe, &candidate.sum) {
             (Some(probe), Ok(sum)) => probe.deviation(sum, |x| sum.evaluate(x)) / probe.limit(),

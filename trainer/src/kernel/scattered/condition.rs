@@ -84,6 +84,14 @@ mod tests {
     }
 
     #[test]
+    fn conditions_that_f64_cannot_tell_from_none_are_written_as_below_it() {
+        assert_eq!(described(3.4e-9), "reciprocal condition 3.4e-9");
+        for rcond in [0.0, 1e-17] {
+            assert_eq!(described(rcond), "reciprocal condition below 2e-16");
+        }
+    }
+
+    #[test]
     fn nothing_is_well_conditioned_and_a_singular_matrix_is_not() {
         let none = |x: Mat<f64>| x;
         assert_eq!(reciprocal(0.0, 0, none, none), 1.0);

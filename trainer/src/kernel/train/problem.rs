@@ -23,8 +23,8 @@ const ROOM: f64 = 1.0 + 1e-4;
 /// - `variance`: whether what the variance takes is kept.
 ///
 /// # Errors
-/// [`TrainError`]: a site or a value that is none, options that do not fit each other, what the fit itself
-/// refuses, and a function that its file would miss by more than the options allow.
+/// [`TrainError`]: a site or a value that is none, options that do not fit each other, a refusal of the fit
+/// itself, and a file whose deviation is above the limit of the options.
 pub fn train(problem: &Problem, variance: bool) -> Result<Trained, TrainError> {
     let mut outputs = problem.outputs.clone();
     let Matrices { features, values } = Matrices::new(problem, &mut outputs)?;
