@@ -190,7 +190,7 @@ impl Covariance {
 
     /// Reads a name with its numbers: `matern 3/2:4`, `oscillating:8,3`.
     ///
-    /// - `subject`: what it is for, which an error names.
+    /// - `subject`: its use, which an error names.
     ///
     /// # Errors
     /// [`SignalError::Covariance`], and [`SignalError::Number`] of a length that is none.

@@ -103,7 +103,7 @@ pub enum SignalError {
     Covariance {
         /// What was asked for.
         found: String,
-        /// What it was asked for.
+        /// Its use.
         subject: Subject,
     },
     /// A derivative is asked for of functions that have none.
@@ -152,7 +152,7 @@ pub enum SignalError {
     },
 }
 
-/// What a covariance is asked for.
+/// The use of a covariance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// A signal.
@@ -175,7 +175,7 @@ pub struct Told {
 }
 
 impl Subject {
-    /// Returns what it is called where a covariance lacks.
+    /// Names the use after an unknown covariance; a signal needs no name.
     const fn named(self) -> &'static str {
         match self {
             Self::Signal => "",
@@ -184,7 +184,7 @@ impl Subject {
         }
     }
 
-    /// Returns what it may have beside the families.
+    /// Lists the choices beside the families.
     const fn others(self) -> &'static str {
         match self {
             Self::Signal => "auto, estimated, a table (.csv), or",

@@ -14,7 +14,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
 
-/// Share of their magnitude up to which two observations of one thing agree: a few units in the last place of f32.
+/// Two observations of one thing agree within this share of their magnitude: a few units in the last place of f32.
 const AGREE: f64 = 1e-6;
 
 /// Families that a part kernel can be, of values alone.
@@ -36,7 +36,7 @@ pub struct Observations {
     pub functionals: Vec<Functional>,
     /// What was found, n.
     pub values: Vec<f64>,
-    /// Share of the function's range by which its file may be off.
+    /// Largest deviation of the file, over the function's range.
     pub f32_error: f64,
     /// The number of each as it is written, n: those that say nothing new are left out.
     pub numbers: Vec<usize>,
@@ -62,7 +62,7 @@ impl Observations {
     /// Reads JSON: `observations`, each `{"at": x, "value": y}`, `{"at": x, "derivative": y}` or `{"from": a, "to": b,
     /// "average": y}`, and, where they are given, `name`, `covariance`, `mean`, `noise`, `variance` and `f32_error`.
     ///
-    /// - `f32_error`: the share of the function's range by which its file may be off, in place of the file's own.
+    /// - `f32_error`: the largest deviation of the baked file, over the function's range; replaces the one in the JSON.
     ///
     /// # Errors
     /// [`SignalError::Format`], [`SignalError::Json`], [`SignalError::Empty`], [`SignalError::Written`],

@@ -17,7 +17,7 @@ use faer::Mat;
 
 /// Half a central difference of order 8, by steps from the middle.
 const DIFFERENCE: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
-/// Its step in lengths: what it leaves out is 4e-8 of a derivative, what f32 rounds 1e-6.
+/// Its step in lengths: it is off by 4e-8 of a derivative, and f32 rounds 1e-6.
 const STEP: f64 = 0.1;
 /// Longest box that one quadrature is taken of, in lengths.
 const PIECE: f64 = 2.0;
@@ -107,7 +107,7 @@ pub fn exact(fit: &Kriging) -> impl Fn(&[f64]) -> Vec<f64> + Sync {
     |x| x.iter().map(|at| fit.value(&Functional::Value { at: *at })).collect()
 }
 
-/// Lists kernels, each by its place and its coefficient, that make the covariance with a functional, so many times.
+/// Lists kernels, each by its place and its coefficient, that make the covariance with a functional, times `c`.
 fn centres(of: &Functional, c: f64, length: f64) -> Vec<(f64, f64)> {
     match *of {
         Functional::Value { at } => vec![(at, c)],

@@ -386,7 +386,8 @@ fn observations_that_contradict_are_named_and_those_that_repeat_are_one() {
                     leave one out, or give a noise";
     assert_eq!(said, expected);
     let run = fit(json!([value(0.0, 1.0), value(2.0, 3.0), value(0.0, 1.0), value(3.0, 2.0)]), "");
-    let expected = "sinew: warning: o.json: observations that say what an earlier one says, and are left out: 1\n";
+    let expected =
+        "sinew: warning: o.json: observations that repeat an earlier one and are left out: 1\n";
     assert_eq!((run.code, run.err.as_str()), (Some(0), expected));
     // The average of both halves is that of the whole: 1.5, not 4.
     let average = |from: f64, to: f64, y: f64| json!({ "from": from, "to": to, "average": y });

@@ -19,7 +19,7 @@ struct Written {
     options: ProblemOptions,
 }
 
-/// Most characters of what was found that an error shows.
+/// Most characters of a wrong value that an error shows.
 const SHOWN: usize = 40;
 
 /// Reads rows of numbers, or a column of them; all rows of one kind.
@@ -48,7 +48,7 @@ pub(in crate::kernel) fn rows(
     all.iter().enumerate().map(row).collect()
 }
 
-/// Writes what was found, its beginning if it is long.
+/// Writes a wrong value, its beginning if it is long.
 fn shown(found: &Value) -> String {
     let text = found.to_string();
     match text.char_indices().nth(SHOWN) {

@@ -21,7 +21,7 @@ pub struct ProblemOptions {
     pub epsilon: Option<f64>,
     /// λ; 0, which interpolates, unless it is to be chosen.
     pub smoothing: Option<Smoothing>,
-    /// Share of a value's range by which the file may be off; [`F32_ERROR`].
+    /// Largest deviation of the file, over a value's range; [`F32_ERROR`].
     pub f32_error: f64,
     /// Degree of the polynomial; -1 without one, by default the least that the kernel allows.
     pub degree: Option<i32>,

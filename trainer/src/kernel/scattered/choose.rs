@@ -59,9 +59,9 @@ pub struct Tried {
 impl Choice {
     /// Tries epsilon and smoothing on a grid, then about the best at half the steps, four times; each
     /// by the errors of groups of samples that are left out. Epsilon stays what it is where it changes
-    /// nothing, and is the nearest to what it is where no group can be left out. Kernels that do not reach
-    /// the next sample are left alone: where samples say little of each other these err least, and make a
-    /// spike of each. With a `probe`, so are those whose file deviates too far.
+    /// nothing, and stays as near as it can where no group can be left out. Kernels that do not reach the next
+    /// sample are left alone: where samples say little of each other their error is the least, and each sample
+    /// becomes a spike. With a `probe`, kernels whose file deviates too far are left alone too.
     ///
     /// # Errors
     /// Those of [`Options::check`]; if no candidate can be fitted; if none has a file that is near enough; if
