@@ -101,9 +101,12 @@ impl Probe {
                 return f64::INFINITY;
             }
             let values = found.iter().zip(exact(&query.features)).zip(&self.ranges);
-            let shares =
-                values.map(|((found, exact), range)| (f64::from(*found) - exact).abs() / range);
-            shares.fold(0.0, f64::max)
+            let share = |((found, exact), range): ((&f32, f64), &f64)| {
+                let share = (f64::from(*found) - exact).abs() / range;
+                // `max` would pass over it.
+                if share.is_nan() { f64::INFINITY } else { share }
+            };
+            values.map(share).fold(0.0, f64::max)
         };
         self.queries.par_iter().map(of).reduce(|| 0.0, f64::max)
     }

@@ -100,11 +100,11 @@ pub fn likeliest_of(
         let offer = |covariance: Covariance| {
             let found = Block::new(functionals, &covariance).map(|block| block.likelihood(values));
             let score = found.unwrap_or(f64::NEG_INFINITY);
-            let greater = best.as_ref().is_none_or(|(best, _)| score > *best);
-            if greater && score > f64::NEG_INFINITY && !sound(&covariance) {
-                return f64::NEG_INFINITY;
-            }
-            if greater && score > f64::NEG_INFINITY {
+            let beats = best.as_ref().is_none_or(|(best, _)| score > *best);
+            if beats && score > f64::NEG_INFINITY {
+                if !sound(&covariance) {
+                    return f64::NEG_INFINITY;
+                }
                 best = Some((score, covariance));
             }
             score

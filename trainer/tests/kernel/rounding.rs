@@ -304,6 +304,8 @@ fn a_files_deviation_is_measured_and_refused_above_the_limit() {
     assert_eq!(found, 1.0);
     let near = probe(&[1e8, 1e8 + 16.0], 16.0, 1.0).deviation(&far, |x| far.evaluate(x));
     assert_eq!(near, 0.0);
+    // A reference that is no number is near nothing.
+    assert_eq!(probe(&[0.0], 1.0, 1.0).deviation(&odd, |_| vec![f64::NAN]), f64::INFINITY);
     // What f32 has no number for is off without end.
     let huge = line(1e39, 0.0);
     assert_eq!(probe(&[0.0], 1.0, 1.0).deviation(&huge, |x| huge.evaluate(x)), f64::INFINITY);

@@ -21,6 +21,7 @@ const NARROW: f64 = 8.0;
 const SMOOTHINGS: [f64; 6] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2, 1.0];
 /// Halvings of the grid's steps, in logarithms, about the best candidate.
 const HALVINGS: usize = 4;
+
 /// What of the options is to be chosen; the rest stays what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Freedom {

@@ -105,7 +105,7 @@ pub enum KernelError {
         /// What is allowed.
         limit: f64,
     },
-    /// No candidate can predict samples that it has not seen.
+    /// A smoothing is to be chosen, and no candidate can predict samples that it has not seen.
     #[error(
         "no smoothing can be chosen: it takes samples that the others predict, and there are too few (or too few \
          groups); give `smoothing` a number"
