@@ -14,7 +14,7 @@ pub enum AnyFit {
     /// Every sample is a centre.
     Every(Box<Fit>),
     /// Fewer centres, by least squares.
-    Fewer(FewerFit),
+    Fewer(Box<FewerFit>),
 }
 
 impl AnyFit {
@@ -25,7 +25,7 @@ impl AnyFit {
     pub fn new(samples: &Samples, options: &Options) -> Result<Self, KernelError> {
         Ok(match options.centres {
             Some(most) if most < samples.sample_len() => {
-                Self::Fewer(FewerFit::new(samples, options, &Centres::Greedy(most))?)
+                Self::Fewer(Box::new(FewerFit::new(samples, options, &Centres::Greedy(most))?))
             }
             _ => Self::Every(Box::new(Fit::new(samples, options)?)),
         })
