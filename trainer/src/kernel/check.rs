@@ -2,10 +2,11 @@
 //! and what it gives there.
 
 use super::compat::scipy::{RbfInterpolator, ScipyOptions};
-use super::problem::Rows;
+use super::problem::rows;
 use super::scattered::samples::ranges;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// The most that an output may deviate, over its range (METHOD §2.7).
 pub const DEVIATION: f64 = 1e-9;
@@ -22,11 +23,11 @@ pub struct Cases {
 struct Case {
     name: String,
     #[serde(default)]
-    options: serde_json::Value,
-    sites: Rows,
-    values: Rows,
-    queries: Rows,
-    expected: Rows,
+    options: Value,
+    sites: Value,
+    values: Value,
+    queries: Value,
+    expected: Value,
 }
 
 /// What came of all cases.
@@ -101,10 +102,12 @@ impl Case {
     }
 
     fn deviation(self) -> Result<(f64, f64), String> {
-        let [sites, values, queries, expected] =
-            [self.sites, self.values, self.queries, self.expected].map(Rows::rows);
+        let read = |what, of| rows(what, of).map_err(|error| error.to_string());
+        let (sites, values) = (read("sites", &self.sites)?, read("values", &self.values)?);
+        let (queries, expected) =
+            (read("queries", &self.queries)?, read("expected", &self.expected)?);
         let options = match self.options {
-            serde_json::Value::Null => ScipyOptions::default(),
+            Value::Null => ScipyOptions::default(),
             options => serde_json::from_value(options).map_err(|error| error.to_string())?,
         };
         let (sites, values) = (matrix(&sites)?, matrix(&values)?);

@@ -1,7 +1,7 @@
 //! Kernel maps: any function of a few numbers, learned from samples (S2, METHOD §2).
 //!
-//! [`function`] has every kernel, [`sum`] what they make up, [`bound`] how far f32 may be from it,
-//! [`rotations`] what a function is given of a rotation. [`scattered`] solves for one, [`compat`] as other
+//! [`function`] has every kernel, [`sum`] what they make up, [`bound`] the error bound of f32, [`deviation`] the
+//! measured error of a file, [`rotations`] the features of a rotation. [`scattered`] solves for one, [`compat`] as other
 //! solvers do, [`hyper`] learns its centres and metric.
 //!
 //! With its names it is the part kernel of a file: a [`problem`] as a person writes it is [`train`]ed into a
@@ -34,6 +34,7 @@ pub mod check;
 pub mod compare;
 pub mod compat;
 pub mod design;
+pub mod deviation;
 pub mod fade;
 pub mod function;
 pub mod gram;

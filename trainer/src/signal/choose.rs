@@ -85,18 +85,41 @@ pub fn best(samples: &[f64], sample: Sample) -> Result<Covariance, SignalError> 
 }
 
 /// Chooses, among families of these names, the covariance under which values of functionals anywhere are likeliest:
-/// they are too few, and of too many units, to leave some out.
-pub fn likeliest_of(functionals: &[Functional], values: &[f64], names: &[&str]) -> Covariance {
+/// they are too few, and of too many units, to leave some out. None where none is sound.
+///
+/// - `sound`: whether a function of a covariance can be had.
+pub fn likeliest_of(
+    functionals: &[Functional],
+    values: &[f64],
+    names: &[&str],
+    sound: impl Fn(&Covariance) -> bool,
+) -> Option<Covariance> {
+    let unit = unit(functionals);
+    let mut best: Option<(f64, Covariance)> = None;
+    for name in names {
+        let offer = |covariance: Covariance| {
+            let found = Block::new(functionals, &covariance).map(|block| block.likelihood(values));
+            let score = found.unwrap_or(f64::NEG_INFINITY);
+            let beats = best.as_ref().is_none_or(|(best, _)| score > *best);
+            if beats && score > f64::NEG_INFINITY {
+                if !sound(&covariance) {
+                    return f64::NEG_INFINITY;
+                }
+                best = Some((score, covariance));
+            }
+            score
+        };
+        refine(FIRST * unit, named(name, offer));
+    }
+    best.map(|(_, covariance)| covariance)
+}
+
+/// Returns the mean distance from a functional to the next; 1 where all are at one place.
+pub fn unit(functionals: &[Functional]) -> f64 {
     let places: Vec<f64> = functionals.iter().map(Functional::middle).collect();
     let [low, high] = ends(&places);
     let spacing = (high - low) / (places.len().max(2) - 1) as f64;
-    let unit = if spacing > 0.0 { spacing } else { 1.0 };
-    let mut best = Best::new(Covariance::SquaredExponential { length: unit });
-    for name in names {
-        let mut offer = |covariance: Covariance| best.offer_likely(functionals, values, covariance);
-        refine(FIRST * unit, named(name, &mut offer));
-    }
-    best.covariance
+    if spacing > 0.0 { spacing } else { 1.0 }
 }
 
 /// Estimates the variance of a signal's process: the likeliest; 0 of a covariance that rounding makes singular.

@@ -1,7 +1,7 @@
 //! Covariances of stationary processes, in f64 (METHOD §4): how alike two values are, by the signed distance
 //! between their places.
 
-use super::error::{SignalError, check_positive};
+use super::error::{SignalError, Subject, check_positive};
 use super::table::Table;
 use sinew_runtime::kernel::Kernel;
 
@@ -190,10 +190,12 @@ impl Covariance {
 
     /// Reads a name with its numbers: `matern 3/2:4`, `oscillating:8,3`.
     ///
+    /// - `subject`: its use, which an error names.
+    ///
     /// # Errors
     /// [`SignalError::Covariance`], and [`SignalError::Number`] of a length that is none.
-    pub fn parse(text: &str) -> Result<Self, SignalError> {
-        let unknown = || SignalError::Covariance { found: text.to_owned() };
+    pub fn parse(text: &str, subject: Subject) -> Result<Self, SignalError> {
+        let unknown = || SignalError::Covariance { found: text.to_owned(), subject };
         let (name, numbers) = text.split_once(':').ok_or_else(unknown)?;
         let numbers = numbers.split(',').map(|number| number.trim().parse());
         let numbers: Vec<f64> = numbers.collect::<Result<_, _>>().map_err(|_| unknown())?;
@@ -287,14 +289,17 @@ pub(super) mod tests {
     #[test]
     fn names_are_read_back_and_what_is_none_is_refused() {
         for covariance in families().into_iter().take(5) {
-            assert_eq!(Covariance::parse(&covariance.describe()).unwrap(), covariance);
+            assert_eq!(
+                Covariance::parse(&covariance.describe(), Subject::Signal).unwrap(),
+                covariance
+            );
         }
         for text in ["matern 3/2", "matern:1", "oscillating:3", "matern 3/2:x", ""] {
-            let error = Covariance::parse(text).unwrap_err();
+            let error = Covariance::parse(text, Subject::Signal).unwrap_err();
             assert!(matches!(error, SignalError::Covariance { .. }), "{text}");
         }
         for text in ["matern 3/2:0", "oscillating:1,-2", "gaussian:nan", "gaussian:inf"] {
-            let error = Covariance::parse(text).unwrap_err();
+            let error = Covariance::parse(text, Subject::Signal).unwrap_err();
             assert!(matches!(error, SignalError::Number { .. }), "{text}");
         }
     }

@@ -2,6 +2,9 @@
 
 use crate::bake::BakeError;
 use crate::formats::{CsvError, FormatError};
+use crate::kernel::scattered::condition::described;
+use crate::kernel::scattered::error::KernelError;
+use std::fmt::{Display, Formatter};
 use std::path::PathBuf;
 
 /// A signal, observations or a picture that nothing can be made of; samples count from 0.
@@ -63,15 +66,45 @@ pub enum SignalError {
         /// What it is.
         found: f64,
     },
+    /// An observation is written wrongly.
+    #[error(
+        "observation {at}: expected {{\"at\": x, \"value\": y}}, {{\"at\": x, \"derivative\": y}} or \
+         {{\"from\": a, \"to\": b, \"average\": y}}, found {found}"
+    )]
+    Written {
+        /// Which.
+        at: usize,
+        /// What there is.
+        found: String,
+    },
+    /// Two observations of one thing differ.
+    #[error(
+        "observations {first} and {second} contradict each other: they are of one thing and say {one} and {other}; \
+         leave one out, or give a noise"
+    )]
+    Contradiction {
+        /// The earlier one.
+        first: usize,
+        /// The later one.
+        second: usize,
+        /// What the earlier one says.
+        one: f64,
+        /// What the later one says.
+        other: f64,
+    },
     /// No covariance is called so.
     #[error(
-        "there is no covariance \"{found}\": expected auto, estimated, a table (.csv), or squared exponential, \
-         ornstein-uhlenbeck, matern 3/2 or matern 5/2 with a length, oscillating with a length and a period, \
-         as \"matern 3/2:4\" or \"oscillating:8,3\""
+        "there is no covariance \"{found}\"{}: expected {} squared exponential, ornstein-uhlenbeck, matern 3/2 or \
+         matern 5/2 with a length, oscillating with a length and a period, as \"matern 3/2:4\" or \
+         \"oscillating:8,3\"",
+        subject.named(),
+        subject.others()
     )]
     Covariance {
         /// What was asked for.
         found: String,
+        /// Its use.
+        subject: Subject,
     },
     /// A derivative is asked for of functions that have none.
     #[error("observation {at}: functions of covariance {covariance} have no derivative")]
@@ -89,12 +122,16 @@ pub enum SignalError {
     },
     /// Rounding decides what the function is.
     #[error(
-        "the observations' covariance is ill-conditioned ({rcond:.0e}): take a shorter length, a rougher \
-         covariance, or a noise"
+        "the observations' covariance is ill-conditioned ({}){}: take a shorter length, a rougher covariance, or a \
+         noise",
+        described(*rcond),
+        told.map_or(String::new(), |told| format!(": {told}"))
     )]
     IllConditioned {
         /// Reciprocal condition.
         rcond: f64,
+        /// The first observation that others tell, if one is found.
+        told: Option<Told>,
     },
     /// A matrix is not positive definite.
     #[error("{what} is not positive definite")]
@@ -102,6 +139,9 @@ pub enum SignalError {
         /// The matrix.
         what: &'static str,
     },
+    /// Kernels do not make the function, or its file misses it.
+    #[error(transparent)]
+    Kernel(#[from] KernelError),
     /// No kernel part is the function.
     #[error("no part kernel holds {what}: it can hold {can}")]
     NoKernel {
@@ -110,6 +150,58 @@ pub enum SignalError {
         /// What it can.
         can: &'static str,
     },
+}
+
+/// The use of a covariance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// A signal.
+    Signal,
+    /// An image.
+    Image,
+    /// Observations of a function.
+    Observations,
+}
+
+/// An observation that those before it tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Told {
+    /// Which.
+    pub at: usize,
+    /// What those before it give.
+    pub expected: f64,
+    /// What it says.
+    pub found: f64,
+}
+
+impl Subject {
+    /// Names the use after an unknown covariance; a signal needs no name.
+    const fn named(self) -> &'static str {
+        match self {
+            Self::Signal => "",
+            Self::Image => " for an image",
+            Self::Observations => " for observations",
+        }
+    }
+
+    /// Lists the choices beside the families.
+    const fn others(self) -> &'static str {
+        match self {
+            Self::Signal => "auto, estimated, a table (.csv), or",
+            Self::Image => "auto, a table (.csv), or",
+            Self::Observations => "auto, or",
+        }
+    }
+}
+
+impl Display for Told {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let Self { at, expected, found } = *self;
+        write!(
+            f,
+            "those before observation {at} leave it no choice, they give {expected:.6} and it says {found:.6}"
+        )
+    }
 }
 
 impl From<CsvError> for SignalError {

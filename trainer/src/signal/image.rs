@@ -7,6 +7,9 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
+/// Halvings of a move of numbers until f64 has no digit left.
+const HALVINGS: usize = 60;
+
 /// Numbers of pixels from the upper left, row by row, as the file has them: sRGB stays sRGB, and covered colours are
 /// multiplied by how far they are covered.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,6 +107,40 @@ impl Image {
         Ok(Self { width: factor * width, height: factor * height, samples, ..self.clone() })
     }
 
+    /// Clips numbers to the range of the file and colours to their coverage, but keeps the mean of each box of
+    /// `factor` pixels a side: all numbers of a box that clips move by one amount before they are clipped.
+    ///
+    /// # Errors
+    /// [`SignalError::Multiple`] of a side that boxes do not fill.
+    pub fn within(&self, factor: usize) -> Result<Self, SignalError> {
+        let mut out = self.clone();
+        let means = self.coarser(factor)?;
+        let colours = self.channels - usize::from(self.has_alpha);
+        // The coverage comes first: it is the greatest colour.
+        for channel in (0..self.channels).rev() {
+            let is_bound = self.has_alpha && channel < colours;
+            for (place, mean) in
+                means.samples.iter().enumerate().skip(channel).step_by(self.channels)
+            {
+                let pixel = place / self.channels;
+                let (row, column) = (pixel / means.width * factor, pixel % means.width * factor);
+                let at = |k: usize| {
+                    ((row + k / factor) * self.width + column + k % factor) * self.channels
+                };
+                let own: Vec<[f64; 2]> = (0..factor * factor)
+                    .map(|k| {
+                        let most = if is_bound { out.samples[at(k) + colours] } else { self.most };
+                        [out.samples[at(k) + channel], most]
+                    })
+                    .collect();
+                for (k, kept) in kept(&own, *mean).into_iter().enumerate() {
+                    out.samples[at(k) + channel] = kept;
+                }
+            }
+        }
+        Ok(out)
+    }
+
     /// Makes it coarser: means of boxes of so many pixels a side, not rounded.
     ///
     /// # Errors
@@ -140,6 +177,24 @@ impl Image {
     }
 }
 
+/// Clips numbers to 0 and their greatest value, `[number, greatest]`, after moving all by the amount that gives them
+/// their mean again, or the nearest mean that is possible.
+fn kept(numbers: &[[f64; 2]], mean: f64) -> Vec<f64> {
+    if numbers.iter().all(|[number, most]| (0.0..=*most).contains(number)) {
+        return numbers.iter().map(|[number, _]| *number).collect();
+    }
+    let moved = |by: f64| numbers.iter().map(move |[number, most]| (number + by).clamp(0.0, *most));
+    let sum = mean * numbers.len() as f64;
+    // Between these ends the sum grows from its least to its most, with the move.
+    let reach = numbers.iter().map(|[number, most]| number.abs() + most).fold(0.0, f64::max);
+    let (mut low, mut high) = (-reach, reach);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if moved(middle).sum::<f64>() < sum { low = middle } else { high = middle }
+    }
+    moved(high).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::covariance::Covariance;
@@ -172,6 +227,48 @@ mod tests {
                 assert!((found - expected).abs() < 1e-10, "{found} {expected}");
             }
         }
+    }
+
+    /// Drawn text: black on white, and the same on nothing.
+    fn drawn(has_alpha: bool) -> Image {
+        let (width, height, channels) = (14, 11, if has_alpha { 4 } else { 3 });
+        let number =
+            |i: usize| if i / channels % 5 * (i / channels / 14 % 3) < 3 { 255.0 } else { 0.0 };
+        let samples = (0..channels * width * height).map(number).collect();
+        Image { width, height, channels, has_alpha, most: 255.0, samples }
+    }
+
+    #[test]
+    fn boxes_keep_their_mean_when_they_are_kept_within_what_a_file_holds() {
+        for has_alpha in [false, true] {
+            let image = drawn(has_alpha);
+            for factor in 2..=4 {
+                let fine = image.finer(&filter(factor)).unwrap();
+                let held = |x: &f64| (0.0..=255.0).contains(x);
+                assert!(!fine.samples.iter().all(held), "edges ring");
+                let kept = fine.within(factor).unwrap();
+                assert!(kept.samples.iter().all(held));
+                for pixel in kept.samples.chunks(4).filter(|_| has_alpha) {
+                    assert!(pixel[..3].iter().all(|colour| *colour <= pixel[3]), "{pixel:?}");
+                }
+                for (found, expected) in
+                    kept.coarser(factor).unwrap().samples.iter().zip(&image.samples)
+                {
+                    assert!((found - expected).abs() < 1e-10, "{factor}: {found} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_that_a_file_holds_stay_and_others_are_moved_by_as_much() {
+        assert_eq!(kept(&[[3.0, 9.0], [0.0, 9.0]], 1.5), [3.0, 0.0]);
+        // 12 becomes 9, so the others rise by 1 each, and -1 by 1 to 0.
+        let found = kept(&[[12.0, 9.0], [4.0, 9.0], [5.0, 9.0], [-1.0, 9.0]], 5.0);
+        for (found, expected) in found.iter().zip([9.0, 5.0, 6.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        assert_eq!(kept(&[[12.0, 9.0], [11.0, 9.0]], 11.5), [9.0, 9.0], "no mean above the most");
     }
 
     #[test]

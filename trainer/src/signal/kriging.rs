@@ -1,7 +1,7 @@
 //! The function that is likeliest, given observations of it (METHOD §4, S0 Eq. 13).
 
 use super::covariance::Covariance;
-use super::error::{SignalError, check_positive};
+use super::error::{SignalError, Told, check_positive};
 use super::functional::Functional;
 use super::mean::Mean;
 use super::solved::Solved;
@@ -64,6 +64,19 @@ impl Kriging {
     ) -> Result<Self, SignalError> {
         process.check()?;
         check(process, functionals, values)?;
+        match Self::solved(process, functionals, values) {
+            Err(SignalError::IllConditioned { rcond, .. }) => {
+                Err(SignalError::IllConditioned { rcond, told: told(process, functionals, values) })
+            }
+            found => found,
+        }
+    }
+
+    fn solved(
+        process: &Process,
+        functionals: &[Functional],
+        values: &[f64],
+    ) -> Result<Self, SignalError> {
         let scale = scale(functionals);
         let matrix = gram(process, functionals);
         let rows: Vec<Vec<f64>> =
@@ -74,6 +87,12 @@ impl Kriging {
         }
         let solved = Solved::new(matrix, &basis, values)?;
         Ok(Self { process: process.clone(), functionals: functionals.to_vec(), scale, solved })
+    }
+
+    /// Predicts a functional without its variance.
+    pub fn value(&self, of: &Functional) -> f64 {
+        let (r, p) = self.row(of);
+        self.solved.value(&r, &p)
     }
 
     /// Predicts a functional.
@@ -107,6 +126,23 @@ impl Kriging {
     }
 }
 
+/// Finds the first observation that those before it tell, where a system of all cannot be solved: by halves, since
+/// more observations are no better conditioned.
+fn told(process: &Process, functionals: &[Functional], values: &[f64]) -> Option<Told> {
+    let fails = |len: usize| {
+        let found = Kriging::solved(process, &functionals[..len], &values[..len]);
+        matches!(found, Err(SignalError::IllConditioned { .. }))
+    };
+    let (mut sound, mut failed) = (0, functionals.len());
+    while failed - sound > 1 {
+        let middle = sound.midpoint(failed);
+        if fails(middle) { failed = middle } else { sound = middle }
+    }
+    let before = Kriging::solved(process, &functionals[..sound], &values[..sound]).ok()?;
+    let at = sound;
+    Some(Told { at, expected: before.value(&functionals[at]), found: values[at] })
+}
+
 /// Computes K = C₀ + τI, n x n.
 pub fn gram(process: &Process, functionals: &[Functional]) -> Mat<f64> {
     let n = functionals.len();
@@ -122,7 +158,15 @@ pub fn gram(process: &Process, functionals: &[Functional]) -> Mat<f64> {
     matrix
 }
 
-fn check(process: &Process, functionals: &[Functional], values: &[f64]) -> Result<(), SignalError> {
+/// Refuses observations that are none, or of a function that has them not.
+///
+/// # Errors
+/// [`SignalError::Empty`], [`SignalError::Observation`] and [`SignalError::Rough`].
+pub(super) fn check(
+    process: &Process,
+    functionals: &[Functional],
+    values: &[f64],
+) -> Result<(), SignalError> {
     if functionals.is_empty() || functionals.len() != values.len() {
         return Err(SignalError::Empty);
     }

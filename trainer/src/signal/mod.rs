@@ -9,6 +9,7 @@
 //! | [`regularised`] | fits in a span, under any norm |
 //! | [`grid`] | the same on a grid: a window of taps by phase |
 //! | [`image`] | pictures, by columns and rows |
+//! | [`sum`] | a function of observations as a sum of kernels, and where its file is compared with it |
 //! | [`observations`], [`function`] | observations as a person writes them, and their function as a part kernel |
 //! | [`reading`], [`model`] | signals of files; a filter for one, and what it reaches |
 //! | [`bake`], [`plot`] | a part filter; a picture |
@@ -31,4 +32,5 @@ pub mod plot;
 pub mod reading;
 pub mod regularised;
 pub mod solved;
+pub mod sum;
 pub mod table;

@@ -24,22 +24,23 @@ impl Solved {
     /// Solves for values (n) of covariance K (n x n) about a mean of a basis (n x r).
     ///
     /// # Errors
-    /// [`SignalError::Indefinite`] and [`SignalError::IllConditioned`].
+    /// [`SignalError::IllConditioned`].
     pub fn new(matrix: Mat<f64>, basis: &Mat<f64>, values: &[f64]) -> Result<Self, SignalError> {
         let system = System::new(&matrix, basis);
+        let ill_conditioned = || SignalError::IllConditioned { rcond: system.rcond(), told: None };
         if system.rcond().is_nan() || system.rcond() < RCOND {
-            return Err(SignalError::IllConditioned { rcond: system.rcond() });
+            return Err(ill_conditioned());
         }
         let y = column(values);
-        let whitened = system.whitened(&y);
-        let whitened = whitened.ok_or(SignalError::Indefinite { what: "the covariance" })?;
+        // A covariance is definite but for rounding.
+        let whitened = system.whitened(&y).ok_or_else(ill_conditioned)?;
         let (kernels, terms) = system.solve(&y);
         // Of two observations of one thing that disagree the mean may leave a system of one rounding, which is well
         // conditioned.
         let most = values.iter().fold(0.0f64, |most, y| most.max(y.abs()));
         let missed = (&y - &matrix * &kernels - basis * &terms).norm_max();
         if missed.is_nan() || missed > MISSED * most {
-            return Err(SignalError::IllConditioned { rcond: system.rcond() });
+            return Err(ill_conditioned());
         }
         let reproducing = system.reproducing();
         Ok(Self { matrix, reproducing, kernels, terms, energy: whitened.squared_norm_l2(), system })

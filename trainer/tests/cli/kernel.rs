@@ -131,6 +131,216 @@ fn far_from_the_samples_a_function_fades_stays_or_goes_on() {
     assert!(numbers(&of("kernel-free", "free")[0]["outputs"])[0] > 50.0);
 }
 
+/// Numbers between -1 and 1, the same in every run.
+fn random(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+#[test]
+fn at_every_sample_the_confidence_is_one_and_the_output_the_samples() {
+    let mut seed = 11;
+    for (joints, inputs) in [(1, 3), (2, 6), (0, 3), (0, 6)] {
+        for (kernel, rule) in [
+            ("gaussian", "fade"),
+            ("matern 5/2", "fade"),
+            ("thin plate", "fade"),
+            ("gaussian", "free"),
+            ("matern 5/2", "clamp"),
+        ] {
+            let n = 6 + (20.0 * random(&mut seed).abs()) as usize;
+            let most = if joints > 0 { 60.0 } else { 1.0 };
+            let mut row = |len: usize, most: f64| -> Vec<f64> {
+                (0..len).map(|_| most * random(&mut seed)).collect()
+            };
+            let sites: Vec<Vec<f64>> = (0..n).map(|_| row(inputs, most)).collect();
+            let values: Vec<Vec<f64>> = (0..n).map(|_| row(2, 5.0)).collect();
+            let named = |kind: &'static str| {
+                let len = if joints > 0 { joints } else { inputs };
+                (0..len)
+                    .map(|i| json!({ "name": format!("x{i}"), "kind": kind }))
+                    .collect::<Vec<_>>()
+            };
+            let inputs = named(if joints > 0 { "euler XYZ" } else { "scalar" });
+            let problem = json!({
+                "inputs": inputs, "sites": sites, "values": values,
+                "options": { "kernel": kernel, "outside": rule },
+            });
+            let about = format!("{joints} {kernel} {rule}");
+            let folder = Folder::new("kernel-confidence");
+            fs::write(folder.path("problem.json"), problem.to_string()).unwrap();
+            let run = folder.sinew("kernel train problem.json -o model.sinew");
+            assert_eq!(run.code, Some(0), "{about}: {}", run.err);
+            for (found, expected) in evaluated(&folder, &json!(sites), "").iter().zip(&values) {
+                assert_eq!(found["confidence"], json!(1.0), "{about}");
+                near(&found["outputs"], expected, 1e-2);
+            }
+        }
+    }
+}
+
+#[test]
+fn few_samples_and_few_centres_have_a_fade_too() {
+    let of = |test: &str, problem: &Value, queries: Value| {
+        let folder = Folder::new(test);
+        fs::write(folder.path("problem.json"), problem.to_string()).unwrap();
+        let run = folder.sinew("kernel train problem.json -o model.sinew");
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        evaluated(&folder, &queries, "")
+    };
+    // One sample is a constant, wherever it is asked.
+    let one = json!({ "sites": [3.0], "values": [7.0], "options": { "outside": "fade" } });
+    for found in of("kernel-fade-one", &one, json!([3.0, -50.0])) {
+        near(&found["outputs"], &[7.0], 1e-6);
+        assert_eq!(found["confidence"], json!(1.0));
+    }
+    // Learned centres and fewer centres are no samples.
+    let sites: Vec<f64> = (0..30).map(f64::from).collect();
+    let values: Vec<f64> = sites.iter().map(|x| (0.3 * x).sin()).collect();
+    for (test, options) in [
+        ("kernel-fade-fewer", json!({ "outside": "fade", "centres": 4 })),
+        (
+            "kernel-fade-learned",
+            json!({ "outside": "fade", "learn": { "centres": 5, "seeds": 1 } }),
+        ),
+    ] {
+        let problem = json!({ "sites": sites, "values": values, "options": options });
+        for found in of(test, &problem, json!(sites)) {
+            assert_eq!(found["confidence"], json!(1.0), "{test}");
+        }
+        assert_eq!(of(test, &problem, json!([1e4]))[0]["confidence"], json!(0.0), "{test}");
+    }
+    // Without a centre nothing tells how far a query is.
+    let none = |rule: &str| json!({ "sites": [0, 1, 2], "values": [1, 2, 4], "options": { "centres": 0, "outside": rule } });
+    assert_eq!(of("kernel-no-centres", &none("clamp"), json!([1.0]))[0]["confidence"], json!(1.0));
+    let folder = Folder::new("kernel-no-fade");
+    fs::write(folder.path("problem.json"), none("fade").to_string()).unwrap();
+    let said = folder.sinew("kernel train problem.json -o model.sinew").failed();
+    assert!(said.contains("without a centre nothing fades"), "{said}");
+}
+
+#[test]
+fn a_file_that_misses_its_function_is_refused_unless_it_may() {
+    let folder = Folder::new("kernel-f32");
+    // Random values in pairs of samples that are near each other: coefficients are large, and cancel.
+    let mut seed = 3;
+    let sites: Vec<f64> = (0..24).map(|i| f64::from(i / 2) + 1e-3 * f64::from(i % 2)).collect();
+    let values: Vec<f64> = (0..24).map(|_| random(&mut seed)).collect();
+    let write = |options: Value| {
+        let problem = json!({ "sites": sites, "values": values, "options": options });
+        fs::write(folder.path("problem.json"), problem.to_string()).unwrap();
+    };
+    for options in [
+        json!({ "epsilon": 8.0 }),
+        json!({ "mode": "scipy", "kernel": "gaussian", "epsilon": 2.0 }),
+        json!({ "mode": "published", "kernel": "gaussian" }),
+    ] {
+        write(options.clone());
+        let run = folder.sinew("kernel train problem.json -o model.sinew");
+        assert_eq!(run.code, Some(1), "{options}");
+        let expected = "problem.json: in single precision the function is off by ";
+        assert!(run.err.contains(expected) && run.err.ends_with("--f32-error\n"), "{}", run.err);
+        assert!(!folder.path("model.sinew").exists());
+    }
+    write(json!({ "epsilon": 8.0 }));
+    let run = folder.sinew("kernel train problem.json -o model.sinew --f32-error 100 --json");
+    let allowed = run.json()["f32_error"].as_f64().unwrap();
+    assert!(allowed > 1e-3, "{allowed}");
+    let found = evaluated(&folder, &json!(sites), "");
+    let range = 2.0;
+    for (found, expected) in found.iter().zip(&values) {
+        near(&found["outputs"], &[*expected], range * allowed);
+    }
+    write(json!({ "epsilon": 8.0, "f32_error": 100.0 }));
+    folder.sinew("kernel train problem.json -o model.sinew").done();
+    let said = folder.sinew("kernel train problem.json -o model.sinew --f32-error 0").failed();
+    assert!(said.contains("the f32 error is 0, expected a finite number above 0"), "{said}");
+}
+
+#[test]
+fn a_smoothing_for_each_sample_is_scipys() {
+    let sites = json!([0.0, 1.0, 2.5, 4.0, 5.0, 7.0]);
+    let values = json!([0.0, 1.0, 3.0, 2.0, 2.5, -1.0]);
+    let smoothing = json!([0.0, 0.1, 0.0, 0.02, 0.5, 0.0]);
+    let queries = json!([0.0, 0.6, 1.0, 2.5, 4.0, 4.4, 5.0, 6.1, 7.0]);
+    // SciPy 1.17: RBFInterpolator of the sites over their mean distance, 97/30, or as they are.
+    for (options, expected) in [
+        (
+            json!({ "kernel": "gaussian", "epsilon": 1.2, "degree": 0, "smoothing": smoothing }),
+            [
+                0.0,
+                0.728_266_8,
+                1.327_405_21,
+                3.0,
+                2.105_652_46,
+                1.584_963_71,
+                0.785_359_21,
+                -0.430_584_22,
+                -1.0,
+            ],
+        ),
+        (
+            json!({ "kernel": "thin plate", "smoothing": smoothing }),
+            [
+                0.0,
+                0.636_247_68,
+                1.143_536_7,
+                3.0,
+                2.054_161_67,
+                1.835_118_04,
+                1.478_772_72,
+                0.161_289_89,
+                -1.0,
+            ],
+        ),
+        (
+            json!({ "mode": "scipy", "smoothing": smoothing }),
+            [
+                0.0,
+                0.548_724_82,
+                1.021_075_2,
+                3.0,
+                2.011_982_97,
+                2.109_174_57,
+                2.225_498_17,
+                0.656_551_64,
+                -1.0,
+            ],
+        ),
+    ] {
+        let problem = json!({ "sites": sites, "values": values, "options": options });
+        let folder = trained("kernel-smoothings", &problem, "");
+        for (found, expected) in evaluated(&folder, &queries, "").iter().zip(expected) {
+            near(&found["outputs"], &[expected], 1e-5);
+        }
+    }
+    let folder = Folder::new("kernel-smoothing-lists");
+    let refused = |smoothing: Value, more: Value, arguments: &str| {
+        let mut options = more;
+        options["smoothing"] = smoothing;
+        let problem = json!({ "sites": sites, "values": values, "options": options });
+        fs::write(folder.path("problem.json"), problem.to_string()).unwrap();
+        folder.sinew(&format!("kernel train problem.json -o model.sinew {arguments}")).failed()
+    };
+    let none = || json!({});
+    let short = refused(json!([0.0, 0.1]), none(), "");
+    assert_eq!(short, "problem.json: expected a smoothing for each of 6 samples, found 2");
+    let below = refused(json!([0, 0, -1, 0, 0, 0]), none(), "");
+    assert!(below.contains("the smoothing of row 2 is -1, expected"), "{below}");
+    let words = refused(json!("some"), none(), "");
+    assert!(
+        words.contains("smoothing: expected a number, a list of numbers (one a sample) or auto"),
+        "{words}"
+    );
+    assert!(!words.contains("untagged"), "{words}");
+    let fewer = refused(smoothing.clone(), json!({ "centres": 3 }), "");
+    assert!(fewer.contains("leave out `centres`"), "{fewer}");
+    let published = refused(smoothing.clone(), json!({ "mode": "published" }), "");
+    assert!(published.contains("one smoothing for all samples"), "{published}");
+    let given = refused(json!(0.1), none(), "--smoothing 0,0.1,0");
+    assert!(given.contains("a smoothing for each of 6 samples, found 3"), "{given}");
+}
+
 #[test]
 fn tables_and_arrays_are_problems_too() {
     let folder = Folder::new("kernel-csv");
@@ -240,6 +450,30 @@ fn bad_problems_are_refused_by_place_and_nothing_is_written() {
             "unknown field `kernell`",
         ),
         (r#"{"sites": [1, 2], "values": [1, 2], "options": {"neighbors": 1}}"#, "cannot be baked"),
+        (
+            r#"{"sites": [[1], 2], "values": [1, 2]}"#,
+            "row 1 of sites: expected a list of numbers, found 2",
+        ),
+        (
+            r#"{"sites": [1, "2"], "values": [1, 2]}"#,
+            "row 1 of sites: expected a number, as in row 0, found \"2\"",
+        ),
+        (
+            r#"{"sites": [[1], [2]], "values": [[1], [null]]}"#,
+            "row 1 of values: expected a list of numbers, found [null]",
+        ),
+        (
+            r#"{"sites": {"x": 1}, "values": [1]}"#,
+            "sites: expected rows, as [[0, 1], [2, 3]], or a list of numbers",
+        ),
+        (
+            r#"{"sites": [1, 2], "values": [1, 2], "options": {"learn": true}}"#,
+            "expected options of `learn` by name",
+        ),
+        (
+            r#"{"sites": [1, 2], "values": [1, 2], "options": {"groups": [0, 0], "smoothing": "auto"}}"#,
+            "no smoothing can be chosen",
+        ),
         (r#"{"sites": [1, 2], "values": [1, 2], "options": {"epsilon": 0}}"#, "epsilon is 0"),
         (
             r#"{"inputs": [{"name": "q", "kind": "quaternion"}], "sites": [[0, 0, 0, 1], [0, 0, 0, 0]], "values": [1, 2]}"#,
@@ -264,6 +498,33 @@ fn bad_problems_are_refused_by_place_and_nothing_is_written() {
     let sites: Vec<f64> = (0..30).map(|i| f64::from(i) / 30.0).collect();
     let wide = json!({ "sites": sites, "values": sites, "options": { "epsilon": 0.01 } });
     refused(&wide.to_string(), "smooth more, take a narrower kernel or fewer centres");
+    let queries = |text: &str| {
+        let good = json!({ "sites": [1, 2], "values": [1, 2] });
+        fs::write(folder.path("problem.json"), good.to_string()).unwrap();
+        folder.sinew("kernel train problem.json -o good.sinew").done();
+        fs::write(folder.path("queries.json"), text).unwrap();
+        folder.sinew("kernel eval good.sinew queries.json").failed()
+    };
+    let said = queries(r#"{"queries": [1, [2]]}"#);
+    assert_eq!(said, "queries.json: row 1 of queries: expected a number, as in row 0, found [2]");
+    let said = queries(r#""none""#);
+    assert_eq!(
+        said,
+        "queries.json: queries: expected rows, as [[0, 1], [2, 3]], or a list of numbers, found \"none\""
+    );
+    let said = folder.sinew("kernel train problem.json -o model.sinew --smoothing some");
+    assert!(
+        said.code == Some(2)
+            && said.err.contains("expected a number, numbers (one a sample) or auto"),
+        "{}",
+        said.err
+    );
+    let said = folder.sinew("kernel train problem.json -o model.sinew --outside away");
+    assert!(
+        said.code == Some(2) && said.err.contains("expected free, clamp or fade"),
+        "{}",
+        said.err
+    );
     fs::write(folder.path("table.csv"), "x,y\n1,2\n3,nan\n").unwrap();
     let said = folder.sinew("kernel train table.csv -o model.sinew").failed();
     assert_eq!(said, "table.csv: line 3: column \"y\": expected a number, found \"nan\"");

@@ -213,11 +213,45 @@ fn images_keep_their_kind_and_their_pixels_give_themselves_back() {
 }
 
 #[test]
+fn drawn_text_gives_itself_back_too() {
+    use png::{BitDepth, ColorType};
+    let folder = Folder::new("signal-text");
+    // Strokes of black on white: beside their edges a filter rings beyond both.
+    let given: Vec<u8> =
+        (0..16 * 12).map(|i| if i % 16 % 5 == 2 || i / 16 == 6 { 0 } else { 255 }).collect();
+    png(&folder, "in.png", ColorType::Grayscale, BitDepth::Eight, [16, 12], &given);
+    let options = "--averages --covariance ornstein-uhlenbeck:3";
+    wave(&folder, "wave.csv", 60);
+    folder
+        .sinew(&format!("signal train wave.csv --column angle --factor 2 -o m.sinew {options}"))
+        .done();
+    for how in ["--factor 2", "--model m.sinew"] {
+        folder.sinew(&format!("signal superres in.png {how} -o out.png")).done();
+        let (_, _, _, found) = pixels(&folder, "out.png");
+        for (pixel, expected) in given.iter().enumerate() {
+            let (row, at) = (2 * (pixel / 16), 2 * (pixel % 16));
+            let of = |r: usize, c: usize| f64::from(found[(row + r) * 32 + at + c]);
+            let mean = (of(0, 0) + of(0, 1) + of(1, 0) + of(1, 1)) / 4.0;
+            // Each of the four is rounded.
+            assert!(
+                (mean - f64::from(*expected)).abs() <= 0.5,
+                "{how}, {pixel}: {mean} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
 fn what_is_not_covered_lends_no_colour() {
     use png::{BitDepth, ColorType};
     let folder = Folder::new("signal-alpha");
-    // The left half is not covered, and black where it is not seen; the right is white.
-    let pixel = |i: usize| if i % 10 < 5 { [0, 0, 0, 0] } else { [255, 255, 255, 255] };
+    // The left half is not covered, and black where it is not seen; the right is white, and its edge half
+    // covered.
+    let pixel = |i: usize| match i % 10 {
+        0..5 => [0, 0, 0, 0],
+        5 => [255, 255, 255, 128],
+        _ => [255, 255, 255, 255],
+    };
     let given: Vec<u8> = (0..80).flat_map(pixel).collect();
     png(&folder, "in.png", ColorType::Rgba, BitDepth::Eight, [10, 8], &given);
     folder.sinew("signal superres in.png --factor 2 -o out.png").done();
@@ -244,7 +278,9 @@ fn images_that_cannot_be_read_or_are_too_small_are_refused() {
     let other = superres("--column a").failed();
     assert_eq!(other, "--column, --variance and --averages are of a .csv");
     let estimated = superres("--covariance estimated").failed();
-    assert!(estimated.starts_with("there is no covariance \"estimated\""), "{estimated}");
+    let expected =
+        "there is no covariance \"estimated\" for an image: expected auto, a table (.csv), or ";
+    assert!(estimated.starts_with(expected), "{estimated}");
     fs::write(folder.path("in.png"), b"no picture").unwrap();
     assert!(superres("").failed().starts_with("in.png: "));
 }
@@ -309,6 +345,21 @@ fn values_derivatives_and_averages_become_a_function() {
     write(&other);
     let refused = folder.sinew("signal fit o.json -o none.sinew").failed();
     assert!(refused.starts_with("o.json: observation 1: functions of covariance"), "{refused}");
+    other["covariance"] = json!("estimated");
+    write(&other);
+    let refused = folder.sinew("signal fit o.json -o none.sinew").failed();
+    let expected =
+        "o.json: there is no covariance \"estimated\" for observations: expected auto, or squared";
+    assert!(refused.starts_with(expected), "{refused}");
+    other["covariance"] = json!("auto");
+    other["observations"] = json!([{ "at": 0, "value": 1 }, { "at": 1, "valeu": 2 }]);
+    write(&other);
+    let refused = folder.sinew("signal fit o.json -o none.sinew").failed();
+    let expected = "o.json: observation 1: expected {\"at\": x, \"value\": y}, ";
+    assert!(
+        refused.starts_with(expected) && refused.ends_with("found {\"at\":1,\"valeu\":2}"),
+        "{refused}"
+    );
     other["observations"] = json!([]);
     write(&other);
     assert_eq!(
@@ -316,4 +367,63 @@ fn values_derivatives_and_averages_become_a_function() {
         "o.json: there are no observations"
     );
     assert!(!folder.path("none.sinew").exists());
+}
+
+#[test]
+fn observations_that_contradict_are_named_and_those_that_repeat_are_one() {
+    let folder = Folder::new("signal-contradict");
+    let fit = |observations: serde_json::Value, more: &str| {
+        let mut all = json!({ "observations": observations });
+        if !more.is_empty() {
+            all["covariance"] = json!(more);
+        }
+        fs::write(folder.path("o.json"), all.to_string()).unwrap();
+        folder.sinew("signal fit o.json -o o.sinew")
+    };
+    let value = |at: f64, value: f64| json!({ "at": at, "value": value });
+    let said = fit(json!([value(0.0, 1.0), value(2.0, 3.0), value(0.0, 1.5)]), "").failed();
+    let expected = "o.json: observations 0 and 2 contradict each other: they are of one thing and say 1 and 1.5; \
+                    leave one out, or give a noise";
+    assert_eq!(said, expected);
+    let run = fit(json!([value(0.0, 1.0), value(2.0, 3.0), value(0.0, 1.0), value(3.0, 2.0)]), "");
+    let expected =
+        "sinew: warning: o.json: observations that repeat an earlier one and are left out: 1\n";
+    assert_eq!((run.code, run.err.as_str()), (Some(0), expected));
+    // The average of both halves is that of the whole: 1.5, not 4.
+    let average = |from: f64, to: f64, y: f64| json!({ "from": from, "to": to, "average": y });
+    let halves = json!([
+        value(5.0, 0.0),
+        value(5.0, 0.0),
+        average(0.0, 1.0, 1.0),
+        average(1.0, 2.0, 2.0),
+        average(0.0, 2.0, 4.0),
+    ]);
+    for covariance in ["", "squared exponential:1"] {
+        let said = fit(halves.clone(), covariance).failed();
+        let expected = "observation 4 leave it no choice, they give 1.500000 and it says 4.000000";
+        assert!(said.contains("ill-conditioned") && said.contains(expected), "{said}");
+    }
+    // So near that a function this smooth is told its value: it is the last that is told.
+    let near = json!([value(0.0, 1.0), value(1e-9, 2.0), value(1.0, 1.0)]);
+    let said = fit(near, "squared exponential:1").failed();
+    assert!(
+        said.contains("those before observation 1 leave it no choice, they give 1.0"),
+        "{said}"
+    );
+}
+
+#[test]
+fn functions_that_are_observed_at_one_place_or_not_at_all_have_a_range() {
+    let folder = Folder::new("signal-places");
+    for observations in [
+        json!([{ "at": 2, "value": 7 }]),
+        json!([{ "at": 0, "value": 1 }, { "at": 0, "derivative": -2 }]),
+        json!([{ "at": 0, "value": 3 }, { "at": 1, "value": 3 }, { "at": 2, "value": 3 }]),
+        json!([{ "from": 0, "to": 1, "average": 2 }]),
+    ] {
+        fs::write(folder.path("o.json"), json!({ "observations": observations }).to_string())
+            .unwrap();
+        let found = folder.sinew("signal fit o.json -o o.sinew --json").json();
+        assert!(found["f32_error"].as_f64().unwrap() <= 1e-3, "{observations}: {found}");
+    }
 }

@@ -7,7 +7,11 @@ use rand_chacha::ChaCha8Rng;
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::kernel::arithmetic::Arithmetic;
 use sinew_trainer::kernel::bound::{bound, largest, rounded};
+use sinew_trainer::kernel::deviation::Probe;
 use sinew_trainer::kernel::function::Exact;
+use sinew_trainer::kernel::model::{Input, InputKind};
+use sinew_trainer::kernel::rotations::Feature;
+use sinew_trainer::kernel::scattered::error::KernelError;
 use sinew_trainer::kernel::scattered::options::wendland;
 use sinew_trainer::kernel::sum::{KernelSum, Term, monomials};
 
@@ -258,4 +262,78 @@ fn the_largest_bound_is_over_the_samples_and_their_box() {
         (0..=40).flat_map(|i| (0..=40).map(move |k| [f64::from(i) / 40.0, f64::from(k) / 40.0]));
     let most = dense.map(|x| bound(&sum, &x, &[0.0, 0.0], IEEE)[0]).fold(0.0, f64::max);
     assert!(found[0] > 0.6 * most);
+}
+
+/// `a + b x` of one number, beside a kernel that weighs nothing.
+fn line(a: f64, b: f64) -> KernelSum {
+    KernelSum {
+        kernel: Kernel::Gaussian,
+        shift: vec![0.0],
+        scale: vec![1.0],
+        metric: None,
+        centres: Mat::zeros(1, 1),
+        terms: monomials(1, 1),
+        coefficients: Mat::from_fn(1, 3, |_, k| [0.0, a, b][k]),
+    }
+}
+
+fn scalar() -> Vec<Input> {
+    vec![Input { name: "x".to_owned(), kind: InputKind::Scalar, weight: 1.0 }]
+}
+
+#[test]
+fn a_files_deviation_is_measured_and_refused_above_the_limit() {
+    let probe = |sites: &[f64], range, limit| {
+        let sites: Vec<Vec<f64>> = sites.iter().map(|x| vec![*x]).collect();
+        Probe::new(&scalar(), &sites, vec![range], limit).unwrap()
+    };
+    // 2^24 + 1 is 2^24 in a file: it is off by 1.
+    let odd = line(16_777_217.0, 0.0);
+    let of =
+        |range: f64, limit: f64| probe(&[0.0, 1.0], range, limit).check(&odd, |x| odd.evaluate(x));
+    assert_eq!(of(500.0, 2.1e-3), Ok(1.0 / 500.0));
+    let refused = of(500.0, 1e-3).unwrap_err();
+    assert_eq!(refused, KernelError::Deviation { deviation: 1.0 / 500.0, limit: 1e-3 });
+    let text = refused.to_string();
+    assert!(text.contains("off by 2.0e-3 of its values' range, more than 1.0e-3: take"), "{text}");
+    assert!(text.ends_with("allow it by --f32-error"), "{text}");
+    // Samples that f32 cannot tell apart: from 1e8 on its numbers are 8 apart. Between them it is asked at
+    // numbers that it has.
+    let far = line(-1e8, 1.0);
+    let found = probe(&[1e8, 1e8 + 3.0], 3.0, 1.0).deviation(&far, |x| far.evaluate(x));
+    assert_eq!(found, 1.0);
+    let near = probe(&[1e8, 1e8 + 16.0], 16.0, 1.0).deviation(&far, |x| far.evaluate(x));
+    assert_eq!(near, 0.0);
+    // A reference that is no number is near nothing.
+    assert_eq!(probe(&[0.0], 1.0, 1.0).deviation(&odd, |_| vec![f64::NAN]), f64::INFINITY);
+    // What f32 has no number for is off without end.
+    let huge = line(1e39, 0.0);
+    assert_eq!(probe(&[0.0], 1.0, 1.0).deviation(&huge, |x| huge.evaluate(x)), f64::INFINITY);
+}
+
+#[test]
+fn rotations_are_measured_between_their_samples_whatever_their_signs() {
+    let kind = InputKind::Rotation { feature: Feature::Matrix, order: None };
+    let inputs = [Input { name: "q".to_owned(), kind, weight: 1.0 }];
+    // 20 and 22 degrees about z, the second by the quaternion of the other sign; the kernel is about 21 degrees,
+    // and falls to 0.9994 at either. The longer way between the two it is nothing.
+    let turned = |degrees: f64| {
+        let half = 0.5 * degrees.to_radians();
+        [0.0, 0.0, half.sin(), half.cos()]
+    };
+    let sites = [turned(20.0).to_vec(), turned(22.0).map(|x| -2.0 * x).to_vec()];
+    let centre = Feature::Matrix.of(turned(21.0)).unwrap();
+    let sum = KernelSum {
+        kernel: Kernel::Gaussian,
+        shift: vec![0.0; 9],
+        scale: vec![1.0; 9],
+        metric: None,
+        centres: Mat::from_fn(9, 1, |i, _| centre[i]),
+        terms: Vec::new(),
+        coefficients: Mat::from_fn(1, 1, |_, _| 1.0),
+    };
+    let probe = Probe::new(&inputs, &sites, vec![1.0], 1e-3).unwrap();
+    assert!(probe.deviation(&sum, |x| sum.evaluate(x)) < 1e-6);
+    let most = probe.deviation(&sum, |_| vec![1.0]);
+    assert!((5e-4..7e-4).contains(&most), "{most}");
 }

@@ -52,7 +52,7 @@ fn as_text(map: &KernelMap<'_>) -> String {
     for (name, figure) in [
         ("left at the samples, RMS", fit.rms_residual),
         ("samples left out, RMS", fit.left_out_rms),
-        ("f32 may be off by", fit.rounding_error),
+        ("f32 may be off by, at worst", fit.rounding_error),
     ] {
         out += &format!("  {name:<columns$}{figure:.3e}\n");
     }

@@ -5,9 +5,10 @@ use crate::cli::{Output, counted, printable};
 use anyhow::Context;
 use serde_json::json;
 use sinew_runtime::format::Space;
+use sinew_runtime::kernel::QueryRule;
 use sinew_trainer::bake::bake;
 use sinew_trainer::kernel::bake::part;
-use sinew_trainer::kernel::problem::{Problem, ProblemOptions, read};
+use sinew_trainer::kernel::problem::{ProblemOptions, Smoothing, read};
 use sinew_trainer::kernel::scattered::report::FitReport;
 use sinew_trainer::kernel::train::{LearnReport, Report, Trained, train};
 use std::path::PathBuf;
@@ -37,9 +38,9 @@ pub(in crate::cli) struct Arguments {
     /// One over the width, in mean distances of the samples
     #[arg(long)]
     epsilon: Option<f64>,
-    /// Smooths instead of passing through every sample: a number, or auto
-    #[arg(long)]
-    smoothing: Option<String>,
+    /// Smooths instead of passing through every sample: a number, or auto; numbers, one a sample, as 0,0.1,0
+    #[arg(long, value_parser = smoothing)]
+    smoothing: Option<Smoothing>,
     /// Degree of the polynomial beside the kernels; -1 for none
     #[arg(long, allow_negative_numbers = true)]
     degree: Option<i32>,
@@ -47,11 +48,15 @@ pub(in crate::cli) struct Arguments {
     #[arg(long)]
     centres: Option<usize>,
     /// Far from the samples: free, clamp (stay within their box) or fade (to the neutral sample)
-    #[arg(long)]
-    outside: Option<String>,
+    #[arg(long, value_parser = outside)]
+    outside: Option<QueryRule>,
     /// Names of a CSV's outputs [default: the last]
     #[arg(long, value_delimiter = ',')]
     outputs: Vec<String>,
+    /// How far the file may be off, at the samples and between them, over the values' range: single precision
+    /// rounds [default: 0.001]
+    #[arg(long, value_name = "SHARE")]
+    f32_error: Option<f64>,
     /// Learns centres and the weight of each input
     #[arg(long)]
     learn: bool,
@@ -65,8 +70,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let target = OutputFile::new(out, std::slice::from_ref(path))?.of_a_model()?;
     let about = || path.display().to_string();
     let mut problem = read(path, &arguments.outputs).with_context(about)?;
-    overrule(&mut problem, arguments)?;
-    let Trained { model, report, warnings } =
+    overrule(&mut problem.options, arguments);
+    let Trained { model, report, deviation, warnings } =
         train(&problem, arguments.variance).with_context(about)?;
     warnings.iter().for_each(|warning| output.warn(about(), printable(warning)));
     let bytes = bake(Space::default(), &[part(&model)?])?;
@@ -86,39 +91,46 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             line("reciprocal condition", *rcond) + &line("left at the samples, RMS", *residual_rms)
         }
     };
+    text += &line("f32 is off by, of the range", deviation);
     text += &format!("{}: {} bytes\n", target.named().display(), bytes.len());
-    output.print(&json!({ "bytes": bytes.len(), "report": report, "warnings": warnings }), &text)
+    let json = json!({
+        "bytes": bytes.len(), "report": report, "f32_error": deviation, "warnings": warnings,
+    });
+    output.print(&json, &text)
 }
 
 /// Puts what the command line says over what the file says.
-fn overrule(problem: &mut Problem, arguments: &Arguments) -> anyhow::Result<()> {
-    let mut given = serde_json::Map::new();
-    if let Some(kernel) = &arguments.kernel {
-        given.insert("kernel".to_owned(), json!(kernel));
-    }
-    if let Some(smoothing) = &arguments.smoothing {
-        let number = smoothing.parse::<f64>();
-        given.insert("smoothing".to_owned(), number.map_or(json!(smoothing), |x| json!(x)));
-    }
-    if let Some(outside) = &arguments.outside {
-        given.insert("outside".to_owned(), json!(outside));
-    }
-    let said = "expected `--smoothing` a number or auto, `--outside` free, clamp or fade";
-    let over: ProblemOptions =
-        serde_json::from_value(serde_json::Value::Object(given)).context(said)?;
-    let own = &mut problem.options;
-    own.kernel = over.kernel.or(own.kernel.take());
-    own.smoothing = over.smoothing.or(own.smoothing);
+fn overrule(own: &mut ProblemOptions, arguments: &Arguments) {
+    own.kernel = arguments.kernel.clone().or(own.kernel.take());
+    own.smoothing = arguments.smoothing.clone().or(own.smoothing.take());
     own.epsilon = arguments.epsilon.or(own.epsilon);
     own.degree = arguments.degree.or(own.degree);
     own.centres = arguments.centres.or(own.centres);
-    if arguments.outside.is_some() {
-        own.outside = over.outside;
-    }
+    own.outside = arguments.outside.unwrap_or(own.outside);
+    own.f32_error = arguments.f32_error.unwrap_or(own.f32_error);
     if arguments.learn && own.learn.is_none() {
         own.learn = Some(Default::default());
     }
-    Ok(())
+}
+
+/// Parses a smoothing: a number, numbers parted by commas, or auto.
+fn smoothing(text: &str) -> Result<Smoothing, String> {
+    if text == "auto" {
+        return Ok(Smoothing::Chosen);
+    }
+    let numbers: Result<Vec<f64>, _> =
+        text.split(',').map(|number| number.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[one]) => Ok(Smoothing::Given(one)),
+        Ok(all) => Ok(Smoothing::Each(all.to_vec())),
+        Err(_) => Err("expected a number, numbers (one a sample) or auto".to_owned()),
+    }
+}
+
+/// Parses the name of a rule for queries outside the data.
+fn outside(text: &str) -> Result<QueryRule, String> {
+    let found = QueryRule::ALL.into_iter().find(|rule| rule.name() == text);
+    found.ok_or_else(|| "expected free, clamp or fade".to_owned())
 }
 
 fn line(name: &str, value: f64) -> String {
@@ -137,12 +149,12 @@ fn of_fit(report: &FitReport) -> String {
         None => "samples left out                     too few to tell\n".to_owned(),
     };
     out += &line("reciprocal condition", report.rcond);
-    out + &line("f32 may be off by", report.bounds.iter().copied().fold(0.0, f64::max))
+    out + &line("f32 may be off by, at worst", report.bounds.iter().copied().fold(0.0, f64::max))
 }
 
 fn of_learned(report: &LearnReport) -> String {
     let mut out = line("left at the samples, RMS", report.residual_rms);
-    out += &line("f32 may be off by", report.bound);
+    out += &line("f32 may be off by, at worst", report.bound);
     for (feature, weight) in report.relevance.iter().enumerate() {
         out += &line(&format!("weight of feature {feature}"), *weight);
     }

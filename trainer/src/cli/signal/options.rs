@@ -4,7 +4,7 @@ use crate::cli::Output;
 use anyhow::Context;
 use sinew_trainer::signal::choose::{TAPS, best, estimated, of_images};
 use sinew_trainer::signal::covariance::Covariance;
-use sinew_trainer::signal::error::SignalError;
+use sinew_trainer::signal::error::{SignalError, Subject};
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
 use sinew_trainer::signal::kriging::Process;
 use sinew_trainer::signal::mean::Mean;
@@ -43,7 +43,7 @@ impl ProcessArguments {
         let covariance = match self.covariance.as_str() {
             "auto" => best(samples, sample)?,
             "estimated" => clipped(estimated(samples)?, output, about),
-            _ => self.given(output)?,
+            _ => self.given(Subject::Signal, output)?,
         };
         Ok(self.of(covariance))
     }
@@ -52,7 +52,7 @@ impl ProcessArguments {
     pub(super) fn process_of_images(&self, output: Output) -> anyhow::Result<Process> {
         Ok(self.of(match self.covariance.as_str() {
             "auto" => of_images(),
-            _ => self.given(output)?,
+            _ => self.given(Subject::Image, output)?,
         }))
     }
 
@@ -75,10 +75,10 @@ impl ProcessArguments {
         Process { covariance, mean: self.mean, noise: self.noise }
     }
 
-    fn given(&self, output: Output) -> anyhow::Result<Covariance> {
+    fn given(&self, subject: Subject, output: Output) -> anyhow::Result<Covariance> {
         let path = Path::new(&self.covariance);
         if path.extension().is_none_or(|ending| ending != "csv") {
-            return Ok(Covariance::parse(&self.covariance)?);
+            return Ok(Covariance::parse(&self.covariance, subject)?);
         }
         let found = read_table(path).with_context(|| path.display().to_string())?;
         Ok(clipped(found, output, &path.display()))

@@ -85,7 +85,7 @@ fn of_signal(arguments: &Arguments, output: Output) -> anyhow::Result<SignalPlot
 
 fn of_observations(path: &Path) -> anyhow::Result<SignalPlot> {
     let about = || path.display().to_string();
-    let observations = Observations::read(path).with_context(about)?;
+    let observations = Observations::read(path, None).with_context(about)?;
     let fit = observations.fit().with_context(about)?;
     let scale = observations.variance(&fit);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -79,6 +79,7 @@ fn image(arguments: &Arguments, output: Output) -> anyhow::Result<Made> {
             coarse.finer(&filter).with_context(about)?
         }
     };
+    let fine = fine.within(fine.width / coarse.width)?;
     let Image { width, height, .. } = fine;
     let json = json!({ "width": width, "height": height });
     Ok((fine.png()?, json, format!("{width} x {height} pixels")))

@@ -16,6 +16,7 @@ use crate::kernel::sum::{KernelSum, monomials};
 use crate::numeric::columns::ends;
 use faer::{ColRef, Mat};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use sinew_runtime::kernel::Kernel;
 use std::cmp::Ordering;
 
@@ -51,12 +52,30 @@ pub struct ScipyOptions {
 
 /// λ of all samples, or of each.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(untagged)]
+#[serde(try_from = "Value")]
 pub enum Smoothing {
     /// Of all.
     All(f64),
     /// Of each, n.
     Each(Vec<f64>),
+}
+
+impl TryFrom<Value> for Smoothing {
+    type Error = String;
+
+    /// Reads a number or numbers.
+    fn try_from(value: Value) -> Result<Self, String> {
+        let numbers = |all: &[Value]| all.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>();
+        let read = match &value {
+            Value::Array(all) => numbers(all).map(Self::Each),
+            one => one.as_f64().map(Self::All),
+        };
+        read.ok_or_else(|| {
+            format!(
+                "smoothing: expected a number or a list of numbers (one a sample), found {value}"
+            )
+        })
+    }
 }
 
 /// What SciPy raises as an error.

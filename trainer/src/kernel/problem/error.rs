@@ -30,6 +30,26 @@ pub enum ProblemError {
         /// Rows of the values.
         values: usize,
     },
+    /// There are no rows.
+    #[error("{what}: expected rows, as [[0, 1], [2, 3]], or a list of numbers, found {found}")]
+    NoRows {
+        /// Sites, values or queries.
+        what: &'static str,
+        /// What there is.
+        found: String,
+    },
+    /// A row is none of numbers, or unlike the first.
+    #[error("row {row} of {what}: expected {expected}, found {found}")]
+    Entry {
+        /// Sites, values or queries.
+        what: &'static str,
+        /// Which row.
+        row: usize,
+        /// What it should be.
+        expected: &'static str,
+        /// What it is.
+        found: String,
+    },
     /// A row is too short or too long.
     #[error("row {row} of {what}: expected {expected} numbers, found {found}")]
     Row {

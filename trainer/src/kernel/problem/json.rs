@@ -5,33 +5,55 @@ use super::error::ProblemError;
 use super::kinds::{WrittenInput, WrittenOutput, scalar_inputs, scalar_outputs};
 use super::options::ProblemOptions;
 use serde::Deserialize;
+use serde_json::Value;
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with `sites` and `values`")]
 struct Written {
     name: Option<String>,
     inputs: Option<Vec<WrittenInput>>,
     outputs: Option<Vec<WrittenOutput>>,
-    sites: Rows,
-    values: Option<Rows>,
+    sites: Value,
+    values: Option<Value>,
     #[serde(default)]
     options: ProblemOptions,
 }
 
-/// Rows of numbers, or a column of them.
-#[derive(Deserialize)]
-#[serde(untagged)]
-pub(in crate::kernel) enum Rows {
-    Column(Vec<f64>),
-    Rows(Vec<Vec<f64>>),
+/// Most characters of a wrong value that an error shows.
+const SHOWN: usize = 40;
+
+/// Reads rows of numbers, or a column of them; all rows of one kind.
+///
+/// - `what`: the name of the rows, for errors.
+///
+/// # Errors
+/// [`ProblemError::NoRows`] and [`ProblemError::Entry`].
+pub(in crate::kernel) fn rows(
+    what: &'static str,
+    of: &Value,
+) -> Result<Vec<Vec<f64>>, ProblemError> {
+    let Value::Array(all) = of else {
+        return Err(ProblemError::NoRows { what, found: shown(of) });
+    };
+    let is_column = all.first().is_some_and(Value::is_number);
+    let row = |(row, own): (usize, &Value)| {
+        let numbers = match own {
+            Value::Number(number) if is_column => number.as_f64().map(|number| vec![number]),
+            Value::Array(own) if !is_column => own.iter().map(Value::as_f64).collect(),
+            _ => None,
+        };
+        let expected = if is_column { "a number, as in row 0" } else { "a list of numbers" };
+        numbers.ok_or_else(|| ProblemError::Entry { what, row, expected, found: shown(own) })
+    };
+    all.iter().enumerate().map(row).collect()
 }
 
-impl Rows {
-    pub(in crate::kernel) fn rows(self) -> Vec<Vec<f64>> {
-        match self {
-            Self::Column(numbers) => numbers.into_iter().map(|number| vec![number]).collect(),
-            Self::Rows(rows) => rows,
-        }
+/// Writes a wrong value, its beginning if it is long.
+fn shown(found: &Value) -> String {
+    let text = found.to_string();
+    match text.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{} ...", &text[..end]),
+        None => text,
     }
 }
 
@@ -42,9 +64,9 @@ impl Rows {
 pub(super) fn problem(text: &[u8], name: &str) -> Result<Problem, ProblemError> {
     let Written { name: own, inputs, outputs, sites, values, options } =
         serde_json::from_slice(text)?;
-    let sites = sites.rows();
+    let sites = rows("sites", &sites)?;
     let values = match values {
-        Some(values) => values.rows(),
+        Some(values) => rows("values", &values)?,
         None if options.weights => weights(sites.len()),
         None => return Err(ProblemError::Rows { sites: sites.len(), values: 0 }),
     };
@@ -66,19 +88,11 @@ fn weights(n: usize) -> Vec<Vec<f64>> {
     (0..n).map(|i| (0..n).map(|k| f64::from(u8::from(i == k))).collect()).collect()
 }
 
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Queries {
-    Named { queries: Rows },
-    Bare(Rows),
-}
-
 /// Reads queries: `{"queries": [[...]]}`, or the rows alone.
 ///
 /// # Errors
-/// [`ProblemError::Json`].
+/// [`ProblemError::Json`], and those of [`rows`].
 pub(super) fn queries(text: &[u8]) -> Result<Vec<Vec<f64>>, ProblemError> {
-    Ok(match serde_json::from_slice(text)? {
-        Queries::Named { queries } | Queries::Bare(queries) => queries.rows(),
-    })
+    let all: Value = serde_json::from_slice(text)?;
+    rows("queries", all.get("queries").unwrap_or(&all))
 }

@@ -23,7 +23,7 @@ const OUTPUTS: &str = "scalar, vector3 or quaternion";
 
 /// An input as it is written.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an input, as {\"name\": \"x\"}")]
 pub(super) struct WrittenInput {
     name: String,
     #[serde(default = "scalar")]
@@ -35,7 +35,7 @@ pub(super) struct WrittenInput {
 
 /// An output as it is written.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an output, as {\"name\": \"y\"}")]
 pub(super) struct WrittenOutput {
     name: String,
     #[serde(default = "scalar")]

@@ -12,6 +12,6 @@ mod read;
 
 pub use definition::Problem;
 pub use error::ProblemError;
-pub(super) use json::Rows;
-pub use options::{Chosen, Learn, LearnMethod, LearnMetric, Mode, ProblemOptions, Smoothing};
+pub(super) use json::rows;
+pub use options::{Learn, LearnMethod, LearnMetric, Mode, ProblemOptions, Smoothing};
 pub use read::{read, read_queries};

@@ -1,14 +1,16 @@
 //! What a problem is fitted with, as a person writes it.
 
+use crate::kernel::deviation::F32_ERROR;
 use crate::kernel::hyper;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error};
+use serde_json::Value;
 use sinew_runtime::kernel::{Normalise, QueryRule};
 
 /// What a problem is fitted with; what is left out is chosen by leaving samples out, or has the default
 /// named here.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default, deny_unknown_fields, expecting = "options by name")]
 pub struct ProblemOptions {
     /// Whose rules hold.
     pub mode: Mode,
@@ -19,6 +21,8 @@ pub struct ProblemOptions {
     pub epsilon: Option<f64>,
     /// λ; 0, which interpolates, unless it is to be chosen.
     pub smoothing: Option<Smoothing>,
+    /// Largest deviation of the file, over a value's range; [`F32_ERROR`].
+    pub f32_error: f64,
     /// Degree of the polynomial; -1 without one, by default the least that the kernel allows.
     pub degree: Option<i32>,
     /// SciPy's mode: how many samples make the function at a query.
@@ -48,21 +52,33 @@ pub struct ProblemOptions {
 }
 
 /// λ as it is written.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(untagged)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
 pub enum Smoothing {
-    /// This.
+    /// This, of all samples.
     Given(f64),
+    /// One of each row.
+    Each(Vec<f64>),
     /// One that predicts left-out samples best.
-    Chosen(Chosen),
+    Chosen,
 }
 
-/// The word for what is to be chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Chosen {
-    /// By leaving samples out.
-    Auto,
+impl TryFrom<Value> for Smoothing {
+    type Error = String;
+
+    /// Reads a number, numbers or `auto`.
+    fn try_from(value: Value) -> Result<Self, String> {
+        let numbers = |all: &[Value]| all.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>();
+        let read = match &value {
+            Value::Number(number) => number.as_f64().map(Self::Given),
+            Value::Array(all) => numbers(all).map(Self::Each),
+            Value::String(word) if word == "auto" => Some(Self::Chosen),
+            _ => None,
+        };
+        read.ok_or_else(|| {
+            format!("smoothing: expected a number, a list of numbers (one a sample) or auto, found {value}")
+        })
+    }
 }
 
 /// Whose rules a fit follows.
@@ -80,7 +96,7 @@ pub enum Mode {
 
 /// What is learned.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default, deny_unknown_fields, expecting = "options of `learn` by name")]
 pub struct Learn {
     /// How.
     pub method: LearnMethod,
@@ -131,6 +147,7 @@ impl Default for ProblemOptions {
             kernel: None,
             epsilon: None,
             smoothing: None,
+            f32_error: F32_ERROR,
             degree: None,
             neighbors: None,
             centres: None,

@@ -1,17 +1,22 @@
 //! Width and smoothing, chosen by leaving samples out (METHOD §2.2).
 
+use super::any::AnyFit;
 use super::error::KernelError;
-use super::fit::Fit;
 use super::matrix::{distances, gram};
 use super::options::{Options, is_scale_invariant};
 use super::samples::Samples;
+use crate::kernel::deviation::{Probe, ROOM};
 use crate::kernel::function::Exact;
+use crate::kernel::sum::KernelSum;
 use rayon::prelude::*;
 use serde::Serialize;
 use sinew_runtime::kernel::Kernel;
+use std::cell::OnceCell;
 
-/// Candidates of epsilon: the mean distance is 1.
-const EPSILONS: [f64; 7] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
+/// The widest candidate of epsilon, the mean distance being 1; each next one is twice as large.
+const WIDEST: f64 = 0.125;
+/// The narrowest that is tried of samples whose nearest neighbours are far apart.
+const NARROW: f64 = 8.0;
 /// Candidates of the smoothing, in units of the kernel matrix's RMS entry.
 const SMOOTHINGS: [f64; 6] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2, 1.0];
 /// Halvings of the grid's steps, in logarithms, about the best candidate.
@@ -55,48 +60,53 @@ pub struct Tried {
 impl Choice {
     /// Tries epsilon and smoothing on a grid, then about the best at half the steps, four times; each
     /// by the errors of groups of samples that are left out. Epsilon stays what it is where it changes
-    /// nothing. Kernels that do not reach the next sample are left alone: where samples say little of
-    /// each other these err least, and make a spike of each.
+    /// nothing, and stays as near as it can where no group can be left out. Kernels that do not reach the next
+    /// sample are left alone: where samples say little of each other their error is the least, and each sample
+    /// becomes a spike. With a `probe`, kernels whose file deviates too far are left alone too.
     ///
     /// # Errors
-    /// Those of [`Options::check`]; if no candidate's fit can leave the groups out.
+    /// Those of [`Options::check`]; if no candidate can be fitted; if none has a file that is near enough; if
+    /// the smoothing is free and no candidate's fit can leave the groups out.
     pub fn new(
         samples: &Samples,
         options: &Options,
         freedom: Freedom,
         groups: &[Vec<usize>],
+        probe: Option<&Probe>,
     ) -> Result<Self, KernelError> {
         options.check()?;
         let fixed = !freedom.epsilon || is_scale_invariant(options.kernel);
         let apart = spacing(samples);
         let joins = |epsilon: &f64| fixed || reaches(options.kernel, epsilon * apart);
-        let epsilons = if fixed { vec![options.epsilon] } else { EPSILONS.to_vec() };
+        let epsilons = if fixed { vec![options.epsilon] } else { epsilons(apart, joins) };
         let shares = if freedom.smoothing { SMOOTHINGS.to_vec() } else { vec![0.0] };
-        let judge = Judge { samples, options, freedom, groups, spreads: spreads(samples) };
-        let grid: Vec<Place> = epsilons
-            .iter()
-            .filter(|epsilon| joins(epsilon))
-            .flat_map(|&epsilon| shares.iter().map(move |&share| Place { epsilon, share }))
-            .collect();
+        let judge = Judge { samples, options, freedom, groups, spreads: spreads(samples), probe };
+        let place = |&epsilon: &f64| shares.iter().map(move |&share| Place { epsilon, share });
+        let grid: Vec<Place> = epsilons.iter().flat_map(place).collect();
         let mut all = judge.all(&grid);
-        let mut best = least(&all).ok_or(KernelError::NoChoice)?;
         for halving in 1..=HALVINGS {
             let step = 0.5f64.powi(halving as i32);
             // The grid's steps are a factor of 2 and of 100.
             let (wider, smoother) = (2f64.powf(step), 100f64.powf(step));
-            let Place { epsilon, share } = best.place;
+            let Place { epsilon, share } = judge.best(&all)?.place;
             let epsilons = [epsilon / wider, epsilon * wider].into_iter().filter(joins);
             let shares = [share / smoother, share * smoother].map(|share| Place { epsilon, share });
             let mut near = Vec::new();
             near.extend(epsilons.filter(|_| !fixed).map(|epsilon| Place { epsilon, share }));
             near.extend(shares.into_iter().filter(|place| place.share > 0.0));
             all.extend(judge.all(&near));
-            best = least(&all).unwrap_or(best);
         }
-        let Tried { epsilon, smoothing, .. } = best.tried;
+        let Tried { epsilon, smoothing, .. } = judge.best(&all)?.tried;
         let options = Options { epsilon, smoothing, ..*options };
         Ok(Self { options, tried: all.iter().map(|candidate| candidate.tried).collect() })
     }
+}
+
+/// Lists the epsilons that are tried first: by factors of 2 up to the spacing of samples, `apart`.
+fn epsilons(apart: f64, joins: impl Fn(&f64) -> bool) -> Vec<f64> {
+    let widest = std::iter::successors(Some(WIDEST), |epsilon| Some(0.5 * epsilon)).find(&joins);
+    let all = std::iter::successors(widest, |epsilon| Some(2.0 * epsilon));
+    all.take_while(|epsilon| *epsilon <= NARROW || epsilon * apart <= 1.0).filter(joins).collect()
 }
 
 /// Where a candidate is, its smoothing in units of the kernel matrix's RMS entry.
@@ -106,10 +116,13 @@ struct Place {
     share: f64,
 }
 
-#[derive(Clone, Copy)]
 struct Candidate {
     place: Place,
     tried: Tried,
+    /// The function, or why there is none.
+    sum: Result<KernelSum, KernelError>,
+    /// Deviation of its file, over the limit.
+    deviation: OnceCell<f64>,
 }
 
 /// What candidates are judged by.
@@ -120,14 +133,15 @@ struct Judge<'a> {
     groups: &'a [Vec<usize>],
     /// Of each value, m.
     spreads: Vec<f64>,
+    probe: Option<&'a Probe>,
 }
 
 impl Judge<'_> {
     fn all(&self, places: &[Place]) -> Vec<Candidate> {
-        places.par_iter().map(|&place| Candidate { place, tried: self.one(place) }).collect()
+        places.par_iter().map(|&place| self.one(place)).collect()
     }
 
-    fn one(&self, place: Place) -> Tried {
+    fn one(&self, place: Place) -> Candidate {
         let points = self.samples.scaling.apply(&self.samples.sites) * faer::Scale(place.epsilon);
         let unit = match place.share {
             0.0 => 0.0,
@@ -137,15 +151,73 @@ impl Judge<'_> {
         let given = if self.freedom.smoothing { 0.0 } else { self.options.smoothing };
         let (epsilon, smoothing) = (place.epsilon, given + place.share * unit);
         let options = Options { epsilon, smoothing, ..*self.options };
-        let squares = Fit::new(self.samples, &options)
-            .ok()
-            .and_then(|fit| fit.leave_one_out().mean_squares(self.groups));
+        let fit = AnyFit::new(self.samples, &options);
+        let squares =
+            fit.as_ref().ok().and_then(|fit| fit.leave_one_out().mean_squares(self.groups));
         let error = squares.map(|squares| {
             let shares = squares.iter().zip(&self.spreads).map(|(square, s)| square / (s * s));
             (shares.sum::<f64>() / squares.len() as f64).sqrt()
         });
-        Tried { epsilon, smoothing, error }
+        let tried = Tried { epsilon, smoothing, error };
+        let sum = fit.map(|fit| fit.sum().clone());
+        Candidate { place, tried, sum, deviation: OnceCell::new() }
     }
+
+    /// Returns the candidate of least error whose file deviates little, the first of equals; where no error
+    /// is known, the one whose epsilon is nearest to the one asked for.
+    ///
+    /// # Errors
+    /// Those of [`Choice::new`].
+    fn best<'c>(&self, all: &'c [Candidate]) -> Result<&'c Candidate, KernelError> {
+        let known = all.iter().any(|candidate| candidate.tried.error.is_some());
+        let fitted = all.iter().any(|candidate| candidate.sum.is_ok());
+        if fitted && !known && self.freedom.smoothing {
+            return Err(KernelError::NoChoice);
+        }
+        let far = |tried: &Tried| (tried.epsilon / self.options.epsilon).log2().abs();
+        let score = |candidate: &Candidate| match known {
+            true => candidate.tried.error.unwrap_or(f64::INFINITY),
+            false => far(&candidate.tried),
+        };
+        let mut order: Vec<&Candidate> = all
+            .iter()
+            .filter(|candidate| {
+                candidate.sum.is_ok() && (candidate.tried.error.is_some() || !known)
+            })
+            .collect();
+        order.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        let within = |room: f64| order.iter().find(|candidate| self.deviation(candidate) <= room);
+        if let Some(best) = within(ROOM).or_else(|| within(1.0)) {
+            return Ok(best);
+        }
+        let least = order.iter().map(|candidate| self.deviation(candidate)).reduce(f64::min);
+        Err(match (least, self.probe) {
+            (Some(least), Some(probe)) => {
+                let limit = probe.limit();
+                KernelError::Deviation { deviation: limit * least, limit }
+            }
+            _ => best_conditioned(all),
+        })
+    }
+
+    /// Returns the deviation of a candidate's file, over the limit; 0 without a probe.
+    fn deviation(&self, candidate: &Candidate) -> f64 {
+        *candidate.deviation.get_or_init(|| match (self.probe, &candidate.sum) {
+            (Some(probe), Ok(sum)) => probe.deviation(sum, |x| sum.evaluate(x)) / probe.limit(),
+            _ => 0.0,
+        })
+    }
+}
+
+/// Returns why no candidate was fitted: the error of the one whose system is conditioned best.
+fn best_conditioned(all: &[Candidate]) -> KernelError {
+    let rcond = |error: &&KernelError| match error {
+        KernelError::IllConditioned { rcond, .. } => *rcond,
+        _ => 0.0,
+    };
+    let errors = all.iter().filter_map(|candidate| candidate.sum.as_ref().err());
+    let best = errors.max_by(|a, b| rcond(a).total_cmp(&rcond(b)));
+    best.cloned().unwrap_or(KernelError::NoChoice)
 }
 
 /// Returns how far a sample is from the nearest other one, on average; 0 of a single one.
@@ -166,13 +238,6 @@ fn spacing(samples: &Samples) -> f64 {
 fn reaches(kernel: Kernel, distance: f64) -> bool {
     kernel.exact(distance * distance) >= kernel.exact(0.0) * (-1f64).exp()
         || kernel.exact(0.0) <= 0.0
-}
-
-/// Returns the candidate of least error, the first of equals; none where no error is known.
-fn least(candidates: &[Candidate]) -> Option<Candidate> {
-    let error = |candidate: &Candidate| candidate.tried.error.unwrap_or(f64::INFINITY);
-    let least = candidates.iter().min_by(|a, b| error(a).total_cmp(&error(b)));
-    least.filter(|candidate| candidate.tried.error.is_some()).copied()
 }
 
 /// Returns the standard deviation of each value, 1 of one that is constant.

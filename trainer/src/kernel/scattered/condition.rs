@@ -45,6 +45,15 @@ pub fn reciprocal(
     if reciprocal.is_finite() { reciprocal.min(1.0) } else { 0.0 }
 }
 
+/// Writes a reciprocal condition as errors name it: below f64's precision there is no digit to tell.
+pub fn described(rcond: f64) -> String {
+    if rcond < f64::EPSILON {
+        format!("reciprocal condition below {:.0e}", f64::EPSILON)
+    } else {
+        format!("reciprocal condition {rcond:.1e}")
+    }
+}
+
 /// Returns a matrix's 1-norm: the largest sum of a column's magnitudes.
 pub fn norm(matrix: faer::MatRef<'_, f64>) -> f64 {
     matrix.col_iter().map(|c| c.norm_l1()).fold(0.0, f64::max)
@@ -71,6 +80,14 @@ mod tests {
                     reciprocal(norm(a.as_ref()), n, |x| lu.solve(x), |x| transposed.solve(x));
                 assert!(found >= 0.999 * exact && found <= 2.0 * exact, "{n} {found} {exact}");
             }
+        }
+    }
+
+    #[test]
+    fn conditions_that_f64_cannot_tell_from_none_are_written_as_below_it() {
+        assert_eq!(described(3.4e-9), "reciprocal condition 3.4e-9");
+        for rcond in [0.0, 1e-17] {
+            assert_eq!(described(rcond), "reciprocal condition below 2e-16");
         }
     }
 

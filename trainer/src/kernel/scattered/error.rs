@@ -1,5 +1,6 @@
 //! Why scattered data gave no function.
 
+use super::condition::described;
 use sinew_runtime::kernel::Kernel;
 
 /// Scattered data that no function was fitted to; rows and columns count from 0.
@@ -82,27 +83,32 @@ pub enum KernelError {
     },
     /// Rounding decides what the function is.
     #[error(
-        "the fit is ill-conditioned (reciprocal condition {rcond:.1e}, samples missed by \
-         {missed:.1e} of their range): smooth more, take a narrower kernel or fewer centres"
+        "the fit is ill-conditioned ({}{}): smooth more, take a narrower kernel or fewer centres",
+        described(*rcond),
+        if *missed > 0.0 { format!(", samples missed by {missed:.1e} of their range") } else { String::new() }
     )]
     IllConditioned {
         /// Reciprocal condition of the system.
         rcond: f64,
-        /// By how much its equations are missed, over the range of the values.
+        /// By how much its equations are missed, over the range of the values; 0 of least squares.
         missed: f64,
     },
-    /// f32 arithmetic may be too far from the function.
+    /// A file's numbers are too far from the function.
     #[error(
-        "f32 arithmetic may be off by {bound:.1e} of the values' range, more than {limit:.1e}: take \
-         a narrower kernel, smooth more, or take fewer centres"
+        "in single precision the function is off by {deviation:.1e} of its values' range, more than \
+         {limit:.1e}: take a narrower kernel (a larger epsilon, a shorter length) or a rougher one, smooth more, \
+         take fewer centres, or allow it by --f32-error"
     )]
-    Rounding {
-        /// The largest bound over the range.
-        bound: f64,
+    Deviation {
+        /// The largest deviation that was measured, over the range.
+        deviation: f64,
         /// What is allowed.
         limit: f64,
     },
-    /// No candidate can predict samples that it has not seen.
-    #[error("no width and smoothing can predict samples that are left out: there are too few")]
+    /// A smoothing is to be chosen, and no candidate can predict samples that it has not seen.
+    #[error(
+        "no smoothing can be chosen: it takes samples that the others predict, and there are too few (or too few \
+         groups); give `smoothing` a number"
+    )]
     NoChoice,
 }

@@ -19,7 +19,7 @@ use faer::{Mat, Par};
 /// Which samples are centres.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Centres {
-    /// So many, by the power function.
+    /// At most so many, by the power function.
     Greedy(usize),
     /// These.
     Given(Vec<usize>),
@@ -44,11 +44,12 @@ pub struct FewerFit {
 }
 
 impl FewerFit {
-    /// Fits samples; b are coefficients on the orthonormal basis of the polynomials.
+    /// Fits samples; b are coefficients on the orthonormal basis of the polynomials. Without smoothing the
+    /// power function chooses no more centres than samples determine beside the polynomials.
     ///
     /// # Errors
     /// Those of [`Options::check`]; if a given centre is not a sample or stands twice; if there are
-    /// more centres and polynomials than samples and smoothing determine.
+    /// more given centres and polynomials than samples and smoothing determine.
     pub fn new(
         samples: &Samples,
         options: &Options,
@@ -59,7 +60,10 @@ impl FewerFit {
         let prepared = Prepared::new(samples, options);
         let Prepared { points, polynomial, .. } = &prepared;
         let centres = match centres {
-            Centres::Greedy(most) => greedy(options.kernel, points, &polynomial.values, *most),
+            Centres::Greedy(most) => {
+                let free = if options.smoothing > 0.0 { n } else { n - polynomial.rank() };
+                greedy(options.kernel, points, &polynomial.values, free.min(*most))
+            }
             Centres::Given(centres) => {
                 distinct(centres, n)?;
                 centres.clone()

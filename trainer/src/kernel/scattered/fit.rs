@@ -32,7 +32,8 @@ impl Fit {
     pub fn new(samples: &Samples, options: &Options) -> Result<Self, KernelError> {
         options.check()?;
         let prepared = Prepared::new(samples, options);
-        let smoothing = vec![options.smoothing; samples.sample_len()];
+        let smoothing: Vec<f64> =
+            samples.smoothing.iter().map(|own| options.smoothing + own).collect();
         let Prepared { points, polynomial, .. } = &prepared;
         let solved = solve(options.kernel, points, &smoothing, polynomial.clone(), &samples.values);
         let (rcond, missed) = (solved.system.rcond(), solved.missed);

@@ -8,10 +8,12 @@
 //! | [`system`], [`condition`] | the saddle system, in a form that is definite; its condition |
 //! | [`solve`], [`fit`] | every sample a centre |
 //! | [`power`], [`fewer`] | fewer centres, by least squares |
+//! | [`any`] | either, as options ask |
 //! | [`leave_one_out`], [`choose`] | samples left out in closed form; width and smoothing by that |
 //! | [`variance`] | how unsure a function is between its samples |
 //! | [`report`] | what a fit says of itself |
 
+pub mod any;
 pub mod choose;
 pub mod condition;
 pub mod error;

@@ -16,6 +16,8 @@ pub struct Options {
     pub smoothing: f64,
     /// Degree of the polynomial; none without one.
     pub degree: Option<usize>,
+    /// Most centres, by least squares; none, or as many as samples, makes every sample a centre.
+    pub centres: Option<usize>,
     /// Share of a column below which a polynomial is rounding: [`RANK_F64`], or
     /// [`super::polynomial::RANK_F32`] of sites that were f32.
     pub rank: f64,
@@ -26,7 +28,7 @@ impl Options {
     /// constant at least.
     pub fn new(kernel: Kernel) -> Self {
         let degree = Some(order(kernel).unwrap_or(0).saturating_sub(1));
-        Self { kernel, epsilon: 1.0, smoothing: 0.0, degree, rank: RANK_F64 }
+        Self { kernel, epsilon: 1.0, smoothing: 0.0, degree, centres: None, rank: RANK_F64 }
     }
 
     /// Refuses options that no fit can be made with.

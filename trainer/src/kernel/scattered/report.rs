@@ -1,11 +1,10 @@
 //! What a fit reports of itself.
 
-use super::error::KernelError;
 use super::fewer::FewerFit;
 use super::fit::Fit;
 use super::leave_one_out::LeaveOneOut;
 use super::options::Options;
-use super::samples::{Merged, Samples, ranges};
+use super::samples::{Merged, Samples};
 use crate::kernel::bound::{largest, rounded};
 use crate::kernel::function::by_name;
 use crate::kernel::sum::KernelSum;
@@ -31,7 +30,7 @@ pub struct FitReport {
     pub kernel: Kernel,
     /// What distances were multiplied by, of which the mean one is 1.
     pub epsilon: f64,
-    /// λ.
+    /// λ of all samples; the largest where each has its own.
     pub smoothing: f64,
     /// Centres.
     pub centres: usize,
@@ -57,8 +56,6 @@ pub struct FitReport {
     pub left_out: Vec<Option<f64>>,
     /// The most that f32 arithmetic may be off by, by value: E of METHOD §2.7 over samples and their box.
     pub bounds: Vec<f64>,
-    /// The largest of them over the value's range.
-    pub bound_share: f64,
 }
 
 impl FitReport {
@@ -95,23 +92,11 @@ impl FitReport {
         )
     }
 
-    /// Refuses a function that f32 arithmetic may take too far off.
-    ///
-    /// # Errors
-    /// If a bound is more than a share of its value's range.
-    pub fn within(&self, limit: f64) -> Result<(), KernelError> {
-        if self.bound_share <= limit {
-            return Ok(());
-        }
-        Err(KernelError::Rounding { bound: self.bound_share, limit })
-    }
-
     fn of(samples: &Samples, options: &Options, parts: Parts<'_>) -> Self {
         let Parts { sum, residuals, left_out, degree, rank, rcond } = parts;
         let each = left_out.each();
         let squares: Option<Vec<f64>> = each.iter().map(|e| Some((*e)?.powi(2))).collect();
         let bounds = largest(&rounded(sum), &samples.sites);
-        let shares = bounds.iter().zip(ranges(&samples.values)).map(|(bound, range)| bound / range);
         Self {
             samples: samples.sample_len(),
             inputs: samples.sites.ncols(),
@@ -120,7 +105,7 @@ impl FitReport {
             dropped: samples.scaling.dropped(),
             kernel: sum.kernel,
             epsilon: options.epsilon,
-            smoothing: options.smoothing,
+            smoothing: options.smoothing + samples.smoothing.iter().copied().fold(0.0, f64::max),
             centres: sum.centres.ncols(),
             degree_asked: options.degree,
             degree,
@@ -132,7 +117,6 @@ impl FitReport {
             residual_max: residuals.norm_max(),
             left_out_rms: squares.map(|s| (s.iter().sum::<f64>() / s.len() as f64).sqrt()),
             left_out: each,
-            bound_share: shares.fold(0.0, f64::max),
             bounds,
         }
     }

@@ -8,7 +8,7 @@ use faer::{ColRef, Mat};
 use serde::Serialize;
 
 /// Distance, over the mean one, below which two sites are one.
-const ONE_SITE: f64 = 1e-9;
+pub const ONE_SITE: f64 = 1e-9;
 /// Difference, over the range of a value, up to which two samples of one site agree: a few units in
 /// the last place of f32.
 const AGREE: f64 = 1e-6;
@@ -36,6 +36,8 @@ pub struct Samples {
     pub scaling: Scaling,
     /// The given row of each sample, n.
     pub rows: Vec<usize>,
+    /// λ of each sample beside the one of all, n; zeros unless they are set.
+    pub smoothing: Vec<f64>,
     /// What was merged.
     pub merged: Vec<Merged>,
 }
@@ -83,6 +85,7 @@ impl Samples {
             sites: Mat::from_fn(rows.len(), sites.ncols(), |i, c| sites[(rows[i], c)]),
             values: Mat::from_fn(rows.len(), values.ncols(), mean),
             scaling,
+            smoothing: vec![0.0; rows.len()],
             rows,
             merged,
         })

@@ -61,6 +61,25 @@ pub enum TrainError {
         /// Groups.
         found: usize,
     },
+    /// Smoothings are not as many as samples.
+    #[error("expected a smoothing for each of {samples} samples, found {found}")]
+    Smoothings {
+        /// Samples.
+        samples: usize,
+        /// Smoothings.
+        found: usize,
+    },
+    /// A smoothing is negative or not finite.
+    #[error("the smoothing of row {row} is {found}, expected a finite number that is not negative")]
+    Smoothing {
+        /// Its row.
+        row: usize,
+        /// What it is.
+        found: f64,
+    },
+    /// A share that was asked for is none.
+    #[error("the f32 error is {0}, expected a finite number above 0: a share of the values' range")]
+    F32Error(f64),
     /// A degree is below -1.
     #[error("the degree is {0}, expected -1 (no polynomial) or more")]
     Degree(i32),

@@ -26,9 +26,10 @@ pub(super) fn scipy(
         return Err(NEIGHBOURS);
     }
     let default = ScipyOptions::default();
-    let smoothing = match own.smoothing {
-        Some(Smoothing::Given(smoothing)) => ScipySmoothing::All(smoothing),
-        Some(Smoothing::Chosen(_)) => {
+    let smoothing = match &own.smoothing {
+        Some(Smoothing::Given(smoothing)) => ScipySmoothing::All(*smoothing),
+        Some(Smoothing::Each(all)) => ScipySmoothing::Each(all.clone()),
+        Some(Smoothing::Chosen) => {
             return Err(TrainError::Options("SciPy chooses no smoothing: give a number"));
         }
         None => default.smoothing,
@@ -67,9 +68,14 @@ pub(super) fn published(
             ));
         }
     };
-    let regularization = match own.smoothing {
-        Some(Smoothing::Given(smoothing)) => smoothing,
-        Some(Smoothing::Chosen(_)) => {
+    let regularization = match &own.smoothing {
+        Some(Smoothing::Given(smoothing)) => *smoothing,
+        Some(Smoothing::Each(_)) => {
+            return Err(TrainError::Options(
+                "the published solver has one smoothing for all samples",
+            ));
+        }
+        Some(Smoothing::Chosen) => {
             return Err(TrainError::Options("the published solver chooses no smoothing"));
         }
         None => 0.0,

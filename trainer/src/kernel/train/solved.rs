@@ -3,12 +3,12 @@
 use super::error::TrainError;
 use super::fitted::Fitted;
 use super::report::Report;
+use crate::kernel::deviation::Probe;
 use crate::kernel::function::order;
 use crate::kernel::model::Figures;
 use crate::kernel::problem::{Problem, ProblemOptions, Smoothing};
+use crate::kernel::scattered::any::AnyFit;
 use crate::kernel::scattered::choose::{Choice, Freedom};
-use crate::kernel::scattered::fewer::{Centres, FewerFit};
-use crate::kernel::scattered::fit::Fit;
 use crate::kernel::scattered::options::{Options, is_scale_invariant, wendland};
 use crate::kernel::scattered::report::FitReport;
 use crate::kernel::scattered::samples::{Conflicts, Samples};
@@ -17,49 +17,49 @@ use crate::kernel::scattered::variance::Variance;
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
-/// Share of a value's range that f32 arithmetic may be off by, before a fit is refused.
-const ROUNDING: f64 = 1e-3;
-
 /// Refuses what no file can hold.
 pub(super) const NEIGHBOURS: TrainError = TrainError::Options(
     "a function of neighbours solves a system at every query and cannot be baked: take fewer `centres`",
 );
 
+/// Fits a problem; `probe` measures the files of the widths that are tried.
 pub(super) fn fit(
     problem: &Problem,
     features: &Mat<f64>,
     values: &Mat<f64>,
+    probe: &Probe,
     variance: bool,
 ) -> Result<Fitted, TrainError> {
     let own = &problem.options;
     if own.neighbors.is_some() {
         return Err(NEIGHBOURS);
     }
-    let samples = samples(problem, features, values)?;
+    let mut samples = samples(problem, features, values)?;
     let asked = asked(own, samples.scaling.kept().len())?;
+    if let Some(Smoothing::Each(all)) = &own.smoothing {
+        if own.centres.is_some() {
+            return Err(TrainError::Options(
+                "a smoothing for each sample is for a fit with every sample a centre: leave out `centres`",
+            ));
+        }
+        samples.smoothing = each(all, &samples)?;
+    }
     let freedom = Freedom {
         epsilon: own.epsilon.is_none() && !is_scale_invariant(asked.kernel),
-        smoothing: matches!(own.smoothing, Some(Smoothing::Chosen(_))),
+        smoothing: matches!(own.smoothing, Some(Smoothing::Chosen)),
     };
     let options = if freedom.epsilon || freedom.smoothing {
-        Choice::new(&samples, &asked, freedom, &groups(own, &samples)?)?.options
+        let groups = groups(own, &samples)?;
+        Choice::new(&samples, &asked, freedom, &groups, Some(probe))?.options
     } else {
         asked
     };
-    let (sum, report, kept) = match own.centres {
-        Some(most) => {
-            let fit = FewerFit::new(&samples, &options, &Centres::Greedy(most))?;
-            let report = FitReport::of_fewer(&samples, &options, &fit);
-            (fit.sum, report, None)
-        }
-        None => {
-            let fit = Fit::new(&samples, &options)?;
-            let report = FitReport::new(&samples, &options, &fit);
-            let kept = if variance { Variance::new(&fit, &samples.values) } else { None };
-            (fit.sum, report, kept)
-        }
+    let fit = AnyFit::new(&samples, &options)?;
+    let report = fit.report(&samples, &options);
+    let kept = match &fit {
+        AnyFit::Every(fit) if variance => Variance::new(fit, &samples.values),
+        _ => None,
     };
-    report.within(ROUNDING)?;
     let figures = Figures {
         residual_rms: report.residual_rms,
         left_out_rms: report.left_out_rms.unwrap_or(0.0),
@@ -67,7 +67,20 @@ pub(super) fn fit(
         rcond: report.rcond,
     };
     let warnings = warnings(problem, &report);
+    let sum = fit.sum().clone();
     Ok(Fitted { sum, variance: kept, figures, report: Report::Fit(Box::new(report)), warnings })
+}
+
+/// Returns the smoothing of each sample by those of its rows: a sample of several rows has its first's.
+fn each(all: &[f64], samples: &Samples) -> Result<Vec<f64>, TrainError> {
+    let rows = samples.sample_len() + samples.merged.len();
+    if all.len() != rows {
+        return Err(TrainError::Smoothings { samples: rows, found: all.len() });
+    }
+    match all.iter().position(|lambda| !(*lambda >= 0.0 && lambda.is_finite())) {
+        Some(row) => Err(TrainError::Smoothing { row, found: all[row] }),
+        None => Ok(samples.rows.iter().map(|&row| all[row]).collect()),
+    }
 }
 
 /// Takes samples, in blocks of one input each.
@@ -95,6 +108,7 @@ fn asked(own: &ProblemOptions, inputs: usize) -> Result<Options, TrainError> {
     if let Some(Smoothing::Given(smoothing)) = own.smoothing {
         out.smoothing = smoothing;
     }
+    out.centres = own.centres;
     Ok(out)
 }
 
