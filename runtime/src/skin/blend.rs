@@ -3,8 +3,8 @@
 use super::view::Skin;
 use crate::linear::{self, Le, Matrix3x4, dot};
 use crate::numeric::sqrt;
-use core::iter;
 use core::ops::Range;
+use core::slice::ChunksExact;
 use glam::{Mat4, Vec4, Vec4Swizzles};
 
 /// The influences of all vertices, and the palette that they refer to.
@@ -15,6 +15,12 @@ pub(super) struct Influences<'a> {
     /// How many a vertex has; 0 without an envelope.
     len: usize,
 }
+
+/// Indices and weights of vertices with four influences each.
+pub(super) type Fours<'a> = (&'a [[[u8; 2]; 4]], &'a [[Le; 4]]);
+
+/// Indices and weights of vertices, vertex by vertex.
+type Rows<'a> = (ChunksExact<'a, [u8; 2]>, ChunksExact<'a, Le>);
 
 #[cfg(feature = "prior")]
 impl Skin<'_> {
@@ -37,34 +43,34 @@ impl<'a> Influences<'a> {
         Self { palette, indices, weights, len: skin.influence_len() }
     }
 
-    /// Blends the transforms of vertices of which each has four; `None` where they have not.
+    /// Returns the indices and weights of a range's vertices if each vertex has four influences; else `None`.
+    ///
+    /// They are slices for a plain loop around [`Self::blend_row`]. An adapter that yields the blended matrices is not
+    /// inlined under LTO: each matrix then goes through memory, at five times the cost.
     #[inline(always)]
-    pub(super) fn blend_by_four(
-        &self,
-        vertices: Range<usize>,
-    ) -> Option<impl Iterator<Item = Mat4>> {
+    pub(super) fn by_four(&self, vertices: Range<usize>) -> Option<Fours<'a>> {
         if !UNROLL || self.len != 4 {
             return None;
         }
-        let indices = self.indices.as_chunks::<4>().0.get(vertices.clone())?;
-        let weights = self.weights.as_chunks::<4>().0.get(vertices)?;
-        Some(indices.iter().zip(weights).map_while(|(i, w)| blend(self.palette, i, w)))
+        let indices = self.indices.as_chunks().0.get(vertices.clone())?;
+        Some((indices, self.weights.as_chunks().0.get(vertices)?))
     }
 
-    /// Blends the transforms of vertices; of none where they have no influences.
+    /// Returns the indices and weights of a range's vertices, one after the other; none if there are no influences.
     #[inline(always)]
-    pub(super) fn blend_each(&self, vertices: Range<usize>) -> impl Iterator<Item = Mat4> {
+    pub(super) fn rows(&self, vertices: Range<usize>) -> Rows<'a> {
         let all = vertices.start * self.len..vertices.end * self.len;
         let influences = self.indices.get(all.clone()).zip(self.weights.get(all));
-        let (mut indices, mut weights) = influences.unwrap_or_default();
-        // At least one, so that the loop over a vertex's influences needs no way around it.
+        let (indices, weights) = influences.unwrap_or_default();
+        // Chunks of zero would panic.
         let len = self.len.max(1);
-        iter::from_fn(move || {
-            let (first_indices, more_indices) = indices.split_at_checked(len)?;
-            let (first_weights, more_weights) = weights.split_at_checked(len)?;
-            (indices, weights) = (more_indices, more_weights);
-            blend(self.palette, first_indices, first_weights)
-        })
+        (indices.chunks_exact(len), weights.chunks_exact(len))
+    }
+
+    /// Blends the transforms of one vertex, as [`blend`] does.
+    #[inline(always)]
+    pub(super) fn blend_row(&self, indices: &[[u8; 2]], weights: &[Le]) -> Option<Mat4> {
+        blend(self.palette, indices, weights)
     }
 
     /// Returns a vertex's indices and weights.
