@@ -60,13 +60,13 @@ pub enum sinew_pose_fault_kind {
     Handedness = 9,
     /// A joint is off the place to which its parent carries it, and no mistake about the whole pose explains it.
     Apart = 10,
-    /// No frame was written: a matrix is zero, or the frames from which the pose was gathered are all the identity.
+    /// No frame was written: a matrix is zero, or all gathered frames are the identity.
     Unset = 11,
     /// The matrices are the joints' frames: the inverse bind matrices were not applied.
     Frames = 12,
     /// The inverse bind matrices were applied twice.
     BoundTwice = 13,
-    /// The matrices, or the frames from which the pose was gathered, are each in the space of the joint's parent.
+    /// Each matrix, or each gathered frame, is in the space of the joint's parent.
     Local = 14,
 }
 

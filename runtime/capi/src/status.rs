@@ -68,8 +68,8 @@ pub enum sinew_status {
     FileNotAModel = 100,
     /// Written in a version of the format that this library does not know. Expected, found.
     FileVersion = 101,
-    /// The file states what cannot be. Index 1 or 2: the part or the section table has no whole rows. Expected, found: bytes
-    /// of a row and of the table; 3: zeros before the blob; 4: bytes of the file.
+    /// The file contradicts itself. Index 1 or 2: the part or the section table has no whole rows, and expected and
+    /// found are bytes of a row and of the table; 3: they are zeros before the blob; 4: they are bytes of the file.
     FileMalformed = 102,
     /// The file was changed after it was written. Expected, found: its CRC-32.
     FileChecksum = 103,
@@ -107,8 +107,8 @@ pub enum sinew_status {
     FileMismatch = 117,
     /// An element breaks a rule of its section, which FORMAT.md states. Index: the element.
     FileInvalid = 118,
-    /// The file ends early. Expected, found: bytes of the section; or, without a section, of the file, and then index
-    /// says in what it ends: 0 the head, 1 the part table, 2 the section table, 3 the padding, 4 the blob.
+    /// The file ends early. Expected, found: bytes of the section. Without a section they are bytes of the file, and
+    /// index is the place of its end: 0 the head, 1 the part table, 2 the section table, 3 the padding, 4 the blob.
     FileTruncated = 119,
     /// A byte of the space is one that no space has. Index: which; found: the byte.
     FileSpace = 120,

@@ -17,9 +17,10 @@ impl Envelope<'_> {
     ///
     /// Each matrix must be a rotation and a translation, within [`RIGID_TOLERANCE`]; and each joint must be where its
     /// parent carries it, as far as it was in training: within [`super::GAP_MARGIN`] times [`Envelope::pose_gap`] and
-    /// [`super::GAP_TOLERANCE`] of the certificate's diagonal. The second tells other axes, other units, transposed
-    /// matrices, frames, local transforms and an inverse bind matrix applied twice from a pose. One of 53 joints is taken in 1.3 µs on a desktop; one that is refused is tried in all axes
-    /// and units, which takes up to 8 ms. A pose in which no joint turns is right in any axes.
+    /// [`super::GAP_TOLERANCE`] of the certificate's diagonal. The second tells these from a pose: other axes or units,
+    /// transposed matrices, frames, local transforms, and inverse bind matrices applied twice. A pose of 53 joints is
+    /// taken in 1.3 µs on a desktop. One that is refused is tried in all axes and units, which takes up to 8 ms. A pose
+    /// in which no joint turns is right in any axes.
     ///
     /// What it cannot see: that the whole character stands elsewhere, or lies, as it may.
     ///

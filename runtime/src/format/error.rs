@@ -28,9 +28,9 @@ pub enum FileErrorKind {
     NotAModel,
     /// Written in version `found`; this reader knows `expected`.
     Version,
-    /// The file states what cannot be. `index` 1 or 2: the part or the section table has `found` bytes, expected rows
-    /// of `expected` bytes; 3: the blob stands after `found` zeros, expected `expected`; 4: the file has `found` bytes,
-    /// and the blob ends after `expected`.
+    /// The message contradicts itself, at the place `index`. 1 or 2: the part or the section table has `found` bytes,
+    /// expected rows of `expected` bytes. 3: `found` zeros stand before the blob, expected `expected`. 4: the file has
+    /// `found` bytes, expected `expected`, the end of the blob.
     Malformed,
     /// The file was changed after it was written: it states checksum `expected`, and has `found`.
     Checksum,
@@ -75,9 +75,9 @@ pub enum FileErrorKind {
     /// does not give places and then numbers, an element has one point twice, a mask has more bits than there are
     /// points, a texture is empty or larger than the format allows.
     Invalid,
-    /// The file ends early: it has `found` bytes of the section, which has `expected`. Without a section `index` says in
-    /// what it ends, `expected` is the least length of the file, and `found` its length: 0 the head, 1 the part table,
-    /// 2 the section table, 3 the padding, 4 the blob.
+    /// The file ends early: it has `found` bytes of the section, expected `expected`. Without a section both are bytes of
+    /// the file, `expected` the least, and `index` is the place of its end: 0 the head, 1 the part table, 2 the section
+    /// table, 3 the padding, 4 the blob.
     Truncated,
     /// Byte `index` of the space is `found`, which no space has.
     Space,

@@ -240,8 +240,8 @@ impl SkinJob<'_> {
         Some(done)
     }
 
-    /// Moves vertices of a skin without them by their blended transforms. `None` stands for what a loaded skin does not
-    /// have.
+    /// Moves vertices of a skin without tangent coefficients by their blended transforms. `None` is an index beyond the
+    /// palette, which loading excludes.
     ///
     /// - `IS_BY_FOUR`: whether the influences are `fours`, vertex by vertex of the range, and there is no remap.
     #[inline(always)]

@@ -7,8 +7,7 @@ use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{SectionKind, SectionRow};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
 
-/// Why a file is refused of which so many bytes are left, by its own tables. Lengths of strings take two bytes from
-/// 128 on.
+/// Refusal of a file that is cut after `len` bytes, by its own tables. A length of 128 or more takes two bytes.
 fn cut(file: &[u8], len: usize) -> FileError {
     let model = Model::from_bytes(file).unwrap();
     let sections: Vec<_> = model.sections().map(|section| section.row).collect();

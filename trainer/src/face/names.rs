@@ -107,7 +107,7 @@ impl Expression {
         ];
         let found = sides.iter().find_map(|(end, side)| Some((small.strip_suffix(end)?, *side)));
         let (stem, side) = found.map_or((small.as_str(), None), |(stem, side)| (stem, Some(side)));
-        Self { stem: plain(stem), side }
+        Self { stem: stem.chars().filter(|c| c.is_alphanumeric()).collect(), side }
     }
 
     /// Takes a name apart as [`Expression::of`] does, without the name of a node or a mesh before it:
@@ -127,14 +127,9 @@ impl Expression {
     }
 }
 
-/// Returns the letters and digits of a name, in small letters.
-fn plain(name: &str) -> String {
-    name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect()
-}
-
 /// Tells whether a column counts the weights of a row.
 pub(super) fn is_count(name: &str) -> bool {
-    plain(name) == COUNT
+    Expression::without_prefix(name).stem == COUNT
 }
 
 /// Finds what columns drive: the shape of the same name, or of the same expression and side; one without a side, as
@@ -162,9 +157,10 @@ pub fn columns(names: &[String], shapes: &[String]) -> Result<Columns, FaceError
                 found = which(&|shape| own[shape].stem == expression.stem);
             }
         }
-        if found.is_empty() && !OTHERS.contains(&plain(name).as_str()) {
-            let is_known = ANGLES.contains(&plain(name).as_str())
-                || readings.iter().any(|read| read(name).is_arkit());
+        let read = readings.map(|read| read(name));
+        if found.is_empty() && !read.iter().any(|read| OTHERS.contains(&read.stem.as_str())) {
+            let is_angle = |read: &Expression| ANGLES.contains(&read.stem.as_str());
+            let is_known = read.iter().any(|read| is_angle(read) || read.is_arkit());
             match is_known {
                 true => skipped.push(name.clone()),
                 false => {

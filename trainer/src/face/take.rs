@@ -42,7 +42,7 @@ impl Take {
         self.frames.len() + self.lost.len()
     }
 
-    /// Picks frames: every so many of a range, from one on, by their numbers in the file. Lost ones are left out.
+    /// Picks every n-th frame of a range of numbers in the file, from one on, without the lost ones.
     ///
     /// # Errors
     /// [`FaceError::Range`]: the range is empty or reaches beyond the take, or has no frame.
@@ -54,15 +54,19 @@ impl Take {
     ) -> Result<Vec<&[f64]>, FaceError> {
         let len = self.file_len();
         check(range, len)?;
-        let numbers = range.clone().skip(from).step_by(every.max(1));
-        let frame =
-            |number| Some(self.frames[self.numbers.binary_search(&number).ok()?].as_slice());
-        let picked: Vec<_> = numbers.filter_map(frame).collect();
+        let picked = self.every(range, from, every);
         if picked.is_empty() {
             let first = range.start + from;
             return Err(FaceError::Range { what: "frames", first, end: range.end, len });
         }
         Ok(picked)
+    }
+
+    /// Picks frames as [`Take::pick`] does, perhaps none.
+    pub fn every(&self, range: &Range<usize>, from: usize, every: usize) -> Vec<&[f64]> {
+        let numbers = range.clone().skip(from).step_by(every.max(1));
+        let places = numbers.filter_map(|number| self.numbers.binary_search(&number).ok());
+        places.map(|place| self.frames[place].as_slice()).collect()
     }
 }
 
@@ -94,7 +98,7 @@ fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, FaceError> {
     Ok(take)
 }
 
-/// Tells whether the tracking is lost in a row: its count of weights is 0 or absent, or a used cell is empty.
+/// Whether the tracking is lost in a row: its count of weights is 0 or absent, or a used cell is empty.
 ///
 /// - `count`: the column of the count, where there is one.
 fn is_lost(table: &csv::Table, row: &csv::Row, count: Option<usize>, used: &[usize]) -> bool {

@@ -70,16 +70,14 @@ pub(super) fn measure<T>(
     let (from, every) = (arguments.from, arguments.every as usize);
     let frames = take.pick(&range, from, every).with_context(about)?;
     let left_out = [0..range.start, range.end..take.file_len()];
-    let left_out = left_out.iter().filter(|range| from < range.len());
-    let chosen_on =
-        left_out.map(|range| take.pick(range, from, every)).collect::<Result<Vec<_>, _>>()?;
+    let chosen_on = left_out.iter().map(|range| take.every(range, from, every));
     let protocol = Protocol {
         face,
         slider: input::open(&slider, path)?,
         slider_mean: input::open(&slider_mean, path)?,
         landmarks: &landmarks,
         vertices: vertices(&face, arguments)?,
-        chosen_on: chosen_on.concat(),
+        chosen_on: chosen_on.flatten().collect(),
         frames,
     };
     let evaluation =
