@@ -140,8 +140,8 @@ enum sinew_status
     SINEW_STATUS_FILE_NOT_A_MODEL = 100,
     /// Written in a version of the format that this library does not know. Expected, found.
     SINEW_STATUS_FILE_VERSION = 101,
-    /// The file states what cannot be. Index 1 or 2: the part or the section table has no whole rows. Expected, found: bytes
-    /// of a row and of the table; 3: zeros before the blob; 4: bytes of the file.
+    /// The file contradicts itself. Index 1 or 2: the part or the section table has no whole rows, and expected and
+    /// found are bytes of a row and of the table; 3: they are zeros before the blob; 4: they are bytes of the file.
     SINEW_STATUS_FILE_MALFORMED = 102,
     /// The file was changed after it was written. Expected, found: its CRC-32.
     SINEW_STATUS_FILE_CHECKSUM = 103,
@@ -179,8 +179,8 @@ enum sinew_status
     SINEW_STATUS_FILE_MISMATCH = 117,
     /// An element breaks a rule of its section, which FORMAT.md states. Index: the element.
     SINEW_STATUS_FILE_INVALID = 118,
-    /// The file ends early. Expected, found: bytes of the section; or, without a section, of the file, and then index
-    /// says in what it ends: 0 the head, 1 the part table, 2 the section table, 3 the padding, 4 the blob.
+    /// The file ends early. Expected, found: bytes of the section. Without a section they are bytes of the file, and
+    /// index is the place of its end: 0 the head, 1 the part table, 2 the section table, 3 the padding, 4 the blob.
     SINEW_STATUS_FILE_TRUNCATED = 119,
     /// A byte of the space is one that no space has. Index: which; found: the byte.
     SINEW_STATUS_FILE_SPACE = 120,
@@ -421,13 +421,13 @@ enum sinew_pose_fault_kind
     SINEW_POSE_FAULT_KIND_HANDEDNESS = 9,
     /// A joint is off the place to which its parent carries it, and no mistake about the whole pose explains it.
     SINEW_POSE_FAULT_KIND_APART = 10,
-    /// No frame was written: a matrix is zero, or the frames from which the pose was gathered are all the identity.
+    /// No frame was written: a matrix is zero, or all gathered frames are the identity.
     SINEW_POSE_FAULT_KIND_UNSET = 11,
     /// The matrices are the joints' frames: the inverse bind matrices were not applied.
     SINEW_POSE_FAULT_KIND_FRAMES = 12,
     /// The inverse bind matrices were applied twice.
     SINEW_POSE_FAULT_KIND_BOUND_TWICE = 13,
-    /// The matrices, or the frames from which the pose was gathered, are each in the space of the joint's parent.
+    /// Each matrix, or each gathered frame, is in the space of the joint's parent.
     SINEW_POSE_FAULT_KIND_LOCAL = 14,
 };
 #ifndef __cplusplus

@@ -59,7 +59,7 @@ fn a_skeleton_is_bound_and_gathered() {
         let missing = bound.missing_parent.map_or(SINEW_NO_JOINT, |joint| joint as u32);
         assert_eq!((told.missing_parent, missing), (SINEW_NO_JOINT, SINEW_NO_JOINT));
         let at = map.as_mut_ptr();
-        let mut bind = |names: &[sinew_name]| {
+        let bind = |names: &[sinew_name]| {
             // SAFETY: an open envelope, and arrays with their lengths.
             unsafe {
                 sinew_envelope_bind(handle, names.as_ptr(), names.len(), at, len, null_mut(), NONE)
