@@ -61,9 +61,9 @@ fn is_unset(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> bool {
         off.iter().all(|off| off.abs() <= RIGID_TOLERANCE)
             && dot([tx, ty, tz], [tx, ty, tz]) <= reach * reach
     };
-    let frames =
+    let mut frames =
         pose.iter().zip(envelope.inverse_binds()).map(|(m, bind)| compose(m, &inverse(&bind)));
-    frames.map(is_identity).all(|is_identity| is_identity)
+    frames.all(is_identity)
 }
 
 fn shift(m: &Matrix3x4) -> [f32; 3] {

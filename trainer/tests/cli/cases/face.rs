@@ -9,6 +9,9 @@ const FACES: [&str; 2] = ["face/face_arkit.npz", "face/face_prefixed.npz"];
 /// Rows of the 120 that `take_lost.csv` lost, the first being 0.
 const LOST: [usize; 4] = [40, 41, 42, 43];
 
+/// A way to lose a row: its name, and the change of the line.
+type Spoil<'a> = (&'a str, &'a dyn Fn(&str) -> String);
+
 fn folder(test: &str, takes: &[&str]) -> Option<Folder> {
     with_cases(test, &[&FACES[..], takes].concat())
 }
@@ -117,7 +120,7 @@ fn rows_in_which_the_tracking_is_lost_are_left_out_and_counted() {
     };
     let first_two =
         |line: &str, count: &str| format!("{},{count}", line.split(',').next().unwrap());
-    let spoils: [(&str, &dyn Fn(&str) -> String); 5] = [
+    let spoils: [Spoil<'_>; 5] = [
         ("short", &|line| first_two(line, "0")),
         ("empty", &|line| {
             cells(line, &|at, cell| if at > 1 { String::new() } else { cell.to_owned() })
