@@ -141,7 +141,7 @@ enum sinew_status
     /// Written in a version of the format that this library does not know. Expected, found.
     SINEW_STATUS_FILE_VERSION = 101,
     /// The file contradicts itself. Index 1 or 2: the part or the section table has no whole rows, and expected and
-    /// found are bytes of a row and of the table; 3: they are zeros before the blob; 4: they are bytes of the file.
+    /// found are bytes of a row and of the table; 3: they are the alignment of the blob, which follows zeros, and its place; 4: they are bytes of the file.
     SINEW_STATUS_FILE_MALFORMED = 102,
     /// The file was changed after it was written. Expected, found: its CRC-32.
     SINEW_STATUS_FILE_CHECKSUM = 103,

@@ -69,7 +69,7 @@ pub enum sinew_status {
     /// Written in a version of the format that this library does not know. Expected, found.
     FileVersion = 101,
     /// The file contradicts itself. Index 1 or 2: the part or the section table has no whole rows, and expected and
-    /// found are bytes of a row and of the table; 3: they are zeros before the blob; 4: they are bytes of the file.
+    /// found are bytes of a row and of the table; 3: they are the alignment of the blob, which follows zeros, and its place; 4: they are bytes of the file.
     FileMalformed = 102,
     /// The file was changed after it was written. Expected, found: its CRC-32.
     FileChecksum = 103,

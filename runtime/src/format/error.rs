@@ -29,7 +29,8 @@ pub enum FileErrorKind {
     /// Written in version `found`; this reader knows `expected`.
     Version,
     /// The message contradicts itself, at the place `index`. 1 or 2: the part or the section table has `found` bytes,
-    /// expected rows of `expected` bytes. 3: `found` zeros stand before the blob, expected `expected`. 4: the file has
+    /// expected rows of `expected` bytes. 3: the blob stands at byte `found`, expected a
+    /// multiple of `expected` after zeros. 4: the file has
     /// `found` bytes, expected `expected`, the end of the blob.
     Malformed,
     /// The file was changed after it was written: it states checksum `expected`, and has `found`.
@@ -151,7 +152,10 @@ impl fmt::Display for FileError {
                 ),
             },
             FileErrorKind::Malformed => match index {
-                3 => write!(f, "the blob: expected after {expected} zeros, found after {found}"),
+                3 => write!(
+                    f,
+                    "the blob: expected after zeros at a multiple of {expected} bytes, found at byte {found}"
+                ),
                 4 => write!(f, "the file: expected {expected} bytes, found {found}"),
                 _ => write!(
                     f,

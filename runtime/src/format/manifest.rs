@@ -123,7 +123,7 @@ impl Manifest {
     /// Reads and checks what stands before the blob: steps 1 to 4 of FORMAT.md.
     pub(crate) fn read(&mut self, loading: &Loading<'_>) -> Checked {
         let file = loading.file;
-        let [parts, sections, _, blob] = message(loading)?;
+        let (parts, sections, _, blob) = message(loading)?;
         // A file that has been decoded is long enough to have one.
         self.id = FileId::of(file).unwrap_or(FileId::NONE);
         self.parts = Span::of(parts, file);
@@ -264,6 +264,10 @@ fn unknown(part: PartRow, row: &SectionRow) -> Option<u16> {
     }
 }
 
+/// Whether errors of the section table name the section and its bytes, and those of truncated files the section. On bare
+/// targets, whose flash is small, the former have the row alone, and a truncated file asks for one byte more.
+const IS_PARTICULAR: bool = cfg!(not(target_os = "none"));
+
 /// Refuses a row of the section table, whose part and section it names.
 #[cold]
 fn refuse_row(
@@ -273,12 +277,15 @@ fn refuse_row(
     row: &SectionRow,
     values: [u32; 2],
 ) -> Refused {
+    if !IS_PARTICULAR {
+        return loading.refuse(kind, None, index, [0; 2]);
+    }
     loading.of_part(row.part);
     loading.refuse(kind, SectionKind::from_number(row.kind), index, values)
 }
 
 /// The byte strings of a message: part rows, section rows, padding, blob.
-type Strings<'a> = [&'a [u8]; 4];
+type Strings<'a> = (&'a [u8], &'a [u8], &'a [u8], &'a [u8]);
 
 /// Checks what stands before the tables: size, magic, version, checksum, features, padding, space.
 fn message<'a>(loading: &Loading<'a>) -> Checked<Strings<'a>> {
@@ -287,7 +294,7 @@ fn message<'a>(loading: &Loading<'a>) -> Checked<Strings<'a>> {
     check_limit(loading, 0, loading.limits.file_bytes, file.len())?;
     let word = |at: usize| file.get(at..).and_then(<[u8]>::first_chunk).copied();
     let (Some(magic), Some(&version)) = (word(0), file.get(MAGIC.len())) else {
-        return Err(truncated(loading, HEAD, HEAD_BYTES));
+        return Err(cut_off(loading));
     };
     if magic != MAGIC {
         return wrong(Kind::NotAModel, [MAGIC, magic].map(u32::from_le_bytes));
@@ -295,7 +302,8 @@ fn message<'a>(loading: &Loading<'a>) -> Checked<Strings<'a>> {
     if version != VERSION {
         return wrong(Kind::Version, [VERSION.into(), version.into()]);
     }
-    let (strings, rest) = strings(loading)?;
+    let read = file.get(HEAD_BYTES..).and_then(|rest| postcard::take_from_bytes(rest).ok());
+    let (strings, rest): (Strings<'_>, _) = read.ok_or_else(|| cut_off(loading))?;
     let stated = u32::from_le_bytes(word(CHECKSUM_OFFSET).unwrap_or_default());
     let found = checksum(file);
     if stated != found {
@@ -305,58 +313,53 @@ fn message<'a>(loading: &Loading<'a>) -> Checked<Strings<'a>> {
     if features & !FEATURES != 0 {
         return wrong(Kind::Unsupported, [FEATURES, features & !FEATURES]);
     }
-    let [_, _, padding, blob] = strings;
+    let (_, _, padding, blob) = strings;
     if !rest.is_empty() {
         let values = [file.len() - rest.len(), file.len()].map(narrow);
         return Err(loading.refuse(Kind::Malformed, None, BLOB, values));
     }
-    let zeros = padding.iter().take_while(|&&byte| byte == 0).count();
-    let off = (file.len() - blob.len()) % ALIGNMENT;
-    if zeros < padding.len() || off != 0 {
-        let expected = if off == 0 { padding.len() } else { padding.len() + ALIGNMENT - off };
-        return Err(loading.refuse(Kind::Malformed, None, PADDING, [expected, zeros].map(narrow)));
+    let blob_start = file.len() - blob.len();
+    if !blob_start.is_multiple_of(ALIGNMENT) || !padding.iter().all(|&byte| byte == 0) {
+        let values = [ALIGNMENT, blob_start].map(narrow);
+        return Err(loading.refuse(Kind::Malformed, None, PADDING, values));
     }
     let space = Space::bytes(file);
     if let Some(at) = Space::unsound(space) {
-        let found = space.get(at).copied().unwrap_or_default();
+        let found = space.into_iter().nth(at).unwrap_or_default();
         return Err(loading.refuse(Kind::Space, None, at, [0, found.into()]));
     }
     Ok(strings)
 }
 
-/// Reads the byte strings, and what follows them.
-fn strings<'a>(loading: &Loading<'a>) -> Checked<(Strings<'a>, &'a [u8])> {
-    let file = loading.file;
-    let mut rest = file.get(HEAD_BYTES..).ok_or_else(|| truncated(loading, HEAD, HEAD_BYTES))?;
-    let mut strings: Strings<'a> = [&[]; 4];
-    for place in [PART_TABLE, SECTION_TABLE, PADDING, BLOB] {
-        let (len, after) = match postcard::take_from_bytes::<usize>(rest) {
-            Ok(read) => read,
-            Err(postcard::Error::DeserializeUnexpectedEnd) => {
-                return Err(truncated(loading, place, file.len() + 1));
-            }
-            Err(_) => return Err(truncated(loading, place, usize::MAX)),
-        };
-        let Some((own, after)) = after.split_at_checked(len) else {
-            let [_, sections, ..] = strings;
-            let end = (file.len() - after.len()).saturating_add(len);
-            let cut =
-                if place == BLOB { cut_section(loading, sections, after.len()) } else { None };
-            return Err(cut.unwrap_or_else(|| truncated(loading, place, end)));
-        };
-        if let Some(string) = strings.get_mut(place - PART_TABLE) {
-            *string = own;
-        }
-        rest = after;
-    }
-    Ok((strings, rest))
-}
-
-/// Refuses a file that ends early in something, and should have so many bytes at least.
+/// Refuses a file that ends before its byte strings do.
 #[cold]
-fn truncated(loading: &Loading<'_>, place: usize, expected: usize) -> Refused {
-    let values = [expected, loading.file.len()].map(narrow);
-    loading.refuse(Kind::Truncated, None, place, values)
+fn cut_off(loading: &Loading<'_>) -> Refused {
+    let file = loading.file;
+    let (mut place, mut expected) = (HEAD, HEAD_BYTES);
+    if !IS_PARTICULAR {
+        (place, expected) = (BLOB, file.len() + 1);
+    } else if let Some(mut rest) = file.get(HEAD_BYTES..) {
+        let mut sections = rest;
+        for string in PART_TABLE..=BLOB {
+            // A length that is cut off asks for a byte more than is there.
+            let at_end = rest.get(rest.len()..).unwrap_or_default();
+            let (len, after) = postcard::take_from_bytes(rest).unwrap_or((1, at_end));
+            (place, expected) = (string, (file.len() - after.len()).saturating_add(len));
+            let Some((own, after)) = after.split_at_checked(len) else {
+                if string == BLOB
+                    && let Some(refused) = cut_section(loading, sections, after.len())
+                {
+                    return refused;
+                }
+                break;
+            };
+            if string == SECTION_TABLE {
+                sections = own;
+            }
+            rest = after;
+        }
+    }
+    loading.refuse(Kind::Truncated, None, place, [expected, file.len()].map(narrow))
 }
 
 /// Refuses a file whose blob has so many bytes and ends inside a section; `None` if it ends behind the known ones.

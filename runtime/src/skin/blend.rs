@@ -3,8 +3,8 @@
 use super::view::Skin;
 use crate::linear::{self, Le, Matrix3x4, dot};
 use crate::numeric::sqrt;
+use core::iter;
 use core::ops::Range;
-use core::slice::ChunksExact;
 use glam::{Mat4, Vec4, Vec4Swizzles};
 
 /// The influences of all vertices, and the palette that they refer to.
@@ -18,9 +18,6 @@ pub(super) struct Influences<'a> {
 
 /// Indices and weights of vertices with four influences each.
 pub(super) type Fours<'a> = (&'a [[[u8; 2]; 4]], &'a [[Le; 4]]);
-
-/// Indices and weights of vertices, vertex by vertex.
-type Rows<'a> = (ChunksExact<'a, [u8; 2]>, ChunksExact<'a, Le>);
 
 #[cfg(feature = "prior")]
 impl Skin<'_> {
@@ -56,15 +53,20 @@ impl<'a> Influences<'a> {
         Some((indices, self.weights.as_chunks().0.get(vertices)?))
     }
 
-    /// Returns the indices and weights of a range's vertices, one after the other; none if there are no influences.
+    /// Blends the transforms of vertices; of none where they have no influences.
     #[inline(always)]
-    pub(super) fn rows(&self, vertices: Range<usize>) -> Rows<'a> {
+    pub(super) fn blend_each(&self, vertices: Range<usize>) -> impl Iterator<Item = Mat4> {
         let all = vertices.start * self.len..vertices.end * self.len;
         let influences = self.indices.get(all.clone()).zip(self.weights.get(all));
-        let (indices, weights) = influences.unwrap_or_default();
-        // Chunks of zero would panic.
+        let (mut indices, mut weights) = influences.unwrap_or_default();
+        // At least one, so that the loop over a vertex's influences needs no way around it.
         let len = self.len.max(1);
-        (indices.chunks_exact(len), weights.chunks_exact(len))
+        iter::from_fn(move || {
+            let (first_indices, more_indices) = indices.split_at_checked(len)?;
+            let (first_weights, more_weights) = weights.split_at_checked(len)?;
+            (indices, weights) = (more_indices, more_weights);
+            blend(self.palette, first_indices, first_weights)
+        })
     }
 
     /// Blends the transforms of one vertex, as [`blend`] does.

@@ -315,9 +315,7 @@ fn positions_alone(
         }
         return;
     }
-    let (indices, weights) = influences.rows(vertices);
-    for (i, ((rest, indices), weights)) in rest.iter().zip(indices).zip(weights).enumerate() {
-        let Some(transform) = influences.blend_row(indices, weights) else { return };
+    for (i, (rest, transform)) in rest.iter().zip(influences.blend_each(vertices)).enumerate() {
         out.put(i, moved(&transform, floats(rest)));
     }
 }

@@ -29,10 +29,7 @@ fn cut(file: &[u8], len: usize) -> FileError {
         }
     }
     let start = file.len() - blob;
-    if len < start {
-        return FileError { index: 4, expected: len as u32 + 1, ..whole };
-    }
-    let left = |row: &SectionRow| (len - start).saturating_sub(row.offset as usize) as u32;
+    let left = |row: &SectionRow| len.saturating_sub(start + row.offset as usize) as u32;
     let row = sections.iter().find(|row| left(row) < row.bytes).unwrap();
     FileError {
         part: Some(row.part),
