@@ -42,6 +42,10 @@ pub enum CallErrorKind {
     NoOutput,
     /// The names have no joint of the name of joint `index`, the root, which could follow no other.
     NoRoot,
+    /// The skeleton has joint `index` under another name: name `found` has another prefix, case or separators.
+    OtherName,
+    /// Of the envelope's `expected` joints the names have the root alone.
+    NoJoints,
 }
 
 /// The argument that a [`CallError`] is about.
@@ -242,6 +246,15 @@ impl fmt::Display for CallError {
                     "{name}: joint {index}, the root, is not among them and can follow no other"
                 )
             }
+            CallErrorKind::OtherName => write!(
+                f,
+                "{name}: name {found} is joint {index} with another prefix, case or separators: give the names as \
+                 Envelope::joint_name has them"
+            ),
+            CallErrorKind::NoJoints => write!(
+                f,
+                "{name}: the root alone of {expected} joints is among them: compare them with Envelope::joint_name"
+            ),
         }
     }
 }

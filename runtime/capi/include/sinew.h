@@ -35,7 +35,7 @@
 /// Version of the ABI that this header describes; `sinew_abi_version` returns the library's.
 ///
 /// It grows when a function, a structure or the meaning of a number changes.
-#define SINEW_ABI_VERSION 7
+#define SINEW_ABI_VERSION 8
 
 /// Stands for no part.
 #define SINEW_NO_PART UINT32_MAX
@@ -112,6 +112,11 @@ enum sinew_status
     SINEW_STATUS_NO_OUTPUT = 9,
     /// The skeleton lacks the root, which can follow no other joint. Index: the root.
     SINEW_STATUS_NO_ROOT = 10,
+    /// The skeleton has a joint under a name of another prefix, case or separators. Index: the joint; found: the place
+    /// of the skeleton's name.
+    SINEW_STATUS_OTHER_NAME = 11,
+    /// The skeleton has the root alone of several joints. Expected, found: joints.
+    SINEW_STATUS_NO_JOINTS = 12,
     /// A pointer is null.
     SINEW_STATUS_NULL = 50,
     /// A pointer is not aligned for what it points to. Expected: bytes of alignment; found: bytes
@@ -135,8 +140,8 @@ enum sinew_status
     SINEW_STATUS_FILE_NOT_A_MODEL = 100,
     /// Written in a version of the format that this library does not know. Expected, found.
     SINEW_STATUS_FILE_VERSION = 101,
-    /// The file ends early, or has bytes left over, or states a length, padding or a space that cannot
-    /// be.
+    /// The file contradicts itself. Index 1 or 2: the part or the section table has no whole rows, and expected and
+    /// found are bytes of a row and of the table; 3: they are the alignment of the blob, which follows zeros, and its place; 4: they are bytes of the file.
     SINEW_STATUS_FILE_MALFORMED = 102,
     /// The file was changed after it was written. Expected, found: its CRC-32.
     SINEW_STATUS_FILE_CHECKSUM = 103,
@@ -150,11 +155,11 @@ enum sinew_status
     /// A section names a part that is not there. Index: its row; expected: how many there are; found:
     /// the part.
     SINEW_STATUS_FILE_PART_INDEX = 106,
-    /// A section does not start on the alignment. Index: its row.
+    /// A section does not start on the alignment. Index: its row; expected: the alignment; found: its offset.
     SINEW_STATUS_FILE_ALIGNMENT = 107,
-    /// A section starts before the one listed before it ends. Index: its row.
+    /// A section starts before the one listed before it ends. Index: its row; expected: that end; found: its offset.
     SINEW_STATUS_FILE_OVERLAP = 108,
-    /// A section reaches beyond the blob. Index: its row.
+    /// A section reaches beyond the blob. Index: its row; expected: bytes of the blob; found: its end.
     SINEW_STATUS_FILE_BOUNDS = 109,
     /// A part has two sections of one kind. Index: the second's row.
     SINEW_STATUS_FILE_DUPLICATE = 110,
@@ -174,6 +179,11 @@ enum sinew_status
     SINEW_STATUS_FILE_MISMATCH = 117,
     /// An element breaks a rule of its section, which FORMAT.md states. Index: the element.
     SINEW_STATUS_FILE_INVALID = 118,
+    /// The file ends early. Expected, found: bytes of the section. Without a section they are bytes of the file, and
+    /// index is the place of its end: 0 the head, 1 the part table, 2 the section table, 3 the padding, 4 the blob.
+    SINEW_STATUS_FILE_TRUNCATED = 119,
+    /// A byte of the space is one that no space has. Index: which; found: the byte.
+    SINEW_STATUS_FILE_SPACE = 120,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -411,6 +421,14 @@ enum sinew_pose_fault_kind
     SINEW_POSE_FAULT_KIND_HANDEDNESS = 9,
     /// A joint is off the place to which its parent carries it, and no mistake about the whole pose explains it.
     SINEW_POSE_FAULT_KIND_APART = 10,
+    /// No frame was written: a matrix is zero, or all gathered frames are the identity.
+    SINEW_POSE_FAULT_KIND_UNSET = 11,
+    /// The matrices are the joints' frames: the inverse bind matrices were not applied.
+    SINEW_POSE_FAULT_KIND_FRAMES = 12,
+    /// The inverse bind matrices were applied twice.
+    SINEW_POSE_FAULT_KIND_BOUND_TWICE = 13,
+    /// Each matrix, or each gathered frame, is in the space of the joint's parent.
+    SINEW_POSE_FAULT_KIND_LOCAL = 14,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -622,6 +640,14 @@ typedef struct sinew_name {
     /// Bytes of the name.
     size_t name_len;
 } sinew_name;
+
+/// What `sinew_envelope_bind` found of the file's joints in a skeleton.
+typedef struct sinew_bound_joints {
+    /// Number of joints that the skeleton has, at least the root.
+    uint32_t found_len;
+    /// First joint that the skeleton lacks although it has the joint's child, or `SINEW_NO_JOINT`.
+    uint32_t missing_parent;
+} sinew_bound_joints;
 
 /// What `sinew_envelope_check_pose` found.
 typedef struct sinew_pose_fault {
@@ -1324,18 +1350,22 @@ sinew_status sinew_envelope_rest_locals(const struct sinew_envelope *envelope,
                                         size_t local_len,
                                         struct sinew_error *out_error);
 
-/// Finds the file's joints in a skeleton of the caller's, for `sinew_envelope_gather`.
+/// Finds the file's joints in a skeleton of the caller's, for `sinew_envelope_gather`. Names must be equal. A joint
+/// that the skeleton lacks follows its parent: compare `found_len` of `out_bound` with the envelope's `joint_len`.
 ///
 /// - `names`, `names_len`: of the skeleton's joints, in its order; more than the file has, or fewer. Of two
 ///   of one name the first counts.
 /// - `out_map`, `map_len`: receive for each of the J joints the number of the skeleton's, or `SINEW_FOLDED`.
+/// - `out_bound`: null, or receives how many joints were found.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `NO_ROOT`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OTHER_NAME`, `NO_ROOT`, `NO_JOINTS`, `TOO_LONG`,
+/// `OVERLAP`.
 sinew_status sinew_envelope_bind(const struct sinew_envelope *envelope,
                                  const struct sinew_name *names,
                                  size_t names_len,
                                  uint32_t *out_map,
                                  size_t map_len,
+                                 struct sinew_bound_joints *out_bound,
                                  struct sinew_error *out_error);
 
 /// Gathers the J skinning matrices of a pose from the frames of the caller's skeleton after its hierarchy pass:

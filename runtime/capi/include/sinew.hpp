@@ -142,12 +142,13 @@ class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE
         return failure;
     }
 
-    /// Finds the file's joints among the names of a skeleton's.
-    Failure bind(Span<const sinew_name> names, std::vector<std::uint32_t> &out_map) const {
+    /// Finds the file's joints among the names of a skeleton's; `out_bound` says how many it found.
+    Failure bind(Span<const sinew_name> names, std::vector<std::uint32_t> &out_map,
+                 sinew_bound_joints &out_bound) const {
         Failure failure;
         out_map.resize(info().joint_len);
         failure.status = sinew_envelope_bind(get(), names.data, names.len, out_map.data(),
-                                             out_map.size(), &failure.error);
+                                             out_map.size(), &out_bound, &failure.error);
         return failure;
     }
 

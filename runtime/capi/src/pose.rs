@@ -2,7 +2,7 @@
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Span};
-use crate::envelope::sinew_envelope;
+use crate::envelope::{SINEW_NO_JOINT, sinew_envelope};
 use crate::error::sinew_error;
 use crate::matrix::{sinew_local_transform, sinew_matrix};
 use crate::part;
@@ -24,6 +24,16 @@ pub struct sinew_name {
     pub name: *const c_char,
     /// Bytes of the name.
     pub name_len: usize,
+}
+
+/// What `sinew_envelope_bind` found of the file's joints in a skeleton.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct sinew_bound_joints {
+    /// Number of joints that the skeleton has, at least the root.
+    pub found_len: u32,
+    /// First joint that the skeleton lacks although it has the joint's child, or `SINEW_NO_JOINT`.
+    pub missing_parent: u32,
 }
 
 /// The likely mistake of a pose that is none of the skeleton's.
@@ -50,6 +60,14 @@ pub enum sinew_pose_fault_kind {
     Handedness = 9,
     /// A joint is off the place to which its parent carries it, and no mistake about the whole pose explains it.
     Apart = 10,
+    /// No frame was written: a matrix is zero, or all gathered frames are the identity.
+    Unset = 11,
+    /// The matrices are the joints' frames: the inverse bind matrices were not applied.
+    Frames = 12,
+    /// The inverse bind matrices were applied twice.
+    BoundTwice = 13,
+    /// Each matrix, or each gathered frame, is in the space of the joint's parent.
+    Local = 14,
 }
 
 /// What `sinew_envelope_check_pose` found.
@@ -99,13 +117,16 @@ pub unsafe extern "C" fn sinew_envelope_rest_locals(
     unsafe { border::call(out_error, body) }
 }
 
-/// Finds the file's joints in a skeleton of the caller's, for `sinew_envelope_gather`.
+/// Finds the file's joints in a skeleton of the caller's, for `sinew_envelope_gather`. Names must be equal. A joint
+/// that the skeleton lacks follows its parent: compare `found_len` of `out_bound` with the envelope's `joint_len`.
 ///
 /// - `names`, `names_len`: of the skeleton's joints, in its order; more than the file has, or fewer. Of two
 ///   of one name the first counts.
 /// - `out_map`, `map_len`: receive for each of the J joints the number of the skeleton's, or `SINEW_FOLDED`.
+/// - `out_bound`: null, or receives how many joints were found.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `NO_ROOT`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OTHER_NAME`, `NO_ROOT`, `NO_JOINTS`, `TOO_LONG`,
+/// `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_envelope_bind(
     envelope: *const sinew_envelope,
@@ -113,6 +134,7 @@ pub unsafe extern "C" fn sinew_envelope_bind(
     names_len: usize,
     out_map: *mut u32,
     map_len: usize,
+    out_bound: *mut sinew_bound_joints,
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let body = || {
@@ -120,14 +142,22 @@ pub unsafe extern "C" fn sinew_envelope_bind(
         let (envelope, [own, model, file]) = unsafe { part::view(envelope) }?;
         let names = Array::new(names, names_len, sinew_argument::Names)?;
         let out = Array::new(out_map, map_len, sinew_argument::Joints)?;
-        border::apart(&[out.span()], &[own, model, file, names.span()])?;
+        let out_bound = Array::optional(out_bound, sinew_argument::Result)?;
+        let written = [out.span(), out_bound.span()];
+        border::apart(&written, &[own, model, file, names.span()])?;
         // SAFETY: lent by the caller, and apart from what is written.
-        let names = unsafe { checked(names, &out.span()) }?;
+        let names = unsafe { checked(names, &written) }?;
         // SAFETY: apart from all else; lent by the caller.
         let out = unsafe { out.write() };
         // SAFETY: the names have been checked.
-        let is_it = |name: &sinew_name, own: &str| unsafe { bytes(name) } == own.as_bytes();
-        Ok(envelope.bind_joints(|own| names.iter().position(|name| is_it(name, own)), out)?)
+        let bound = envelope.bind_joints(names.iter().map(|name| unsafe { bytes(name) }), out)?;
+        let bound = sinew_bound_joints {
+            found_len: bound.found_len as u32,
+            missing_parent: bound.missing_parent.map_or(SINEW_NO_JOINT, |joint| joint as u32),
+        };
+        // SAFETY: one element or none, which the caller lets be written.
+        unsafe { out_bound.write() }.fill(bound);
+        Ok(())
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
@@ -293,7 +323,7 @@ pub unsafe extern "C" fn sinew_skeleton_hash(
         let out = Array::one(out_hash, sinew_argument::Result)?;
         border::apart(&[out.span()], &[names.span(), parents.span()])?;
         // SAFETY: lent by the caller, and apart from what is written.
-        let (names, parents) = unsafe { (checked(names, &out.span())?, parents.read()) };
+        let (names, parents) = unsafe { (checked(names, &[out.span()])?, parents.read()) };
         // SAFETY: the names have been checked.
         let names = names.iter().map(|name| unsafe { bytes(name) });
         let parents = parents.iter().map(|parent| usize::try_from(*parent).ok());
@@ -312,14 +342,14 @@ pub unsafe extern "C" fn sinew_skeleton_hash(
 /// For `'a` the caller keeps the names, and what they point to, readable and unchanged.
 unsafe fn checked<'a>(
     names: Array<sinew_name>,
-    written: &Span,
+    written: &[Span],
 ) -> Result<&'a [sinew_name], sinew_error> {
     // SAFETY: the caller's promise is passed on.
     let names = unsafe { names.read() };
     for (index, name) in names.iter().enumerate() {
         let text = Array::new(name.name.cast::<u8>(), name.name_len, sinew_argument::Names);
         let text = text.map_err(|error| error.at(index))?;
-        border::apart(&[*written], &[text.span()])?;
+        border::apart(written, &[text.span()])?;
     }
     Ok(names)
 }
@@ -347,7 +377,7 @@ const SOUND: sinew_pose_fault = sinew_pose_fault {
 };
 
 /// What to do about each mistake.
-const REMEDIES: [(sinew_pose_fault_kind, &CStr); 10] = {
+const REMEDIES: [(sinew_pose_fault_kind, &CStr); 14] = {
     use sinew_pose_fault_kind as K;
     [
         (K::None, c"nothing: the pose is one of the skeleton's"),
@@ -369,6 +399,16 @@ const REMEDIES: [(sinew_pose_fault_kind, &CStr); 10] = {
             K::Apart,
             c"off its parent: look at its parent and its inverse bind matrix, or train such poses",
         ),
+        (K::Unset, c"not set: write the skeleton's frames before the pose is made of them"),
+        (
+            K::Frames,
+            c"frames without inverse bind matrices: sinew_envelope_gather multiplies by them",
+        ),
+        (
+            K::BoundTwice,
+            c"inverse bind matrices applied twice: give sinew_envelope_gather the joints' frames",
+        ),
+        (K::Local, c"in the parents' spaces: chain local transforms with sinew_envelope_pose"),
     ]
 };
 
@@ -388,6 +428,10 @@ impl From<PoseFault> for sinew_pose_fault {
             PoseFaultKind::Axes => K::Axes,
             PoseFaultKind::Handedness => K::Handedness,
             PoseFaultKind::Apart => K::Apart,
+            PoseFaultKind::Unset => K::Unset,
+            PoseFaultKind::Frames => K::Frames,
+            PoseFaultKind::BoundTwice => K::BoundTwice,
+            PoseFaultKind::Local => K::Local,
         };
         Self { kind, joint: joint as u32, factor, found, allowed, axes: axes.map(i32::from) }
     }

@@ -38,6 +38,11 @@ pub enum sinew_status {
     NoOutput = 9,
     /// The skeleton lacks the root, which can follow no other joint. Index: the root.
     NoRoot = 10,
+    /// The skeleton has a joint under a name of another prefix, case or separators. Index: the joint; found: the place
+    /// of the skeleton's name.
+    OtherName = 11,
+    /// The skeleton has the root alone of several joints. Expected, found: joints.
+    NoJoints = 12,
 
     /// A pointer is null.
     Null = 50,
@@ -63,8 +68,8 @@ pub enum sinew_status {
     FileNotAModel = 100,
     /// Written in a version of the format that this library does not know. Expected, found.
     FileVersion = 101,
-    /// The file ends early, or has bytes left over, or states a length, padding or a space that cannot
-    /// be.
+    /// The file contradicts itself. Index 1 or 2: the part or the section table has no whole rows, and expected and
+    /// found are bytes of a row and of the table; 3: they are the alignment of the blob, which follows zeros, and its place; 4: they are bytes of the file.
     FileMalformed = 102,
     /// The file was changed after it was written. Expected, found: its CRC-32.
     FileChecksum = 103,
@@ -78,11 +83,11 @@ pub enum sinew_status {
     /// A section names a part that is not there. Index: its row; expected: how many there are; found:
     /// the part.
     FilePartIndex = 106,
-    /// A section does not start on the alignment. Index: its row.
+    /// A section does not start on the alignment. Index: its row; expected: the alignment; found: its offset.
     FileAlignment = 107,
-    /// A section starts before the one listed before it ends. Index: its row.
+    /// A section starts before the one listed before it ends. Index: its row; expected: that end; found: its offset.
     FileOverlap = 108,
-    /// A section reaches beyond the blob. Index: its row.
+    /// A section reaches beyond the blob. Index: its row; expected: bytes of the blob; found: its end.
     FileBounds = 109,
     /// A part has two sections of one kind. Index: the second's row.
     FileDuplicate = 110,
@@ -102,10 +107,15 @@ pub enum sinew_status {
     FileMismatch = 117,
     /// An element breaks a rule of its section, which FORMAT.md states. Index: the element.
     FileInvalid = 118,
+    /// The file ends early. Expected, found: bytes of the section. Without a section they are bytes of the file, and
+    /// index is the place of its end: 0 the head, 1 the part table, 2 the section table, 3 the padding, 4 the blob.
+    FileTruncated = 119,
+    /// A byte of the space is one that no space has. Index: which; found: the byte.
+    FileSpace = 120,
 }
 
 /// What each status means, in a few words.
-const TEXTS: [(sinew_status, &CStr); 38] = {
+const TEXTS: [(sinew_status, &CStr); 42] = {
     use sinew_status as S;
     [
         (S::Ok, c"done"),
@@ -119,6 +129,8 @@ const TEXTS: [(sinew_status, &CStr); 38] = {
         (S::NoStage, c"the envelope's predictor has no such stage"),
         (S::NoOutput, c"there is nothing to write to"),
         (S::NoRoot, c"the skeleton lacks the root"),
+        (S::OtherName, c"a joint's name has another prefix, case or separators in the skeleton"),
+        (S::NoJoints, c"the skeleton has no joint but the root"),
         (S::Null, c"a pointer is null"),
         (S::Misaligned, c"a pointer is not aligned"),
         (S::TooLong, c"an array reaches beyond the address space"),
@@ -129,7 +141,7 @@ const TEXTS: [(sinew_status, &CStr); 38] = {
         (S::NoVertices, c"the skin has no vertices"),
         (S::FileNotAModel, c"not a model"),
         (S::FileVersion, c"unknown version of the format"),
-        (S::FileMalformed, c"the file ends early or states something impossible"),
+        (S::FileMalformed, c"the file states something impossible"),
         (S::FileChecksum, c"damaged file"),
         (S::FileLimit, c"more than the limits or the format allow"),
         (S::FileUnsupported, c"the file needs something that this library does not know"),
@@ -146,6 +158,8 @@ const TEXTS: [(sinew_status, &CStr); 38] = {
         (S::FileIndex, c"an index is out of range"),
         (S::FileMismatch, c"a number does not follow from the rest of the file"),
         (S::FileInvalid, c"an element breaks a rule of its section"),
+        (S::FileTruncated, c"the file ends early"),
+        (S::FileSpace, c"the file's space is none"),
     ]
 };
 
@@ -170,6 +184,8 @@ impl From<CallErrorKind> for sinew_status {
             CallErrorKind::NoStage => Self::NoStage,
             CallErrorKind::NoOutput => Self::NoOutput,
             CallErrorKind::NoRoot => Self::NoRoot,
+            CallErrorKind::OtherName => Self::OtherName,
+            CallErrorKind::NoJoints => Self::NoJoints,
         }
     }
 }
@@ -180,6 +196,8 @@ impl From<FileErrorKind> for sinew_status {
             FileErrorKind::NotAModel => Self::FileNotAModel,
             FileErrorKind::Version => Self::FileVersion,
             FileErrorKind::Malformed => Self::FileMalformed,
+            FileErrorKind::Truncated => Self::FileTruncated,
+            FileErrorKind::Space => Self::FileSpace,
             FileErrorKind::Checksum => Self::FileChecksum,
             FileErrorKind::Limit => Self::FileLimit,
             FileErrorKind::Unsupported => Self::FileUnsupported,

@@ -1,49 +1,11 @@
-//! Skinning matrices from the frames of a larger skeleton, whose joints are found by their names.
+//! Skinning matrices from the frames of a larger skeleton.
 
+use super::bind::FOLDED;
 use super::key::joint_index;
 use super::local::check_root;
 use super::view::Envelope;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{Matrix3x4, compose, floats, rows};
-
-/// Stands in a joint map for a joint that the skeleton lacks: it moves as its parent does.
-pub const FOLDED: u32 = u32::MAX;
-
-impl Envelope<'_> {
-    /// Finds the file's joints in a skeleton of the caller's, for [`gather_pose`].
-    ///
-    /// - `place_of`: gives the number of the skeleton's joint of a name, if it has one.
-    /// - `out_map`: receives for each of the J joints the number of the skeleton's, or [`FOLDED`].
-    ///
-    /// # Errors
-    /// - [`CallErrorKind::Length`]: `out_map` does not hold J elements.
-    /// - [`CallErrorKind::OutOfRange`]: a number is too large for a map; the index is the file's joint.
-    /// - [`CallErrorKind::NoRoot`]: the skeleton lacks the root, which can be folded into no other;
-    ///   [`Envelope::joint_name`] of the index names it.
-    pub fn bind_joints(
-        &self,
-        place_of: impl Fn(&str) -> Option<usize>,
-        out_map: &mut [u32],
-    ) -> Result<(), CallError> {
-        Argument::Joints.check_len(self.joint_len(), out_map.len())?;
-        let place = |joint: usize| self.joint_name(joint).and_then(&place_of);
-        for joint in 0..self.joint_len() {
-            let error = |kind| CallError::new(kind, Argument::Names).at(joint);
-            match place(joint) {
-                None if joint == self.root() => return Err(error(CallErrorKind::NoRoot)),
-                Some(found) if found >= FOLDED as usize => {
-                    let most = FOLDED as usize - 1;
-                    return Err(error(CallErrorKind::OutOfRange).values(most, found));
-                }
-                _ => {}
-            }
-        }
-        for (joint, out) in out_map.iter_mut().enumerate() {
-            *out = place(joint).map_or(FOLDED, |place| place as u32);
-        }
-        Ok(())
-    }
-}
 
 /// Gathers the J skinning matrices of a pose from the frames of the caller's skeleton:
 /// `out_pose[j] = root world[map[j]] inverse_bind_j`; a joint that is folded has its parent's.

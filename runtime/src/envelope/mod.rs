@@ -10,6 +10,7 @@
 //!
 //! A [`crate::Skin`] takes the palette of any of them.
 
+mod bind;
 pub(crate) mod check;
 pub(crate) mod confidence;
 pub(crate) mod correction;
@@ -31,18 +32,20 @@ mod pose_check;
 mod pose_fault;
 mod pose_limits;
 mod pose_mistake;
+mod pose_space;
 mod rest;
 mod scratch;
 mod skeleton;
 mod trust;
 mod view;
 
+pub use bind::{BoundJoints, FOLDED};
 pub(crate) use counts::RULES;
 pub use counts::{
     BIND_TOLERANCE, Certificate, ENVELOPE_SECTIONS, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor,
     TWIST_MAX,
 };
-pub use gather::{FOLDED, gather_pose};
+pub use gather::gather_pose;
 pub use group::Group;
 pub use group_kernel::GroupKernel;
 pub use group_row::GroupRow;

@@ -17,9 +17,10 @@ impl Envelope<'_> {
     ///
     /// Each matrix must be a rotation and a translation, within [`RIGID_TOLERANCE`]; and each joint must be where its
     /// parent carries it, as far as it was in training: within [`super::GAP_MARGIN`] times [`Envelope::pose_gap`] and
-    /// [`super::GAP_TOLERANCE`] of the certificate's diagonal. The second tells other axes, other units and transposed
-    /// matrices from a pose. One of 53 joints is taken in 1.3 µs on a desktop; one that is refused is tried in all axes
-    /// and units, which takes up to 8 ms. A pose in which no joint turns is right in any axes.
+    /// [`super::GAP_TOLERANCE`] of the certificate's diagonal. The second tells these from a pose: other axes or units,
+    /// transposed matrices, frames, local transforms, and inverse bind matrices applied twice. A pose of 53 joints is
+    /// taken in 1.3 µs on a desktop. One that is refused is tried in all axes and units, which takes up to 8 ms. A pose
+    /// in which no joint turns is right in any axes.
     ///
     /// What it cannot see: that the whole character stands elsewhere, or lies, as it may.
     ///
@@ -88,6 +89,9 @@ fn not_rigid(m: &Matrix3x4, joint: usize) -> PoseFault {
         return PoseFault::new(Kind::NonFinite, joint);
     }
     let [x, y, z] = m.map(|[x, y, z, _]| [x, y, z]);
+    if [x, y, z] == [[0.0; 3]; 3] {
+        return PoseFault::new(Kind::Unset, joint);
+    }
     let factor = scale_of(m);
     let square = factor * factor;
     let off = |found: f32, expected: f32| (found - expected).abs();

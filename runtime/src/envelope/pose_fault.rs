@@ -43,6 +43,14 @@ pub enum PoseFaultKind {
     Handedness = 9,
     /// A joint is off the place to which its parent carries it, and no mistake about the whole pose explains it.
     Apart = 10,
+    /// No frame was written: a matrix is zero, or all gathered frames are the identity.
+    Unset = 11,
+    /// The matrices are the joints' frames: the inverse bind matrices were not applied.
+    Frames = 12,
+    /// The inverse bind matrices were applied twice.
+    BoundTwice = 13,
+    /// Each matrix, or each gathered frame, is in the space of the joint's parent.
+    Local = 14,
 }
 
 impl PoseFault {
@@ -54,7 +62,7 @@ impl PoseFault {
 
 impl PoseFaultKind {
     /// Every kind.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 14] = [
         Self::Length,
         Self::NonFinite,
         Self::Mirrored,
@@ -65,6 +73,10 @@ impl PoseFaultKind {
         Self::Axes,
         Self::Handedness,
         Self::Apart,
+        Self::Unset,
+        Self::Frames,
+        Self::BoundTwice,
+        Self::Local,
     ];
 
     /// Returns what to do about it.
@@ -89,6 +101,14 @@ impl PoseFaultKind {
             Self::Apart => {
                 "look whether the joint has this parent and this inverse bind matrix, or train with poses that move \
                  it so far"
+            }
+            Self::Unset => "write the skeleton's frames before the pose is made of them",
+            Self::Frames => {
+                "multiply each frame by the joint's inverse bind matrix, as gather_pose does"
+            }
+            Self::BoundTwice => "give gather_pose the joints' frames, not skinning matrices",
+            Self::Local => {
+                "chain the local transforms with model_space_pose, or take frames after the hierarchy pass"
             }
         }
     }
@@ -135,6 +155,23 @@ impl fmt::Display for PoseFault {
             PoseFaultKind::Apart => write!(
                 f,
                 "pose: joint {joint} is off its parent by {found}, expected at most {allowed}"
+            )?,
+            PoseFaultKind::Unset => write!(
+                f,
+                "pose: joint {joint} was not set: its matrix is zero, or every frame is the identity"
+            )?,
+            PoseFaultKind::Frames => write!(
+                f,
+                "pose: the matrices are the joints' frames, without the inverse bind matrices, joint {joint} is off \
+                 its parent by {found}"
+            )?,
+            PoseFaultKind::BoundTwice => write!(
+                f,
+                "pose: the inverse bind matrices are applied twice, joint {joint} is off its parent by {found}"
+            )?,
+            PoseFaultKind::Local => write!(
+                f,
+                "pose: each matrix is in the space of the joint's parent, joint {joint} is off its parent by {found}"
             )?,
         }
         write!(f, ": {}", kind.remedy())

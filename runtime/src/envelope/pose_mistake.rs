@@ -4,6 +4,7 @@
 use super::key::joint_index;
 use super::pose_fault::{PoseFault, PoseFaultKind as Kind};
 use super::pose_limits::{allowance_of, origin};
+use super::pose_space;
 use super::view::Envelope;
 use crate::linear::{Matrix3x4, compose, dot, floats, inverse, moved, rows};
 
@@ -32,6 +33,9 @@ pub(super) fn explained(
     pose: &[Matrix3x4],
     fault: PoseFault,
 ) -> PoseFault {
+    if let Some(kind) = pose_space::of(envelope, pose) {
+        return PoseFault { kind, ..fault };
+    }
     if has_lost_translations(envelope, pose) {
         return PoseFault { kind: Kind::Transposed, ..fault };
     }

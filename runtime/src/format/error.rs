@@ -10,7 +10,7 @@ pub struct FileError {
     pub kind: FileErrorKind,
     /// The part, a row of the part table; `None` for the file as a whole.
     pub part: Option<u16>,
-    /// The section; `None` for the message and its tables.
+    /// The section, or that of a row of the section table where it is known; `None` for the message and its tables.
     pub section: Option<SectionKind>,
     /// Which element: of the section, in what its table counts, or of a table, in rows.
     pub index: u32,
@@ -28,8 +28,10 @@ pub enum FileErrorKind {
     NotAModel,
     /// Written in version `found`; this reader knows `expected`.
     Version,
-    /// The file ends early, or has bytes left over, or states a length, padding or a space that
-    /// cannot be.
+    /// The message contradicts itself, at the place `index`. 1 or 2: the part or the section table has `found` bytes,
+    /// expected rows of `expected` bytes. 3: the blob stands at byte `found`, expected a
+    /// multiple of `expected` after zeros. 4: the file has
+    /// `found` bytes, expected `expected`, the end of the blob.
     Malformed,
     /// The file was changed after it was written: it states checksum `expected`, and has `found`.
     Checksum,
@@ -41,11 +43,11 @@ pub enum FileErrorKind {
     Unsupported,
     /// Row `index` of the section table names part `found` of `expected`.
     PartIndex,
-    /// Row `index` of the section table starts off the alignment.
+    /// Row `index` of the section table starts at byte `found` of the blob, expected a multiple of `expected`.
     Alignment,
-    /// Row `index` of the section table starts before the one before it ends.
+    /// Row `index` of the section table starts at byte `found` of the blob; the one before it ends at `expected`.
     Overlap,
-    /// Row `index` of the section table reaches beyond the blob.
+    /// Row `index` of the section table ends at byte `found` of the blob, which has `expected`.
     Bounds,
     /// Row `index` of the section table repeats a kind of its part.
     Duplicate,
@@ -74,11 +76,23 @@ pub enum FileErrorKind {
     /// does not give places and then numbers, an element has one point twice, a mask has more bits than there are
     /// points, a texture is empty or larger than the format allows.
     Invalid,
+    /// The file ends early: it has `found` bytes of the section, expected `expected`. Without a section both are bytes of
+    /// the file, `expected` the least, and `index` is the place of its end: 0 the head, 1 the part table, 2 the section
+    /// table, 3 the padding, 4 the blob.
+    Truncated,
+    /// Byte `index` of the space is `found`, which no space has.
+    Space,
 }
 
 /// Returns a number, or the most that an error holds.
 pub(crate) fn saturated(value: u64) -> u32 {
     u32::try_from(value).unwrap_or(u32::MAX)
+}
+
+/// Names what an index of [`FileErrorKind::Truncated`] and [`FileErrorKind::Malformed`] stands for.
+fn place(index: u32) -> &'static str {
+    let names = ["head", "part table", "section table", "padding", "blob"];
+    names.get(index as usize).copied().unwrap_or("file")
 }
 
 /// Names what an index counts where a section, or the file as a whole, has counts.
@@ -115,7 +129,7 @@ impl core::error::Error for FileError {}
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { kind, part, section, index, expected, found } = *self;
-        let name = section.map_or("the file", SectionKind::name);
+        let name = section.map_or("of an unknown kind", SectionKind::name);
         if let Some(part) = part {
             write!(f, "part {part}: ")?;
         }
@@ -126,9 +140,30 @@ impl fmt::Display for FileError {
             FileErrorKind::Version => {
                 write!(f, "format version: expected {expected}, found {found}")
             }
-            FileErrorKind::Malformed => {
-                f.write_str("the file ends early or states something impossible")
-            }
+            FileErrorKind::Truncated => match section {
+                Some(_) => write!(
+                    f,
+                    "the file ends early: section {name}: expected {expected} bytes, found {found}"
+                ),
+                None => write!(
+                    f,
+                    "the file ends early, in its {}: expected at least {expected} bytes, found {found}",
+                    place(index)
+                ),
+            },
+            FileErrorKind::Malformed => match index {
+                3 => write!(
+                    f,
+                    "the blob: expected after zeros at a multiple of {expected} bytes, found at byte {found}"
+                ),
+                4 => write!(f, "the file: expected {expected} bytes, found {found}"),
+                _ => write!(
+                    f,
+                    "the {}: expected rows of {expected} bytes, found {found} bytes",
+                    place(index)
+                ),
+            },
+            FileErrorKind::Space => write!(f, "byte {index} of the space: {found} is not one"),
             FileErrorKind::Checksum => {
                 write!(f, "damaged file: expected checksum {expected:08x}, found {found:08x}")
             }
@@ -145,10 +180,21 @@ impl fmt::Display for FileError {
             FileErrorKind::PartIndex => {
                 write!(f, "section row {index} belongs to part {found} of {expected}")
             }
-            FileErrorKind::Alignment => write!(f, "section row {index} is not aligned"),
-            FileErrorKind::Overlap => write!(f, "section row {index} starts inside another"),
-            FileErrorKind::Bounds => write!(f, "section row {index} reaches beyond the blob"),
-            FileErrorKind::Duplicate => write!(f, "section row {index} repeats a kind"),
+            FileErrorKind::Alignment => write!(
+                f,
+                "section row {index}, {name}: expected an offset that is a multiple of {expected}, found {found}"
+            ),
+            FileErrorKind::Overlap => write!(
+                f,
+                "section row {index}, {name}, starts inside another: expected an offset of at least {expected}, found \
+                 {found}"
+            ),
+            FileErrorKind::Bounds => write!(
+                f,
+                "section row {index}, {name}, reaches beyond the blob: expected an end of at most {expected}, found \
+                 {found}"
+            ),
+            FileErrorKind::Duplicate => write!(f, "section row {index}, {name}, repeats a kind"),
             FileErrorKind::Missing => write!(f, "section {name} is missing"),
             FileErrorKind::Unexpected => write!(f, "section {name} is not one of this part's"),
             FileErrorKind::Length => {

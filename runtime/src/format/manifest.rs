@@ -2,11 +2,18 @@
 
 use super::error::{FileErrorKind as Kind, saturated};
 use super::message::{ALIGNMENT, CHECKSUM_OFFSET, FEATURES, HEAD_BYTES, MAGIC, VERSION, checksum};
-use super::refusal::{Checked, Loading};
+use super::refusal::{Checked, Loading, Refused};
 use super::sections::SectionKind;
 use super::space::Space;
 use super::tables::{Element, PartKind, PartRow, REQUIRED, SectionRow};
 use core::num::NonZeroU16;
+
+/// What a file can end in, as errors number it.
+const HEAD: usize = 0;
+const PART_TABLE: usize = 1;
+const SECTION_TABLE: usize = 2;
+const PADDING: usize = 3;
+const BLOB: usize = 4;
 
 /// Where bytes lie in the file; a file has less than 4 GiB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,7 +190,8 @@ impl Manifest {
     fn check_parts(&self, loading: &Loading<'_>) -> Checked {
         let file = loading.file;
         if !self.parts.len().is_multiple_of(PartRow::BYTES) || self.parts.len() == 0 {
-            return Err(loading.refuse(Kind::Malformed, None, 0, [0; 2]));
+            let values = [PartRow::BYTES as u32, self.parts.len];
+            return Err(loading.refuse(Kind::Malformed, None, PART_TABLE, values));
         }
         check_limit(loading, 1, loading.limits.parts.into(), self.parts(file).len())?;
         for (part, row) in (0..).zip(self.parts(file)) {
@@ -203,7 +211,8 @@ impl Manifest {
     fn check_sections(&self, loading: &Loading<'_>) -> Checked {
         let file = loading.file;
         if !self.sections.len().is_multiple_of(SectionRow::BYTES) {
-            return Err(loading.refuse(Kind::Malformed, None, 0, [0; 2]));
+            let values = [SectionRow::BYTES as u32, self.sections.len];
+            return Err(loading.refuse(Kind::Malformed, None, SECTION_TABLE, values));
         }
         check_limit(loading, 2, loading.limits.sections.into(), self.sections(file).len())?;
         let mut end = 0;
@@ -211,27 +220,29 @@ impl Manifest {
             // A blob has less than 4 GiB.
             let past = row.offset.saturating_add(row.bytes);
             let part = self.parts(file).nth(row.part.into());
-            let (kind, values) = if let Some(unknown) = part.and_then(|part| unknown(part, &row)) {
+            if let Some(unknown) = part.and_then(|part| unknown(part, &row)) {
                 loading.of_part(row.part);
-                (Kind::Unsupported, [0, unknown.into()])
+                return Err(loading.refuse(Kind::Unsupported, None, index, [0, unknown.into()]));
             } else if part.is_none() {
-                (Kind::PartIndex, [self.parts(file).len() as u32, row.part.into()])
-            } else if !(row.offset as usize).is_multiple_of(ALIGNMENT) {
-                (Kind::Alignment, [0; 2])
+                let values = [self.parts(file).len() as u32, row.part.into()];
+                return Err(loading.refuse(Kind::PartIndex, None, index, values));
+            }
+            let (kind, values) = if !(row.offset as usize).is_multiple_of(ALIGNMENT) {
+                (Kind::Alignment, [ALIGNMENT as u32, row.offset])
             } else if row.offset < end {
-                (Kind::Overlap, [0; 2])
+                (Kind::Overlap, [end, row.offset])
             } else if past as usize > self.blob.len() {
-                (Kind::Bounds, [0; 2])
+                (Kind::Bounds, [self.blob.len, past])
             } else {
                 end = past;
                 continue;
             };
-            return Err(loading.refuse(kind, None, index, values));
+            return Err(refuse_row(loading, kind, index, &row, values));
         }
         for (index, row) in self.sections(file).enumerate() {
             let first = self.find(file, row.part, row.kind);
             if first.is_some_and(|(number, _)| usize::from(number.get()) <= index) {
-                return Err(loading.refuse(Kind::Duplicate, None, index, [0; 2]));
+                return Err(refuse_row(loading, Kind::Duplicate, index, &row, [0; 2]));
             }
         }
         Ok(())
@@ -253,6 +264,26 @@ fn unknown(part: PartRow, row: &SectionRow) -> Option<u16> {
     }
 }
 
+/// Whether errors of the section table name the section and its bytes, and those of truncated files the section. On bare
+/// targets, whose flash is small, the former have the row alone, and a truncated file asks for one byte more.
+const IS_PARTICULAR: bool = cfg!(not(target_os = "none"));
+
+/// Refuses a row of the section table, whose part and section it names.
+#[cold]
+fn refuse_row(
+    loading: &Loading<'_>,
+    kind: Kind,
+    index: usize,
+    row: &SectionRow,
+    values: [u32; 2],
+) -> Refused {
+    if !IS_PARTICULAR {
+        return loading.refuse(kind, None, index, [0; 2]);
+    }
+    loading.of_part(row.part);
+    loading.refuse(kind, SectionKind::from_number(row.kind), index, values)
+}
+
 /// The byte strings of a message: part rows, section rows, padding, blob.
 type Strings<'a> = (&'a [u8], &'a [u8], &'a [u8], &'a [u8]);
 
@@ -263,7 +294,7 @@ fn message<'a>(loading: &Loading<'a>) -> Checked<Strings<'a>> {
     check_limit(loading, 0, loading.limits.file_bytes, file.len())?;
     let word = |at: usize| file.get(at..).and_then(<[u8]>::first_chunk).copied();
     let (Some(magic), Some(&version)) = (word(0), file.get(MAGIC.len())) else {
-        return wrong(Kind::Malformed, [0; 2]);
+        return Err(cut_off(loading));
     };
     if magic != MAGIC {
         return wrong(Kind::NotAModel, [MAGIC, magic].map(u32::from_le_bytes));
@@ -271,8 +302,8 @@ fn message<'a>(loading: &Loading<'a>) -> Checked<Strings<'a>> {
     if version != VERSION {
         return wrong(Kind::Version, [VERSION.into(), version.into()]);
     }
-    let strings = file.get(HEAD_BYTES..).and_then(|rest| postcard::take_from_bytes(rest).ok());
-    let Some((strings, rest)) = strings else { return wrong(Kind::Malformed, [0; 2]) };
+    let read = file.get(HEAD_BYTES..).and_then(|rest| postcard::take_from_bytes(rest).ok());
+    let (strings, rest): (Strings<'_>, _) = read.ok_or_else(|| cut_off(loading))?;
     let stated = u32::from_le_bytes(word(CHECKSUM_OFFSET).unwrap_or_default());
     let found = checksum(file);
     if stated != found {
@@ -282,16 +313,64 @@ fn message<'a>(loading: &Loading<'a>) -> Checked<Strings<'a>> {
     if features & !FEATURES != 0 {
         return wrong(Kind::Unsupported, [FEATURES, features & !FEATURES]);
     }
-    let (_, _, padding, blob): Strings<'_> = strings;
-    let blob_start = file.len() - blob.len();
-    let is_zero = padding.iter().all(|&byte| byte == 0);
-    if !rest.is_empty() || !blob_start.is_multiple_of(ALIGNMENT) || !is_zero {
-        return wrong(Kind::Malformed, [0; 2]);
+    let (_, _, padding, blob) = strings;
+    if !rest.is_empty() {
+        let values = [file.len() - rest.len(), file.len()].map(narrow);
+        return Err(loading.refuse(Kind::Malformed, None, BLOB, values));
     }
-    if let Some(at) = Space::unsound(Space::bytes(file)) {
-        return Err(loading.refuse(Kind::Malformed, None, at, [0; 2]));
+    let blob_start = file.len() - blob.len();
+    if !blob_start.is_multiple_of(ALIGNMENT) || !padding.iter().all(|&byte| byte == 0) {
+        let values = [ALIGNMENT, blob_start].map(narrow);
+        return Err(loading.refuse(Kind::Malformed, None, PADDING, values));
+    }
+    let space = Space::bytes(file);
+    if let Some(at) = Space::unsound(space) {
+        let found = space.into_iter().nth(at).unwrap_or_default();
+        return Err(loading.refuse(Kind::Space, None, at, [0, found.into()]));
     }
     Ok(strings)
+}
+
+/// Refuses a file that ends before its byte strings do.
+#[cold]
+fn cut_off(loading: &Loading<'_>) -> Refused {
+    let file = loading.file;
+    let (mut place, mut expected) = (HEAD, HEAD_BYTES);
+    if !IS_PARTICULAR {
+        (place, expected) = (BLOB, file.len() + 1);
+    } else if let Some(mut rest) = file.get(HEAD_BYTES..) {
+        let mut sections = rest;
+        for string in PART_TABLE..=BLOB {
+            // A length that is cut off asks for a byte more than is there.
+            let at_end = rest.get(rest.len()..).unwrap_or_default();
+            let (len, after) = postcard::take_from_bytes(rest).unwrap_or((1, at_end));
+            (place, expected) = (string, (file.len() - after.len()).saturating_add(len));
+            let Some((own, after)) = after.split_at_checked(len) else {
+                if string == BLOB
+                    && let Some(refused) = cut_section(loading, sections, after.len())
+                {
+                    return refused;
+                }
+                break;
+            };
+            if string == SECTION_TABLE {
+                sections = own;
+            }
+            rest = after;
+        }
+    }
+    loading.refuse(Kind::Truncated, None, place, [expected, file.len()].map(narrow))
+}
+
+/// Refuses a file whose blob has so many bytes and ends inside a section; `None` if it ends behind the known ones.
+#[cold]
+fn cut_section(loading: &Loading<'_>, sections: &[u8], blob_len: usize) -> Option<Refused> {
+    let mut rows = sections.as_chunks().0.iter().map(SectionRow::from_bytes);
+    let left = |row: &SectionRow| blob_len.saturating_sub(row.offset as usize);
+    let row = rows.find(|row| left(row) < row.bytes as usize)?;
+    let section = SectionKind::from_number(row.kind)?;
+    loading.of_part(row.part);
+    Some(loading.refuse(Kind::Truncated, Some(section), 0, [row.bytes, narrow(left(&row))]))
 }
 
 fn check_limit(loading: &Loading<'_>, index: usize, most: u32, found: usize) -> Checked {

@@ -25,7 +25,7 @@ pub(crate) type Checked<T = ()> = Result<T, Refused>;
 impl<'a> Loading<'a> {
     /// Starts to load a file.
     pub(crate) const fn new(file: &'a [u8], limits: &'a Limits) -> Self {
-        let kind = FileErrorKind::Malformed;
+        let kind = FileErrorKind::Truncated;
         let nothing =
             FileError { kind, part: None, section: None, index: 0, expected: 0, found: 0 };
         Self { file, limits, part: Cell::new(None), error: Cell::new(nothing) }

@@ -1,6 +1,6 @@
 //! The stage `skin`: from the palette to positions, normals and tangents (METHOD §1.8).
 
-use super::blend::{Influences, along, cofactors, moved, side, unit};
+use super::blend::{Fours, Influences, along, cofactors, moved, side, unit};
 use super::coefficients::{Frame, Vertex};
 use super::eight::{Columns, EIGHT, Posed, Rows};
 use super::output::{Output, cells, put};
@@ -9,7 +9,6 @@ use crate::error::{Argument, CallError, CallErrorKind};
 use crate::lanes::{Eight, Lanes};
 use crate::linear::{Le, Matrix3x4, floats};
 use core::ops::Range;
-use glam::Mat4;
 
 /// A rest mesh of the caller's: another face or body of the same topology. What is not given is the
 /// file's.
@@ -106,16 +105,10 @@ impl SkinJob<'_> {
             self.turn(&influences, done..vertices.len());
             return Ok(());
         }
-        if remap.is_none()
-            && let Some(transforms) = influences.blend_by_four(vertices.clone())
-        {
-            self.skin(vertices.clone().zip(transforms));
-            return Ok(());
-        }
-        self.skin(vertices.clone().map_while(|at| {
-            let vertex = remap.map_or(Some(at), |remap| Some(*remap.get(at)? as usize))?;
-            Some((vertex, influences.blend(vertex)?))
-        }));
+        match influences.by_four(vertices.clone()).filter(|_| remap.is_none()) {
+            Some(fours) => self.skin::<true>(&influences, fours),
+            None => self.skin::<false>(&influences, Default::default()),
+        };
         Ok(())
     }
 
@@ -247,13 +240,28 @@ impl SkinJob<'_> {
         Some(done)
     }
 
-    /// Moves vertices of a skin without them by their blended transforms.
+    /// Moves vertices of a skin without tangent coefficients by their blended transforms. `None` is an index beyond the
+    /// palette, which loading excludes.
+    ///
+    /// - `IS_BY_FOUR`: whether the influences are `fours`, vertex by vertex of the range, and there is no remap.
     #[inline(always)]
-    fn skin(&self, transforms: impl Iterator<Item = (usize, Mat4)>) {
+    fn skin<const IS_BY_FOUR: bool>(
+        &self,
+        influences: &Influences<'_>,
+        (indices, weights): Fours<'_>,
+    ) -> Option<()> {
         let (skin, rest) = (&self.skin, self.rest);
         let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
         let side = side(self.palette);
-        for (i, (vertex, transform)) in transforms.enumerate() {
+        let mut fours = indices.iter().zip(weights);
+        for (i, at) in self.vertices.clone().enumerate() {
+            let (vertex, transform) = if IS_BY_FOUR {
+                let (indices, weights) = fours.next()?;
+                (at, influences.blend_row(indices, weights)?)
+            } else {
+                let vertex = self.remap.map_or(Some(at), |remap| Some(*remap.get(at)? as usize))?;
+                (vertex, influences.blend(vertex)?)
+            };
             if let Some(out) = self.positions
                 && let Some(x) = of(rest.positions, positions, vertex)
             {
@@ -273,6 +281,7 @@ impl SkinJob<'_> {
                 out.put(i, [x, y, z, hand]);
             }
         }
+        Some(())
     }
 }
 
@@ -286,11 +295,12 @@ fn positions_alone(
 ) {
     let rest = skin.positions().get(vertices.clone()).unwrap_or_default();
     let influences = Influences::new(skin, palette);
-    if let Some(transforms) = influences.blend_by_four(vertices.clone()) {
+    if let Some((indices, weights)) = influences.by_four(vertices.clone()) {
         // By chunks: faster where this path is taken, and slower on small processors. A stride is at
         // least that of its attribute; chunks of zero would panic.
         let chunks = out.floats.chunks(out.stride.max(1));
-        for ((rest, out), transform) in rest.iter().zip(chunks).zip(transforms) {
+        for (((rest, out), indices), weights) in rest.iter().zip(chunks).zip(indices).zip(weights) {
+            let Some(transform) = influences.blend_row(indices, weights) else { return };
             put(out, moved(&transform, floats(rest)));
         }
         return;

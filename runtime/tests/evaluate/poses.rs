@@ -1,9 +1,10 @@
 //! Poses of an engine: from rest frames, from a larger skeleton, checked, scaled, at levels.
 
 use crate::common::{call_error, length_error};
-use models::{GOLDEN, Pieces, SMALL};
+use models::{GOLDEN, Pieces, SMALL, Shape};
 use sinew_runtime::envelope::{
-    FOLDED, Level, LocalTransform, PoseFault, PoseFaultKind as Kind, Predictor, RIGID_TOLERANCE,
+    BoundJoints, FOLDED, Level, LocalTransform, PoseFault, PoseFaultKind as Kind, Predictor,
+    RIGID_TOLERANCE,
 };
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::skin::{Output, Rest, cells};
@@ -107,9 +108,9 @@ fn a_larger_skeleton_is_gathered_by_names() {
             .collect();
         let world: Vec<_> =
             (0..len).rev().flat_map(|joint| [ACTOR, after(&ACTOR, &frame(joint))]).collect();
-        let place = |name: &str| names.iter().position(|own| own == name);
         let mut map = vec![0; len];
-        envelope.bind_joints(place, &mut map).unwrap();
+        let bound = envelope.bind_joints(&names, &mut map).unwrap();
+        assert_eq!(bound, BoundJoints { found_len: len, missing_parent: None });
         let mut out = vec![matrix::IDENTITY; len];
         gather_pose(envelope, &map, &world, None, &mut out).unwrap();
         let expected: Vec<_> = pose.iter().map(|m| after(&ACTOR, m)).collect();
@@ -120,14 +121,72 @@ fn a_larger_skeleton_is_gathered_by_names() {
         assert!(apart(&out, &pose) < 1e-5);
         // A joint that the skeleton lacks moves as its parent.
         let lacking = (0..len).find(|joint| *joint != envelope.root());
-        let own = |name: &str| lacking.and_then(|joint| envelope.joint_name(joint)) == Some(name);
-        envelope.bind_joints(|name| place(name).filter(|_| !own(name)), &mut map).unwrap();
-        gather_pose(envelope, &map, &world, Some(&back), &mut out).unwrap();
         if let Some(joint) = lacking {
+            let own = |name: &&String| Some(name.as_str()) != envelope.joint_name(joint);
+            let world: Vec<_> =
+                names.iter().zip(&world).filter(|(name, _)| own(name)).map(|(_, m)| *m).collect();
+            let names = names.iter().filter(own);
+            let bound = envelope.bind_joints(names, &mut map).unwrap();
+            assert_eq!(bound.found_len, len - 1);
+            gather_pose(envelope, &map, &world, Some(&back), &mut out).unwrap();
             assert_eq!(map[joint], FOLDED);
             assert_eq!(out[joint], out[envelope.parent(joint).unwrap()]);
         }
     });
+}
+
+/// A file of five named joints: 1 is the root, 2 its child, 0 that one's, and then a chain of 3 and 4.
+fn named(names: [&str; 5]) -> Vec<u8> {
+    let shape = Shape { joints: 5, ..SMALL };
+    let mut pieces = Pieces::sample(Predictor::Kernel, shape);
+    let joints: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    *pieces.section(SectionKind::Names) = models::names("body", &joints);
+    pieces.bytes()
+}
+
+#[test]
+fn joints_under_other_names_are_refused_and_counted() {
+    let file = named(["Head", "Hips", "Chest", "Hand.L", "Hand.R"]);
+    let model = Model::from_bytes(file).unwrap();
+    let envelope = model.envelope().unwrap();
+    let (root, parent) = (envelope.root(), |joint| envelope.parent(joint).unwrap());
+    assert_eq!((root, parent(0), parent(2)), (1, 2, 1));
+    let bind = |names: &[&str]| {
+        let mut map = vec![7; 5];
+        let bound = envelope.bind_joints(names, &mut map);
+        assert_eq!(bound.is_err(), map == [7; 5], "nothing is written");
+        bound.map(|bound| (bound, map))
+    };
+    let own = ["Head", "Hips", "Chest", "Hand.L", "Hand.R"];
+    let all = BoundJoints { found_len: 5, missing_parent: None };
+    assert_eq!(bind(&own), Ok((all, vec![0, 1, 2, 3, 4])));
+    // By a prefix, by case and by separators: each is named, with its place.
+    let other = |index, found| {
+        Err(CallError { index, found, ..call_error(CallErrorKind::OtherName, Argument::Names) })
+    };
+    assert_eq!(
+        bind(&own.map(|name| ["world", name].join(":")).each_ref().map(String::as_str)),
+        other(0, 0)
+    );
+    assert_eq!(bind(&own.map(str::to_uppercase).each_ref().map(String::as_str)), other(0, 0));
+    assert_eq!(bind(&["world", "mixamorig:Head", "Hips"]), other(0, 1));
+    assert_eq!(bind(&["Head", "Hips", "Chest", "Hand_R", "Hand.L"]), other(4, 3));
+    assert_eq!(bind(&["Head", "hips", "Chest"]), other(1, 1));
+    let said = bind(&["Head", "hips", "Chest"]).unwrap_err().to_string();
+    assert!(said.starts_with("names: name 1 is joint 1 with another prefix, case"), "{said}");
+    // The root alone, or not even that.
+    let none =
+        CallError { expected: 5, found: 1, ..call_error(CallErrorKind::NoJoints, Argument::Names) };
+    assert_eq!(bind(&["Hips", "weapon"]), Err(none));
+    assert!(none.to_string().contains("the root alone of 5 joints"), "{none}");
+    let no_root = CallError { index: 1, ..call_error(CallErrorKind::NoRoot, Argument::Names) };
+    assert_eq!(bind(&["Head", "Chest", "Hand.L", "Hand.R"]), Err(no_root));
+    assert_eq!(bind(&[]), Err(no_root));
+    // A reduced skeleton is bound; a joint that lacks its parent alone is told.
+    let reduced = BoundJoints { found_len: 2, missing_parent: None };
+    assert_eq!(bind(&["Hips", "Chest"]), Ok((reduced, vec![FOLDED, 0, 1, FOLDED, FOLDED])));
+    let gap = BoundJoints { found_len: 2, missing_parent: Some(2) };
+    assert_eq!(bind(&["Head", "Hips"]), Ok((gap, vec![0, 1, FOLDED, FOLDED, FOLDED])));
 }
 
 #[test]
@@ -137,12 +196,10 @@ fn what_cannot_be_bound_or_gathered_is_refused() {
         let mut map = vec![7; len];
         let no_root =
             |argument| CallError { index: root, ..call_error(CallErrorKind::NoRoot, argument) };
-        let found = envelope.bind_joints(|_| None, &mut map);
+        let found = envelope.bind_joints(["weapon"], &mut map);
         assert_eq!(found, Err(no_root(Argument::Names)));
         assert!(found.unwrap_err().to_string().contains("the root, is not among them"));
-        let found = envelope.bind_joints(|_| Some(FOLDED as usize), &mut map).unwrap_err();
-        assert_eq!((found.kind, found.argument), (CallErrorKind::OutOfRange, Argument::Names));
-        let found = envelope.bind_joints(|_| Some(0), &mut map[1..]);
+        let found = envelope.bind_joints(["weapon"], &mut map[1..]);
         assert_eq!(found, Err(length_error(Argument::Joints, len, len - 1)));
         assert_eq!(map, vec![7; len]);
         let mut out = vec![ACTOR; len];
@@ -213,6 +270,57 @@ fn poses_are_taken_and_faults_named() {
         let text = fault.to_string();
         assert!(text.contains('3') && text.ends_with(kind.remedy()), "{text}");
     }
+}
+
+#[test]
+fn matrices_of_another_space_are_named() {
+    each(|envelope| {
+        let pose = posed(envelope, &turned(envelope, 0.5));
+        let frames: Vec<_> = pose
+            .iter()
+            .enumerate()
+            .map(|(j, m)| after(m, &envelope.rest_frame(j).unwrap()))
+            .collect();
+        let binds: Vec<_> = envelope.inverse_binds().collect();
+        let gathered = |frames: &[Matrix3x4]| -> Vec<Matrix3x4> {
+            frames.iter().zip(&binds).map(|(frame, bind)| after(frame, bind)).collect()
+        };
+        let local = |joint: usize| match envelope.parent(joint) {
+            Some(parent) => after(&inverse(&frames[parent]), &frames[joint]),
+            None => frames[joint],
+        };
+        let local: Vec<_> = (0..pose.len()).map(local).collect();
+        let fault = |pose: &[Matrix3x4]| envelope.check_pose(pose).map_err(|fault| fault.kind);
+        let zero = vec![[[0.0; 4]; 3]; pose.len()];
+        assert_eq!(fault(&zero), Err(Kind::Unset));
+        let mut one = pose.clone();
+        one[pose.len() - 1] = zero[0];
+        assert_eq!(
+            envelope.check_pose(&one).unwrap_err(),
+            PoseFault { joint: pose.len() - 1, ..envelope.check_pose(&zero).unwrap_err() }
+        );
+        if pose.len() == 1 {
+            return;
+        }
+        assert_eq!(fault(&gathered(&frames)), Ok(()));
+        assert_eq!(fault(&frames), Err(Kind::Frames));
+        assert_eq!(fault(&gathered(&pose)), Err(Kind::BoundTwice));
+        assert_eq!(fault(&local), Err(Kind::Local));
+        assert_eq!(fault(&gathered(&local)), Err(Kind::Local));
+        let unset = vec![matrix::IDENTITY; pose.len()];
+        assert_eq!((fault(&unset), fault(&gathered(&unset))), (Ok(()), Err(Kind::Unset)));
+        // Elsewhere in the world each is the same mistake.
+        let there: Vec<_> = frames.iter().map(|frame| after(&ACTOR, frame)).collect();
+        assert_eq!(fault(&there), Err(Kind::Frames));
+    });
+}
+
+/// Inverts a rigid matrix.
+fn inverse(m: &Matrix3x4) -> Matrix3x4 {
+    std::array::from_fn(|r| {
+        let row = |c: usize| m[c][r];
+        [row(0), row(1), row(2), -(0..3).map(|c| row(c) * m[c][3]).sum::<f32>()]
+    })
 }
 
 #[test]

@@ -2,15 +2,51 @@
 
 use crate::common::{apart, exercise, file_error};
 use crate::error;
-use models::{Pieces, Rng, Shape, seal};
+use models::{Pieces, Rng, Shape, head, seal};
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::{FileErrorKind as Kind, Model};
+use sinew_runtime::format::{SectionKind, SectionRow};
+use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
+
+/// Refusal of a file that is cut after `len` bytes, by its own tables. A length of 128 or more takes two bytes.
+fn cut(file: &[u8], len: usize) -> FileError {
+    let model = Model::from_bytes(file).unwrap();
+    let sections: Vec<_> = model.sections().map(|section| section.row).collect();
+    let (parts, rows, blob) = (4 * model.parts().len(), 16 * sections.len(), model.blob().len());
+    assert!(parts < 128 && rows >= 128 && blob >= 128);
+    let whole = FileError { found: len as u32, ..file_error(Kind::Truncated) };
+    // Where the content of each string starts, and where it ends; the last is the blob.
+    let (padding, blob_bytes) = (file.len() - blob, if blob < 1 << 14 { 2 } else { 3 });
+    let parts = (head::BYTES + 1, head::BYTES + 1 + parts);
+    let rows = (parts.1 + 2, parts.1 + 2 + rows);
+    let padding = (rows.1 + 1, padding - blob_bytes);
+    for (index, (start, end)) in
+        [(head::BYTES, head::BYTES), parts, rows, padding].into_iter().enumerate()
+    {
+        if len < end {
+            let expected = if len < start { len + 1 } else { end };
+            let expected = if index == 0 { end } else { expected } as u32;
+            return FileError { index: index as u32, expected, ..whole };
+        }
+    }
+    let start = file.len() - blob;
+    let left = |row: &SectionRow| len.saturating_sub(start + row.offset as usize) as u32;
+    let row = sections.iter().find(|row| left(row) < row.bytes).unwrap();
+    FileError {
+        part: Some(row.part),
+        section: SectionKind::from_number(row.kind),
+        expected: row.bytes,
+        found: left(row),
+        ..whole
+    }
+}
 
 #[test]
-fn every_truncation_is_refused() {
+fn every_truncation_is_refused_and_says_where_it_ends() {
     let bytes = Pieces::small(Predictor::Rotational).bytes();
     for len in (0..bytes.len()).step_by(apart(199)) {
-        assert_eq!(error(&bytes[..len]), file_error(Kind::Malformed), "{len}");
+        let refused = error(&bytes[..len]);
+        assert_eq!(refused, cut(&bytes, len), "{len}");
+        assert!(refused.expected > refused.found, "{refused}");
         let mut sealed = bytes[..len].to_vec();
         seal(&mut sealed);
         assert!(exercise(&sealed).is_none(), "{len}");
@@ -20,9 +56,13 @@ fn every_truncation_is_refused() {
 #[test]
 fn extra_bytes_are_refused() {
     let mut bytes = Pieces::small(Predictor::Rotational).bytes();
+    let expected = bytes.len() as u32;
     bytes.push(0);
     seal(&mut bytes);
-    assert_eq!(error(&bytes), file_error(Kind::Malformed));
+    let values =
+        FileError { index: 4, expected, found: expected + 1, ..file_error(Kind::Malformed) };
+    assert_eq!(error(&bytes), values);
+    assert!(values.to_string().starts_with("the file: expected "), "{values}");
 }
 
 #[test]

@@ -10,7 +10,8 @@ use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
 
 #[test]
 fn each_row_of_the_part_table_is_checked() {
-    assert_eq!(edited(|b| b.parts.clear()), Err(file_error(Kind::Malformed)));
+    let rows = |found| FileError { index: 1, expected: 4, found, ..file_error(Kind::Malformed) };
+    assert_eq!(edited(|b| b.parts.clear()), Err(rows(0)));
     let unknown = |kind, flags| PartRow { kind, flags };
     let third = FileError { part: Some(2), ..file_error(Kind::Unsupported) };
     for kind in [0, 9, 255, 65_535] {
@@ -31,7 +32,7 @@ fn each_row_of_the_part_table_is_checked() {
         file.parts.remove(0);
         file.padding.push(0);
     });
-    assert_eq!(error(&odd), file_error(Kind::Malformed));
+    assert_eq!(error(&odd), rows(7));
     assert_eq!(PartKind::ALL.map(PartKind::number), [1, 2, 3, 4, 5, 6, 7]);
 }
 
@@ -64,29 +65,49 @@ fn each_row_of_the_section_table_is_checked() {
     assert_eq!(further(extra(999, 2, 3)), unknown(2, 3), "but for their flags");
     let nowhere = FileError { index: 20, expected: 2, found: 2, ..file_error(Kind::PartIndex) };
     assert_eq!(edited(|b| b.sections.push(extra(999, 2, 0))), Err(nowhere));
-    let at = |kind, index| Err(FileError { index, ..file_error(kind) });
+    // Of a row in the file's own order: its part and its kind.
+    let own = Pieces::small(Predictor::Rotational);
+    let own =
+        |row: usize| (own.sections[row].part, SectionKind::from_number(own.sections[row].kind));
+    let at = |kind, index: u32, (part, section), expected, found| {
+        let part = Some(part);
+        Err(FileError { part, section, index, expected, found, ..file_error(kind) })
+    };
     let again = Content::new(SectionKind::RestNormals, 1, vec![0; 84]);
-    assert_eq!(edited(|b| b.sections.push(again)), at(Kind::Duplicate, 20));
+    assert_eq!(
+        edited(|b| b.sections.push(again)),
+        at(Kind::Duplicate, 20, (1, Some(SectionKind::RestNormals)), 0, 0)
+    );
     let twice = |part| edited(|b| b.sections.extend([extra(999, 0, 0), extra(999, part, 0)]));
-    assert_eq!(twice(0), at(Kind::Duplicate, 21));
+    assert_eq!(twice(0), at(Kind::Duplicate, 21, (0, None), 0, 0));
     assert_eq!(twice(1), Ok(()), "a kind of another part");
     let rows = |edit: fn(&mut [SectionRow])| {
         let file = Pieces::small(Predictor::Rotational).bytes_with_rows(edit);
         Model::from_bytes(file).map(|_| ())
     };
-    assert_eq!(rows(|r| r[3].offset += 4), at(Kind::Alignment, 3));
-    assert_eq!(rows(|r| r[3].offset = 0), at(Kind::Overlap, 3));
-    assert_eq!(rows(|r| r[3].bytes += 64), at(Kind::Overlap, 4));
-    assert_eq!(rows(|r| r[19].offset += 1 << 20), at(Kind::Bounds, 19));
-    assert_eq!(rows(|r| r[19].bytes = u32::MAX), at(Kind::Bounds, 19));
-    assert_eq!(rows(|r| r[19].offset = 0xffff_fff0), at(Kind::Bounds, 19));
-    assert_eq!(rows(|r| r.swap(3, 4)), at(Kind::Overlap, 4));
+    let pieces = Pieces::small(Predictor::Rotational).bytes();
+    let model = Model::from_bytes(&pieces).unwrap();
+    let sound: Vec<SectionRow> = model.sections().map(|section| section.row).collect();
+    let end = |row: usize| sound[row].offset + sound[row].bytes;
+    let blob = model.blob().len() as u32;
+    let third = sound[3].offset;
+    assert_eq!(rows(|r| r[3].offset += 4), at(Kind::Alignment, 3, own(3), 16, third + 4));
+    assert_eq!(rows(|r| r[3].offset = 0), at(Kind::Overlap, 3, own(3), end(2), 0));
+    let longer = at(Kind::Overlap, 4, own(4), end(3) + 64, sound[4].offset);
+    assert_eq!(rows(|r| r[3].bytes += 64), longer);
+    let beyond = |found| at(Kind::Bounds, 19, own(19), blob, found);
+    assert_eq!(rows(|r| r[19].offset += 1 << 20), beyond(end(19) + (1 << 20)));
+    assert_eq!(rows(|r| r[19].bytes = u32::MAX), beyond(u32::MAX));
+    assert_eq!(rows(|r| r[19].offset = 0xffff_fff0), beyond(0xffff_fff0 + sound[19].bytes));
+    assert_eq!(rows(|r| r.swap(3, 4)), at(Kind::Overlap, 4, own(3), end(4), third));
     let pieces = Pieces::small(Predictor::Rotational);
     let odd = pieces.bytes_with(|file| {
         file.sections.remove(0);
         file.padding.push(0);
     });
-    assert_eq!(error(&odd), file_error(Kind::Malformed));
+    let found = 16 * sound.len() as u32 - 1;
+    let values = FileError { index: 2, expected: 16, found, ..file_error(Kind::Malformed) };
+    assert_eq!(error(&odd), values);
 }
 
 #[test]

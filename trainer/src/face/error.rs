@@ -71,6 +71,12 @@ pub enum FaceError {
         /// The shapes.
         known: String,
     },
+    /// The tracking is lost in every row of a take.
+    #[error("has no frame: the tracking is lost in all {len} rows")]
+    Lost {
+        /// Rows.
+        len: usize,
+    },
     /// A range of frames or vertices is empty or reaches beyond what is there.
     #[error("{what} {first}..{end}: expected a range within 0..{len} that is not empty")]
     Range {

@@ -5,19 +5,23 @@ use super::error::{FaceError, Unknown};
 /// What ARKit names and no column of a face's weights is: angles of the head and of the eyes, which are turned by
 /// joints.
 const ANGLES: [&str; 9] = [
-    "HeadYaw",
-    "HeadPitch",
-    "HeadRoll",
-    "LeftEyeYaw",
-    "LeftEyePitch",
-    "LeftEyeRoll",
-    "RightEyeYaw",
-    "RightEyePitch",
-    "RightEyeRoll",
+    "headyaw",
+    "headpitch",
+    "headroll",
+    "lefteyeyaw",
+    "lefteyepitch",
+    "lefteyeroll",
+    "righteyeyaw",
+    "righteyepitch",
+    "righteyeroll",
 ];
 
-/// Columns of a take that are no weights.
-const OTHERS: [&str; 5] = ["Timecode", "BlendShapeCount", "frame", "time", "norm"];
+/// The column that counts the weights of a row.
+const COUNT: &str = "blendshapecount";
+/// Columns of a take that are no weights; one without a name is the end of a line.
+const OTHERS: [&str; 6] = ["timecode", COUNT, "frame", "time", "norm", ""];
+/// Characters between the name of a node or a mesh and that of a shape.
+const PREFIX_ENDS: [char; 4] = ['.', ':', '|', '/'];
 
 /// The expressions of ARKit by their stems; those of the second list have a side.
 const ARKIT: [&[&str]; 2] = [
@@ -106,34 +110,58 @@ impl Expression {
         Self { stem: stem.chars().filter(|c| c.is_alphanumeric()).collect(), side }
     }
 
+    /// Takes a name apart as [`Expression::of`] does, without the name of a node or a mesh before it:
+    /// `blendShape1.eyeBlink_L`, `Head|eyeBlink.L` and `BS_EyeBlinkLeft` are `eyeBlink_L`.
+    pub fn without_prefix(name: &str) -> Self {
+        let after = |ends: &[char]| -> Vec<Self> {
+            let rest = name.match_indices(ends).map(|(at, end)| Self::of(&name[at + end.len()..]));
+            rest.filter(|rest| !["", "l", "r"].contains(&rest.stem.as_str())).collect()
+        };
+        // An underscore also parts words, so that what follows it must be known.
+        let known = || after(&['_']).into_iter().find(Self::is_arkit);
+        after(&PREFIX_ENDS).pop().or_else(known).unwrap_or_else(|| Self::of(name))
+    }
+
     fn is_arkit(&self) -> bool {
         ARKIT[usize::from(self.side.is_some())].contains(&self.stem.as_str())
     }
 }
 
+/// Tells whether a column counts the weights of a row.
+pub(super) fn is_count(name: &str) -> bool {
+    Expression::without_prefix(name).stem == COUNT
+}
+
 /// Finds what columns drive: the shape of the same name, or of the same expression and side; one without a side, as
-/// `BrowInnerUp`, drives both sides of a shape.
+/// `BrowInnerUp`, drives both sides of a shape. Prefixes of nodes and meshes are left out where names with them match
+/// no shape.
 ///
 /// # Errors
 /// - [`FaceError::Names`]: columns that are neither shapes nor known to have none.
 /// - [`FaceError::NoColumns`]: there is no shape among them.
 pub fn columns(names: &[String], shapes: &[String]) -> Result<Columns, FaceError> {
-    let own: Vec<Expression> = shapes.iter().map(|shape| Expression::of(shape)).collect();
+    let readings: [fn(&str) -> Expression; 2] = [Expression::of, Expression::without_prefix];
+    let own = readings.map(|read| shapes.iter().map(|shape| read(shape)).collect::<Vec<_>>());
     let (mut driven, mut skipped, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
     for name in names {
-        let expression = Expression::of(name);
         let which = |is: &dyn Fn(usize) -> bool| -> Vec<usize> {
             (0..shapes.len()).filter(|&shape| is(shape)).collect()
         };
         let mut found = which(&|shape| shapes[shape] == *name);
-        if found.is_empty() {
-            found = which(&|shape| own[shape] == expression);
+        for (read, own) in readings.iter().zip(&own) {
+            let expression = read(name);
+            if found.is_empty() {
+                found = which(&|shape| own[shape] == expression);
+            }
+            if found.is_empty() && expression.side.is_none() {
+                found = which(&|shape| own[shape].stem == expression.stem);
+            }
         }
-        if found.is_empty() && expression.side.is_none() {
-            found = which(&|shape| own[shape].stem == expression.stem);
-        }
-        if found.is_empty() && !OTHERS.contains(&name.as_str()) {
-            match ANGLES.contains(&name.as_str()) || expression.is_arkit() {
+        let read = readings.map(|read| read(name));
+        if found.is_empty() && !read.iter().any(|read| OTHERS.contains(&read.stem.as_str())) {
+            let is_angle = |read: &Expression| ANGLES.contains(&read.stem.as_str());
+            let is_known = read.iter().any(|read| is_angle(read) || read.is_arkit());
+            match is_known {
                 true => skipped.push(name.clone()),
                 false => {
                     unknown.push(Unknown { name: name.clone(), nearest: nearest(name, shapes) })
@@ -198,6 +226,32 @@ mod tests {
         let driven = [none(), none(), vec![1], vec![2], vec![3, 4], none(), none(), none(), none()];
         assert_eq!(found.driven, driven);
         assert_eq!(found.skipped, ["TongueOut", "HeadYaw", "RightEyeRoll", "MouthLeft"]);
+    }
+
+    #[test]
+    fn prefixes_of_nodes_and_meshes_are_left_out() {
+        let blink = Expression { stem: "eyeblink".to_owned(), side: Some(Side::Left) };
+        for name in [
+            "blendShape1.eyeBlink_L",
+            "blendShape1.eyeBlink.L",
+            "head:face|eyeBlinkLeft",
+            "Face/eye_blink_l",
+            "BS_EyeBlinkLeft",
+            "head_lod0_eyeBlink_L",
+            "eyeBlink.L",
+            "EyeBlinkLeft",
+        ] {
+            assert_eq!(Expression::without_prefix(name), blink, "{name}");
+        }
+        // Of two meshes each has its shape; a name that is there as it stands is that shape alone.
+        let shapes = owned(&["head.jawOpen", "teeth.jawOpen", "head.jawLeft", "jawLeft"]);
+        let found = columns(&owned(&["JawOpen", "JawLeft", "headYaw", "HEADROLL", ""]), &shapes);
+        let found = found.unwrap();
+        assert_eq!(found.driven, [vec![0, 1], vec![3], vec![], vec![], vec![]]);
+        assert_eq!(found.skipped, ["headYaw", "HEADROLL"]);
+        // A take may have the prefix, and the face none.
+        let found = columns(&owned(&["blendShape1.jawOpen"]), &owned(&["JawOpen"])).unwrap();
+        assert_eq!(found.driven, [[0]]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A take: the weights of a face's shapes, frame by frame.
 
 use super::error::FaceError;
-use super::names::{Columns, columns};
+use super::names::{Columns, columns, is_count};
 use super::npz::count;
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::npz::Archive;
@@ -14,6 +14,10 @@ use std::path::Path;
 pub struct Take {
     /// Weights, N x S; 0 of what no column drives.
     pub frames: Vec<Vec<f64>>,
+    /// Number of each frame in the file, ascending, N; the first row has 0.
+    pub numbers: Vec<usize>,
+    /// Lines in which the tracking is lost, which give no frame.
+    pub lost: Vec<u64>,
     /// Expressions and angles of the file that the face has no shape for.
     pub skipped: Vec<String>,
 }
@@ -22,8 +26,8 @@ pub struct Take {
 /// face's shapes in order, `names` (C).
 ///
 /// # Errors
-/// Those of the formats; [`FaceError::Names`] and [`FaceError::NoColumns`]; [`FaceError::Count`] where a `.npz` has
-/// not as many columns as names.
+/// Those of the formats; [`FaceError::Names`] and [`FaceError::NoColumns`]; [`FaceError::Lost`]; [`FaceError::Count`]
+/// where a `.npz` has not as many columns as names.
 pub fn read(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
     match extension(path).as_str() {
         "csv" => of_table(&csv::read(path)?, shapes),
@@ -33,29 +37,36 @@ pub fn read(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
 }
 
 impl Take {
-    /// Picks frames: every so many of a range, from one on.
+    /// Counts the frames of the file, those in which the tracking is lost included.
+    pub fn file_len(&self) -> usize {
+        self.frames.len() + self.lost.len()
+    }
+
+    /// Picks every n-th frame of a range of numbers in the file, from one on, without the lost ones.
     ///
     /// # Errors
-    /// [`FaceError::Range`]: the range is empty or reaches beyond the take.
+    /// [`FaceError::Range`]: the range is empty or reaches beyond the take, or has no frame.
     pub fn pick(
         &self,
         range: &Range<usize>,
         from: usize,
         every: usize,
     ) -> Result<Vec<&[f64]>, FaceError> {
-        let picked = check(range, self.frames.len()).map(|()| {
-            let frames = self.frames[range.clone()].iter().skip(from).step_by(every.max(1));
-            frames.map(Vec::as_slice).collect::<Vec<_>>()
-        })?;
+        let len = self.file_len();
+        check(range, len)?;
+        let picked = self.every(range, from, every);
         if picked.is_empty() {
-            return Err(FaceError::Range {
-                what: "frames",
-                first: range.start + from,
-                end: range.end,
-                len: self.frames.len(),
-            });
+            let first = range.start + from;
+            return Err(FaceError::Range { what: "frames", first, end: range.end, len });
         }
         Ok(picked)
+    }
+
+    /// Picks frames as [`Take::pick`] does, perhaps none.
+    pub fn every(&self, range: &Range<usize>, from: usize, every: usize) -> Vec<&[f64]> {
+        let numbers = range.clone().skip(from).step_by(every.max(1));
+        let places = numbers.filter_map(|number| self.numbers.binary_search(&number).ok());
+        places.map(|place| self.frames[place].as_slice()).collect()
     }
 }
 
@@ -69,12 +80,34 @@ fn check(range: &Range<usize>, len: usize) -> Result<(), FaceError> {
 fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, FaceError> {
     let Columns { driven, skipped } = columns(&table.names, shapes)?;
     let used: Vec<usize> = (0..driven.len()).filter(|&at| !driven[at].is_empty()).collect();
-    let mut frames = Vec::new();
-    for row in table.numbers(&used) {
-        let (_, numbers) = row?;
-        frames.push(spread(shapes.len(), used.iter().map(|&at| &driven[at]).zip(numbers)));
+    let count = table.names.iter().position(|name| is_count(name));
+    let mut take = Take { skipped, ..Take::default() };
+    for (number, row) in table.rows().iter().enumerate() {
+        if is_lost(table, row, count, &used) {
+            take.lost.push(row.line);
+            continue;
+        }
+        let numbers = table.numbers_of(row, &used)?;
+        let columns = used.iter().map(|&at| &driven[at]);
+        take.frames.push(spread(shapes.len(), columns.zip(numbers)));
+        take.numbers.push(number);
     }
-    Ok(Take { frames, skipped })
+    if take.frames.is_empty() {
+        return Err(FaceError::Lost { len: take.lost.len() });
+    }
+    Ok(take)
+}
+
+/// Whether the tracking is lost in a row: its count of weights is 0 or absent, or a used cell is empty.
+///
+/// - `count`: the column of the count, where there is one.
+fn is_lost(table: &csv::Table, row: &csv::Row, count: Option<usize>, used: &[usize]) -> bool {
+    let has = |column: usize| table.cell(row, column).is_some();
+    let is_counted =
+        |column: usize| table.cell(row, column).is_some_and(|cell| cell.parse::<f64>() != Ok(0.0));
+    // Without a count a short row is not lost but wrong.
+    count.is_some_and(|column| !is_counted(column))
+        || row.len() == table.names.len() && !used.iter().all(|&column| has(column))
 }
 
 fn of_arrays(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
@@ -92,7 +125,8 @@ fn of_arrays(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
     let Columns { driven, skipped } = columns(names.as_deref().unwrap_or(shapes), shapes)?;
     let frame =
         |row: &[[f64; 1]]| spread(shapes.len(), driven.iter().zip(row.iter().map(|x| x[0])));
-    Ok(Take { frames: rows.data.chunks(width.max(1)).map(frame).collect(), skipped })
+    let frames: Vec<_> = rows.data.chunks(width.max(1)).map(frame).collect();
+    Ok(Take { numbers: (0..frames.len()).collect(), frames, lost: Vec::new(), skipped })
 }
 
 /// Gives each shape the number of the column that drives it.

@@ -153,16 +153,25 @@ fn weights_as_arrays_are_a_take() {
 
 #[test]
 fn frames_are_picked_within_a_take() {
-    let take =
-        take::Take { frames: (0..10).map(|k| vec![f64::from(k)]).collect(), skipped: Vec::new() };
-    let picked = |range, from, every| {
+    let frames = (0..10).map(|k| vec![f64::from(k)]).collect();
+    let whole = take::Take { frames, numbers: (0..10).collect(), ..take::Take::default() };
+    let picked_of = |take: &take::Take, range, from, every| {
         take.pick(&range, from, every)
             .map(|frames| frames.iter().map(|frame| frame[0]).collect::<Vec<_>>())
     };
+    let picked = |range, from, every| picked_of(&whole, range, from, every);
     assert_eq!(picked(2..9, 1, 3).unwrap(), [3.0, 6.0]);
     for (range, from) in [(3..3, 0), (4..11, 0), (2..5, 3)] {
         assert!(matches!(picked(range, from, 1), Err(FaceError::Range { .. })));
     }
+    // Frames keep their numbers where some are lost.
+    let mut holed = whole.clone();
+    holed.frames.drain(5..7);
+    holed.numbers.drain(5..7);
+    holed.lost = vec![7, 8];
+    assert_eq!(picked_of(&holed, 2..9, 1, 3).unwrap(), [3.0]);
+    assert_eq!(picked_of(&holed, 7..10, 0, 1).unwrap(), [7.0, 8.0, 9.0]);
+    assert!(matches!(picked_of(&holed, 5..7, 0, 1), Err(FaceError::Range { .. })));
 }
 
 /// Its README says where the narrow face ends, and its list of landmarks has 68.

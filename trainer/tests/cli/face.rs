@@ -309,7 +309,7 @@ fn what_cannot_be_done_is_said() {
         assert!(error.contains(expected), "{arguments}: {error}");
     };
     fs::write(folder.path("none.sinew"), "no model").unwrap();
-    failed("face train --basis face.npz -o f.sinew", "give --animation");
+    failed("face train --basis face.npz --frames 0..9 -o f.sinew", "give --animation");
     failed("face train --basis take.csv --animation take.csv -o f.sinew", ".glb, .gltf or .fbx");
     failed(&format!("{TRAIN} --rank 2"), "--rank is for example meshes");
     failed(&format!("{TRAIN} --frames 50..70"), "frames 50..70: expected a range within 0..60");

@@ -136,6 +136,34 @@ fn poses_of_a_body_are_taken_and_mistakes_named() {
             .collect();
         enough(named(&envelope, &gathered, mistake), &format!("frames, {}", mistake.0));
     }
+    let gathered = |frames: &Vec<Matrix3x4>| {
+        let mut pose = vec![[[0.0; 4]; 3]; map.len()];
+        gather_pose(&envelope, &map, frames, None, &mut pose).unwrap();
+        pose
+    };
+    let local = |frames: &Vec<Matrix3x4>| -> Vec<Matrix3x4> {
+        let above = |joint: usize| Some(inverse(&frames[envelope.parent(joint)?]));
+        let all = frames.iter().enumerate();
+        all.map(|(joint, m)| above(joint).map_or(*m, |above| after(&above, m))).collect()
+    };
+    let locals: Vec<_> = frames.iter().map(local).collect();
+    for (what, kind, poses) in [
+        ("no inverse bind", Kind::Frames, frames.clone()),
+        ("inverse bind twice", Kind::BoundTwice, poses.iter().map(gathered).collect()),
+        ("local", Kind::Local, locals.clone()),
+        ("local, gathered", Kind::Local, locals.iter().map(gathered).collect()),
+        ("zero", Kind::Unset, vec![vec![[[0.0; 4]; 3]; map.len()]; all]),
+    ] {
+        enough(named(&envelope, &poses, &(what, |m| *m, 1.0, kind)), what);
+    }
+}
+
+/// Inverts a rigid matrix.
+fn inverse(m: &Matrix3x4) -> Matrix3x4 {
+    std::array::from_fn(|r| {
+        let [x, y, z] = m.map(|row| row[r]);
+        [x, y, z, -(x * m[0][3] + y * m[1][3] + z * m[2][3])]
+    })
 }
 
 fn after(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {

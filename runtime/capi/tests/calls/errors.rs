@@ -7,7 +7,7 @@ use std::ffi::CStr;
 use std::fmt::Debug;
 
 /// Every kind; `header/statuses.rs` counts the header's statuses against them.
-const CALL_KINDS: [CallErrorKind; 10] = {
+const CALL_KINDS: [CallErrorKind; 12] = {
     use CallErrorKind::*;
     [
         Length,
@@ -20,9 +20,11 @@ const CALL_KINDS: [CallErrorKind; 10] = {
         NoStage,
         NoOutput,
         NoRoot,
+        OtherName,
+        NoJoints,
     ]
 };
-const FILE_KINDS: [FileErrorKind; 19] = {
+const FILE_KINDS: [FileErrorKind; 21] = {
     use FileErrorKind::*;
     [
         NotAModel,
@@ -44,6 +46,8 @@ const FILE_KINDS: [FileErrorKind; 19] = {
         Index,
         Mismatch,
         Invalid,
+        Truncated,
+        Space,
     ]
 };
 const ARGUMENTS: [Argument; 22] = {

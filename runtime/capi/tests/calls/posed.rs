@@ -9,7 +9,7 @@ use sinew_runtime::{
     skeleton_hash_of,
 };
 use std::ffi::CStr;
-use std::ptr::null;
+use std::ptr::{null, null_mut};
 
 fn rest(envelope: &sinew_runtime::Envelope<'_>) -> Vec<Matrix3x4> {
     let local: Vec<LocalTransform> = envelope.rest_locals().collect();
@@ -47,18 +47,32 @@ fn a_skeleton_is_bound_and_gathered() {
         let in_c = |name: &&str| sinew_name { name: name.as_ptr().cast(), name_len: name.len() };
         let all: Vec<sinew_name> = names.iter().map(in_c).collect();
         let mut expected = vec![0; len];
-        let place = |name: &str| names.iter().position(|own| *own == name);
-        envelope.bind_joints(place, &mut expected).unwrap();
+        let bound = envelope.bind_joints(&names, &mut expected).unwrap();
         assert_eq!(lacking.map(|joint| expected[joint]), lacking.map(|_| SINEW_FOLDED));
         let mut map = vec![0; len];
         let (at, handle) = (map.as_mut_ptr(), found.handle);
-        // SAFETY: an open envelope, and arrays with their lengths.
-        done(unsafe { sinew_envelope_bind(handle, all.as_ptr(), all.len(), at, len, NONE) });
-        assert_eq!(map, expected);
+        // SAFETY: an open envelope, arrays with their lengths, and one structure to be written.
+        let told = get(|out| unsafe {
+            sinew_envelope_bind(handle, all.as_ptr(), all.len(), at, len, out, NONE)
+        });
+        assert_eq!((&map, told.found_len as usize), (&expected, bound.found_len));
+        let missing = bound.missing_parent.map_or(SINEW_NO_JOINT, |joint| joint as u32);
+        assert_eq!((told.missing_parent, missing), (SINEW_NO_JOINT, SINEW_NO_JOINT));
         let at = map.as_mut_ptr();
-        // SAFETY: the same.
-        let status = unsafe { sinew_envelope_bind(handle, all.as_ptr(), 1, at, len, NONE) };
-        assert_eq!((status, &map), (sinew_status::NoRoot, &expected));
+        let bind = |names: &[sinew_name]| {
+            // SAFETY: an open envelope, and arrays with their lengths.
+            unsafe {
+                sinew_envelope_bind(handle, names.as_ptr(), names.len(), at, len, null_mut(), NONE)
+            }
+        };
+        assert_eq!(bind(&all[..1]), sinew_status::NoRoot);
+        let prefixed: Vec<String> = names.iter().map(|name| format!("rig:{name}")).collect();
+        let prefixed: Vec<&str> = prefixed.iter().map(String::as_str).collect();
+        assert_eq!(bind(&prefixed.iter().map(in_c).collect::<Vec<_>>()), sinew_status::OtherName);
+        let root = envelope.joint_name(envelope.root()).unwrap();
+        let alone = if len > 1 { sinew_status::NoJoints } else { sinew_status::Ok };
+        assert_eq!(bind(&[in_c(&root)]), alone);
+        assert_eq!(map, expected);
 
         let turned = [[0.0, -1.0, 0.0, 2.0], [1.0, 0.0, 0.0, -0.25], [0.0, 0.0, 1.0, 3.5]];
         let world = vec![sinew_matrix { rows: turned }; names.len()];
@@ -117,7 +131,7 @@ fn mistakes_are_named_and_scales_taken_out() {
         assert_eq!(text(kind as u32) != "unknown mistake", is_known, "{kind:?}");
     }
     assert!(text(0).starts_with("nothing"));
-    assert_eq!([text(1), text(11)], ["unknown mistake"; 2]);
+    assert_eq!([text(1), text(15)], ["unknown mistake"; 2]);
 }
 
 #[test]

@@ -20,7 +20,7 @@ use sinew_runtime::prior::{Anchor, PriorCounts, PriorLayout, Temporal};
 use sinew_runtime::skin::{NormalErrors, Output, Rest, ShapeErrors, SkinCounts, SkinLayout, cells};
 use sinew_runtime::{
     CallError, Envelope, Filter, KernelMap, Limits, LocalTransform, Matrix3x4, Model, Pin, PinJob,
-    Pins, Prior, ShapesJob, Skin, SkinJob, Workspace, model_space_pose, stages,
+    Pins, Prior, ShapesJob, Skin, SkinJob, Workspace, gather_pose, model_space_pose, stages,
 };
 
 firmware::image!(run);
@@ -242,6 +242,10 @@ fn evaluate(envelope: Envelope<'_>) -> Result<(), CallError> {
     let local = some::<LocalTransform>(&[]);
     let mut own = Workspace::<4>::new();
     let (pose, palette) = (some_mut::<Matrix3x4>(&mut []), some_mut::<Matrix3x4>(&mut []));
+    let map = some_mut::<u32>(&mut []);
+    let _ = black_box(envelope.bind_joints(some::<&[u8]>(&[]), map)?);
+    gather_pose(&envelope, map, some(&[]), some(&[]).first(), pose)?;
+    black_box(envelope.check_pose(pose).is_ok());
     model_space_pose(&envelope, local, pose)?;
     black_box(envelope.palette(pose, some_mut(&mut own), palette)?);
     black_box(envelope.rotational_palette(pose, some_mut(&mut own), palette)?);

@@ -30,9 +30,10 @@ pub(super) fn bind(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     // Whether the root is among them is not known.
     call.vague = true;
     let (out, out_len) = call.output_exact(j, j, Argument::Joints)?;
+    let bound = optional(call, Argument::Result)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
-    Ok(unsafe { sinew_envelope_bind(envelope, names, names_len, out, out_len, error) })
+    Ok(unsafe { sinew_envelope_bind(envelope, names, names_len, out, out_len, bound, error) })
 }
 
 pub(super) fn gather(call: &mut Call<'_, '_>) -> Result<sinew_status> {

@@ -21,9 +21,9 @@ fn every_truncation_is_refused() {
         assert_eq!(targets::run(golden), Ok(()));
         for len in 0..golden.len() {
             let mut short = golden[..len].to_vec();
-            assert_eq!(kind(&short), Some(FileErrorKind::Malformed), "{len}");
+            assert_eq!(kind(&short), Some(FileErrorKind::Truncated), "{len}");
             seal(&mut short);
-            assert_eq!(kind(&short), Some(FileErrorKind::Malformed), "{len}");
+            assert_eq!(kind(&short), Some(FileErrorKind::Truncated), "{len}");
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::shown::axes::TO_ENGINE;
 use crate::shown::{scale, seen, skeleton};
 use pages::arm;
 use sinew_runtime::envelope::{FOLDED, PoseFaultKind, Predictor};
-use sinew_runtime::{Matrix3x4, Model};
+use sinew_runtime::{CallErrorKind, Matrix3x4, Model};
 
 /// Where the engine's actor stands, and the inverse of that.
 const ACTOR: Matrix3x4 = [[0.0, -1.0, 0.0, 3.0], [1.0, 0.0, 0.0, -2.0], [0.0, 0.0, 1.0, 1.0]];
@@ -52,7 +52,16 @@ fn frames_of_a_larger_skeleton_are_gathered_by_name() {
     let mirrored: Vec<_> = expected.iter().map(|matrix| product(&TO_ENGINE, matrix)).collect();
     assert_eq!(fault(&mirrored), PoseFaultKind::Mirrored);
     let frames: Vec<_> = (0..pose.len()).map(|joint| world[pose.len() + 1 - joint]).collect();
-    assert!(envelope.check_pose(&frames).is_err(), "frames are no skinning matrices");
+    assert_eq!(fault(&frames), PoseFaultKind::Frames);
+    assert_eq!(fault(&vec![[[0.0; 4]; 3]; pose.len()]), PoseFaultKind::Unset);
+    // An importer's prefix, and a skeleton of another character.
+    let prefixed: Vec<String> = names.iter().map(|name| format!("mixamorig:{name}")).collect();
+    let prefixed: Vec<&str> = prefixed.iter().map(String::as_str).collect();
+    let refused = skeleton::bind(&envelope, &prefixed).unwrap_err();
+    assert_eq!(refused.kind, CallErrorKind::OtherName);
+    let root = envelope.joint_name(envelope.root()).unwrap();
+    let refused = skeleton::bind(&envelope, &[root, "sword"]).unwrap_err();
+    assert_eq!(refused.kind, CallErrorKind::NoJoints);
 }
 
 #[test]

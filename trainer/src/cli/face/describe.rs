@@ -20,13 +20,16 @@ pub(in crate::cli) fn describe(model: &Model<Vec<u8>>) -> Vec<Described> {
 
 fn as_text(prior: &Prior<'_>) -> String {
     let (counts, fit) = (prior.counts(), prior.fit());
+    let learned = match fit.frames > 0.0 {
+        true => format!("from {} frames", fit.frames),
+        false => "from no take".to_owned(),
+    };
     format!(
-        "prior \"{}\" of part {}: {} shapes, learned from {} frames; pins hold to {:.3e}; {} mirrored pairs, {} \
+        "prior \"{}\" of part {}: {} shapes, learned {learned}; pins hold to {:.3e}; {} mirrored pairs, {} \
          cancelling; {} bytes of scratch for 8 pins\n",
         printable(prior.name()),
         counts.skin,
         counts.shape_len,
-        fit.frames,
         f64::from(fit.beta).sqrt(),
         counts.symmetry_len,
         counts.cancel_len,

@@ -68,20 +68,18 @@ pub(super) fn measure<T>(
     let [slider, slider_mean] = input::slider_models(&model, &face)?;
     let take = input::take(&arguments.animation, &face.names(), output)?;
     let about = || arguments.animation.display().to_string();
-    let range = input::within(arguments.frames, take.frames.len());
+    let range = input::within(arguments.frames, take.file_len());
     let (from, every) = (arguments.from, arguments.every as usize);
     let frames = take.pick(&range, from, every).with_context(about)?;
-    let left_out = [0..range.start, range.end..take.frames.len()];
-    let left_out = left_out.iter().filter(|range| from < range.len());
-    let chosen_on =
-        left_out.map(|range| take.pick(range, from, every)).collect::<Result<Vec<_>, _>>()?;
+    let left_out = [0..range.start, range.end..take.file_len()];
+    let chosen_on = left_out.iter().map(|range| take.every(range, from, every));
     let protocol = Protocol {
         face,
         slider: input::open(&slider, path)?,
         slider_mean: input::open(&slider_mean, path)?,
         landmarks: &landmarks,
         vertices: vertices(&face, arguments)?,
-        chosen_on: chosen_on.concat(),
+        chosen_on: chosen_on.flatten().collect(),
         frames,
     };
     let evaluation =

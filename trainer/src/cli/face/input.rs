@@ -1,8 +1,8 @@
 //! Faces, takes and numbers as the command line names them.
 
-use crate::cli::Output;
 use crate::cli::input::read_model;
 use crate::cli::printable;
+use crate::cli::{Output, counted};
 use anyhow::Context;
 use sinew_runtime::Model;
 use sinew_runtime::prior::Anchor;
@@ -13,6 +13,9 @@ use sinew_trainer::face::take::{self, Take};
 use sinew_trainer::face::train::sliders;
 use std::ops::Range;
 use std::path::Path;
+
+/// How many lines of a take are told by number.
+const TOLD_LINES: usize = 5;
 
 /// Where weights are changed from.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -63,7 +66,7 @@ pub(super) fn slider_models(
     Ok([load(from_zero)?, load(from_mean)?])
 }
 
-/// Reads a take of a face, and tells what of it the face has no shape for.
+/// Reads a take of a face, and tells in which lines the tracking is lost and what the face has no shape for.
 pub(super) fn take(path: &Path, shapes: &[String], output: Output) -> anyhow::Result<Take> {
     let read = take::read(path, shapes).with_context(|| path.display().to_string())?;
     if !read.skipped.is_empty() {
@@ -71,7 +74,22 @@ pub(super) fn take(path: &Path, shapes: &[String], output: Output) -> anyhow::Re
         let what = format!("columns that the face has no shape for are left out: {skipped}");
         output.warn(path.display(), what);
     }
+    if !read.lost.is_empty() {
+        output.warn(path.display(), lost(&read));
+    }
     Ok(read)
+}
+
+/// Says in how many rows of a take the tracking is lost, and in which lines.
+fn lost(take: &Take) -> String {
+    let lines: Vec<String> = take.lost.iter().take(TOLD_LINES).map(u64::to_string).collect();
+    let more = if take.lost.len() > TOLD_LINES { ", ..." } else { "" };
+    format!(
+        "the tracking is lost in {} of {}, which are left out: line {}{more}",
+        take.lost.len(),
+        counted(take.file_len(), "row", "rows"),
+        lines.join(", ")
+    )
 }
 
 /// Parses `A..B`, `A..` or `..B`.

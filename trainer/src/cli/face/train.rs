@@ -26,12 +26,15 @@ use std::path::PathBuf;
 A face is an .npz with neutral, expression_deltas, expression_names, quads or tris, and if there are any uv, uv_quads, \
 identity_deltas and landmarks; a .glb, .gltf or .fbx with named shape keys; or a folder with neutral.obj and an .obj a \
 shape. An .npz with meshes (N, V, 3) is a face without shapes: its principal components become shapes, and no take is \
-needed. Columns of a take have the names of the shapes or those of ARKit: EyeBlinkLeft is eyeBlink_L.")]
+needed. Columns of a take have the names of the shapes or those of ARKit: EyeBlinkLeft is eyeBlink_L and \
+blendShape1.eyeBlink_L. Cells stand between commas, semicolons or tabs. Rows in which the tracking is lost are left \
+out and counted.")]
 pub(in crate::cli) struct Arguments {
     /// The face: .npz, .glb, .gltf, .fbx, or a folder of .obj files
     #[arg(long, value_name = "FACE")]
     basis: PathBuf,
-    /// Weights of its shapes, frame by frame: .csv with a column a shape, or .npz with weights and names
+    /// Weights of its shapes, frame by frame: .csv with a column a shape, or .npz with weights and names [default: none,
+    /// and no weight knows of another]
     #[arg(long, value_name = "TAKE")]
     animation: Option<PathBuf>,
     /// The file to write
@@ -58,6 +61,12 @@ pub(in crate::cli) struct Arguments {
     landmarks: Option<PathBuf>,
     #[command(flatten)]
     space: StatedSpace,
+}
+
+/// What a face was learned from, in words, and how many frames were lost.
+struct Learned {
+    text: String,
+    lost: usize,
 }
 
 /// Types of numbers by name.
@@ -97,7 +106,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             let (mut basis, model) =
                 of_meshes(&meshes, arguments.rank, &options).with_context(about)?;
             mark(&mut basis, arguments)?;
-            (basis, model, format!("learned from {len}\n"))
+            (basis, model, Learned { text: format!("learned from {len}\n"), lost: 0 })
         }
         Source::Shapes(mut basis) => {
             if arguments.rank.is_some() {
@@ -111,7 +120,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
                 basis.identify(identity, by).with_context(about)?;
             }
             mark(&mut basis, arguments)?;
-            let (model, learned) = with_take(&basis, arguments, &options, output)?;
+            let (model, learned) = of_shapes(&basis, arguments, &options, output)?;
             (basis, model, learned)
         }
     };
@@ -127,7 +136,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
 fn print(
     bytes: &[u8],
     basis: &Basis,
-    learned: &str,
+    learned: &Learned,
     [target, mesh]: [&OutputFile; 2],
     output: Output,
 ) -> anyhow::Result<()> {
@@ -141,6 +150,7 @@ fn print(
         "shapes": shapes,
         "landmarks": basis.landmarks.len(),
         "frames": fit.frames,
+        "lost_frames": learned.lost,
         "tolerance": tolerance,
         "error": fit.error,
         "slider_error": fit.slider_error,
@@ -158,12 +168,13 @@ fn print(
         false => String::new(),
     };
     let text = format!(
-        "{}: {}, {}, {}\n{learned}{reached}pins hold to {tolerance:.3e}; {} mirrored, {} cancelling\n\
+        "{}: {}, {}, {}\n{}{reached}pins hold to {tolerance:.3e}; {} mirrored, {} cancelling\n\
          wrote {} ({} bytes) and {}\n",
         printable(face.skin.name()),
         counted(vertices, "vertex", "vertices"),
         counted(shapes, "shape", "shapes"),
         counted(basis.landmarks.len(), "landmark", "landmarks"),
+        learned.text,
         counted(counts.symmetry_len as usize, "pair of shapes is", "pairs of shapes are"),
         counted(counts.cancel_len as usize, "pair is", "pairs are"),
         target.named().display(),
@@ -173,33 +184,42 @@ fn print(
     output.print(&json, &text)
 }
 
-fn with_take(
+/// Learns from the take, where there is one; else no weight knows of another.
+fn of_shapes(
     basis: &Basis,
     arguments: &Arguments,
     options: &Options,
     output: Output,
-) -> anyhow::Result<(FileModel, String)> {
+) -> anyhow::Result<(FileModel, Learned)> {
     let Some(path) = &arguments.animation else {
-        bail!(
-            "{}: it has shapes, and a take of their weights is to learn from: give --animation",
-            arguments.basis.display()
-        );
+        if arguments.frames.is_some() {
+            bail!("--frames is of a take: give --animation");
+        }
+        let text = "learned from no take: no weight knows of another\n".to_owned();
+        return Ok((of_take(basis, &[], options), Learned { text, lost: 0 }));
     };
     let take = input::take(path, &basis.names(), output)?;
-    let range = input::within(arguments.frames, take.frames.len());
+    let range = input::within(arguments.frames, take.file_len());
     let frames = take.pick(&range, 0, 1).with_context(|| path.display().to_string())?;
     let frames: Vec<Vec<f64>> = frames.iter().map(|frame| frame.to_vec()).collect();
+    let lost = range.len() - frames.len();
     let driven =
         (0..basis.mesh.shapes.len()).filter(|&s| frames.iter().any(|f| f[s] != 0.0)).count();
-    let learned = format!(
-        "learned from {} of {}, which {} shapes\n",
+    let mut text = format!(
+        "learned from {} of {}, which move {}\n",
         counted(frames.len(), "frame", "frames"),
         path.display(),
-        format_args!("move {driven}"),
+        counted(driven, "shape", "shapes"),
     );
+    if lost > 0 {
+        text += &format!(
+            "left out {} in which the tracking is lost\n",
+            counted(lost, "frame", "frames")
+        );
+    }
     let mut model = of_take(basis, &frames, options);
     measure(&mut model, basis, &frames, options)?;
-    Ok((model, learned))
+    Ok((model, Learned { text, lost }))
 }
 
 /// Sets the landmarks that were given.

@@ -4,4 +4,4 @@ mod error;
 mod read;
 
 pub use error::CsvError;
-pub(crate) use read::{Table, read};
+pub(crate) use read::{Row, Table, read};

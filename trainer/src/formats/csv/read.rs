@@ -4,11 +4,32 @@ use super::error::CsvError;
 use crate::formats::error::FormatError;
 use std::path::Path;
 
+/// Characters that may stand between cells, the usual first.
+const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
+/// What some programs write before text in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// A table of cells with named columns.
 pub(crate) struct Table {
     /// Names of the columns.
     pub(crate) names: Vec<String>,
-    rows: Vec<(u64, csv::StringRecord)>,
+    /// Whether numbers may have a decimal comma: where commas do not part cells.
+    has_decimal_commas: bool,
+    rows: Vec<Row>,
+}
+
+/// A row below the names, of any length.
+pub(crate) struct Row {
+    /// Its line, the first being 1.
+    pub(crate) line: u64,
+    cells: csv::StringRecord,
+}
+
+impl Row {
+    /// Counts its cells.
+    pub(crate) fn len(&self) -> usize {
+        self.cells.len()
+    }
 }
 
 /// Reads a file.
@@ -21,34 +42,40 @@ pub(crate) fn read(path: &Path) -> Result<Table, FormatError> {
 }
 
 impl Table {
-    /// Reads a table, of at least one row.
+    /// Reads a table, of at least one row. Cells are parted by the one of [`SEPARATORS`] that the names have most of;
+    /// rows without any text at the end are left out.
     ///
     /// # Errors
-    /// A [`CsvError`], but for those of numbers.
+    /// A [`CsvError`], but for those of rows and numbers.
     pub(crate) fn parse(text: &[u8]) -> Result<Self, CsvError> {
+        let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+        let separator = separator(text);
+        let mut builder = csv::ReaderBuilder::new();
         let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(text);
+            builder.trim(csv::Trim::All).flexible(true).delimiter(separator).from_reader(text);
         let wrong = |error: csv::Error| {
             let line = error.position().map_or(1, csv::Position::line);
             CsvError::Text { line, reason: error.to_string() }
         };
-        let head = reader.headers().map_err(wrong)?;
         let names: Vec<String> =
-            head.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect();
-        if let Some(at) = (0..names.len()).find(|&at| names[..at].contains(&names[at])) {
+            reader.headers().map_err(wrong)?.iter().map(str::to_owned).collect();
+        let is_repeated = |&at: &usize| !names[at].is_empty() && names[..at].contains(&names[at]);
+        if let Some(at) = (0..names.len()).find(is_repeated) {
             return Err(CsvError::Twice { name: names[at].clone() });
         }
         let mut rows = Vec::new();
         for record in reader.records() {
-            let record = record.map_err(wrong)?;
-            let line = record.position().map_or(1, |position| line(text, position));
-            let (expected, found) = (names.len(), record.len());
-            if found != expected {
-                return Err(CsvError::Row { line, expected, found });
-            }
-            rows.push((line, record));
+            let cells = record.map_err(wrong)?;
+            let line = cells.position().map_or(1, |position| line(text, position));
+            rows.push(Row { line, cells });
         }
-        if rows.is_empty() { Err(CsvError::Empty) } else { Ok(Self { names, rows }) }
+        while rows.pop_if(|row| row.cells.iter().all(str::is_empty)).is_some() {}
+        let has_decimal_commas = separator != b',';
+        if rows.is_empty() {
+            Err(CsvError::Empty)
+        } else {
+            Ok(Self { names, has_decimal_commas, rows })
+        }
     }
 
     /// Finds a column.
@@ -61,26 +88,67 @@ impl Table {
         self.names.iter().position(|own| own == name).ok_or_else(missing)
     }
 
+    /// Lists the rows.
+    pub(crate) fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// Returns the text of a row's cell; `None` where it is empty or the row is shorter.
+    pub(crate) fn cell<'a>(&self, row: &'a Row, column: usize) -> Option<&'a str> {
+        row.cells.get(column).filter(|cell| !cell.is_empty())
+    }
+
+    /// Reads the finite numbers of a row in some columns.
+    ///
+    /// # Errors
+    /// [`CsvError::Row`] and [`CsvError::Number`]
+    pub(crate) fn numbers_of(&self, row: &Row, columns: &[usize]) -> Result<Vec<f64>, CsvError> {
+        let (expected, found) = (self.names.len(), row.len());
+        if found != expected {
+            return Err(CsvError::Row { line: row.line, expected, found });
+        }
+        let number = |&column: &usize| {
+            let cell = row.cells.get(column).unwrap_or_default();
+            let number = match self.has_decimal_commas {
+                true => cell.replacen(',', ".", 1).parse(),
+                false => cell.parse(),
+            };
+            number.ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| CsvError::Number {
+                line: row.line,
+                column: self.names[column].clone(),
+                found: cell.to_owned(),
+            })
+        };
+        columns.iter().map(number).collect()
+    }
+
     /// Gives the finite numbers of some columns, row by row, each row with its line.
     ///
     /// # Errors
-    /// [`CsvError::Number`]
+    /// [`CsvError::Row`] and [`CsvError::Number`]
     pub(crate) fn numbers(
         &self,
         columns: &[usize],
     ) -> impl Iterator<Item = Result<(u64, Vec<f64>), CsvError>> {
-        self.rows.iter().map(move |(line, cells)| {
-            let number = |&column: &usize| {
-                let cell = cells.get(column).unwrap_or_default();
-                cell.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| CsvError::Number {
-                    line: *line,
-                    column: self.names[column].clone(),
-                    found: cell.to_owned(),
-                })
-            };
-            Ok((*line, columns.iter().map(number).collect::<Result<_, _>>()?))
-        })
+        self.rows.iter().map(move |row| Ok((row.line, self.numbers_of(row, columns)?)))
     }
+}
+
+/// Finds what parts the cells: what the first line has most of, outside quotes.
+fn separator(text: &[u8]) -> u8 {
+    let start = text.iter().position(|byte| !matches!(byte, b'\r' | b'\n')).unwrap_or_default();
+    let mut counts = [0; SEPARATORS.len()];
+    let mut is_quoted = false;
+    for byte in text[start..].iter().take_while(|byte| !matches!(byte, b'\r' | b'\n')) {
+        is_quoted ^= *byte == b'"';
+        let found = SEPARATORS.iter().position(|separator| separator == byte);
+        if let Some(at) = found.filter(|_| !is_quoted) {
+            counts[at] += 1;
+        }
+    }
+    let most = counts.into_iter().max().unwrap_or_default();
+    let found = SEPARATORS.into_iter().zip(counts).find(|(_, count)| *count == most);
+    found.map_or(b',', |(separator, _)| separator)
 }
 
 /// Says in which line a row is: a position is that of the empty lines before it.
@@ -106,6 +174,26 @@ mod tests {
     #[test]
     fn rows_have_their_lines() {
         assert_eq!(said("\u{feff}a, b\n1, 2\n\n-3e1,4\n"), "[(2, [1.0, 2.0]), (4, [-30.0, 4.0])]");
+    }
+
+    #[test]
+    fn cells_are_parted_as_the_names_are() {
+        let expected = "[(2, [1.5, -2.0]), (3, [3.0, 0.25])]";
+        for text in [
+            "a,b\n1.5,-2\n3,0.25\n",
+            "a;b\n1,5;-2\n3;0,25\n",
+            "a;b\n1.5;-2\n3;0.25\n",
+            "a\tb\r\n1,5\t-2\r\n3\t0,25\r\n\r\n",
+            "\u{feff}\"a\",\"b\"\n1.5,-2\n3,0.25\n,\n  \n",
+            "\"a\";\"b\"\n1,5;-2\n3;0,25\n;\n",
+        ] {
+            assert_eq!(said(text), expected, "{text:?}");
+        }
+        let found = Table::parse(b"\"a, x, y\";b\n1;2\n").unwrap();
+        assert_eq!(found.names, ["a, x, y", "b"]);
+        // A comma is no decimal comma where it parts cells, and there is one at most.
+        assert!(said("a,b\n\"1,5\",2\n").contains("expected a number, found \"1,5\""));
+        assert!(said("a;b\n1,234,5;2\n").contains("expected a number"));
     }
 
     #[test]

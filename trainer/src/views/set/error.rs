@@ -79,19 +79,39 @@ pub enum SetError {
         /// What is wrong.
         what: String,
     },
-    /// An element has no area in a key view in which it is seen.
-    #[error("element {element} has no area in {view}")]
+    /// An element, or a triangle of it, has no area in a key view in which it is seen.
+    #[error(
+        "element {element}: points {points:?} have no area in {view}: move one, mark one as not visible, or leave them out"
+    )]
     NoArea {
-        /// The element.
+        /// The element, by its place in the file.
         element: usize,
+        /// Its points, or those of the triangle.
+        points: Vec<usize>,
         /// The view.
         view: String,
     },
-    /// A quad is not convex in a key view in which it is seen.
-    #[error("element {element} is a quad that is not convex in {view}: cut it into triangles")]
+    /// A quad has a dent in a key view in which it is seen.
+    #[error("element {element}: quad {points:?} is not convex in {view}: write {:?}, {:?} in its place", triangles[0], triangles[1])]
     Concave {
-        /// The element.
+        /// The element, by its place in the file.
         element: usize,
+        /// Its points.
+        points: [usize; 4],
+        /// The view.
+        view: String,
+        /// Triangles that cover it there.
+        triangles: [[usize; 3]; 2],
+    },
+    /// Edges of a quad cross in a key view in which it is seen.
+    #[error(
+        "element {element}: edges of quad {points:?} cross in {view}: list its points in turn, or write two triangles in its place"
+    )]
+    Crossed {
+        /// The element, by its place in the file.
+        element: usize,
+        /// Its points.
+        points: [usize; 4],
         /// The view.
         view: String,
     },

@@ -29,11 +29,18 @@ pub fn triangulated(view: &View, named: &str) -> Result<Vec<Element>, SetError> 
 
 /// Checks elements in a key view: those whose points are all seen.
 ///
+/// - `sources`: for each element its place in the file, where a polygon may become several.
+///
 /// # Errors
-/// [`SetError::NoArea`] and [`SetError::Concave`].
-pub fn check_elements(elements: &[Element], view: &View, named: &str) -> Result<(), SetError> {
+/// [`SetError::NoArea`], [`SetError::Concave`] and [`SetError::Crossed`].
+pub fn check_elements(
+    elements: &[Element],
+    sources: &[usize],
+    view: &View,
+    named: &str,
+) -> Result<(), SetError> {
     let known = view.known();
-    for (number, element) in elements.iter().enumerate() {
+    for (element, &source) in elements.iter().zip(sources) {
         let corners = element.points();
         if !corners.iter().all(|&k| view.visible[k]) {
             continue;
@@ -43,12 +50,25 @@ pub fn check_elements(elements: &[Element], view: &View, named: &str) -> Result<
             (0..corners.len()).map(|c| cross(at(c), at(c + 1), at(c + 2))).collect();
         let longest = (0..corners.len()).map(|c| squared(at(c), at(c + 1))).fold(0.0, f64::max);
         let flat = |turn: &f64| turn.abs() <= NO_AREA * longest;
+        let view = || named.to_owned();
         if turns.iter().all(flat) {
-            return Err(SetError::NoArea { element: number, view: named.to_owned() });
+            let points = corners.to_vec();
+            return Err(SetError::NoArea { element: source, points, view: view() });
         }
-        let quad = corners.len() == 4;
-        if quad && (turns.iter().any(flat) || turns.iter().any(|turn| turn * turns[0] < 0.0)) {
-            return Err(SetError::Concave { element: number, view: named.to_owned() });
+        let &Element::Quad(points) = element else { continue };
+        // The way round in which most corners turn; 0 if edges cross.
+        let way: f64 = turns.iter().map(|turn| turn.signum()).sum();
+        let is_dent = |&c: &usize| flat(&turns[c]) || turns[c] * way <= 0.0;
+        let dents: Vec<usize> = (0..4).filter(is_dent).collect();
+        match dents[..] {
+            [] => {}
+            [turn] => {
+                // A turn is that of the corner after it, from which a diagonal cuts the quad.
+                let point = |after: usize| points[(turn + 1 + after) % 4];
+                let triangles = [[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(point));
+                return Err(SetError::Concave { element: source, points, view: view(), triangles });
+            }
+            _ => return Err(SetError::Crossed { element: source, points, view: view() }),
         }
     }
     Ok(())
@@ -102,15 +122,40 @@ mod tests {
     fn flat_and_concave_elements_are_named() {
         let dent = [[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]];
         let quad = [Element::Quad([0, 1, 2, 3])];
-        assert!(check_elements(&quad, &view(&SQUARE), "view 1").is_ok());
-        let refused = check_elements(&quad, &view(&dent), "view 1").unwrap_err();
-        assert!(matches!(refused, SetError::Concave { element: 0, .. }), "{refused}");
+        assert!(check_elements(&quad, &[5], &view(&SQUARE), "view 1").is_ok());
+        let said = |quad: &[Element], points: &[[f64; 2]]| {
+            check_elements(quad, &[5], &view(points), "view 1").unwrap_err().to_string()
+        };
+        assert_eq!(
+            said(&quad, &dent),
+            "element 5: quad [0, 1, 2, 3] is not convex in view 1: write [2, 3, 0], [2, 0, 1] in its place"
+        );
+        // The triangles cover the quad, whichever corner is the dent, and however it turns.
+        for turned in 0..4 {
+            let mut corners = [0, 1, 2, 3];
+            corners.rotate_left(turned);
+            for corners in [corners, [corners[3], corners[2], corners[1], corners[0]]] {
+                let quad = [Element::Quad(corners)];
+                let refused = check_elements(&quad, &[5], &view(&dent), "view 1").unwrap_err();
+                let SetError::Concave { triangles, .. } = refused else { panic!("{refused}") };
+                let area = |[a, b, c]: [usize; 3]| cross(dent[a], dent[b], dent[c]);
+                let areas = triangles.map(area);
+                assert!(
+                    areas[0] * areas[1] > 0.0 && (areas[0] + areas[1]).abs() == 8.0,
+                    "{triangles:?}"
+                );
+            }
+        }
+        let crossed = [Element::Quad([0, 2, 1, 3])];
+        assert!(said(&crossed, &SQUARE).starts_with("element 5: edges of quad [0, 2, 1, 3] cross"));
         let flat = [[0.0, 0.0], [2.0, 2.0], [4.0, 4.0], [0.0, 4.0]];
         let elements = [Element::Triangle([1, 2, 3]), Element::Triangle([0, 1, 2])];
-        let refused = check_elements(&elements, &view(&flat), "view 1").unwrap_err();
-        assert!(matches!(refused, SetError::NoArea { element: 1, .. }), "{refused}");
+        let refused = check_elements(&elements, &[0, 3], &view(&flat), "view 1").unwrap_err();
+        assert!(
+            refused.to_string().starts_with("element 3: points [0, 1, 2] have no area in view 1")
+        );
         let mut hidden = view(&flat);
         hidden.visible[1] = false;
-        assert!(check_elements(&elements, &hidden, "view 1").is_ok(), "not seen");
+        assert!(check_elements(&elements, &[0, 3], &hidden, "view 1").is_ok(), "not seen");
     }
 }

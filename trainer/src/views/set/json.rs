@@ -291,10 +291,11 @@ fn elements(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Vec<Element>, SetE
         let most = keys.iter().rev().copied().max_by_key(seen).unwrap_or((0, 0));
         return triangulated(of(most), &named(most));
     }
-    let mut out = Vec::new();
+    let (mut out, mut sources) = (Vec::new(), Vec::new());
     for (number, polygon) in polygons.iter().enumerate() {
         out.extend(Element::of_polygon(number, polygon, set.point_len())?);
+        sources.resize(out.len(), number);
     }
-    keys.into_iter().try_for_each(|key| check_elements(&out, of(key), &named(key)))?;
+    keys.into_iter().try_for_each(|key| check_elements(&out, &sources, of(key), &named(key)))?;
     Ok(out)
 }
