@@ -1,22 +1,10 @@
 //! A mesh by itself, from whichever format.
 
-use super::error::{FileError, FormatError};
+use super::error::FileError;
 use super::extension::{extension, unknown_format};
-use super::mesh::Mesh;
-use super::warning::FormatWarning;
+use super::mesh::MeshFile;
 use super::{content, fbx, gltf, obj};
-use sinew_runtime::format::Space;
 use std::path::Path;
-
-/// A mesh and the space of its file.
-pub struct MeshFile {
-    /// The meshes of the file as one, in the rest pose.
-    pub mesh: Mesh,
-    /// Axes and unit, as far as they are known.
-    pub space: Option<Space>,
-    /// What was left out.
-    pub warnings: Vec<FormatWarning>,
-}
 
 impl MeshFile {
     /// Reads a mesh from a `.obj`, `.glb`, `.gltf` or `.fbx` file. Of a scene, meshes with a skin stand as they are bound;
@@ -33,13 +21,5 @@ impl MeshFile {
             "fbx" => fbx::read_mesh(path).map_err(blame),
             _ => Err(blame(unknown_format(path, ".obj, .glb, .gltf or .fbx"))),
         }
-    }
-}
-
-/// Refuses a mesh without triangles.
-pub(super) fn check_triangles(mesh: Mesh) -> Result<Mesh, FormatError> {
-    match mesh.triangles.is_empty() {
-        true => Err(super::SceneError::NoMesh.into()),
-        false => Ok(mesh),
     }
 }

@@ -213,7 +213,7 @@ int main(int, char **argv)
     sinew::Model &itself = model;
     model = std::move(itself);
     EXPECT(!envelope.open(model));
-    EXPECT(model.load({}).status == SINEW_STATUS_FILE_MALFORMED);
+    EXPECT(model.load({}).status == SINEW_STATUS_FILE_TRUNCATED);
     const sinew::Envelope copied = envelope;
 
     std::vector<sinew_matrix> pose = rest(copied.info().joint_len);

@@ -184,14 +184,17 @@ pub(super) fn mesh_hash(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_mesh_hash(positions.cast(), len, out, error) })
 }
 
-/// Draws names, as many as there are joints or fewer: the joints' own, or pieces of the file, or one that is nowhere.
+/// Draws names, as many as there are joints or fewer: the joints' own, one with a prefix, pieces of the file, or
+/// one that is nowhere.
 fn names(call: &mut Call<'_, '_>) -> Result<(*const sinew_name, usize)> {
     let (place, file) = (call.arena.local.start, call.arena.file.clone());
     let len = call.u.int_in_range(0..=call.arena.frame.pose.len())?;
     let mut content = Vec::new();
     let own = if call.one_in(2)? { joint_names(call.arena.file_bytes()) } else { Vec::new() };
+    let other = if call.one_in(4)? { call.u.int_in_range(0..=len)? } else { len };
     for number in 0..len {
         let (start, name_len) = match own.get(number) {
+            Some(name) if number == other => prefixed(call, name.clone()),
             Some(name) => (file.start + name.start, name.len()),
             None => {
                 let start = call.u.int_in_range(file.start..=file.end)?;
@@ -211,6 +214,18 @@ fn names(call: &mut Call<'_, '_>) -> Result<(*const sinew_name, usize)> {
     // Any other bytes would be pointers to no memory of the caller.
     let names = if len == 0 { null() } else { call.input_fixed(place, Argument::Names)? };
     Ok((names, len))
+}
+
+/// Writes a name of the file with a prefix where poses end, and gives its place and length; as it is where there is no room.
+fn prefixed(call: &mut Call<'_, '_>, name: Range<usize>) -> (usize, usize) {
+    let (file, poses) = (call.arena.file.start, call.arena.poses.clone());
+    let text = [b"rig:", &call.arena.file_bytes()[name.clone()]].concat();
+    if text.len() > poses.len() {
+        return (file + name.start, name.len());
+    }
+    let start = poses.end - text.len();
+    call.arena.write(start, &text);
+    (start, text.len())
 }
 
 /// Finds where the names of the joints stand in a file.

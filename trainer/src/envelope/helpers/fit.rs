@@ -103,8 +103,8 @@ impl<'a> HelperFit<'a> {
         Helpers { weights, dominant, listens, left_over: maps - bases, gram, lbs_errors }
     }
 
-    /// Blends the joints' maps by the mean LBS weights of each group's vertices, 3n x 4P. The blend decides what the vertices
-    /// do not: along the normal of a flat group, whose skin would shear by its dominant joint's map alone.
+    /// Blends the joints' maps by the mean LBS weights of each group's vertices, 3n x 4P. The blend decides the map
+    /// along the normal of a flat group, where the vertices say nothing. The dominant joint's map alone would shear the skin.
     fn blends(&self, groups: &[(usize, Vec<usize>)]) -> Mat<f64> {
         let mut out = Mat::zeros(self.joints.nrows(), 4 * groups.len());
         for (l, (_, members)) in groups.iter().enumerate() {

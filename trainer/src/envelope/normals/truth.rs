@@ -5,8 +5,8 @@ use super::lean::LeaningNormal;
 use crate::mesh::{Surface, normals};
 use nalgebra::Vector3;
 
-/// The true normals of the engine's vertices of a surface wherever its vertices go: those of the posed mesh, weighted by area;
-/// and where they are authored, what the faces around a vertex make of its own (METHOD §1.8).
+/// The true normals of a posed surface, at the engine's vertices: those of the posed mesh, weighted by area; authored normals
+/// are carried by the faces around each vertex (METHOD §1.8).
 pub struct TrueNormals<'a> {
     surface: Surface<'a>,
     /// Faces on one side of the hard edges at each of the engine's vertices, where normals are authored.

@@ -13,8 +13,7 @@ use super::frames::{self, Posed};
 use super::joints::{self, Joints};
 use super::meshes::{self, Geometry};
 use crate::formats::error::FormatError;
-use crate::formats::mesh::Mesh;
-use crate::formats::mesh_file::{MeshFile, check_triangles};
+use crate::formats::mesh::{Mesh, MeshFile};
 use crate::formats::scene::{SampledScene, Sampling, SceneError};
 use crate::space::SpaceRequest;
 use crate::space::axes::direction;
@@ -87,7 +86,7 @@ pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError
     let parts = meshes::parts(&scene, &mut warnings)?;
     let Geometry { rest: positions, triangles, engine, .. } =
         meshes::join(&scene, &parts, &mut warnings);
-    let mesh = check_triangles(Mesh { positions, triangles, engine })?;
+    let mesh = Mesh { positions, triangles, engine }.checked()?;
     Ok(MeshFile { mesh, space: Some(space(&scene.settings)), warnings })
 }
 

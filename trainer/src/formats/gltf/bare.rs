@@ -11,8 +11,7 @@ use super::rigged::shown_meshes;
 use super::skins::{Skins, move_mesh};
 use super::welded::Welded;
 use crate::formats::error::FormatError;
-use crate::formats::mesh::Mesh;
-use crate::formats::mesh_file::{MeshFile, check_triangles};
+use crate::formats::mesh::{Mesh, MeshFile};
 use crate::formats::scene::SceneError;
 use crate::formats::warning::FormatWarning;
 
@@ -47,6 +46,6 @@ pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError
     }
     let positions = welded.pick(&meshes.positions);
     let Welded { triangles, engine, .. } = welded;
-    let mesh = check_triangles(Mesh { positions, triangles, engine })?;
+    let mesh = Mesh { positions, triangles, engine }.checked()?;
     Ok(MeshFile { mesh, space: Some(Space::GLTF), warnings })
 }
