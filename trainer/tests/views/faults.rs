@@ -76,7 +76,7 @@ fn faults_are_named_by_view_and_index() {
         (
             "concave",
             |set| set["train"][0]["points"][2] = json!([2, 2]),
-            "element 0 is a quad that is not convex in main, train view 0: cut it into triangles",
+            "element 0: quad [0, 1, 2, 3] is not convex in main, train view 0: write [2, 3, 0], [2, 0, 1] in its place",
         ),
         (
             "flat",
