@@ -188,9 +188,15 @@ pub(super) fn mesh_hash(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 /// one that is nowhere.
 fn names(call: &mut Call<'_, '_>) -> Result<(*const sinew_name, usize)> {
     let (place, file) = (call.arena.local.start, call.arena.file.clone());
-    let len = call.u.int_in_range(0..=call.arena.frame.pose.len())?;
+    let most = call.arena.frame.pose.len();
+    let len = if call.one_in(8)? { most.min(1) } else { call.u.int_in_range(0..=most)? };
     let mut content = Vec::new();
-    let own = if call.one_in(2)? { joint_names(call.arena.file_bytes()) } else { Vec::new() };
+    let mut own = if call.one_in(2)? { joint_names(call.arena.file_bytes()) } else { Vec::new() };
+    if len == 1 && own.len() > 1 {
+        // One joint alone, which may be the root.
+        let one = call.u.choose_index(own.len())?;
+        own.swap(0, one);
+    }
     let other = if call.one_in(4)? { call.u.int_in_range(0..=len)? } else { len };
     for number in 0..len {
         let (start, name_len) = match own.get(number) {
