@@ -84,7 +84,7 @@ fn faults_are_named_by_view_and_index() {
                 set["elements"] = json!([[0, 1, 2], [0, 2, 3]]);
                 set["train"][0]["points"][3] = json!([3.5, 3.5]);
             },
-            "element 1 has no area in main, train view 0",
+            "element 1: points [0, 2, 3] have no area in main, train view 0: move one, mark one as not visible, or leave them out",
         ),
         ("element", |set| set["elements"] = json!([[0, 1, 9]]), "element 0: point 9, of 4"),
         ("empty", |set| set["train"] = json!([]), "there are no views under \"train\""),
