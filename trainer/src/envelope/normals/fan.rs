@@ -3,7 +3,7 @@
 use crate::mesh::{Surface, same_normal};
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-/// Smallest eigenvalue of what the edges of a fan span, against the largest, from which they span a plane.
+/// Least ratio of the singular values of the summed maps of a fan at rest: below it the faces span no plane.
 const FLAT: f64 = 1e-6;
 
 /// Corners of faces, each with how much its edge adds to the images of a plane's two axes.

@@ -18,7 +18,7 @@ use crate::formats::warning::FormatWarning;
 /// Reads the meshes of a file as one: those with a skin as they are bound, or, where none has one, all as they stand.
 ///
 /// # Errors
-/// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
+/// [`FormatError::Read`], and [`FormatError::Scene`], which names the missing or damaged part.
 pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, FormatError> {
     let Parsed { document, buffers, .. } = file::open(path)?;
     let nodes = Nodes::read(&document)?;
