@@ -9,7 +9,7 @@ use crate::envelope::model::Group;
 use crate::envelope::skin::blend::{Alternation, InTurn, Items, Maps, Supports, Weights, fit_maps};
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::projection::gram;
-use crate::envelope::skin::stacked::{bases, map_of, set_map};
+use crate::envelope::skin::stacked::{bases, set_map};
 use crate::envelope::skin::targets::{Targets, skinned};
 use crate::envelope::skin::training::Training;
 use crate::examples::Importance;
@@ -84,14 +84,12 @@ impl<'a> HelperFit<'a> {
         let groups = self.groups(count);
         let dominant: Vec<usize> = groups.iter().map(|group| group.0).collect();
         let mut maps = Mat::zeros(joints.nrows(), 4 * groups.len());
-        let blends = self.blends(&groups);
-        for (l, (_, members)) in groups.iter().enumerate() {
-            let blend = |pose| map_of(&blends, pose, l);
-            for (i, map) in group_maps(training, members, blend).into_iter().enumerate() {
+        for (l, (joint, members)) in groups.iter().enumerate() {
+            for (i, map) in group_maps(training, members, *joint).into_iter().enumerate() {
                 set_map(&mut maps, i, l, &map);
             }
         }
-        let bases = bases(joints, &dominant);
+        let (bases, blends) = (bases(joints, &dominant), self.blends(&groups));
         let open = Open::new(self, influences);
         let own = OnBasis::new(&open, [&bases, &blends], &dominant).run(&maps, influences);
         let weights = open.among(&training.lbs.weights, &own);
@@ -273,12 +271,8 @@ fn features(training: &Training, vertices: &[usize]) -> Mat<f64> {
     features
 }
 
-/// Fits the affine map of some vertices in each pose, with a ridge toward a blend of the joints' maps.
-fn group_maps(
-    training: &Training,
-    members: &[usize],
-    blend: impl Fn(usize) -> Matrix3x4<f64>,
-) -> Vec<Matrix3x4<f64>> {
+/// Fits the affine map of some vertices in each pose, with a ridge toward their joint's map.
+fn group_maps(training: &Training, members: &[usize], joint: usize) -> Vec<Matrix3x4<f64>> {
     const RIDGE: f64 = 1e-2;
     let h = |v: usize| homogeneous(&training.rest[v]);
     let gram: Matrix4<f64> = members.iter().map(|&v| h(v) * h(v).transpose()).sum();
@@ -288,7 +282,7 @@ fn group_maps(
     let inverse = ridged.try_inverse().unwrap_or_default();
     (0..training.poses.len())
         .map(|i| {
-            let base = blend(i);
+            let base = training.poses.map(i, joint);
             let mut right = Matrix3x4::zeros();
             for &v in members {
                 let truth = &training.trajectories.col_as_slice(v)[3 * i..3 * i + 3];

@@ -7,12 +7,16 @@ mod glb;
 mod gltf;
 mod kernel;
 mod normals;
+mod playing;
 mod signal;
 mod views;
 mod words;
 
-use crate::common::Folder;
+use crate::common::{Folder, Run};
 use crate::shared::shared;
+use glb::Glb;
+use nalgebra::Vector3;
+use serde_json::Value;
 
 /// Makes a folder that holds copies of the cases `files`; `None` without shared data.
 fn with_cases(test: &str, files: &[&str]) -> Option<Folder> {
@@ -22,6 +26,70 @@ fn with_cases(test: &str, files: &[&str]) -> Option<Folder> {
         std::fs::copy(&from, folder.path(file.rsplit('/').next()?)).unwrap();
     }
     Some(folder)
+}
+
+/// Runs a command that must succeed, whatever it warns of.
+#[track_caller]
+fn run(folder: &Folder, command: &str) -> Run {
+    let run = folder.sinew(command);
+    assert_eq!(run.code, Some(0), "{command}: {}", run.err);
+    run
+}
+
+/// Gives the one line of a command that must fail.
+#[track_caller]
+fn refused(folder: &Folder, command: &str) -> String {
+    let run = folder.sinew(command);
+    assert_eq!(run.code, Some(1), "{command}: {}", run.err);
+    run.err.lines().last().unwrap().to_owned()
+}
+
+/// Trains a file and gives the error of linear blend skinning on it, in % of the diagonal.
+#[track_caller]
+fn lbs(folder: &Folder, file: &str) -> f64 {
+    run(folder, &format!("-q train --predictor kernel {file} -o m.sinew"));
+    let found = run(folder, &format!("-q eval m.sinew {file} --json")).out;
+    let found: Value = serde_json::from_str(&found).unwrap();
+    found["lbs"]["rms_percent"].as_f64().unwrap()
+}
+
+/// Greatest distance of two meshes, in % of the diagonal of the first.
+fn apart(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let (low, high) = a.iter().fold((a[0], a[0]), |(low, high), x| (low.inf(x), high.sup(x)));
+    let most = a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    100.0 * most / (high - low).norm()
+}
+
+/// Lists 8 times between each pair of keys of an animation, and the keys.
+fn moments(glb: &Glb, animation: usize) -> Vec<f64> {
+    let mut keys = glb.times(animation, 0);
+    let between = keys.windows(2).flat_map(|pair| {
+        (1..9).map(|part| pair[0] + f64::from(part) / 9.0 * (pair[1] - pair[0])).collect::<Vec<_>>()
+    });
+    let mut all: Vec<f64> = between.collect();
+    all.append(&mut keys);
+    all
+}
+
+/// Greatest distance between two files that play at once, in % of the diagonal.
+fn off(source: (&Glb, &str, usize), played: (&Glb, &str, usize)) -> f64 {
+    let at = |(glb, mesh, clip): (&Glb, &str, usize), time| glb.posed(mesh, Some((clip, time)));
+    let times = moments(source.0, source.2);
+    times.iter().map(|&t| apart(&at(source, t), &at(played, t))).fold(0.0, f64::max)
+}
+
+/// Trains a file, exports it with its own clip, plain and into itself, and measures how far both are from it.
+#[track_caller]
+fn off_as_exported(folder: &Folder, file: &str) -> [f64; 2] {
+    run(folder, &format!("-q train --predictor kernel {file} -o m.sinew"));
+    let source = Glb::read(folder, file);
+    ["", &format!("--into {file}")].map(|into| {
+        run(folder, &format!("-q export m.sinew --clip {file} {into} -o out.glb"));
+        let played = Glb::read(folder, "out.glb");
+        let clip = played.json["animations"].as_array().unwrap().len() - 1;
+        off((&source, "tube", 0), (&played, "tube", clip))
+    })
 }
 
 /// Cases of later issues, and the picture of one of them.
@@ -41,6 +109,7 @@ fn every_case_has_a_test() {
         include_str!("gltf.rs"),
         include_str!("kernel.rs"),
         include_str!("normals.rs"),
+        include_str!("playing.rs"),
         include_str!("signal.rs"),
         include_str!("views.rs"),
         include_str!("words.rs"),
