@@ -45,7 +45,7 @@ pub static PAINTED: Constant = Constant::new("PAINTED", 1.0);
 pub static UNPAINTED: Constant = Constant::new("UNPAINTED", 20.0);
 /// A residual's weight against a position's where vertices are grouped.
 pub static RESIDUAL_SHARE: Constant = Constant::new("RESIDUAL_SHARE", 8.0);
-/// Pull of a helper to its blend of the joints, of the mean diagonal: what few vertices support is noise that no map can predict.
+/// Pull of a helper to its dominant joint, of the mean diagonal: what few vertices support is noise that no map can predict.
 pub static PULL: Constant = Constant::new("PULL", 3e-6);
 /// Weight of the palette before any correction where weights are fitted: it is all that is left of poses unlike
 /// those of training. With less of it a fit errs less on poses like those, and more on others.

@@ -1,6 +1,6 @@
 //! The runtime on frames of the examples: palettes, and skins on them.
 
-use crate::examples::{Clip, Examples, called};
+use crate::examples::{self, Clip, Examples, called};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Skin, SkinJob};
 
@@ -39,16 +39,19 @@ pub fn influences(skin: &Skin<'_>) -> Vec<Vec<(usize, f64)>> {
     (0..skin.vertex_len()).map(|vertex| of(vertex).map(wide).collect()).collect()
 }
 
-/// Computes the palette of one frame of the examples with the runtime, and its confidence.
+/// Computes the palette of a pose with the runtime, and its confidence.
+///
+/// - `pose`: a map from rest to posed for each of J joints.
+/// - `frame`: what errors name.
 ///
 /// # Errors
 /// [`FrameError`]
 pub fn palette(
     envelope: &Envelope<'_>,
-    examples: &Examples,
+    pose: &[examples::Matrix3x4],
     frame: usize,
 ) -> Result<(Vec<Matrix3x4>, f32), FrameError> {
-    let pose = pose(examples, frame);
+    let pose = narrow(pose);
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     let confidence =
@@ -64,12 +67,13 @@ pub fn joint_confidences(
 ) -> Option<Vec<f32>> {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut found = vec![1.0; envelope.joint_len()];
-    let done = envelope.joint_confidences(&pose(examples, frame), &mut scratch, &mut found);
+    let pose = narrow(examples.pose(frame));
+    let done = envelope.joint_confidences(&pose, &mut scratch, &mut found);
     done.ok().map(|()| found)
 }
 
-fn pose(examples: &Examples, frame: usize) -> Vec<Matrix3x4> {
-    examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect()
+fn narrow(pose: &[examples::Matrix3x4]) -> Vec<Matrix3x4> {
+    pose.iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect()
 }
 
 /// Skins a mesh on the palette of a frame: positions and normals, 3V floats each.

@@ -16,7 +16,10 @@ use std::path::{Path, PathBuf};
 
 fn dressed(model: &[u8], examples: &Examples, clips: &[Clip], appearance: &Appearance) -> Vec<u8> {
     let stand = Stand::AsModel;
-    Export { model, skin: None, examples, clips, levels: &[], appearance, stand }.run().unwrap().glb
+    Export { model, skin: None, examples, clips, between: false, levels: &[], appearance, stand }
+        .run()
+        .unwrap()
+        .glb
 }
 
 /// Trains on a scene and exports its first clip as it looks.

@@ -51,7 +51,7 @@ fn export(
     stand: Stand,
 ) -> Result<Exported, ExportError> {
     let appearance = &Appearance::default();
-    Export { model, skin, examples, clips, levels, appearance, stand }.run()
+    Export { model, skin, examples, clips, between: false, levels, appearance, stand }.run()
 }
 
 fn clip(name: &str, first: usize, len: usize) -> Clip {

@@ -102,6 +102,7 @@ fn the_fox_keeps_its_texture_and_is_smooth() {
         skin: None,
         examples: &examples,
         clips: &clips,
+        between: false,
         levels: &[],
         appearance: &Appearance::default(),
         stand: Stand::AsModel,

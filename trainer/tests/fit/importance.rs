@@ -13,11 +13,7 @@ fn arm() -> Examples {
 }
 
 fn model(examples: &Examples, predictor: Predictor) -> Vec<u8> {
-    model_of(examples, predictor, 8)
-}
-
-fn model_of(examples: &Examples, predictor: Predictor, proxies: usize) -> Vec<u8> {
-    let proxies = Some(ProxyCount::Fixed(proxies));
+    let proxies = Some(ProxyCount::Fixed(8));
     let options = Options { predictor: Predict::Only(predictor), proxies, ..Options::default() };
     train(examples, &options, &Silent).unwrap().model
 }
@@ -107,7 +103,7 @@ fn a_frame_that_counts_often_is_fitted_better() {
     weighed.repeat(&weights).unwrap();
     for predictor in Predictor::ALL {
         let [before, after] = [&plain, &weighed].map(|examples| {
-            let model = model_of(examples, predictor, 20);
+            let model = model(examples, predictor);
             let mut alone = plain.clone();
             alone.split.fill(Split::Train);
             alone.split[frame] = Split::HeldOut;

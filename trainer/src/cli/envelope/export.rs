@@ -27,7 +27,8 @@ use std::path::{Path, PathBuf};
 /// a turn and a scale of each joint in model space loses the shear.
 ///
 /// Keys stand at the clip's own times. A joint whose keys hold their values keeps its steps, and every other track has
-/// two neighbouring keys at a jump. Curves get enough keys to bring the joints within 0.02 % of the skeleton's size.
+/// two neighbouring keys at a jump. Between the keys of a scene, joints are within 0.02 % of the skeleton's size and vertices within 0.1 % of the
+/// diagonal: curves, and helpers that bend there, get more keys. --fps switches that off.
 ///
 /// Names, materials and textures of the meshes of CLIP live through, where it is a scene: all that a GLB or glTF
 /// says of them, and of an FBX names, base colours, and pictures that lie beside it.
@@ -125,6 +126,8 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     let levels = arguments.further.load(conversion.as_ref(), &character.space, output)?;
     input::move_to(&mut input, &arguments.clip, &rest(&character.skin), output)?;
     let input::LoadedInput { examples, clips, .. } = input;
+    // Arrays hold frames alone; a scene has keys, unless a rate was asked for.
+    let between = arguments.fps.is_none() && files::ending(&arguments.clip, &["npz"]).is_err();
     let exporting = Bars::busy(output, "exporting");
     let (glb, said) = match &arguments.into {
         None => {
@@ -142,6 +145,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
                 skin,
                 examples: &examples,
                 clips,
+                between,
                 levels,
                 appearance,
                 stand,
@@ -152,8 +156,16 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
         }
         Some(file) => {
             let (clips, levels) = (&clips, &levels);
-            let export =
-                ExportInto { model: &model, skin, examples: &examples, clips, levels, names, file };
+            let export = ExportInto {
+                model: &model,
+                skin,
+                examples: &examples,
+                clips,
+                between,
+                levels,
+                names,
+                file,
+            };
             let grafted = export.run().map_err(|error| blame(error.called(clips), arguments))?;
             let Grafted { glb, animations: names, meshes, added_joints, kept_animations, levels } =
                 grafted;
@@ -210,15 +222,21 @@ fn poses(
     let load = |mesh: Option<&Path>| input::load_motion(source, mesh, output);
     match (&arguments.mesh, &arguments.into) {
         (Some(mesh), _) => load(Some(mesh)),
-        // Its own mesh first: only what has none needs the other file's.
-        (None, Some(into)) => load(None).or_else(|error| {
-            let is_bare = error.downcast_ref::<LoadError>().is_some_and(|error| {
-                matches!(error.error, ExamplesError::Import(ImportError::JointsAlone { .. }))
-            });
-            if is_bare { load(Some(into)) } else { Err(error) }
-        }),
+        // Its own mesh first: only what has none, or other joints, needs the other file's.
+        (None, Some(into)) => match load(None) {
+            Ok(input) if input.examples.skeleton.names == names.known => Ok(input),
+            Err(error) if !is_bare(&error) => Err(error),
+            _ => load(Some(into)),
+        },
         (None, None) => load(None),
     }
+}
+
+/// Tells whether a scene has no mesh.
+fn is_bare(error: &anyhow::Error) -> bool {
+    error.downcast_ref::<LoadError>().is_some_and(|error| {
+        matches!(error.error, ExamplesError::Import(ImportError::JointsAlone { .. }))
+    })
 }
 
 /// Moves clips that begin before time 0, which glTF does not have, so that they begin there.
@@ -282,7 +300,9 @@ impl IntoReport {
 /// Names the file that an error is about.
 fn blame(error: ExportError, arguments: &Arguments) -> anyhow::Error {
     let at_fault = match &error {
-        ExportError::Model(EvaluateError::Frame(_) | EvaluateError::Examples(_))
+        ExportError::Model(
+            EvaluateError::Frame(_) | EvaluateError::Examples(_) | EvaluateError::JointName { .. },
+        )
         | ExportError::Frame(_)
         | ExportError::NoFrames { .. }
         | ExportError::Times { .. } => arguments.clip.display().to_string(),

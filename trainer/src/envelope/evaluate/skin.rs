@@ -49,7 +49,7 @@ pub fn skin(
     examples: &Examples,
     frame: usize,
 ) -> Result<SkinnedFrame, EvaluateError> {
-    let (palette, confidence) = palette(&character.envelope, examples, frame)?;
+    let (palette, confidence) = palette(&character.envelope, examples.pose(frame), frame)?;
     let [positions, normals] = skin_on(&character.skin, &palette, frame)?;
     Ok(SkinnedFrame { positions, normals, confidence: f64::from(confidence) })
 }

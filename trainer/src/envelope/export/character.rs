@@ -50,6 +50,9 @@ pub struct Export<'a> {
     pub examples: &'a Examples,
     /// The clips of its frames.
     pub clips: &'a [Clip],
+    /// Whether what lies between frames counts: helpers get more keys, so that the skin is within 0.1 % of the diagonal of
+    /// the model's there.
+    pub between: bool,
     /// Further meshes.
     pub levels: &'a [Level],
     /// What the mesh looks like; it has a mesh and a primitive for each name and material that is known.
@@ -69,8 +72,8 @@ impl Export<'_> {
     /// - [`ExportError::Space`] and [`ExportError::LeftHanded`]: it cannot stand as asked.
     /// - [`ExportError::Glb`]: the file cannot be made.
     pub fn run(&self) -> Result<Exported, ExportError> {
-        let Self { model, skin, examples, clips, levels, appearance, stand } = *self;
-        let played = Played::new(model, skin, examples, clips)?;
+        let Self { model, skin, examples, clips, between, levels, appearance, stand } = *self;
+        let played = Played::new(model, skin, examples, clips, between)?;
         let right = played.right_handed(examples)?;
         let skin = &played.character.skin;
         let mut further = Further::new(&played, examples, levels)?;

@@ -34,11 +34,12 @@ impl Further {
             return Ok(Self::default());
         }
         let own = examples.surface();
-        let Played { character: Character { skin, .. }, frames, palettes, influences, .. } = played;
-        let posed = palettes.par_iter().zip(frames);
-        let posed = posed
-            .map(|(palette, &frame)| {
-                let [positions, _] = skin_on(skin, palette, frame)?;
+        let Played { character: Character { skin, .. }, palettes, influences, .. } = played;
+        let posed = palettes
+            .par_iter()
+            .enumerate()
+            .map(|(key, palette)| {
+                let [positions, _] = skin_on(skin, palette, key)?;
                 Ok(own.of_first_copies(positions.as_chunks().0))
             })
             .collect::<Result<Vec<_>, FrameError>>()?;

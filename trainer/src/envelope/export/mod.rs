@@ -4,6 +4,7 @@
 //! palette are the joints of one skin, and every mesh hangs on it. The f32 runtime predicts the
 //! palette of each frame, and that is what the animations play.
 
+mod between;
 mod character;
 mod demo;
 mod dress;

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use sinew_runtime::Envelope;
 use sinew_runtime::format::{Handedness, Space};
 
+use super::between::{Between, Key};
 use super::error::ExportError;
 use super::proxies;
 use super::times::key_times;
@@ -16,14 +17,14 @@ use crate::space::{Conversion, SpaceRequest};
 /// How far a proxy reaches about its centre where a joint is looked for to carry it, in diagonals.
 const REACH: f64 = 0.05;
 
-/// A model, and the palettes that it predicts in the frames of clips.
+/// A model, and the palettes that it predicts in the keys of clips.
 pub(super) struct Played<'a> {
     /// The model.
     pub(super) character: Character<'a>,
     /// Key times of each clip.
     pub(super) times: Vec<Vec<f32>>,
-    /// The clips' frames, one clip after another.
-    pub(super) frames: Vec<usize>,
+    /// Maps of the joints in the keys, one clip after another.
+    poses: Vec<Vec<Matrix3x4>>,
     /// The palette of each.
     pub(super) palettes: Vec<Vec<sinew_runtime::Matrix3x4>>,
     /// What the skin's vertices follow.
@@ -51,7 +52,7 @@ pub(super) struct RightHanded {
 }
 
 impl<'a> Played<'a> {
-    /// Predicts every frame of the clips.
+    /// Predicts every frame of the clips, and, where what lies `between` them counts, as many more as that needs.
     ///
     /// # Errors
     /// [`ExportError::Model`], [`ExportError::Frame`], [`ExportError::NoFrames`] and
@@ -61,6 +62,7 @@ impl<'a> Played<'a> {
         skin: Option<&str>,
         examples: &Examples,
         clips: &[Clip],
+        between: bool,
     ) -> Result<Self, ExportError> {
         let character = Character::open(model, skin, examples)?;
         let times = clips.iter().map(key_times).collect::<Result<Vec<_>, _>>()?;
@@ -72,10 +74,45 @@ impl<'a> Played<'a> {
         examples.check_rigid_in(&frames).map_err(EvaluateError::Examples)?;
         let palettes = frames
             .par_iter()
-            .map(|&frame| Ok(palette(&character.envelope, examples, frame)?.0))
+            .map(|&frame| Ok(palette(&character.envelope, examples.pose(frame), frame)?.0))
             .collect::<Result<Vec<_>, FrameError>>()?;
+        let poses = frames.iter().map(|&frame| examples.pose(frame).to_vec()).collect();
         let influences = influences(&character.skin);
-        Ok(Self { character, times, frames, palettes, influences })
+        let mut played = Self { character, times, poses, palettes, influences };
+        if between {
+            played.fill(examples, clips)?;
+        }
+        Ok(played)
+    }
+
+    /// Adds keys where helpers leave the even way from key to key.
+    fn fill(&mut self, examples: &Examples, clips: &[Clip]) -> Result<(), FrameError> {
+        let Character { envelope, skin, .. } = &self.character;
+        let (rest, diagonal) = (rest(skin), examples.diagonal());
+        let centres = centres(envelope, &rest, &self.influences);
+        let carriers = proxies::carriers(&self.palettes, &self.poses, &centres, REACH * diagonal);
+        let mesh = (&rest[..], &self.influences);
+        let proxies = (&centres[..], &carriers[..]);
+        let between = Between::new(&examples.skeleton, proxies, mesh, self.shown(), diagonal);
+        let (mut times, mut poses, mut palettes) = (Vec::new(), Vec::new(), Vec::new());
+        for ((own, clip), keys) in self.times.iter().zip(clips).zip(self.clips()) {
+            let known = self.poses[keys.clone()].iter().zip(&self.palettes[keys]);
+            let key = |(&time, (pose, palette)): (&f32, (&Vec<_>, &Vec<_>))| Key {
+                time,
+                pose: pose.clone(),
+                palette: palette.clone(),
+            };
+            let keys = own.iter().zip(known).map(key).collect();
+            let predict = |pose: &[Matrix3x4]| Ok(palette(envelope, pose, clip.first)?.0);
+            let keys = between.refine(keys, predict)?;
+            times.push(keys.iter().map(|key| key.time).collect());
+            for key in keys {
+                poses.push(key.pose);
+                palettes.push(key.palette);
+            }
+        }
+        (self.times, self.poses, self.palettes) = (times, poses, palettes);
+        Ok(())
     }
 
     /// Turns what plays to the right hand.
@@ -87,9 +124,7 @@ impl<'a> Played<'a> {
         let hand = SpaceRequest { handedness: Some(Handedness::Right), ..SpaceRequest::default() };
         let (space, mirror) = Conversion::to(*space, &hand)?;
         let (mut rest, mut skeleton) = (rest(skin), examples.skeleton.clone());
-        let mut poses: Vec<_> =
-            self.frames.iter().map(|&frame| examples.pose(frame).to_vec()).collect();
-        let mut palettes = self.palettes.clone();
+        let (mut poses, mut palettes) = (self.poses.clone(), self.palettes.clone());
         if let Some(mirror) = &mirror {
             rest.iter_mut().for_each(|x| *x = mirror.point(*x));
             let turn = |b: &mut Matrix3x4| *b = mirror.transform(b);

@@ -1,5 +1,6 @@
 //! Linear maps as a turn, a stretch along three axes, and a turn back: what scene nodes can hold.
 
+use super::skeleton::turned;
 use nalgebra::{Matrix3, Vector3};
 
 /// Columns this near to orthogonal, as the cosine of their angle, are left as they are: turning
@@ -23,6 +24,18 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
+    /// Interpolates two maps as nodes between two keys do: they turn evenly, and scale evenly.
+    pub(super) fn between([from, to]: &[Matrix3<f64>; 2], part: f64) -> Matrix3<f64> {
+        let a = Self::of(from, None);
+        let b = Self::of(to, Some(&a));
+        let turn = |a: &Matrix3<f64>, b: &Matrix3<f64>| {
+            let (a, b) = (turned(a), turned(b));
+            a.try_slerp(&b, part, 1e-12).unwrap_or(a).to_rotation_matrix().into_inner()
+        };
+        let scale = Matrix3::from_diagonal(&a.scale.lerp(&b.scale, part));
+        turn(&a.turn, &b.turn) * scale * turn(&a.axes, &b.axes).transpose()
+    }
+
     /// Splits a map, its axes as near as may be to those of a map before it, so that what lies
     /// between two keys is near to both.
     ///

@@ -85,15 +85,16 @@ impl<'a> HelperFit<'a> {
         let dominant: Vec<usize> = groups.iter().map(|group| group.0).collect();
         let mut maps = Mat::zeros(joints.nrows(), 4 * groups.len());
         for (l, (joint, members)) in groups.iter().enumerate() {
-            for (i, map) in group_maps(training, members, *joint).into_iter().enumerate() {
+            for (i, map) in self.start(members, *joint).into_iter().enumerate() {
                 set_map(&mut maps, i, l, &map);
             }
         }
-        let (bases, blends) = (bases(joints, &dominant), self.blends(&groups));
+        let bases = bases(joints, &dominant);
+        let anchors = self.anchors(&groups, &bases);
         let open = Open::new(self, influences);
-        let own = OnBasis::new(&open, [&bases, &blends], &dominant).run(&maps, influences);
+        let own = OnBasis::new(&open, [&bases, &anchors], &dominant).run(&maps, influences);
         let weights = open.among(&training.lbs.weights, &own);
-        let maps = fit_helpers(&training.targets(&weights), [joints, &blends]);
+        let maps = fit_helpers(&training.targets(&weights), [joints, &anchors]);
         let span = poses.joint_len()..poses.joint_len() + dominant.len();
         let gram = gram(&training.targets(&weights), span.clone());
         let lbs_errors = training.lbs_errors(&weights, span);
@@ -101,18 +102,54 @@ impl<'a> HelperFit<'a> {
         Helpers { weights, dominant, listens, left_over: maps - bases, gram, lbs_errors }
     }
 
-    /// Blends the joints' maps by the mean LBS weights of each group's vertices, 3n x 4P. The blend decides the map
-    /// along the normal of a flat group, where the vertices say nothing. The dominant joint's map alone would shear the skin.
-    fn blends(&self, groups: &[(usize, Vec<usize>)]) -> Mat<f64> {
-        let mut out = Mat::zeros(self.joints.nrows(), 4 * groups.len());
-        for (l, (_, members)) in groups.iter().enumerate() {
+    /// What helpers are pulled to, 3n x 4P: the map of their dominant joint. Where the pull is all that decides, as
+    /// along the normal of a flat group, that map would shear the skin. There it gives way to a blend of the joints' maps
+    /// by the group's mean LBS weights.
+    fn anchors(&self, groups: &[(usize, Vec<usize>)], bases: &Mat<f64>) -> Mat<f64> {
+        let grams: Vec<Matrix4<f64>> = groups.iter().map(|group| self.gram(&group.1)).collect();
+        let mean = grams.iter().map(Matrix4::trace).sum::<f64>() / (4 * grams.len()) as f64;
+        let pull = Matrix4::from_diagonal_element(PULL.get() * mean);
+        let mut out = bases.clone();
+        for (l, ((_, members), gram)) in groups.iter().zip(grams).enumerate() {
             let share = 1.0 / members.len() as f64;
+            let mut apart = -bases.subcols(4 * l, 4).to_owned();
             for (joint, weight) in members.iter().flat_map(|&v| self.training.lbs.weights.of(v)) {
-                let mut own = out.subcols_mut(4 * l, 4);
-                own += faer::Scale(share * weight) * self.joints.subcols(4 * joint, 4);
+                apart += faer::Scale(share * weight) * self.joints.subcols(4 * joint, 4);
             }
+            let open = pull * (gram + pull).try_inverse().unwrap_or_default();
+            let mut own = out.subcols_mut(4 * l, 4);
+            own += apart * Mat::from_fn(4, 4, |r, c| open[(r, c)]);
         }
         out
+    }
+
+    /// Fits the affine map of some vertices in each pose, with a ridge toward their joint's map.
+    fn start(&self, members: &[usize], joint: usize) -> Vec<Matrix3x4<f64>> {
+        const RIDGE: f64 = 1e-2;
+        let Training { rest, poses, trajectories, .. } = self.training;
+        let gram = self.gram(members);
+        // Members in a coordinate plane leave a diagonal entry at 0: the floor keeps the matrix regular.
+        let floor = f64::EPSILON * gram.trace();
+        let ridge = gram.diagonal().map(|d| (RIDGE * d).max(floor));
+        let inverse = (gram + Matrix4::from_diagonal(&ridge)).try_inverse().unwrap_or_default();
+        (0..poses.len())
+            .map(|i| {
+                let base = poses.map(i, joint);
+                let mut right = Matrix3x4::zeros();
+                for &v in members {
+                    let h = homogeneous(&rest[v]);
+                    let truth = &trajectories.col_as_slice(v)[3 * i..3 * i + 3];
+                    right += (Vector3::from_column_slice(truth) - base * h) * h.transpose();
+                }
+                base + right * inverse
+            })
+            .collect()
+    }
+
+    /// Σ h hᵀ of vertices at rest.
+    fn gram(&self, members: &[usize]) -> Matrix4<f64> {
+        let h = |v: usize| homogeneous(&self.training.rest[v]);
+        members.iter().map(|&v| h(v) * h(v).transpose()).sum()
     }
 
     /// Groups the vertices on which LBS errs by how they err and where they lie, each with the joint that most of it
@@ -185,9 +222,9 @@ impl<'a> Open<'a> {
 /// What weights and the helpers' maps are fitted in turn to, on a basis of the trajectories.
 struct OnBasis<'a> {
     open: &'a Open<'a>,
-    /// The joints' maps on the basis, and their blends that helpers are pulled to.
+    /// The joints' maps on the basis, and what helpers are pulled to.
     joints: Mat<f64>,
-    blends: Mat<f64>,
+    anchors: Mat<f64>,
     /// The palette before any correction, as far as it counts, on the basis of LBS.
     plain: Mat<f64>,
     /// How many times farther each joint's bone is from each vertex than the nearest, as far as it counts; for a helper its
@@ -196,7 +233,7 @@ struct OnBasis<'a> {
 }
 
 impl<'a> OnBasis<'a> {
-    fn new(open: &'a Open<'_>, [bases, blends]: [&Mat<f64>; 2], dominant: &[usize]) -> Self {
+    fn new(open: &'a Open<'_>, [bases, anchors]: [&Mat<f64>; 2], dominant: &[usize]) -> Self {
         let HelperFit { training, joints, plain, .. } = open.fit;
         let onto = |basis: &Basis, maps: &Mat<f64>| basis.vectors.transpose() * maps;
         let trajectories = training.basis();
@@ -205,7 +242,7 @@ impl<'a> OnBasis<'a> {
         Self {
             open,
             joints: onto(trajectories, joints),
-            blends: onto(trajectories, blends),
+            anchors: onto(trajectories, anchors),
             plain: palette * faer::Scale(BASE.get()),
             farther: Mat::from_fn(maps.len(), open.vertices.len(), |map, k| {
                 FARTHER.get() * training.lbs.farther[(maps[map], open.vertices[k])]
@@ -236,17 +273,17 @@ impl InTurn for OnBasis<'_> {
         let Open { rest, trajectories, .. } = self.open;
         let importance = self.open.importance();
         let targets = Targets { rest, weights, trajectories, importance };
-        let columns = fit_helpers(&targets, [&self.joints, &self.blends]);
+        let columns = fit_helpers(&targets, [&self.joints, &self.anchors]);
         Maps { width: 4, columns }
     }
 }
 
 /// Fits the helpers' maps to weights and trajectories.
-fn fit_helpers(targets: &Targets<'_>, [joints, blends]: [&Mat<f64>; 2]) -> Mat<f64> {
+fn fit_helpers(targets: &Targets<'_>, [joints, anchors]: [&Mat<f64>; 2]) -> Mat<f64> {
     let (on_joints, on_helpers) = split(targets.weights, joints.ncols() / 4);
     let left = Targets { weights: &on_joints, ..*targets }.residuals(joints);
     let items = Items::vertices(targets.rest, &left, targets.importance);
-    fit_maps(&items, &on_helpers, &Maps { width: 4, columns: blends.clone() }, PULL.get()).columns
+    fit_maps(&items, &on_helpers, &Maps { width: 4, columns: anchors.clone() }, PULL.get()).columns
 }
 
 /// How vertices err by LBS in their joints' frames, and where they lie: 3n + 3 a vertex.
@@ -269,28 +306,6 @@ fn features(training: &Training, vertices: &[usize]) -> Mat<f64> {
         column[3 * poses.len()..].copy_from_slice(&training.rest[v]);
     }
     features
-}
-
-/// Fits the affine map of some vertices in each pose, with a ridge toward their joint's map.
-fn group_maps(training: &Training, members: &[usize], joint: usize) -> Vec<Matrix3x4<f64>> {
-    const RIDGE: f64 = 1e-2;
-    let h = |v: usize| homogeneous(&training.rest[v]);
-    let gram: Matrix4<f64> = members.iter().map(|&v| h(v) * h(v).transpose()).sum();
-    // Members in a coordinate plane leave a diagonal entry at 0: the floor keeps the matrix regular.
-    let floor = f64::EPSILON * gram.trace();
-    let ridged = gram + Matrix4::from_diagonal(&gram.diagonal().map(|d| (RIDGE * d).max(floor)));
-    let inverse = ridged.try_inverse().unwrap_or_default();
-    (0..training.poses.len())
-        .map(|i| {
-            let base = training.poses.map(i, joint);
-            let mut right = Matrix3x4::zeros();
-            for &v in members {
-                let truth = &training.trajectories.col_as_slice(v)[3 * i..3 * i + 3];
-                right += (Vector3::from_column_slice(truth) - base * h(v)) * h(v).transpose();
-            }
-            base + right * inverse
-        })
-        .collect()
 }
 
 /// Splits weights on joints and helpers.

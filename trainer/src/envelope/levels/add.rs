@@ -64,7 +64,7 @@ pub fn add(
     let own = examples.surface();
     let frames = examples.frames_of(Split::Train);
     let posed = frames.par_iter().map(|&frame| {
-        let (palette, _) = palette(&envelope, examples, frame)?;
+        let (palette, _) = palette(&envelope, examples.pose(frame), frame)?;
         let [positions, _] = skin_on(&skin, &palette, frame)?;
         Ok((palette, own.of_first_copies(positions.as_chunks().0)))
     });

@@ -3,6 +3,7 @@
 use super::error::SceneError;
 use super::sampling::Sampling;
 use super::times::{SAME, sample_times};
+use crate::numeric::so3::polar;
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
@@ -215,8 +216,8 @@ impl<'a> Measure<'a> {
 /// Parts a frame: its stretch, how it is turned, and where it is.
 fn parts(local: &Matrix4<f64>) -> (Matrix3<f64>, UnitQuaternion<f64>, Vector3<f64>) {
     let linear = local.fixed_view::<3, 3>(0, 0).into_owned();
-    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&linear));
-    let stretch = turn.to_rotation_matrix().into_inner().transpose() * linear;
+    let (turn, stretch) = polar(&linear).unwrap_or((Matrix3::identity(), linear));
+    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn));
     (stretch, turn, local.fixed_view::<3, 1>(0, 3).into_owned())
 }
 

@@ -2,7 +2,7 @@
 
 use super::glb::Glb;
 use super::{off, off_as_exported, refused, run, with_cases};
-use serde_json::{Value, json};
+use serde_json::json;
 
 #[test]
 fn steps_and_curves_play_as_the_clip_does() {
@@ -210,4 +210,66 @@ fn an_artist_s_file_or_a_clip_with_a_mesh_may_have_prefixes_too() {
         let off = off((&source, "tube", 0), (&played, "tube", clip));
         assert!(off <= 1e-3, "{command}: {off}");
     }
+}
+
+#[test]
+fn a_character_under_a_small_scale_is_exported() {
+    let Some(folder) = with_cases("small", &["gltf/plain.glb"]) else { return };
+    let mut glb = Glb::read(&folder, "plain.glb");
+    for (scale, turn) in
+        [(0.01, [-0.5_f64.sqrt(), 0.0, 0.0, 0.5_f64.sqrt()]), (0.1, [0.0, 0.0, 0.0, 1.0])]
+    {
+        glb.json["nodes"][4]["scale"] = json!([scale, scale, scale]);
+        glb.json["nodes"][4]["rotation"] = json!(turn);
+        glb.write(&folder, "small.glb");
+        let off = off_as_exported(&folder, "small.glb");
+        assert!(off.iter().all(|&off| off <= 1e-3), "{scale}: {off:?}");
+    }
+}
+
+#[test]
+fn a_turn_of_the_root_joint_is_a_pose_and_not_another_orientation() {
+    let Some(folder) = with_cases("posed-root", &["gltf/plain.glb"]) else { return };
+    let mut glb = Glb::read(&folder, "plain.glb");
+    for (axis, degrees) in [(0, 60_f64), (1, 50.0), (0, 90.0), (2, 170.0)] {
+        let (sin, cos) = (0.5 * degrees.to_radians()).sin_cos();
+        let mut turn = [0.0, 0.0, 0.0, cos];
+        turn[axis] = sin;
+        glb.json["nodes"][0]["rotation"] = json!(turn);
+        glb.write(&folder, "posed.glb");
+        let off = off_as_exported(&folder, "posed.glb");
+        assert!(off.iter().all(|&off| off <= 1e-3), "{degrees}° about axis {axis}: {off:?}");
+    }
+}
+
+#[test]
+fn helpers_have_more_keys_where_they_bend() {
+    let Some(folder) = with_cases("bending", &["gltf/plain.glb"]) else { return };
+    let glb = Glb::read(&folder, "plain.glb");
+    let keys = glb.times(0, 0);
+    let turns = glb.values(&glb.json["animations"][0]["samplers"][1]["output"]);
+    let rest = glb.posed("tube", None);
+    let mut cache = b"POINTCACHE2\0".to_vec();
+    cache.extend([1, rest.len() as i32].map(i32::to_le_bytes).concat());
+    cache.extend([0.0, 1.0].map(f32::to_le_bytes).concat());
+    cache.extend((keys.len() as i32).to_le_bytes());
+    for (key, turn) in keys.iter().zip(turns.chunks(4)) {
+        let angle = 2.0 * turn[3].abs().min(1.0).acos();
+        for (mut x, at_rest) in glb.posed("tube", Some((0, *key))).into_iter().zip(&rest) {
+            x.z += 0.4 * angle * angle * (-(4.0 * (at_rest.y - 1.0)).powi(2)).exp();
+            cache.extend(x.iter().flat_map(|x| (*x as f32).to_le_bytes()));
+        }
+    }
+    std::fs::write(folder.path("bulge.pc2"), cache).unwrap();
+    run(
+        &folder,
+        "-q train plain.glb --targets bulge.pc2 --predictor kernel --proxies 10 -o m.sinew",
+    );
+    run(&folder, "-q export m.sinew --clip plain.glb -o out.glb");
+    run(&folder, "-q export m.sinew --clip plain.glb --fps 400 -o dense.glb");
+    let [played, dense] = ["out.glb", "dense.glb"].map(|file| Glb::read(&folder, file));
+    let found = played.times(0, 0).len();
+    assert!((keys.len() + 1..8 * keys.len()).contains(&found), "{found} keys of {}", keys.len());
+    let off = off((&dense, "tube", 0), (&played, "tube", 0));
+    assert!(off <= 0.1, "{off} %");
 }

@@ -21,7 +21,7 @@ fn export_into(
     file: &Path,
 ) -> Result<Grafted, ExportError> {
     let names = JointNames::default();
-    ExportInto { model, skin: None, examples, clips, levels, names, file }.run()
+    ExportInto { model, skin: None, examples, clips, between: false, levels, names, file }.run()
 }
 
 /// The demo as an artist has it, with a model of it.

@@ -73,11 +73,15 @@ impl Found {
             return Err(IntoError::NoMesh);
         }
         let back = to_model.try_inverse().unwrap_or_else(Matrix4::identity);
-        // Where joints stand above all turned from where they are bound, poses may have that turn, as
-        // those of such a file have, or begin at the rest mesh: then they take the file's turn.
-        let turn = to_model * (at_rest / unit) * back;
-        let turn = turn.fixed_view::<3, 3>(0, 0).into_owned();
-        let posed_in_world = match turn.trace() < TURNED {
+        // Where the nodes above the joints turn them from where they are bound, poses may have that turn, as
+        // those of such a file have, or begin at the rest mesh: then they take the file's turn. A turn of the
+        // root joint itself is a pose.
+        let above = root.and_then(|(root, _)| file.parents[root]).map(|parent| worlds[parent]);
+        let [turn, above] = [at_rest, above.unwrap_or_else(Matrix4::identity)].map(|world| {
+            let world = world / world.fixed_view::<3, 3>(0, 0).determinant().abs().cbrt();
+            (to_model * world * back).fixed_view::<3, 3>(0, 0).into_owned()
+        });
+        let posed_in_world = match turn.trace() < TURNED && turn.dot(&above) > TURNED {
             true => traces(poses, &turn) > traces(poses, &Matrix3::identity()),
             false => !turned,
         };

@@ -56,6 +56,9 @@ pub struct ExportInto<'a> {
     pub examples: &'a Examples,
     /// The clips of its frames.
     pub clips: &'a [Clip],
+    /// Whether what lies between frames counts: helpers get more keys, so that the skin is within 0.1 % of the diagonal of
+    /// the model's there.
+    pub between: bool,
     /// Further meshes, which are added.
     pub levels: &'a [Level],
     /// How the names of the file's joints become the model's.
@@ -72,10 +75,10 @@ impl ExportInto<'_> {
     /// - [`ExportError::Into`]: the file cannot be read, does not hold the model's mesh, or cannot hold its
     ///   motion.
     pub fn run(&self) -> Result<Grafted, ExportError> {
-        let Self { model, skin, examples, clips, levels, names, file: path } = *self;
+        let Self { model, skin, examples, clips, between, levels, names, file: path } = *self;
         let in_file = |error| IntoError::File(FileError { file: path.to_owned(), error });
         let file = RiggedFile::read(path).map_err(in_file)?;
-        let played = Played::new(model, skin, examples, clips)?;
+        let played = Played::new(model, skin, examples, clips, between)?;
         let right = played.right_handed(examples)?;
         let mut further = Further::new(&played, examples, levels)?;
         if let Some(mirror) = &right.mirror {
@@ -86,7 +89,9 @@ impl ExportInto<'_> {
         let found = Found::new(&file, root, &right.rest, examples.diagonal(), &right.poses)?;
 
         let mut document = Document::of(file.tree.clone(), file.bytes.clone());
-        let kept_animations = moving(&document, &known);
+        // Without a proxy they move all that there is.
+        let has_proxies = !right.centres.is_empty();
+        let kept_animations = if has_proxies { moving(&document, &known) } else { Vec::new() };
         let joints = OwnJoints::new(&mut document, &file, &found, &right.skeleton, &known)?;
         let carriers = joints.carriers();
         let proxies = ProxyNodes::new(&mut document, &carriers, &right.centres, &right.carriers);
