@@ -107,8 +107,8 @@ impl Ladder {
         Self::of_samples(FIRST * unit(functionals))
     }
 
-    /// Lengths from half the least distance of observations up to the usual ones, for those that lie in clusters or
-    /// far apart; none where the usual ones begin there.
+    /// Lengths from half the least distance of observations up to the usual ones: for clusters far apart. None if the
+    /// usual ones begin there.
     pub fn short(functionals: &[Functional]) -> Option<Self> {
         let first = FIRST * least_distance(functionals)?;
         let octaves = libm::log2(FIRST * unit(functionals) / first);
@@ -256,7 +256,7 @@ impl Block {
         let process = Process { covariance: covariance.clone(), mean: Mean::Constant, noise };
         let matrix = gram(&process, functionals);
         let llt = matrix.llt(Side::Lower).ok()?;
-        // Each has the unit of its own observation; NaN is below all.
+        // Each pivot has its observation's unit. NaN is not open.
         let is_open = |i: usize| llt.L()[(i, i)] >= PIVOT * matrix[(i, i)].sqrt();
         if !(0..functionals.len()).all(is_open) {
             return None;

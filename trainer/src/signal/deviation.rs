@@ -8,7 +8,7 @@ use crate::kernel::model::{Input, InputKind};
 use crate::kernel::sum::KernelSum;
 use crate::numeric::columns::ends;
 
-/// Share of a function's magnitude below which its range is what a solve in f64 leaves of a constant.
+/// A range below this share of the magnitude is that of a constant: a solve in f64 leaves less.
 const CONSTANT: f64 = 1e-9;
 /// Half a unit in the last place of f32.
 const ROUNDING: f64 = 6e-8;

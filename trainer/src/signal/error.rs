@@ -167,11 +167,11 @@ pub enum SignalError {
 pub enum Remedy {
     /// Inputs, values or both are so large or so small that f32 does not hold their products.
     Units,
-    /// Values are far from 0 for their range: one, and how much f32 rounds it.
+    /// Values are far from 0 for their range: a value, and how much f32 rounds it.
     Values(f64, f64),
-    /// Inputs are far from 0 for their range: likewise.
+    /// Inputs are far from 0 for their range: an input, and how much f32 rounds it.
     Inputs(f64, f64),
-    /// Inputs are far apart for how near others are: likewise.
+    /// Inputs are far apart, others near each other: an input, and how much f32 rounds it.
     Apart(f64, f64),
     /// The covariance.
     Covariance(&'static str),

@@ -8,10 +8,9 @@
 use super::error::SignalError;
 use super::functional::Functional;
 
-/// Share of the largest place's magnitude up to which two places are one: f64 rounds a sum so.
+/// Two places are one within this share of the largest place's magnitude: f64 rounds a sum by less.
 const ONE_PLACE: f64 = 1e-12;
-/// Share of their magnitude within which what is observed and what others give agree: a few units in the last place of
-/// f32.
+/// An observation agrees with others within this share of their magnitude: a few units in the last place of f32.
 const AGREE: f64 = 1e-6;
 
 /// Lists the observations (n, with their values) that say something new: those that earlier ones do not determine.
@@ -89,7 +88,7 @@ impl<'a> Known<'a> {
             let is_same = |other: &&usize| same_kind(own, &self.functionals[**other]);
             return self.at[from].iter().find(is_same).map(|other| vec![(*other, 1.0)]);
         };
-        // The observation by which each place is reached, and from where.
+        // How each place was reached: by an observation, from a place.
         let mut reached: Vec<Option<(usize, usize)>> = vec![None; self.boxes.len()];
         let mut open = vec![from];
         while let Some(place) = open.pop() {
@@ -111,8 +110,8 @@ impl<'a> Known<'a> {
     }
 }
 
-/// Lists the ends of observations in ascending order, each with its observation and side, and the distance up to which
-/// two are one place.
+/// Lists the ends of observations in ascending order, each with its observation and side. Also returns the distance
+/// within which two ends are one place.
 fn sorted(functionals: &[Functional]) -> (Vec<(f64, usize, usize)>, f64) {
     let ends = functionals.iter().enumerate();
     let ends = ends.flat_map(|(of, functional)| {

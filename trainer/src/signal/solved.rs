@@ -13,8 +13,8 @@ const REMEDY: &str = "take a shorter length, a rougher covariance, or a noise";
 
 /// Values of n observations, solved for.
 ///
-/// Values, derivatives and averages have variances of their own units: all is solved over their roots, DKD with D =
-/// diag(K)^(-1/2), whose condition does not change with the units.
+/// Values, derivatives and averages have variances of different units. So DKD is solved, D = diag(K)^(-1/2): its
+/// condition does not change with the units.
 pub struct Solved {
     /// D, n.
     units: Vec<f64>,

@@ -14,7 +14,7 @@ use faer::Mat;
 
 /// Half a central difference of order 8, by steps from the middle.
 const DIFFERENCE: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
-/// Its step, as the kernel measures distances: it is off by 1e-8 of a derivative, and f32 rounds 1e-6. As a power of 2
+/// Its step, as the kernel measures distances: it is off by 2e-8 of a derivative, and f32 rounds 1e-6. As a power of 2
 /// it goes between numbers of f32.
 const STEP: f64 = 0.0625;
 /// Longest box that one quadrature is taken of, as the kernel measures distances.
@@ -100,7 +100,7 @@ pub fn sum(
 /// Lists kernels, each by its place as the kernel measures it and its coefficient, that make the covariance with a
 /// functional, times `c`.
 ///
-/// - `place`: returns what the kernel makes of a place, `epsilon` times as far from others.
+/// - `place`: shifts a place and scales it by `epsilon`, as the runtime does.
 fn centres(of: &Functional, c: f64, place: impl Fn(f64) -> f64, epsilon: f64) -> Vec<(f64, f64)> {
     match *of {
         Functional::Value { at } => vec![(place(at), c)],
