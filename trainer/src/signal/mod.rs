@@ -11,6 +11,7 @@
 //! | [`image`] | pictures, by columns and rows |
 //! | [`sum`], [`deviation`] | a function of observations as a sum of kernels; how far its file is off |
 //! | [`observations`], [`function`] | observations as a person writes them, and their function as a part kernel |
+//! | `repeated` | observations that earlier ones determine, whatever the covariance |
 //! | [`reading`], [`model`] | signals of files; a filter for one, and what it reaches |
 //! | [`bake`], [`plot`] | a part filter; a picture |
 //! | [`choose`] | the covariance that predicts a signal best |
