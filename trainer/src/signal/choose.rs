@@ -6,6 +6,7 @@ use super::functional::Functional;
 use super::grid::Sample;
 use super::kriging::{Process, gram};
 use super::mean::Mean;
+use super::repeated::least_distance;
 use super::table::{Estimator, Table, autocovariance};
 use crate::numeric::columns::ends;
 use faer::linalg::solvers::{DenseSolveCore, Llt};
@@ -19,12 +20,14 @@ const END: usize = 2;
 const FIRST: f64 = 0.5;
 const RATIO: f64 = 1.5;
 const LENGTHS: usize = 10;
+/// Most lengths below those, down to half the least distance.
+const SHORT_LENGTHS: f64 = 12.0;
 /// Halvings of the step between lengths about the best.
 const HALVINGS: usize = 4;
 /// Periods that a period of a signal is looked for among, each so many times the one before.
 const PERIOD_RATIO: f64 = 1.03;
 const PERIODS: i32 = 10;
-/// Least share of the largest pivot that a system's least one has.
+/// Least share of an observation's deviation that those before it leave open.
 const PIVOT: f64 = 1e-6;
 /// Largest share of its samples up to which the covariance of a signal is estimated, and most lags.
 const SHARE: usize = 4;
@@ -61,7 +64,7 @@ pub fn best(samples: &[f64], sample: Sample) -> Result<Covariance, SignalError> 
     for name in ["ornstein-uhlenbeck", "matern 3/2", "matern 5/2", "squared exponential"] {
         let mut own = Best::new(Covariance::OrnsteinUhlenbeck { length: 3.0 });
         refine(
-            FIRST,
+            Ladder::of_samples(FIRST),
             named(name, |covariance| own.offer_likely(&functionals, samples, covariance)),
         );
         families.push(own);
@@ -70,7 +73,7 @@ pub fn best(samples: &[f64], sample: Sample) -> Result<Covariance, SignalError> 
         let mut own = Best::new(Covariance::Oscillating { length: period, period });
         for step in -PERIODS..=PERIODS {
             let period = period * PERIOD_RATIO.powi(step);
-            refine(FIRST.max(0.5 * period), |length| {
+            refine(Ladder::of_samples(FIRST.max(0.5 * period)), |length| {
                 let covariance = Covariance::Oscillating { length, period };
                 own.offer_likely(&functionals, samples, covariance)
             });
@@ -84,21 +87,61 @@ pub fn best(samples: &[f64], sample: Sample) -> Result<Covariance, SignalError> 
     Ok(best.covariance)
 }
 
+/// Lengths to try, each a number of times the one before.
+#[derive(Clone, Copy, Debug)]
+pub struct Ladder {
+    first: f64,
+    ratio: f64,
+    len: usize,
+    /// Lengths are those whose kernel multiplies places by a power of 2, as f32 does without rounding.
+    exact: bool,
+}
+
+impl Ladder {
+    const fn of_samples(first: f64) -> Self {
+        Self { first, ratio: RATIO, len: LENGTHS, exact: false }
+    }
+
+    /// Lengths about the mean distance of observations.
+    pub fn usual(functionals: &[Functional]) -> Self {
+        Self::of_samples(FIRST * unit(functionals))
+    }
+
+    /// Lengths from half the least distance of observations up to the usual ones: for clusters far apart. None if the
+    /// usual ones begin there.
+    pub fn short(functionals: &[Functional]) -> Option<Self> {
+        let first = FIRST * least_distance(functionals)?;
+        let octaves = libm::log2(FIRST * unit(functionals) / first);
+        let ratio = libm::exp2((octaves / SHORT_LENGTHS).ceil().max(1.0));
+        let len = (octaves / libm::log2(ratio)).round();
+        (len >= 1.0).then_some(Self { first, ratio, len: len as usize, exact: true })
+    }
+
+    /// Returns that of a family.
+    fn of(self, name: &str) -> Self {
+        let one = Covariance::named(name, &[1.0]).and_then(|one| one.kernel());
+        let Some((_, factor)) = one.filter(|_| self.exact) else { return self };
+        Self { first: factor / libm::exp2(libm::log2(factor / self.first).round()), ..self }
+    }
+}
+
 /// Chooses, among families of these names, the covariance under which values of functionals anywhere are likeliest:
 /// they are too few, and of too many units, to leave some out. None where none is sound.
 ///
+/// - `noise`: τ.
 /// - `sound`: whether a function of a covariance can be had.
 pub fn likeliest_of(
-    functionals: &[Functional],
-    values: &[f64],
+    noise: f64,
+    (functionals, values): (&[Functional], &[f64]),
     names: &[&str],
-    sound: impl Fn(&Covariance) -> bool,
+    ladder: Ladder,
+    mut sound: impl FnMut(&Covariance) -> bool,
 ) -> Option<Covariance> {
-    let unit = unit(functionals);
     let mut best: Option<(f64, Covariance)> = None;
     for name in names {
         let offer = |covariance: Covariance| {
-            let found = Block::new(functionals, &covariance).map(|block| block.likelihood(values));
+            let found = Block::with_noise(functionals, &covariance, noise);
+            let found = found.map(|block| block.likelihood(values));
             let score = found.unwrap_or(f64::NEG_INFINITY);
             let beats = best.as_ref().is_none_or(|(best, _)| score > *best);
             if beats && score > f64::NEG_INFINITY {
@@ -109,7 +152,7 @@ pub fn likeliest_of(
             }
             score
         };
-        refine(FIRST * unit, named(name, offer));
+        refine(ladder.of(name), named(name, offer));
     }
     best.map(|(_, covariance)| covariance)
 }
@@ -177,14 +220,14 @@ fn block(samples: &[f64], sample: Sample) -> Vec<Functional> {
 }
 
 /// Tries lengths on a ladder, then about the best; returns the best that was found.
-fn refine(first: f64, mut of: impl FnMut(f64) -> f64) -> f64 {
+fn refine(Ladder { first, ratio, len, .. }: Ladder, mut of: impl FnMut(f64) -> f64) -> f64 {
     let mut best = (f64::NEG_INFINITY, first);
-    for step in 0..LENGTHS {
-        let length = first * RATIO.powi(step as i32);
+    for step in 0..len {
+        let length = first * ratio.powi(step as i32);
         let found = of(length);
         best = if found > best.0 { (found, length) } else { best };
     }
-    let mut ratio = RATIO.sqrt();
+    let mut ratio = ratio.sqrt();
     for _ in 0..HALVINGS {
         for length in [best.1 / ratio, best.1 * ratio] {
             let found = of(length);
@@ -205,11 +248,17 @@ struct Block {
 impl Block {
     /// Factors the covariances of observations; none of a covariance that rounding makes singular.
     fn new(functionals: &[Functional], covariance: &Covariance) -> Option<Self> {
-        let process = Process { covariance: covariance.clone(), mean: Mean::Constant, noise: 0.0 };
-        let llt = gram(&process, functionals).llt(Side::Lower).ok()?;
-        let pivots = || llt.L().diagonal().column_vector().iter().copied();
-        let greatest = pivots().fold(0.0, f64::max);
-        if pivots().any(|pivot| pivot.is_nan() || pivot < PIVOT * greatest) {
+        Self::with_noise(functionals, covariance, 0.0)
+    }
+
+    /// Factors those of noisy ones.
+    fn with_noise(functionals: &[Functional], covariance: &Covariance, noise: f64) -> Option<Self> {
+        let process = Process { covariance: covariance.clone(), mean: Mean::Constant, noise };
+        let matrix = gram(&process, functionals);
+        let llt = matrix.llt(Side::Lower).ok()?;
+        // Each pivot has its observation's unit. NaN is not open.
+        let is_open = |i: usize| llt.L()[(i, i)] >= PIVOT * matrix[(i, i)].sqrt();
+        if !(0..functionals.len()).all(is_open) {
             return None;
         }
         let one = |i: usize, _| process.mean.terms(&functionals[i], [0.0, 1.0])[0];

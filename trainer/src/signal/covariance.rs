@@ -178,12 +178,18 @@ impl Covariance {
     /// Writes it with its numbers, as [`Self::parse`] reads it.
     pub fn describe(&self) -> String {
         let name = self.name();
+        let short = |x: &f64| match (1e-2..1e6).contains(x) {
+            true => format!("{x:.4}"),
+            false => format!("{x:.4e}"),
+        };
         match self {
             Self::SquaredExponential { length }
             | Self::OrnsteinUhlenbeck { length }
             | Self::Matern32 { length }
-            | Self::Matern52 { length } => format!("{name}:{length:.4}"),
-            Self::Oscillating { length, period } => format!("{name}:{length:.4},{period:.4}"),
+            | Self::Matern52 { length } => format!("{name}:{}", short(length)),
+            Self::Oscillating { length, period } => {
+                format!("{name}:{},{}", short(length), short(period))
+            }
             Self::Table(_) => name.to_owned(),
         }
     }
@@ -294,6 +300,8 @@ pub(super) mod tests {
                 covariance
             );
         }
+        let small = Covariance::Matern32 { length: 2.5e-7 };
+        assert_eq!(Covariance::parse(&small.describe(), Subject::Signal).unwrap(), small);
         for text in ["matern 3/2", "matern:1", "oscillating:3", "matern 3/2:x", ""] {
             let error = Covariance::parse(text, Subject::Signal).unwrap_err();
             assert!(matches!(error, SignalError::Covariance { .. }), "{text}");

@@ -3,9 +3,11 @@
 use crate::bake::BakeError;
 use crate::formats::{CsvError, FormatError};
 use crate::kernel::scattered::condition::described;
-use crate::kernel::scattered::error::KernelError;
 use std::fmt::{Display, Formatter};
 use std::path::PathBuf;
+
+/// Numbers of observations that an error lists at most.
+const LISTED: usize = 8;
 
 /// A signal, observations or a picture that nothing can be made of; samples count from 0.
 #[derive(Debug, thiserror::Error)]
@@ -57,7 +59,7 @@ pub enum SignalError {
         factor: usize,
     },
     /// A number is out of its range.
-    #[error("{what}: expected {expected}, found {found}")]
+    #[error("{what}: expected {expected}, found {}", shown(*found))]
     Number {
         /// What it is.
         what: &'static str,
@@ -77,20 +79,17 @@ pub enum SignalError {
         /// What there is.
         found: String,
     },
-    /// Two observations of one thing differ.
-    #[error(
-        "observations {first} and {second} contradict each other: they are of one thing and say {one} and {other}; \
-         leave one out, or give a noise"
-    )]
+    /// An observation is not as others determine it, whatever the covariance.
+    #[error("{}", contradiction(others, *at, *expected, *found))]
     Contradiction {
-        /// The earlier one.
-        first: usize,
-        /// The later one.
-        second: usize,
-        /// What the earlier one says.
-        one: f64,
-        /// What the later one says.
-        other: f64,
+        /// Those that determine it; one is of the same thing.
+        others: Vec<usize>,
+        /// Which.
+        at: usize,
+        /// What those give.
+        expected: f64,
+        /// What it says.
+        found: f64,
     },
     /// No covariance is called so.
     #[error(
@@ -122,16 +121,30 @@ pub enum SignalError {
     },
     /// Rounding decides what the function is.
     #[error(
-        "the observations' covariance is ill-conditioned ({}){}: take a shorter length, a rougher covariance, or a \
-         noise",
+        "the observations' covariance is ill-conditioned ({}){}: {remedy}",
         described(*rcond),
         told.map_or(String::new(), |told| format!(": {told}"))
     )]
     IllConditioned {
         /// Reciprocal condition.
         rcond: f64,
-        /// The first observation that others tell, if one is found.
+        /// The first observation that is hardly told from others, if one is found.
         told: Option<Told>,
+        /// What to change.
+        remedy: &'static str,
+    },
+    /// The file of a function is too far from it.
+    #[error(
+        "in single precision the function is off by {deviation:.1e} of its values' range, more than {limit:.1e}: \
+         {remedy}, or allow it by --f32-error"
+    )]
+    Deviation {
+        /// The largest deviation that was measured, over the range.
+        deviation: f64,
+        /// What is allowed.
+        limit: f64,
+        /// What to change.
+        remedy: Remedy,
     },
     /// A matrix is not positive definite.
     #[error("{what} is not positive definite")]
@@ -139,9 +152,6 @@ pub enum SignalError {
         /// The matrix.
         what: &'static str,
     },
-    /// Kernels do not make the function, or its file misses it.
-    #[error(transparent)]
-    Kernel(#[from] KernelError),
     /// No kernel part is the function.
     #[error("no part kernel holds {what}: it can hold {can}")]
     NoKernel {
@@ -150,6 +160,38 @@ pub enum SignalError {
         /// What it can.
         can: &'static str,
     },
+}
+
+/// What to change where the file of a function is too far from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Remedy {
+    /// Inputs, values or both are so large or so small that f32 does not hold their products.
+    Units,
+    /// Values are far from 0 for their range: a value, and how much f32 rounds it.
+    Values(f64, f64),
+    /// Inputs are far from 0 for their range: an input, and how much f32 rounds it.
+    Inputs(f64, f64),
+    /// Inputs are far apart, others near each other: an input, and how much f32 rounds it.
+    Apart(f64, f64),
+    /// The covariance.
+    Covariance(&'static str),
+}
+
+impl Display for Remedy {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let (what, at, by, then) = match *self {
+            Self::Units => {
+                return f.write_str("give inputs and values in units in which they are near 1");
+            }
+            Self::Covariance(change) => return f.write_str(change),
+            Self::Values(at, by) => ("values", at, by, "take an offset off the values"),
+            Self::Inputs(at, by) => ("inputs", at, by, "take an offset off the inputs"),
+            Self::Apart(at, by) => {
+                ("inputs", at, by, "fit inputs so far apart as functions of their own")
+            }
+        };
+        write!(f, "{what} near {at} are rounded by {by:.1e}: {then}")
+    }
 }
 
 /// The use of a covariance.
@@ -163,7 +205,7 @@ pub enum Subject {
     Observations,
 }
 
-/// An observation that those before it tell.
+/// An observation that a covariance hardly tells from those before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Told {
     /// Which.
@@ -199,7 +241,7 @@ impl Display for Told {
         let Self { at, expected, found } = *self;
         write!(
             f,
-            "those before observation {at} leave it no choice, they give {expected:.6} and it says {found:.6}"
+            "it hardly tells observation {at} from those before it, which give {expected:.6} where it says {found:.6}"
         )
     }
 }
@@ -207,6 +249,38 @@ impl Display for Told {
 impl From<CsvError> for SignalError {
     fn from(error: CsvError) -> Self {
         Self::Format(error.into())
+    }
+}
+
+/// Writes a number, a very large or small one by its power of 10.
+fn shown(number: f64) -> String {
+    let is_usual = number == 0.0 || (1e-6..1e15).contains(&number.abs());
+    if is_usual { format!("{number}") } else { format!("{number:e}") }
+}
+
+/// Says that an observation contradicts others.
+fn contradiction(others: &[usize], at: usize, expected: f64, found: f64) -> String {
+    let remedy = "leave one out, or give a noise";
+    let [first] = others else {
+        // Sums carry the rounding of f64.
+        let (others, expected) = (listed(others), expected as f32);
+        return format!(
+            "observation {at} contradicts observations {others}: they give {expected} and it says {found}; {remedy}"
+        );
+    };
+    format!(
+        "observations {first} and {at} contradict each other: they are of one thing and say {expected} and {found}; \
+         {remedy}"
+    )
+}
+
+/// Lists numbers of observations, the first few of many.
+fn listed(of: &[usize]) -> String {
+    let first: Vec<String> = of.iter().take(LISTED).map(usize::to_string).collect();
+    let first = first.join(", ");
+    match of.len().saturating_sub(LISTED) {
+        0 => first,
+        more => format!("{first}, {more} more"),
     }
 }
 

@@ -1,10 +1,11 @@
 //! A function of observations with its names, a part kernel.
 
+use super::deviation::{Compared, input};
 use super::error::SignalError;
 use super::functional::Functional;
 use super::kriging::Kriging;
 use super::observations::Observations;
-use super::sum::{exact, input, probe, sum};
+use super::sum::sum;
 use crate::kernel::bound::largest;
 use crate::kernel::fade::Fade;
 use crate::kernel::model::{Figures, KernelModel, Output, OutputKind};
@@ -16,14 +17,15 @@ use sinew_runtime::kernel::{Normalise, QueryRule};
 /// at the places of the observations and at 1,000 queries between.
 ///
 /// # Errors
-/// Those of [`sum`] and [`probe`], and [`SignalError::Kernel`] of a deviation above the limit.
+/// Those of [`sum`], and [`SignalError::Deviation`] of a deviation above the limit.
 pub fn function(
     observations: &Observations,
     fit: &Kriging,
 ) -> Result<(KernelModel, f64), SignalError> {
     let Observations { name, process, functionals, values, f32_error, numbers, .. } = observations;
     let sum = sum(process, functionals, numbers, fit)?;
-    let deviation = probe(functionals, fit, *f32_error)?.check(&sum, exact(fit))?;
+    let deviation =
+        Compared::new(functionals, fit, *f32_error).check(&sum, observations.remedy())?;
     let places: Vec<f64> = functionals.iter().map(Functional::middle).collect();
     let sites = Mat::from_fn(places.len(), 1, |i, _| places[i]);
     let misses = functionals.iter().zip(values).map(|(of, y)| (fit.value(of) - y).powi(2));

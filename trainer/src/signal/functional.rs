@@ -5,7 +5,7 @@ use super::covariance::Covariance;
 use std::sync::OnceLock;
 
 /// Nodes of a quadrature on a piece on which a covariance is as smooth as a polynomial.
-const NODES: usize = 12;
+pub(super) const NODES: usize = 12;
 
 /// What is observed of a function, or asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +35,14 @@ impl Functional {
         match *self {
             Self::Value { at } | Self::Derivative { at } => at,
             Self::Average { from, to } => 0.5 * (from + to),
+        }
+    }
+
+    /// Returns where it begins and ends to look: twice the one place of a value or a derivative.
+    pub const fn ends(&self) -> [f64; 2] {
+        match *self {
+            Self::Value { at } | Self::Derivative { at } => [at, at],
+            Self::Average { from, to } => [from, to],
         }
     }
 

@@ -6,6 +6,9 @@ use super::functional::Functional;
 use super::kriging::{Kriging, Process};
 use serde::Serialize;
 
+/// Most weights of a filter: a file of 256 MB.
+const WEIGHTS: usize = 1 << 26;
+
 /// What the samples of a signal are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -51,7 +54,7 @@ impl GridFilter {
     /// Computes the weights of a process; distances are in coarse samples.
     ///
     /// # Errors
-    /// [`SignalError::Number`] of an even number of taps, or of no factor, and those of [`Kriging::new`].
+    /// [`SignalError::Number`] of an even number of taps, of no factor or of too many weights, and those of [`Kriging::new`].
     pub fn new(process: &Process, grid: Grid) -> Result<Self, SignalError> {
         let Grid { factor, taps, sample } = grid;
         if taps % 2 == 0 {
@@ -61,6 +64,11 @@ impl GridFilter {
         if factor < 1 {
             let (what, expected) = ("factor", "a number above 0");
             return Err(SignalError::Number { what, expected, found: 0.0 });
+        }
+        if taps.saturating_mul(taps).saturating_mul(factor) > WEIGHTS {
+            let (what, expected) = ("weights, taps x taps x factor", "at most 67,108,864");
+            let found = taps as f64 * taps as f64 * factor as f64;
+            return Err(SignalError::Number { what, expected, found });
         }
         let window: Vec<Functional> = (0..taps).map(|tap| sample.functional(tap, 0, 1)).collect();
         // What the samples are does not matter to their weights.

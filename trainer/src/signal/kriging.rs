@@ -10,6 +10,8 @@ use faer::Mat;
 
 /// Share of a column of the mean's basis below which it is none.
 const RANK: f64 = 1e-10;
+/// Largest number of an observation: f32's.
+const MOST: f64 = f32::MAX as f64;
 
 /// What a function is thought to be before it is observed.
 #[derive(Clone, Debug)]
@@ -65,8 +67,9 @@ impl Kriging {
         process.check()?;
         check(process, functionals, values)?;
         match Self::solved(process, functionals, values) {
-            Err(SignalError::IllConditioned { rcond, .. }) => {
-                Err(SignalError::IllConditioned { rcond, told: told(process, functionals, values) })
+            Err(SignalError::IllConditioned { rcond, remedy, .. }) => {
+                let told = told(process, functionals, values);
+                Err(SignalError::IllConditioned { rcond, told, remedy })
             }
             found => found,
         }
@@ -126,8 +129,8 @@ impl Kriging {
     }
 }
 
-/// Finds the first observation that those before it tell, where a system of all cannot be solved: by halves, since
-/// more observations are no better conditioned.
+/// Finds the first observation that a covariance hardly tells from those before it, where a system of all cannot be
+/// solved: by halves, since more observations are no better conditioned.
 fn told(process: &Process, functionals: &[Functional], values: &[f64]) -> Option<Told> {
     let fails = |len: usize| {
         let found = Kriging::solved(process, &functionals[..len], &values[..len]);
@@ -172,12 +175,12 @@ pub(super) fn check(
     }
     for (at, (of, value)) in functionals.iter().zip(values).enumerate() {
         let wrong = |what| Err(SignalError::Observation { at, what });
-        let (from, to) = match *of {
-            Functional::Value { at } | Functional::Derivative { at } => (at, at),
-            Functional::Average { from, to } => (from, to),
-        };
-        if ![from, to, *value].iter().all(|x| x.is_finite()) {
-            return wrong("expected finite numbers");
+        let [from, to] = of.ends();
+        // NaN is none of them.
+        if ![from, to, *value].iter().all(|x| x.abs() <= MOST) {
+            return wrong(
+                "expected numbers from -3.4e38 to 3.4e38, as single precision holds them",
+            );
         }
         if matches!(of, Functional::Average { .. }) && from >= to {
             return wrong("expected `from` below `to`");
@@ -189,11 +192,12 @@ pub(super) fn check(
     Ok(())
 }
 
-/// Returns the middle of all places, and one over half their range.
+/// Returns the middle of all places, as f32 holds it, and one over half their range.
 fn scale(functionals: &[Functional]) -> [f64; 2] {
     let places: Vec<f64> = functionals.iter().map(Functional::middle).collect();
     let [low, high] = ends(&places);
-    [0.5 * (low + high), if high > low { 2.0 / (high - low) } else { 1.0 }]
+    let middle = f64::from((0.5 * (low + high)) as f32);
+    [middle, if high > low { 2.0 / (high - low) } else { 1.0 }]
 }
 
 /// Tells whether observations tell the mean's coefficients apart.
@@ -238,6 +242,32 @@ mod tests {
     }
 
     #[test]
+    fn units_of_places_do_not_matter() {
+        let functionals = |unit: f64| {
+            [
+                Functional::Value { at: 0.0 },
+                Functional::Derivative { at: unit },
+                Functional::Average { from: 1.5 * unit, to: 2.5 * unit },
+            ]
+        };
+        for mean in [Mean::Zero, Mean::Constant, Mean::Linear] {
+            let found = |unit: f64| {
+                let covariance = Covariance::SquaredExponential { length: unit };
+                let process = Process { covariance, mean, noise: 0.0 };
+                let values = [1.0, -0.5 / unit, 0.2];
+                let fit = Kriging::new(&process, &functionals(unit), &values).unwrap();
+                fit.predict(&Functional::Value { at: 0.7 * unit })
+            };
+            let one = found(1.0);
+            for unit in [1e-12, 1e-7, 1e7, 1e12] {
+                let other = found(unit);
+                assert!((other.value - one.value).abs() < 1e-9, "{mean:?} {unit} {other:?}");
+                assert!((other.variance - one.variance).abs() < 1e-9, "{mean:?} {unit} {other:?}");
+            }
+        }
+    }
+
+    #[test]
     fn what_makes_no_observation_is_refused_by_its_number() {
         let covariance = Covariance::OrnsteinUhlenbeck { length: 1.0 };
         let process = Process { covariance, mean: Mean::Zero, noise: 0.0 };
@@ -247,8 +277,10 @@ mod tests {
         };
         let bad = Functional::Average { from: 1.0, to: 1.0 };
         assert!(matches!(refused(&process, bad, 0.0), SignalError::Observation { at: 1, .. }));
-        let bad = Functional::Value { at: f64::NAN };
-        assert!(matches!(refused(&process, bad, 0.0), SignalError::Observation { at: 1, .. }));
+        for at in [f64::NAN, f64::INFINITY, -1e39] {
+            let bad = Functional::Value { at };
+            assert!(matches!(refused(&process, bad, 0.0), SignalError::Observation { at: 1, .. }));
+        }
         let good = Functional::Value { at: 1.0 };
         assert!(matches!(
             refused(&process, good, f64::NAN),

@@ -9,8 +9,9 @@
 //! | [`regularised`] | fits in a span, under any norm |
 //! | [`grid`] | the same on a grid: a window of taps by phase |
 //! | [`image`] | pictures, by columns and rows |
-//! | [`sum`] | a function of observations as a sum of kernels, and where its file is compared with it |
+//! | [`sum`], [`deviation`] | a function of observations as a sum of kernels; how far its file is off |
 //! | [`observations`], [`function`] | observations as a person writes them, and their function as a part kernel |
+//! | `repeated` | observations that earlier ones determine, whatever the covariance |
 //! | [`reading`], [`model`] | signals of files; a filter for one, and what it reaches |
 //! | [`bake`], [`plot`] | a part filter; a picture |
 //! | [`choose`] | the covariance that predicts a signal best |
@@ -18,6 +19,7 @@
 pub mod bake;
 pub mod choose;
 pub mod covariance;
+pub mod deviation;
 pub mod error;
 pub mod function;
 pub mod functional;
@@ -31,6 +33,7 @@ pub mod observations;
 pub mod plot;
 pub mod reading;
 pub mod regularised;
+mod repeated;
 pub mod solved;
 pub mod sum;
 pub mod table;

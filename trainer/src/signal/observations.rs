@@ -1,12 +1,14 @@
 //! Observations of a function as a person writes them, and the function.
 
-use super::choose::{likeliest_of, unit};
+use super::choose::{Ladder, likeliest_of, unit};
 use super::covariance::Covariance;
-use super::error::{SignalError, Subject, Told};
+use super::deviation::Compared;
+use super::error::{Remedy, SignalError, Subject, Told, check_positive};
 use super::functional::Functional;
 use super::kriging::{Kriging, Process, check};
 use super::mean::Mean;
-use super::sum::{exact, probe, sum};
+use super::repeated::news;
+use super::sum::sum;
 use crate::formats::FormatError;
 use crate::formats::extension::{extension, unknown_format};
 use crate::kernel::deviation::{F32_ERROR, ROOM};
@@ -14,8 +16,8 @@ use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
 
-/// Two observations of one thing agree within this share of their magnitude: a few units in the last place of f32.
-const AGREE: f64 = 1e-6;
+/// Most centres of a function whose covariance is chosen: more take long to measure.
+const CENTRES: usize = 16_384;
 
 /// Families that a part kernel can be, of values alone.
 const OF_VALUES: [&str; 4] =
@@ -42,6 +44,8 @@ pub struct Observations {
     pub numbers: Vec<usize>,
     /// How many say nothing new.
     pub repeated: usize,
+    /// The covariance was given, not chosen.
+    given: bool,
 }
 
 #[derive(Deserialize)]
@@ -66,7 +70,8 @@ impl Observations {
     ///
     /// # Errors
     /// [`SignalError::Format`], [`SignalError::Json`], [`SignalError::Empty`], [`SignalError::Written`],
-    /// [`SignalError::Contradiction`], and those of [`Covariance::parse`].
+    /// [`SignalError::Number`], [`SignalError::Observation`], [`SignalError::Contradiction`], and those of
+    /// [`Covariance::parse`].
     pub fn read(path: &Path, f32_error: Option<f64>) -> Result<Self, SignalError> {
         if extension(path) != "json" {
             return Err(unknown_format(path, ".json").into());
@@ -100,18 +105,26 @@ impl Observations {
         // Until it is chosen: one that has derivatives.
         let first = Covariance::SquaredExponential { length: unit(&functionals) };
         let process = Process { covariance: given.clone().unwrap_or(first), mean, noise };
-        process.check()?;
         check(&process, &functionals, &values)?;
-        let numbers = news(&functionals, &values, noise)?;
+        process.check()?;
+        variance.map_or(Ok(()), |variance| check_positive("variance", variance))?;
+        let f32_error = f32_error.or(written).unwrap_or(F32_ERROR);
+        check_positive("f32 error", f32_error)?;
+        // With noise a repetition says something new.
+        let numbers = match noise > 0.0 {
+            true => (0..values.len()).collect(),
+            false => news(&functionals, &values)?,
+        };
         let mut out = Self {
             name: own.unwrap_or_else(|| name.to_owned()),
             process,
             variance,
             functionals: numbers.iter().map(|&at| functionals[at]).collect(),
             values: numbers.iter().map(|&at| values[at]).collect(),
-            f32_error: f32_error.or(written).unwrap_or(F32_ERROR),
+            f32_error,
             repeated: values.len() - numbers.len(),
             numbers,
+            given: given.is_some(),
         };
         if given.is_none() {
             out.choose();
@@ -119,28 +132,69 @@ impl Observations {
         Ok(out)
     }
 
-    /// Takes the likeliest covariance whose function can be solved for, and whose file is near it.
+    /// Takes the likeliest covariance whose function can be solved for, and whose file is near it. Short lengths are tried
+    /// if none of the usual ones will do, and no offset is the reason. If none at all will do, the covariance of the nearest
+    /// file is taken.
     fn choose(&mut self) {
-        let is_value = |of: &Functional| matches!(of, Functional::Value { .. });
-        let only_values = self.functionals.iter().all(is_value);
-        let names: &[&str] = if only_values { &OF_VALUES } else { &OF_ANY };
-        let likeliest = |room: f64| {
-            let sound = |covariance: &Covariance| {
-                let process = Process { covariance: covariance.clone(), ..self.process.clone() };
-                self.deviation(&process).is_ok_and(|deviation| deviation <= room * self.f32_error)
-            };
-            likeliest_of(&self.functionals, &self.values, names, sound)
-        };
-        if let Some(covariance) = likeliest(ROOM).or_else(|| likeliest(1.0)) {
+        let names: &[&str] = if self.is_of_values() { &OF_VALUES } else { &OF_ANY };
+        let observed = (self.functionals.as_slice(), self.values.as_slice());
+        let mut nearest: Option<(f64, Remedy, Covariance)> = None;
+        let ladders = [Some(Ladder::usual(observed.0)), Ladder::short(observed.0)];
+        for ladder in ladders.into_iter().flatten() {
+            for room in [ROOM, 1.0] {
+                let sound = |covariance: &Covariance| match self.deviation(covariance) {
+                    Ok(deviation) => deviation <= room * self.f32_error,
+                    Err(SignalError::Deviation { deviation, remedy, .. }) => {
+                        if nearest.as_ref().is_none_or(|(least, ..)| deviation < *least) {
+                            nearest = Some((deviation, remedy, covariance.clone()));
+                        }
+                        false
+                    }
+                    Err(_) => false,
+                };
+                let found = likeliest_of(self.process.noise, observed, names, ladder, sound);
+                if let Some(covariance) = found {
+                    self.process.covariance = covariance;
+                    return;
+                }
+            }
+            let offset =
+                |remedy: &Remedy| matches!(remedy, Remedy::Values(..) | Remedy::Inputs(..));
+            if nearest.as_ref().is_some_and(|(_, remedy, _)| offset(remedy)) {
+                break;
+            }
+        }
+        if let Some((.., covariance)) = nearest {
             self.process.covariance = covariance;
         }
     }
 
-    /// Measures by how much the file of a process' function is off, over the function's range.
-    fn deviation(&self, process: &Process) -> Result<f64, SignalError> {
-        let fit = Kriging::new(process, &self.functionals, &self.values)?;
-        let sum = sum(process, &self.functionals, &self.numbers, &fit)?;
-        Ok(probe(&self.functionals, &fit, self.f32_error)?.deviation(&sum, exact(&fit)))
+    /// Measures by how much the file of a covariance's function is off, over the function's range; infinite if it has too
+    /// many centres.
+    fn deviation(&self, covariance: &Covariance) -> Result<f64, SignalError> {
+        let process = Process { covariance: covariance.clone(), ..self.process.clone() };
+        let fit = Kriging::new(&process, &self.functionals, &self.values)?;
+        let sum = sum(&process, &self.functionals, &self.numbers, &fit)?;
+        if sum.centres.ncols() > CENTRES {
+            return Ok(f64::INFINITY);
+        }
+        Compared::new(&self.functionals, &fit, self.f32_error).check(&sum, self.remedy())
+    }
+
+    fn is_of_values(&self) -> bool {
+        self.functionals.iter().all(|of| matches!(of, Functional::Value { .. }))
+    }
+
+    /// Says what to change where rounding decides what the function is.
+    pub fn remedy(&self) -> &'static str {
+        match (self.given, self.is_of_values()) {
+            (false, _) => "give a noise",
+            (true, true) => {
+                "take a shorter length, a rougher covariance or a noise, or leave `covariance` out"
+            }
+            // Derivatives and averages are kernels of one covariance only.
+            (true, false) => "take a shorter length or a noise, or leave `covariance` out",
+        }
     }
 
     /// Fits the function.
@@ -150,9 +204,9 @@ impl Observations {
     pub fn fit(&self) -> Result<Kriging, SignalError> {
         let found = Kriging::new(&self.process, &self.functionals, &self.values);
         found.map_err(|error| match error {
-            SignalError::IllConditioned { rcond, told } => {
+            SignalError::IllConditioned { rcond, told, .. } => {
                 let told = told.map(|told| Told { at: self.numbers[told.at], ..told });
-                SignalError::IllConditioned { rcond, told }
+                SignalError::IllConditioned { rcond, told, remedy: self.remedy() }
             }
             error => error,
         })
@@ -179,26 +233,6 @@ fn observation(at: usize, of: &Value) -> Result<(Functional, f64), SignalError> 
         _ => None,
     };
     found.ok_or_else(|| SignalError::Written { at, found: of.to_string() })
-}
-
-/// Lists the observations that say something new. Without noise two of one thing that agree are one.
-///
-/// # Errors
-/// [`SignalError::Contradiction`] of two that do not.
-fn news(functionals: &[Functional], values: &[f64], noise: f64) -> Result<Vec<usize>, SignalError> {
-    let mut out: Vec<usize> = Vec::with_capacity(values.len());
-    for (second, of) in functionals.iter().enumerate() {
-        let same = out.iter().copied().find(|&first| noise == 0.0 && functionals[first] == *of);
-        let Some(first) = same else {
-            out.push(second);
-            continue;
-        };
-        let (one, other) = (values[first], values[second]);
-        if (one - other).abs() > AGREE * one.abs().max(other.abs()) {
-            return Err(SignalError::Contradiction { first, second, one, other });
-        }
-    }
-    Ok(out)
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ mod fit;
 mod import;
 mod kernel;
 mod millimetres;
+mod observations;
 mod outputs;
 mod refusals;
 mod report;

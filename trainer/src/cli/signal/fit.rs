@@ -43,7 +43,9 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     write(&[(&target, &bytes)])?;
     let repeated = observations.repeated;
     if repeated > 0 {
-        let what = format!("observations that repeat an earlier one and are left out: {repeated}");
+        let what = format!(
+            "observations that repeat earlier ones, or follow from them, and are left out: {repeated}"
+        );
         output.warn(about(), what);
     }
     let (covariance, variance) =

@@ -8,6 +8,7 @@ use serde_json::json;
 use sinew_runtime::Model;
 use sinew_runtime::filter::Samples;
 use sinew_trainer::signal::choose::variance;
+use sinew_trainer::signal::deviation::unheld_samples;
 use sinew_trainer::signal::grid::{Sample, Shape};
 use sinew_trainer::signal::image::Image;
 use sinew_trainer::signal::reading::read_signal;
@@ -112,6 +113,9 @@ fn signal(arguments: &Arguments, output: Output) -> anyhow::Result<Made> {
         Some(path) => {
             let model = load(path)?;
             let filter = model.filter().with_context(|| no_filter(path))?;
+            if let Some(remedy) = unheld_samples(&samples) {
+                output.warn(about(), format!("in single precision {remedy}"));
+            }
             let narrow: Vec<f32> = samples.iter().map(|x| *x as f32).collect();
             let mut fine = vec![0.0; n * filter.factor()];
             filter.apply(Samples::of_signal(n), &narrow, &mut fine).with_context(about)?;

@@ -1,0 +1,188 @@
+//! Observations that earlier ones determine, whatever the covariance: repetitions, and averages over boxes that other
+//! boxes add up to.
+//!
+//! With F an integral of the function, an average over [a, b] times b - a is F(b) - F(a): an edge between two ends of
+//! boxes. It is determined where other edges lead from a to b. Values and derivatives at other places are never
+//! determined by anything.
+
+use super::error::SignalError;
+use super::functional::Functional;
+
+/// Two places are one within this share of the largest place's magnitude: f64 rounds a sum by less.
+const ONE_PLACE: f64 = 1e-12;
+/// An observation agrees with others within this share of their magnitude: a few units in the last place of f32.
+const AGREE: f64 = 1e-6;
+
+/// Lists the observations (n, with their values) that say something new: those that earlier ones do not determine.
+///
+/// # Errors
+/// [`SignalError::Contradiction`] of an observation that is not as others determine it.
+pub(super) fn news(functionals: &[Functional], values: &[f64]) -> Result<Vec<usize>, SignalError> {
+    let mut known = Known::new(functionals);
+    let mut out = Vec::with_capacity(values.len());
+    for (at, found) in values.iter().copied().enumerate() {
+        let Some(others) = known.determined(at) else {
+            known.learn(at);
+            out.push(at);
+            continue;
+        };
+        let shares = others.iter().map(|(other, share)| share * values[*other]);
+        let (expected, magnitude) =
+            shares.fold((0.0, found.abs()), |(sum, most), x| (sum + x, most.max(x.abs())));
+        if (expected - found).abs() > AGREE * magnitude {
+            let others = others.into_iter().map(|(other, _)| other).collect();
+            return Err(SignalError::Contradiction { others, at, expected, found });
+        }
+    }
+    Ok(out)
+}
+
+/// Returns the least distance between two ends of observations; none where all are at one place.
+pub(super) fn least_distance(functionals: &[Functional]) -> Option<f64> {
+    let (order, one) = sorted(functionals);
+    let distances = order.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    distances.filter(|distance| *distance > one).min_by(f64::total_cmp)
+}
+
+/// Observations that were learned so far.
+struct Known<'a> {
+    functionals: &'a [Functional],
+    /// The places where each observation begins and ends, by number, n.
+    ends: Vec<[usize; 2]>,
+    /// The values and derivatives at each place.
+    at: Vec<Vec<usize>>,
+    /// The averages that begin or end at each place, and where they lead.
+    boxes: Vec<Vec<(usize, usize)>>,
+}
+
+impl<'a> Known<'a> {
+    fn new(functionals: &'a [Functional]) -> Self {
+        let (order, one) = sorted(functionals);
+        let mut ends = vec![[0; 2]; functionals.len()];
+        let (mut place, mut before) = (0, order.first().map_or(0.0, |first| first.0));
+        for (x, of, side) in order {
+            place += usize::from(x - before > one);
+            before = x;
+            ends[of][side] = place;
+        }
+        let (at, boxes) = (vec![Vec::new(); place + 1], vec![Vec::new(); place + 1]);
+        Self { functionals, ends, at, boxes }
+    }
+
+    fn learn(&mut self, of: usize) {
+        let [from, to] = self.ends[of];
+        match self.functionals[of] {
+            Functional::Average { .. } => {
+                self.boxes[from].push((of, to));
+                self.boxes[to].push((of, from));
+            }
+            Functional::Value { .. } | Functional::Derivative { .. } => self.at[from].push(of),
+        }
+    }
+
+    /// Lists observations that determine another, each with how much it counts; none where none do.
+    fn determined(&self, of: usize) -> Option<Vec<(usize, f64)>> {
+        let [from, to] = self.ends[of];
+        let own = &self.functionals[of];
+        let Functional::Average { .. } = own else {
+            let is_same = |other: &&usize| same_kind(own, &self.functionals[**other]);
+            return self.at[from].iter().find(is_same).map(|other| vec![(*other, 1.0)]);
+        };
+        // How each place was reached: by an observation, from a place.
+        let mut reached: Vec<Option<(usize, usize)>> = vec![None; self.boxes.len()];
+        let mut open = vec![from];
+        while let Some(place) = open.pop() {
+            for &(by, next) in &self.boxes[place] {
+                if next != from && reached[next].is_none() {
+                    reached[next] = Some((by, place));
+                    open.push(next);
+                }
+            }
+        }
+        let (mut place, mut path) = (to, Vec::new());
+        while let Some((by, before)) = reached[place] {
+            let forward = if self.ends[by][0] == before { 1.0 } else { -1.0 };
+            path.push((by, forward * width(&self.functionals[by]) / width(own)));
+            place = before;
+        }
+        path.sort_by_key(|(by, _)| *by);
+        (!path.is_empty()).then_some(path)
+    }
+}
+
+/// Lists the ends of observations in ascending order, each with its observation and side. Also returns the distance
+/// within which two ends are one place.
+fn sorted(functionals: &[Functional]) -> (Vec<(f64, usize, usize)>, f64) {
+    let ends = functionals.iter().enumerate();
+    let ends = ends.flat_map(|(of, functional)| {
+        let [from, to] = functional.ends();
+        [(from, of, 0), (to, of, 1)]
+    });
+    let mut order: Vec<_> = ends.collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let most = order.iter().fold(0.0f64, |most, (x, ..)| most.max(x.abs()));
+    (order, ONE_PLACE * most)
+}
+
+fn same_kind(a: &Functional, b: &Functional) -> bool {
+    std::mem::discriminant(a) == std::mem::discriminant(b)
+}
+
+fn width(of: &Functional) -> f64 {
+    let [from, to] = of.ends();
+    to - from
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn average(from: f64, to: f64) -> Functional {
+        Functional::Average { from, to }
+    }
+
+    fn value(at: f64) -> Functional {
+        Functional::Value { at }
+    }
+
+    #[test]
+    fn averages_that_others_add_up_to_are_left_out_in_any_order() {
+        let functionals = [
+            average(0.0, 2.0),
+            value(1.0),
+            average(0.0, 1.0),
+            average(1.0, 2.0),
+            average(2.0, 3.0),
+        ];
+        assert_eq!(news(&functionals, &[2.0, 9.0, 1.0, 3.0, 4.0]).unwrap(), [0, 1, 2, 4]);
+        // A difference of wholes is a part, over ends that rounding takes apart.
+        let parts = [average(0.0, 0.1), average(0.0, 0.1 + 0.2), average(0.1, 0.3)];
+        assert_eq!(news(&parts, &[4.0, 2.0, 1.0]).unwrap(), [0, 1]);
+        // Boxes that overlap determine nothing.
+        let overlapping = [average(0.0, 2.0), average(1.0, 3.0), average(0.0, 3.0)];
+        assert_eq!(news(&overlapping, &[1.0, 5.0, 7.0]).unwrap(), [0, 1, 2]);
+    }
+
+    #[test]
+    fn contradictions_name_those_that_determine_and_what_they_give() {
+        let functionals =
+            [average(0.0, 1.0), average(5.0, 6.0), average(1.0, 2.0), average(0.0, 2.0)];
+        let Err(SignalError::Contradiction { others, at, expected, found }) =
+            news(&functionals, &[1.0, 8.0, 3.0, 5.0])
+        else {
+            panic!()
+        };
+        assert_eq!((others, at, expected, found), (vec![0, 2], 3, 2.0, 5.0));
+        let slopes = [Functional::Derivative { at: 1.0 }, value(1.0), value(1.0 + 1e-14)];
+        let found = news(&slopes, &[0.0, 1.0, 1.5]);
+        assert!(matches!(found, Err(SignalError::Contradiction { at: 2, .. })));
+        assert_eq!(news(&slopes, &[0.0, 1.0, 1.0]).unwrap(), [0, 1]);
+    }
+
+    #[test]
+    fn the_least_distance_is_between_places_that_are_two() {
+        let of = [average(0.0, 4.0), value(4.5), value(4.5 + 1e-14), value(7.0)];
+        assert_eq!(least_distance(&of), Some(0.5));
+        assert_eq!(least_distance(&[value(2.0)]), None);
+    }
+}
