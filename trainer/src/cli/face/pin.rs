@@ -1,6 +1,6 @@
 //! `sinew face pin`: a few points dragged, and the face that follows.
 
-use super::input::{self, AnchorName};
+use super::input::{self, AnchorName, TakeFile};
 use super::pins::{self, Followed, PinArgument, Placed, Projection};
 use crate::cli::Output;
 use crate::cli::column::padded;
@@ -39,6 +39,9 @@ pub(in crate::cli) struct Arguments {
     /// The weights now: the first row of a .csv [default: all 0]
     #[arg(long, value_name = "WEIGHTS")]
     weights: Option<PathBuf>,
+    /// 100 is a full shape in WEIGHTS, and not 1
+    #[arg(long, requires = "weights")]
+    percent: bool,
     /// Keep weights between 0 and 1
     #[arg(long)]
     bounded: bool,
@@ -107,7 +110,8 @@ fn solve(
 ) -> anyhow::Result<Solved> {
     let mut weights = vec![0.0; face.skin.shape_len()];
     if let Some(path) = &arguments.weights {
-        let take = input::take(path, &face.names(), output)?;
+        let file = TakeFile { path, is_percent: arguments.percent };
+        let take = input::take(file, &face.names(), output)?;
         let first = take.frames.first().into_iter().flatten();
         weights.iter_mut().zip(first).for_each(|(out, weight)| *out = *weight as f32);
     }
