@@ -86,7 +86,7 @@ pub enum FaceError {
         shape: String,
         /// Names of the columns.
         columns: [String; 2],
-        /// The first line of a table, or frame of an array, in which they differ.
+        /// The first line of a table, or frame of an array, where they differ.
         place: String,
         /// The weights there.
         found: [f64; 2],
@@ -130,18 +130,18 @@ pub enum FaceError {
         /// Components.
         most: usize,
     },
-    /// The square of the length by which a pin may miss is no number of a file.
+    /// A file cannot hold the tolerance of pins.
     #[error(
-        "pins may miss by {found:e}, {share} of the diagonal unless the tolerance is given: expected {:e} to {:e}: \
+        "tolerance of pins {found:e}: expected {:e} to {:e}; the default is {share} of the face's diagonal: \
          give a tolerance, or scale the face",
         .range[0], .range[1]
     )]
     Tolerance {
-        /// The length.
+        /// The tolerance.
         found: f64,
         /// Its default, in diagonals of the neutral mesh.
         share: f64,
-        /// Least and greatest length.
+        /// Least and greatest tolerance.
         range: [f64; 2],
     },
     /// A scene cannot be written.

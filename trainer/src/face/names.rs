@@ -67,7 +67,7 @@ const ARKIT: [&[&str]; 2] = [
 
 /// How many known names are told beside an unknown one.
 const TOLD: usize = 3;
-/// Least Jaro-Winkler similarity of a name that is told: misspelt names have 0.7 and more, others 0.63 and less.
+/// Least Jaro-Winkler similarity of a suggestion: misspelt names have 0.7 and more, others 0.63 and less.
 const ALIKE: f64 = 0.7;
 
 /// A name apart from how it is written.
@@ -123,7 +123,7 @@ impl Expression {
         known.unwrap_or_else(|| Self::of(name))
     }
 
-    /// Tells whether a take may have such a column, whatever the face.
+    /// Whether a take may have this column, whatever the face.
     fn is_known(&self) -> bool {
         self.is_arkit() || self.is_angle() || self.is_other()
     }
@@ -141,7 +141,7 @@ impl Expression {
     }
 }
 
-/// Lists the ends of a name that follow one of some characters, the longest first; a side alone is no name.
+/// Lists the rest of a name after each of some characters, the longest first. A side alone is left out.
 fn after<'a>(name: &'a str, ends: &'a [char]) -> impl Iterator<Item = &'a str> {
     let rests = name.match_indices(ends).map(|(at, end)| &name[at + end.len()..]);
     rests.filter(|rest| !["", "l", "r"].contains(&Expression::of(rest).stem.as_str()))

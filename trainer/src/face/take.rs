@@ -20,7 +20,7 @@ pub struct Take {
     pub lost: Vec<u64>,
     /// Expressions and angles of the file that the face has no shape for.
     pub skipped: Vec<String>,
-    /// The weight that is largest, whatever its sign; none of a take of zeros.
+    /// The weight of the largest magnitude; `None` if all are 0.
     pub largest: Option<Largest>,
 }
 
@@ -125,7 +125,7 @@ fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, FaceError> {
     Driving { names, drivers, rows, places }.weigh(take, shapes)
 }
 
-/// Tells apart names that are unknown from numbers that stand in place of names.
+/// Finds numbers among unknown names: the line of names is missing.
 fn unnamed(error: FaceError, table: &csv::Table) -> FaceError {
     let FaceError::Names { unknown } = &error else { return error };
     let number = unknown.iter().find(|unknown| table.number(&unknown.name).is_some());

@@ -13,8 +13,8 @@ use sinew_runtime::Model;
 
 /// The length by which a pin may miss, in diagonals of the face, where none is given.
 pub const TOLERANCE: f64 = 5e-4;
-/// Least and greatest length by which a pin may miss: its square is a positive number of the file.
-const TOLERANCES: [f64; 2] = [1e-18, 1e4];
+/// Least and greatest tolerance of pins: the file holds its square, a positive f32 of at most 1e9.
+const TOLERANCES: [f64; 2] = [1e-18, 3e4];
 /// Share of the energy of example meshes that their shapes keep, where no rank is given.
 pub const ENERGY: f64 = 0.999;
 /// Bounds of blendshape weights, and of the weights of shapes found in meshes, in standard deviations.
@@ -239,6 +239,36 @@ mod tests {
         assert!((prior.covariance[(0, 0)] - 2.0 * 4.0 * 2.0 / 4.0 / 3.0).abs() < 1e-12);
         assert!((prior.covariance[(1, 1)] - 2.0 / 4.0 / 3.0).abs() < 1e-12);
         assert_eq!(prior.mean, [0.0; 2]);
+    }
+
+    /// A face of one vertex has a diagonal of 0.
+    #[test]
+    fn a_face_without_extent_needs_a_tolerance() {
+        let shape = NamedShape { name: "up".to_owned(), deltas: vec![[0.0, 1.0, 0.0]] };
+        let of = |positions: Vec<[f64; 3]>| {
+            let deltas = vec![[0.0, 1.0, 0.0]; positions.len()];
+            let shapes = vec![NamedShape { deltas, ..shape.clone() }];
+            Basis {
+                mesh: ShapedMesh { positions, shapes, ..ShapedMesh::default() },
+                ..Basis::default()
+            }
+        };
+        let one = of(vec![[1.0, 2.0, 3.0]]);
+        let error = of_take(&one, &[], &options()).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "tolerance of pins 0e0: expected 1e-18 to 3e4; the default is 0.0005 of the face's diagonal: \
+             give a tolerance, or scale the face"
+        );
+        let stated = Options { tolerance: Some(0.01), ..options() };
+        Model::from_bytes(of_take(&one, &[], &stated).unwrap().bake().unwrap()).unwrap();
+        for (size, is_right) in [(1e-16, false), (1e-12, true), (1e7, true), (1e8, false)] {
+            let found = of_take(&of(vec![[0.0; 3], [size, 0.0, 0.0]]), &[], &options());
+            assert_eq!(found.is_ok(), is_right, "{size}");
+            if let Ok(model) = found {
+                Model::from_bytes(model.bake().unwrap()).unwrap();
+            }
+        }
     }
 
     #[test]

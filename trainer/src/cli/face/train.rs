@@ -231,7 +231,7 @@ fn of_shapes(
         let frames = counted(frames.len(), "frame", "frames");
         output.warn(
             path.display(),
-            format!("weights do not change in {frames}: no weight knows of another"),
+            format!("weights do not change in {frames}: only their mean is learned"),
         );
     }
     let mut model = of_take(basis, &frames, options).with_context(about)?;

@@ -19,7 +19,7 @@ pub enum CsvError {
     },
     /// A line stands before that of the names.
     #[error(
-        "line 1: expected the names of {expected} columns, as the next line has, found {found:?} alone: \
+        "line 1: expected the names of {expected} columns, as the next line has, found {found:?}: \
          remove the lines before the names"
     )]
     Title {

@@ -234,7 +234,7 @@ mod tests {
     fn a_line_of_names_comes_first() {
         let title = |found: &str| {
             format!(
-                "line 1: expected the names of 3 columns, as the next line has, found {found:?} alone: \
+                "line 1: expected the names of 3 columns, as the next line has, found {found:?}: \
                  remove the lines before the names"
             )
         };
