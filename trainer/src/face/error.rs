@@ -77,9 +77,9 @@ pub enum FaceError {
     },
     /// Columns of a take drive one shape and differ.
     #[error(
-        "columns {:?} and {:?} both drive shape {shape:?}, and differ in {place}: {} and {}{}: remove one column of each pair",
+        "columns {:?} and {:?} both drive shape {shape:?}, and differ in {place}: {} and {}: remove one of {}",
         .columns[0], .columns[1], .found[0], .found[1],
-        if *.more > 0 { format!("; {} more pairs differ", .more) } else { String::new() }
+        if *.pairs > 1 { format!("each of {} such pairs", .pairs) } else { "them".to_owned() }
     )]
     Contradiction {
         /// The shape.
@@ -90,8 +90,8 @@ pub enum FaceError {
         place: String,
         /// The weights there.
         found: [f64; 2],
-        /// Further pairs that differ.
-        more: usize,
+        /// Pairs of columns that differ.
+        pairs: usize,
     },
     /// The tracking is lost in every row of a take.
     #[error("has no frame: the tracking is lost in all {len} rows")]

@@ -125,11 +125,17 @@ fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, FaceError> {
     Driving { names, drivers, rows, places }.weigh(take, shapes)
 }
 
-/// Finds numbers among unknown names: the line of names is missing.
+/// Says that the line of names is missing where most names are numbers.
 fn unnamed(error: FaceError, table: &csv::Table) -> FaceError {
     let FaceError::Names { unknown } = &error else { return error };
-    let number = unknown.iter().find(|unknown| table.number(&unknown.name).is_some());
-    number.map(|unknown| CsvError::Unnamed { found: unknown.name.clone() }.into()).unwrap_or(error)
+    let mut numbers =
+        unknown.iter().map(|unknown| &unknown.name).filter(|name| table.number(name).is_some());
+    match numbers.next() {
+        Some(found) if 2 * (1 + numbers.count()) > table.names.len() => {
+            CsvError::Unnamed { found: found.clone() }.into()
+        }
+        _ => error,
+    }
 }
 
 /// Whether the tracking is lost in a row: its count of weights is 0 or absent, or a used cell is empty.
@@ -207,7 +213,7 @@ impl Driving<'_> {
             columns: pair.map(|at| self.names[at].to_owned()),
             place: self.places[row].clone(),
             found: pair.map(|at| self.rows[row][at]),
-            more: apart.count(),
+            pairs: 1 + apart.count(),
         })
     }
 

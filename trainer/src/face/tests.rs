@@ -145,7 +145,7 @@ fn weights_as_arrays_are_a_take() {
     assert_eq!(
         said(weights("take-apart", 2, &[0.1, 0.1, 0.3, 0.4], Some(&["smile_R", "SmileRight"]))),
         "columns \"smile_R\" and \"SmileRight\" both drive shape \"smile_R\", and differ in frame 1: 0.3 \
-         and 0.4: remove one column of each pair"
+         and 0.4: remove one of them"
     );
     assert_eq!(plain.largest.map(|largest| largest.place), Some("frame 1".to_owned()));
     assert_eq!(

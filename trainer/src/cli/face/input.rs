@@ -111,7 +111,6 @@ fn unusual(found: &Largest, is_percent: bool) -> Option<String> {
         ),
         _ => return None,
     };
-    let column = printable(column);
     Some(format!(
         "the largest weight is {weight}, of column {column:?} in {place}, and {full} is the full shape: {remedy}"
     ))

@@ -8,7 +8,7 @@ use std::path::Path;
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 /// What some programs write before text in UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-/// How many times as many names a line has that stands below a title.
+/// Line 1 is a title, and no line of names, where the next line has more than this many times its cells.
 const TITLE: usize = 2;
 
 /// A table of cells with named columns.
@@ -77,10 +77,16 @@ impl Table {
     /// Checks the names, and that there are rows.
     fn check(&self) -> Result<(), CsvError> {
         let names = &self.names;
-        let text_len = |row: &Row| row.cells.iter().filter(|cell| !cell.is_empty()).count();
-        let expected = self.rows.first().map_or(0, text_len);
-        if expected > TITLE * names.len() {
-            return Err(CsvError::Title { expected, found: names.join(" ").trim().to_owned() });
+        let next = self
+            .rows
+            .first()
+            .map_or(0, |row| row.cells.iter().filter(|cell| !cell.is_empty()).count());
+        let is_longer = self.rows.first().is_some_and(|row| row.len() > names.len());
+        if is_longer && next > TITLE * names.iter().filter(|name| !name.is_empty()).count() {
+            return Err(CsvError::Title {
+                expected: next,
+                found: names.join(" ").trim().to_owned(),
+            });
         }
         let is_repeated = |&at: &usize| !names[at].is_empty() && names[..at].contains(&names[at]);
         if let Some(name) = (0..names.len()).find(is_repeated).map(|at| names[at].clone()) {
@@ -241,6 +247,7 @@ mod tests {
         for (text, expected) in [
             ("# exported\na,b,c\n1,2,3\n4\n", title("# exported")),
             ("sep=;\na;b;c\n1;2;3\n", title("sep=")),
+            ("a,,\n1,2,3\n", "[(2, [1.0, 2.0, 3.0])]".to_owned()),
             (
                 "0.5,1,0.5\n0.2,1,0.1\n",
                 "line 1: expected names of columns, found number 0.5: put a line of names before the rows"
