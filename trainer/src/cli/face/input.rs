@@ -15,7 +15,7 @@ use sinew_trainer::face::train::sliders;
 use std::ops::Range;
 use std::path::Path;
 
-/// A weight beyond which a shape can hardly be meant: artists go a little beyond the full shape, which is 1.
+/// Weight above which a warning is given: artists go only a little beyond the full shape, which is 1.
 const WEIGHT_MOST: f64 = 2.0;
 
 /// A take as the command line names it.

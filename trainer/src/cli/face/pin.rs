@@ -186,6 +186,9 @@ fn print(
     output: Output,
 ) -> anyhow::Result<()> {
     let Edit { norm, unreachable_len, is_least, .. } = solved.edit;
+    let (len, free_len) = (solved.pins.len(), solved.pins.iter().filter(|pin| pin.is_free).count());
+    // The runtime counts free pins too.
+    let unreachable_len = unreachable_len.saturating_sub(free_len);
     let pins: Vec<_> = solved
         .pins
         .iter()
@@ -212,13 +215,13 @@ fn print(
         text += &format!("  {}{:>8.3}\n", padded(&names[shape], 24), solved.weights[shape]);
     }
     text += &format!("norm of the edit {norm:.3}\nwrote {}\n", target.named().display());
+    if free_len > 0 {
+        output.note("pins", format_args!("{free_len} of {len} are free in every coordinate"));
+    }
     if unreachable_len > 0 {
         output.warn(
             "pins",
-            format_args!(
-                "{unreachable_len} of {} are where no shape moves anything",
-                solved.pins.len()
-            ),
+            format_args!("{unreachable_len} of {len} are where no shape moves anything"),
         );
     }
     output.print(&json, &text)

@@ -27,6 +27,8 @@ pub(super) struct Placed {
 /// What became of a pin.
 pub(super) struct Followed {
     pub(super) vertex: usize,
+    /// Whether every coordinate is free, so that it pulls at nothing.
+    pub(super) is_free: bool,
     /// Where it is, and where it was to be: in the numbers that it was given in.
     pub(super) at: Vec<f64>,
     pub(super) target: Vec<f64>,
@@ -92,7 +94,8 @@ impl Placed {
             (Some(rows), &[x, y]) => moved(*rows, place, [x - at[0], y - at[1]]),
             _ => place,
         };
-        Ok(Followed { vertex, at, target, places: (place, to) })
+        let is_free = self.at.iter().all(Option::is_none);
+        Ok(Followed { vertex, is_free, at, target, places: (place, to) })
     }
 }
 
@@ -139,9 +142,6 @@ pub(super) fn pin(text: &str) -> Result<PinArgument, String> {
     if !(2..=3).contains(&at.len()) {
         return Err(expected());
     }
-    if at.iter().all(Option::is_none) {
-        return Err("expected a number: with every coordinate free, it pins nothing".to_owned());
-    }
     Ok(PinArgument { vertex, at, stiffness })
 }
 
@@ -174,17 +174,7 @@ mod tests {
         assert_eq!(pin("7=1,_,-3"), made(7, &[Some(1.0), None, Some(-3.0)], 1.0));
         assert_eq!(pin("7=1,2,3*0.25"), made(7, &[Some(1.0), Some(2.0), Some(3.0)], 0.25));
         assert_eq!(pin("0=5,_*2"), made(0, &[Some(5.0), None], 2.0));
-        for text in [
-            "7",
-            "x=1,2,3",
-            "7=1",
-            "7=1,2,3,4",
-            "7=1,2,inf",
-            "7=1,2,3*0",
-            "7=1,2,3*x",
-            "7=_,_,_",
-            "7=_,_*2",
-        ] {
+        for text in ["7", "x=1,2,3", "7=1", "7=1,2,3,4", "7=1,2,inf", "7=1,2,3*0", "7=1,2,3*x"] {
             assert!(pin(text).is_err(), "{text}");
         }
     }

@@ -9,11 +9,11 @@ use sinew_runtime::prior::PriorFit;
 /// eight pins on such a shape leave as much as they found (METHOD §5.1).
 pub const FLOOR: f64 = 0.1;
 
-/// Least RMS change of weights that is a motion, of the full shape or of the largest weight: pins may miss by more. With
-/// less, the reciprocals of variances leave the range of a file's numbers.
+/// Least RMS change of moving weights, in shares of the full shape or of the largest weight. Tolerances of pins are wider,
+/// and reciprocals of smaller variances leave the range of numbers that a file may hold.
 const STILL: f64 = 1e-4;
 
-/// Tells whether weights change by more than noise and rounding.
+/// Whether weights change by more than noise and rounding.
 ///
 /// - `frames`: N x S weights.
 pub fn is_moving(frames: &[Vec<f64>]) -> bool {

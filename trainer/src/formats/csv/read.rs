@@ -8,7 +8,7 @@ use std::path::Path;
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 /// What some programs write before text in UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-/// Line 1 is a title, and no line of names, where the next line has more than this many times its cells.
+/// Line 1 is a title if the next line has more than this many times its cells.
 const TITLE: usize = 2;
 
 /// A table of cells with named columns.
@@ -74,7 +74,7 @@ impl Table {
         Ok(table)
     }
 
-    /// Checks the names, and that there are rows.
+    /// Checks the names, and counts the rows.
     fn check(&self) -> Result<(), CsvError> {
         let names = &self.names;
         let next = self
