@@ -29,7 +29,7 @@ pub fn is_moving(frames: &[Vec<f64>]) -> bool {
 fn mean(frames: &[Vec<f64>]) -> Vec<f64> {
     let n = frames.len() as f64;
     let len = frames.first().map_or(0, Vec::len);
-    (0..len).map(|shape| frames.iter().map(|frame| frame[shape]).sum::<f64>() / n).collect()
+    (0..len).map(|shape| frames.iter().map(|frame| frame[shape] / n).sum()).collect()
 }
 
 /// Learns a prior from frames of weights: their mean, and their covariance with [`FLOOR`] on its diagonal. Of frames
