@@ -3,7 +3,11 @@
 use crate::bake::BakeError;
 use crate::formats::{CsvError, FileError, FormatError, GlbError};
 use sinew_runtime::CallError;
+use std::fmt::Display;
 use std::path::PathBuf;
+
+/// How many items of a list are told; the others are counted.
+const LISTED: usize = 5;
 
 /// A face, a take or a track that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -60,16 +64,34 @@ pub enum FaceError {
         len: usize,
     },
     /// Columns of a take are neither shapes of the face nor known to have none.
-    #[error("unknown {}", .unknown.iter().map(Unknown::to_string).collect::<Vec<_>>().join("; "))]
+    #[error("unknown {}: name each column after a shape of the face, or remove the column", listed(.unknown.iter()))]
     Names {
         /// Each, with those that are most like it.
         unknown: Vec<Unknown>,
     },
     /// A take drives no shape.
-    #[error("no column drives a shape of the face; its shapes are {known}")]
+    #[error("no column drives a shape of the face; its shapes are {}", listed(.known.iter()))]
     NoColumns {
         /// The shapes.
-        known: String,
+        known: Vec<String>,
+    },
+    /// Columns of a take drive one shape and differ.
+    #[error(
+        "columns {:?} and {:?} both drive shape {shape:?}, and differ in {place}: {} and {}: remove one of {}",
+        .columns[0], .columns[1], .found[0], .found[1],
+        if *.pairs > 1 { format!("each of {} such pairs", .pairs) } else { "them".to_owned() }
+    )]
+    Contradiction {
+        /// The shape.
+        shape: String,
+        /// Names of the columns.
+        columns: [String; 2],
+        /// The first line of a table, or frame of an array, where they differ.
+        place: String,
+        /// The weights there.
+        found: [f64; 2],
+        /// Pairs of columns that differ.
+        pairs: usize,
     },
     /// The tracking is lost in every row of a take.
     #[error("has no frame: the tracking is lost in all {len} rows")]
@@ -107,6 +129,20 @@ pub enum FaceError {
         found: usize,
         /// Components.
         most: usize,
+    },
+    /// A file cannot hold the tolerance of pins.
+    #[error(
+        "tolerance of pins {found:e}: expected {:e} to {:e}; the default is {share} of the face's diagonal: \
+         give a tolerance, or scale the face",
+        .range[0], .range[1]
+    )]
+    Tolerance {
+        /// The tolerance.
+        found: f64,
+        /// Its default, in diagonals of the neutral mesh.
+        share: f64,
+        /// Least and greatest tolerance.
+        range: [f64; 2],
     },
     /// A scene cannot be written.
     #[error(transparent)]
@@ -152,13 +188,25 @@ pub enum FaceError {
 pub struct Unknown {
     /// The name.
     pub name: String,
-    /// Known names, the most like it first.
+    /// Known names that are like it, the most like it first.
     pub nearest: Vec<String>,
 }
 
-impl std::fmt::Display for Unknown {
+/// Joins the first of some items, and counts the others.
+pub fn listed(items: impl ExactSizeIterator<Item = impl Display>) -> String {
+    let more = items.len().saturating_sub(LISTED);
+    let first: Vec<String> = items.take(LISTED).map(|item| item.to_string()).collect();
+    let first = first.join(", ");
+    if more == 0 { first } else { format!("{first} and {more} more") }
+}
+
+impl Display for Unknown {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{:?} (did you mean {}?)", self.name, self.nearest.join(", "))
+        write!(f, "{:?}", self.name)?;
+        match self.nearest.as_slice() {
+            [] => Ok(()),
+            nearest => write!(f, " (did you mean {}?)", nearest.join(", ")),
+        }
     }
 }
 

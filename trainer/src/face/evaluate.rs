@@ -34,6 +34,8 @@ pub struct Protocol<'a> {
     pub chosen_on: Vec<&'a [f64]>,
     /// Weights of the frames that are measured, S each.
     pub frames: Vec<&'a [f64]>,
+    /// Frames of the measured range in which the tracking is lost.
+    pub lost_frames: usize,
 }
 
 /// What was measured with so many handles; RMS distances in the file's unit, means over draws.
@@ -71,6 +73,8 @@ pub struct Figures {
 pub struct Evaluation {
     /// Frames measured.
     pub frames: usize,
+    /// Frames of the measured range in which the tracking is lost.
+    pub lost_frames: usize,
     /// Frames on which β was chosen.
     pub chosen_on: usize,
     /// Vertices measured: the first and the end.
@@ -118,6 +122,7 @@ impl Protocol<'_> {
         }
         Ok(Evaluation {
             frames: frames.len(),
+            lost_frames: self.lost_frames,
             chosen_on: self.chosen_on.len(),
             vertices: [self.vertices.start, self.vertices.end],
             landmarks: self.landmarks.len(),

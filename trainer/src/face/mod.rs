@@ -33,4 +33,4 @@ mod tests;
 pub mod track;
 pub mod train;
 
-pub use error::FaceError;
+pub use error::{FaceError, listed};

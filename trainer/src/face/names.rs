@@ -22,6 +22,8 @@ const COUNT: &str = "blendshapecount";
 const OTHERS: [&str; 6] = ["timecode", COUNT, "frame", "time", "norm", ""];
 /// Characters between the name of a node or a mesh and that of a shape.
 const PREFIX_ENDS: [char; 4] = ['.', ':', '|', '/'];
+/// Characters that end a prefix or part the words of a name.
+const WORD_ENDS: [char; 3] = ['_', '-', ' '];
 
 /// The expressions of ARKit by their stems; those of the second list have a side.
 const ARKIT: [&[&str]; 2] = [
@@ -65,6 +67,8 @@ const ARKIT: [&[&str]; 2] = [
 
 /// How many known names are told beside an unknown one.
 const TOLD: usize = 3;
+/// Least Jaro-Winkler similarity of a suggestion: misspelt names have 0.7 and more, others 0.63 and less.
+const ALIKE: f64 = 0.7;
 
 /// A name apart from how it is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -113,18 +117,34 @@ impl Expression {
     /// Takes a name apart as [`Expression::of`] does, without the name of a node or a mesh before it:
     /// `blendShape1.eyeBlink_L`, `Head|eyeBlink.L` and `BS_EyeBlinkLeft` are `eyeBlink_L`.
     pub fn without_prefix(name: &str) -> Self {
-        let after = |ends: &[char]| -> Vec<Self> {
-            let rest = name.match_indices(ends).map(|(at, end)| Self::of(&name[at + end.len()..]));
-            rest.filter(|rest| !["", "l", "r"].contains(&rest.stem.as_str())).collect()
-        };
-        // An underscore also parts words, so that what follows it must be known.
-        let known = || after(&['_']).into_iter().find(Self::is_arkit);
-        after(&PREFIX_ENDS).pop().or_else(known).unwrap_or_else(|| Self::of(name))
+        // A character also parts words, so that a known name must follow it.
+        let name = after(name, &PREFIX_ENDS).last().unwrap_or(name);
+        let known = after(name, &WORD_ENDS).map(Self::of).find(Self::is_known);
+        known.unwrap_or_else(|| Self::of(name))
+    }
+
+    /// Whether a take may have this column, whatever the face.
+    fn is_known(&self) -> bool {
+        self.is_arkit() || self.is_angle() || self.is_other()
+    }
+
+    fn is_angle(&self) -> bool {
+        ANGLES.contains(&self.stem.as_str())
+    }
+
+    fn is_other(&self) -> bool {
+        OTHERS.contains(&self.stem.as_str())
     }
 
     fn is_arkit(&self) -> bool {
         ARKIT[usize::from(self.side.is_some())].contains(&self.stem.as_str())
     }
+}
+
+/// Lists the rest of a name after each of some characters, the longest first. A side alone is left out.
+fn after<'a>(name: &'a str, ends: &'a [char]) -> impl Iterator<Item = &'a str> {
+    let rests = name.match_indices(ends).map(|(at, end)| &name[at + end.len()..]);
+    rests.filter(|rest| !["", "l", "r"].contains(&Expression::of(rest).stem.as_str()))
 }
 
 /// Tells whether a column counts the weights of a row.
@@ -158,10 +178,8 @@ pub fn columns(names: &[String], shapes: &[String]) -> Result<Columns, FaceError
             }
         }
         let read = readings.map(|read| read(name));
-        if found.is_empty() && !read.iter().any(|read| OTHERS.contains(&read.stem.as_str())) {
-            let is_angle = |read: &Expression| ANGLES.contains(&read.stem.as_str());
-            let is_known = read.iter().any(|read| is_angle(read) || read.is_arkit());
-            match is_known {
+        if found.is_empty() && !read.iter().any(Expression::is_other) {
+            match read.iter().any(Expression::is_known) {
                 true => skipped.push(name.clone()),
                 false => {
                     unknown.push(Unknown { name: name.clone(), nearest: nearest(name, shapes) })
@@ -174,16 +192,17 @@ pub fn columns(names: &[String], shapes: &[String]) -> Result<Columns, FaceError
         return Err(FaceError::Names { unknown });
     }
     if driven.iter().all(Vec::is_empty) {
-        return Err(FaceError::NoColumns { known: shapes.join(", ") });
+        return Err(FaceError::NoColumns { known: shapes.to_vec() });
     }
     Ok(Columns { driven, skipped })
 }
 
-/// Lists the names most like one.
+/// Lists the names most like one; none where no name is like it.
 fn nearest(name: &str, shapes: &[String]) -> Vec<String> {
     let small = name.to_lowercase();
     let like = |shape: &String| strsim::jaro_winkler(&small, &shape.to_lowercase());
     let mut order: Vec<(f64, &String)> = shapes.iter().map(|shape| (like(shape), shape)).collect();
+    order.retain(|(alike, _)| *alike >= ALIKE);
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
     order.into_iter().take(TOLD).map(|(_, shape)| shape.clone()).collect()
 }
@@ -238,6 +257,10 @@ mod tests {
             "Face/eye_blink_l",
             "BS_EyeBlinkLeft",
             "head_lod0_eyeBlink_L",
+            "head_geo.blendShape1_eyeBlink_L",
+            "head|BS_eyeBlink.L",
+            "BS-EyeBlinkLeft",
+            "Face EyeBlinkLeft",
             "eyeBlink.L",
             "EyeBlinkLeft",
         ] {
@@ -249,6 +272,15 @@ mod tests {
         let found = found.unwrap();
         assert_eq!(found.driven, [vec![0, 1], vec![3], vec![], vec![], vec![]]);
         assert_eq!(found.skipped, ["headYaw", "HEADROLL"]);
+        // Angles and columns that are no weights have the same prefixes.
+        for prefix in ["BS_", "CTRL_expressions_", "bs_node_", "head_geo.", "head|BS_", "Face "] {
+            let names = ["Timecode", "BlendShapeCount", "EyeBlinkLeft", "HeadYaw", "LeftEyeRoll"];
+            let names = names.map(|name| format!("{prefix}{name}"));
+            let found = columns(&names, &owned(&["eyeBlink_L", "eyeBlink_R"])).unwrap();
+            assert_eq!(found.driven, [vec![], vec![], vec![0], vec![], vec![]], "{prefix}");
+            assert_eq!(found.skipped, names[3..], "{prefix}");
+            assert!(is_count(&names[1]), "{prefix}");
+        }
         // A take may have the prefix, and the face none.
         let found = columns(&owned(&["blendShape1.jawOpen"]), &owned(&["JawOpen"])).unwrap();
         assert_eq!(found.driven, [[0]]);
@@ -260,8 +292,16 @@ mod tests {
         let error = columns(&owned(&["JawOpen", "jawOpn", "EyeBlnkLeft"]), &shapes).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "unknown \"jawOpn\" (did you mean jawOpen, eyeBlink_L, eyeBlink_R?); \"EyeBlnkLeft\" \
-             (did you mean eyeBlink_L, eyeBlink_R, jawOpen?)"
+            "unknown \"jawOpn\" (did you mean jawOpen?), \"EyeBlnkLeft\" (did you mean eyeBlink_L, \
+             eyeBlink_R?): name each column after a shape of the face, or remove the column"
+        );
+        // A name that is like no shape has no suggestion, and of many the first are told.
+        let others = ["Confidence", "FrameNumber", "Date", "Name", "Index", "Comment", "Quality"];
+        let error = columns(&owned(&[&["JawOpen"], &others[..]].concat()), &shapes).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "unknown \"Confidence\", \"FrameNumber\", \"Date\", \"Name\", \"Index\" and 2 more: \
+             name each column after a shape of the face, or remove the column"
         );
         let error = columns(&owned(&["TongueOut", "HeadYaw"]), &shapes).unwrap_err();
         assert!(error.to_string().starts_with("no column drives a shape"), "{error}");

@@ -5,7 +5,7 @@ use super::names::{Columns, columns, is_count};
 use super::npz::count;
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::npz::Archive;
-use crate::formats::{FormatError, csv};
+use crate::formats::{CsvError, FormatError, csv};
 use std::ops::Range;
 use std::path::Path;
 
@@ -20,14 +20,38 @@ pub struct Take {
     pub lost: Vec<u64>,
     /// Expressions and angles of the file that the face has no shape for.
     pub skipped: Vec<String>,
+    /// The weight of the largest magnitude; `None` if all are 0.
+    pub largest: Option<Largest>,
+}
+
+/// The largest weight of a take.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Largest {
+    /// The weight.
+    pub weight: f64,
+    /// The column that has it first.
+    pub column: String,
+    /// The line of a table, or the frame of an array.
+    pub place: String,
+}
+
+/// Columns of a take that drive shapes.
+struct Driving<'a> {
+    names: Vec<&'a str>,
+    /// The columns that drive each shape, S.
+    drivers: Vec<Vec<usize>>,
+    /// Numbers of the columns, row by row.
+    rows: Vec<Vec<f64>>,
+    /// Where each row is in the file.
+    places: Vec<String>,
 }
 
 /// Reads a take of a face: a `.csv` of named columns, or a `.npz` with `weights` (N, C) and, where they are not the
 /// face's shapes in order, `names` (C).
 ///
 /// # Errors
-/// Those of the formats; [`FaceError::Names`] and [`FaceError::NoColumns`]; [`FaceError::Lost`]; [`FaceError::Count`]
-/// where a `.npz` has not as many columns as names.
+/// Those of the formats; [`FaceError::Names`] and [`FaceError::NoColumns`]; [`FaceError::Contradiction`];
+/// [`FaceError::Lost`]; [`FaceError::Count`] where a `.npz` has not as many columns as names.
 pub fn read(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
     match extension(path).as_str() {
         "csv" => of_table(&csv::read(path)?, shapes),
@@ -78,24 +102,40 @@ fn check(range: &Range<usize>, len: usize) -> Result<(), FaceError> {
 }
 
 fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, FaceError> {
-    let Columns { driven, skipped } = columns(&table.names, shapes)?;
+    let Columns { driven, skipped } =
+        columns(&table.names, shapes).map_err(|e| unnamed(e, table))?;
     let used: Vec<usize> = (0..driven.len()).filter(|&at| !driven[at].is_empty()).collect();
     let count = table.names.iter().position(|name| is_count(name));
     let mut take = Take { skipped, ..Take::default() };
+    let (mut rows, mut places) = (Vec::new(), Vec::new());
     for (number, row) in table.rows().iter().enumerate() {
         if is_lost(table, row, count, &used) {
             take.lost.push(row.line);
             continue;
         }
-        let numbers = table.numbers_of(row, &used)?;
-        let columns = used.iter().map(|&at| &driven[at]);
-        take.frames.push(spread(shapes.len(), columns.zip(numbers)));
+        rows.push(table.numbers_of(row, &used)?);
+        places.push(format!("line {}", row.line));
         take.numbers.push(number);
     }
-    if take.frames.is_empty() {
+    if rows.is_empty() {
         return Err(FaceError::Lost { len: take.lost.len() });
     }
-    Ok(take)
+    let names = used.iter().map(|&at| table.names[at].as_str()).collect();
+    let drivers = drivers(used.iter().map(|&at| driven[at].as_slice()), shapes.len());
+    Driving { names, drivers, rows, places }.weigh(take, shapes)
+}
+
+/// Says that the line of names is missing where most names are numbers.
+fn unnamed(error: FaceError, table: &csv::Table) -> FaceError {
+    let FaceError::Names { unknown } = &error else { return error };
+    let mut numbers =
+        unknown.iter().map(|unknown| &unknown.name).filter(|name| table.number(name).is_some());
+    match numbers.next() {
+        Some(found) if 2 * (1 + numbers.count()) > table.names.len() => {
+            CsvError::Unnamed { found: found.clone() }.into()
+        }
+        _ => error,
+    }
 }
 
 /// Whether the tracking is lost in a row: its count of weights is 0 or absent, or a used cell is empty.
@@ -122,20 +162,77 @@ fn of_arrays(path: &Path, shapes: &[String]) -> Result<Take, FaceError> {
     }
     let names = archive.texts("names")?;
     count("weights", "columns", names.as_ref().map_or(shapes.len(), Vec::len), width)?;
-    let Columns { driven, skipped } = columns(names.as_deref().unwrap_or(shapes), shapes)?;
-    let frame =
-        |row: &[[f64; 1]]| spread(shapes.len(), driven.iter().zip(row.iter().map(|x| x[0])));
-    let frames: Vec<_> = rows.data.chunks(width.max(1)).map(frame).collect();
-    Ok(Take { numbers: (0..frames.len()).collect(), frames, lost: Vec::new(), skipped })
+    let names = names.as_deref().unwrap_or(shapes);
+    let Columns { driven, skipped } = columns(names, shapes)?;
+    let driving = Driving {
+        names: names.iter().map(String::as_str).collect(),
+        drivers: drivers(driven.iter().map(Vec::as_slice), shapes.len()),
+        rows: rows.data.as_flattened().chunks(width.max(1)).map(<[f64]>::to_vec).collect(),
+        places: (0..n).map(|row| format!("frame {row}")).collect(),
+    };
+    driving.weigh(Take { numbers: (0..n).collect(), skipped, ..Take::default() }, shapes)
 }
 
-/// Gives each shape the number of the column that drives it.
-fn spread<'a>(len: usize, columns: impl Iterator<Item = (&'a Vec<usize>, f64)>) -> Vec<f64> {
-    let mut weights = vec![0.0; len];
-    for (driven, number) in columns {
-        driven.iter().for_each(|&shape| weights[shape] = number);
+/// Lists the columns that drive each shape, S.
+///
+/// - `driven`: the shapes of each column.
+fn drivers<'a>(driven: impl Iterator<Item = &'a [usize]>, shape_len: usize) -> Vec<Vec<usize>> {
+    let mut drivers = vec![Vec::new(); shape_len];
+    for (column, shapes) in driven.enumerate() {
+        shapes.iter().for_each(|&shape| drivers[shape].push(column));
     }
-    weights
+    drivers
+}
+
+impl Driving<'_> {
+    /// Gives each shape the numbers of the column that drives it.
+    ///
+    /// # Errors
+    /// [`FaceError::Contradiction`]
+    fn weigh(self, take: Take, shapes: &[String]) -> Result<Take, FaceError> {
+        self.check(shapes)?;
+        let weight = |row: &[f64], drivers: &[usize]| drivers.first().map_or(0.0, |&at| row[at]);
+        let frame = |row: &Vec<f64>| self.drivers.iter().map(|all| weight(row, all)).collect();
+        let frames = self.rows.iter().map(frame).collect();
+        Ok(Take { frames, largest: self.largest(), ..take })
+    }
+
+    /// Checks that columns which drive one shape agree.
+    fn check(&self, shapes: &[String]) -> Result<(), FaceError> {
+        let pairs = self.drivers.iter().zip(shapes).flat_map(|(drivers, shape)| {
+            drivers.windows(2).map(move |pair| (shape, [pair[0], pair[1]]))
+        });
+        let mut apart = pairs.filter_map(|(shape, pair)| {
+            // The runtime has weights in f32; programs may write those with fewer or with more digits.
+            let differs = |row: &Vec<f64>| row[pair[0]] as f32 != row[pair[1]] as f32;
+            self.rows.iter().position(differs).map(|row| (shape, pair, row))
+        });
+        let Some((shape, pair, row)) = apart.next() else { return Ok(()) };
+        Err(FaceError::Contradiction {
+            shape: shape.clone(),
+            columns: pair.map(|at| self.names[at].to_owned()),
+            place: self.places[row].clone(),
+            found: pair.map(|at| self.rows[row][at]),
+            pairs: 1 + apart.count(),
+        })
+    }
+
+    fn largest(&self) -> Option<Largest> {
+        let columns = || self.drivers.iter().flatten();
+        let all = self
+            .rows
+            .iter()
+            .zip(&self.places)
+            .flat_map(|(row, place)| columns().map(move |&at| (row[at], at, place)));
+        // The first of equal ones.
+        let largest =
+            all.reduce(|most, next| if next.0.abs() > most.0.abs() { next } else { most });
+        largest.filter(|(weight, ..)| *weight != 0.0).map(|(weight, at, place)| Largest {
+            weight,
+            column: self.names[at].to_owned(),
+            place: place.clone(),
+        })
+    }
 }
 
 /// Writes weights as a table: a line of names, then a frame a line, its number first.

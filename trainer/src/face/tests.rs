@@ -139,7 +139,15 @@ fn weights_as_arrays_are_a_take() {
         (both.frames, both.skipped),
         (vec![vec![0.1, 0.1], vec![0.3, 0.3]], vec!["JawOpen".to_owned()])
     );
+    let again = weights("take-again", 2, &[0.1, 0.1, 0.3, 0.3], Some(&["smile_R", "SmileRight"]));
+    assert_eq!(again.unwrap().frames, [[0.0, 0.1], [0.0, 0.3]]);
     let said = |found: Result<take::Take, FaceError>| found.unwrap_err().to_string();
+    assert_eq!(
+        said(weights("take-apart", 2, &[0.1, 0.1, 0.3, 0.4], Some(&["smile_R", "SmileRight"]))),
+        "columns \"smile_R\" and \"SmileRight\" both drive shape \"smile_R\", and differ in frame 1: 0.3 \
+         and 0.4: remove one of them"
+    );
+    assert_eq!(plain.largest.map(|largest| largest.place), Some("frame 1".to_owned()));
     assert_eq!(
         said(weights("take-width", 3, &[0.0; 6], None)),
         "array weights: expected 2 columns, found 3"

@@ -13,6 +13,8 @@ use sinew_runtime::Model;
 
 /// The length by which a pin may miss, in diagonals of the face, where none is given.
 pub const TOLERANCE: f64 = 5e-4;
+/// Least and greatest tolerance of pins: the file holds its square, a positive f32 of at most 1e9.
+const TOLERANCES: [f64; 2] = [1e-18, 3e4];
 /// Share of the energy of example meshes that their shapes keep, where no rank is given.
 pub const ENERGY: f64 = 0.999;
 /// Bounds of blendshape weights, and of the weights of shapes found in meshes, in standard deviations.
@@ -38,12 +40,19 @@ pub struct Options {
 /// Makes a file of a face and the prior that frames of weights teach.
 ///
 /// - `frames`: N x S weights.
-pub fn of_take(basis: &Basis, frames: &[Vec<f64>], options: &Options) -> FileModel {
+///
+/// # Errors
+/// [`FaceError::Tolerance`]
+pub fn of_take(
+    basis: &Basis,
+    frames: &[Vec<f64>],
+    options: &Options,
+) -> Result<FileModel, FaceError> {
     let deltas: Vec<_> = basis.mesh.shapes.iter().map(|shape| shape.deltas.clone()).collect();
     let pairs = pairs(&basis.names(), &deltas);
     let bounds = vec![BOUNDS.0; deltas.len()];
-    let prior = learned(frames, bounds, &pairs, options.tolerance(basis));
-    file(basis, prior, options)
+    let prior = learned(frames, bounds, &pairs, options.tolerance(basis)?);
+    Ok(file(basis, prior, options))
 }
 
 /// Finds shapes in example meshes, by principal components (S0 Eq. 8), and the prior that they are: the mean mesh is
@@ -52,7 +61,7 @@ pub fn of_take(basis: &Basis, frames: &[Vec<f64>], options: &Options) -> FileMod
 /// - `rank`: how many shapes; as many as keep [`ENERGY`] without.
 ///
 /// # Errors
-/// [`FaceError::Rank`]: the meshes have not so many components.
+/// [`FaceError::Rank`]: the meshes have not so many components. [`FaceError::Tolerance`]
 pub fn of_meshes(
     meshes: &ExampleMeshes,
     rank: Option<usize>,
@@ -97,7 +106,7 @@ pub fn of_meshes(
     let basis = Basis { mesh, ..Basis::default() };
     let deviations: Vec<f64> = energies[..rank].iter().map(|x| x.sqrt() / size).collect();
     let bounds = deviations.iter().map(|d| [-BOUNDS.1 * d, BOUNDS.1 * d]).collect();
-    let mut prior = slider(bounds, options.tolerance(&basis));
+    let mut prior = slider(bounds, options.tolerance(&basis)?);
     prior.name = "prior".to_owned();
     prior.covariance =
         Mat::from_fn(rank, rank, |i, j| if i == j { deviations[i].powi(2) } else { 0.0 });
@@ -122,7 +131,7 @@ pub fn measure(
     if basis.landmarks.len() < HANDLES || frames.len() < LEAST {
         return Ok(());
     }
-    let own = of_take(basis, &frames[..cut], options);
+    let own = of_take(basis, &frames[..cut], options)?;
     let [slider, slider_mean] = sliders(&own);
     let load = |model: &FileModel| -> Result<Model<Vec<u8>>, FaceError> {
         Model::from_bytes(model.bake()?).map_err(|error| BakeError::Refused(error).into())
@@ -141,6 +150,7 @@ pub fn measure(
         vertices: face.skin.ranges().next().map_or(0..basis.vertex_len(), |(_, range)| range),
         chosen_on: training.iter().map(Vec::as_slice).collect(),
         frames: held_out.iter().map(Vec::as_slice).collect(),
+        lost_frames: 0,
     }
     .run(&[HANDLES])?;
     for (prior, row) in model.priors.iter_mut().zip(evaluation.handles.values()) {
@@ -176,8 +186,13 @@ fn file(basis: &Basis, prior: PriorModel, options: &Options) -> FileModel {
 }
 
 impl Options {
-    fn tolerance(&self, basis: &Basis) -> f64 {
-        self.tolerance.unwrap_or_else(|| TOLERANCE * basis.diagonal())
+    fn tolerance(&self, basis: &Basis) -> Result<f64, FaceError> {
+        let found = self.tolerance.unwrap_or_else(|| TOLERANCE * basis.diagonal());
+        let [least, most] = TOLERANCES;
+        match (least..=most).contains(&found) {
+            true => Ok(found),
+            false => Err(FaceError::Tolerance { found, share: TOLERANCE, range: TOLERANCES }),
+        }
     }
 }
 
@@ -224,6 +239,36 @@ mod tests {
         assert!((prior.covariance[(0, 0)] - 2.0 * 4.0 * 2.0 / 4.0 / 3.0).abs() < 1e-12);
         assert!((prior.covariance[(1, 1)] - 2.0 / 4.0 / 3.0).abs() < 1e-12);
         assert_eq!(prior.mean, [0.0; 2]);
+    }
+
+    /// A face of one vertex has a diagonal of 0.
+    #[test]
+    fn a_face_without_extent_needs_a_tolerance() {
+        let shape = NamedShape { name: "up".to_owned(), deltas: vec![[0.0, 1.0, 0.0]] };
+        let of = |positions: Vec<[f64; 3]>| {
+            let deltas = vec![[0.0, 1.0, 0.0]; positions.len()];
+            let shapes = vec![NamedShape { deltas, ..shape.clone() }];
+            Basis {
+                mesh: ShapedMesh { positions, shapes, ..ShapedMesh::default() },
+                ..Basis::default()
+            }
+        };
+        let one = of(vec![[1.0, 2.0, 3.0]]);
+        let error = of_take(&one, &[], &options()).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "tolerance of pins 0e0: expected 1e-18 to 3e4; the default is 0.0005 of the face's diagonal: \
+             give a tolerance, or scale the face"
+        );
+        let stated = Options { tolerance: Some(0.01), ..options() };
+        Model::from_bytes(of_take(&one, &[], &stated).unwrap().bake().unwrap()).unwrap();
+        for (size, is_right) in [(1e-16, false), (1e-12, true), (1e7, true), (1e8, false)] {
+            let found = of_take(&of(vec![[0.0; 3], [size, 0.0, 0.0]]), &[], &options());
+            assert_eq!(found.is_ok(), is_right, "{size}");
+            if let Ok(model) = found {
+                Model::from_bytes(model.bake().unwrap()).unwrap();
+            }
+        }
     }
 
     #[test]

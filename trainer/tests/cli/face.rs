@@ -282,7 +282,7 @@ fn bad_takes_are_named_by_line_and_column() {
         folder.sinew(TRAIN).failed()
     };
     for (text, expected) in [
-        ("LiftLeft,JawOpn\n0,1\n", "unknown \"JawOpn\" (did you mean jawOpen, "),
+        ("LiftLeft,JawOpn\n0,1\n", "unknown \"JawOpn\" (did you mean jawOpen?)"),
         ("LiftLeft,JawOpen\n0,1\n0\n", "line 3: expected 2 columns, found 1"),
         ("LiftLeft,JawOpen\n0,x\n", "line 2, column \"JawOpen\": expected a number, found \"x\""),
         ("LiftLeft,JawOpen\n0,inf\n", "line 2, column \"JawOpen\": expected a number"),
@@ -333,4 +333,9 @@ fn what_cannot_be_done_is_said() {
         trained("face-unreachable").sinew("face pin face.sinew --pin 0=5,_,_ -o a.csv");
     assert_eq!(code, Some(0));
     assert!(err.contains("1 of 1 are where no shape moves anything"), "{err}");
+    // A pin may be free, to say where its vertex is.
+    let free = "face pin face.sinew --pin 0=_,_,0.5 --pin 3=_,_,_ --pin 1=_,_ -o a.csv";
+    let Run { code, err, .. } = trained("face-free").sinew(free);
+    let told = "sinew: note: pins: 2 of 3 are free in every coordinate\n";
+    assert_eq!((code, err.as_str()), (Some(0), told));
 }

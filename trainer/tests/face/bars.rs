@@ -30,6 +30,7 @@ fn a_few_handles_reach_what_was_promised() {
         vertices: FACE,
         chosen_on: take.pick(&(0..HALF), 20, 25).unwrap(),
         frames: take.pick(&(HALF..4030), 20, 25).unwrap(),
+        lost_frames: 0,
     }
     .run(&[3, 5, 8, 12])
     .unwrap();

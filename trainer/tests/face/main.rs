@@ -27,7 +27,7 @@ pub(crate) fn head() -> Option<(Basis, Take)> {
 }
 
 pub(crate) fn trained(basis: &Basis, frames: &[Vec<f64>]) -> FileModel {
-    of_take(basis, frames, &options())
+    of_take(basis, frames, &options()).unwrap()
 }
 
 pub(crate) fn loaded(model: &FileModel) -> Model<Vec<u8>> {

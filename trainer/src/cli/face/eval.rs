@@ -1,6 +1,6 @@
 //! `sinew face eval`: what a few handles reach.
 
-use super::input;
+use super::input::{self, TakeFile};
 use crate::cli::Output;
 use anyhow::{Context, bail};
 use sinew_trainer::face::baked::BakedFace;
@@ -30,6 +30,9 @@ pub(super) struct Measured {
     /// Weights of its shapes, frame by frame
     #[arg(long, value_name = "TAKE")]
     pub(super) animation: PathBuf,
+    /// 100 is a full shape in the take, and not 1
+    #[arg(long)]
+    percent: bool,
     /// How many landmarks to drag
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_values_t = [3, 5, 8, 12])]
     handles: Vec<usize>,
@@ -66,11 +69,13 @@ pub(super) fn measure<T>(
         bail!("{}: the face has no landmarks: give them to `train` by --landmarks", path.display());
     }
     let [slider, slider_mean] = input::slider_models(&model, &face)?;
-    let take = input::take(&arguments.animation, &face.names(), output)?;
+    let file = TakeFile { path: &arguments.animation, is_percent: arguments.percent };
+    let take = input::take(file, &face.names(), output)?;
     let about = || arguments.animation.display().to_string();
     let range = input::within(arguments.frames, take.file_len());
     let (from, every) = (arguments.from, arguments.every as usize);
     let frames = take.pick(&range, from, every).with_context(about)?;
+    let lost_frames = range.len() - take.every(&range, 0, 1).len();
     let left_out = [0..range.start, range.end..take.file_len()];
     let chosen_on = left_out.iter().map(|range| take.every(range, from, every));
     let protocol = Protocol {
@@ -81,6 +86,7 @@ pub(super) fn measure<T>(
         vertices: vertices(&face, arguments)?,
         chosen_on: chosen_on.flatten().collect(),
         frames,
+        lost_frames,
     };
     let evaluation =
         protocol.run(&arguments.handles).with_context(|| path.display().to_string())?;

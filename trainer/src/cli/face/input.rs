@@ -8,14 +8,23 @@ use sinew_runtime::Model;
 use sinew_runtime::prior::Anchor;
 use sinew_trainer::envelope::model::{FileModel, SkinModel};
 use sinew_trainer::face::baked::BakedFace;
+use sinew_trainer::face::listed;
 use sinew_trainer::face::prior::PriorModel;
-use sinew_trainer::face::take::{self, Take};
+use sinew_trainer::face::take::{self, Largest, Take};
 use sinew_trainer::face::train::sliders;
 use std::ops::Range;
 use std::path::Path;
 
-/// How many lines of a take are told by number.
-const TOLD_LINES: usize = 5;
+/// Weight above which a warning is given: artists go only a little beyond the full shape, which is 1.
+const WEIGHT_MOST: f64 = 2.0;
+
+/// A take as the command line names it.
+#[derive(Clone, Copy)]
+pub(super) struct TakeFile<'a> {
+    pub(super) path: &'a Path,
+    /// Whether 100 is the full shape, and not 1.
+    pub(super) is_percent: bool,
+}
 
 /// Where weights are changed from.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -66,29 +75,54 @@ pub(super) fn slider_models(
     Ok([load(from_zero)?, load(from_mean)?])
 }
 
-/// Reads a take of a face, and tells in which lines the tracking is lost and what the face has no shape for.
-pub(super) fn take(path: &Path, shapes: &[String], output: Output) -> anyhow::Result<Take> {
-    let read = take::read(path, shapes).with_context(|| path.display().to_string())?;
+/// Reads a take of a face, and warns of lost rows, of columns that the face has no shape for, and of weights that
+/// look like percent.
+pub(super) fn take(file: TakeFile<'_>, shapes: &[String], output: Output) -> anyhow::Result<Take> {
+    let TakeFile { path, is_percent } = file;
+    let mut read = take::read(path, shapes).with_context(|| path.display().to_string())?;
     if !read.skipped.is_empty() {
-        let skipped = printable(&read.skipped.join(", "));
+        let skipped = listed(read.skipped.iter().map(|name| printable(name)));
         let what = format!("columns that the face has no shape for are left out: {skipped}");
         output.warn(path.display(), what);
     }
     if !read.lost.is_empty() {
         output.warn(path.display(), lost(&read));
     }
+    if let Some(warning) = read.largest.as_ref().and_then(|found| unusual(found, is_percent)) {
+        output.warn(path.display(), warning);
+    }
+    if is_percent {
+        read.frames.iter_mut().flatten().for_each(|weight| *weight /= 100.0);
+    }
     Ok(read)
+}
+
+/// Says that weights look like percent, or that percent look like weights.
+fn unusual(found: &Largest, is_percent: bool) -> Option<String> {
+    let Largest { weight, column, place } = found;
+    let (full, remedy) = match is_percent {
+        true if weight.abs() <= 1.0 => (100, "leave --percent out if 1 is the full shape"),
+        true if weight.abs() > 100.0 * WEIGHT_MOST => {
+            (100, "divide the weights by their full value")
+        }
+        false if weight.abs() > WEIGHT_MOST => (
+            1,
+            "give --percent if 100 is the full shape, or divide the weights by their full value",
+        ),
+        _ => return None,
+    };
+    Some(format!(
+        "the largest weight is {weight}, of column {column:?} in {place}, and {full} is the full shape: {remedy}"
+    ))
 }
 
 /// Says in how many rows of a take the tracking is lost, and in which lines.
 fn lost(take: &Take) -> String {
-    let lines: Vec<String> = take.lost.iter().take(TOLD_LINES).map(u64::to_string).collect();
-    let more = if take.lost.len() > TOLD_LINES { ", ..." } else { "" };
     format!(
-        "the tracking is lost in {} of {}, which are left out: line {}{more}",
+        "the tracking is lost in {} of {}, which are left out: line {}",
         take.lost.len(),
         counted(take.file_len(), "row", "rows"),
-        lines.join(", ")
+        listed(take.lost.iter())
     )
 }
 

@@ -1,6 +1,6 @@
 //! `sinew face pin`: a few points dragged, and the face that follows.
 
-use super::input::{self, AnchorName};
+use super::input::{self, AnchorName, TakeFile};
 use super::pins::{self, Followed, PinArgument, Placed, Projection};
 use crate::cli::Output;
 use crate::cli::column::padded;
@@ -39,6 +39,9 @@ pub(in crate::cli) struct Arguments {
     /// The weights now: the first row of a .csv [default: all 0]
     #[arg(long, value_name = "WEIGHTS")]
     weights: Option<PathBuf>,
+    /// 100 is a full shape in WEIGHTS, and not 1
+    #[arg(long, requires = "weights")]
+    percent: bool,
     /// Keep weights between 0 and 1
     #[arg(long)]
     bounded: bool,
@@ -107,7 +110,8 @@ fn solve(
 ) -> anyhow::Result<Solved> {
     let mut weights = vec![0.0; face.skin.shape_len()];
     if let Some(path) = &arguments.weights {
-        let take = input::take(path, &face.names(), output)?;
+        let file = TakeFile { path, is_percent: arguments.percent };
+        let take = input::take(file, &face.names(), output)?;
         let first = take.frames.first().into_iter().flatten();
         weights.iter_mut().zip(first).for_each(|(out, weight)| *out = *weight as f32);
     }
@@ -182,6 +186,9 @@ fn print(
     output: Output,
 ) -> anyhow::Result<()> {
     let Edit { norm, unreachable_len, is_least, .. } = solved.edit;
+    let (len, free_len) = (solved.pins.len(), solved.pins.iter().filter(|pin| pin.is_free).count());
+    // The runtime counts free pins too.
+    let unreachable_len = unreachable_len.saturating_sub(free_len);
     let pins: Vec<_> = solved
         .pins
         .iter()
@@ -208,13 +215,13 @@ fn print(
         text += &format!("  {}{:>8.3}\n", padded(&names[shape], 24), solved.weights[shape]);
     }
     text += &format!("norm of the edit {norm:.3}\nwrote {}\n", target.named().display());
+    if free_len > 0 {
+        output.note("pins", format_args!("{free_len} of {len} are free in every coordinate"));
+    }
     if unreachable_len > 0 {
         output.warn(
             "pins",
-            format_args!(
-                "{unreachable_len} of {} are where no shape moves anything",
-                solved.pins.len()
-            ),
+            format_args!("{unreachable_len} of {len} are where no shape moves anything"),
         );
     }
     output.print(&json, &text)

@@ -27,6 +27,8 @@ pub(super) struct Placed {
 /// What became of a pin.
 pub(super) struct Followed {
     pub(super) vertex: usize,
+    /// Whether every coordinate is free, so that it pulls at nothing.
+    pub(super) is_free: bool,
     /// Where it is, and where it was to be: in the numbers that it was given in.
     pub(super) at: Vec<f64>,
     pub(super) target: Vec<f64>,
@@ -92,7 +94,8 @@ impl Placed {
             (Some(rows), &[x, y]) => moved(*rows, place, [x - at[0], y - at[1]]),
             _ => place,
         };
-        Ok(Followed { vertex, at, target, places: (place, to) })
+        let is_free = self.at.iter().all(Option::is_none);
+        Ok(Followed { vertex, is_free, at, target, places: (place, to) })
     }
 }
 

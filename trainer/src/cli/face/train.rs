@@ -1,6 +1,6 @@
 //! `sinew face train`: from shapes and a take to a face in a file.
 
-use super::input;
+use super::input::{self, TakeFile};
 use crate::cli::files::{OutputFile, write};
 use crate::cli::space::{self, StatedSpace};
 use crate::cli::{Output, counted, printable};
@@ -11,6 +11,7 @@ use sinew_trainer::envelope::model::{FileModel, ShapeNumbers};
 use sinew_trainer::face::baked::BakedFace;
 use sinew_trainer::face::basis::Basis;
 use sinew_trainer::face::outline;
+use sinew_trainer::face::prior::is_moving;
 use sinew_trainer::face::source::{self, Source};
 use sinew_trainer::face::train::{HANDLES, Options, measure, of_meshes, of_take};
 use std::path::PathBuf;
@@ -37,6 +38,9 @@ pub(in crate::cli) struct Arguments {
     /// and no weight knows of another]
     #[arg(long, value_name = "TAKE")]
     animation: Option<PathBuf>,
+    /// 100 is a full shape in the take, and not 1
+    #[arg(long, requires = "animation")]
+    percent: bool,
     /// The file to write
     #[arg(short, long, value_name = "FACE")]
     out: PathBuf,
@@ -127,7 +131,10 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     for warning in &basis.mesh.warnings {
         output.warn(about(), printable(&warning.to_string()));
     }
-    let bytes = model.bake().with_context(about)?;
+    // Numbers of the face or of the take may be too large for a file.
+    let both =
+        || animation.iter().fold(about(), |face, take| format!("{face} with {}", take.display()));
+    let bytes = model.bake().with_context(both)?;
     let text = outline::text(&basis);
     write(&[(&mesh, text.as_bytes()), (&target, &bytes)])?;
     print(&bytes, &basis, &learned, [&target, &mesh], output)
@@ -191,14 +198,17 @@ fn of_shapes(
     options: &Options,
     output: Output,
 ) -> anyhow::Result<(FileModel, Learned)> {
+    let about = || arguments.basis.display().to_string();
     let Some(path) = &arguments.animation else {
         if arguments.frames.is_some() {
             bail!("--frames is of a take: give --animation");
         }
         let text = "learned from no take: no weight knows of another\n".to_owned();
-        return Ok((of_take(basis, &[], options), Learned { text, lost: 0 }));
+        let model = of_take(basis, &[], options).with_context(about)?;
+        return Ok((model, Learned { text, lost: 0 }));
     };
-    let take = input::take(path, &basis.names(), output)?;
+    let file = TakeFile { path, is_percent: arguments.percent };
+    let take = input::take(file, &basis.names(), output)?;
     let range = input::within(arguments.frames, take.file_len());
     let frames = take.pick(&range, 0, 1).with_context(|| path.display().to_string())?;
     let frames: Vec<Vec<f64>> = frames.iter().map(|frame| frame.to_vec()).collect();
@@ -217,7 +227,14 @@ fn of_shapes(
             counted(lost, "frame", "frames")
         );
     }
-    let mut model = of_take(basis, &frames, options);
+    if !is_moving(&frames) {
+        let frames = counted(frames.len(), "frame", "frames");
+        output.warn(
+            path.display(),
+            format!("weights do not change in {frames}: only their mean is learned"),
+        );
+    }
+    let mut model = of_take(basis, &frames, options).with_context(about)?;
     measure(&mut model, basis, &frames, options)?;
     Ok((model, Learned { text, lost }))
 }

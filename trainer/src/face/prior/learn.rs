@@ -9,6 +9,29 @@ use sinew_runtime::prior::PriorFit;
 /// eight pins on such a shape leave as much as they found (METHOD §5.1).
 pub const FLOOR: f64 = 0.1;
 
+/// Least RMS change of moving weights, in shares of the full shape or of the largest weight. Tolerances of pins are wider,
+/// and reciprocals of smaller variances leave the range of numbers that a file may hold.
+const STILL: f64 = 1e-4;
+
+/// Whether weights change by more than noise and rounding.
+///
+/// - `frames`: N x S weights.
+pub fn is_moving(frames: &[Vec<f64>]) -> bool {
+    let all = || frames.iter().flatten();
+    let mean = mean(frames);
+    let squares = all().zip(mean.iter().cycle()).map(|(w, mean)| (w - mean).powi(2));
+    let variance = squares.sum::<f64>() / all().count().max(1) as f64;
+    let largest = all().fold(1.0, |most: f64, w| most.max(w.abs()));
+    variance.sqrt() > STILL * largest
+}
+
+/// Computes the mean weights, S; none without frames.
+fn mean(frames: &[Vec<f64>]) -> Vec<f64> {
+    let n = frames.len() as f64;
+    let len = frames.first().map_or(0, Vec::len);
+    (0..len).map(|shape| frames.iter().map(|frame| frame[shape] / n).sum()).collect()
+}
+
 /// Learns a prior from frames of weights: their mean, and their covariance with [`FLOOR`] on its diagonal. Of frames
 /// without a motion the covariance is the identity, as [`slider`] has it.
 ///
@@ -27,13 +50,13 @@ pub fn learned(
     let (n, s) = (frames.len().max(1) as f64, bounds.len());
     assert!(frames.iter().all(|frame| frame.len() == s), "frames of {s} weights");
     let mut model = slider(bounds, tolerance);
-    for frame in frames {
-        model.mean.iter_mut().zip(frame).for_each(|(mean, w)| *mean += w / n);
+    if !frames.is_empty() {
+        model.mean = mean(frames);
     }
     let centred = Mat::from_fn(frames.len(), s, |i, j| frames[i][j] - model.mean[j]);
     let covariance = centred.transpose() * &centred * faer::Scale(1.0 / n);
     let mean_variance = (0..s).map(|i| covariance[(i, i)]).sum::<f64>() / s.max(1) as f64;
-    let is_moving = mean_variance > 0.0;
+    let is_moving = is_moving(frames);
     if is_moving {
         let floor = Mat::from_fn(s, s, |i, j| if i == j { FLOOR * mean_variance } else { 0.0 });
         model.covariance = covariance + floor;
@@ -103,10 +126,25 @@ mod tests {
 
     #[test]
     fn frames_without_a_motion_give_the_slider_norm() {
-        for frames in [vec![], vec![vec![0.25; 4]; 5]] {
+        // Rounding makes a variance of about 1e-33 of 0.3 and 0.7, and programs write with some noise.
+        let pose = |noise: f64| vec![0.25 + noise, 0.3, 0.7 - noise, 1.0];
+        for (count, noise) in [(0, 0.0), (1, 0.0), (3, 0.0), (7, 0.0), (50, 0.0), (50, 1e-5)] {
+            let frames: Vec<_> =
+                (0..count).map(|k| pose(if k % 2 == 0 { noise } else { -noise })).collect();
+            assert!(!is_moving(&frames));
             let model = learned(&frames, vec![[0.0, 1.0]; 4], &Pairs::default(), 1.0);
-            assert_eq!(model.covariance, Mat::<f64>::identity(4, 4));
-            assert_eq!(model.mean, vec![if frames.is_empty() { 0.0 } else { 0.25 }; 4]);
+            assert_eq!(model.covariance, Mat::<f64>::identity(4, 4), "{count} {noise}");
+            let expected = if frames.is_empty() { vec![0.0; 4] } else { pose(0.0) };
+            assert!(model.mean.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12));
         }
+        // What counts is the largest weight where it is above 1.
+        let scaled = |by: f64| {
+            vec![pose(0.0), pose(0.01)]
+                .into_iter()
+                .map(move |frame| frame.into_iter().map(|w| by * w).collect::<Vec<_>>())
+        };
+        assert!(is_moving(&scaled(1.0).collect::<Vec<_>>()));
+        assert!(is_moving(&scaled(100.0).collect::<Vec<_>>()));
+        assert!(!is_moving(&scaled(0.001).collect::<Vec<_>>()));
     }
 }

@@ -5,6 +5,6 @@ mod learn;
 mod model;
 mod pairs;
 
-pub use learn::{FLOOR, beta, learned, slider};
+pub use learn::{FLOOR, beta, is_moving, learned, slider};
 pub use model::PriorModel;
 pub use pairs::{Pairs, pairs};

@@ -3,7 +3,7 @@
 /// A table that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum CsvError {
-    /// It is no text, or its quotes do not close.
+    /// It is no text in UTF-8.
     #[error("line {line}: {reason}")]
     Text {
         /// The line, the first being 1.
@@ -16,6 +16,25 @@ pub enum CsvError {
     Twice {
         /// The name.
         name: String,
+    },
+    /// A line stands before that of the names.
+    #[error(
+        "line 1: expected the names of {expected} columns, as the next line has, found {found:?}: \
+         remove the lines before the names"
+    )]
+    Title {
+        /// Columns of the next line.
+        expected: usize,
+        /// The text of the line.
+        found: String,
+    },
+    /// There is no line of names.
+    #[error(
+        "line 1: expected names of columns, found number {found}: put a line of names before the rows"
+    )]
+    Unnamed {
+        /// The number in place of a name.
+        found: String,
     },
     /// A column that is needed is absent.
     #[error("line 1: there is no column {name:?}; there are {found}")]

@@ -8,6 +8,8 @@ use std::path::Path;
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 /// What some programs write before text in UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+/// Line 1 is a title if the next line has more than this many times its cells.
+const TITLE: usize = 2;
 
 /// A table of cells with named columns.
 pub(crate) struct Table {
@@ -48,6 +50,7 @@ impl Table {
     /// # Errors
     /// A [`CsvError`], but for those of rows and numbers.
     pub(crate) fn parse(text: &[u8]) -> Result<Self, CsvError> {
+        check_encoding(text)?;
         let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
         let separator = separator(text);
         let mut builder = csv::ReaderBuilder::new();
@@ -59,10 +62,6 @@ impl Table {
         };
         let names: Vec<String> =
             reader.headers().map_err(wrong)?.iter().map(str::to_owned).collect();
-        let is_repeated = |&at: &usize| !names[at].is_empty() && names[..at].contains(&names[at]);
-        if let Some(at) = (0..names.len()).find(is_repeated) {
-            return Err(CsvError::Twice { name: names[at].clone() });
-        }
         let mut rows = Vec::new();
         for record in reader.records() {
             let cells = record.map_err(wrong)?;
@@ -70,12 +69,33 @@ impl Table {
             rows.push(Row { line, cells });
         }
         while rows.pop_if(|row| row.cells.iter().all(str::is_empty)).is_some() {}
-        let has_decimal_commas = separator != b',';
-        if rows.is_empty() {
-            Err(CsvError::Empty)
-        } else {
-            Ok(Self { names, has_decimal_commas, rows })
+        let table = Self { names, has_decimal_commas: separator != b',', rows };
+        table.check()?;
+        Ok(table)
+    }
+
+    /// Checks the names, and counts the rows.
+    fn check(&self) -> Result<(), CsvError> {
+        let names = &self.names;
+        let next = self
+            .rows
+            .first()
+            .map_or(0, |row| row.cells.iter().filter(|cell| !cell.is_empty()).count());
+        let is_longer = self.rows.first().is_some_and(|row| row.len() > names.len());
+        if is_longer && next > TITLE * names.iter().filter(|name| !name.is_empty()).count() {
+            return Err(CsvError::Title {
+                expected: next,
+                found: names.join(" ").trim().to_owned(),
+            });
         }
+        let is_repeated = |&at: &usize| !names[at].is_empty() && names[..at].contains(&names[at]);
+        if let Some(name) = (0..names.len()).find(is_repeated).map(|at| names[at].clone()) {
+            return Err(match self.number(&name) {
+                Some(_) => CsvError::Unnamed { found: name },
+                None => CsvError::Twice { name },
+            });
+        }
+        if self.rows.is_empty() { Err(CsvError::Empty) } else { Ok(()) }
     }
 
     /// Finds a column.
@@ -98,6 +118,15 @@ impl Table {
         row.cells.get(column).filter(|cell| !cell.is_empty())
     }
 
+    /// Reads a finite number as cells have it.
+    pub(crate) fn number(&self, cell: &str) -> Option<f64> {
+        let number = match self.has_decimal_commas {
+            true => cell.replacen(',', ".", 1).parse(),
+            false => cell.parse(),
+        };
+        number.ok().filter(|x: &f64| x.is_finite())
+    }
+
     /// Reads the finite numbers of a row in some columns.
     ///
     /// # Errors
@@ -109,11 +138,7 @@ impl Table {
         }
         let number = |&column: &usize| {
             let cell = row.cells.get(column).unwrap_or_default();
-            let number = match self.has_decimal_commas {
-                true => cell.replacen(',', ".", 1).parse(),
-                false => cell.parse(),
-            };
-            number.ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| CsvError::Number {
+            self.number(cell).ok_or_else(|| CsvError::Number {
                 line: row.line,
                 column: self.names[column].clone(),
                 found: cell.to_owned(),
@@ -132,6 +157,21 @@ impl Table {
     ) -> impl Iterator<Item = Result<(u64, Vec<f64>), CsvError>> {
         self.rows.iter().map(move |row| Ok((row.line, self.numbers_of(row, columns)?)))
     }
+}
+
+/// Checks that a text is UTF-8, and names the encoding that it seems to have.
+fn check_encoding(text: &[u8]) -> Result<(), CsvError> {
+    let start = &text[..text.len().min(4)];
+    let is_wide = matches!(start, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) || start.contains(&0);
+    let invalid = std::str::from_utf8(text).err().map(|error| error.valid_up_to());
+    let (at, found) = match (is_wide, invalid) {
+        (true, _) => (0, "UTF-16".to_owned()),
+        (false, Some(at)) => (at, format!("byte {:#x}", text[at])),
+        (false, None) => return Ok(()),
+    };
+    let line = 1 + text[..at].iter().filter(|byte| **byte == b'\n').count() as u64;
+    let reason = format!("expected text in UTF-8, found {found}: save the table as CSV in UTF-8");
+    Err(CsvError::Text { line, reason })
 }
 
 /// Finds what parts the cells: what the first line has most of, outside quotes.
@@ -194,6 +234,50 @@ mod tests {
         // A comma is no decimal comma where it parts cells, and there is one at most.
         assert!(said("a,b\n\"1,5\",2\n").contains("expected a number, found \"1,5\""));
         assert!(said("a;b\n1,234,5;2\n").contains("expected a number"));
+    }
+
+    #[test]
+    fn a_line_of_names_comes_first() {
+        let title = |found: &str| {
+            format!(
+                "line 1: expected the names of 3 columns, as the next line has, found {found:?}: \
+                 remove the lines before the names"
+            )
+        };
+        for (text, expected) in [
+            ("# exported\na,b,c\n1,2,3\n4\n", title("# exported")),
+            ("sep=;\na;b;c\n1;2;3\n", title("sep=")),
+            ("a,,\n1,2,3\n", "[(2, [1.0, 2.0, 3.0])]".to_owned()),
+            (
+                "0.5,1,0.5\n0.2,1,0.1\n",
+                "line 1: expected names of columns, found number 0.5: put a line of names before the rows"
+                    .to_owned(),
+            ),
+        ] {
+            assert_eq!(said(text), expected, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn text_is_utf_8() {
+        let text = "naïve,b\n1,2\n";
+        let wide = |bytes: fn(u16) -> [u8; 2], mark: &str| -> Vec<u8> {
+            format!("{mark}{text}").encode_utf16().flat_map(bytes).collect()
+        };
+        let latin = text.replace('ï', "?").into_bytes();
+        let latin = latin.into_iter().map(|byte| if byte == b'?' { 0xef } else { byte }).collect();
+        for (bytes, found) in [
+            (wide(u16::to_le_bytes, "\u{feff}"), "UTF-16"),
+            (wide(u16::to_be_bytes, "\u{feff}"), "UTF-16"),
+            (wide(u16::to_le_bytes, ""), "UTF-16"),
+            (latin, "byte 0xef"),
+        ] {
+            let said = Table::parse(&bytes).err().map(|error| error.to_string());
+            let expected = format!(
+                "line 1: expected text in UTF-8, found {found}: save the table as CSV in UTF-8"
+            );
+            assert_eq!(said, Some(expected));
+        }
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod kernel;
 mod normals;
 mod playing;
 mod signal;
+mod takes;
 mod views;
 mod words;
 
