@@ -118,7 +118,8 @@ pub fn check(
         None => examples,
     };
     let doubted: Vec<usize> = sound.doubted.iter().map(|of| of.frame).collect();
-    let mut named = (!doubted.is_empty()).then(|| broken::broken(&sound, clips, examples.diagonal_mm()));
+    let mut named =
+        (!doubted.is_empty()).then(|| broken::broken(&sound, clips, examples.diagonal_mm()));
     // Rest mesh, units, axes and order are those of the frames that a training learns from; what is wrong with a frame is
     // told of every one.
     let (others, all);

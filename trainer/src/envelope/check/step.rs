@@ -19,8 +19,8 @@ const FRAMES: usize = 200;
 /// How often shifts are found anew, as LBS is fitted to the meshes as they shift them.
 const ROUNDS: usize = 5;
 
-/// Tells of clips whose meshes are out of step, wholly or in a part, and gives the examples with each mesh at the frame that
-/// it belongs to; frames that have none then are extreme.
+/// Reports clips whose meshes are out of step, in whole or in part. Returns the examples with each mesh at the frame that it
+/// belongs to. Frames without a mesh become extreme.
 ///
 /// - `left_out`: training frames whose meshes belong to no pose, in order.
 pub(super) fn steps(
@@ -45,7 +45,9 @@ pub(super) fn steps(
     let len = examples.vertex_len();
     for (frame, mesh) in moved {
         match mesh {
-            Some(mesh) => in_step.vertices[frame * len..][..len].copy_from_slice(examples.frame(mesh)),
+            Some(mesh) => {
+                in_step.vertices[frame * len..][..len].copy_from_slice(examples.frame(mesh))
+            }
             None if examples.split[frame] == Split::Train => in_step.split[frame] = Split::Extreme,
             None => {}
         }
@@ -70,9 +72,9 @@ struct Run {
 
 /// How a clip is out of step.
 struct Shifted {
-    /// Its runs, of which neighbours differ.
+    /// Its runs in order; the shift differs from one to the next.
     runs: Vec<Run>,
-    /// RMS that LBS leaves with each mesh as it is and at the frame that it belongs to, in units of the input.
+    /// RMS error of LBS, with the meshes as they are and in step, in units of the input.
     leaves: [f64; 2],
 }
 
@@ -89,7 +91,8 @@ impl Steps<'_> {
             self.mesh(*frame, 0).is_some() && self.left_out.binary_search(frame).is_err()
         };
         let frames: Vec<usize> = self.range.clone().filter(is_seen).collect();
-        let frames: Vec<usize> = spread(frames.len(), FRAMES).into_iter().map(|k| frames[k]).collect();
+        let frames: Vec<usize> =
+            spread(frames.len(), FRAMES).into_iter().map(|k| frames[k]).collect();
         let whole = |shift| vec![shift; frames.len()];
         if self.leaves(&frames, &whole(0))?[0] < VISIBLE * self.sample.diagonal() {
             return None;
@@ -110,8 +113,8 @@ impl Steps<'_> {
         (then < SHIFTED * now).then(|| Shifted { runs: found_runs(&frames, &shifts), leaves })
     }
 
-    /// Fits LBS with the meshes at the frames that they belong to; returns the errors of the meshes as they are, and so, over
-    /// the frames that have both. `None` where these are too few.
+    /// Fits LBS to the meshes as they are, and to the meshes with the given shifts. Returns both RMS errors, over the frames
+    /// that have both meshes; `None` where these are too few.
     fn leaves(&self, frames: &[usize], shifts: &[isize]) -> Option<[f64; 2]> {
         let (frames, meshes) = self.pairs(frames, shifts)?;
         let poses = Poses::new(self.sample, &frames);
@@ -125,8 +128,8 @@ impl Steps<'_> {
         (pairs.0.len() >= SHIFT_FRAMES).then_some(pairs)
     }
 
-    /// Finds by how many frames each mesh is late, by LBS as it is fitted to the meshes that are shifted so: each change on
-    /// the way must gain as much as [`SHIFT_RUN`] frames that are out of step.
+    /// Finds how many frames each mesh is late, by LBS that is fitted to the meshes with the given shifts. A change of the
+    /// shift costs [`SHIFT_RUN`] frames of mean error.
     fn shifts(&self, frames: &[usize], shifts: &[isize]) -> Option<Vec<isize>> {
         let (fitted, meshes) = self.pairs(frames, shifts)?;
         let fitted = Poses::new(self.sample, &fitted);
@@ -139,7 +142,8 @@ impl Steps<'_> {
             let mesh = |&frame: &usize| self.mesh(frame, shift).unwrap_or(frame);
             let meshes: Vec<usize> = frames.iter().map(mesh).collect();
             let trajectories = &trajectories(self.sample, &meshes, &poses);
-            let targets = Targets { rest, weights: &weights, trajectories, importance: Importance::ALIKE };
+            let targets =
+                Targets { rest, weights: &weights, trajectories, importance: Importance::ALIKE };
             let left = targets.residuals(&maps);
             let mut errors = vec![0.0; frames.len()];
             for vertex in 0..rest.len() {
@@ -150,14 +154,15 @@ impl Steps<'_> {
             errors
         };
         // No shift first: where two do as well it is taken.
-        let tried: Vec<isize> = std::iter::once(0).chain((1..=SHIFTS).flat_map(|s| [s, -s])).collect();
+        let tried: Vec<isize> =
+            std::iter::once(0).chain((1..=SHIFTS).flat_map(|s| [s, -s])).collect();
         let errors: Vec<Vec<f64>> = tried.iter().map(|&shift| errors_of(shift)).collect();
         let change = SHIFT_RUN * errors[0].iter().sum::<f64>() / frames.len() as f64;
         Some(cheapest(&errors, change).into_iter().map(|k| tried[k]).collect())
     }
 }
 
-/// Chooses one of some rows for each column so that what they hold and what each change of the row costs is least in all.
+/// Chooses a row for each column: the sum of the entries, plus `change` for each change of the row, is least.
 fn cheapest(rows: &[Vec<f64>], change: f64) -> Vec<usize> {
     let mut costs = vec![0.0; rows.len()];
     let mut from = Vec::new();
@@ -167,7 +172,13 @@ fn cheapest(rows: &[Vec<f64>], change: f64) -> Vec<usize> {
     for column in 0..rows.first().map_or(0, Vec::len) {
         let best = least(&costs);
         let changed = costs[best] + change;
-        from.push(costs.iter().enumerate().map(|(k, &cost)| if cost <= changed { k } else { best }).collect::<Vec<_>>());
+        from.push(
+            costs
+                .iter()
+                .enumerate()
+                .map(|(k, &cost)| if cost < changed { k } else { best })
+                .collect::<Vec<_>>(),
+        );
         for (cost, row) in costs.iter_mut().zip(rows) {
             *cost = cost.min(changed) + row[column];
         }
@@ -212,7 +223,11 @@ impl Shifted {
                     1 => String::new(),
                     _ => format!(" in the frames {}", runs(&frames).join(", ")),
                 };
-                format!("{} {}{frames}", frames_of(run.shift), if run.shift > 0 { "late" } else { "early" })
+                format!(
+                    "{} {}{frames}",
+                    frames_of(run.shift),
+                    if run.shift > 0 { "late" } else { "early" }
+                )
             })
             .collect();
         let diagonal = examples.diagonal();

@@ -5,11 +5,11 @@
 /// seldom seen, 7 leave a hundred-thousandth of the diagonal.
 pub const FAR: (f64, f64) = (8.0, 128.0);
 
-/// How far apart single precision may leave positions, in diagonals: from the first share on what a fit makes of the rounding
-/// may be out of a model's range, from the second on nothing is trained.
+/// Steps of single precision, in diagonals. From the first on, a fit to the rounding may exceed the range of a model. From
+/// the second on, nothing is trained.
 pub const COARSE: (f64, f64) = (1e-4, 1e-3);
 
-/// How many times the step of single precision a mesh near rest may differ from the rest mesh: both are rounded, and the maps.
+/// A mesh near rest may differ from the rest mesh by so many steps of single precision: both are rounded, and so are the maps.
 pub const ROUNDED: f64 = 4.0;
 
 /// Height of a character in metres: from a toy to a giant, less than a power of ten.
@@ -80,10 +80,10 @@ pub const SHIFTED: f64 = 0.7;
 /// Fewest frames of a clip on which a shift is tried: weights are fitted to them.
 pub const SHIFT_FRAMES: usize = 12;
 
-/// Most frames by which meshes are taken to be late or early: in a walk of a second, more is another step of it.
+/// Most frames that meshes may be late or early: a larger shift of a walk may be its next step.
 pub const SHIFTS: isize = 5;
 
-/// Frames of mean error that a run of late meshes must mend to be taken for one: of fewer, the others tell.
+/// Cost of a change of the shift, in frames of mean error: shorter runs are single wrong frames.
 pub const SHIFT_RUN: f64 = 3.0;
 
 /// A frame bends a joint beyond training where no training frame is nearer, in degrees: three times

@@ -38,10 +38,18 @@ const FRAMES: usize = 300;
 pub struct Broken {
     /// Its number among the training poses.
     pub pose: usize,
-    /// How far it is from where the others predict it, RMS in diagonals; of a mesh that stands elsewhere, how far that is.
+    /// Its distance from where the others predict it, RMS in diagonals. For a mesh that stands elsewhere, the distance from
+    /// its joints.
     pub error: f64,
     /// The error that is usual at this pose.
     pub usual: f64,
+}
+
+impl Broken {
+    /// Returns how many times its error is the usual one: a measure to sort by, as the usual one may be nearly nothing.
+    pub(super) fn times(&self) -> f64 {
+        self.error / self.usual
+    }
 }
 
 /// Finds the training frames whose meshes do not belong to their poses, the worst first.
@@ -57,9 +65,10 @@ pub fn broken(training: &Training, out: &[usize]) -> Vec<Broken> {
         let rest: Vec<usize> = (0..training.poses.len()).filter(|pose| !is_moved(pose)).collect();
         let parts = rest.len().div_ceil(FRAMES);
         let poses = |part| Vec::from_iter(rest.iter().copied().skip(part).step_by(parts));
-        found.extend((0..parts).flat_map(|part| among(residuals, &poses(part))).collect::<Vec<_>>());
+        found
+            .extend((0..parts).flat_map(|part| among(residuals, &poses(part))).collect::<Vec<_>>());
     }
-    found.sort_by(|a, b| b.error.total_cmp(&a.error));
+    found.sort_by(|a, b| b.times().total_cmp(&a.times()));
     found
 }
 
@@ -105,8 +114,8 @@ struct Missed {
 }
 
 impl Compared {
-    /// Judges every pose by those that belong to their meshes: of one that does not, its error and what is usual there. The
-    /// first to judge are those that surprise least.
+    /// Judges every pose by those that belong to their meshes. Returns the error of each wrong pose, and the usual error
+    /// there. The first to judge are those that surprise least.
     fn judged(&self) -> Option<Vec<Option<[f64; 2]>>> {
         let n = self.left.len();
         let all = self.missed(&Vec::from_iter(0..n))?;

@@ -12,8 +12,8 @@ use serde::Serialize;
 const ROUNDS: usize = 4;
 /// Share of the frames beyond which they are no exceptions, and stay.
 const MOST: f64 = 0.25;
-/// Where so many are found that they would stay, LBS is fitted without those that are off by this share of the worst: one
-/// wrong frame bends LBS for all.
+/// Where too many frames are found, LBS is fitted without those that are off by this share of the worst: one wrong frame
+/// bends LBS for all.
 const WORST: f64 = 0.5;
 
 /// A training frame whose mesh does not belong to its pose.
@@ -21,8 +21,8 @@ const WORST: f64 = 0.5;
 pub struct Doubted {
     /// The frame.
     pub frame: usize,
-    /// How far it is from where the others predict it, RMS in % of the diagonal; of a mesh that stands elsewhere, how far
-    /// that is.
+    /// Its distance from where the others predict it, RMS in % of the diagonal. For a mesh that stands elsewhere, the distance
+    /// from its joints.
     pub percent: f64,
     /// The error that is usual at its pose, in % of the diagonal.
     pub usual_percent: f64,
@@ -63,9 +63,8 @@ impl Sound {
             let others = (0..frames.len()).filter(|pose| !out.contains(pose));
             others.map(|pose| frames[pose]).collect()
         };
-        let is_fair = |out: &[usize]| {
-            out.len() <= most && !Poses::new(examples, &without(out)).are_one()
-        };
+        let is_fair =
+            |out: &[usize]| out.len() <= most && !Poses::new(examples, &without(out)).are_one();
         let mut out = Vec::new();
         for _ in 0..ROUNDS {
             match exceptions(&found, is_fair) {
@@ -111,11 +110,13 @@ impl Sound {
     }
 }
 
-/// Chooses those of the found frames, the worst first, that LBS is next fitted without, in order: all, those that are nearly
-/// as far off as the worst, or the worst. `None` where each leaves too few frames or no motion.
+/// Chooses the poses that LBS is next fitted without, in order: all found ones, those that are nearly as far off as the worst,
+/// or the worst alone. `None` where each choice leaves too few frames or no motion.
+///
+/// - `found`: the worst first.
 fn exceptions(found: &[Broken], is_fair: impl Fn(&[usize]) -> bool) -> Option<Vec<usize>> {
-    let worst = found.first()?.error;
-    let nearly = found.partition_point(|broken| broken.error >= WORST * worst);
+    let worst = found.first()?.times();
+    let nearly = found.partition_point(|broken| broken.times() >= WORST * worst);
     [found.len(), nearly, 1].map(|len| poses(&found[..len])).into_iter().find(|out| is_fair(out))
 }
 
