@@ -300,11 +300,11 @@ fn a_character_too_far_from_the_origin_for_single_precision_is_refused() {
     assert_eq!(kinds(&found), [Kind::TooFar], "{found:#?}");
     let words = " diagonals from the origin, where positions in single precision are 0.36 % of the diagonal apart: move ";
     assert!(
-        told.text.starts_with("the character stands 300") && told.text.contains(words),
+        told.text.starts_with("the character stands 29984") && told.text.contains(words),
         "{}",
         told.text
     );
-    let error = train(&examples, &Options::default(), &Silent).unwrap_err();
+    let error = train(&examples, &Options::default(), &Silent).err().unwrap();
     assert_eq!(error.to_string(), told.text);
     // Nearer, a mesh that is rounded is no other sculpt; positions that are given more finely may stand anywhere.
     for examples in [rounded(far(3e3)), far(3e4)] {

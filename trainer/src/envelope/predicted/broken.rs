@@ -20,7 +20,9 @@ const ALONE: f64 = 3.0;
 /// How many times farther from rest a pose moves a region's joints than any other, from where the others say nothing of it.
 const UNKNOWN: f64 = 10.0;
 /// Error below which no frame is wrong, RMS over the skin in diagonals.
-const RIGHT: f64 = 1e-4;
+pub(super) const RIGHT: f64 = 1e-4;
+/// Fewest others that must move as far for a pose to be known.
+const FEWEST: usize = 5;
 /// Share of the frames that do not judge the others to begin with, those that surprise most, and how often all are judged.
 const SUSPECTED: f64 = 0.25;
 const ROUNDS: usize = 10;
@@ -43,6 +45,8 @@ pub struct Broken {
     pub error: f64,
     /// The error that is usual at this pose.
     pub usual: f64,
+    /// Whether enough others move at least a tenth as far. If not, only an exact skin shows that the mesh is wrong.
+    pub is_known: bool,
 }
 
 impl Broken {
@@ -78,8 +82,9 @@ fn elsewhere(residuals: Residuals<'_>) -> Vec<Broken> {
     let usual = middle(all.iter().map(|stand| stand.moved).collect());
     let is_elsewhere = |(_, stand): &(usize, Stand)| stand.is_elsewhere();
     let found = all.iter().copied().enumerate().filter(is_elsewhere);
-    let found: Vec<Broken> =
-        found.map(|(pose, stand)| Broken { pose, error: stand.moved, usual }).collect();
+    let found: Vec<Broken> = found
+        .map(|(pose, stand)| Broken { pose, error: stand.moved, usual, is_known: true })
+        .collect();
     if 2 * found.len() < all.len() { found } else { Vec::new() }
 }
 
@@ -87,12 +92,13 @@ fn among(residuals: Residuals<'_>, poses: &[usize]) -> Vec<Broken> {
     let regions = regions(residuals, poses);
     let left = |i: usize| regions.iter().map(|r| r.regression.left(i)).sum::<f64>();
     let vertex_len = regions.iter().map(|r| r.vertex_len).sum();
-    let compared = Compared { left: (0..poses.len()).map(left).collect(), regions, vertex_len };
+    let moved = |i: usize| regions.iter().map(|r| r.regression.moved(i)).sum::<f64>();
+    let [left, moved] =
+        [&left as &dyn Fn(usize) -> f64, &moved].map(|of| (0..poses.len()).map(of).collect());
+    let compared = Compared { left, moved, regions, vertex_len };
     let judged = compared.judged().unwrap_or_default();
-    let broken = |(i, wrong): (usize, &Option<[f64; 2]>)| {
-        wrong.map(|[error, usual]| Broken { pose: poses[i], error, usual })
-    };
-    judged.iter().enumerate().filter_map(broken).collect()
+    let named = |broken: Broken| Broken { pose: poses[broken.pose], ..broken };
+    judged.into_iter().flatten().map(named).collect()
 }
 
 /// Poses that are compared.
@@ -101,6 +107,8 @@ struct Compared {
     regions: Vec<Region>,
     /// Squared error of LBS in each, of the skin that the regions look at.
     left: Vec<f64>,
+    /// Squared distance of each from rest, summed over the regions.
+    moved: Vec<f64>,
     /// Vertices that the regions look at.
     vertex_len: usize,
 }
@@ -116,7 +124,7 @@ struct Missed {
 impl Compared {
     /// Judges every pose by those that belong to their meshes. Returns the error of each wrong pose, and the usual error
     /// there. The first to judge are those that surprise least.
-    fn judged(&self) -> Option<Vec<Option<[f64; 2]>>> {
+    fn judged(&self) -> Option<Vec<Option<Broken>>> {
         let n = self.left.len();
         let all = self.missed(&Vec::from_iter(0..n))?;
         let mut judges: Vec<usize> = (0..n).collect();
@@ -135,7 +143,7 @@ impl Compared {
         Some(judged)
     }
 
-    fn judged_by(&self, judges: &[usize]) -> Option<Vec<Option<[f64; 2]>>> {
+    fn judged_by(&self, judges: &[usize]) -> Option<Vec<Option<Broken>>> {
         let right = RIGHT.powi(2) * self.vertex_len as f64;
         let missed = self.missed(judges)?;
         let usual = judges.iter().map(|&i| missed[i].surprise).collect();
@@ -157,7 +165,10 @@ impl Compared {
                     }
                 };
             let error = (squared / self.vertex_len as f64).sqrt();
-            is_broken.then_some([error, error / times])
+            let far = self.moved[i] / UNKNOWN.powi(2);
+            let is_known =
+                others.iter().filter(|&&other| self.moved[other] >= far).count() >= FEWEST;
+            is_broken.then_some(Broken { pose: i, error, usual: error / times, is_known })
         };
         Some((0..self.left.len()).map(judge).collect())
     }

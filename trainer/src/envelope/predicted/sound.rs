@@ -1,6 +1,6 @@
 //! A training on the frames that belong to their poses.
 
-use super::broken::{Broken, broken};
+use super::broken::{Broken, RIGHT, broken};
 use crate::envelope::error::FitError;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::training::{MIN_POSES, Training};
@@ -75,10 +75,17 @@ impl Sound {
             progress.step("frames", 1);
             found = broken(&all, &out);
         }
-        let stay = !is_fair(&poses(&found));
-        let kept = if stay { frames.clone() } else { without(&poses(&found)) };
-        let training = Training::of(examples, &kept, progress)?;
-        let doubted = |&Broken { pose, error, usual }: &Broken| Doubted {
+        let kept = |found: &[Broken]| {
+            let stay = !is_fair(&poses(found));
+            let kept = if stay { frames.clone() } else { without(&poses(found)) };
+            Ok::<_, FitError>((Training::of(examples, &kept, progress)?, stay))
+        };
+        let (mut training, mut stay) = kept(&found)?;
+        if found.iter().any(|broken| !broken.is_known) && training.lbs_rms() > RIGHT {
+            found.retain(|broken| broken.is_known);
+            (training, stay) = kept(&found)?;
+        }
+        let doubted = |&Broken { pose, error, usual, .. }: &Broken| Doubted {
             frame: frames[pose],
             percent: 100.0 * error,
             usual_percent: 100.0 * usual,
