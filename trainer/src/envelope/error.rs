@@ -4,6 +4,7 @@ use super::evaluate::EvaluateError;
 use super::levels::AddError;
 use super::rotational::poisson::PoissonError;
 use crate::bake::BakeError;
+use crate::examples::Examples;
 
 /// A training that failed.
 #[derive(Debug, thiserror::Error)]
@@ -58,6 +59,18 @@ pub enum FitError {
         /// Training frames found.
         found: usize,
     },
+    /// Positions in single precision are too coarse where the character stands.
+    #[error(
+        "the character stands {diagonals:.0} diagonals from the origin, where positions in single precision are {:.2} % of \
+         the diagonal apart: move mesh and skeleton to the origin before export",
+        100.0 * share
+    )]
+    TooFar {
+        /// How far it stands, in diagonals.
+        diagonals: f64,
+        /// How far apart positions are, as a share of the diagonal.
+        share: f64,
+    },
     /// No triangle has an area.
     #[error("no triangle of the rest mesh has an area")]
     NoTriangles,
@@ -82,4 +95,13 @@ pub enum FitError {
     /// No candidate gives a regular system.
     #[error("the reduced reconstruction is singular for every choice of near-rigid vertices")]
     Singular,
+}
+
+impl FitError {
+    /// Returns the error of examples whose positions are at least so coarse, as a share of the diagonal.
+    pub(super) fn too_far(examples: &Examples, least: f64) -> Option<Self> {
+        let share = examples.coarseness();
+        let diagonals = share / f64::from(f32::EPSILON);
+        (share >= least).then_some(Self::TooFar { diagonals, share })
+    }
 }

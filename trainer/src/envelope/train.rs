@@ -1,9 +1,11 @@
 //! The training, from examples to a file; what is tried and taken is in `choose`.
 
+use super::check::thresholds::COARSE;
 use super::choose::{self, Trained};
 use super::error::{FitError, TrainError};
 use super::options::Options;
 use super::predicted::Sound;
+use crate::bake::BakeError;
 use crate::examples::Examples;
 use crate::progress::Progress;
 
@@ -19,6 +21,9 @@ pub fn train(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Trained, TrainError> {
+    if let Some(error) = FitError::too_far(examples, COARSE.1) {
+        return Err(error.into());
+    }
     let sound = Sound::new(examples, progress)?;
     let poses = &sound.training.poses;
     if poses.are_one() {
@@ -26,7 +31,13 @@ pub fn train(
     }
     let left_out = sound.left_out().to_vec();
     let training = sound.weighted(examples, progress)?;
-    let mut trained = choose::choose(&training, examples, options, progress)?;
+    let trained = choose::choose(&training, examples, options, progress);
+    let mut trained = trained.map_err(|error| match error {
+        TrainError::Bake(BakeError::Refused(_)) => {
+            FitError::too_far(examples, COARSE.0).map_or(error, TrainError::Fit)
+        }
+        _ => error,
+    })?;
     trained.report.left_out = left_out;
     Ok(trained)
 }

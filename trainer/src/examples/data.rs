@@ -164,6 +164,21 @@ impl Examples {
         extent.iter().map(|length| length * length).sum::<f64>().sqrt()
     }
 
+    /// Returns the step of single precision at the largest coordinate, as a share of the diagonal; 0 where positions are
+    /// given more finely. Of training frames, which may travel, the median counts.
+    pub fn coarseness(&self) -> f64 {
+        let farthest = |points: &[[f64; 3]]| {
+            let all = points.as_flattened();
+            let is_single = all.iter().all(|x| f64::from(*x as f32) == *x);
+            if is_single { all.iter().fold(0.0, |far: f64, x| far.max(x.abs())) } else { 0.0 }
+        };
+        let frames = self.frames_of(Split::Train);
+        let mut posed: Vec<f64> = frames.into_iter().map(|i| farthest(self.frame(i))).collect();
+        posed.sort_by(f64::total_cmp);
+        let median = posed.get(posed.len() / 2).copied().unwrap_or(0.0);
+        f64::from(f32::EPSILON) * farthest(&self.rest).max(median) / self.diagonal()
+    }
+
     /// Gives the lowest and the highest corner of the rest pose's bounding box.
     pub fn bounds(&self) -> [[f64; 3]; 2] {
         let mut low = [f64::INFINITY; 3];

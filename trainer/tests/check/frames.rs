@@ -1,7 +1,7 @@
 //! Frames against each other.
 
-use super::made::{arm, chain, check, frames, kinds, only};
-use sinew_trainer::envelope::check::finding::{Kind, Severity};
+use super::made::{arm, chain, check, frames, kinds, only, swelling};
+use sinew_trainer::envelope::check::finding::{Finding, Kind, Severity};
 use sinew_trainer::examples::{Clip, Examples, Split};
 use sinew_trainer::progress::Silent;
 
@@ -61,6 +61,74 @@ fn meshes_of_the_frame_before_or_after_are_told() {
         assert_eq!(found.severity, Severity::Warning);
         assert!(found.text.contains("clip walk") && found.text.contains(word), "{}", found.text);
     }
+}
+
+/// A bar that bends both hinges slowly, or fast, over 60 frames.
+fn bending(speed: f64, swell: f64) -> Examples {
+    let of =
+        |k: usize| [60.0 * (0.15 * speed * k as f64).sin(), 50.0 * (0.12 * speed * k as f64).cos()];
+    swelling(&(0..60).map(|k| (of(k), Split::Train)).collect::<Vec<_>>(), swell)
+}
+
+/// Gives frames the meshes of so many frames before.
+fn late(examples: &mut Examples, frames: std::ops::Range<usize>, by: isize) {
+    let right = examples.clone();
+    let len = right.vertex_len();
+    for frame in frames {
+        let mesh = frame.saturating_add_signed(-by).min(right.frame_len() - 1);
+        examples.vertices[frame * len..][..len].copy_from_slice(right.frame(mesh));
+    }
+}
+
+/// Insists on one warning, of a kind.
+#[track_caller]
+fn only_warning(examples: &Examples, kind: Kind) -> Finding {
+    let mut found = check(examples).findings;
+    found.retain(|finding| finding.severity == Severity::Warning);
+    assert!(found.len() == 1 && found[0].kind == kind, "{kind:?} expected: {found:#?}");
+    found.remove(0)
+}
+
+#[test]
+fn late_meshes_are_told_once_and_by_how_many_frames() {
+    for (speed, swell) in [(1.0, 0.0), (1.0, 0.1), (4.0, 0.0), (4.0, 0.1)] {
+        for (by, words) in [
+            (1, "one frame late"),
+            (2, "2 frames late"),
+            (-1, "one frame early"),
+            (-3, "3 frames early"),
+        ] {
+            let mut examples = bending(speed, swell);
+            late(&mut examples, 0..60, by);
+            let found = only_warning(&examples, Kind::OutOfStep);
+            let words = format!("the meshes of clip walk seem to be {words}: LBS errs by ");
+            assert!(found.text.starts_with(&words), "{speed} {swell}: {}", found.text);
+        }
+    }
+}
+
+#[test]
+fn meshes_that_are_late_in_a_part_of_a_clip_are_told_of() {
+    for (speed, swell) in [(1.0, 0.0), (1.0, 0.1), (4.0, 0.0), (4.0, 0.1)] {
+        for (frames, first) in [(30..60, 30), (20..60, 20)] {
+            let mut examples = bending(speed, swell);
+            late(&mut examples, frames.clone(), 1);
+            let found = only_warning(&examples, Kind::OutOfStep);
+            let [at] = self::frames(&found)[..] else { panic!("{}", found.text) };
+            assert!(at.abs_diff(first) <= 2, "{speed} {swell} {frames:?}: {}", found.text);
+            assert!(found.text.contains("one frame late in the frames "), "{}", found.text);
+        }
+    }
+}
+
+#[test]
+fn a_faulty_frame_is_told_of_beside_late_meshes() {
+    let mut examples = bending(1.0, 0.0);
+    late(&mut examples, 0..60, 1);
+    explode(&mut examples, 20, 0.05);
+    let found = check(&examples);
+    let broken = found.find(Kind::Broken).map(frames);
+    assert!(found.find(Kind::OutOfStep).is_some() && broken == Some(vec![19]), "{found:#?}");
 }
 
 #[test]
@@ -142,4 +210,74 @@ fn an_exact_linear_skin_has_no_wrong_frames() {
     }
     let found = check(&examples);
     assert!(!kinds(&found).contains(&Kind::Broken), "{found:#?}");
+}
+
+/// Moves each vertex of a frame another way, by so many diagonals RMS.
+fn explode(examples: &mut Examples, frame: usize, size: f64) {
+    let (len, size) =
+        (examples.vertex_len(), 2f64.sqrt() / 3f64.sqrt() * size * examples.diagonal());
+    let own = examples.vertices[frame * len..][..len].as_flattened_mut();
+    own.iter_mut()
+        .enumerate()
+        .for_each(|(i, x)| *x += size * (12.9898 * (i * i + frame) as f64).sin());
+}
+
+/// Frames at rest, then some that bend both hinges each another way.
+fn punch(rest: usize, bent: usize, swell: f64) -> Examples {
+    let angles =
+        |k: usize| [70.0 * (2.4 * k as f64 + 1.0).sin(), 80.0 * (1.9 * k as f64 + 2.0).cos()];
+    let bent = (0..bent).map(angles);
+    let all = std::iter::repeat_n([0.0; 2], rest).chain(bent);
+    swelling(&all.map(|angles| (angles, Split::Train)).collect::<Vec<_>>(), swell)
+}
+
+#[test]
+fn exact_frames_are_not_called_wrong_for_a_faulty_one_at_rest() {
+    for (frames_len, bent) in
+        [12, 20, 40].into_iter().flat_map(|n| (1..=6).map(move |bent| (n, bent)))
+    {
+        for size in [0.02, 0.2] {
+            for faulty in [vec![3], vec![3, 5]] {
+                let mut examples = punch(frames_len - bent, bent, 0.0);
+                faulty.iter().for_each(|&frame| explode(&mut examples, frame, size));
+                let found = check(&examples);
+                let broken = found.find(Kind::Broken).unwrap();
+                let mut named = frames(broken);
+                named.sort_unstable();
+                let case = format!("{bent} of {frames_len}, {size}");
+                assert_eq!(named, faulty, "{case}: {}", broken.text);
+                assert!(broken.text.contains("a training leaves out"), "{case}: {}", broken.text);
+                assert!(!kinds(&found).contains(&Kind::VertexOrder), "{case}: {found:#?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn frames_that_move_alone_and_bulge_are_not_called_wrong() {
+    for (frames_len, bent) in
+        [12, 20, 40].into_iter().flat_map(|n| (1..=6).map(move |bent| (n, bent)))
+    {
+        for faulty in [None, Some(3)] {
+            let mut examples = punch(frames_len - bent, bent, 0.1);
+            faulty.into_iter().for_each(|frame| explode(&mut examples, frame, 0.05));
+            let named = check(&examples).find(Kind::Broken).map(frames);
+            assert_eq!(named, faulty.map(|frame| vec![frame]), "{bent} of {frames_len}");
+        }
+    }
+}
+
+#[test]
+fn the_error_of_a_wrong_frame_is_told_beside_what_is_usual() {
+    let mut examples = punch(30, 6, 0.0);
+    explode(&mut examples, 3, 0.05);
+    let text = check(&examples).find(Kind::Broken).unwrap().text.clone();
+    let expected = "frame 3 (off by 5.";
+    assert!(
+        text.contains(expected) && text.ends_with(" % of the diagonal, 0.00 % is usual)"),
+        "{text}"
+    );
+    examples.space.unit = Some(1.0);
+    let text = check(&examples).find(Kind::Broken).unwrap().text.clone();
+    assert!(text.contains(" mm), 0.00 % is usual"), "{text}");
 }

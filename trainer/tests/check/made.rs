@@ -30,6 +30,11 @@ pub(crate) fn bends() -> Vec<Bend> {
 /// A bar along x on joints `root`, `upper` at x = 1 and `lower` at x = 2, which turn about z. Its
 /// skin follows the nearer joint, half of each at a hinge, and swells as the square of the angles.
 pub(crate) fn chain(bends: &[Bend]) -> Examples {
+    swelling(bends, 0.1)
+}
+
+/// The bar of [`chain`] whose skin swells so much at an angle of 2 rad; without, it is linear.
+pub(crate) fn swelling(bends: &[Bend], most: f64) -> Examples {
     let ring = |x: f64| [[x, 0.2, 0.2], [x, -0.2, 0.2], [x, -0.2, -0.2], [x, 0.2, -0.2]];
     let rings = 13;
     let rest: Vec<[f64; 3]> = (0..rings).flat_map(|k| ring(0.25 * k as f64)).collect();
@@ -44,7 +49,7 @@ pub(crate) fn chain(bends: &[Bend]) -> Examples {
         let upper = hinge(1.0, *first);
         let lower = upper * hinge(2.0, *second);
         for x in &rest {
-            let swell = |angle: f64| 0.1 * (angle.to_radians() / 2.0).powi(2);
+            let swell = |angle: f64| most * (angle.to_radians() / 2.0).powi(2);
             let mut at = Point3::from(*x);
             at.z *= 1.0 + swell(*first) * shares(x[0], 0.5) + swell(*second) * shares(x[0], 1.5);
             let [a, b] = [shares(x[0], 1.0), shares(x[0], 2.0)];

@@ -1,9 +1,10 @@
 //! Scale, place, and whether mesh and skeleton speak of the same space.
 
-use super::made::{arm, check, frames, only};
+use super::made::{arm, check, frames, kinds, only};
 use nalgebra::{Matrix3, Vector3};
 use sinew_trainer::envelope::check::Check;
 use sinew_trainer::envelope::check::finding::{Kind, Severity};
+use sinew_trainer::envelope::{Options, train};
 use sinew_trainer::examples::{Clip, Examples, Matrix3x4};
 use sinew_trainer::progress::Silent;
 
@@ -279,4 +280,35 @@ fn clips_whose_joints_have_other_orders_are_told_of() {
     let unlike = found.find(Kind::UnlikeClips).unwrap();
     assert_eq!((unlike.severity, frames(unlike)), (Severity::Warning, vec![0, 25]));
     assert!(unlike.text.starts_with("no weights fit all clips"), "{}", unlike.text);
+}
+
+/// Rounds positions and maps to single precision.
+fn rounded(mut examples: Examples) -> Examples {
+    let positions = examples.rest.iter_mut().chain(&mut examples.vertices).flatten();
+    let maps = examples.transforms.iter_mut().flatten().flatten();
+    positions.chain(maps).for_each(|x| *x = f64::from(*x as f32));
+    examples
+}
+
+#[test]
+fn a_character_too_far_from_the_origin_for_single_precision_is_refused() {
+    let far =
+        |diagonals: f64| moved(scale(1.0), Vector3::new(diagonals * arm().diagonal(), 0.0, 0.0));
+    let examples = rounded(far(3e4));
+    let found = check(&examples);
+    let told = found.find(Kind::TooFar).unwrap();
+    assert_eq!(kinds(&found), [Kind::TooFar], "{found:#?}");
+    let words = " diagonals from the origin, where positions in single precision are 0.36 % of the diagonal apart: move ";
+    assert!(
+        told.text.starts_with("the character stands 29984") && told.text.contains(words),
+        "{}",
+        told.text
+    );
+    let error = train(&examples, &Options::default(), &Silent).err().unwrap();
+    assert_eq!(error.to_string(), told.text);
+    // Nearer, a mesh that is rounded is no other sculpt; positions that are given more finely may stand anywhere.
+    for examples in [rounded(far(3e3)), far(3e4)] {
+        let found = check(&examples);
+        assert_eq!(kinds(&found), [Kind::FarAway], "{found:#?}");
+    }
 }

@@ -9,10 +9,10 @@ use sinew_trainer::space::beside;
 const HARDLY: f64 = 0.9;
 
 /// Returns whether a training prints a finding of the check: a warning, or triangles that the fit leaves out. Examples
-/// of one pose are refused in the same words.
+/// of one pose, or too far from the origin, are refused in the same words.
 pub(super) fn is_told(finding: &&Finding) -> bool {
     match finding.kind {
-        Kind::OnePose => false,
+        Kind::OnePose | Kind::TooFar => false,
         Kind::NoArea => true,
         _ => finding.severity == Severity::Warning,
     }

@@ -3,12 +3,19 @@
 use super::finding::{Finding, FrameName, Kind, LISTED, Place, Severity, count, listed, runs};
 use crate::envelope::predicted::{Doubted, Sound};
 use crate::examples::Clip;
+use crate::space::beside;
 
 /// Tells of frames that do not belong, and whether a fit leaves them out.
-pub(super) fn broken(sound: &Sound, clips: &[Clip]) -> Finding {
+///
+/// - `diagonal_mm`: of the rest mesh, where the unit is known.
+pub(super) fn broken(sound: &Sound, clips: &[Clip], diagonal_mm: Option<f64>) -> Finding {
     let Sound { doubted, stay, .. } = sound;
     let name = |of: &Doubted| FrameName::new(clips, of.frame);
-    let line = |of: &Doubted| format!("{} ({:.0} times what is usual)", name(of), of.times);
+    let line = |of: &Doubted| {
+        let mm = beside(of.percent, diagonal_mm);
+        let (percent, usual) = (of.percent, of.usual_percent);
+        format!("{} (off by {percent:.2} % of the diagonal{mm}, {usual:.2} % is usual)", name(of))
+    };
     let names: Vec<FrameName> = doubted.iter().map(name).collect();
     let all = match doubted.len() {
         0..=LISTED => String::new(),

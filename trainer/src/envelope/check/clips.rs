@@ -31,7 +31,7 @@ pub(super) fn clips(examples: &Examples, clips: &[Clip], doubted: &[usize]) -> V
     }
     let sample = sample(examples);
     let rms = |frames: &[usize]| {
-        error(&sample, frames, &Poses::new(&sample, frames), 0) / examples.diagonal()
+        error(&sample, frames, &Poses::new(&sample, frames)) / examples.diagonal()
     };
     let fit = |clip| {
         let frames = frames_of(examples, clip, doubted);

@@ -95,8 +95,7 @@ impl<'a> Context<'a> {
 
     /// RMS error of LBS over all, in diagonals.
     pub(super) fn lbs_rms(&self) -> f64 {
-        let sum: f64 = self.training.lbs.errors.iter().sum();
-        (sum / (self.dominant.len() * self.frames.len()).max(1) as f64).sqrt()
+        self.training.lbs_rms()
     }
 }
 

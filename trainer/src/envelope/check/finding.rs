@@ -27,6 +27,8 @@ pub enum Topic {
 pub enum Kind {
     /// The mesh stands far from the origin.
     FarAway,
+    /// It stands so far that single precision is too coarse.
+    TooFar,
     /// The largest extent suits a character in no usual unit.
     OddSize,
     /// Mesh and skeleton have other units.
@@ -91,7 +93,7 @@ impl Kind {
     /// The part of a check that it belongs to.
     pub fn subject(self) -> Topic {
         match self {
-            Self::FarAway | Self::OddSize => Topic::Size,
+            Self::FarAway | Self::TooFar | Self::OddSize => Topic::Size,
             Self::OtherUnits
             | Self::OtherAxes
             | Self::Shifted

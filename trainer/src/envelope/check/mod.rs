@@ -104,9 +104,22 @@ pub fn check(
     let warnings = examples.validate()?;
     let mut findings = Vec::new();
     let size = size::size(examples, &mut findings);
-    let sound = Sound::new(examples, progress)?;
+    let mut sound = Sound::new(examples, progress)?;
+    progress.step("steps", 1);
+    let mut left_out: Vec<usize> = sound.left_out().iter().map(|of| of.frame).collect();
+    left_out.sort_unstable();
+    // One cause, one finding: what late meshes look like otherwise is not told too.
+    let in_step = step::steps(examples, clips, &left_out, &mut findings);
+    let examples = match &in_step {
+        Some(in_step) => {
+            sound = Sound::new(in_step, progress)?;
+            in_step
+        }
+        None => examples,
+    };
     let doubted: Vec<usize> = sound.doubted.iter().map(|of| of.frame).collect();
-    let mut named = (!doubted.is_empty()).then(|| broken::broken(&sound, clips));
+    let mut named =
+        (!doubted.is_empty()).then(|| broken::broken(&sound, clips, examples.diagonal_mm()));
     // Rest mesh, units, axes and order are those of the frames that a training learns from; what is wrong with a frame is
     // told of every one.
     let (others, all);
@@ -151,7 +164,6 @@ pub fn check(
         });
     }
     repeats::repeats(all, &mut findings);
-    step::steps(all, &mut findings);
     findings.extend(named);
     let joints = coverage::coverage(&context);
     let never_together = coverage::apart(&context);

@@ -2,7 +2,7 @@
 
 use super::context::{Context, worst_first};
 use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
-use super::thresholds::{NEAR_REST, REST_ERROR, VISIBLE};
+use super::thresholds::{NEAR_REST, REST_ERROR, ROUNDED, VISIBLE};
 use crate::envelope::correction::features::near;
 use crate::envelope::predicted::HOPS;
 use crate::space::written;
@@ -33,6 +33,7 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
     let nearest = poses.clone().min_by(|&a, &b| bend(a).total_cmp(&bend(b))).unwrap_or(0);
     let all: Vec<usize> = (0..context.dominant.len()).collect();
 
+    let seen = VISIBLE.max(ROUNDED * context.examples.coarseness());
     let (mut joints, mut tested) = (0, 0);
     let mut off = Vec::new();
     for (joint, skin) in context.skins().iter().enumerate().filter(|(_, skin)| !skin.is_empty()) {
@@ -45,7 +46,7 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
         let Some(least) = near_rest.min_by(|a, b| error(a).total_cmp(&error(b))) else { continue };
         tested += 1;
         let here = error(&least);
-        if here > VISIBLE && here > REST_ERROR * context.rms_of(skin) {
+        if here > seen && here > REST_ERROR * context.rms_of(skin) {
             off.push((joint, least, bend(least), here));
         }
     }
@@ -68,7 +69,7 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
         });
     }
     // Where LBS leaves nothing, every frame shows that the rest mesh belongs to the poses.
-    if tested == 0 && context.lbs_rms() > VISIBLE {
+    if tested == 0 && context.lbs_rms() > seen {
         findings.push(Finding {
             kind: Kind::RestUntested,
             severity: Severity::Note,

@@ -1,7 +1,8 @@
 //! Scale and place of the mesh.
 
 use super::finding::{Finding, Kind, Severity, short};
-use super::thresholds::{FAR, GROUND, TALL};
+use super::thresholds::{COARSE, FAR, GROUND, TALL};
+use crate::envelope::FitError;
 use crate::examples::Examples;
 use crate::space::millimetres;
 use serde::Serialize;
@@ -47,7 +48,14 @@ pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> MeshSize
         units: candidates.into_iter().filter(|m| is_usual(m.1)).collect(),
         bits_lost: (distance / diagonal).max(1.0).log2(),
     };
-    if distance > FAR.0 * diagonal {
+    if let Some(error) = FitError::too_far(examples, COARSE.1) {
+        findings.push(Finding {
+            kind: Kind::TooFar,
+            severity: Severity::Warning,
+            text: error.to_string(),
+            places: Vec::new(),
+        });
+    } else if distance > FAR.0 * diagonal {
         findings.push(Finding {
             kind: Kind::FarAway,
             severity: if distance > FAR.1 * diagonal { Severity::Warning } else { Severity::Note },

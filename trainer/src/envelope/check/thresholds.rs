@@ -5,6 +5,13 @@
 /// seldom seen, 7 leave a hundred-thousandth of the diagonal.
 pub const FAR: (f64, f64) = (8.0, 128.0);
 
+/// Steps of single precision, in diagonals. From the first on, a fit to the rounding may exceed the range of a model. From
+/// the second on, nothing is trained.
+pub const COARSE: (f64, f64) = (1e-4, 1e-3);
+
+/// A mesh near rest may differ from the rest mesh by so many steps of single precision: both are rounded, and so are the maps.
+pub const ROUNDED: f64 = 4.0;
+
 /// Height of a character in metres: from a toy to a giant, less than a power of ten.
 pub const TALL: (f64, f64) = (0.3, 3.0);
 
@@ -72,6 +79,12 @@ pub const SHIFTED: f64 = 0.7;
 
 /// Fewest frames of a clip on which a shift is tried: weights are fitted to them.
 pub const SHIFT_FRAMES: usize = 12;
+
+/// Most frames that meshes may be late or early: a larger shift of a walk may be its next step.
+pub const SHIFTS: isize = 5;
+
+/// Cost of a change of the shift, in frames of mean error: shorter runs are single wrong frames.
+pub const SHIFT_RUN: f64 = 3.0;
 
 /// A frame bends a joint beyond training where no training frame is nearer, in degrees: three times
 /// the spacing at which a kernel map still follows a muscle.

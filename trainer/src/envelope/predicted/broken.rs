@@ -20,7 +20,9 @@ const ALONE: f64 = 3.0;
 /// How many times farther from rest a pose moves a region's joints than any other, from where the others say nothing of it.
 const UNKNOWN: f64 = 10.0;
 /// Error below which no frame is wrong, RMS over the skin in diagonals.
-const RIGHT: f64 = 1e-4;
+pub(super) const RIGHT: f64 = 1e-4;
+/// Fewest others that must move as far for a pose to be known.
+const FEWEST: usize = 5;
 /// Share of the frames that do not judge the others to begin with, those that surprise most, and how often all are judged.
 const SUSPECTED: f64 = 0.25;
 const ROUNDS: usize = 10;
@@ -30,8 +32,6 @@ const MOST_FRAMES: f64 = 0.9;
 const SHARE: f64 = 0.3;
 /// Frames up to which an error is to be as large as that of LBS: what so few tell of each other is little.
 const FEW: f64 = 16.0;
-/// A mesh that stands less far from its joints, RMS in diagonals, stands with them.
-const SEEN: f64 = 3e-4;
 /// Most frames that are compared at once: the work grows with their cube.
 const FRAMES: usize = 300;
 
@@ -40,46 +40,65 @@ const FRAMES: usize = 300;
 pub struct Broken {
     /// Its number among the training poses.
     pub pose: usize,
-    /// How many times its error is what is usual, both over what the prediction is unsure of; of a mesh that stands elsewhere
-    /// how many times as far as is usual.
-    pub times: f64,
+    /// Its distance from where the others predict it, RMS in diagonals. For a mesh that stands elsewhere, the distance from
+    /// its joints.
+    pub error: f64,
+    /// The error that is usual at this pose.
+    pub usual: f64,
+    /// Whether enough others move at least a tenth as far. If not, only an exact skin shows that the mesh is wrong.
+    pub is_known: bool,
+}
+
+impl Broken {
+    /// Returns how many times its error is the usual one: a measure to sort by, as the usual one may be nearly nothing.
+    pub(super) fn times(&self) -> f64 {
+        self.error / self.usual
+    }
 }
 
 /// Finds the training frames whose meshes do not belong to their poses, the worst first.
-pub fn broken(training: &Training) -> Vec<Broken> {
+///
+/// - `out`: poses that LBS was fitted without. They are judged, and judge no other where they stand elsewhere.
+pub fn broken(training: &Training, out: &[usize]) -> Vec<Broken> {
     let (left, dominant) = training.left_by_lbs();
     let residuals = Residuals { training, left: &left, dominant: &dominant };
-    let n = training.poses.len();
-    let parts = n.div_ceil(FRAMES);
     let mut found = elsewhere(residuals);
-    if found.is_empty() {
-        let poses = |part| Vec::from_iter((part..n).step_by(parts));
-        found = (0..parts).flat_map(|part| among(residuals, &poses(part))).collect();
+    let is_new = |broken: &Broken| !out.contains(&broken.pose);
+    if !found.iter().any(is_new) {
+        let is_moved = |pose: &usize| found.iter().any(|broken| broken.pose == *pose);
+        let rest: Vec<usize> = (0..training.poses.len()).filter(|pose| !is_moved(pose)).collect();
+        let parts = rest.len().div_ceil(FRAMES);
+        let poses = |part| Vec::from_iter(rest.iter().copied().skip(part).step_by(parts));
+        found
+            .extend((0..parts).flat_map(|part| among(residuals, &poses(part))).collect::<Vec<_>>());
     }
-    found.sort_by(|a, b| b.times.total_cmp(&a.times));
+    found.sort_by(|a, b| b.times().total_cmp(&a.times()));
     found
 }
 
 /// Those that stand elsewhere than their joints, where most do not. The others are judged when LBS is fitted without them.
 fn elsewhere(residuals: Residuals<'_>) -> Vec<Broken> {
     let all = stands(residuals);
-    let usual = middle(all.iter().map(|stand| stand.moved).collect()).max(SEEN);
+    let usual = middle(all.iter().map(|stand| stand.moved).collect());
     let is_elsewhere = |(_, stand): &(usize, Stand)| stand.is_elsewhere();
     let found = all.iter().copied().enumerate().filter(is_elsewhere);
-    let found: Vec<Broken> =
-        found.map(|(pose, stand)| Broken { pose, times: stand.moved / usual }).collect();
+    let found: Vec<Broken> = found
+        .map(|(pose, stand)| Broken { pose, error: stand.moved, usual, is_known: true })
+        .collect();
     if 2 * found.len() < all.len() { found } else { Vec::new() }
 }
 
 fn among(residuals: Residuals<'_>, poses: &[usize]) -> Vec<Broken> {
     let regions = regions(residuals, poses);
     let left = |i: usize| regions.iter().map(|r| r.regression.left(i)).sum::<f64>();
-    let right = RIGHT.powi(2) * regions.iter().map(|r| r.vertex_len).sum::<usize>() as f64;
-    let compared = Compared { left: (0..poses.len()).map(left).collect(), regions, right };
-    let times = compared.judged().unwrap_or_default();
-    let broken = |(i, times): (usize, &Option<f64>)| times.map(|times| (poses[i], times));
-    let found = times.iter().enumerate().filter_map(broken);
-    found.map(|(pose, times)| Broken { pose, times }).collect()
+    let vertex_len = regions.iter().map(|r| r.vertex_len).sum();
+    let moved = |i: usize| regions.iter().map(|r| r.regression.moved(i)).sum::<f64>();
+    let [left, moved] =
+        [&left as &dyn Fn(usize) -> f64, &moved].map(|of| (0..poses.len()).map(of).collect());
+    let compared = Compared { left, moved, regions, vertex_len };
+    let judged = compared.judged().unwrap_or_default();
+    let named = |broken: Broken| Broken { pose: poses[broken.pose], ..broken };
+    judged.into_iter().flatten().map(named).collect()
 }
 
 /// Poses that are compared.
@@ -88,8 +107,10 @@ struct Compared {
     regions: Vec<Region>,
     /// Squared error of LBS in each, of the skin that the regions look at.
     left: Vec<f64>,
-    /// Squared error below which a frame is right.
-    right: f64,
+    /// Squared distance of each from rest, summed over the regions.
+    moved: Vec<f64>,
+    /// Vertices that the regions look at.
+    vertex_len: usize,
 }
 
 /// A squared error as others predict it.
@@ -101,9 +122,9 @@ struct Missed {
 }
 
 impl Compared {
-    /// Judges every pose by those that belong to their meshes: of one that does not, how many times its surprise is what is
-    /// usual. The first to judge are those that surprise least.
-    fn judged(&self) -> Option<Vec<Option<f64>>> {
+    /// Judges every pose by those that belong to their meshes. Returns the error of each wrong pose, and the usual error
+    /// there. The first to judge are those that surprise least.
+    fn judged(&self) -> Option<Vec<Option<Broken>>> {
         let n = self.left.len();
         let all = self.missed(&Vec::from_iter(0..n))?;
         let mut judges: Vec<usize> = (0..n).collect();
@@ -122,7 +143,8 @@ impl Compared {
         Some(judged)
     }
 
-    fn judged_by(&self, judges: &[usize]) -> Option<Vec<Option<f64>>> {
+    fn judged_by(&self, judges: &[usize]) -> Option<Vec<Option<Broken>>> {
+        let right = RIGHT.powi(2) * self.vertex_len as f64;
         let missed = self.missed(judges)?;
         let usual = judges.iter().map(|&i| missed[i].surprise).collect();
         let usual = middle(usual).max(f64::MIN_POSITIVE);
@@ -133,7 +155,7 @@ impl Compared {
             let left: Vec<f64> = others.iter().map(|&other| self.left[other]).collect();
             let share = (FEW / (others.len() + 1) as f64).clamp(SHARE, 1.0);
             let mean = left.iter().sum::<f64>() / left.len().max(1) as f64;
-            let is_seen = times >= ALONE && squared > (share.powi(2) * mean).max(self.right);
+            let is_seen = times >= ALONE && squared > (share.powi(2) * mean).max(right);
             let is_broken = is_seen
                 && match self.is_alone(i, &others) {
                     true => times >= TIMES && squared > ALONE.powi(2) * most(left),
@@ -142,7 +164,11 @@ impl Compared {
                         times >= TIMES || squared > ALONE.powi(2) * largest
                     }
                 };
-            is_broken.then_some(times)
+            let error = (squared / self.vertex_len as f64).sqrt();
+            let far = self.moved[i] / UNKNOWN.powi(2);
+            let is_known =
+                others.iter().filter(|&&other| self.moved[other] >= far).count() >= FEWEST;
+            is_broken.then_some(Broken { pose: i, error, usual: error / times, is_known })
         };
         Some((0..self.left.len()).map(judge).collect())
     }
@@ -215,7 +241,7 @@ mod tests {
 
     fn found(examples: &Examples) -> Vec<usize> {
         let training = Training::new(examples, &Silent).unwrap();
-        broken(&training).iter().map(|broken| broken.pose).collect()
+        broken(&training, &[]).iter().map(|broken| broken.pose).collect()
     }
 
     #[test]

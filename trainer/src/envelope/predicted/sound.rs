@@ -1,6 +1,6 @@
 //! A training on the frames that belong to their poses.
 
-use super::broken::{Broken, broken};
+use super::broken::{Broken, RIGHT, broken};
 use crate::envelope::error::FitError;
 use crate::envelope::skin::poses::Poses;
 use crate::envelope::skin::training::{MIN_POSES, Training};
@@ -9,24 +9,30 @@ use crate::progress::Progress;
 use serde::Serialize;
 
 /// How often frames are looked at anew, as LBS is fitted without those that were found.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 4;
 /// Share of the frames beyond which they are no exceptions, and stay.
 const MOST: f64 = 0.25;
+/// Where too many frames are found, LBS is fitted without those that are off by this share of the worst: one wrong frame
+/// bends LBS for all.
+const WORST: f64 = 0.5;
 
 /// A training frame whose mesh does not belong to its pose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Doubted {
     /// The frame.
     pub frame: usize,
-    /// How many times its error is what is usual.
-    pub times: f64,
+    /// Its distance from where the others predict it, RMS in % of the diagonal. For a mesh that stands elsewhere, the distance
+    /// from its joints.
+    pub percent: f64,
+    /// The error that is usual at its pose, in % of the diagonal.
+    pub usual_percent: f64,
 }
 
 /// The training frames whose meshes belong to their poses, and the others.
 pub struct Sound {
     /// A training on the frames that belong to their poses, once each, and on those that stay.
     pub training: Training,
-    /// The others, the worst of each look first.
+    /// The others, the worst first.
     pub doubted: Vec<Doubted>,
     /// Whether they stay in the training, for it would have too few frames, or no motion, without them.
     pub stay: bool,
@@ -35,35 +41,56 @@ pub struct Sound {
 impl Sound {
     /// Looks at the training frames of the examples. Meshes of the scene's own skin all belong to their poses.
     ///
+    /// Each look judges all frames by LBS that is fitted without those of the look before: a frame that a wrong one made
+    /// look wrong comes back.
+    ///
     /// # Errors
     /// Those of [`Training::new`].
     pub fn new(examples: &Examples, progress: &dyn Progress) -> Result<Self, FitError> {
-        let mut frames = examples.frames_of(Split::Train);
-        let training = Training::of(examples, &frames, progress)?;
+        let frames = examples.frames_of(Split::Train);
+        let mut all = Training::of(examples, &frames, progress)?;
+        let mut found = Vec::new();
+        if !examples.own_skin {
+            progress.step("frames", 1);
+            found = broken(&all, &[]);
+        }
+        if found.is_empty() {
+            return Ok(Self { training: all, doubted: Vec::new(), stay: false });
+        }
         let most = (MOST * frames.len() as f64).max(1.0) as usize;
         let most = most.min(frames.len() - MIN_POSES);
-        let mut sound = Self { training, doubted: Vec::new(), stay: false };
-        if examples.own_skin {
-            return Ok(sound);
-        }
+        let without = |out: &[usize]| -> Vec<usize> {
+            let others = (0..frames.len()).filter(|pose| !out.contains(pose));
+            others.map(|pose| frames[pose]).collect()
+        };
+        let is_fair =
+            |out: &[usize]| out.len() <= most && !Poses::new(examples, &without(out)).are_one();
+        let mut out = Vec::new();
         for _ in 0..ROUNDS {
+            match exceptions(&found, is_fair) {
+                Some(next) if next != out => out = next,
+                _ => break,
+            }
+            all.lbs = Training::of(examples, &without(&out), progress)?.lbs;
             progress.step("frames", 1);
-            let found = broken(&sound.training);
-            let of = |&Broken { pose, times }: &Broken| Doubted { frame: frames[pose], times };
-            let found: Vec<Doubted> = found.iter().map(of).collect();
-            if found.is_empty() {
-                break;
-            }
-            sound.doubted.extend(found);
-            frames.retain(|frame| sound.doubted.iter().all(|out| out.frame != *frame));
-            sound.stay = sound.doubted.len() > most || Poses::new(examples, &frames).are_one();
-            if sound.stay {
-                sound.training = Training::new(examples, progress)?;
-                break;
-            }
-            sound.training = Training::of(examples, &frames, progress)?;
+            found = broken(&all, &out);
         }
-        Ok(sound)
+        let kept = |found: &[Broken]| {
+            let stay = !is_fair(&poses(found));
+            let kept = if stay { frames.clone() } else { without(&poses(found)) };
+            Ok::<_, FitError>((Training::of(examples, &kept, progress)?, stay))
+        };
+        let (mut training, mut stay) = kept(&found)?;
+        if found.iter().any(|broken| !broken.is_known) && training.lbs_rms() > RIGHT {
+            found.retain(|broken| broken.is_known);
+            (training, stay) = kept(&found)?;
+        }
+        let doubted = |&Broken { pose, error, usual, .. }: &Broken| Doubted {
+            frame: frames[pose],
+            percent: 100.0 * error,
+            usual_percent: 100.0 * usual,
+        };
+        Ok(Self { training, doubted: found.iter().map(doubted).collect(), stay })
     }
 
     /// Lists the frames that are left out, the worst of each look first.
@@ -88,6 +115,23 @@ impl Sound {
         }
         Training::of(examples, &repeated, progress)
     }
+}
+
+/// Chooses the poses that LBS is next fitted without, in order: all found ones, those that are nearly as far off as the worst,
+/// or the worst alone. `None` where each choice leaves too few frames or no motion.
+///
+/// - `found`: the worst first.
+fn exceptions(found: &[Broken], is_fair: impl Fn(&[usize]) -> bool) -> Option<Vec<usize>> {
+    let worst = found.first()?.times();
+    let nearly = found.partition_point(|broken| broken.times() >= WORST * worst);
+    [found.len(), nearly, 1].map(|len| poses(&found[..len])).into_iter().find(|out| is_fair(out))
+}
+
+/// Lists the poses of found frames in order.
+fn poses(found: &[Broken]) -> Vec<usize> {
+    let mut poses: Vec<usize> = found.iter().map(|broken| broken.pose).collect();
+    poses.sort_unstable();
+    poses
 }
 
 #[cfg(test)]

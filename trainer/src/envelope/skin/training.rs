@@ -115,6 +115,12 @@ impl Training {
         (self.targets(weights).residuals(&self.poses.stacked()), dominant)
     }
 
+    /// Returns the RMS error of LBS, in diagonals.
+    pub fn lbs_rms(&self) -> f64 {
+        let count = self.rest.len() * self.poses.len();
+        (self.lbs.errors.iter().sum::<f64>() / count.max(1) as f64).sqrt()
+    }
+
     /// Divides the squared errors of LBS, as they count, among a span of the palette, by the weights that each vertex
     /// has on it.
     pub fn lbs_errors(&self, weights: &Weights, span: Range<usize>) -> Vec<f64> {

@@ -301,3 +301,20 @@ fn poses_without_meshes_are_refused() {
     let error = join(limb().0, None, &KEYS).unwrap_err();
     assert!(matches!(error, ExamplesError::Import(ImportError::NoShapes)), "{error}");
 }
+
+#[test]
+fn a_frame_that_exploded_tells_nothing_of_the_order_of_vertices() {
+    let (_, posed) = limb();
+    let exploded = |mut posed: Vec<[f64; 3]>| {
+        let own = posed[VERTICES..2 * VERTICES].iter_mut().flatten().enumerate();
+        own.for_each(|(i, x)| *x += 50.0 * (12.9898 * (i * i) as f64).sin());
+        posed
+    };
+    let reversed = |frame: &[[f64; 3]]| frame.iter().rev().copied().collect::<Vec<_>>();
+    let reversed = posed.chunks(VERTICES).flat_map(reversed).collect();
+    let is_shuffled = |posed| {
+        let error = join(limb().0, Some(targets(exploded(posed))), &KEYS).err();
+        matches!(error, Some(ExamplesError::Import(ImportError::VertexOrder)))
+    };
+    assert!(is_shuffled(reversed) && !is_shuffled(posed));
+}
