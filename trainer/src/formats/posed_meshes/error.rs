@@ -23,9 +23,9 @@ pub enum PointCacheError {
     )]
     Length {
         /// Bytes that the header asks for.
-        expected: u64,
+        expected: u128,
         /// Bytes that there are.
-        found: u64,
+        found: usize,
     },
 }
 

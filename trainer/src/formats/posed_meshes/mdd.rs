@@ -23,7 +23,7 @@ pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FormatError> {
 /// [`PointCacheError::Count`] and [`PointCacheError::Length`]
 pub(super) fn parse(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
     let Some(&[a, b, c, d, e, f, g, h]) = bytes.first_chunk::<HEADER_BYTES>() else {
-        let (expected, found) = (HEADER_BYTES as u64, bytes.len() as u64);
+        let (expected, found) = (HEADER_BYTES as u128, bytes.len());
         return Err(PointCacheError::Length { expected, found });
     };
     let frames = i32::from_be_bytes([a, b, c, d]);

@@ -35,7 +35,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
         return Err(PointCacheError::NotPointCache { reason });
     }
     let Some(header) = bytes.first_chunk::<HEADER_BYTES>() else {
-        let (expected, found) = (HEADER_BYTES as u64, bytes.len() as u64);
+        let (expected, found) = (HEADER_BYTES as u128, bytes.len());
         return Err(PointCacheError::Length { expected, found });
     };
     let whole = |at: usize| {

@@ -91,7 +91,7 @@ fn headers_that_lie_are_refused_before_anything_is_made() {
         "should have 128 bytes by its header, found 88; export the point cache again"
     );
     let found = fault(pc2::parse(&pc2_bytes(i32::MAX, i32::MAX, 1)));
-    assert!(found.contains("should have 18446744073709551615 bytes"), "{found}");
+    assert!(found.contains("should have 55340232169589047340 bytes"), "{found}");
     assert!(matches!(
         mdd::parse(&mdd_bytes(i32::MAX, i32::MAX)),
         Err(PointCacheError::Length { found: 88, .. })
