@@ -88,7 +88,7 @@ impl ExampleArguments {
         let sources = self.sources()?;
         for (source, importance) in sources.iter().zip(importance) {
             let loaded = read(*source, output, load);
-            // What was found before is worth knowing where a file is refused.
+            // Warnings about the files before it may explain why a file is refused.
             let mut input = loaded.inspect_err(|_| tell_of_all(&found, is_told, output))?;
             join_warnings(&mut found, source.file, input.warnings);
             if let Some(file) = importance {
@@ -246,14 +246,14 @@ fn join_warnings(all: &mut Vec<(Warning, Vec<String>)>, file: &Path, warnings: V
     }
 }
 
-/// Tells what should be known about files.
+/// Prints warnings, each with the names of its files.
 fn tell_of_all(all: &[(Warning, Vec<String>)], is_told: fn(&Warning) -> bool, output: Output) {
     for (warning, names) in all.iter().filter(|(warning, _)| is_told(warning)) {
         tell(names.join(", "), warning, output);
     }
 }
 
-/// Tells what should be known about a file, or several.
+/// Prints a warning about a file, or several.
 fn tell(about: impl Display, warning: &Warning, output: Output) {
     match warning.severity() {
         Severity::Warning => output.warn(about, warning),

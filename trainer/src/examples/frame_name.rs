@@ -1,4 +1,4 @@
-//! What a frame is called.
+//! Names of frames.
 
 use super::Clip;
 use serde::Serialize;
@@ -48,7 +48,7 @@ mod tests {
         let clips = [walk, run];
         let name = |frame| FrameName::new(&clips, frame).to_string();
         assert_eq!([name(2), name(3), name(5)], ["2 (walk 2)", "3 (run 0)", "5 (run 2)"]);
-        // What the source calls them, where it does.
+        // Numbers of the source.
         let run = Clip::numbered("run".to_owned(), 3, vec![67, 69, 71]);
         assert_eq!(FrameName::new(std::slice::from_ref(&run), 4).to_string(), "69");
         let clips = [clips[0].clone(), run];

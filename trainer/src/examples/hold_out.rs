@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn a_share_that_short_runs_cannot_have_is_told() {
         let told = |frame_len, share| triangle(frame_len).hold_out(share).unwrap();
-        // Runs of 2 or 3 frames, of which each keeps one.
+        // Runs have 2 or 3 frames, and each keeps one.
         let Some(Warning::HoldOutRounded { held, all, runs, .. }) = told(13, 0.99) else {
             panic!()
         };

@@ -62,7 +62,7 @@ impl AlsoArguments {
         Ok(levels)
     }
 
-    /// Checks that the skins of a file, which are called as the meshes' files, would have different names.
+    /// Checks that skins, which are named after the files of their meshes, would have different names.
     pub(in crate::cli) fn check_names(&self) -> anyhow::Result<()> {
         for (number, file) in self.also.iter().enumerate() {
             let name = name_of(file);

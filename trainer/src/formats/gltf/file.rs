@@ -40,7 +40,7 @@ pub(super) fn open(path: &Path) -> Result<Parsed, FormatError> {
     Ok(parse(&read(path)?, path)?)
 }
 
-/// Reads the bytes of a file, of which there must be some.
+/// Reads the bytes of a file and refuses an empty one.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, FormatError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
     if bytes.is_empty() { Err(FormatError::Empty) } else { Ok(bytes) }

@@ -19,7 +19,7 @@ pub enum ArrayError {
         /// What is wrong.
         reason: String,
     },
-    /// A word is none of the numbers of a text.
+    /// A word of a text is not a number.
     #[error("array {array} has {word:?} as number {place}, expected a number")]
     NoNumber {
         /// The array.

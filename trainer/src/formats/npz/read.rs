@@ -209,7 +209,7 @@ fn texts(array: &str, header: NpyHeader, mut file: impl Read) -> Result<Vec<Stri
     Ok(texts.map_err(damaged)?)
 }
 
-/// Says what is wrong with the header of an array.
+/// Names the fault of an array's header.
 fn fault_of_header(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::UnexpectedEof => "it ends in its header",
@@ -217,7 +217,7 @@ fn fault_of_header(error: &io::Error) -> &'static str {
     }
 }
 
-/// Says what is wrong with the numbers or texts of an array.
+/// Names the fault of an array's numbers or texts.
 fn fault_of_data(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::UnexpectedEof => "it ends early",

@@ -294,7 +294,7 @@ fn positions_that_are_not_finite_are_told_by_frame_and_vertex_before_any_place_i
         refused(with_rest.into()).starts_with("its vertices are not finite at rest, at vertex 9")
     );
 
-    // A frame that is not trained may hold what is too large, as it may in an .npz.
+    // Only training frames are bounded.
     let (scene, _) = limb();
     let mut split = vec![Split::Train; FRAMES];
     split[4] = Split::Extreme;
