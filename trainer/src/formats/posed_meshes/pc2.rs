@@ -27,7 +27,7 @@ pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FormatError> {
 ///
 /// # Errors
 /// - [`PointCacheError::NotPointCache`] for another magic or version.
-/// - [`PointCacheError::Count`] and [`PointCacheError::Length`] for counts that are not
+/// - [`PointCacheError::Count`], [`PointCacheError::TooMany`] and [`PointCacheError::Length`] for counts that are not
 ///   positive or do not match the file's length.
 pub(super) fn parse(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
     if !bytes.starts_with(&MAGIC) {
@@ -35,7 +35,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
         return Err(PointCacheError::NotPointCache { reason });
     }
     let Some(header) = bytes.first_chunk::<HEADER_BYTES>() else {
-        let (expected, found) = (HEADER_BYTES as u128, bytes.len());
+        let (expected, found) = (HEADER_BYTES as u64, bytes.len() as u64);
         return Err(PointCacheError::Length { expected, found });
     };
     let whole = |at: usize| {

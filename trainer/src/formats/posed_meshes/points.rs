@@ -6,7 +6,7 @@ use super::data::PosedMeshes;
 use super::error::PointCacheError;
 
 /// Bytes of a point.
-const POINT_BYTES: usize = 12;
+const POINT_BYTES: u64 = 12;
 
 /// How many points and frames a header counts, one of each at least.
 #[derive(Clone, Copy)]
@@ -37,14 +37,16 @@ impl Counts {
         begin: u64,
         number: fn([u8; 4]) -> f32,
     ) -> Result<PosedMeshes, PointCacheError> {
-        // Two counts of 31 bits: no product overflows.
-        let points = u128::from(self.vertex_len) * u128::from(self.frame_len);
-        let expected = u128::from(begin) + points * POINT_BYTES as u128;
-        let found = bytes.len();
-        if found as u128 != expected {
+        let (points, frames) = (self.vertex_len, self.frame_len);
+        // Two counts of 31 bits: their product fits 64.
+        let expected = (points * frames).checked_mul(POINT_BYTES);
+        let expected = expected.and_then(|bytes| bytes.checked_add(begin));
+        let expected = expected.ok_or(PointCacheError::TooMany { points, frames })?;
+        let found = bytes.len() as u64;
+        if found != expected {
             return Err(PointCacheError::Length { expected, found });
         }
-        let (points, _) = bytes[begin as usize..].as_chunks::<POINT_BYTES>();
+        let (points, _) = bytes[begin as usize..].as_chunks::<{ POINT_BYTES as usize }>();
         let point = |&[a, b, c, d, e, f, g, h, i, j, k, l]: &[u8; 12]| {
             [[a, b, c, d], [e, f, g, h], [i, j, k, l]].map(|bytes| f64::from(number(bytes)))
         };
