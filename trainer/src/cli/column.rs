@@ -1,5 +1,6 @@
 //! Columns of text, as a terminal shows them.
 
+use super::command::COLUMNS;
 use super::printable;
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
@@ -44,6 +45,33 @@ fn fitting(characters: impl Iterator<Item = char>, columns: usize) -> impl Itera
     })
 }
 
+/// Wraps lines of prose at the terminal's width, at most at [`COLUMNS`].
+pub(super) fn wrapped(text: &str) -> String {
+    let terminal = terminal_size::terminal_size_of(std::io::stdout());
+    let columns = terminal.map_or(COLUMNS, |(width, _)| COLUMNS.min(width.0.into()));
+    text.lines().map(|line| wrapped_at(line, columns)).collect()
+}
+
+/// Wraps a line between its words. What follows the first line stands two columns further in.
+fn wrapped_at(line: &str, columns: usize) -> String {
+    let words = line.trim_start();
+    let indent = line.len() - words.len();
+    let (mut out, mut taken) = (" ".repeat(indent), indent);
+    for (number, word) in words.split(' ').enumerate() {
+        if number > 0 && taken + 1 + word.width() > columns {
+            out += "\n";
+            out += &" ".repeat(indent + 2);
+            taken = indent + 2;
+        } else if number > 0 {
+            out += " ";
+            taken += 1;
+        }
+        out += word;
+        taken += word.width();
+    }
+    out + "\n"
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,6 +83,16 @@ mod tests {
             assert_eq!(width(name), columns, "{name}");
             assert_eq!(width(&padded(name, 8)), 8, "{name}");
         }
+    }
+
+    #[test]
+    fn prose_is_wrapped_between_words() {
+        let line = "  note: three triangles fold";
+        assert_eq!(wrapped_at(line, 28), format!("{line}\n"));
+        assert_eq!(wrapped_at(line, 27), "  note: three triangles\n    fold\n");
+        assert_eq!(wrapped_at(line, 12), "  note:\n    three\n    triangles\n    fold\n");
+        assert_eq!(wrapped_at("左腕 左腕", 8), "左腕\n  左腕\n");
+        assert_eq!(wrapped("advice\n  none\n"), "advice\n  none\n");
     }
 
     #[test]

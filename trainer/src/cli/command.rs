@@ -19,7 +19,7 @@ struct Cli {
 }
 
 /// Columns that text is wrapped to on a wider terminal, or where there is none: longer lines are hard to read.
-const COLUMNS: usize = 100;
+pub(super) const COLUMNS: usize = 100;
 
 /// The commands of any file and of each part; the envelope's have no noun before them.
 #[derive(Subcommand)]

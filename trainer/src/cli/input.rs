@@ -9,6 +9,7 @@ use sinew_trainer::examples::{
     Warning, hash_file, load, load_importance,
 };
 use sinew_trainer::formats::Content;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.
@@ -82,21 +83,28 @@ impl ExampleArguments {
         output: Output,
         is_told: fn(&Warning) -> bool,
     ) -> anyhow::Result<LoadedInput> {
-        let (mut files, mut warnings) = (Vec::new(), Vec::new());
+        let (mut files, mut found) = (Vec::new(), Vec::new());
         let importance = self.importance_of_each()?;
-        for (source, importance) in self.sources()?.into_iter().zip(importance) {
-            let mut input = read(source, output, is_told, load)?;
+        let sources = self.sources()?;
+        for (source, importance) in sources.iter().zip(importance) {
+            let loaded = read(*source, output, load);
+            // Warnings about the files before it may explain why a file is refused.
+            let mut input = loaded.inspect_err(|_| tell_of_all(&found, is_told, output))?;
+            join_warnings(&mut found, source.file, input.warnings);
             if let Some(file) = importance {
                 let numbers = load_importance(file)?;
                 let weighed = input.examples.weigh(numbers);
                 weighed.with_context(|| file.display().to_string())?;
             }
-            warnings.extend(input.warnings);
             files.push((source.file.to_owned(), input.examples, input.clips));
         }
+        tell_of_all(&found, is_told, output);
+        let mut warnings: Vec<Warning> = found.into_iter().map(|(warning, _)| warning).collect();
         let (mut examples, clips) = examples::join(files)?;
         if let Some(share) = self.hold_out {
-            examples.hold_out(share).with_context(|| self.named())?;
+            let rounded = examples.hold_out(share).with_context(|| self.named())?;
+            rounded.iter().for_each(|warning| tell(self.named(), warning, output));
+            warnings.extend(rounded);
         }
         examples.hold_out_clips(&clips, &self.hold_out_clip).with_context(|| self.named())?;
         Ok(LoadedInput { examples, clips, warnings })
@@ -194,7 +202,9 @@ pub(super) fn load_motion(
     mesh: Option<&Path>,
     output: Output,
 ) -> anyhow::Result<LoadedInput> {
-    read(source, output, |_| true, |source| examples::load_motion(source, mesh))
+    let input = read(source, output, |source| examples::load_motion(source, mesh))?;
+    input.warnings.iter().for_each(|warning| tell(source.file.display(), warning, output));
+    Ok(input)
 }
 
 /// Moves poses from a file to where their rest mesh is this one.
@@ -206,33 +216,48 @@ pub(super) fn move_to(
 ) -> anyhow::Result<()> {
     let moved = input.examples.move_to(rest).with_context(|| file.display().to_string())?;
     if let Some(warning) = moved {
-        tell(file, &warning, output);
+        tell(file.display(), &warning, output);
     }
     Ok(())
 }
 
-/// Loads examples and tells what should be known about them.
+/// Loads examples.
 fn read(
     source: Source<'_>,
     output: Output,
-    is_told: fn(&Warning) -> bool,
     load: impl Fn(&Source<'_>) -> Result<Loaded, LoadError>,
 ) -> anyhow::Result<LoadedInput> {
     check(source.file)?;
     let reading = Bars::busy(output, "reading examples");
     let Loaded { examples, clips, warnings } = load(&source)?;
     drop(reading);
-    for warning in warnings.iter().filter(|warning| is_told(warning)) {
-        tell(source.file, warning, output);
-    }
     Ok(LoadedInput { examples, clips, warnings })
 }
 
-/// Tells what should be known about a file.
-fn tell(file: &Path, warning: &Warning, output: Output) {
+/// Adds the warnings of a file to those of others, each once with the names of its files.
+fn join_warnings(all: &mut Vec<(Warning, Vec<String>)>, file: &Path, warnings: Vec<Warning>) {
+    let name = file.display().to_string();
+    for warning in warnings {
+        match all.iter_mut().find(|(other, _)| *other == warning) {
+            Some((_, names)) if names.contains(&name) => {}
+            Some((_, names)) => names.push(name.clone()),
+            None => all.push((warning, vec![name.clone()])),
+        }
+    }
+}
+
+/// Prints warnings, each with the names of its files.
+fn tell_of_all(all: &[(Warning, Vec<String>)], is_told: fn(&Warning) -> bool, output: Output) {
+    for (warning, names) in all.iter().filter(|(warning, _)| is_told(warning)) {
+        tell(names.join(", "), warning, output);
+    }
+}
+
+/// Prints a warning about a file, or several.
+fn tell(about: impl Display, warning: &Warning, output: Output) {
     match warning.severity() {
-        Severity::Warning => output.warn(file.display(), warning),
-        Severity::Note => output.note(file.display(), warning),
+        Severity::Warning => output.warn(about, warning),
+        Severity::Note => output.note(about, warning),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Setting frames aside for sets that come without a split.
 
-use super::{Clip, Examples, ExamplesError, Split};
+use super::{Clip, Examples, ExamplesError, Split, Warning};
 use crate::formats::{FormatError, SceneError};
 
 /// Runs of consecutive frames of which each gives its end. Neighbours in an animation are almost
@@ -13,12 +13,12 @@ impl Examples {
     /// The training and held-out frames together are cut into five equal runs (fewer if there are
     /// not two frames for each); the last `share` of every run is held out, at least one frame, and
     /// the rest trains. 25 % of 400 frames is thus every fourth block of 20. Extreme frames stay
-    /// extreme. The former split is replaced.
+    /// extreme. The former split is replaced. Returns a warning where runs are too short for the share.
     ///
     /// # Errors
     /// - [`ExamplesError::BadShare`] unless `0 < share < 1`.
     /// - [`ExamplesError::TooFewPoses`] with fewer than two frames to divide.
-    pub fn hold_out(&mut self, share: f64) -> Result<(), ExamplesError> {
+    pub fn hold_out(&mut self, share: f64) -> Result<Option<Warning>, ExamplesError> {
         if !(share > 0.0 && share < 1.0) {
             return Err(ExamplesError::BadShare { share });
         }
@@ -37,7 +37,10 @@ impl Examples {
             }
         }
         self.place_joints();
-        Ok(())
+        let (held, all) = (self.frames_of(Split::HeldOut).len(), frames.len());
+        // Each run may round by half a frame.
+        let is_near = (held as f64 - share * all as f64).abs() <= 0.5 * runs as f64;
+        Ok((!is_near).then_some(Warning::HoldOutRounded { share, held, all, runs }))
     }
 
     /// Holds out the frames of the clips with these names, with that of their file before them or without; the others
@@ -102,6 +105,24 @@ mod tests {
                 assert!(!examples.frames_of(Split::HeldOut).is_empty());
             }
         }
+    }
+
+    #[test]
+    fn a_share_that_short_runs_cannot_have_is_told() {
+        let told = |frame_len, share| triangle(frame_len).hold_out(share).unwrap();
+        // Runs have 2 or 3 frames, and each keeps one.
+        let Some(Warning::HoldOutRounded { held, all, runs, .. }) = told(13, 0.99) else {
+            panic!()
+        };
+        assert_eq!((held, all, runs), (8, 13, 5));
+        let text = told(13, 0.99).map(|warning| warning.to_string());
+        let words = "8 of 13 frames are held out, 62 % and not 99 %: ";
+        assert!(text.as_ref().is_some_and(|text| text.starts_with(words)), "{text:?}");
+        assert!(told(13, 0.001).is_some() && told(10, 0.1).is_some());
+        for share in [0.07, 0.25, 0.5, 0.9] {
+            assert_eq!(told(400, share), None, "{share}");
+        }
+        assert_eq!(told(13, 0.5), None);
     }
 
     #[test]

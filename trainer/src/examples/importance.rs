@@ -140,7 +140,11 @@ mod tests {
         npy.extend([1.0_f32, 0.25].map(f32::to_le_bytes).as_flattened());
         assert_eq!(file("a.npy", &npy).unwrap(), [1.0, 0.25]);
         for (name, bytes, words) in [
-            ("b.txt", b"1 x 2".as_slice(), "array importance is damaged: number 1 is \"x\""),
+            (
+                "b.txt",
+                b"1 x 2".as_slice(),
+                "array importance has \"x\" as number 1, expected a number",
+            ),
             ("b.npy", b"1 x 2", "array importance"),
             ("b.png", b"", "expected a file that ends in .npy, .txt or .csv, found .png"),
         ] {

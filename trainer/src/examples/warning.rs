@@ -87,6 +87,17 @@ pub enum Warning {
         /// How far vertices are from where one joint carries them, as sorted and as given, in % of the diagonal.
         percent: [f64; 2],
     },
+    /// Another share of the frames is held out than was asked for, as each run keeps a frame on both sides.
+    HoldOutRounded {
+        /// The share that was asked for.
+        share: f64,
+        /// Frames held out.
+        held: usize,
+        /// Frames held out or training.
+        all: usize,
+        /// Runs that the frames are cut into.
+        runs: usize,
+    },
     /// Nothing says how fast the frames follow each other.
     NoRate,
     /// Joints or targets came in other axes or units and were moved.
@@ -223,6 +234,14 @@ impl fmt::Display for Warning {
                     clips.join(", ")
                 )
             }
+            Warning::HoldOutRounded { share, held, all, runs } => write!(
+                f,
+                "{held} of {all} frames are held out, {:.0} % and not {} %: the frames are cut into {runs} runs, and \
+                 each keeps a frame to train and a frame to hold out; give another --hold-out, or whole clips as \
+                 --hold-out-clip",
+                100.0 * *held as f64 / *all as f64,
+                (1e4 * share).round() / 1e2
+            ),
             Warning::NoRate => write!(
                 f,
                 "it says no frames a second (fps), and plays at {RATE}: say another rate with --fps"

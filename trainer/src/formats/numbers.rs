@@ -15,8 +15,8 @@ pub(crate) fn read(path: &Path, array: &str) -> Result<Vec<f64>, FormatError> {
             let numbers = numbers.filter(|word| !word.is_empty());
             let parse = |(place, word): (usize, &str)| {
                 word.parse().map_err(|_| {
-                    let reason = format!("number {place} is {word:?}");
-                    ArrayError::Damaged { array: array.to_owned(), reason }.into()
+                    let (array, word) = (array.to_owned(), word.to_owned());
+                    ArrayError::NoNumber { array, place, word }.into()
                 })
             };
             numbers.enumerate().map(parse).collect()

@@ -112,10 +112,9 @@ impl FromStr for Conversion {
         let words = text.split(|c: char| c.is_whitespace() || "(),".contains(c));
         let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
         let (own, scale) = words.split_at_checked(3).ok_or(expected)?;
-        let scale = match scale {
-            [] => 1.0,
-            [scale] | ["x", scale] => scale.parse().map_err(|_| expected)?,
-            _ => return Err(expected),
+        let scale = match &*scale.concat() {
+            "" => 1.0,
+            scale => scale.strip_prefix('x').unwrap_or(scale).parse().map_err(|_| expected)?,
         };
         let named = |word: &&str| Axis::ALL.into_iter().find(|axis| axis.name() == *word);
         let rows: Vec<_> = own.iter().filter_map(named).map(direction).collect();
@@ -180,6 +179,28 @@ mod tests {
         assert_eq!(to(blender).point([1.0, 2.0, 3.0]), [1.0, -3.0, 2.0]);
         assert!(to(UNITY).is_mirrored() && to(UNREAL).is_mirrored() && !to(blender).is_mirrored());
         assert_eq!(Conversion::to(GLTF, &request(UNREAL)), Ok((UNREAL, Some(to(UNREAL)))));
+    }
+
+    #[test]
+    fn a_conversion_is_read_with_and_without_spaces_and_punctuation() {
+        let expected = "(x, -z, y) x 0.01".parse::<Conversion>().unwrap();
+        assert_eq!(expected.point([1.0, 2.0, 3.0]), [0.01, -0.03, 0.02]);
+        for text in [
+            "(x,-z,y)x0.01",
+            "(x,-z,y) x0.01",
+            "( x , -z , y )x 0.01",
+            "x -z y 0.01",
+            "x,-z,y,x,1e-2",
+        ] {
+            assert_eq!(text.parse(), Ok(expected), "{text}");
+        }
+        for text in ["(x,-z,y)", "(x,-z,y)x1", "x -z y"] {
+            assert_eq!(text.parse::<Conversion>().unwrap().scale(), 1.0, "{text}");
+        }
+        for text in ["", "(x,y)", "(x,x,z)", "(x,y,z) x", "(x,y,z) x 0", "(x,y,z) 1 2 x", "(x,y,w)"]
+        {
+            assert!(text.parse::<Conversion>().is_err(), "{text}");
+        }
     }
 
     #[test]

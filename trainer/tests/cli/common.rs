@@ -106,6 +106,11 @@ impl Run {
         self
     }
 
+    /// Gives what it printed with each wrapped line as one.
+    pub(crate) fn unwrapped(&self) -> String {
+        self.out.replace("\n    ", " ")
+    }
+
     #[track_caller]
     pub(crate) fn json(self) -> Value {
         serde_json::from_str(&self.done().out).unwrap()
@@ -190,6 +195,15 @@ impl Set {
             fs::write(npz.with_extension("json"), self.json.to_string()).unwrap();
         }
     }
+}
+
+/// Writes an archive of arrays: each by its name, shape and numbers.
+pub(crate) fn write_arrays<T: AutoSerialize + Copy>(npz: &Path, arrays: &[(&str, &[u64], &[T])]) {
+    let mut zip = ZipWriter::new(fs::File::create(npz).unwrap());
+    for (name, shape, numbers) in arrays {
+        write_array(&mut zip, name, shape, numbers);
+    }
+    zip.finish().unwrap();
 }
 
 /// Reads an array of the demo: shape and numbers.

@@ -1,8 +1,12 @@
 //! Scenes, targets and importance as the command line takes them.
 
-use crate::common::Folder;
+use crate::common::{Folder, write_arrays};
+use half::f16;
 use serde_json::json;
 use std::fs;
+use std::io::Write;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
 
 /// A folder with the demo's rig and point cache.
 fn rig(test: &str) -> Folder {
@@ -34,9 +38,9 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
         ("demo.glb --targets cut.pc2", "cut.pc2: should have "),
         (
             "demo.glb --targets nan.pc2",
-            "nan.pc2: the posed mesh is not finite at frame 3, vertex 7",
+            "nan.pc2: its vertices are not finite in frame 3 (train 3), at vertex 7: export the meshes",
         ),
-        ("cut.glb", "cut.glb: is cut short: expected "),
+        ("cut.glb", "cut.glb: is cut short: expected at least "),
         (
             "demo.glb --targets demo.pc2 --hold-out-clip train --hold-out-clip held-out",
             "demo.glb: every frame of 25 is held out or extreme: none is left to train",
@@ -71,6 +75,94 @@ fn what_does_not_fit_a_scene_is_refused_by_the_file_at_fault() {
         assert!(error.starts_with(expected), "{arguments}: {error}");
     }
     assert!(!folder.path("new.sinew").exists());
+}
+
+#[test]
+fn a_frame_that_is_not_finite_is_named_in_every_format() {
+    let folder = rig("not-finite");
+    let mut pc2 = folder.read("demo.pc2");
+    let len = vertex_len(&pc2);
+    for place in 0..3 * len {
+        pc2[32 + 4 * place..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
+    }
+    fs::write(folder.path("bad.pc2"), &pc2).unwrap();
+    let (words, _) = pc2[32..].as_chunks::<4>();
+    let mut mdd = [25_u32, len as u32].map(u32::to_be_bytes).concat();
+    mdd.resize(8 + 4 * 25, 0);
+    words.iter().for_each(|&word| mdd.extend(f32::from_le_bytes(word).to_be_bytes()));
+    fs::write(folder.path("bad.mdd"), mdd).unwrap();
+    let numbers: Vec<f64> = words.iter().map(|&word| f32::from_le_bytes(word).into()).collect();
+    fs::create_dir(folder.path("poses")).unwrap();
+    for (frame, points) in numbers.chunks(3 * len).enumerate() {
+        let lines = points.chunks(3).map(|x| format!("v {} {} {}\n", x[0], x[1], x[2]));
+        let mesh: String = lines.chain(["f 1 2 3\n".to_owned()]).collect();
+        fs::write(folder.path(&format!("poses/p{}.obj", frame + 1)), mesh).unwrap();
+    }
+    write_arrays(&folder.path("bad.npz"), &[("vertices", &[25, len as u64, 3], &numbers)]);
+    let fault = "its vertices are not finite in frame 0 (train 0), at vertex 0: export the meshes";
+    for (targets, expected) in [("bad.pc2", fault), ("bad.mdd", fault), ("bad.npz", fault)] {
+        let train = format!("train demo.glb --targets {targets} -o new.sinew");
+        let line = folder.sinew(&train).failed();
+        assert!(line.starts_with(&format!("{targets}: {expected}")), "{line}");
+    }
+    let line = folder.sinew("train demo.glb --targets poses -o new.sinew").failed();
+    assert!(line.starts_with("poses/p1.obj: line 1 is no vertex, "), "{line}");
+    // Posed meshes are no examples: joints are missing.
+    let line = folder.sinew("train bad.npz -o new.sinew").failed();
+    let expected =
+        "bad.npz: holds posed meshes, but no joints to learn from: give the scene with the joints";
+    assert!(line.starts_with(expected) && line.ends_with("this file as --targets"), "{line}");
+}
+
+#[test]
+fn half_precision_is_read_as_the_numbers_that_it_holds() {
+    let folder = rig("half");
+    let pc2 = folder.read("demo.pc2");
+    let (words, _) = pc2[32..].as_chunks::<4>();
+    let halves = words.iter().map(|&word| f16::from_f32(f32::from_le_bytes(word)));
+    let halves: Vec<f16> = halves.collect();
+    let numbers: Vec<f64> = halves.iter().map(|&half| half.into()).collect();
+    let shape = [25, vertex_len(&pc2) as u64, 3];
+    write_arrays(&folder.path("half.npz"), &[("vertices", &shape, &halves)]);
+    write_arrays(&folder.path("double.npz"), &[("vertices", &shape, &numbers)]);
+    let check = |targets: &str| {
+        folder.sinew(&format!("check demo.glb --targets {targets} --json")).done().out
+    };
+    assert_eq!(check("half.npz"), check("double.npz"));
+}
+
+#[test]
+fn archives_that_are_damaged_are_told_of_without_the_words_of_their_readers() {
+    let folder = rig("archives");
+    write_arrays(&folder.path("cut.npz"), &[("vertices", &[2, 3, 3], &[0.0; 18])]);
+    let whole = folder.read("cut.npz");
+    for len in [1, 40, whole.len() - 30, whole.len() - 1] {
+        fs::write(folder.path("cut.npz"), &whole[..len]).unwrap();
+        let line = folder.sinew("train demo.glb --targets cut.npz -o new.sinew").failed();
+        let expected = format!(
+            "cut.npz: is no whole .npz archive: its {len} bytes do not end with the archive's directory; write it, or \
+             copy it, again"
+        );
+        assert_eq!(line, expected);
+    }
+    for (header, fault) in [
+        (
+            "{'descr': '<f8', 'fortran_order': `, 'shape': (2,)}\n",
+            "its header is not that of an .npy array of numbers or text",
+        ),
+        ("{'descr'", "it ends in its header"),
+    ] {
+        let mut zip = ZipWriter::new(fs::File::create(folder.path("bad.npz")).unwrap());
+        zip.start_file("vertices.npy", SimpleFileOptions::DEFAULT).unwrap();
+        zip.write_all(b"\x93NUMPY\x01\0\x34\0").unwrap();
+        zip.write_all(header.as_bytes()).unwrap();
+        zip.finish().unwrap();
+        let line = folder.sinew("train demo.glb --targets bad.npz -o new.sinew").failed();
+        let expected = format!(
+            "bad.npz: array vertices is damaged: {fault}; write the file, or copy it, again"
+        );
+        assert_eq!(line, expected);
+    }
 }
 
 #[test]

@@ -118,7 +118,10 @@ fn files_given_by_mistake_are_refused_by_name() {
     let before = folder.list();
     for (examples, expected) in [
         ("none.npz", "none.npz: cannot be read: "),
-        ("text.npz", "text.npz: is not a whole npz archive: cut short or damaged ("),
+        (
+            "text.npz",
+            "text.npz: is no whole .npz archive: its 10 bytes do not end with the archive's directory",
+        ),
         ("demo.json", "demo.json: describes examples, expected the .npz file beside it"),
         (
             "new.json",

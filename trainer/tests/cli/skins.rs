@@ -80,9 +80,15 @@ fn skins_that_cannot_be_are_refused_before_anything_is_written() {
     write_obj(&folder, "far.obj", 1e6);
     let before = folder.list();
     for (also, expected) in [
-        ("--also skin.obj", "demo.npz: two skins are called skin: "),
-        ("--also far.obj --also far.obj", "demo.npz: two skins are called far: "),
-        ("--also far.obj", "demo.npz: mesh far is "),
+        (
+            "--also skin.obj",
+            "skin.obj: its skin would be called skin, as that of the examples' own mesh",
+        ),
+        (
+            "--also far.obj --also far.obj",
+            "far.obj: its skin would be called far, as that of far.obj",
+        ),
+        ("--also far.obj", "mesh far is "),
         ("--also none.obj", "none.obj: cannot be read: "),
     ] {
         let line = folder.sinew(&format!("{TRAIN} {also}")).failed();

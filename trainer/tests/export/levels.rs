@@ -17,7 +17,7 @@ fn level(name: &str, examples: &Examples) -> Level {
         triangles: examples.triangles.clone(),
         engine: examples.engine.clone(),
     };
-    Level { name: name.to_owned(), mesh }
+    Level { name: name.to_owned(), mesh, is_placed: false }
 }
 
 fn one(exported: &Exported) -> [f64; 3] {

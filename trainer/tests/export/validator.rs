@@ -62,7 +62,7 @@ fn exports_of_every_predictor_are_valid() {
     let (examples, coarse) = (arm(400), arm(250));
     let clips = [clip("a", 0, 12), clip("b", 12, 1)];
     let mesh = Mesh { positions: coarse.rest, triangles: coarse.triangles, engine: None };
-    let levels = [Level { name: "lod1".to_owned(), mesh }];
+    let levels = [Level { name: "lod1".to_owned(), mesh, is_placed: false }];
     for predictor in Predictor::ALL {
         for (proxies, influences) in [(8, 4), (20, 7)] {
             let model = model(&examples, predictor, proxies, influences);

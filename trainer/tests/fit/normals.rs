@@ -277,7 +277,7 @@ fn normals_are_nearer_the_truth_than_by_cofactors_for_every_predictor_and_furthe
     let (examples, coarse) = (arm(600), arm(300));
     let Examples { rest, triangles, engine, .. } = coarse.clone();
     let mesh = Mesh { positions: rest, triangles, engine };
-    let level = Level { name: "lod1".to_owned(), mesh };
+    let level = Level { name: "lod1".to_owned(), mesh, is_placed: false };
     for predictor in Predictor::ALL {
         let meshes = FileSkins::Skins(vec![level.clone()]);
         let options = Options { meshes, ..options(predictor) };

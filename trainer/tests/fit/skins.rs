@@ -19,7 +19,11 @@ fn arm(vertices: usize) -> Examples {
 
 fn level(name: &str, vertices: usize) -> Level {
     let Examples { rest, triangles, engine, .. } = arm(vertices);
-    Level { name: name.to_owned(), mesh: Mesh { positions: rest, triangles, engine } }
+    Level {
+        name: name.to_owned(),
+        mesh: Mesh { positions: rest, triangles, engine },
+        is_placed: false,
+    }
 }
 
 fn options(meshes: FileSkins) -> Options {

@@ -1,7 +1,7 @@
 //! `sinew check`: whether examples are good, before a training.
 
 use crate::cli::bars::Bars;
-use crate::cli::column::{longest, padded};
+use crate::cli::column::{longest, padded, wrapped};
 use crate::cli::{Output, counted, input, printable};
 use anyhow::Context;
 use sinew_runtime::format::Space;
@@ -67,14 +67,13 @@ fn describe(check: &Check, space: &Space, told: &[&Warning]) -> String {
     ] {
         section(&mut out, check, subject, title, &facts);
     }
-    out += &table(check);
-    out += &floor(check);
+    out = wrapped(&out) + &table(check) + &wrapped(&floor(check));
     if let Some(predicted) = &check.predicted {
-        out += &poses(predicted);
+        out += &wrapped(&poses(predicted));
     }
     out += "advice\n";
     for line in &check.advice {
-        let _ = writeln!(out, "  {}", printable(line));
+        out += &wrapped(&format!("  {}", printable(line)));
     }
     if check.advice.is_empty() {
         out += match check.lbs.rms_percent > NOTHING {

@@ -175,7 +175,7 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
     };
     files::write(&[(&target, &glb)])?;
     drop(exporting);
-    levels::warn(&said.levels, &arguments.further.also, output);
+    levels::warn(&said.levels, &arguments.further.also, examples.diagonal_mm(), output);
     let influences = character.skin.influence_len();
     if influences > USUAL_INFLUENCES {
         let sets = format!(

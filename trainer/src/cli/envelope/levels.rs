@@ -5,10 +5,10 @@ use crate::cli::column::padded;
 use anyhow::bail;
 use serde_json::{Value, json};
 use sinew_runtime::format::Space;
-use sinew_trainer::envelope::levels::{Level, LevelReport};
+use sinew_trainer::envelope::levels::{Level, LevelReport, NEAR, OWN};
 use sinew_trainer::formats::MeshFile;
-use sinew_trainer::space::{Conversion, written};
-use std::path::PathBuf;
+use sinew_trainer::space::{Conversion, beside, written};
+use std::path::{Path, PathBuf};
 
 /// Further meshes.
 #[derive(clap::Args, serde::Serialize)]
@@ -57,20 +57,61 @@ impl AlsoArguments {
             let known = if own.is_some() { by_file.as_ref() } else { conversion };
             let axes = self.also_axes.get(if given > 1 { number } else { 0 });
             known.into_iter().chain(axes).for_each(|conversion| mesh.convert(conversion));
-            let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            levels.push(Level { name, mesh });
+            levels.push(Level { name: name_of(file), mesh, is_placed: axes.is_some() });
         }
         Ok(levels)
     }
+
+    /// Checks that skins, which are named after the files of their meshes, would have different names.
+    pub(in crate::cli) fn check_names(&self) -> anyhow::Result<()> {
+        for (number, file) in self.also.iter().enumerate() {
+            let name = name_of(file);
+            let other = self.also[..number].iter().find(|other| name_of(other) == name);
+            let other = match other {
+                Some(other) => other.display().to_string(),
+                None if name == OWN => "the examples' own mesh".to_owned(),
+                None => continue,
+            };
+            bail!(
+                "{}: its skin would be called {name}, as that of {other}: rename one of the files",
+                file.display()
+            );
+        }
+        Ok(())
+    }
 }
 
-/// Warns of meshes that were moved, and of vertices that do not belong to the model's surface.
-pub(in crate::cli) fn warn(levels: &[LevelReport], files: &[PathBuf], output: Output) {
+/// Names the skin of a file.
+fn name_of(file: &Path) -> String {
+    file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Warns of meshes that were moved or are far from the model's surface, and of vertices that do not belong to the
+/// surface.
+///
+/// - `diagonal_mm`: the rest diagonal; `None` where the unit is not known.
+pub(in crate::cli) fn warn(
+    levels: &[LevelReport],
+    files: &[PathBuf],
+    diagonal_mm: Option<f64>,
+    output: Output,
+) {
     for (level, file) in levels.iter().zip(files) {
         if let Some(how) = &level.moved {
             let moved =
                 format!("came in other axes or another unit than the model and was moved: {how}");
             output.warn(file.display(), moved);
+        }
+        let percent = level.distance_percent;
+        if percent > 100.0 * NEAR {
+            let mm = beside(percent, diagonal_mm);
+            let away = format!(
+                "half of its vertices are more than {percent:.1} %{mm} of the diagonal from the model's surface, \
+                 expected {:.0} % at most: look whether it is a mesh of this character, in the rest pose, axes and unit \
+                 of the examples",
+                100.0 * NEAR
+            );
+            output.warn(file.display(), away);
         }
         if level.far > 0 {
             let far = format!(

@@ -12,9 +12,11 @@ use serde_json::json;
 use sinew_runtime::Limits;
 use sinew_runtime::envelope;
 use sinew_trainer::envelope::check::check;
+use sinew_trainer::envelope::check::finding::Kind;
+use sinew_trainer::envelope::levels::AddError;
 use sinew_trainer::envelope::rotational::{Method, ProxyCount};
 use sinew_trainer::envelope::skin::blend::CANDIDATES;
-use sinew_trainer::envelope::{FileSkins, Options, Predict, Trained, train};
+use sinew_trainer::envelope::{FileSkins, Options, Predict, TrainError, Trained, train};
 use sinew_trainer::examples::{Examples, Split, Warning};
 use sinew_trainer::progress::Silent;
 use std::path::PathBuf;
@@ -191,7 +193,11 @@ impl FitArguments {
             budget: self.budget,
             meshes,
         };
-        train(examples, &options, &Bars::new(output)).with_context(|| source.to_owned())
+        train(examples, &options, &Bars::new(output)).map_err(|error| match error {
+            // It names the further mesh, whose fault it is.
+            TrainError::Level(AddError::Level(error)) => error.into(),
+            error => anyhow::Error::new(error).context(source.to_owned()),
+        })
     }
 }
 
@@ -223,15 +229,19 @@ pub(in crate::cli) fn run(arguments: &Arguments, output: Output) -> anyhow::Resu
             FileSkins::Skins(levels)
         }
     };
+    further.check_names()?;
     hashes.extend(also.iter().map(|file| input::hash(file)).collect::<anyhow::Result<Vec<_>>>()?);
     let checked = check(&examples, &clips, &Silent).with_context(|| source.clone())?;
-    for finding in checked.findings.iter().filter(warnings::is_told) {
+    // Kernel maps have no half turn at which they jump.
+    let jumps = !matches!(arguments.fit.predictor, Predictor::Kernel);
+    let findings = checked.findings.iter().filter(warnings::is_told);
+    for finding in findings.filter(|finding| jumps || finding.kind != Kind::HalfTurn) {
         output.warn(&source, &finding.text);
         said.push(finding.text.clone());
     }
     let trained = arguments.fit.train(&examples, &source, meshes, output)?;
-    levels::warn(&trained.levels, also, output);
     let diagonal_mm = examples.diagonal_mm();
+    levels::warn(&trained.levels, also, diagonal_mm, output);
     let lbs = 100.0 * trained.report.lbs_rms;
     let validated_rms = trained.report.chosen().validated_rms.unwrap_or(f64::INFINITY);
     let validated = 100.0 * validated_rms;

@@ -4,6 +4,7 @@ use super::coverage::{Apart, Coverage};
 use super::finding::{count, listed, runs};
 use super::thin::Predicted;
 use super::thresholds::{FEW, MUCH};
+use crate::space::written;
 
 /// Gives the advice that the poses ask for, what matters most first.
 pub(super) fn advice(
@@ -64,7 +65,9 @@ fn together(apart: &[Apart]) -> Option<String> {
 
 fn isolated(predicted: &Predicted) -> Option<String> {
     let line = |isolated: &super::thin::Isolated| {
-        format!("frame {} ({:.3} % off at {})", isolated.frame, isolated.percent, isolated.joint)
+        let super::thin::Isolated { frame, joint, percent, mm } = isolated;
+        let mm = mm.map_or(String::new(), |mm| format!(", {} mm,", written(mm)));
+        format!("frame {frame} ({percent:.3} %{mm} off at {joint})")
     };
     (!predicted.isolated.is_empty()).then(|| {
         format!(
@@ -90,6 +93,7 @@ fn redundant(predicted: &Predicted) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::super::finding::FrameName;
+    use super::super::thin::Isolated;
     use super::*;
 
     #[test]
@@ -112,6 +116,10 @@ mod tests {
             line.starts_with("3 of 4 training poses may be left out") && line.ends_with(how),
             "{line}"
         );
+        predicted.isolated =
+            vec![Isolated { frame: name(7), joint: "arm".into(), percent: 0.5, mm: Some(8.0) }];
+        let line = isolated(&predicted).unwrap();
+        assert!(line.ends_with("frame 7 (0.500 %, 8.000 mm, off at arm)"), "{line}");
         predicted.poses = 9;
         let line = redundant(&predicted).unwrap();
         assert!(

@@ -55,6 +55,9 @@ pub struct Isolated {
     pub joint: String,
     /// RMS error when it is predicted by all others, in % of the diagonal.
     pub percent: f64,
+    /// That in millimetres; `None` where the unit is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mm: Option<f64>,
 }
 
 /// Compares the training poses; none where LBS leaves nothing to predict, or no joint moves.
@@ -90,14 +93,17 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     kept.sort_unstable();
     let stands_alone =
         |&i: &usize| alone[i] > ISOLATED.powi(2) * usual && percent(alone[i]) > 100.0 * VISIBLE;
-    let isolated = (0..poses.len()).filter(stands_alone);
-    let isolated = worst_first(isolated, |i| alone[i]);
     let name = |i: usize| context.frame(poses[i]);
     let worst_joint = |i: usize| {
         let of = |r: &usize| errors[*r].alone[i];
         let worst = (0..regions.len()).max_by(|a, b| of(a).total_cmp(&of(b)));
         worst.map_or(String::new(), |r| context.joint(regions[r].joint).to_owned())
     };
+    let isolated = (0..poses.len()).filter(stands_alone);
+    let isolated = worst_first(isolated, |i| alone[i]).into_iter().map(|i| {
+        let percent = percent(alone[i]);
+        Isolated { frame: name(i), joint: worst_joint(i), percent, mm: context.mm(percent) }
+    });
     Some(Predicted {
         poses: context.frames.len(),
         compared: poses.len(),
@@ -107,10 +113,7 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
         expected_mm: context.mm(mean(block)),
         enough: kept.iter().map(|&i| name(i)).collect(),
         redundant: redundant.iter().map(|&i| name(i)).collect(),
-        isolated: isolated
-            .into_iter()
-            .map(|i| Isolated { frame: name(i), joint: worst_joint(i), percent: percent(alone[i]) })
-            .collect(),
+        isolated: isolated.collect(),
     })
 }
 

@@ -121,7 +121,7 @@ pub fn reserve(model: &mut FileModel, levels: &[Level]) {
 }
 
 fn skin_of(level: &Level, influences: &Influences) -> SkinModel {
-    let Level { name, mesh } = level;
+    let Level { name, mesh, .. } = level;
     let surface = mesh.surface();
     SkinModel {
         name: name.clone(),

@@ -22,6 +22,8 @@ pub struct Level {
     pub name: String,
     /// The mesh.
     pub mesh: Mesh,
+    /// Whether its axes and unit are given as the model's, so that no others are looked for.
+    pub is_placed: bool,
 }
 
 /// A further mesh that cannot follow a model's palette.
@@ -33,6 +35,18 @@ pub enum LevelError {
          most 10 % at the median, in whatever axes and unit: export it in the rest pose of the examples"
     )]
     Far {
+        /// Its name.
+        name: String,
+        /// Median distance in % of the diagonal.
+        percent: f64,
+    },
+    /// It does not lie on the model's surface in the axes that were given.
+    #[error(
+        "mesh {name} is {percent:.0} % of the diagonal away from the model's surface in the axes and unit given as \
+         --also-axes, expected at most 10 % at the median: give others, or leave --also-axes out, so that they are \
+         recognised"
+    )]
+    GivenAxes {
         /// Its name.
         name: String,
         /// Median distance in % of the diagonal.
@@ -58,7 +72,7 @@ pub enum LevelError {
     /// Two skins would have one name.
     #[error(
         "two skins are called {name}: a further mesh is called as its file, without the ending, and \
-         the examples' own is called skin"
+         the examples' own is called skin; rename the file"
     )]
     Duplicate {
         /// The name.
@@ -116,7 +130,7 @@ impl SkinSurface<'_> {
     /// # Errors
     /// [`LevelError::Far`].
     pub fn follow(&self, level: &Level) -> Result<(Influences, LevelReport), LevelError> {
-        let Level { name, mesh } = level;
+        let Level { name, mesh, .. } = level;
         let tree = Tree::new(self.rest, self.triangles);
         let around = self.around();
         let followed: Vec<Followed> = mesh

@@ -7,4 +7,4 @@ mod place;
 
 pub use add::{AddError, OWN, add, check_names, reserve};
 pub use follow::{Influences, Level, LevelError, LevelReport, SkinSurface};
-pub use place::check_places;
+pub use place::{NEAR, check_places};

@@ -8,9 +8,9 @@ use crate::space::{Conversion, SCALES};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Furthest from the model's surface that a mesh may be in the axes and unit that it is taken to be in: the median, as a
-/// share of the diagonal.
-const NEAR: f64 = 0.02;
+/// Furthest from the model's surface that a mesh of its character is expected: the median, as a share of the diagonal. A
+/// body cut from 13,380 to 218 vertices is 0.2 % away, a garment 3 cm off a person of 2 m 1.5 %.
+pub const NEAR: f64 = 0.02;
 /// Share of the distance in any others at which it must be there.
 const CLEAR: f64 = 0.5;
 /// Distances, over the diagonal, that are alike: what a coarser mesh leaves.
@@ -21,7 +21,7 @@ const SAMPLE: usize = 150;
 /// Checks that further meshes lie on a mesh at rest, in whatever axes and unit.
 ///
 /// # Errors
-/// [`LevelError::Far`] and [`LevelError::Axes`].
+/// [`LevelError::Far`], [`LevelError::Axes`] and [`LevelError::GivenAxes`].
 pub fn check_places(levels: &[Level], examples: &Examples) -> Result<(), LevelError> {
     let surface = SkinSurface {
         rest: &examples.rest,
@@ -43,7 +43,7 @@ impl SkinSurface<'_> {
     /// first.
     ///
     /// # Errors
-    /// [`LevelError::Far`] and [`LevelError::Axes`].
+    /// [`LevelError::Far`], [`LevelError::Axes`] and [`LevelError::GivenAxes`].
     pub fn follow_all(
         &self,
         levels: &mut [Level],
@@ -61,7 +61,8 @@ impl SkinSurface<'_> {
     /// tells how, where it had to be moved.
     ///
     /// # Errors
-    /// [`LevelError::Far`] where no way brings it near, [`LevelError::Axes`] where several bring it as near.
+    /// [`LevelError::Far`] where no way brings it near, [`LevelError::Axes`] where several bring it as near, and
+    /// [`LevelError::GivenAxes`] for a placed mesh that is far.
     fn place(&self, level: &mut Level) -> Result<Option<String>, LevelError> {
         let tree = Tree::new(self.rest, self.triangles);
         let positions = &level.mesh.positions;
@@ -79,6 +80,10 @@ impl SkinSurface<'_> {
         let unmoved = turns.first().map_or(0.0, distance);
         if unmoved <= FAR {
             return Ok(None);
+        }
+        if level.is_placed {
+            let (name, percent) = (level.name.clone(), 100.0 * unmoved);
+            return Err(LevelError::GivenAxes { name, percent });
         }
         let mut found: Vec<_> = turns.into_par_iter().map(|turn| (distance(&turn), turn)).collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -130,7 +135,7 @@ mod tests {
         mesh.positions
             .iter_mut()
             .for_each(|[x, y, z]| [*x, *y, *z] = [100.0 * *y, 100.0 * *z, 100.0 * *x]);
-        let mut level = Level { name: "bar".to_owned(), mesh };
+        let mut level = Level { name: "bar".to_owned(), mesh, is_placed: false };
         surface.place(&mut level).map(|how| (level, how))
     }
 

@@ -1,5 +1,7 @@
 //! What keeps a scene from becoming examples, and what to export instead.
 
+use sinew_runtime::format::MAGNITUDE_MAX;
+
 /// A scene and posed meshes that do not go together, or are not enough.
 #[derive(Debug, thiserror::Error)]
 pub enum ImportError {
@@ -53,6 +55,23 @@ pub enum ImportError {
         engine: usize,
         /// In the file.
         found: usize,
+    },
+    /// A position of the posed meshes is not finite, or too large for a model.
+    #[error(
+        "its vertices {} {at}, at vertex {vertex}: export the meshes again",
+        if *is_finite {
+            format!("exceed {MAGNITUDE_MAX:e}, the most a model can hold,")
+        } else {
+            "are not finite".to_owned()
+        }
+    )]
+    TargetNumber {
+        /// Whether the position is finite, and so too large.
+        is_finite: bool,
+        /// In which frame, as its file or the scene's clip calls it, or at rest.
+        at: String,
+        /// The vertex.
+        vertex: usize,
     },
     /// Copies of one vertex of the scene's move apart in the posed meshes.
     #[error(
@@ -232,6 +251,7 @@ impl ImportError {
         matches!(
             self,
             Self::TargetVertices { .. }
+                | Self::TargetNumber { .. }
                 | Self::CopiesApart { .. }
                 | Self::TargetFrames { .. }
                 | Self::ClipOrder { .. }

@@ -13,7 +13,10 @@ use super::roots;
 use super::shuffled::is_shuffled;
 use super::targets::TargetMeshes;
 use crate::examples::idle::idle;
-use crate::examples::{Clip, Examples, ExamplesError, Matrix3x4, RIGID, Skeleton, Split, Warning};
+use crate::examples::validate::numbers;
+use crate::examples::{
+    Clip, Element, Examples, ExamplesError, Matrix3x4, RIGID, Skeleton, Split, Warning,
+};
 use crate::formats::posed_meshes::PosedMeshes;
 use crate::formats::scene::{SampledScene, Sampling, SceneError};
 use crate::formats::{FormatError, FormatWarning};
@@ -29,17 +32,17 @@ type Joined = (Examples, Vec<Clip>, Vec<Warning>);
 /// hold them, those that are not are left out.
 ///
 /// # Errors
-/// [`SceneError::SingularBind`], [`ImportError::NoShapes`]; and for targets
-/// [`ImportError::UnevenKeys`], [`ImportError::TargetVertices`], [`ImportError::CopiesApart`],
-/// [`ImportError::TargetFrames`], [`ImportError::ClipOrder`], [`ImportError::VertexOrder`] and
-/// [`ImportError::TargetsApart`].
+/// [`SceneError::SingularBind`], [`ExamplesError::NotFinite`], [`ImportError::NoShapes`]; and for targets
+/// [`ImportError::TargetNumber`], [`ImportError::UnevenKeys`], [`ImportError::TargetVertices`],
+/// [`ImportError::CopiesApart`], [`ImportError::TargetFrames`], [`ImportError::ClipOrder`],
+/// [`ImportError::VertexOrder`] and [`ImportError::TargetsApart`].
 pub(super) fn join(
     mut scene: SampledScene,
     targets: Option<TargetMeshes>,
     sampling: &Sampling<'_>,
 ) -> Result<Joined, ExamplesError> {
     let mut poses = ScenePoses::of(&mut scene)?;
-    let Some(TargetMeshes { meshes, mut split, missing }) = targets else {
+    let Some(targets) = targets else {
         if !scene.morphs {
             poses.warnings.push(Warning::PlainSkin);
         }
@@ -48,9 +51,12 @@ pub(super) fn join(
         examples.own_skin = true;
         return Ok((examples, clips, warnings));
     };
+    // First of all: positions that are not finite lie on no joint, and would be called out of place.
+    targets.check_numbers(&scene.clips)?;
     if sampling.fps.is_none() {
         check_even(&scene.clips)?;
     }
+    let TargetMeshes { meshes, mut split, missing, .. } = targets;
     let surface = Surface {
         positions: &scene.rest,
         triangles: &scene.triangles,
@@ -114,7 +120,7 @@ fn cut((mut examples, clips, mut warnings): Joined, sampling: &Sampling<'_>) -> 
 /// Gives the poses, with the rest mesh in place of every posed one.
 ///
 /// # Errors
-/// [`SceneError::SingularBind`]
+/// [`SceneError::SingularBind`], [`ExamplesError::NotFinite`] and [`ExamplesError::TooLarge`].
 pub(super) fn still(mut scene: SampledScene) -> Result<Joined, ExamplesError> {
     let poses = ScenePoses::of(&mut scene)?;
     let vertices = scene.rest.repeat(frame_len(&scene));
@@ -136,11 +142,18 @@ impl ScenePoses {
     /// mesh.
     ///
     /// # Errors
-    /// [`SceneError::SingularBind`]
-    fn of(scene: &mut SampledScene) -> Result<Self, FormatError> {
+    /// [`SceneError::SingularBind`]; [`ExamplesError::NotFinite`] for the rest mesh and the poses, and
+    /// [`ExamplesError::TooLarge`] for the rest mesh.
+    fn of(scene: &mut SampledScene) -> Result<Self, ExamplesError> {
+        numbers("rest", scene.rest.iter().map(<[_; 3]>::as_slice), None, Element::Vertex, |_| {
+            true
+        })?;
+        let joint = |number: usize| Element::Joint(scene.names[number].clone());
+        let frames = scene.frames.iter().map(Matrix4::as_slice);
+        numbers("bone_transforms", frames, Some(scene.binds.len()), joint, |_| false)?;
         let mut inverses = Vec::with_capacity(scene.binds.len());
         for (bind, name) in scene.binds.iter().zip(&scene.names) {
-            let singular = || SceneError::SingularBind { joint: name.clone() };
+            let singular = || FormatError::from(SceneError::SingularBind { joint: name.clone() });
             inverses.push(bind.try_inverse().ok_or_else(singular)?);
         }
         let joint_len = scene.binds.len().max(1);

@@ -1,10 +1,12 @@
 //! The posed meshes beside a scene, by the formats of their files.
 
+use super::error::ImportError;
 use super::npz;
-use crate::examples::{LoadError, Split};
+use crate::examples::{Clip, FrameName, LoadError, Split};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::posed_meshes::{PosedMeshes, mdd, pc2, sequence};
 use crate::formats::{abc, gltf};
+use sinew_runtime::format::MAGNITUDE_MAX;
 use std::path::{Path, PathBuf};
 
 /// Posed meshes, and what they are for.
@@ -14,6 +16,8 @@ pub(super) struct TargetMeshes {
     pub(super) meshes: PosedMeshes,
     /// Use of each frame, N, of a file that tells it.
     pub(super) split: Option<Vec<Split>>,
+    /// Files of a sequence, one a frame; none of other formats.
+    pub(super) files: Vec<String>,
     /// Files that a sequence leaves out, by its numbers.
     pub(super) missing: Vec<String>,
 }
@@ -29,8 +33,10 @@ pub(super) fn read(path: &Path) -> Result<TargetMeshes, LoadError> {
     let ending = extension(path);
     let read = match ending.as_str() {
         _ if path.is_dir() || ending == "obj" => {
-            let missing = sequence::missing(&sequence::files(path)?);
-            return Ok(TargetMeshes { missing, ..sequence::read(path)?.into() });
+            let files = sequence::files(path)?;
+            let missing = sequence::missing(&files);
+            let files = files.iter().map(|file| sequence::name_of(file)).collect();
+            return Ok(TargetMeshes { files, missing, ..sequence::read(path)?.into() });
         }
         "npz" => {
             let (meshes, split) = npz::read_posed_meshes(path).map_err(blame)?;
@@ -45,6 +51,40 @@ pub(super) fn read(path: &Path) -> Result<TargetMeshes, LoadError> {
     read.map(TargetMeshes::from).map_err(|error| blame(error.into()))
 }
 
+impl TargetMeshes {
+    /// Checks that the positions, those at rest too, are finite and of a magnitude that a model can hold. Only training
+    /// frames are bounded.
+    ///
+    /// - `clips`: those of the scene, which name the frames where no file does.
+    ///
+    /// # Errors
+    /// [`ImportError::TargetNumber`]
+    pub(super) fn check_numbers(&self, clips: &[Clip]) -> Result<(), ImportError> {
+        let fault = |points: &[[f64; 3]], bounded: bool| {
+            let most = if bounded { f64::from(MAGNITUDE_MAX) } else { f64::MAX };
+            let vertex = points.iter().position(|x| !x.iter().all(|x| x.abs() <= most))?;
+            Some((vertex, points[vertex].iter().all(|x| x.is_finite())))
+        };
+        let error = |(vertex, is_finite), at| ImportError::TargetNumber { is_finite, at, vertex };
+        if let Some(fault) = self.meshes.rest.as_ref().and_then(|rest| fault(rest, true)) {
+            return Err(error(fault, "at rest".to_owned()));
+        }
+        let frames = self.meshes.vertices.chunks(self.meshes.vertex_len.max(1));
+        for (frame, posed) in frames.enumerate() {
+            let split = self.split.as_ref().and_then(|split| split.get(frame));
+            let is_trained = split.is_none_or(|split| *split == Split::Train);
+            if let Some(fault) = fault(posed, is_trained) {
+                let name = match self.files.get(frame) {
+                    Some(file) => format!("{frame} ({file})"),
+                    None => FrameName::new(clips, frame).to_string(),
+                };
+                return Err(error(fault, format!("in frame {name}")));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Lists the files that [`read`] reads; the path itself where it would fail.
 pub(super) fn files(path: &Path) -> Vec<PathBuf> {
     let is_sequence = path.is_dir() || extension(path) == "obj";
@@ -54,6 +94,6 @@ pub(super) fn files(path: &Path) -> Vec<PathBuf> {
 
 impl From<PosedMeshes> for TargetMeshes {
     fn from(meshes: PosedMeshes) -> Self {
-        Self { meshes, split: None, missing: Vec::new() }
+        Self { meshes, split: None, files: Vec::new(), missing: Vec::new() }
     }
 }

@@ -18,7 +18,7 @@ use crate::formats::error::FormatError;
 /// # Errors
 /// [`FormatError::Read`] and [`FormatError::Scene`].
 pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, FormatError> {
-    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+    let bytes = file::read(path)?;
     let Parsed { document, buffers, .. } = file::parse(&bytes, path)?;
     let mut tree = file::tree(&bytes)?;
     let meshes = shown_meshes(&document, &Nodes::read(&document)?);

@@ -37,8 +37,13 @@ impl Parsed {
 
 /// Reads a file and every buffer that it names, inside it or beside it.
 pub(super) fn open(path: &Path) -> Result<Parsed, FormatError> {
+    Ok(parse(&read(path)?, path)?)
+}
+
+/// Reads the bytes of a file and refuses an empty one.
+pub(super) fn read(path: &Path) -> Result<Vec<u8>, FormatError> {
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
-    Ok(parse(&bytes, path)?)
+    if bytes.is_empty() { Err(FormatError::Empty) } else { Ok(bytes) }
 }
 
 /// Parses the bytes of a file and reads every buffer that it names, inside it or beside it.
@@ -90,7 +95,15 @@ fn chunks(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), SceneError> {
     if !bytes.starts_with(b"glTF") {
         return Ok((bytes.into(), None));
     }
-    let not_gltf = |error: gltf::Error| SceneError::NotGltf { reason: error.to_string() };
+    let not_gltf = |error: gltf::Error| {
+        let reason = match error {
+            gltf::Error::Binary(gltf::binary::Error::Io(_)) => {
+                "its chunks are cut short".to_owned()
+            }
+            other => other.to_string(),
+        };
+        SceneError::NotGltf { reason }
+    };
     let Glb { json, bin, .. } = Glb::from_slice(bytes).map_err(not_gltf)?;
     Ok((json, bin))
 }
@@ -129,12 +142,23 @@ fn state_nodes(tree: &mut Map<String, Value>) {
     }
 }
 
-/// Checks that a binary file has as many bytes as it says.
+/// Bytes of a binary file's header: magic, version and the length of the whole.
+const HEADER_BYTES: usize = 12;
+
+/// Checks that a file begins as glTF does, and that a binary one has as many bytes as it says.
 fn check_whole(bytes: &[u8]) -> Result<(), SceneError> {
-    let (Some(b"glTF"), Some(len)) = (bytes.first_chunk(), bytes.get(8..12)) else { return Ok(()) };
+    if !b"glTF".starts_with(&bytes[..bytes.len().min(4)]) {
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+        let reason = || "it begins neither with glTF nor, as JSON, with a brace".to_owned();
+        return match text.first() {
+            Some(b'{') => Ok(()),
+            _ => Err(SceneError::NotGltf { reason: reason() }),
+        };
+    }
+    let len = bytes.get(8..HEADER_BYTES).unwrap_or_default();
     let expected = len.iter().rev().fold(0, |all, &byte| all << 8 | usize::from(byte));
-    match bytes.len() {
-        found if found < expected => Err(SceneError::CutShort { expected, found }),
+    match (expected.max(HEADER_BYTES), bytes.len()) {
+        (expected, found) if found < expected => Err(SceneError::CutShort { expected, found }),
         _ => Ok(()),
     }
 }

@@ -185,7 +185,11 @@ impl Meshes {
             count("joints", 4 * vertex_len, joints.len())?;
             count("weights", 4 * vertex_len, weights.len())?;
             let sets = joints.as_chunks::<4>().0.iter().zip(weights.as_chunks::<4>().0);
-            for (all, (joints, weights)) in influences.iter_mut().zip(sets) {
+            for (vertex, (all, (joints, weights))) in influences.iter_mut().zip(sets).enumerate() {
+                if let Some(&number) = weights.iter().find(|weight| !weight.is_finite()) {
+                    let (mesh, vertex) = (instance.name.clone(), base - instance.first + vertex);
+                    return Err(SceneError::Weight { mesh, vertex, number });
+                }
                 let pairs = joints.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
                 all.extend(pairs.map(|(&joint, &weight)| (joint as usize, weight)));
             }

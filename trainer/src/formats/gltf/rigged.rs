@@ -67,7 +67,7 @@ impl RiggedFile {
     /// [`FormatError::Read`]; [`FormatError::Scene`] with what is damaged, [`SceneError::Extension`] for
     /// compressed meshes.
     pub(crate) fn read(path: &Path) -> Result<Self, FormatError> {
-        let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+        let bytes = file::read(path)?;
         Ok(Self::parse(&bytes, path)?)
     }
 

@@ -21,7 +21,7 @@ use crate::formats::warning::FormatWarning;
 /// # Errors
 /// [`FormatError::Read`], and [`FormatError::Scene`] with what is missing or damaged.
 pub(crate) fn read_shapes(path: &Path) -> Result<ShapedMesh, FormatError> {
-    let bytes = std::fs::read(path).map_err(FormatError::Read)?;
+    let bytes = file::read(path)?;
     Ok(parse_shapes(&bytes, path)?)
 }
 

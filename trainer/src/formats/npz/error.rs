@@ -5,19 +5,29 @@
 pub enum ArrayError {
     /// The archive is truncated or is no npz at all.
     #[error(
-        "is not a whole npz archive: cut short or damaged ({reason}); write it, or copy it, again"
+        "is no whole .npz archive: its {found} bytes do not end with the archive's directory; write it, or copy it, again"
     )]
     Archive {
-        /// What the archive's reader says.
-        reason: String,
+        /// Bytes of the file.
+        found: u64,
     },
     /// An array is damaged or is no npy data.
-    #[error("array {array} is damaged: {reason}")]
+    #[error("array {array} is damaged: {reason}; write the file, or copy it, again")]
     Damaged {
         /// The array.
         array: String,
-        /// What the array's reader says.
+        /// What is wrong.
         reason: String,
+    },
+    /// A word of a text is not a number.
+    #[error("array {array} has {word:?} as number {place}, expected a number")]
+    NoNumber {
+        /// The array.
+        array: String,
+        /// Where the word stands, from 0.
+        place: usize,
+        /// The word.
+        word: String,
     },
     /// An array that is needed is absent.
     #[error("array {array} is missing")]

@@ -36,11 +36,11 @@ pub(crate) trait Number: Copy + Default {
 /// Reads a `.npy` file of one row of numbers, called `array` where something is wrong with it.
 pub(crate) fn read_npy(path: &Path, array: &str) -> Result<Vec<f64>, FormatError> {
     let array = || array.to_owned();
-    let damaged =
-        |error: io::Error| ArrayError::Damaged { array: array(), reason: error.to_string() };
+    let damaged = |reason: &str| ArrayError::Damaged { array: array(), reason: reason.to_owned() };
     let bytes = std::fs::read(path).map_err(FormatError::Read)?;
     let mut left = bytes.as_slice();
-    let header = NpyHeader::from_reader(&mut left).map_err(damaged)?;
+    let header =
+        NpyHeader::from_reader(&mut left).map_err(|error| damaged(fault_of_header(&error)))?;
     if header.shape().len() != 1 {
         let found = header.shape().to_vec();
         let expected = "[n]".to_owned();
@@ -50,7 +50,7 @@ pub(crate) fn read_npy(path: &Path, array: &str) -> Result<Vec<f64>, FormatError
     let wrong = ArrayError::WrongType { array: array(), expected: f64::EXPECTED, found };
     let mut numbers = Vec::new();
     let read = f64::each(NpyFile::with_header(header, left), |number| numbers.push(number));
-    read.ok_or(wrong)?.map_err(damaged)?;
+    read.ok_or(wrong)?.map_err(|error| damaged(fault_of_data(&error)))?;
     Ok(numbers)
 }
 
@@ -58,10 +58,15 @@ impl Archive {
     /// Opens an archive and reads its directory.
     pub(crate) fn open(path: &Path) -> Result<Self, FormatError> {
         let file = File::open(path).map_err(FormatError::Read)?;
-        let zip = ZipArchive::new(BufReader::new(file)).map_err(|error| ArrayError::Archive {
-            reason: format!("{error}; it may be cut short: write it again"),
-        })?;
+        let found = file.metadata().map_err(FormatError::Read)?.len();
+        let zip =
+            ZipArchive::new(BufReader::new(file)).map_err(|_| ArrayError::Archive { found })?;
         Ok(Self { zip })
+    }
+
+    /// Returns whether there is such an array.
+    pub(crate) fn has(&self, array: &str) -> bool {
+        self.zip.index_for_name(&file_name_from_array_name(array)).is_some()
     }
 
     /// Reads an array as [`Archive::rows`] does, and insists on it.
@@ -112,7 +117,7 @@ impl Archive {
         T::each(NpyFile::with_header(header, &mut file), |number| flat[places.take()] = number)
             .ok_or(wrong)?
             .and_then(|()| finish(file))
-            .map_err(|error| damaged(error.to_string()))?;
+            .map_err(|error| damaged(fault_of_data(&error).to_owned()))?;
         Ok(Some(Rows { lead, data }))
     }
 
@@ -126,7 +131,7 @@ impl Archive {
         let mut only = f64::NAN;
         let damaged = |error: io::Error| ArrayError::Damaged {
             array: array.to_owned(),
-            reason: error.to_string(),
+            reason: fault_of_data(&error).to_owned(),
         };
         f64::each(NpyFile::with_header(header, &mut file), |number| only = number)
             .ok_or(wrong)?
@@ -159,14 +164,11 @@ impl Archive {
         let Some(index) = self.zip.index_for_name(&file_name_from_array_name(array)) else {
             return Ok(None);
         };
-        let mut file = self.zip.by_index(index).map_err(|error| damaged(error.to_string()))?;
+        let unpacked = self.zip.by_index(index);
+        let mut file = unpacked.map_err(|_| damaged("it cannot be unpacked".to_owned()))?;
         let present = file.size();
-        let header = NpyHeader::from_reader(&mut file).map_err(|error| {
-            damaged(match error.kind() {
-                ErrorKind::UnexpectedEof => "it ends early".to_owned(),
-                _ => error.to_string(),
-            })
-        })?;
+        let header = NpyHeader::from_reader(&mut file)
+            .map_err(|error| damaged(fault_of_header(&error).to_owned()))?;
         let each = header.dtype().num_bytes().map_or(1, |bytes| bytes as u64);
         let count = header.shape().iter().try_fold(1, |all: u64, &count| all.checked_mul(count));
         let asked = count.and_then(|count| count.checked_mul(each));
@@ -202,9 +204,25 @@ fn texts(array: &str, header: NpyHeader, mut file: impl Read) -> Result<Vec<Stri
     let texts = texts.collect::<io::Result<_>>().and_then(|texts| finish(file).map(|()| texts));
     let damaged = |error: io::Error| ArrayError::Damaged {
         array: array.to_owned(),
-        reason: error.to_string(),
+        reason: fault_of_data(&error).to_owned(),
     };
     Ok(texts.map_err(damaged)?)
+}
+
+/// Names the fault of an array's header.
+fn fault_of_header(error: &io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::UnexpectedEof => "it ends in its header",
+        _ => "its header is not that of an .npy array of numbers or text",
+    }
+}
+
+/// Names the fault of an array's numbers or texts.
+fn fault_of_data(error: &io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::UnexpectedEof => "it ends early",
+        _ => "its bytes do not match their checksum",
+    }
 }
 
 /// Reads on to the end of an array's file, where zip compares its checksum.
@@ -217,6 +235,7 @@ impl Number for f64 {
 
     fn each(file: NpyFile<impl Read>, mut store: impl FnMut(Self)) -> Option<io::Result<()>> {
         match plain(&file)? {
+            (TypeChar::Float, 2) => each(file, |number: half::f16| store(number.into())),
             (TypeChar::Float, 4) => each(file, |number: f32| store(number.into())),
             (TypeChar::Float, 8) => each(file, store),
             _ => i64::each(file, |number| store(number as f64)),

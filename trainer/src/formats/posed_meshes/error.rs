@@ -17,6 +17,16 @@ pub enum PointCacheError {
         /// The count.
         found: i32,
     },
+    /// The counts in the header ask for more bytes than a file can have.
+    #[error(
+        "counts {points} points in {frames} frames, more than a file can hold; export the point cache again"
+    )]
+    TooMany {
+        /// Points of a frame.
+        points: u64,
+        /// Frames.
+        frames: u64,
+    },
     /// The file is cut off, or goes on after its end.
     #[error(
         "should have {expected} bytes by its header, found {found}; export the point cache again"

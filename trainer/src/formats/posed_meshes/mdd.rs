@@ -20,7 +20,7 @@ pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FormatError> {
 /// Reads the bytes of a file.
 ///
 /// # Errors
-/// [`PointCacheError::Count`] and [`PointCacheError::Length`]
+/// [`PointCacheError::Count`], [`PointCacheError::TooMany`] and [`PointCacheError::Length`]
 pub(super) fn parse(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
     let Some(&[a, b, c, d, e, f, g, h]) = bytes.first_chunk::<HEADER_BYTES>() else {
         let (expected, found) = (HEADER_BYTES as u64, bytes.len() as u64);

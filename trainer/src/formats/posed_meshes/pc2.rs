@@ -27,7 +27,7 @@ pub(crate) fn read(path: &Path) -> Result<PosedMeshes, FormatError> {
 ///
 /// # Errors
 /// - [`PointCacheError::NotPointCache`] for another magic or version.
-/// - [`PointCacheError::Count`] and [`PointCacheError::Length`] for counts that are not
+/// - [`PointCacheError::Count`], [`PointCacheError::TooMany`] and [`PointCacheError::Length`] for counts that are not
 ///   positive or do not match the file's length.
 pub(super) fn parse(bytes: &[u8]) -> Result<PosedMeshes, PointCacheError> {
     if !bytes.starts_with(&MAGIC) {

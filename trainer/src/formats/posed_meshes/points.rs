@@ -37,9 +37,11 @@ impl Counts {
         begin: u64,
         number: fn([u8; 4]) -> f32,
     ) -> Result<PosedMeshes, PointCacheError> {
-        // Two counts of 31 bits: no product overflows 64.
-        let expected =
-            begin.saturating_add((self.vertex_len * self.frame_len).saturating_mul(POINT_BYTES));
+        let (points, frames) = (self.vertex_len, self.frame_len);
+        // Two counts of 31 bits: their product fits 64.
+        let expected = (points * frames).checked_mul(POINT_BYTES);
+        let expected = expected.and_then(|bytes| bytes.checked_add(begin));
+        let expected = expected.ok_or(PointCacheError::TooMany { points, frames })?;
         let found = bytes.len() as u64;
         if found != expected {
             return Err(PointCacheError::Length { expected, found });

@@ -136,7 +136,8 @@ fn same(
     Ok(())
 }
 
-fn name_of(file: &Path) -> String {
+/// Gives the name of a file, without its folder.
+pub(crate) fn name_of(file: &Path) -> String {
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 

@@ -91,11 +91,9 @@ fn headers_that_lie_are_refused_before_anything_is_made() {
         "should have 128 bytes by its header, found 88; export the point cache again"
     );
     let found = fault(pc2::parse(&pc2_bytes(i32::MAX, i32::MAX, 1)));
-    assert!(found.contains("should have 18446744073709551615 bytes"), "{found}");
-    assert!(matches!(
-        mdd::parse(&mdd_bytes(i32::MAX, i32::MAX)),
-        Err(PointCacheError::Length { found: 88, .. })
-    ));
+    let expected = "counts 2147483647 points in 2147483647 frames, more than a file can hold; export \
+                    the point cache again";
+    assert_eq!([found, fault(mdd::parse(&mdd_bytes(i32::MAX, i32::MAX)))], [expected; 2]);
     for (points, frames, what) in [(0, 2, "0 points"), (3, -2, "-2 frames"), (-1, 0, "-1 points")] {
         for found in
             [pc2::parse(&pc2_bytes(points, frames, 1)), mdd::parse(&mdd_bytes(points, frames))]

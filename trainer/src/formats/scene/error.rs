@@ -10,7 +10,9 @@ pub enum SceneError {
         reason: String,
     },
     /// The file ends before it should.
-    #[error("is cut short: expected {expected} bytes, found {found}; export it, or copy it, again")]
+    #[error(
+        "is cut short: expected at least {expected} bytes, found {found}; export it, or copy it, again"
+    )]
     CutShort {
         /// Bytes that it says it has.
         expected: usize,
@@ -115,6 +117,19 @@ pub enum SceneError {
         mesh: String,
         /// The vertex.
         vertex: usize,
+    },
+    /// A joint weight is not finite.
+    #[error(
+        "mesh {mesh}: vertex {vertex} has the joint weight {number}, expected a finite number: normalize the weights and \
+         export again"
+    )]
+    Weight {
+        /// The mesh.
+        mesh: String,
+        /// The vertex.
+        vertex: usize,
+        /// The weight.
+        number: f64,
     },
     /// No mesh is bound to joints.
     #[error(

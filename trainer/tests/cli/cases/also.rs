@@ -127,7 +127,7 @@ fn an_orientation_that_cannot_be_told_is_refused_before_training_and_settled_by_
         assert!(line.contains(words), "{line}");
         assert!(line.contains("give one of these, as --also-axes \"("), "{line}");
         assert!(!folder.path("m.sinew").exists());
-        for axes in ["(x, z, -y) x 0.01", "x z -y 0.01"] {
+        for axes in ["(x, z, -y) x 0.01", "x z -y 0.01", "(x,z,-y)x0.01"] {
             run(&folder, &train, &["--also-axes", axes]);
             for (into, clip) in [("", 0), ("--into plain.glb", 1)] {
                 let export = format!(
@@ -156,4 +156,68 @@ fn an_orientation_that_cannot_be_told_is_refused_before_training_and_settled_by_
     assert!(
         line.contains("--also-axes: expected one for all meshes or one for each of 3, found 2")
     );
+}
+
+#[test]
+fn axes_that_are_given_and_do_not_fit_are_named() {
+    let Some(folder) = with_cases("also-given", &["gltf/plain.glb"]) else { return };
+    run(&folder, "-q train --predictor kernel plain.glb -o plain.sinew", &[]);
+    write(&folder, |x| [100.0 * x[0], 100.0 * x[1], 100.0 * x[2]]);
+    for command in [
+        "-q train --predictor kernel plain.glb --also lod.obj -o m.sinew",
+        "-q export plain.sinew --clip plain.glb --also lod.obj -o out.glb",
+    ] {
+        for axes in ["(x, y, z)", "(x,z,-y)x0.1"] {
+            let line = sinew(&folder, command, &["--also-axes", axes]).err;
+            let expected = "in the axes and unit given as --also-axes, expected at most 10 % at the median: give \
+                            others, or leave --also-axes out";
+            assert!(line.starts_with("sinew: mesh lod is ") && line.contains(expected), "{line}");
+        }
+        run(&folder, command, &["--also-axes", "(x,y,z)x0.01"]);
+    }
+}
+
+#[test]
+fn a_mesh_that_is_not_the_character_s_is_warned_of_by_its_distance() {
+    let Some(folder) = with_cases("also-other", &["gltf/plain.glb"]) else { return };
+    let (positions, _) = tube(&folder);
+    let scale = |about: f64, by: f64| move |x: f64| about + (x - about) * by;
+    let middle = |axis: usize| {
+        let all = positions.iter().skip(axis).step_by(3).copied();
+        0.5 * (all.clone().fold(f64::MAX, f64::min) + all.fold(f64::MIN, f64::max))
+    };
+    let [x, y, z] = [0, 1, 2].map(middle);
+    let distance = |is_warned: bool| {
+        let train = "train --predictor kernel plain.glb --also lod.obj -o m.sinew";
+        let run = run(&folder, train, &[]);
+        let told: Vec<&str> = run.err.lines().filter(|line| line.contains("lod.obj: ")).collect();
+        let record = sinew(&folder, &format!("-q {train} --json"), &[]).out;
+        let record: Value = serde_json::from_str(&record).unwrap();
+        let percent = record["levels"][0]["distance_percent"].as_f64().unwrap();
+        assert_eq!(told.len(), usize::from(is_warned), "{percent}: {}", run.err);
+        if let [line] = told[..] {
+            let expected = format!("half of its vertices are more than {percent:.1} % (");
+            assert!(line.contains(&expected) && line.contains(" mm) of the diagonal"), "{line}");
+        }
+        percent
+    };
+    // The same surface, a garment around it, and a mesh of half the size.
+    write(&folder, |p| [p[0], p[1], p[2]]);
+    assert!(distance(false) < 1e-3);
+    write(&folder, |p| [scale(x, 1.1)(p[0]), p[1], scale(z, 1.1)(p[2])]);
+    let garment = distance(false);
+    assert!(garment > 0.2, "{garment}");
+    write(&folder, |p| [scale(x, 0.5)(p[0]), scale(y, 0.5)(p[1]), scale(z, 0.5)(p[2])]);
+    let half = distance(true);
+    assert!(half > 2.0, "{half}");
+}
+
+#[test]
+fn files_whose_skins_would_have_one_name_are_named() {
+    let Some(folder) = with_cases("also-names", &["gltf/plain.glb"]) else { return };
+    write(&folder, |x| [x[0], x[1], x[2]]);
+    let train = "-q train plain.glb --also lod.obj --also lod.glb -o m.sinew";
+    let line = sinew(&folder, train, &[]).err;
+    let expected = "sinew: lod.glb: its skin would be called lod, as that of lod.obj: rename one of the files\n";
+    assert_eq!(line, expected);
 }

@@ -1,8 +1,10 @@
 //! Warnings: each is printed once, and names the user's own things.
 
+use super::glb::Glb;
 use super::with_cases;
 use crate::common::{Folder, Run, Set};
 use crate::shared::shared;
+use serde_json::json;
 
 /// Lines of both streams that hold all these words.
 fn lines<'a>(run: &'a Run, words: &[&str]) -> Vec<&'a str> {
@@ -53,6 +55,16 @@ fn a_triangle_without_area_is_named_once() {
 }
 
 #[test]
+fn a_kernel_is_not_warned_of_half_turns() {
+    let Some(fox) = shared("gltf-loader/Fox.glb") else { return };
+    let folder = Folder::new("half-turn-kernel");
+    std::fs::copy(fox, folder.path("fox.glb")).unwrap();
+    let run = folder.sinew("train fox.glb -o m.sinew --predictor kernel --proxies 4");
+    assert_eq!(run.code, Some(0), "{run:?}");
+    assert!(!run.err.contains("half turn"), "{run:?}");
+}
+
+#[test]
 fn a_joint_near_a_half_turn_is_named_once() {
     let Some(fox) = shared("gltf-loader/Fox.glb") else { return };
     let folder = Folder::new("half-turn");
@@ -86,4 +98,103 @@ fn a_number_that_is_wrong_is_named_by_its_place_in_the_scene() {
         std::fs::write(folder.path("bad.glb"), spoiled(&glb, "POSITION", number)).unwrap();
         assert_eq!(folder.sinew("check bad.glb").failed(), format!("bad.glb: {expected}"));
     }
+}
+
+#[test]
+fn a_joint_weight_that_is_not_finite_is_named_and_not_called_absent() {
+    let Some(folder) = with_cases("weight-words", &["gltf/plain.glb"]) else { return };
+    let glb = folder.read("plain.glb");
+    for (number, word) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf")] {
+        // The weights of vertex 0 follow each other; the fourth number is its last.
+        std::fs::write(folder.path("bad.glb"), spoiled(&glb, "WEIGHTS_0", number)).unwrap();
+        let expected = format!(
+            "bad.glb: mesh tube: vertex 0 has the joint weight {word}, expected a finite number: normalize the weights \
+             and export again"
+        );
+        assert_eq!(folder.sinew("check bad.glb").failed(), expected);
+    }
+}
+
+#[test]
+fn a_pose_that_is_not_finite_is_named_by_the_file_that_has_it() {
+    let cases = ["gltf/plain.glb", "gltf/plain_targets.npz"];
+    let Some(folder) = with_cases("pose-words", &cases) else { return };
+    let mut glb = Glb::read(&folder, "plain.glb");
+    let sampler = &glb.json["animations"][0]["samplers"][0];
+    let mut keys: Vec<f32> = glb.values(&sampler["output"]).into_iter().map(|x| x as f32).collect();
+    keys[..4].fill(f32::NAN);
+    let output = glb.floats("VEC4", 4, &keys);
+    glb.json["animations"][0]["samplers"][0]["output"] = json!(output);
+    glb.write(&folder, "bad.glb");
+    let line = folder.sinew("train bad.glb --targets plain_targets.npz -o m.sinew").failed();
+    assert!(
+        line.starts_with("bad.glb: the animated pose is not finite at frame 0, joint "),
+        "{line}"
+    );
+    // As it plays, it is a sequence of meshes.
+    let line = folder.sinew("train plain.glb --targets bad.glb -o m.sinew").failed();
+    assert!(
+        line.starts_with("bad.glb: its vertices are not finite in frame 0, at vertex "),
+        "{line}"
+    );
+}
+
+#[test]
+fn a_scene_that_is_cut_short_says_how_long_it_should_be_to_every_command() {
+    let Some(folder) = with_cases("cut-words", &["gltf/plain.glb"]) else { return };
+    super::run(&folder, "-q train --predictor kernel plain.glb -o m.sinew");
+    let glb = folder.read("plain.glb");
+    for len in (0..=13).chain([glb.len() - 1]) {
+        std::fs::write(folder.path("cut.glb"), &glb[..len]).unwrap();
+        let whole = if len < 12 { 12 } else { glb.len() };
+        let expected = match len {
+            0 => "cut.glb: is empty".to_owned(),
+            _ => format!(
+                "cut.glb: is cut short: expected at least {whole} bytes, found {len}; export it, or copy it, again"
+            ),
+        };
+        for command in [
+            "check cut.glb",
+            "train plain.glb --targets cut.glb -o n.sinew",
+            "train plain.glb --also cut.glb -o n.sinew",
+            "export m.sinew --clip cut.glb -o o.glb",
+            "export m.sinew --clip plain.glb --mesh cut.glb -o o.glb",
+            "export m.sinew --clip plain.glb --into cut.glb -o o.glb",
+            "face train --basis cut.glb -o f.sinew",
+        ] {
+            let line = super::refused(&folder, command);
+            assert_eq!(line, format!("sinew: {expected}"), "{command}");
+        }
+    }
+    std::fs::write(folder.path("cut.glb"), "no scene").unwrap();
+    let line = folder.sinew("check cut.glb").failed();
+    let expected =
+        "cut.glb: is no glTF 2.0: it begins neither with glTF nor, as JSON, with a brace";
+    assert_eq!(line, expected);
+}
+
+#[test]
+fn what_several_files_have_in_common_is_warned_of_once() {
+    let Some(folder) = with_cases("twice", &["gltf/plain.glb"]) else { return };
+    std::fs::copy(folder.path("plain.glb"), folder.path("second.glb")).unwrap();
+    for (files, names) in
+        [("plain.glb second.glb", "plain.glb, second.glb"), ("plain.glb plain.glb", "plain.glb")]
+    {
+        let run = folder.sinew(&format!("train {files} --predictor kernel -o m.sinew"));
+        let told = lines(&run, &["no shapes move and no targets are given"]);
+        assert_eq!(told.len(), 1, "{run:?}");
+        assert!(told[0].starts_with(&format!("sinew: warning: {names}: no shapes")), "{run:?}");
+    }
+}
+
+#[test]
+fn a_share_that_runs_are_too_short_for_is_not_called_held_out() {
+    let folder = Folder::with_demo("rounded");
+    // Of 52 frames in runs of 10 or 11, each keeps one to train.
+    let train = "train demo.npz -o m.sinew --predictor kernel --proxies 2 --hold-out";
+    let run = folder.sinew(&format!("{train} 0.5"));
+    assert_eq!((run.code, run.err.as_str()), (Some(0), ""));
+    let run = folder.sinew(&format!("{train} 0.001"));
+    let expected = "sinew: warning: demo.npz: 5 of 52 frames are held out, 10 % and not 0.1 %: ";
+    assert!(run.code == Some(0) && run.err.starts_with(expected), "{run:?}");
 }

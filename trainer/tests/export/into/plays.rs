@@ -113,7 +113,7 @@ fn a_further_mesh_is_added_beside() {
         triangles: examples.triangles.clone(),
         engine: examples.engine.clone(),
     };
-    let levels = [Level { name: "lod1".to_owned(), mesh }];
+    let levels = [Level { name: "lod1".to_owned(), mesh, is_placed: false }];
     let grafted = export_into(model, examples, clips, &levels, &file).unwrap();
     std::fs::remove_file(file).unwrap();
     valid("further", &grafted.glb);

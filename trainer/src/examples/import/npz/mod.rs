@@ -49,6 +49,7 @@ use self::sidecar::{Parent, Sidecar};
 use self::space::read_space;
 use self::texture::read_texture;
 use super::chosen::{chosen, kept};
+use super::error::ImportError;
 use super::loaded::Loaded;
 use super::roots;
 use crate::examples::validate::{REPAIRABLE, same};
@@ -113,6 +114,11 @@ fn read(
     path: &Path,
     sampling: &Sampling<'_>,
 ) -> Result<(Loaded, Option<f64>), ExamplesError> {
+    let has_joints = sidecar.bone_names.is_some()
+        || ["bone_names", "bone_parents", "bone_transforms"].iter().any(|array| archive.has(array));
+    if archive.has("vertices") && !has_joints {
+        return Err(ImportError::MeshesAlone.into());
+    }
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
     let faces = read_faces(&mut archive, FACES, rest.len())?;
     let faces = faces.ok_or_else(|| missing("quads or tris"))?;

@@ -260,6 +260,63 @@ fn vertices_in_another_order_are_told_of() {
 }
 
 #[test]
+fn positions_that_are_not_finite_are_told_by_frame_and_vertex_before_any_place_is_compared() {
+    let refused = |targets: TargetMeshes| {
+        let (mut scene, _) = limb();
+        cut(&mut scene, &[3, 3]);
+        join(scene, Some(targets), &KEYS).unwrap_err().to_string()
+    };
+    // All of a frame, so that whatever looks at some of its vertices meets one.
+    let spoiled = |frame: usize, number: f64| {
+        let (_, mut posed) = limb();
+        posed[frame * VERTICES + 7..][..VERTICES - 7].fill([number; 3]);
+        posed
+    };
+    for number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let expected =
+            "its vertices are not finite in frame 4 (wave 1), at vertex 7: export the meshes again";
+        assert_eq!(refused(targets(spoiled(4, number))), expected);
+    }
+    let large =
+        "its vertices exceed 1e9, the most a model can hold, in frame 0 (bend 0), at vertex 7: ";
+    assert!(refused(targets(spoiled(0, 1e30))).starts_with(large));
+    let files = (1..=6).map(|number| format!("p{number}.obj")).collect();
+    let sequence = TargetMeshes { files, ..targets(spoiled(4, f64::NAN)) };
+    assert!(
+        refused(sequence)
+            .starts_with("its vertices are not finite in frame 4 (p5.obj), at vertex 7")
+    );
+    let (scene, posed) = limb();
+    let mut rest = scene.rest;
+    rest[9][1] = f64::NAN;
+    let with_rest = PosedMeshes { rest: Some(rest), ..PosedMeshes::bare(VERTICES, posed) };
+    assert!(
+        refused(with_rest.into()).starts_with("its vertices are not finite at rest, at vertex 9")
+    );
+
+    // Only training frames are bounded.
+    let (scene, _) = limb();
+    let mut split = vec![Split::Train; FRAMES];
+    split[4] = Split::Extreme;
+    let held_out = TargetMeshes { split: Some(split), ..targets(spoiled(4, 1e30)) };
+    let error = held_out.check_numbers(&scene.clips);
+    assert!(error.is_ok(), "{error:?}");
+}
+
+#[test]
+fn poses_that_are_not_finite_are_the_scene_s_fault_and_not_the_targets() {
+    let (mut scene, posed) = limb();
+    // Both joints, so that none carries a vertex anywhere.
+    scene.frames[2 * 3..][..2].fill(Matrix4::from_element(f64::NAN));
+    let error = join(scene, Some(targets(posed)), &KEYS).unwrap_err();
+    let ExamplesError::NotFinite { array: "bone_transforms", frame: Some(3), element } = &error
+    else {
+        panic!("{error}")
+    };
+    assert_eq!(element.to_string(), "joint upper");
+}
+
+#[test]
 fn files_that_a_sequence_leaves_out_are_named_where_the_counts_tell() {
     for (missing, expected) in [
         (vec!["p3.obj"], "(bend: 6): p3.obj is missing"),
