@@ -11,6 +11,17 @@ pub enum CsvError {
         /// What the reader says.
         reason: String,
     },
+    /// The first line is of numbers.
+    #[error(
+        "line {line}: expected the names of the columns, found only numbers ({found}): write a line of names above \
+         them"
+    )]
+    NoNames {
+        /// The line, the first being 1.
+        line: u64,
+        /// What is there.
+        found: String,
+    },
     /// Two columns have one name.
     #[error("line 1: two columns are named {name:?}")]
     Twice {

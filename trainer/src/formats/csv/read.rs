@@ -13,7 +13,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 pub(crate) struct Table {
     /// Names of the columns.
     pub(crate) names: Vec<String>,
-    /// Whether numbers may have a decimal comma: where commas do not part cells.
+    /// Whether every number may have a decimal comma: where commas do not part cells.
     has_decimal_commas: bool,
     rows: Vec<Row>,
 }
@@ -42,7 +42,7 @@ pub(crate) fn read(path: &Path) -> Result<Table, FormatError> {
 }
 
 impl Table {
-    /// Reads a table, of at least one row. Cells are parted by the one of [`SEPARATORS`] that the names have most of;
+    /// Reads a table of text in UTF-8, of at least one row below a line of names. Cells are parted by the one of [`SEPARATORS`] that the names have most of;
     /// rows without any text at the end are left out.
     ///
     /// # Errors
@@ -54,11 +54,25 @@ impl Table {
         let mut reader =
             builder.trim(csv::Trim::All).flexible(true).delimiter(separator).from_reader(text);
         let wrong = |error: csv::Error| {
-            let line = error.position().map_or(1, csv::Position::line);
-            CsvError::Text { line, reason: error.to_string() }
+            let line = error.position().map_or(1, |position| line(text, position));
+            let reason = match error.kind() {
+                csv::ErrorKind::Utf8 { .. } => {
+                    "expected text in UTF-8: save the file so".to_owned()
+                }
+                _ => error.to_string(),
+            };
+            CsvError::Text { line, reason }
         };
-        let names: Vec<String> =
-            reader.headers().map_err(wrong)?.iter().map(str::to_owned).collect();
+        let has_decimal_commas = separator != b',';
+        let first = reader.headers().map_err(wrong)?.clone();
+        let mut cells = first.iter().filter(|cell| !cell.is_empty()).peekable();
+        if cells.peek().is_some() && cells.all(|cell| number(cell, has_decimal_commas).is_some()) {
+            let line = first.position().map_or(1, |position| line(text, position));
+            let found = first.iter().collect::<Vec<_>>().join(", ");
+            return Err(CsvError::NoNames { line, found });
+        }
+        let mut names: Vec<String> = first.iter().map(str::to_owned).collect();
+        while names.pop_if(|name| name.is_empty()).is_some() {}
         let is_repeated = |&at: &usize| !names[at].is_empty() && names[..at].contains(&names[at]);
         if let Some(at) = (0..names.len()).find(is_repeated) {
             return Err(CsvError::Twice { name: names[at].clone() });
@@ -70,7 +84,6 @@ impl Table {
             rows.push(Row { line, cells });
         }
         while rows.pop_if(|row| row.cells.iter().all(str::is_empty)).is_some() {}
-        let has_decimal_commas = separator != b',';
         if rows.is_empty() {
             Err(CsvError::Empty)
         } else {
@@ -104,22 +117,19 @@ impl Table {
     /// [`CsvError::Row`] and [`CsvError::Number`]
     pub(crate) fn numbers_of(&self, row: &Row, columns: &[usize]) -> Result<Vec<f64>, CsvError> {
         let (expected, found) = (self.names.len(), row.len());
-        if found != expected {
+        let has_more = row.cells.iter().skip(expected).any(|cell| !cell.is_empty());
+        if found < expected || has_more {
             return Err(CsvError::Row { line: row.line, expected, found });
         }
-        let number = |&column: &usize| {
+        let read = |&column: &usize| {
             let cell = row.cells.get(column).unwrap_or_default();
-            let number = match self.has_decimal_commas {
-                true => cell.replacen(',', ".", 1).parse(),
-                false => cell.parse(),
-            };
-            number.ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| CsvError::Number {
+            number(cell, self.has_decimal_commas).ok_or_else(|| CsvError::Number {
                 line: row.line,
                 column: self.names[column].clone(),
                 found: cell.to_owned(),
             })
         };
-        columns.iter().map(number).collect()
+        columns.iter().map(read).collect()
     }
 
     /// Gives the finite numbers of some columns, row by row, each row with its line.
@@ -132,6 +142,18 @@ impl Table {
     ) -> impl Iterator<Item = Result<(u64, Vec<f64>), CsvError>> {
         self.rows.iter().map(move |row| Ok((row.line, self.numbers_of(row, columns)?)))
     }
+}
+
+/// Reads a finite number, of a decimal comma or point. In a quoted cell of a table whose cells are parted by commas
+/// "0,5" has a decimal comma, and "1,500" may be 1500: it is no number.
+fn number(cell: &str, has_decimal_commas: bool) -> Option<f64> {
+    let decimals = cell.split_once(',').map(|(_, decimals)| decimals.len());
+    let plain = match decimals {
+        Some(3) if !has_decimal_commas => return None,
+        Some(_) => cell.replacen(',', ".", 1).parse(),
+        None => cell.parse(),
+    };
+    plain.ok().filter(|x: &f64| x.is_finite())
 }
 
 /// Finds what parts the cells: what the first line has most of, outside quotes.
@@ -191,9 +213,42 @@ mod tests {
         }
         let found = Table::parse(b"\"a, x, y\";b\n1;2\n").unwrap();
         assert_eq!(found.names, ["a, x, y", "b"]);
-        // A comma is no decimal comma where it parts cells, and there is one at most.
-        assert!(said("a,b\n\"1,5\",2\n").contains("expected a number, found \"1,5\""));
+        // A number has one comma at most. Where commas part cells, one before three digits may be of thousands.
+        assert_eq!(said("a,b\n\"1,5\",\"-2,0\"\n\"3,0\",\"0,25\"\n"), expected);
+        assert!(said("a,b\n\"1,500\",2\n").contains("expected a number, found \"1,500\""));
         assert!(said("a;b\n1,234,5;2\n").contains("expected a number"));
+    }
+
+    #[test]
+    fn separators_at_the_end_of_a_line_part_off_nothing() {
+        let expected = "[(2, [1.0, 2.0]), (3, [3.0, 4.0])]";
+        for text in ["a,b,\n1,2,\n3,4,\n", "a,b\n1,2,\n3,4,,\n", "a,b,,\n1,2\n3,4\n"] {
+            assert_eq!(said(text), expected, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_first_line_of_numbers_is_no_line_of_names() {
+        for (text, line, found) in [
+            ("30,0.25\n60,0.5\n", 1, "30, 0.25"),
+            ("\n-1e3;0.5\n60;0,5\n", 2, "-1e3, 0.5"),
+            ("1\n2\n", 1, "1"),
+        ] {
+            let expected = format!(
+                "line {line}: expected the names of the columns, found only numbers ({found}): write a line of \
+                 names above them"
+            );
+            assert_eq!(said(text), expected, "{text:?}");
+        }
+        assert_eq!(said("x,2\n1,2\n"), "[(2, [1.0, 2.0])]");
+    }
+
+    #[test]
+    fn text_of_another_encoding_is_named() {
+        let wide: Vec<u8> = "x,y\n1,2\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let text = [b"\xff\xfe".as_slice(), &wide].concat();
+        let found = Table::parse(&text).err().map(|error| error.to_string());
+        assert_eq!(found.as_deref(), Some("line 1: expected text in UTF-8: save the file so"));
     }
 
     #[test]
