@@ -81,6 +81,7 @@ fn queries(kernel: Kernel, [n, d, m]: [usize; 3]) -> anyhow::Result<()> {
         outputs: (0..m).map(|o| Output { name: format!("y{o}"), kind: free }).collect(),
         values: sites.iter().map(|site| (0..m).map(|o| value(site, o)).collect()).collect(),
         sites,
+        lines: Vec::new(),
         options: ProblemOptions {
             kernel: Some(kernel.name().to_owned()),
             epsilon: Some(4.0),

@@ -336,6 +336,9 @@ pub(super) fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
             "{}: holds what a .{ending} file holds, expected a model, which commands take first",
             path.display()
         ),
+        None if !bytes.is_empty() && std::str::from_utf8(&bytes).is_ok() => {
+            bail!("{}: holds text, expected a model, which commands take first", path.display())
+        }
         _ if bytes.is_empty() => {
             bail!("{}: the model is refused: the file is empty", path.display())
         }

@@ -132,7 +132,7 @@ fn unnamed(error: FaceError, table: &csv::Table) -> FaceError {
         unknown.iter().map(|unknown| &unknown.name).filter(|name| table.number(name).is_some());
     match numbers.next() {
         Some(found) if 2 * (1 + numbers.count()) > table.names.len() => {
-            CsvError::Unnamed { found: found.clone() }.into()
+            CsvError::NoNames { line: 1, found: found.clone() }.into()
         }
         _ => error,
     }

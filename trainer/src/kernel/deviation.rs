@@ -6,7 +6,7 @@ use super::model::{
     EvaluationError, Figures, Input, InputKind, KernelModel, Output, OutputKind, features,
     query_numbers,
 };
-use super::scattered::error::KernelError;
+use super::scattered::error::{DeviationCause, KernelError};
 use super::sum::KernelSum;
 use crate::bake::bake;
 use crate::kernel::fade::Fade;
@@ -15,7 +15,8 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
-use sinew_runtime::kernel::{Normalise, QueryRule};
+use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
+use std::ops::Range;
 
 /// Default limit of a baked function's deviation, over the value's range.
 pub const F32_ERROR: f64 = 1e-3;
@@ -30,6 +31,8 @@ const BETWEEN: usize = 1000;
 pub struct Probe {
     /// Inputs, rotations as quaternions.
     inputs: Vec<Input>,
+    /// Samples' numbers of the inputs, n rows.
+    sites: Vec<Vec<f64>>,
     /// Samples, then queries between them.
     queries: Vec<Query>,
     /// Range of each value, m.
@@ -60,22 +63,22 @@ impl Probe {
         ranges: Vec<f64>,
         limit: f64,
     ) -> Result<Self, EvaluationError> {
-        let numbers = sites.iter().map(|site| query_numbers(inputs, site));
-        let numbers = numbers.collect::<Result<Vec<_>, _>>()?;
+        let sites = sites.iter().map(|site| query_numbers(inputs, site));
+        let sites = sites.collect::<Result<Vec<_>, _>>()?;
         let inputs: Vec<Input> = inputs.iter().map(of_quaternions).collect();
         let query = |exact: &[f64]| -> Result<Query, EvaluationError> {
             let numbers = exact.iter().map(|x| *x as f32).collect();
             Ok(Query { numbers, features: features(&inputs, exact)? })
         };
-        let mut queries = numbers.iter().map(|site| query(site)).collect::<Result<Vec<_>, _>>()?;
+        let mut queries = sites.iter().map(|site| query(site)).collect::<Result<Vec<_>, _>>()?;
         let mut random = ChaCha8Rng::seed_from_u64(0);
         for _ in 0..BETWEEN {
-            let [a, b] = [(); 2].map(|()| &numbers[random.random_range(0..numbers.len())]);
+            let [a, b] = [(); 2].map(|()| &sites[random.random_range(0..sites.len())]);
             let between = between(&inputs, a, b, random.random());
             // A quaternion halfway between opposite ones may be none.
             queries.extend(query(&between).ok());
         }
-        Ok(Self { inputs, queries, ranges, limit })
+        Ok(Self { inputs, sites, queries, ranges, limit })
     }
 
     /// Returns the largest deviation that is allowed, over the range.
@@ -100,13 +103,8 @@ impl Probe {
             if map.evaluate(&query.numbers, &mut scratch, &mut found).is_err() {
                 return f64::INFINITY;
             }
-            let values = found.iter().zip(exact(&query.features)).zip(&self.ranges);
-            let share = |((found, exact), range): ((&f32, f64), &f64)| {
-                let share = (f64::from(*found) - exact).abs() / range;
-                // `max` would pass over it.
-                if share.is_nan() { f64::INFINITY } else { share }
-            };
-            values.map(share).fold(0.0, f64::max)
+            let found: Vec<f64> = found.into_iter().map(f64::from).collect();
+            self.apart(&found, &exact(&query.features))
         };
         self.queries.par_iter().map(of).reduce(|| 0.0, f64::max)
     }
@@ -120,12 +118,73 @@ impl Probe {
         sum: &KernelSum,
         exact: impl Fn(&[f64]) -> Vec<f64> + Sync,
     ) -> Result<f64, KernelError> {
-        let (deviation, limit) = (self.deviation(sum, exact), self.limit);
-        if deviation <= limit {
-            Ok(deviation)
-        } else {
-            Err(KernelError::Deviation { deviation, limit })
+        match self.deviation(sum, &exact) {
+            deviation if deviation <= self.limit => Ok(deviation),
+            deviation => Err(self.refusal(deviation, sum.kernel, exact)),
         }
+    }
+
+    /// Refuses a function of a kernel whose deviation is above the limit, and finds the cause. An input or a value is
+    /// the cause if its rounding to f32 alone changes the exact function by more than the limit.
+    ///
+    /// - `exact`: computes all values, m, of features, in f64.
+    pub fn refusal(
+        &self,
+        deviation: f64,
+        kernel: Kernel,
+        exact: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> KernelError {
+        let mut first = 0;
+        let own = self.inputs.iter().map(|input| {
+            let own = first..first + input.kind.number_len();
+            first = own.end;
+            let moved = self.sites.iter().map(|site| self.moved(site, own.clone(), &exact));
+            let numbers = self.sites.iter().flat_map(|site| &site[own.clone()]);
+            (input, moved.fold(0.0, f64::max), largest(numbers))
+        });
+        let most = own.max_by(|a, b| a.1.total_cmp(&b.1));
+        let values: Vec<Vec<f64>> =
+            self.queries.iter().map(|query| exact(&query.features)).collect();
+        let of_value = |o: usize| {
+            let rounded = values.iter().map(|all| (f64::from(all[o] as f32) - all[o]).abs());
+            let share = rounded.fold(0.0, f64::max) / self.ranges[o];
+            (share, largest(values.iter().map(|all| &all[o])), self.ranges[o])
+        };
+        let value = (0..self.ranges.len()).map(of_value).max_by(|a, b| a.0.total_cmp(&b.0));
+        let cause = match (most, value) {
+            (Some((input, share, largest)), _) if share > self.limit => {
+                DeviationCause::Input { name: input.name.clone(), largest }
+            }
+            (_, Some((share, largest, range))) if share > self.limit => {
+                DeviationCause::Values { largest, range }
+            }
+            _ => DeviationCause::Kernel { kernel, other: None },
+        };
+        KernelError::Deviation { deviation, limit: self.limit, cause }
+    }
+
+    /// Measures by how much the exact function changes where f32 rounds some numbers of a site.
+    fn moved(
+        &self,
+        site: &[f64],
+        numbers: Range<usize>,
+        exact: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> f64 {
+        let mut rounded = site.to_vec();
+        rounded[numbers].iter_mut().for_each(|x| *x = f64::from(*x as f32));
+        let at = |numbers: &[f64]| Some(exact(&features(&self.inputs, numbers).ok()?));
+        let both = at(site).zip(at(&rounded));
+        both.map_or(f64::INFINITY, |(exact, moved)| self.apart(&moved, &exact))
+    }
+
+    /// Returns the largest difference of values, over the range; infinite where one is not a number.
+    fn apart(&self, found: &[f64], exact: &[f64]) -> f64 {
+        let share = |((found, exact), range): ((&f64, &f64), &f64)| {
+            let share = (found - exact).abs() / range;
+            // `max` would pass over it.
+            if share.is_nan() { f64::INFINITY } else { share }
+        };
+        found.iter().zip(exact).zip(&self.ranges).map(share).fold(0.0, f64::max)
     }
 
     /// Makes a function whose outputs are the values themselves, without bounds or a fade.
@@ -146,6 +205,11 @@ impl Probe {
             fit: Figures::default(),
         }
     }
+}
+
+/// Returns the largest magnitude of numbers.
+fn largest<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
+    numbers.fold(0.0, |most, x| most.max(x.abs()))
 }
 
 /// Returns an input that is given as the runtime takes it.

@@ -1,7 +1,7 @@
 //! What can be wrong with a signal, with observations, or with what is asked of them.
 
 use crate::bake::BakeError;
-use crate::formats::{CsvError, FormatError};
+use crate::formats::{CsvError, FormatError, JsonError};
 use crate::kernel::scattered::condition::described;
 use std::fmt::{Display, Formatter};
 use std::path::PathBuf;
@@ -16,8 +16,8 @@ pub enum SignalError {
     #[error(transparent)]
     Format(#[from] FormatError),
     /// It is no JSON of this shape.
-    #[error("{0}")]
-    Json(#[from] serde_json::Error),
+    #[error(transparent)]
+    Json(#[from] JsonError),
     /// It cannot be written to a model file.
     #[error(transparent)]
     Bake(#[from] BakeError),

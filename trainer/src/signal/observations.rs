@@ -11,6 +11,7 @@ use super::repeated::news;
 use super::sum::sum;
 use crate::formats::FormatError;
 use crate::formats::extension::{extension, unknown_format};
+use crate::formats::json;
 use crate::kernel::deviation::{F32_ERROR, ROOM};
 use serde::Deserialize;
 use serde_json::Value;
@@ -94,7 +95,7 @@ impl Observations {
             variance,
             f32_error: written,
             observations,
-        } = serde_json::from_slice(text)?;
+        } = json::read(text)?;
         let read = observations.iter().enumerate().map(|(at, of)| observation(at, of));
         let all = read.collect::<Result<Vec<_>, _>>()?;
         let (functionals, values): (Vec<_>, Vec<_>) = all.into_iter().unzip();

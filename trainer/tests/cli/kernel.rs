@@ -447,7 +447,7 @@ fn bad_problems_are_refused_by_place_and_nothing_is_written() {
         ),
         (
             r#"{"sites": [1, 2], "values": [1, 2], "options": {"kernell": "linear"}}"#,
-            "unknown field `kernell`",
+            "options: unknown key \"kernell\"",
         ),
         (r#"{"sites": [1, 2], "values": [1, 2], "options": {"neighbors": 1}}"#, "cannot be baked"),
         (
@@ -527,7 +527,7 @@ fn bad_problems_are_refused_by_place_and_nothing_is_written() {
     );
     fs::write(folder.path("table.csv"), "x,y\n1,2\n3,nan\n").unwrap();
     let said = folder.sinew("kernel train table.csv -o model.sinew").failed();
-    assert_eq!(said, "table.csv: line 3: column \"y\": expected a number, found \"nan\"");
+    assert_eq!(said, "table.csv: line 3, column \"y\": expected a number, found \"nan\"");
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod face;
 mod fit;
 mod import;
 mod kernel;
+mod kernel_samples;
 mod millimetres;
 mod observations;
 mod outputs;

@@ -81,7 +81,15 @@ fn problem(options: ProblemOptions) -> Problem {
     };
     let values = sites.iter().map(value).collect();
     let name = "of everything".to_owned();
-    Problem { name, inputs: inputs(), outputs: outputs(), sites, values, options }
+    Problem {
+        name,
+        inputs: inputs(),
+        outputs: outputs(),
+        sites,
+        values,
+        lines: Vec::new(),
+        options,
+    }
 }
 
 /// Asserts that the file gives what the function gives, near its samples and far from them.
@@ -131,7 +139,8 @@ fn the_file_gives_what_was_fitted() {
 
 #[test]
 fn the_file_gives_what_was_learned() {
-    let learn = Learn { centres: 6, seeds: 1, evaluations: 60, ridge: 1e-6, ..Learn::default() };
+    let learn =
+        Learn { centres: Some(6), seeds: 1, evaluations: 60, ridge: 1e-6, ..Learn::default() };
     let options = ProblemOptions { learn: Some(learn), ..ProblemOptions::default() };
     let model = train(&problem(options), false).unwrap().model;
     assert!(model.sum.metric.is_some());

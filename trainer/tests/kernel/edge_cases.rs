@@ -84,7 +84,7 @@ fn conflicting_repetitions_are_averaged_as_published_and_refused_by_name_here() 
     }
     let blocks = [Block { len: 2, weight: 1.0 }];
     let refused = Samples::new(&sites, &values, &blocks, Conflicts::Refuse).unwrap_err();
-    assert_eq!(refused, KernelError::Conflict { first: 0, second: 5 });
+    assert_eq!(refused, KernelError::Conflict { first: 0, second: 5, distance: 0.0 });
     let averaged = Samples::new(&sites, &values, &blocks, Conflicts::Average).unwrap();
     let fit = Fit::new(&averaged, &Options::new(Kernel::Gaussian)).unwrap();
     assert!((fit.sum.evaluate(&[0.0, 0.0])[0] - 4.0).abs() < 1e-12);

@@ -11,7 +11,7 @@ use sinew_trainer::kernel::deviation::Probe;
 use sinew_trainer::kernel::function::Exact;
 use sinew_trainer::kernel::model::{Input, InputKind};
 use sinew_trainer::kernel::rotations::Feature;
-use sinew_trainer::kernel::scattered::error::KernelError;
+use sinew_trainer::kernel::scattered::error::{DeviationCause, KernelError};
 use sinew_trainer::kernel::scattered::options::wendland;
 use sinew_trainer::kernel::sum::{KernelSum, Term, monomials};
 
@@ -293,7 +293,8 @@ fn a_files_deviation_is_measured_and_refused_above_the_limit() {
         |range: f64, limit: f64| probe(&[0.0, 1.0], range, limit).check(&odd, |x| odd.evaluate(x));
     assert_eq!(of(500.0, 2.1e-3), Ok(1.0 / 500.0));
     let refused = of(500.0, 1e-3).unwrap_err();
-    assert_eq!(refused, KernelError::Deviation { deviation: 1.0 / 500.0, limit: 1e-3 });
+    let cause = DeviationCause::Values { largest: 16_777_217.0, range: 500.0 };
+    assert_eq!(refused, KernelError::Deviation { deviation: 1.0 / 500.0, limit: 1e-3, cause });
     let text = refused.to_string();
     assert!(text.contains("off by 2.0e-3 of its values' range, more than 1.0e-3: take"), "{text}");
     assert!(text.ends_with("allow it by --f32-error"), "{text}");

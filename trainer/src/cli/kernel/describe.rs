@@ -54,7 +54,7 @@ fn as_text(map: &KernelMap<'_>) -> String {
         ("samples left out, RMS", fit.left_out_rms),
         ("f32 may be off by, at worst", fit.rounding_error),
     ] {
-        out += &format!("  {name:<columns$}{figure:.3e}\n");
+        out += &format!("  {name:<columns$}  {figure:.3e}\n");
     }
     out
 }

@@ -41,6 +41,9 @@ pub(in crate::cli) struct Arguments {
     /// Smooths instead of passing through every sample: a number, or auto; numbers, one a sample, as 0,0.1,0
     #[arg(long, value_parser = smoothing)]
     smoothing: Option<Smoothing>,
+    /// Takes the mean of samples of one site that differ
+    #[arg(long)]
+    average: bool,
     /// Degree of the polynomial beside the kernels; -1 for none
     #[arg(long, allow_negative_numbers = true)]
     degree: Option<i32>,
@@ -108,6 +111,7 @@ fn overrule(own: &mut ProblemOptions, arguments: &Arguments) {
     own.centres = arguments.centres.or(own.centres);
     own.outside = arguments.outside.unwrap_or(own.outside);
     own.f32_error = arguments.f32_error.unwrap_or(own.f32_error);
+    own.average |= arguments.average;
     if arguments.learn && own.learn.is_none() {
         own.learn = Some(Default::default());
     }

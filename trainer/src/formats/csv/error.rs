@@ -11,6 +11,17 @@ pub enum CsvError {
         /// What the reader says.
         reason: String,
     },
+    /// The first line is of numbers, all or most of it.
+    #[error(
+        "line {line}: expected the names of the columns, found numbers ({found}): write a line of names above \
+         them"
+    )]
+    NoNames {
+        /// The line, the first being 1.
+        line: u64,
+        /// The numbers, or the first.
+        found: String,
+    },
     /// Two columns have one name.
     #[error("line 1: two columns are named {name:?}")]
     Twice {
@@ -26,14 +37,6 @@ pub enum CsvError {
         /// Columns of the next line.
         expected: usize,
         /// The text of the line.
-        found: String,
-    },
-    /// There is no line of names.
-    #[error(
-        "line 1: expected names of columns, found number {found}: put a line of names before the rows"
-    )]
-    Unnamed {
-        /// The number in place of a name.
         found: String,
     },
     /// A column that is needed is absent.

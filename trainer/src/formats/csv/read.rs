@@ -15,7 +15,7 @@ const TITLE: usize = 2;
 pub(crate) struct Table {
     /// Names of the columns.
     pub(crate) names: Vec<String>,
-    /// Whether numbers may have a decimal comma: where commas do not part cells.
+    /// Whether every number may have a decimal comma: where commas do not part cells.
     has_decimal_commas: bool,
     rows: Vec<Row>,
 }
@@ -44,7 +44,7 @@ pub(crate) fn read(path: &Path) -> Result<Table, FormatError> {
 }
 
 impl Table {
-    /// Reads a table, of at least one row. Cells are parted by the one of [`SEPARATORS`] that the names have most of;
+    /// Reads a table of text in UTF-8, of at least one row below a line of names. Cells are parted by the one of [`SEPARATORS`] that the names have most of;
     /// rows without any text at the end are left out.
     ///
     /// # Errors
@@ -57,11 +57,24 @@ impl Table {
         let mut reader =
             builder.trim(csv::Trim::All).flexible(true).delimiter(separator).from_reader(text);
         let wrong = |error: csv::Error| {
-            let line = error.position().map_or(1, csv::Position::line);
-            CsvError::Text { line, reason: error.to_string() }
+            let line = error.position().map_or(1, |position| line(text, position));
+            let reason = match error.kind() {
+                csv::ErrorKind::Utf8 { .. } => {
+                    "expected text in UTF-8: save the file so".to_owned()
+                }
+                _ => error.to_string(),
+            };
+            CsvError::Text { line, reason }
         };
-        let names: Vec<String> =
-            reader.headers().map_err(wrong)?.iter().map(str::to_owned).collect();
+        let has_decimal_commas = separator != b',';
+        let first = reader.headers().map_err(wrong)?.clone();
+        let mut cells = first.iter().filter(|cell| !cell.is_empty()).peekable();
+        if cells.peek().is_some() && cells.all(|cell| number(cell, has_decimal_commas).is_some()) {
+            let line = first.position().map_or(1, |position| line(text, position));
+            let found = first.iter().collect::<Vec<_>>().join(", ");
+            return Err(CsvError::NoNames { line, found });
+        }
+        let mut names: Vec<String> = first.iter().map(str::to_owned).collect();
         let mut rows = Vec::new();
         for record in reader.records() {
             let cells = record.map_err(wrong)?;
@@ -69,7 +82,13 @@ impl Table {
             rows.push(Row { line, cells });
         }
         while rows.pop_if(|row| row.cells.iter().all(str::is_empty)).is_some() {}
-        let table = Self { names, has_decimal_commas: separator != b',', rows };
+        // A separator at the end of a line parts off nothing.
+        let has_cells =
+            |at: usize| rows.iter().any(|row| row.cells.get(at).is_some_and(|x| !x.is_empty()));
+        while names.last().is_some_and(String::is_empty) && !has_cells(names.len() - 1) {
+            names.pop();
+        }
+        let table = Self { names, has_decimal_commas, rows };
         table.check()?;
         Ok(table)
     }
@@ -90,10 +109,7 @@ impl Table {
         }
         let is_repeated = |&at: &usize| !names[at].is_empty() && names[..at].contains(&names[at]);
         if let Some(name) = (0..names.len()).find(is_repeated).map(|at| names[at].clone()) {
-            return Err(match self.number(&name) {
-                Some(_) => CsvError::Unnamed { found: name },
-                None => CsvError::Twice { name },
-            });
+            return Err(CsvError::Twice { name });
         }
         if self.rows.is_empty() { Err(CsvError::Empty) } else { Ok(()) }
     }
@@ -120,11 +136,7 @@ impl Table {
 
     /// Reads a finite number as cells have it.
     pub(crate) fn number(&self, cell: &str) -> Option<f64> {
-        let number = match self.has_decimal_commas {
-            true => cell.replacen(',', ".", 1).parse(),
-            false => cell.parse(),
-        };
-        number.ok().filter(|x: &f64| x.is_finite())
+        number(cell, self.has_decimal_commas)
     }
 
     /// Reads the finite numbers of a row in some columns.
@@ -133,10 +145,11 @@ impl Table {
     /// [`CsvError::Row`] and [`CsvError::Number`]
     pub(crate) fn numbers_of(&self, row: &Row, columns: &[usize]) -> Result<Vec<f64>, CsvError> {
         let (expected, found) = (self.names.len(), row.len());
-        if found != expected {
+        let has_more = row.cells.iter().skip(expected).any(|cell| !cell.is_empty());
+        if found < expected || has_more {
             return Err(CsvError::Row { line: row.line, expected, found });
         }
-        let number = |&column: &usize| {
+        let read = |&column: &usize| {
             let cell = row.cells.get(column).unwrap_or_default();
             self.number(cell).ok_or_else(|| CsvError::Number {
                 line: row.line,
@@ -144,7 +157,7 @@ impl Table {
                 found: cell.to_owned(),
             })
         };
-        columns.iter().map(number).collect()
+        columns.iter().map(read).collect()
     }
 
     /// Gives the finite numbers of some columns, row by row, each row with its line.
@@ -172,6 +185,18 @@ fn check_encoding(text: &[u8]) -> Result<(), CsvError> {
     let line = 1 + text[..at].iter().filter(|byte| **byte == b'\n').count() as u64;
     let reason = format!("expected text in UTF-8, found {found}: save the table as CSV in UTF-8");
     Err(CsvError::Text { line, reason })
+}
+
+/// Reads a finite number, of a decimal comma or point. In a quoted cell of a table whose cells are parted by commas
+/// "0,5" has a decimal comma, and "1,500" may be 1500: it is no number.
+fn number(cell: &str, has_decimal_commas: bool) -> Option<f64> {
+    let decimals = cell.split_once(',').map(|(_, decimals)| decimals.len());
+    let plain = match decimals {
+        Some(3) if !has_decimal_commas => return None,
+        Some(_) => cell.replacen(',', ".", 1).parse(),
+        None => cell.parse(),
+    };
+    plain.ok().filter(|x: &f64| x.is_finite())
 }
 
 /// Finds what parts the cells: what the first line has most of, outside quotes.
@@ -231,8 +256,9 @@ mod tests {
         }
         let found = Table::parse(b"\"a, x, y\";b\n1;2\n").unwrap();
         assert_eq!(found.names, ["a, x, y", "b"]);
-        // A comma is no decimal comma where it parts cells, and there is one at most.
-        assert!(said("a,b\n\"1,5\",2\n").contains("expected a number, found \"1,5\""));
+        // A number has one comma at most. Where commas part cells, one before three digits may be of thousands.
+        assert_eq!(said("a,b\n\"1,5\",\"-2,0\"\n\"3,0\",\"0,25\"\n"), expected);
+        assert!(said("a,b\n\"1,500\",2\n").contains("expected a number, found \"1,500\""));
         assert!(said("a;b\n1,234,5;2\n").contains("expected a number"));
     }
 
@@ -248,12 +274,15 @@ mod tests {
             ("# exported\na,b,c\n1,2,3\n4\n", title("# exported")),
             ("sep=;\na;b;c\n1;2;3\n", title("sep=")),
             ("a,,\n1,2,3\n", "[(2, [1.0, 2.0, 3.0])]".to_owned()),
-            (
-                "0.5,1,0.5\n0.2,1,0.1\n",
-                "line 1: expected names of columns, found number 0.5: put a line of names before the rows"
-                    .to_owned(),
-            ),
         ] {
+            assert_eq!(said(text), expected, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn separators_at_the_end_of_a_line_part_off_nothing() {
+        let expected = "[(2, [1.0, 2.0]), (3, [3.0, 4.0])]";
+        for text in ["a,b,\n1,2,\n3,4,\n", "a,b\n1,2,\n3,4,,\n", "a,b,,\n1,2\n3,4\n"] {
             assert_eq!(said(text), expected, "{text:?}");
         }
     }
@@ -278,6 +307,22 @@ mod tests {
             );
             assert_eq!(said, Some(expected));
         }
+    }
+
+    #[test]
+    fn a_first_line_of_numbers_is_no_line_of_names() {
+        for (text, line, found) in [
+            ("30,0.25\n60,0.5\n", 1, "30, 0.25"),
+            ("\n-1e3;0.5\n60;0,5\n", 2, "-1e3, 0.5"),
+            ("1\n2\n", 1, "1"),
+        ] {
+            let expected = format!(
+                "line {line}: expected the names of the columns, found numbers ({found}): write a line of \
+                 names above them"
+            );
+            assert_eq!(said(text), expected, "{text:?}");
+        }
+        assert_eq!(said("x,2\n1,2\n"), "[(2, [1.0, 2.0])]");
     }
 
     #[test]

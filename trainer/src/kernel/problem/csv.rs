@@ -7,6 +7,7 @@ use super::definition::Problem;
 use super::error::ProblemError;
 use super::kinds::free_scalar;
 use super::options::ProblemOptions;
+use crate::formats::csv;
 use crate::kernel::model::{Input, InputKind, Output, OutputKind};
 use crate::kernel::rotations::Feature;
 use sinew_runtime::kernel::EulerOrder;
@@ -15,6 +16,8 @@ use sinew_runtime::kernel::EulerOrder;
 pub(super) struct Table {
     names: Vec<String>,
     rows: Vec<Vec<f64>>,
+    /// Line of each row.
+    lines: Vec<u64>,
 }
 
 /// Columns that are one input or output.
@@ -29,36 +32,27 @@ const PARTS: [&[&str]; 3] =
     [&[".x", ".y", ".z", ".w"], &[".x", ".y", ".z"], &[".rx", ".ry", ".rz"]];
 
 impl Table {
-    /// Reads a table.
+    /// Reads a table; columns without a name and without a cell are left out.
     ///
     /// # Errors
-    /// [`ProblemError::Csv`], by line.
-    pub(super) fn read(text: &[u8]) -> Result<Self, ProblemError> {
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text);
-        let wrong = |error: csv::Error| {
-            let line = error.position().map_or(1, csv::Position::line);
-            ProblemError::Csv { line, what: error.to_string() }
-        };
-        let names: Vec<String> =
-            reader.headers().map_err(wrong)?.iter().map(str::to_owned).collect();
-        if let Some(at) = (0..names.len()).find(|&at| names[..at].contains(&names[at])) {
-            let what = format!("two columns are named \"{}\"", names[at]);
-            return Err(ProblemError::Csv { line: 1, what });
+    /// [`ProblemError::Format`] of a CSV, by line, and [`ProblemError::Unnamed`].
+    pub(super) fn parse(text: &[u8]) -> Result<Self, ProblemError> {
+        let table = csv::Table::parse(text)?;
+        let name = |column: usize| table.names[column].as_str();
+        let is_blank = |column| table.rows().iter().all(|row| table.cell(row, column).is_none());
+        let all = 0..table.names.len();
+        let columns: Vec<usize> =
+            all.filter(|&column| !(name(column).is_empty() && is_blank(column))).collect();
+        if let Some(column) = columns.iter().find(|column| name(**column).is_empty()) {
+            return Err(ProblemError::Unnamed { column: column + 1 });
         }
-        let mut rows = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(wrong)?;
-            let line = record.position().map_or(1, csv::Position::line);
-            let number = |(cell, name): (&str, &String)| match cell.parse::<f64>() {
-                Ok(number) if number.is_finite() => Ok(number),
-                _ => {
-                    let what = format!("column \"{name}\": expected a number, found \"{cell}\"");
-                    Err(ProblemError::Csv { line, what })
-                }
-            };
-            rows.push(record.iter().zip(&names).map(number).collect::<Result<_, _>>()?);
-        }
-        Ok(Self { names, rows })
+        let rows = table.numbers(&columns).collect::<Result<Vec<_>, _>>()?;
+        let (lines, rows) = rows.into_iter().unzip();
+        Ok(Self {
+            names: columns.iter().map(|&column| name(column).to_owned()).collect(),
+            rows,
+            lines,
+        })
     }
 
     /// Returns the columns of inputs, in their order.
@@ -120,6 +114,7 @@ impl Table {
             outputs: own.iter().map(|group| group.output()).collect::<Result<_, _>>()?,
             sites: numbers(&rest),
             values: numbers(&own),
+            lines: self.lines.clone(),
             options: ProblemOptions::default(),
         }
         .check()

@@ -1,6 +1,6 @@
 //! Why a problem cannot be read.
 
-use crate::formats::FormatError;
+use crate::formats::{CsvError, FormatError, JsonError};
 
 /// A problem that cannot be read; rows count from 0.
 #[derive(Debug, thiserror::Error)]
@@ -9,15 +9,26 @@ pub enum ProblemError {
     #[error(transparent)]
     Format(#[from] FormatError),
     /// It is no JSON of this shape.
-    #[error("{0}")]
-    Json(#[from] serde_json::Error),
-    /// It is no CSV of numbers.
-    #[error("line {line}: {what}")]
-    Csv {
-        /// The line, from 1.
-        line: u64,
-        /// What is wrong there.
-        what: String,
+    #[error(transparent)]
+    Json(#[from] JsonError),
+    /// A column of a CSV has cells and no name.
+    #[error("line 1: column {column} has no name: give it one, or take the column away")]
+    Unnamed {
+        /// The column, from 1.
+        column: usize,
+    },
+    /// `--outputs` was given with a file other than CSV.
+    #[error(
+        "--outputs names columns of a CSV: a .json has its own `outputs`, a .npz has its `values`"
+    )]
+    Outputs,
+    /// Two inputs, or two outputs, have one name.
+    #[error("two {what} are named \"{name}\"")]
+    Twice {
+        /// Inputs or outputs.
+        what: &'static str,
+        /// The name.
+        name: String,
     },
     /// There are no samples.
     #[error("there are no samples")]
@@ -101,4 +112,10 @@ pub enum ProblemError {
     /// No fit can be made so.
     #[error("{0}")]
     Options(String),
+}
+
+impl From<CsvError> for ProblemError {
+    fn from(error: CsvError) -> Self {
+        Self::Format(error.into())
+    }
 }

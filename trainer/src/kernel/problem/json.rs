@@ -4,6 +4,7 @@ use super::definition::Problem;
 use super::error::ProblemError;
 use super::kinds::{WrittenInput, WrittenOutput, scalar_inputs, scalar_outputs};
 use super::options::ProblemOptions;
+use crate::formats::json;
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -62,8 +63,7 @@ fn shown(found: &Value) -> String {
 /// # Errors
 /// [`ProblemError`] of JSON, kinds and rows.
 pub(super) fn problem(text: &[u8], name: &str) -> Result<Problem, ProblemError> {
-    let Written { name: own, inputs, outputs, sites, values, options } =
-        serde_json::from_slice(text)?;
+    let Written { name: own, inputs, outputs, sites, values, options } = json::read(text)?;
     let sites = rows("sites", &sites)?;
     let values = match values {
         Some(values) => rows("values", &values)?,
@@ -80,7 +80,7 @@ pub(super) fn problem(text: &[u8], name: &str) -> Result<Problem, ProblemError> 
         None => scalar_outputs(width(&values)),
     };
     let name = own.unwrap_or_else(|| name.to_owned());
-    Problem { name, inputs, outputs, sites, values, options }.check()
+    Problem { name, inputs, outputs, sites, values, lines: Vec::new(), options }.check()
 }
 
 /// Makes values of n samples that are 1 at their own and 0 at the others.
@@ -93,6 +93,6 @@ fn weights(n: usize) -> Vec<Vec<f64>> {
 /// # Errors
 /// [`ProblemError::Json`], and those of [`rows`].
 pub(super) fn queries(text: &[u8]) -> Result<Vec<Vec<f64>>, ProblemError> {
-    let all: Value = serde_json::from_slice(text)?;
+    let all: Value = json::read(text)?;
     rows("queries", all.get("queries").unwrap_or(&all))
 }

@@ -26,6 +26,7 @@ pub(super) fn problem(path: &Path, name: &str) -> Result<Problem, ProblemError> 
         outputs: scalar_outputs(width(&values)),
         sites,
         values,
+        lines: Vec::new(),
         options: ProblemOptions::default(),
     }
     .check()

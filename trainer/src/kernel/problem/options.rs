@@ -76,7 +76,7 @@ impl TryFrom<Value> for Smoothing {
             _ => None,
         };
         read.ok_or_else(|| {
-            format!("smoothing: expected a number, a list of numbers (one a sample) or auto, found {value}")
+            format!("expected a number, a list of numbers (one a sample) or auto, found {value}")
         })
     }
 }
@@ -100,8 +100,8 @@ pub enum Mode {
 pub struct Learn {
     /// How.
     pub method: LearnMethod,
-    /// Centres.
-    pub centres: usize,
+    /// Centres; 12, or fewer where samples are fewer.
+    pub centres: Option<usize>,
     /// The metric.
     pub metric: LearnMetric,
     /// Rows of a metric of low rank.
@@ -168,7 +168,7 @@ impl Default for Learn {
     fn default() -> Self {
         Self {
             method: LearnMethod::default(),
-            centres: 12,
+            centres: None,
             metric: LearnMetric::default(),
             rank: None,
             seeds: 4,

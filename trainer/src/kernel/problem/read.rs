@@ -14,12 +14,13 @@ use std::path::Path;
 /// - `outputs`: names of a CSV's outputs; the last where none is named.
 ///
 /// # Errors
-/// [`ProblemError`].
+/// [`ProblemError`]: of a file other than CSV also if outputs are named.
 pub fn read(path: &Path, outputs: &[String]) -> Result<Problem, ProblemError> {
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     match extension(path).as_str() {
+        "json" | "npz" if !outputs.is_empty() => Err(ProblemError::Outputs),
         "json" => json::problem(&bytes(path)?, &name),
-        "csv" => Table::read(&bytes(path)?)?.problem(&name, outputs),
+        "csv" => Table::parse(&bytes(path)?)?.problem(&name, outputs),
         "npz" => npz::problem(path, &name),
         _ => Err(unknown_format(path, ".json, .csv or .npz").into()),
     }
@@ -34,7 +35,7 @@ pub fn read_queries(path: &Path, inputs: &[Input]) -> Result<Vec<Vec<f64>>, Prob
         "json" => json::queries(&bytes(path)?),
         "csv" => {
             let names: Vec<String> = inputs.iter().flat_map(column_names).collect();
-            Table::read(&bytes(path)?)?.columns(&names)
+            Table::parse(&bytes(path)?)?.columns(&names)
         }
         _ => Err(unknown_format(path, ".json or .csv").into()),
     }

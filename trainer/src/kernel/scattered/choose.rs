@@ -2,9 +2,10 @@
 
 use super::any::AnyFit;
 use super::error::KernelError;
-use super::matrix::{distances, gram};
+use super::matrix::gram;
 use super::options::{Options, is_scale_invariant};
 use super::samples::Samples;
+use super::spacing::Spacing;
 use crate::kernel::deviation::{Probe, ROOM};
 use crate::kernel::function::Exact;
 use crate::kernel::sum::KernelSum;
@@ -17,6 +18,10 @@ use std::cell::OnceCell;
 const WIDEST: f64 = 0.125;
 /// The narrowest that is tried of samples whose nearest neighbours are far apart.
 const NARROW: f64 = 8.0;
+/// How far apart samples may be on average, in widths, where no width that joins them can be evaluated.
+const APART: f64 = 8.0;
+/// Factor of epsilon from one of those widths to the next, 2^(1/4).
+const STEP: f64 = 1.189_207_115_002_721;
 /// Candidates of the smoothing, in units of the kernel matrix's RMS entry.
 const SMOOTHINGS: [f64; 6] = [0.0, 1e-8, 1e-6, 1e-4, 1e-2, 1.0];
 /// Halvings of the grid's steps, in logarithms, about the best candidate.
@@ -41,6 +46,8 @@ impl Freedom {
 pub struct Choice {
     /// The options.
     pub options: Options,
+    /// Whether kernels do not reach the next sample, as no wider ones can be evaluated.
+    pub is_narrow: bool,
     /// Every candidate, in the order in which they were tried.
     pub tried: Vec<Tried>,
 }
@@ -62,7 +69,8 @@ impl Choice {
     /// by the errors of groups of samples that are left out. Epsilon stays what it is where it changes
     /// nothing, and stays as near as it can where no group can be left out. Kernels that do not reach the next
     /// sample are left alone: where samples say little of each other their error is the least, and each sample
-    /// becomes a spike. With a `probe`, kernels whose file deviates too far are left alone too.
+    /// becomes a spike. With a `probe`, kernels whose file deviates too far are left alone too. Where none is left the
+    /// widest of the narrower kernels is taken, as long as samples are up to eight widths apart.
     ///
     /// # Errors
     /// Those of [`Options::check`]; if no candidate can be fitted; if none has a file that is near enough; if
@@ -76,14 +84,26 @@ impl Choice {
     ) -> Result<Self, KernelError> {
         options.check()?;
         let fixed = !freedom.epsilon || is_scale_invariant(options.kernel);
-        let apart = spacing(samples);
+        let apart = Spacing::new(samples).mean;
         let joins = |epsilon: &f64| fixed || reaches(options.kernel, epsilon * apart);
         let epsilons = if fixed { vec![options.epsilon] } else { epsilons(apart, joins) };
         let shares = if freedom.smoothing { SMOOTHINGS.to_vec() } else { vec![0.0] };
         let judge = Judge { samples, options, freedom, groups, spreads: spreads(samples), probe };
-        let place = |&epsilon: &f64| shares.iter().map(move |&share| Place { epsilon, share });
-        let grid: Vec<Place> = epsilons.iter().flat_map(place).collect();
+        let grid: Vec<Place> =
+            epsilons.iter().flat_map(|&epsilon| places(epsilon, &shares)).collect();
         let mut all = judge.all(&grid);
+        if !fixed
+            && apart > 0.0
+            && let Err(error) = judge.best(&all)
+            && error.is_of_width()
+        {
+            let widest = epsilons.last().copied().unwrap_or(WIDEST);
+            let found = judge.narrower(&mut all, &shares, [widest, APART / apart]);
+            let Tried { epsilon, smoothing, .. } = found.ok_or(error)?;
+            let options = Options { epsilon, smoothing, ..*options };
+            let tried = all.iter().map(|candidate| candidate.tried).collect();
+            return Ok(Self { options, is_narrow: !joins(&epsilon), tried });
+        }
         for halving in 1..=HALVINGS {
             let step = 0.5f64.powi(halving as i32);
             // The grid's steps are a factor of 2 and of 100.
@@ -98,7 +118,11 @@ impl Choice {
         }
         let Tried { epsilon, smoothing, .. } = judge.best(&all)?.tried;
         let options = Options { epsilon, smoothing, ..*options };
-        Ok(Self { options, tried: all.iter().map(|candidate| candidate.tried).collect() })
+        Ok(Self {
+            options,
+            is_narrow: false,
+            tried: all.iter().map(|candidate| candidate.tried).collect(),
+        })
     }
 }
 
@@ -163,6 +187,23 @@ impl Judge<'_> {
         Candidate { place, tried, sum, deviation: OnceCell::new() }
     }
 
+    /// Finds the widest kernels that are sound, narrower than an epsilon that is not; none up to the `most`.
+    fn narrower(
+        &self,
+        all: &mut Vec<Candidate>,
+        shares: &[f64],
+        [widest, most]: [f64; 2],
+    ) -> Option<Tried> {
+        // By rounding, deviations do not fall evenly.
+        let steps = std::iter::successors(Some(widest), |epsilon| Some(STEP * epsilon)).skip(1);
+        steps.take_while(|epsilon| *epsilon <= most).find_map(|epsilon| {
+            let own = self.all(&places(epsilon, shares).collect::<Vec<_>>());
+            let found = self.best(&own).ok().map(|best| best.tried);
+            all.extend(own);
+            found
+        })
+    }
+
     /// Returns the candidate of least error whose file deviates little, the first of equals; where no error
     /// is known, the one whose epsilon is nearest to the one asked for.
     ///
@@ -190,11 +231,10 @@ impl Judge<'_> {
         if let Some(best) = within(ROOM).or_else(|| within(1.0)) {
             return Ok(best);
         }
-        let least = order.iter().map(|candidate| self.deviation(candidate)).reduce(f64::min);
-        Err(match (least, self.probe) {
-            (Some(least), Some(probe)) => {
-                let limit = probe.limit();
-                KernelError::Deviation { deviation: limit * least, limit }
+        let least = order.iter().min_by(|a, b| self.deviation(a).total_cmp(&self.deviation(b)));
+        Err(match (least.map(|least| (&least.sum, self.deviation(least))), self.probe) {
+            (Some((Ok(sum), least)), Some(probe)) => {
+                probe.refusal(probe.limit() * least, sum.kernel, |x| sum.evaluate(x))
             }
             _ => best_conditioned(all),
         })
@@ -209,6 +249,11 @@ impl Judge<'_> {
     }
 }
 
+/// Lists the places of an epsilon.
+fn places(epsilon: f64, shares: &[f64]) -> impl Iterator<Item = Place> {
+    shares.iter().map(move |&share| Place { epsilon, share })
+}
+
 /// Returns why no candidate was fitted: the error of the one whose system is conditioned best.
 fn best_conditioned(all: &[Candidate]) -> KernelError {
     let rcond = |error: &&KernelError| match error {
@@ -218,20 +263,6 @@ fn best_conditioned(all: &[Candidate]) -> KernelError {
     let errors = all.iter().filter_map(|candidate| candidate.sum.as_ref().err());
     let best = errors.max_by(|a, b| rcond(a).total_cmp(&rcond(b)));
     best.cloned().unwrap_or(KernelError::NoChoice)
-}
-
-/// Returns how far a sample is from the nearest other one, on average; 0 of a single one.
-fn spacing(samples: &Samples) -> f64 {
-    let points = samples.scaling.apply(&samples.sites);
-    let n = points.nrows();
-    let mut nearest = vec![f64::INFINITY; n];
-    for from in 0..n {
-        for (at, distance) in (from..n).zip(distances(&points, from)).skip(1) {
-            nearest[from] = nearest[from].min(distance);
-            nearest[at] = nearest[at].min(distance);
-        }
-    }
-    if n > 1 { nearest.iter().sum::<f64>() / n as f64 } else { 0.0 }
 }
 
 /// Tells whether a kernel has not fallen below 1/e of its peak at a distance.

@@ -1,6 +1,7 @@
 //! Why scattered data gave no function.
 
 use super::condition::described;
+use super::options::is_scale_invariant;
 use sinew_runtime::kernel::Kernel;
 
 /// Scattered data that no function was fitted to; rows and columns count from 0.
@@ -49,12 +50,14 @@ pub enum KernelError {
         expected: &'static str,
     },
     /// Two samples at one place have different values.
-    #[error("rows {first} and {second} have the same site and different values")]
+    #[error("rows {first} and {second} have {} and different values", same_site(*distance))]
     Conflict {
         /// The earlier row.
         first: usize,
         /// The later row.
         second: usize,
+        /// Distance of their sites, over the mean distance.
+        distance: f64,
     },
     /// No fit solves with the kernel.
     #[error("no fit solves with the kernel \"{}\": it is for imports", .0.name())]
@@ -85,7 +88,11 @@ pub enum KernelError {
     #[error(
         "the fit is ill-conditioned ({}{}): smooth more, take a narrower kernel or fewer centres",
         described(*rcond),
-        if *missed > 0.0 { format!(", samples missed by {missed:.1e} of their range") } else { String::new() }
+        match *missed > 0.0 {
+            true if missed.is_finite() => format!(", samples missed by {missed:.1e} of their range"),
+            true => ", numbers beyond f64".to_owned(),
+            false => String::new(),
+        }
     )]
     IllConditioned {
         /// Reciprocal condition of the system.
@@ -96,14 +103,15 @@ pub enum KernelError {
     /// A file's numbers are too far from the function.
     #[error(
         "in single precision the function is off by {deviation:.1e} of its values' range, more than \
-         {limit:.1e}: take a narrower kernel (a larger epsilon, a shorter length) or a rougher one, smooth more, \
-         take fewer centres, or allow it by --f32-error"
+         {limit:.1e}: {cause}, or allow it by --f32-error"
     )]
     Deviation {
         /// The largest deviation that was measured, over the range.
         deviation: f64,
         /// What is allowed.
         limit: f64,
+        /// What it comes from.
+        cause: DeviationCause,
     },
     /// A smoothing is to be chosen, and no candidate can predict samples that it has not seen.
     #[error(
@@ -111,4 +119,62 @@ pub enum KernelError {
          groups); give `smoothing` a number"
     )]
     NoChoice,
+}
+
+/// Says how near two sites are that count as one.
+pub fn same_site(distance: f64) -> String {
+    match distance > 0.0 {
+        true => format!("sites that are {distance:.1e} of the mean distance apart"),
+        false => "the same site".to_owned(),
+    }
+}
+
+impl KernelError {
+    /// Returns true if another width or another kernel may fit.
+    pub fn is_of_width(&self) -> bool {
+        let of_kernel =
+            matches!(self, Self::Deviation { cause: DeviationCause::Kernel { .. }, .. });
+        of_kernel || matches!(self, Self::IllConditioned { .. })
+    }
+}
+
+/// Cause of a file's deviation; written as its remedy.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DeviationCause {
+    /// f32 rounds an input by more than the limit allows.
+    #[error(
+        "take the offset off the input \"{name}\" (numbers up to {largest:.3e} do not fit single precision)"
+    )]
+    Input {
+        /// The input.
+        name: String,
+        /// Its largest number.
+        largest: f64,
+    },
+    /// f32 rounds a value by more than the limit allows.
+    #[error(
+        "take the offset off the values (numbers up to {largest:.3e} with a range of {range:.3e} do not fit \
+         single precision)"
+    )]
+    Values {
+        /// The largest value.
+        largest: f64,
+        /// Its range.
+        range: f64,
+    },
+    /// The kernels are too wide or too smooth.
+    #[error(
+        "take {}{}a rougher kernel, smooth more, take fewer centres",
+        other.as_ref().map_or(String::new(), |other| format!("{other}, which fits, or ")),
+        match is_scale_invariant(*kernel) {
+            true => "",
+            false => "a narrower kernel (a larger epsilon, a shorter length) or ",
+        }
+    )]
+    Kernel {
+        /// The kernel.
+        kernel: Kernel,
+        /// Options that do fit, where they are known.
+        other: Option<String>,
+    },
 }

@@ -29,5 +29,6 @@ pub mod report;
 pub mod samples;
 pub mod scaling;
 pub mod solve;
+pub mod spacing;
 pub mod system;
 pub mod variance;

@@ -12,8 +12,10 @@ pub const ONE_SITE: f64 = 1e-9;
 /// Difference, over the range of a value, up to which two samples of one site agree: a few units in
 /// the last place of f32.
 const AGREE: f64 = 1e-6;
-/// Share of a value's magnitude below which its range is hardly more than rounding.
-const OFFSET: f64 = 1e-4;
+/// Range of a constant, over its magnitude.
+pub const OFFSET: f64 = 1e-4;
+/// Share of a value's magnitude below which its range is the rounding of a constant in f64.
+const CONSTANT: f64 = 1e-14;
 
 /// What becomes of samples that have one site and different values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,6 +25,8 @@ pub enum Conflicts {
     Refuse,
     /// Their mean is taken.
     Average,
+    /// Each stays a sample: smoothing weighs them.
+    Keep,
 }
 
 /// Samples that a fit can take.
@@ -126,7 +130,12 @@ fn merge(
         if let Some(&second) = conflict
             && conflicts == Conflicts::Refuse
         {
-            return Err(KernelError::Conflict { first: into, second });
+            let distance = distances[second - into];
+            return Err(KernelError::Conflict { first: into, second, distance });
+        }
+        if conflict.is_some() && conflicts == Conflicts::Keep {
+            groups.push(vec![into]);
+            continue;
         }
         let averaged = conflict.is_some();
         for &row in &others {
@@ -162,12 +171,16 @@ pub fn check(sites: &Mat<f64>, values: &Mat<f64>) -> Result<(), KernelError> {
     Ok(())
 }
 
-/// Returns the range of each value, m: at least a share of its magnitude, 1 where it is 0.
+/// Returns the range of each value, m: of a constant a share of its magnitude, 1 where that is 0.
 pub fn ranges(values: &Mat<f64>) -> Vec<f64> {
     let range = |column: ColRef<'_, f64>| {
         let [least, most] = ends(column.iter());
-        let range = (most - least).max(OFFSET * least.abs().max(most.abs()));
-        if range > 0.0 { range } else { 1.0 }
+        let magnitude = least.abs().max(most.abs());
+        match most - least {
+            range if range > CONSTANT * magnitude => range,
+            _ if magnitude > 0.0 => OFFSET * magnitude,
+            _ => 1.0,
+        }
     };
     values.col_iter().map(range).collect()
 }
@@ -208,10 +221,17 @@ mod tests {
     fn conflicts_are_refused_by_name_or_averaged() {
         let (sites, values) = ([0.0, 1.0, 1.0, 1.0], [0.0, 1.0, 4.0, 1.0]);
         let refused = samples(&sites, &values, Conflicts::Refuse).unwrap_err();
-        assert_eq!(refused, KernelError::Conflict { first: 1, second: 2 });
+        assert_eq!(refused, KernelError::Conflict { first: 1, second: 2, distance: 0.0 });
         let found = samples(&sites, &values, Conflicts::Average).unwrap();
         assert_eq!(found.values, column(&[0.0, 2.0]));
         assert!(found.merged.iter().all(|merged| merged.averaged));
+    }
+
+    #[test]
+    fn conflicts_may_stay_samples() {
+        let (sites, values) = ([0.0, 1.0, 1.0, 1.0, 2.0, 2.0], [0.0, 1.0, 4.0, 1.0, 3.0, 3.0]);
+        let found = samples(&sites, &values, Conflicts::Keep).unwrap();
+        assert_eq!((found.rows, found.merged.len()), (vec![0, 1, 2, 3, 4], 1));
     }
 
     #[test]
@@ -245,6 +265,13 @@ mod tests {
         let found = ranges(&values);
         assert_eq!(found[..3], [3.0, 100.0, 1.0]);
         assert!((found[3] - 0.1).abs() < 1e-12);
+        // A large offset does not make it larger; the rounding of a sum is none.
+        let values = Mat::from_fn(2, 3, |i, o| {
+            [[1e9, 1e15, 0.3], [1e9 + 25.0, 1e15 + 25.0, 0.1 + 0.2]][i][o]
+        });
+        let found = ranges(&values);
+        assert_eq!(found[..2], [25.0, 25.0]);
+        assert!((found[2] - 0.3e-4).abs() < 1e-12);
     }
 
     #[test]
@@ -252,6 +279,6 @@ mod tests {
         let found = Samples::of_weights(&column(&[0.0, 1.0, 3.0]), &LINE).unwrap();
         assert_eq!(found.values, Mat::<f64>::identity(3, 3));
         let twice = Samples::of_weights(&column(&[0.0, 1.0, 0.0]), &LINE).unwrap_err();
-        assert_eq!(twice, KernelError::Conflict { first: 0, second: 2 });
+        assert_eq!(twice, KernelError::Conflict { first: 0, second: 2, distance: 0.0 });
     }
 }

@@ -2,7 +2,7 @@
 
 use super::matrix::gram;
 use super::polynomial::Polynomial;
-use super::samples::ranges;
+use super::samples::{OFFSET, ranges};
 use super::system::System;
 use faer::{ColRef, Mat};
 use sinew_runtime::kernel::Kernel;
@@ -40,7 +40,9 @@ pub fn solve(
     let mut matrix = gram(kernel, points);
     smoothing.iter().enumerate().for_each(|(i, lambda)| matrix[(i, i)] += lambda);
     let system = System::new(&matrix, &polynomial.values);
-    let ranges = ranges(values);
+    // A large offset leaves its rounding in the equations.
+    let offsets = values.col_iter().map(|column| OFFSET * column.norm_max());
+    let ranges: Vec<f64> = ranges(values).into_iter().zip(offsets).map(|(r, o)| r.max(o)).collect();
     let of = |(kernels, basis): (Mat<f64>, Mat<f64>)| {
         let error = values - &matrix * &kernels - &polynomial.values * &basis;
         let missed = over(&error, &ranges);

@@ -11,22 +11,41 @@ use crate::kernel::scattered::error::KernelError;
 #[derive(Debug, thiserror::Error)]
 pub enum TrainError {
     /// A site cannot be taken.
-    #[error("row {row} of sites: {error}")]
+    #[error("{place}: {error}")]
     Site {
-        /// Its row.
-        row: usize,
+        /// Its row or line.
+        place: String,
         /// Why.
         error: EvaluationError,
     },
     /// A value cannot be taken.
-    #[error("row {row} of values, output \"{output}\": {error}")]
+    #[error("{place}, output \"{output}\": {error}")]
     Value {
-        /// Its row.
-        row: usize,
+        /// Its row or line.
+        place: String,
         /// The output.
         output: String,
         /// Why.
         error: RotationError,
+    },
+    /// Samples of one site have different values.
+    #[error(
+        "{rows} have {how} and different values: take their mean (\"average\": true or --average), smooth \
+         (--smoothing auto), or take one of them away"
+    )]
+    Conflict {
+        /// Their rows or lines.
+        rows: String,
+        /// How near their sites are.
+        how: String,
+    },
+    /// Rounding decides what the function is.
+    #[error("{error}{advice}")]
+    IllConditioned {
+        /// What was refused.
+        error: KernelError,
+        /// What comes of these samples, and what fits them.
+        advice: String,
     },
     /// The neutral sample is not there.
     #[error("the neutral sample is row {row}, of {samples}")]

@@ -11,5 +11,7 @@ pub(super) struct Fitted {
     pub(super) variance: Option<Variance>,
     pub(super) figures: Figures,
     pub(super) report: Report,
+    /// Whether kernels do not reach the next sample.
+    pub(super) is_narrow: bool,
     pub(super) warnings: Vec<String>,
 }

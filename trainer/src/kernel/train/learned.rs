@@ -10,7 +10,11 @@ use crate::kernel::function::order;
 use crate::kernel::hyper::{Entries, Metric, Options, Start, learn};
 use crate::kernel::model::Figures;
 use crate::kernel::problem::{Learn, LearnMetric, Problem};
+use crate::kernel::sum::monomials;
 use faer::Mat;
+
+/// Centres that are learned where no number is asked for, and samples are as many.
+const CENTRES: usize = 12;
 
 pub(super) fn fit(
     problem: &Problem,
@@ -31,8 +35,10 @@ pub(super) fn fit(
         Some(degree) => degree_of(degree)?,
         None => order(kernel).unwrap_or(0).checked_sub(1),
     };
-    let epsilon =
-        own.epsilon.unwrap_or_else(|| spacing(asked.centres, samples.scaling.kept().len()));
+    let terms = degree.map_or(0, |degree| monomials(d, degree).len());
+    let most = samples.sample_len().saturating_sub(terms).max(1);
+    let centres = asked.centres.unwrap_or(CENTRES.min(most));
+    let epsilon = own.epsilon.unwrap_or_else(|| spacing(centres, samples.scaling.kept().len()));
     let rows = asked.rank.unwrap_or(d).clamp(1, d);
     let learned = match asked.metric {
         _ if rows < d => Entries::All,
@@ -42,7 +48,7 @@ pub(super) fn fit(
     };
     let options = Options {
         kernel,
-        centres: asked.centres,
+        centres,
         degree,
         ridge: asked.ridge,
         metric: Metric::scaled(rows, d, epsilon, learned),
@@ -74,8 +80,9 @@ pub(super) fn fit(
         bound,
     };
     let figures = Figures { residual_rms, left_out_rms: 0.0, bound, rcond: 0.0 };
-    let (sum, warnings) = (found.sum, Vec::new());
-    Ok(Fitted { sum, variance: None, figures, report: Report::Learned(report), warnings })
+    let (sum, report) = (found.sum, Report::Learned(report));
+    let warnings = Vec::new();
+    Ok(Fitted { sum, variance: None, figures, report, is_narrow: false, warnings })
 }
 
 /// Returns what makes the distance of n centres in a cube of d inputs 1, where the mean distance of

@@ -20,7 +20,8 @@ impl Matrices {
     /// [`TrainError::Site`], [`TrainError::Neutral`] and [`TrainError::Value`].
     pub(super) fn new(problem: &Problem, outputs: &mut [Output]) -> Result<Self, TrainError> {
         let site = |(row, site): (usize, &Vec<f64>)| {
-            features(&problem.inputs, site).map_err(|error| TrainError::Site { row, error })
+            features(&problem.inputs, site)
+                .map_err(|error| TrainError::Site { place: problem.place(row, "sites"), error })
         };
         let sites = problem.sites.iter().enumerate().map(site).collect::<Result<Vec<_>, _>>()?;
         let (row, samples) = (problem.options.neutral, problem.values.len());
@@ -38,7 +39,8 @@ impl Matrices {
                     *neutral = [x, y, z, w].map(|part| part / length);
                     if !length.is_normal() {
                         let error = crate::kernel::rotations::RotationError::Zero;
-                        return Err(TrainError::Value { row, output: name.clone(), error });
+                        let place = problem.place(row, "values");
+                        return Err(TrainError::Value { place, output: name.clone(), error });
                     }
                 }
                 _ => {}
@@ -50,7 +52,9 @@ impl Matrices {
             for Output { kind, name } in outputs.iter() {
                 let own;
                 (own, rest) = rest.split_at(kind.number_len());
-                let wrong = |error| TrainError::Value { row, output: name.clone(), error };
+                let place = || problem.place(row, "values");
+                let wrong =
+                    |error| TrainError::Value { place: place(), output: name.clone(), error };
                 out.extend(kind.to_values(own).map_err(wrong)?);
             }
             values.push(out);

@@ -108,7 +108,8 @@ fn fitted(
     let residual_rms = residual_rms(&sum, features, values);
     let bound = largest(&rounded(&sum), features).into_iter().fold(0.0, f64::max);
     let figures = Figures { residual_rms, left_out_rms: 0.0, bound, rcond };
-    Fitted { sum, variance: None, figures, report: Report::Mode { rcond, residual_rms }, warnings }
+    let report = Report::Mode { rcond, residual_rms };
+    Fitted { sum, variance: None, figures, report, is_narrow: false, warnings }
 }
 
 /// Measures what a function leaves of values at their sites.

@@ -8,8 +8,10 @@ use super::{learned, modes, solved};
 use crate::kernel::deviation::Probe;
 use crate::kernel::fade::Fade;
 use crate::kernel::model::{KernelModel, OutputKind};
-use crate::kernel::problem::{Mode, Problem};
+use crate::kernel::problem::{Mode, Problem, ProblemOptions};
+use crate::kernel::scattered::error::{DeviationCause, KernelError};
 use crate::kernel::scattered::samples::{ONE_SITE, check, ranges};
+use crate::kernel::scattered::spacing::Spacing;
 use crate::kernel::sum::KernelSum;
 use crate::numeric::columns::ends;
 use faer::Mat;
@@ -17,6 +19,11 @@ use sinew_runtime::kernel::{Normalise, QueryRule};
 
 /// Room for the rounding of a squared distance in f32: the sample that the fade starts at has confidence 1.
 const ROOM: f64 = 1.0 + 1e-4;
+
+/// Kernels that are offered where another one does not fit, the smoothest first.
+const KERNELS: [&str; 3] = ["matern 5/2", "matern 3/2", "linear"];
+/// Distance of two samples, over the mean one between nearest samples, below which they are named.
+const NEAR: f64 = 0.1;
 
 /// Fits a problem.
 ///
@@ -36,18 +43,19 @@ pub fn train(problem: &Problem, variance: bool) -> Result<Trained, TrainError> {
     check(&features, &values)?;
     // The sites have become features, so they are sound.
     let probe = Probe::new(&problem.inputs, &problem.sites, ranges(&values), limit)
-        .map_err(|error| TrainError::Site { row: 0, error })?;
-    let fitted = match (options.mode, &options.learn) {
-        (Mode::Sinew, None) => solved::fit(problem, &features, &values, &probe, variance)?,
-        (Mode::Sinew, Some(learn)) => learned::fit(problem, learn, &features, &values)?,
-        (Mode::Scipy, _) => modes::scipy(problem, &features, &values)?,
-        (Mode::Published, _) => modes::published(problem, &features, &values)?,
-    };
-    let Fitted { sum, variance: kept, figures, report, mut warnings } = fitted;
+        .map_err(|error| TrainError::Site { place: problem.place(0, "sites"), error })?;
+    let of = Data { problem, features: &features, values: &values, probe: &probe };
+    let (fitted, deviation) = of.fitted(variance).map_err(|error| of.advised(error))?;
+    let Fitted { sum, variance: kept, figures, report, is_narrow, mut warnings } = fitted;
     if variance && kept.is_none() {
         return Err(TrainError::NoVariance);
     }
-    let deviation = probe.check(&sum, |x| sum.evaluate(x))?;
+    if is_narrow {
+        let other = of.other().map_or(String::new(), |other| format!("; {other} joins them"));
+        warnings.push(format!(
+            "single precision holds no width that joins these samples: between them the function falls off{other}"
+        ));
+    }
     let euler = problem.euler_inputs();
     if euler.len() > 1 {
         warnings.push(format!(
@@ -75,6 +83,87 @@ pub fn train(problem: &Problem, variance: bool) -> Result<Trained, TrainError> {
         fit: figures,
     };
     Ok(Trained { model, report, deviation, warnings })
+}
+
+/// Arguments of a fit.
+struct Data<'a> {
+    problem: &'a Problem,
+    features: &'a Mat<f64>,
+    values: &'a Mat<f64>,
+    probe: &'a Probe,
+}
+
+impl Data<'_> {
+    /// Fits it, and measures the deviation of its file.
+    fn fitted(&self, variance: bool) -> Result<(Fitted, f64), TrainError> {
+        let Self { problem, features, values, probe } = self;
+        let fitted = match (problem.options.mode, &problem.options.learn) {
+            (Mode::Sinew, None) => solved::fit(problem, features, values, probe, variance)?,
+            (Mode::Sinew, Some(learn)) => learned::fit(problem, learn, features, values)?,
+            (Mode::Scipy, _) => modes::scipy(problem, features, values)?,
+            (Mode::Published, _) => modes::published(problem, features, values)?,
+        };
+        let deviation = probe.check(&fitted.sum, |x| fitted.sum.evaluate(x))?;
+        Ok((fitted, deviation))
+    }
+
+    /// Adds to a refusal what fits, and which samples are too near.
+    fn advised(&self, error: TrainError) -> TrainError {
+        match error {
+            TrainError::Kernel(KernelError::Deviation {
+                deviation,
+                limit,
+                cause: DeviationCause::Kernel { kernel, .. },
+            }) => {
+                let cause = DeviationCause::Kernel { kernel, other: self.other() };
+                KernelError::Deviation { deviation, limit, cause }.into()
+            }
+            TrainError::Kernel(error @ KernelError::IllConditioned { .. }) => {
+                let near = self.near().map(|near| format!("; {near}: take one of them away"));
+                let other = self.other().map(|other| format!("; {other} fits"));
+                let advice = near.unwrap_or_default() + &other.unwrap_or_default();
+                TrainError::IllConditioned { error, advice }
+            }
+            error => error,
+        }
+    }
+
+    /// Finds options that fit: a lower degree, or another kernel at a width that joins the samples. None in the modes of
+    /// others and of learned centres.
+    fn other(&self) -> Option<String> {
+        let own = &self.problem.options;
+        if own.mode != Mode::Sinew || own.learn.is_some() {
+            return None;
+        }
+        let degree = own.degree.unwrap_or(0);
+        let lower = std::iter::successors(Some(degree / 2), |degree| Some(degree / 2));
+        let lower = lower.take_while(|degree| *degree > 0).map(|degree| {
+            let options = ProblemOptions { degree: Some(degree), ..own.clone() };
+            (options, format!("degree {degree}"))
+        });
+        let kernels = KERNELS.into_iter().map(|kernel| {
+            let name = Some(kernel.to_owned());
+            let options =
+                ProblemOptions { kernel: name, degree: None, epsilon: None, ..own.clone() };
+            (options, format!("the kernel \"{kernel}\""))
+        });
+        let fits = |options: ProblemOptions| {
+            let problem = Problem { options, ..self.problem.clone() };
+            let fitted = Data { problem: &problem, ..*self }.fitted(false);
+            fitted.is_ok_and(|(fitted, _)| !fitted.is_narrow)
+        };
+        lower.chain(kernels).find_map(|(options, name)| fits(options).then_some(name))
+    }
+
+    /// Names the two nearest samples, if they are much nearer than others.
+    fn near(&self) -> Option<String> {
+        let samples = solved::samples(self.problem, self.features, self.values).ok()?;
+        let Spacing { mean, least, nearest } = Spacing::new(&samples);
+        let [first, second] = nearest.map(|sample| samples.rows[sample]);
+        let rows = self.problem.rows(first, second);
+        (least < NEAR * mean)
+            .then(|| format!("{rows} are only {least:.1e} of the mean distance apart"))
+    }
 }
 
 /// Fades beyond the farthest that a sample is from the centres that are not its own; a sample's own centre is

@@ -9,6 +9,7 @@ use crate::kernel::model::Figures;
 use crate::kernel::problem::{Problem, ProblemOptions, Smoothing};
 use crate::kernel::scattered::any::AnyFit;
 use crate::kernel::scattered::choose::{Choice, Freedom};
+use crate::kernel::scattered::error::{KernelError, same_site};
 use crate::kernel::scattered::options::{Options, is_scale_invariant, wendland};
 use crate::kernel::scattered::report::FitReport;
 use crate::kernel::scattered::samples::{Conflicts, Samples};
@@ -48,11 +49,12 @@ pub(super) fn fit(
         epsilon: own.epsilon.is_none() && !is_scale_invariant(asked.kernel),
         smoothing: matches!(own.smoothing, Some(Smoothing::Chosen)),
     };
-    let options = if freedom.epsilon || freedom.smoothing {
+    let (options, is_narrow) = if freedom.epsilon || freedom.smoothing {
         let groups = groups(own, &samples)?;
-        Choice::new(&samples, &asked, freedom, &groups, Some(probe))?.options
+        let choice = Choice::new(&samples, &asked, freedom, &groups, Some(probe))?;
+        (choice.options, choice.is_narrow)
     } else {
-        asked
+        (asked, false)
     };
     let fit = AnyFit::new(&samples, &options)?;
     let report = fit.report(&samples, &options);
@@ -67,8 +69,8 @@ pub(super) fn fit(
         rcond: report.rcond,
     };
     let warnings = warnings(problem, &report);
-    let sum = fit.sum().clone();
-    Ok(Fitted { sum, variance: kept, figures, report: Report::Fit(Box::new(report)), warnings })
+    let (sum, report) = (fit.sum().clone(), Report::Fit(Box::new(report)));
+    Ok(Fitted { sum, variance: kept, figures, report, is_narrow, warnings })
 }
 
 /// Returns the smoothing of each sample by those of its rows: a sample of several rows has its first's.
@@ -92,8 +94,23 @@ pub(super) fn samples(
     let inputs = problem.inputs.iter();
     let blocks: Vec<Block> =
         inputs.map(|input| Block { len: input.kind.feature_len(), weight: input.weight }).collect();
-    let conflicts = if problem.options.average { Conflicts::Average } else { Conflicts::Refuse };
-    Ok(Samples::new(features, values, &blocks, conflicts)?)
+    let is_smoothed = match &problem.options.smoothing {
+        None => false,
+        Some(Smoothing::Given(smoothing)) => *smoothing > 0.0,
+        Some(Smoothing::Each(all)) => all.iter().any(|smoothing| *smoothing > 0.0),
+        Some(Smoothing::Chosen) => true,
+    };
+    let conflicts = match (problem.options.average, is_smoothed) {
+        (true, _) => Conflicts::Average,
+        (false, true) => Conflicts::Keep,
+        (false, false) => Conflicts::Refuse,
+    };
+    Samples::new(features, values, &blocks, conflicts).map_err(|error| match error {
+        KernelError::Conflict { first, second, distance } => {
+            TrainError::Conflict { rows: problem.rows(first, second), how: same_site(distance) }
+        }
+        error => error.into(),
+    })
 }
 
 fn asked(own: &ProblemOptions, inputs: usize) -> Result<Options, TrainError> {
@@ -162,7 +179,8 @@ fn warnings(problem: &Problem, report: &FitReport) -> Vec<String> {
     let mut out = Vec::new();
     for merged in &report.merged {
         let how = if merged.averaged { "averaged with" } else { "the same sample as" };
-        out.push(format!("row {} is {how} row {}", merged.row, merged.into));
+        let [row, into] = [merged.row, merged.into].map(|row| problem.row(row));
+        out.push(format!("{row} is {how} {into}"));
     }
     let mut first = 0;
     for input in &problem.inputs {

@@ -287,7 +287,9 @@ fn what_is_no_take_is_told_in_few_words() {
     let rows = text.split_once('\n').unwrap().1;
     let error = refused(&folder, rows.as_bytes());
     assert!(
-        error.contains("line 1: expected names of columns, found number 61: put a line of names"),
+        error.contains(
+            "line 1: expected the names of the columns, found numbers (61): write a line"
+        ),
         "{error}"
     );
     for (bytes, found) in [
