@@ -138,18 +138,17 @@ impl Chain {
 /// Turns the joints by up to 50°, each about an axis and at a rate of its own; pose 0 is at rest.
 fn palette(pose: usize) -> Vec<Matrix4<f64>> {
     let axes = [Vector3::z(), Vector3::x(), Vector3::new(0.3, 0.5, 0.7)];
-    let mut world = Matrix4::identity();
-    let mut of_joint = |(joint, axis): (usize, Vector3<f64>)| {
+    let mut world: Matrix4<f64> = Matrix4::identity();
+    let of_joint = |(joint, axis): (usize, Vector3<f64>)| {
         let j = joint as f64;
         let phase = std::f64::consts::TAU * pose as f64 / 12.0 * (1.0 + 0.37 * j) + j;
         let angle = if pose > 0 { 50.0_f64.to_radians() * phase.sin() } else { 0.0 };
         let turn = Rotation3::from_axis_angle(&Unit::new_normalize(axis), angle);
-        let step = Vector3::y() * j.min(1.0);
-        world *= Matrix4::new_translation(&step) * turn.to_homogeneous();
-        let inverse_bind = Matrix4::new_translation(&(-j * Vector3::y()));
-        world.clone_owned() * inverse_bind
+        let step = Matrix4::new_translation(&(Vector3::y() * j.min(1.0)));
+        world = world * step * turn.to_homogeneous();
+        world * Matrix4::new_translation(&(Vector3::y() * -j))
     };
-    axes.into_iter().enumerate().map(&mut of_joint).collect()
+    axes.into_iter().enumerate().map(of_joint).collect()
 }
 
 /// Index of the last joint that is no higher than a height.
