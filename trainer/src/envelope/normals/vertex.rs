@@ -222,16 +222,12 @@ mod tests {
 
     #[test]
     fn refined_coefficients_have_the_least_angles() {
-        // A stretched pose that the images follow, and one that says little of them and tilts as much.
-        let tilted = |slope: f64| Vector3::new(-slope, 0.0, 1.0).normalize();
-        let images = |length: f64, slope: f64| {
-            [Vector3::new(1.0, 0.0, slope).normalize() * length, Vector3::y()]
+        // Where coefficients make t long, its images count more than its direction does.
+        let pose = |slope: f64, apart: [f64; 3]| {
+            let along = Vector3::new(1.0, 0.0, slope).normalize();
+            (along.cross(&Vector3::y()), [along, Vector3::y()], Vector3::from(apart))
         };
-        let poses = [(4.0, 2.0, 2.4), (1.0, 0.5, 0.3), (1.0, -0.4, -0.5)].map(
-            |(length, slope, apart): (f64, f64, f64)| {
-                (tilted(slope), images(length, slope), Vector3::new(0.3, 0.0, apart))
-            },
-        );
+        let poses = [pose(0.2, [10.0, 0.0, 4.0]), pose(0.6, [0.0, 0.0, 1.0])];
         let posed = vertex(&poses);
         let (linear, found) = (posed.linear().unwrap(), posed.fit(1.0).unwrap());
         let least = posed.error(&found);
