@@ -2,16 +2,15 @@
 
 use super::fan::Fan;
 use super::lean::{Lean, LeaningNormal};
-use super::vertex::{PosedVertex, VertexPose};
+use super::vertex::{PosedVertex, SEEN, VertexPose};
 use crate::envelope::model::SkinModel;
 use faer::Mat;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Longer lists are worth their bytes where they leave at most this share of the normals' error,
+/// Longer lists are worth their bytes where they leave at most this share of the normals' error, and
+/// shorter ones leave one that is seen.
 const WIDER: f64 = 0.8;
-/// and where shorter ones leave more than this, RMS in radians: 1°.
-const SEEN: f64 = 0.0175;
 
 /// A mesh in n poses, and the palettes that are to carry it; lengths in units of the rest diagonal.
 pub struct PosedSurface<'a> {

@@ -12,6 +12,8 @@ const BESIDE: f64 = 0.09;
 const RIDGE: f64 = 1e-5;
 /// What transforms disagree by in single precision, in diagonals: less than that is not built on.
 const UNSEEN: f64 = 1e-7;
+/// Error of a vertex's normals that is seen, RMS in radians: 1°.
+pub(super) const SEEN: f64 = 0.0175;
 /// Steps of a refinement.
 const STEPS: usize = 12;
 /// First damping of a refinement, as a share of the mean diagonal.
@@ -120,6 +122,10 @@ impl PosedVertex {
     fn refined(&self, start: Coefficients) -> Coefficients {
         let (mut found, mut damping) = (start, DAMPING);
         let mut error = self.error(&found);
+        // Below, the linear fit is as good, and its coefficients are the gradients of the weights.
+        if error <= SEEN * SEEN * self.poses.len() as f64 {
+            return found;
+        }
         for _ in 0..STEPS {
             let next = self.step(&found, damping);
             let of_next = self.error(&next);
