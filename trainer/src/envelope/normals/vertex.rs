@@ -50,7 +50,7 @@ pub(super) struct VertexPose {
 
 impl PosedVertex {
     /// Fits coefficients, as half precision holds them, whose normals are nearer to the true ones than those by
-    /// cofactors; `None` where none are.
+    /// cofactors, or are off by nothing that is seen; `None` where none are.
     ///
     /// - `unit`: of the fit's lengths, in those of the file.
     pub(super) fn fit(&self, unit: f64) -> Option<Coefficients> {
@@ -60,7 +60,7 @@ impl PosedVertex {
             .map(|found| held(found, unit))
             .into_iter()
             .map(|found| (self.error(&found), found))
-            .filter(|(error, _)| *error < cofactors)
+            .filter(|(error, _)| *error < cofactors.max(self.seen()))
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, found)| found)
     }
@@ -123,7 +123,7 @@ impl PosedVertex {
         let (mut found, mut damping) = (start, DAMPING);
         let mut error = self.error(&found);
         // Below, the linear fit is as good, and its coefficients are the gradients of the weights.
-        if error <= SEEN * SEEN * self.poses.len() as f64 {
+        if error <= self.seen() {
             return found;
         }
         for _ in 0..STEPS {
@@ -137,6 +137,11 @@ impl PosedVertex {
             }
         }
         found
+    }
+
+    /// Sum of squared angles up to which no error is seen.
+    fn seen(&self) -> f64 {
+        SEEN * SEEN * self.poses.len() as f64
     }
 
     /// Ridge by what single precision rounds.
