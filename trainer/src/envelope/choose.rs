@@ -423,7 +423,10 @@ impl PredictorSearch<'_> {
             FileSkins::Skins(further) => {
                 progress.step("normals", 1);
                 let coefficients = chosen.tangent_coefficients;
-                fit_normals(&mut model, coefficients.then_some(&palette), training, examples)?;
+                // A budget was measured with the lists as they are.
+                let most = self.options.budget.map_or(self.options.influences, |_| 0);
+                let palettes = coefficients.then_some(&palette);
+                fit_normals(&mut model, palettes, most, training, examples)?;
                 levels::add(&mut model, further, coefficients, examples)?
             }
             FileSkins::PaletteAlone => {

@@ -68,7 +68,7 @@ fn fit(skin: &mut SkinModel, triangles: &[[usize; 3]], palettes: &[Vec<Map>]) {
         fans: &Fan::all(triangles, skin.rest_positions.len()),
         authored: false,
     };
-    surface.fit(skin, 1.0);
+    surface.fit(skin, 1.0, 4);
 }
 
 fn degrees(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {

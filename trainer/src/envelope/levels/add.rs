@@ -70,11 +70,13 @@ pub fn add(
     });
     let (palettes, posed): (Vec<_>, Vec<_>) =
         posed.collect::<Result<Vec<_>, FrameError>>()?.into_iter().unzip();
+    // Without those that weigh nothing, which normals alone follow.
+    let followed = own.of_first_copies(&influences(&skin));
     let surface = SkinSurface {
         rest: &own.of_first_copies(&rest(&skin)),
         triangles: &examples.solid_triangles(),
-        influences: &own.of_first_copies(&influences(&skin)),
-        most: skin.influence_len(),
+        influences: &followed,
+        most: followed.iter().map(Vec::len).max().unwrap_or(0),
         diagonal: examples.diagonal(),
         palettes: &palettes,
         posed,
@@ -82,17 +84,18 @@ pub fn add(
     let mut levels = levels.to_vec();
     let (influences, reports) = surface.follow_all(&mut levels)?;
     for (level, influences) in levels.iter().zip(influences) {
-        let mut skin = skin_of(level, &influences);
+        let mut further = skin_of(level, &influences);
         if coefficients {
-            fit_normals(&mut skin, level, &surface);
+            fit_normals(&mut further, level, &surface, skin.influence_len());
         }
-        model.skins.push(skin);
+        model.skins.push(further);
     }
     Ok(reports)
 }
 
-/// Fits the tangent coefficients of a further mesh to where the surface carries it.
-fn fit_normals(skin: &mut SkinModel, level: &Level, surface: &SkinSurface<'_>) {
+/// Fits the tangent coefficients of a further mesh to where the surface carries it, with at most `most` influences a
+/// vertex.
+fn fit_normals(skin: &mut SkinModel, level: &Level, surface: &SkinSurface<'_>, most: usize) {
     let SkinSurface { palettes, diagonal, .. } = *surface;
     let rest: Vec<_> = level.mesh.positions.iter().map(|x| x.map(|x| x / diagonal)).collect();
     let palette_len = palettes.first().map_or(0, Vec::len);
@@ -107,7 +110,7 @@ fn fit_normals(skin: &mut SkinModel, level: &Level, surface: &SkinSurface<'_>) {
         fans: &Fan::of(&level.mesh.surface()),
         authored: level.mesh.surface().authored_normals().is_some(),
     };
-    posed.fit(skin, diagonal);
+    posed.fit(skin, diagonal, most);
 }
 
 /// Adds as many bytes as meshes can take at the most: before it is known what they follow.

@@ -13,9 +13,11 @@ use sinew_runtime::skin::NormalErrors;
 /// `evaluate` does.
 ///
 /// - `palettes`: of the training poses, 3n x 4 a transform, in training units; `None` for a skin without coefficients.
+/// - `most`: influences that a vertex may have for the sake of its normal.
 pub fn fit_normals(
     model: &mut FileModel,
     palettes: Option<&Mat<f64>>,
+    most: usize,
     training: &Training,
     examples: &Examples,
 ) -> Result<(), TrainError> {
@@ -27,7 +29,7 @@ pub fn fit_normals(
             fans: &Fan::of(&examples.surface()),
             authored: examples.surface().authored_normals().is_some(),
         };
-        model.skins.iter_mut().for_each(|skin| surface.fit(skin, training.unit));
+        model.skins.iter_mut().for_each(|skin| surface.fit(skin, training.unit, most));
     }
     let bytes = model.bake()?;
     let character = Character::open(&bytes, None, examples)?;

@@ -65,6 +65,11 @@ impl Fan {
         self.edges(at).map(|[a, b]| a.cross(&b)).sum()
     }
 
+    /// Adds twice the areas of the faces.
+    pub(super) fn area(&self, at: impl Fn(usize) -> Vector3<f64>) -> f64 {
+        self.edges(at).map(|[a, b]| a.cross(&b).norm()).sum()
+    }
+
     /// Finds how much the corners of the faces add to the images of a plane's two axes: the image of axis k under any
     /// positions y is `Σ c_k (y - y_centre)` over corners. The map is the mean of the faces' maps by area at rest, scaled
     /// so that the axes keep their part in the plane at rest. `None` where the faces at rest span no plane.

@@ -2,21 +2,15 @@
 
 use super::fan::Fan;
 use super::lean::{Lean, LeaningNormal};
+use super::vertex::{PosedVertex, SEEN, VertexPose};
 use crate::envelope::model::SkinModel;
-use crate::numeric::ridge::solve_ridge;
 use faer::Mat;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Weight of a residual square to the true normal, against 1 along it: a normal hears of the first only by how the
-/// axes lean in the surface.
-const BESIDE: f64 = 0.09;
-/// Ridge, as a share of the mean diagonal.
-const RIDGE: f64 = 1e-5;
-/// What transforms disagree by in single precision, in diagonals: less than that is not built on.
-const UNSEEN: f64 = 1e-7;
-/// The largest number of half precision.
-const MOST: f64 = 65_504.0;
+/// Longer lists are worth their bytes where they leave at most this share of the normals' error, and
+/// shorter ones leave one that is seen.
+const WIDER: f64 = 0.8;
 
 /// A mesh in n poses, and the palettes that are to carry it; lengths in units of the rest diagonal.
 pub struct PosedSurface<'a> {
@@ -32,54 +26,80 @@ pub struct PosedSurface<'a> {
     pub authored: bool,
 }
 
+/// What a fit gives the vertices of a skin.
+struct FittedNormals {
+    influences: Vec<Vec<(usize, f64)>>,
+    coefficients: Vec<Vec<[f64; 2]>>,
+    /// RMS angle of the normals over the poses and the rest surface's area, in radians.
+    rms: f64,
+}
+
 impl PosedSurface<'_> {
     /// Fits the tangent coefficients of a skin of these vertices, per unit of its lengths. What a vertex's list has room
-    /// for is filled with transforms that its neighbours follow, of weight 0. A vertex whose surface says
-    /// nothing, or whose coefficients half precision cannot hold, gets zeros: its normal goes by cofactors.
+    /// for is filled with transforms that its neighbours follow, of weight 0; all lists are made longer where normals
+    /// gain much by it. A vertex whose surface says nothing, whose normals coefficients do not bring nearer to the
+    /// truth, or whose coefficients half precision cannot hold, gets zeros: its normal goes by cofactors.
     ///
     /// - `unit`: the rest diagonal in the skin's lengths.
-    pub fn fit(&self, skin: &mut SkinModel, unit: f64) {
-        let most = skin.influence_len();
-        if most < 2 {
+    /// - `most`: length up to which lists may grow.
+    pub fn fit(&self, skin: &mut SkinModel, unit: f64, most: usize) {
+        let len = skin.influence_len();
+        if len == 0 {
             return;
         }
+        let mut best = self.fitted(skin, unit, len);
+        for len in len + 1..=most {
+            if best.rms <= SEEN {
+                break;
+            }
+            let wider = self.fitted(skin, unit, len);
+            if wider.rms < WIDER * best.rms {
+                best = wider;
+            }
+        }
+        if best.influences.iter().any(|list| list.len() > 1) {
+            skin.influences = best.influences;
+            skin.tangent_coefficients = Some(best.coefficients);
+        }
+    }
+
+    /// Fits the vertices of a skin with lists of `len` influences.
+    fn fitted(&self, skin: &SkinModel, unit: f64, len: usize) -> FittedNormals {
         let mut of_positions: Vec<&[(usize, f64)]> = vec![&[]; self.rest.len()];
         for (fan, own) in self.fans.iter().zip(&skin.influences) {
             of_positions[fan.centre] = own;
         }
         let vertex = |(number, fan): (usize, &Fan)| {
-            let influences = filled(fan, &of_positions, most);
-            let mut coefficients = self
-                .vertex(fan, &skin.vertex(number).frame(), &influences)
-                .unwrap_or_else(|| vec![[0.0; 2]; most]);
-            coefficients.iter_mut().flatten().for_each(|c| *c /= unit);
-            if !coefficients.iter().flatten().all(|c| c.abs() <= MOST) {
-                coefficients.fill([0.0; 2]);
-            }
-            (influences, coefficients)
+            let influences = filled(fan, &of_positions, len);
+            let posed = self.posed(fan, &skin.vertex(number).frame(), &influences);
+            let coefficients = posed.fit(unit).unwrap_or_else(|| vec![[0.0; 2]; len]);
+            let area = fan.area(|corner| self.rest[corner].into());
+            let sums = [area * posed.error(&coefficients), area * posed.poses.len() as f64];
+            let coefficients: Vec<_> = coefficients.iter().map(|c| c.map(|c| c / unit)).collect();
+            ((influences, coefficients), sums)
         };
         let fitted: Vec<_> = self.fans.par_iter().enumerate().map(vertex).collect();
-        let (influences, coefficients) = fitted.into_iter().unzip();
-        skin.influences = influences;
-        skin.tangent_coefficients = Some(coefficients);
+        let (lists, sums): (Vec<_>, Vec<_>) = fitted.into_iter().unzip();
+        let (influences, coefficients) = lists.into_iter().unzip();
+        let sum = |k: usize| sums.iter().map(|sums: &[f64; 2]| sums[k]).sum::<f64>();
+        let rms = (sum(0) / sum(1).max(f64::MIN_POSITIVE)).sqrt();
+        FittedNormals { influences, coefficients, rms }
     }
 
-    /// Fits the coefficients of a vertex, of sum 0; `None` where its faces at rest span no plane.
-    fn vertex(
+    /// Gathers the poses of a vertex for its fit.
+    fn posed(
         &self,
         fan: &Fan,
         frame: &[Vector3<f64>; 2],
         influences: &[(usize, f64)],
-    ) -> Option<Vec<[f64; 2]>> {
+    ) -> PosedVertex {
         let at_rest = |corner: usize| self.rest[corner].into();
-        let lean = if self.authored {
-            let leaning = LeaningNormal::new(fan, at_rest, &frame[0].cross(&frame[1]));
-            Some((Lean::new(fan, at_rest, frame)?, leaning))
-        } else {
-            None
-        };
-        let images = fan.images(at_rest, lean.as_ref().map_or(frame, |(lean, _)| &lean.plane))?;
-        let (&(last, _), others) = influences.split_last()?;
+        let leaning =
+            self.authored.then(|| LeaningNormal::new(fan, at_rest, &frame[0].cross(&frame[1])));
+        let lean = self.authored.then(|| Lean::new(fan, at_rest, frame)).flatten();
+        let plane = if self.authored { lean.as_ref().map(|lean| &lean.plane) } else { Some(frame) };
+        let images = plane.and_then(|plane| fan.images(at_rest, plane));
+        let (last, others) = influences.split_last().map_or((0, &[][..]), |(last, o)| (last.0, o));
         let x = self.rest[fan.centre];
         let apart: Vec<Vec<f64>> = others
             .iter()
@@ -95,44 +115,27 @@ impl PosedSurface<'_> {
             self.combined(&influences.iter().map(term).collect::<Vec<_>>())
         });
 
-        let len = others.len();
-        let mut gram = Mat::zeros(len, len);
-        let mut right = Mat::zeros(len, 2);
-        for pose in 0..self.trajectories.nrows() / 3 {
+        let pose_len = self.trajectories.nrows() / 3;
+        let mut out =
+            PosedVertex { poses: Vec::new(), apart: Vec::new(), free: others.len(), pose_len };
+        for pose in 0..pose_len {
             let at = |position: usize| of(self.trajectories.col_as_slice(position), pose);
             let Some(mut normal) = fan.normal(at).try_normalize(0.0) else { continue };
-            let mut carried = fan.carried(&images, at, &normal);
-            if let Some((lean, leaning)) = &lean {
-                let images = lean.images(carried, normal);
-                let Some(leaning) = leaning.posed(fan, at) else { continue };
-                normal = leaning;
-                carried = images.map(|image| image - normal * normal.dot(&image));
+            let mut carried = images.as_ref().map(|images| fan.carried(images, at, &normal));
+            if let Some(leaning) = &leaning {
+                let Some(truth) = leaning.posed(fan, at) else { continue };
+                let images = carried.zip(lean.as_ref()).map(|(of, lean)| lean.images(of, normal));
+                normal = truth;
+                carried =
+                    images.map(|images| images.map(|image| image - truth * truth.dot(&image)));
             }
             // Faces that are folded onto each other may turn the map over: its normal would point inward.
-            if normal.dot(&carried[0].cross(&carried[1])) <= 0.0 {
-                continue;
-            }
-            let left = [0, 1].map(|k| carried[k] - of(&blended[k], pose));
-            for a in 0..len {
-                let own = of(&apart[a], pose);
-                let counted = own * BESIDE + normal * ((1.0 - BESIDE) * normal.dot(&own));
-                for b in 0..=a {
-                    gram[(a, b)] += counted.dot(&of(&apart[b], pose));
-                }
-                for k in 0..2 {
-                    right[(a, k)] += counted.dot(&left[k]);
-                }
-            }
+            let images = carried.filter(|[u, v]| normal.dot(&u.cross(v)) > 0.0);
+            let blended = [0, 1].map(|k| of(&blended[k], pose));
+            out.poses.push(VertexPose { normal, blended, images });
+            out.apart.extend(apart.iter().map(|apart| of(apart, pose)));
         }
-        let poses = self.trajectories.nrows() as f64 / 3.0;
-        let mean = gram.diagonal().column_vector().sum() / len as f64;
-        let found = solve_ridge(&mut gram, right, RIDGE * mean + poses * UNSEEN * UNSEEN);
-        let mut coefficients: Vec<[f64; 2]> =
-            (0..len).map(|a| [found[(a, 0)], found[(a, 1)]]).collect();
-        let sum = |k: usize| coefficients.iter().map(|c| c[k]).sum::<f64>();
-        let of_last = [-sum(0), -sum(1)];
-        coefficients.push(of_last);
-        Some(coefficients)
+        out
     }
 
     /// Adds up transforms, each times a vector, over the poses.
@@ -272,17 +275,17 @@ mod tests {
     fn a_vertex_is_fitted_as_all_its_equations_ask() {
         let (training, palettes, fans, mut skin) = arm();
         let surface = surface(&training, &palettes, &fans);
-        surface.fit(&mut skin, training.unit);
-        let coefficients = skin.tangent_coefficients.as_ref().unwrap();
+        surface.fit(&mut skin, training.unit, 4);
         let mut largest: f64 = 0.0;
         for vertex in (0..fans.len()).step_by(7) {
             let own = &skin.influences[vertex];
-            let expected = brute_force(&surface, &fans[vertex], skin.vertex(vertex).frame(), own);
-            let found = &coefficients[vertex];
+            let frame = skin.vertex(vertex).frame();
+            let expected = brute_force(&surface, &fans[vertex], frame, own);
+            let found = surface.posed(&fans[vertex], &frame, own).linear().unwrap();
             let size = expected.amax().max(1e-3);
             for (a, found) in found[..own.len() - 1].iter().enumerate() {
                 for k in 0..2 {
-                    let difference = found[k] * training.unit - expected[(a, k)];
+                    let difference = found[k] - expected[(a, k)];
                     assert!(difference.abs() < 1e-6 * size, "{vertex}: {difference} of {size}");
                 }
             }
@@ -300,7 +303,7 @@ mod tests {
         let (training, palettes, fans, mut skin) = arm();
         let before = skin.influences.clone();
         let most = skin.influence_len();
-        surface(&training, &palettes, &fans).fit(&mut skin, training.unit);
+        surface(&training, &palettes, &fans).fit(&mut skin, training.unit, 4);
         let mut taken = 0;
         for (vertex, (own, filled)) in before.iter().zip(&skin.influences).enumerate() {
             assert_eq!((&filled[..own.len()], filled.len()), (&own[..], most));
@@ -323,7 +326,7 @@ mod tests {
         fans[1].faces.truncate(1);
         let next = fans[2].faces[0][0];
         fans[2].faces = vec![[next, next]];
-        surface(&training, &palettes, &fans).fit(&mut skin, training.unit);
+        surface(&training, &palettes, &fans).fit(&mut skin, training.unit, 4);
         let zero = |skin: &SkinModel, vertex: usize| {
             skin.tangent_coefficients.as_ref().unwrap()[vertex].iter().flatten().all(|c| *c == 0.0)
         };
@@ -334,20 +337,20 @@ mod tests {
             alike.col_mut(column).copy_from(palettes.col(column % 4));
         }
         let mut same = rest.clone();
-        surface(&training, &alike, &fans).fit(&mut same, training.unit);
+        surface(&training, &alike, &fans).fit(&mut same, training.unit, 4);
         let all = same.tangent_coefficients.unwrap();
         assert!(all.iter().flatten().flatten().all(|c| c.abs() < 0.1));
         // What half precision cannot hold, in a unit of light-years, is 0, not infinite.
         let mut far = rest;
-        surface(&training, &palettes, &fans).fit(&mut far, 1e-16);
+        surface(&training, &palettes, &fans).fit(&mut far, 1e-16, 4);
         assert!(zero(&far, 3));
     }
 
     #[test]
-    fn a_skin_of_one_transform_a_vertex_needs_no_coefficients() {
+    fn a_skin_that_may_follow_one_transform_a_vertex_gets_no_coefficients() {
         let (training, palettes, fans, mut skin) = arm();
         skin.influences.iter_mut().for_each(|list| list.truncate(1));
-        surface(&training, &palettes, &fans).fit(&mut skin, training.unit);
+        surface(&training, &palettes, &fans).fit(&mut skin, training.unit, 1);
         assert!(skin.tangent_coefficients.is_none());
         assert!(skin.influences.iter().all(|list| list.len() == 1));
     }

@@ -6,6 +6,7 @@ mod fit;
 mod lean;
 mod tilt;
 mod truth;
+mod vertex;
 
 pub use chosen::fit_normals;
 pub use fan::Fan;

@@ -5,6 +5,7 @@ use super::blend::{Items, Maps, Supports, Weights, fit_weights};
 use super::bones;
 use super::painted::Painted;
 use super::poses::{Poses, local, seen_from};
+use super::targets::Targets;
 use crate::constants::ERRS;
 use crate::examples::{Examples, Importance, Matrix3x4, Split};
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
@@ -13,6 +14,8 @@ use nalgebra::Vector3;
 
 /// Influences of the baseline, as most engines skin.
 pub const BASELINE_INFLUENCES: usize = 4;
+/// Painted weights that err less, RMS in diagonals, stay as they are: single precision rounds as much.
+const EXACT: f64 = 1e-6;
 
 /// Fits at most `most` joint weights a vertex to trajectories (3n x V); returns them and the
 /// vertices' squared errors, summed over the poses.
@@ -69,6 +72,20 @@ impl Lbs {
             }
             (near, near_errors) = fit(&farther);
         }
+        // On a hinge the position of a vertex says nothing of its weights; its normal hangs on them.
+        let (own, importance) = (painted.weights(), Importance::ALIKE);
+        let targets = Targets { rest, weights: &own, trajectories, importance };
+        let left = targets.residuals(&poses.stacked());
+        let lists = (0..rest.len()).map(|vertex| {
+            let error = left.col(vertex).squared_norm_l2();
+            let len = own.of(vertex).count();
+            if len == 0 || len > BASELINE_INFLUENCES || error > EXACT * EXACT * poses.len() as f64 {
+                return near.of(vertex).collect();
+            }
+            near_errors[vertex] = error;
+            own.of(vertex).collect()
+        });
+        let near = Weights::from_lists(BASELINE_INFLUENCES, lists);
         Self { weights: near, errors: near_errors, farther, misleading }
     }
 }
