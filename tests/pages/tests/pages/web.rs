@@ -71,6 +71,7 @@ fn exported() -> Vec<u8> {
         skin: None,
         examples: &arm::EXAMPLES,
         clips: &[whole()],
+        between: false,
         levels: &[],
         appearance: &Appearance::default(),
         stand: Stand::AsModel,

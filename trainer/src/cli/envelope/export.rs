@@ -222,7 +222,7 @@ fn poses(
     let load = |mesh: Option<&Path>| input::load_motion(source, mesh, output);
     match (&arguments.mesh, &arguments.into) {
         (Some(mesh), _) => load(Some(mesh)),
-        // Its own mesh first: only what has none, or other joints, needs the other file's.
+        // The clip's own mesh first: one without a mesh, or with other joints, needs the other file.
         (None, Some(into)) => match load(None) {
             Ok(input) if input.examples.skeleton.names == names.known => Ok(input),
             Err(error) if !is_bare(&error) => Err(error),

@@ -8,7 +8,7 @@ use super::stretch::Stretch;
 use crate::envelope::levels::Influences;
 use crate::examples::{Matrix3x4, Skeleton};
 
-/// Farthest that a vertex may be from its place between two keys, over the diagonal; half of what is promised.
+/// Farthest that a vertex may be from its place between two keys, over the diagonal: half the bound that `--help` states.
 const NEAR: f64 = 5e-4;
 /// How often the step between two keys may be halved.
 const HALVINGS: u32 = 6;
