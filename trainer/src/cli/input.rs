@@ -322,6 +322,11 @@ pub(super) fn describe_frames(examples: &Examples) -> String {
     )
 }
 
+/// Whether bytes are lines of text.
+fn is_text(bytes: &[u8]) -> bool {
+    bytes.contains(&b'\n') && !bytes.contains(&0) && std::str::from_utf8(bytes).is_ok()
+}
+
 /// Reads a model file.
 pub(super) fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
     let cannot_read = || format!("cannot read {}", path.display());
@@ -336,7 +341,7 @@ pub(super) fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
             "{}: holds what a .{ending} file holds, expected a model, which commands take first",
             path.display()
         ),
-        None if !bytes.is_empty() && std::str::from_utf8(&bytes).is_ok() => {
+        None if is_text(&bytes) => {
             bail!("{}: holds text, expected a model, which commands take first", path.display())
         }
         _ if bytes.is_empty() => {

@@ -102,21 +102,22 @@ fn random(seed: &mut u64) -> f64 {
 #[test]
 fn uneven_places_are_fitted_at_the_widest_sound_width() {
     let folder = Folder::new("kernel-uneven");
-    let mut narrow = 0;
     for (seed, n) in [(1, 10), (2, 20), (3, 40), (4, 80), (5, 150)] {
         let mut state = seed;
         let sites: Vec<f64> = (0..n).map(|_| random(&mut state)).collect();
-        let values: Vec<f64> = sites.iter().map(|x| (6.0 * x).sin()).collect();
-        let warnings = assert_trains(&folder, &sites, &values, json!({}));
-        if let [warning] = warnings.as_slice() {
-            let said = warning.as_str().unwrap();
-            assert!(said.starts_with("single precision holds no width that joins"), "{said}");
-            let other = said.split('"').nth(1).unwrap();
-            assert!(assert_trains(&folder, &sites, &values, json!({ "kernel": other })).is_empty());
-            narrow += 1;
+        let smooth: Vec<f64> = sites.iter().map(|x| (6.0 * x).sin()).collect();
+        assert_trains(&folder, &sites, &smooth, json!({}));
+        if n != 40 {
+            continue;
         }
+        // Values that go up and down with the rows ask more of a width.
+        let values: Vec<f64> = (0..n).map(|row| f64::from(row % 2)).collect();
+        let warnings = assert_trains(&folder, &sites, &values, json!({}));
+        let said = warnings[0].as_str().unwrap();
+        assert!(said.starts_with("single precision holds no width that joins"), "{said}");
+        let other = said.split('"').nth(1).unwrap();
+        assert!(assert_trains(&folder, &sites, &values, json!({ "kernel": other })).is_empty());
     }
-    assert!(narrow > 0, "no sites were uneven");
 }
 
 #[test]

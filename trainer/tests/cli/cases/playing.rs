@@ -1,7 +1,7 @@
 //! Cases of the folder `gltf`: what plays.
 
 use super::glb::Glb;
-use super::{off, off_as_exported, refused, run, with_cases};
+use super::{apart, off, off_as_exported, refused, run, with_cases};
 use serde_json::json;
 
 #[test]
@@ -270,6 +270,10 @@ fn helpers_have_more_keys_where_they_bend() {
     let [played, dense] = ["out.glb", "dense.glb"].map(|file| Glb::read(&folder, file));
     let found = played.times(0, 0).len();
     assert!((keys.len() + 1..8 * keys.len()).contains(&found), "{found} keys of {}", keys.len());
-    let off = off((&dense, "tube", 0), (&played, "tube", 0));
-    assert!(off <= 0.1, "{off} %");
+    // Frames of 400 a second are what the model predicts; what lies between these is not.
+    for time in dense.times(0, 0) {
+        let [own, truth] = [&played, &dense].map(|glb| glb.posed("tube", Some((0, time))));
+        let off = apart(&truth, &own);
+        assert!(off <= 0.1, "{off} % at {time}");
+    }
 }
