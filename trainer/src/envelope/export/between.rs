@@ -35,10 +35,16 @@ pub(super) struct Between {
     order: Vec<usize>,
     /// Centre of each proxy, and the joint that carries it; proxies are the last of the palette.
     proxies: Vec<(Point3<f64>, usize)>,
-    /// Vertices at rest, and the proxies that they follow.
-    followers: Vec<(Point3<f64>, Vec<(usize, f64)>)>,
+    /// Vertices that follow proxies.
+    followers: Vec<Follower>,
     /// Farthest that a vertex may be from its place.
     near: f64,
+}
+
+/// A vertex at rest, and the proxies that it follows: numbers and weights.
+struct Follower {
+    rest: Point3<f64>,
+    proxies: Vec<(usize, f64)>,
 }
 
 impl Between {
@@ -52,17 +58,17 @@ impl Between {
         diagonal: f64,
     ) -> Self {
         let parents = skeleton.own_parents();
-        let proxies = |list: &Vec<(usize, f64)>| -> Vec<(usize, f64)> {
-            list.iter().filter_map(|&(map, w)| Some((map.checked_sub(shown)?, w))).collect()
+        let follower = |(x, list): (&[f64; 3], &Vec<(usize, f64)>)| {
+            let proxies = list.iter().filter_map(|&(map, w)| Some((map.checked_sub(shown)?, w)));
+            Follower { rest: Point3::from(*x), proxies: proxies.collect() }
         };
-        let followers =
-            mesh.0.iter().zip(mesh.1).map(|(x, list)| (Point3::from(*x), proxies(list)));
+        let followers = mesh.0.iter().zip(mesh.1).map(follower);
         Self {
             rest: skeleton.rest.iter().map(square).collect(),
             order: parents_first(&parents),
             parents,
             proxies: centres.iter().map(|&c| c.into()).zip(carriers.iter().copied()).collect(),
-            followers: followers.filter(|(_, proxies)| !proxies.is_empty()).collect(),
+            followers: followers.filter(|follower| !follower.proxies.is_empty()).collect(),
             near: NEAR * diagonal,
         }
     }
@@ -159,8 +165,9 @@ impl Between {
             joint * (found - own)
         };
         let errors: Vec<Matrix4<f64>> = self.proxies.iter().enumerate().map(error).collect();
-        let off = |(x, proxies): &(Point3<f64>, Vec<(usize, f64)>)| {
-            let moved = |&(proxy, w): &(usize, f64)| w * (errors[proxy] * x.to_homogeneous()).xyz();
+        let off = |Follower { rest, proxies }: &Follower| {
+            let moved =
+                |&(proxy, w): &(usize, f64)| w * (errors[proxy] * rest.to_homogeneous()).xyz();
             proxies.iter().map(moved).sum::<Vector3<f64>>().norm()
         };
         self.followers.iter().map(off).fold(0.0, f64::max)

@@ -201,10 +201,12 @@ fn balanced(mut coefficients: Coefficients) -> Coefficients {
 mod tests {
     use super::*;
 
-    /// A vertex of two influences, whose blended transform alone leaves t and b as they are, in these poses: true
-    /// normal, true images, `y_1 - y_2`.
-    fn vertex(poses: &[(Vector3<f64>, [Vector3<f64>; 2], Vector3<f64>)]) -> PosedVertex {
-        let pose = |&(normal, images, _): &(Vector3<f64>, [Vector3<f64>; 2], _)| VertexPose {
+    /// A pose: the true normal, the true images, and `y_1 - y_2`.
+    type Truth = (Vector3<f64>, [Vector3<f64>; 2], Vector3<f64>);
+
+    /// A vertex of two influences, whose blended transform alone leaves t and b as they are, in some poses.
+    fn vertex(poses: &[Truth]) -> PosedVertex {
+        let pose = |&(normal, images, _): &Truth| VertexPose {
             normal,
             blended: [Vector3::x(), Vector3::y()],
             images: Some(images),

@@ -8,7 +8,7 @@
 use super::neighbours::nearest;
 use crate::kernel::function::order;
 use crate::kernel::scattered::error::KernelError;
-use crate::kernel::scattered::options::is_scale_invariant;
+use crate::kernel::scattered::invariance::is_scale_invariant;
 use crate::kernel::scattered::polynomial::Space;
 use crate::kernel::scattered::samples::check;
 use crate::kernel::scattered::solve::solve;

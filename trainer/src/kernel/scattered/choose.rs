@@ -2,8 +2,9 @@
 
 use super::any::AnyFit;
 use super::error::KernelError;
+use super::invariance::is_scale_invariant;
 use super::matrix::gram;
-use super::options::{Options, is_scale_invariant};
+use super::options::Options;
 use super::samples::Samples;
 use super::spacing::Spacing;
 use crate::kernel::deviation::{Probe, ROOM};

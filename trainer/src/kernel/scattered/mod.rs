@@ -19,6 +19,7 @@ pub mod condition;
 pub mod error;
 pub mod fewer;
 pub mod fit;
+pub mod invariance;
 pub mod leave_one_out;
 pub mod matrix;
 pub mod options;

@@ -59,12 +59,6 @@ pub fn wendland(inputs: usize) -> Option<Kernel> {
     Kernel::from_number(12, u8::try_from(inputs / 2 + 2).ok()?)
 }
 
-/// Tells whether distances may be multiplied by anything: smoothing apart, the function of all samples
-/// stays the same.
-pub const fn is_scale_invariant(kernel: Kernel) -> bool {
-    matches!(kernel, Kernel::Linear | Kernel::ThinPlate | Kernel::Cubic | Kernel::Quintic)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
