@@ -71,14 +71,10 @@ fn a_file_with_noise_for_held_out_frames_trains_to_the_same_bytes() {
     assert_ne!(model(&clean), model(&other));
 }
 
-/// A clip that is played three times tells no more than once, whatever is chosen by leaving poses out.
+/// A clip that is played three times tells no more than once, whatever is chosen by leaving poses out. Rounding tips the
+/// balance between choices that are as good, so that only the mean over several sets tells.
 #[test]
 fn a_loop_is_fitted_as_one_pass_of_it() {
-    let once = demo(&DemoOptions { vertices: 300, poses: 40, held_out: 0, seed: 13 });
-    let mut looped = once.clone();
-    looped.split = once.split.repeat(3);
-    looped.vertices = once.vertices.repeat(3);
-    looped.transforms = once.transforms.repeat(3);
     for predictor in Predictor::ALL {
         let options = Options {
             proxies: Some(ProxyCount::Fixed(12)),
@@ -88,8 +84,18 @@ fn a_loop_is_fitted_as_one_pass_of_it() {
         let error = |examples: &Examples| {
             train(examples, &options, &Silent).unwrap().report.chosen().validated_rms.unwrap()
         };
-        let (one, three) = (error(&once), error(&looped));
-        assert!((three / one - 1.0).abs() < 0.05, "{}: {one} {three}", predictor.name());
+        let ratio = |seed: u64| {
+            let once = demo(&DemoOptions { vertices: 300, poses: 40, held_out: 0, seed });
+            let mut looped = once.clone();
+            looped.split = once.split.repeat(3);
+            looped.vertices = once.vertices.repeat(3);
+            looped.transforms = once.transforms.repeat(3);
+            error(&looped) / error(&once)
+        };
+        let ratios: Vec<f64> = (11..15).map(ratio).collect();
+        let mean = ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len() as f64;
+        println!("{}: {ratios:.3?}", predictor.name());
+        assert!(mean.abs() < 0.05, "{}: {ratios:?}", predictor.name());
     }
 }
 

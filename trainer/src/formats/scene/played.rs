@@ -7,11 +7,9 @@ use crate::numeric::so3::polar;
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
-/// Largest error of the joints between two samples, over the skeleton's size. Skins must be within 1e-3 of their
-/// diagonal.
+/// Largest error of the joints between two samples, over the skeleton's size; what jumps by more is a jump. Skins must be
+/// within 1e-3 of their diagonal.
 const NEAR: f64 = 2e-4;
-/// Smallest jump of a pose, over the skeleton's size.
-const JUMP: f64 = 1e-6;
 /// How often the step between two keys may be halved.
 const HALVINGS: u32 = 10;
 /// Frames of a baked file that may stand apart: what lies between them is not meant.
@@ -68,7 +66,7 @@ pub(in crate::formats) fn samples(
     let measure = Measure::new(parents, *frame, reached.iter().map(|[_, after]| after));
     let mut kept = Vec::new();
     for (moment, [before, after]) in moments.iter().zip(&reached) {
-        let is_jump = !kept.is_empty() && measure.apart(before, after) > JUMP;
+        let is_jump = !kept.is_empty() && measure.apart(before, after) > NEAR;
         if moment.is_sample || is_jump {
             kept.push((moment, if is_jump { before } else { after }, after, is_jump));
         }
