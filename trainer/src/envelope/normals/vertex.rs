@@ -4,6 +4,7 @@ use crate::bake::sections::half;
 use crate::numeric::ridge::solve_ridge;
 use faer::Mat;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Weight of a residual square to the true normal, against 1 along it: a normal hears of the first only by how the
 /// axes lean in the surface.
@@ -38,6 +39,7 @@ pub(super) struct PosedVertex {
 }
 
 /// A vertex in one pose.
+#[derive(Clone, Copy)]
 pub(super) struct VertexPose {
     /// True unit normal.
     pub(super) normal: Vector3<f64>,
@@ -56,13 +58,40 @@ impl PosedVertex {
     pub(super) fn fit(&self, unit: f64) -> Option<Coefficients> {
         let linear = self.linear()?;
         let cofactors = self.error(&vec![[0.0; 2]; self.free + 1]);
-        [self.refined(linear.clone()), linear]
-            .map(|found| held(found, unit))
+        let refined = self.is_refinable().then(|| self.refined(linear.clone()));
+        refined
             .into_iter()
+            .chain([linear])
+            .map(|found| held(found, unit))
             .map(|found| (self.error(&found), found))
             .filter(|(error, _)| *error < cofactors.max(self.seen()))
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, found)| found)
+    }
+
+    /// Tells whether a refinement on half of the poses gains on the other half: of few poses it learns what is theirs alone.
+    fn is_refinable(&self) -> bool {
+        let middle = self.poses.len() / 2;
+        let [first, second] = [0..middle, middle..self.poses.len()].map(|poses| self.part(poses));
+        let errors = [(&first, &second), (&second, &first)].map(|(own, other)| {
+            let linear = own.linear()?;
+            Some([other.error(&linear), other.error(&own.refined(linear))])
+        });
+        match errors {
+            [Some([a, c]), Some([b, d])] => c + d < a + b,
+            _ => false,
+        }
+    }
+
+    /// Returns the vertex in some of its poses.
+    fn part(&self, poses: Range<usize>) -> Self {
+        let apart = self.free * poses.start..self.free * poses.end;
+        Self {
+            poses: self.poses[poses].to_vec(),
+            apart: self.apart[apart].to_vec(),
+            free: self.free,
+            pose_len: self.pose_len,
+        }
     }
 
     /// Sums the squared angles, in radians, between the normals by some coefficients and the true ones.
