@@ -27,8 +27,8 @@ use std::path::{Path, PathBuf};
 /// a turn and a scale of each joint in model space loses the shear.
 ///
 /// Keys stand at the clip's own times. A joint whose keys hold their values keeps its steps, and every other track has
-/// two neighbouring keys at a jump. Between the keys of a scene, joints are within 0.02 % of the skeleton's size and vertices within 0.1 % of the
-/// diagonal: curves, and helpers that bend there, get more keys. --fps switches that off.
+/// two neighbouring keys at a jump. Curves get more keys, and so do helpers that bend between the keys of a scene. Joints
+/// are then within 0.02 % of the skeleton's size there, and vertices within 0.1 % of the diagonal. --fps switches that off.
 ///
 /// Names, materials and textures of the meshes of CLIP live through, where it is a scene: all that a GLB or glTF
 /// says of them, and of an FBX names, base colours, and pictures that lie beside it.

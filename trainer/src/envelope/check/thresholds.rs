@@ -9,7 +9,7 @@ pub const FAR: (f64, f64) = (8.0, 128.0);
 /// the second on, nothing is trained.
 pub const COARSE: (f64, f64) = (1e-4, 1e-3);
 
-/// A mesh near rest may differ from the rest mesh by so many steps of single precision: both are rounded, and so are the maps.
+/// A mesh near rest may differ from the rest mesh by this count of steps of single precision: both are rounded, and so are the maps.
 pub const ROUNDED: f64 = 4.0;
 
 /// Height of a character in metres: from a toy to a giant, less than a power of ten.

@@ -16,7 +16,6 @@ const HALVINGS: u32 = 6;
 const PARTS: [f64; 3] = [0.25, 0.5, 0.75];
 
 /// A moment of a clip.
-#[derive(Clone)]
 pub(super) struct Key {
     /// In seconds.
     pub(super) time: f32,

@@ -6,8 +6,8 @@ use faer::Mat;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Weight of a residual square to the true normal, against 1 along it: a normal hears of the first only by how the
-/// axes lean in the surface.
+/// Weight of a residual square to the true normal, against 1 along it. The first changes a normal only through the
+/// axes' lean in the surface.
 const BESIDE: f64 = 0.09;
 /// Ridge, as a share of the mean diagonal.
 const RIDGE: f64 = 1e-5;
@@ -69,7 +69,7 @@ impl PosedVertex {
             .map(|(_, found)| found)
     }
 
-    /// Tells whether a refinement on half of the poses gains on the other half: of few poses it learns what is theirs alone.
+    /// Returns true if a refinement on half of the poses lowers the error on the other half. With few poses it may not.
     fn is_refinable(&self) -> bool {
         let middle = self.poses.len() / 2;
         let [first, second] = [0..middle, middle..self.poses.len()].map(|poses| self.part(poses));

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 
 /// Influences of the baseline, as most engines skin.
 pub const BASELINE_INFLUENCES: usize = 4;
-/// Painted weights that err less, RMS in diagonals, stay as they are: single precision rounds as much.
+/// Painted weights with a smaller error, RMS in diagonals, stay as they are: single precision rounds as much.
 const EXACT: f64 = 1e-6;
 
 /// Fits at most `most` joint weights a vertex to trajectories (3n x V); returns them and the

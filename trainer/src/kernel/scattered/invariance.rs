@@ -2,8 +2,7 @@
 
 use sinew_runtime::kernel::Kernel;
 
-/// Tells whether distances may be multiplied by anything: smoothing apart, the function of all samples
-/// stays the same.
+/// Returns true if a factor on all distances leaves the function of all samples as it is, without smoothing.
 pub const fn is_scale_invariant(kernel: Kernel) -> bool {
     matches!(kernel, Kernel::Linear | Kernel::ThinPlate | Kernel::Cubic | Kernel::Quintic)
 }

@@ -73,9 +73,8 @@ impl Found {
             return Err(IntoError::NoMesh);
         }
         let back = to_model.try_inverse().unwrap_or_else(Matrix4::identity);
-        // Where the nodes above the joints turn them from where they are bound, poses may have that turn, as
-        // those of such a file have, or begin at the rest mesh: then they take the file's turn. A turn of the
-        // root joint itself is a pose.
+        // The nodes above the joints may turn them from where they are bound. Poses of such a file have that turn.
+        // Other poses begin at the rest mesh, and take the file's turn. A turn of the root joint itself is a pose.
         let above = root.and_then(|(root, _)| file.parents[root]).map(|parent| worlds[parent]);
         let [turn, above] = [at_rest, above.unwrap_or_else(Matrix4::identity)].map(|world| {
             let world = world / world.fixed_view::<3, 3>(0, 0).determinant().abs().cbrt();
