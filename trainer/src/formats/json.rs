@@ -6,7 +6,7 @@ use serde::de::{
     SeqAccess, Unexpected, Visitor,
 };
 use serde::forward_to_deserialize_any;
-use serde_json::{Map, Value};
+use serde_json::{Value, map};
 use std::fmt::{Display, Formatter};
 
 /// What some programs write before text in UTF-8.
@@ -167,8 +167,8 @@ impl<'a> Deserializer<'a> for Reader<'a> {
                 (None, None, own) => visitor.visit_f64(own.unwrap_or(f64::NAN)),
             },
             Value::String(own) => visitor.visit_borrowed_str(own),
-            Value::Array(own) => visitor.visit_seq(Items { own, at: 0 }),
-            Value::Object(own) => visitor.visit_map(Fields { own, at: 0 }),
+            Value::Array(own) => visitor.visit_seq(Items { left: own.iter().enumerate() }),
+            Value::Object(own) => visitor.visit_map(Fields { left: own.iter(), value: None }),
         }
     }
 
@@ -220,8 +220,7 @@ impl<'a> Deserializer<'a> for Reader<'a> {
 
 /// Values of a list that are left.
 struct Items<'a> {
-    own: &'a [Value],
-    at: usize,
+    left: std::iter::Enumerate<std::slice::Iter<'a, Value>>,
 }
 
 impl<'a> SeqAccess<'a> for Items<'a> {
@@ -231,21 +230,20 @@ impl<'a> SeqAccess<'a> for Items<'a> {
         &mut self,
         seed: T,
     ) -> Result<Option<T::Value>, JsonError> {
-        let Some(value) = self.own.get(self.at) else { return Ok(None) };
-        let place = format!("[{}]", self.at);
-        self.at += 1;
-        seed.deserialize(Reader(value)).map(Some).map_err(|error| error.within(&place))
+        let Some((at, value)) = self.left.next() else { return Ok(None) };
+        seed.deserialize(Reader(value)).map(Some).map_err(|error| error.within(&format!("[{at}]")))
     }
 
     fn size_hint(&self) -> Option<usize> {
-        Some(self.own.len() - self.at)
+        Some(self.left.len())
     }
 }
 
 /// Keys and values of an object that are left.
 struct Fields<'a> {
-    own: &'a Map<String, Value>,
-    at: usize,
+    left: map::Iter<'a>,
+    /// The one whose key was read.
+    value: Option<(&'a String, &'a Value)>,
 }
 
 impl<'a> MapAccess<'a> for Fields<'a> {
@@ -255,16 +253,16 @@ impl<'a> MapAccess<'a> for Fields<'a> {
         &mut self,
         seed: T,
     ) -> Result<Option<T::Value>, JsonError> {
-        let Some((key, _)) = self.own.iter().nth(self.at) else { return Ok(None) };
+        self.value = self.left.next();
+        let Some((key, _)) = self.value else { return Ok(None) };
         let key: StrDeserializer<'a, JsonError> = key.as_str().into_deserializer();
         seed.deserialize(key).map(Some)
     }
 
     fn next_value_seed<T: DeserializeSeed<'a>>(&mut self, seed: T) -> Result<T::Value, JsonError> {
-        let Some((key, value)) = self.own.iter().nth(self.at) else {
+        let Some((key, value)) = self.value.take() else {
             return Err(Error::custom("a key without a value"));
         };
-        self.at += 1;
         seed.deserialize(Reader(value)).map_err(|error| error.within(key))
     }
 }

@@ -44,8 +44,8 @@ pub(crate) fn read(path: &Path) -> Result<Table, FormatError> {
 }
 
 impl Table {
-    /// Reads a table of text in UTF-8, of at least one row below a line of names. Cells are parted by the one of [`SEPARATORS`] that the names have most of;
-    /// rows without any text at the end are left out.
+    /// Reads a table of text in UTF-8, of at least one row below a line of names. Cells are parted by the one of
+    /// [`SEPARATORS`] that the names have most of; rows without any text at the end are left out.
     ///
     /// # Errors
     /// A [`CsvError`], but for those of rows and numbers.
@@ -58,13 +58,7 @@ impl Table {
             builder.trim(csv::Trim::All).flexible(true).delimiter(separator).from_reader(text);
         let wrong = |error: csv::Error| {
             let line = error.position().map_or(1, |position| line(text, position));
-            let reason = match error.kind() {
-                csv::ErrorKind::Utf8 { .. } => {
-                    "expected text in UTF-8: save the file so".to_owned()
-                }
-                _ => error.to_string(),
-            };
-            CsvError::Text { line, reason }
+            CsvError::Text { line, reason: error.to_string() }
         };
         let has_decimal_commas = separator != b',';
         let first = reader.headers().map_err(wrong)?.clone();
