@@ -1,8 +1,10 @@
 //! Columns of text, as a terminal shows them.
 
-use super::command::COLUMNS;
 use super::printable;
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
+
+/// Columns that text is wrapped to on a wider terminal, or where there is none: longer lines are hard to read.
+pub(super) const COLUMNS: usize = 100;
 
 /// Measures a name in columns of a terminal, of which some characters take two and some none.
 pub(super) fn width(name: &str) -> usize {

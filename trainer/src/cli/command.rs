@@ -1,5 +1,6 @@
 //! The command that was given, of all parts.
 
+use super::column::COLUMNS;
 use super::output::{Output, in_a_line, tell};
 use super::{envelope, face, inspect, kernel, signal, views};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -17,9 +18,6 @@ struct Cli {
     #[command(flatten)]
     output: Output,
 }
-
-/// Columns that text is wrapped to on a wider terminal, or where there is none: longer lines are hard to read.
-pub(super) const COLUMNS: usize = 100;
 
 /// The commands of any file and of each part; the envelope's have no noun before them.
 #[derive(Subcommand)]
