@@ -4,7 +4,6 @@ use crate::bake::sections::half;
 use crate::numeric::ridge::solve_ridge;
 use faer::Mat;
 use nalgebra::Vector3;
-use std::ops::Range;
 
 /// Weight of a residual square to the true normal, against 1 along it. The first changes a normal only through the
 /// axes' lean in the surface.
@@ -50,48 +49,22 @@ pub(super) struct VertexPose {
     pub(super) images: Option<[Vector3<f64>; 2]>,
 }
 
+impl VertexPose {
+    /// What of a vector lies in the true tangent plane.
+    fn beside(&self, vector: Vector3<f64>) -> Vector3<f64> {
+        vector - self.normal * self.normal.dot(&vector)
+    }
+}
+
 impl PosedVertex {
     /// Fits coefficients, as half precision holds them, whose normals are nearer to the true ones than those by
     /// cofactors, or are off by nothing that is seen; `None` where none are.
     ///
     /// - `unit`: of the fit's lengths, in those of the file.
     pub(super) fn fit(&self, unit: f64) -> Option<Coefficients> {
-        let linear = self.linear()?;
+        let found = held(self.refined(self.linear()?), unit);
         let cofactors = self.error(&vec![[0.0; 2]; self.free + 1]);
-        let refined = self.is_refinable().then(|| self.refined(linear.clone()));
-        refined
-            .into_iter()
-            .chain([linear])
-            .map(|found| held(found, unit))
-            .map(|found| (self.error(&found), found))
-            .filter(|(error, _)| *error < cofactors.max(self.seen()))
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, found)| found)
-    }
-
-    /// Returns true if a refinement on half of the poses lowers the error on the other half. With few poses it may not.
-    fn is_refinable(&self) -> bool {
-        let middle = self.poses.len() / 2;
-        let [first, second] = [0..middle, middle..self.poses.len()].map(|poses| self.part(poses));
-        let errors = [(&first, &second), (&second, &first)].map(|(own, other)| {
-            let linear = own.linear()?;
-            Some([other.error(&linear), other.error(&own.refined(linear))])
-        });
-        match errors {
-            [Some([a, c]), Some([b, d])] => c + d < a + b,
-            _ => false,
-        }
-    }
-
-    /// Returns the vertex in some of its poses.
-    fn part(&self, poses: Range<usize>) -> Self {
-        let apart = self.free * poses.start..self.free * poses.end;
-        Self {
-            poses: self.poses[poses].to_vec(),
-            apart: self.apart[apart].to_vec(),
-            free: self.free,
-            pose_len: self.pose_len,
-        }
+        (self.error(&found) < cofactors.max(self.seen())).then_some(found)
     }
 
     /// Sums the squared angles, in radians, between the normals by some coefficients and the true ones.
@@ -147,25 +120,37 @@ impl PosedVertex {
         Some(balanced((0..len).map(|a| [found[(a, 0)], found[(a, 1)]]).collect()))
     }
 
-    /// Lowers the squared distances of unit normals from the true ones by damped Gauss-Newton steps.
+    /// Lowers the error and the misfit of the images by damped Gauss-Newton steps.
     fn refined(&self, start: Coefficients) -> Coefficients {
-        let (mut found, mut damping) = (start, DAMPING);
-        let mut error = self.error(&found);
         // Below, the linear fit is as good, and its coefficients are the gradients of the weights.
-        if error <= self.seen() {
-            return found;
+        if self.error(&start) <= self.seen() {
+            return start;
         }
+        let whole = |found: &Coefficients| self.error(found) + self.misfit(found);
+        let (mut least, mut found, mut damping) = (whole(&start), start, DAMPING);
         for _ in 0..STEPS {
             let next = self.step(&found, damping);
-            let of_next = self.error(&next);
-            if of_next < GAIN * error {
-                (found, error) = (next, of_next);
+            let of_next = whole(&next);
+            if of_next < GAIN * least {
+                (found, least) = (next, of_next);
                 damping /= HARDER;
             } else {
                 damping *= HARDER;
             }
         }
         found
+    }
+
+    /// Sums what the images of t and b are off by in the true tangent plane: squares, in the true images' lengths, times
+    /// [`BESIDE`]. Images that shrink to nothing would have the right normal in these poses, and any in others.
+    fn misfit(&self, coefficients: &[[f64; 2]]) -> f64 {
+        let of_axis = |pose: &VertexPose, [image, found]: [Vector3<f64>; 2]| {
+            BESIDE * pose.beside(image - found).norm_squared() / image.norm_squared()
+        };
+        let of_pose = |(_, pose, [t, b]): (&[Vector3<f64>], &VertexPose, [Vector3<f64>; 2])| {
+            pose.images.map_or(0.0, |[u, v]| of_axis(pose, [u, t]) + of_axis(pose, [v, b]))
+        };
+        self.posed(coefficients).map(of_pose).sum()
     }
 
     /// Sum of squared angles up to which no error is seen.
@@ -178,7 +163,7 @@ impl PosedVertex {
         self.pose_len as f64 * UNSEEN * UNSEEN
     }
 
-    /// Takes one Gauss-Newton step towards the true unit normals.
+    /// Takes one Gauss-Newton step towards the true unit normals and images.
     fn step(&self, from: &[[f64; 2]], damping: f64) -> Coefficients {
         let len = 2 * self.free;
         let (mut gram, mut right) = (Mat::zeros(len, len), Mat::zeros(len, 1));
@@ -198,6 +183,17 @@ impl PosedVertex {
                     gram[(a, b)] += slope.dot(other);
                 }
                 right[(a, 0)] += slope.dot(&left);
+            }
+            for (k, (image, found)) in pose.images.iter().flatten().zip([t, b]).enumerate() {
+                let share = BESIDE / image.norm_squared();
+                let left = pose.beside(image - found);
+                for (i, apart_i) in apart.iter().enumerate() {
+                    let own = share * pose.beside(*apart_i);
+                    for (j, apart_j) in apart[..=i].iter().enumerate() {
+                        gram[(2 * i + k, 2 * j + k)] += own.dot(apart_j);
+                    }
+                    right[(2 * i + k, 0)] += own.dot(&left);
+                }
             }
         }
         let mean = gram.diagonal().column_vector().sum() / len as f64;
@@ -264,20 +260,26 @@ mod tests {
     }
 
     #[test]
-    fn refined_coefficients_have_the_least_angles() {
-        // Where coefficients make t long, its images count more than its direction does.
-        let pose = |slope: f64, apart: [f64; 3]| {
+    fn a_refinement_counts_directions_and_shares_of_lengths() {
+        // Two poses that ask for different coefficients. The first, of a long t, counts most in the linear fit.
+        let pose = |length: f64, slope: f64, apart: [f64; 3]| {
             let along = Vector3::new(1.0, 0.0, slope).normalize();
-            (along.cross(&Vector3::y()), [along, Vector3::y()], Vector3::from(apart))
+            (along.cross(&Vector3::y()), [along * length, Vector3::y()], Vector3::from(apart))
         };
-        let poses = [pose(0.2, [10.0, 0.0, 4.0]), pose(0.6, [0.0, 0.0, 1.0])];
+        let poses = [pose(10.0, 0.2, [10.0, 0.0, 1.0]), pose(1.0, 0.6, [0.0, 0.0, 1.0])];
         let posed = vertex(&poses);
-        let (linear, found) = (posed.linear().unwrap(), posed.fit(1.0).unwrap());
-        let least = posed.error(&found);
-        assert!(least < 0.9 * posed.error(&linear), "{least} {}", posed.error(&linear));
-        // A search of g finds nothing better than a step leaves.
-        let searched = (0..4000).map(|k| f64::from(k) * 1e-3 - 1.0);
-        let searched = searched.map(|g| posed.error(&[[g, 0.0], [-g, 0.0]]));
-        assert!(searched.fold(f64::INFINITY, f64::min) > 0.99 * least);
+        let whole = |g: f64| -> f64 {
+            let of_pose = |&(normal, [image, _], apart): &Truth| {
+                let t = Vector3::x() + apart * g;
+                let off = (image - t).cross(&normal).norm() / image.norm();
+                t.cross(&Vector3::y()).angle(&normal).powi(2) + 0.09 * off * off
+            };
+            poses.iter().map(of_pose).sum()
+        };
+        let [linear, found] =
+            [posed.linear().unwrap(), posed.fit(1.0).unwrap()].map(|found| found[0][0]);
+        let least =
+            (0..4000).map(|k| whole(f64::from(k) * 1e-3 - 1.0)).fold(f64::INFINITY, f64::min);
+        assert!(whole(found) < 1.01 * least && whole(linear) > 1.1 * least, "{linear} {found}");
     }
 }
