@@ -141,14 +141,14 @@ impl PosedVertex {
         found
     }
 
-    /// Sums what the images of t and b are off by in the true tangent plane: squares, in the true images' lengths, times
+    /// Sums what the images of t and b are off by in the true tangent plane: squares, as a share of the true images', times
     /// [`BESIDE`]. Images that shrink to nothing would have the right normal in these poses, and any in others.
     fn misfit(&self, coefficients: &[[f64; 2]]) -> f64 {
-        let of_axis = |pose: &VertexPose, [image, found]: [Vector3<f64>; 2]| {
-            BESIDE * pose.beside(image - found).norm_squared() / image.norm_squared()
-        };
         let of_pose = |(_, pose, [t, b]): (&[Vector3<f64>], &VertexPose, [Vector3<f64>; 2])| {
-            pose.images.map_or(0.0, |[u, v]| of_axis(pose, [u, t]) + of_axis(pose, [v, b]))
+            pose.images.map_or(0.0, |[u, v]| {
+                let beside = [u - t, v - b].map(|off| pose.beside(off).norm_squared());
+                beside_weight([u, v]) * (beside[0] + beside[1])
+            })
         };
         self.posed(coefficients).map(of_pose).sum()
     }
@@ -184,11 +184,12 @@ impl PosedVertex {
                 }
                 right[(a, 0)] += slope.dot(&left);
             }
-            for (k, (image, found)) in pose.images.iter().flatten().zip([t, b]).enumerate() {
-                let share = BESIDE / image.norm_squared();
-                let left = pose.beside(image - found);
+            let Some(images) = pose.images else { continue };
+            let weight = beside_weight(images);
+            for (k, found) in [t, b].into_iter().enumerate() {
+                let left = pose.beside(images[k] - found);
                 for (i, apart_i) in apart.iter().enumerate() {
-                    let own = share * pose.beside(*apart_i);
+                    let own = weight * pose.beside(*apart_i);
                     for (j, apart_j) in apart[..=i].iter().enumerate() {
                         gram[(2 * i + k, 2 * j + k)] += own.dot(apart_j);
                     }
@@ -205,6 +206,11 @@ impl PosedVertex {
         let moved = |a: usize| [0, 1].map(|k| from[a][k] + by[(2 * a + k, 0)]);
         balanced((0..self.free).map(moved).collect())
     }
+}
+
+/// Weight of a squared length beside the true normal, so that axes turned in the plane count alike.
+fn beside_weight([u, v]: [Vector3<f64>; 2]) -> f64 {
+    BESIDE / (u.norm_squared() + v.norm_squared())
 }
 
 /// Rounds coefficients as a file does; what half precision cannot hold becomes infinite.
@@ -271,8 +277,9 @@ mod tests {
         let whole = |g: f64| -> f64 {
             let of_pose = |&(normal, [image, _], apart): &Truth| {
                 let t = Vector3::x() + apart * g;
-                let off = (image - t).cross(&normal).norm() / image.norm();
-                t.cross(&Vector3::y()).angle(&normal).powi(2) + 0.09 * off * off
+                // The image of b is of length 1.
+                let off = (image - t).cross(&normal).norm_squared() / (image.norm_squared() + 1.0);
+                t.cross(&Vector3::y()).angle(&normal).powi(2) + 0.09 * off
             };
             poses.iter().map(of_pose).sum()
         };
