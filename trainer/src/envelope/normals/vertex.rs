@@ -50,7 +50,7 @@ pub(super) struct VertexPose {
 }
 
 impl VertexPose {
-    /// What of a vector lies in the true tangent plane.
+    /// Returns the part of a vector in the true tangent plane.
     fn beside(&self, vector: Vector3<f64>) -> Vector3<f64> {
         vector - self.normal * self.normal.dot(&vector)
     }
@@ -141,8 +141,8 @@ impl PosedVertex {
         found
     }
 
-    /// Sums what the images of t and b are off by in the true tangent plane: squares, as a share of the true images', times
-    /// [`BESIDE`]. Images that shrink to nothing would have the right normal in these poses, and any in others.
+    /// Sums the squared errors of the images of t and b in the true tangent plane, as a share of the true images' squares,
+    /// times [`BESIDE`]. Images that shrink to nothing would have the right normal in these poses, and any in others.
     fn misfit(&self, coefficients: &[[f64; 2]]) -> f64 {
         let of_pose = |(_, pose, [t, b]): (&[Vector3<f64>], &VertexPose, [Vector3<f64>; 2])| {
             pose.images.map_or(0.0, |[u, v]| {
