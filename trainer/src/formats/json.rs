@@ -1,5 +1,6 @@
 //! JSON that people write, with errors in their words: the keys of the value, the expected kind, the value found.
 
+use super::mark::unmarked;
 use serde::de::value::StrDeserializer;
 use serde::de::{
     DeserializeOwned, DeserializeSeed, Deserializer, Error, Expected, IntoDeserializer, MapAccess,
@@ -9,8 +10,6 @@ use serde::forward_to_deserialize_any;
 use serde_json::{Value, map};
 use std::fmt::{Display, Formatter};
 
-/// What some programs write before text in UTF-8.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Most characters of a wrong text that an error shows.
 const SHOWN: usize = 40;
 
@@ -36,7 +35,7 @@ impl std::error::Error for JsonError {}
 /// # Errors
 /// [`JsonError`] names a place in the text by line and column, a value by its keys.
 pub(crate) fn read<T: DeserializeOwned>(text: &[u8]) -> Result<T, JsonError> {
-    let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+    let text = unmarked(text);
     serde_json::from_slice(text).or_else(|error| {
         let value: Value = serde_json::from_slice(text).map_err(|error| of_text(&error))?;
         // A key that is there twice is lost in the value.

@@ -24,6 +24,7 @@ pub(crate) mod extension;
 pub(crate) mod fbx;
 pub(crate) mod gltf;
 pub(crate) mod json;
+mod mark;
 mod mesh;
 mod mesh_file;
 pub(crate) mod npz;

@@ -2,12 +2,9 @@
 //! its messages about wrong ones.
 
 use super::common::Folder;
+use super::kernel::numbers;
 use serde_json::{Value, json};
 use std::fs;
-
-fn numbers(of: &Value) -> Vec<f64> {
-    of.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
 
 /// Writes a problem and says what its training prints when it is refused.
 #[track_caller]

@@ -9,6 +9,7 @@ mod face;
 mod fit;
 mod import;
 mod kernel;
+mod kernel_refused;
 mod kernel_samples;
 mod millimetres;
 mod observations;

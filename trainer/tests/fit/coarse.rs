@@ -98,7 +98,7 @@ impl Chain {
         skin
     }
 
-    /// Measures the angles of a skin's normals in degrees, each with the area that it stands for: a list a vertex.
+    /// Measures the angles of a skin's normals in degrees, each with its share of the area: a list a vertex.
     fn angles(&self, skin: &SkinModel) -> Vec<Vec<(f64, f64)>> {
         let (posed, fans) = (self.posed(), Fan::all(&self.triangles, self.rest.len()));
         let of_vertex = |(number, fan): (usize, &Fan)| {
@@ -135,7 +135,7 @@ impl Chain {
     }
 }
 
-/// Turns the joints by up to 50°, each about an axis and at a rate of its own; pose 0 is at rest.
+/// Turns the joints by up to 50°, about different axes at different rates; pose 0 is at rest.
 fn palette(pose: usize) -> Vec<Matrix4<f64>> {
     let axes = [Vector3::z(), Vector3::x(), Vector3::new(0.3, 0.5, 0.7)];
     let mut world: Matrix4<f64> = Matrix4::identity();

@@ -41,7 +41,7 @@ impl PosedSurface<'_> {
     /// truth, or whose coefficients half precision cannot hold, gets zeros: its normal goes by cofactors.
     ///
     /// - `unit`: the rest diagonal in the skin's lengths.
-    /// - `most`: length up to which lists may grow.
+    /// - `most`: the greatest length of a list that has grown.
     pub fn fit(&self, skin: &mut SkinModel, unit: f64, most: usize) {
         let len = skin.influence_len();
         if len == 0 {

@@ -57,8 +57,8 @@ impl VertexPose {
 }
 
 impl PosedVertex {
-    /// Fits coefficients, as half precision holds them, whose normals are nearer to the true ones than those by
-    /// cofactors, or are off by nothing that is seen; `None` where none are.
+    /// Fits coefficients, and rounds them to half precision. `None` where their normals have a visible error, and not a
+    /// smaller one than those by cofactors.
     ///
     /// - `unit`: of the fit's lengths, in those of the file.
     pub(super) fn fit(&self, unit: f64) -> Option<Coefficients> {
@@ -153,7 +153,7 @@ impl PosedVertex {
         self.posed(coefficients).map(of_pose).sum()
     }
 
-    /// Sum of squared angles up to which no error is seen.
+    /// Sum of squared angles below the visible error.
     fn seen(&self) -> f64 {
         SEEN * SEEN * self.poses.len() as f64
     }

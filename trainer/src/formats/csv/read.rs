@@ -2,12 +2,11 @@
 
 use super::error::CsvError;
 use crate::formats::error::FormatError;
+use crate::formats::mark::unmarked;
 use std::path::Path;
 
 /// Characters that may stand between cells, the usual first.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
-/// What some programs write before text in UTF-8.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Line 1 is a title if the next line has more than this many times its cells.
 const TITLE: usize = 2;
 
@@ -51,7 +50,7 @@ impl Table {
     /// A [`CsvError`], but for those of rows and numbers.
     pub(crate) fn parse(text: &[u8]) -> Result<Self, CsvError> {
         check_encoding(text)?;
-        let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+        let text = unmarked(text);
         let separator = separator(text);
         let mut builder = csv::ReaderBuilder::new();
         let mut reader =

@@ -13,6 +13,7 @@ use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
 use crate::formats::error::FormatError;
+use crate::formats::mark::unmarked;
 use crate::formats::scene::SceneError;
 use crate::formats::warning::FormatWarning;
 
@@ -148,7 +149,7 @@ const HEADER_BYTES: usize = 12;
 /// Checks that a file begins as glTF does, and that a binary one has as many bytes as it says.
 fn check_whole(bytes: &[u8]) -> Result<(), SceneError> {
     if !b"glTF".starts_with(&bytes[..bytes.len().min(4)]) {
-        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+        let text = unmarked(bytes).trim_ascii_start();
         let reason = || "it begins neither with glTF nor, as JSON, with a brace".to_owned();
         return match text.first() {
             Some(b'{') => Ok(()),

@@ -2,6 +2,7 @@
 
 use super::with_cases;
 use crate::common::Folder;
+use crate::kernel::numbers;
 use serde_json::{Value, json};
 use std::fs;
 
@@ -11,10 +12,6 @@ fn evaluated(folder: &Folder, queries: &Value) -> Vec<(Vec<f64>, f64)> {
     let found = folder.sinew("kernel eval m.sinew q.json --json").json();
     let all = found["results"].as_array().unwrap().iter();
     all.map(|one| (numbers(&one["outputs"]), one["confidence"].as_f64().unwrap())).collect()
-}
-
-fn numbers(of: &Value) -> Vec<f64> {
-    of.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
 }
 
 /// Trains a case and insists that its samples come out within a share of the values' range, at confidence 1.

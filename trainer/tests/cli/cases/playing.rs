@@ -270,7 +270,7 @@ fn helpers_have_more_keys_where_they_bend() {
     let [played, dense] = ["out.glb", "dense.glb"].map(|file| Glb::read(&folder, file));
     let found = played.times(0, 0).len();
     assert!((keys.len() + 1..8 * keys.len()).contains(&found), "{found} keys of {}", keys.len());
-    // Frames of 400 a second are what the model predicts; what lies between these is not.
+    // The model predicts each of 400 frames a second, and nothing between them.
     for time in dense.times(0, 0) {
         let [own, truth] = [&played, &dense].map(|glb| glb.posed("tube", Some((0, time))));
         let off = apart(&truth, &own);
